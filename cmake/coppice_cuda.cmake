@@ -1,13 +1,13 @@
-# The kernels for graphics cards, which nvcc 12 or later compiles, found in the PATH or where its own installer puts it. COPPICE_CUDA is
-#   AUTO   where nvcc and a card are found
-#   CHECK  where nvcc is found; without a card, kernels are only tested to compile, for one kind of card and hardly optimized
-#   ON     always, for COPPICE_CUDA_ARCHITECTURES
-#   OFF    never
-# Sets COPPICE_HAS_CUDA. A program with kernels also runs where there is no card and no driver.
-set(COPPICE_CUDA AUTO CACHE STRING "Compile the kernels for graphics cards: ON, OFF, AUTO = where nvcc and a card are found, CHECK = where nvcc is found")
-set(COPPICE_CUDA_ARCHITECTURES 75-real 80-real 90 CACHE STRING "Cards to compile kernels for; later ones take the last")
+# Compiles the GPU kernels with nvcc 12 or later from the PATH or its default installation folder. Values of COPPICE_CUDA:
+#   AUTO   compile them if nvcc and a GPU are found
+#   CHECK  compile them if nvcc is found; without a GPU only as a test, for one architecture and with little optimization
+#   ON     always compile them, for COPPICE_CUDA_ARCHITECTURES
+#   OFF    never compile them
+# Sets COPPICE_HAS_CUDA. A program with kernels also runs on a machine without GPU and driver.
+set(COPPICE_CUDA AUTO CACHE STRING "Compile the GPU kernels: ON, OFF, AUTO = if nvcc and a GPU are found, CHECK = if nvcc is found")
+set(COPPICE_CUDA_ARCHITECTURES 75-real 80-real 90 CACHE STRING "GPU architectures to compile kernels for; later GPUs use the last one")
 
-# coppice_find_card(VARIABLE): whether the driver lists a card.
+# coppice_find_card(VARIABLE): sets VARIABLE to true if the driver lists a GPU.
 function(coppice_find_card variable)
   find_program(COPPICE_NVIDIA_SMI nvidia-smi PATHS /usr/lib/wsl/lib)
   set(cards "")
@@ -48,11 +48,11 @@ if(COPPICE_CUDA AND (card OR NOT COPPICE_CUDA STREQUAL AUTO))
   endif()
 endif()
 
-# coppice_cuda_sources(TARGET SOURCE...): kernels that belong to a target.
+# coppice_cuda_sources(TARGET SOURCE...): adds kernels to a target.
 function(coppice_cuda_sources target)
   target_sources(${target} PRIVATE ${ARGN})
-  # CMake 3.25 does not know how this nvcc is asked for C++20. Quotients and roots that are right to the last bit cost more than
-  # the field does.
+  # CMake 3.25 does not know the C++20 option of this nvcc. Correctly rounded quotients and roots need more time than the rest of
+  # the field.
   set(options -std=c++20 --expt-relaxed-constexpr -prec-div=false -prec-sqrt=false -Werror=all-warnings)
   if(quick_kernels AND CMAKE_CUDA_COMPILER_VERSION VERSION_GREATER_EQUAL 12.9)
     list(APPEND options --Ofast-compile=max)

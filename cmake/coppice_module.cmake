@@ -2,13 +2,13 @@ include(GNUInstallDirs)
 set(COPPICE_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/coppice)
 
 # coppice_module(NAME field HEADERS a.h ... SOURCES a.cpp ... [TESTS a_test.cpp ...] [TEST_LIBRARIES coppice_zoo ...] [TEST_SHARDS n]
-#                [PACKAGES fmt ...] [LIBRARIES fmt::fmt ...]                  what its headers need
-#                [PRIVATE_PACKAGES "embree 3" ...] [PRIVATE_LIBRARIES ...]    what has to be linked
+#                [PACKAGES fmt ...] [LIBRARIES fmt::fmt ...]                  required by its headers
+#                [PRIVATE_PACKAGES "embree 3" ...] [PRIVATE_LIBRARIES ...]    required for linking
 #                [BUILD_PACKAGES nanoflann ...] [BUILD_LIBRARIES ...])        headers that only its sources include
 #
-# One folder of src/coppice = one library coppice::NAME, which depends on what layers.txt names. It is a component of the
-# package: find_package(coppice COMPONENTS NAME) looks for the packages that NAME and the modules below it need, and no others.
-# Its tests lie in tests/NAME/ and link this module alone, so that a call to a higher layer fails at link time; script/headers
+# Defines the library coppice::NAME of the folder src/coppice/NAME, which depends on the modules listed in layers.txt. It is a component
+# of the package: find_package(coppice COMPONENTS NAME) finds only the packages that NAME and the modules below it require.
+# Its tests are in tests/NAME/ and link only this module, so that a call to a higher layer fails at link time; script/headers
 # compiles every header on its own.
 function(coppice_module)
   cmake_parse_arguments(M "" "NAME;TEST_SHARDS" "HEADERS;SOURCES;TESTS;TEST_LIBRARIES;PACKAGES;LIBRARIES;PRIVATE_PACKAGES;PRIVATE_LIBRARIES;BUILD_PACKAGES;BUILD_LIBRARIES" ${ARGN})
@@ -35,7 +35,7 @@ function(coppice_module)
     target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:${library}>)
   endforeach()
 
-  # Whoever links a shared library needs none of what that is linked with itself.
+  # Users of a shared library do not need the private packages of that library.
   if(NOT BUILD_SHARED_LIBS)
     list(APPEND M_PACKAGES ${M_PRIVATE_PACKAGES})
   endif()
@@ -47,7 +47,7 @@ function(coppice_module)
   endif()
 endfunction()
 
-# coppice_layers_below(VARIABLE NAME): the modules that NAME may include by layers.txt, base included.
+# coppice_layers_below(VARIABLE NAME): sets VARIABLE to the modules that NAME may include according to layers.txt, including base.
 function(coppice_layers_below variable name)
   set(layers ${PROJECT_SOURCE_DIR}/layers.txt)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${layers})
@@ -60,8 +60,8 @@ function(coppice_layers_below variable name)
   set(${variable} ${modules} PARENT_SCOPE)
 endfunction()
 
-# coppice_component(NAME BELOW PACKAGES): installs a module as coppice::NAME, and notes for coppice-config.cmake the
-# modules below it and the packages that its users have to find.
+# coppice_component(NAME BELOW PACKAGES): installs a module as coppice::NAME, and records for coppice-config.cmake the
+# modules below it and the packages that its users need.
 function(coppice_component name below packages)
   set_property(GLOBAL APPEND PROPERTY COPPICE_COMPONENTS ${name})
   set_property(GLOBAL APPEND_STRING PROPERTY COPPICE_COMPONENT_NOTES
@@ -73,7 +73,7 @@ function(coppice_component name below packages)
   endif()
 endfunction()
 
-# coppice_test(NAME SOURCES ... LIBRARIES ... [SHARDS n]): a GoogleTest program of unit tests.
+# coppice_test(NAME SOURCES ... LIBRARIES ... [SHARDS n]): adds a GoogleTest program of unit tests.
 function(coppice_test name)
   cmake_parse_arguments(T "" "SHARDS" "SOURCES;LIBRARIES" ${ARGN})
   add_executable(${name} ${T_SOURCES})
@@ -87,9 +87,9 @@ function(coppice_test name)
   coppice_note_thread_tests(${T_SOURCES})
 endfunction()
 
-# coppice_add_shards(NAME LABEL COUNT FILTER): tests of CTest that run the cases of a GoogleTest program which match, each an equal number
-# of them in one process, since starting a process takes longer than most cases do. Results of single cases are written to
-# results/NAME.SHARD.xml in the build folder.
+# coppice_add_shards(NAME LABEL COUNT FILTER): adds COUNT tests of CTest that run equal shares of the matching cases of a GoogleTest program,
+# each in one process, because starting a process needs more time than most cases. The results of the cases are written to
+# results/LABEL.NAME.SHARD.xml in the build folder.
 function(coppice_add_shards name label count filter)
   if(NOT count)
     set(count 1)
@@ -102,8 +102,8 @@ function(coppice_add_shards name label count filter)
   endforeach()
 endfunction()
 
-# coppice_group_sources(TARGET): with COPPICE_GROUPED_SOURCES, up to 16 compatible sources are compiled as one, which takes less than half
-# of the time. A group is compiled whole when one of its sources changes. Sources with SKIP_UNITY_BUILD_INCLUSION are compiled alone.
+# coppice_group_sources(TARGET): with COPPICE_GROUPED_SOURCES, compiles up to 16 compatible sources as one, which needs less than half of
+# the time. The whole group is compiled if one of its sources changes. Sources with SKIP_UNITY_BUILD_INCLUSION are compiled alone.
 function(coppice_group_sources target)
   if(NOT COPPICE_GROUPED_SOURCES)
     return()
@@ -124,13 +124,13 @@ function(coppice_group_sources target)
                           ${sources}
                   OUTPUT_VARIABLE grouped COMMAND_ERROR_IS_FATAL ANY)
   set_property(TARGET ${target} PROPERTY SOURCES ${grouped} ${others})
-  # Names of one source may be used within another, but not twice within one function; and no other source can see what stands in
-  # an anonymous namespace, though the compiler takes it for what a header holds.
+  # A source may reuse names of other sources of its group, but not twice within one function. The compiler takes included sources for
+  # headers, and would warn of their anonymous namespaces.
   set(options -Wno-shadow "$<$<CXX_COMPILER_ID:GNU>:-Wshadow=local;-Wno-subobject-linkage>")
   target_compile_options(${target} PRIVATE "$<$<COMPILE_LANGUAGE:CXX>:${options}>")
 endfunction()
 
-# coppice_note_thread_tests(sources...): those with cases named after threads go into the program thread_tests as well.
+# coppice_note_thread_tests(SOURCE...): adds the sources with thread tests (cases named ...Thread...) to the program thread_tests.
 function(coppice_note_thread_tests)
   foreach(source IN LISTS ARGN)
     cmake_path(ABSOLUTE_PATH source)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Grows examples/lsystem.swc: the monopodial tree of Honda as an L-system [Prusinkiewicz1990, page 56], whose laterals
-are far thinner than what bears them.
+"""Generates examples/lsystem.swc: the monopodial tree of Honda as an L-system [Prusinkiewicz1990, page 56], with
+laterals that are much thinner than their parent branches.
 
     python3 examples/grow_lsystem.py > examples/lsystem.swc
 
@@ -13,11 +13,11 @@ are far thinner than what bears them.
 import math
 
 STEPS = 9
-TRUNK, RADIUS = 1.0, 0.25  # [m] of the first piece
+TRUNK, RADIUS = 1.0, 0.25  # [m] of the first segment
 
 
 def turned(v, axis, degrees):
-    """v turned about a unit axis."""
+    """Returns v rotated about a unit axis."""
     c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
     along = sum(a * b for a, b in zip(v, axis)) * (1 - c)
     across = (axis[1] * v[2] - axis[2] * v[1], axis[2] * v[0] - axis[0] * v[2], axis[0] * v[1] - axis[1] * v[0])
@@ -30,7 +30,7 @@ def unit(v):
 
 
 class Turtle:
-    """Heading h, left l and up u, as in the book."""
+    """Turtle with heading h, left l and up u, as in the book."""
 
     def __init__(self, at, node, h, l, u):
         self.at, self.node, self.h, self.l, self.u = at, node, h, l, u
@@ -48,7 +48,7 @@ class Turtle:
         self.h, self.l = (turned(v, self.u, degrees) for v in (self.h, self.l))
 
     def level(self):
-        """Rolls until left is horizontal."""
+        """Rolls the turtle until left is horizontal."""
         across = (-self.h[1], self.h[0], 0.0)
         if math.hypot(*across) < 1e-6:
             return

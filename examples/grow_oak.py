@@ -9,12 +9,12 @@ import random
 
 TRUNK = 1.7  # [m] up to the first branches
 STEP = 0.26  # [m]
-REACH, KILL = 3.2, 0.6  # [m] how far a point draws a twig, and how near spends it
+REACH, KILL = 3.2, 0.6  # [m] distance at which a point attracts a twig, and at which it is removed
 TIP_RADIUS, PIPE = 0.02, 2.2  # [m], and the exponent of the pipe model
 
 
 def crown_points(draw, count):
-    """Points within a half-open dome, denser towards its outside, where leaves are."""
+    """Returns points in a dome, denser near its surface, where leaves are."""
     points = []
     while len(points) < count:
         p = [draw.uniform(-1, 1) for _ in range(3)]
@@ -26,7 +26,7 @@ def crown_points(draw, count):
 
 
 def pull(node, points):
-    """Unit vector towards the points that have this node as their nearest, with some noise's worth of lift."""
+    """Returns the unit vector towards the points closest to this node, with noise and a small upward component."""
     total = [0.0, 0.0, 0.12 * len(points)]
     for p in points:
         d = math.dist(p, node) or 1.0
@@ -44,7 +44,7 @@ def grow(points):
     nodes, parent, heading = [(0.0, 0.0, 0.0)], [-1], [(0.0, 0.0, 1.0)]
 
     def add(direction, below):
-        # Twigs turn slowly: a part of the direction is that of the piece before.
+        # Twigs turn slowly: the direction includes that of the previous segment.
         turned = [0.3 * h + 0.7 * d for h, d in zip(heading[below], direction)]
         length = math.hypot(*turned)
         turned = tuple(t / length for t in turned)
@@ -65,7 +65,7 @@ def grow(points):
         for i, group in drawn.items():
             direction = pull(nodes[i], group)
             children = grown_from.setdefault(i, [])
-            # No third twig from one node, and none that leaves at less than about 35 degrees from another.
+            # At most two twigs per node, with an angle of at least about 35 degrees between them.
             if direction is None or len(children) > 1 or any(cosine(direction, c) > 0.8 for c in children):
                 continue
             if cosine(direction, heading[i]) < -0.1:
@@ -79,7 +79,7 @@ def grow(points):
 
 
 def smoothed(nodes, parent):
-    """Every node between two others moves halfway to their middle, so that bends are soft."""
+    """Moves every node between two others halfway to their midpoint, which smooths bends."""
     child = [-1] * len(nodes)
     for i, p in enumerate(parent):
         if p >= 0 and child[p] < 0:
@@ -94,12 +94,12 @@ def smoothed(nodes, parent):
 def pipe_radii(parent):
     area = [0.0] * len(parent)
     for i in reversed(range(len(parent))):
-        # A piece is a little thicker than the sum of what it bears, so that unbranched pieces taper too.
+        # A segment is slightly thicker than the sum of its children, so that unbranched segments taper too.
         area[i] = max(area[i] * 1.03, TIP_RADIUS**PIPE)
         if parent[i] >= 0:
             area[parent[i]] += area[i]
     radius = [a ** (1 / PIPE) for a in area]
-    radius[0] *= 1.25  # the foot of the trunk
+    radius[0] *= 1.25  # the base of the trunk
     return radius
 
 

@@ -1,4 +1,4 @@
-// mesh_a_tree SKELETON MESH: the whole way from a skeleton file to a surface file.
+// mesh_a_tree SKELETON MESH: reads a skeleton file, computes its surface, and writes it.
 
 #include <cstdio>
 #include <exception>

@@ -1,14 +1,14 @@
-"""Checks that passed, remembered between runs in the user's cache folder."""
+"""Stores in the user's cache folder which checks passed in earlier runs."""
 import hashlib
 import os
 import pathlib
 import time
 
-MAX_AGE = 30 * 24 * 3600  # seconds for which a check is remembered since it was last looked up
+MAX_AGE = 30 * 24 * 3600  # [s] time since the last query after which a record is removed
 
 
 class PassedChecks:
-    """Those of one tool, each known by a hash of all that its result depends on."""
+    """The passed checks of one tool; each is identified by a hash of all its inputs."""
 
     def __init__(self, tool):
         self.folder = pathlib.Path(os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache") / "coppice" / tool
@@ -18,7 +18,7 @@ class PassedChecks:
                 record.unlink(missing_ok=True)
 
     def record_of(self, *parts):
-        """The file that exists once a check passed that depends on these bytes."""
+        """Returns the file that exists if the check with these inputs passed."""
         read = hashlib.sha256()
         for part in parts:
             read.update(len(part).to_bytes(8, "little") + part)
@@ -26,7 +26,7 @@ class PassedChecks:
 
     @staticmethod
     def passed(record):
-        """Whether the check of that record passed, which is remembered for longer then."""
+        """Returns whether the check of this record passed; if so, restarts the time for which it is stored."""
         if record.exists():
             record.touch()
             return True

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Groups sources that can be compiled as one translation unit: most of the time goes into the headers of others and into
-instantiating their templates, which is then done once for each group.
+"""Groups sources that can be compiled as one translation unit: third-party headers and the instantiation of their templates,
+which need most of the time, are then compiled once per group.
 
-A name in an anonymous namespace must differ from every name that the other sources of its group see. Where two sources have such a
-name each, as with file-local functions, a macro renames it in one of them, unless a header of either could mean something else by it.
+A name in an anonymous namespace must differ from every name that the other sources of its group see. If two sources define the same
+private name, for example a file-local function, a macro renames it in one of them, unless a header of either source uses the same word.
 
-    script/source_groups.py MAXIMUM FOLDER SOURCE...  writes a source for each group into FOLDER; prints all to compile, with ;
+    script/source_groups.py MAXIMUM FOLDER SOURCE...  writes a source for each group to FOLDER; prints all sources to compile, separated by ;
 
 A written source includes its group by relative paths, so that clones in different folders share a compiler cache.
 """
@@ -18,27 +18,27 @@ import shlex
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-# A name that is defined or declared in the first column; of an alias the whole line, since equal aliases do not conflict.
+# A name that is defined or declared in the first column; for an alias the whole line, because equal aliases do not conflict.
 NAMED = re.compile(r"^(?:struct|class|enum class|enum) (\w+)|^(using \w+ = .*)|"
                    r"^(?!namespace|using)[a-zA-Z][^=;(){}\n]*?[\s&*>](\w+)(?:\[\w*\])? ?[=({;]", re.MULTILINE)
-DECLARATION = re.compile(r"^constexpr [^(){}\n]*;", re.MULTILINE)  # of several constants, perhaps
+DECLARATION = re.compile(r"^constexpr [^(){}\n]*;", re.MULTILINE)  # may declare several constants
 BROUGHT = re.compile(r"^using (?:\w*::)+(\w+);", re.MULTILINE)
 ANONYMOUS = re.compile(r"^namespace \{$(.*?)^\}  // namespace$", re.MULTILINE | re.DOTALL)
 OWN_HEADER = re.compile(r'^#include "(.*)"', re.MULTILINE)
-# Compound words, which neither the standard library nor other people's headers contain by chance: file_local, kConstant, TypeName.
+# Compound words, which the standard library and third-party headers do not contain by chance: file_local, kConstant, TypeName.
 RENAMABLE = re.compile(r"[a-z]\w*_\w+|k[A-Z]\w+|[A-Z][a-z0-9]+[A-Z]\w*")
 
 
 def named_in(text):
-    """The names in a text, with the kind of each."""
-    names = {(what.split()[1] if what.startswith("using ") else what): what
-             for match in NAMED.findall(text) for what in match if what not in ("", "main")}
+    """Returns the names that a text declares; maps each to its declaration if it is an alias, and to itself otherwise."""
+    names = {(found.split()[1] if found.startswith("using ") else found): found
+             for match in NAMED.findall(text) for found in match if found not in ("", "main")}
     others = {name: name for declaration in DECLARATION.findall(text) for name in re.findall(r", (\w+) =", declaration)}
     return names | others | {match[1]: match[0] for match in BROUGHT.finditer(text)}
 
 
 def own_includes(file):
-    """The files of this project that a file includes directly."""
+    """Returns the files of this project that a file includes directly."""
     found = []
     for header in OWN_HEADER.findall(file.read_text()):
         places = (folder / header for folder in (ROOT / "src", file.parent, file.parent.parent, ROOT / "tests"))
@@ -48,14 +48,14 @@ def own_includes(file):
 
 @functools.cache
 def included_by(file):
-    """All files of this project that a file includes, directly or not."""
+    """Returns all files of this project that a file includes, directly or indirectly."""
     direct = own_includes(file)
     return frozenset(direct).union(*map(included_by, direct))
 
 
 @functools.cache
 def names_of(file):
-    """The names private to a file, and the names that others of its group would see, those of its headers included."""
+    """Returns the private names of a file, and the names that the other sources of its group would see, including those of its headers."""
     text = file.read_text()
     own = named_in("\n".join(ANONYMOUS.findall(text))) if file.suffix == ".cpp" else {}
     seen = {*named_in(ANONYMOUS.sub("", text))}
@@ -71,29 +71,29 @@ def words_of(file):
 
 @functools.cache
 def words_of_headers(file):
-    """All words in the headers of this project that a file includes, directly or not."""
+    """Returns all words in the headers of this project that a file includes, directly or indirectly."""
     return set().union(*map(words_of, included_by(file)))
 
 
 def clashes(source, other):
-    """The names in the anonymous namespaces of a source that another source sees or has too, other than equal aliases."""
+    """Returns the names in the anonymous namespaces of a source that another source also sees or defines, except equal aliases."""
     (own, _), (own_other, seen_other) = names_of(source), names_of(other)
     return {name for name in own if name in seen_other or name in own_other and not own[name] == own_other[name] != name}
 
 
 @functools.cache
 def compatible(a, b):
-    """Whether two sources can be compiled as one."""
+    """Returns whether two sources can be compiled as one."""
     return all(RENAMABLE.fullmatch(name) and name not in words_of_headers(source)
                for source, other in ((a, b), (b, a)) for name in clashes(source, other))
 
 
 def groups_of(sources, maximum):
-    """The sources in groups of at most `maximum` compatible ones."""
-    # Highway's sources include themselves, once for each instruction set.
+    """Returns the sources in groups of at most `maximum` compatible ones."""
+    # Sources that use Highway include themselves once per instruction set.
     alone = [source for source in sources if "foreach_target.h" in source.read_text()]
     groups = []
-    # Those that are the hardest to place come first.
+    # The sources with the largest number of private names are the hardest to place and come first.
     for source in sorted(set(sources) - set(alone), key=lambda source: (-len(names_of(source)[0]), source)):
         room = next((group for group in groups if len(group) < maximum and all(compatible(source, other) for other in group)), None)
         if room is None:
@@ -104,7 +104,7 @@ def groups_of(sources, maximum):
 
 
 def compile_flags(build):
-    """The include folders and macros of all targets of a configured build folder together: every source compiles with them."""
+    """Returns the union of the include folders and macros of all targets of a configured build folder, with which every source compiles."""
     flags = {"-std=c++20": None}
     for entry in json.loads((build / "compile_commands.json").read_text()):
         words = iter(shlex.split(entry["command"]))
@@ -117,7 +117,7 @@ def compile_flags(build):
 
 
 def includes_of(group, path_of=str):
-    """The text that includes each source of a group, with its names that clash renamed; path_of(source) is the path to include."""
+    """Returns the text that includes each source of a group with its clashing names renamed; path_of(source) is the path to include."""
     texts = []
     for i, source in enumerate(group):
         renamed = sorted(set().union(*(clashes(source, other) for other in group if other != source)))
@@ -127,7 +127,7 @@ def includes_of(group, path_of=str):
 
 
 def write_group(file, group):
-    """Writes the source of a group, unless it is there as it should be."""
+    """Writes the source of a group if it is missing or out of date; returns its path."""
     text = "".join(includes_of(group, lambda source: os.path.relpath(source, file.parent)))
     if not file.exists() or file.read_text() != text:
         file.parent.mkdir(parents=True, exist_ok=True)

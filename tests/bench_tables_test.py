@@ -1,9 +1,8 @@
 #!/usr/bin/env python3
-"""bench_tables_test.py SOURCE_DIR PROGRAMS: the tables of docs/user/benchmarks.md belong to what is computed now.
+"""bench_tables_test.py SOURCE_DIR PROGRAMS: the tables of docs/user/benchmarks.md agree with the current results.
 
-Makes the scenes that take little time once and compares their counts, which tell more work from less and do not depend on the machine,
-with those of the tables. When they differ, measure again (script/bench), or say so within the markers of the tables by a line that begins
-with "Out of date:".
+Runs the fast scenes once and compares their counts, which measure the amount of work independently of the machine, with those of the
+tables. If they differ, measure again (script/bench), or add a line between the markers of the tables that begins with "Out of date:".
 """
 
 import json
@@ -14,7 +13,7 @@ import subprocess
 import sys
 import tempfile
 
-MAX_CHANGE = 0.01  # of a count; processors differ in the last bits of sums
+MAX_CHANGE = 0.01  # relative change of a count; processors differ in the last bits of sums
 
 
 def measured(program, *arguments):
@@ -26,7 +25,7 @@ def measured(program, *arguments):
 
 
 def tables(page, name):
-    """The cells of every row by the first of them, or None for tables that say that they are out of date."""
+    """Returns the cells of every row by the first of them, or None for tables marked as out of date."""
     text = re.search(f"^<!-- {name} begin.*?^<!-- {name} end", page, re.MULTILINE | re.DOTALL).group()
     if re.search("^Out of date: ", text, re.MULTILINE):
         return None
@@ -53,7 +52,7 @@ def faults(rows, computed):
         if len(stated) < len(counts):
             yield f"the table has no row '{name}'; run script/bench"
         elif any(abs(a - b) > MAX_CHANGE * b for a, b in zip(stated, counts)):
-            yield f"'{name}': the table says {stated}, computed are {counts}; run script/bench"
+            yield f"'{name}': the table contains {stated}, but {counts} was computed; run script/bench"
 
 
 def main():

@@ -6,8 +6,8 @@
 
 namespace coppice::test {
 
-/// While it lives, streams and the C library write 1.5 as 1,5 and 1000 as 1.000: streams in any case, the C
-/// library where such a locale is installed.
+/// Makes streams and the C library write 1.5 as 1,5 and 1000 as 1.000 during its lifetime: streams always,
+/// the C library if such a locale is installed.
 class CommaLocale {
   public:
     CommaLocale() : streams_(std::locale::global(std::locale(std::locale(), new Punctuation))) {

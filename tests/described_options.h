@@ -10,8 +10,8 @@
 
 namespace coppice::test {
 
-/// Every member of an option struct is visited once, has a name of its own, a help text, and its default in
-/// range. `padding`: bytes of the struct that belong to no member.
+/// Checks that every member of an option struct is visited once, and has a unique name, a help text and a
+/// default in range. `padding`: bytes of the struct that belong to no member.
 template <class Options>
 void expect_described(std::size_t padding = 0) {
     const Options options;
@@ -23,7 +23,7 @@ void expect_described(std::size_t padding = 0) {
         EXPECT_FALSE(field.help.empty()) << field.name;
         bytes += sizeof(value);
         if constexpr (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) {
-            // A bound may be a decimal that the type does not hold.
+            // A bound may be a decimal that the type cannot represent.
             EXPECT_GE(value, static_cast<T>(field.low)) << field.name;
             EXPECT_LE(value, static_cast<T>(field.high)) << field.name;
         }

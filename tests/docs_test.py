@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""docs_test.py SOURCE_DIR [PROGRAM]: keys of cited sources and links to files exist; pictures are used and small; the library's
-modules are listed; measured tables are dated; README.md's commands run; every command, and every figure that check and info print,
-is explained.
+"""docs_test.py SOURCE_DIR [PROGRAM]: keys of cited sources and links to files exist; images are used and small; the modules of
+the library are listed; measured tables are dated; the commands of README.md run; every command, and every figure of check and
+info, is documented.
 
-Commands are those of the README that begin with "coppice "; they run in a folder of their own beside a copy of examples/.
+Commands are those of the README that begin with "coppice "; they run in a new folder with a copy of examples/.
 """
 
 import json
@@ -21,7 +21,7 @@ CITED = re.compile(r"\[([A-Z][A-Za-z]+(?:19|20)\d\d[a-z]?)\]")
 LINK = re.compile(r"\]\(([^)#\s]*)(?:#([^)]*))?\)")
 CODE = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
 HEADING = re.compile(r"^#+ +(.*)$", re.MULTILINE)
-LARGEST_PICTURES = 1280 << 10  # bytes of all together
+LARGEST_PICTURES = 1280 << 10  # [bytes] in total
 FOLDERS = ("src", "app", "bench", "tests", "examples", "docs")
 
 
@@ -47,7 +47,7 @@ def missing_sources(root):
 
 
 def anchors(text):
-    """What the headings of a page are called in links."""
+    """Returns the anchors of the headings of a page."""
     return {re.sub(r"[^\w -]", "", heading.strip().lower()).replace(" ", "-") for heading in HEADING.findall(text)}
 
 
@@ -62,7 +62,7 @@ def broken_links(root):
             if not page.exists():
                 yield f"{path.relative_to(root)}: links to {target}, which does not exist"
             elif anchor and page.suffix == ".md" and anchor not in anchors(page.read_text()):
-                yield f"{path.relative_to(root)}: links to {target}#{anchor}, and no heading there is called so"
+                yield f"{path.relative_to(root)}: links to {target}#{anchor}, which has no such heading"
 
 
 def pictures(root):
@@ -74,11 +74,11 @@ def pictures(root):
             yield f"{path.relative_to(root)}: no page shows it"
     total = sum(path.stat().st_size for path in files)
     if total > LARGEST_PICTURES:
-        yield f"docs/pictures: {total} bytes, more than {LARGEST_PICTURES}"
+        yield f"docs/pictures: {total} bytes in total; the maximum is {LARGEST_PICTURES}"
 
 
 def missing_modules(root):
-    """The table of docs/library/README.md has every library, in the order of layers.txt."""
+    """Checks that the table of docs/library/README.md lists every library in the order of layers.txt."""
     listed = re.findall(r"^(\w+):", (root / "layers.txt").read_text(), re.MULTILINE)
     libraries = [module for module in listed if (root / "src/coppice" / module).is_dir()]
     rows = re.findall(r"^\| `(\w+)` \|", (root / "docs/library/README.md").read_text(), re.MULTILINE)
@@ -87,25 +87,25 @@ def missing_modules(root):
 
 
 def undated_tables(root):
-    """Tables that a script has measured begin with the day and the commit."""
+    """Checks that tables measured by a script begin with the date and the commit."""
     for path, text in texts(root):
         for name, first in re.findall(r"^<!-- (\w+) begin: written by .*-->\n(.*)$", text, re.MULTILINE):
             if path.suffix == ".md" and not re.match(r"Measured on \d{4}-\d\d-\d\d at commit [0-9a-f]{7}", first):
-                yield f"{path.relative_to(root)}: the tables {name} do not say when they were measured"
+                yield f"{path.relative_to(root)}: the tables {name} have no date of measurement"
 
 
 def run_studio(command, folder):
-    """The studio ends when it is told to: once it says where it is. `true` stands for the browser."""
+    """Ends the studio once it prints its address. `true` replaces the browser."""
     environment = dict(os.environ, BROWSER="true", XDG_STATE_HOME=folder)
     with subprocess.Popen(command, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         process.stdout.readline()
         process.send_signal(signal.SIGINT)
-        _, said = process.communicate()
-        return subprocess.CompletedProcess(command, process.returncode, "", said)
+        _, errors = process.communicate()
+        return subprocess.CompletedProcess(command, process.returncode, "", errors)
 
 
 def copy_examples(root, folder):
-    """With one sample for each pixel of a picture, since nothing judges the pictures."""
+    """Uses one sample per pixel of an image, because the images are not checked."""
     shutil.copytree(root / "examples", os.path.join(folder, "examples"))
     for scene in pathlib.Path(folder, "examples").glob("*.coppice"):
         scene.write_text(re.sub(r"\bsamples=\d+", "samples=1", scene.read_text()))
@@ -123,13 +123,13 @@ def failing_commands(root, program):
                 command += ["--samples", "1"]
             done = run_studio(command, folder) if command[1] == "studio" else subprocess.run(
                 command, cwd=folder, capture_output=True, text=True, check=False)
-            # Exit code 1 is the verdict of `check`, which other tests look after.
+            # Exit code 1 is the verdict of `check`, which other tests cover.
             if done.returncode not in (0, 1) or (done.returncode == 1 and "check" not in line):
                 yield f"README.md: '{line}' ended with {done.returncode}: {done.stderr.strip()}"
 
 
 def unexplained_commands(root, program):
-    """Commands of `coppice help` without a section or without a row in the table of command-line.md."""
+    """Returns the commands of `coppice help` without a section or a row in the table of command-line.md."""
     page = root / "docs/user/command-line.md"
     text = CODE.sub("", page.read_text())
     sections = set(re.findall(r"^## (\w+)$", text, re.MULTILINE))
@@ -143,7 +143,7 @@ def unexplained_commands(root, program):
 
 
 def names_in(figures):
-    """The names of all figures in a report of JSON, in whatever depth."""
+    """Returns the names of all figures in a JSON report, at any depth."""
     if isinstance(figures, dict):
         yield from figures
     for value in figures.values() if isinstance(figures, dict) else figures if isinstance(figures, list) else ():
@@ -151,14 +151,14 @@ def names_in(figures):
 
 
 def unexplained_figures(root, program):
-    """Names in what check and info say of a skeleton, its mesh and a scan of that, that figures.md does not have."""
+    """Returns the figures of check and info for a skeleton, its mesh and a scan of it that figures.md lacks."""
     page = root / "docs/user/figures.md"
     explained = set(re.findall(r"`(\w+)`", page.read_text()))
     commands = ("mesh fork.swc -o mesh.ply", "scan mesh.ply --points 20000 -o scan.ply",
                 "check mesh.ply --skeleton fork.swc --json", "info fork.swc --json --forestry", "info mesh.ply --json",
                 "info scan.ply --json --forestry")
     with tempfile.TemporaryDirectory() as folder:
-        # Out of order, without a radius, at the place of its parent, of its sibling, and with a parent that is missing.
+        # Nodes out of order, without a radius, at the position of the parent, of a sibling, and with a missing parent.
         pathlib.Path(folder, "fork.swc").write_text("3 1 0 0 2 0.1 2\n1 1 0 0 0 0.3 -1\n2 1 0 0 1 0.2 1\n4 1 1 0 2 0 2\n"
                                                     "5 1 1 0 2 0.1 4\n6 1 1 1 3 0.1 5\n7 1 4 0 0 0.1 99\n8 1 4 0 2 0.1 7\n"
                                                     "9 1 4 0 2 0.1 8\n10 1 4 1 3 0.1 9\n11 1 4 1 3 0.1 9\n")

@@ -6,7 +6,7 @@
 
 namespace coppice::test {
 
-/// The sentence of the error of type E that `call` throws; "no error" when it throws none.
+/// Returns the text of the error of type E that `call` throws; "no error" if it throws none.
 template <class E = InvalidInput, class Call>
 std::string error_of(Call&& call) {
     try {

@@ -1,6 +1,6 @@
 # cmake -D BUILD= -D SOURCE= -D WORK= -D COMPILER= -D FLAGS= -D PYTHON= -P install_test.cmake
-# Uses Coppice as guests do: installs BUILD into WORK/prefix, builds examples/ and tests/guest against it as projects of their
-# own and runs them; then tests/guest with Coppice as a part of its build, shared libraries and all.
+# Uses Coppice like another project: installs BUILD into WORK/prefix, builds examples/ and tests/guest against it as separate
+# projects and runs them; then builds tests/guest with Coppice as a subdirectory and with shared libraries.
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(NOT result EQUAL 0)
@@ -29,7 +29,7 @@ foreach(file man/man1/coppice-mesh.1 bash-completion/completions/coppice applica
   endif()
 endforeach()
 
-# Skeletons need nothing of what meshes, pictures and files need.
+# The module skeleton does not need the packages of meshes, images and files.
 foreach(package embree PNG ZLIB EXPAT hwy Eigen3 nanoflann nlohmann_json)
   list(APPEND without -D CMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
 endforeach()
@@ -40,5 +40,5 @@ build(${WORK}/host ${SOURCE}/tests/guest -D COPPICE_SOURCE=${SOURCE} -D BUILD_SH
 run(${WORK}/host/guest)
 file(GLOB shared ${WORK}/host/coppice/src/coppice/skeleton/*.so)
 if(NOT shared)
-  message(FATAL_ERROR "BUILD_SHARED_LIBS=ON gave no shared library")
+  message(FATAL_ERROR "BUILD_SHARED_LIBS=ON built no shared library")
 endif()

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Holds the #includes of src/coppice, app and bench against layers.txt, both ways: no module includes what its line does not
-name, and none is permitted what it does not include. Source files have at most 600 lines.
+"""Compares the #includes of src/coppice, app and bench with layers.txt, both ways: a module includes exactly
+the modules of its line. Source files have at most 600 lines.
 
-    layers_test.py [SOURCE_DIR]    prints one line per fault; exit code 1 when there is one
-    layers_test.py --self-test     makes a small tree of files with known faults and expects exactly these
+    layers_test.py [SOURCE_DIR]    prints one line per fault; exit code 1 if there is one
+    layers_test.py --self-test     creates a small tree of files with known faults and expects exactly these
 """
 
 import pathlib
@@ -12,12 +12,12 @@ import sys
 import tempfile
 
 INCLUDE = re.compile(r'\s*#\s*include\s*["<]coppice/([^/">]+)/[^">]*[">]')
-LONGEST = 600  # lines
+MAX_LINES = 600
 ENDINGS = {".h", ".cpp", ".py", ".mjs", ".ts", ".tsx", ".css", ".cmake", ".cu", ".cuh"}
 
 
 def read_layers(path):
-    """Module -> the modules it may include."""
+    """Returns module -> the modules it may include."""
     allowed = {}
     for number, line in enumerate(path.read_text().splitlines(), 1):
         line = line.split("#")[0].strip()
@@ -34,7 +34,7 @@ def read_layers(path):
 
 
 def module_of(relative):
-    """src/coppice/io/file.h -> io, app/cli/main.cpp -> app, anything else -> None."""
+    """Maps src/coppice/io/file.h -> io, app/cli/main.cpp -> app, anything else -> None."""
     parts = relative.parts
     if parts[:2] == ("src", "coppice"):
         return parts[2] if len(parts) > 3 else None
@@ -48,12 +48,12 @@ def source_files(root):
                 yield path
 
 
-def faults_of(path, root, allowed, used):
-    """Faults of one file; adds what its module includes to used, module -> modules."""
+def find_faults(path, root, allowed, used):
+    """Returns the faults of one file; adds the includes of its module to used, module -> modules."""
     relative = path.relative_to(root)
     lines = path.read_text(errors="replace").splitlines()
-    if len(lines) > LONGEST:
-        yield f"{relative}: {len(lines)} lines; a file has at most {LONGEST}"
+    if len(lines) > MAX_LINES:
+        yield f"{relative}: {len(lines)} lines; the maximum is {MAX_LINES}"
     module = module_of(relative)
     if module is None:
         return
@@ -65,7 +65,7 @@ def faults_of(path, root, allowed, used):
         if match:
             used.setdefault(module, set()).add(match[1])
         if match and match[1] not in allowed[module]:
-            yield f"{relative}:{number}: forbidden arrow {module} -> {match[1]}: {line.strip()}"
+            yield f"{relative}:{number}: forbidden include {module} -> {match[1]}: {line.strip()}"
 
 
 def all_faults(root):
@@ -74,10 +74,10 @@ def all_faults(root):
     if not files:
         sys.exit(f"{root}: no sources found")
     used = {}
-    faults = [fault for path in files for fault in faults_of(path, root, allowed, used)]
+    faults = [fault for path in files for fault in find_faults(path, root, allowed, used)]
     for module, targets in allowed.items():
         for target in sorted(targets - used.get(module, set()) - {"base", module}):
-            faults.append(f"layers.txt: {module} is permitted {target}, which it does not include")
+            faults.append(f"layers.txt: {module} lists {target}, which it does not include")
     return faults
 
 
@@ -98,12 +98,12 @@ def self_test():
             (root / name).write_text(text)
         found = all_faults(root)
     expected = [
-        "src/coppice/base/a.h:1: forbidden arrow base -> mesh",
+        "src/coppice/base/a.h:1: forbidden include base -> mesh",
         "src/coppice/io/c.cpp: 601 lines",
-        "src/coppice/mesh/d.cpp:2: forbidden arrow mesh -> io",
+        "src/coppice/mesh/d.cpp:2: forbidden include mesh -> io",
         "src/coppice/new/e.h: the module new is missing",
-        "layers.txt: io is permitted mesh",
-        "layers.txt: app is permitted mesh",
+        "layers.txt: io lists mesh",
+        "layers.txt: app lists mesh",
     ]
     if len(found) != len(expected) or any(not f.startswith(e) for f, e in zip(found, expected)):
         sys.exit("self-test: expected\n  " + "\n  ".join(expected) + "\nbut found\n  " + "\n  ".join(found))

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""measure_gpu_test.py SOURCE: script/measure-gpu with programs that only pretend, with a card and without one."""
+"""measure_gpu_test.py SOURCE: script/measure-gpu with fake programs, with a GPU and without one."""
 import io
 import os
 import pathlib
@@ -57,17 +57,17 @@ def expect(condition, *shown):
 
 with tempfile.TemporaryDirectory() as name:
     folder = pathlib.Path(name)
-    # A step was ended, as by timeout, and another fails: what comes after them is still done.
+    # A step was killed, as by timeout, and another fails: the following steps are still done.
     done, steps, calls = run(folder, "Some Card")
     expect(done.returncode == 1, done)
-    expect("| kernels at all | passed |" in steps and "| bench | passed |" in steps, steps)
+    expect("| smoke test | passed |" in steps and "| bench | passed |" in steps, steps)
     expect("| frames | ended after 60 s |" in steps and "| tests | failed with 1 |" in steps, steps)
     expect("| initcheck | passed |" in steps, steps)
     expect(calls.count("--repeat 7") == 2 and calls.count("--small") == 1, calls)
     expect((folder / "out" / "tables.md").read_text() == "tables\n")
     expect(not (folder / "out" / "view.md").exists())
     expect("| bench | passed |" in done.stdout and "== frames" in (folder / "out" / "log").read_text(), done)
-    # Without a card the trees of the papers are enough.
+    # Without a GPU the trees of the papers are sufficient.
     PROGRAMS["coppice"] = "#!/bin/sh\necho frames\n"
     done, steps, calls = run(folder, "no card: none")
     expect(done.returncode == 1 and "| tests | failed with 1 |" in steps, done, steps)
@@ -75,7 +75,7 @@ with tempfile.TemporaryDirectory() as name:
     expect(calls.count("\n") == 1 and "--small" in calls, calls)
     taken = subprocess.run([SOURCE / "script" / "bench-gpu", "--take", folder / "out"], capture_output=True, text=True)
     expect(taken.returncode == 1 and "without a card" in taken.stderr, taken)
-    # With one, all steps, to the last.
+    # With a GPU, all steps.
     PROGRAMS["cuda_card_test"] = "#!/bin/sh\n"
     done, steps, calls = run(folder, "Some Card")
     expect(done.returncode == 0 and "| memcheck | passed |" in steps and "| racecheck | passed |" in steps, done, steps)

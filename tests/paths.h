@@ -4,7 +4,7 @@
 
 namespace coppice {
 
-/// The folder of the sources, with docs, examples and tests. One object has it, so that clones share the
+/// The folder of the sources, with docs, examples and tests. Defined by one object, so that clones share the
 /// others.
 std::filesystem::path source_dir();
 

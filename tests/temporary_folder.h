@@ -8,7 +8,7 @@
 
 namespace coppice::test {
 
-/// A test with an empty folder of its own, removed afterwards.
+/// A test with a new empty folder that is removed afterwards.
 class FolderTest : public testing::Test {
   protected:
     void SetUp() override {

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""The page of the tour against its programs: docs/library/tour.md quotes each of them whole, and what it prints.
+"""Compares the page of the tour with its programs: docs/library/tour.md quotes each of them with its output.
 
-    tour_test.py SOURCE_DIR                  every program is quoted as it is
-    tour_test.py SOURCE_DIR PROGRAM...       and prints what the page says; a folder stands for all programs in it
-    tour_test.py SOURCE_DIR --write FOLDER   writes programs and outputs into the page
+    tour_test.py SOURCE_DIR                  checks that every program is quoted exactly
+    tour_test.py SOURCE_DIR PROGRAM...       and that its output agrees with the page; a folder means all programs in it
+    tour_test.py SOURCE_DIR --write FOLDER   inserts programs and outputs into the page
 
-Words have to be the same. Numbers may differ by 3 %: decisions that hang on rounding fall otherwise on other processors.
+Words must be equal. Numbers may differ by 3 %: decisions that depend on rounding differ between processors.
 """
 
 import pathlib
@@ -28,7 +28,7 @@ NUMBER = re.compile(r"-?\d[\d,]*(?:\.\d+)?(?:e[+-]?\d+)?")
 
 
 def output_of(program, root):
-    """What a program prints, run in a folder of its own beside the oak."""
+    """Returns the output of a program that runs in a new folder with the oak."""
     with tempfile.TemporaryDirectory() as folder:
         shutil.copy(root / "examples/oak.swc", folder)
         done = subprocess.run([program.resolve()], cwd=folder, capture_output=True, text=True, check=False)
@@ -58,17 +58,17 @@ def faults(page, root, programs):
     quoted = {match["name"]: match for match in SECTION.finditer(page.read_text())}
     sources = {path.stem: path.read_text() for path in sorted((root / PROGRAMS).glob("*.cpp"))}
     for name in sorted(quoted.keys() ^ sources.keys()):
-        yield f"{name} is only {'on the page' if name in quoted else 'a program'}"
+        yield f"{name} " + ("is on the page, but there is no such program" if name in quoted else f"is missing on the page {PAGE}")
     for name in sorted(quoted.keys() & sources.keys()):
         if quoted[name]["code"] != sources[name]:
-            yield f"{PAGE} quotes {name}.cpp as it is not; tests/tour_test.py --write brings it up to date"
+            yield f"{PAGE} quotes an outdated {name}.cpp; tests/tour_test.py --write updates it"
     for program in programs:
         if program.name not in quoted:
             yield f"{program} is not on the page"
             continue
         printed = output_of(program, root)
         if not same(quoted[program.name]["output"], printed):
-            yield f"{program.name} prints what {PAGE} does not say:\n{printed}"
+            yield f"{program.name} prints other output than {PAGE}:\n{printed}"
 
 
 def main():

@@ -14,7 +14,7 @@ constexpr float kPi = std::numbers::pi_v<float>;
 
 float radians(float degrees) { return degrees * (kPi / 180); }
 
-/// The direction at `angle` degrees from +Z, turned by `azimuth` degrees about Z from +X.
+/// Returns the direction at `angle` degrees from +Z, rotated by `azimuth` degrees about Z from +X.
 Vec3 direction(float angle, float azimuth = 0) {
     const float a = radians(angle), z = radians(azimuth);
     return {std::sin(a) * std::cos(z), std::sin(a) * std::sin(z), std::cos(a)};
@@ -28,7 +28,7 @@ class Builder {
         radii_.push_back(radius);
         return static_cast<int>(radii_.size()) - 1;
     }
-    /// A node `length` from its parent.
+    /// Adds a node at distance `length` from its parent.
     int grow(int parent, Vec3 along, float length, float radius) {
         return add(parent, positions_[static_cast<std::size_t>(parent)] + length * along, radius);
     }
@@ -59,8 +59,8 @@ Skeleton chain(const std::vector<Ball>& balls) {
     return b.build();
 }
 
-/// A trunk along +Z of three segments with laterals in the given directions at its second node.
-/// `lateral_length` in radii of the trunk, which are 1.
+/// A trunk along +Z with three segments and laterals in the given directions at its second node.
+/// `lateral_length` is in trunk radii, which are 1.
 Skeleton trunk_with(const std::vector<Vec3>& laterals, float radius, float lateral_length, float step = 4) {
     Builder b;
     int n = b.add(kRoot, {0, 0, 0}, 1);
@@ -107,8 +107,8 @@ Skeleton soma() {
     return b.build();
 }
 
-/// As NeuroMorpho writes a soma: a root and two tips beside it, all of one radius, and thin neurites that
-/// leave the root.
+/// A soma in the form used by NeuroMorpho: a root and two tips next to it, all of the same radius, and thin
+/// neurites that start at the root.
 Skeleton soma_of_three_points() {
     const NodeId root(0);
     return {{NodeId::none(), root, root, root, NodeId(3), root, NodeId(5), root, NodeId(7), root, NodeId(9)},
@@ -126,7 +126,7 @@ Skeleton soma_of_three_points() {
             {5, 5, 5, 0.5f, 0.4f, 0.5f, 0.4f, 0.5f, 0.4f, 0.5f, 0.4f}};
 }
 
-/// Two stems of one radius leave the root in exactly opposite directions, each with a fork.
+/// Two stems of the same radius that leave the root in exactly opposite directions, each with a fork.
 Skeleton opposite_stems() {
     return {{NodeId::none(), NodeId(0), NodeId(1), NodeId(1), NodeId(0), NodeId(4), NodeId(4)},
             {{0, 0, 0}, {0, 5, 0}, {-5, 5, 0}, {6, 5, 0}, {0, -4, 0}, {6, -4, 0}, {-5, -4, 0}},
@@ -150,7 +150,7 @@ Skeleton forest() {
     return b.build();
 }
 
-/// Branch nodes nearer to each other than their radius, with short tips.
+/// Branch nodes with distances less than their radius, and short tips.
 Skeleton tip_cluster() {
     Builder b;
     int n = b.grow(b.add(kRoot, {0, 0, 0}, 1), {0, 0, 1}, 5, 0.9f);
@@ -163,7 +163,7 @@ Skeleton tip_cluster() {
     return b.build();
 }
 
-/// A trunk of segments `step` radii long, with a lateral at every second node.
+/// A trunk with segments of `step` radii, and a lateral at every second node.
 Skeleton short_segments(float step) {
     Builder b;
     int n = b.add(kRoot, {0, 0, 0}, 1);
@@ -276,7 +276,7 @@ Skeleton zoo_skeleton(const std::string& name) {
     for (auto& [key, skeleton] : skeleton_zoo()) {
         if (key == name) return std::move(skeleton);
     }
-    throw std::out_of_range("no skeleton in the zoo is called " + name);
+    throw std::out_of_range("the zoo has no skeleton named " + name);
 }
 
 }  // namespace coppice

@@ -8,12 +8,12 @@
 
 namespace coppice {
 
-/// Small skeletons that have every difficulty a mesher meets: each is valid, none is repaired. Tests loop
-/// over all of them. Names are snake_case and stay the same, so that a test may single one out. Each fixed
-/// bug leaves its input here.
+/// Small skeletons with every difficulty for a mesher: each is valid, and requires no repair. Tests loop over
+/// all of them. Names are snake_case and stable, so that a test can select one. The input of each fixed bug
+/// is added here.
 std::vector<std::pair<std::string, Skeleton>> skeleton_zoo();
 
-/// The one of that name; throws std::out_of_range when there is none.
+/// Returns the skeleton of that name; throws std::out_of_range if there is none.
 Skeleton zoo_skeleton(const std::string& name);
 
 }  // namespace coppice

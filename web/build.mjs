@@ -6,7 +6,7 @@ import { parseArgs } from "node:util";
 import { gzipSync } from "node:zlib";
 import { build } from "esbuild";
 
-const kMostBytes = 400 * 1024; // gzipped, all files together
+const kMaxBytes = 400 * 1024; // gzipped, all files together
 
 const here = dirname(fileURLToPath(import.meta.url));
 const { values } = parseArgs({ options: { outdir: { type: "string", default: "dist" }, debug: { type: "boolean" } } });
@@ -33,7 +33,7 @@ for (const name of ["index.html", "app.js", "app.css", "worker.js"]) {
 }
 const others = (await readdir(outdir)).length - 4;
 console.log(`The page: ${(bytes / 1024).toFixed(0)} KB gzipped${others > 0 ? `; ${others} other files in the folder` : ""}.`);
-if (bytes > kMostBytes && !values.debug) {
-    console.error(`The page is larger than ${kMostBytes / 1024} KB gzipped; take something out.`);
+if (bytes > kMaxBytes && !values.debug) {
+    console.error(`The page is larger than ${kMaxBytes / 1024} KB gzipped; take something out.`);
     process.exit(1);
 }

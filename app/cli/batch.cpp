@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What a file holds, as far as that can be told before it is worked on.
+/// Returns the kind of a file, or nullopt where it cannot be determined before the file is read.
 std::optional<FileKind> kind_before(const fs::path& path) {
     try {
         return kind_of_file(path);
@@ -25,8 +25,7 @@ std::optional<FileKind> kind_before(const fs::path& path) {
     }
 }
 
-/// What is found in a folder is taken where it is a mesh or points, for plots where it is points; what is
-/// named is, whatever it is.
+/// Of a folder only meshes and points are used, for plots only points; files that are named are always used.
 Batch files_of(const std::vector<fs::path>& inputs, const BatchOutputs& outputs) {
     Batch batch{.folder = outputs.folder, .columns = outputs.columns, .files = {}};
     const auto is_wanted = [&](const std::optional<FileKind>& kind) {
@@ -47,7 +46,7 @@ Batch files_of(const std::vector<fs::path>& inputs, const BatchOutputs& outputs)
     return batch;
 }
 
-/// Throws UsageError where an output is that of another file, or an input.
+/// Throws UsageError if two files would write the same output, or an output would overwrite an input.
 void check_names(const Batch& batch) {
     std::map<fs::path, fs::path> inputs, writers{{resolved_path(batch.folder / kTreeTable), kTreeTable}};
     for (const BatchFile& file : batch.files) inputs.emplace(resolved_path(file.input), file.input);
@@ -67,16 +66,17 @@ void check_names(const Batch& batch) {
     }
 }
 
-/// Throws UsageError for what is no ending that names a format.
+/// Throws UsageError for an extension that is not that of a supported format.
 void check_outputs(const BatchOutputs& outputs) {
     check_tree_folder(outputs.folder, outputs.write, outputs.mesh);
     const auto check = [](const char* option, const char* endings, const fs::path& ending) {
         if (ending.string().starts_with('.')) return fs::path(fmt::format("name{}", ending.string()));
-        throw UsageError(fmt::format("each of many files has its own: {} takes an ending, {}, not '{}'",
-                                     option, endings, ending.string()));
+        throw UsageError(
+            fmt::format("each of many files has its own output: {} takes an extension, {}, not '{}'", option,
+                        endings, ending.string()));
     };
     constexpr const char* kPoints = ".las, .ply, .txt or .csv";
-    if (!outputs.points.empty()) check_painted_output(check("--tree-points", kPoints, outputs.points));
+    if (!outputs.points.empty()) check_cloud_output(check("--tree-points", kPoints, outputs.points));
     if (!outputs.leaves.empty()) check_points_output(check("--leaf-points", kPoints, outputs.leaves));
     if (!outputs.crowns.empty()) check_mesh_output(check("--crowns", ".ply or .obj", outputs.crowns));
     if (!outputs.map.empty()) check_map_output(check("--map", ".gpkg or .geojson", outputs.map));
@@ -94,14 +94,14 @@ Batch plan_batch(const std::vector<fs::path>& inputs, const BatchOutputs& output
     Batch batch = files_of(inputs, outputs);
     if (batch.files.empty())
         throw InvalidInput(fmt::format(
-            "'{}' holds {}", inputs.front().string(),
+            "'{}' contains {}", inputs.front().string(),
             batch.columns.of_plots ? "no clouds of points" : "neither meshes nor clouds of points"));
     for (BatchFile& file : batch.files) {
         const std::string stem = file.input.stem().string();
-        const auto named = [&](const char* what, const fs::path& ending) {
+        const auto named = [&](const char* subject, const fs::path& ending) {
             return ending.empty() || file.kind == FileKind::mesh
                        ? fs::path()
-                       : batch.folder / fmt::format("{}_{}{}", stem, what, ending.string());
+                       : batch.folder / fmt::format("{}_{}{}", stem, subject, ending.string());
         };
         file.points = named("points", outputs.points);
         file.leaves = named("leaves", outputs.leaves);
@@ -126,7 +126,7 @@ BatchTable::BatchTable(const Batch& batch)
           fs::create_directory(batch.folder, error);
           if (error)
               throw IoError(
-                  fmt::format("cannot make the folder '{}': {}", batch.folder.string(), error.message()));
+                  fmt::format("cannot create the folder '{}': {}", batch.folder.string(), error.message()));
           return batch.folder / kTreeTable;
       }()) {}
 

@@ -19,57 +19,60 @@
 
 namespace coppice::cli {
 
-/// One of many files of which each becomes a skeleton by itself, or a plot.
+/// One of many input files, each of which is converted to a skeleton or treated as a plot.
 struct BatchFile {
     std::filesystem::path input = {};
-    std::filesystem::path skeleton = {};  ///< or the folder of the skeletons of a plot
-    std::filesystem::path mesh = {};      ///< surface of the skeleton; of a plot the ending of all; or none
-    std::filesystem::path points = {};    ///< labelled points of a cloud; or none
-    std::filesystem::path leaves = {};    ///< points that are left out as leaves; or none
-    std::filesystem::path map = {}, crowns = {};  ///< of a plot; or none
-    std::optional<FileKind> kind = {};  ///< none where it cannot be told, which working on it tells of
+    std::filesystem::path skeleton = {};  ///< for a plot the folder of its skeletons
+    std::filesystem::path mesh =
+        {};  ///< surface of the skeleton; for a plot the extension of all surfaces; may be empty
+    std::filesystem::path points = {};            ///< labelled points of a cloud; may be empty
+    std::filesystem::path leaves = {};            ///< points that are removed as leaves; may be empty
+    std::filesystem::path map = {}, crowns = {};  ///< for plots; may be empty
+    std::optional<FileKind> kind =
+        {};  ///< nullopt where it is unknown before the file is read; reading it then reports the error
 };
 
-/// What is written of many files: endings, as ".ply", or none.
+/// Outputs of a batch: extensions such as ".ply", or empty.
 struct BatchOutputs {
     std::filesystem::path folder;
     WriteSkeletonOptions write;
     std::filesystem::path mesh, points, leaves, map, crowns;
-    TreeColumns columns;  ///< of trees.csv
+    TreeColumns columns;  ///< columns of trees.csv
 };
 
 struct Batch {
-    std::filesystem::path folder;  ///< of what is written
-    TreeColumns columns;           ///< of trees.csv
+    std::filesystem::path folder;  ///< output folder
+    TreeColumns columns;           ///< columns of trees.csv
     std::vector<BatchFile> files;
-    std::size_t passed_over = 0;  ///< files within folders that are neither meshes nor points
+    std::size_t passed_over = 0;  ///< number of files in the folders that are neither meshes nor points
 };
 
-/// Whether these inputs are many files: several, or a folder.
+/// Returns whether the inputs are a batch: several files, or a folder.
 bool is_batch(std::span<const std::filesystem::path> inputs);
 
-/// The files that are named, and the meshes and clouds of points within folders, of plots the clouds alone,
-/// each with what is written of it: its own name with the ending of skeletons, none for the folder of a plot,
-/// with that of meshes, and with "_points.ply", "_leaves.ply", "_map.gpkg", "_crowns.ply". Throws UsageError
-/// where two would be the same file, or one would overwrite an input, where the folder is none, and for
-/// endings that name no format; IoError where the folder above it is missing; InvalidInput where there are no
-/// files.
+/// Returns the named files and the meshes and point clouds in folders (for plots only point clouds), each
+/// with its outputs: its own name with the extension of skeletons (without one for the folder of a plot),
+/// with the extension of meshes, and with "_points.ply", "_leaves.ply", "_map.gpkg", "_crowns.ply". Throws
+/// UsageError if two outputs would be the same file, an output would overwrite an input, the output folder is
+/// not a folder, or an extension is not supported; IoError if the parent of the output folder does not exist;
+/// InvalidInput if there are no files.
 Batch plan_batch(const std::vector<std::filesystem::path>& inputs, const BatchOutputs& outputs);
 
-/// The table of a batch, trees.csv: a row for each tree, or for a file of which there is none.
+/// The table of a batch, trees.csv: one row for each tree, and for each file without a tree.
 class BatchTable {
   public:
-    /// Makes the folder where it is missing. Throws IoError.
+    /// Creates the folder if it does not exist. Throws IoError.
     explicit BatchTable(const Batch& batch);
 
-    /// The trees of a file. `of_points` says whether they are of a cloud: else nothing is known of circles,
-    /// nor of how sure volumes are. `error` is what went wrong after they were extracted, or empty.
+    /// Adds the trees of a file. `of_points` states whether they were extracted from a point cloud; without
+    /// it there are no stem circles and no intervals of volumes. `error` is the message of a failure after
+    /// the extraction, or empty.
     void add(const BatchFile& file, const ExtractResult& result, std::span<const TreeFigures> trees,
              bool of_points, const std::string& error = {});
-    /// The trees of a plot.
+    /// Adds the trees of a plot.
     void add(const BatchFile& file, const WrittenPlot& plot);
     void add_failure(const BatchFile& file, std::string_view error);
-    /// The table appears.
+    /// Makes the complete table visible under its name.
     void commit() { table_.commit(); }
 
     const Figure::List& rows() const { return rows_; }

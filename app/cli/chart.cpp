@@ -11,22 +11,22 @@
 #include <numbers>
 
 #include "coppice/base/error.h"
-#include "coppice/io/file.h"
 #include "coppice/render/png.h"
+#include "coppice/system/file.h"
 
 namespace coppice::cli {
 namespace {
 
-constexpr double kFont = 13, kTitleFont = 16;                             // pixels
-constexpr double kLeft = 76, kRight = 20, kTop = 44, kBottom = 58;        // of the frame, pixels
-constexpr double kLegendRow = 18, kLegendSwatch = 22, kLegendInset = 10;  // pixels
-constexpr double kBarsShare = 0.8;                                        // of the room of a category
+constexpr double kFont = 13, kTitleFont = 16;                             // [pixels]
+constexpr double kLeft = 76, kRight = 20, kTop = 44, kBottom = 58;        // [pixels] margins around the frame
+constexpr double kLegendRow = 18, kLegendSwatch = 22, kLegendInset = 10;  // [pixels]
+constexpr double kBarsShare = 0.8;  // fraction of the width of a category
 
 struct Color {
     double red, green, blue;
 };
 
-/// That people with any kind of colour vision can tell apart [Okabe2008].
+/// Colours that remain distinguishable with colour vision deficiency [Okabe2008].
 constexpr std::array<Color, 7> kColors{{{0.0, 0.447, 0.698},
                                         {0.835, 0.369, 0.0},
                                         {0.0, 0.620, 0.451},
@@ -47,7 +47,7 @@ cairo_status_t append(void* closure, const unsigned char* data, unsigned int len
     return CAIRO_STATUS_SUCCESS;
 }
 
-/// An axis from 0 to a round number, and the distance between its ticks: 1, 2 or 5 times a power of ten.
+/// An axis from 0 to a round number, with the distance between its ticks: 1, 2 or 5 times a power of ten.
 struct Scale {
     double top = 1, step = 1;
 
@@ -107,16 +107,17 @@ class Drawing {
         cairo_stroke(pen_.get());
     }
 
-    double width_of(const std::string& words, double size) {
+    double compute_width(const std::string& words, double size) {
         cairo_set_font_size(pen_.get(), size);
         cairo_text_extents_t extents;
         cairo_text_extents(pen_.get(), words.c_str(), &extents);
         return extents.x_advance;
     }
 
-    /// Text whose place is `align` of its width along it: 0 its beginning, 0.5 its middle, 1 its end.
+    /// Draws text aligned at a fraction `align` of its width: 0 at its start, 0.5 at its centre, 1 at its
+    /// end.
     void text(double x, double y, const std::string& words, double align, double size = kFont) {
-        cairo_move_to(pen_.get(), x - align * width_of(words, size), y);
+        cairo_move_to(pen_.get(), x - align * compute_width(words, size), y);
         cairo_show_text(pen_.get(), words.c_str());
     }
 
@@ -153,7 +154,7 @@ class Drawing {
     void draw_line(const ChartSeries& series) {
         cairo_set_line_width(pen_.get(), 2);
         cairo_set_line_join(pen_.get(), CAIRO_LINE_JOIN_ROUND);
-        cairo_new_path(pen_.get());  // not from where text ended
+        cairo_new_path(pen_.get());  // otherwise lines would start at the end of the text
         for (const auto& [x, y] : series.values)
             if (std::isfinite(x) && std::isfinite(y)) cairo_line_to(pen_.get(), place_x(x), place_y(y));
         cairo_stroke(pen_.get());
@@ -170,11 +171,11 @@ class Drawing {
         cairo_fill(pen_.get());
     }
 
-    /// In the upper right corner of the frame, on white.
+    /// Draws the legend on white in the upper right corner of the frame.
     void draw_legend() {
         if (chart_.series.size() < 2) return;
         double widest = 0;
-        for (const ChartSeries& s : chart_.series) widest = std::max(widest, width_of(s.name, kFont));
+        for (const ChartSeries& s : chart_.series) widest = std::max(widest, compute_width(s.name, kFont));
         const double left = right() - kLegendInset - widest, top = kTop + kLegendInset;
         cairo_set_source_rgba(pen_.get(), 1, 1, 1, 0.85);
         cairo_rectangle(pen_.get(), left - kLegendSwatch - 8, top - 4, widest + kLegendSwatch + 12,

@@ -20,19 +20,19 @@ enum ExitCode : int {
     kInterrupted = 130
 };
 
-/// The options that stood on the command line.
+/// The options that were given on the command line.
 using GivenOptions = std::vector<const Option*>;
 
-/// A subcommand: `run` does the work after its options are parsed, and keeps alive what they store into.
-/// Throws what the library throws, and UsageError.
+/// A subcommand. `run` does the work after the options are parsed, and owns the values into which they are
+/// stored. Throws the exceptions of the library, and UsageError.
 struct Command {
     std::string name;
-    std::string help;  ///< one sentence without a full stop, which the help adds
+    std::string help;  ///< one sentence
     OptionList options;
     std::function<ExitCode(Run&, const GivenOptions&)> run;
 };
 
-/// All of them, in the order of the help, with the options that all have.
+/// Returns all commands in the order of the help, each with the common options.
 std::vector<Command> all_commands(CommonFlags& common);
 
 Command mesh_command();
@@ -58,11 +58,11 @@ Command shell_command();
 Command studio_command();
 Command schema_command();
 
-/// What the members of MeshOptions are called where not after themselves.
+/// Returns the flags of the members of MeshOptions where they differ from the names of the members.
 FlagNames surface_flag_names();
-/// The same where they are the surface of --then-mesh, beside options of the skeleton.
+/// The same for the options of --then-mesh, which share a command with options of the skeleton.
 FlagNames then_mesh_flag_names();
-/// The same of LibraryFilter.
+/// The same for LibraryFilter.
 FlagNames library_flag_names();
 
 }  // namespace coppice::cli

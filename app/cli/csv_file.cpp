@@ -22,21 +22,21 @@ struct Cell {
     std::string operator()(Count count) const {
         return fmt::format("{}", count);
     }
-    // Rows are flat.
+    // Rows have no nested figures.
     std::string operator()(const Figure::List&) const { return {}; }
     std::string operator()(const Figures&) const { return {}; }
 };
 
 }  // namespace
 
-std::string csv_cell_of(const Figure& figure) { return std::visit(Cell(), figure.value); }
+std::string to_csv_cell(const Figure& figure) { return std::visit(Cell(), figure.value); }
 
 void CsvFile::add(const Figures& row) {
     std::vector<std::string_view> names;
     std::vector<std::string> cells;
     for (const auto& [name, figure] : row.entries()) {
         names.emplace_back(name);
-        cells.push_back(csv_cell_of(figure));
+        cells.push_back(to_csv_cell(figure));
     }
     if (rows_++ == 0) file_.write(fmt::format("{}\n", fmt::join(names, ",")));
     file_.write(fmt::format("{}\n", fmt::join(cells, ",")));

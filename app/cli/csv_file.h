@@ -3,21 +3,21 @@
 #include <filesystem>
 #include <string>
 
-#include "coppice/io/file.h"
+#include "coppice/system/file.h"
 #include "figures.h"
 
 namespace coppice::cli {
 
-/// A figure as a cell of CSV: numbers in seven digits, ten where they are coordinates of maps, empty where
-/// nothing is known.
-std::string csv_cell_of(const Figure& figure);
+/// Formats a figure as a CSV cell: numbers with seven digits, ten for map coordinates; empty for unknown
+/// values.
+std::string to_csv_cell(const Figure& figure);
 
-/// A table that is written row by row, and appears whole or not at all.
+/// A table that is written row by row; the file is complete or not written at all.
 class CsvFile {
   public:
     explicit CsvFile(const std::filesystem::path& path) : file_(path) {}
 
-    /// The names of the first row head the table; those after it have the same.
+    /// The names of the first row become the header; all other rows must have the same names.
     void add(const Figures& row);
     std::size_t rows() const { return rows_; }
     void commit() { file_.commit(); }

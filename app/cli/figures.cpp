@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// A figure as JSON.
+/// Converts a figure to JSON.
 struct ToJson {
     template <class Plain>
     Json operator()(const Plain& value) const {
@@ -30,10 +30,10 @@ struct ToJson {
     }
 };
 
-/// A value within a line.
+/// Formats a value within a line.
 struct Text {
     std::string operator()(const NotChecked& unknown) const {
-        return fmt::format("unknown: {} not checked", unknown.what);
+        return fmt::format("unknown: {} not checked", unknown.subject);
     }
     std::string operator()(bool value) const { return value ? "yes" : "no"; }
     std::string operator()(std::uint64_t number) const { return grouped(number); }
@@ -43,7 +43,7 @@ struct Text {
         return fmt::format("{}{}", number < 0 ? "-" : "", grouped(size));
     }
     std::string operator()(double number) const {
-        // Coordinates of maps have more digits before the point than tell places apart.
+        // Map coordinates need more digits before the decimal point than six significant digits provide.
         const double size = std::abs(number);
         return size >= 1e5 && size < 1e9 ? fmt::format("{:.2f}", number) : fmt::format("{:.6g}", number);
     }

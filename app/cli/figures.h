@@ -9,22 +9,22 @@
 #include <variant>
 #include <vector>
 
-#include "coppice/pipeline/quantity.h"  // grouped(), for texts beside figures
+#include "coppice/options/quantity.h"  // grouped(), for texts printed next to figures
 
 namespace coppice::cli {
 
 struct Figure;
 
-/// In place of a figure that depends on what was not measured: null in JSON.
+/// Replaces a figure that depends on a measurement that was skipped: null in JSON.
 struct NotChecked {
-    std::string what;  ///< what was not measured, for people
+    std::string subject;  ///< name of the measurement, for people
 };
 
-/// What a command reports, in the order in which it was said: names with numbers, texts, lists or figures of
-/// their own.
+/// The figures that a command reports, in order of insertion: names with numbers, texts, lists or nested
+/// figures.
 class Figures {
   public:
-    /// The figure of a name, added where there is none.
+    /// Returns the figure of this name; creates it if it does not exist.
     Figure& operator[](std::string_view name);
     void append(const Figures& others);
 
@@ -55,27 +55,29 @@ struct Figure {
     std::variant<bool, std::uint64_t, std::int64_t, double, std::string, List, Figures, NotChecked> value;
 };
 
-/// Anything with visit_figures.
+/// Inserts a struct that has visit_figures.
 template <class Report>
-Figures figures_of(const Report& report) {
+Figures compute_figures(const Report& report) {
     Figures out;
     visit_figures(report, [&](std::string_view name, const auto& value) {
         if constexpr (std::is_arithmetic_v<std::remove_cvref_t<decltype(value)>>) {
             out[name] = value;
         } else {
-            out[name] = figures_of(value);
+            out[name] = compute_figures(value);
         }
     });
     return out;
 }
 
-/// As JSON: groups are objects. Text that is not UTF-8 has the replacement character instead.
+/// Converts the figures to JSON: groups become objects. Invalid UTF-8 is replaced by the replacement
+/// character.
 std::string figures_json(const Figures& figures);
 
-/// The same for people: a line per figure with the names in one column; a group of figures fills one line.
+/// Formats the figures for people: one line per figure, with the names in one column; a nested group is one
+/// line.
 std::string figures_text(const Figures& figures);
 
-/// A text as a cell of CSV: in quotes where it would break the row (RFC 4180).
+/// Formats a text as a CSV cell, quoted where required (RFC 4180).
 std::string csv_cell(std::string text);
 
 }  // namespace coppice::cli

@@ -17,13 +17,13 @@ namespace coppice::cli {
 FileKind kind_of_input(const std::filesystem::path& path, SkeletonFormat format) {
     if (format != SkeletonFormat::automatic) return FileKind::skeleton;
     const auto kind = kind_of_file(path);
-    // A pipe may hold anything; the reader tells by what comes.
+    // The content of a pipe is unknown until the reader sees it.
     if (!kind && !std::filesystem::is_regular_file(path)) return FileKind::skeleton;
     if (kind) return *kind;
     if (path.extension() == ".coppice")
         throw UsageError(fmt::format("'{0}' is a scene; run it with coppice run {0} -o FILE", path.string()));
     throw UsageError(
-        fmt::format("'{}' is neither a skeleton nor a mesh nor points, as far as its name and content tell; "
+        fmt::format("'{}' is neither a skeleton nor a mesh nor points, as far as its name and content show; "
                     "see coppice help convert",
                     path.string()));
 }
@@ -31,7 +31,7 @@ FileKind kind_of_input(const std::filesystem::path& path, SkeletonFormat format)
 FileKind kind_to_write(const std::filesystem::path& path, FileKind preferred) {
     if (const auto kind = kind_of_output(path, preferred)) return *kind;
     throw UsageError(
-        fmt::format("the ending of '{}' names no format; use .obj, .ply, .stl, .glb or .usda for a mesh, "
+        fmt::format("the extension of '{}' is not supported; use .obj, .ply, .stl, .glb or .usda for a mesh, "
                     ".swc, .json, .obj, .ply, .csv, .rsml or .mtg for a skeleton",
                     path.string()));
 }
@@ -92,36 +92,36 @@ void check_output_folder(const std::filesystem::path& path) {
 void check_mesh_output(const std::filesystem::path& path) {
     const auto format = mesh_format_of_name(path);
     if (!format || *format == MeshFormat::off) {
-        throw UsageError(fmt::format(
-            "'{}' is no name of a mesh; use the ending .obj, .ply, .stl, .glb or .usda", path.string()));
+        throw UsageError(
+            fmt::format("'{}' is not the name of a mesh; use the extension .obj, .ply, .stl, .glb or .usda",
+                        path.string()));
     }
     check_output_folder(path);
 }
 
 void check_skeleton_output(const std::filesystem::path& path) {
     if (kind_to_write(path, FileKind::skeleton) != FileKind::skeleton) {
-        throw UsageError(
-            fmt::format("'{}' is no name of a skeleton; use .swc, .json, .csv, .ply, .obj, .rsml or .mtg",
-                        path.string()));
+        throw UsageError(fmt::format(
+            "'{}' is not the name of a skeleton; use .swc, .json, .csv, .ply, .obj, .rsml or .mtg",
+            path.string()));
     }
     check_output_folder(path);
 }
 
 void check_points_output(const std::filesystem::path& path) {
     if (!point_format_of_name(path)) {
-        throw UsageError(
-            fmt::format("'{}' is no name of points; {}", path.string(), remedy_for_points_name(path)));
+        throw UsageError(fmt::format("'{}' is not the name of a point file; {}", path.string(),
+                                     remedy_for_points_name(path)));
     }
     check_output_folder(path);
 }
 
-void check_painted_output(const std::filesystem::path& path) {
+void check_cloud_output(const std::filesystem::path& path) {
     check_points_output(path);
     if (!keeps_columns(path))
-        throw UsageError(
-            fmt::format("'{}' would hold the places of the points alone; use .las, .ply, .txt, "
-                        ".csv or .asc",
-                        path.string()));
+        throw UsageError(fmt::format(
+            "'{}' would store only the coordinates of the points; use .las, .ply, .txt, .csv or .asc",
+            path.string()));
 }
 
 std::string in_unit(std::string_view name, LengthUnit unit, int power) {
@@ -138,7 +138,7 @@ Figures repairs_of(const RepairReport& r) {
     return out;
 }
 
-Figures joints_of(const RepairReport& r) {
+Figures find_joints(const RepairReport& r) {
     Figures out;
     out["bridged_gaps"] = r.bridged_gaps;
     out["attached_inside"] = r.attached_inside;
@@ -155,7 +155,7 @@ SkeletonFile load_skeleton(Run& run, const std::filesystem::path& path, const Re
     run.counts()["nodes"] = file.skeleton.size();
     run.counts()["trees"] = file.skeleton.tree_count();
     run.repairs() = repairs_of(file.report);
-    run.repairs().append(joints_of(file.report));
+    run.repairs().append(find_joints(file.report));
     return file;
 }
 
@@ -178,7 +178,7 @@ PointFile load_point_file(Run& run, const std::filesystem::path& path, const Poi
                 fmt::format("{}; --allow-truncated reads the points that are there", error.what()));
         }
     });
-    PointSet& points = file.painted.points;
+    PointSet& points = file.point_cloud.points;
     turn_from_file(points, up);
     run.counts()["points"] = points.size();
     if (file.without_return > 0) run.counts()["rays_without_return"] = file.without_return;
@@ -195,7 +195,7 @@ PointFile load_point_file(Run& run, const std::filesystem::path& path, const Poi
 
 PointSet load_points(Run& run, const std::filesystem::path& path, FileUp up,
                      const std::optional<ReadPointsOptions>& options) {
-    return load_point_file(run, path, kNoColumns, up, options).painted.points;
+    return load_point_file(run, path, kNoColumns, up, options).point_cloud.points;
 }
 
 std::string text_of_rays_left_out(const PointFile& file) {

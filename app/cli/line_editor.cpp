@@ -37,7 +37,7 @@ struct LineEditor::Terminal {
         el_set(line, EL_HIST, history, past);
         el_set(line, EL_ADDFN, "coppice-complete", "Complete a word", &complete_word);
         el_set(line, EL_BIND, "^I", "coppice-complete", nullptr);
-        // While a line is edited, Ctrl-C clears it; while a command runs, it stops the command.
+        // While a line is being edited, Ctrl-C clears it; while a command runs, it stops the command.
         el_set(line, EL_SETTY, "-d", "-isig", nullptr);
         el_set(line, EL_BIND, "^C", "em-kill-line", nullptr);
     }

@@ -9,11 +9,11 @@
 
 namespace coppice::cli {
 
-/// Reads lines: with editing, history and completion by the tab key when both standard input and output are
-/// terminals, else plainly.
+/// Reads lines. Provides editing, history and completion by the tab key when standard input and output are
+/// both terminals.
 class LineEditor {
   public:
-    /// `complete` gives what the last word of an unfinished line may become.
+    /// `complete` returns the possible completions of the last word of an unfinished line.
     using Complete = std::function<std::vector<std::string>(std::string_view line)>;
 
     LineEditor(std::string prompt, Complete complete);
@@ -23,10 +23,11 @@ class LineEditor {
 
     bool interactive() const { return terminal_ != nullptr; }
 
-    /// Stands before the lines from now on, on terminals.
+    /// Sets the prompt that is shown on terminals.
     void set_prompt(std::string prompt);
 
-    /// A line without its end; nothing when the input has ended. A plain line is cut at 1 MiB.
+    /// Returns a line without its line end; nullopt at the end of the input. On other inputs than terminals,
+    /// lines are cut at 1 MiB.
     std::optional<std::string> next();
 
   private:

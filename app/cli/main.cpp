@@ -4,7 +4,7 @@
 #include <new>
 
 #include "command.h"
-#include "coppice/io/file.h"
+#include "coppice/system/file.h"
 #include "memory.h"
 #include "messages.h"
 #include "outputs.h"
@@ -56,7 +56,7 @@ ExitCode run_program(std::span<const char* const> arguments) {
         return fail(kBadInput, out_of_memory_text());
     } catch (const std::exception& error) {
         return fail(kBadInput,
-                    fmt::format("this should not happen, please report it: {}", error.what()).c_str());
+                    fmt::format("this is a defect of coppice, please report it: {}", error.what()).c_str());
     }
 }
 

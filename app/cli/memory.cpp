@@ -18,14 +18,14 @@ namespace coppice::cli {
 namespace {
 
 constexpr std::uint64_t kMebi = std::uint64_t{1} << 20;
-constexpr std::uint64_t kStack = 4 * kMebi;     // of a thread of oneTBB
-constexpr std::uint64_t kProgram = 16 * kMebi;  // of code and tables that are read from disk when first used
-constexpr std::uint64_t kReserve = 8 * kMebi;   // for ending in order
+constexpr std::uint64_t kStack = 4 * kMebi;     // stack of a oneTBB thread
+constexpr std::uint64_t kProgram = 16 * kMebi;  // code and tables that are read from disk on first use
+constexpr std::uint64_t kReserve = 8 * kMebi;   // memory for an orderly exit
 
-std::atomic<std::uint64_t> most_data = 0;  // [bytes] 0 = there is no limit
+std::atomic<std::uint64_t> max_data = 0;  // [bytes] 0 = no limit
 std::array<char, 128> text{"there is not enough memory for this input with these options"};
 
-/// A figure of /proc/self/status in bytes; 0 where there is none.
+/// Returns an entry of /proc/self/status in bytes; 0 if it does not exist.
 std::uint64_t own_status(std::string_view key) {
     std::ifstream status("/proc/self/status");
     for (std::string line; std::getline(status, line);) {
@@ -41,10 +41,10 @@ void allow_data(std::uint64_t bytes) {
     setrlimit(RLIMIT_DATA, &limit);
 }
 
-/// Called by operator new when there is no memory: from now on the reserve may be used, so that whatever
-/// happens while the error travels up finds some.
+/// Called by operator new when memory is exhausted: releases the reserve, so that the code that handles the
+/// exception can allocate.
 void on_exhaustion() {
-    allow_data(most_data);
+    allow_data(max_data);
     throw std::bad_alloc();
 }
 
@@ -54,15 +54,15 @@ int memory_of_machine() {
     const auto pages = static_cast<std::uint64_t>(std::max(0L, sysconf(_SC_PHYS_PAGES)));
     const auto bytes = pages * static_cast<std::uint64_t>(std::max(0L, sysconf(_SC_PAGESIZE)));
     const std::uint64_t most = std::numeric_limits<int>::max();
-    return static_cast<int>(std::clamp<std::uint64_t>(bytes / kMebi, kLeastMemory, most));
+    return static_cast<int>(std::clamp<std::uint64_t>(bytes / kMebi, kMinMemory, most));
 }
 
 void limit_memory(int mebibytes, unsigned threads) {
     const std::uint64_t resident = own_status("VmRSS:"), data = own_status("VmData:");
     if (resident == 0 || data == 0) return;
-    const std::uint64_t wanted = static_cast<std::uint64_t>(std::max(mebibytes, kLeastMemory)) * kMebi;
+    const std::uint64_t wanted = static_cast<std::uint64_t>(std::max(mebibytes, kMinMemory)) * kMebi;
     const std::uint64_t taken = std::min(wanted - 2 * kReserve, resident + kProgram);
-    most_data = data + threads * kStack + (wanted - taken);
+    max_data = data + threads * kStack + (wanted - taken);
     const auto end =
         fmt::format_to_n(text.begin(), text.size() - 1,
                          "this needs more than the {} MiB of memory that --max-memory allows", mebibytes);
@@ -72,7 +72,7 @@ void limit_memory(int mebibytes, unsigned threads) {
 }
 
 void renew_memory_limit() {
-    if (most_data != 0) allow_data(most_data - kReserve);
+    if (max_data != 0) allow_data(max_data - kReserve);
 }
 
 const char* out_of_memory_text() { return text.data(); }

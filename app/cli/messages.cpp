@@ -9,7 +9,8 @@ namespace coppice::cli {
 
 namespace {
 
-/// A word of at most 255 bytes, which the name of a file can have: the middle of a longer one is left out.
+/// Returns a word of at most 255 bytes, the maximum length of a file name; removes the middle of a longer
+/// one.
 std::string short_word(std::string_view word) {
     constexpr std::size_t kMaxWord = 255, kEnd = 52;
     if (word.size() <= kMaxWord) return std::string(word);

@@ -5,11 +5,11 @@
 
 namespace coppice::cli {
 
-/// The text as one line: control characters are escaped, and words of more than 255 bytes, such as a path,
-/// lose their middle.
+/// Returns the text as one line: control characters are escaped, and words of more than 255 bytes, such as a
+/// path, lose their middle.
 std::string one_line(std::string_view text);
 
-/// One line on stderr that begins with "coppice: ".
+/// Prints one line on stderr that begins with "coppice: ".
 void say(std::string_view message);
 
 }  // namespace coppice::cli

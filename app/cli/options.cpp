@@ -3,15 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <limits>
 
 #include "coppice/base/quote.h"
-#include "coppice/pipeline/json.h"
-#include "coppice/pipeline/quantity.h"
-#include "coppice/pipeline/spelling.h"
+#include "coppice/options/json.h"
+#include "coppice/options/quantity.h"
+#include "coppice/options/spelling.h"
 
 namespace coppice::cli {
 namespace {
@@ -57,7 +56,7 @@ std::size_t parse_choice(const Option& option, std::span<const std::string_view>
                                  quote(word), did_you_mean(word, known)));
 }
 
-/// Stores a word where the option says.
+/// Stores a word in the target of an option.
 struct Store {
     const Option& option;
     const std::string& word;
@@ -79,7 +78,7 @@ std::string number_help(const Option& option, double default_value) {
     return text + fmt::format("default {}]", number_text(option.unit, default_value));
 }
 
-/// What the help says after its sentence.
+/// Returns the text that follows the sentence of a help: unit, range and default.
 struct HelpEnd {
     const Option& option;
 
@@ -88,7 +87,7 @@ struct HelpEnd {
     std::string operator()(const ChoiceRef& choice) const {
         return fmt::format(" [{}; default {}]", fmt::join(choice.names, ", "), choice.name());
     }
-    // That files are none and that a switch is off needs no word.
+    // Files and switches show no default: it is always empty or off.
     template <class Other>
     std::string operator()(const Other&) const {
         return {};
@@ -101,7 +100,7 @@ std::string type_text(const OptionTarget& target) {
     return std::holds_alternative<std::optional<Vec3d>*>(target) ? "X,Y,Z" : "NAME";
 }
 
-/// A member that is no struct as a target.
+/// Converts a reference to a member that is not a struct to a target.
 OptionTarget target_of(const OptionRef& ref) {
     return std::visit(
         [](const auto& value) -> OptionTarget {
@@ -220,14 +219,8 @@ std::string flag_name(std::string_view field_name) {
 
 void store(const Option& option, const std::string& word) { std::visit(Store{option, word}, option.target); }
 
-std::string sentence(std::string text) {
-    text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
-    if (text.back() != '.') text += '.';
-    return text;
-}
-
 std::string help_text(const Option& option) {
-    return sentence(option.help) + std::visit(HelpEnd{option}, option.target);
+    return option.help + std::visit(HelpEnd{option}, option.target);
 }
 
 }  // namespace coppice::cli

@@ -18,14 +18,15 @@ struct NamedFile {
     fs::path target;  ///< see resolved_path()
 };
 
-/// Whether writing a file of this name replaces what is there: not for devices, pipes and folders.
+/// Returns whether writing a file of this name replaces an existing file; false for devices, pipes and
+/// folders.
 bool is_replaced(const fs::path& path) {
     std::error_code error;
     const fs::file_status status = fs::status(path, error);
     return !fs::exists(status) || fs::is_regular_file(status);
 }
 
-/// An ending, as ".ply", which stands for the names of many files.
+/// Returns whether the path is an extension such as ".ply", which names the outputs of many files.
 bool is_ending(const fs::path& path) {
     std::error_code error;
     return path == path.filename() && path.string().starts_with('.') && !path.has_extension() &&

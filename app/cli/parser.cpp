@@ -4,7 +4,8 @@
 #include <CLI/CLI.hpp>
 
 #include "coppice/base/quote.h"
-#include "coppice/pipeline/spelling.h"
+#include "coppice/options/renamed.h"
+#include "coppice/options/spelling.h"
 #include "coppice/version.h"
 
 namespace coppice::cli {
@@ -14,7 +15,7 @@ std::string names_of(const Option& option) {
     return option.letter.empty() ? option.name : option.letter + "," + option.name;
 }
 
-/// A switch that is the member of an option struct may be turned on and off.
+/// Returns whether a switch can be turned on and off: only members of option structs.
 bool is_two_way(const Option& option) {
     return std::holds_alternative<bool*>(option.target) && !option.field.empty();
 }
@@ -22,20 +23,19 @@ bool is_two_way(const Option& option) {
 /// "--flat" -> "--no-flat"
 std::string off_name(const Option& option) { return "--no-" + option.name.substr(2); }
 
-/// Of a switch that may be turned on and off, only the way that changes something is shown.
+/// For a switch that can be turned on and off, the help shows only the flag that changes the default.
 void add_switch(CLI::App& app, const Option& option, bool* value) {
     if (!is_two_way(option)) {
-        CLI::Option* const added = app.add_flag(names_of(option), *value, sentence(option.help));
+        CLI::Option* const added = app.add_flag(names_of(option), *value, option.help);
         if (!option.group.empty()) added->group(option.group);
         return;
     }
     const auto turn_on = [value](std::int64_t) { *value = true; };
     const auto turn_off = [value](std::int64_t) { *value = false; };
     CLI::Option* const on_option =
-        app.add_flag_function(option.name, turn_on, sentence(option.help) + " [default off]")
-            ->group(option.group);
+        app.add_flag_function(option.name, turn_on, option.help + " [default off]")->group(option.group);
     CLI::Option* const off_option =
-        app.add_flag_function(off_name(option), turn_off, "Turn off: " + option.help + ". [default on]")
+        app.add_flag_function(off_name(option), turn_off, "Turn off: " + option.help + " [default on]")
             ->group(option.group);
     (*value ? on_option : off_option)->group("");
 }
@@ -72,7 +72,7 @@ std::vector<std::string> flag_names(const CLI::App& app) {
     return names;
 }
 
-/// Leaves out of the help what only few users need.
+/// Removes rarely used options from the help.
 void hide_uncommon(CLI::App& app, const Command& command) {
     for (const Option& option : command.options.all()) {
         if (option.common) continue;
@@ -81,7 +81,27 @@ void hide_uncommon(CLI::App& app, const Command& command) {
     }
 }
 
-/// Throws a UsageError for words that nothing has taken.
+/// Returns the words of a command line with present flags in place of former ones, where the command has the
+/// present flag and no other option of the former name.
+std::vector<std::string> with_present_flags(std::span<const char* const> arguments, const Command* command) {
+    std::vector<std::string> words(arguments.begin(), arguments.end());
+    if (command == nullptr) return words;
+    const auto has = [&](const std::string& flag) {
+        return std::ranges::find(command->options.all(), flag, &Option::name) != command->options.all().end();
+    };
+    for (std::string& word : words) {
+        if (!word.starts_with("--")) continue;
+        const std::size_t end = std::min(word.find('='), word.size());
+        const std::string flag = word.substr(0, end);
+        std::string name = flag.substr(2);
+        std::ranges::replace(name, '-', '_');
+        const std::string present = flag_name(present_name(name));
+        if (!has(flag) && has(present)) word.replace(0, end, present);
+    }
+    return words;
+}
+
+/// Throws UsageError for words that no option accepts.
 void check_extras(const CLI::App& app, const std::string& name) {
     const std::vector<std::string> extras = app.remaining();
     if (extras.empty()) return;
@@ -91,10 +111,10 @@ void check_extras(const CLI::App& app, const std::string& name) {
         throw UsageError(
             fmt::format("{} has no option {}{}", name, shortened(flag), did_you_mean(flag, flag_names(app))));
     }
-    throw UsageError(fmt::format("{} does not know what to do with {}", name, quote(extras.front())));
+    throw UsageError(fmt::format("{} does not accept {}", name, quote(extras.front())));
 }
 
-/// The first word that is no flag: what `coppice --help mesh` asks about, as `coppice mesh --help` does.
+/// Returns the first word that is not a flag: `coppice --help mesh` is the same as `coppice mesh --help`.
 std::string topic_of(std::span<const char* const> arguments) {
     for (const char* word : arguments.subspan(1)) {
         if (!std::string_view(word).starts_with("-")) return word;
@@ -113,9 +133,9 @@ GivenOptions given_options(const CLI::App& app, const Command& command) {
 
 struct Parser::Program {
     std::span<const Command> commands;
-    CLI::App app{"Coppice: skeletons with radii become one closed surface of quads", "coppice"};
+    CLI::App app{"Coppice: converts skeletons with radii into one closed quad surface", "coppice"};
 
-    /// Throws UsageError when there is none.
+    /// Throws UsageError if there is no command of this name.
     const Command& command(const std::string& name) const {
         for (const Command& command : commands)
             if (command.name == name) return command;
@@ -128,14 +148,15 @@ Parser::Parser(std::span<const Command> commands) : program_(std::make_unique<Pr
     program_->commands = commands;
     CLI::App& app = program_->app;
     app.allow_extras();
-    app.require_subcommand(0, 1);  // a file behind a command may be called as another command
+    app.require_subcommand(0, 1);  // a file after a command may have the name of another command
     app.set_version_flag("--version", "coppice " + std::string(kVersion));
     app.set_help_flag("-h,--help", "Print the options that are used most.");
     app.set_help_all_flag("--help-all", "Print all options.");
-    app.footer("coppice help COMMAND explains a command, coppice help COMMAND --all every option of it.");
+    app.footer(
+        "coppice help COMMAND prints the help of a command, coppice help COMMAND --all all of its options.");
     for (const Command& command : commands) {
-        CLI::App* const sub = app.add_subcommand(command.name, sentence(command.help));
-        sub->allow_extras();  // parse() names them, with the nearest spelling
+        CLI::App* const sub = app.add_subcommand(command.name, command.help);
+        sub->allow_extras();  // parse() reports them with the most similar name
         for (const Option& option : command.options.all()) add_option(*sub, option);
     }
     app.add_subcommand("help", "Print the help of a command.");
@@ -172,12 +193,14 @@ std::string Parser::help_on(std::span<const char* const> words) {
 Parser::Request Parser::parse(std::span<const char* const> arguments) {
     CLI::App& app = program_->app;
     const std::string first = arguments.size() > 1 ? arguments[1] : "";
-    // The parser would take the topic for a second command, and print a help whatever the command.
+    // The parser would treat the topic as a second command, and print a help for any command.
     if (first == "help") return {.text = help_on(arguments.subspan(2))};
     const Command* const command =
         first.empty() || first.starts_with("-") ? nullptr : &program_->command(first);
     try {
-        app.parse(static_cast<int>(arguments.size()), arguments.data());
+        std::vector<std::string> words = with_present_flags(arguments.subspan(1), command);
+        std::ranges::reverse(words);  // as the parser expects them
+        app.parse(std::move(words));
     } catch (const CLI::CallForHelp&) {
         return {.text = help_of(topic_of(arguments), false)};
     } catch (const CLI::CallForAllHelp&) {

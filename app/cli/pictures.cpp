@@ -1,9 +1,9 @@
 #include "pictures.h"
 
-#include "coppice/io/file.h"
 #include "coppice/render/contact_sheet.h"
 #include "coppice/render/png.h"
 #include "coppice/render/render.h"
+#include "coppice/system/file.h"
 
 namespace coppice::cli {
 

@@ -10,11 +10,11 @@
 
 namespace coppice::cli {
 
-/// A square picture of each, as a stage of the run.
+/// Renders a square image of each skeleton, as a stage of the run.
 std::vector<Image> draw_each(Run& run, std::span<const Skeleton* const> trees, int size);
 
 void write_picture(const std::filesystem::path& path, const Image& image);
-/// All of them on one sheet, which is about square.
+/// Arranges all images on one approximately square sheet.
 void write_sheet(const std::filesystem::path& path, std::span<const Image> pictures);
 
 }  // namespace coppice::cli

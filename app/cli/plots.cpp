@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 constexpr const char* kTaperTable = "taper.csv";
 constexpr Rgb kGroundColor{110, 95, 80};
 
-/// A folder that is filled under a hidden name beside its own, and gone unless `commit` gives it that.
+/// A folder that is filled under a hidden name next to its final name; removed unless `commit` renames it.
 class UnfinishedFolder {
   public:
     explicit UnfinishedFolder(fs::path target) : target_(std::move(target)) {
@@ -41,7 +41,8 @@ class UnfinishedFolder {
         fs::remove_all(hidden_, error);
         fs::create_directory(hidden_, error);
         if (error)
-            throw IoError(fmt::format("cannot make the folder '{}': {}", target_.string(), error.message()));
+            throw IoError(
+                fmt::format("cannot create the folder '{}': {}", target_.string(), error.message()));
     }
     ~UnfinishedFolder() {
         std::error_code error;
@@ -52,7 +53,7 @@ class UnfinishedFolder {
 
     fs::path operator/(const std::string& name) const { return hidden_ / name; }
 
-    /// What is there already stays, but for files of the same names. The table comes last.
+    /// Existing files stay, except those of the same names. The table is moved last.
     void commit() {
         std::error_code error;
         if (!fs::exists(target_)) {
@@ -75,22 +76,22 @@ std::string name_of_tree(std::size_t tree, const std::string& ending) {
     return fmt::format("tree_{:03}{}", tree + 1, ending);
 }
 
-/// The number of a tree in its file of points, or else in the table.
+/// Returns the number of a tree in its point file, or else in the table.
 std::uint32_t id_of_tree(const PlotSegments& segments, std::size_t tree) {
     return segments.ids.empty() ? static_cast<std::uint32_t>(tree + 1) : segments.ids[tree];
 }
 
-/// Colours, ids as the table has them, classes of LAS, and what points are by the skeletons; of the scan its
-/// intensities and returns.
-PaintedPoints labelled(const PaintedPoints& scan, const PlotSegments& segments,
-                       const std::vector<PlotTree>& trees, const Context& ctx) {
+/// Writes colours, ids as in the table, LAS classes, the labels that the skeletons assign to points, and the
+/// intensities and returns of the scan.
+PointCloud labelled(const PointCloud& scan, const PlotSegments& segments, const std::vector<PlotTree>& trees,
+                    const Context& ctx) {
     constexpr std::uint8_t kUnclassified = 1, kGround = 2, kHighVegetation = 5;
-    PaintedPoints out{.points = scan.points,
-                      .distances = {},
-                      .colors = {},
-                      .intensities = scan.intensities,
-                      .return_numbers = scan.return_numbers,
-                      .return_counts = scan.return_counts};
+    PointCloud out{.points = scan.points,
+                   .distances = {},
+                   .colors = {},
+                   .intensities = scan.intensities,
+                   .return_numbers = scan.return_numbers,
+                   .return_counts = scan.return_counts};
     std::vector<std::vector<std::uint32_t>> points_of(trees.size());
     for (std::uint32_t p = 0; p < segments.tree_of.size(); ++p) {
         const std::uint32_t tree = segments.tree_of[p];
@@ -114,7 +115,7 @@ void write_rows(const fs::path& path, const std::vector<Figures>& rows) {
     out.commit();
 }
 
-/// The sections of all stems as circles through the points show them.
+/// Writes the sections of all stems from the circles fitted to the points.
 void write_taper(const fs::path& path, const std::vector<PlotTree>& trees) {
     CsvFile out(path);
     for (std::size_t t = 0; t < trees.size(); ++t) {
@@ -133,7 +134,7 @@ MapValue map_value_of(const Figure& figure) {
     return {};
 }
 
-/// Stems as points and crowns as polygons, both with what the table says of the tree.
+/// Writes stems as points and crowns as polygons, both with the columns of the table.
 std::vector<MapLayer> layers_of(const std::vector<PlotTree>& trees, const std::vector<Figures>& rows) {
     MapLayer stems{"stems", MapGeometry::points, {}, {}}, crowns{"crowns", MapGeometry::polygons, {}, {}};
     for (const auto& [name, figure] : rows.front().entries()) stems.columns.push_back(name);
@@ -153,7 +154,7 @@ TriMesh crowns_of(const std::vector<PlotTree>& trees) {
     return out;
 }
 
-/// The surface of each tree; what cannot be made is said in its row.
+/// Writes the surface of each tree; a failure is reported in the row of the tree.
 void write_surfaces(Run& run, std::vector<PlotTree>& trees, const PlotFiles& files,
                     const UnfinishedFolder& folder) {
     run.stage("mesh", [&](const Context& ctx) {
@@ -176,7 +177,7 @@ void write_surfaces(Run& run, std::vector<PlotTree>& trees, const PlotFiles& fil
 
 void write_leaves(const PlotFiles& files, const std::vector<PlotTree>& trees, const PlotSegments& segments,
                   Vec3d origin, const Context& ctx) {
-    PaintedPoints leaves{{{}, origin}, {}, {}};
+    PointCloud leaves{{{}, origin}, {}, {}};
     for (std::size_t t = 0; t < trees.size(); ++t) {
         if (!trees[t].result) continue;
         const auto& of = trees[t].result->leaves.positions;
@@ -184,8 +185,7 @@ void write_leaves(const PlotFiles& files, const std::vector<PlotTree>& trees, co
         all.insert(all.end(), of.begin(), of.end());
         leaves.tree_ids.resize(all.size(), id_of_tree(segments, t));
     }
-    if (!leaves.points.empty())
-        write_painted_points(files.leaf_points, leaves, {.system = files.system}, ctx);
+    if (!leaves.points.empty()) write_point_cloud(files.leaf_points, leaves, {.system = files.system}, ctx);
 }
 
 void count(Run& run, const PointSet& points, const PlotSegments& segments, const std::vector<Figures>& rows) {
@@ -200,7 +200,7 @@ void count(Run& run, const PointSet& points, const PlotSegments& segments, const
     counts["trees_found"] = Figure::List(rows.begin(), rows.end());
 }
 
-/// Files of trees beyond the last one, which an earlier run left: they look as if they belonged to this one.
+/// Finds files of trees beyond the last one that an earlier run left; they would seem to belong to this run.
 void warn_of_leftovers(Run& run, const fs::path& folder, std::size_t trees) {
     std::error_code error;
     std::size_t left = 0;
@@ -213,7 +213,7 @@ void warn_of_leftovers(Run& run, const fs::path& folder, std::size_t trees) {
         left += number > trees;
     }
     if (left == 0) return;
-    run.warn(fmt::format("'{}' holds {} file{} of trees beyond number {}, from an earlier run",
+    run.warn(fmt::format("'{}' contains {} file{} of trees beyond number {}, from an earlier run",
                          folder.string(), grouped(left), left == 1 ? "" : "s", grouped(trees)));
 }
 
@@ -256,18 +256,18 @@ void check_tree_folder(const fs::path& named, const WriteSkeletonOptions& write,
     const fs::path folder = trimmed(named);
     std::error_code error;
     if (folder.empty() || (fs::exists(folder, error) && !fs::is_directory(folder, error)))
-        throw UsageError(fmt::format("'{}' is no folder; name one for the trees", named.string()));
+        throw UsageError(fmt::format("'{}' is not a folder; name one for the trees", named.string()));
     check_output_folder(folder);
     using enum SkeletonFormat;
     if (write.format == mat || write.format == raycloud || write.format == gel)
-        throw UsageError(fmt::format("--format {} is read only; use swc, cylinders, ply, obj or json",
+        throw UsageError(fmt::format("--format {} can only be read; use swc, cylinders, ply, obj or json",
                                      name_of(write.format)));
     if (!mesh.empty()) {
         const std::string ending = mesh.string();
         const auto format = mesh_format_of_name(fmt::format("tree{}", ending));
         if (ending.front() != '.' || !format || *format == MeshFormat::off) {
             throw UsageError(
-                fmt::format("each tree of a folder gets a surface of its own: --then-mesh takes an ending, "
+                fmt::format("each tree of a folder has its own surface: --then-mesh takes an extension, "
                             ".obj, .ply, .stl, .glb or .usda, not '{}'",
                             ending));
         }
@@ -282,7 +282,7 @@ void check_tree_folder(const fs::path& named, const WriteSkeletonOptions& write,
 void check_map_output(const fs::path& path) {
     if (!map_format_of_name(path))
         throw UsageError(
-            fmt::format("'{}' is no name of a map; use the ending .geojson or .gpkg", path.string()));
+            fmt::format("'{}' is not the name of a map; use the extension .geojson or .gpkg", path.string()));
     check_output_folder(path);
 }
 
@@ -292,7 +292,7 @@ void check_plot_files(const PlotFiles& files) {
     if (!files.crowns.empty()) check_mesh_output(files.crowns);
     if (!files.map.empty()) check_map_output(files.map);
     if (files.tree_points.empty()) return;
-    check_painted_output(files.tree_points);
+    check_cloud_output(files.tree_points);
 }
 
 std::vector<Figures> plot_rows(const WrittenPlot& written, const std::string& input, const fs::path& folder) {
@@ -318,7 +318,7 @@ std::vector<Figures> plot_rows(const WrittenPlot& written, const std::string& in
     return rows;
 }
 
-WrittenPlot write_plot(Run& run, const PaintedPoints& scan, PlotExtraction plot, const PlotFiles& files) {
+WrittenPlot write_plot(Run& run, const PointCloud& scan, PlotExtraction plot, const PlotFiles& files) {
     WrittenPlot out{std::move(plot), fmt::format(".{}", ending_of(files.write)), {}};
     std::vector<PlotTree>& trees = out.plot.trees;
     const PlotSegments& segments = out.plot.segments;
@@ -346,10 +346,9 @@ WrittenPlot write_plot(Run& run, const PaintedPoints& scan, PlotExtraction plot,
     if (!files.crowns.empty()) write_crowns(run, files.crowns, crowns_of(trees));
     run.stage("write points", [&](const Context& ctx) {
         if (!files.tree_points.empty()) {
-            write_painted_points(
+            write_point_cloud(
                 files.tree_points, labelled(scan, segments, trees, ctx),
-                {.note = "each tree in a colour of its own, as trees.csv has it", .system = files.system},
-                ctx);
+                {.note = "each tree in its own colour, as in trees.csv", .system = files.system}, ctx);
         }
         if (!files.leaf_points.empty()) write_leaves(files, trees, segments, scan.points.origin, ctx);
         folder.commit();

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <thread>
 
-#include "coppice/io/file.h"
+#include "coppice/system/file.h"
 #include "coppice/version.h"
 #include "files.h"
 #include "memory.h"
@@ -20,10 +20,10 @@ namespace {
 
 constexpr int kBarWidth = 30;
 constexpr Field kThreads =
-    common_field("threads", "Number of threads; 0 uses all cores", Unit::none, 0, 1024);
-constexpr Field kMaxMemory{"max_memory",
-                           "MiB of memory that may be used; 0 takes all of the machine, for scenes 4096",
-                           Unit::none, 0, 1e6};
+    common_field("threads", "Number of threads; 0 uses all cores.", Unit::none, 0, 1024);
+constexpr Field kMaxMemory{
+    "max_memory", "Maximum memory in MiB; 0 allows all memory of the machine, or 4096 MiB for scenes.",
+    Unit::none, 0, 1e6};
 
 unsigned threads_of_machine() { return std::max(1u, std::thread::hardware_concurrency()); }
 
@@ -46,8 +46,9 @@ void add_common_options(OptionList& options, CommonFlags& flags) {
     options.value({kThreads, &flags.threads}, group);
     options.value({kMaxMemory, &flags.max_memory}, group);
     options.output("--report", "FILE", flags.report,
-                   "Write times, counts, repairs and peak memory to this file as JSON", {.group = group});
-    options.flag("--quiet", flags.quiet, "no progress and no summary", {.group = group, .common = false});
+                   "Write times, counts, repairs and peak memory to this file as JSON.", {.group = group});
+    options.flag("--quiet", flags.quiet, "Print neither progress nor a summary.",
+                 {.group = group, .common = false});
 }
 
 Run::Run(std::string command, CommonFlags flags, Signals& signals)
@@ -56,8 +57,8 @@ Run::Run(std::string command, CommonFlags flags, Signals& signals)
       signals_(signals),
       terminal_(!flags_.quiet && isatty(STDERR_FILENO) != 0) {
     if (!flags_.report.empty()) check_output_folder(flags_.report);
-    if (flags_.max_memory != 0 && flags_.max_memory < kLeastMemory) {
-        throw UsageError(fmt::format("--max-memory takes 0 or a whole number from {}, not '{}'", kLeastMemory,
+    if (flags_.max_memory != 0 && flags_.max_memory < kMinMemory) {
+        throw UsageError(fmt::format("--max-memory takes 0 or a whole number from {}, not '{}'", kMinMemory,
                                      flags_.max_memory));
     }
     max_memory(memory_of_machine());
@@ -82,7 +83,7 @@ Context Run::context(const std::string& stage) {
     return ctx;
 }
 
-// Put down before the work, so that nothing is allocated when it ends, which may be for want of memory.
+// Allocated before the work, so that nothing is allocated when it ends, possibly because memory is exhausted.
 Run::Clock::Clock(Run& run, const std::string& name) : run_(run), stage_(run.stages_.size()) {
     run.stages_.emplace_back(name, 0);
 }
@@ -138,7 +139,7 @@ void Run::finish(const std::string& summary) {
     const double total = seconds_since(start_);
     if (!flags_.report.empty()) write_file(flags_.report, figures_json(report(total)));
     if (!terminal_) return;
-    std::vector<std::pair<std::string_view, double>> sums;  // of stages of one name, as those of many files
+    std::vector<std::pair<std::string_view, double>> sums;  // for stages with the same name, as of many files
     for (const auto& [name, seconds] : stages_) {
         const auto known =
             std::ranges::find(sums, std::string_view(name), [](const auto& s) { return s.first; });
@@ -149,7 +150,7 @@ void Run::finish(const std::string& summary) {
     }
     std::vector<std::string> parts;
     for (const auto& [name, seconds] : sums) parts.push_back(fmt::format("{} {:.2f}", name, seconds));
-    print_error(fmt::format("{}\n{:.2f} s ({}), {} MB at most\n", one_line(summary), total,
+    print_error(fmt::format("{}\n{:.2f} s ({}), peak memory {} MB\n", one_line(summary), total,
                             fmt::join(parts, ", "), peak_memory_bytes() / 1'000'000));
 }
 

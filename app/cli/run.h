@@ -14,52 +14,51 @@
 
 namespace coppice::cli {
 
-/// What every command takes.
+/// Options of every command.
 struct CommonFlags {
     int threads = 0;
-    int max_memory = 0;  ///< [MiB] 0 = what the machine has, for scenes their default
+    int max_memory = 0;  ///< [MiB] 0 = all memory of the machine, or the default of scenes
     std::filesystem::path report;
     bool quiet = false;
 };
 void add_common_options(OptionList& options, CommonFlags& flags);
 
-/// One run of a command: hands each stage its context, shows its progress, keeps the time, and writes the
+/// One run of a command: provides the context of each stage, shows progress, measures times, and writes the
 /// report.
 class Run {
   public:
     Run(std::string command, CommonFlags flags, Signals& signals);
 
-    /// Runs stage(context) and returns what it returns; throws Cancelled when a stop was asked for meanwhile.
+    /// Runs stage(context) and returns its result; throws Cancelled if a stop was requested.
     template <class Stage>
     auto stage(const std::string& name, Stage&& stage) {
         const Clock clock(*this, name);
         return std::forward<Stage>(stage)(context(name));
     }
 
-    /// What the stages from here on work on, for the progress: "3 of 20, oak.las".
+    /// Sets the item that the following stages process, for the progress: "3 of 20, oak.las".
     void set_subject(std::string subject) { subject_ = std::move(subject); }
 
-    /// A stage that another part of the program has timed.
+    /// Adds a stage that was timed elsewhere.
     void add_stage(const std::string& name, double seconds) { stages_.emplace_back(name, seconds); }
 
-    /// What was to stop does not stop what comes after it.
+    /// Clears a stop request, so that later work is not stopped.
     void forget_interrupt() { signals_.forget(); }
 
-    /// Asked to stop by Ctrl-C, for work that has no end of its own.
+    /// Returns whether Ctrl-C requested a stop; for work without an end.
     std::stop_token stop_token() const { return signals_.token(); }
 
-    /// [MiB] that the process may take: what --max-memory says, or else `otherwise`, at least kLeastMemory.
-    /// It is held to that from now on.
+    /// [MiB] Limits the memory of the process to the value of --max-memory, or else to `otherwise`, at least
+    /// kMinMemory; returns the limit.
     int max_memory(int otherwise);
 
     Figures& counts() { return counts_; }
     Figures& repairs() { return repairs_; }
 
-    /// Says on stderr, unless --quiet, and in the report what looks wrong but may be meant.
+    /// Prints a warning on stderr, unless --quiet, and adds it to the report.
     void warn(const std::string& text);
 
-    /// Writes the report, if one was asked for, and two lines for people: what came out, and how long it
-    /// took.
+    /// Writes the report, if requested, and prints a summary of the result and the elapsed time.
     void finish(const std::string& summary);
 
   private:

@@ -6,25 +6,25 @@
 #include <array>
 
 #include "coppice/base/quote.h"
-#include "coppice/io/file.h"
-#include "coppice/pipeline/spelling.h"
+#include "coppice/options/spelling.h"
+#include "coppice/system/file.h"
 #include "files.h"
 #include "streams.h"
 
 namespace coppice::cli {
 namespace {
 
-/// The command of a line, to call its stage by.
+/// Returns the command of a line, which names its stage.
 std::string stage_name(const std::string& line) {
     try {
         const auto words = scene_words(line);
         return words.empty() ? "nothing" : words.front().text;
     } catch (const InvalidInput&) {
-        return "nothing";  // the scene says what is wrong, and where
+        return "nothing";  // the scene reports the error and its line
     }
 }
 
-/// The lines of the scenes that have any; running them tells of the others.
+/// Returns the lines of the scenes that can be parsed; running the others reports their errors.
 std::vector<SceneLine> lines_of(std::span<const SceneFile> scenes) {
     std::vector<SceneLine> all;
     for (const SceneFile& scene : scenes) {
@@ -40,9 +40,9 @@ std::vector<SceneLine> lines_of(std::span<const SceneFile> scenes) {
 void check_known(const std::string& name, const std::vector<std::string>& known) {
     if (std::ranges::find(known, name) != known.end()) return;
     std::string hint = did_you_mean(name, known);
-    if (hint.empty() && known.size() > 8) hint = "; it takes what stands after let";
+    if (hint.empty() && known.size() > 8) hint = "; the variables of a scene are defined by let";
     if (hint.empty()) {
-        hint = known.empty() ? "; it has none (they stand after let)"
+        hint = known.empty() ? "; it has none (they are defined by let)"
                              : fmt::format("; it has {}", fmt::join(known, ", "));
     }
     throw UsageError(fmt::format("--set: the scene has no variable {}{}", quote(name), hint));
@@ -51,21 +51,19 @@ void check_known(const std::string& name, const std::vector<std::string>& known)
 }  // namespace
 
 void add_scene_options(OptionList& options, SceneFlags& flags) {
-    options.value(
-        {common_field(
-             "set",
-             "Value of a variable of the scene as NAME=VALUE, instead of its first let; may be repeated"),
-         &flags.set});
-    options.value(
-        {common_field("seed", "Seed of all random numbers of the scene, until a set seed of its own",
-                      Unit::none, 0, 2147483647),
-         &flags.seed});
+    options.value({common_field("set",
+                                "Value of a variable of the scene as NAME=VALUE, which replaces its first "
+                                "let; may be repeated."),
+                   &flags.set});
+    options.value({common_field("seed", "Seed of all random numbers of the scene, up to its first set seed.",
+                                Unit::none, 0, 2147483647),
+                   &flags.seed});
 }
 
-std::string read_commands(const std::filesystem::path& path, std::string_view what) {
+std::string read_commands(const std::filesystem::path& path, std::string_view subject) {
     const auto kind = kind_of_file(path);
     const bool may_be_text = path.extension() == ".txt" && kind == FileKind::points;
-    if (kind && !may_be_text) throw UsageError(remedy_for(path, *kind, what));
+    if (kind && !may_be_text) throw UsageError(remedy_for(path, *kind, subject));
     return read_file(path, kLargestScene);
 }
 
@@ -80,7 +78,7 @@ std::vector<SceneFile> read_scenes(Run& run, std::span<const std::filesystem::pa
 SceneSettings scene_settings(Run& run, const SceneFlags& flags, std::span<const SceneFile> scenes) {
     SceneSettings settings{.max_memory = run.max_memory(SceneSettings{}.max_memory), .seed = flags.seed};
     if (flags.set.empty()) return settings;
-    const std::vector<std::string> known = variables_of(lines_of(scenes));
+    const std::vector<std::string> known = find_variables(lines_of(scenes));
     for (const std::string& word : flags.set) {
         const std::size_t sign = word.find('=');
         if (sign == word.npos || sign == 0)
@@ -111,7 +109,7 @@ std::optional<std::vector<const SceneCommand*>> commands_of_scenes(std::span<con
     std::vector<const SceneCommand*> all;
     try {
         for (const SceneFile& scene : scenes) {
-            const auto commands = commands_of(scene_lines(scene.text, scene.path.string()));
+            const auto commands = find_commands(scene_lines(scene.text, scene.path.string()));
             if (!commands) return std::nullopt;
             all.insert(all.end(), commands->begin(), commands->end());
         }

@@ -15,10 +15,10 @@
 
 namespace coppice::cli {
 
-/// [bytes] No scene, and no file of edits, may be larger.
+/// [bytes] maximum size of a scene or a file of edits
 inline constexpr std::uint64_t kLargestScene = std::uint64_t{64} << 20;
 
-/// What a scene is given from outside.
+/// Settings of a scene from the command line.
 struct SceneFlags {
     std::vector<std::string> set;  ///< NAME=VALUE
     int seed = 0;
@@ -30,30 +30,31 @@ struct SceneFile {
     std::string text;
 };
 
-/// The text of a file with commands: `what` is "a scene", for one. Throws IoError; and UsageError for a file
-/// of another kind, with the command that takes it.
-std::string read_commands(const std::filesystem::path& path, std::string_view what);
+/// Returns the text of a file with commands; `subject` names the kind of file, such as "a scene". Throws
+/// IoError; and UsageError for a file of another kind, with the command that accepts it.
+std::string read_commands(const std::filesystem::path& path, std::string_view subject);
 
-/// All are read before any is run, and once: a pipe gives its text but once. Throws as read_commands().
+/// Reads all files before any is run, and each only once, as a pipe can be read only once. Throws as
+/// read_commands().
 std::vector<SceneFile> read_scenes(Run& run, std::span<const std::filesystem::path> paths);
 
-/// The settings of the scenes that are to be run. Throws UsageError for what is no NAME=VALUE, or names no
-/// variable of theirs.
+/// Returns the settings of the scenes. Throws UsageError if a setting is not NAME=VALUE, or no scene has such
+/// a variable.
 SceneSettings scene_settings(Run& run, const SceneFlags& flags, std::span<const SceneFile> scenes);
 
-/// Runs the commands of a scene file, each as a stage of the run, and a block as one, and prints what they
-/// say. Files that it reads are looked for beside it.
+/// Runs the commands of a scene file, each as a stage of the run (a block as one stage), and prints their
+/// output. Files that it reads are searched in its folder.
 void run_scene(Run& run, Scene& scene, const SceneFile& file);
 
-/// The commands of scenes that are to be run, as far as is known before: none where a line cannot be read,
-/// which running it tells of.
+/// Returns the commands of scenes before they run; empty for lines that cannot be parsed. Their errors are
+/// reported when they run.
 std::optional<std::vector<const SceneCommand*>> commands_of_scenes(std::span<const SceneFile> scenes);
 
-/// The solid that "FILE:NAME" names, or the one that the scene in FILE makes last; runs the scene. Throws
-/// InvalidInput where there is none.
+/// Runs a scene and returns the solid that "FILE:NAME" names, or the last solid that the scene in FILE
+/// creates. Throws InvalidInput if there is none.
 Solid solid_of_scene(Run& run, const std::string& named);
 
-/// What a scene holds, as counts of the run.
+/// Reports the number of objects of a scene as counts of the run.
 void count_objects(Run& run, const Scene& scene);
 
 }  // namespace coppice::cli

@@ -27,7 +27,7 @@ sigset_t stop_signals() {
     return set;
 }
 
-constexpr timespec kPatience{0, 900'000'000};
+constexpr timespec kSignalWait{0, 900'000'000};
 
 int next_signal(const sigset_t& set) {
     int signal = 0;
@@ -36,7 +36,7 @@ int next_signal(const sigset_t& set) {
     return signal;
 }
 
-/// -1 when none comes in time.
+/// Returns -1 at a time-out.
 int next_signal(const sigset_t& set, timespec patience) {
     for (;;) {
         const int signal = sigtimedwait(&set, nullptr, &patience);
@@ -44,10 +44,10 @@ int next_signal(const sigset_t& set, timespec patience) {
     }
 }
 
-/// As main does for Cancelled, without waiting for anything.
+/// The same as main does for Cancelled, without waiting.
 [[noreturn]] void end_now() {
     constexpr std::string_view kText = "coppice: interrupted\n";
-    constexpr std::string_view kClear = "\r\033[K";  // of a progress bar
+    constexpr std::string_view kClear = "\r\033[K";  // clears the progress bar
     if (isatty(STDERR_FILENO) != 0) static_cast<void>(!write(STDERR_FILENO, kClear.data(), kClear.size()));
     static_cast<void>(!write(STDERR_FILENO, kText.data(), kText.size()));
     _exit(kInterrupted);
@@ -56,7 +56,7 @@ int next_signal(const sigset_t& set, timespec patience) {
 }  // namespace
 
 Signals::Signals() {
-    std::signal(SIGXFSZ, SIG_IGN);  // so that a file that grows too large is an error of the write
+    std::signal(SIGXFSZ, SIG_IGN);  // so that a file that becomes too large is a write error
     const sigset_t set = stop_signals();
     pthread_sigmask(SIG_BLOCK, &set, nullptr);
     listener_ = std::thread([this] { listen(); });
@@ -83,8 +83,8 @@ void Signals::listen() {
     const sigset_t set = stop_signals();
     int signal = next_signal(set);
     while (!done_ && asks_first(signal)) {
-        // The work looks at the token now and then, and ends; a shell goes on after it.
-        const int next = goes_on_ ? next_signal(set) : next_signal(set, kPatience);
+        // The work polls the token and ends; a shell continues after it.
+        const int next = goes_on_ ? next_signal(set) : next_signal(set, kSignalWait);
         if (next < 0) end_now();
         signal = next;
     }
@@ -94,10 +94,10 @@ void Signals::listen() {
     std::raise(signal);
 }
 
-/// Whether this is the first request to stop, or no request at all.
+/// Returns true for the first request to stop, and if there is no request.
 bool Signals::asks_first(int signal) {
     const std::scoped_lock lock(mutex_);
-    return source_.request_stop() || signal == SIGXCPU;  // which comes every second
+    return source_.request_stop() || signal == SIGXCPU;  // which arrives every second
 }
 
 }  // namespace coppice::cli

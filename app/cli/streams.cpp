@@ -8,7 +8,7 @@
 #include <cstdio>
 
 #include "coppice/base/error.h"
-#include "coppice/io/file.h"
+#include "coppice/system/file.h"
 
 namespace coppice::cli {
 namespace {
@@ -22,7 +22,7 @@ namespace {
 void open_standard_streams() {
     for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
         if (::fcntl(stream, F_GETFD) >= 0 || errno != EBADF) continue;
-        // The lowest free number is that of the stream. The mode is the one that makes its use fail.
+        // The stream receives the lowest free descriptor. The mode is chosen so that using the stream fails.
         static_cast<void>(::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY));
     }
 }

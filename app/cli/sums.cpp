@@ -10,7 +10,7 @@ void add_sums(Figures& out, const SkeletonFile& file, const SkeletonMeasures& me
     out[name("area_frusta", 2)] = measures.area_frusta;
     out[name("volume_segments", 3)] = measures.volume;
     out[name("area_segments", 2)] = measures.area;
-    // Ends are those that surfaces have by default.
+    // The ends have the default shapes of surfaces.
     const ConeUnion solid(file.skeleton, file.skeleton.origin(), EndShape::flat, EndShape::round, ctx);
     const UnionVolume united = union_volume(solid, {}, {}, ctx);
     out[name("volume_union", 3)] = united.total;

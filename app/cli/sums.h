@@ -11,8 +11,8 @@
 
 namespace coppice::cli {
 
-/// Adds volumes and areas: of the segments of a skeleton one by one, of their union, and of the cylinders
-/// that its file states. `name` completes the name of a figure that is the given power of a length.
+/// Adds volumes and areas: the sum over the segments of a skeleton, their union, and the cylinders stored in
+/// its file. `name` appends the unit to the name of a figure, for the given power of a length.
 void add_sums(Figures& out, const SkeletonFile& file, const SkeletonMeasures& measures,
               const std::function<std::string(std::string_view name, int power)>& name, const Context& ctx);
 

@@ -15,45 +15,45 @@
 namespace coppice::cli {
 namespace {
 
-Figures counts_of(const GraftReport& r) {
+Figures compute_counts(const GraftReport& r) {
     Figures out;
     out["grafted"] = r.grafted;
     out["cut"] = r.cut;
     out["merged"] = r.merged;
-    out["buried"] = r.buried;
+    out["nodes_inside"] = r.nodes_inside;
     out["trees_joined"] = r.joined;
     return out;
 }
 
-Figures counts_of(const PartReport& r) {
+Figures compute_counts(const PartReport& r) {
     Figures out;
-    out["absorbed"] = r.absorbed;
-    out["advanced"] = r.advanced;
-    out["bundled"] = r.bundled;
-    out["swallowed"] = r.swallowed;
+    out["merged_nodes"] = r.merged_nodes;
+    out["shifted_nodes"] = r.shifted_nodes;
+    out["paired_nodes"] = r.paired_nodes;
+    out["hidden_tips"] = r.hidden_tips;
     return out;
 }
 
-Figures counts_of(const KnotReport& r) {
+Figures compute_counts(const RemeshReport& r) {
     Figures out;
     out["pairs_before"] = r.pairs_before;
     out["pairs_after"] = r.pairs_after;
-    out["lossy"] = r.lossy;
+    out["lost_bulges"] = r.lost_bulges;
     out["severed"] = r.severed;
     out["folded"] = r.folded;
     out["rounds"] = r.rounds;
-    out["slices"] = r.slices;
+    out["tube_rows"] = r.tube_rows;
     return out;
 }
 
-Figures counts_of(const CoarsenReport& r) {
+Figures compute_counts(const CoarsenReport& r) {
     Figures out;
     out["quads_before"] = r.faces_before;
     out["nodes_refined"] = r.raised;
     return out;
 }
 
-Figures counts_of(const BendApartReport& r) {
+Figures compute_counts(const BendApartReport& r) {
     Figures out;
     out["overlaps_before"] = r.before;
     out["overlaps_after"] = r.after;
@@ -63,7 +63,7 @@ Figures counts_of(const BendApartReport& r) {
     return out;
 }
 
-Figures counts_of(const RamificationObjective& f) {
+Figures compute_counts(const RamificationObjective& f) {
     Figures out;
     out["units"] = f.units;
     out["connections"] = f.connections;
@@ -72,28 +72,28 @@ Figures counts_of(const RamificationObjective& f) {
     return out;
 }
 
-Figures counts_of(const RamificationReport& r) {
+Figures compute_counts(const RamificationReport& r) {
     Figures out;
     out["branches"] = r.branches;
     out["units"] = r.units;
     out["connectable"] = r.connectable;
     out["additional"] = r.additional;
     out["crowded"] = r.crowded;
-    out["objective_before"] = counts_of(r.before);
-    out["objective_after"] = counts_of(r.after);
+    out["objective_before"] = compute_counts(r.before);
+    out["objective_after"] = compute_counts(r.after);
     out["connection_seconds"] = r.connection_seconds;
     out["subdivision_seconds"] = r.subdivision_seconds;
     out["paste_seconds"] = r.paste_seconds;
     return out;
 }
 
-// How the laterals were joined, and what that did to the objective.
-std::string told(const RamificationReport& r) {
+// Summarises how laterals were connected, and the change of the objective.
+std::string summary(const RamificationReport& r) {
     return fmt::format("{} laterals connected, {} pasted, objective {:.1f} from {:.1f}",
                        grouped(r.connectable), grouped(r.additional), r.after.total(), r.before.total());
 }
 
-Figures counts_of(const BallReport& r) {
+Figures compute_counts(const BallReport& r) {
     Figures out;
     out["balls"] = r.balls;
     out["spacing"] = r.chain.spacing;
@@ -106,20 +106,20 @@ std::string counted(std::uint64_t number, std::string_view thing) {
     return fmt::format("{} {}{}", grouped(number), thing, number == 1 ? "" : "s");
 }
 
-// What became of wood that overlapped that of other trees: nothing where none did.
-std::string told(const BendApartReport& r) {
+// Summarises overlaps of branches of different trees; empty if there were none.
+std::string summary(const BendApartReport& r) {
     if (r.before == 0) return {};
     const std::string left = r.after > 0 ? fmt::format(", {} left", grouped(r.after)) : "";
-    return fmt::format("{} of two trees bent apart{}; ", counted(r.before, "overlap"), left);
+    return fmt::format("{} between trees removed by bending{}; ", counted(r.before, "overlap"), left);
 }
 
-bool had_knots(const KnotReport& r) { return r.pairs_before + r.lossy + r.severed + r.folded > 0; }
+bool had_repairs(const RemeshReport& r) { return r.pairs_before + r.lost_bulges + r.severed + r.folded > 0; }
 
-// What to say of quads that crossed, left something out, or severed a branch: nothing where none did.
-std::string told(const KnotReport& r) {
+// Summarises intersecting quads, lost bulges and severed branches; empty if there were none.
+std::string summary(const RemeshReport& r) {
     std::vector<std::string> remeshed;
     if (r.pairs_before > 0) remeshed.push_back(counted(r.pairs_before, "crossing"));
-    if (r.lossy > 0) remeshed.push_back(counted(r.lossy, "lost bulge"));
+    if (r.lost_bulges > 0) remeshed.push_back(counted(r.lost_bulges, "lost bulge"));
     if (r.severed > 0) remeshed.push_back(counted(r.severed, "severed row"));
     if (r.folded > 0) remeshed.push_back(counted(r.folded, "fold"));
     std::string out;
@@ -133,25 +133,25 @@ std::string count(Figures& counts, const QuadSurface& surface) {
     counts["vertices"] = surface.mesh.positions.size();
     counts["quads"] = surface.mesh.quads.size();
     counts["cage_quads"] = surface.cage.cage.quads.size();
-    counts["bodies"] = surface.knots.parts;
-    counts["handles"] = surface.knots.handles;
-    counts["branches_grafted"] = counts_of(surface.grafted);
-    counts["branches_parted"] = counts_of(surface.parted);
-    if (surface.balls) counts["metaballs"] = counts_of(*surface.balls);
-    if (had_knots(surface.knots)) counts["crossings_remeshed"] = counts_of(surface.knots);
-    if (surface.coarsened) counts["sides_by_radius"] = counts_of(*surface.coarsened);
-    if (surface.ramified) counts["ramifications"] = counts_of(*surface.ramified);
+    counts["bodies"] = surface.repair.parts;
+    counts["handles"] = surface.repair.handles;
+    counts["branches_grafted"] = compute_counts(surface.grafted);
+    counts["branches_parted"] = compute_counts(surface.parted);
+    if (surface.balls) counts["metaballs"] = compute_counts(*surface.balls);
+    if (had_repairs(surface.repair)) counts["crossings_remeshed"] = compute_counts(surface.repair);
+    if (surface.coarsened) counts["sides_by_radius"] = compute_counts(*surface.coarsened);
+    if (surface.ramified) counts["ramifications"] = compute_counts(*surface.ramified);
     const std::string how =
-        surface.ramified ? told(*surface.ramified)
+        surface.ramified ? summary(*surface.ramified)
                          : fmt::format("{} merged, {} grafted, {} cut", grouped(surface.grafted.merged),
                                        grouped(surface.grafted.grafted), grouped(surface.grafted.cut));
     const std::string before =
         surface.coarsened ? fmt::format(" of {}", grouped(surface.coarsened->faces_before)) : "";
     return fmt::format("{}; {}{} quads{}", how, grouped(surface.mesh.quads.size()), before,
-                       told(surface.knots));
+                       summary(surface.repair));
 }
 
-Figures counts_of(const PolyhedronReport& r) {
+Figures compute_counts(const PolyhedronReport& r) {
     Figures out;
     out["sections"] = r.sections;
     out["auxiliary_points"] = r.auxiliary;
@@ -164,7 +164,7 @@ std::string count(Figures& counts, const TetraSurface& surface) {
     counts["triangles"] = surface.mesh.triangles.size();
     counts["tetrahedra"] = surface.march.tetra;
     counts["coarse_tetrahedra"] = surface.coarse;
-    if (surface.polyhedron) counts["polyhedron"] = counts_of(*surface.polyhedron);
+    if (surface.polyhedron) counts["polyhedron"] = compute_counts(*surface.polyhedron);
     counts["samples"] = surface.march.vertices;
     counts["crossed_tetrahedra"] = surface.march.crossed;
     counts["snapped_vertices"] = surface.march.snapped;
@@ -182,13 +182,13 @@ std::string count(Figures& counts, const CylinderMesh& surface) {
     counts["faces"] = surface.mesh.face_count();
     counts["tubes"] = surface.report.tubes;
     counts["rings"] = surface.report.rings;
-    counts["least_sides"] = surface.report.least_sides;
-    counts["most_sides"] = surface.report.most_sides;
+    counts["min_sides"] = surface.report.min_sides;
+    counts["max_sides"] = surface.report.max_sides;
     return fmt::format("{} tubes, {} faces", grouped(surface.report.tubes),
                        grouped(surface.mesh.face_count()));
 }
 
-Figures counts_of(const VolumeReport& r) {
+Figures compute_counts(const VolumeReport& r) {
     Figures out;
     out["mesh"] = r.mesh;
     out["cones"] = r.cones;
@@ -197,8 +197,8 @@ Figures counts_of(const VolumeReport& r) {
     return out;
 }
 
-Figures counts_of(const AxesReport& r) {
-    Figures out = figures_of(r);
+Figures compute_counts(const AxesReport& r) {
+    Figures out = compute_figures(r);
     out["tips"] = r.tips;
     out["tips_short"] = r.short_tips;
     return out;
@@ -225,12 +225,13 @@ void write_surface(const std::filesystem::path& path, const MeshResult& result,
 }
 
 void add_mesh_write_options(OptionList& options, MeshWriteOptions& write) {
-    options.flag("--normals", write.normals, "also write smooth normals into .obj; .glb and .usda have them",
+    options.flag("--normals", write.normals,
+                 "Also write smooth normals to .obj; .glb and .usda always contain them.",
                  {.group = "Writing a mesh", .common = false});
-    options.value(
-        {common_field("output_up", "Axis that points up in the written file; .glb and .usda define theirs"),
-         choice_of(write.up)},
-        "Writing a mesh");
+    options.value({common_field("output_up",
+                                "Axis that points up in the written file; .glb and .usda define their own."),
+                   choice_of(write.up)},
+                  "Writing a mesh");
 }
 
 void check_mesh_write_options(const MeshWriteOptions& write, std::span<const std::filesystem::path> outputs) {
@@ -242,9 +243,9 @@ void check_mesh_write_options(const MeshWriteOptions& write, std::span<const std
         });
     };
     if (write.normals && !any({obj}))
-        throw UsageError("--normals are for .obj, which none of the outputs is");
+        throw UsageError("--normals requires an .obj output; none of the outputs is one");
     if (write.up != FileUp::z && !any({obj, ply, stl}))
-        throw UsageError("--output-up is for .obj, .ply and .stl, which none of the outputs is");
+        throw UsageError("--output-up requires an .obj, .ply or .stl output; none of the outputs is one");
 }
 
 std::string count_surface(Run& run, const MeshResult& result) {
@@ -252,18 +253,18 @@ std::string count_surface(Run& run, const MeshResult& result) {
         std::visit([&](const auto& surface) { return count(run.counts(), surface); }, result.surface);
     tell_device(run, result);
     if (result.bent_apart) {
-        run.counts()["trees_bent_apart"] = counts_of(*result.bent_apart);
-        said = told(*result.bent_apart) + said;
+        run.counts()["trees_bent_apart"] = compute_counts(*result.bent_apart);
+        said = summary(*result.bent_apart) + said;
     }
     if (!result.fitted) return said;
     const FitVolumeReport& fitted = *result.fitted;
-    run.counts()["fitted"] = figures_of(fitted);
+    run.counts()["fitted"] = compute_figures(fitted);
     return fmt::format("{}; volume {:.2f} % of the cones', {:.2f} % before fitting{}", said,
                        100 * fitted.after / fitted.cones, 100 * fitted.before / fitted.cones,
                        fitted.closed ? "" : " (parts of it are lost: see coppice check)");
 }
 
-std::vector<std::string> faults_of(const AxesReport& axes) {
+std::vector<std::string> find_faults(const AxesReport& axes) {
     const auto at = [](NodeId node, Vec3d p) {
         return fmt::format("node {} ({:.6g}, {:.6g}, {:.6g})", node.index(), p.x, p.y, p.z);
     };
@@ -290,7 +291,7 @@ Verdict judge(Run& run, const MeshResult& result, const Skeleton& skeleton, cons
     if (!verdict) return {};
     Verdict out{verdict->is_good(), {}};
     if (verdict->volume) {
-        run.counts()["volume"] = counts_of(*verdict->volume);
+        run.counts()["volume"] = compute_counts(*verdict->volume);
         if (!result.fitted)
             out.said = fmt::format("; volume {:.1f} % of the cones'", 100 * verdict->volume->ratio());
         if (!verdict->holds_volume()) {
@@ -298,10 +299,10 @@ Verdict judge(Run& run, const MeshResult& result, const Skeleton& skeleton, cons
                                  100 * verdict->volume->ratio()));
         }
     }
-    run.counts()["axes"] = counts_of(verdict->axes);
-    for (const std::string& fault : faults_of(verdict->axes)) run.warn(fault);
+    run.counts()["axes"] = compute_counts(verdict->axes);
+    for (const std::string& fault : find_faults(verdict->axes)) run.warn(fault);
     if (verdict->crossings > 0)
-        run.warn(fmt::format("{} of quads still cross; coppice check names the places",
+        run.warn(fmt::format("{} of quads still intersect; coppice check lists the places",
                              counted(verdict->crossings, "pair")));
     return out;
 }

@@ -13,34 +13,35 @@
 
 namespace coppice::cli {
 
-/// Writes the mesh of a surface, whichever method made it.
+/// Writes the mesh of a surface of any method.
 void write_surface(const std::filesystem::path& path, const MeshResult& result,
                    const MeshWriteOptions& options, const Context& ctx);
 
-/// The options of MeshWriteOptions but the format.
+/// Adds the options of MeshWriteOptions except the format.
 void add_mesh_write_options(OptionList& options, MeshWriteOptions& write);
-/// Throws UsageError where one of them would do nothing for any of the files.
+/// Throws UsageError if an option has no effect on any of the files.
 void check_mesh_write_options(const MeshWriteOptions& write, std::span<const std::filesystem::path> outputs);
 
-/// Puts what the surface was computed on into the report, and says why that is not what was asked for.
+/// Reports the device that computed the surface, and the reason if it is not the requested one.
 void tell_device(Run& run, const MeshResult& result);
-/// Puts the figures of a surface into the report; returns what to say of it.
+/// Adds the figures of a surface to the report; returns its summary.
 std::string count_surface(Run& run, const MeshResult& result);
 
-/// What a surface lacks of the axes of its skeleton: a sentence for severed branches, and one for short tips.
-std::vector<std::string> faults_of(const AxesReport& axes);
+/// Describes the axes of the skeleton that the surface does not cover: a sentence for severed branches, and
+/// one for short tips.
+std::vector<std::string> find_faults(const AxesReport& axes);
 
-/// What is to be said of a surface in view of its skeleton.
+/// The verdict on a surface, compared with its skeleton.
 struct Verdict {
     bool is_good = true;
-    std::string said;  ///< for the summary
+    std::string said;  ///< text for the summary
 };
-/// Holds a surface against its skeleton, puts the figures into the report, and warns of what it lacks.
-/// Nothing is said of surfaces that judge_surface() does not judge. `ends` has to be what it was made with.
+/// Compares a surface with its skeleton, adds the figures to the report, and warns of defects. Does nothing
+/// for surfaces that judge_surface() does not judge. `ends` must equal the options that made the surface.
 Verdict judge(Run& run, const MeshResult& result, const Skeleton& skeleton, const ControlOptions& ends);
 
-/// Makes and writes the surface of --then-mesh; returns what is said of it after the rest, with a semicolon
-/// before it. Nothing where `path` is empty.
+/// Creates and writes the surface of --then-mesh; returns the text to append to the summary, with a leading
+/// semicolon. Does nothing if `path` is empty.
 std::string then_mesh(Run& run, const std::filesystem::path& path, const Skeleton& skeleton,
                       const MeshOptions& options);
 

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "commands/architecture_options.h"
-#include "coppice/pipeline/json.h"
+#include "coppice/options/json.h"
 
 namespace coppice::cli {
 namespace {
@@ -17,18 +17,17 @@ void add_stem(Figures& out, double top, const TimberVolume& of, const Timber::Na
 
 std::vector<double> TimberFlags::tops() const {
     if (top_diameters.empty() && stump_height > 0)
-        throw UsageError("--stump-height is for timber; name its --top-diameters, as in 0.07,0.2");
+        throw UsageError("--stump-height requires --top-diameters, as in --top-diameters 0.07,0.2");
     return rising_numbers(top_diameters, "--top-diameters");
 }
 
 void add_timber_options(OptionList& options, TimberFlags& flags) {
     options.file("--top-diameters", "LIST", flags.top_diameters,
-                 "Diameters down to which wood is timber, in the units of the files, as in 0.07,0.2");
-    options.value({Field{"stump_height", "Height above the root below which the stem is no timber",
-                         Unit::metre, 0, 1e3},
-                   &flags.stump_height});
-    options.value({Field{"wood_density",
-                         "Density of the wood in kg/m3, by which volumes are multiplied for the biomass",
+                 "Minimum diameters of timber, in the units of the files, as in 0.07,0.2.");
+    options.value(
+        {Field{"stump_height", "Height above the root at which the timber begins.", Unit::metre, 0, 1e3},
+         &flags.stump_height});
+    options.value({Field{"wood_density", "Density of the wood in kg/m3, which converts volumes to biomass.",
                          Unit::none, 0, 2000},
                    &flags.wood_density});
 }

@@ -13,15 +13,15 @@
 
 namespace coppice::cli {
 
-/// What is asked of the wood of trees besides its volume.
+/// Options for the timber and biomass of trees.
 struct TimberFlags {
-    std::filesystem::path top_diameters;  ///< a list, no file
+    std::filesystem::path top_diameters;  ///< a list, not a file
     float stump_height = 0;               ///< [m]
-    float wood_density = 0;               ///< [kg/m^3] 0: none was given
+    float wood_density = 0;               ///< [kg/m^3] 0: not given
 
-    /// Whether anything is asked for.
+    /// Returns whether any option is set.
     bool any() const { return !top_diameters.empty() || stump_height > 0 || wood_density > 0; }
-    /// Throws UsageError where the list is none, does not rise, or is missing although there is a stump.
+    /// Throws UsageError if the list is invalid, not ascending, or missing although a stump height is given.
     std::vector<double> tops() const;
 };
 
@@ -32,8 +32,8 @@ class Timber {
   public:
     Timber(const Skeleton& skeleton, const BranchTable& table, const TimberFlags& flags);
 
-    /// Adds the figures of one tree, or of all together; `name` completes the name of a figure that is the
-    /// given power of a length.
+    /// Adds the figures of one tree, or the sums of all; `name` appends the unit to the name of a figure, for
+    /// the given power of a length.
     using Name = std::function<std::string(std::string_view name, int power)>;
     void add_tree(Figures& out, std::size_t tree, const Name& name) const;
     void add_all(Figures& out, const Name& name) const;
@@ -43,7 +43,7 @@ class Timber {
     std::vector<std::vector<TimberVolume>> volumes_;  // [top][tree]
 };
 
-/// Adds the figures of a stem that only its sections tell, which are those of Timber but for other wood.
+/// Adds the figures of a stem known only by its sections: those of Timber without the volume of branches.
 void add_stem_timber(Figures& out, const StemForm& form, const TimberFlags& flags, const Timber::Name& name);
 
 }  // namespace coppice::cli

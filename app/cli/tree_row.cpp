@@ -8,9 +8,9 @@ Figure cell_if(bool is_known, const Figure& figure) { return is_known ? figure :
 
 Figure text_cell(const std::string& text) { return cell_if(!text.empty(), text); }
 
-/// The figure of something that may be missing.
+/// Adds the figure of an optional value.
 template <class Of, class Get>
-Figure cell_of(const Of* of, const Get& get) {
+Figure compute_cell(const Of* of, const Get& get) {
     return of != nullptr ? Figure(get(*of)) : Figure(NotChecked{});
 }
 
@@ -21,7 +21,7 @@ void add_circle(Figures& out, const StemDiameter& breast) {
     out["dbh_coverage"] = cell_if(seen, breast.coverage);
 }
 
-/// The diameter at breast height, of the circles through the points.
+/// Adds the diameter at breast height from the circles fitted to the points.
 void add_diameter(Figures& out, double diameter, double low, double high) {
     const bool seen = diameter > 0;
     out["dbh_m"] = cell_if(seen, diameter);
@@ -29,13 +29,13 @@ void add_diameter(Figures& out, double diameter, double low, double high) {
     out["dbh_high_m"] = cell_if(seen, high);
 }
 
-/// A figure of the skeleton.
+/// Adds a figure of the skeleton.
 void add_figure(Figures& out, const char* name, const TreeFigures* t, bool is_known,
                 double TreeFigures::*figure) {
     out[name] = t != nullptr ? cell_if(is_known, t->*figure) : Figure(NotChecked{});
 }
 
-/// What the skeleton says; of points also between which bounds.
+/// Adds the figures of the skeleton; for points also with their bounds.
 void add_figures(Figures& out, const TreeFigures* t, bool of_points) {
     add_figure(out, "dbh_of_skeleton_m", t, t != nullptr && t->dbh > 0, &TreeFigures::dbh);
     add_figure(out, "length_m", t, true, &TreeFigures::length);
@@ -49,10 +49,10 @@ void add_figures(Figures& out, const TreeFigures* t, bool of_points) {
 }
 
 void add_crown(Figures& out, const PlotTree* tree) {
-    out["crown_area_m2"] = cell_of(tree, [](const PlotTree& t) { return t.crown.area; });
-    out["crown_base_m"] = cell_of(tree, [](const PlotTree& t) { return t.crown_base; });
-    out["crown_volume_m3"] = cell_of(tree, [](const PlotTree& t) { return t.crown.hull_volume; });
-    out["points"] = cell_of(tree, [](const PlotTree& t) { return t.points; });
+    out["crown_area_m2"] = compute_cell(tree, [](const PlotTree& t) { return t.crown.area; });
+    out["crown_base_m"] = compute_cell(tree, [](const PlotTree& t) { return t.crown_base; });
+    out["crown_volume_m3"] = compute_cell(tree, [](const PlotTree& t) { return t.crown.hull_volume; });
+    out["points"] = compute_cell(tree, [](const PlotTree& t) { return t.points; });
 }
 
 }  // namespace
@@ -70,7 +70,7 @@ Figures tree_row(const TreeRow& row, const TreeColumns& columns) {
     const TreeFigures* t = row.figures;
     const StemForm* form = row.of_plot != nullptr ? &row.of_plot->form : nullptr;
     out["height_m"] =
-        form != nullptr ? Figure(form->height) : cell_of(t, [](const auto& f) { return f.height; });
+        form != nullptr ? Figure(form->height) : compute_cell(t, [](const auto& f) { return f.height; });
     add_figure(out, "height_low_m", t, row.of_points, &TreeFigures::height_low);
     add_figure(out, "height_high_m", t, row.of_points, &TreeFigures::height_high);
     if (form != nullptr) {
@@ -82,7 +82,7 @@ Figures tree_row(const TreeRow& row, const TreeColumns& columns) {
     }
     if (columns.of_plots) {
         add_circle(out, form != nullptr ? form->breast : StemDiameter{});
-        out["stems"] = cell_of(form, [](const StemForm& f) { return f.stems; });
+        out["stems"] = compute_cell(form, [](const StemForm& f) { return f.stems; });
     }
     add_figures(out, t, row.of_points);
     if (columns.of_plots) {

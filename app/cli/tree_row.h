@@ -15,29 +15,29 @@ namespace coppice::cli {
 /// The table of the trees that `coppice extract` writes to a folder.
 inline constexpr const char* kTreeTable = "trees.csv";
 
-/// Which columns a table of trees has.
+/// Columns of a table of trees.
 struct TreeColumns {
-    bool of_files = false;  ///< of many files: which file each row is of, and what went wrong with it
-    bool of_plots = false;  ///< of plots: stems as circles, crowns, points, colours
-    bool with_ids = false;  ///< of plots whose points have ids of trees
+    bool of_files = false;  ///< for many files: input file of each row, and the error
+    bool of_plots = false;  ///< for plots: stem circles, crowns, points, colours
+    bool with_ids = false;  ///< for plots with tree ids
 };
 
-/// What is known of a tree, or of a file of which there is none.
+/// The figures of a tree, or of a file without a tree.
 struct TreeRow {
-    std::string input = {};                 ///< the file that it is of
-    std::size_t tree = 0;                   ///< its number in the file, from 1; 0: there is none
-    std::optional<std::uint32_t> id = {};   ///< of its points
-    std::string skeleton = {};              ///< the file of its skeleton
+    std::string input = {};                 ///< its input file
+    std::size_t tree = 0;                   ///< its number in the file, from 1; 0: there is no tree
+    std::optional<std::uint32_t> id = {};   ///< id of its points
+    std::string skeleton = {};              ///< file of its skeleton
     std::optional<Vec3d> foot = {};         ///< [m] in the coordinates of the file
-    const TreeFigures* figures = nullptr;   ///< of its skeleton; or none
-    bool of_points = true;                  ///< of a mesh there are no circles, and no intervals
-    const PlotTree* of_plot = nullptr;      ///< what a plot knows of it; or none
-    std::string color = {};                 ///< of its points
-    std::string warnings = {}, error = {};  ///< what to look at; why there is no skeleton
+    const TreeFigures* figures = nullptr;   ///< figures of its skeleton; may be null
+    bool of_points = true;                  ///< meshes have no circles and no intervals
+    const PlotTree* of_plot = nullptr;      ///< its figures in a plot; may be null
+    std::string color = {};                 ///< number of its points
+    std::string warnings = {}, error = {};  ///< warnings to check; the reason why there is no skeleton
 };
 
-/// A row of the table, the same columns for every row; what is not known is NotChecked. This is where columns
-/// have their names.
+/// Returns a row of the table, with the same columns for every row; unknown values are NotChecked. Defines
+/// the names of the columns.
 Figures tree_row(const TreeRow& row, const TreeColumns& columns);
 
 }  // namespace coppice::cli

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <vector>
 
+#include "coppice/base/id.h"
 #include "coppice/io/mesh/writer.h"
 #include "coppice/io/skeleton/stated_axes.h"
 #include "coppice/skeleton/frustum.h"
@@ -19,18 +20,18 @@ namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 
-/// Branches of one tree by what they add up to.
+/// Sums over a group of branches of one tree.
 struct BranchSums {
     double length = 0, area = 0, volume = 0;
     std::uint64_t branches = 0;
-    std::uint32_t greatest_order = 0;
+    std::uint32_t max_order = 0;
 
     void add(const Branch& b) {
         length += b.length;
         area += b.area;
         volume += b.volume;
         ++branches;
-        greatest_order = std::max(greatest_order, b.order);
+        max_order = std::max(max_order, b.order);
     }
 };
 
@@ -40,10 +41,10 @@ void add_place(Figures& row, std::string_view prefix, Vec3d p) {
         row[fmt::format("{}{}", prefix, kNames[static_cast<std::size_t>(axis)])] = p[axis];
 }
 
-/// A value that is known; else an empty cell.
+/// Returns a known value, or else an empty cell.
 Figure known(double value, bool is_known) { return is_known ? Figure(value) : Figure(NotChecked{}); }
 
-/// Of the cylinder with the volume and length of a cone.
+/// Returns the radius of the cylinder with the volume and length of a cone.
 double equal_radius(const Frustum& cone) {
     const double a = cone.radius_a, b = cone.radius_b;
     return std::sqrt((a * a + a * b + b * b) / 3);
@@ -52,7 +53,8 @@ double equal_radius(const Frustum& cone) {
 std::optional<CsvFile> begin(const std::filesystem::path& path) {
     if (path.empty()) return std::nullopt;
     if (path.extension() != ".csv")
-        throw UsageError(fmt::format("'{}' is no name of this table; use the ending .csv", path.string()));
+        throw UsageError(
+            fmt::format("'{}' is not the name of this table; use the extension .csv", path.string()));
     check_output_folder(path);
     return std::optional<CsvFile>(std::in_place, path);
 }
@@ -64,12 +66,12 @@ bool TreeTableFlags::any() const {
 }
 
 void add_tree_table_options(OptionList& options, TreeTableFlags& flags) {
-    options.output("--trees", "CSV", flags.trees, "Write a row for each tree of each skeleton");
-    options.output("--branches", "CSV", flags.branches, "Write a row for each branch of each skeleton");
-    options.output("--cylinders", "CSV", flags.cylinders, "Write a row for each segment of each skeleton");
+    options.output("--trees", "CSV", flags.trees, "Write a row for each tree of each skeleton.");
+    options.output("--branches", "CSV", flags.branches, "Write a row for each branch of each skeleton.");
+    options.output("--cylinders", "CSV", flags.cylinders, "Write a row for each segment of each skeleton.");
     options.output("--taper", "CSV", flags.taper,
-                   "Write a row for each section of each stem, of skeletons and points");
-    options.output("--crowns", "MESH", flags.crowns, "Write the convex hulls of all crowns (.ply, .obj)",
+                   "Write a row for each section of each stem of skeletons and points.");
+    options.output("--crowns", "MESH", flags.crowns, "Write the convex hulls of all crowns (.ply, .obj).",
                    {.common = false});
 }
 
@@ -111,13 +113,13 @@ TreeTables::TreeTables(const TreeTableFlags& flags, const TimberFlags& timber)
       branches_(begin(flags.branches)),
       cylinders_(begin(flags.cylinders)),
       taper_(begin(flags.taper)) {
-    (void)timber.tops();  // what is wrong with them is told before any work
+    (void)timber.tops();  // so that errors are reported before any work
     if (!flags.crowns.empty()) check_mesh_output(flags.crowns);
 }
 
 void TreeTables::check_units(const std::string& path, LengthUnit units) {
     if (units_ && *units_ != units)
-        throw UsageError(fmt::format("'{}' is in {}, but the files before it in {}; say --units for all",
+        throw UsageError(fmt::format("'{}' is in {}, but the files before it in {}; specify --units for all",
                                      path, name_of(units), name_of(*units_)));
     units_ = units;
 }
@@ -130,7 +132,7 @@ void TreeTables::add(Run& run, const std::string& path, int model, const Skeleto
     begin["model"] = model;
     run.stage("trees", [&](const Context& ctx) {
         const Skeleton& s = file.skeleton;
-        const NodeAxes axes = axes_of(file);
+        const NodeAxes axes = find_axes(file);
         const BranchTable table = list_branches(s, axes.order, axes.axis);
         if (branches_) add_branches(begin, file, table);
         if (cylinders_) add_cylinders(begin, file, table);
@@ -188,12 +190,12 @@ void TreeTables::add_trees(const Figures& begin, const SkeletonFile& file, const
         row[name("stem_area", 2)] = stem.area;
         row[name("lateral_area", 2)] = others.area;
         row["laterals"] = others.branches;
-        row["greatest_order"] = others.greatest_order;
+        row["max_order"] = others.max_order;
         row[name("crown_base", 1)] = bases[t];
         row[name("crown_length", 1)] = height - bases[t];
         row["crown_ratio"] = known((height - bases[t]) / height, height > 0);
         row[name("crown_diameter", 1)] = crowns[t].diameter();
-        row[name("crown_diameter_max", 1)] = crowns[t].greatest_width;
+        row[name("crown_diameter_max", 1)] = crowns[t].max_width;
         row[name("crown_area", 2)] = crowns[t].area;
         row[name("crown_hull_area", 2)] = crowns[t].hull_area;
         row[name("crown_hull_volume", 3)] = crowns[t].hull_volume;
@@ -211,7 +213,7 @@ void TreeTables::add_branches(const Figures& begin, const SkeletonFile& file, co
         Figures row = begin;
         row["tree"] = b.tree + 1;
         row["branch"] = i + 1;
-        row["parent"] = b.parent == kNoBranch ? Figure(NotChecked{}) : Figure(b.parent + 1);
+        row["parent"] = b.parent == kNoIndex ? Figure(NotChecked{}) : Figure(b.parent + 1);
         row["order"] = b.order;
         row["cylinders"] = b.segments;
         row[name("diameter", 1)] = b.diameter;
@@ -233,7 +235,7 @@ void TreeTables::add_cylinders(const Figures& begin, const SkeletonFile& file, c
         if (s.is_root(n)) continue;
         const Segment segment = s.segment(n);
         const Frustum cone = frustum(segment);
-        const std::uint32_t branch = table.branch_of[n.index()];
+        const std::uint32_t branch = table.find_branch[n.index()];
         const NodeId parent = s.parent(n);
         Figures row = begin;
         row["tree"] = table.branches[branch].tree + 1;
@@ -257,12 +259,12 @@ void TreeTables::add_cylinders(const Figures& begin, const SkeletonFile& file, c
 std::string TreeTables::commit(Run& run) {
     std::vector<std::string> written;
     const auto finish = [&](std::optional<CsvFile>& table, const std::filesystem::path& path,
-                            std::string_view what) {
+                            std::string_view subject) {
         if (!table) return;
-        if (table->rows() == 0) run.warn(fmt::format("there are no {} to list", what));
+        if (table->rows() == 0) run.warn(fmt::format("there are no {} to list", subject));
         table->commit();
-        run.counts()[what] = table->rows();
-        written.push_back(fmt::format("{}: {} {}", path.string(), grouped(table->rows()), what));
+        run.counts()[subject] = table->rows();
+        written.push_back(fmt::format("{}: {} {}", path.string(), grouped(table->rows()), subject));
     };
     finish(trees_, flags_.trees, "trees");
     finish(branches_, flags_.branches, "branches");

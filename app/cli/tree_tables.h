@@ -16,7 +16,7 @@
 
 namespace coppice::cli {
 
-/// Where tables of what files consist of go; none where nothing is named.
+/// Output files of the tables; empty where not requested.
 struct TreeTableFlags {
     std::filesystem::path trees, branches, cylinders, taper;
     std::filesystem::path crowns;  ///< a mesh
@@ -26,27 +26,27 @@ struct TreeTableFlags {
 
 void add_tree_table_options(OptionList& options, TreeTableFlags& flags);
 
-/// Adds the sections of a stem to a table, each row beginning with those figures.
+/// Adds the sections of a stem to a table; each row begins with the given figures.
 void add_taper(CsvFile& out, const Figures& begin, const StemForm& form, LengthUnit units = LengthUnit::m);
 
-/// Adds the hull of a crown to those of others; the first one's origin is that of all.
+/// Adds the hull of a crown to the others; all use the origin of the first one.
 void add_hull(TriMesh& out, const TriMesh& hull);
 
-/// Writes hulls as a stage of the run; warns, and returns false, where there are none.
+/// Writes hulls as a stage of the run; warns and returns false if there are none.
 bool write_crowns(Run& run, const std::filesystem::path& path, const TriMesh& hulls);
 
-/// Tables with a row for each tree, branch, cylinder or section of a stem, and the hulls of the crowns, of
-/// all files that are added. Everything appears when it is committed.
+/// Tables with a row for each tree, branch, cylinder or stem section, and the crown hulls, of all files
+/// added. The files appear on commit.
 class TreeTables {
   public:
-    /// Throws UsageError for names that are none of what is to be written.
+    /// Throws UsageError for names with unsupported extensions.
     TreeTables(const TreeTableFlags& flags, const TimberFlags& timber);
 
-    /// Throws UsageError where the file is in other units than those before it.
+    /// Throws UsageError if the units of the file differ from those of earlier files.
     void add(Run& run, const std::string& path, int model, const SkeletonFile& file);
-    /// Of points there are only the sections of their stem, and a crown.
+    /// Points have only stem sections and a crown.
     void add(const std::string& path, const StemForm& form, const Crown& crown);
-    /// Writes what there is, warns of what there is nothing of, and returns what was written.
+    /// Writes the tables, warns of empty ones, and returns the written files.
     std::string commit(Run& run);
 
   private:
@@ -59,7 +59,7 @@ class TreeTables {
 
     TreeTableFlags flags_;
     TimberFlags timber_;
-    std::optional<LengthUnit> units_;  ///< of all skeletons
+    std::optional<LengthUnit> units_;  ///< units of all skeletons
     std::optional<CsvFile> trees_, branches_, cylinders_, taper_;
     TriMesh crowns_;
 };

@@ -15,13 +15,14 @@ namespace coppice::server {
 /// The head of a request.
 struct HttpHead {
     std::string method, target;
-    std::vector<std::pair<std::string, std::string>> fields;  ///< as they came; names in lower case
+    std::vector<std::pair<std::string, std::string>>
+        fields;  ///< in the order of the request; names in lower case
 
-    /// The value of a field; none where it is missing or comes twice, which no client of ours does.
+    /// Returns the value of a field; nullopt if it is missing or repeated, which no supported client does.
     std::optional<std::string_view> field(std::string_view name) const;
 };
 
-/// A file that is open for reading, closed by whoever has it last.
+/// A file that is open for reading; its last owner closes it.
 class OpenFile {
   public:
     explicit OpenFile(int descriptor) : descriptor_(descriptor) {}
@@ -31,13 +32,13 @@ class OpenFile {
     OpenFile& operator=(const OpenFile&) = delete;
     ~OpenFile();
 
-    int release() { return std::exchange(descriptor_, -1); }  ///< hands it over
+    int release() { return std::exchange(descriptor_, -1); }  ///< transfers the ownership
 
   private:
     int descriptor_;
 };
 
-/// What is answered. Fields that every answer has are added when it is sent.
+/// A response. The fields that are common to all responses are added when it is sent.
 struct HttpReply {
     int status = 200;
     std::string type = "text/plain; charset=utf-8";
@@ -45,10 +46,10 @@ struct HttpReply {
     std::vector<std::pair<std::string, std::string>> fields = {};
 };
 
-/// An answer of one sentence.
+/// Returns a response of one sentence.
 HttpReply sentence(int status, const std::string& text);
 
-/// `%20` and the like as the bytes that they stand for; none where it is not well-formed.
+/// Decodes `%20` and other escapes; returns nullopt if they are malformed.
 std::optional<std::string> percent_decoded(std::string_view text);
 
 }  // namespace coppice::server

@@ -13,7 +13,7 @@
 namespace coppice::server {
 namespace {
 
-constexpr int kMostPlaces = 64;
+constexpr int kMaxPlaces = 64;
 
 std::filesystem::path state_folder() {
     const char* state = std::getenv("XDG_STATE_HOME");
@@ -23,8 +23,8 @@ std::filesystem::path state_folder() {
     return std::filesystem::path(home) / ".local/state/coppice/studio";
 }
 
-/// FNV-1a: the same for a name on every run.
-std::uint64_t hash_of(const std::string& text) {
+/// FNV-1a: returns the same hash for a name on every run.
+std::uint64_t compute_hash(const std::string& text) {
     std::uint64_t hash = 14695981039346656037U;
     for (const unsigned char c : text) hash = (hash ^ c) * 1099511628211U;
     return hash;
@@ -39,8 +39,8 @@ JournalPlace::JournalPlace(const std::filesystem::path& document) {
     std::filesystem::create_directories(folder, error);
     if (error) return;
     std::filesystem::permissions(folder, std::filesystem::perms::owner_all, error);
-    const std::uint64_t hash = hash_of(std::filesystem::absolute(document).lexically_normal().string());
-    for (int i = 0; i < kMostPlaces; ++i) {
+    const std::uint64_t hash = compute_hash(std::filesystem::absolute(document).lexically_normal().string());
+    for (int i = 0; i < kMaxPlaces; ++i) {
         const std::string base = (folder / fmt::format("{:016x}-{}", hash, i)).string();
         lock_ = ::open((base + ".lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
         if (lock_ < 0) return;

@@ -4,12 +4,13 @@
 
 namespace coppice::server {
 
-/// A place for the journal of a document: `$XDG_STATE_HOME/coppice/studio/`, or `~/.local/state/...`. Each
-/// document has several, since it may be open more than once: the first that no other studio holds is taken,
-/// and held as long as this object lives. So what a killed studio left is found again by the next one.
+/// The file for the journal of a document in `$XDG_STATE_HOME/coppice/studio/`, or `~/.local/state/...`. Each
+/// document has several, since it may be open more than once: the first one that no other studio uses is
+/// locked for the lifetime of this object. Thus the next studio finds the journal of one that was killed.
 class JournalPlace {
   public:
-    /// Of a scene file, or of a folder for what has no name yet. Where none can be had, file() is empty.
+    /// Uses a journal for a scene file, or for a folder if the document has no name yet. If none can be
+    /// created, file() is empty.
     explicit JournalPlace(const std::filesystem::path& document);
     ~JournalPlace();
     JournalPlace(const JournalPlace&) = delete;

@@ -10,12 +10,12 @@
 #include <thread>
 
 #include "coppice/base/error.h"
-#include "coppice/io/program.h"
+#include "coppice/system/program.h"
 
 namespace coppice::server {
 namespace {
 
-/// A folder that only its owner sees, where there is one.
+/// Returns a folder that only its owner can read, if there is one.
 std::filesystem::path private_folder() {
     const char* runtime = std::getenv("XDG_RUNTIME_DIR");
     std::error_code ignored;
@@ -23,7 +23,7 @@ std::filesystem::path private_folder() {
     return std::filesystem::temp_directory_path();
 }
 
-/// Starts a program, if it is there, that may go on for hours and has nothing to say here.
+/// Starts a program, if it exists; it may run for hours, and its output is discarded.
 bool start(std::string_view name, const std::string& argument) {
     const auto program = find_program(name);
     if (!program) return false;
@@ -36,7 +36,7 @@ bool start(std::string_view name, const std::string& argument) {
         return true;
     } catch (const IoError&) {
         ::close(nowhere);
-        return false;  // then the user opens it
+        return false;  // the user opens the address
     }
 }
 
@@ -64,7 +64,8 @@ Doorway::~Doorway() {
 
 bool Doorway::open() const {
     const char* chosen = std::getenv("BROWSER");
-    if (chosen != nullptr && start(chosen, file_.string())) return true;  // a list of several is no program
+    if (chosen != nullptr && start(chosen, file_.string()))
+        return true;  // a list of several browsers cannot be started
     return start("xdg-open", file_.string());
 }
 

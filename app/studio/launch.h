@@ -5,9 +5,9 @@
 
 namespace coppice::server {
 
-/// A page of one line that leads the browser to the studio. The address holds the token, which no list of
-/// processes and no other user may see: so the browser is given this file, which only its owner may read.
-/// It is removed with this object.
+/// A page of one line that redirects the browser to the studio. The address contains the token, which must
+/// not appear in the process list or be readable by other users; therefore the browser opens this file, which
+/// only its owner may read. The file is removed with this object.
 class Doorway {
   public:
     explicit Doorway(const std::string& address);  ///< throws IoError
@@ -17,7 +17,7 @@ class Doorway {
 
     const std::filesystem::path& file() const { return file_; }
 
-    /// Opens it in the user's browser ($BROWSER, xdg-open). Returns whether something was started.
+    /// Opens it in the user's browser ($BROWSER, xdg-open). Returns whether a program was started.
     bool open() const;
 
   private:

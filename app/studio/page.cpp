@@ -5,14 +5,14 @@
 #include <utility>
 
 #include "coppice/base/error.h"
-#include "coppice/io/file.h"
+#include "coppice/system/file.h"
 
 namespace coppice::server {
 namespace {
 
-constexpr std::string_view kNonce = "__NONCE__";  // stands in index.html
+constexpr std::string_view kNonce = "__NONCE__";  // placeholder in index.html
 
-/// The files that a page may have; nothing else is looked for.
+/// The possible files of a page; no others are searched.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kFiles{
     {{"index.html", "text/html; charset=utf-8"},
      {"app.js", "text/javascript; charset=utf-8"},
@@ -35,8 +35,8 @@ Page::Page(std::filesystem::path folder) : folder_(std::move(folder)) {
         }
     } else if (embedded_page().empty()) {
         throw InvalidInput(
-            "this program was built without the studio's page, since Node or the packages of web/ were not "
-            "there; run script/bootstrap and build again");
+            "this program was built without the page of the studio, because Node or the packages of web/ "
+            "were missing; run script/bootstrap and build again");
     }
 }
 

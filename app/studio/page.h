@@ -10,22 +10,24 @@
 
 namespace coppice::server {
 
-/// A file of the studio's page.
+/// A file of the page of the studio.
 struct PageFile {
     std::string_view name;  ///< "app.js"
     std::string_view bytes;
 };
 
-/// The page that was built into the program; none where it was built without (see app/studio/CMakeLists.txt).
+/// Returns the page that is embedded in the program; empty if it was built without one (see
+/// app/studio/CMakeLists.txt).
 std::span<const PageFile> embedded_page();
 
-/// The files of the page: those in the program, or while the page is being worked on those in a folder.
+/// The files of the page: those embedded in the program, or during development those in a folder.
 class Page {
   public:
-    /// `folder` empty: those in the program. Throws InvalidInput where there is no page.
+    /// An empty `folder` selects the embedded files. Throws InvalidInput if there is no page.
     explicit Page(std::filesystem::path folder = {});
 
-    /// What is sent for a path, "/" or "/app.js"; none for anything else. `nonce` goes into the document.
+    /// Returns the file for a path, "/" or "/app.js"; nullopt for any other. `nonce` is inserted into the
+    /// document.
     struct Found {
         std::string bytes;
         std::string_view type;

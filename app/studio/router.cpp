@@ -16,12 +16,12 @@ namespace {
 constexpr std::size_t kLongestTarget = 4096;
 
 HttpReply wrong_method(const char* allowed) {
-    HttpReply reply = sentence(405, fmt::format("this takes {} alone", allowed));
+    HttpReply reply = sentence(405, fmt::format("this accepts only {}", allowed));
     reply.fields.emplace_back("Allow", allowed);
     return reply;
 }
 
-/// Pages elsewhere are told by the name under which the browser asks (DNS rebinding), and by their origin.
+/// Requests by foreign pages are recognised by their host name (DNS rebinding) and their origin.
 bool is_own_host(std::string_view host, std::uint16_t port) {
     return host == fmt::format("127.0.0.1:{}", port) || host == fmt::format("localhost:{}", port);
 }
@@ -45,7 +45,7 @@ bool is_upgrade(const HttpHead& head) {
            });
 }
 
-/// A target is a path and nothing else: no address before it, nothing to ask behind it, no control signs.
+/// Returns whether a target is only a path: without a host, a query, a fragment or control characters.
 bool is_plain_path(std::string_view target) {
     return !target.empty() && target.front() == '/' && target.size() <= kLongestTarget &&
            std::ranges::none_of(target,
@@ -54,21 +54,22 @@ bool is_plain_path(std::string_view target) {
 
 }  // namespace
 
-Router::Router(Rules rules, Page page, std::shared_ptr<const Jail> jail, const StudioEngine& engine)
-    : rules_(std::move(rules)), page_(std::move(page)), jail_(std::move(jail)), engine_(engine) {}
+Router::Router(Rules rules, Page page, std::shared_ptr<const FolderSandbox> sandbox,
+               const StudioEngine& engine)
+    : rules_(std::move(rules)), page_(std::move(page)), sandbox_(std::move(sandbox)), engine_(engine) {}
 
 bool Router::knows(std::string_view token) const { return same_token(token, rules_.token); }
 
 Plan Router::plan(const HttpHead& head) const {
     const auto host = head.field("host");
     if (!host || !is_own_host(*host, rules_.port))
-        return sentence(421, "this server is asked under its own address alone");
-    if (!is_plain_path(head.target)) return sentence(400, "the address is no plain path");
+        return sentence(421, "this server only answers requests to its own address");
+    if (!is_plain_path(head.target)) return sentence(400, "the address is not a plain path");
     if (head.target == "/ws") {
         if (head.method != "GET") return wrong_method("GET");
-        if (has_body(head)) return sentence(400, "a request for a connection has no body");
-        if (!is_upgrade(head)) return sentence(426, "this is for connections of the page");
-        if (!has_own_origin(head)) return sentence(403, "pages of others may not connect");
+        if (has_body(head)) return sentence(400, "a request for a connection must not have a body");
+        if (!is_upgrade(head)) return sentence(426, "this address is only for connections of the page");
+        if (!has_own_origin(head)) return sentence(403, "pages of other origins may not connect");
         return OpenSocket{};
     }
     const std::string_view target = head.target;
@@ -77,21 +78,21 @@ Plan Router::plan(const HttpHead& head) const {
     constexpr std::string_view kBearer = "Bearer ";
     const auto said = head.field("authorization");
     if (!said || !said->starts_with(kBearer) || !knows(said->substr(kBearer.size())))
-        return sentence(401, "this needs the token of the studio");
+        return sentence(401, "this requires the token of the studio");
     const auto name = percent_decoded(target.substr(std::string_view("/blob/").size()));
-    if (!name || name->empty()) return sentence(400, "the address has no name that can be read");
+    if (!name || name->empty()) return sentence(400, "the address contains no valid name");
     if (!is_blob) return plan_file(head, *name);
     if (head.method != "GET") return wrong_method("GET");
-    if (has_body(head)) return sentence(400, "a request for geometry has no body");
+    if (has_body(head)) return sentence(400, "a request for geometry must not have a body");
     return SendBlob{*name};
 }
 
 Plan Router::plan_page(const HttpHead& head) const {
     const std::string nonce = make_token();
     auto found = page_.find(head.target, nonce);
-    if (!found) return sentence(404, "there is nothing of that name");
+    if (!found) return sentence(404, "there is no such page");
     if (head.method != "GET") return wrong_method("GET");
-    if (has_body(head)) return sentence(400, "a request for the page has no body");
+    if (has_body(head)) return sentence(400, "a request for the page must not have a body");
     HttpReply reply{.type = std::string(found->type), .body = std::move(found->bytes)};
     reply.fields.emplace_back(
         "Content-Security-Policy",
@@ -105,33 +106,34 @@ Plan Router::plan_page(const HttpHead& head) const {
 
 Plan Router::plan_file(const HttpHead& head, std::string_view name) const {
     if (head.method == "GET") {
-        if (has_body(head)) return sentence(400, "a request for a file has no body");
+        if (has_body(head)) return sentence(400, "a request for a file must not have a body");
         return SendFile{std::string(name)};
     }
     if (head.method != "PUT") return wrong_method("GET, PUT");
-    if (!has_own_origin(head)) return sentence(403, "pages of others may not write");
+    if (!has_own_origin(head)) return sentence(403, "pages of other origins may not write");
     const auto length = head.field("content-length");
-    if (!length || head.field("transfer-encoding")) return sentence(411, "a file is sent with its length");
+    if (!length || head.field("transfer-encoding"))
+        return sentence(411, "an upload must state the length of the file");
     TakeFile out{.name = std::string(name), .bytes = 0, .overwrite = head.field("x-overwrite") == "yes"};
     const auto [end, error] = std::from_chars(length->data(), length->data() + length->size(), out.bytes);
     if (error != std::errc() || end != length->data() + length->size())
-        return sentence(400, "the length of the file is no number");
-    if (out.bytes > rules_.most_upload)
-        return sentence(413, fmt::format("the file is larger than {} MiB, which --max-upload allows",
-                                         rules_.most_upload >> 20));
+        return sentence(400, "the length of the file is not a number");
+    if (out.bytes > rules_.max_upload)
+        return sentence(413, fmt::format("the file is larger than {} MiB, the limit of --max-upload",
+                                         rules_.max_upload >> 20));
     return out;
 }
 
 HttpReply Router::blob(const SendBlob& wanted) const {
     StudioBytes bytes = engine_.blob(wanted.key);
-    if (!bytes) return sentence(404, "there is no such geometry any more; ask for it again");
+    if (!bytes) return sentence(404, "this geometry no longer exists; request it again");
     return {.type = "application/octet-stream", .body = std::move(bytes)};
 }
 
 HttpReply Router::file(const SendFile& wanted) const {
     try {
-        HttpReply reply{.type = "application/octet-stream", .body = OpenFile(jail_->open(wanted.name))};
-        // Without a name: those of users could not be trusted in a header.
+        HttpReply reply{.type = "application/octet-stream", .body = OpenFile(sandbox_->open(wanted.name))};
+        // Sent without a file name: names chosen by users are not safe in a header.
         reply.fields.emplace_back("Content-Disposition", "attachment");
         return reply;
     } catch (const IoError& error) {
@@ -140,11 +142,11 @@ HttpReply Router::file(const SendFile& wanted) const {
 }
 
 std::filesystem::path Router::place_of(const TakeFile& wanted) const {
-    std::filesystem::path path = jail_->to_write(wanted.name);
+    std::filesystem::path path = sandbox_->to_write(wanted.name);
     std::error_code ignored;
     if (!wanted.overwrite && std::filesystem::exists(path, ignored))
         throw Exists(
-            fmt::format("'{}' is there already; allow it to be replaced, or take another name", wanted.name));
+            fmt::format("'{}' already exists; allow it to be replaced, or choose another name", wanted.name));
     return path;
 }
 

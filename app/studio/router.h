@@ -6,21 +6,21 @@
 #include <string_view>
 #include <variant>
 
-#include "coppice/io/file.h"
-#include "coppice/io/jail.h"
+#include "coppice/system/file.h"
+#include "coppice/system/folder_sandbox.h"
 #include "http.h"
 #include "page.h"
 
 namespace coppice::server {
 
-/// Who may ask for what.
+/// Rules of access.
 struct Rules {
-    std::uint16_t port = 0;                              ///< that the server listens at
-    std::string token = {};                              ///< whoever has it may do everything
-    std::uint64_t most_upload = std::uint64_t{2} << 30;  ///< [bytes] of one file
+    std::uint16_t port = 0;                             ///< port of the server
+    std::string token = {};                             ///< grants full access
+    std::uint64_t max_upload = std::uint64_t{2} << 30;  ///< [bytes] maximum size of one file
 };
 
-/// What is to be done for a request, by its head alone.
+/// Actions for a request, decided from its head.
 /// @{
 struct SendBlob {
     std::string key;
@@ -30,26 +30,27 @@ struct SendFile {
 };
 struct TakeFile {
     std::string name;
-    std::uint64_t bytes = 0;  ///< that follow
+    std::uint64_t bytes = 0;  ///< size of the body
     bool overwrite = false;
 };
 struct OpenSocket {};
 using Plan = std::variant<HttpReply, SendBlob, SendFile, TakeFile, OpenSocket>;
 /// @}
 
-/// Decides what requests get: docs/library/studio-protocol.md. Knows nothing of sockets, so that every rule
-/// can be tested, and may be used by several threads.
+/// Decides how requests are answered: docs/library/studio-protocol.md. Independent of sockets, so that every
+/// rule can be tested; thread-safe.
 class Router {
   public:
-    Router(Rules rules, Page page, std::shared_ptr<const Jail> jail, const StudioEngine& engine);
+    Router(Rules rules, Page page, std::shared_ptr<const FolderSandbox> sandbox, const StudioEngine& engine);
 
-    /// What a request gets: an answer where it is refused or is about the page, else what it may have.
+    /// Returns the action for a request: a response if it is refused or for the page, else the requested
+    /// transfer.
     Plan plan(const HttpHead& head) const;
-    HttpReply blob(const SendBlob& wanted) const;  ///< may take as long as making it does
+    HttpReply blob(const SendBlob& wanted) const;  ///< may take as long as computing the geometry
     HttpReply file(const SendFile& wanted) const;
-    bool knows(std::string_view token) const;  ///< whether it is the one
+    bool knows(std::string_view token) const;  ///< returns whether the token is correct
 
-    /// A file that is being uploaded: bytes in order, then commit(), after which it is there.
+    /// An upload of a file: bytes in order, then commit(), which makes the file visible.
     class Upload {
       public:
         Upload(const Router& router, TakeFile wanted);  ///< throws IoError, and Exists
@@ -60,7 +61,7 @@ class Router {
         TakeFile wanted_;
         AtomicFile file_;
     };
-    /// An upload would replace a file, which nobody allowed.
+    /// An upload would replace a file without permission.
     class Exists : public IoError {
       public:
         using IoError::IoError;
@@ -73,7 +74,7 @@ class Router {
 
     Rules rules_;
     Page page_;
-    std::shared_ptr<const Jail> jail_;
+    std::shared_ptr<const FolderSandbox> sandbox_;
     const StudioEngine& engine_;
 };
 

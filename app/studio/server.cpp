@@ -36,12 +36,12 @@ namespace websocket = beast::websocket;
 using tcp = asio::ip::tcp;
 using Failure = beast::error_code;
 
-constexpr std::size_t kPiece = 256 << 10;                     // [bytes] of an upload that are read at once
-constexpr std::size_t kShortestName = 16, kLongestName = 64;  // of clients
+constexpr std::size_t kPiece = 256 << 10;  // [bytes] maximum part of an upload that is read at a time
+constexpr std::size_t kShortestName = 16, kLongestName = 64;  // limits of the names of clients
 constexpr int kProtocol = 1;
-constexpr unsigned kWorkers = 2;  // that make geometry which was asked for
+constexpr unsigned kWorkers = 2;  // threads that compute requested geometry
 
-/// What every answer has.
+/// Sets the fields that are common to all responses.
 template <class Fields>
 void set_common_fields(Fields& out) {
     out.set(http::field::cache_control, "no-store");
@@ -51,29 +51,30 @@ void set_common_fields(Fields& out) {
     out.set("Cross-Origin-Resource-Policy", "same-origin");
 }
 
-/// The other end of a connection, of whatever kind.
+/// The other end of a connection of any kind.
 class Peer {
   public:
     virtual ~Peer() = default;
-    virtual void cut() = 0;  ///< ends the connection without a word
+    virtual void cut() = 0;  ///< closes the connection without a message
     bool has_token() const { return has_token_; }
 
   protected:
-    void note_token() { has_token_ = true; }  ///< a request or a hello with the token came
+    void note_token() { has_token_ = true; }  ///< called for a request or a hello with the token
 
   private:
     bool has_token_ = false;
 };
 
-/// The open connections, the oldest first.
+/// The open connections, in the order of their creation.
 class Peers {
   public:
     explicit Peers(std::size_t max_count) : max_count_(max_count) {}
 
     void add(const std::shared_ptr<Peer>& peer) { all_.push_back(peer); }
 
-    /// Makes room for one more where there is none: ends the oldest connection that has not shown the token,
-    /// so that programs of other users cannot keep the owner out. Returns whether there is room.
+    /// Makes room for one more connection if the limit is reached: closes the oldest one that has not
+    /// presented the token, so that programs of other users cannot lock out the owner. Returns whether there
+    /// is room.
     bool make_room() {
         std::erase_if(all_, [](const auto& peer) { return peer.expired(); });
         if (all_.size() < max_count_) return true;
@@ -98,12 +99,12 @@ class Peers {
     std::size_t max_count_;
 };
 
-/// Whether the rules gave this to a request that had the token.
+/// Returns whether the action was granted to a request with the token.
 bool shows_token(const Plan& plan) {
     return !std::holds_alternative<HttpReply>(plan) && !std::holds_alternative<OpenSocket>(plan);
 }
 
-/// What all connections share.
+/// Data shared by all connections.
 struct Shared {
     const Router& router;
     StudioEngine& engine;
@@ -114,7 +115,7 @@ struct Shared {
     asio::thread_pool workers{kWorkers};
 };
 
-/// One more of something, until it goes.
+/// Counts an object during its lifetime.
 class Counted {
   public:
     explicit Counted(int& count) : count_(count) { ++count_; }
@@ -126,7 +127,7 @@ class Counted {
     int& count_;
 };
 
-/// A WebSocket of a page, or of whoever knows the token.
+/// A WebSocket of a page, or of another client with the token.
 class Socket final : public Peer, public StudioClient, public std::enable_shared_from_this<Socket> {
   public:
     Socket(beast::tcp_stream stream, Shared& shared)
@@ -166,12 +167,13 @@ class Socket final : public Peer, public StudioClient, public std::enable_shared
         StudioBytes bytes;
     };
 
-    /// On the engine's thread: goes to the thread of the connections. What nobody reads must not pile up.
+    /// Called on the engine's thread; hands over to the thread of the connections. The queue of a client that
+    /// does not read is limited.
     void post(Frame frame) {
         const std::size_t bytes = frame.bytes->size();
         if (waiting_.fetch_add(bytes) + bytes > shared_.limits.waiting && waiting_ != bytes) {
             waiting_.fetch_sub(bytes);
-            // Not in order: that would wait for the page to read.
+            // Closed at once: closing in order would wait for the page to read.
             asio::post(shared_.io, [self = shared_from_this()] { self->cut(); });
             return;
         }
@@ -198,7 +200,7 @@ class Socket final : public Peer, public StudioClient, public std::enable_shared
         timer_.expires_after(std::chrono::seconds(shared_.limits.hello_seconds));
         timer_.async_wait([self = shared_from_this()](Failure failure) {
             if (!failure && self->name_.empty())
-                self->close(websocket::close_code::policy_error, "nobody said who this is");
+                self->close(websocket::close_code::policy_error, "the client sent no hello");
         });
     }
 
@@ -208,7 +210,7 @@ class Socket final : public Peer, public StudioClient, public std::enable_shared
             const std::string message = beast::buffers_to_string(self->buffer_.cdata());
             self->buffer_.consume(self->buffer_.size());
             if (!self->stream_.got_text())
-                return self->close(websocket::close_code::unknown_data, "messages are text");
+                return self->close(websocket::close_code::unknown_data, "messages must be text");
             if (!self->name_.empty()) {
                 self->shared_.engine.post(self->name_, message);
             } else if (!self->greet(message)) {
@@ -218,7 +220,7 @@ class Socket final : public Peer, public StudioClient, public std::enable_shared
         });
     }
 
-    /// The first message says who this is; others are for the engine.
+    /// Checks the first message, which identifies the client; later ones are for the engine.
     bool greet(const std::string& message) {
         const auto hello = nlohmann::json::parse(message, nullptr, false);
         const auto text = [&](const char* field) {
@@ -231,16 +233,14 @@ class Socket final : public Peer, public StudioClient, public std::enable_shared
             client.size() >= kShortestName && client.size() <= kLongestName &&
             std::ranges::all_of(client, [](unsigned char c) { return std::isalnum(c) != 0; });
         if (text("type") != "hello" || !is_name) {
-            close(websocket::close_code::policy_error, "the first message has to say hello");
+            close(websocket::close_code::policy_error, "the first message must be a hello");
         } else if (!shared_.router.knows(text("token"))) {
-            close(
-                websocket::close_code::policy_error,
-                "This page has not the token of the studio that runs now; open it again from the terminal.");
-        } else if (hello.value("version", nlohmann::json()) != kProtocol) {
             close(websocket::close_code::policy_error,
-                  "The studio is of another version; load the page again.");
+                  "This page has the token of another studio; open it again from the terminal.");
+        } else if (hello.value("version", nlohmann::json()) != kProtocol) {
+            close(websocket::close_code::policy_error, "The studio has another version; reload the page.");
         } else if (shared_.clients >= shared_.limits.clients) {
-            close(websocket::close_code::try_again_later, "too many pages are open already");
+            close(websocket::close_code::try_again_later, "too many pages are open");
         } else {
             note_token();
             counted_.emplace(shared_.clients);
@@ -267,17 +267,17 @@ class Socket final : public Peer, public StudioClient, public std::enable_shared
     }
 
     Shared& shared_;
-    std::optional<Counted> counted_;  ///< among the clients, once it said hello
+    std::optional<Counted> counted_;  ///< counts among the clients after the hello
     websocket::stream<beast::tcp_stream> stream_;
     asio::steady_timer timer_;
     beast::flat_buffer buffer_;
-    std::string name_;  ///< of the client; empty until it said hello
+    std::string name_;  ///< of the client; empty before its hello
     std::deque<Frame> queue_;
-    std::atomic<std::size_t> waiting_ = 0;  ///< [bytes] on the way to the queue and in it
+    std::atomic<std::size_t> waiting_ = 0;  ///< [bytes] in the queue or on the way to it
     bool closing_ = false;
 };
 
-/// A connection that asks by HTTP: one request after the other, until one asks for a WebSocket.
+/// An HTTP connection: one request after the other, until one requests a WebSocket.
 class Connection final : public Peer, public std::enable_shared_from_this<Connection> {
   public:
     Connection(tcp::socket socket, Shared& shared) : shared_(shared), stream_(std::move(socket)) {}
@@ -294,8 +294,8 @@ class Connection final : public Peer, public std::enable_shared_from_this<Connec
 
     void read_head() {
         head_.emplace();
-        head_->header_limit(kMostHead);
-        head_->body_limit(std::numeric_limits<std::uint64_t>::max());  // the router says what may be sent
+        head_->header_limit(kMaxHead);
+        head_->body_limit(std::numeric_limits<std::uint64_t>::max());  // the router limits the size
         wait_at_most(has_token() ? shared_.limits.idle_seconds : shared_.limits.hello_seconds);
         http::async_read_header(
             stream_, buffer_, *head_,
@@ -306,14 +306,14 @@ class Connection final : public Peer, public std::enable_shared_from_this<Connec
         if (failure == http::error::header_limit) return refuse(431, "the head of the request is too long");
         if (failure == http::error::end_of_stream || failure == http::error::partial_message) return;
         if (failure.category() == make_error_code(http::error::bad_method).category())
-            return refuse(400, "this is no request of HTTP");
-        if (failure) return;  // it went, or took too long
+            return refuse(400, "this is not an HTTP request");
+        if (failure) return;  // closed by the client, or timed out
         Plan plan = shared_.router.plan(head_of(head_->get()));
         if (shows_token(plan)) note_token();
         std::visit([this](auto& wanted) { serve(wanted); }, plan);
     }
 
-    /// Answers, and hears no more of this connection: what follows may be the body of what was refused.
+    /// Sends a response and reads no further: the following bytes may be the body of the refused request.
     void refuse(int status, const char* text) {
         is_last_ = true;
         send(sentence(status, text));
@@ -340,7 +340,7 @@ class Connection final : public Peer, public std::enable_shared_from_this<Connec
     }
 
     void serve(OpenSocket&) {
-        if (shared_.clients >= shared_.limits.clients) return refuse(503, "too many pages are open already");
+        if (shared_.clients >= shared_.limits.clients) return refuse(503, "too many pages are open");
         const auto socket = std::make_shared<Socket>(std::move(stream_), shared_);
         socket->start(head_->get());
     }
@@ -381,7 +381,7 @@ class Connection final : public Peer, public std::enable_shared_from_this<Connec
 
     void take_piece(Failure failure) {
         if (failure && failure != http::error::need_buffer) {
-            upload_.reset();  // nothing of it stays
+            upload_.reset();  // an incomplete upload is removed
             return;
         }
         try {
@@ -393,7 +393,7 @@ class Connection final : public Peer, public std::enable_shared_from_this<Connec
         take_body();
     }
 
-    /// What goes wrong while an answer is made is an answer.
+    /// Converts errors while a response is made to responses.
     template <class Make>
     static HttpReply answer_of(Make&& make) {
         try {
@@ -404,9 +404,9 @@ class Connection final : public Peer, public std::enable_shared_from_this<Connec
             return sentence(500, error.what());
         } catch (const std::bad_alloc&) {
             return sentence(507,
-                            "there is not enough memory for that; show less, or give more by --max-memory");
+                            "there is not enough memory for this; show less, or allow more by --max-memory");
         } catch (const std::exception&) {
-            return sentence(500, "this should not happen, please report it");
+            return sentence(500, "this is a defect of coppice, please report it");
         }
     }
 
@@ -454,8 +454,8 @@ class Connection final : public Peer, public std::enable_shared_from_this<Connec
         });
     }
 
-    /// Takes what still comes for a moment: closing at once would tear the answer away from a client that is
-    /// sending.
+    /// Reads the remaining input for a moment: closing at once would discard the response to a client that is
+    /// still sending.
     void end() {
         Failure ignored;
         stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
@@ -473,12 +473,12 @@ class Connection final : public Peer, public std::enable_shared_from_this<Connec
 
     Shared& shared_;
     beast::tcp_stream stream_;
-    beast::flat_buffer buffer_{kPiece + kMostHead};
+    beast::flat_buffer buffer_{kPiece + kMaxHead};
     std::optional<http::request_parser<http::empty_body>> head_;
     std::optional<http::request_parser<http::buffer_body>> body_;
     std::optional<Router::Upload> upload_;
     std::string piece_;
-    bool is_last_ = false;  ///< the connection ends behind this answer
+    bool is_last_ = false;  ///< the connection closes after this response
     HttpReply reply_;
     http::response<http::empty_body> go_on_;
     std::optional<http::response<http::span_body<const char>>> bytes_;
@@ -488,7 +488,7 @@ class Connection final : public Peer, public std::enable_shared_from_this<Connec
 }  // namespace
 
 struct Listener::Sockets {
-    asio::io_context io{1};  // only to listen with: the server takes the descriptor over
+    asio::io_context io{1};  // Used only to listen: the server takes over the descriptor.
     tcp::acceptor acceptor{io};
 };
 
@@ -502,8 +502,8 @@ Listener::Listener(std::uint16_t port) : sockets_(std::make_unique<Sockets>()) {
     if (!failure) acceptor.listen(asio::socket_base::max_listen_connections, failure);
     if (failure)
         throw IoError(
-            fmt::format("nothing can be served at port {} of this machine ({}); take another by --port, or 0 "
-                        "for one that is free",
+            fmt::format("the server cannot use port {} of this machine ({}); choose another one by --port, "
+                        "or 0 for a free one",
                         port, failure.message()));
 }
 
@@ -533,7 +533,7 @@ struct Server::State {
                 std::make_shared<Connection>(std::move(socket), shared)->start();
             }
             if (!failure) return accept();
-            // No descriptors left, say: others may end meanwhile.
+            // For example no free descriptors: other connections may close in the interval.
             pause.expires_after(std::chrono::milliseconds(100));
             pause.async_wait([this](Failure stopped) {
                 if (!stopped) accept();
@@ -559,7 +559,7 @@ void Server::run(const std::stop_token& stop) {
         try {
             io.run();
         } catch (const std::bad_alloc&) {
-            continue;  // the connection that wanted it is gone; the others go on
+            continue;  // the connection that caused it is closed; the others continue
         }
     }
 }

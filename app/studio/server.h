@@ -10,16 +10,16 @@
 
 namespace coppice::server {
 
-/// A port of this machine that is listened at, before anything is answered there.
+/// A port of this machine that is bound before the server answers requests.
 class Listener {
   public:
-    /// At 127.0.0.1 and nowhere else; `port` 0 takes one that is free. Throws IoError where it is taken.
+    /// Listens at 127.0.0.1 only; `port` 0 selects a free port. Throws IoError if the port is in use.
     explicit Listener(std::uint16_t port);
     ~Listener();
     Listener(const Listener&) = delete;
     Listener& operator=(const Listener&) = delete;
 
-    std::uint16_t port() const;  ///< the one that it got
+    std::uint16_t port() const;  ///< the actual port
 
   private:
     friend class Server;
@@ -27,25 +27,27 @@ class Listener {
     std::unique_ptr<Sockets> sockets_;
 };
 
-/// What connections may cost.
+/// Limits of the resources of connections.
 struct ServerLimits {
-    int clients = 16;                              ///< WebSockets of pages at once
-    std::size_t connections = 128;                 ///< of any kind at once; those without the token make room
-    std::size_t message = std::size_t{1} << 20;    ///< [bytes] from a client
-    std::size_t waiting = std::size_t{256} << 20;  ///< [bytes] for a client that does not read them
-    int hello_seconds = 15;                        ///< without a request or a hello, until the token comes
-    int idle_seconds = 60;                         ///< without a request or a sign of life, after that
-    int transfer_seconds = 600;                    ///< for one body
+    int clients = 16;  ///< maximum number of WebSockets
+    std::size_t connections =
+        128;  ///< maximum number of all connections; those without the token are closed first
+    std::size_t message = std::size_t{1} << 20;  ///< [bytes] maximum size of a message of a client
+    std::size_t waiting = std::size_t{256}
+                          << 20;  ///< [bytes] maximum size of the queue of a client that does not read
+    int hello_seconds = 15;       ///< maximum time without a request or a hello, before the token arrives
+    int idle_seconds = 60;        ///< maximum time without a request or a keep-alive, after that
+    int transfer_seconds = 600;   ///< maximum time for one body
 };
 
-/// Speaks HTTP and WebSocket for an engine: docs/library/studio-protocol.md. All connections are served by
-/// one thread, what takes long by a few others; none waits for another.
+/// Serves HTTP and WebSocket for an engine: docs/library/studio-protocol.md. One thread serves all
+/// connections, a few others do long work, so that no connection waits for another.
 class Server {
   public:
     Server(Listener& listener, const Router& router, StudioEngine& engine, ServerLimits limits = {});
     ~Server();
 
-    /// Serves until a stop is asked for.
+    /// Serves until a stop is requested.
     void run(const std::stop_token& stop);
 
   private:

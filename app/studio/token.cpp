@@ -12,7 +12,7 @@ std::string make_token() {
     constexpr std::string_view kLetters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
     std::array<unsigned char, 32> bytes{};
     if (getentropy(bytes.data(), bytes.size()) != 0)
-        throw IoError("the system gives no random numbers for the studio's token");
+        throw IoError("the system provides no random numbers for the token of the studio");
     std::string out;
     unsigned bits = 0;
     int count = 0;

@@ -5,10 +5,11 @@
 
 namespace coppice::server {
 
-/// 256 bits from the system, as 43 letters, digits, - and _. Throws IoError where the system has none.
+/// Returns 256 random bits from the system as 43 letters, digits, - and _. Throws IoError if the system
+/// provides none.
 std::string make_token();
 
-/// Whether both are the same, in a time that tells nothing of where they differ.
+/// Returns whether both are equal, in a time that does not depend on where they differ.
 bool same_token(std::string_view given, std::string_view token);
 
 }  // namespace coppice::server

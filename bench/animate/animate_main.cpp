@@ -1,5 +1,5 @@
 // coppice_animate_bench: sways a tree in the wind and turns its branches to and fro, and prints as Markdown
-// what a frame costs and how many faces fold or cross, held or not.
+// the cost of a frame and the number of faces that fold or intersect, with and without holding.
 
 #include <fmt/format.h>
 
@@ -11,11 +11,11 @@
 #include <vector>
 
 #include "clock.h"
-#include "coppice/animate/wind.h"
 #include "coppice/base/median.h"
+#include "coppice/edit/animate/wind.h"
 #include "coppice/io/skeleton/reader.h"
 #include "coppice/mesh/shape.h"
-#include "coppice/pipeline/carry/sound_frames.h"
+#include "coppice/pipeline/deform/valid_frames.h"
 #include "coppice/skeleton/random_tree.h"
 #include "machine.h"
 #include "program.h"
@@ -33,7 +33,7 @@ struct Flags {
     double turn = 0;  // [degrees]
 };
 
-// All branches of the first order turned about the vertical through their joints, by some angle.
+// Returns all branches of the first order turned around the vertical through their joints, by an angle.
 Pose turned(const Skeleton& s, double angle) {
     Pose out = rest_pose(s);
     const Rotation turn = rotation_about({0, 0, 1}, angle);
@@ -53,37 +53,37 @@ Pose turned(const Skeleton& s, double angle) {
 struct Figures {
     std::vector<double> seconds;
     std::uint64_t folded = 0, crossings = 0, inverted = 0, unconverged = 0;
-    int held = 0, whole = 0;
-    std::uint32_t most_held = 0;
+    int frozen = 0, whole = 0;
+    std::uint32_t max_frozen = 0;
 };
 
 std::string row(const Flags& flags, const std::string& name, const Skeleton& tree) {
     const Context ctx = flags.program.context();
     const bench::Clock making;
-    CarriedMesh mesh(tree, {}, ctx);
+    SkinnedMesh mesh(tree, {}, ctx);
     const double made = making.seconds();
     constexpr double kPeriod = 10;
     const WindOptions options{.speed = flags.wind, .flexibility = flags.flexibility};
     const Wind wind(tree, options, kPeriod, flags.frames / 8);
-    SoundFrames frames(mesh);
+    ValidFrames frames(mesh);
     const auto pose_at = [&](double part) {
         const double angle = flags.turn * std::numbers::pi / 180 * std::sin(2 * std::numbers::pi * part);
         const Pose still = flags.turn != 0 ? turned(tree, angle) : rest_pose(tree);
         return wind.swayed(still, part * kPeriod);
     };
-    frames.next(pose_at(0), ctx);  // the way there from rest is no frame
+    frames.next(pose_at(0), ctx);  // the way from rest to the first frame is not counted
     Figures f;
     for (int i = 0; i < flags.frames; ++i) {
         const double part = static_cast<double>(i) / flags.frames;
         const bench::Clock clock;
-        const SoundFrame frame = frames.next(pose_at(part), ctx);
+        const ValidFrame frame = frames.next(pose_at(part), ctx);
         f.seconds.push_back(clock.seconds());
         f.folded += frame.folded;
         f.crossings += frame.crossings;
         f.unconverged += frame.not_converged;
-        f.held += frame.is_held() ? 1 : 0;
-        f.whole += frame.whole_tree_held ? 1 : 0;
-        f.most_held = std::max(f.most_held, frame.held_nodes);
+        f.frozen += frame.is_frozen() ? 1 : 0;
+        f.whole += frame.whole_tree_frozen ? 1 : 0;
+        f.max_frozen = std::max(f.max_frozen, frame.frozen_nodes);
         QuadMesh now = mesh.made().quads().mesh;
         now.positions = frame.positions;
         f.inverted += shape(now, ctx).inverted_faces;
@@ -92,14 +92,15 @@ std::string row(const Flags& flags, const std::string& name, const Skeleton& tre
         "| {} | {} | {} | {:.0f} | {:.1f} | {:.1f} | {:.1f} | {} | {} | {} | {} | {} | {} | {} |\n", name,
         tree.size(), mesh.made().quads().mesh.quads.size(), 1e3 * made, 1e3 * median(f.seconds),
         1e3 * *std::ranges::min_element(f.seconds), 1e3 * *std::ranges::max_element(f.seconds), f.folded,
-        f.crossings, f.held, f.whole, f.most_held, f.inverted, f.unconverged);
+        f.crossings, f.frozen, f.whole, f.max_frozen, f.inverted, f.unconverged);
 }
 
 void run(const Flags& flags) {
     std::string out = fmt::format(
         "{}\n\n{} frames, {} m/s, flexibility {}, branches turned by {} degrees\n\n| tree | nodes | quads | "
         "made, ms "
-        "| frame, ms | least | slowest | would fold | would cross | frames held | wholly | most nodes held | "
+        "| frame, ms | least | slowest | would fold | would cross | frames frozen | wholly | most nodes "
+        "frozen | "
         "folded "
         "| off the "
         "field |\n"
@@ -115,15 +116,16 @@ void run(const Flags& flags) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    CLI::App app("Costs of frames of swaying trees");
+    CLI::App app("Measures the costs of frames of swaying trees.");
     Flags flags;
-    app.add_option("trees", flags.trees, "skeletons to animate instead of a made-up one");
-    app.add_option("--segments", flags.segments, "of the made-up tree");
+    app.add_option("trees", flags.trees, "Skeletons to animate instead of a synthetic tree.");
+    app.add_option("--segments", flags.segments, "Number of segments of the synthetic tree.");
     app.add_option("--frames", flags.frames, "how many");
-    app.add_option("--wind", flags.wind, "speed in metres a second");
-    app.add_option("--flexibility", flags.flexibility, "times that of green wood");
-    app.add_option("--turn", flags.turn, "degrees by which branches of the first order go to and fro");
+    app.add_option("--wind", flags.wind, "Wind speed in metres per second.");
+    app.add_option("--flexibility", flags.flexibility, "Flexibility as a multiple of that of green wood.");
+    app.add_option("--turn", flags.turn,
+                   "Maximum angle in degrees of the oscillation of branches of the first order.");
     app.add_option("--threads", flags.program.threads, "0: all");
-    app.add_option("--markdown", flags.program.markdown, "write the table to this file as well");
+    app.add_option("--markdown", flags.program.markdown, "Also write the table to this file.");
     return coppice::bench::run_program(app, argc, argv, [&] { run(flags); });
 }

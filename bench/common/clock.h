@@ -4,7 +4,7 @@
 
 namespace coppice::bench {
 
-/// Runs from its construction on.
+/// Measures the time since its construction.
 class Clock {
   public:
     double seconds() const {

@@ -11,7 +11,7 @@
 namespace coppice::bench {
 namespace {
 
-// The text behind "key:" in a file of such lines.
+// Returns the text after "key:" in a file of such lines.
 std::string value_of(const char* file, const std::string& key) {
     std::ifstream in(file);
     for (std::string line; std::getline(in, line);) {
@@ -56,8 +56,8 @@ std::size_t peak_resident_bytes() { return status_bytes("VmHWM:"); }
 
 void reset_peak() {
     malloc_trim(0);
-    // Documented in proc(5). Where it is forbidden the old peak stays, and figures come out too large, never
-    // too small.
+    // Documented in proc(5). If it is forbidden, the old peak remains, and results are too large, never too
+    // small.
     std::ofstream("/proc/self/clear_refs") << "5";
 }
 

@@ -18,7 +18,7 @@ double Measure::least() const { return *std::min_element(samples.begin(), sample
 nlohmann::ordered_json measures_json(std::span<const Measure> measures) {
     auto out = nlohmann::ordered_json::object();
     for (const Measure& m : measures)
-        out[m.name] = {{"median_s", m.median()}, {"least_s", m.least()}, {"samples_s", m.samples}};
+        out[m.name] = {{"median_s", m.median()}, {"min_s", m.least()}, {"samples_s", m.samples}};
     return out;
 }
 

@@ -9,7 +9,7 @@
 
 namespace coppice::bench {
 
-/// One thing that was measured, several times.
+/// A quantity that was measured several times.
 struct Measure {
     std::string name;             ///< "mesh", "mesh: project", "opensubdiv", "write ply", ...
     std::vector<double> samples;  ///< [s]
@@ -17,12 +17,12 @@ struct Measure {
     double least() const;
 };
 
-/// An object with the median, the least and all samples of every measure, by its name.
+/// Returns an object with the median, the minimum and all samples of every measure, by name.
 nlohmann::ordered_json measures_json(std::span<const Measure> measures);
 
-/// The last columns of a line about one measure, kMeasureColumns.
+/// Returns the last columns of a line about one measure, see kMeasureColumns.
 std::string measure_csv(const Measure& measure);
-inline constexpr const char* kMeasureColumns = "measure,median_s,least_s,runs";
+inline constexpr const char* kMeasureColumns = "measure,median_s,min_s,runs";
 
 /// Measures by name, in the order of their first sample.
 class Measures {

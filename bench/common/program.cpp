@@ -4,7 +4,7 @@
 
 #include <thread>
 
-#include "coppice/io/file.h"
+#include "coppice/system/file.h"
 
 namespace coppice::bench {
 namespace {
@@ -22,16 +22,16 @@ unsigned ProgramFlags::thread_count() const {
 
 void add_program_flags(CLI::App& app, ProgramFlags& flags, int& repeat, double& seconds,
                        const std::string& row) {
-    app.add_option("--threads", flags.threads, "threads to use; 0 takes all")->capture_default_str();
-    app.add_option("--repeat", repeat, "timed runs per " + row)
+    app.add_option("--threads", flags.threads, "Number of threads; 0 uses all.")->capture_default_str();
+    app.add_option("--repeat", repeat, "Maximum number of timed runs per " + row)
         ->check(CLI::PositiveNumber)
         ->capture_default_str();
     app.add_option("--seconds", seconds,
-                   fmt::format("for the timed runs of a {}; at least three are made", row))
+                   fmt::format("Maximum time for the timed runs of a {}; at least three are made.", row))
         ->capture_default_str();
-    app.add_option("--json", flags.json, "write all samples to this file");
-    app.add_option("--csv", flags.csv, fmt::format("write a line per {} and measure to this file", row));
-    app.add_option("--markdown", flags.markdown, "write the tables to this file as well");
+    app.add_option("--json", flags.json, "Write all samples to this file.");
+    app.add_option("--csv", flags.csv, fmt::format("Write a line per {} and measure to this file.", row));
+    app.add_option("--markdown", flags.markdown, "Also write the tables to this file.");
 }
 
 void save(const Results& results, const ProgramFlags& flags) {

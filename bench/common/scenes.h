@@ -12,12 +12,12 @@ struct Scene {
     Skeleton skeleton;
 };
 
-/// The scenes measured when none is named, from small to large.
+/// Returns the default scenes, from small to large.
 std::vector<std::string> default_scenes();
 
-/// A made-up tree by its name (tree300, tree3k, tree30k, tree300k; with `hard` behind it the same size with
-/// whorls, acute forks and short segments), or else the skeleton in the file of that name.
-/// Throws InvalidInput or IoError.
+/// Returns a synthetic tree by its name (tree300, tree3k, tree30k, tree300k; with suffix `hard` the same size
+/// with whorls, acute forks and short segments), or otherwise the skeleton in the file of that name. Throws
+/// InvalidInput or IoError.
 Scene make_scene(const std::string& name_or_file);
 
 }  // namespace coppice::bench

@@ -22,9 +22,9 @@
 namespace coppice::bench {
 namespace {
 
-constexpr int kFewestRuns = 3;
+constexpr int kMinRuns = 3;
 
-/// What a run made, to compare runs by.
+/// Result of a run, for comparison with other runs.
 struct Outcome {
     std::uint64_t size = 0;
     std::uint64_t hash = 0;
@@ -38,7 +38,7 @@ Outcome outcome_of(const Skeleton& s) {
     return {s.size(), Hash().add(s.parents()).add(s.positions()).value()};
 }
 
-/// A run times its work as "all", and its stages if it has any, and returns what it made.
+/// A run measures its work as "all", and its stages if it has any, and returns its result.
 using Run = std::function<Outcome(Measures&)>;
 
 class Bench {
@@ -71,9 +71,8 @@ class Bench {
         row.size = expected.size;
         row.hash = expected.hash;
         if (row.seconds() > options_.seconds) return;
-        row.measures.clear();  // the first run was to warm up
-        for (int i = 0; i < options_.repeat && (i < kFewestRuns || budget.seconds() < options_.seconds);
-             ++i) {
+        row.measures.clear();  // the first run was a warm-up
+        for (int i = 0; i < options_.repeat && (i < kMinRuns || budget.seconds() < options_.seconds); ++i) {
             if (run(measures).hash != expected.hash) {
                 throw Error(fmt::format("two runs of '{}' gave different results", row.what));
             }
@@ -85,7 +84,7 @@ class Bench {
     std::vector<CrownResult> rows_;
 };
 
-/// The thesis's shell: field values from 0.40 to 0.41, just outside the surface at 0.5.
+/// The shell of the thesis: field values from 0.40 to 0.41, just outside the surface at 0.5.
 DensityCurve thin_shell() { return DensityCurve({{0.40f, 1}, {0.41f, 1}}); }
 
 template <class Field>
@@ -124,17 +123,17 @@ void bench_boundary(Bench& bench) {
     });
 }
 
-/// Random points of the box, one after the other, of which those in the shell are kept that no other one is
-/// nearer to than `distance`: what the thesis compares its other methods with.
+/// Dart throwing: random points of the box in sequence; keeps those in the shell that have no other point
+/// within `distance`. The reference method of the thesis.
 template <class Field>
 PointSet rejected_points(const Field& field, const Box3& box, float distance) {
     constexpr std::size_t kWanted = 1000;
-    constexpr std::uint64_t kMostDraws = 1'000'000'000;
+    constexpr std::uint64_t kMaxDraws = 1'000'000'000;
     const CounterRandom random(3, 61);
     const DensityCurve shell = thin_shell();
     PointSet out;
     for (std::uint64_t draw = 0; out.size() < kWanted; ++draw) {
-        if (draw == kMostDraws) throw Error("the box of the shell has no room for so many points");
+        if (draw == kMaxDraws) throw Error("the box of the shell has no room for so many points");
         Vec3 p;
         for (int axis = 0; axis < 3; ++axis)
             p[axis] = static_cast<float>(
@@ -149,7 +148,7 @@ PointSet rejected_points(const Field& field, const Box3& box, float distance) {
     return out;
 }
 
-/// Tables 6.1 and 6.2 of the thesis, where points are drawn in the whole box and refused outside the shell.
+/// Tables 6.1 and 6.2 of the thesis: points are drawn in the whole box and rejected outside the shell.
 void bench_rejection(Bench& bench) {
     const SolidField field(crown_blob_tree());
     const Box3 box = field.bounds_at(0.4f);
@@ -213,8 +212,8 @@ void bench_sets(Bench& bench) {
     bench_set(bench, row, ball(), {.count = 0, .distance = 0.15f});
 }
 
-/// Points of a lattice of 256 per side over a box, in blocks of 4 x 4 x 4, as grids are sampled: of the
-/// blocks in which the field is not 0 everywhere.
+/// Returns points of a lattice of 256 per side over a box, in blocks of 4 x 4 x 4, the order in which grids
+/// are sampled; only from blocks in which the field is not 0 everywhere.
 Buffer<Vec3> lattice_points(const SolidField& field) {
     constexpr std::size_t kSide = 256, kBlock = 4, kBlocks = kSide / kBlock,
                           kPoints = kBlock * kBlock * kBlock;
@@ -238,7 +237,7 @@ Buffer<Vec3> lattice_points(const SolidField& field) {
     return points;
 }
 
-/// The same points in an order without any neighbourhood.
+/// Returns the same points in random order.
 Buffer<Vec3> scattered(Buffer<Vec3> points) {
     const CounterRandom random(1, 2);
     for (std::size_t i = points.size(); i > 1; --i) std::swap(points[i - 1], points[random.bits(i) % i]);

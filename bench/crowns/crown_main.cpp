@@ -30,9 +30,9 @@ void run(Flags& flags) {
 
 int main(int argc, char** argv) {
     Flags flags;
-    CLI::App app("Measures implicit crowns, point sets and growth", "coppice_crown_bench");
-    app.add_option("--only", flags.options.only, "rows that have this in their name");
-    app.add_flag("--small", flags.small, "leave out the rows that take seconds");
+    CLI::App app("Measures implicit crowns, point sets and growth.", "coppice_crown_bench");
+    app.add_option("--only", flags.options.only, "Measure only rows with this text in their name.");
+    app.add_flag("--small", flags.small, "Omit the rows that take seconds.");
     bench::add_program_flags(app, flags.program, flags.options.repeat, flags.options.seconds, "row");
     return bench::run_program(app, argc, argv, [&] { run(flags); });
 }

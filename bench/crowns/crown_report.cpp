@@ -16,7 +16,7 @@ std::string time_text(double seconds) {
 
 std::string or_dash(const std::string& text) { return text.empty() ? "-" : text; }
 
-/// Nanoseconds for each of what was made.
+/// Returns the time per item in nanoseconds.
 double each(const CrownResult& row) { return row.seconds() * 1e9 / static_cast<double>(row.size); }
 
 }  // namespace
@@ -30,7 +30,7 @@ double CrownResult::seconds() const {
 std::string crown_markdown(const std::vector<CrownResult>& rows, unsigned threads,
                            const std::string& machine) {
     std::string out = fmt::format("Machine: {}. Threads: {}.\n\n", machine, threads);
-    out += "| what | made | time | of one, ns | goal | others | memory, MiB | hash |\n";
+    out += "| case | made | time | of one, ns | goal | others | memory, MiB | hash |\n";
     out += "| --- | --- | --- | --- | --- | --- | --- | --- |\n";
     for (const CrownResult& row : rows) {
         fmt::format_to(std::back_inserter(out), "| {} | {} {} | {} | {:.0f} | {} | {} | {:.1f} | {:016x} |\n",

@@ -35,7 +35,7 @@ Solid leaf_cluster(int number, Vec3 at, float size) {
     }
 }
 
-/// Two halves, four quarters, ...: 2^levels clusters, each half beside the other by a golden angle.
+/// Recursive halves: 2^levels clusters, each half rotated relative to the other by a golden angle.
 Solid clusters(int levels, int number, Vec3 at, float size) {
     if (levels == 0) return leaf_cluster(number, at, size * 1.1f);
     std::array<Solid, 2> halves{leaf_cluster(0, at, size), leaf_cluster(0, at, size)};

@@ -1,5 +1,5 @@
-// coppice_edit_bench: makes thousands of random edits of one tree, takes them all back, and prints as
-// Markdown what each kind costs, what undoing costs, and what the history takes.
+// coppice_edit_bench: makes thousands of random edits of one tree, undoes all of them, and prints as Markdown
+// the cost of each kind, of undoing, and the memory of the history.
 
 #include <fmt/format.h>
 
@@ -51,8 +51,9 @@ void run(const bench::EditFlags& flags) {
             const double nodes = touched(kind.edit(tree, dice));
             kind.seconds.push_back(clock.seconds());
             kind.nodes += nodes;
-            kind.most_nodes = std::max(kind.most_nodes, nodes);
-        } catch (const InvalidInput&) {  // an axis of one segment, a graft into itself
+            kind.max_nodes = std::max(kind.max_nodes, nodes);
+        } catch (
+            const InvalidInput&) {  // invalid edits, such as an axis of one segment or a graft into itself
         }
     }
     const std::size_t after = bench::resident_bytes();
@@ -70,7 +71,7 @@ void run(const bench::EditFlags& flags) {
         bench::machine_description());
     for (const Kind& k : kinds) {
         out += fmt::format("| {} | {} | {:.1f} | {:.0f} | {:.4f} | {:.2f} |\n", k.name, k.seconds.size(),
-                           k.nodes / std::max<double>(1, static_cast<double>(k.seconds.size())), k.most_nodes,
+                           k.nodes / std::max<double>(1, static_cast<double>(k.seconds.size())), k.max_nodes,
                            milliseconds(k.seconds, false), milliseconds(k.seconds, true));
     }
     out += fmt::format("| undo | {} | | | {:.4f} | {:.2f} |\n\n", undo.size(), milliseconds(undo, false),
@@ -79,14 +80,14 @@ void run(const bench::EditFlags& flags) {
         "{} nodes, {:.0f} edits, {:.0f} bytes of history each, {:.1f} MB more memory; after undoing all the "
         "tree is {}\n",
         first.size(), steps, history / std::max(1.0, steps), static_cast<double>(after - before) / 1e6,
-        is_same(tree.skeleton(), first) ? "the first one to the bit" : "ANOTHER");
+        is_same(tree.skeleton(), first) ? "bit-identical to the first one" : "ANOTHER");
     bench::publish({.markdown = out, .json = {}, .csv = {}}, flags.program);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-    CLI::App app("Costs of edits of trees");
+    CLI::App app("Measures the costs of edits of trees.");
     bench::EditFlags flags{.segments = 30'000, .edits = 10'000};
     bench::add_edit_flags(app, flags);
     return coppice::bench::run_program(app, argc, argv, [&] { run(flags); });

@@ -1,5 +1,5 @@
-// coppice_live_bench: makes random edits of one tree whose surface follows, and prints as Markdown what each
-// kind costs; every so many edits the surface is compared with one made from scratch.
+// coppice_live_bench: makes random edits of one tree with a live surface, and prints as Markdown the cost of
+// each kind; at regular intervals the surface is compared with one made from scratch.
 
 #include <fmt/format.h>
 
@@ -31,7 +31,7 @@ bool is_same(const QuadMesh& a, const QuadMesh& b) {
     return std::ranges::equal(a.positions, b.positions) && std::ranges::equal(a.quads, b.quads);
 }
 
-// A node on which about so many others hang.
+// Returns a node with about this number of descendants.
 StableId node_with(const EditableTree& tree, bench::Dice& dice, std::size_t nodes) {
     StableId best = dice.node(tree);
     std::size_t least = tree.size();
@@ -93,19 +93,20 @@ void run(const Flags& flags) {
         try {
             const EditChange change = kinds[k].edit(tree, dice);
             follow(surface, tree, change, costs[k], ctx);
-        } catch (const InvalidInput&) {  // an axis of one segment, a graft into itself
+        } catch (
+            const InvalidInput&) {  // invalid edits, such as an axis of one segment or a graft into itself
             continue;
         }
         if (flags.check > 0 && i % flags.check == 0) {
             ++compared;
             if (!is_same(surface.mesh(), LiveSurface(tree.skeleton(), flags.options, ctx).mesh())) {
                 ++different;
-                fmt::print(stderr, "edit {} ({}) gives another surface than from scratch\n", i,
+                fmt::print(stderr, "after edit {} ({}) the surface differs from one made from scratch\n", i,
                            kinds[k].name);
                 surface = LiveSurface(tree.skeleton(), flags.options, ctx);
             }
         }
-        // One subtree after the other in the same tree.
+        // Undoes the edit, so that every edit starts from the same tree.
         if (flags.subtree > 0) follow(surface, tree, tree.undo(), costs[k], ctx);
     }
     std::string out = fmt::format(
@@ -121,22 +122,25 @@ void run(const Flags& flags) {
                            1e3 * most(c.surface));
     }
     if (compared > 0)
-        out += fmt::format("\n{} surfaces compared with such from scratch: {} differ\n", compared, different);
+        out += fmt::format("\n{} surfaces compared with surfaces made from scratch: {} differ\n", compared,
+                           different);
     bench::publish({.markdown = out, .json = {}, .csv = {}}, flags.program);
-    if (different > 0) throw Error("surfaces differ from such made from scratch");
+    if (different > 0) throw Error("surfaces differ from those made from scratch");
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-    CLI::App app("Costs of surfaces that follow edits");
+    CLI::App app("Measures the costs of surfaces that follow edits.");
     Flags flags;
     flags.segments = 3'000;
     flags.edits = 200;
     bench::add_edit_flags(app, flags);
-    app.add_option("--check", flags.check, "compare after every so many edits with a surface from scratch");
-    app.add_option("--subtree", flags.subtree, "only turn subtrees of about so many nodes");
-    app.add_option("--remesh-rounds", flags.options.remesh_rounds, "as of coppice mesh");
+    app.add_option("--check", flags.check,
+                   "Number of edits between comparisons with a surface made from scratch.");
+    app.add_option("--subtree", flags.subtree, "Only turn subtrees of about this number of nodes.");
+    app.add_option("--remesh-rounds", flags.options.remesh_rounds,
+                   "Maximum number of remeshing rounds, as in coppice mesh.");
     app.add_option("--threads", flags.program.threads, "0: all");
     return coppice::bench::run_program(app, argc, argv, [&] { run(flags); });
 }

@@ -52,11 +52,11 @@ Skeleton EditFlags::skeleton() const {
 }
 
 void add_edit_flags(CLI::App& app, EditFlags& flags) {
-    app.add_option("--tree", flags.tree, "a skeleton to edit instead of a made-up one");
-    app.add_option("--segments", flags.segments, "of the made-up tree");
+    app.add_option("--tree", flags.tree, "Skeleton to edit instead of a synthetic tree.");
+    app.add_option("--segments", flags.segments, "Number of segments of the synthetic tree.");
     app.add_option("--edits", flags.edits, "how many");
-    app.add_option("--seed", flags.seed, "of the tree and the edits");
-    app.add_option("--markdown", flags.program.markdown, "write the table to this file as well");
+    app.add_option("--seed", flags.seed, "Random seed of the tree and the edits.");
+    app.add_option("--markdown", flags.program.markdown, "Also write the table to this file.");
 }
 
 }  // namespace coppice::bench

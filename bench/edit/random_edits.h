@@ -12,7 +12,7 @@
 
 namespace coppice::bench {
 
-/// Draws in order.
+/// Generates random numbers in sequence.
 class Dice {
   public:
     explicit Dice(std::uint64_t seed) : random_(seed, 0) {}
@@ -30,17 +30,17 @@ class Dice {
     std::uint64_t next_ = 0;
 };
 
-/// A kind of edit, at random places, and what its edits cost.
+/// A kind of edit at random positions, and the costs of its edits.
 struct Kind {
     const char* name;
     std::function<EditChange(EditableTree&, Dice&)> edit;
     std::vector<double> seconds;
-    double nodes = 0, most_nodes = 0;
+    double nodes = 0, max_nodes = 0;
 };
 
 std::vector<Kind> all_kinds();
 
-/// What the programs take that edit a tree.
+/// Common flags of the programs that edit a tree.
 struct EditFlags {
     ProgramFlags program;
     std::string tree;
@@ -48,7 +48,7 @@ struct EditFlags {
     int edits = 0;
     unsigned seed = 1;
 
-    Skeleton skeleton() const;  ///< the tree, or a made-up one
+    Skeleton skeleton() const;  ///< the given tree, or a synthetic one
 };
 
 /// Adds --tree, --segments, --edits, --seed and --markdown.

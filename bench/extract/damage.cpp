@@ -14,7 +14,7 @@
 namespace coppice::bench {
 namespace {
 
-std::vector<Vec3d> normals_of(const PolygonMesh& mesh) {
+std::vector<Vec3d> compute_normals(const PolygonMesh& mesh) {
     std::vector<Vec3d> normals(mesh.positions.size());
     const TriMesh triangles = triangulate(mesh);
     for (const Triangle& t : triangles.triangles) {
@@ -31,8 +31,8 @@ Vec3d middle(const PolygonMesh& mesh, std::uint32_t face) {
     return sum / static_cast<double>(mesh.face(face).size());
 }
 
-/// The neighbours of every vertex, sorted.
-std::vector<std::vector<std::uint32_t>> neighbours_of(const TriMesh& mesh) {
+/// Returns the neighbours of every vertex, sorted.
+std::vector<std::vector<std::uint32_t>> find_neighbours(const TriMesh& mesh) {
     std::vector<std::vector<std::uint32_t>> of(mesh.positions.size());
     for (const Triangle& t : mesh.triangles) {
         for (std::size_t k = 0; k < 3; ++k) {
@@ -46,7 +46,7 @@ std::vector<std::vector<std::uint32_t>> neighbours_of(const TriMesh& mesh) {
     return of;
 }
 
-/// Replaces vertices by their targets, and drops what is no longer used.
+/// Replaces vertices by their targets, and removes unused ones.
 void renumber(TriMesh& mesh, const std::vector<std::uint32_t>& target) {
     std::vector<std::uint32_t> number(target.size());
     Buffer<Vec3> positions;
@@ -64,11 +64,11 @@ void renumber(TriMesh& mesh, const std::vector<std::uint32_t>& target) {
     mesh.triangles = std::move(triangles);
 }
 
-/// Collapses at most `most` edges of which no two have neighbours in common; false when there is none. The
-/// ends of an edge must have two neighbours in common, and more than that together, or a tube or a
-/// tetrahedron would close.
+/// Collapses at most `most` edges, no two of which have neighbours in common; returns false if there is no
+/// such edge. The ends of an edge must have exactly two common neighbours, and more than that together;
+/// otherwise a tube or a tetrahedron would close.
 bool collapse_once(TriMesh& mesh, std::size_t most, const CounterRandom& random) {
-    const auto neighbours = neighbours_of(mesh);
+    const auto neighbours = find_neighbours(mesh);
     std::vector<char> touched(mesh.positions.size());
     std::vector<std::uint32_t> target(mesh.positions.size());
     std::iota(target.begin(), target.end(), 0u);
@@ -102,7 +102,7 @@ bool collapse_once(TriMesh& mesh, std::size_t most, const CounterRandom& random)
 }  // namespace
 
 PolygonMesh roughened(const PolygonMesh& mesh, double noise, std::uint64_t seed) {
-    const std::vector<Vec3d> normals = normals_of(mesh);
+    const std::vector<Vec3d> normals = compute_normals(mesh);
     const CounterRandom random(seed, 0);
     PolygonMesh out = mesh;
     for (std::size_t v = 0; v < normals.size(); ++v) {

@@ -6,16 +6,15 @@
 
 namespace coppice::bench {
 
-/// Every vertex moves along its normal by Gaussian noise of that standard deviation [m].
+/// Moves every vertex along its normal by Gaussian noise of the given standard deviation [m].
 PolygonMesh roughened(const PolygonMesh& mesh, double noise, std::uint64_t seed);
 
-/// Leaves out the faces whose middles lie within `radius` [m] of one of `count` vertices drawn at random.
-/// O(count n).
+/// Removes the faces with centers within `radius` [m] of one of `count` random vertices. O(count n).
 PolygonMesh with_holes(const PolygonMesh& mesh, std::uint32_t count, double radius, std::uint64_t seed);
 
-/// Cuts faces into triangles and collapses edges to their middles, drawn at random all over the mesh, until
-/// `share` of the vertices is left or no edge can go. An edge goes where that keeps the surface as manifold
-/// as it was. O(n) a round, about a fifth of the vertices going in each.
+/// Triangulates faces and collapses random edges to their midpoints, until `share` of the vertices is left or
+/// no edge can be collapsed. An edge is collapsed only if the surface remains as manifold as before. O(n) per
+/// round, which removes about a fifth of the vertices.
 PolygonMesh decimated(const PolygonMesh& mesh, double share, std::uint64_t seed);
 
 }  // namespace coppice::bench

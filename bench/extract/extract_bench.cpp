@@ -30,22 +30,22 @@ std::string quoted(const std::filesystem::path& path) {
     return "'" + text + "'";
 }
 
-/// Runs a command of the shell to its end; returns the most memory that it or one of its children used.
+/// Runs a shell command; returns the maximum memory of it or one of its children.
 std::uint64_t run_command(const std::string& command) {
     const pid_t child = fork();
-    if (child < 0) throw IoError("no process can be started for the command");
+    if (child < 0) throw IoError("cannot start a process for the command");
     if (child == 0) {
-        dup2(STDERR_FILENO, STDOUT_FILENO);  // standard output is for the table
+        dup2(STDERR_FILENO, STDOUT_FILENO);  // standard output is used for the table
         execl("/bin/sh", "sh", "-c", command.c_str(), static_cast<char*>(nullptr));
         _exit(127);
     }
     int status = 0;
     rusage usage{};
-    if (wait4(child, &status, 0, &usage) != child) throw IoError("the command was lost sight of");
+    if (wait4(child, &status, 0, &usage) != child) throw IoError("lost track of the command");
     if (WIFSIGNALED(status))
-        throw InvalidInput(fmt::format("the command ended by signal {}", WTERMSIG(status)));
+        throw InvalidInput(fmt::format("the command was terminated by signal {}", WTERMSIG(status)));
     if (WEXITSTATUS(status) != 0)
-        throw InvalidInput(fmt::format("the command ended with {}", WEXITSTATUS(status)));
+        throw InvalidInput(fmt::format("the command exited with code {}", WEXITSTATUS(status)));
     return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
 

@@ -1,5 +1,5 @@
-// coppice_extract_bench: makes meshes and clouds of known skeletons, has Coppice or another program find the
-// skeletons again, and prints how well it did as Markdown; see docs/user/comparing.md.
+// coppice_extract_bench: creates meshes and clouds of known skeletons, extracts the skeletons with Coppice or
+// another program, and prints the quality as Markdown; see docs/user/comparing.md.
 
 #include <fmt/format.h>
 
@@ -9,8 +9,8 @@
 #include <thread>
 #include <vector>
 
-#include "coppice/io/file.h"
 #include "coppice/io/skeleton/writer.h"
+#include "coppice/system/file.h"
 #include "extract_bench.h"
 #include "machine.h"
 
@@ -28,23 +28,22 @@ struct Flags {
 };
 
 void add_flags(CLI::App& app, Flags& flags) {
-    app.add_option(
-        "scenes", flags.scenes,
-        "TREE:KIND; TREE is tree300, tree3k, tree30k or a skeleton file, KIND one of mesh, coarse, "
-        "noise, holes, decimated, cloud, scan");
-    app.add_option(
-        "--command", flags.command,
-        "another program that finds a skeleton, with {in} and {out} for the files; without it Coppice is "
-        "measured");
+    app.add_option("scenes", flags.scenes,
+                   "Scenes TREE:KIND; TREE is tree300, tree3k, tree30k or a skeleton file, KIND one of mesh, "
+                   "coarse, noise, holes, decimated, cloud, scan.");
+    app.add_option("--command", flags.command,
+                   "Command of another extraction program, with {in} and {out} for the files; without it "
+                   "Coppice is measured.");
     CLI::Option* const folder =
-        app.add_option("--folder", flags.folder, "where inputs, truths and what a command found are left");
+        app.add_option("--folder", flags.folder, "Folder for inputs, truths and results of the command.");
     app.get_option("--command")->needs(folder);
-    app.add_flag("--write-only", flags.write_only, "leave inputs and truths in the folder, measure nothing")
+    app.add_flag("--write-only", flags.write_only,
+                 "Only write inputs and truths to the folder, without measurements.")
         ->needs(folder)
         ->excludes(app.get_option("--command"));
-    app.add_option("--threads", flags.threads, "threads for making and comparing; 0 takes all")
+    app.add_option("--threads", flags.threads, "Number of threads for creation and comparison; 0 uses all.")
         ->capture_default_str();
-    app.add_option("--markdown", flags.markdown, "write the table to this file as well");
+    app.add_option("--markdown", flags.markdown, "Also write the table to this file.");
 }
 
 void run(const Flags& flags) {
@@ -75,7 +74,7 @@ void run(const Flags& flags) {
 
 int main(int argc, char** argv) {
     Flags flags;
-    CLI::App app("Measures how well skeletons are found in meshes and clouds made of them");
+    CLI::App app("Measures the quality of skeletons extracted from meshes and clouds of known trees.");
     add_flags(app, flags);
     CLI11_PARSE(app, argc, argv);
     try {

@@ -51,11 +51,11 @@ constexpr std::array<Kind, 7> kKinds{{
      }},
     {"noise",
      [](const Skeleton& s, const Context& ctx) -> decltype(TruthScene::input) {
-         return roughened(closed_mesh(s, 2, ctx), 0.1 * measure(s).least_radius, kSeed);
+         return roughened(closed_mesh(s, 2, ctx), 0.1 * measure(s).min_radius, kSeed);
      }},
     {"holes",
      [](const Skeleton& s, const Context& ctx) -> decltype(TruthScene::input) {
-         return with_holes(closed_mesh(s, 2, ctx), s.size() / 50 + 1, 5 * measure(s).least_radius, kSeed);
+         return with_holes(closed_mesh(s, 2, ctx), s.size() / 50 + 1, 5 * measure(s).min_radius, kSeed);
      }},
     {"decimated",
      [](const Skeleton& s, const Context& ctx) -> decltype(TruthScene::input) {
@@ -104,7 +104,7 @@ TruthScene make_truth_scene(const std::string& name, const Context& ctx) {
     const std::string tree = name.substr(0, colon), kind = colon < name.size() ? name.substr(colon + 1) : "";
     const auto found = std::ranges::find(kKinds, kind, &Kind::name);
     if (found == kKinds.end()) {
-        throw InvalidInput(fmt::format("'{}' names no scene; write TREE:KIND, where KIND is one of {}", name,
+        throw InvalidInput(fmt::format("'{}' is not a scene; write TREE:KIND, where KIND is one of {}", name,
                                        fmt::join(truth_kinds(), ", ")));
     }
     Scene scene = make_scene(tree);

@@ -7,7 +7,7 @@
 
 namespace coppice::bench {
 
-/// The face of a mesh that is nearest to a point. O(log n).
+/// Returns the face of a mesh that is closest to a point. O(log n).
 std::uint32_t face_at(const SurfaceTree& tree, Vec3d p);
 
 }  // namespace coppice::bench

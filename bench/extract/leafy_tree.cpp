@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::uint64_t kSeed = 5;
 
-/// A blade of eight triangles about its midrib, from its base on along a direction.
+/// Adds a blade of eight triangles around its midrib, from its base along a direction.
 void add_leaf(PolygonMesh& mesh, Vec3d base, Vec3d along, Vec3d up, double size, Draws& draws) {
     const double width = size * draws.uniform(0.45, 0.7);
     const double fold = draws.uniform(0, 0.35), bend = draws.uniform(0, 0.3);
@@ -45,7 +45,7 @@ Foliage foliage_named(const std::string& name) {
     if (name == "sparse") return {0.02, 40, 0.08};
     if (name == "usual") return {0.025, 150, 0.06};
     if (name == "dense") return {0.03, 400, 0.07};
-    throw InvalidInput(fmt::format("foliage is none, sparse, usual or dense, not '{}'", name));
+    throw InvalidInput(fmt::format("foliage must be none, sparse, usual or dense, but is '{}'", name));
 }
 
 double LeafyScan::leaf_share() const {

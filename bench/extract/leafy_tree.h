@@ -11,28 +11,28 @@
 
 namespace coppice::bench {
 
-/// How leaves stand on a made-up tree: evenly along branches up to a thickness, in all directions, with faces
-/// rather to the sky, somewhat folded and bent.
+/// Distribution of leaves on a synthetic tree: evenly along branches up to a maximum thickness, in all
+/// directions, mostly facing the sky, slightly folded and bent.
 struct Foliage {
-    double thickest = 0;  ///< [m] radius of the branches that bear leaves
-    double density = 0;   ///< [1/m] leaves per length of those
-    double size = 0.06;   ///< [m] mean length of a leaf; its width is a bit more than half
+    double thickest = 0;  ///< [m] maximum radius of the branches with leaves
+    double density = 0;   ///< [1/m] number of leaves per length of those branches
+    double size = 0.06;   ///< [m] mean length of a leaf; its width is slightly more than half
 };
 
-/// By name: none, sparse, usual, dense. Throws InvalidInput for others.
+/// Returns the foliage of this name: none, sparse, usual, dense. Throws InvalidInput for others.
 Foliage foliage_named(const std::string& name);
 
 /// Adds the leaves of a tree to its mesh, each as eight triangles.
 void add_foliage(PolygonMesh& mesh, const Skeleton& tree, const Foliage& foliage);
 
-/// Points that four scanners see of a tree, and which of them lie on leaves.
+/// Points of a tree from four scanners, and whether each is on a leaf.
 struct LeafyScan {
     PointSet points;
     std::vector<std::uint8_t> leaf;
     double leaf_share() const;
 };
 
-/// The scanners stand 0.9 diagonals of the tree away; noise of 2 mm in range.
+/// Scans from 0.9 diagonals of the tree away, with noise of 2 mm in range.
 LeafyScan scan_leafy_tree(const Skeleton& tree, const Foliage& foliage, int points, const Context& ctx);
 
 }  // namespace coppice::bench

@@ -1,5 +1,5 @@
-// coppice_leaves_bench: scans made-up trees with leaves, has extraction from clouds tell leaves from wood,
-// and prints as Markdown how many points it told right, and what that did to the skeleton.
+// coppice_leaves_bench: scans synthetic trees with leaves, extracts skeletons from the clouds, and prints as
+// Markdown the share of points that are classified correctly as leaf or wood, and the effect on the skeleton.
 
 #include <fmt/format.h>
 
@@ -30,8 +30,8 @@ struct Flags {
     unsigned threads = 0;
 };
 
-/// Counts of points: how they were told, by what they are.
-struct Told {
+/// Counts of points by actual and predicted class.
+struct Reported {
     double wood_as_wood = 0, wood_as_leaf = 0, leaf_as_wood = 0, leaf_as_leaf = 0;
 
     double all() const { return wood_as_wood + wood_as_leaf + leaf_as_wood + leaf_as_leaf; }
@@ -47,16 +47,16 @@ struct Told {
 
 bool before(Vec3 a, Vec3 b) { return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z; }
 
-Told compare_points(const bench::LeafyScan& scan, const PointSet& found) {
+Reported compare_points(const bench::LeafyScan& scan, const PointSet& found) {
     std::vector<Vec3> leaves(found.positions.begin(), found.positions.end());
     std::ranges::sort(leaves, before);
-    Told told;
+    Reported reported;
     for (std::size_t i = 0; i < scan.leaf.size(); ++i) {
         const bool as_leaf = std::ranges::binary_search(leaves, scan.points.positions[i], before);
-        ++(scan.leaf[i] ? (as_leaf ? told.leaf_as_leaf : told.leaf_as_wood)
-                        : (as_leaf ? told.wood_as_leaf : told.wood_as_wood));
+        ++(scan.leaf[i] ? (as_leaf ? reported.leaf_as_leaf : reported.leaf_as_wood)
+                        : (as_leaf ? reported.wood_as_leaf : reported.wood_as_wood));
     }
-    return told;
+    return reported;
 }
 
 PointSet wood_of(const bench::LeafyScan& scan) {
@@ -67,7 +67,7 @@ PointSet wood_of(const bench::LeafyScan& scan) {
     return wood;
 }
 
-/// "0.57, 51 %": the length found against the true one, and how much of it lies on true wood.
+/// Formats "0.57, 51 %": the ratio of the extracted to the true length, and the share of it on true wood.
 std::string judged(const Skeleton& truth, const Skeleton& found, const Context& ctx) {
     const SkeletonMatch m = compare(truth, found, {}, ctx);
     return fmt::format("{:.2f}, {:.0f} %", m.length.ratio(), m.true_percent);
@@ -76,36 +76,36 @@ std::string judged(const Skeleton& truth, const Skeleton& found, const Context& 
 void run_scene(const std::string& name, const Context& ctx) {
     const std::size_t second = name.rfind(':'), first = second == 0 ? 0 : name.rfind(':', second - 1);
     if (first == name.npos || second == name.npos)
-        throw InvalidInput(fmt::format("'{}' names no scene; write TREE:FOLIAGE:POINTS", name));
+        throw InvalidInput(fmt::format("'{}' is not a scene; write TREE:FOLIAGE:POINTS", name));
     const bench::Scene scene = bench::make_scene(name.substr(0, first));
     const bench::Foliage foliage = bench::foliage_named(name.substr(first + 1, second - first - 1));
     const int points = std::atoi(name.c_str() + second + 1);
     const bench::LeafyScan scan = bench::scan_leafy_tree(scene.skeleton, foliage, points, ctx);
     const bench::Clock clock;
-    const CloudExtraction told = extract_from_cloud(scan.points, {}, ctx);
+    const CloudExtraction reported = extract_from_cloud(scan.points, {}, ctx);
     const double seconds = clock.seconds();
     const CloudExtraction kept = extract_from_cloud(scan.points, {.leaves = LeafRule::keep}, ctx);
     const CloudExtraction ideal = extract_from_cloud(wood_of(scan), {.leaves = LeafRule::keep}, ctx);
-    const Told t = compare_points(scan, told.leaves);
+    const Reported t = compare_points(scan, reported.leaves);
     const bool leafy = scan.leaf_share() > 0;
     fmt::print(
         "| {} | {} | {:.3f} | {:.3f} | {:.3f} | {} | {:.3f} | {:.3f} | {:.3f} | {} | {} | {} | {:.2f} |\n",
         name, scan.points.size(), scan.leaf_share(), t.found(), t.overall(),
         leafy ? fmt::format("{:.3f}", (t.wood_recall() + t.leaf_recall()) / 2) : "", t.wood_recall(),
         t.wood_precision(), t.f1(), judged(scene.skeleton, kept.skeleton, ctx),
-        judged(scene.skeleton, told.skeleton, ctx), judged(scene.skeleton, ideal.skeleton, ctx), seconds);
+        judged(scene.skeleton, reported.skeleton, ctx), judged(scene.skeleton, ideal.skeleton, ctx), seconds);
 }
 
 void run(const Flags& flags) {
     const Context ctx{.threads = flags.threads, .stop = {}, .progress = {}};
     const unsigned threads = flags.threads == 0 ? std::thread::hardware_concurrency() : flags.threads;
     fmt::print(
-        "Machine: {}. Threads: {}. Length found / true, and share of it on true wood: with all points, "
-        "without what was told as leaves, without the leaves.\n\n",
+        "Machine: {}. Threads: {}. Ratio of extracted to true length, and share of it on true wood: with all "
+        "points, without points classified as leaves, without the leaves.\n\n",
         bench::machine_description(), threads);
     fmt::print(
-        "| scene | points | leaves | told | overall | balanced | wood recall | wood precision | wood F1 | "
-        "all | told | ideal | s |\n| {} |\n",
+        "| scene | points | leaves | classified | overall | balanced | wood recall | wood precision | wood "
+        "F1 | all | classified | ideal | s |\n| {} |\n",
         fmt::join(std::vector<std::string>(13, "---"), " | "));
     for (const std::string& name : flags.scenes) run_scene(name, ctx);
 }
@@ -114,12 +114,12 @@ void run(const Flags& flags) {
 
 int main(int argc, char** argv) {
     Flags flags;
-    CLI::App app("Measures how well leaves are told from wood in scans of made-up trees");
-    app.add_option(
-           "scenes", flags.scenes,
-           "TREE:FOLIAGE:POINTS: tree300, tree3k, ..., or a skeleton file; none, sparse, usual or dense")
+    CLI::App app("Measures the classification of leaves and wood in scans of synthetic trees.");
+    app.add_option("scenes", flags.scenes,
+                   "Scenes TREE:FOLIAGE:POINTS: tree300, tree3k, ..., or a skeleton file; none, sparse, "
+                   "usual or dense.")
         ->capture_default_str();
-    app.add_option("--threads", flags.threads, "0 takes all")->capture_default_str();
+    app.add_option("--threads", flags.threads, "Number of threads; 0 uses all.")->capture_default_str();
     CLI11_PARSE(app, argc, argv);
     try {
         run(flags);

@@ -12,9 +12,9 @@
 namespace coppice::bench {
 namespace {
 
-constexpr std::size_t kNobody = static_cast<std::size_t>(-1);
+constexpr std::size_t kNoIndex = static_cast<std::size_t>(-1);
 
-/// The true tree of each one found, nearest pairs first.
+/// Returns the true tree of each found one, matching the closest pairs first.
 std::vector<std::size_t> match(const PlotScene& scene, const PlotExtraction& found) {
     std::vector<std::tuple<double, std::size_t, std::size_t>> pairs;
     for (std::size_t t = 0; t < scene.trees.size(); ++t) {
@@ -27,10 +27,10 @@ std::vector<std::size_t> match(const PlotScene& scene, const PlotExtraction& fou
         }
     }
     std::ranges::sort(pairs);
-    std::vector<std::size_t> truth(found.trees.size(), kNobody);
+    std::vector<std::size_t> truth(found.trees.size(), kNoIndex);
     std::vector<char> taken(scene.trees.size());
     for (const auto& [off, t, k] : pairs) {
-        if (taken[t] || truth[k] != kNobody) continue;
+        if (taken[t] || truth[k] != kNoIndex) continue;
         taken[t] = 1;
         truth[k] = t;
     }
@@ -54,11 +54,11 @@ void judge_points(const PlotScene& scene, const PlotSegments& segments, const st
         right[owner] += tree < truth.size() && truth[tree] == owner;
     }
     double wood = 0, wood_right = 0;
-    score.least_right = 1;
+    score.min_right = 1;
     for (std::size_t t = 0; t < all.size(); ++t) {
         wood += all[t];
         wood_right += right[t];
-        if (all[t] > 0) score.least_right = std::min(score.least_right, right[t] / all[t]);
+        if (all[t] > 0) score.min_right = std::min(score.min_right, right[t] / all[t]);
     }
     score.wood = static_cast<std::size_t>(wood);
     score.wood_right = wood_right / std::max(wood, 1.0);
@@ -78,7 +78,7 @@ PlotScore judge_plot(const PlotScene& scene, const PlotExtraction& found) {
         score.failed += !tree.result;
         score.length += tree.figures.length;
         score.volume += tree.figures.volume;
-        if (truth[k] == kNobody) {
+        if (truth[k] == kNoIndex) {
             ++score.wrong;
             continue;
         }
@@ -117,7 +117,7 @@ std::string plot_markdown(const std::vector<PlotScore>& scores) {
                        "| {} | {} | {} of {} | {} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:+.1f} | "
                        "{:.1f} | {:.1f} "
                        "| {:.2f} | {:.2f} | {} | {:.1f} | {} |\n",
-                       s.plot, s.wood, s.found, s.trees, s.wrong, 100 * s.wood_right, 100 * s.least_right,
+                       s.plot, s.wood, s.found, s.trees, s.wrong, 100 * s.wood_right, 100 * s.min_right,
                        100 * s.given_right, 100 * s.ground_right, 100 * s.dbh_mean, 100 * s.dbh_bias,
                        100 * s.dbh_worst, 100 * s.height_mean, s.length, s.volume, s.failed, s.seconds,
                        s.peak_bytes >> 20);

@@ -1,5 +1,5 @@
-// coppice_plot_bench: makes plots of many trees, scans them, has Coppice tell the trees apart, and prints how
-// well it did as Markdown; see docs/user/plots.md.
+// coppice_plot_bench: creates plots of many trees, scans them, segments them with Coppice, and prints the
+// quality as Markdown; see docs/user/plots.md.
 
 #include <fmt/format.h>
 
@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "clock.h"
-#include "coppice/io/file.h"
 #include "coppice/io/points/writer.h"
 #include "coppice/io/skeleton/writer.h"
+#include "coppice/system/file.h"
 #include "machine.h"
 #include "plot_bench.h"
 
@@ -27,7 +27,7 @@ struct Flags {
     bool only_segments = false;
 };
 
-/// The cloud, the true skeletons, and a table of the trees.
+/// Writes the cloud, the true skeletons, and a table of the trees.
 void leave_truth(const bench::PlotScene& scene, const fs::path& folder, const Context& ctx) {
     fs::create_directories(folder);
     std::string name = scene.name;
@@ -75,11 +75,12 @@ void run(const Flags& flags) {
 
 int main(int argc, char** argv) {
     Flags flags;
-    CLI::App app("Measures how well the trees of made-up plots are told apart");
+    CLI::App app("Measures the segmentation of synthetic plots into trees.");
     app.add_option("plots", flags.plots, "TREES:POINTS")->capture_default_str();
-    app.add_option("--folder", flags.folder, "leave clouds and truths there");
-    app.add_option("--threads", flags.threads, "0 takes all")->capture_default_str();
-    app.add_flag("--segments", flags.only_segments, "tell trees apart only, extract no skeletons");
+    app.add_option("--folder", flags.folder, "Write clouds and truths to this folder.");
+    app.add_option("--threads", flags.threads, "Number of threads; 0 uses all.")->capture_default_str();
+    app.add_flag("--segments", flags.only_segments,
+                 "Only segment the trees, without extraction of skeletons.");
     CLI11_PARSE(app, argc, argv);
     try {
         run(flags);

@@ -22,17 +22,17 @@ namespace {
 
 constexpr double kRoom = 16;   // [m2] for each tree
 constexpr double kMargin = 4;  // [m] of ground around them
-constexpr double kApart = 2;   // [m] between stems, at least
+constexpr double kApart = 2;   // [m] minimum distance between stems
 constexpr int kBushesPerTree = 1;
 constexpr double kBreast = 1.3;
 
-/// [m] of the ground.
+/// [m] Returns the height of the ground.
 double ground(double x, double y) {
     return 0.14 * x + 0.4 * std::sin(0.45 * x + 1) * std::cos(0.38 * y) +
            0.08 * std::sin(2.3 * x) * std::sin(1.9 * y);
 }
 
-/// A tree as it grows in a stand: a made-up one, drawn out to be slender, turned and leaning.
+/// A tree in a forest: a synthetic tree, stretched to be slender, turned and leaning.
 struct Shape {
     double wide, tall, thick, turn, lean;
 };
@@ -74,7 +74,7 @@ Skeleton make_tree(std::uint32_t index, Draws& draws) {
     if (index % 12 != 11) {
         add_stem(parts, segments, 100 + index, shape, NodeId());
     } else {
-        // Forked: half a metre of stem, and two of them leaning apart.
+        // Forked: half a metre of stem, and two stems leaning apart.
         const float radius = static_cast<float>(
             shape.thick * double{random_tree(segments / 2, 100 + index).radius(NodeId(0))});
         parts = {{NodeId(), NodeId(0)}, {{0, 0, 0}, {0, 0, 0.5f}}, {1.3f * radius, 1.2f * radius}};
@@ -86,7 +86,7 @@ Skeleton make_tree(std::uint32_t index, Draws& draws) {
     return Skeleton(std::move(parts.parent), std::move(parts.position), std::move(parts.radius));
 }
 
-/// Where the thickest stem stands at breast height, and how thick it is.
+/// Computes the position and the diameter of the thickest stem at breast height.
 void measure_breast(TrueTree& tree) {
     const Skeleton& s = tree.skeleton;
     double most = 0;
@@ -111,7 +111,7 @@ Skeleton moved(const Skeleton& s, Vec3d by) {
                     {s.radii().begin(), s.radii().end()});
 }
 
-/// A tube for every segment; rings are as large as their circles.
+/// Adds a tube for every segment; polygons of rings have the area of their circles.
 void add_tubes(PolygonMesh& mesh, const Skeleton& s) {
     for (const NodeId n : nodes(s)) {
         if (s.is_root(n)) continue;
@@ -121,7 +121,8 @@ void add_tubes(PolygonMesh& mesh, const Skeleton& s) {
         const double thick = std::max(g.radius_a, g.radius_b);
         const std::uint32_t sides = thick > 0.05 ? 24 : thick > 0.015 ? 10 : 6;
         const double step = 2 * std::numbers::pi / sides;
-        const double wider = std::sqrt(step / std::sin(step));  // a polygon of the area of the circle
+        const double wider =
+            std::sqrt(step / std::sin(step));  // factor for a polygon with the area of the circle
         const Vec3d u = perpendicular(axis), v = cross(axis, u);
         const auto first = static_cast<std::uint32_t>(mesh.positions.size());
         for (std::uint32_t i = 0; i < sides; ++i) {
@@ -154,8 +155,8 @@ void add_ground(PolygonMesh& mesh, double wide) {
     }
 }
 
-/// Places for stems that keep apart.
-std::vector<Vec3d> places_of(std::uint32_t count, double wide, Draws& draws) {
+/// Returns positions of stems with a minimum distance.
+std::vector<Vec3d> find_places(std::uint32_t count, double wide, Draws& draws) {
     std::vector<Vec3d> places;
     for (int tries = 0; places.size() < count && tries < 100'000; ++tries) {
         const double x = draws.uniform(0, wide), y = draws.uniform(0, wide);
@@ -166,7 +167,7 @@ std::vector<Vec3d> places_of(std::uint32_t count, double wide, Draws& draws) {
     return places;
 }
 
-/// What scanners see from the middle and from four places about it.
+/// Scans from the middle and from four positions around it.
 PointSet scan_plot(const PolygonMesh& mesh, double wide, int points, const Context& ctx) {
     constexpr int kStations = 5;
     Box3 box;
@@ -202,13 +203,13 @@ PlotScene make_plot(const std::string& name, const Context& ctx) {
                          std::from_chars(colon + 1, end, points).ptr == end;
     if (!is_read || count < 1 || count > 1000 || points < 1000)
         throw InvalidInput(fmt::format(
-            "'{}' names no plot; write TREES:POINTS or TREES:POINTS:FOLIAGE, as 40:4000000", name));
+            "'{}' is not a plot; write TREES:POINTS or TREES:POINTS:FOLIAGE, such as 40:4000000", name));
     Draws draws(count, 0x706c6f74);
     const double wide = std::sqrt(kRoom * count);
     PlotScene out{name, {}, {}, {}, {}};
     PolygonMesh mesh;
     std::vector<std::uint32_t> first_face, first_leaf;
-    const auto places = places_of(count, wide, draws);
+    const auto places = find_places(count, wide, draws);
     for (std::uint32_t i = 0; i < places.size(); ++i) {
         TrueTree tree{moved(make_tree(i, draws), places[i]), places[i], {}, 0, 0};
         measure_breast(tree);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coppice/base/id.h"
 #include "coppice/base/parallel.h"
 #include "coppice/measure/capsule_tree.h"
 
@@ -19,7 +20,7 @@ std::vector<float> tolerances(std::span<const Vec3> points, const Skeleton& skel
     parallel_for(ctx, out.size(), 1024, [&](std::size_t i) {
         const Vec3d p(points[i]);
         const std::uint32_t nearest = capsules.nearest(p).capsule;
-        if (nearest != CapsuleTree::kNone)
+        if (nearest != kNoIndex)
             out[i] = tolerance(points[i], static_cast<float>(capsules.cone(nearest).foot(p).radius));
     });
     return out;

@@ -10,17 +10,19 @@
 
 namespace coppice::bench {
 
-/// [m] How far a point of what a card makes may lie from where the CPU has it: a ten-thousandth of the radius
-/// there, and what coordinates in single precision are off by after some sums.
+/// [m] Returns the accepted distance between a point computed on the GPU and on the CPU: a ten-thousandth of
+/// the radius there, plus the rounding of sums of coordinates in single precision.
 float tolerance(Vec3 p, float radius);
 
-/// The same of the points of a surface, by the radius of the branch at each.
+/// Returns the tolerances of the points of a surface, using the radius of the branch at each.
 std::vector<float> tolerances(std::span<const Vec3> points, const Skeleton& skeleton, const Context& ctx);
 
-/// How many points of a lie farther from the point of b with the same number.
+/// Returns the number of points of a that are farther than the tolerance from the point of b with the same
+/// number.
 std::int64_t apart(std::span<const Vec3> a, std::span<const Vec3> b, std::span<const float> tolerance);
 
-/// How many points of a lie farther from every point of b: where numbers differ. O(n log n) as points spread.
+/// Returns the number of points of a that are farther than the tolerance from every point of b, for surfaces
+/// with different numbering. O(n log n) for well distributed points.
 std::int64_t strays(std::span<const Vec3> a, std::span<const Vec3> b, std::span<const float> tolerance);
 
 }  // namespace coppice::bench

@@ -21,7 +21,7 @@ double limit(const DeviceSearch& search, double DeviceInfo::*which) {
 
 double speedup(const GpuResult& r) { return r.cpu < 0 || r.device <= 0 ? -1 : r.cpu / r.device; }
 
-/// A goal beside what was measured.
+/// A goal with the measured value.
 struct Judged {
     const char* figure;
     double wanted, measured;  ///< below 0: not measured
@@ -35,15 +35,15 @@ Judged judged(const Goal& goal, const GpuResult& r) {
     const auto in_ms = [](double seconds) { return seconds < 0 ? -1 : 1e3 * seconds; };
     switch (goal.kind) {
         case GoalKind::card:
-            return {"card, ms", goal.wanted, in_ms(r.device)};
+            return {"GPU, ms", goal.wanted, in_ms(r.device)};
         case GoalKind::cage:
             return {"cage on the CPU, ms", goal.wanted, in_ms(r.cage)};
         case GoalKind::memory:
-            return {"bytes a face", goal.wanted, r.bytes_per_face};
+            return {"bytes per face", goal.wanted, r.bytes_per_face};
         case GoalKind::speedup:
             break;
     }
-    return {"CPU / card", goal.wanted, speedup(r), true};
+    return {"CPU / GPU", goal.wanted, speedup(r), true};
 }
 
 nlohmann::ordered_json json_of(const KernelShare& k, const DeviceSearch& device) {
@@ -59,9 +59,9 @@ nlohmann::ordered_json json_of(const KernelShare& k, const DeviceSearch& device)
 
 std::string figures(const std::vector<GpuResult>& results) {
     std::string out =
-        "| what | segments | faces | papers, ms | card, ms | CPU, ms | CPU / card | cage on the CPU, ms | "
-        "whole, ms | bytes a face | vertices apart |\n"
-        "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n";
+        "| case | segments | faces | papers, ms | GPU, ms | CPU, ms | CPU / GPU | cage on the CPU, ms | "
+        "total, ms | bytes per face | differing vertices |\n| --- | ---: | ---: | ---: | ---: | ---: | ---: "
+        "| ---: | ---: | ---: | ---: |\n";
     for (const GpuResult& r : results) {
         const double ratio = speedup(r);
         out += fmt::format(
@@ -74,7 +74,7 @@ std::string figures(const std::vector<GpuResult>& results) {
 }
 
 std::string goals(const std::vector<GpuResult>& results) {
-    std::string out = "| what | figure | goal | measured | reached |\n| --- | --- | ---: | ---: | --- |\n";
+    std::string out = "| case | figure | goal | measured | reached |\n| --- | --- | ---: | ---: | --- |\n";
     for (const GpuResult& r : results) {
         for (const Goal& goal : r.goals) {
             const Judged j = judged(goal, r);
@@ -86,21 +86,21 @@ std::string goals(const std::vector<GpuResult>& results) {
     return out;
 }
 
-/// The kernels of a row that take a fiftieth of its time at least, those that take the longest first.
+/// Returns the kernels that use at least a fiftieth of the time of a row, in descending order of time.
 std::vector<KernelShare> main_kernels(const GpuResult& r) {
-    constexpr double kLeast = 1.0 / 50;
+    constexpr double kMin = 1.0 / 50;
     double all = 0;
     for (const KernelShare& k : r.kernels) all += k.seconds;
     std::vector<KernelShare> out = r.kernels;
-    std::erase_if(out, [&](const KernelShare& k) { return k.seconds < kLeast * all; });
+    std::erase_if(out, [&](const KernelShare& k) { return k.seconds < kMin * all; });
     std::ranges::stable_sort(out, std::greater<>(), &KernelShare::seconds);
     return out;
 }
 
 std::string kernels(const std::vector<GpuResult>& results, const DeviceSearch& device) {
     std::string out =
-        "| what | kernel | launches | ms | MB | Mflop | of the memory's limit | of the arithmetic limit |\n"
-        "| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: |\n";
+        "| case | kernel | launches | ms | MB | Mflop | of the memory limit | of the arithmetic limit |\n| "
+        "--- | --- | ---: | ---: | ---: | ---: | ---: | ---: |\n";
     for (const GpuResult& r : results) {
         for (const KernelShare& k : main_kernels(r)) {
             out += fmt::format("| {} | {} | {} | {} | ", r.name, k.name, k.launches, milliseconds(k.seconds));
@@ -165,7 +165,7 @@ nlohmann::ordered_json json_of(const GpuResult& r, const DeviceSearch& device) {
     return out;
 }
 
-std::string markdown_of(const std::vector<GpuResult>& results, const DeviceSearch& device) {
+std::string to_markdown(const std::vector<GpuResult>& results, const DeviceSearch& device) {
     std::string out = figures(results);
     for (const GpuResult& r : results) {
         if (!r.note.empty()) out += fmt::format("\n{}: {}.\n", r.name, r.note);

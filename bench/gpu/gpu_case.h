@@ -16,35 +16,35 @@
 
 namespace coppice::bench {
 
-/// What all cases of one run have in common.
+/// Common settings of all cases of one run.
 struct GpuRun {
-    DeviceSearch device;  ///< the card, or why there is none: then only the CPU is measured
-    int repeat = 51;      ///< timed rounds of each case at most, after a few that are not
-    double seconds = 10;  ///< [s] for the rounds of each case and side; two are made at least
+    DeviceSearch device;  ///< the GPU, or the reason why there is none: then only the CPU is measured
+    int repeat = 51;      ///< maximum number of timed rounds of each case, after a few warm-up rounds
+    double seconds = 10;  ///< [s] for the rounds of each case and side; at least two rounds are executed
     Context ctx;          ///< of the CPU
 };
 
-/// What one kernel of a case does in a round, counted by hand.
+/// Work of one kernel of a case in a round, counted manually.
 struct KernelCost {
     std::string name;
     double bytes = 0;  ///< read and written once each
     double flops = 0;  ///< sums, products, quotients and roots; a fused product and sum are two
 };
 
-/// One kernel of a case as measured.
+/// Measurement of one kernel of a case.
 struct KernelShare {
     std::string name;
-    double seconds = 0;  ///< of all its launches in a round
+    double seconds = 0;  ///< total of all its launches in a round
     std::uint32_t launches = 0;
-    std::optional<KernelCost> cost;  ///< none where it was not counted
+    std::optional<KernelCost> cost;  ///< empty if it was not counted
 };
 
-/// What is asked of a case.
+/// Kinds of goals of a case.
 enum class GoalKind {
-    card,    ///< [ms] GpuResult::device at most
-    cage,    ///< [ms] GpuResult::cage at most
-    memory,  ///< [bytes] GpuResult::bytes_per_face at most
-    speedup  ///< GpuResult::cpu over GpuResult::device at least
+    card,    ///< [ms] maximum of GpuResult::device
+    cage,    ///< [ms] maximum of GpuResult::cage
+    memory,  ///< [bytes] maximum of GpuResult::bytes_per_face
+    speedup  ///< minimum of GpuResult::cpu over GpuResult::device
 };
 struct Goal {
     GoalKind kind;
@@ -54,28 +54,30 @@ struct Goal {
 /// One row of the tables. Times are medians; below 0: not measured.
 struct GpuResult {
     std::string name;
-    std::string note;  ///< what was done otherwise than in the other rows; mostly empty
+    std::string note;  ///< differences from the procedure of the other rows; usually empty
     std::uint64_t segments = 0, faces = 0;
-    double papers = -1;  ///< [s] printed for the same work
-    double device = -1;  ///< [s] from the cage, or the coarse tetrahedra, on the card to the surface there
+    double papers = -1;  ///< [s] published time for the same work
+    double device = -1;  ///< [s] from the cage, or the coarse tetrahedra, on the GPU to the surface there
     double cage = -1;    ///< [s] of the CPU from the skeleton to its cage
-    double whole = -1;   ///< [s] the cage, copying it to the card, and the surface back to the host
+    double whole = -1;   ///< [s] the cage, copying it to the GPU, and the surface back to the host
     double cpu = -1;     ///< [s] of the same stages as `device` on all threads of the CPU
     double bytes_per_face = -1;
-    std::int64_t apart = -1;  ///< vertices farther than tolerance() from where the CPU has them
+    std::int64_t apart =
+        -1;  ///< number of vertices that differ from those of the CPU by more than tolerance()
     std::vector<KernelShare> kernels;
-    std::vector<std::pair<std::string, double>> cpu_stages;  ///< [s] by the stage
+    std::vector<std::pair<std::string, double>> cpu_stages;  ///< [s] by stage
     std::vector<Goal> goals;
 };
 
-/// The median seconds of a piece of work, as often as the run says, after `warm` rounds that do not count.
+/// Returns the median time of a piece of work in seconds, over the number of rounds of the run, after `warm`
+/// warm-up rounds.
 template <class Work>
 double median_time(const GpuRun& run, int warm, int rounds, const Work& work) {
-    constexpr int kFewest = 2;
+    constexpr int kMin = 2;
     for (int i = 0; i < warm; ++i) work();
     std::vector<double> seconds;
     const Clock all;
-    for (int i = 0; i < kFewest || (i < rounds && all.seconds() < run.seconds); ++i) {
+    for (int i = 0; i < kMin || (i < rounds && all.seconds() < run.seconds); ++i) {
         const Clock clock;
         work();
         seconds.push_back(clock.seconds());
@@ -83,11 +85,11 @@ double median_time(const GpuRun& run, int warm, int rounds, const Work& work) {
     return median(seconds);
 }
 
-/// Rounds of the CPU, which is slow, and of what copies.
+/// Returns the number of rounds for slow work: on the CPU, and including copies.
 inline int few_rounds(const GpuRun& run) { return std::max(2, run.repeat / 5); }
 
-/// Does the card's part of a row, where there is a card. What it fails at becomes a note, so that the CPU's
-/// part is told all the same.
+/// Executes the GPU part of a row if there is a GPU. A failure becomes a note, so that the CPU part is still
+/// reported.
 template <class Work>
 void on_card(const GpuRun& run, GpuResult& out, const Work& work) {
     if (!run.device.device) return;
@@ -98,11 +100,11 @@ void on_card(const GpuRun& run, GpuResult& out, const Work& work) {
     }
 }
 
-/// Sums up launches by the kernel, and puts the costs beside them. `rounds` were measured.
+/// Sums up launches by kernel, and adds the costs. `rounds` is the number of measured rounds.
 std::vector<KernelShare> shares_of(const std::vector<cuda::KernelTime>& times, int rounds,
                                    const std::vector<KernelCost>& costs);
 
-/// Times what a device repeats: whole rounds, then kernel by kernel.
+/// Measures the repetitions of a device: whole rounds, then each kernel.
 template <class Device, class Work>
 void time_on_card(Device& device, const GpuRun& run, const std::vector<KernelCost>& costs, const Work& repeat,
                   GpuResult& out) {
@@ -115,7 +117,7 @@ void time_on_card(Device& device, const GpuRun& run, const std::vector<KernelCos
 }
 
 nlohmann::ordered_json json_of(const GpuResult& result, const DeviceSearch& device);
-/// Three tables: what was measured, the goals, and the kernels.
-std::string markdown_of(const std::vector<GpuResult>& results, const DeviceSearch& device);
+/// Returns three tables: measurements, goals, and kernels.
+std::string to_markdown(const std::vector<GpuResult>& results, const DeviceSearch& device);
 
 }  // namespace coppice::bench

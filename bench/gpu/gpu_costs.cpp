@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kPoint = sizeof(Vec3), kNumber = sizeof(std::uint32_t), kQuad = sizeof(Quad);
 
-// Coordinates along the segment, distance and ends; what follows from the derivatives; the sum of the values.
+// Coordinates along the segment, distance and ends; the result of the derivatives; the sum of the values.
 constexpr double kPlace = 29, kGradient = 25, kSum = 2;
 
 }  // namespace
@@ -33,17 +33,17 @@ FieldWork::FieldWork(const ConvolutionField& field, std::span<const double> weig
     double points = 0, pairs = 0;
     for (std::uint32_t r = 0; r < field.region_count(); ++r) {
         points += weight[r];
-        pairs += weight[r] * static_cast<double>(field.candidates(r).size() + field.rivals(r).size());
+        pairs += weight[r] * static_cast<double>(field.candidates(r).size() + field.competitors(r).size());
     }
     list = points > 0 ? pairs / points : 0;
-    const std::size_t entries = field.own_lists().segments.size() + field.rival_lists().segments.size() +
+    const std::size_t entries = field.own_lists().segments.size() + field.competitor_lists().segments.size() +
                                 2 * std::size_t{field.region_count()};
     bytes = static_cast<double>(sizeof(cuda::DeviceSegment) * field.segments().size()) +
             kNumber * static_cast<double>(entries);
 }
 
 std::vector<KernelCost> quad_costs(const cuda::QuadJob& job, const FieldWork& field, double evaluations) {
-    // Of a grid's points, by where they lie between the coarser ones: 48, 30, 30 and 18.
+    // Average over a grid's points, by their position between the coarser ones: 48, 30, 30 and 18.
     constexpr double kRefine = 31.5;
     // From the sample to the next point of a ray: read_on_ray, newton_rise, advance_ray.
     constexpr double kRayStep = 66;

@@ -1,5 +1,5 @@
-// coppice_gpu_bench: measures what a graphics card takes for surfaces, against the CPU of the same machine
-// and against what the papers print. Without a card, the CPU alone.
+// coppice_gpu_bench: measures the time and memory of surfaces on a GPU, compared with the CPU of the same
+// machine and with published values. Without a GPU only the CPU is measured.
 
 #include <fmt/format.h>
 
@@ -35,14 +35,14 @@ constexpr std::uint64_t kSeed = 1;
 
 using Stages = std::vector<std::pair<std::string, double>>;
 
-/// What a paper prints for all but the first stages: those of the CPU.
+/// Returns the published time of all stages except the first ones, which run on the CPU.
 double printed(const Stages& stages, std::ptrdiff_t on_cpu) {
     double sum = 0;
     for (auto stage = stages.begin() + on_cpu; stage != stages.end(); ++stage) sum += stage->second;
     return sum;
 }
 
-/// The trees of [Zhu2015].
+/// Returns the trees of [Zhu2015].
 std::vector<QuadCase> printed_quad_cases() {
     constexpr std::ptrdiff_t kOnCpu = 1;  // the polyhedron
     std::vector<QuadCase> out;
@@ -72,7 +72,7 @@ QuadCase different_trees(std::string name, std::uint64_t trees, std::uint32_t se
     return out;
 }
 
-/// The trees of [Zhu2013], in its polyhedron.
+/// Returns the trees of [Zhu2013], in its polyhedron.
 std::vector<TetraCase> printed_tetra_cases() {
     constexpr std::ptrdiff_t kOnCpu = 2;  // the polyhedron and its tetrahedra
     std::vector<TetraCase> out;
@@ -89,21 +89,21 @@ std::vector<TetraCase> printed_tetra_cases() {
     return out;
 }
 
-/// As fine as its quads: with this edge there are two triangles for each.
+/// Returns a case with the resolution of the quads: with this edge there are two triangles for each quad.
 TetraCase fine_tetra_case() {
     return {"tree30k", random_tree(30'000, kSeed), false, 0.87f, 2, -1, {{GoalKind::card, 12}}};
 }
 
 std::string describe(const DeviceSearch& search) {
-    if (!search.device) return fmt::format("no card: {}", search.missing);
+    if (!search.device) return fmt::format("no GPU: {}", search.missing);
     const DeviceInfo& card = *search.device;
     return fmt::format("{}, capability {}.{}, {} multiprocessors, {:.1f} Tflop/s, {:.2f} TB/s", card.name,
                        card.compute / 10, card.compute % 10, card.multiprocessors, 1e-12 * card.flops,
                        1e-12 * card.bandwidth);
 }
 
-/// Case after case. After each one all files are written, so that a run that is cut off, or a card that
-/// fails, takes nothing with it.
+/// Runs the cases. All files are written after each case, so that an interrupted run, or a GPU failure, loses
+/// no results.
 class Bench {
   public:
     explicit Bench(const Flags& flags)
@@ -143,7 +143,7 @@ class Bench {
         std::string markdown = fmt::format("Measured on: {}; {}.\n\n", machine_description(), card);
         for (const std::string& failure : failures_)
             markdown += fmt::format("Not measured: {}.\n\n", failure);
-        markdown += markdown_of(surfaces_, run_.device) + "\n" + markdown_of(pairs_, run_.device);
+        markdown += to_markdown(surfaces_, run_.device) + "\n" + to_markdown(pairs_, run_.device);
         return {markdown, json.dump(1) + "\n", {}};
     }
 
@@ -176,9 +176,9 @@ void measure(const Flags& flags) {
 int main(int argc, char** argv) {
     Flags flags;
     flags.threads = 0;
-    CLI::App app("Measures surfaces on a graphics card.");
+    CLI::App app("Measures surfaces on a GPU.");
     add_program_flags(app, flags, flags.repeat, flags.seconds, "case");
-    app.add_flag("--small", flags.small, "only the trees of the papers");
-    app.add_option("--write-tree", flags.tree, "only write a made-up tree of 3,000 segments to this file");
+    app.add_flag("--small", flags.small, "Measure only the trees of the papers.");
+    app.add_option("--write-tree", flags.tree, "Only write a synthetic tree of 3,000 segments to this file.");
     return run_program(app, argc, argv, [&] { measure(flags); });
 }

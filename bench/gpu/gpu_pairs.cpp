@@ -14,7 +14,7 @@ namespace {
 constexpr std::uint32_t kSegments = 256;
 constexpr std::size_t kPoints = std::size_t{1} << 22;
 
-/// [1/s] Pairs on all threads of the CPU, of a small part of the points.
+/// [1/s] Returns the rate of pairs on all threads of the CPU, measured on a fraction of the points.
 double pairs_on_cpu(const ConvolutionField& field, std::span<const Vec3> points, const GpuRun& run) {
     constexpr std::size_t kBatch = 1024;
     points = points.first(points.size() / 16);
@@ -59,12 +59,11 @@ nlohmann::ordered_json json_of(const PairsResult& r, const DeviceSearch& device)
     return out;
 }
 
-std::string markdown_of(const std::vector<PairsResult>& results, const DeviceSearch& device) {
+std::string to_markdown(const std::vector<PairsResult>& results, const DeviceSearch& device) {
     constexpr double kGiga = 1e-9, kGoal = 300;
     std::string out =
-        "| kernel | papers, G pairs/s | CPU, G pairs/s | card, G pairs/s | goal | reached | of the "
-        "arithmetic limit |\n"
-        "| --- | ---: | ---: | ---: | ---: | --- | ---: |\n";
+        "| kernel | papers, G pairs/s | CPU, G pairs/s | GPU, G pairs/s | goal | reached | of the arithmetic "
+        "limit |\n| --- | ---: | ---: | ---: | ---: | --- | ---: |\n";
     for (const PairsResult& r : results) {
         out += fmt::format("| {} | 0.21 | {:.2f} | ", r.kernel, kGiga * r.cpu_rate);
         if (r.seconds <= 0) {

@@ -5,19 +5,19 @@
 
 namespace coppice::bench {
 
-/// How fast a field is summed up.
+/// Throughput of the summation of a field.
 struct PairsResult {
     std::string kernel;
-    double pairs = 0;     ///< of points and segments, in one round
-    double seconds = -1;  ///< on the card
+    double pairs = 0;     ///< number of pairs of a point and a segment in one round
+    double seconds = -1;  ///< on the GPU
     double flops_per_pair = 0;
-    double cpu_rate = 0;  ///< [1/s] pairs on all threads of the CPU
+    double cpu_rate = 0;  ///< [1/s] rate of pairs on all threads of the CPU
 };
 
-/// Value and gradient at many points, each of the same segments, with the field's own code.
+/// Measures value and gradient at many points, each with the same segments, using the code of the field.
 PairsResult measure_pairs(Kernel kernel, const GpuRun& run);
 
 nlohmann::ordered_json json_of(const PairsResult& result, const DeviceSearch& device);
-std::string markdown_of(const std::vector<PairsResult>& results, const DeviceSearch& device);
+std::string to_markdown(const std::vector<PairsResult>& results, const DeviceSearch& device);
 
 }  // namespace coppice::bench

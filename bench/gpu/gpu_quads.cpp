@@ -25,8 +25,8 @@ MeshOptions quad_options() {
     return options;
 }
 
-double sum_of(const std::vector<std::pair<std::string, double>>& stages,
-              std::initializer_list<std::string_view> names) {
+double compute_sum(const std::vector<std::pair<std::string, double>>& stages,
+                   std::initializer_list<std::string_view> names) {
     double sum = 0;
     for (const auto& [name, seconds] : stages) {
         if (std::ranges::find(names, name) != names.end()) sum += seconds;
@@ -34,7 +34,7 @@ double sum_of(const std::vector<std::pair<std::string, double>>& stages,
     return sum;
 }
 
-/// All that a card is given.
+/// All input of the GPU.
 struct Given {
     QuadModel model;
     ConvolutionField field;
@@ -54,7 +54,7 @@ struct Given {
     cuda::ContactInput contacts() const {
         return {model.skeleton, {model.tubes, model.tube}, field, model.control};
     }
-    /// The field with the regions of the surface.
+    /// Returns the field with the regions of the surface.
     ConvolutionField with_regions(const Context& ctx) const {
         ConvolutionField out = field;
         set_regions(out, model, ctx);
@@ -62,15 +62,15 @@ struct Given {
     }
 };
 
-/// As many points in each region as it has quads.
+/// Weights each region by its number of quads.
 FieldWork work_of(const ConvolutionField& field, const Given& given) {
     std::vector<double> weight(field.region_count());
     for (const std::uint32_t r : given.model.control.region) ++weight[r];
     return {field, weight};
 }
 
-/// [m] How far vertices may lie apart, by the distance to their anchors.
-std::vector<float> tolerances_of(std::span<const Vec3> positions, std::span<const Vec3> anchors) {
+/// [m] Returns the accepted distance between vertices, based on the distance to their anchors.
+std::vector<float> compute_tolerances(std::span<const Vec3> positions, std::span<const Vec3> anchors) {
     std::vector<float> out(positions.size());
     for (std::size_t v = 0; v < out.size(); ++v)
         out[v] = tolerance(positions[v], distance(positions[v], anchors[v]));
@@ -79,7 +79,7 @@ std::vector<float> tolerances_of(std::span<const Vec3> positions, std::span<cons
 
 std::uint32_t segments_of(const Skeleton& tree) { return tree.size() - tree.tree_count(); }
 
-/// Several trees on a card at once.
+/// Several trees on a GPU at once.
 class Batch {
   public:
     Batch(const std::deque<Given>& trees, const MeshOptions& options, const Context& ctx)
@@ -94,10 +94,10 @@ class Batch {
     void unfold(const UntangleOptions& how) {
         for (cuda::QuadJob& job : jobs_) job.untangle = how;
     }
-    /// Makes the surfaces, from copying all that they are made of to copying them back.
+    /// Creates the surfaces, including copies of all input and of the results.
     void make(DeviceQuads& device, GpuResult& out) {
         if (!device.begin(jobs_, contacts_)) {
-            out.note = "the field's lists, too long for the card, come from the CPU";
+            out.note = "the lists of the field are too long for the GPU and were computed on the CPU";
             std::vector<cuda::QuadTask> tasks;
             for (std::size_t i = 0; i < jobs_.size(); ++i) tasks.push_back({jobs_[i], &fields_[i]});
             device.begin(tasks);
@@ -106,12 +106,12 @@ class Batch {
         for (Made& made : made_) places.push_back({&made.positions, &made.anchors});
         reports_ = device.finish(places);
     }
-    /// Vertices that lie elsewhere than those of the models at rest.
+    /// Returns the number of vertices that differ from those of the models at rest.
     std::int64_t apart() const {
         std::int64_t count = 0;
         for (std::size_t i = 0; i < made_.size(); ++i) {
             const Buffer<Vec3>& rest = trees_[i].model.rest.positions;
-            count += bench::apart(rest, made_[i].positions, tolerances_of(rest, made_[i].anchors));
+            count += bench::apart(rest, made_[i].positions, compute_tolerances(rest, made_[i].anchors));
         }
         return count;
     }
@@ -148,7 +148,7 @@ void measure_on_card(const std::deque<Given>& trees, const MeshOptions& options,
                      GpuResult& out) {
     DeviceQuads device(run.ctx);
     Batch batch(trees, options, run.ctx);
-    batch.unfold({.passes = 0});  // as the models at rest
+    batch.unfold({.passes = 0});  // as for the models at rest
     batch.make(device, out);
     out.apart = batch.apart();
     batch.unfold(options.untangle);
@@ -157,7 +157,7 @@ void measure_on_card(const std::deque<Given>& trees, const MeshOptions& options,
         device, run, batch.costs(), [&] { device.repeat(); }, out);
 }
 
-/// The stages of all trees one after the other on the CPU, in all rounds.
+/// Measures the stages of all trees in sequence on the CPU, in all rounds.
 void measure_on_cpu(const std::vector<Skeleton>& trees, const MeshOptions& options, const GpuRun& run,
                     GpuResult& out) {
     std::vector<Measure> stages;
@@ -176,11 +176,11 @@ void measure_on_cpu(const std::vector<Skeleton>& trees, const MeshOptions& optio
         for (const auto& [name, seconds] : sums) Measures(stages).add(name, seconds);
     });
     for (const Measure& m : stages) out.cpu_stages.emplace_back(m.name, m.median());
-    out.cpu = sum_of(out.cpu_stages, {"field", "quads", "refine", "anchors", "project", "untangle"});
-    out.cage = sum_of(out.cpu_stages, {"prepare", "graft", "part", "cage", "weights", "topology"});
+    out.cpu = compute_sum(out.cpu_stages, {"field", "quads", "refine", "anchors", "project", "untangle"});
+    out.cage = compute_sum(out.cpu_stages, {"prepare", "graft", "part", "cage", "weights", "topology"});
 }
 
-/// What [Zhu2015] prints, on the CPU by the kernels of the card.
+/// The method as published in [Zhu2015], on the CPU with the kernels for the GPU.
 class PrintedOnCpu {
   public:
     PrintedOnCpu(const cuda::QuadJob& job, const ConvolutionField& field, const Context& ctx)

@@ -7,17 +7,18 @@
 
 namespace coppice::bench {
 
-/// What is measured of quads.
+/// A benchmark case of quads.
 struct QuadCase {
     std::string name;
-    std::vector<Skeleton> trees;  ///< one, or several that are made at once, each with a cage of its own
-    double papers = -1;           ///< [s] printed for subdivision and approximation
+    std::vector<Skeleton> trees;  ///< one tree, or several that are processed at once, each with its own cage
+    double papers = -1;           ///< [s] published time for subdivision and approximation
     std::vector<Goal> goals;
-    bool as_printed = false;  ///< whether what [Zhu2015] prints is measured beside it, of the first tree
+    bool as_printed =
+        false;  ///< whether the method as published in [Zhu2015] is also measured, on the first tree
 };
 
-/// From a cage on the card to quads, normals and all on the card, and on the CPU; as printed, subdivision and
-/// evolution alone, on both sides by the same kernels.
+/// Measures the work from a cage to quads with normals, entirely on the GPU, and on the CPU; for the
+/// published method only subdivision and evolution, on both sides with the same kernels.
 std::vector<GpuResult> measure_quads(const QuadCase& what, const GpuRun& run);
 
 }  // namespace coppice::bench

@@ -17,12 +17,12 @@
 namespace coppice::bench {
 namespace {
 
-/// All that marching is given: tetrahedra that enclose the surface, and the field in their regions.
+/// All input of marching: tetrahedra that enclose the surface, and the field in their regions.
 struct Given {
     Skeleton skeleton;
     std::vector<Segment> axes;
     ConvolutionField field;
-    EndCuts ends;  ///< none: all ends are round
+    EndCuts ends;  ///< empty: all ends are round
     TetraMesh mesh;
     CompressedRows<std::uint32_t> passing;
     MarchOptions how;
@@ -37,7 +37,7 @@ struct Given {
         if (what.in_polyhedron) {
             enclose(Polyhedron(skeleton, axes, {}, ctx));
         } else {
-            constexpr float kCellOverEdge = 2.8f, kShell = 0.2f;  // as mesh_skeleton() has it
+            constexpr float kCellOverEdge = 2.8f, kShell = 0.2f;  // as in mesh_skeleton()
             const float cell = kCellOverEdge * what.edge * static_cast<float>(1 << what.levels);
             enclose(Lattice(axes, {.cell = cell, .inside = 1 - kShell, .outside = 1 + kShell}, ctx));
         }
@@ -62,7 +62,7 @@ struct Given {
     }
 };
 
-/// As many points in each region as it has tetrahedra.
+/// Weights each region by its number of tetrahedra.
 FieldWork work_of(const Given& given) {
     std::vector<double> weight(given.mesh.region_count());
     for (std::size_t r = 0; r < weight.size(); ++r)
@@ -81,7 +81,7 @@ GpuResult row(const TetraCase& what, const Given& given, const char* how) {
     return out;
 }
 
-/// Marching as printed on the CPU, by the kernels of the card.
+/// Marching as published, on the CPU with the kernels for the GPU.
 class PrintedOnCpu {
   public:
     explicit PrintedOnCpu(const Given& given)
@@ -90,7 +90,7 @@ class PrintedOnCpu {
           field_(cuda::upload_field(exec_, given.field)),
           coarse_(cuda::upload_explicit(exec_, given.mesh, given.ctx)) {}
 
-    /// The triangles, welded where that is asked for.
+    /// Returns the triangles if `weld` requests welded ones.
     TriMesh run(bool weld) {
         const auto before = exec_.mark();
         TriMesh out;

@@ -7,23 +7,23 @@
 
 namespace coppice::bench {
 
-/// What is measured of tetrahedra.
+/// A benchmark case of tetrahedra.
 struct TetraCase {
     std::string name;
     Skeleton skeleton;
-    bool in_polyhedron;  ///< the polyhedron of [Zhu2013], else a lattice
-    float edge;          ///< [radii] of the triangles, about; see TetraOptions
-    int levels;          ///< times that tetrahedra are cut into eight
-    double papers = -1;  ///< [s] printed for 1:8, field and marching
+    bool in_polyhedron;  ///< whether to use the polyhedron of [Zhu2013] instead of a lattice
+    float edge;          ///< [radii] approximate edge of the triangles; see TetraOptions
+    int levels;          ///< number of subdivisions of tetrahedra
+    double papers = -1;  ///< [s] published time for 1:8, field and marching
     std::vector<Goal> goals;
 };
 
-/// As [Zhu2013] prints it: from coarse tetrahedra on the card to triangles there, and the same kernels on the
-/// CPU.
+/// Measures the method as published in [Zhu2013]: from coarse tetrahedra on the GPU to triangles there, and
+/// the same kernels on the CPU.
 GpuResult measure_printed_tetra(const TetraCase& what, const GpuRun& run);
 
-/// As the product does it: from coarse tetrahedra and regions of the field on the host to the welded surface
-/// there, copies included, and on the CPU.
+/// Measures the method of the library: from coarse tetrahedra and regions of the field on the host to the
+/// welded surface on the host, including copies, and on the CPU.
 GpuResult measure_tetra(const TetraCase& what, const GpuRun& run);
 
 }  // namespace coppice::bench

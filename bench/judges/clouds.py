@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""clouds.py COPPICE OUT [CLOUD...] [--fork CLOUD] [--poisson PROGRAM]: figure 10 of [Huang2017], clouds of points against the surfaces of all methods on the
-skeleton that `coppice extract` finds in them, and against Poisson reconstruction, as Markdown in OUT/figure10.md. A made-up fork is scanned; of
-each cloud given its clearest fork is cut out, and measured before the whole. Points and surfaces are left in OUT/clouds."""
+"""clouds.py COPPICE OUT [CLOUD...] [--fork CLOUD] [--poisson PROGRAM]: figure 10 of [Huang2017]: compares point clouds with the surfaces of all methods
+on the skeleton from `coppice extract`, and with Poisson reconstruction, as Markdown in OUT/figure10.md. Measures the scan of a synthetic fork, and of
+each given cloud its clearest fork and the whole. Points and surfaces are left in OUT/clouds."""
 import json
 import math
 import os
@@ -13,19 +13,19 @@ from judged import arguments, head, mesh, row, run
 SCREENED = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "oracles", "screened_poisson.py")
 WAYS = {"cylinders": ("--method", "cylinders"), "ramifications": ("--method", "ramifications"), "quads": (),
         "tetrahedra": ("--method", "tetrahedra")}
-CUT = 12  # radii of a fork's node, around it
+CUT = 12  # [radii of a fork's node] radius of the ball that is cut out around it
 
 
 def points_of(coppice, cloud, folder):
-    """Its coordinates, whatever the format."""
+    """Returns the coordinates of a cloud in any format."""
     text = os.path.join(folder, "points.xyz")
     run(coppice, "convert", cloud, "-o", text, "--quiet")
     with open(text, encoding="utf-8") as file:
         return [tuple(map(float, line.split()[:3])) for line in file]
 
 
-def nodes_of(coppice, skeleton, folder):
-    """Place, radius and parent of every node, parents first."""
+def find_nodes(coppice, skeleton, folder):
+    """Returns position, radius and parent of every node, parents first."""
     text, nodes = os.path.join(folder, "skeleton.swc"), {}
     run(coppice, "convert", skeleton, "-o", text, "--quiet")
     with open(text, encoding="utf-8") as file:
@@ -37,7 +37,7 @@ def nodes_of(coppice, skeleton, folder):
 
 
 def clearest_fork(nodes):
-    """The node whose second child is the thickest, of children with branches as long as half of what is cut out."""
+    """Returns the node with the thickest second child, among children with branches as long as half the radius of the ball."""
     children, reach = {}, dict.fromkeys(nodes, 0)
     for n in reversed(nodes):
         place, _, parent = nodes[n]
@@ -53,7 +53,7 @@ def clearest_fork(nodes):
 
 
 def around(nodes, fork):
-    """The nodes that are joined to the fork within the ball that is cut out; parents first."""
+    """Returns the nodes that are connected to the fork within the ball that is cut out, parents first, and all nodes in the ball."""
     middle, radius, _ = nodes[fork]
     inside = {n for n in nodes if math.dist(nodes[n][0], middle) < CUT * radius}
     root = fork
@@ -67,8 +67,8 @@ def around(nodes, fork):
 
 
 def cut_out(coppice, cloud, skeleton, folder, stem):
-    """The points and the skeleton around the clearest fork."""
-    nodes = nodes_of(coppice, skeleton, folder)
+    """Writes the points and the skeleton around the clearest fork."""
+    nodes = find_nodes(coppice, skeleton, folder)
     fork = clearest_fork(nodes)
     kept, inside = around(nodes, fork)
     part, ids = made_up.Swc(), {}
@@ -84,7 +84,7 @@ def cut_out(coppice, cloud, skeleton, folder, stem):
 
 
 def reconstructions(poisson, cloud, skeleton, stem):
-    """Name, surface and seconds of Poisson reconstructions, those that there are programs for; normals point away from the axes."""
+    """Yields name, surface and seconds of the Poisson reconstructions with available programs; normals point away from the axes."""
     if not poisson:
         return
     found = json.loads(run(poisson, cloud, stem + "_poisson.ply", "--axes", skeleton, "--oriented", stem + "_oriented.ply"))
@@ -95,14 +95,14 @@ def reconstructions(poisson, cloud, skeleton, stem):
 
 
 def extracted(coppice, cloud, folder, name):
-    """The skeleton found in a cloud."""
+    """Returns the skeleton extracted from a cloud."""
     skeleton = os.path.join(folder, name + ".json")
     run(coppice, "extract", cloud, "-o", skeleton, "--quiet")
     return skeleton
 
 
 def surfaces(coppice, poisson, cloud, skeleton, stem):
-    """Every surface that stands for the cloud: its name, file and seconds."""
+    """Yields every surface of the cloud: its name, file and seconds."""
     for name, way in WAYS.items():
         path = f"{stem}_{name}.ply"
         _, seconds = mesh(coppice, skeleton, path, *way)
@@ -128,37 +128,37 @@ def rows(coppice, poisson, name, cloud, skeleton, stem):
 
 
 def scanned_fork(coppice, folder):
-    """A fork of ours as seen from all around, and its skeleton: fine triangles of its field are scanned, so that no method is to find a surface of
-    its own."""
+    """Returns the scan of a synthetic fork from all sides, and its skeleton. Fine triangles of its field are scanned, so that no method is compared
+    with its own surface."""
     surface, cloud = os.path.join(folder, "fork.ply"), os.path.join(folder, "fork_cloud.ply")
     skeleton = made_up.fork().write(os.path.join(folder, "fork.swc"))
-    mesh(coppice, skeleton, surface, "--method", "tetrahedra", "--edge", "0.12")
+    mesh(coppice, skeleton, surface, "--method", "tetrahedra", "--tetra-edge", "0.12")
     run(coppice, "scan", surface, "-o", cloud, "--points", "3000", "--positions", "8", "--distance", "4", "--noise", "0.001", "--quiet")
     return cloud, skeleton
 
 
 def main():
-    told = arguments("Clouds of points against surfaces, as figure 10 of Huang2017", "clouds to measure besides the one that is made up",
-                     {"--poisson": "coppice_poisson, to compare with", "--fork": "a cloud of which the fork alone is measured"})
-    coppice, folder = told.coppice, os.path.join(told.out, "clouds")
+    reported = arguments("Compares point clouds with surfaces, as figure 10 of Huang2017.", "Additional clouds to measure.",
+                     {"--poisson": "Path of coppice_poisson, for comparison.", "--fork": "A cloud of which only the fork is measured."})
+    coppice, folder = reported.coppice, os.path.join(reported.out, "clouds")
     os.makedirs(folder, exist_ok=True)
     text = head("cloud", "points", "method", "faces", "closed, manifold", "parts", "crossing pairs", "cloud to surface, mm: mean, p95, max",
                 "surface to cloud, mm: mean, p95, max", "at forks: cloud to surface", "at forks: surface to cloud", "bare, %", "s")
 
     def add(name, cloud, skeleton, stem):
         nonlocal text
-        text += rows(coppice, told.poisson, name, cloud, skeleton, os.path.join(folder, stem))
+        text += rows(coppice, reported.poisson, name, cloud, skeleton, os.path.join(folder, stem))
 
     cloud, skeleton = scanned_fork(coppice, folder)
     add("fork, its own skeleton", cloud, skeleton, "drawn")
     add("fork", cloud, extracted(coppice, cloud, folder, "fork"), "fork")
-    for path in told.files + ([told.fork] if told.fork else []):
+    for path in reported.files + ([reported.fork] if reported.fork else []):
         name = os.path.splitext(os.path.basename(path))[0]
         skeleton = extracted(coppice, path, folder, name)
         add(name + ", a fork", *cut_out(coppice, path, skeleton, folder, os.path.join(folder, name + "_fork")), name + "_fork")
-        if path != told.fork:
+        if path != reported.fork:
             add(name, path, skeleton, name)
-    with open(os.path.join(told.out, "figure10.md"), "w", encoding="utf-8") as file:
+    with open(os.path.join(reported.out, "figure10.md"), "w", encoding="utf-8") as file:
         file.write(text)
 
 

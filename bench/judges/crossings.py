@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""crossings.py COPPICE SKELETON...: quads that cross before and after remeshing, and what that costs, as the table of
-docs/user/comparison.md. The counts are those of `coppice check`; quality and volume are those after remeshing."""
+"""crossings.py COPPICE SKELETON...: intersecting quads before and after remeshing, and its cost, as the table of
+docs/user/comparison.md. The counts are from `coppice check`; quality and volume are measured after remeshing."""
 import os
 import sys
 import tempfile

@@ -1,4 +1,4 @@
-"""What the benches of other people's skeletons share: a mesh made and judged by the program itself."""
+"""Common code of the benchmarks of external skeletons: meshing and checking with the program itself."""
 import argparse
 import json
 import os
@@ -6,29 +6,29 @@ import subprocess
 import sys
 
 
-def arguments(text, files="skeletons to measure besides what is made up", more=None):
-    """Of a judge that writes tables into a folder; `more` are options of its own, with what they are."""
+def arguments(text, files="Additional skeletons to measure.", more=None):
+    """Parses the arguments of a script that writes tables into a folder; `more` are additional options with their help texts."""
     parser = argparse.ArgumentParser(description=text)
-    parser.add_argument("coppice", help="the program")
-    parser.add_argument("out", help="folder for the tables")
+    parser.add_argument("coppice", help="The coppice program.")
+    parser.add_argument("out", help="Folder for the tables.")
     parser.add_argument("files", nargs="*", help=files)
     for option, meaning in (more or {}).items():
         parser.add_argument(option, help=meaning)
-    parser.add_argument("--small", action="store_true", help="little, once: a trial of the script")
-    told = parser.parse_intermixed_args()
-    os.makedirs(told.out, exist_ok=True)
-    return told
+    parser.add_argument("--small", action="store_true", help="Run once with little data, to test the script.")
+    reported = parser.parse_intermixed_args()
+    os.makedirs(reported.out, exist_ok=True)
+    return reported
 
 
 def run(*command):
     done = subprocess.run(command, capture_output=True, text=True)
-    if done.returncode not in (0, 1):  # 1: a check failed, which is a figure here
+    if done.returncode not in (0, 1):  # 1: a check failed, which is a result here
         sys.exit(f"{' '.join(command)}: {done.stderr.strip()}")
     return done.stdout
 
 
 def mesh(coppice, skeleton, path, *options):
-    """Returns the counts of meshing, and the seconds of each of its stages."""
+    """Returns the counts of meshing, and the time of each of its stages in seconds."""
     report = path + ".report.json"
     run(coppice, "mesh", skeleton, "-o", path, *options, "--report", report)
     with open(report, encoding="utf-8") as file:
@@ -40,14 +40,14 @@ def mesh(coppice, skeleton, path, *options):
 
 
 def mesh_and_check(coppice, skeleton, folder, *options):
-    """Returns what `coppice check` says of the mesh, the counts of meshing, and the seconds it took."""
+    """Returns the report of `coppice check`, the counts of meshing, and its time in seconds."""
     path = os.path.join(folder, "mesh.ply")
     counts, seconds = mesh(coppice, skeleton, path, *options)
     return json.loads(run(coppice, "check", path, "--skeleton", skeleton, "--json")), counts, seconds["mesh"]
 
 
 def in_turn(coppice, skeleton, folder, ways, runs):
-    """Of every way to mesh: what `coppice check` says, the counts, and the least seconds of each stage over all runs, of the ways in turn."""
+    """Returns for every method the report of `coppice check`, the counts, and the minimum time of each stage over all runs, with the methods in alternation."""
     out = {}
     for _ in range(runs):
         for name, way in ways.items():
@@ -63,10 +63,10 @@ def in_turn(coppice, skeleton, folder, ways, runs):
 
 
 def row(*cells):
-    """A row of a table in Markdown."""
+    """Returns a row of a table in Markdown."""
     return "| " + " | ".join(str(c) for c in cells) + " |\n"
 
 
 def head(*cells):
-    """The head of a table, and the line below it."""
+    """Returns the head of a table, and the line below it."""
     return row(*cells) + row(*["---"] * len(cells))

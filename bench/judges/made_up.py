@@ -1,9 +1,9 @@
-"""Skeletons that are made up for the comparison, as SWC files: for those of the papers, which are not available."""
+"""Synthetic skeletons for the comparison, as SWC files: replacements for those of the papers, which are not available."""
 import math
 import os
 import random
 
-# Of one lateral: height on a trunk of 2 m, turn about it in degrees, radius, as in figure 9 of Huang2017.
+# One lateral: height on a trunk of 2 m, angle around it in degrees, radius, as in figure 9 of Huang2017.
 PASTED = {"a": (1.0, 0, 0.055), "b": (1.2, 25, 0.03), "c": (0.8, 45, 0.08)}
 
 
@@ -43,7 +43,7 @@ def unit(v):
 
 
 def across(v):
-    """Two unit vectors at right angles to a unit vector and to each other."""
+    """Returns two unit vectors perpendicular to a unit vector and to each other."""
     x, y, z = v
     a = unit((0.0, -z, y) if abs(x) < 0.9 else (z, 0.0, -x))
     return a, (y * a[2] - z * a[1], z * a[0] - x * a[2], x * a[1] - y * a[0])
@@ -57,7 +57,7 @@ def straight():
 
 
 def fork():
-    """A trunk in two, one thinner."""
+    """A trunk that forks into two branches, one thinner."""
     s = Swc()
     top = s.add((0, 0, 1), 0.1, s.add((0, 0, 0), 0.1))
     s.add((0, 0.55, 1.8), 0.06, top)
@@ -66,7 +66,7 @@ def fork():
 
 
 def lateral():
-    """A thin lateral on a trunk that goes on."""
+    """A thin lateral on a trunk that continues."""
     s = Swc()
     top = s.add((0, 0, 1), 0.1, s.add((0, 0, 0), 0.1))
     s.add((0, 0, 2), 0.095, top)
@@ -75,7 +75,7 @@ def lateral():
 
 
 def furcation(branches):
-    """A trunk that goes on, and laterals evenly about it at 60 degrees, as in figure 11 of Huang2017."""
+    """A trunk that continues, and evenly distributed laterals at 60 degrees, as in figure 11 of Huang2017."""
     s = Swc()
     top = s.add((0, 0, 1), 0.1, s.add((0, 0, 0), 0.1))
     s.add((0, 0, 2), 0.09, top)
@@ -86,7 +86,7 @@ def furcation(branches):
 
 
 def neighbours(apart):
-    """Three laterals, each so far above the last and turned against it, as in figure 7 of Huang2017."""
+    """Three laterals, each at this distance above the previous one and rotated relative to it, as in figure 7 of Huang2017."""
     s = Swc()
     at = s.add((0, 0, 0), 0.1)
     for k in range(3):
@@ -120,13 +120,13 @@ def random_fork(branches, draw):
 
 
 def tree(branches, seed):
-    """A tree of exactly so many branches, the trunk among them: laterals leave their branch by the golden angle, at 35 to 60 degrees,
-    half as long as what is above them, and are made breadth first until there are enough."""
+    """A tree with exactly this number of branches, including the trunk: laterals leave their branch by the golden angle, at 35 to 60 degrees,
+    half as long as the rest of the branch above them, and are created breadth first until there are enough."""
     draw, s = random.Random(seed), Swc()
     queue, made = [], 0
 
     def grow(parent, at, direction, length, radius, nodes, order):
-        """One branch of `nodes` nodes after `at`; where laterals may leave is queued."""
+        """Adds one branch of `nodes` nodes after `at`, and queues the positions of possible laterals."""
         nonlocal made
         made += 1
         node = parent
@@ -155,12 +155,12 @@ def tree(branches, seed):
 
 
 def trees():
-    """As many branches as the trees of table 2 of Huang2017: name, branches, skeleton."""
+    """Returns trees with the numbers of branches of table 2 of Huang2017: name, branches, skeleton."""
     return [("tree 1", 85, tree(85, 1)), ("tree 2", 200, tree(200, 2)), ("tree 3", 42, tree(42, 3))]
 
 
 def write_all(folder):
-    """Everything that is drawn, by name."""
+    """Writes all skeletons of the figures, by name."""
     made = {"fork": fork(), "neighbours": neighbours(0.2), "close_neighbours": neighbours(0.16)}
     made.update({f"pasted_{place}": pasted(*lateral) for place, lateral in PASTED.items()})
     made.update({f"furcation_{n}": furcation(n) for n in range(4, 8)})

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""methods.py COPPICE OUT [SKELETON...] [--small]: all methods of `coppice mesh` on made-up forks and trees and on the skeletons given, and metaballs
-beside the default, as Markdown in OUT/methods.md and OUT/metaballs.md. Seconds are the least of three runs, of fields of ten, in turn."""
+"""methods.py COPPICE OUT [SKELETON...] [--small]: compares all methods of `coppice mesh` on synthetic forks and trees and on the given skeletons, and
+metaballs with the default, as Markdown in OUT/methods.md and OUT/metaballs.md. Times are the minimum of three alternating runs, for fields of ten, in seconds."""
 import os
 import tempfile
 
@@ -12,9 +12,9 @@ FIELD_RUNS = 10
 SUMMED = "quads, `--blend 1`"
 WAYS = {"quads": (), SUMMED: ("--blend", "1"), "bmesh": ("--method", "bmesh"), "ramifications": ("--method", "ramifications"),
         "tetrahedra": ("--method", "tetrahedra"), "cylinders": ("--method", "cylinders")}
-# A fork alone has few faces: these are half as long.
-FINER = {name: way + (("--edge", "0.25") if name == "tetrahedra" else ("--levels", "3")) for name, way in WAYS.items()}
-# Without remeshing, as B-Mesh and Zhu2015 have none.
+# A single fork has few faces, so edges are half as long.
+FINER = {name: way + (("--tetra-edge", "0.25") if name == "tetrahedra" else ("--levels", "3")) for name, way in WAYS.items()}
+# Without remeshing, which B-Mesh and Zhu2015 do not have.
 FIELDS = {"quads": ("--remesh-rounds", "0"), SUMMED: ("--blend", "1", "--remesh-rounds", "0")}
 FIELDS.update({f"bmesh, bulge {b:g}": ("--method", "bmesh", "--ball-bulge", f"{b:g}", "--remesh-rounds", "0") for b in (0.005, 0.02, 0.1, 0.3)})
 
@@ -33,7 +33,7 @@ def methods(coppice, forks, trees, folder, runs):
 
 
 def radii_along(path, radius, low, high):
-    """The least and the greatest distance of vertices of an OBJ file from the z axis, in radii, between two heights."""
+    """Returns the minimum and maximum distance of vertices of an OBJ file from the z axis, in radii, between two heights."""
     found = []
     with open(path, encoding="utf-8") as file:
         for line in file:
@@ -46,7 +46,7 @@ def radii_along(path, radius, low, high):
 
 
 def straight_branch(coppice, folder):
-    """What the fields make of a branch of 20 radii, away from its ends, finely subdivided."""
+    """Measures the fields on a finely subdivided branch of 20 radii, away from its ends."""
     text = head("field", "balls a radius", "radius, least", "greatest", "spacing allowed, radii", "radius at balls then", "between")
     skeleton, path = made_up.straight().write(os.path.join(folder, "straight.swc")), os.path.join(folder, "straight.obj")
     for way, options in FIELDS.items():
@@ -75,19 +75,19 @@ def metaballs(coppice, skeletons, folder, runs):
 
 
 def main():
-    told = arguments("All methods beside each other, and fields of balls and of lines")
+    reported = arguments("Compares all methods, and fields of balls and of lines.")
     with tempfile.TemporaryDirectory() as folder:
         def kept(name, skeleton):
             return name, skeleton.write(os.path.join(folder, name.replace(" ", "_") + ".swc"))
 
         forks = [kept("fork", made_up.fork()), kept("thin lateral", made_up.lateral()), kept("six laterals", made_up.furcation(7))]
-        trees = [] if told.small else [kept(name, skeleton) for name, _, skeleton in made_up.trees()]
-        others = [(os.path.basename(path), path) for path in told.files]
-        field_trees, runs, field_runs = (forks[:1], 1, 1) if told.small else (trees + others[:1], RUNS, FIELD_RUNS)
-        tables = {"methods": methods(told.coppice, forks, trees + others, folder, runs),
-                  "metaballs": metaballs(told.coppice, field_trees, folder, field_runs)}
+        trees = [] if reported.small else [kept(name, skeleton) for name, _, skeleton in made_up.trees()]
+        others = [(os.path.basename(path), path) for path in reported.files]
+        field_trees, runs, field_runs = (forks[:1], 1, 1) if reported.small else (trees + others[:1], RUNS, FIELD_RUNS)
+        tables = {"methods": methods(reported.coppice, forks, trees + others, folder, runs),
+                  "metaballs": metaballs(reported.coppice, field_trees, folder, field_runs)}
         for name, text in tables.items():
-            with open(os.path.join(told.out, name + ".md"), "w", encoding="utf-8") as file:
+            with open(os.path.join(reported.out, name + ".md"), "w", encoding="utf-8") as file:
                 file.write(text)
 
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""others.py COPPICE JUDGE OUT CLOUD=SKELETON...: skeletons that another program found in clouds beside those of `coppice extract`, as Markdown in
-OUT/others.md. JUDGE is a program that reads a cloud (X Y Z rows) and a skeleton (SWC) and prints figures as a JSON object; the names of its figures are
-those of COLUMNS. All files go to OUT."""
+"""others.py COPPICE JUDGE OUT CLOUD=SKELETON...: compares skeletons that another program extracted from clouds with those of `coppice extract`, as
+Markdown in OUT/others.md. JUDGE is a program that reads a cloud (X Y Z rows) and a skeleton (SWC) and prints figures as a JSON object with the names in
+COLUMNS. All files are written to OUT."""
 import json
 import os
 import subprocess

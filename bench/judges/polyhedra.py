@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""polyhedra.py COPPICE OUT SKELETON... [--small]: quads, tetrahedra of the octree, the same with as many triangles as the polyhedron's, and tetrahedra of
-the polyhedron of Zhu2013, as Markdown in OUT/polyhedra.md. Seconds are the least of three runs, in turn."""
+"""polyhedra.py COPPICE OUT SKELETON... [--small]: compares quads, tetrahedra of the octree, the same with the number of triangles of the polyhedron, and
+tetrahedra of the polyhedron of Zhu2013, as Markdown in OUT/polyhedra.md. Times are the minimum of three alternating runs in seconds."""
 import math
 import os
 import tempfile
@@ -9,25 +9,25 @@ from judged import arguments, head, in_turn, mesh, row
 
 RUNS = 3
 OCTREE = ("--method", "tetrahedra")
-CUT_THRICE = OCTREE + ("--tetra-levels", "3")  # as the polyhedron is
+CUT_THRICE = OCTREE + ("--tetra-levels", "3")  # as for the polyhedron
 WAYS = {"quads": (), "octree": OCTREE, "polyhedron": OCTREE + ("--tetra-base", "polyhedron")}
 BASE = ("--base", "round")
 
 
 def as_many(coppice, path, folder):
-    """The edge with which the octree has about as many triangles as the polyhedron."""
+    """Returns the edge with which the octree has about as many triangles as the polyhedron."""
     out = os.path.join(folder, "count.ply")
     edge = 0.5
     wanted = mesh(coppice, path, out, *WAYS["polyhedron"], *BASE)[0]["triangles"]
     for _ in range(2):
-        found = mesh(coppice, path, out, *CUT_THRICE, *BASE, "--edge", f"{edge:.3f}")[0]["triangles"]
+        found = mesh(coppice, path, out, *CUT_THRICE, *BASE, "--tetra-edge", f"{edge:.3f}")[0]["triangles"]
         edge *= math.sqrt(found / wanted)
     return f"{edge:.3f}"
 
 
 def rows(coppice, path, folder, runs):
     edge = as_many(coppice, path, folder)
-    ways = {"quads": WAYS["quads"], "octree": OCTREE, f"octree, `--edge {edge} --tetra-levels 3`": CUT_THRICE + ("--edge", edge), "polyhedron": WAYS["polyhedron"]}
+    ways = {"quads": WAYS["quads"], "octree": OCTREE, f"octree, `--tetra-edge {edge} --tetra-levels 3`": CUT_THRICE + ("--tetra-edge", edge), "polyhedron": WAYS["polyhedron"]}
     text = ""
     for way, (judged, counts, seconds) in in_turn(coppice, path, folder, {name: way + BASE for name, way in ways.items()}, runs).items():
         tetra = [f"{counts[k]:,}" if k in counts else "-" for k in ("coarse_tetrahedra", "tetrahedra", "samples")]
@@ -42,13 +42,13 @@ def rows(coppice, path, folder, runs):
 
 
 def main():
-    told = arguments("Tetrahedra of the octree beside those of the polyhedron")
+    reported = arguments("Compares tetrahedra of the octree with those of the polyhedron.")
     text = head("skeleton", "segments", "way", "squares + added, auxiliary points", "tetrahedra, coarse", "fine", "vertices", "faces", "crossing pairs",
                 "trees, parts, handles", "missing, severed", "radius, mean of absolute", "volume, ratio", "shape, p1", "s")
     with tempfile.TemporaryDirectory() as folder:
-        for path in told.files[:1] if told.small else told.files:
-            text += rows(told.coppice, path, folder, 1 if told.small else RUNS)
-    with open(os.path.join(told.out, "polyhedra.md"), "w", encoding="utf-8") as file:
+        for path in reported.files[:1] if reported.small else reported.files:
+            text += rows(reported.coppice, path, folder, 1 if reported.small else RUNS)
+    with open(os.path.join(reported.out, "polyhedra.md"), "w", encoding="utf-8") as file:
         file.write(text)
 
 

@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
-"""ramifications.py COPPICE OUT [SKELETON...] [--small]: what docs/user/comparison.md has beside the figures and tables of [Huang2017], as Markdown in
-OUT/figure1.md, figure7.md, figure9.md, figure11.md (table 1), figure12.md (table 2), and the variants of the method on the skeletons given and on
-a hundred random forks of each kind, variants.md and forks.md. Times are the least of five runs. The skeletons that are drawn beside them are left
-in OUT."""
+"""ramifications.py COPPICE OUT [SKELETON...] [--small]: the comparison of docs/user/comparison.md with the figures and tables of [Huang2017], as Markdown
+in OUT/figure1.md, figure7.md, figure9.md, figure11.md (table 1), figure12.md (table 2), and the variants of the method on the given skeletons and on
+a hundred random forks of each kind, variants.md and forks.md. Times are the minimum of five runs. The skeletons of the figures are left in OUT."""
 import json
 import os
 import random
@@ -13,7 +12,7 @@ from judged import arguments, head, in_turn, mesh_and_check, row, run
 
 RUNS = 5
 PRINTED_FURCATIONS = {4: (1104, 82, 41), 5: (1408, 121, 49), 6: (1904, 179, 76), 7: (2208, 259, 98)}
-# additional laterals, and the printed times of connection, cut-paste and both subdivisions
+# additional laterals, and the published times of connection, cut-paste and both subdivisions
 PRINTED_TREES = {"tree 1": (5, 1572, 4991, 361 + 3601), "tree 2": (4, 2101, 8486, 547 + 4632), "tree 3": (0, 242, 0, 194 + 414)}
 SECOND_SUBDIVISION = ("mesh: topology", "mesh: quads", "mesh: refine")
 UNITS = ("--method", "ramifications")
@@ -22,14 +21,14 @@ OPTIMISATION = {"optimised": AS_PRINTED, "not optimised": (*AS_PRINTED, "--no-co
 
 
 def stages(counts, seconds):
-    """Milliseconds of connection, cut-paste and both subdivisions."""
+    """Returns the times of connection, cut-paste and both subdivisions in milliseconds."""
     r = counts["ramifications"]
     second = sum(seconds[s] for s in SECOND_SUBDIVISION)
     return 1000 * r["connection_seconds"], 1000 * r["paste_seconds"], 1000 * (r["subdivision_seconds"] + second)
 
 
 def timed(coppice, path, folder, way, runs):
-    """What the check says, the counts, and the least milliseconds of each stage."""
+    """Returns the report of the check, the counts, and the minimum time of each stage in milliseconds."""
     least = None
     for _ in range(runs):
         judged, counts, seconds = in_turn(coppice, path, folder, {"": way}, 1)[""]
@@ -140,16 +139,16 @@ def forks(coppice, folder, count):
 
 
 def main():
-    told = arguments("Ramifications beside the figures and tables of Huang2017")
-    coppice, out = told.coppice, told.out
+    reported = arguments("Compares ramifications with the figures and tables of Huang2017.")
+    coppice, out = reported.coppice, reported.out
     made_up.write_all(out)
 
     def made(*names):
         return [(name, os.path.join(out, name.replace(" ", "_") + ".swc")) for name in names]
 
-    trees = made("tree 3") if told.small else made("tree 1", "tree 2", "tree 3")
-    others = [(os.path.basename(path), path) for path in told.files]
-    runs, count = (1, 1) if told.small else (RUNS, 100)
+    trees = made("tree 3") if reported.small else made("tree 1", "tree 2", "tree 3")
+    others = [(os.path.basename(path), path) for path in reported.files]
+    runs, count = (1, 1) if reported.small else (RUNS, 100)
     with tempfile.TemporaryDirectory() as folder:
         tables = {"figure1": figure1(coppice, made("fork") + trees, folder), "figure7": figure7(coppice, made("neighbours", "close neighbours") + trees + others, folder),
                   "figure9": figure9(coppice, folder, out, runs),

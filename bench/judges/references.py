@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Extracts skeletons from the meshes and scans for which somebody else made a model of the same tree, holds them against
-those models with `coppice compare`, and prints a Markdown table. Files that are not there are passed over.
+"""Extracts skeletons from meshes and scans with an independent model of the same tree, compares them with those models by
+`coppice compare`, and prints a Markdown table. Missing files are skipped.
 
     bench/judges/references.py --data FOLDER [--program build/release/bin/coppice] [--keep FOLDER]
 
-The folder holds tree_mesh, cloud, swc, qsm and mtg as the names below say.
+The folder contains tree_mesh, cloud, swc, qsm and mtg with the names listed below.
 """
 
 import argparse
@@ -36,7 +36,7 @@ HEAD = ["input", "model by", "length: model, m", "found, m", "ratio", "volume: m
 
 
 def mean_point(path):
-    """Of the rows of a text of coordinates."""
+    """Returns the mean of the rows of a text of coordinates."""
     total, count = [0.0, 0.0, 0.0], 0
     for line in path.read_text().splitlines():
         try:
@@ -50,9 +50,9 @@ def mean_point(path):
 
 
 def mtg_to_swc(path, shift, out):
-    """Writes the nodes (N) of a multiscale tree graph, FORM-A, as SWC. An entity that begins with ^ follows the last one
-    of its column, another is borne by the last one of the column before. Nodes without a radius have their parent's."""
-    rows, last, radius_of = [], {}, {0: 0.01}
+    """Writes the nodes (N) of a multiscale tree graph, FORM-A, as SWC. An entity that begins with ^ continues the last one
+    of its column; any other is a child of the last one of the previous column. Nodes without a radius have that of their parent."""
+    rows, last, compute_radius = [], {}, {0: 0.01}
     names = None
     for line in path.read_text().splitlines():
         cells = line.split("\t")
@@ -69,8 +69,8 @@ def mtg_to_swc(path, shift, out):
         last[column] = node
         x, y, z = (float(cells[names[axis]]) + s for axis, s in zip(("XX", "YY", "ZZ"), shift))
         text = cells[names["radius"]].strip() if names["radius"] < len(cells) else ""
-        radius_of[node] = float(text) if text else radius_of[max(parent, 0)]
-        rows.append(f"{node} 0 {x} {y} {z} {radius_of[node]} {parent}\n")
+        compute_radius[node] = float(text) if text else compute_radius[max(parent, 0)]
+        rows.append(f"{node} 0 {x} {y} {z} {compute_radius[node]} {parent}\n")
     out.write_text("".join(rows))
 
 
@@ -122,7 +122,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--data", type=pathlib.Path, default=root.parent / "shared" / "data")
     parser.add_argument("--program", type=pathlib.Path, default=root / "build" / "release" / "bin" / "coppice")
-    parser.add_argument("--keep", type=pathlib.Path, help="folder for the skeletons; else they are not kept")
+    parser.add_argument("--keep", type=pathlib.Path, help="Folder for the skeletons; by default they are not kept.")
     arguments = parser.parse_args()
     if arguments.keep:
         arguments.keep.mkdir(parents=True, exist_ok=True)

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""scans.py COPPICE OUT [--half tuned|held] [--only NAME...] [--jobs N] [extract options...]: skeletons of simulated scans with traps
-against the trees that they were made of, as Markdown in OUT/scans.md.
+"""scans.py COPPICE OUT [--half tuned|held] [--only NAME...] [--jobs N] [extract options...]: compares skeletons of simulated scans with
+difficulties (traps) with the trees from which they were created, as Markdown in OUT/scans.md.
 
-Trees grow by `coppice sprout`, are scaled to a height and a diameter, and are scanned from several places: what another branch hides is
-missing. Traps are leaves, needles, strays, wires, gaps, one scanner alone, two leaders, forks at the ground, leaning stems, understorey,
-noise. Every other scan is there to tune on (`tuned`), the others to report on (`held`). Needs numpy and scipy. Columns: diameter at
-breast height, height, length and volume over the true ones, the intervals of length and volume, warnings, tips found within two spacings and a radius, share of the true axis within a radius
-and a spacing of the one found, and share of the length found that lies near no true axis."""
+Trees are created by `coppice sprout`, scaled to a height and a diameter, and scanned from several positions; occluded points are
+missing. Traps are leaves, needles, strays, wires, gaps, a single scanner, two leaders, forks at the ground, leaning stems, understorey,
+noise. Every other scan is for tuning (`tuned`), the others are for reports (`held`). Needs numpy and scipy. Columns: diameter at
+breast height, height, length and volume relative to the true ones, the intervals of length and volume, warnings, tips found within two spacings and a radius, share of the true axis within a radius
+and a spacing of the extracted one, and share of the extracted length that is near no true axis."""
 import argparse
 import concurrent.futures
 import json
@@ -23,7 +23,7 @@ BREAST = 1.3
 
 
 class Tree:
-    """Nodes with places, radii and parents, parents first."""
+    """Nodes with positions, radii and parents, parents first."""
 
     def __init__(self, at, radius, parent):
         self.at, self.radius, self.parent = np.asarray(at, float), np.asarray(radius, float), np.asarray(parent, int)
@@ -41,7 +41,7 @@ class Tree:
         return child, self.parent[child]
 
     def starts(self):
-        """The radius that each segment starts with: its parent's only for the thickest child."""
+        """Returns the start radius of each segment: that of its parent only for the thickest child."""
         child, parent = self.segments()
         thickest = np.zeros(len(self.at))
         np.maximum.at(thickest, parent, self.radius[child])
@@ -57,11 +57,11 @@ class Tree:
         return float((np.pi / 3 * self.length() * (a * a + a * b + b * b)).sum())
 
     def height(self):
-        """Of the highest point above the lowest root."""
+        """Returns the height of the highest point above the lowest root."""
         return float((self.at[:, 2] + self.radius).max() - self.at[self.parent < 0, 2].min())
 
     def diameter(self):
-        """Of the thickest segment at breast height above the lowest root."""
+        """Returns the diameter of the thickest segment at breast height above the lowest root."""
         child, parent = self.segments()
         z = self.at[self.parent < 0, 2].min() + BREAST
         low, high = self.at[parent, 2], self.at[child, 2]
@@ -72,7 +72,7 @@ class Tree:
         return float(2 * ((1 - t) * self.starts()[here] + t * self.radius[child[here]]).max())
 
     def samples(self, step):
-        """Places along the axis with their radii."""
+        """Returns positions along the axis with their radii."""
         child, parent = self.segments()
         count = np.maximum(1, np.ceil(self.length() / step).astype(int))
         which = np.repeat(np.arange(len(child)), count)
@@ -88,7 +88,7 @@ class Tree:
         return self.at[~bears]
 
     def joined(self, other, node):
-        """With another tree whose root becomes this node."""
+        """Returns the union with another tree, the root of which becomes this node."""
         parent = np.where(other.parent < 0, node, other.parent + len(self.at))
         return Tree(np.vstack([self.at, other.at - other.at[0] + self.at[node]]), np.concatenate([self.radius, other.radius]),
                     np.concatenate([self.parent, parent]))
@@ -109,7 +109,7 @@ def scaled(tree, height, diameter):
 
 
 def turned(tree, degrees, about):
-    """Tilted out of the vertical, towards an azimuth."""
+    """Returns the tree tilted from the vertical towards an azimuth."""
     a, c, s = np.radians(degrees), np.cos(about), np.sin(about)
     axis = np.array([-s, c, 0])
     cross = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
@@ -117,7 +117,7 @@ def turned(tree, degrees, about):
 
 
 def surface(tree, count, random):
-    """Points evenly all over the cones."""
+    """Returns points evenly distributed over the cones."""
     child, parent = tree.segments()
     a, b, l = tree.starts(), tree.radius[child], tree.length()
     area = l * (a + b)
@@ -131,7 +131,7 @@ def surface(tree, count, random):
 
 
 def seen(points, scanners, width):
-    """Which points some scanner sees: those not behind others in a beam as wide as that at the tree."""
+    """Returns whether each point is visible to a scanner: not behind others in a beam with this width at the tree."""
     out = np.zeros(len(points), bool)
     for scanner in scanners:
         v = points - scanner
@@ -146,14 +146,14 @@ def seen(points, scanners, width):
 
 
 def thinned(points, edge, random):
-    """One point of each voxel."""
+    """Returns one point of each voxel."""
     points = points[random.permutation(len(points))]
     _, first = np.unique(np.floor(points / edge).astype(np.int64), axis=0, return_index=True)
     return points[first]
 
 
 def leaves(tree, random, share, needles):
-    """Points of leaves about thin wood, or of needles along it."""
+    """Returns points of leaves around thin branches, or of needles along them."""
     at, radius = tree.samples(0.05)
     thin = at[radius < np.quantile(tree.radius, 0.6)]
     place = thin[random.integers(0, len(thin), share)]
@@ -161,7 +161,7 @@ def leaves(tree, random, share, needles):
 
 
 def make(coppice, folder, index):
-    """The name, the tree, its scan and the spacing of that."""
+    """Returns the name, the tree, its scan and the point spacing."""
     random, trap = np.random.default_rng(1000 + index), TRAPS[index // 2 % len(TRAPS)]
     diameter = float(np.exp(random.uniform(np.log(0.04), np.log(0.6))))
     height = 1.3 + 1.1 * (100 * diameter) ** 0.75
@@ -206,7 +206,7 @@ def make(coppice, folder, index):
     points = points[seen(points, scanners, 0.7 * spacing)]
     points += random.normal(0, 0.008 if trap == "noise" else 0.002, points.shape)
     if trap == "strip":
-        # Of the stem, a side and a band; of the crown, the band alone: no method could find what has no points.
+        # Removes a side and a band of the stem, but only the band of the crown: no method could find branches without points.
         z, side = random.uniform(1.6, 3), random.uniform(0, 2 * np.pi)
         beside = points[:, :2] @ [np.cos(side), np.sin(side)]
         gone = (np.abs(points[:, 2] - z) < 0.25) | (beside > 0.3 * diameter) & (beside < diameter) & (points[:, 2] < 0.6 * height)

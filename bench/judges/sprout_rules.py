@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Measures whether trees that sprout keep to their rules: python3 bench/judges/sprout_rules.py COPPICE
+"""Measures whether sprouted trees satisfy their rules: python3 bench/judges/sprout_rules.py COPPICE
 
-Prints the tables of docs/user/growing.md: angles and turns of laterals, leaders by apical control, two trees beside each other,
-shaded branches, and times. Everything is read from the skeletons that the program writes."""
+Prints the tables of docs/user/growing.md: angles and turns of laterals, leaders by apical control, two adjacent trees,
+shaded branches, and times. All results are read from the skeletons that the program writes."""
 
 import json
 import math
@@ -15,15 +15,15 @@ STRAIGHT = "--stem-tropism 0 --branch-tropism 0 --light-turn 0 --wobble 0 --shad
 
 
 def sprout(program, options):
-    """Positions, parents and the report of trees with these options."""
+    """Returns positions, parents and the report of trees with these options."""
     with tempfile.TemporaryDirectory() as folder:
         tree, report = os.path.join(folder, "t.swc"), os.path.join(folder, "r.json")
         subprocess.run([program, "sprout", "-o", tree, "--report", report, "--quiet", *options.split()], check=True)
         with open(tree, encoding="utf-8") as file:
             rows = [line.split() for line in file if line.strip() and not line.startswith("#")]
         with open(report, encoding="utf-8") as file:
-            told = json.load(file)
-    return [tuple(map(float, row[2:5])) for row in rows], [int(row[6]) - 1 if row[6] != "-1" else -1 for row in rows], told
+            reported = json.load(file)
+    return [tuple(map(float, row[2:5])) for row in rows], [int(row[6]) - 1 if row[6] != "-1" else -1 for row in rows], reported
 
 
 def minus(a, b):
@@ -43,7 +43,7 @@ def dot(a, b):
 
 
 def laterals(places, parents):
-    """Nodes whose segments are shorter than those that they leave, as each order's are."""
+    """Returns nodes with segments shorter than the segment that they branch from, because each order is shorter."""
     way = [minus(p, places[q]) if q >= 0 else None for p, q in zip(places, parents)]
     return [i for i, q in enumerate(parents) if q >= 0 and parents[q] >= 0 and length(way[i]) < 0.99 * length(way[q])], way
 
@@ -74,7 +74,7 @@ def turns(program):
 
 
 def stem(places, parents):
-    """Height of the stem: the axis that goes on by the segments that are as long as the first one."""
+    """Returns the height of the stem: the axis that continues with segments as long as the first one."""
     full, top = length(minus(places[1], places[0])), {0}
     for i, q in enumerate(parents):
         if q in top and length(minus(places[i], places[q])) > 0.99 * full:
@@ -92,7 +92,7 @@ def leaders(program):
 
 
 def lean(places, parents, root):
-    """How far the tips of a tree lie along x from its root, on average."""
+    """Returns the mean distance of the tips of a tree from its root along x."""
     own, has_child = {root}, set(parents)
     for i, q in enumerate(parents):
         if q in own:
@@ -116,18 +116,18 @@ def neighbours(program, seeds=10):
 def shades(program):
     print("\n| `--shed-light` | nodes | tips | shed | tips below a third of the height |\n| --- | --: | --: | --: | --: |")
     for light in (0, 0.2, 0.4, 0.6):
-        places, parents, told = sprout(program, "--shed-light %g" % light)
+        places, parents, reported = sprout(program, "--shed-light %g" % light)
         has_child, height = set(parents), max(p[2] for p in places)
         low = sum(1 for i, p in enumerate(places) if i not in has_child and p[2] < height / 3)
-        print("| %g | %d | %d | %d | %d |" % (light, len(places), told["counts"]["tips"], told["counts"]["shed"], low))
+        print("| %g | %d | %d | %d | %d |" % (light, len(places), reported["counts"]["tips"], reported["counts"]["shed"], low))
 
 
 def times(program):
     print("\n| seasons | nodes | ever grown | seconds |\n| --- | --: | --: | --: |")
     for seasons in (15, 20, 24, 28):
-        places, _, told = sprout(program, "--seasons %d" % seasons)
-        seconds = next(s["seconds"] for s in told["stages"] if s["name"] == "sprout")
-        print("| %d | %d | %d | %.3f |" % (seasons, len(places), len(places) + told["counts"]["shed"], seconds))
+        places, _, reported = sprout(program, "--seasons %d" % seasons)
+        seconds = next(s["seconds"] for s in reported["stages"] if s["name"] == "sprout")
+        print("| %d | %d | %d | %.3f |" % (seasons, len(places), len(places) + reported["counts"]["shed"], seconds))
 
 
 for table in (angles, turns, leaders, neighbours, shades, times):

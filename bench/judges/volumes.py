@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""volumes.py COPPICE SKELETON...: volume of surfaces over that of the skeleton's rounded cones, by method and fit, as the table of
-docs/user/comparison.md. Prints what `coppice check` measures, and the seconds that meshing takes without and with --fit volume."""
+"""volumes.py COPPICE SKELETON...: volume of surfaces relative to the skeleton's rounded cones, by method and fit, as the table of
+docs/user/comparison.md. Prints the measurements of `coppice check`, and the time of meshing in seconds without and with --fit volume."""
 import os
 import sys
 import tempfile

@@ -1,5 +1,5 @@
-// coppice_poisson: a surface through points by the Poisson reconstruction of CGAL [Kazhdan2006], to hold ours
-// against; it links no part of what makes our surfaces.
+// coppice_poisson: a surface through points by the Poisson reconstruction of CGAL [Kazhdan2006], for
+// comparison with ours; it links no code that creates our surfaces.
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/IO/write_ply_points.h>
@@ -19,6 +19,7 @@
 
 #include "clock.h"
 #include "coppice/base/error.h"
+#include "coppice/base/id.h"
 #include "coppice/io/mesh/writer.h"
 #include "coppice/io/points/reader.h"
 #include "coppice/io/skeleton/reader.h"
@@ -38,24 +39,24 @@ auto named() { return CGAL::parameters::point_map(Place()).normal_map(Normal());
 
 struct Flags {
     std::filesystem::path cloud, mesh, axes, oriented;
-    unsigned neighbours = 18;  // of a point, for its normal: as in CGAL's manual
+    unsigned neighbours = 18;  // number of neighbours for a normal, as in CGAL's manual
 };
 
 Vec3d to_vec(const auto& v) { return {v.x(), v.y(), v.z()}; }
 
-// Turns every normal away from the axis of the nearest branch.
+// Orients every normal away from the axis of the nearest branch.
 void turn_away(std::vector<Oriented>& points, const PointSet& cloud, const Flags& flags) {
     const CapsuleTree axes(read_skeleton(flags.axes).skeleton, cloud.origin);
     for (auto& [place, normal] : points) {
         const Vec3d p = to_vec(place);
         const CapsuleTree::Nearest branch = axes.nearest(p);
-        if (branch.capsule == CapsuleTree::kNone) throw InvalidInput("the skeleton has no segment");
+        if (branch.capsule == kNoIndex) throw InvalidInput("the skeleton has no segments");
         if (dot(axes.cone(branch.capsule).foot(p).offset, to_vec(normal)) < 0) normal = -normal;
     }
 }
 
-// Points, each once, with normals: away from axes, or such that they agree with those of their neighbours.
-// What no chain of neighbours reaches is left out then.
+// Returns unique points with normals: oriented away from axes, or consistently with those of their
+// neighbours, which omits points that no chain of neighbours reaches.
 std::vector<Oriented> oriented(const PointSet& cloud, const Flags& flags) {
     std::vector<Oriented> points;
     for (const Vec3 p : cloud.positions)
@@ -65,7 +66,7 @@ std::vector<Oriented> oriented(const PointSet& cloud, const Flags& flags) {
                              [](const auto& a, const auto& b) { return a.first == b.first; }),
                  points.end());
     if (points.size() <= flags.neighbours)
-        throw InvalidInput(fmt::format("more than {} points are needed", flags.neighbours));
+        throw InvalidInput(fmt::format("more than {} points are required", flags.neighbours));
     CGAL::pca_estimate_normals<CGAL::Sequential_tag>(points, flags.neighbours, named());
     if (flags.axes.empty())
         points.erase(CGAL::mst_orient_normals(points, flags.neighbours, named()), points.end());
@@ -121,13 +122,15 @@ void run(const Flags& flags) {
 
 int main(int argc, char** argv) {
     Flags flags;
-    CLI::App app("A surface through points by CGAL's Poisson reconstruction", "coppice_poisson");
-    app.add_option("cloud", flags.cloud, "points, in any format that coppice reads")->required();
-    app.add_option("mesh", flags.mesh, "surface to write; the ending tells the format")->required();
+    CLI::App app("Computes a surface through points by CGAL's Poisson reconstruction.", "coppice_poisson");
+    app.add_option("cloud", flags.cloud, "Points, in any format that coppice reads.")->required();
+    app.add_option("mesh", flags.mesh, "Surface to write; the file extension determines the format.")
+        ->required();
     app.add_option("--axes", flags.axes,
-                   "skeleton that normals point away from; without it they follow those of neighbours");
-    app.add_option("--oriented", flags.oriented, "also write the points with their normals (PLY)");
-    app.add_option("--neighbours", flags.neighbours, "of a point, that its normal is of")
+                   "Skeleton from which normals point away; without it they are oriented consistently with "
+                   "their neighbours.");
+    app.add_option("--oriented", flags.oriented, "Also write the points with their normals (PLY).");
+    app.add_option("--neighbours", flags.neighbours, "Number of neighbours of a point for its normal.")
         ->check(CLI::Range(3, 1000))
         ->capture_default_str();
     return coppice::bench::run_program(app, argc, argv, [&] { run(flags); });

@@ -8,24 +8,24 @@
 #include <limits>
 
 #include "clock.h"
-#include "coppice/io/file.h"
 #include "coppice/measure/axes.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/render/png.h"
 #include "coppice/render/render.h"
 #include "coppice/skeleton/random_tree.h"
+#include "coppice/system/file.h"
 #include "machine.h"
 
 namespace coppice::bench {
 namespace {
 
-constexpr int kFewestRuns = 2;
+constexpr int kMinRuns = 2;
 
-/// What one run of a route makes.
+/// Result of one run of a route.
 struct Made {
     double seconds = 0;
     std::uint64_t peak_bytes = 0;
-    PolygonMesh mesh;  ///< only if wanted: made outside the seconds
+    PolygonMesh mesh;  ///< only if requested; conversion is not included in the seconds
     std::uint64_t faces = 0, tetrahedra = 0, sampled = 0;
     std::vector<std::pair<std::string, double>> stages;
 };
@@ -86,7 +86,7 @@ void draw(const PolygonMesh& mesh, const std::filesystem::path& file, const Cont
                                        {.width = kSize, .height = kSize, .samples = kSamples}, ctx)));
 }
 
-/// An untimed run, which tells memory and figures, then the timed ones.
+/// Executes an untimed run, which determines memory and figures, then the timed ones.
 class Bench {
   public:
     Bench(const Scene& scene, const RoutesOptions& options, const Context& ctx)
@@ -124,7 +124,7 @@ class Bench {
         route.peak_bytes = made.peak_bytes > before ? made.peak_bytes - before : 0;
         route.tetrahedra = made.tetrahedra;
         route.sampled = made.sampled;
-        route.figures = figures_of(made.mesh, scene_.skeleton, ctx_);
+        route.figures = compute_figures(made.mesh, scene_.skeleton, ctx_);
         if (!options_.pictures.empty()) {
             draw(made.mesh, options_.pictures / file_name(fmt::format("{} {}.png", scene_.name, route.name)),
                  ctx_);
@@ -135,11 +135,11 @@ class Bench {
         Measures measures(route.measures);
         const Clock budget;
         for (int run = 0; run < std::max(options_.repeat, 1); ++run) {
-            if (run >= kFewestRuns && budget.seconds() > options_.seconds) break;
+            if (run >= kMinRuns && budget.seconds() > options_.seconds) break;
             const Made made = make(false);
             measures.add("all", made.seconds);
             std::vector<Measure> parts;
-            // A stage that is gone through several times counts as one.
+            // A stage that is executed several times counts as one.
             Measures sums(parts);
             for (const auto& [stage, part] : made.stages) sums.add(stage, part);
             for (const Measure& m : parts) {
@@ -162,11 +162,11 @@ class Bench {
     RoutesResult out_;
 };
 
-/// The size, of edges or cells, at which there are about `target` faces: their number falls with its square,
-/// but in steps where cells can only halve. The nearest of a few trials.
+/// Returns the size of edges or cells with about `target` faces: their number is inversely proportional to
+/// its square, but changes in steps if cells can only be halved. The best of a few trials.
 double size_for(double target, double size, const std::function<std::uint64_t(double)>& count) {
     constexpr int kTrials = 8;
-    constexpr double kNear = 0.01, kMostStep = 4;
+    constexpr double kNear = 0.01, kMaxStep = 4;
     double too_small = 0, too_large = std::numeric_limits<double>::infinity();
     double best = size, best_error = std::numeric_limits<double>::infinity();
     for (int trial = 0; trial < kTrials && best_error > kNear; ++trial) {
@@ -176,13 +176,13 @@ double size_for(double target, double size, const std::function<std::uint64_t(do
             best = size;
         }
         (ratio > 1 ? too_small : too_large) = size;
-        size *= std::clamp(std::sqrt(ratio), 1 / kMostStep, kMostStep);
+        size *= std::clamp(std::sqrt(ratio), 1 / kMaxStep, kMaxStep);
         if (size <= too_small || size >= too_large) size = std::sqrt(too_small * too_large);
     }
     return best;
 }
 
-/// The cell at which a grid has about as many triangles.
+/// Returns the cell size of a grid with about this number of triangles.
 double cell_for(std::uint64_t triangles, const Scene& scene, const Context& ctx) {
     const Vec3 size = scene.skeleton.bounds().size();
     constexpr double kFirst = 200;  // cells along the longest side
@@ -193,7 +193,7 @@ double cell_for(std::uint64_t triangles, const Scene& scene, const Context& ctx)
                     });
 }
 
-/// The edge at which tetrahedra cut `levels` times have about as many triangles.
+/// Returns the edge at which tetrahedra subdivided `levels` times have about this number of triangles.
 double edge_for(std::uint64_t triangles, const Skeleton& skeleton, int levels, const Context& ctx) {
     return size_for(static_cast<double>(triangles), TetraOptions{}.edge, [&](double edge) {
         return by_skeleton(skeleton, tetra_options(edge, levels), ctx)(false).faces;
@@ -243,7 +243,7 @@ RoutesResult compare_paper(const PaperTree& tree, const RoutesOptions& options, 
     const std::uint32_t shrink = options.shrink;
     const Scene scene{tree.name, random_tree(tree.segments / (shrink * shrink), kSeed)};
     Bench bench(scene, options, ctx);
-    // The papers' triangles are small against the radius: many levels waste little then.
+    // The triangles of the papers are small compared with the radius: many levels then waste little.
     constexpr int kLevels = 3;
     const double edge = edge_for(tree.tetrahedra.triangles / (shrink * shrink), scene.skeleton, kLevels, ctx);
     const std::uint64_t triangles =

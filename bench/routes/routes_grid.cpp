@@ -13,7 +13,7 @@
 namespace coppice::bench {
 namespace {
 
-// The surface comes no farther from its axis than this; with the default options it leaves it by one radius.
+// Maximum distance of the surface from its axis; with the default options its distance is one radius.
 constexpr float kReach = 1.6f;  // [radii]
 
 Box3 surface_box(const Skeleton& skeleton) {
@@ -29,14 +29,14 @@ FieldOptions round_ends(FieldOptions field) {
     return field;
 }
 
-/// Boxes about pieces of the branches, not much longer than thick or than the blocks.
+/// Returns boxes around sections of the branches, not much longer than their thickness or than the blocks.
 std::vector<Box3> pieces(const Skeleton& skeleton, const ConvolutionField& field, const FieldOptions& options,
                          float block) {
     std::vector<Box3> out;
     for (const NodeId n : nodes(skeleton)) {
         const float r = skeleton.radius(n);
         const bool is_end = skeleton.is_root(n) || skeleton.is_tip(n);
-        // The line goes on beyond an end, in a direction that a box need not know.
+        // The line extends beyond an end, in a direction that the box does not depend on.
         const float reach = (options.support + (is_end ? field.tip_extension() : 0)) * r;
         out.push_back(capsule_box(skeleton.position(n), skeleton.position(n), reach));
         if (skeleton.is_root(n)) continue;
@@ -53,7 +53,7 @@ std::vector<Box3> pieces(const Skeleton& skeleton, const ConvolutionField& field
     return out;
 }
 
-/// Every segment at every point, whatever the block.
+/// Samples every segment at every point, independent of the block.
 struct EverySegment {
     const ConvolutionField& field;
 
@@ -109,7 +109,7 @@ GridResult mesh_by_grid(const Skeleton& skeleton, const Grid& grid, const MeshOp
     stage("lists", [&] {
         const auto near = pieces(prepared.skeleton, field, field_options, kBlock * grid.cell);
         regions = regions_touching(grid.box, near, cut, ctx);
-        // A corner on the side of two blocks must look the same from both.
+        // A corner shared by two blocks must have the same value in both.
         std::vector<Box3> boxes = regions.box;
         for (Box3& b : boxes) b = b.inflated(0.01f * grid.cell);
         field.set_regions(boxes, ctx);
@@ -117,7 +117,7 @@ GridResult mesh_by_grid(const Skeleton& skeleton, const Grid& grid, const MeshOp
     const std::size_t longest = longest_list(regions.box.size());
     for (std::uint32_t r = 0; r < field.region_count(); ++r) {
         if (field.candidates(r).size() >= longest) {
-            throw Error("the grid is too coarse: more segments meet in a block than a list holds");
+            throw Error("the grid is too coarse: more segments meet in a block than a list can store");
         }
     }
     stage("extract", [&] { out.surface = polygonize(FieldRef(field), grid.box, regions, cut, ctx); });

@@ -14,18 +14,18 @@
 
 namespace coppice::bench {
 
-/// A uniform grid about a skeleton.
+/// A uniform grid around a skeleton.
 struct Grid {
     Box3 box;
     float cell = 1;  ///< [m]
 
-    std::uint64_t corners() const;  ///< of cells in the box
+    std::uint64_t corners() const;  ///< of the cells in the box
 };
 
-/// The papers' grid: a cube about the surface with so many corners along each side.
+/// Returns the grid of the papers: a cube around the surface with this number of corners along each side.
 Grid cube_about(const Skeleton& skeleton, std::uint32_t corners);
 
-/// The smallest box about the surface.
+/// Returns a grid in the smallest box around the surface.
 Grid box_about(const Skeleton& skeleton, float cell);
 
 struct GridResult {
@@ -33,19 +33,19 @@ struct GridResult {
     std::vector<std::pair<std::string, double>> stages;  ///< name, seconds
 };
 
-/// Marching tetrahedra on a uniform grid, of the same field as mesh_skeleton() takes for round ends, made as
-/// fast as a uniform grid allows: blocks of 8 x 8 x 8 cells that no branch comes near are skipped, and the
-/// others have a list of the segments that matter there. Throws Error where such a list would be cut short.
+/// Executes marching tetrahedra on a uniform grid, for the same field as mesh_skeleton() uses for round ends,
+/// as fast as a uniform grid allows: blocks of 8 x 8 x 8 cells without nearby branches are skipped, and the
+/// others have a list of the active segments. Throws Error if a list would be truncated.
 GridResult mesh_by_grid(const Skeleton& skeleton, const Grid& grid, const MeshOptions& options,
                         const Context& ctx);
 
-/// Seconds of the same as the papers do it: every segment at every corner.
+/// Time of the same work with the method of the papers: every segment at every corner.
 struct BruteForce {
     double seconds = 0;  ///< for the whole grid
-    double share = 1;    ///< of the grid's blocks, evenly spread, that were measured
+    double share = 1;    ///< share of the grid's blocks, evenly distributed, that were measured
 };
 
-/// Measures as many blocks as `limit` seconds allow, about.
+/// Measures about as many blocks as `limit` seconds allow.
 BruteForce time_brute_force(const Skeleton& skeleton, const Grid& grid, const MeshOptions& options,
                             double limit, const Context& ctx);
 

@@ -1,5 +1,5 @@
-// coppice_comparison: measures quads, tetrahedra and uniform grids beside each other and beside what the
-// papers print; see docs/user/comparison.md.
+// coppice_comparison: compares quads, tetrahedra and uniform grids with each other and with published values;
+// see docs/user/comparison.md.
 
 #include <fmt/format.h>
 
@@ -20,7 +20,7 @@ struct Flags {
     bool small = false;
 };
 
-/// Trees of a few segments with few triangles, to see that everything runs.
+/// Returns trees of a few segments with few triangles, to test that everything runs.
 void make_small(Flags& flags) {
     constexpr std::uint32_t kShrink = 8;
     flags.scenes = {"tree300"};
@@ -65,19 +65,19 @@ void run(Flags& flags) {
 
 int main(int argc, char** argv) {
     Flags flags;
-    CLI::App app("Measures quads, tetrahedra and uniform grids beside each other and beside the papers",
+    CLI::App app("Compares quads, tetrahedra and uniform grids with each other and with the papers.",
                  "coppice_comparison");
     app.add_option("scenes", flags.scenes,
-                   "made-up trees by name (tree30k, tree3khard, ...) or skeleton files");
-    app.add_option("--twigs", flags.twigs, "the tree of which a grid has to show every twig")
+                   "Synthetic trees by name (tree30k, tree3khard, ...) or skeleton files.");
+    app.add_option("--twigs", flags.twigs, "Tree for the coarsest grid that shows every twig.")
         ->capture_default_str();
     app.add_option("--brute-seconds", flags.options.brute_seconds,
-                   "per grid, for the field of every segment at every corner")
+                   "Maximum time per grid for the field of every segment at every corner.")
         ->capture_default_str();
-    app.add_option("--pictures", flags.options.pictures, "draw all surfaces into this folder");
-    app.add_option("--only", flags.only, "one part of the comparison")
+    app.add_option("--pictures", flags.options.pictures, "Draw all surfaces into this folder.");
+    app.add_option("--only", flags.only, "Run only one part of the comparison.")
         ->check(CLI::IsMember({"papers", "routes", "twigs"}));
-    app.add_flag("--small", flags.small, "small trees only: a trial of the program");
+    app.add_flag("--small", flags.small, "Use only small trees, to test the program.");
     bench::add_program_flags(app, flags.program, flags.options.repeat, flags.options.seconds, "route");
     return bench::run_program(app, argc, argv, [&] { run(flags); });
 }

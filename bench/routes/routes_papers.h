@@ -7,7 +7,7 @@
 
 namespace coppice::bench {
 
-/// A row of a paper's table, as it is printed.
+/// A row of a published table.
 struct PrintedGrid {
     std::uint32_t resolution;  ///< corners of cells along a side of the cube
     std::uint64_t corners, triangles;
@@ -29,8 +29,8 @@ struct PrintedQuads {
 /// A tree of [Zhu2013], tables 1 and 2, or of [Zhu2015], tables 1 and 2.
 struct PaperTree {
     std::string name, paper;
-    std::uint32_t segments;    ///< of the tree that stands in for it
-    bool segments_are_stated;  ///< else they are guessed
+    std::uint32_t segments;    ///< number of segments of the tree that represents it
+    bool segments_are_stated;  ///< otherwise they are estimated
     PrintedTetrahedra tetrahedra;
     std::vector<PrintedGrid> grids;   ///< Zhu2013 only
     std::vector<PrintedQuads> quads;  ///< Zhu2015 only: one

@@ -26,13 +26,13 @@ class Table {
     std::string text_;
 };
 
-/// 1234567 as 1,234,567.
+/// Formats 1234567 as 1,234,567.
 std::string grouped(std::uint64_t number) {
     if (number < 1000) return fmt::to_string(number);
     return fmt::format("{},{:03}", grouped(number / 1000), number % 1000);
 }
 
-/// Seconds, with three digits that mean something.
+/// Formats seconds with three significant digits.
 std::string time_text(double seconds) {
     const double ms = seconds * 1e3;
     if (ms < 9.995) return fmt::format("{:.2f} ms", ms);
@@ -86,7 +86,7 @@ std::string grid_table(const Comparison& all) {
     return "### Uniform grids (Zhu2013, table 1)\n\n" + table.text() + "\n";
 }
 
-/// Ours beside the paper's lattice, subdivision, field and surface.
+/// Compares our lattice, subdivision, field and surface with those of the paper.
 void add_tetra_rows(Table& table, const PaperTree& tree, const RoutesResult& ours) {
     const PrintedTetrahedra& p = tree.tetrahedra;
     const auto stage = [&](std::size_t i) { return p.stages[i].second; };
@@ -110,7 +110,7 @@ std::string tetra_table(const Comparison& all) {
     return "### Tetrahedra (Zhu2013, table 2; Zhu2015, table 1)\n\n" + table.text() + "\n";
 }
 
-double sum_of(const RouteResult& r, std::initializer_list<const char*> stages) {
+double compute_sum(const RouteResult& r, std::initializer_list<const char*> stages) {
     double sum = 0;
     for (const char* name : stages) sum += r.stage(name);
     return sum;
@@ -128,9 +128,10 @@ std::string quad_table(const Comparison& all) {
         printed.push_back(printed_time(p.total));
         table.add(printed);
         table.add({tree.name, "ours", fmt::to_string(all.paper_trees[i].segments),
-                   grouped(r->figures.faces()), time_text(sum_of(*r, {"prepare", "graft", "part", "cage"})),
-                   time_text(sum_of(*r, {"topology", "quads", "refine", "anchors"})),
-                   time_text(sum_of(*r, {"field", "project", "untangle"})), time_text(r->seconds())});
+                   grouped(r->figures.faces()),
+                   time_text(compute_sum(*r, {"prepare", "graft", "part", "cage"})),
+                   time_text(compute_sum(*r, {"topology", "quads", "refine", "anchors"})),
+                   time_text(compute_sum(*r, {"field", "project", "untangle"})), time_text(r->seconds())});
     }
     return "### Quads (Zhu2015, table 2)\n\n" + table.text() + "\n";
 }
@@ -167,7 +168,7 @@ std::string routes_tables(const Comparison& all) {
                         fmt::to_string(f.report.topology.components),
                         f.report.watertight() ? fmt::to_string(f.handles()) : "-",
                         fmt::to_string(crossings.local), fmt::to_string(crossings.remote),
-                        fmt::to_string(crossings.overlap), fmt::format("{:.1f}", f.least_angle),
+                        fmt::to_string(crossings.overlap), fmt::format("{:.1f}", f.min_angle),
                         fmt::format("{:.2f}", f.edge.p5), fmt::format("{:.2f}", f.edge.p50),
                         fmt::format("{:.2f}", f.edge.p95), fmt::format("{:.1f}", f.edge.p95 / f.edge.p5)});
         }
@@ -219,7 +220,7 @@ nlohmann::ordered_json route_json(const RouteResult& r) {
                                {"radius_regular_mean_abs", f.report.radius->regular.mean_abs},
                                {"missing", f.report.axes->missing},
                                {"severed", f.report.axes->severed},
-                               {"least_angle_p1", f.least_angle},
+                               {"min_angle_p1", f.min_angle},
                                {"edge_p5", f.edge.p5},
                                {"edge_p50", f.edge.p50},
                                {"edge_p95", f.edge.p95}};
@@ -243,7 +244,7 @@ std::string comparison_markdown(const Comparison& all) {
 }
 
 std::string comparison_csv(const Comparison& all) {
-    std::string out = "kind,scene,segments,route,faces,threads,measure,median_s,least_s,runs\n";
+    std::string out = "kind,scene,segments,route,faces,threads,measure,median_s,min_s,runs\n";
     for_each_result(all, [&](const char* kind, const RoutesResult& scene) {
         for (const RouteResult& r : scene.routes) {
             for (const Measure& m : r.measures) {

@@ -8,7 +8,7 @@
 
 namespace coppice::bench {
 
-/// All that one run of the program has measured.
+/// All measurements of one run of the program.
 struct Comparison {
     std::string machine;
     unsigned threads = 0;
@@ -18,13 +18,13 @@ struct Comparison {
     std::optional<RoutesResult> twigs;
 };
 
-/// Tables as Markdown, with a line above each that says what it shows.
+/// Returns tables as Markdown, with a line above each that describes it.
 std::string comparison_markdown(const Comparison& all);
 
-/// A line per scene, route and stage.
+/// Returns a line per scene, route and stage.
 std::string comparison_csv(const Comparison& all);
 
-/// Everything, every sample included.
+/// Returns all results, including every sample.
 std::string comparison_json(const Comparison& all);
 
 }  // namespace coppice::bench

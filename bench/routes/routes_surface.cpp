@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "coppice/base/id.h"
 #include "coppice/base/parallel.h"
 #include "coppice/measure/capsule_tree.h"
 
@@ -14,14 +15,14 @@ namespace coppice::bench {
 namespace {
 
 constexpr std::size_t kGrain = 1024;
-constexpr std::uint32_t kMostFaces = 1'000'000;
-constexpr std::size_t kParts = 10;  // the thickest and the thinnest of so many
+constexpr std::uint32_t kMaxFaces = 1'000'000;
+constexpr std::size_t kParts = 10;  // number of classes by radius; the thickest and the thinnest are used
 
-/// One face beside the skeleton.
+/// One face relative to the skeleton.
 struct FacePlace {
-    std::uint32_t capsule = CapsuleTree::kNone;
-    double radius = 1;       ///< [m] of the segment at its foot
-    double least_angle = 0;  ///< [degrees]
+    std::uint32_t capsule = kNoIndex;
+    double radius = 1;     ///< [m] of the segment at its closest point
+    double min_angle = 0;  ///< [degrees]
 };
 
 class FaceJudge {
@@ -37,7 +38,7 @@ class FaceJudge {
         out.capsule = capsules_.nearest(center, hint).capsule;
         const RoundCone& c = capsules_.cone(out.capsule);
         out.radius = c.foot(center).radius;
-        out.least_angle = least_angle(face);
+        out.min_angle = min_angle(face);
         return out;
     }
 
@@ -52,7 +53,7 @@ class FaceJudge {
   private:
     Vec3d at(std::uint32_t v) const { return Vec3d(mesh_.positions[v]); }
 
-    double least_angle(std::span<const std::uint32_t> face) const {
+    double min_angle(std::span<const std::uint32_t> face) const {
         double least = std::numbers::pi;
         for (std::size_t i = 0, n = face.size(); i < n; ++i) {
             const Vec3d p = at(face[i]), a = at(face[(i + 1) % n]) - p, b = at(face[(i + n - 1) % n]) - p;
@@ -65,21 +66,21 @@ class FaceJudge {
     const CapsuleTree& capsules_;
 };
 
-/// The faces that are looked at, and where they lie.
+/// The sampled faces and their positions.
 struct Sample {
     std::vector<std::uint32_t> faces;
     std::vector<FacePlace> places;
-    double each = 1;  ///< faces that one of them stands for
+    double each = 1;  ///< number of faces that each sample represents
 };
 
 Sample sample_faces(const PolygonMesh& mesh, const FaceJudge& judge, const Context& ctx) {
-    const std::uint32_t all = mesh.face_count(), count = std::min(all, kMostFaces);
+    const std::uint32_t all = mesh.face_count(), count = std::min(all, kMaxFaces);
     Sample out;
     out.each = count == 0 ? 1 : static_cast<double>(all) / count;
     out.faces.resize(count);
     out.places.resize(count);
     parallel_for_ranges(ctx, count, kGrain, [&](IndexRange range) {
-        std::uint32_t hint = CapsuleTree::kNone;
+        std::uint32_t hint = kNoIndex;
         for (std::size_t i = range.begin; i < range.end; ++i) {
             out.faces[i] = static_cast<std::uint32_t>(i * std::uint64_t{all} / count);
             out.places[i] = judge.place(out.faces[i], hint);
@@ -89,7 +90,7 @@ Sample sample_faces(const PolygonMesh& mesh, const FaceJudge& judge, const Conte
     return out;
 }
 
-/// Figures of the given segments.
+/// Returns the figures of the given segments.
 PartFigures part(std::span<const std::uint32_t> segments, const CapsuleTree& capsules, const Sample& sample,
                  const FaceJudge& judge) {
     std::vector<bool> chosen(capsules.size(), false);
@@ -116,7 +117,7 @@ PartFigures part(std::span<const std::uint32_t> segments, const CapsuleTree& cap
 
 }  // namespace
 
-SurfaceFigures figures_of(const PolygonMesh& mesh, const Skeleton& skeleton, const Context& ctx) {
+SurfaceFigures compute_figures(const PolygonMesh& mesh, const Skeleton& skeleton, const Context& ctx) {
     SurfaceFigures out;
     out.vertices = mesh.positions.size();
     out.report = check_surface(mesh, &skeleton, {}, ctx);
@@ -125,10 +126,10 @@ SurfaceFigures figures_of(const PolygonMesh& mesh, const Skeleton& skeleton, con
     const Sample sample = sample_faces(mesh, judge, ctx);
     std::vector<double> angles, edges;
     for (std::size_t i = 0; i < sample.faces.size(); ++i) {
-        angles.push_back(sample.places[i].least_angle);
+        angles.push_back(sample.places[i].min_angle);
         judge.edges(sample.faces[i], [&](double l) { edges.push_back(l / sample.places[i].radius); });
     }
-    out.least_angle = statistics(std::move(angles)).p1;
+    out.min_angle = statistics(std::move(angles)).p1;
     out.edge = statistics(std::move(edges));
     std::vector<std::uint32_t> by_radius(capsules.size());
     std::iota(by_radius.begin(), by_radius.end(), 0u);

@@ -39,9 +39,9 @@ class Triangles {
 
     const PolygonMesh& mesh() const { return mesh_; }
     Vec3d at(std::uint32_t v) const { return Vec3d(mesh_.positions[v]); }
-    // The third corner of the triangle with this edge.
+    // Returns the third corner of the triangle with this edge.
     std::uint32_t opposite(std::uint32_t a, std::uint32_t b) const { return opposite_.at({a, b}); }
-    // The neighbours of v in order, from `first` on.
+    // Returns the neighbours of v in order, starting at `first`.
     std::vector<std::uint32_t> ring(std::uint32_t v, std::uint32_t first) const {
         std::vector<std::uint32_t> out;
         std::uint32_t n = first;
@@ -53,21 +53,21 @@ class Triangles {
     }
     std::vector<std::uint32_t> ring(std::uint32_t v) const { return ring(v, start_.at(v)); }
 
-    // Every triangle becomes four, of old_point(v) and edge_point(a, b).
+    // Divides every triangle into four, of old_point(v) and edge_point(a, b).
     template <class OldPoint, class EdgePoint>
     PolygonMesh quartered(const OldPoint& old_point, const EdgePoint& edge_point) const {
         PolygonMesh out;
         for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v) add_point(out, old_point(v));
         std::map<Edge, std::uint32_t> middle;
-        const auto middle_of = [&](std::uint32_t a, std::uint32_t b) {
+        const auto compute_middle = [&](std::uint32_t a, std::uint32_t b) {
             const auto [place, is_new] = middle.try_emplace(std::minmax(a, b), 0);
             if (is_new) place->second = add_point(out, edge_point(a, b));
             return place->second;
         };
         for (std::uint32_t f = 0; f < mesh_.face_count(); ++f) {
             const auto t = mesh_.face(f);
-            const std::uint32_t ab = middle_of(t[0], t[1]), bc = middle_of(t[1], t[2]),
-                                ca = middle_of(t[2], t[0]);
+            const std::uint32_t ab = compute_middle(t[0], t[1]), bc = compute_middle(t[1], t[2]),
+                                ca = compute_middle(t[2], t[0]);
             add_face(out, {t[0], ab, ca});
             add_face(out, {t[1], bc, ab});
             add_face(out, {t[2], ca, bc});
@@ -138,9 +138,8 @@ PolygonMesh butterfly_step(const Triangles& t, bool modified) {
 
 PolygonMesh doo_sabin_step(const PolygonMesh& mesh) {
     PolygonMesh out;
-    std::map<Edge, std::uint32_t> corner;  // of the edge that leaves it within its face: the new point
-    std::map<Edge, std::uint32_t>
-        following;  // of the same: the vertex after next in that face's order backwards
+    std::map<Edge, std::uint32_t> corner;     // by the edge that leaves it within its face: the new point
+    std::map<Edge, std::uint32_t> following;  // by the same edge: the previous vertex of that face
     for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
         const auto face = mesh.face(f);
         const std::size_t n = face.size();
@@ -160,7 +159,7 @@ PolygonMesh doo_sabin_step(const PolygonMesh& mesh) {
         }
         add_face(out, inner);
     }
-    // The point of b in the face of the edge from a to b is that of the edge that follows it.
+    // The point of b in the face of the edge from a to b is the point of the next edge.
     std::map<Edge, std::uint32_t> end;
     for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
         const auto face = mesh.face(f);

@@ -41,7 +41,7 @@ PolygonMesh ball(int levels) {
     return to_polygons(mesh_skeleton(Skeleton({NodeId::none()}, {{0, 0, 0}}, {1}), options));
 }
 
-// Vertices of another number of edges than most, and faces of another number of corners.
+// Vertices with irregular numbers of edges, and faces with irregular numbers of corners.
 std::string irregular(const PolygonMesh& mesh, std::size_t edges, std::size_t corners) {
     std::vector<std::size_t> valence(mesh.positions.size());
     std::size_t vertices = 0, faces = 0;
@@ -104,10 +104,10 @@ void run(int levels, const std::filesystem::path& folder) {
 int main(int argc, char** argv) {
     int levels = 3;
     std::filesystem::path folder;
-    CLI::App app("Subdivision schemes on a cube", "coppice_schemes_bench");
-    app.add_option("--levels", levels, "steps of each scheme")
+    CLI::App app("Compares subdivision schemes on a cube.", "coppice_schemes_bench");
+    app.add_option("--levels", levels, "Number of steps of each scheme.")
         ->check(CLI::Range(0, 6))
         ->capture_default_str();
-    app.add_option("--meshes", folder, "write the surfaces into this folder, as OBJ");
+    app.add_option("--meshes", folder, "Write the surfaces into this folder, as OBJ.");
     return coppice::bench::run_program(app, argc, argv, [&] { run(levels, folder); });
 }

@@ -39,7 +39,7 @@ Vec3d nearest(const Skeleton& skeleton, Vec3d p) {
 }  // namespace
 
 Skeleton laid_on(const Skeleton& reference, const Skeleton& found) {
-    Eigen::Matrix4d there = Eigen::Matrix4d::Identity();  // from the reference to what was found
+    Eigen::Matrix4d there = Eigen::Matrix4d::Identity();  // from the reference to the result
     for (int step = 0; step < kSteps; ++step) {
         struct Pair {
             Vec3d from, to;

@@ -4,9 +4,8 @@
 
 namespace coppice::bench {
 
-/// The skeleton turned, moved and scaled as a whole, so that it lies on the reference as well as it can:
-/// closest points again and again, leaving out the fifth that is farthest off. Both have to be near each
-/// other.
+/// Returns the skeleton rotated, translated and scaled to fit the reference: iterative closest points without
+/// the fifth of the points that is farthest away. Both have to be near each other.
 Skeleton laid_on(const Skeleton& reference, const Skeleton& found);
 
 }  // namespace coppice::bench

@@ -25,7 +25,7 @@ void cut(Stroke& stroke, Draws& draws) {
     if (kept.points.size() >= 2) stroke = std::move(kept);
 }
 
-/// Leaves out the points that are wrong; of a stroke with fewer than two right ones none, as that is none.
+/// Removes the wrong points; a stroke with fewer than two correct points is removed.
 void take_out(Stroke& stroke, const std::vector<bool>& wrong) {
     if (std::ranges::count(wrong, false) < 2) return;
     std::size_t kept = 0;

@@ -1,5 +1,5 @@
-// coppice_sketch_bench: draws made-up trees into two pictures, as well and as badly as people do, makes
-// skeletons of these sketches, and prints as Markdown how near they come to the trees.
+// coppice_sketch_bench: draws synthetic trees into two images, with different drawing errors, creates
+// skeletons from these sketches, and prints as Markdown their deviation from the trees.
 
 #include <fmt/format.h>
 
@@ -30,17 +30,17 @@ namespace {
 
 using namespace coppice;
 
-constexpr double kNear = 1.5;  // [radius] of a node, within which its branch is to pass
+constexpr double kNear = 1.5;  // [radius] of a node: maximum distance of its branch
 
 struct Flags {
     bench::ProgramFlags program;
     int trees = 20;
     int segments = 256;  ///< of each tree: about 100 branches
     std::vector<double> angles{90, 60, 30, 15};
-    double camera_error = 0;      ///< [degrees] by which the second camera is turned, and per cent of scale
-    bool refine_cameras = false;  ///< asks for them to be put right
-    int views = 2;                ///< of each of these
-    std::vector<int> traced;      ///< segments of trees whose silhouettes are traced instead
+    double camera_error = 0;      ///< [degrees] rotation of the second camera, and per cent of scale
+    bool refine_cameras = false;  ///< requests the correction of the cameras
+    int views = 2;                ///< of each tree
+    std::vector<int> traced;      ///< segments of trees with silhouettes that are traced instead
 };
 
 struct Kind {
@@ -104,7 +104,7 @@ Score measure(const Flags& flags, double degrees, const bench::Mess& mess, const
         score.branches += static_cast<double>(sketch.branches.size());
         score.refused += static_cast<double>(std::ranges::count_if(
             result.branches, [](const BranchFit& fit) { return !fit.refused.empty(); }));
-        // Where the cameras are wrong, where and how large the whole tree is is not to be known.
+        // With wrong cameras the position and size of the whole tree cannot be determined.
         judge(tree, flags.camera_error > 0 ? bench::laid_on(tree, result.skeleton) : result.skeleton, score,
               ctx);
     }
@@ -114,8 +114,7 @@ Score measure(const Flags& flags, double degrees, const bench::Mess& mess, const
 void run(const Flags& flags) {
     const Context ctx = flags.program.context();
     fmt::print(
-        "Machine: {}. Threads: {}. {} trees of {} segments for each line, pictures of 2000 x 2000 "
-        "pixels.\n\n",
+        "Machine: {}. Threads: {}. {} trees of {} segments for each line, images of 2000 x 2000 pixels.\n\n",
         bench::machine_description(), flags.program.thread_count(), flags.trees, flags.segments);
     fmt::print(
         "| views apart | strokes | branches | refused | length | worst | nodes within 1.5 r | mean off [r] | "
@@ -135,7 +134,7 @@ void run(const Flags& flags) {
     }
 }
 
-/// What the camera of a view sees of a skeleton.
+/// Returns the projection of a skeleton by the camera of a view.
 Mask seen_by(const Skeleton& tree, const SketchView& view, const Context& ctx) {
     RenderOptions options;
     options.width = view.width;
@@ -143,16 +142,16 @@ Mask seen_by(const Skeleton& tree, const SketchView& view, const Context& ctx) {
     options.samples = 4;
     options.ground = false;
     options.transparent = true;
-    return silhouette_of(render({.skeleton = &tree, .view = &view}, options, ctx));
+    return compute_silhouette(render({.skeleton = &tree, .view = &view}, options, ctx));
 }
 
-double mean_of(const std::vector<std::uint32_t>& counts) {
+double compute_mean(const std::vector<std::uint32_t>& counts) {
     double sum = 0;
     for (const std::uint32_t n : counts) sum += n;
     return sum / static_cast<double>(counts.size());
 }
 
-/// Level views about a tree: two at a right angle, more evenly over half a turn.
+/// Returns level views around a tree: two at a right angle, more than two evenly over half a turn.
 std::vector<SketchView> views_around(const Skeleton& tree, int count) {
     if (count == 2) return views_of(tree);
     std::vector<SketchView> views{views_of(tree)[0]};
@@ -163,7 +162,7 @@ std::vector<SketchView> views_around(const Skeleton& tree, int count) {
     return views;
 }
 
-/// Strokes proposed from silhouettes, as they are, made into skeletons.
+/// Measures skeletons from strokes that are proposed from silhouettes, without edits.
 void run_traces(const Flags& flags) {
     const Context ctx = flags.program.context();
     fmt::print(
@@ -187,7 +186,7 @@ void run_traces(const Flags& flags) {
             const Skeleton found = reconstruct(traced.sketch, {}, "traced", ctx).skeleton;
             const SkeletonMatch match = compare(tree, found, {}, ctx);
             tips += static_cast<double>(match.tips.reference);
-            seen += mean_of(traced.tips);
+            seen += compute_mean(traced.tips);
             branches += static_cast<double>(traced.sketch.branches.size());
             covered += match.covered_percent;
             right += match.true_percent;
@@ -203,18 +202,22 @@ void run_traces(const Flags& flags) {
 
 int main(int argc, char** argv) {
     Flags flags;
-    CLI::App app("Measures how near skeletons made of sketches come to the trees that were drawn");
-    app.add_option("--trees", flags.trees, "made-up trees for each line")->capture_default_str();
-    app.add_option("--segments", flags.segments, "of each tree")->capture_default_str();
-    app.add_option("--angles", flags.angles, "degrees between the two views")->capture_default_str();
-    app.add_option("--threads", flags.program.threads, "0 takes all")->capture_default_str();
-    app.add_option("--camera-error", flags.camera_error,
-                   "degrees by which the second camera is turned, about any axis, and per cent of its scale")
+    CLI::App app("Measures the deviation of skeletons created from sketches from the drawn trees.");
+    app.add_option("--trees", flags.trees, "Number of synthetic trees for each line.")->capture_default_str();
+    app.add_option("--segments", flags.segments, "Number of segments of each tree.")->capture_default_str();
+    app.add_option("--angles", flags.angles, "Angles in degrees between the two views.")
         ->capture_default_str();
-    app.add_flag("--refine-cameras", flags.refine_cameras, "has them put right");
-    app.add_option("--views", flags.views, "silhouettes of each tree that is traced")->capture_default_str();
+    app.add_option("--threads", flags.program.threads, "Number of threads; 0 uses all.")
+        ->capture_default_str();
+    app.add_option(
+           "--camera-error", flags.camera_error,
+           "Rotation of the second camera in degrees around a random axis, and per cent of its scale.")
+        ->capture_default_str();
+    app.add_flag("--refine-cameras", flags.refine_cameras, "Correct the cameras.");
+    app.add_option("--views", flags.views, "Number of silhouettes of each traced tree.")
+        ->capture_default_str();
     app.add_option("--trace", flags.traced,
-                   "segments of trees whose silhouettes are traced, in place of drawn strokes");
+                   "Numbers of segments of trees with silhouettes that are traced instead of drawn strokes.");
     return bench::run_program(app, argc, argv,
                               [&] { flags.traced.empty() ? run(flags) : run_traces(flags); });
 }

@@ -1,4 +1,4 @@
-// coppice_bench: measures from skeleton to quads, beside OpenSubdiv, and prints Markdown; see
+// coppice_bench: measures the way from skeleton to quads, compared with OpenSubdiv, and prints Markdown; see
 // docs/user/benchmarks.md.
 
 #include <fmt/format.h>
@@ -25,7 +25,7 @@ struct Flags {
     bench::ProgramFlags program;
 };
 
-// A folder of its own below the system's folder for temporary files, removed at the end.
+// A new folder in the system's folder for temporary files, removed at the end.
 class TemporaryFolder {
   public:
     TemporaryFolder() : path_(fs::temp_directory_path() / fmt::format("coppice_bench_{}", getpid())) {
@@ -45,12 +45,11 @@ class TemporaryFolder {
 
 void add_flags(CLI::App& app, Flags& flags) {
     app.add_option("scenes", flags.scenes,
-                   "made-up trees by name (tree30k, tree3khard, ...) or skeleton files");
-    app.add_option("--levels", flags.options.levels, "levels of subdivision")->capture_default_str();
-    app.add_option("--samples", flags.options.samples, "rays per pixel of the picture")
-        ->capture_default_str();
+                   "Synthetic trees by name (tree30k, tree3khard, ...) or skeleton files.");
+    app.add_option("--levels", flags.options.levels, "Levels of subdivision.")->capture_default_str();
+    app.add_option("--samples", flags.options.samples, "Rays per pixel of the image.")->capture_default_str();
     app.add_option("--largest-output", flags.options.largest_output,
-                   "larger meshes, in quads, are not written or drawn")
+                   "Maximum number of quads of meshes that are written and drawn.")
         ->capture_default_str();
     bench::add_program_flags(app, flags.program, flags.options.repeat, flags.options.seconds, "scene");
 }
@@ -76,7 +75,7 @@ void run(Flags& flags) {
 
 int main(int argc, char** argv) {
     Flags flags;
-    CLI::App app("Measures Coppice from skeleton to quads, beside OpenSubdiv", "coppice_bench");
+    CLI::App app("Measures Coppice from skeleton to quads, compared with OpenSubdiv.", "coppice_bench");
     add_flags(app, flags);
     return bench::run_program(app, argc, argv, [&] { run(flags); });
 }

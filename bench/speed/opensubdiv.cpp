@@ -14,7 +14,7 @@ namespace {
 namespace Far = OpenSubdiv::Far;
 namespace Sdc = OpenSubdiv::Sdc;
 
-// What OpenSubdiv wants of a vertex; the names are its own.
+// Vertex interface that OpenSubdiv requires; the names are its own.
 struct Point {
     Vec3 value;
     void Clear() { value = {}; }                                                             // NOLINT

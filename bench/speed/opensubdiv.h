@@ -10,8 +10,8 @@ struct OpenSubdivTime {
     double total() const { return topology + points; }
 };
 
-/// How long OpenSubdiv, which does this on one thread, takes for the uniform Catmull-Clark refinement of a
-/// cage. The conversion of the cage into its input is not counted.
+/// Measures the uniform Catmull-Clark refinement of a cage by OpenSubdiv, which uses one thread. The
+/// conversion of the cage into its input is not included.
 OpenSubdivTime time_opensubdiv(const QuadMesh& cage, int levels);
 
 }  // namespace coppice::bench

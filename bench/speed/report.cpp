@@ -36,7 +36,7 @@ void add_main_table(std::string& out, const std::vector<SceneResult>& results) {
     }
 }
 
-// Names of what is below `parent`, as in "mesh: cage", in the order of their measuring.
+// Names of the stages of `parent`, as in "mesh: cage", in the order of measurement.
 std::vector<std::string> parts_of(const std::string& parent, const std::vector<SceneResult>& results) {
     std::vector<std::string> names;
     for (const SceneResult& r : results) {

@@ -16,11 +16,11 @@
 namespace coppice::bench {
 namespace {
 
-constexpr int kFewestRuns = 3;
+constexpr int kMinRuns = 3;
 constexpr int kFileRuns = 3;
 constexpr int kPictureSize = 1024;  // [pixels]
 
-std::uint64_t hash_of(const QuadMesh& mesh) {
+std::uint64_t compute_hash(const QuadMesh& mesh) {
     return Hash().add(std::span<const Vec3>(mesh.positions)).add(std::span<const Quad>(mesh.quads)).value();
 }
 
@@ -34,7 +34,7 @@ QuadMesh measure_memory(const Scene& scene, const MeshOptions& options, const Co
     out.cage_quads = surface.cage.cage.quads.size();
     out.quads = surface.mesh.quads.size();
     out.vertices = surface.mesh.positions.size();
-    out.hash = hash_of(surface.mesh);
+    out.hash = compute_hash(surface.mesh);
     time_opensubdiv(surface.cage.cage, options.levels);
     return std::move(surface.mesh);
 }
@@ -42,12 +42,12 @@ QuadMesh measure_memory(const Scene& scene, const MeshOptions& options, const Co
 void measure_meshing(const Scene& scene, const MeshOptions& options, const BenchOptions& bench,
                      const Context& ctx, Measures& measures, std::uint64_t hash) {
     const Clock budget;
-    for (int run = 0; run < bench.repeat && (run < kFewestRuns || budget.seconds() < bench.seconds); ++run) {
+    for (int run = 0; run < bench.repeat && (run < kMinRuns || budget.seconds() < bench.seconds); ++run) {
         const Clock clock;
         const MeshResult result = mesh_skeleton(scene.skeleton, options, ctx);
         measures.add("mesh", clock.seconds());
         for (const auto& [stage, seconds] : result.stages) measures.add("mesh: " + stage, seconds);
-        if (hash_of(result.quads().mesh) != hash) {
+        if (compute_hash(result.quads().mesh) != hash) {
             throw Error(fmt::format("two runs of the scene {} gave different meshes", scene.name));
         }
         const OpenSubdivTime time = time_opensubdiv(result.quads().cage.cage, options.levels);

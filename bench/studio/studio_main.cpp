@@ -1,5 +1,5 @@
 // coppice_studio_bench: drags branches of trees and a part of a crown as the studio's page does, without the
-// page, and prints as Markdown what the engine takes for each picture of the drag and for its end.
+// page, and prints as Markdown the time of the engine for each frame of the drag and for its end.
 
 #include <fmt/format.h>
 
@@ -32,13 +32,13 @@ struct Flags {
 
 struct Costs {
     std::string what;
-    std::vector<double> frame;  ///< [s] each preview
-    double bytes = 0;           ///< of frames, each
-    double end = 0;             ///< [s] the line, and what is shown of it
-    double undo = 0;            ///< [s] the same for taking it back
+    std::vector<double> frame;  ///< [s] of each preview
+    double bytes = 0;           ///< of each frame
+    double end = 0;             ///< [s] the command, and the display of its result
+    double undo = 0;            ///< [s] the same for undoing it
 };
 
-/// A studio that counts what it sends.
+/// A studio that counts the bytes that it sends.
 class Studio {
   public:
     Studio(const std::filesystem::path& folder, const Context& ctx)
@@ -71,7 +71,7 @@ class Studio {
     StudioSession session_;
 };
 
-/// Nodes on which about so many hang.
+/// Returns nodes with about this number of descendants.
 std::uint32_t node_with(const Skeleton& tree, std::size_t wanted) {
     std::vector<std::size_t> sizes(tree.size(), 1);
     for (std::uint32_t i = tree.size(); i-- > 1;) {
@@ -95,7 +95,7 @@ Costs drag_branch(const std::string& file, std::size_t nodes, bool surface, cons
     Json show{{"type", "show"}, {"kind", "skeleton"}, {"name", "t"}, {"form", surface ? "surface" : "axes"}};
     Json shown = studio.ask(show);
     Costs costs{.what = fmt::format("{}, {} nodes dragged{}", path.stem().string(), nodes,
-                                    surface ? "" : ", axes alone")};
+                                    surface ? "" : ", axes only")};
     const auto line = [&](int i) {
         return fmt::format("edit rotate t {} {:.3f}", node, 10 * std::sin(0.2 * i));
     };
@@ -104,7 +104,7 @@ Costs drag_branch(const std::string& file, std::size_t nodes, bool surface, cons
         Json request{{"type", "preview"}, {"seq", i}, {"line", line(i)}, {"about", about}};
         if (surface) {
             request["surface"] = Json::object();
-            // States of the one surface that there is are counted, one for every preview.
+            // States of the only surface are counted, one for every preview.
             request["have"] = shown["number"].get<int>() + i - 1;
         }
         const bench::Clock clock;
@@ -169,8 +169,8 @@ void run(const Flags& flags) {
     }
     all.push_back(drag_solid(20, flags));
     std::string out = fmt::format(
-        "{}\n\n| dragged | median ms a picture | slowest ms | KB a picture | ms at the end | ms to take it "
-        "back |\n| --- | --: | --: | --: | --: | --: |\n",
+        "{}\n\n| dragged | median ms per frame | slowest ms | KB per frame | ms at the end | ms to undo |\n| "
+        "--- | --: | --: | --: | --: | --: |\n",
         bench::machine_description());
     nlohmann::ordered_json json = nlohmann::ordered_json::array();
     for (Costs& c : all) {
@@ -190,14 +190,15 @@ void run(const Flags& flags) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    CLI::App app{"Drags branches and solids as the studio does, and times every picture"};
+    CLI::App app{"Drags branches and solids as the studio does, and measures every frame."};
     Flags flags;
-    app.add_option("--threads", flags.program.threads, "threads to use; 0 takes all")->capture_default_str();
-    app.add_option("--frames", flags.frames, "pictures of every drag")
+    app.add_option("--threads", flags.program.threads, "Number of threads; 0 uses all.")
+        ->capture_default_str();
+    app.add_option("--frames", flags.frames, "Number of frames of every drag.")
         ->check(CLI::PositiveNumber)
         ->capture_default_str();
-    app.add_option("--json", flags.program.json, "write the figures to this file");
-    app.add_option("--markdown", flags.program.markdown, "write the table to this file as well");
-    app.add_option("--tree", flags.trees, "skeletons to drag branches of");
+    app.add_option("--json", flags.program.json, "Write the figures to this file.");
+    app.add_option("--markdown", flags.program.markdown, "Also write the table to this file.");
+    app.add_option("--tree", flags.trees, "Skeletons with branches to drag.");
     return bench::run_program(app, argc, argv, [&] { run(flags); });
 }

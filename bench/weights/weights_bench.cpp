@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "clock.h"
+#include "coppice/base/id.h"
 #include "coppice/base/random.h"
 #include "coppice/field/weights/global_weights.h"
 #include "coppice/field/weights/nnls.h"
@@ -26,7 +27,7 @@ Scene straight_chain() {
     return {"chain", Skeleton(parent, position, std::vector<float>(11, 1.0f))};
 }
 
-/// Five segments of trunk, then two children of 0.8 of its radius, 35 degrees to either side.
+/// Creates five segments of trunk, then two children with 0.8 of its radius, 35 degrees to either side.
 Scene even_fork() {
     const float angle = 35 * 3.14159265f / 180, s = std::sin(angle), c = std::cos(angle);
     std::vector<NodeId> parent{NodeId{}};
@@ -48,7 +49,8 @@ Scene even_fork() {
     return {"Y", Skeleton(parent, position, radius)};
 }
 
-/// Deviations of the vertices whose foot on the nearest segment lies within a radius of a branch node.
+/// Returns deviations of the vertices with a closest point on the nearest segment within a radius of a branch
+/// node.
 Statistics fork_deviation(const QuadMesh& mesh, const Skeleton& skeleton, const Context& ctx) {
     const CapsuleTree capsules(skeleton, mesh.origin, ctx);
     const auto near_branch = [&](NodeId n, Vec3d foot) {
@@ -58,7 +60,7 @@ Statistics fork_deviation(const QuadMesh& mesh, const Skeleton& skeleton, const 
     std::vector<double> deviation;
     for (const Vec3 v : mesh.positions) {
         const CapsuleTree::Nearest nearest = capsules.nearest(Vec3d(v));
-        if (nearest.capsule == CapsuleTree::kNone) continue;
+        if (nearest.capsule == kNoIndex) continue;
         const RoundCone& c = capsules.cone(nearest.capsule);
         const Vec3d foot = c.point(c.foot(Vec3d(v)).t);
         const NodeId child = capsules.node(nearest.capsule);
@@ -68,7 +70,7 @@ Statistics fork_deviation(const QuadMesh& mesh, const Skeleton& skeleton, const 
     return statistics(std::move(deviation));
 }
 
-/// Every second of the usual constraints in the lower half of them, every twentieth in the upper.
+/// Selects every second of the usual constraints in the lower half of them, every twentieth in the upper.
 PointSet uneven_constraints(const Skeleton& skeleton, const FieldOptions& field) {
     const std::vector<WeightConstraint> all = surface_constraints(skeleton, field);
     std::vector<float> heights(all.size());
@@ -166,7 +168,7 @@ std::vector<std::pair<std::string, FieldOptions>> kernels() {
     return {{"quartic 1.5", {}}, {"quartic 2", {.support = 2}}, {"Cauchy 2", {.kernel = Kernel::cauchy}}};
 }
 
-double median_of(const WeightsResult& row, std::string_view name) {
+double compute_median(const WeightsResult& row, std::string_view name) {
     for (const Measure& m : row.measures)
         if (m.name == name) return m.median();
     return 0;
@@ -227,8 +229,8 @@ std::string weights_markdown(const std::vector<WeightsResult>& rows) {
             "{:+.2f}, {:+.2f} | {}, {} | {} | {:.2f} | {:.1f} |\n",
             r.scene, r.kernel, r.weights, r.constraints, r.zero, r.residual_rms, r.residual_max,
             r.regular.mean_abs, r.regular.p1, r.regular.p99, r.forks.mean, r.forks.mean_abs, r.forks.min,
-            r.forks.p99, r.forks.max, r.missing, r.severed, r.crossings, 1e3 * median_of(r, "weights"),
-            1e3 * median_of(r, "mesh"));
+            r.forks.p99, r.forks.max, r.missing, r.severed, r.crossings, 1e3 * compute_median(r, "weights"),
+            1e3 * compute_median(r, "mesh"));
     }
     return out;
 }

@@ -1,4 +1,4 @@
-// coppice_weights_bench: local against global weights, and what the solver takes; prints Markdown.
+// coppice_weights_bench: compares local with global weights, and measures the solver; prints Markdown.
 
 #include <fmt/format.h>
 
@@ -14,11 +14,14 @@ int main(int argc, char** argv) {
     unsigned threads = 2;
     int repeat = 5;
     bool surfaces_only = false;
-    CLI::App app("Measures local and global weights");
-    app.add_option("scenes", scenes, "chain, Y, made-up trees or skeleton files")->capture_default_str();
-    app.add_option("--threads", threads, "threads to use; 0 takes all")->capture_default_str();
-    app.add_option("--repeat", repeat, "timed runs")->check(CLI::PositiveNumber)->capture_default_str();
-    app.add_flag("--surfaces-only", surfaces_only, "leave out the times of the solver");
+    CLI::App app("Measures local and global weights.");
+    app.add_option("scenes", scenes, "Scenes: chain, Y, synthetic trees or skeleton files.")
+        ->capture_default_str();
+    app.add_option("--threads", threads, "Number of threads; 0 uses all.")->capture_default_str();
+    app.add_option("--repeat", repeat, "Number of timed runs.")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
+    app.add_flag("--surfaces-only", surfaces_only, "Omit the times of the solver.");
     CLI11_PARSE(app, argc, argv);
     try {
         const Context ctx{.threads = threads, .stop = {}, .progress = {}};

@@ -1,4 +1,4 @@
-// A skeleton made by hand, and the surface around it.
+// Builds a skeleton, and the surface around it.
 
 #include <cstdio>
 
@@ -8,7 +8,7 @@ int main() {
     using coppice::NodeId;
     using coppice::Vec3;
 
-    // A trunk that forks: parents precede their children, and a root has none. Metres, Z up.
+    // A trunk that forks: parents precede their children, and a root has no parent. Metres, Z up.
     const coppice::Skeleton tree({NodeId::none(), NodeId(0), NodeId(1), NodeId(1)},
                                  {Vec3{0, 0, 0}, Vec3{0, 0, 2}, Vec3{-0.7f, 0, 3.2f}, Vec3{0.9f, 0, 3}},
                                  {0.2f, 0.15f, 0.08f, 0.1f});

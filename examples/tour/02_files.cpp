@@ -1,4 +1,4 @@
-// From a file to files: the endings of the names say which kinds.
+// Converts between files: the extensions select the formats.
 
 #include <cstdio>
 #include <string>
@@ -19,6 +19,6 @@ int main() {
     const coppice::MeshResult result = coppice::mesh_skeleton(file.skeleton);
     coppice::write_mesh("oak.glb", result.quads().mesh);        // triangles, Y up, for viewers
     coppice::write_mesh("oak.ply", result.quads().mesh);        // quads
-    coppice::write_cage("oak.usda", result.quads().cage.cage);  // to be refined where it is read
+    coppice::write_cage("oak.usda", result.quads().cage.cage);  // for subdivision by the reader
     std::printf("%zu quads written\n", result.quads().mesh.quads.size());
 }

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "coppice/base/error.h"
-#include "coppice/pipeline/json.h"
+#include "coppice/options/json.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 
 int main() {
@@ -15,7 +15,7 @@ int main() {
     const coppice::Json json = coppice::to_json(coppice::option_fields(options));
     std::printf("control: %s\n", json["control"].dump().c_str());
 
-    // What is left out keeps its value.
+    // Missing members keep their values.
     coppice::MeshOptions read;
     const auto text = coppice::Json::parse(R"({"levels": 1, "control": {"tips": "flat"}})");
     coppice::from_json(text, coppice::option_fields(read), "my options");
@@ -30,9 +30,9 @@ int main() {
         }
     }
 
-    // What sliders and pages of a front end are made of.
+    // The source of sliders and reference pages of front ends.
     coppice::ControlOptions defaults;
-    for (const auto& field : coppice::schema_of(coppice::option_fields(defaults))) {
+    for (const auto& field : coppice::make_schema(coppice::option_fields(defaults))) {
         std::printf("%s\n", field.dump().c_str());
     }
 }

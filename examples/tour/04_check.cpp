@@ -1,4 +1,4 @@
-// Is a surface closed, clean, and as thick as its skeleton says?
+// Checks whether a surface is closed, valid, and as thick as its skeleton.
 
 #include <cstdio>
 
@@ -15,8 +15,8 @@ int main() {
     std::printf("sound: %s\n", report.sound() ? "yes" : "no");
     std::printf("open edges %llu, Euler characteristic %lld\n",
                 (unsigned long long)report.topology.open_edges, (long long)report.topology.euler);
-    std::printf("faces that cross: %llu\n", (unsigned long long)report.intersections->total);
-    std::printf("faces that fold: %llu\n", (unsigned long long)report.shape.inverted_faces);
+    std::printf("intersecting faces: %llu\n", (unsigned long long)report.intersections->total);
+    std::printf("folded faces: %llu\n", (unsigned long long)report.shape.inverted_faces);
     std::printf("radius off by %.1f %% on average\n", 100 * report.radius->regular.mean_abs);
 
     // A hole: the same mesh without its last face.

@@ -1,4 +1,4 @@
-// Back from a surface, and from points on it, to a skeleton.
+// Reconstructs a skeleton from a surface, and from points on it.
 
 #include <cstdio>
 
@@ -11,7 +11,7 @@
 
 void judge(const char* what, const coppice::Skeleton& truth, const coppice::Skeleton& found) {
     const coppice::SkeletonMatch match = coppice::compare(truth, found);
-    std::printf("%s: %.0f %% of the length covered, %.0f %% of what was found is true\n", what,
+    std::printf("%s: %.0f %% of the length covered, %.0f %% of the result correct\n", what,
                 match.covered_percent, match.true_percent);
 }
 
@@ -22,7 +22,7 @@ int main() {
     const auto from_mesh = coppice::extract_from_mesh(coppice::to_polygons(surface));
     judge("from the mesh", truth, from_mesh.skeleton);
 
-    // Points spread over the surface, as a scan from all sides would have them.
+    // Points distributed over the surface, as by a scan from all sides.
     const coppice::PointSet cloud =
         coppice::near_mesh(coppice::triangulate(surface), {.count = 50'000, .low = 0, .high = 0});
     const auto from_cloud = coppice::extract_from_cloud(cloud);

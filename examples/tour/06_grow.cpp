@@ -14,7 +14,7 @@
 int main() {
     using coppice::Vec3;
 
-    // Two balls, stretched and blended, with a bite taken out.
+    // Two balls, scaled and blended, minus a third one.
     const std::vector<coppice::Solid> balls{coppice::sphere(Vec3{0, 0, 4}, {.radius = 1.6f}),
                                             coppice::sphere(Vec3{1.4f, 0, 5.5f}, {.radius = 1.2f})};
     const coppice::Solid bite = coppice::sphere(Vec3{-1.5f, 0, 5}, {.radius = 1});
@@ -29,7 +29,7 @@ int main() {
         coppice::grow({.attractors = points.points.positions, .roots = {&root, 1}},
                       {.influence_radius = 2, .kill_radius = 0.3f, .step = 0.15f});
 
-    // Growth gives no radii: a pipe model does. Tidying smooths the axes.
+    // Growth provides no radii: a pipe model computes them. The clean-up smooths the axes.
     const coppice::Skeleton thick = coppice::with_pipe_radii(grown.skeleton, {.tip_radius = 0.008f});
     const coppice::Skeleton tree = coppice::tidy(thick).skeleton;
     const coppice::MeshResult result = coppice::mesh_skeleton(tree);

@@ -1,5 +1,5 @@
-// Branches that run through each other: they may be left to cross, one may spring from the other, or they
-// become one body, of quads or of triangles.
+// Branches that run through each other: the surfaces may intersect, one branch may be grafted onto the other,
+// or both are merged into one body, of quads or of triangles.
 
 #include <cstdio>
 
@@ -10,14 +10,14 @@ int main() {
     using coppice::NodeId;
     using coppice::Vec3;
 
-    // Two bars that cross in the middle; no node says so.
+    // Two bars that intersect in the middle, without a common node.
     const coppice::Skeleton cross({NodeId::none(), NodeId(0), NodeId::none(), NodeId(2)},
                                   {Vec3{-1, 0, 0}, Vec3{1, 0, 0}, Vec3{0, -1, 0}, Vec3{0, 1, 0}},
                                   {0.2f, 0.2f, 0.2f, 0.2f});
 
     const auto judge = [](const char* method, const coppice::PolygonMesh& mesh) {
         const coppice::SurfaceReport report = coppice::check_surface(mesh, nullptr);
-        std::printf("%s: %u faces, sound %s, parts %llu, pairs of faces that cross %s\n", method,
+        std::printf("%s: %u faces, sound %s, components %llu, intersecting pairs of faces %s\n", method,
                     mesh.face_count(), report.sound() ? "yes" : "no",
                     (unsigned long long)report.topology.components,
                     report.intersections->total == 0 ? "none" : "some");

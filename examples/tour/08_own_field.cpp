@@ -1,4 +1,4 @@
-// A field of your own: anything with a level and samples becomes a closed surface.
+// A custom field: any type with an iso value and samples can be polygonized as a closed surface.
 
 #include <cmath>
 #include <cstdint>
@@ -9,14 +9,14 @@
 #include "coppice/implicit/polygonize/polygonize.h"
 #include "coppice/mesh/topology.h"
 
-/// A torus about the Z axis: inside, the value is greater than the level.
+/// A torus about the Z axis: inside, the value is greater than the iso value.
 struct Torus {
     float ring = 1, tube = 0.4f;  // [m]
 
     float level() const { return 0; }
 
-    /// Called from several threads, with many points at a time. This field keeps no lists, so `region` means
-    /// nothing.
+    /// Called from several threads, with many points at a time. This field has no lists, so `region` is
+    /// ignored.
     void sample(std::uint32_t, std::span<const coppice::Vec3> points,
                 std::span<coppice::FieldSample> out) const {
         for (std::size_t i = 0; i < points.size(); ++i) {

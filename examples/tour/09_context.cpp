@@ -1,4 +1,4 @@
-// Threads, progress and cancelling: how to run, apart from what to compute.
+// Threads, progress and cancellation: execution settings, separate from the options.
 
 #include <cstdio>
 #include <stop_token>
@@ -11,7 +11,7 @@
 int main() {
     const coppice::Skeleton tree = coppice::random_tree(3000, /*seed=*/1);
 
-    // Any number of threads gives the same bits.
+    // The result does not depend on the number of threads.
     std::uint64_t first = 0;
     for (const unsigned threads : {1u, 2u, 7u}) {
         const coppice::Context ctx{.threads = threads};
@@ -22,7 +22,7 @@ int main() {
         std::printf("%u threads: %s\n", threads, hash.value() == first ? "the same" : "DIFFERENT");
     }
 
-    // Progress is told on the calling thread: from 0 to 1, never falling.
+    // Progress is reported on the calling thread: from 0 to 1, never decreasing.
     float last = 0;
     bool rising = true;
     const auto progress = [&](float fraction) {
@@ -32,7 +32,7 @@ int main() {
     coppice::mesh_skeleton(tree, {}, {.progress = progress});
     std::printf("progress ended at %.0f %%, rising: %s\n", 100 * last, rising ? "yes" : "no");
 
-    // A stop that is asked for, here as soon as there is any progress, ends the work with an exception.
+    // A stop request, here after the first progress report, ends the work with an exception.
     std::stop_source stop;
     try {
         coppice::mesh_skeleton(tree, {},

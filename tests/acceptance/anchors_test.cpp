@@ -1,4 +1,4 @@
-// The selections that gestures write, for the nodes of skeletons of others.
+// The selections that gestures write, for the nodes of foreign skeletons.
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@ namespace {
 
 TEST(AnchorsOfFiles, HoldTheirNodesAlone) {
     const auto files = test::skeleton_files();
-    if (files.empty()) GTEST_SKIP() << "no ../shared";
+    if (files.empty()) GTEST_SKIP() << "there is no ../shared";
     for (const auto& file : files) {
         const EditableTree tree(read_skeleton(file).skeleton);
         for (const StableId n : tree.nodes()) {

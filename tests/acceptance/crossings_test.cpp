@@ -2,7 +2,7 @@
 
 #include "acceptance/support.h"
 #include "coppice/io/skeleton/reader.h"
-#include "slice_search.h"
+#include "tube_row_search.h"
 
 namespace coppice {
 namespace {

@@ -1,4 +1,4 @@
-// Skeletons that are found again in the surfaces that were made of them.
+// Skeletons that are extracted again from their own surfaces.
 
 #include <gtest/gtest.h>
 
@@ -11,8 +11,8 @@
 namespace coppice::test {
 namespace {
 
-// Twigs of twelve radii beside a stem fifteen times as thick: what shrinks the one must not shorten the
-// other.
+// Twigs of twelve radii next to a stem fifteen times as thick: the contraction of the stem must not shorten
+// the twigs.
 TEST(AcceptanceMeshSkeletons, TwigsOfAnOakAreFoundByBothMethods) {
     const Skeleton oak = read_skeleton(source_dir() / "examples/oak.swc").skeleton;
     const PolygonMesh surface = to_polygons(mesh_skeleton(oak).quads().mesh);

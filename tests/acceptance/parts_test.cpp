@@ -12,8 +12,8 @@
 #include "coppice/skeleton/random_tree.h"
 #include "zoo.h"
 
-// Tetrahedra lose no branch, and make none: a part for each tree, whatever the edge, the kernel and what is
-// moved onto the surface.
+// Tetrahedra neither lose nor add branches: one component for each tree, for any edge length, kernel and
+// projection onto the surface.
 
 namespace coppice {
 namespace {
@@ -23,7 +23,7 @@ using namespace test;
 struct Parts {
     std::uint64_t count = 0;
     std::uint64_t inside_out = 0;
-    std::uint64_t odd = 0;  ///< with an Euler number that no closed surface has
+    std::uint64_t odd = 0;  ///< components with an Euler number that no closed surface has
 };
 
 Parts parts_of(const TriMesh& mesh) {
@@ -33,7 +33,7 @@ Parts parts_of(const TriMesh& mesh) {
         sets.join(t[0], t[2]);
     }
     std::vector<double> volume(mesh.positions.size());
-    std::vector<std::int64_t> euler(mesh.positions.size());  // twice
+    std::vector<std::int64_t> euler(mesh.positions.size());  // multiplied by two
     for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) euler[sets.find(v)] += 2;
     for (const Triangle& t : mesh.triangles) {
         const std::uint32_t part = sets.find(t[0]);
@@ -58,7 +58,7 @@ std::size_t tree_count(const Skeleton& skeleton) {
     return count;
 }
 
-/// The trees that are left when those whose branches come nearer than twice their radii are one. O(n^2).
+/// Returns the number of trees after joining those with branches closer than twice their radii. O(n^2).
 std::size_t trees_apart(const Skeleton& skeleton) {
     DisjointSets sets(skeleton.size());
     for (const NodeId n : nodes(skeleton)) {
@@ -135,7 +135,8 @@ TEST(AcceptancePartsFiles, EverySkeleton) {
     for (const fs::path& file : files) {
         const Skeleton skeleton = read_skeleton(file).skeleton;
         const std::string name = file.filename();
-        // What is fine takes seconds for the large ones, which have the usual branches in great number.
+        // Fine surfaces take seconds for the large skeletons, which contain the usual branches in great
+        // number.
         if (skeleton.size() > 5000) {
             expect_a_part_for_each_tree(name, skeleton, {{1}, {0.45f}, {kQuartic}});
         } else if (skeleton.size() > 700) {

@@ -15,7 +15,7 @@
 #include "coppice/skeleton/random_tree.h"
 #include "zoo.h"
 
-// The whole way from skeleton to quads, held against what is promised of it.
+// The whole pipeline from skeleton to quads, compared with its promises.
 
 namespace coppice {
 namespace {
@@ -27,13 +27,13 @@ bool all_finite(const QuadMesh& mesh) {
                        [](Vec3 p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); });
 }
 
-/// Closed quads seen from outside that do not cross: a sphere per tree that does not begin inside another
-/// one, less what grew together at knots.
+/// Expects closed quads, oriented outwards, without self-intersections: a sphere per tree that does not begin
+/// inside another one, less those merged by the repair.
 void expect_closed(const QuadSurface& surface, const Skeleton& skeleton) {
     const QuadMesh& mesh = surface.mesh;
-    const bool has_knots = surface.knots.rounds > 0;
+    const bool has_repairs = surface.repair.rounds > 0;
     const std::uint64_t parts =
-        has_knots ? surface.knots.parts : skeleton.tree_count() - surface.grafted.joined;
+        has_repairs ? surface.repair.parts : skeleton.tree_count() - surface.grafted.joined;
     const TopologyReport t = topology(mesh);
     EXPECT_TRUE(t.watertight()) << t.open_edges << " open, " << t.non_manifold_edges << " non-manifold and "
                                 << t.misoriented_edges << " misoriented edges, " << t.non_manifold_vertices
@@ -42,13 +42,13 @@ void expect_closed(const QuadSurface& surface, const Skeleton& skeleton) {
     EXPECT_EQ(t.vertices, mesh.positions.size());
     EXPECT_LE(parts, skeleton.tree_count());
     EXPECT_EQ(t.components, parts);
-    EXPECT_EQ(t.euler, 2 * (static_cast<std::int64_t>(parts) - surface.knots.handles));
-    EXPECT_EQ(surface.knots.pairs_after, 0u);
+    EXPECT_EQ(t.euler, 2 * (static_cast<std::int64_t>(parts) - surface.repair.handles));
+    EXPECT_EQ(surface.repair.pairs_after, 0u);
     ASSERT_TRUE(all_finite(mesh));
     EXPECT_GT(shape(mesh).signed_volume, 0);
 }
 
-std::uint64_t hash_of(const QuadSurface& result) {
+std::uint64_t compute_hash(const QuadSurface& result) {
     return Hash()
         .add(std::span<const Vec3>(result.mesh.positions))
         .add(std::span<const Quad>(result.mesh.quads))
@@ -58,9 +58,9 @@ std::uint64_t hash_of(const QuadSurface& result) {
 }
 
 void expect_same_bits(const Skeleton& skeleton) {
-    const std::uint64_t one = hash_of(mesh_skeleton(skeleton, {}, {.threads = 1}).quads());
+    const std::uint64_t one = compute_hash(mesh_skeleton(skeleton, {}, {.threads = 1}).quads());
     for (const unsigned threads : {2u, 7u}) {
-        EXPECT_EQ(hash_of(mesh_skeleton(skeleton, {}, {.threads = threads}).quads()), one)
+        EXPECT_EQ(compute_hash(mesh_skeleton(skeleton, {}, {.threads = threads}).quads()), one)
             << threads << " threads";
     }
 }
@@ -69,14 +69,14 @@ SurfaceReport judge(const Skeleton& skeleton, const MeshOptions& options = {}) {
     return check_surface(to_polygons(mesh_skeleton(skeleton, options).quads().mesh), &skeleton);
 }
 
-/// Vertices at the radius instead of rings with the area of their circles.
+/// Vertices at the radius instead of rings with the area of the circles.
 MeshOptions at_radius() {
     MeshOptions options;
     options.field.radius_scale = 1;
     return options;
 }
 
-/// What a tree whose branches keep clear of each other must reach.
+/// Minimum quality for a tree with well separated branches.
 void expect_faithful(const Skeleton& skeleton) {
     const double ratio = judge(skeleton).volume->ratio();
     EXPECT_GT(ratio, 0.99);
@@ -88,7 +88,7 @@ void expect_faithful(const Skeleton& skeleton) {
     EXPECT_GE(r.radius->regular.p1, -0.05);
     EXPECT_LE(r.radius->regular.p99, 0.05);
     EXPECT_EQ(r.axes->missing, 0u);
-    EXPECT_LE(r.axes->severed, 1 + skeleton.size() / 1000);  // branches that press on others
+    EXPECT_LE(r.axes->severed, 1 + skeleton.size() / 1000);  // branches that touch others
     EXPECT_GE(r.axes->tip_reach.p1, 0.7);
     EXPECT_LE(r.axes->tip_reach.p99, 1.2);
     EXPECT_EQ(r.shape.inverted_faces, 0u);
@@ -134,7 +134,7 @@ TEST(Acceptance, OpenBaseLeavesOneHoleInTreesThatBeginWithOneBranch) {
     }
 }
 
-/// Rim and cap of one flat end against the disc of radius r about c across the plane's normal.
+/// Compares rim and cap of a flat end with the disc of radius r about c in the normal plane.
 void expect_disc(const QuadSurface& result, int levels, const ClipPlane& clip, Vec3 c, float r) {
     const std::size_t begin = std::size_t{clip.first_quad} << (2 * levels);
     const std::size_t end = begin + (std::size_t{clip.quad_count} << (2 * levels));
@@ -181,7 +181,7 @@ TEST(Acceptance, FlatEndsAreDiscsAsWideAsTheBranch) {
                 EXPECT_GE(r.shape.scaled_jacobian.min, 0.3);
                 if (s.size() > 2) continue;
                 const double corner =
-                    std::numbers::pi / (sides << (levels - 1));  // half a turn, by rim vertices
+                    std::numbers::pi / (sides << (levels - 1));  // half a turn, in rim vertices
                 const double prism = std::numbers::pi * 0.25 * 0.3 * std::sin(corner) / corner;
                 EXPECT_NEAR(r.shape.signed_volume / prism, 1, 1e-3);
             }
@@ -214,7 +214,7 @@ TEST(Acceptance, MadeUpTreesAreFaithful) {
 }
 
 TEST(Acceptance, CrowdsOfBranchesAreClosed) {
-    // Every branch overlaps hundreds of others: whatever the surface looks like, it closes, and soon.
+    // Every branch overlaps hundreds of others: the surface must be closed, and computed soon.
     constexpr std::uint32_t kBranches = 256;
     std::vector<NodeId> parent{NodeId::none(), NodeId(0)};
     std::vector<Vec3> position{{0, 0, 0}, {0, 0, 1}};
@@ -228,7 +228,7 @@ TEST(Acceptance, CrowdsOfBranchesAreClosed) {
     expect_closed(mesh_skeleton(skeleton).quads(), skeleton);
 }
 
-// --- skeletons of others ------------------------------------------------------------------------------
+// --- foreign skeletons ---------------------------------------------------------------------------------
 
 TEST(AcceptanceFiles, EverySkeletonGivesClosedQuadsThatDoNotCross) {
     const std::vector<fs::path> files = skeleton_files();

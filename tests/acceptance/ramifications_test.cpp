@@ -15,21 +15,21 @@ QuadSurface ramified(const Skeleton& skeleton, MeshOptions options = {}) {
     return std::move(mesh_skeleton(skeleton, options).quads());
 }
 
-// One for each tree that does not begin inside another one, but for what is merged.
+// Expects one sphere for each tree that does not begin inside another one, except merged ones.
 void expect_spheres(const QuadSurface& surface, const Skeleton& skeleton) {
     const TopologyReport t = topology(surface.mesh);
     const std::uint32_t trees = skeleton.tree_count() - surface.grafted.joined;
     EXPECT_TRUE(t.watertight());
-    EXPECT_EQ(t.components, surface.knots.parts);
+    EXPECT_EQ(t.components, surface.repair.parts);
     EXPECT_EQ(t.euler, 2 * (std::int64_t{trees} - std::ssize(surface.cage.joins)));
 }
 
-// Closed and without crossings, though remeshing may have joined what touches.
+// Closed and without self-intersections, although remeshing may have joined touching surfaces.
 void expect_sound(const QuadSurface& surface) {
     const TopologyReport t = topology(surface.mesh);
     EXPECT_TRUE(t.watertight());
-    if (surface.knots.rounds > 0) {
-        EXPECT_EQ(t.components, surface.knots.parts);
+    if (surface.repair.rounds > 0) {
+        EXPECT_EQ(t.components, surface.repair.parts);
     }
     EXPECT_TRUE(crossing_faces(SurfaceTree(to_polygons(surface.mesh)), 1000).pairs.empty());
 }
@@ -48,7 +48,7 @@ TEST(Ramifications, CloseTheZoo) {
 TEST(Metaballs, CloseTheZoo) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         SCOPED_TRACE(name);
-        // Without remeshing, which may join what touches.
+        // Without remeshing, which may join touching surfaces.
         for (const float bulge : {0.02f, 0.5f}) {
             const MeshOptions options{
                 .method = MeshMethod::bmesh, .field = {.ball_bulge = bulge}, .remesh_rounds = 0};
@@ -57,10 +57,10 @@ TEST(Metaballs, CloseTheZoo) {
     }
 }
 
-// Before remeshing, which may join what touches.
+// Before remeshing, which may join touching surfaces.
 TEST(Ramifications, CloseSkeletonsOfOthers) {
     const auto files = test::skeleton_files();
-    if (files.empty()) GTEST_SKIP() << "no ../shared";
+    if (files.empty()) GTEST_SKIP() << "there is no ../shared";
     for (const auto& file : files) {
         SCOPED_TRACE(file.filename());
         const Skeleton skeleton = read_skeleton(file).skeleton;
@@ -70,7 +70,7 @@ TEST(Ramifications, CloseSkeletonsOfOthers) {
 
 TEST(Ramifications, NeverCross) {
     const auto files = test::skeleton_files();
-    if (files.empty()) GTEST_SKIP() << "no ../shared";
+    if (files.empty()) GTEST_SKIP() << "there is no ../shared";
     for (const auto& file : files) {
         SCOPED_TRACE(file.filename());
         const QuadSurface surface = ramified(read_skeleton(file).skeleton);
@@ -81,11 +81,11 @@ TEST(Ramifications, NeverCross) {
 
 TEST(Ramifications, AreOneSphereOnOrdinaryTrees) {
     for (const char* name : {"tree300", "tree3k"}) {
-        if (!test::fs::exists(test::workload(name))) GTEST_SKIP() << "no ../shared";
+        if (!test::fs::exists(test::workload(name))) GTEST_SKIP() << "there is no ../shared";
         SCOPED_TRACE(name);
         const Skeleton skeleton = read_skeleton(test::workload(name)).skeleton;
         MeshOptions options;
-        options.field.radius_scale = 1;  // wider branches of tree3k touch
+        options.field.radius_scale = 1;  // thicker branches of tree3k touch
         const QuadSurface surface = ramified(skeleton, options);
         expect_spheres(surface, skeleton);
         EXPECT_LT(surface.ramified->after.total(), surface.ramified->before.total());

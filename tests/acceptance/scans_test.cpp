@@ -1,4 +1,4 @@
-// Scans of others: no truth is known, but what no tree does is.
+// Foreign scans: the truth is unknown, but some results are impossible for a tree.
 
 #include <gtest/gtest.h>
 
@@ -16,8 +16,7 @@ std::vector<fs::path> scan_files() {
     std::vector<fs::path> files;
     std::error_code absent;
     for (const auto& entry : fs::directory_iterator(kShared / "data" / "cloud", absent))
-        if (entry.path().extension() != ".laz")
-            files.push_back(entry.path());  // a plot, of which it is a part
+        if (entry.path().extension() != ".laz") files.push_back(entry.path());  // a plot that contains it
     for (const char* name :
          {"archi_Tree_1_point_cloud.las", "rtwig_cloud.txt", "itsme_buttressed_tree_1_pc.txt"}) {
         if (fs::exists(kShared / "data" / "qsm" / name)) files.push_back(kShared / "data" / "qsm" / name);
@@ -29,7 +28,8 @@ std::vector<fs::path> scan_files() {
 class AcceptanceScans : public testing::TestWithParam<fs::path> {};
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(AcceptanceScans);
 
-/// Of the nodes between forks those that turn by more than 60 degrees, where both ways are `least` [m] long.
+/// Counts the nodes between forks that turn by more than 60 degrees, where both adjacent sections are `least`
+/// [m] long.
 double share_of_sharp_turns(const Skeleton& s, double least) {
     std::vector<int> children(s.size(), 0);
     for (const NodeId n : nodes(s))

@@ -7,8 +7,8 @@
 
 #include "paths.h"
 
-// Skeletons of others and the workloads lie in a folder beside the sources that not every checkout has;
-// without it those cases are skipped, and the zoo and made-up trees remain.
+// Foreign skeletons and the workloads are in a folder next to the sources that not every checkout has;
+// without it these cases are skipped, and the zoo and synthetic trees remain.
 
 namespace coppice::test {
 
@@ -16,9 +16,9 @@ namespace fs = std::filesystem;
 
 inline const fs::path kShared = source_dir().parent_path() / "shared";
 
-/// Tables that were written from a .mat file hold the same trees; a test of the readers compares them.
+/// Tables that were written from a .mat file contain the same trees; a test of the readers compares them.
 inline bool is_twin(const fs::path& file) {
-    const fs::path name = file.stem();  // of tree.cylinders.csv: tree.cylinders
+    const fs::path name = file.stem();  // tree.cylinders for tree.cylinders.csv
     return name.extension() == ".cylinders" &&
            fs::exists(file.parent_path() / (name.stem().string() + ".mat"));
 }

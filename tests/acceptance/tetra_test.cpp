@@ -12,7 +12,7 @@
 #include "coppice/skeleton/random_tree.h"
 #include "zoo.h"
 
-// The whole way from skeleton to triangles by tetrahedra, held against what is promised of it.
+// The whole pipeline from skeleton to triangles by tetrahedra, compared with its promises.
 
 namespace coppice {
 namespace {
@@ -41,12 +41,12 @@ SurfaceReport judge(const Skeleton& skeleton, const MeshOptions& options = tetra
     return check_surface(surface_of(skeleton, options), &skeleton);
 }
 
-/// Of the surface alone, which takes half of the time.
+/// Checks the surface alone, which takes half of the time.
 SurfaceReport judge_alone(const Skeleton& skeleton, const MeshOptions& options) {
     return check_surface(surface_of(skeleton, options), nullptr);
 }
 
-/// Closed, manifold, oriented, not inside out, and never through itself.
+/// Expects a closed, manifold, outwards oriented surface without self-intersections.
 void expect_solid(const SurfaceReport& r) {
     EXPECT_TRUE(r.sound()) << r.topology.open_edges << " open, " << r.topology.non_manifold_edges
                            << " non-manifold and " << r.topology.misoriented_edges << " misoriented edges, "
@@ -76,7 +76,8 @@ TEST(AcceptanceTetra, EverySkeletonInTheZooGivesASolidInItsPolyhedron) {
 }
 
 TEST(AcceptanceTetra, APolyhedronHasCountsOfTheOrderOfThosePrinted) {
-    // Rhus of [Zhu2013]: 2,064 tetrahedra, cut three times, and 362,740 triangles; its segments are not told.
+    // Rhus of [Zhu2013]: 2,064 tetrahedra, cut three times, and 362,740 triangles; the number of its segments
+    // is not published.
     const TetraSurface surface = mesh_skeleton(random_tree(288, 1), polyhedron(0.5f)).tetrahedra();
     ASSERT_TRUE(surface.polyhedron);
     EXPECT_EQ(surface.march.tetra, 512u * surface.coarse);
@@ -114,7 +115,7 @@ TEST(AcceptanceTetra, NoSegmentIsMissingFromHardTrees) {
 }
 
 TEST(AcceptanceTetra, BranchesThatCrossBecomeOneBody) {
-    // Two trees, each a bar through the other's middle.
+    // Two trees, each a bar through the middle of the other.
     const Skeleton cross({NodeId::none(), NodeId(0), NodeId::none(), NodeId(2)},
                          {{-2, 0, 0}, {2, 0, 0}, {0, -2, 0}, {0, 2, 0}}, {0.3f, 0.3f, 0.3f, 0.3f});
     const SurfaceReport r = judge(cross);
@@ -201,7 +202,8 @@ TEST(AcceptanceTetraFiles, EverySkeletonGivesASolid) {
         SCOPED_TRACE(file.filename());
         const Skeleton skeleton = read_skeleton(file).skeleton;
         MeshOptions options = tetrahedra();
-        // Millions of triangles would take a minute; the workloads below have the usual ones in great number.
+        // Millions of triangles would take a minute; the workloads below contain the usual ones in great
+        // number.
         if (skeleton.size() > 2000) options.tetra.edge = 1;
         expect_solid(judge_alone(skeleton, options));
     }
@@ -215,7 +217,7 @@ TEST_P(AcceptanceTetraWorkload, IsFaithful) {
     expect_solid(r);
     EXPECT_LE(r.radius->regular.mean_abs, 0.012);
     EXPECT_EQ(r.axes->severed, 0u);
-    // The least angle of one triangle in a hundred: the sine of 12 degrees over that of 60.
+    // The minimum angle of one triangle in a hundred: the sine of 12 degrees over that of 60.
     EXPECT_GE(r.shape.scaled_jacobian.p1, 0.24);
 }
 

@@ -10,8 +10,8 @@ namespace {
 
 using namespace test;
 
-/// Surfaces fitted to the volume enclose that of the rounded cones, to 0.3 %; a surface that has lost parts
-/// says so.
+/// Surfaces fitted to the volume enclose that of the rounded cones, to 0.3 %; a surface with lost volume
+/// reports it.
 void expect_volume(const Skeleton& skeleton, MeshOptions options) {
     options.fit = Fit::volume;
     const MeshResult r = mesh_skeleton(skeleton, options);

@@ -75,9 +75,9 @@ TEST(Box3, InflatedReachesFartherOnEverySide) {
 TEST(Box3, OverlapsWhatItTouchesAndNothingBeside) {
     const Box3 unit{{0, 0, 0}, {1, 1, 1}};
     EXPECT_TRUE(unit.overlaps({{0.5f, 0.5f, 0.5f}, {2, 2, 2}}));
-    EXPECT_TRUE(unit.overlaps({{1, 1, 1}, {2, 2, 2}}));  // a corner in common
+    EXPECT_TRUE(unit.overlaps({{1, 1, 1}, {2, 2, 2}}));  // a common corner
     for (int axis = 0; axis < 3; ++axis) {
-        // Apart along one axis only, on either side.
+        // Separated along one axis only, on either side.
         Box3 beyond = unit, before = unit;
         beyond.low[axis] = 1.5f;
         beyond.high[axis] = 2;

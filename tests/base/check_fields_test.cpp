@@ -22,7 +22,7 @@ template <class Self, class Visitor>
 requires SameOptions<Self, ChiselOptions>
 constexpr void visit_fields(Self& options, Visitor&& visit) {
     visit(Field{"width", "how wide", Unit::metre, 0, 2}, options.width);
-    visit(Field{"handle", "what it is made of"}, options.handle);
+    visit(Field{"handle", "Material of the carving."}, options.handle);
 }
 
 }  // namespace
@@ -49,7 +49,7 @@ constexpr void visit_fields(Self& options, Visitor&& visit) {
     visit(Field{"depth", "how deep", Unit::metre, 0.5, 0.7}, options.depth);
     visit(Field{"lean", "how far to lean; any number"}, options.lean);
     visit(Field{"polish", "whether to polish"}, options.polish);
-    visit(Field{"chisel", "what to carve with"}, options.chisel);
+    visit(Field{"chisel", "Tool of the carving."}, options.chisel);
 }
 
 std::string complaint(const CarveOptions& options) {
@@ -63,19 +63,19 @@ TEST(CheckFields, TakesWhatLiesInRange) {
 }
 
 TEST(CheckFields, TakesABoundThatAFloatCannotHold) {
-    // 0.7 is 0.699999988 as a float: the default lies at the bound, and not below it.
+    // 0.7 is 0.699999988 as a float: the default is at the bound, and not below it.
     EXPECT_EQ(complaint({.depth = 0.7f}), "no error");
     EXPECT_NE(complaint({.depth = std::nextafter(0.7f, 1.0f)}), "no error");
 }
 
 TEST(CheckFields, NamesSourceFieldRangeAndValue) {
-    EXPECT_EQ(complaint({.count = 0}), "carve: count must lie between 1 and 8, but is 0");
-    EXPECT_EQ(complaint({.count = 9}), "carve: count must lie between 1 and 8, but is 9");
-    EXPECT_EQ(complaint({.depth = 0.25f}), "carve: depth must lie between 0.5 and 0.7, but is 0.25");
+    EXPECT_EQ(complaint({.count = 0}), "carve: count must be between 1 and 8, but is 0");
+    EXPECT_EQ(complaint({.count = 9}), "carve: count must be between 1 and 8, but is 9");
+    EXPECT_EQ(complaint({.depth = 0.25f}), "carve: depth must be between 0.5 and 0.7, but is 0.25");
 }
 
 TEST(CheckFields, ReachesStructsWithinAndEnums) {
-    EXPECT_EQ(complaint({.chisel = {.width = 3}}), "carve: chisel.width must lie between 0 and 2, but is 3");
+    EXPECT_EQ(complaint({.chisel = {.width = 3}}), "carve: chisel.width must be between 0 and 2, but is 3");
     EXPECT_EQ(complaint({.chisel = {.handle = static_cast<Wood>(2)}}),
               "carve: chisel.handle must be one of oak, pear");
     EXPECT_EQ(complaint({.chisel = {.width = 2, .handle = Wood::pear}}), "no error");
@@ -87,9 +87,9 @@ TEST(CheckFields, NamesTheFirstFieldThatIsWrong) {
 
 TEST(CheckFields, RefusesWhatIsNoNumber) {
     EXPECT_EQ(complaint({.depth = std::numeric_limits<float>::quiet_NaN()}),
-              "carve: depth must lie between 0.5 and 0.7, but is nan");
+              "carve: depth must be between 0.5 and 0.7, but is nan");
     EXPECT_EQ(complaint({.depth = std::numeric_limits<float>::infinity()}),
-              "carve: depth must lie between 0.5 and 0.7, but is inf");
+              "carve: depth must be between 0.5 and 0.7, but is inf");
 }
 
 TEST(CheckFields, AFieldWithoutARangeTakesEverything) { EXPECT_EQ(complaint({.lean = -1e30f}), "no error"); }

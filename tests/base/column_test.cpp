@@ -49,7 +49,7 @@ TEST(Column, GrowsWithValuesThatAreSet) {
 }
 
 TEST(Buffer, HoldsWhatIsWrittenAlsoWhereItIsLarge) {
-    // One number below the size from which pages are taken from the system, that size, and one above.
+    // Counts just below, equal to and above the size from which pages are allocated by the system.
     for (const std::size_t count : {kLarge / sizeof(std::uint32_t) - 1, kLarge / sizeof(std::uint32_t),
                                     kLarge / sizeof(std::uint32_t) + 1}) {
         Buffer<std::uint32_t> buffer(count);
@@ -70,10 +70,10 @@ TEST(Buffer, SetsTheValuesThatItIsGiven) {
 
 TEST(Buffer, MakesValuesThatHaveToBeMade) {
     Buffer<std::string> words(3);
-    words[1] = "a word that is too long to lie within the string itself";
+    words[1] = "a word that is too long for the internal buffer of a string";
     words.resize(40);
     EXPECT_EQ(words[0], "");
-    EXPECT_EQ(words[1].size(), 55u);
+    EXPECT_EQ(words[1].size(), 59u);
     EXPECT_EQ(words[39], "");
 }
 
@@ -83,9 +83,9 @@ TEST(Buffer, LargeBlocksBeginAtAPage) {
 }
 
 TEST(Buffer, MoreThanMemoryCanNameIsRefused) {
-    constexpr std::size_t kMost = std::numeric_limits<std::size_t>::max();
-    EXPECT_THROW(UninitializedAllocator<double>().allocate(kMost / 4), std::bad_array_new_length);
-    EXPECT_THROW(allocate_large(kMost), std::bad_alloc);  // rounding up to pages must not come round to 0
+    constexpr std::size_t kMax = std::numeric_limits<std::size_t>::max();
+    EXPECT_THROW(UninitializedAllocator<double>().allocate(kMax / 4), std::bad_array_new_length);
+    EXPECT_THROW(allocate_large(kMax), std::bad_alloc);  // rounding up to pages must not overflow to 0
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 
 #include <vector>
 
+#include "coppice/base/id.h"
+
 namespace coppice {
 namespace {
 
@@ -12,7 +14,7 @@ std::vector<std::uint32_t> row(const CompressedRows<std::uint32_t>& rows, std::s
 }
 
 TEST(CompressedRows, GroupsByKeyInOrder) {
-    const std::vector<std::uint32_t> keys{2, 0, kNoRow, 2, 3, 0};
+    const std::vector<std::uint32_t> keys{2, 0, kNoIndex, 2, 3, 0};
     const auto rows = group_by(keys, 5);
     ASSERT_EQ(rows.size(), 5u);
     EXPECT_EQ(row(rows, 0), (std::vector<std::uint32_t>{1, 5}));

@@ -28,12 +28,12 @@ TEST(Context, ThrowsFromTheMomentThatAStopIsAskedFor) {
 }
 
 TEST(Context, HandsOnEveryFraction) {
-    std::vector<float> told;
-    const Context ctx{.progress = [&](float fraction) { told.push_back(fraction); }};
+    std::vector<float> reported;
+    const Context ctx{.progress = [&](float fraction) { reported.push_back(fraction); }};
     ctx.report(0);
     ctx.report(0.25f);
     ctx.report(1);
-    EXPECT_EQ(told, (std::vector<float>{0, 0.25f, 1}));
+    EXPECT_EQ(reported, (std::vector<float>{0, 0.25f, 1}));
 }
 
 }  // namespace

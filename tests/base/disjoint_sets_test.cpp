@@ -23,7 +23,7 @@ TEST(DisjointSets, TheLeastMemberStandsForItsSet) {
 
 TEST(DisjointSets, JoinsOfSeveralThreadsAreAllThere) {
     // Numbers of equal remainder belong together: 1000 sets of 100. Every thread joins each fourth pair, two
-    // of them from the far end on.
+    // of them in reverse order.
     constexpr std::uint32_t kCount = 100'000, kSets = 1000, kThreads = 4;
     constexpr std::uint32_t kEach = (kCount - kSets) / kThreads;
     ConcurrentDisjointSets sets(kCount);

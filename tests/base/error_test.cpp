@@ -19,7 +19,7 @@ TEST(Error, EveryKindIsAnErrorThatSpeaks) {
 }
 
 TEST(Error, KindsAreTakenApart) {
-    // Each has an exit code of its own: none may pass for another.
+    // Each has its own exit code, so that none is mistaken for another.
     EXPECT_THROW(test::error_of<IoError>([] { throw InvalidInput("x"); }), InvalidInput);
     EXPECT_THROW(test::error_of<InvalidInput>([] { throw Unsupported("x"); }), Unsupported);
     EXPECT_THROW(test::error_of<InvalidInput>([] { throw Cancelled(); }), Cancelled);
@@ -39,7 +39,7 @@ TEST(Precondition, ABrokenPreconditionIsThrownWithItsPlaceAndNotPrinted) {
     EXPECT_TRUE(text.ends_with("precondition broken: 2 < 1")) << text;
 }
 
-// No user can repair it, so it must not be told like the user's mistakes.
+// A user cannot fix it, so it must not be reported like an error of the user.
 TEST(Precondition, ABrokenPreconditionIsNoErrorOfTheUser) {
     EXPECT_FALSE((std::is_base_of_v<Error, PreconditionBroken>));
 }

@@ -9,14 +9,14 @@
 #include <new>
 #include <thread>
 
-// How loops behave inside a program that is not ours.
+// Behaviour of loops inside another program.
 
 namespace coppice {
 namespace {
 
 constexpr unsigned kThreads[] = {0, 1, 2, 7};
 
-// Seven ranges wait for each other: with fewer threads than ranges that would never end.
+// Seven ranges wait for each other: with fewer threads than ranges the loop would never end.
 TEST(ParallelGuest, MoreThreadsThanTheMachineHasRunAtOnce) {
     constexpr unsigned kWanted = 7;
     std::latch all(kWanted);
@@ -43,7 +43,7 @@ TEST(ParallelGuest, TheLimitOfTheHostsThreadsIsLeftAlone) {
             std::atomic<int> changed = 0;
             parallel_for_ranges({.threads = threads}, 100, 1,
                                 [&](IndexRange) { changed += limit() == before ? 0 : 1; });
-            EXPECT_EQ(changed, 0) << host << " threads of the host, " << threads << " asked for";
+            EXPECT_EQ(changed, 0) << host << " threads of the host, " << threads << " requested";
         }
     }
 }

@@ -18,8 +18,8 @@ constexpr unsigned kThreads[]{1, 2, 7, 0};
 
 using Ranges = std::set<std::pair<std::size_t, std::size_t>>;
 
-// The ranges that the body was called with, each put down in a place of its own.
-Ranges ranges_of(unsigned threads, std::size_t count, std::size_t grain) {
+// Collects the ranges of the calls of the body, each in a separate element.
+Ranges compute_ranges(unsigned threads, std::size_t count, std::size_t grain) {
     std::vector<IndexRange> seen(count / grain + 2);
     std::atomic<std::size_t> calls = 0;
     parallel_for_ranges({.threads = threads}, count, grain, [&](IndexRange range) { seen[calls++] = range; });
@@ -32,11 +32,11 @@ Ranges ranges_of(unsigned threads, std::size_t count, std::size_t grain) {
 TEST(ParallelForRanges, CutsAtMultiplesOfTheGrainForAnyNumberOfThreads) {
     for (const unsigned threads : kThreads) {
         SCOPED_TRACE(threads);
-        EXPECT_EQ(ranges_of(threads, 0, 4), Ranges{});
-        EXPECT_EQ(ranges_of(threads, 3, 4), (Ranges{{0, 3}}));
-        EXPECT_EQ(ranges_of(threads, 4, 4), (Ranges{{0, 4}}));
-        EXPECT_EQ(ranges_of(threads, 9, 4), (Ranges{{0, 4}, {4, 8}, {8, 9}}));
-        EXPECT_EQ(ranges_of(threads, 3, 1), (Ranges{{0, 1}, {1, 2}, {2, 3}}));
+        EXPECT_EQ(compute_ranges(threads, 0, 4), Ranges{});
+        EXPECT_EQ(compute_ranges(threads, 3, 4), (Ranges{{0, 3}}));
+        EXPECT_EQ(compute_ranges(threads, 4, 4), (Ranges{{0, 4}}));
+        EXPECT_EQ(compute_ranges(threads, 9, 4), (Ranges{{0, 4}, {4, 8}, {8, 9}}));
+        EXPECT_EQ(compute_ranges(threads, 3, 1), (Ranges{{0, 1}, {1, 2}, {2, 3}}));
     }
 }
 
@@ -53,7 +53,7 @@ TEST(ParallelForRanges, OneThreadIsALoopInOrderOnTheCallersThread) {
 }
 
 TEST(ParallelForRanges, TwoThreadsWorkAtTheSameTime) {
-    // Each of the two ranges waits for the other to begin; a loop on one thread runs out of patience.
+    // Each of the two ranges waits for the other to begin; on one thread the loop times out.
     std::atomic<int> begun = 0;
     std::atomic<bool> met = true;
     parallel_for_ranges({.threads = 2}, 2, 1, [&](IndexRange) {
@@ -100,10 +100,10 @@ TEST(ParallelFor, VisitsEveryIndexOnce) {
     }
 }
 
-// Terms whose sum depends on the order of adding.
+// Terms with a sum that depends on the order of addition.
 float term(std::size_t i) { return static_cast<float>(CounterRandom(1, 1).uniform(i, -1, 1)); }
 
-float sum_of(IndexRange range) {
+float compute_sum(IndexRange range) {
     float sum = 0;
     for (std::size_t i = range.begin; i < range.end; ++i) sum += term(i);
     return sum;
@@ -125,13 +125,14 @@ TEST(ParallelForUneven, GivesLargeOnesAllThreadsAndSmallOnesOne) {
 TEST(ParallelReduce, AddsTheRangesInIndexOrderForAnyNumberOfThreads) {
     constexpr std::size_t kCount = 10'000, kGrain = 64;
     float in_order = 0.5f, backwards = 0.5f;
-    for (std::size_t i = 0; i < kCount; i += kGrain) in_order += sum_of({i, std::min(kCount, i + kGrain)});
+    for (std::size_t i = 0; i < kCount; i += kGrain)
+        in_order += compute_sum({i, std::min(kCount, i + kGrain)});
     for (std::size_t i = kCount / kGrain + 1; i-- > 0;)
-        backwards += sum_of({i * kGrain, std::min(kCount, (i + 1) * kGrain)});
-    ASSERT_NE(in_order, backwards);  // or this test could not fail
+        backwards += compute_sum({i * kGrain, std::min(kCount, (i + 1) * kGrain)});
+    ASSERT_NE(in_order, backwards);  // otherwise this test could not fail
     for (const unsigned threads : kThreads) {
         for (int repeat = 0; repeat < 5; ++repeat) {
-            EXPECT_EQ(parallel_reduce({.threads = threads}, kCount, kGrain, 0.5f, sum_of, std::plus<>()),
+            EXPECT_EQ(parallel_reduce({.threads = threads}, kCount, kGrain, 0.5f, compute_sum, std::plus<>()),
                       in_order)
                 << threads;
         }
@@ -163,7 +164,7 @@ TEST(ParallelForRanges, NoRangeBeginsOnceAStopWasAskedFor) {
                                              if (range.begin == 50) source.request_stop();
                                          }),
                      Cancelled);
-        // Each other thread may have looked just before.
+        // Each other thread may have polled just before.
         const unsigned others = (threads == 0 ? std::thread::hardware_concurrency() : threads) - 1;
         EXPECT_LE(begun_after, static_cast<int>(others)) << threads;
         EXPECT_THROW(parallel_for({.threads = threads, .stop = source.get_token()}, 1, 1, [](std::size_t) {}),

@@ -16,7 +16,7 @@ TEST(Quote, CutsLongText) {
     EXPECT_EQ(shortened("abcdef", 4), "abcd...");
 }
 
-// "\u00e4" has two bytes, of which the second one would be the fourth byte of the text.
+// "\u00e4" has two bytes; the second one would be the fourth byte of the text.
 TEST(Quote, CutsBetweenCharacters) {
     EXPECT_EQ(shortened("ab\u00e4cdef", 3), "ab...");
     EXPECT_EQ(shortened("ab\u00e4cdef", 4), "ab\u00e4...");

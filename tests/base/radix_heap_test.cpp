@@ -15,8 +15,8 @@ namespace {
 using Reference = std::priority_queue<std::pair<double, std::uint32_t>,
                                       std::vector<std::pair<double, std::uint32_t>>, std::greater<>>;
 
-/// Takes entries out of both, and puts `more` in for each, of costs higher by step(), until `count` were put
-/// in. Expects the same order.
+/// Removes entries from both queues, and inserts `more` for each, with costs higher by step(), until `count`
+/// were inserted. Expects the same order.
 template <class Step>
 void expect_same_order(std::uint32_t seed, std::uint32_t start, std::uint32_t more, std::uint32_t count,
                        const Step& step) {
@@ -56,7 +56,7 @@ TEST(RadixHeap, TakesOutInTheOrderOfCostsThenValues) {
 }
 
 TEST(RadixHeap, ManyEntriesOfOneCost) {
-    // More than a front may hold where costs differ; and costs that come just above and below others.
+    // More entries than the front may contain where costs differ; and costs just above and below others.
     RadixHeap heap;
     for (std::uint32_t i = 0; i < 2000; ++i) heap.push(1, 1999 - i);
     for (std::uint32_t i = 0; i < 2000; ++i) heap.push(1.5, i);

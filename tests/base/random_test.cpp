@@ -25,7 +25,7 @@ TEST(MixBits, EveryInputBitChangesHalfOfTheOutputBits) {
         int changed = 0;
         for (std::uint64_t i = 0; i < kDraws; ++i)
             changed += std::popcount(mix_bits(i) ^ mix_bits(i ^ (std::uint64_t{1} << bit)));
-        // 64 bits flip like coins: mean 32, deviation 4, of the mean of 1000 draws 0.13; five of those.
+        // 64 bits are like coin tosses: mean 32, deviation 4; the mean of 1000 draws has 0.13; five of those.
         EXPECT_NEAR(static_cast<double>(changed) / kDraws, 32, 0.65) << bit;
     }
 }
@@ -38,7 +38,7 @@ TEST(CounterRandom, DependsOnSeedStageAndIndexAlone) {
     EXPECT_EQ(CounterRandom(5, 2).bits(9), ninth);
     EXPECT_NE(CounterRandom(6, 2).bits(9), ninth);
     EXPECT_NE(CounterRandom(5, 3).bits(9), ninth);
-    EXPECT_NE(CounterRandom(2, 5).bits(9), ninth);  // seed and stage do not stand for each other
+    EXPECT_NE(CounterRandom(2, 5).bits(9), ninth);  // seed and stage are not interchangeable
 }
 
 TEST(CounterRandom, SeedsAndStagesOfNeighboursShareNoDraws) {
@@ -92,7 +92,8 @@ TEST(CounterRandom, ARangeIsTheUnitRangeStretched) {
     for (std::uint64_t i = 0; i < 1000; ++i) {
         const double u = random.uniform(i, -2, 6);
         EXPECT_TRUE(u >= -2 && u < 6) << u;
-        EXPECT_EQ(u, -2 + 8 * random.uniform(i));  // exact: 8 is a power of two, and one rounding is left
+        EXPECT_EQ(u,
+                  -2 + 8 * random.uniform(i));  // exact: 8 is a power of two, so there is only one rounding
     }
 }
 

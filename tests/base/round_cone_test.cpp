@@ -10,13 +10,13 @@ constexpr Vec3d kA{0, 0, 0}, kB{0, 0, 4};
 
 TEST(RoundCone, FootsOfPointsBesideAndBeyond) {
     const RoundCone cone = round_cone(kA, kB, 1.0, 0.5);
-    const RoundCone::Foot beside = cone.foot({3, 0, 2});
-    EXPECT_DOUBLE_EQ(beside.t, 0.5);
-    EXPECT_EQ(beside.offset, (Vec3d{3, 0, 0}));
-    EXPECT_DOUBLE_EQ(beside.radius, 0.75);
-    EXPECT_DOUBLE_EQ(beside.distance(), 3);
-    EXPECT_DOUBLE_EQ(beside.signed_distance(), 2.25);
-    EXPECT_DOUBLE_EQ(beside.relative_squared(), 16);
+    const RoundCone::Foot adjacent = cone.foot({3, 0, 2});
+    EXPECT_DOUBLE_EQ(adjacent.t, 0.5);
+    EXPECT_EQ(adjacent.offset, (Vec3d{3, 0, 0}));
+    EXPECT_DOUBLE_EQ(adjacent.radius, 0.75);
+    EXPECT_DOUBLE_EQ(adjacent.distance(), 3);
+    EXPECT_DOUBLE_EQ(adjacent.signed_distance(), 2.25);
+    EXPECT_DOUBLE_EQ(adjacent.relative_squared(), 16);
 
     EXPECT_DOUBLE_EQ(cone.foot({0, 0, -3}).t, 0);
     EXPECT_DOUBLE_EQ(cone.foot({0, 0, -3}).signed_distance(), 2);

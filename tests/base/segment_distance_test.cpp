@@ -35,18 +35,19 @@ TEST(SegmentDistance, WhereTheyCross) {
 TEST(SegmentDistance, BetweenEnds) {
     // From (1, 0, 0) to (4, 4, 0): 3 and 4 make 5.
     EXPECT_DOUBLE_EQ(segment_distance({0, 0, 0}, {1, 0, 0}, {4, 4, 0}, {8, 8, 0}), 5);
-    // The end of one beside the middle of the other.
+    // The end of one segment near the middle of the other.
     EXPECT_DOUBLE_EQ(segment_distance({0, 0, 0}, {4, 0, 0}, {2, 1, 0}, {2, 9, 0}), 1);
     EXPECT_DOUBLE_EQ(segment_distance({2, 1, 0}, {2, 9, 0}, {0, 0, 0}, {4, 0, 0}), 1);
 }
 
 TEST(SegmentDistance, OfParallels) {
-    EXPECT_DOUBLE_EQ(segment_distance({0, 0, 0}, {4, 0, 0}, {1, 2, 0}, {9, 2, 0}), 2);  // side by side
-    EXPECT_DOUBLE_EQ(segment_distance({0, 0, 0}, {4, 0, 0}, {9, 2, 0}, {1, 2, 0}), 2);  // the other way
-    EXPECT_DOUBLE_EQ(segment_distance({0, 0, 0}, {1, 0, 0}, {4, 4, 0}, {9, 4, 0}), 5);  // past each other
-    EXPECT_DOUBLE_EQ(segment_distance({0, 0, 0}, {1, 0, 0}, {3, 0, 0}, {9, 0, 0}), 2);  // on one line
+    EXPECT_DOUBLE_EQ(segment_distance({0, 0, 0}, {4, 0, 0}, {1, 2, 0}, {9, 2, 0}), 2);  // parallel
+    EXPECT_DOUBLE_EQ(segment_distance({0, 0, 0}, {4, 0, 0}, {9, 2, 0}, {1, 2, 0}), 2);  // antiparallel
+    EXPECT_DOUBLE_EQ(segment_distance({0, 0, 0}, {1, 0, 0}, {4, 4, 0}, {9, 4, 0}),
+                     5);  // parallel without overlap
+    EXPECT_DOUBLE_EQ(segment_distance({0, 0, 0}, {1, 0, 0}, {3, 0, 0}, {9, 0, 0}), 2);  // collinear
     EXPECT_DOUBLE_EQ(segment_distance({0, 0, 0}, {3, 0, 0}, {1, 0, 0}, {9, 0, 0}),
-                     0);  // on one line, in common
+                     0);  // collinear with overlap
 }
 
 TEST(SegmentDistance, OfPoints) {
@@ -57,7 +58,7 @@ TEST(SegmentDistance, OfPoints) {
                      5);  // beyond the end: 3, 4
 }
 
-// The least distance among points `steps` to a segment apart: too large by half a step of each at most.
+// The minimum distance among `steps` points per segment: too large by at most half a step of each.
 double sampled_distance(Vec3d a0, Vec3d a1, Vec3d b0, Vec3d b1, int steps) {
     double least = distance(a0, b0);
     for (int i = 0; i <= steps; ++i) {
@@ -78,8 +79,8 @@ TEST(SegmentDistance, IsTheLeastOfAllPairsOfPoints) {
     };
     for (int i = 0; i < 300; ++i) {
         const Vec3d a0 = point(), a1 = point(), b0 = point();
-        // Every third pair runs side by side but for 1e-8, where rounding decides which points are closest:
-        // any are, to about as much.
+        // Every third pair is parallel except for 1e-8, where rounding decides which points are closest: any
+        // of them are, to about this accuracy.
         const Vec3d b1 = i % 3 == 0 ? b0 + (a1 - a0) * 0.7 + point() * 1e-8 : point();
         const double exact = segment_distance(a0, a1, b0, b1);
         const double sampled = sampled_distance(a0, a1, b0, b1, kSteps);

@@ -69,7 +69,7 @@ TEST(Vec3, NormalizedHasLengthOneAndTheSameDirection) {
     EXPECT_DOUBLE_EQ(n.x, 2.0 / 7);
     EXPECT_DOUBLE_EQ(n.y, -3.0 / 7);
     EXPECT_DOUBLE_EQ(n.z, 6.0 / 7);
-    EXPECT_EQ(normalized(Vec3{0, 1e-15f, 0}), kY);  // short, but a direction still
+    EXPECT_EQ(normalized(Vec3{0, 1e-15f, 0}), kY);  // short, but it still has a direction
 }
 
 TEST(Vec3, NormalizedOfNothingIsTheFallback) {
@@ -91,7 +91,7 @@ TEST(Vec3, PerpendicularIsAUnitVectorAtARightAngle) {
     EXPECT_EQ(perpendicular(kZ), kX);
     EXPECT_EQ(dot(perpendicular(-kZ), kZ), 0);
     EXPECT_EQ(length(perpendicular(-kZ)), 1);
-    // Both signs of a z of 0, where the formula changes over.
+    // Both signs of z = 0, where the formula switches.
     EXPECT_EQ(dot(perpendicular(Vec3{1, 0, 0.0f}), kX), 0);
     EXPECT_EQ(dot(perpendicular(Vec3{1, 0, -0.0f}), kX), 0);
 }

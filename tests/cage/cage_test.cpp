@@ -21,7 +21,7 @@ std::vector<NodeId> same_nodes(const Skeleton& s) {
     return ids;
 }
 
-ControlMesh cage_of(const Skeleton& s, const ControlOptions& options = {}, unsigned threads = 2) {
+ControlMesh compute_cage(const Skeleton& s, const ControlOptions& options = {}, unsigned threads = 2) {
     Context ctx;
     ctx.threads = threads;
     return build_control_mesh(s, same_nodes(s), options, ctx);
@@ -38,7 +38,7 @@ void expect_spheres(const ControlMesh& m, std::uint32_t trees) {
 TEST(BuildControlMesh, EverySkeletonInTheZooGivesOneSpherePerTree) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         SCOPED_TRACE(name);
-        const ControlMesh m = cage_of(skeleton);
+        const ControlMesh m = compute_cage(skeleton);
         expect_spheres(m, skeleton.tree_count());
         for (std::size_t v = 0; v < m.anchors.size(); ++v) {
             ASSERT_TRUE(is_finite(m.cage.positions[v]));
@@ -56,7 +56,7 @@ TEST(BuildControlMesh, EveryPartedSkeletonInTheZooGivesOneSpherePerTree) {
     }
 }
 
-// Each join puts two bodies together, or makes a handle.
+// Each join merges two bodies, or creates a handle.
 void expect_merged(const Skeleton& skeleton) {
     const GraftResult grafted = graft_branches(skeleton, 0.6f, PieceEnd::joined, {});
     const PartResult parted = part_branches(grafted.tubes, grafted.joins, {});
@@ -84,7 +84,7 @@ TEST(BuildControlMesh, BranchesThatAreMergedHaveOneClosedCage) {
     }
 }
 
-// Two limbs alike: the faces left and right of the one are those that the other leaves through.
+// Two equal limbs: the faces left and right of one are those through which the other leaves.
 TEST(BuildControlMesh, ACrossingHasEightVerticesOfValenceFive) {
     const NodeId none;
     const Skeleton s({none, NodeId(0), NodeId(1), none, NodeId(3), NodeId(1)},
@@ -104,7 +104,7 @@ TEST(BuildControlMesh, EverySideCountCloses) {
     for (const int sides : {4, 8, 16}) {
         for (const auto& [name, skeleton] : skeleton_zoo()) {
             SCOPED_TRACE(name + " with " + std::to_string(sides) + " sides");
-            expect_spheres(cage_of(skeleton, {.sides = sides}), skeleton.tree_count());
+            expect_spheres(compute_cage(skeleton, {.sides = sides}), skeleton.tree_count());
         }
     }
 }
@@ -113,9 +113,9 @@ TEST(BuildControlMesh, AChainHasOneRingPerNodeAndACapAtEachEnd) {
     const Skeleton s({NodeId::none(), NodeId(0), NodeId(1)}, {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}},
                      {0.1f, 0.1f, 0.1f});
     const ControlOptions round{.base = BaseShape::round};
-    EXPECT_EQ(cage_of(s, round).cage.positions.size(), 3u * 4);
-    EXPECT_EQ(cage_of(s, round).cage.quads.size(), 2u * 4 + 2);
-    EXPECT_EQ(cage_of(s, {.sides = 8, .base = BaseShape::round}).cage.quads.size(), 2u * 8 + 2 * 4);
+    EXPECT_EQ(compute_cage(s, round).cage.positions.size(), 3u * 4);
+    EXPECT_EQ(compute_cage(s, round).cage.quads.size(), 2u * 4 + 2);
+    EXPECT_EQ(compute_cage(s, {.sides = 8, .base = BaseShape::round}).cage.quads.size(), 2u * 8 + 2 * 4);
 }
 
 // A stem, its leader, and laterals that leave it.
@@ -131,23 +131,23 @@ Skeleton stem_with(const std::vector<Vec3>& laterals, float lateral_radius) {
     return {parent, position, radius};
 }
 
-// Two poles of valence 6 are all that a fork costs; each tip adds the four corners of its cap.
+// A fork only adds two poles of valence 6; each tip adds the four corners of its cap.
 TEST(BuildControlMesh, AForkHasTwoIrregularPoles) {
     const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(1)},
                      {{0, 0, 0}, {0, 0, 1}, {1, 0, 1.7f}, {-1, 0, 1.7f}}, {0.1f, 0.1f, 0.08f, 0.08f});
-    const ControlMesh m = cage_of(s, {.base = BaseShape::round});
+    const ControlMesh m = compute_cage(s, {.base = BaseShape::round});
     EXPECT_EQ(m.cage.quads.size(), 3u * 4 + 3);
     EXPECT_EQ(topology(m.cage).irregular_vertices, 2u + 3 * 4);
 }
 
-// Four vertices of valence 5; a thick one takes one of the four faces about the node, a thin one leaves a
+// Four vertices of valence 5; a thick one occupies one of the four faces around the node, a thin one leaves a
 // ring of four within it.
 TEST(BuildControlMesh, ALateralLeavesThroughAnOpening) {
     for (const float radius : {0.07f, 0.04f, 0.005f}) {
         for (const Vec3 direction : {Vec3{1, 0, 0}, Vec3{0.3f, 0.6f, 0.7f}, Vec3{-0.5f, 0.6f, -0.4f}}) {
             SCOPED_TRACE(radius);
             const Skeleton s = stem_with({direction}, radius);
-            const ControlMesh m = cage_of(s, {.base = BaseShape::round});
+            const ControlMesh m = compute_cage(s, {.base = BaseShape::round});
             expect_spheres(m, 1);
             EXPECT_EQ(m.cage.quads.size(), 3u * 4 + 3 + (radius < 0.05f ? 7 : 3));
             EXPECT_EQ(topology(m.cage).irregular_vertices, 4u + 3 * 4);
@@ -156,10 +156,10 @@ TEST(BuildControlMesh, ALateralLeavesThroughAnOpening) {
     }
 }
 
-// The rings of the stem and its leader stand across them, however the lateral leaves.
+// The rings of the stem and its leader are perpendicular to them, for any direction of the lateral.
 TEST(BuildControlMesh, RingsBesideAnOpeningStandAcross) {
     const Skeleton s = stem_with({{0.4f, 0.3f, 0.5f}}, 0.05f);
-    const ControlMesh m = cage_of(s, {.base = BaseShape::round});
+    const ControlMesh m = compute_cage(s, {.base = BaseShape::round});
     for (std::size_t f = 0; f < m.cage.quads.size(); ++f) {
         if (m.part[f] != TubePart::side || m.region[f] == 3) continue;
         const Quad& q = m.cage.quads[f];
@@ -170,10 +170,10 @@ TEST(BuildControlMesh, RingsBesideAnOpeningStandAcross) {
     }
 }
 
-// Where two leave to opposite sides, each has a face; where there is no room for one, a hub takes its place.
+// If two leave on opposite sides, each has a face; if there is no room for one, a hub replaces it.
 TEST(BuildControlMesh, SeveralLateralsShareTheFaces) {
     const auto with = [](const std::vector<Vec3>& laterals) {
-        const ControlMesh m = cage_of(stem_with(laterals, 0.03f), {.base = BaseShape::round});
+        const ControlMesh m = compute_cage(stem_with(laterals, 0.03f), {.base = BaseShape::round});
         expect_spheres(m, 1);
         return std::ranges::count(m.part, TubePart::fork);
     };
@@ -185,33 +185,34 @@ TEST(BuildControlMesh, SeveralLateralsShareTheFaces) {
 
 TEST(BuildControlMesh, AnOpenBaseLeavesOneHoleOfFourEdges) {
     const Skeleton s({NodeId::none(), NodeId(0)}, {{0, 0, 0}, {0, 0, 1}}, {0.1f, 0.1f});
-    const ControlMesh m = cage_of(s, {.base = BaseShape::open});
+    const ControlMesh m = compute_cage(s, {.base = BaseShape::open});
     const TopologyReport t = topology(m.cage);
     EXPECT_EQ(t.open_edges, 4u);
     EXPECT_EQ(t.non_manifold_edges, 0u);
     EXPECT_EQ(t.euler, 1);
     EXPECT_TRUE(m.clip.empty());
-    for (std::size_t v = 0; v < 4; ++v) EXPECT_EQ(m.cage.positions[v].z, 0) << "the border lies in the plane";
+    for (std::size_t v = 0; v < 4; ++v) EXPECT_EQ(m.cage.positions[v].z, 0) << "the border is in the plane";
 }
 
 TEST(BuildControlMesh, TheBaseIsFlatUnlessToldOtherwise) {
     const Skeleton s = zoo_skeleton("one_segment");
-    EXPECT_EQ(cage_of(s).clip.size(), 1u);
-    EXPECT_TRUE(cage_of(s, {.base = BaseShape::round}).clip.empty());
+    EXPECT_EQ(compute_cage(s).clip.size(), 1u);
+    EXPECT_TRUE(compute_cage(s, {.base = BaseShape::round}).clip.empty());
 }
 
-// Both ends of a single segment, whose quads are all of one region.
+// Both ends of a single segment, with all quads in one region.
 TEST(BuildControlMesh, FlatEndsAreCutAtTheirNodes) {
     const Skeleton s({NodeId::none(), NodeId(0)}, {{0, 0, 1}, {0, 0, 3}}, {0.1f, 0.1f});
     for (const int sides : {4, 8, 16}) {
         SCOPED_TRACE(sides);
-        const ControlMesh m = cage_of(s, {.sides = sides, .tips = TipShape::flat, .base = BaseShape::flat});
+        const ControlMesh m =
+            compute_cage(s, {.sides = sides, .tips = TipShape::flat, .base = BaseShape::flat});
         ASSERT_EQ(m.clip.size(), 2u);
         EXPECT_EQ(m.clip[0].normal, (Vec3{0, 0, -1}));
         EXPECT_FLOAT_EQ(m.clip[0].offset, -1);
         EXPECT_EQ(m.clip[1].normal, (Vec3{0, 0, 1}));
         EXPECT_FLOAT_EQ(m.clip[1].offset, 3);
-        // A ring around a grid; the rim, where it meets the tube, lies in the plane, with its anchors.
+        // A ring around a grid; the rim, where it meets the tube, is in the plane, with its anchors.
         const auto across = static_cast<std::uint32_t>(sides) / 4;
         for (const ClipPlane& clip : m.clip) {
             EXPECT_EQ(clip.quad_count, static_cast<std::uint32_t>(sides) + across * across);
@@ -233,7 +234,7 @@ TEST(BuildControlMesh, FlatEndsAreCutAtTheirNodes) {
 TEST(BuildControlMesh, EverySkeletonWithFlatEndsGivesOneSpherePerTree) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         SCOPED_TRACE(name);
-        const ControlMesh m = cage_of(skeleton, {.tips = TipShape::flat, .base = BaseShape::flat});
+        const ControlMesh m = compute_cage(skeleton, {.tips = TipShape::flat, .base = BaseShape::flat});
         expect_spheres(m, skeleton.tree_count());
         EXPECT_EQ(m.clip.empty(), name == "single_node");  // a ball, which has no ends to be cut
         std::uint64_t taken = 0;
@@ -248,9 +249,9 @@ TEST(BuildControlMesh, EverySkeletonWithFlatEndsGivesOneSpherePerTree) {
 
 TEST(BuildControlMesh, SameBitsForAnyNumberOfThreads) {
     const Skeleton s = zoo_skeleton("random_large_hard");
-    const ControlMesh one = cage_of(s, {}, 1);
+    const ControlMesh one = compute_cage(s, {}, 1);
     for (const unsigned threads : {2u, 7u}) {
-        const ControlMesh m = cage_of(s, {}, threads);
+        const ControlMesh m = compute_cage(s, {}, threads);
         EXPECT_EQ(m.cage.positions, one.cage.positions);
         EXPECT_EQ(m.cage.quads, one.cage.quads);
         EXPECT_EQ(m.anchors, one.anchors);
@@ -258,7 +259,7 @@ TEST(BuildControlMesh, SameBitsForAnyNumberOfThreads) {
 }
 
 TEST(BuildControlMesh, RefusesAnOddNumberOfSides) {
-    EXPECT_THROW(cage_of(zoo_skeleton("one_segment"), {.sides = 6}), InvalidInput);
+    EXPECT_THROW(compute_cage(zoo_skeleton("one_segment"), {.sides = 6}), InvalidInput);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ namespace {
 
 constexpr float kDepth = 0.6f;
 
-// A stem, a long way round, and a branch that comes back and passes the stem at the given distance.
+// A stem, a long loop, and a branch that returns and passes the stem at the given distance.
 Skeleton loop(float offset, float radius = 0.05f) {
     return {{NodeId::none(), NodeId(0), NodeId(1), NodeId(2), NodeId(3), NodeId(4)},
             {{0, 0, 0}, {0, 0, 4}, {4, 0, 4}, {4, offset, 2}, {1, offset, 2}, {-2, offset, 2}},
@@ -31,7 +31,7 @@ float segment_length(const Skeleton& s, NodeId n) {
     return s.is_root(n) ? 0 : distance(s.position(n), s.position(s.parent(n)));
 }
 
-// What holds for any result: maps in range, tubes whose sources lie where they do, nothing longer or shorter.
+// Properties of any result: maps in range, tubes at the positions of their sources, unchanged lengths.
 void expect_sound(const Skeleton& given, const GraftResult& r) {
     ASSERT_EQ(r.source.size(), r.tubes.size());
     ASSERT_EQ(r.tube.size(), r.skeleton.size());
@@ -79,11 +79,12 @@ TEST(GraftBranches, APieceThatIsJoinedEndsInANodeOfTheOtherBranch) {
         EXPECT_TRUE(r.tubes.is_tip(end));
         EXPECT_EQ(r.tubes.position(end), r.tubes.position(node));
         EXPECT_EQ(r.tubes.position(node).x, 0) << "on the axis of the stem";
-        EXPECT_EQ(r.tubes.children(node).size(), 2u) << "the stem goes on, and the branch springs from there";
+        EXPECT_EQ(r.tubes.children(node).size(), 2u) << "the stem continues, and the branch begins there";
     }
 }
 
-// Limbs alike that cross, cut into segments: one goes on all the way, whichever segments are thicker there.
+// Equal limbs that cross, cut into segments: one continues without interruption, for any thickness of
+// segments there.
 TEST(GraftBranches, OfTwoAlikeOneHasAllOfTheCrossing) {
     std::vector<NodeId> parent;
     std::vector<Vec3> position;
@@ -114,7 +115,7 @@ TEST(GraftBranches, NoTwoTubesCrossAfterwards) {
 }
 
 TEST(GraftBranches, TheThickBranchStandsWhereverItComesFrom) {
-    // The way round is the thick one now: it cuts the stem's thin top.
+    // The loop is the thick one now: it cuts the stem's thin top.
     const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(0), NodeId(3), NodeId(4)},
                      {{0, 0, 0}, {0, 0, 1}, {0, 0, 4}, {3, 0, 0}, {3, 0, 3}, {-3, 0, 3}},
                      {0.2f, 0.03f, 0.03f, 0.2f, 0.2f, 0.2f});
@@ -123,7 +124,7 @@ TEST(GraftBranches, TheThickBranchStandsWhereverItComesFrom) {
     EXPECT_EQ(r.report.cut, 1u);
     for (const NodeId n : nodes(r.tubes)) {
         if (r.tubes.radius(n) != 0.2f || r.tubes.is_root(n)) continue;
-        EXPECT_EQ(r.tubes.radius(r.tubes.parent(n)), 0.2f) << "a thick piece springs from a thin one";
+        EXPECT_EQ(r.tubes.radius(r.tubes.parent(n)), 0.2f) << "a thick section begins at a thin one";
     }
 }
 
@@ -135,7 +136,7 @@ TEST(GraftBranches, ATwigThatEndsInsideABranchIsCutThere) {
     expect_sound(s, r);
     EXPECT_EQ(r.report.cut, 1u);
     EXPECT_EQ(r.report.grafted, 0u);
-    EXPECT_EQ(r.report.buried, 1u);
+    EXPECT_EQ(r.report.nodes_inside, 1u);
 }
 
 TEST(GraftBranches, OrdinaryTreesAndShallowOverlapsStayAsTheyAre) {
@@ -168,7 +169,7 @@ TEST(GraftBranches, BranchesOfTwoTreesAreGraftedAsThoseOfOne) {
     EXPECT_EQ(r.tubes.tree_count(), 2u);
     const std::vector<NodeId> root = tree_roots(r.tubes);
     for (const NodeId n : nodes(r.tubes)) {
-        const bool beyond = r.tubes.position(n).x > 0.01f;  // of the stem: what hangs on that now
+        const bool beyond = r.tubes.position(n).x > 0.01f;  // of the stem: the section that it now carries
         EXPECT_EQ(r.tubes.position(root[n.index()]) == (Vec3{0, 0, 0}),
                   beyond || std::abs(r.tubes.position(n).x) < 0.01f);
     }
@@ -195,7 +196,7 @@ TEST(GraftBranches, EverySkeletonOfTheZooGivesATree) {
 }
 
 TEST(GraftBranches, TanglesEndAndGiveATree) {
-    // Every second node of a zigzag comes back to nearly the same two places, so that all segments cross.
+    // Every second node of a zigzag returns to nearly the same two positions, so that all segments cross.
     std::vector<NodeId> parent;
     std::vector<Vec3> position;
     constexpr std::uint32_t kNodes = 2000;

@@ -11,7 +11,7 @@
 namespace coppice {
 namespace {
 
-// A stem along z with a lateral that leaves node 1 at an angle; the stem goes on over several nodes.
+// A stem along z with a lateral that leaves node 1 at an angle; the stem continues over several nodes.
 Skeleton stem_with_lateral(float degrees) {
     const float a = degrees * 3.14159265f / 180;
     const Vec3 d{std::sin(a), 0, std::cos(a)};
@@ -30,13 +30,14 @@ TEST(PartBranches, LeavesAWideForkAlone) {
     const Skeleton s = stem_with_lateral(80);
     const PartResult r = part_branches(s, {}, {});
     EXPECT_EQ(r.skeleton.size(), s.size());
-    EXPECT_EQ(r.report.absorbed + r.report.advanced + r.report.bundled + r.report.swallowed, 0u);
+    EXPECT_EQ(r.report.merged_nodes + r.report.shifted_nodes + r.report.paired_nodes + r.report.hidden_tips,
+              0u);
 }
 
 TEST(PartBranches, MovesTheForkOfAnAcuteLateralTowardsItsCrotch) {
     const Skeleton s = stem_with_lateral(15);
     const PartResult r = part_branches(s, {}, {});
-    // (0.2 + 0.08 cos 15) / tan 15 is where the tubes part: more than a length unit above the node.
+    // (0.2 + 0.08 cos 15) / tan 15 is where the tubes separate: more than a length unit above the node.
     float highest = 0;
     for (const NodeId n : nodes(r.skeleton)) {
         if (r.skeleton.children(n).size() > 1) highest = std::max(highest, r.skeleton.position(n).z);
@@ -47,14 +48,16 @@ TEST(PartBranches, MovesTheForkOfAnAcuteLateralTowardsItsCrotch) {
 TEST(PartBranches, ATipInsideAnotherBranchIsSwallowed) {
     const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(1)},
                      {{0, 0, 0}, {0, 0, 1}, {0, 0, 3}, {0.1f, 0, 1}}, {0.5f, 0.5f, 0.5f, 0.05f});
-    EXPECT_EQ(part_branches(s, {}, {}).report.swallowed, 1u);
+    EXPECT_EQ(part_branches(s, {}, {}).report.hidden_tips, 1u);
 }
 
 TEST(PartBranches, StemsThatLeaveInOppositeDirectionsPartAtOnce) {
-    // Of equal radii they part at the ball about their node; the quotient for the crotch is 0 / 0 there.
+    // With equal radii they separate at the ball around their node; the quotient for the crotch is 0 / 0
+    // there.
     const Skeleton s = zoo_skeleton("opposite_stems");
     const PartResult r = part_branches(s, {}, {});
-    EXPECT_EQ(r.report.absorbed + r.report.advanced + r.report.bundled + r.report.swallowed, 0u);
+    EXPECT_EQ(r.report.merged_nodes + r.report.shifted_nodes + r.report.paired_nodes + r.report.hidden_tips,
+              0u);
     EXPECT_EQ(r.skeleton.children(NodeId(0)).size(), 2u);
 }
 
@@ -131,7 +134,7 @@ TEST(PartBranches, TipsStayUnlessSwallowed) {
         }
         std::uint32_t lost = 0;
         for (const NodeId n : nodes(s)) lost += s.is_tip(n) && !kept.contains(n.index());
-        EXPECT_EQ(lost, r.report.swallowed);
+        EXPECT_EQ(lost, r.report.hidden_tips);
     }
 }
 

@@ -1,4 +1,4 @@
-"""Conditions on JSON: key, key.key=value, key<number or key>number, with commas between."""
+"""Conditions on JSON: key, key.key=value, key<number or key>number, separated by commas."""
 
 import json
 import re
@@ -24,7 +24,7 @@ def holds(value, sign, expected):
 
 
 def broken(conditions, value):
-    """The conditions that do not hold, each with what is there instead."""
+    """Returns the conditions that are not satisfied, each with the actual value."""
     for condition in conditions.split(","):
         path, sign, expected = re.fullmatch(r"([^<>=]+)([<>=]?)(.*)", condition.strip()).groups()
         found = value_at(value, path)

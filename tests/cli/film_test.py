@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""film_test.py PROGRAM: films by a program called ffmpeg: one that works, one that fails, one that ends at once, and none."""
+"""film_test.py PROGRAM: films by a fake ffmpeg that works, fails, or ends at once, and without ffmpeg."""
 
 import os
 import pathlib
@@ -14,7 +14,7 @@ SIZE, FRAMES = 32, 2
 
 
 def animate(program, folder, script):
-    """Exit code, what was said, and the bytes of the film, if there is one; none may stay behind in hiding."""
+    """Returns exit code, output, and the bytes of the film, if any; checks that no hidden file is left."""
     tools = folder / "tools"
     tools.mkdir()
     if script:

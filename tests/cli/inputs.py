@@ -1,4 +1,4 @@
-"""The small inputs of the tests of the program: their contents, made once, and create(), which writes them into a folder."""
+"""Small inputs of the tests of the program: their contents, and create(), which writes them into a folder."""
 
 import json
 import math
@@ -31,7 +31,7 @@ def create(folder):
 
 
 def box_obj(low, high, before):
-    """A box as OBJ, after so many vertices."""
+    """Returns a box as OBJ; its vertex numbers follow that many earlier vertices."""
     vertices = re.sub(r"v (\S+) (\S+) (\S+)",
                       lambda v: "v %g %g %g" % tuple((low, high)[int(v[k + 1]) > 0][k] for k in range(3)), CUBE)
     return vertices + re.sub(r"\d+", lambda i: str(int(i[0]) + before), "".join(CUBE_FACES))
@@ -43,22 +43,23 @@ TREE = "1 1 0 0 0 0.2 -1\n2 1 0 0 1 0.15 1\n3 1 0.5 0 1.8 0.1 2\n4 1 -0.5 0 1.8 
 
 
 add("tree.swc", TREE)
-# A branch that comes back and runs through its own stem, out again on the other side.
+# A branch that returns and runs through its own stem to the other side.
 add("loop.swc", "1 1 0 0 0 0.1 -1\n2 1 0 0 4 0.1 1\n3 1 4 0 4 0.1 2\n4 1 4 0 2 0.05 3\n5 1 1 0 2 0.05 4\n6 1 -2 0 2 0.05 5\n")
-# Two trees: a stem, and one that runs across it in steps.
+# Two trees: a stem, and one that crosses it in several segments.
 add("crossed.swc", "1 1 0 0 0 0.1 -1\n2 1 0 0 2 0.1 1\n3 1 -1 0.02 1 0.04 -1\n" +
     "".join("%d 1 %g 0.02 1 0.04 %d\n" % (4 + i, -0.8 + 0.2 * i, 3 + i) for i in range(10)))
-# A trunk with two laterals, of which one forks: six branches that begin at branch nodes.
+# A trunk with two laterals, one of which forks: six branches that begin at branch nodes.
 add("twigs.swc", "1 1 0 0 0 0.2 -1\n2 1 0 0 1 0.18 1\n3 1 0 0 2 0.15 2\n4 1 0 0 3 0.1 3\n5 1 1 0 1.5 0.1 2\n"
     "6 1 1.6 0 2 0.07 5\n7 1 1.2 0.6 2 0.05 5\n8 1 -0.9 0 2.6 0.08 3\n")
 # A stem that tapers to a fiftieth, with a lateral at every third node.
 add("thinning.swc", "1 1 0 0 0 0.3 -1\n" + "".join("%d 1 0 0 %g %g %d\n" % (i + 1, 0.5 * i, 0.3 * 0.8 ** i, i) for i in range(1, 18)) +
     "".join("%d 1 %g %g %g %g %d\n" % (19 + k, math.cos(2 * k), math.sin(2 * k), 1.5 * k + 2.2, 0.1 * 0.8 ** (3 * k + 3), 3 * k + 4)
             for k in range(4)))
-add("presumed.json", json.dumps({"format": "coppice-skeleton", "parent": [-1, 0, 1], "position": [[0, 0, 0], [0, 0, 1], [0, 0, 2]],
+add("inferred.json", json.dumps({"format": "coppice-skeleton", "parent": [-1, 0, 1], "position": [[0, 0, 0], [0, 0, 1], [0, 0, 2]],
                                  "radius": [0.3, 0.3, 0.3], "evidence": [1, 1, 0]}))
 add("sprout.coppice", "sprout tree root=0,0,0 root=2,0,0 seasons=7 seed=2\nradii tree\n")
 add("small.coppice", "sphere s radius=0.01\n")
+add("former.coppice", "loadtree t tree.swc\nmesh t m levels=1 passes=3 quality=0.1\nsave m out.ply\n")
 add("neuron.swc", "1 1 0 0 0 5 -1\n2 3 0 0 150 1 1\n3 3 0 0 250 1 2\n")
 add("tree_cm.swc", "1 1 0 0 0 20 -1\n2 1 0 0 100 15 1\n3 1 50 0 180 10 2\n4 1 -50 0 180 10 2\n")
 sketch = {"format": "coppice-sketch", "version": 1,
@@ -89,7 +90,7 @@ add("broken.swc", "1 1 0 0 0 0.2 -1\n2 1 0 0 1 0.1 1\n2 1 0 0 2 0.1 1\n")
 add("lines.obj", "v 0 0 0\nv 0 0 1\nv 0 0 2\nl 1 2 3\n")
 add("cube.obj", CUBE + "".join(CUBE_FACES))
 add("open.obj", CUBE + "".join(CUBE_FACES[1:]))
-# A stem with a branch; the piece of it above 1.7 m hangs in the air.
+# A stem with a branch; its section above 1.7 m is detached.
 add("torn.obj", box_obj((-0.1, -0.1, 0), (0.1, 0.1, 1.6), 0) + box_obj((-0.1, -0.1, 1.7), (0.1, 0.1, 2), 8))
 # A stem and a bar across it, for cross.swc.
 add("crossed.obj", box_obj((-0.1, -0.1, 0), (0.1, 0.1, 2), 0) + box_obj((-0.5, -0.05, 0.95), (0.5, 0.05, 1.05), 8))
@@ -98,7 +99,7 @@ add("empty.swc", "")
 # Rings of 16 points on a stem of radius 0.1 and 2 m.
 stem = [(0.1 * math.cos(math.pi * (i / 8 + k % 2 / 16)), 0.1 * math.sin(math.pi * (i / 8 + k % 2 / 16)), 0.04 * k)
         for k in range(51) for i in range(16)]
-# A stem of 4 m, and a limb of it that ends far too thick for it; and the same beside a stem alone.
+# A stem of 4 m with a limb that ends far too thick; and the same next to a plain stem.
 SWOLLEN = "1 1 0 0 0 0.1 -1\n2 1 0 0 4 0.1 1\n3 1 2 0 6 0.6 2\n"
 add("swollen.swc", SWOLLEN)
 add("swollen_two.swc", SWOLLEN + "4 1 9 0 0 0.1 -1\n5 1 9 0 6 0.02 4\n")
@@ -106,10 +107,10 @@ add("burl.swc", "1 1 0 0 0 0.1 -1\n2 1 0 0 1 0.4 1\n3 1 0 0 2 0.1 2\n")  # the s
 rows = ["%.4f %.4f %.4f" % p for p in stem]
 add("stem.obj", re.sub(r"v (\S+) (\S+) (\S+)", lambda v: "v %g %g %d" % (int(v[1]) / 10, int(v[2]) / 10, int(v[3]) + 1),
                        CUBE) + "".join(CUBE_FACES))
-add("stem.swc", "1 1 0 0 0 0.1 -1\n2 1 0 0 2 0.1 1\n")  # what these points were laid around
+add("stem.swc", "1 1 0 0 0 0.1 -1\n2 1 0 0 2 0.1 1\n")  # the skeleton of these points
 add("stem.xyz", "\n".join(rows))
 add("slice.xyz", "\n".join(rows[400:448]))
-# Three balls of leaves next to the stem's top, of 150 points each, along a spiral that fills them evenly.
+# Three balls of leaves next to the top of the stem, of 150 points each along a spiral that fills them evenly.
 leaves = []
 for x, y, z in ((0.5, 0, 1.8), (-0.4, 0.3, 1.6), (0, -0.5, 2.1)):
     for i in range(150):
@@ -144,7 +145,7 @@ add("plot_ids.las", las_of(plot, [0] * 825 + [i for i in (7, 4, 12) for _ in ran
 add("old/tree_099.swc", TREE)
 add("distances.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float distance\n"
     "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n0 0 0 -0.1 250 20 20\n1 0 0 0.1 20 250 20\n0 1 0 0.1 20 20 250\n")
-# That stem as class 5, amid 400 points of the ground and three of noise.
+# That stem as class 5, with 400 points of the ground and three of noise.
 classed = ["x y z classification"] + [row + " 5" for row in rows]
 classed += ["%.2f %.2f 0 2" % (0.2 * (i % 20) - 2, 0.2 * (i // 20) - 2) for i in range(400)] + ["0 0 9 7", "1 0 9 7", "0 1 9 7"]
 add("classed.xyz", "\n".join(classed))
@@ -161,11 +162,11 @@ add("points.off", "OFF\n3 0 0\n0 0 0\n1 0 0\n1 2 3\n")
 add("long.xyz", "0 0 0\n500 1 2\n9 0 0\n")
 add("gap.csv", "ID,parentID,startX,startY,startZ,endX,endY,endZ,radius\n"
     "1,0,0,0,0,0,0,1,0.1\n2,1,0,0,1.5,0,0,2,0.1\n")
-# A tree of 8 m with a branch, and two pieces of its crown that no cylinder joins to it.
+# A tree of 8 m with a branch, and two sections of its crown that no cylinder connects to it.
 add("crumbs.csv", "ID,parentID,startX,startY,startZ,endX,endY,endZ,radius,branchOrder,branchID\n"
     "1,0,0,0,0,0,0,4,0.1,0,1\n2,1,0,0,4,0,0,8,0.08,0,1\n3,1,0,0,4,3,0,5,0.03,1,2\n"
     "4,0,3.5,0,5,4,0,5.2,0.02,2,3\n5,0,0,1,6,0,2,6.5,0.02,2,4\n")
-# Two trees of one table that numbers the cylinders of each, and says nothing of parents.
+# Two trees of one table that numbers the cylinders of each, without parents.
 add("pair.csv", "treeID;startX;startY;startZ;endX;endY;endZ;Diameter (cm)\n"
     "A1;0;0;0;0;0;3;20\nB2;9;0;0;9;0;3;30\nA1;0;0;3;0;1;6;10,5\nB2;9;0;3;9;1;5;20\n")
 add("blocks.txt", "radius (m)\tlength (m)\tstart_point\taxis_direction\tparent\textension\tbranch\tbranch_order\n"
@@ -177,7 +178,7 @@ add("treegraph.json", json.dumps({"name": "oak", "cyls": json.dumps({name: dict(
 add("two.xyz", "0 0 0\n0 0 1\n")
 las = bytearray(227)
 las[0:4], las[24:26], las[94:96], las[96:100] = b"LASF", b"\x01\x02", b"\xe3\x00", b"\xe3\x00\x00\x00"
-las[104], las[105], las[107] = 0x80, 20, 1  # compressed points of 20 bytes, of which there is one
+las[104], las[105], las[107] = 0x80, 20, 1  # one compressed point of 20 bytes
 las[131:155] = struct.pack("<3d", 0.01, 0.01, 0.01)
 add("cut.laz", bytes(las))
 add("scan.laz", (pathlib.Path(__file__).parent / "../io/laz/format7.laz").read_bytes())

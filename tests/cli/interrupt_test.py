@@ -41,7 +41,7 @@ def main():
             for _ in range(20):
                 file.write("1.234567 2.345678 3.456789 255 255 255\n" * 250_000)
         wrong.append(interrupted(program, "info", "large.xyz", "--threads", "1"))
-        # What is finished of many files stays.
+        # Finished files of a batch are kept.
         with open("stem.xyz", "w", encoding="ascii") as file:
             for i in range(816):
                 turn = math.pi * (i % 16) / 8

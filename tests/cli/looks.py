@@ -1,4 +1,4 @@
-"""What can be said of files without the program: of pictures, texts, tables and maps."""
+"""Properties of files that are measured without the program: of images, texts, tables and maps."""
 
 import csv
 import sqlite3
@@ -13,13 +13,13 @@ def nearest(left, above, corner):
     return above if to_above <= to_corner else corner
 
 
-# How the rows of a PNG predict a byte from those to the left, above, and above on the left.
+# Filters of the rows of a PNG, which predict a byte from those to the left, above, and upper left.
 PREDICTIONS = [lambda left, above, corner: 0, lambda left, above, corner: left, lambda left, above, corner: above,
                lambda left, above, corner: (left + above) // 2, nearest]
 
 
 def unfiltered(rows, width, depth):
-    """The bytes of the rows of a PNG, each of which says first how it is predicted."""
+    """Decodes the rows of a PNG, each of which begins with the type of its filter."""
     before = bytes(width * depth)
     for kind, row in rows:
         line, predict = bytearray(depth) + row, PREDICTIONS[kind]
@@ -30,7 +30,7 @@ def unfiltered(rows, width, depth):
 
 
 def read_picture(name):
-    """Width, height, bytes per pixel and the bytes of the rows of a PNG."""
+    """Returns width, height, bytes per pixel and the bytes of the rows of a PNG."""
     with open(name, "rb") as file:
         data = file.read()
     width, height, bits, kind = struct.unpack(">IIBB", data[16:26])
@@ -46,13 +46,13 @@ def read_picture(name):
 
 
 def look_at_size(name):
-    """The size of a picture that is whole."""
+    """Returns the size of an image, and checks that it is complete."""
     width, height, _, _ = read_picture(name)
     return {"width": width, "height": height}
 
 
 def look_at_picture(name):
-    """What can be said of a picture without knowing what it shows: shares are in percent of its pixels."""
+    """Returns statistics of an image; fractions are in percent of its pixels."""
     width, height, depth, raw = read_picture(name)
     stride = width * depth + 1
     rows = [(raw[y * stride], raw[y * stride + 1:(y + 1) * stride]) for y in range(height)]
@@ -70,7 +70,7 @@ def look_at_text(name):
 
 
 def look_at_table(name):
-    """The rows of a table as they are numbered, and their number; cells are numbers where they look so."""
+    """Returns the numbered rows of a table, and their count; cells are numbers where possible."""
     with open(name, encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
     return [{"rows": len(rows)}] + [{key: number_or_text(cell) for key, cell in row.items()} for row in rows]
@@ -84,7 +84,7 @@ def number_or_text(cell):
 
 
 def look_at_geopackage(name):
-    """How many features each layer of a GeoPackage has, and which coordinate reference system."""
+    """Returns the number of features and the coordinate reference system of each layer of a GeoPackage."""
     database = sqlite3.connect(f"file:{name}?mode=ro", uri=True)
     return {table: {"features": database.execute(f'SELECT count(geom) FROM "{table}"').fetchone()[0], "srs": srs}
             for table, srs in database.execute("SELECT table_name, srs_id FROM gpkg_contents")}

@@ -7,7 +7,7 @@ import subprocess
 import sys
 import tempfile
 
-# Words of a command line, the last of them unfinished, and what it becomes.
+# Words of a command line, the last of them unfinished, and its completions.
 COMPLETED = {("ext",): ["extract"], ("mesh", "--lev"): ["--levels"], ("mesh", "--method", "cyl"): ["cylinders"],
              ("help", "comp"): ["compose", "compare"], ("mesh", "oak"): []}
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Runs every command that can use much memory under ever tighter limits: each run ends well or with one sentence about memory and
-exit code 3, takes no more than it may, and leaves nothing half-written."""
+exit code 3, stays within the limit, and leaves no incomplete files."""
 
 import math
 import os
@@ -14,7 +14,7 @@ SKIPPED = 77
 LIMITS = (64, 80, 96, 128, 160, 200, 260, 340)  # MiB
 COMMANDS = (
     "mesh walk.swc -o out.ply --levels 1",
-    "mesh short.swc -o out.ply --method tetrahedra --edge 1.5",
+    "mesh short.swc -o out.ply --method tetrahedra --tetra-edge 1.5",
     "mesh walk.swc -o out.stl -o out.glb -o out.usda --levels 0",
     "extract tube.ply -o out.swc",
     "extract tube.xyz -o out.swc",
@@ -65,7 +65,7 @@ def make_inputs():
         file.write("loadtree walk short.swc\nmesh walk method=tetrahedra edge=4 tetra_levels=0\n")
 
 
-def peak_of(program, words, limit):
+def find_peak(program, words, limit):
     """Exit code, error text and peak memory in MiB of one run."""
     process = subprocess.Popen([program] + words + ["--max-memory", str(limit)], stdin=subprocess.DEVNULL,
                                stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
@@ -76,7 +76,7 @@ def peak_of(program, words, limit):
 
 
 def complaints(command, limit, before, code, err, peak):
-    # The tube is open, and not about that skeleton; as a tree it is in doubt.
+    # The tube is open and does not match the skeleton; as a tree it is implausible.
     faulty = code == 1 and command.startswith(("check", "extract tube.xyz"))
     warned = all(line.startswith("coppice: warning:") for line in err.splitlines())  # coarse surfaces lose volume
     if code not in (0, 3) and not faulty or (code == 0 and not warned):
@@ -101,13 +101,13 @@ def main():
         for command in COMMANDS:
             refused = 0
             for limit in LIMITS:
-                code, err, peak = peak_of(sys.argv[1], command.split(), limit)
+                code, err, peak = find_peak(sys.argv[1], command.split(), limit)
                 refused += code == 3
                 found += [f"{command} --max-memory {limit}: {c}: {err}" for c in complaints(command, limit, before, code, err, peak)]
                 for name in set(os.listdir(".")) - before:
                     os.remove(name)
                 if code != 3:
-                    break  # more will do, too
+                    break  # greater limits suffice as well
             print(f"{command}: {refused} times refused, then {code} with {peak:.0f} of {limit} MiB")
         os.chdir("/")
     print("\n".join(found))

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A real maize plant, photographed on a turntable by calibrated cameras, from silhouettes to a mesh; where ../shared/data lies."""
+"""A real maize plant, photographed on a turntable by calibrated cameras, from silhouettes to a mesh; if ../shared/data exists."""
 import json, subprocess, sys, tempfile
 from pathlib import Path
 

@@ -2,10 +2,10 @@
 """run_cli.py PROGRAM CASES: runs the program once for each case, in a fresh folder with small inputs, and compares exit code, output
 and files.
 
-CASES has one JSON object a line, written by cli_test() in CMakeLists.txt. Conditions on JSON (conditions.py) are on the output where
-OUT begins with "json:", on a file by REPORT FILE:conditions, and on what was written by THEN "COMMAND => conditions": the command of
+CASES has one JSON object per line, written by cli_test() in CMakeLists.txt. Conditions on JSON (conditions.py) apply to the output if
+OUT begins with "json:", to a file by REPORT FILE:conditions, and to the written files by THEN "COMMAND => conditions": the command of
 the program (check, info, compare) is run with --json in the same folder; `picture FILE`, `table FILE` and
-the other LOOKS look at a file (looks.py).
+the other LOOKS inspect a file (looks.py).
 """
 
 import argparse
@@ -31,10 +31,10 @@ import inputs
 import looks
 
 CASE_LIMIT = 120  # [s] for all commands of a case
-SLOWEST_END = 2  # [s] after a signal; one is promised, but other tests are at work
+SLOWEST_END = 2  # [s] after a signal; one is promised, but other tests run at the same time
 BUSY_TICKS = 0.3 * os.sysconf("SC_CLK_TCK")
 LIBRARY = "twigs.branches"  # made by the program itself
-MEMORY_FOLDER = "/dev/shm"  # on a disk the inputs of a case take 30 times as long to write
+MEMORY_FOLDER = "/dev/shm"  # writing the inputs of a case to a disk takes 30 times as long
 
 
 @dataclasses.dataclass
@@ -61,7 +61,7 @@ class Result:
 
 
 class Runner:
-    """Runs commands of one case, which together end within CASE_LIMIT."""
+    """Runs the commands of one case, which must end within CASE_LIMIT in total."""
 
     def __init__(self, program, case):
         self.program = program
@@ -69,7 +69,7 @@ class Runner:
         self.end = time.monotonic() + CASE_LIMIT
 
     def run(self, words, signal_name=None, limit=None):
-        """Exit code, standard output and error of the program."""
+        """Returns exit code, standard output and error of the program."""
         lines = ""
         if "<" in words:
             lines = pathlib.Path(words[words.index("<") + 1]).read_text(encoding="utf-8")
@@ -92,14 +92,14 @@ class Runner:
 
 
 def wait_until_busy(process):
-    """Until it has computed for longer than it takes to start, or for 0.7 s where it waits for something else."""
+    """Waits until it has computed for longer than its start takes, or for 0.7 s if it is blocked."""
     stat, end = pathlib.Path(f"/proc/{process}/stat"), time.monotonic() + 0.7
     while time.monotonic() < end and sum(map(int, stat.read_text().rsplit(")", 1)[1].split()[11:13])) < BUSY_TICKS:
         time.sleep(0.02)
 
 
 def limiter(limit):
-    """What a process does before the program starts: NAME=VALUE of setrlimit."""
+    """Returns a function that a process calls before the program starts: NAME=VALUE of setrlimit."""
     name, value = limit.split("=")
     return lambda: resource.setrlimit(getattr(resource, "RLIMIT_" + name), (int(value), resource.RLIM_INFINITY))
 
@@ -110,12 +110,12 @@ def matches(pattern, text):
     return re.search(pattern, text.rstrip("\n") if pattern.endswith("$") else text, re.DOTALL) is not None
 
 
-# A check of which one of these is expected ends with 1.
+# A check with one of these expectations ends with 1.
 FAILURES = ("sound=false", "volume.ratio<0.98", "volume.ratio>1.02")
 
 
 def judged(runner, command, expected):
-    """What another command has to say against the files that were written."""
+    """Returns the faults that another command finds in the written files."""
     words = shlex.split(command)
     if words[0] in looks.LOOKS:
         value = looks.LOOKS[words[0]](words[1])
@@ -135,7 +135,7 @@ def complaints(runner, case, before, code, out, err):
     for name, pattern, text in (("stdout", case.out, out), ("stderr", case.err, err)):
         if pattern is not None and not matches(pattern, text):
             yield f"{name} does not match {pattern}"
-    # Of many files some may fail, which is told by code 4, and the others are written: such a case looks at them.
+    # If some of many files fail, the exit code is 4 and the others are written: such a case checks them.
     failed = code not in (0, 1) and not (code == 4 and case.then)
     if case.err and failed and len(err.strip().splitlines()) > 1:
         yield "an error is more than one line"
@@ -152,12 +152,12 @@ def complaints(runner, case, before, code, out, err):
 
 
 def failure_of(runner, case):
-    """Runs the case in the current folder; says what failed, if anything did."""
+    """Runs the case in the current folder; returns the failures, if any."""
     found, out, err, before = [], "", "", set(os.listdir("."))
     try:
         code, out, err = runner.run(shlex.split(case.arguments), case.signal, case.limit)
         found.extend(complaints(runner, case, before, code, out, err))
-    except Exception:  # a file that is missing or cannot be understood
+    except Exception:  # a file that is missing or invalid
         found.append(traceback.format_exc())
     return f"coppice {case.arguments}\n" + "\n".join(found) + f"\n--- stdout\n{out}\n--- stderr\n{err}" if found else ""
 
@@ -170,7 +170,7 @@ def folder_of_inputs():
 
 @functools.cache
 def library(program):
-    """The content of a library with the branches of twigs.swc."""
+    """Returns the content of a library with the branches of twigs.swc."""
     with folder_of_inputs() as folder:
         subprocess.run([program, "library", "add", LIBRARY, "twigs.swc", "--set-tag", "oak"], cwd=folder, check=True, capture_output=True)
         return pathlib.Path(folder, LIBRARY).read_bytes()
@@ -199,7 +199,7 @@ def read_cases(file):
 
 
 def write_junit(file, results):
-    """As CTest does, for tests within other tests."""
+    """Writes results as CTest does, for tests within other tests."""
     suite = xml.Element("testsuite", name=pathlib.Path(file).stem, tests=str(len(results)))
     for result in results:
         status = "fail" if result.failure else "notrun" if result.skipped else "run"

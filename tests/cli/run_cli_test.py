@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""run_cli_test.py PROGRAM: the driver of the cases notices every expectation that does not hold, and lists of cases that make no sense."""
+"""run_cli_test.py PROGRAM: the driver of the cases reports every expectation that fails, and invalid lists of cases."""
 
 import json
 import os
@@ -11,7 +11,7 @@ import xml.etree.ElementTree as xml
 DRIVER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "run_cli.py")
 GOOD = {"name": "good", "arguments": "info tree.swc --report r.json", "exit": "0", "out": "nodes +4", "err": "^$", "report": "r.json:counts.nodes=4",
         "then": ["info tree.swc => nodes=4,tips>1,kind=skeleton", "text tree.swc => lines=4"]}
-# What makes it fail, and what the driver says.
+# Changes that make a case fail, and the message of the driver.
 WRONG = [({"exit": "1"}, "exit code 0 instead of 1"), ({"out": "nodes +5"}, "stdout does not match"), ({"out": "json:nodes"}, "JSONDecodeError"),
          ({"err": "nodes"}, "stderr does not match"), ({"gone": "r.json"}, "r.json was left behind"),
          ({"report": "r.json:counts.nodes=5"}, "counts.nodes=5 does not hold: it is 4"), ({"report": "none.json:counts"}, "FileNotFoundError"),
@@ -20,7 +20,7 @@ WRONG = [({"exit": "1"}, "exit code 0 instead of 1"), ({"out": "nodes +5"}, "std
 
 
 def driver(program, folder, cases, *options):
-    """What it prints, and the test cases of its XML that have results of each kind."""
+    """Returns exit code, output, and the test cases of the XML with results of each kind."""
     file, junit = os.path.join(folder, "cases.jsonl"), os.path.join(folder, "results.xml")
     with open(file, "w", encoding="utf-8") as lines:
         lines.writelines(json.dumps(case) + "\n" for case in cases)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Every option that the help of a command names is in `coppice schema`, and the other way round. Without --help-all the help has
-few options, those that are common in the schema, each explained by a sentence."""
+few options, those that are common in the schema, each described by a sentence."""
 
 import json
 import re
@@ -9,7 +9,7 @@ import sys
 
 
 MAX_SHOWN = 15  # options in the help of a command
-COLUMN = 30  # where the help explains an option
+COLUMN = 30  # where the help describes an option
 
 
 def output(program, *words):
@@ -22,7 +22,7 @@ def commands_in_help(program):
 
 
 def options_in(text):
-    """What is said of every option: "input" or "--output", without the letter before it. Texts begin at one column, if need be a line
+    """Returns the description of every option: "input" or "--output", without its letter. Texts begin at one column, if needed a line
     below the option."""
     lines, options = text.splitlines(), {}
     for line, after in zip(lines, [*lines[1:], ""]):
@@ -33,7 +33,7 @@ def options_in(text):
 
 
 def options_in_schema(entries):
-    # A switch that is on is shown by what turns it off.
+    # A switch that is on is shown by the flag that turns it off.
     on = [e["name"] for e in entries if e["type"] == "bool" and e["default"]]
     return {e["name"] for e in entries} - set(on) | {"--no-" + name[2:] for name in on}
 
@@ -60,7 +60,7 @@ def members(fields, path=""):
             yield path + field["name"], field
 
 
-# Which structs the commands take their options from.
+# Option structs of the commands.
 STRUCTS = {"mesh": ("mesh", "restore", "read_skeleton"), "check": ("check", "check_cloud", "read_skeleton"),
            "extract": ("extract_mesh", "extract_cloud", "extract_plot", "write_skeleton", "mesh"), "info": ("read_skeleton",),
            "compare": ("compare", "read_skeleton"), "convert": ("read_skeleton", "write_skeleton"),

@@ -8,17 +8,17 @@ import sys
 import termios
 import time
 
-PATIENCE = 60  # seconds until an answer must have come
+PATIENCE = 60  # [s] maximum time to an answer
 PROMPT = "coppice> "
 
 
 def edits_line(terminal):
-    """Whether the shell waits for keys, so that Ctrl-C is a key of the line and not a signal."""
+    """Returns whether the shell waits for keys, so that Ctrl-C is a key of the line and not a signal."""
     return not termios.tcgetattr(terminal)[3] & termios.ISIG
 
 
 def answer(terminal, expected):
-    """Returns what comes until all of it has the expected text, and a prompt after that at which a line is edited."""
+    """Returns the output up to the expected text and the next prompt at which a line is edited."""
     text, end = "", time.monotonic() + PATIENCE
     while time.monotonic() < end:
         if select.select([terminal], [], [], 0.1)[0]:
@@ -55,7 +55,7 @@ def main():
     os.write(terminal, b"render crown crown.png width=2048 height=2048 samples=4096\n")
     while edits_line(terminal):
         time.sleep(0.01)
-    time.sleep(0.5)  # the command takes minutes; Ctrl-C is to come while it runs
+    time.sleep(0.5)  # the command takes minutes; Ctrl-C must arrive while it runs
     say(terminal, "\x03", "interrupted")
     say(terminal, "list\n", "solid      crown")
     os.write(terminal, b"quit\n")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Standard streams that are closed or full: the exit code is that of the work, and output that is lost is an error."""
+"""Standard streams that are closed or full: the exit code is that of the work, and lost output is an error."""
 
 import os
 import subprocess
@@ -14,7 +14,7 @@ CASES = [
     ("2>&-", "info missing.swc", 4), ("2>/dev/full", "info missing.swc", 4), ("2>&-", "mehs", 2), ("2>/dev/full", "mesh", 2),
     ("2>/dev/full", "shell < lines.txt", 3), (">&- 2>&-", "info missing.swc", 4), ("2>&-", "mesh tree.swc -o a.ply", 0),
     ("<&-", "info tree.swc", 0), (">&-", "mesh tree.swc -o b.ply", 0), ("<&- >&- 2>&-", "mesh tree.swc -o c.ply", 0)]
-# These print.
+# Commands that print.
 PRINTING = ["--help", "--version", "help", "mesh --help", "schema", "info tree.swc", "info tree.swc --json", "info tree.swc --forestry",
             "check box.obj", "compare tree.swc tree.swc", "table tree.swc", "run --reference", "run list.coppice", "edit --reference",
             "edit tree.swc 'select tips'", "library list oak.branches", "shell < list.coppice",

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""summary_terminal.py PROGRAM: what commands sum up in a terminal once they are done."""
+"""summary_terminal.py PROGRAM: the summaries that commands print in a terminal at their end."""
 
 import math
 import os
@@ -12,12 +12,12 @@ import tempfile
 STEM = "".join(f"{0.1 * math.cos(math.pi * (i / 8 + k % 2 / 16)):.4f} {0.1 * math.sin(math.pi * (i / 8 + k % 2 / 16)):.4f} "
                f"{0.04 * k:.4f}\n" for k in range(51) for i in range(16))
 STICK = "1 1 0 0 0 0.1 -1\n2 1 0 0 2 0.1 1\n"
-# A stick on a stump that is shorter than it is wide: no row of quads can go around that.
+# A stick on a stump that is shorter than it is wide: no row of quads fits around it.
 STUMP = "1 1 0 0 0 0.5 -1\n2 1 0 0 0.4 0.1 1\n3 1 0 0 2 0.1 2\n"
-# A branch that comes back through its own stem, and out again.
+# A branch that returns and runs through its own stem.
 LOOP = "1 1 0 0 0 0.1 -1\n2 1 0 0 4 0.1 1\n3 1 4 0 4 0.1 2\n4 1 4 0 2 0.05 3\n5 1 1 0 2 0.05 4\n6 1 -2 0 2 0.05 5\n"
 
-# What is read, the command, and the end of its summary.
+# Input, command, and the end of its summary.
 CASES = [
     (STEM, "extract in.xyz -o out.swc --leaves drop", rb"out\.swc: \d+ nodes in 1 trees, \d+ of 816 points left out as leaves, "
      rb"height [\d.]+ m \([\d.]+ to [\d.]+\), DBH [\d.]+ cm \(2\d\.\d, [\d.]+ to [\d.]+, in the points\), length [\d.]+ m \([\d.]+ to [\d.]+\), [\d.]+ m3 \([\d.]+ to [\d.]+\), \d+ % inferred"),

@@ -13,7 +13,7 @@ namespace {
 
 constexpr float kTurn = std::numbers::pi_v<float> / 2;
 
-// A trunk of three segments, with a lateral of two towards +x that carries one towards +y.
+// A trunk of three segments, with a lateral of two segments towards +x that carries one towards +y.
 Skeleton small_tree() {
     return {{NodeId::none(), NodeId(0), NodeId(1), NodeId(1), NodeId(3), NodeId(3)},
             {{5, 5, 0}, {5, 5, 1}, {5, 5, 2}, {6, 5, 1}, {7, 5, 1}, {6, 6, 1}},
@@ -35,7 +35,7 @@ TEST(ChildTrees, AreAllBranchesOfBranchNodesInTheirOwnFrame) {
     EXPECT_EQ(s.position(NodeId(0)), Vec3(0, 0, 0));
     EXPECT_LT(distance(s.position(NodeId(1)), Vec3(0, 0, 1)), 1e-6f);
     EXPECT_LT(distance(s.position(NodeId(2)), Vec3(0, 0, 2)), 1e-6f);
-    // World z is the host's way, so x here; right-handed, world y is -y then.
+    // World z is the direction of the parent branch, so x here; the frame is right-handed, so world y is -y.
     EXPECT_LT(distance(s.position(NodeId(3)), Vec3(0, -1, 1)), 1e-6f);
     EXPECT_FLOAT_EQ(s.radius(NodeId(0)), 0.1f);
 }
@@ -54,8 +54,8 @@ TEST(ChildTrees, AreMeasured) {
 TEST(ChildTrees, AreChosenByLengthAndByWhetherTheyLead) {
     for (const ChildTree& t : child_trees(small_tree(), {.leaders = false})) EXPECT_FALSE(t.leads);
     EXPECT_EQ(child_trees(small_tree(), {.leaders = false}).size(), 2u);
-    EXPECT_EQ(child_trees(small_tree(), {.least_length = 2}).size(), 1u);
-    EXPECT_THROW(child_trees(small_tree(), {.least_length = -1}), InvalidInput);
+    EXPECT_EQ(child_trees(small_tree(), {.min_length = 2}).size(), 1u);
+    EXPECT_THROW(child_trees(small_tree(), {.min_length = -1}), InvalidInput);
 }
 
 TEST(ChildTrees, BeginAtNamedNodes) {

@@ -18,7 +18,7 @@ bool same(const Skeleton& a, const Skeleton& b) {
            std::ranges::equal(a.radii(), b.radii());
 }
 
-/// Replaces all, by what is just like it, and turns nothing.
+/// Replaces every branch by an equal one, without rotation.
 ComposeOptions exact() {
     return {.probability = 1,
             .depth = 1,
@@ -29,8 +29,9 @@ ComposeOptions exact() {
             .clearance = 0};
 }
 
-/// Pairs of segments whose axes are nearer than their radii, and that do not lie about one branch node.
-int crossings_of(const Skeleton& s) {
+/// Counts pairs of segments with an axis distance below the sum of their radii that are not adjacent to a
+/// common branch node.
+int find_crossings(const Skeleton& s) {
     int count = 0;
     const auto from = [&](NodeId n) { return Vec3d(s.position(s.parent(n))); };
     const auto to = [&](NodeId n) { return Vec3d(s.position(n)); };
@@ -55,7 +56,7 @@ Skeleton small_tree_of_length(float length) {
 }
 
 TEST(Compose, PutsABranchBackWhereItWas) {
-    // Of one lateral, thinner than the leader beside it.
+    // A tree with one lateral, thinner than its leader.
     const Skeleton tree{{NodeId::none(), NodeId(0), NodeId(1), NodeId(1), NodeId(3), NodeId(3)},
                         {{5, 5, 0}, {5.1f, 5, 1}, {5, 5.1f, 2}, {6, 5, 1.4f}, {7, 5.2f, 1.5f}, {6, 6, 1.9f}},
                         {0.2f, 0.2f, 0.15f, 0.1f, 0.08f, 0.05f}};
@@ -70,8 +71,8 @@ TEST(Compose, PutsABranchBackWhereItWas) {
     }
 }
 
-/// A trunk with a leader and a lateral at z = 1: all of the trunk's radius, the lateral of its own, by two
-/// segments.
+/// A trunk with a leader and a lateral at z = 1: the leader has the radius of the trunk, the lateral its own,
+/// with two segments.
 Skeleton trunk_with_lateral(float radius, float lateral_radius, float first, float second) {
     return {{NodeId::none(), NodeId(0), NodeId(1), NodeId(1), NodeId(3)},
             {{0, 0, 0}, {0, 0, 1}, {0, 0, 3}, {first, 0, 1}, {first + second, 0, 1}},
@@ -90,14 +91,15 @@ TEST(Compose, BranchesAreAsFarFromTheBarkAndAsThickAsTheirLengthAsks) {
         std::ranges::sort(out, {}, &Vec3::x);
         return out;
     };
-    // On a host three times as thick the first segment is 0.2 m longer, so that 0.2 m lie outside still.
+    // On a parent branch three times as thick, the first segment is 0.2 m longer, so that 0.2 m are still
+    // outside.
     const Skeleton thick =
         TreeComposer(lateral, options).compose(trunk_with_lateral(0.3f, 0.1f, 0.5f, 0.5f), 1).skeleton;
     ASSERT_EQ(tips(thick).size(), 2u);
     EXPECT_NEAR(tips(thick)[0].x, 0.5f, 1e-5f);
     EXPECT_NEAR(tips(thick)[1].x, 2.2f, 1e-5f);
     EXPECT_NEAR(thick.radii().back(), 0.1 * std::pow(2, 0.4), 1e-6);
-    // On a thinner one nothing is drawn in.
+    // On a thinner one the segment is not shortened.
     const Skeleton thin =
         TreeComposer(lateral, options).compose(trunk_with_lateral(0.05f, 0.02f, 1, 1), 1).skeleton;
     EXPECT_NEAR(tips(thin)[0].x, 0.3f, 1e-5f);
@@ -135,7 +137,7 @@ TEST(Compose, AddsNoCrossings) {
     for (std::uint64_t seed = 0; seed < 5; ++seed) {
         const auto [made, report] = composer.compose(tree, seed);
         crossed += report.crossed;
-        EXPECT_LE(crossings_of(made), crossings_of(tree) + 2) << seed;
+        EXPECT_LE(find_crossings(made), find_crossings(tree) + 2) << seed;
     }
     EXPECT_GT(crossed, 0u);
 }

@@ -11,7 +11,8 @@ namespace {
 
 constexpr float kTurn = std::numbers::pi_v<float> / 2;
 
-// Off at a right angle from a host of 0.1 m, along +z in its own frame, the host towards +x.
+// A branch at a right angle to a parent branch of radius 0.1 m, along +z in its own frame, with the parent
+// branch towards +x.
 ChildTree straight() {
     return {.skeleton = {{NodeId::none(), NodeId(0), NodeId(1)},
                          {{0, 0, 0}, {0, 0, 1}, {0.2f, 0, 2}},
@@ -42,7 +43,8 @@ TEST(PlacedBranch, SetsOffAsItIsTold) {
     EXPECT_EQ(s.origin(), tree.origin());
     expect_near(s.position(NodeId(0)), {0, 0, 2});
     expect_near(s.position(NodeId(1)), {0, 1, 2});
-    expect_near(s.position(NodeId(2)), {0, 2, 2.2f});  // its +x is where the host goes on to
+    expect_near(s.position(NodeId(2)),
+                {0, 2, 2.2f});  // its +x is the direction in which the parent branch continues
     EXPECT_FLOAT_EQ(s.radius(NodeId(1)), 0.05f);
     EXPECT_THROW(placed_branch(straight(), tree, host_place(tree, NodeId(1)), {.direction = Vec3d{}}),
                  InvalidInput);
@@ -53,11 +55,11 @@ TEST(PlacedBranch, RollsAboutItself) {
     const Skeleton s = placed_branch(straight(), tree, host_place(tree, NodeId(1)),
                                      {.direction = Vec3d{0, 1, 0}, .roll = double{kTurn}});
     expect_near(s.position(NodeId(1)), {0, 1, 2});
-    // Counter-clockwise seen against +y, z goes to x.
+    // Counter-clockwise seen against +y, z is rotated to x.
     expect_near(s.position(NodeId(2)), {0.2f, 2, 2});
 }
 
-// Twice as thick a host as its own: its first segment is longer by what it would lie deeper in the wood.
+// The parent branch is twice as thick as the original one: the first segment is longer by the difference.
 TEST(PlacedBranch, StaysAsFarFromTheBark) {
     const Skeleton tree = stem({});
     const Skeleton s = placed_branch(straight(), tree, host_place(tree, NodeId(1)),
@@ -77,7 +79,7 @@ TEST(PlacedBranch, GoesToTheSideWithMostRoom) {
         const Skeleton s = placed_branch(straight(), tree, host_place(tree, NodeId(1)));
         return s.position(NodeId(1)) - Vec3{0, 0, 2};
     };
-    expect_near(side({}), {1, 0, 0});  // all alike: the first
+    expect_near(side({}), {1, 0, 0});  // all equal: the first
     expect_near(side({{1, 0, 0}}), {-1, 0, 0});
     expect_near(side({{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}}), {0, -1, 0});
 }

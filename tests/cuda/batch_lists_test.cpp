@@ -12,7 +12,7 @@
 namespace coppice::cuda {
 namespace {
 
-/// Trees that stand in one place, and so would all be in contact with each other.
+/// Trees at the same position, which would all be in contact with each other if they were one surface.
 class ListBatch : public testing::Test {
   protected:
     struct Tree {
@@ -52,7 +52,7 @@ class ListBatch : public testing::Test {
 
 using Lists = std::vector<std::vector<std::uint32_t>>;
 
-/// The lists of some regions, whose segments are numbered from `base` on.
+/// Returns the lists of some regions, with segments renumbered relative to `base`.
 Lists lists_of(HostExecutor& exec, const RegionLists& lists, std::size_t begin, std::size_t end,
                std::uint32_t base) {
     const auto first = downloaded(exec, lists.first);
@@ -69,9 +69,10 @@ TEST_F(ListBatch, HasTheListsOfEachAlone) {
     HostExecutor exec({.threads = 2});
     const ContactTables tables = upload_contacts(exec, contact_topology(contacts));
     const ContactGeometry geometry = upload_geometry(exec, contacts);
-    const ContactsFound all = find_contacts(exec, tables, geometry, rival_order(exec, tables, geometry), {});
+    const ContactsFound all =
+        find_contacts(exec, tables, geometry, competitor_order(exec, tables, geometry), {});
     ASSERT_FALSE(all.state.is_cut);
-    std::size_t region = 0, rivals = 0;
+    std::size_t region = 0, competitors = 0;
     std::uint32_t segment = 0;
     for (const ContactInput& input : contacts) {
         HostExecutor other;
@@ -79,14 +80,14 @@ TEST_F(ListBatch, HasTheListsOfEachAlone) {
         const std::size_t end = region + input.control.region_node.size();
         EXPECT_EQ(lists_of(exec, all.lists.own, region, end, segment),
                   lists_of(other, alone.lists.own, 0, end - region, 0));
-        EXPECT_EQ(lists_of(exec, all.lists.rivals, region, end, segment),
-                  lists_of(other, alone.lists.rivals, 0, end - region, 0));
-        rivals += alone.state.entries.rivals;
+        EXPECT_EQ(lists_of(exec, all.lists.competitors, region, end, segment),
+                  lists_of(other, alone.lists.competitors, 0, end - region, 0));
+        competitors += alone.state.entries.competitors;
         region = end;
         segment += input.skeleton.size();
     }
     EXPECT_EQ(all.lists.own.first.size(), region + 1);
-    EXPECT_GT(rivals, 100u);
+    EXPECT_GT(competitors, 100u);
 }
 
 struct Made {
@@ -139,7 +140,7 @@ TEST_F(ListBatch, CutsToPiecesOneThatDoesNotFit) {
                       s.control.clip,
                       {},
                       {.passes = 0}};
-    // What the field takes, and half of what the job takes besides.
+    // The memory of the field, and half of that of the job.
     const std::uint64_t field = bytes_of_field(4 * s.skeleton.size(), 100 * s.control.region_node.size());
     HostExecutor exec({}, kSlackBytes + field + bytes_of_job(job) / 2);
     QuadRun<HostExecutor> run(exec);

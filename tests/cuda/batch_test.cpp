@@ -18,7 +18,7 @@ struct Made {
     QuadReport report;
 };
 
-auto counts_of(const ProjectReport& r) {
+auto compute_counts(const ProjectReport& r) {
     return std::tuple(r.vertices, r.evaluations, r.max_evaluations, r.not_converged, r.anchors_outside,
                       r.clipped);
 }
@@ -26,7 +26,7 @@ auto counts_of(const ProjectReport& r) {
 void expect_same_bits(const Made& a, const Made& b) {
     EXPECT_EQ(a.positions, b.positions);
     EXPECT_EQ(a.anchors, b.anchors);
-    EXPECT_EQ(counts_of(a.report.projected), counts_of(b.report.projected));
+    EXPECT_EQ(compute_counts(a.report.projected), compute_counts(b.report.projected));
     EXPECT_EQ(a.report.untangled, b.report.untangled);
 }
 
@@ -45,7 +45,7 @@ std::vector<Made> made_of(std::span<const QuadTask> tasks, HostExecutor exec = H
     return finish(run, tasks.size());
 }
 
-/// A case with two vertices behind the others that no quad has.
+/// A case with two additional vertices without quads at the end.
 struct LoneVertices {
     const QuadCase& of;
     Buffer<Vec3> positions, anchors;
@@ -132,7 +132,8 @@ TEST_F(Batch, TakesSeveralRoundsWhereThereIsLittleRoom) {
     // The largest fits by itself, but not with another.
     std::uint64_t most = 0;
     for (const QuadTask& t : all) {
-        const auto entries = t.field->own_lists().segments.size() + t.field->rival_lists().segments.size();
+        const auto entries =
+            t.field->own_lists().segments.size() + t.field->competitor_lists().segments.size();
         most = std::max(most, bytes_of_job(t.job) + bytes_of_field(t.field->segments().size(), entries));
     }
     HostExecutor exec({}, kSlackBytes + most);
@@ -162,7 +163,7 @@ TEST_F(Batch, RepeatsWhatItDid) {
     EXPECT_GE(exec.bytes_used(), used);
 }
 
-/// A whole put together of pieces of so many cage quads each.
+/// Assembles a whole from tiles of `quads` cage quads each.
 Made pieced_together(const QuadTask& task, std::size_t quads) {
     const QuadJob& job = task.job;
     Made out;
@@ -210,9 +211,10 @@ TEST(QuadPiece, PiecesOfTheZooAreTheWholes) {
 TEST_F(Batch, CutsToPiecesWhatDoesNotFit) {
     const QuadCase large(random_tree(1200, 1), kLevels, kOverTheEnds, ends(TipShape::flat, BaseShape::flat));
     QuadTask task{large.job(), &large.field};
-    const auto entries = large.field.own_lists().segments.size() + large.field.rival_lists().segments.size();
+    const auto entries =
+        large.field.own_lists().segments.size() + large.field.competitor_lists().segments.size();
     const std::uint64_t field = bytes_of_field(large.field.segments().size(), entries);
-    // A third of what it takes: at least four pieces, as each has something around it.
+    // A third of the required memory: at least four tiles, because each has surrounding quads.
     HostExecutor exec({}, kSlackBytes + field + bytes_of_job(task.job) / 3);
     QuadRun<HostExecutor> run(exec);
     run.begin({&task, 1});
@@ -231,7 +233,7 @@ TEST_F(Batch, SaysHowMuchWouldBeNeeded) {
     QuadRun<HostExecutor> run(exec);
     try {
         run.begin({&t, 1});
-        FAIL() << "there was room for nothing";
+        FAIL() << "there was room although the memory is 0";
     } catch (const DeviceError& e) {
         EXPECT_NE(std::string(e.what()).find("16 MiB of memory free"), std::string::npos) << e.what();
     }
@@ -240,14 +242,15 @@ TEST_F(Batch, SaysHowMuchWouldBeNeeded) {
 TEST_F(Batch, TakesNoMoreThanItSays) {
     const QuadCase large(random_tree(1200, 1), kLevels);
     for (const QuadTask& t : {task(large), task(large, {.relax_passes = 1}), task(flat)}) {
-        const auto entries = t.field->own_lists().segments.size() + t.field->rival_lists().segments.size();
+        const auto entries =
+            t.field->own_lists().segments.size() + t.field->competitor_lists().segments.size();
         HostExecutor exec;
         QuadRun<HostExecutor> run(exec);
         run.begin({&t, 1});
         finish(run, 1);
         run.repeat();
         const std::uint64_t said = bytes_of_job(t.job) + bytes_of_field(t.field->segments().size(), entries);
-        // What arrays are rounded up by is in what is added to it.
+        // The slack includes the rounding of array sizes.
         EXPECT_LE(exec.bytes_used(), said + kSlackBytes / 64);
         EXPECT_GE(exec.bytes_used(), said * 3 / 4);
         RecordProperty("bytes_per_quad",

@@ -14,7 +14,7 @@
 #include "coppice/cuda/exec/atomics.h"
 #include "on_executor.h"
 
-// What every executor does alike.
+// Tests of the common behaviour of all executors.
 
 namespace coppice::cuda {
 
@@ -58,7 +58,7 @@ TYPED_TEST_P(ExecutorOn, RunsKernelsOverArrays) {
         std::vector<std::uint32_t> numbers(count);
         std::iota(numbers.begin(), numbers.end(), 0u);
         const auto in = exec.upload(std::span<const std::uint32_t>(numbers));
-        std::fill(numbers.begin(), numbers.end(), 7u);  // what was uploaded may go away at once
+        std::fill(numbers.begin(), numbers.end(), 7u);  // uploaded data need not outlive the call
         const auto out = exec.template array<std::uint32_t>(count);
         exec.each("square", count, Square{in, out});
         const Buffer<std::uint32_t> squares = downloaded(exec, out);
@@ -66,7 +66,7 @@ TYPED_TEST_P(ExecutorOn, RunsKernelsOverArrays) {
     }
 }
 
-// Every group writes where its odd numbers stand to the front of its row, and their count to the end.
+// Every group writes the indices of its odd numbers to the start of its row, and their count to the end.
 struct Odd {
     std::span<const std::uint32_t> in;
     std::span<std::uint32_t> out;
@@ -103,7 +103,7 @@ TYPED_TEST_P(ExecutorOn, GroupsSelectInOrder) {
     }
 }
 
-// Prefix sums by doubling: each step reads what other threads wrote in the one before.
+// Prefix sums by doubling: each step reads data that other threads wrote in the previous one.
 struct Doubling {
     std::span<std::uint32_t> even, odd;
     template <class Group>
@@ -121,7 +121,7 @@ struct Doubling {
 
 TYPED_TEST_P(ExecutorOn, GroupsWaitAfterEveryStep) {
     TypeParam exec;
-    const std::vector<std::uint32_t> ones(1024, 1);  // ten steps: the sums end where they began
+    const std::vector<std::uint32_t> ones(1024, 1);  // ten steps: the result is in the initial array
     const auto even = exec.template array<std::uint32_t>(ones.size());
     const auto odd = exec.template array<std::uint32_t>(ones.size());
     exec.write(std::span<const std::uint32_t>(ones), even);
@@ -133,9 +133,9 @@ TYPED_TEST_P(ExecutorOn, GroupsWaitAfterEveryStep) {
 struct Count {
     std::span<const std::uint32_t> in;
     std::span<std::uint32_t> sums;        // by remainder
-    std::span<unsigned long long> total;  // one
-    std::span<std::uint32_t> greatest;    // one
-    std::span<std::uint64_t> bits;        // those that occur
+    std::span<unsigned long long> total;  // one element
+    std::span<std::uint32_t> greatest;    // one element
+    std::span<std::uint64_t> bits;        // numbers that occur
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
         add_to(sums[in[i] % 3], 1u);
         add_to(total[0], static_cast<unsigned long long>(in[i]));
@@ -229,7 +229,7 @@ TYPED_TEST_P(ExecutorOn, StopsBeforeTheNextKernel) {
     EXPECT_THROW(exec.each("square", out.size(), Square{out, out}), Cancelled);
 }
 
-// The first time, when they are noted, and as noted; and once more from the beginning.
+// The first call, the recording call, and repeated calls; then again after clear().
 TYPED_TEST_P(ExecutorOn, RepeatsLaunchesOnWhatIsThereNow) {
     constexpr std::uint32_t kCount = 5000;
     TypeParam exec;

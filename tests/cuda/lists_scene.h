@@ -26,7 +26,7 @@ inline std::vector<NodeId> composed(std::span<const NodeId> first, std::span<con
     return both;
 }
 
-// A skeleton with its tubes and their cage, as the pipeline makes them.
+// A skeleton with its tubes and their cage, as created by the pipeline.
 struct Scene {
     Skeleton skeleton, tubes;
     std::vector<NodeId> tube;
@@ -70,29 +70,29 @@ List list_of(const Lists& lists, std::size_t r) {
     return std::span(lists.segments).subspan(lists.first[r], lists.first[r + 1] - lists.first[r]);
 }
 
-// The rivals of a region by looking at all segments.
-inline std::vector<std::uint32_t> rivals_of(const Scene& scene, const ConvolutionField& field,
-                                            const FieldRegion& region, List own) {
+// Returns the competing segments of a region by testing all segments.
+inline std::vector<std::uint32_t> find_competitors(const Scene& scene, const ConvolutionField& field,
+                                                   const FieldRegion& region, List own) {
     const Skeleton& s = scene.skeleton;
     const Vec3 center = region.box.center();
     std::vector<std::pair<float, std::uint32_t>> found;
     for (const NodeId n : nodes(s)) {
         if (!scene.tube[n.index()] || (s.is_root(n) && !s.is_tip(n))) continue;
-        const SegmentSupport capsule = rival_capsule(
+        const SegmentSupport capsule = competitor_capsule(
             s.is_root(n) ? Segment{s.position(n), s.position(n), s.radius(n), s.radius(n)} : s.segment(n));
         if (!may_touch(capsule, region.box, center, 0.5f * region.box.diagonal())) continue;
         if (std::ranges::find(own, n.index()) != own.end()) continue;
         found.emplace_back(clearance(capsule, center), n.index());
     }
     std::ranges::sort(found);
-    if (found.size() > kMostRivals) found.resize(kMostRivals);
+    if (found.size() > kMaxCompetitors) found.resize(kMaxCompetitors);
     std::vector<std::uint32_t> out;
     for (const auto& [away, segment] : found) out.push_back(segment);
     std::ranges::sort(out, {}, [&](std::uint32_t i) { return std::pair(field.axes()[i], i); });
     return out;
 }
 
-// Every segment is a tube; each region has one quad that spans a box.
+// Creates a scene in which every segment is a tube and each region has one quad that spans a box.
 inline Scene in_boxes(const Skeleton& skeleton, std::span<const Box3> boxes) {
     Scene scene{skeleton, skeleton, {}, {}};
     for (const NodeId n : nodes(skeleton)) {
@@ -111,7 +111,7 @@ inline Scene in_boxes(const Skeleton& skeleton, std::span<const Box3> boxes) {
     return scene;
 }
 
-// A stem with many twigs at its end, in all directions; twig i is node i + 2.
+// Creates a stem with many twigs at its end, in all directions; twig i is node i + 2.
 inline Skeleton hub(std::uint32_t twigs) {
     std::vector<NodeId> parent{NodeId::none(), NodeId(0)};
     std::vector<Vec3> position{{0, 0, 0}, {0, 0, 1}};
@@ -126,7 +126,7 @@ inline Skeleton hub(std::uint32_t twigs) {
     return {std::move(parent), std::move(position), std::move(radius)};
 }
 
-// Stems beside each other along x; nodes 2 i and 2 i + 1 are those of stem i.
+// Creates adjacent stems along x; nodes 2 i and 2 i + 1 belong to stem i.
 inline Skeleton stems(std::uint32_t count, float apart, float radius) {
     std::vector<NodeId> parent;
     std::vector<Vec3> position;

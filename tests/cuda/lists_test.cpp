@@ -32,19 +32,19 @@ class Workload : public testing::TestWithParam<const char*> {};
 
 TEST_P(Workload, HasTheListsOfTheCpu) {
     const std::optional<Skeleton> tree = workload(GetParam());
-    if (!tree) GTEST_SKIP() << "no workloads beside the checkout";
+    if (!tree) GTEST_SKIP() << "no workloads next to the checkout";
     for (const float graft : {0.0f, 0.6f}) {
         SCOPED_TRACE(graft);
         const Comparison c = compare<HostExecutor>(wrap(*tree, graft));
-        // The CPU looks at kMostNear segments for several regions together, which is too few for some.
+        // The CPU applies kMaxNear to several regions together, which is too few for some.
         expect_same(c, static_cast<std::uint32_t>(c.lists / 10000));
-        EXPECT_GT(c.rivals, 0u);
+        EXPECT_GT(c.competitors, 0u);
         const ListRoom room = usual_room(c.lists);
-        EXPECT_LE(c.own, room.own) << "on the device the work would be done twice";
-        EXPECT_LE(c.rivals, room.rivals) << "on the device the work would be done twice";
+        EXPECT_LE(c.own, room.own) << "the device would do the work twice";
+        EXPECT_LE(c.competitors, room.competitors) << "the device would do the work twice";
         RecordProperty(graft > 0 ? "grafted" : "plain",
-                       fmt::format("{} lists, {} own, {} rivals, longest {}, missed {}", c.lists, c.own,
-                                   c.rivals, c.longest, c.missed));
+                       fmt::format("{} lists, {} own, {} competitors, longest {}, missed {}", c.lists, c.own,
+                                   c.competitors, c.longest, c.missed));
     }
 }
 INSTANTIATE_TEST_SUITE_P(Shared, Workload,
@@ -56,7 +56,7 @@ INSTANTIATE_TEST_SUITE_P(Shared, Workload,
                          });
 
 TEST(ContactTopology, NeedsTubesInDepthFirstOrderAndContact) {
-    // The second child of the root comes before the first one's child.
+    // The second child of the root precedes the child of the first one.
     const Skeleton skeleton({NodeId::none(), NodeId(0), NodeId(0), NodeId(1)},
                             {{0, 0, 0}, {0, 0, 1}, {0, 1, 1}, {0, 0, 2}}, {0.1f, 0.1f, 0.1f, 0.1f});
     const Scene broad = in_boxes(skeleton, std::vector<Box3>(4));

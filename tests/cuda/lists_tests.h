@@ -9,14 +9,15 @@
 #include "on_executor.h"
 #include "zoo.h"
 
-// The lists of a field on any executor, against the CPU.
+// Tests of the lists of a field on any executor, compared with the CPU.
 
 namespace coppice::cuda {
 
 struct Comparison {
-    std::uint32_t own_differ = 0, rivals_differ = 0;
-    std::uint32_t missed = 0;  // lists of rivals of which the CPU, unlike the device, did not see all
-    std::size_t lists = 0, own = 0, rivals = 0, longest = 0;
+    std::uint32_t own_differ = 0, competitors_differ = 0;
+    std::uint32_t missed =
+        0;  // competing lists for which the CPU, unlike the device, did not test all segments
+    std::size_t lists = 0, own = 0, competitors = 0, longest = 0;
 };
 
 // RegionLists on the host.
@@ -29,25 +30,26 @@ struct HostLists {
 
 template <class Exec>
 Comparison compare(Exec& exec, const Scene& scene, const ConvolutionField& on_cpu, const DeviceLists& lists) {
-    const CandidateLists &own = on_cpu.own_lists(), &rivals = on_cpu.rival_lists();
-    const HostLists own_found(exec, lists.own), rivals_found(exec, lists.rivals);
+    const CandidateLists &own = on_cpu.own_lists(), &competitors = on_cpu.competitor_lists();
+    const HostLists own_found(exec, lists.own), competitors_found(exec, lists.competitors);
     const std::vector<FieldRegion> regions = regions_of(scene);
-    Comparison out{.lists = regions.size(), .own = own.segments.size(), .rivals = rivals.segments.size()};
+    Comparison out{
+        .lists = regions.size(), .own = own.segments.size(), .competitors = competitors.segments.size()};
     EXPECT_EQ(own.first.size(), own_found.first.size());
-    EXPECT_EQ(rivals.first.size(), rivals_found.first.size());
+    EXPECT_EQ(competitors.first.size(), competitors_found.first.size());
     for (std::size_t r = 0; r < out.lists; ++r) {
         out.longest = std::max(out.longest, list_of(own, r).size());
         if (!std::ranges::equal(list_of(own, r), list_of(own_found, r))) ++out.own_differ;
-        const List found = list_of(rivals_found, r);
-        if (std::ranges::equal(list_of(rivals, r), found)) continue;
+        const List found = list_of(competitors_found, r);
+        if (std::ranges::equal(list_of(competitors, r), found)) continue;
         const bool is_missed =
-            std::ranges::equal(rivals_of(scene, on_cpu, regions[r], list_of(own, r)), found);
-        ++(is_missed ? out.missed : out.rivals_differ);
+            std::ranges::equal(find_competitors(scene, on_cpu, regions[r], list_of(own, r)), found);
+        ++(is_missed ? out.missed : out.competitors_differ);
     }
     return out;
 }
 
-// Makes the lists on both sides.
+// Computes the lists on both sides.
 template <class Exec>
 Comparison compare(const Scene& scene, const FieldOptions& options = {}) {
     ConvolutionField field(scene.skeleton, options);
@@ -56,40 +58,40 @@ Comparison compare(const Scene& scene, const FieldOptions& options = {}) {
     const ContactsFound found = find_contacts(exec, input_of(scene, field));
     EXPECT_FALSE(found.state.is_cut);
     EXPECT_EQ(found.state.entries.own, downloaded(exec, found.lists.own.first.last(1))[0]);
-    EXPECT_EQ(found.state.entries.rivals, downloaded(exec, found.lists.rivals.first.last(1))[0]);
+    EXPECT_EQ(found.state.entries.competitors, downloaded(exec, found.lists.competitors.first.last(1))[0]);
     return compare(exec, scene, field, found.lists);
 }
 
 inline void expect_same(const Comparison& c, std::uint32_t missed = 0) {
     EXPECT_EQ(c.own_differ, 0u) << "of " << c.lists;
-    EXPECT_EQ(c.rivals_differ, 0u) << "of " << c.lists;
+    EXPECT_EQ(c.competitors_differ, 0u) << "of " << c.lists;
     EXPECT_LE(c.missed, missed) << "of " << c.lists;
 }
 
 template <class Exec>
 class ListsOn : public OnExecutor<Exec> {
   protected:
-    // What only just touches may be in one and not in the other where rounding differs.
+    // Segments that barely touch a box may be in only one list if rounding differs.
     static void expect_alike(const Comparison& c) {
         if (OnExecutor<Exec>::kSameBits) return expect_same(c);
-        EXPECT_LE(c.own_differ + c.rivals_differ + c.missed, 1 + c.lists / 50) << "of " << c.lists;
+        EXPECT_LE(c.own_differ + c.competitors_differ + c.missed, 1 + c.lists / 50) << "of " << c.lists;
     }
 };
 TYPED_TEST_SUITE_P(ListsOn);
 
 TYPED_TEST_P(ListsOn, AreThoseOfTheCpuForTheWholeZoo) {
-    std::size_t own = 0, rivals = 0;
+    std::size_t own = 0, competitors = 0;
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         for (const float graft : {0.0f, 0.6f}) {
             SCOPED_TRACE(name + (graft > 0 ? ", grafted" : ""));
             const Comparison c = compare<TypeParam>(wrap(skeleton, graft));
             this->expect_alike(c);
             own += c.own;
-            rivals += c.rivals;
+            competitors += c.competitors;
         }
     }
     EXPECT_GT(own, 1000u);
-    EXPECT_GT(rivals, 100u);
+    EXPECT_GT(competitors, 100u);
 }
 
 TYPED_TEST_P(ListsOn, OfAHubAreThoseOfTheCpuUntilOneIsCut) {
@@ -111,7 +113,7 @@ TYPED_TEST_P(ListsOn, OfAHubAreThoseOfTheCpuUntilOneIsCut) {
     EXPECT_TRUE(find_contacts(executor, input_of(scene, field)).state.is_cut);
 }
 
-// Only the root's region, which all segments are relatives of, would be cut: it is left without a box.
+// Only the region of the root, to which all segments are related, would be truncated: it has no box.
 TYPED_TEST_P(ListsOn, GiveNoPlaceOfRelativesToOthers) {
     const Skeleton stem = crowded_stem();
     std::vector<Box3> boxes(stem.size());
@@ -123,17 +125,17 @@ TYPED_TEST_P(ListsOn, GiveNoPlaceOfRelativesToOthers) {
 
 TYPED_TEST_P(ListsOn, NameTheNearestOfACrowd) {
     const Skeleton skeleton = stems(100, 0.01f, 2);
-    // The boxes differ, so that each region has other neighbours.
+    // The boxes differ, so that each region has different neighbours.
     std::vector<Box3> boxes;
     for (const NodeId n : nodes(skeleton)) {
         const float x = skeleton.position(n).x;
         boxes.push_back({{x - 1, -1, 0}, {x + 1, 1, 1}});
     }
     const Comparison c = compare<TypeParam>(in_boxes(skeleton, boxes));
-    // Of two neighbours at the same distance, rounding decides which is the nearer one.
+    // Rounding decides which of two equally distant neighbours is closer.
     if (TestFixture::kSameBits) expect_same(c);
-    EXPECT_EQ(c.rivals, 200u * kMostRivals);
-    // Equally far away: the first are kept.
+    EXPECT_EQ(c.competitors, 200u * kMaxCompetitors);
+    // Equal distances: the first are kept.
     this->expect_alike(compare<TypeParam>(
         in_boxes(stems(60, 0, 0.1f), std::vector<Box3>(120, Box3{{-1, -1, 0}, {1, 1, 1}}))));
 }
@@ -141,10 +143,10 @@ TYPED_TEST_P(ListsOn, NameTheNearestOfACrowd) {
 TYPED_TEST_P(ListsOn, AreOfSoManyThatAreLookedAtInTheOrderOfTheCpu) {
     const Skeleton skeleton = stems(1100, 0.001f, 2);
     std::vector<Box3> boxes(skeleton.size());
-    boxes[1] = {{1, -1, 0}, {1.2f, 1, 1}};  // the nearest are the last that are seen, or are not
+    boxes[1] = {{1, -1, 0}, {1.2f, 1, 1}};  // the closest are tested last, or not at all
     const Comparison c = compare<TypeParam>(in_boxes(skeleton, boxes));
     this->expect_alike(c);
-    EXPECT_EQ(c.rivals, kMostRivals);
+    EXPECT_EQ(c.competitors, kMaxCompetitors);
 }
 
 TYPED_TEST_P(ListsOn, FollowABranchThatMovesWithTheTablesOfBefore) {
@@ -153,7 +155,7 @@ TYPED_TEST_P(ListsOn, FollowABranchThatMovesWithTheTablesOfBefore) {
     TypeParam executor;
     const ContactTables tables = upload_contacts(executor, contact_topology(input_of(scene, field)));
     const ContactGeometry before = upload_geometry(executor, input_of(scene, field));
-    const auto order = rival_order(executor, tables, before);
+    const auto order = competitor_order(executor, tables, before);
 
     const auto moved = [](Vec3 p) { return Vec3{p.x + 0.3f * p.z, p.y * 0.2f, p.z}; };
     const auto all_moved = [&](auto positions) {
@@ -174,7 +176,7 @@ TYPED_TEST_P(ListsOn, FollowABranchThatMovesWithTheTablesOfBefore) {
     this->expect_alike(compare(executor, scene, now, found.lists));
     const DeviceLists of_before = find_contacts(executor, tables, before, order, room).lists;
     const Comparison c = compare(executor, scene, now, of_before);
-    EXPECT_GT(c.own_differ, c.lists / 20) << "nothing has moved";
+    EXPECT_GT(c.own_differ, c.lists / 20) << "no list has changed";
 }
 
 TYPED_TEST_P(ListsOn, WithoutRoomAreEmptyAndThenMadeAgain) {
@@ -184,12 +186,12 @@ TYPED_TEST_P(ListsOn, WithoutRoomAreEmptyAndThenMadeAgain) {
     TypeParam executor;
     const ContactTables tables = upload_contacts(executor, contact_topology(input_of(scene, field)));
     const ContactGeometry geometry = upload_geometry(executor, input_of(scene, field));
-    const auto order = rival_order(executor, tables, geometry);
+    const auto order = competitor_order(executor, tables, geometry);
     const ListRoom none{10, 0};
     const DeviceLists little = begin_contacts(executor, tables, geometry, order, none);
     EXPECT_FALSE(state_of(executor, little).fits(none));
     EXPECT_EQ(little.own.segments.size(), 10u);
-    for (const RegionLists& lists : {little.own, little.rivals}) {
+    for (const RegionLists& lists : {little.own, little.competitors}) {
         const auto first = downloaded(executor, lists.first);
         EXPECT_EQ(std::ranges::count(first, 0u), static_cast<std::ptrdiff_t>(first.size()));
     }
@@ -218,7 +220,7 @@ TYPED_TEST_P(ListsOn, AreOfTheRegionsOfTheCpu) {
     }
 }
 
-// Lists what boxes meet, each in a row of its own; `most` ends a search.
+// Lists the boxes that overlap each query, in a separate row; `most` ends a search.
 struct VisitBoxes {
     DeviceBoxTree tree;
     std::span<const Box3> queries;

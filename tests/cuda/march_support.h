@@ -22,10 +22,11 @@ inline void expect_same(const MarchResult& found, const MarchResult& expected) {
     EXPECT_EQ(found.open, expected.open);
     EXPECT_EQ(found.mesh.triangles, expected.mesh.triangles);
     ASSERT_EQ(found.mesh.positions.size(), expected.mesh.positions.size());
-    EXPECT_TRUE(found.mesh.positions == expected.mesh.positions) << "other bits";
+    EXPECT_TRUE(found.mesh.positions == expected.mesh.positions) << "positions are not bit-identical";
 }
 
-/// Values constant in cells of a grid, and below the level near the hull of a box that begins at 0.
+/// Values that are constant in cells of a grid, and below the iso value near the hull of a box that starts at
+/// 0.
 inline AnyField noise(std::uint64_t seed, float per_cell, Vec3 box) {
     return {[=](Vec3 p) {
                 for (int axis = 0; axis < 3; ++axis) {
@@ -38,7 +39,8 @@ inline AnyField noise(std::uint64_t seed, float per_cell, Vec3 box) {
             0, 0.03f};
 }
 
-/// Where rounding decides otherwise whether a vertex is near enough, some triangles differ; nothing else.
+/// Expects equal results, except for triangles where rounding affects whether a vertex is close enough to be
+/// moved.
 inline void expect_alike(const TetraScene& scene, const MarchResult& found, const MarchResult& expected,
                          std::size_t step) {
     EXPECT_EQ(found.open, expected.open);
@@ -51,7 +53,8 @@ inline void expect_alike(const TetraScene& scene, const MarchResult& found, cons
     EXPECT_LE(differ(found.report.snapped, expected.report.snapped), 1 + expected.report.snapped / 2000);
     EXPECT_LE(differ(found.report.inside, expected.report.inside), 1 + expected.report.inside / 2000);
     if (found.mesh.triangles != expected.mesh.triangles) return;
-    // Beside a node of a cone the gradient jumps, and there rounding moves a few vertices along the surface.
+    // The gradient is discontinuous at a node of a cone, where rounding moves a few vertices along the
+    // surface.
     std::size_t compared = 0, moved = 0;
     for (std::size_t v = 0; v < found.mesh.positions.size(); v += step, ++compared) {
         const Vec3 p = expected.mesh.positions[v];
@@ -63,7 +66,7 @@ inline void expect_alike(const TetraScene& scene, const MarchResult& found, cons
     EXPECT_LE(moved, 1 + compared / 100);
 }
 
-/// Cuts the root's end, in every region.
+/// Truncates the end of the root, in every region.
 inline EndCuts cut_at_root(const Skeleton& skeleton, std::uint32_t regions) {
     EndCuts out;
     const NodeId root(0);
@@ -77,7 +80,7 @@ inline EndCuts cut_at_root(const Skeleton& skeleton, std::uint32_t regions) {
     return out;
 }
 
-/// A tree in tetrahedra, cut off at its root.
+/// A tree in tetrahedra, truncated at its root.
 struct CutScene {
     CutScene(const Skeleton& tree, int levels, float edge)
         : tetra(tree, levels, edge),

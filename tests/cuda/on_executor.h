@@ -10,15 +10,15 @@
 
 namespace coppice::cuda {
 
-/// What runs on any executor; on that of a card, where there is one.
+/// Fixture of tests that run on any executor; on that of a GPU if there is one.
 template <class Exec>
 class OnExecutor : public testing::Test {
   protected:
-    /// Whether results have the bits of the CPU: a card fuses products and sums.
+    /// Whether results are bit-identical to the CPU: a GPU fuses products and sums.
     static constexpr bool kSameBits = !Exec::kIsDevice;
 
-    /// How large a test is: as large as it should be on a card, and less on the false one, whose kernels run
-    /// on the CPU.
+    /// Returns the size of a test: full size on a GPU, and smaller on the fake device, which runs kernels on
+    /// the CPU.
     static std::uint32_t size_for(std::uint32_t card, std::uint32_t false_card) {
         return require_device().multiprocessors > 1 ? card : false_card;
     }
@@ -30,13 +30,13 @@ class OnExecutor : public testing::Test {
     }
 };
 
-/// What is made by a card's own executor, inside the library.
+/// Requires the executor of the GPU inside the library.
 struct Card {
     static constexpr bool kIsDevice = true;
 };
 using OnCard = OnExecutor<Card>;
 
-/// A copy of what lies on an executor.
+/// Returns a copy of an array of an executor.
 template <class Exec, class T>
 Buffer<T> downloaded(Exec& exec, std::span<const T> from) {
     Buffer<T> out(from.size());

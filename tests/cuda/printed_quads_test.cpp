@@ -15,14 +15,14 @@
 #include "subdivision/match.h"
 #include "zoo.h"
 
-// Quads as [Zhu2015] prints them, by the kernels of a card run on the CPU.
+// Tests of the quads published in [Zhu2015], with the device kernels run on the CPU.
 
 namespace coppice::cuda {
 namespace {
 
 using Stages = PrintedQuadStages<HostExecutor>;
 
-/// A cage with its patches, and the job of subdividing it. Every quad is a region of its own.
+/// A cage with its patches, and the job of subdividing it. Every quad is its own region.
 struct Job {
     Job(const Cage& cage, int levels)
         : points(cage.points), region(cage.quads.size()), patches(cage.quads, cage.vertex_count(), levels) {
@@ -42,7 +42,7 @@ struct Job {
     PatchRefinement patches;
 };
 
-/// Edges and fans are what CageTopology says, but for the order of edges.
+/// Expects edges and fans equal to those of CageTopology, except for the order of edges.
 void expect_connected(const CageView& mesh) {
     std::vector<std::uint32_t> seen(4 * std::size_t{mesh.face_count()});
     for (std::uint32_t e = 0; e < mesh.edge_count(); ++e) {
@@ -106,7 +106,7 @@ TEST(PrintedQuadStages, VerticesWithoutQuadsStay) {
     EXPECT_EQ(stages.refined()[8], (Vec3{5, 6, 7}));
 }
 
-/// The value falls by 1 for each metre from the origin, and is 1 at a distance of 1 + r / 10 in region r.
+/// The value decreases by 1 for each metre from the origin, and is 1 at a distance of 1 + r / 10 in region r.
 struct Balls {
     FieldSample sample(std::uint32_t region, Vec3 p) const {
         const float radius = 1 + 0.1f * static_cast<float>(region);
@@ -114,7 +114,7 @@ struct Balls {
     }
 };
 
-// What is left of the way is 1 - 0.95 of what it was, in each step: 1/400 after two.
+// Each step leaves 1 - 0.95 of the distance: 1/400 after two steps.
 TEST(PrintedQuadStages, EvolveByEquationFive) {
     const Job job(shaken(hub_cage(3), 0.05f), 2);
     HostExecutor exec;
@@ -132,7 +132,7 @@ TEST(PrintedQuadStages, EvolveByEquationFive) {
     }
 }
 
-/// No gradient in region 0, and what is no number in region 1.
+/// Zero gradient in region 0, and NaN in region 1.
 struct Nothing {
     FieldSample sample(std::uint32_t region, Vec3) const {
         if (region == 0) return {0.5f, {}};
@@ -149,7 +149,7 @@ TEST(PrintedQuadStages, StayWhereTheFieldLeadsNowhere) {
     EXPECT_TRUE(std::ranges::equal(stages.positions(), stages.refined()));
 }
 
-/// Round ends, which are no boundaries and are not cut.
+/// Creates a cage with round ends, which have no boundaries and are not clipped.
 ControlMesh cage_about(const Skeleton& skeleton) {
     ControlOptions options;
     options.base = BaseShape::round;
@@ -159,8 +159,8 @@ ControlMesh cage_about(const Skeleton& skeleton) {
     return build_control_mesh(skeleton, all, options, {});
 }
 
-// ProjectionMethod::newton makes the same steps, but for vertices that it stops: where they are near enough,
-// or too far away.
+// ProjectionMethod::newton executes the same steps, except that it stops vertices that are close enough or
+// too far away.
 TEST(PrintedQuadStages, EvolveAsNewtonOnTrees) {
     std::size_t near = 0, all = 0;
     for (const auto& [name, skeleton] : skeleton_zoo()) {
@@ -221,7 +221,7 @@ TEST(PrintedQuadStages, GiveTheSameBitsForAnyThreads) {
     }
 }
 
-// From the same cage, as often as it is asked for.
+// Each repetition starts from the same cage.
 TEST(PrintedQuadStages, RepeatTheirWork) {
     const Job job(shaken(branching_cage(), 0.01f), 3);
     HostExecutor exec;

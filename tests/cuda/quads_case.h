@@ -24,7 +24,7 @@ inline std::vector<NodeId> all_nodes(const Skeleton& skeleton) {
     return out;
 }
 
-/// A skeleton with all that a surface is made of.
+/// A skeleton with all input of a surface.
 struct QuadCase {
     Skeleton skeleton;
     ControlMesh control;
@@ -56,7 +56,7 @@ struct QuadCase {
     }
 };
 
-/// What was made of it.
+/// The result.
 struct Surface {
     Buffer<Vec3> positions, anchors;
     ProjectReport projected;
@@ -73,8 +73,8 @@ inline Surface on_cpu(const QuadCase& c, const ProjectOptions& project, const Un
     return out;
 }
 
-/// How many vertices lie apart by more than 1e-4 of their distance from the anchor and what coordinates so
-/// large are rounded by.
+/// Returns the number of vertices that differ by more than 1e-4 of their distance from the anchor plus the
+/// rounding of coordinates of that size.
 inline std::size_t differing(const Surface& a, const Surface& b) {
     std::size_t count = 0;
     for (std::size_t v = 0; v < a.positions.size(); ++v) {
@@ -90,8 +90,8 @@ inline bool near(std::uint64_t x, std::uint64_t y, double share) {
     return std::abs(a - b) <= 4 + share * std::max(a, b);
 }
 
-/// A ray within a plane of symmetry goes by rounding, which is not the same everywhere, to one side or the
-/// other: `share` of the vertices may. Counts of what was done may differ by `of_counts`.
+/// A ray within a plane of symmetry may go to either side because of rounding: this is accepted for `share`
+/// of the vertices. Counts in reports may differ by `of_counts`.
 inline void expect_same(const Surface& a, const Surface& b, double share, double of_counts = 0.02) {
     ASSERT_EQ(a.positions.size(), b.positions.size());
     EXPECT_LE(static_cast<double>(differing(a, b)), 3 + share * static_cast<double>(a.positions.size()));

@@ -17,7 +17,7 @@ TEST(QuadStages, GiveTheSameBitsForAnyThreads) {
               by_kernels<HostExecutor>(c, {}, {}, 4).positions);
 }
 
-// The sum that is made before a job is begun, against what it takes: not less, and not a third more.
+// Tests that the memory estimate before a job is at least the used memory, and at most a third more.
 TEST(BytesOf, AreWhatAJobTakes) {
     const QuadCase c(random_tree(3000, 8), 3);
     const QuadJob job = c.job();
@@ -28,7 +28,8 @@ TEST(BytesOf, AreWhatAJobTakes) {
     stages.refine();
     project(stages, c.field.kernel(), arrays);
     EXPECT_GT(untangle(stages, c.field.kernel(), arrays).bad_before, 0u);
-    const std::size_t entries = c.field.own_lists().segments.size() + c.field.rival_lists().segments.size();
+    const std::size_t entries =
+        c.field.own_lists().segments.size() + c.field.competitor_lists().segments.size();
     const std::uint64_t said = bytes_of(job, c.field.segments().size(), entries);
     EXPECT_GE(said, exec.bytes_used());
     EXPECT_LT(said, exec.bytes_used() * 4 / 3);

@@ -6,7 +6,7 @@
 #include "on_executor.h"
 #include "quads_case.h"
 
-// The stages of quads on any executor, against the CPU.
+// Tests of the stages of quads on any executor, compared with the CPU.
 
 namespace coppice::cuda {
 
@@ -26,7 +26,7 @@ Surface by_kernels(const QuadCase& c, const ProjectOptions& how, const UntangleO
     return out;
 }
 
-/// Unfolds what the CPU has projected.
+/// Unfolds the projection of the CPU.
 template <class Exec>
 UntangleReport unfolded_by_kernels(const QuadCase& c, const Surface& projected, Buffer<Vec3>& out) {
     Exec exec(Context{.threads = 2});
@@ -54,7 +54,7 @@ TYPED_TEST_P(QuadStagesOn, ProjectAsTheCpu) {
             const QuadCase c(skeleton, levels);
             const Surface cpu = on_cpu(c, {}, kNoUnfolding);
             const Surface kernels = by_kernels<TypeParam>(c, {}, kNoUnfolding);
-            // Children in line have whole sides in planes of symmetry.
+            // Collinear children have whole sides in planes of symmetry.
             expect_same(cpu, kernels, TestFixture::kSameBits ? 0.1 : 0.3,
                         TestFixture::kSameBits ? 0.02 : 0.2);
             apart += differing(cpu, kernels);
@@ -79,7 +79,7 @@ TYPED_TEST_P(QuadStagesOn, UnfoldAsTheCpu) {
             left += cpu.untangled.bad_after;
             left_by_kernels += kernels.untangled.bad_after;
             EXPECT_TRUE(near(cpu.untangled.bad_before, kernels.untangled.bad_before, 0.001));
-            // Where passes do not unfold a face, rounding adds up.
+            // If passes do not unfold a face, rounding accumulates.
             if (!TestFixture::kSameBits) continue;
             EXPECT_EQ(cpu.untangled.bad_before, kernels.untangled.bad_before);
             EXPECT_EQ(cpu.untangled.passes, kernels.untangled.passes);

@@ -19,8 +19,8 @@
 #include "coppice/base/kernel/host_device.h"
 #include "coppice/cuda/device.h"
 
-// What lies between the members of a kernel may look like half of an address. Where the compiler cannot clear
-// it (clang 14), nothing is looked for in kernels.
+// Padding between the members of a kernel may contain parts of an address. If the compiler cannot clear it
+// (clang 14), kernels are not checked.
 #if __has_builtin(__builtin_clear_padding)
 #define COPPICE_CLEARS_PADDING
 #endif
@@ -53,10 +53,10 @@ class StrictGroup {
     static constexpr std::uint32_t kWave = 128;
 };
 
-/// Runs kernels on the CPU, and is as unkind as a card: its memory lies apart, holds rubbish at first, and is
-/// there for kernels and copies alone, so that the host crashes on an array that it was not given back; no
-/// kernel may be given an array of the host; and threads run in another order. See HostExecutor for the
-/// members.
+/// Runs kernels on the CPU under the restrictions of a GPU: its memory is separate, initially filled with
+/// garbage, and accessible only to kernels and copies, so that the host crashes if it accesses an array that
+/// was not copied back; kernels must not refer to arrays of the host; and threads run in another order. See
+/// HostExecutor for the members.
 class StrictExecutor {
   public:
     static constexpr bool kIsDevice = false;
@@ -106,14 +106,14 @@ class StrictExecutor {
     template <class T>
     void write(std::span<const T> from, std::span<T> to) {
         expect_there(to);
-        EXPECT_EQ(noted_, nullptr) << "what is repeated copies";
+        EXPECT_EQ(noted_, nullptr) << "a repeated recording copies data";
         const Open open(*this);
         std::copy(from.begin(), from.end(), to.begin());
     }
     template <class T>
     void download(std::span<const T> from, std::span<T> to) {
         expect_there(from);
-        EXPECT_EQ(noted_, nullptr) << "what is repeated waits";
+        EXPECT_EQ(noted_, nullptr) << "a repeated recording waits";
         const Open open(*this);
         std::copy(from.begin(), from.end(), to.begin());
     }
@@ -172,8 +172,8 @@ class StrictExecutor {
         std::ranges::stable_sort(pairs, {}, [&](const auto& p) { return p.first & mask; });
         for (std::size_t i = 0; i < keys.size(); ++i) std::tie(keys[i], values[i]) = pairs[i];
     }
-    /// As a graph of CUDA: the second time launches are noted before they are done, and from then on they are
-    /// done as noted, in the arrays and with the numbers that they had then.
+    /// Behaves as a CUDA graph: the second call records the launches before they are executed; later calls
+    /// execute the recorded launches, with the arrays and values of that time.
     template <class Work>
     void replay(Recording& recording, const Work& work) {
         const Mark begin = mark();
@@ -185,19 +185,19 @@ class StrictExecutor {
         for (const auto& launch : recording.launches_) launch();
         used_ = recording.end_;
     }
-    void wait() const { EXPECT_EQ(noted_, nullptr) << "what is repeated waits"; }
+    void wait() const { EXPECT_EQ(noted_, nullptr) << "a repeated recording waits"; }
 
     std::size_t room() const { return kSize; }
     void reserve(std::size_t bytes) const { require_room(kSize, bytes); }
 
-    std::size_t bytes_used() const { return greatest_; }  ///< at once, in pieces as those of a card
+    std::size_t bytes_used() const { return greatest_; }  ///< at once, in blocks of the size used on a GPU
 
   private:
     static constexpr std::size_t kSize = std::size_t{1} << 30, kAlignment = 256;
     static constexpr int kRubbish = 0xa5;
-    static constexpr std::size_t kMostOfKernel = 4000;  // as CudaExecutor
+    static constexpr std::size_t kMaxOfKernel = 4000;  // as CudaExecutor
 
-    /// While it lives, the memory is there.
+    /// Makes the memory accessible during its lifetime.
     class Open {
       public:
         explicit Open(const StrictExecutor& of) : of_(of) { protect(PROT_READ | PROT_WRITE); }
@@ -205,7 +205,7 @@ class StrictExecutor {
         Open(const StrictExecutor& of, [[maybe_unused]] const char* name,
              [[maybe_unused]] const Kernel& kernel)
             : Open(of) {
-            static_assert(std::is_trivially_copyable_v<Kernel> && sizeof(Kernel) <= kMostOfKernel);
+            static_assert(std::is_trivially_copyable_v<Kernel> && sizeof(Kernel) <= kMaxOfKernel);
             of.ctx_.throw_if_cancelled();
 #ifdef COPPICE_CLEARS_PADDING
             Kernel members = kernel;
@@ -244,7 +244,7 @@ class StrictExecutor {
     void expect_there(std::span<T> values) const {
         EXPECT_TRUE(values.empty() || is_there(reinterpret_cast<std::uintptr_t>(values.data())));
     }
-    /// What looks like a span, and points to memory that the host has, is one that a card could not read.
+    /// Reports an apparent span that refers to memory of the host, which a GPU could not read.
     void expect_nothing_of_host(const char* name, std::span<const std::byte> kernel) const {
         struct {
             std::uintptr_t address;

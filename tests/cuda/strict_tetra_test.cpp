@@ -17,7 +17,7 @@
 namespace coppice::cuda {
 namespace {
 
-/// A tree in tetrahedra, cut off at its root.
+/// A tree in tetrahedra, truncated at its root.
 struct CutTree {
     Skeleton skeleton = random_tree(60, 4, true);
     std::vector<Segment> axes = segment_axes(skeleton);
@@ -34,7 +34,7 @@ struct CutTree {
         });
     }
 
-    /// Calls use(view) with the field as kernels of an executor sample it.
+    /// Calls use(view) with the field for kernels of an executor.
     template <class Exec, class Use>
     void with_field(Exec& exec, const Use& use) const {
         const kernel::QuarticKernel<float> formula(field.kernel().shape, field.kernel().weight);

@@ -63,7 +63,7 @@ TEST(TetraPieces, HaveRowsOfTheirRegions) {
     EXPECT_EQ(piece.rows({}).size(), 0u);
 }
 
-/// march() in pieces, of any field that knows its points by themselves.
+/// Executes march() in tiles, for any field that does not depend on the region.
 template <class F>
 MarchResult march_in(std::size_t count, const TetraMesh& mesh, const F& field, const MarchOptions& options) {
     MarchPieces pieces(mesh, options.levels, count);
@@ -80,7 +80,7 @@ MarchResult march_in(std::size_t count, const TetraMesh& mesh, const F& field, c
     return pieces.join(false);
 }
 
-// Noise folds more than any tree does, so that vertices are put back in many rounds.
+// Noise creates more folds than any tree, so that vertices are moved back in many rounds.
 TEST(MarchPieces, MakeTheSameBitsOnNoise) {
     std::uint64_t freed = 0;
     for (std::uint64_t seed = 0; seed < 4; ++seed) {
@@ -102,7 +102,7 @@ TEST(MarchPieces, MakeTheSameBitsOnNoise) {
     EXPECT_GT(freed, 1000u);
 }
 
-// What the first piece found at its border is worth nothing once another one takes more rounds.
+// The result of the first tile at its border is invalid if another one needs more rounds.
 TEST(MarchPieces, ComeAgainWithMoreAroundThemAfterMoreRounds) {
     const TetraMesh mesh = bcc_block({3, 3, 60}, 1, {0, 0, 0});
     MarchPieces pieces(mesh, 2, 2);
@@ -128,7 +128,7 @@ TEST(MarchPieces, NameTheSameOpenFaces) {
     for (const std::size_t count : {2u, 5u}) expect_same(march_in(count, mesh, field, {}), expected);
 }
 
-/// A tree, and what march() makes of it at once.
+/// A tree, and the result of march() without tiles.
 struct WholeTree {
     WholeTree(const Skeleton& tree, int levels, float edge) : scene(tree, levels, edge) {
         HostExecutor exec;
@@ -139,7 +139,7 @@ struct WholeTree {
 
     CutScene scene;
     MarchResult expected;
-    std::size_t bytes = 0;  ///< that it took
+    std::size_t bytes = 0;  ///< memory used
 };
 
 TEST(MarchPieces, MakeTheSameBitsOfTreesInLessMemory) {

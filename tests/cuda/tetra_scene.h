@@ -16,7 +16,7 @@
 
 namespace coppice {
 
-/// Any field as a kernel samples it.
+/// Any field, sampled point by point as in a kernel.
 template <class F>
 struct PointField {
     const F* field;
@@ -27,7 +27,7 @@ struct PointField {
     }
 };
 
-/// A tree in tetrahedra, with a field whose regions are theirs.
+/// A tree in tetrahedra, with a field that has the same regions.
 struct TetraScene {
     TetraScene(const Skeleton& tree, int levels, float edge, FieldOptions options = {}, float inner = 0.8f)
         : skeleton(tree),

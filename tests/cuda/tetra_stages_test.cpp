@@ -18,7 +18,7 @@
 #include "tetra/support.h"
 #include "tetra/surfaces.h"
 
-// The stages of marching on an executor, each beside what the CPU has of it.
+// Tests of the stages of marching on an executor, compared with the CPU.
 
 namespace coppice {
 namespace {
@@ -30,7 +30,7 @@ bool same(std::span<const T> a, std::span<const T> b) {
     return std::ranges::equal(a, b);
 }
 
-/// Every array of a refinement has the same bits.
+/// Expects that every array of a refinement is bit-identical.
 void expect_same_refinement(const TetraMesh& mesh, int levels) {
     const TetraRefinement refinement(mesh, levels);
     const RefinementView expected = refinement.view();
@@ -60,7 +60,7 @@ void expect_same_refinement(const TetraMesh& mesh, int levels) {
 
 TEST(RefinementStages, NumberPartsAsTheCpuDoes) {
     TetraMesh block = shuffled(bent(bcc_block({4, 3, 3}, 1, {0, 0, 0}), 0.12f, 1), 1);
-    block.positions.push_back({2, 2, 2});  // of no tetrahedron
+    block.positions.push_back({2, 2, 2});  // without a tetrahedron
     for (int levels = 0; levels <= 5; ++levels) {
         SCOPED_TRACE(levels);
         expect_same_refinement(one_tetra(), levels);
@@ -114,7 +114,7 @@ TEST(RefinementStages, RefuseWhatTheCpuRefuses) {
         1);
 }
 
-/// The same vertices hold the same axes, and stand for the same sets.
+/// Expects that the same vertices hold the same axes and represent the same sets.
 std::size_t expect_same_held(const TetraMesh& mesh, const InsideAxes& axes, int levels) {
     const TetraRefinement refinement(mesh, levels);
     const tetra_internal::HeldVertices expected = tetra_internal::hold_axes(refinement, axes, {});
@@ -155,7 +155,7 @@ TEST(TouchingStages, ListWhatTheCpuLists) {
             SCOPED_TRACE(name);
             TetraScene scene(skeleton, 1, 0.6f, {.weights = weights});
             std::vector<float> factors(skeleton.size(), 1);
-            factors.back() = 0;  // reaches nowhere
+            factors.back() = 0;  // no influence
             scene.field.scale_weights(factors);
             scene.set_regions();
             HostExecutor exec(Context{.threads = 2});
@@ -166,15 +166,15 @@ TEST(TouchingStages, ListWhatTheCpuLists) {
             const CandidateLists& expected = scene.field.own_lists();
             EXPECT_TRUE(std::ranges::equal(found.own.first, expected.first));
             EXPECT_TRUE(std::ranges::equal(found.own.segments, expected.segments));
-            EXPECT_EQ(found.rivals.first.size(), expected.first.size());
-            EXPECT_EQ(std::ranges::count(found.rivals.first, 0), std::ssize(expected.first));
+            EXPECT_EQ(found.competitors.first.size(), expected.first.size());
+            EXPECT_EQ(std::ranges::count(found.competitors.first, 0), std::ssize(expected.first));
             entries += expected.segments.size();
         }
     }
     EXPECT_GT(entries, 10000u);
 }
 
-// 300 twigs end in one cell: more than any list holds.
+// 300 twigs end in one cell: more than a list can store.
 TEST(TouchingStages, SayWhereTooManyMeet) {
     std::vector<NodeId> parents{NodeId()};
     std::vector<Vec3> positions{{0, 0, 0}};
@@ -188,7 +188,7 @@ TEST(TouchingStages, SayWhereTooManyMeet) {
     const Skeleton star(std::move(parents), std::move(positions), radii);
     const ConvolutionField field(star, {});
     HostExecutor exec;
-    std::vector<Box3> boxes(5000);  // the fewer there are the longer lists may be
+    std::vector<Box3> boxes(5000);  // fewer regions allow longer lists
     boxes[0] = {{0, 0, 0.9f}, {0.1f, 0.1f, 1}};
     for (std::size_t i = 1; i < boxes.size(); ++i) boxes[i] = {{9, 9, 9}, {10, 10, 10}};
     const cuda::DeviceSegments segments = cuda::upload_segments(exec, field);
@@ -263,11 +263,11 @@ TEST(PartsStages, DropWhatTheCpuDrops) {
     expect_same_parts({large}, {{0, 0, 0}}, 0);
     expect_same_parts({aside, large}, {{0, 0, 0}}, 1);
     expect_same_parts({large, hollow, aside}, {{0, 0, 0}}, 2);
-    // Two sets of axes: the one looked at last is the one that has most triangles, whichever that is.
+    // Two sets of axes: the component that is tested last is the one with the most triangles.
     expect_same_parts({large, hollow, aside}, {{0, 0, 0}, {9, 0, 0}}, 1);
     expect_same_parts({aside, large}, {{0, 0, 0}, {9, 0, 0}}, 0);
     expect_same_parts({aside, large}, {{9, 0, 0}}, 1);
-    // A part within a hollow.
+    // A component inside a hollow.
     expect_same_parts({{{0, 0, 0}, 4}, {{0, 0, 0}, 3, true}, {{0, 0, 0}, 1}}, {{0, 3.5f, 0}}, 2);
 }
 

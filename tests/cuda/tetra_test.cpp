@@ -22,7 +22,7 @@
 #include "tetra/support.h"
 #include "tetra/surfaces.h"
 
-// The kernels that march on a card, run on the CPU beside march().
+// Tests of the marching kernels for devices, run on the CPU and compared with march().
 
 namespace coppice {
 namespace {
@@ -48,7 +48,7 @@ TEST(MarchKernels, MakeTheSameBitsOnNoise) {
     for (std::uint64_t seed = 0; seed < 3; ++seed) {
         TetraMesh mesh = bcc_block({5, 5, 5}, 1, {0, 0, 0});
         if (seed > 0) mesh = shuffled(bent(mesh, 0.12f, seed), seed);
-        mesh.positions.push_back({2, 2, 2});  // of no tetrahedron
+        mesh.positions.push_back({2, 2, 2});  // without a tetrahedron
         for (int levels = 0; levels <= (seed == 0 ? 3 : 2); ++levels) {
             for (const float snap : {0.0f, 0.45f}) {
                 SCOPED_TRACE(testing::Message() << seed << " levels " << levels << " snap " << snap);
@@ -103,7 +103,8 @@ TEST(MarchKernels, MakeTheSameBitsOfTrees) {
     }
 }
 
-// With a twentieth of its weight the field is below its level everywhere: axes are held by corners that move.
+// With a twentieth of its weight the field is below its iso value everywhere: axes are held by corners that
+// move.
 TEST(MarchKernels, HoldAxesThatTheFieldLoses) {
     for (const float factor : {0.05f, 0.9f}) {
         TetraScene scene(random_tree(60, 4, true), 1, 0.9f, {}, 0);
@@ -116,12 +117,13 @@ TEST(MarchKernels, HoldAxesThatTheFieldLoses) {
     }
 }
 
-/// How often something was found.
+/// Counts of results.
 struct Snapping {
     std::ptrdiff_t folds = 0, single = 0, unknown = 0;
 };
 
-/// unsnap() looks again at what is unknown, so that it would hide fans that are not recognized.
+/// Compares the intermediate results, since unsnap() recomputes unknown fans and would hide fans that are not
+/// recognised.
 template <class F>
 void expect_same_snapping(const TetraMesh& mesh, int levels, const F& field, Snapping& found) {
     const Context one{.threads = 1};  // fans are listed in the same order
@@ -172,7 +174,7 @@ TEST(MarchKernels, GiveTheSameBitsForAnyNumberOfThreads) {
                     one);
 }
 
-/// march() with the field and its regions, too, as a card has them.
+/// Executes march() with the field and its regions in the layout of a GPU.
 MarchResult march_as_a_card(const TetraMesh& mesh, const CutConvolution& field, const InsideAxes& axes,
                             const MarchOptions& options) {
     HostExecutor exec;
@@ -204,7 +206,7 @@ TEST(MarchKernels, AgreeWithTheFieldOfACard) {
 TEST(MarchKernels, AgreeOnTheWorkloads) {
     for (const char* name : {"tree300.swc", "tree300hard.swc", "tree3k.swc"}) {
         const std::optional<Skeleton> tree = workload(name);
-        if (!tree) GTEST_SKIP() << "no workloads beside the checkout";
+        if (!tree) GTEST_SKIP() << "no workloads next to the checkout";
         SCOPED_TRACE(name);
         const TetraScene scene(*tree, 1, 0.8f);
         const EndCuts none;
@@ -228,10 +230,10 @@ TEST(CutConvolution, EndsInAPlane) {
     for (const Vec3 p : r.mesh.positions) lowest = std::min(lowest, p.z);
     const float radius = tree.radius(NodeId(0));
     EXPECT_LT(lowest, 0.1f * radius);
-    EXPECT_GT(lowest, -0.15f * radius) << "the line goes on by 1.5 radii";
+    EXPECT_GT(lowest, -0.15f * radius) << "the field extends by 1.5 radii";
 }
 
-/// Where the coarse mesh is cut as printed, without a field.
+/// Returns the subdivision of the coarse mesh as published, without a field.
 ExplicitTetra subdivided(HostExecutor& exec, const TetraMesh& mesh, int levels) {
     ExplicitTetra out = cuda::upload_explicit(exec, mesh);
     for (int l = 0; l < levels; ++l) out = cuda::subdivide(exec, out);
@@ -246,7 +248,7 @@ TetraMesh as_mesh(const ExplicitTetra& from) {
     return out;
 }
 
-/// Edges and faces are those that the tetrahedra name, each once.
+/// Expects that edges and faces are exactly those of the tetrahedra, without duplicates.
 void expect_connected(const ExplicitTetra& mesh) {
     std::vector<std::set<std::uint32_t>> of_edge(mesh.edges.size()), of_face(mesh.faces.size());
     for (std::size_t e = 0; e < mesh.edges.size(); ++e)
@@ -290,11 +292,11 @@ TEST(PrintedMarch, SubdividesIntoEight) {
             const ExplicitTetra fine = subdivided(exec, mesh, levels);
             expect_connected(fine);
             ASSERT_EQ(fine.tetra.size(), mesh.tetra.size() << 3 * levels);
-            // Points, lines, triangles and tetrahedra of a ball.
+            // Vertices, edges, faces and tetrahedra of a ball.
             EXPECT_EQ(static_cast<long>(fine.positions.size() + fine.faces.size()) -
                           static_cast<long>(fine.edges.size() + fine.tetra.size()),
                       1);
-            // All are equal parts of theirs, and oriented as it.
+            // All have equal volumes, and the orientation of their coarse tetrahedron.
             for (std::size_t t = 0; t < fine.tetra.size(); ++t) {
                 const Tetra& coarse = mesh.tetra[t >> 3 * levels];
                 const double whole = volume6(mesh, coarse), part = std::ldexp(whole, -3 * levels);
@@ -368,13 +370,13 @@ TEST(PrintedMarch, MakesTheTrianglesOfMarchingWithoutSnapping) {
         const MarchResult expected =
             march(mesh, FieldRef(field), {.levels = levels, .snap = 0, .refinements = 0});
         EXPECT_NEAR(volume(welded), volume(expected.mesh), 2e-3 * volume(expected.mesh));
-        if (levels > 1) continue;  // a descendant's shortest diagonal may be another
+        if (levels > 1) continue;  // the shortest diagonal of a descendant may be another one
         EXPECT_EQ(welded.positions.size(), expected.mesh.positions.size());
         EXPECT_EQ(welded.triangles.size(), expected.mesh.triangles.size());
         for (const Vec3 p : welded.positions) {
             const auto near = std::ranges::min_element(expected.mesh.positions, {},
                                                        [&](Vec3 q) { return length_squared(q - p); });
-            ASSERT_LT(distance(*near, p), 0.02f) << "but for the clearance of edges";
+            ASSERT_LT(distance(*near, p), 0.02f) << "except for the clearance of edges";
         }
     }
 }
@@ -391,7 +393,7 @@ TEST(PrintedMarch, LeavesTheWeldOut) {
 }
 
 TEST(DeviceMarcher, SaysThatThereIsNoCard) {
-    if (find_device().device) GTEST_SKIP() << "there is one";
+    if (find_device().device) GTEST_SKIP() << "there is a device";
     EXPECT_THROW(DeviceMarcher(), DeviceError);
 }
 

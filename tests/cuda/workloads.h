@@ -15,8 +15,8 @@
 
 namespace coppice {
 
-/// A skeleton of the workloads beside the checkout, by the name of its file of "id type x y z radius parent";
-/// nothing where it is not there.
+/// Returns a skeleton of the workloads next to the checkout, by the name of its file of "id type x y z radius
+/// parent"; no value if it is missing.
 inline std::optional<Skeleton> workload(const std::string& name) {
     std::ifstream file(source_dir() / ".." / "shared" / "workloads" / name);
     if (!file) return {};

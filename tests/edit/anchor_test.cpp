@@ -57,13 +57,13 @@ TEST(Anchor, SaysWhyAndNamesTheNearestWhereNothingIsLikeEnough) {
     EXPECT_FALSE(gone.node);
     EXPECT_EQ(gone.nearest, id(4));
     EXPECT_NEAR(gone.distance, 2, 1e-6);
-    EXPECT_EQ(gone.reason, "nothing is within 0.12 m");
+    EXPECT_EQ(gone.reason, "no node is within 0.12 m");
     Anchor other = anchor_of(tree, frame, id(4));
     other.order = 0;
-    EXPECT_EQ(bind_anchor(tree, frame, other).reason, "the order of the axis there is another");
+    EXPECT_EQ(bind_anchor(tree, frame, other).reason, "the order of the axis there is different");
     other.order = 1;
     other.radius *= 3;
-    EXPECT_EQ(bind_anchor(tree, frame, other).reason, "the radius there is another");
+    EXPECT_EQ(bind_anchor(tree, frame, other).reason, "the radius there is different");
 }
 
 NodeSet held(const EditableTree& tree, const std::string& text) {
@@ -103,7 +103,7 @@ TEST(AnchorText, IsNotLikeTheNeighboursOfABranchThatIsGone) {
         const StableId n(gone.index());
         if (tree.is_root(n)) continue;
         const std::string text = anchor_text(tree, n);
-        NodeSet own = axis_of(tree, n);
+        NodeSet own = find_axis(tree, n);
         remove_branches(tree, {n});
         try {
             const StableId other = selected_node(tree, parse_selection(text));

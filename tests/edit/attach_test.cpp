@@ -16,8 +16,8 @@ using test::id;
 using test::ids;
 using test::near;
 
-/// A stem of radius 0.1 up the z axis, and trees whose roots lie: in it at z = 0.5, off its axis; on its axis
-/// at z = 1.5; outside.
+/// A stem of radius 0.1 along the z axis, and trees with roots inside it at z = 0.5, off its axis; on its
+/// axis at z = 1.5; and outside.
 Skeleton superimposed() {
     const NodeId none;
     return Skeleton({none, NodeId(0), none, NodeId(2), none, NodeId(4), none, NodeId(6)},
@@ -37,9 +37,9 @@ TEST(Attach, HangsTreesWhoseRootsLieInWood) {
     const EditChange change = attach(tree, tree.nodes());
     EXPECT_EQ(tree.skeleton().tree_count(), 2u);
     EXPECT_TRUE(near(tree.position(tree.parent(id(2))), {0, 0, 0.5f}));
-    EXPECT_FLOAT_EQ(tree.radius(id(2)), 0.1f);  // no thicker than the stem
+    EXPECT_FLOAT_EQ(tree.radius(id(2)), 0.1f);  // limited to the radius of the stem
     EXPECT_FLOAT_EQ(tree.radius(id(3)), 0.1f);
-    EXPECT_EQ(change.removed, ids({4}));  // on the axis: the node of the stem takes its place
+    EXPECT_EQ(change.removed, ids({4}));  // on the axis: replaced by the node of the stem
     EXPECT_TRUE(near(tree.position(tree.parent(id(5))), {0, 0, 1.5f}));
     EXPECT_TRUE(tree.is_root(id(6)));
     tree.undo();
@@ -47,7 +47,7 @@ TEST(Attach, HangsTreesWhoseRootsLieInWood) {
 }
 
 TEST(Attach, NeverHangsATreeOnItself) {
-    // Each root lies in the other's wood.
+    // Each root is inside the other branch.
     const NodeId none;
     EditableTree tree(Skeleton({none, NodeId(0), none, NodeId(2)},
                                {{0, 0, 0}, {0, 0, 1}, {0.01f, 0, 0.02f}, {1, 0, 0}},
@@ -57,7 +57,8 @@ TEST(Attach, NeverHangsATreeOnItself) {
     EXPECT_NE(error_of([&] { attach(tree, ids({1})); }).find("no root is selected"), std::string::npos);
 }
 
-/// Makes trees of chains: each of places, with one radius; the first place is a root's, or lies on a node.
+/// Creates trees from chains of positions, each with one radius; the first position is a root, or an existing
+/// node.
 class Chains {
   public:
     Chains& add(const std::vector<Vec3>& places, float radius, int on = -1) {
@@ -87,14 +88,15 @@ TEST(AttachCrossings, CutsTheThinnerWhereItRunsThroughTheThicker) {
     EXPECT_TRUE(attach(tree, tree.nodes()).empty());
     const EditChange change = attach(tree, tree.nodes(), Crossings::join);
     ASSERT_EQ(change.added, ids({6, 7}));
-    EXPECT_EQ(tree.parent(id(6)), id(3));  // the inner part ends where it ran nearest to the stem's axis
+    EXPECT_EQ(tree.parent(id(6)),
+              id(3));  // the inner portion ends at the closest point to the axis of the stem
     EXPECT_TRUE(tree.is_tip(id(6)));
     EXPECT_TRUE(near(tree.position(id(6)), {0, 0.02f, 1}));
-    EXPECT_EQ(tree.parent(id(4)), id(7));  // the outer part springs from the stem
+    EXPECT_EQ(tree.parent(id(4)), id(7));  // the outer portion is attached to the stem
     EXPECT_EQ(tree.parent(id(1)), id(7));
     EXPECT_TRUE(near(tree.position(id(7)), {0, 0, 1}));
     EXPECT_EQ(tree.skeleton().tree_count(), 2u);
-    EXPECT_TRUE(attach(tree, tree.nodes(), Crossings::join).empty());  // nothing is left to be joined
+    EXPECT_TRUE(attach(tree, tree.nodes(), Crossings::join).empty());  // there are no more crossings to join
     tree.undo();
     EXPECT_TRUE(test::same(tree.skeleton(), before));
 }
@@ -109,9 +111,10 @@ TEST(AttachCrossings, CutsABranchAsOftenAsItRunsThroughWood) {
     attach(tree, tree.nodes(), Crossings::join);
     EXPECT_EQ(tree.size(), 14u);
     EXPECT_TRUE(near(tree.position(tree.parent(id(7))), {2, 0, 1}));
-    EXPECT_EQ(tree.root_of(id(7)), id(4));
+    EXPECT_EQ(tree.find_root(id(7)), id(4));
     EXPECT_EQ(tree.skeleton().tree_count(), 4u);
-    for (const std::uint32_t root : {0u, 2u, 6u}) {  // a part of the branch ends in each stem but the last
+    for (const std::uint32_t root :
+         {0u, 2u, 6u}) {  // a section of the branch ends in each stem except the last
         float farthest = -1;
         tree.visit_subtree(id(root), [&](StableId n) { farthest = std::max(farthest, tree.position(n).x); });
         EXPECT_NEAR(farthest, root == 6 ? 0.0f : root == 0 ? 1.0f : 2.0f, 1e-5f);
@@ -119,13 +122,13 @@ TEST(AttachCrossings, CutsABranchAsOftenAsItRunsThroughWood) {
 }
 
 TEST(AttachCrossings, OfBranchesThatHangOnEachOtherCutsTheOuterOne) {
-    // A twig that comes back through the limb that bears it, thicker than that.
+    // A twig that returns through its parent limb and is thicker than it.
     EditableTree tree = Chains()
                             .add({{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {2, 0, 1}, {3, 0, 1}}, 0.1f)
                             .add({{1, 0, 2}, {2.5f, 0, 2}, {2.5f, 0, 0}}, 0.1f, 2)
                             .tree();
     const EditChange change = attach(tree, tree.nodes(), Crossings::join);
-    EXPECT_EQ(change.reparented, ids({4, 7}));  // 4 by the split of the limb
+    EXPECT_EQ(change.reparented, ids({4, 7}));  // 4 because the limb is split
     EXPECT_TRUE(near(tree.position(tree.parent(id(7))), {2.5f, 0, 1}));
     EXPECT_EQ(tree.parent(tree.parent(id(7))), id(3));
 }
@@ -133,7 +136,7 @@ TEST(AttachCrossings, OfBranchesThatHangOnEachOtherCutsTheOuterOne) {
 TEST(AttachCrossings, LeavesAloneWhatBeginsOrEndsInWoodAndWhatIsNotSelected) {
     EditableTree plain(test::stem_with_branches());
     EXPECT_TRUE(attach(plain, plain.nodes(), Crossings::join).empty());
-    // At the acutest angle, over several segments within the wood of the host.
+    // At an acute angle, over several segments inside the parent branch.
     EditableTree acute = Chains()
                              .add({{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {0, 0, 3}}, 0.2f)
                              .add({{0.05f, 0, 1.5f}, {0.1f, 0, 2}, {0.3f, 0, 2.5f}}, 0.15f, 1)

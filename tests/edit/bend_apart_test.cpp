@@ -16,7 +16,7 @@ using test::error_of;
 using test::id;
 using test::ids;
 
-/// A stem up the z axis, and in 20 segments of 0.1 m a thin tree that begins at x = -1 and runs across it.
+/// A stem along the z axis, and a thin tree of 20 segments of 0.1 m that begins at x = -1 and crosses it.
 Skeleton stem_and_branch(float offset) {
     std::vector<NodeId> parent{NodeId::none(), NodeId(0), NodeId(1), NodeId::none()};
     std::vector<Vec3> place{{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {-1, offset, 1.5f}};
@@ -29,8 +29,8 @@ Skeleton stem_and_branch(float offset) {
     return {std::move(parent), std::move(place), std::move(radius)};
 }
 
-/// The least of distance less radii between segments of different trees.
-double least_gap(const Skeleton& s, std::uint32_t first_of_second) {
+/// Returns the minimum of distance minus radii over segments of different trees.
+double min_gap(const Skeleton& s, std::uint32_t first_of_second) {
     double least = 1e30;
     for (const NodeId a : nodes(s)) {
         for (const NodeId b : nodes(s)) {
@@ -50,18 +50,18 @@ TEST(BendApart, TheThinOneGivesWayAndBothStayWhole) {
         const BendApartResult r = bend_apart(s);
         EXPECT_GT(r.report.before, 0u);
         EXPECT_EQ(r.report.after, 0u);
-        EXPECT_GT(least_gap(r.skeleton, 3), 0);
-        // A share of (0.02 / 0.1)^2 = 1/25 each way at the same length, so that the stem moves by little.
+        EXPECT_GT(min_gap(r.skeleton, 3), 0);
+        // The compliance ratio is (0.02 / 0.1)^2 = 1/25 at equal length, so that the stem hardly moves.
         EXPECT_LT(distance(r.skeleton.position(NodeId(2)), s.position(NodeId(2))), 0.02f);
         EXPECT_EQ(r.skeleton.position(NodeId(0)), s.position(NodeId(0)));
         EXPECT_EQ(r.skeleton.position(NodeId(3)), s.position(NodeId(3)));
-        // It goes round on the side on which it was.
+        // The branch is moved to the side on which it was.
         const float y = r.skeleton.position(NodeId(13)).y;
         if (offset != 0) {
             EXPECT_GT(y * offset, 0);
         }
-        EXPECT_LT(std::abs(y), 0.2f);  // and no farther than it has to: 0.12 and the gap
-        // What lies beyond the contact keeps its shape.
+        EXPECT_LT(std::abs(y), 0.2f);  // and not farther than necessary: 0.12 and the gap
+        // The section beyond the contact keeps its shape.
         const Vec3 before = s.position(NodeId(23)) - s.position(NodeId(20));
         const Vec3 after = r.skeleton.position(NodeId(23)) - r.skeleton.position(NodeId(20));
         EXPECT_LT(distance(before, after), 0.01f);
@@ -85,7 +85,7 @@ TEST(BendApart, ARootInTheWoodStaysAndIsTold) {
     EXPECT_EQ(r.report.after, 1u);
     EXPECT_EQ(r.skeleton.position(NodeId(0)), s.position(NodeId(0)));
     EXPECT_EQ(r.skeleton.position(NodeId(2)), s.position(NodeId(2)));
-    // By no more than half the way from the root.
+    // At most half the path length from the root.
     EXPECT_LE(r.report.farthest, 1.0f);
 }
 
@@ -96,10 +96,10 @@ TEST(BendApart, OnlyWhatIsSelectedMovesAndUndoingGivesItBack) {
     EXPECT_FALSE(change.moved.empty());
     EXPECT_TRUE(change.reparented.empty());
     for (const StableId n : change.moved) EXPECT_GT(n, id(3));
-    EXPECT_GT(least_gap(tree.skeleton(), 3), 0);
+    EXPECT_GT(min_gap(tree.skeleton(), 3), 0);
     tree.undo();
     EXPECT_TRUE(test::same(tree.skeleton(), s));
-    // The stem alone cannot give way so far: half its way is enough at its top, but it is thick.
+    // The stem alone cannot move so far: half its path length is enough at its top, but it is thick.
     bend_apart(tree, ids({0}));
     EXPECT_EQ(tree.position(id(13)), s.position(NodeId(13)));
     EXPECT_NE(error_of([&] { bend_apart(tree, ids({})); }), "");

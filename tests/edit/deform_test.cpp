@@ -17,7 +17,8 @@ using test::near;
 
 constexpr double kQuarter = std::numbers::pi / 2;
 
-/// A level branch of 20 segments of 0.1 m along x from a stem along z, with a lateral along y in its middle.
+/// A horizontal branch of 20 segments of 0.1 m along x on a stem along z, with a lateral along y in its
+/// middle.
 EditableTree level_branch() {
     std::vector<NodeId> parent{NodeId::none(), NodeId(0), NodeId(1)};
     std::vector<Vec3> place{{0, 0, 0}, {0, 0, 1}, {0, 0, 2}};
@@ -39,7 +40,7 @@ TEST(Bend, KeepsTheFirstSegmentAndTurnsTheLastByTheAngle) {
     EXPECT_TRUE(near(tree.position(id(3)), {0.1f, 0, 1}));
     const Vec3 last = tree.position(id(22)) - tree.position(id(21));
     EXPECT_TRUE(near(last, {0, 0, -0.1f}));
-    for (std::uint32_t i = 4; i <= 22; ++i)  // lengths stay
+    for (std::uint32_t i = 4; i <= 22; ++i)  // lengths are preserved
         EXPECT_NEAR(distance(tree.position(id(i)), tree.position(id(i - 1))), 0.1, 1e-6);
     EXPECT_NEAR(distance(tree.position(id(23)), tree.position(id(12))), 0.5, 1e-6);
     EXPECT_NEAR(tree.position(id(23)).y, 0.5, 1e-6);  // the bend is about y
@@ -59,7 +60,7 @@ TEST(Bend, RefusesASingleSegment) {
 TEST(Twist, TurnsLateralsByTheirShareOfTheLength) {
     EditableTree tree = level_branch();
     const EditChange change = twist(tree, ids({3}), 2 * kQuarter);
-    EXPECT_EQ(change.moved, ids({23}));  // half the way: a quarter about x, y becomes z
+    EXPECT_EQ(change.moved, ids({23}));  // half of the angle: a quarter turn about x maps y to z
     EXPECT_TRUE(near(tree.position(id(23)), {1, 0, 1.5f}));
 }
 
@@ -76,11 +77,11 @@ TEST(Straighten, KeepsJointAndTip) {
 
 TEST(Smooth, TakesAKinkAwayAndLateralsAlong) {
     EditableTree tree = level_branch();
-    move_node(tree, id(12), {1.0, 0, 1.1}, 0.05);  // a kink of a node alone
+    move_node(tree, id(12), {1.0, 0, 1.1}, 0.05);  // a kink at a single node
     EXPECT_TRUE(near(tree.position(id(12)), {1, 0, 1.1f}));
     EXPECT_TRUE(near(tree.position(id(11)), {0.9f, 0, 1}));
     const Vec3 lateral = tree.position(id(23)) - tree.position(id(12));
-    smooth(tree, ids({12}));  // half the way to the middle
+    smooth(tree, ids({12}));  // half of the way to the midpoint
     EXPECT_TRUE(near(tree.position(id(12)), {1, 0, 1.05f}));
     EXPECT_TRUE(near(tree.position(id(23)) - tree.position(id(12)), lateral));
 }
@@ -94,7 +95,7 @@ TEST(MoveNode, BringsTheNodeThereAndKeepsLengthsAndFarNodes) {
     EXPECT_EQ(change.moved.front(), id(7));
     for (std::uint32_t i = 7; i <= 17; ++i)
         EXPECT_NEAR(distance(tree.position(id(i)), tree.position(id(i - 1))), 0.108, 0.01);
-    // As near to a smooth curve as can be: no turn is half as sharp as that of the node alone would be.
+    // Close to a smooth curve: each turn is less than half of the turn if only the node moved.
     for (std::uint32_t i = 7; i <= 17; ++i) {
         const Vec3 in = normalized(tree.position(id(i)) - tree.position(id(i - 1)));
         const Vec3 out = normalized(tree.position(id(i + 1)) - tree.position(id(i)));
@@ -111,7 +112,7 @@ TEST(MoveNode, LetsTheTipGoWithItsTail) {
         EXPECT_NEAR(distance(tree.position(id(i)), tree.position(id(i - 1))), 0.1, 0.006);
     tree.undo();
     move_node(tree, id(20), {1.8, 0.2, 1});
-    EXPECT_NEAR(distance(tree.position(id(20)), tree.position(id(22))), 0.2, 0.01);  // the end is carried
+    EXPECT_NEAR(distance(tree.position(id(20)), tree.position(id(22))), 0.2, 0.01);  // the end follows
     EXPECT_GT(tree.position(id(22)).y, 0.2f);
 }
 

@@ -33,14 +33,13 @@ TEST(EditableTree, KeepsStableIdsInAnyOrder) {
     EXPECT_EQ(tree.slots(), 8u);
     EXPECT_EQ(tree.parent(id(5)), id(2));
     EXPECT_EQ(tree.parent(id(2)), id(7));
-    EXPECT_TRUE(test::same(tree.skeleton(), s));  // 2 is not ready before 7, which is its parent
+    EXPECT_TRUE(test::same(tree.skeleton(), s));  // 2 can only be added after its parent 7
 }
 
 TEST(EditableTree, RefusesIdsThatWouldTakeTooMuchMemory) {
     const Skeleton s({NodeId::none()}, {{0, 0, 0}}, {0.1f}, {}, {id(4'000'000'000)});
-    EXPECT_EQ(
-        error_of([&] { const EditableTree tree(s); }),
-        "the stable ids go up to 4000000000 for 1 nodes; leave them out and the nodes are numbered anew");
+    EXPECT_EQ(error_of([&] { const EditableTree tree(s); }),
+              "the stable ids go up to 4000000000 for 1 nodes; leave them out to number the nodes from 0");
 }
 
 TEST(EditableTree, NamesWhatAnEditChanged) {
@@ -51,7 +50,7 @@ TEST(EditableTree, NamesWhatAnEditChanged) {
     edit.move(id(8), {-2, 0, 2});
     edit.set_radius(id(4), 0.06f);
     edit.set_parent(id(4), id(2));
-    edit.move(id(0), {0, 0, 0});  // where it is: no change
+    edit.move(id(0), {0, 0, 0});  // its current position: no change
     const EditChange change = edit.commit();
     EXPECT_EQ(added, id(9));
     EXPECT_EQ(change.added, ids({9}));
@@ -131,21 +130,21 @@ TEST(TreeEdit, RefusesWhatWouldBreakAnInvariant) {
               "the subtree "
               "of 1");
     EXPECT_EQ(refused([&](TreeEdit& e) { e.set_radius(id(1), 0); }),
-              "node 1 would get the radius 0; give one above 0");
+              "node 1 would get the radius 0; enter a radius above 0");
     EXPECT_EQ(refused([&](TreeEdit& e) {
                   e.move(id(1), {0, 0, NAN});
               }),
-              "node 1 would get a place that is not finite or beyond 1e15 m; move it less far");
+              "node 1 would get a position that is not finite or beyond 1e15 m; move it less far");
     EXPECT_EQ(refused([&](TreeEdit& e) {
                   e.move(id(2), {0, 0, 1});
               }),
-              "node 2 would lie on its parent 1; move it elsewhere, or delete one of them");
+              "node 2 would coincide with its parent 1; move it elsewhere, or delete one of them");
     EXPECT_EQ(refused([&](TreeEdit& e) {
                   e.move(id(8), {0, 0, 3});
               }),
-              "node 8 would lie on its sibling 3; move it elsewhere, or delete one of them");
+              "node 8 would coincide with its sibling 3; move it elsewhere, or delete one of them");
     EXPECT_EQ(refused([&](TreeEdit& e) { e.remove_subtree(id(0)); }),
-              "no node would be left; keep at least one");
+              "no node would remain; keep at least one");
     EXPECT_TRUE(test::same(tree.skeleton(), test::stem_with_branches()));
 }
 

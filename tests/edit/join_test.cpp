@@ -19,10 +19,10 @@ TEST(Draw, SnapsToTheNearestAxis) {
     const std::vector<Vec3d> points{{0.05, 0, 1.5}, {-0.5, 0, 1.7}, {-1, 0, 2.1}};
     const EditChange change = draw(tree, points);
     ASSERT_EQ(change.added, ids({9, 10, 11}));
-    EXPECT_TRUE(near(tree.position(id(9)), {0, 0, 1.5f}));  // the foot, on the segment to 2
+    EXPECT_TRUE(near(tree.position(id(9)), {0, 0, 1.5f}));  // the closest point, on the segment to 2
     EXPECT_EQ(tree.parent(id(2)), id(9));
     EXPECT_EQ(tree.parent(id(10)), id(9));
-    // Half the host's 0.09 at the foot, and a quarter of that at the tip.
+    // Half of the radius 0.09 of the stem at the closest point, and a quarter of that at the tip.
     EXPECT_FLOAT_EQ(tree.radius(id(11)), 0.01125f);
     EXPECT_GT(tree.radius(id(10)), tree.radius(id(11)));
 }
@@ -31,7 +31,7 @@ TEST(Draw, RefusesWhatIsFarFromAnyAxisUnlessAlone) {
     EditableTree tree(test::stem_with_branches());
     const std::vector<Vec3d> points{{0, 4, 1.5}, {0, 5, 2}};
     EXPECT_EQ(error_of([&] { draw(tree, points); }),
-              "the first point is 3.64 m from the nearest axis, at node 7, whose radius is 0.02 m; begin "
+              "the first point is 3.64 m from the nearest axis, at node 7, with the radius 0.02 m; begin "
               "nearer, raise "
               "snap, or draw it alone");
     const EditChange change = draw(tree, points, {.radius = 0.2, .alone = true});
@@ -57,11 +57,12 @@ TEST(Graft, MovesABranchToAnotherHost) {
     EXPECT_EQ(change.moved, ids({4, 5, 6, 7}));
     EXPECT_TRUE(near(tree.position(id(4)), {1, 0, 3}));
     tree.undo();
-    graft(tree, id(8), id(5), {.along = 0.5});  // 5's segment runs from x = 1 to 2, of radius 0.05 to 0.04
+    graft(tree, id(8), id(5),
+          {.along = 0.5});  // the segment to 5 is from x = 1 to 2, with radius 0.05 to 0.04
     EXPECT_TRUE(near(tree.position(tree.parent(id(8))), {1.5f, 0, 1}));
     EXPECT_TRUE(near(tree.position(id(8)), {0.5f, 0, 1}));
     tree.undo();
-    graft(tree, id(8), id(5), {.align = true});  // from a host along z to one along x: -x becomes z
+    graft(tree, id(8), id(5), {.align = true});  // from a parent branch along z to one along x: -x becomes z
     EXPECT_TRUE(near(tree.position(id(8)), {2, 0, 2}));
 }
 
@@ -73,7 +74,7 @@ TEST(Graft, LimitsRadiiByTheHost) {
     EXPECT_TRUE(graft(tree, id(4), id(8), {.limit_radius = false}).resized.empty());
 }
 
-// What belongs to no tree yet comes with its root to the host, and gets new ids.
+// A separate skeleton is attached with its root at the host, and gets new ids.
 TEST(Graft, TakesABranchFromElsewhere) {
     EditableTree tree(test::stem_with_branches());
     const Skeleton twig({NodeId::none(), NodeId(0), NodeId(1)}, {{5, 5, 5}, {5, 6, 5}, {5, 7, 6}},
@@ -85,7 +86,7 @@ TEST(Graft, TakesABranchFromElsewhere) {
     EXPECT_EQ(tree.parent(id(10)), id(9));
     EXPECT_TRUE(near(tree.position(id(9)), {0, 1, 3}));
     EXPECT_TRUE(near(tree.position(id(10)), {0, 2, 4}));
-    EXPECT_FLOAT_EQ(tree.radius(id(9)), 0.06f);  // the host's
+    EXPECT_FLOAT_EQ(tree.radius(id(9)), 0.06f);  // that of the host
     EXPECT_FLOAT_EQ(tree.radius(id(10)), 0.01f);
     tree.undo();
     graft(tree, twig, id(3), {.along = 0.5, .limit_radius = false});
@@ -96,7 +97,7 @@ TEST(Graft, TakesABranchFromElsewhere) {
     graft(tree, twig, id(6), {.align = true});  // along x: +z becomes +x
     EXPECT_TRUE(near(tree.position(id(10)), {4, 2, 1}));
     const Skeleton ball({NodeId::none()}, {{0, 0, 0}}, {1});
-    EXPECT_NE(error_of([&] { graft(tree, ball, id(3)); }).find("one tree"), std::string::npos);
+    EXPECT_NE(error_of([&] { graft(tree, ball, id(3)); }).find("single tree"), std::string::npos);
 }
 
 TEST(Graft, BringsDetachedBranchesBackToTheirPlace) {

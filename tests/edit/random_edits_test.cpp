@@ -1,6 +1,6 @@
-// Thousands of random edits of every kind, on every skeleton of the zoo and on grown trees: each keeps the
-// invariants or is refused with a sentence and leaves the tree as it was, and undoing all of them gives the
-// first tree back to the bit.
+// Thousands of random edits of every kind, on every skeleton of the zoo and on grown trees: each preserves
+// the invariants, or is refused with a sentence and leaves the tree unchanged, and undoing all of them
+// restores a bit-identical tree.
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@
 namespace coppice {
 namespace {
 
-/// Draws in order.
+/// Sequence of random numbers.
 class Dice {
   public:
     explicit Dice(std::uint64_t seed) : random_(seed, 0) {}
@@ -92,9 +92,9 @@ std::vector<Edit> all_edits() {
     };
 }
 
-/// The parts of a state that ids could lose, looked at without the tree's own links.
+/// Checks the members of a state that depend on ids, without using the links of the tree.
 void expect_sound(const EditableTree& tree) {
-    const Skeleton s = tree.skeleton();  // throws where parents, places or radii are wrong
+    const Skeleton s = tree.skeleton();  // throws if parents, positions or radii are invalid
     ASSERT_EQ(s.size(), tree.size());
     std::uint32_t linked = 0;
     for (StableId root = tree.first_root(); root; root = tree.next_sibling(root)) {
@@ -111,8 +111,8 @@ void expect_sound(const EditableTree& tree) {
     ASSERT_EQ(linked, tree.size());
 }
 
-/// What a change says against what is different between two states.
-void expect_told(const EditChange& change, const Skeleton& before, const EditableTree& after) {
+/// Compares a change with the difference between two states.
+void expect_reported(const EditChange& change, const Skeleton& before, const EditableTree& after) {
     const EditableTree was(before);
     EditChange truth;
     for (std::uint32_t i = 0; i < std::max(was.slots(), after.slots()); ++i) {
@@ -144,7 +144,7 @@ int run_random_edits(const Skeleton& first, std::uint64_t seed, int count) {
         const std::size_t depth = tree.undo_depth();
         try {
             const EditChange change = edits[which](tree, dice);
-            expect_told(change, states.back(), tree);
+            expect_reported(change, states.back(), tree);
             if (!change.empty()) ++made;
         } catch (const InvalidInput& error) {
             EXPECT_EQ(tree.undo_depth(), depth);

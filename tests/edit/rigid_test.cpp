@@ -20,7 +20,8 @@ constexpr double kQuarter = std::numbers::pi / 2;
 
 TEST(Rigid, MovesABranchWithAllThatHangsOnIt) {
     EditableTree tree(test::stem_with_branches());
-    const EditChange change = translate(tree, ids({4, 6}), {0, 0, 0.5});  // 6 hangs on 4, and moves once
+    const EditChange change =
+        translate(tree, ids({4, 6}), {0, 0, 0.5});  // 6 is a descendant of 4, and moves once
     EXPECT_EQ(change.moved, ids({4, 5, 6, 7}));
     EXPECT_TRUE(near(tree.position(id(6)), {3, 0, 1.5f}));
 }
@@ -35,10 +36,10 @@ TEST(Rigid, TurnsABranchAboutItsJoint) {
     EXPECT_TRUE(near(tree.position(id(6)), {3, 0, 1}));
     EXPECT_TRUE(near(tree.position(id(7)), {2, 0, 2}));
     tree.undo();
-    rotate(tree, ids({4}), {.angle = kQuarter, .about = TurnAxis::side});  // up along its host
+    rotate(tree, ids({4}), {.angle = kQuarter, .about = TurnAxis::side});  // up along its parent branch
     EXPECT_TRUE(near(tree.position(id(6)), {0, 0, 4}));
     tree.undo();
-    rotate(tree, ids({5}), {.angle = kQuarter, .about = TurnAxis::host});  // its host runs along x
+    rotate(tree, ids({5}), {.angle = kQuarter, .about = TurnAxis::host});  // its parent branch is along x
     EXPECT_TRUE(near(tree.position(id(7)), {2, 0, 2}));
 }
 
@@ -68,13 +69,13 @@ TEST(Rigid, RefusesWhatMakesNoSense) {
     EXPECT_EQ(error_of([&] {
                   translate(tree, {}, {1, 0, 0});
               }),
-              "no node is selected; select shows what a selection holds");
+              "no node is selected; use select to list the nodes of a selection");
     EXPECT_EQ(error_of([&] { scale(tree, ids({1}), 0); }),
-              "the factor 0 is not above 0; give 0.5 for half the size");
+              "the factor 0 is not above 0; enter 0.5 for half the size");
     EXPECT_EQ(error_of([&] {
                   rotate(tree, ids({1}), {.angle = 1, .axis = {0, 0, 0}});
               }),
-              "the axis has no direction; give three numbers that are not all 0");
+              "the axis has no direction; enter three numbers that are not all 0");
     EXPECT_NE(error_of([&] {
                   mirror(tree, ids({0}), {1, 0, 0}, true);
               }).find("node 0 is a root"),
@@ -86,7 +87,7 @@ TEST(Rigid, RefusesWhatMakesNoSense) {
     EXPECT_EQ(tree.undo_depth(), 0u);
 }
 
-/// Bytes of history for each node that an edit moves, and that it comes back and goes again to the bit.
+/// Returns the bytes of history per node that an edit moves; checks that undo and redo are bit-identical.
 template <class Edit>
 double bytes_for_each_moved(const Skeleton& skeleton, const Edit& edit) {
     EditableTree tree(skeleton);
@@ -102,7 +103,7 @@ double bytes_for_each_moved(const Skeleton& skeleton, const Edit& edit) {
     return bytes / static_cast<double>(change.moved.size());
 }
 
-// Floats turned and turned back are others: what is kept of a limb is how it moved, and what rounding took.
+// Rotating floats and back changes them: the history stores the motion of a limb, and the rounding errors.
 TEST(Rigid, KeepsLittleOfLimbsThatMoveAsAWhole) {
     const Skeleton tree = random_tree(4000, 7);
     const NodeSet top = ids({1});
@@ -111,10 +112,10 @@ TEST(Rigid, KeepsLittleOfLimbsThatMoveAsAWhole) {
     EXPECT_LT(bytes([&](EditableTree& t) { return translate(t, top, {0.1, -7, 1e-3}); }), 4.5);
     EXPECT_LT(bytes([&](EditableTree& t) { return mirror(t, top, {1, 2, 3}, false); }), 4.5);
     EXPECT_LT(bytes([&](EditableTree& t) { return scale(t, top, 1.7, false); }), 4.5);
-    // Radii are numbers like all others; what is far smaller than before has lost its last bits.
+    // Radii are stored individually; much smaller coordinates lose their last bits.
     EXPECT_LT(bytes([&](EditableTree& t) { return scale(t, top, 0.9, true); }), 10);
     EXPECT_LT(bytes([&](EditableTree& t) { return translate(t, top, {1e6, 0, 0}); }), 20);
-    // Two motions of one edit.
+    // An edit with two motions.
     const EditableTree whole(tree);
     StableId fork = whole.first_root();
     while (!whole.next_sibling(whole.first_child(fork))) fork = whole.first_child(fork);

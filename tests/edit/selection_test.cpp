@@ -59,12 +59,12 @@ TEST(Selection, FindsNodesByAPlaceAndWhatIsThere) {
     EXPECT_EQ(of(tree, "at(2.05,0,1,1,0.05,0.67,3,0.06,77)"), ids({5}));
     EXPECT_EQ(
         error_of([&] { of(tree, "at(2.05,0,1,1,0.05,0.67,3,0.04)"); }),
-        "no node is like at(2.05,0,1,1,0.05,0.67,3,0.04): nothing is within 0.04 m; the nearest is node 5 "
+        "no node is like at(2.05,0,1,1,0.05,0.67,3,0.04): no node is within 0.04 m; the nearest is node 5 "
         "at 2,0,1, 0.05 m away");
-    EXPECT_EQ(
-        error_of([&] { of(tree, "at(2,0,1,0,0.04)"); }),
-        "no node is like at(2,0,1,0,0.04): the order of the axis there is another; the nearest is node 5 at "
-        "2,0,1, 0 m away");
+    EXPECT_EQ(error_of([&] { of(tree, "at(2,0,1,0,0.04)"); }),
+              "no node is like at(2,0,1,0,0.04): the order of the axis there is different; the nearest is "
+              "node 5 at "
+              "2,0,1, 0 m away");
     EXPECT_THROW(of(tree, "at(2,0,1,1,0.04) | at(2,0,1,1,0.1)"), InvalidInput);
 }
 
@@ -100,9 +100,10 @@ TEST(Selection, HandsOutItsIdsToBeChanged) {
 TEST(Selection, SaysWhatItDoesNotUnderstand) {
     EXPECT_EQ(error_of([] { parse_selection("subtree 4"); }),
               "the selection 'subtree 4' needs ( after subtree at its '4'");
-    EXPECT_EQ(error_of([] { parse_selection("radius(0.1)"); }),
-              "the selection 'radius(0.1)' needs two numbers joined by a comma; one of them may be left out "
-              "at its ')'");
+    EXPECT_EQ(
+        error_of([] { parse_selection("radius(0.1)"); }),
+        "the selection 'radius(0.1)' needs two numbers separated by a comma, one of which may be left out "
+        "at its ')'");
     EXPECT_EQ(error_of([] { parse_selection("tips roots"); }),
               "the selection 'tips roots' needs & or | at its 'roots'");
     EXPECT_NE(error_of([] { parse_selection("leaves"); }).find("needs an id, or one of all, roots"),
@@ -113,19 +114,20 @@ TEST(Selection, SaysWhatItDoesNotUnderstand) {
               std::string::npos);
     for (const char* text : {"at(1,2,3,1)", "at(1,2,3,1,0)", "at(1,2,3,0.5,1)", "at(1,2,3,1,1,0.5)",
                              "at(1,2,3,1,1,2,3)", "at(1,2,3,1,1,0.5,3,0)", "at(1,2,3,1,1,0.5,3,1,-1)"})
-        EXPECT_TRUE(error_of([&] { parse_selection(text); }).starts_with("at() takes x,y,z,order,radius"))
+        EXPECT_TRUE(error_of([&] { parse_selection(text); }).starts_with("at() requires x,y,z,order,radius"))
             << text;
-    EXPECT_NE(error_of([] { parse_selection("id(9-5)"); }).find("the first comes first"), std::string::npos);
+    EXPECT_NE(error_of([] { parse_selection("id(9-5)"); }).find("the smaller id comes first"),
+              std::string::npos);
 }
 
 TEST(Selection, SaysWhatIsNotThere) {
     const EditableTree tree(test::stem_with_branches());
     EXPECT_EQ(error_of([&] { of(tree, "subtree(40)"); }),
-              "there is no node 40; 9 ids from 0 to 8 are in use, and select shows them");
+              "there is no node 40; 9 ids from 0 to 8 are in use, and select lists them");
     EXPECT_EQ(error_of([&] { of(tree, "solid(crown)"); }),
-              "there is no solid 'crown' to select by; make it before, as in: sphere crown");
+              "there is no solid 'crown' to select by; create it first, as in: sphere crown");
     EXPECT_EQ(error_of([&] { selected_node(tree, parse_selection("tips")); }),
-              "'tips' holds 4 nodes where one is needed; name its id, or use near(x,y,z)");
+              "'tips' contains 4 nodes where one is needed; name its id, or use near(x,y,z)");
 }
 
 TEST(Selection, UsesWorldSpace) {

@@ -20,9 +20,9 @@ TEST(Thickness, SetsAndScalesRadii) {
     scale_radii(tree, ids({6}), 3);
     EXPECT_FLOAT_EQ(tree.radius(id(6)), 0.03f);
     EXPECT_EQ(error_of([&] { set_radii(tree, ids({1}), 0); }),
-              "the radius 0 is not above 0; give a finite one that is");
+              "the radius 0 is not above 0; enter a finite number above 0");
     EXPECT_EQ(error_of([&] { scale_radii(tree, ids({1}), INFINITY); }),
-              "the factor inf is not above 0; give a finite one that is");
+              "the factor inf is not above 0; enter a finite number above 0");
 }
 
 TEST(Thickness, TapersAlongTheLength) {
@@ -38,8 +38,8 @@ TEST(Thickness, SmoothsAlongAxes) {
     EditableTree tree(test::stem_with_branches());
     set_radii(tree, ids({5}), 0.08);
     smooth_radii(tree, tree.nodes());
-    EXPECT_FLOAT_EQ(tree.radius(id(5)), 0.06f);  // half of 0.08, a quarter each of 0.05 and 0.03
-    EXPECT_FLOAT_EQ(tree.radius(id(4)), 0.05f);  // the first of its axis
+    EXPECT_FLOAT_EQ(tree.radius(id(5)), 0.06f);  // half of 0.08, and a quarter each of 0.05 and 0.03
+    EXPECT_FLOAT_EQ(tree.radius(id(4)), 0.05f);  // the first node of its axis
 }
 
 TEST(Thickness, PipesRadiiDownwards) {
@@ -50,7 +50,7 @@ TEST(Thickness, PipesRadiiDownwards) {
     EXPECT_FLOAT_EQ(tree.radius(id(5)), static_cast<float>(five));
     EXPECT_FLOAT_EQ(tree.radius(id(1)), static_cast<float>(std::hypot(five, 0.08)));  // 2 keeps its radius
     tree.undo();
-    pipe_radii(tree, tree.nodes(), 2);  // all ways at once: each node after its children
+    pipe_radii(tree, tree.nodes(), 2);  // all paths at once: each node after its children
     const double two = std::hypot(0.06, 0.02);
     EXPECT_FLOAT_EQ(tree.radius(id(0)), static_cast<float>(std::hypot(five, two)));
     EXPECT_FLOAT_EQ(tree.radius(id(3)), 0.06f);

@@ -8,8 +8,8 @@
 
 namespace coppice::test {
 
-/// A stem 0 1 2 3 of 1 m segments up the z axis, and a branch 4 5 6 from node 1 along x, its laterals 7 (of
-/// 5, along y) and 8 (of 2, along -x).
+/// A stem 0 1 2 3 of 1 m segments along the z axis, and a branch 4 5 6 from node 1 along x, with laterals 7
+/// (of 5, along y) and 8 (of 2, along -x).
 inline Skeleton stem_with_branches() {
     const auto id = [](std::uint32_t i) { return NodeId(i); };
     const NodeId none;
@@ -27,7 +27,7 @@ inline NodeSet ids(std::initializer_list<std::uint32_t> numbers) {
 
 inline StableId id(std::uint32_t n) { return StableId(n); }
 
-/// Whether two skeletons are the same to the bit, ids included.
+/// Returns whether two skeletons are bit-identical, including ids.
 inline bool same(const Skeleton& a, const Skeleton& b) {
     if (a.size() != b.size()) return false;
     for (const NodeId n : nodes(a)) {

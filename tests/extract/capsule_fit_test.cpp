@@ -5,12 +5,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "coppice/base/id.h"
 #include "coppice/base/random.h"
 
 namespace coppice {
 namespace {
 
-/// Points on the lateral surface of a cylinder along z.
+/// Returns points on the lateral surface of a cylinder along z.
 std::vector<Vec3> cylinder(double radius, double low, double high, Vec3d middle = {}) {
     const CounterRandom random(1, 9);
     std::vector<Vec3> out;
@@ -22,15 +23,15 @@ std::vector<Vec3> cylinder(double radius, double low, double high, Vec3d middle 
     return out;
 }
 
-DraftTree chain(const std::vector<Vec3d>& at, double radius) {
-    DraftTree t;
-    for (const Vec3d p : at) t.add(t.size() == 0 ? DraftTree::kNoParent : t.size() - 1, p, radius);
+InitialTree chain(const std::vector<Vec3d>& at, double radius) {
+    InitialTree t;
+    for (const Vec3d p : at) t.add(t.size() == 0 ? kNoIndex : t.size() - 1, p, radius);
     return t;
 }
 
 TEST(FitCapsules, FindsACylinder) {
     const std::vector<Vec3> points = cylinder(0.2, 0, 3);
-    DraftTree tree = chain({{0.05, 0, 0}, {-0.04, 0.05, 1}, {0.03, -0.05, 2}, {0, 0.04, 3}}, 0.15);
+    InitialTree tree = chain({{0.05, 0, 0}, {-0.04, 0.05, 1}, {0.03, -0.05, 2}, {0, 0.04, 3}}, 0.15);
     FitSamples samples{points, {}, std::vector<std::uint32_t>(points.size(), 1)};
     fit_capsules(tree, samples, {.iterations = 20}, {});
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
@@ -43,16 +44,16 @@ TEST(FitCapsules, FindsACylinder) {
 TEST(FitCapsules, StrayPlacesHardlyCount) {
     std::vector<Vec3> points = cylinder(0.2, 0, 3);
     for (int i = 0; i < 200; ++i) points.push_back({0.6f, 0, 0.015f * static_cast<float>(i)});
-    DraftTree tree = chain({{0, 0, 0}, {0, 0, 1.5}, {0, 0, 3}}, 0.17);
+    InitialTree tree = chain({{0, 0, 0}, {0, 0, 1.5}, {0, 0, 3}}, 0.17);
     FitSamples samples{points, {}, std::vector<std::uint32_t>(points.size(), 1)};
     fit_capsules(tree, samples, {.iterations = 20, .robust = 0.15}, {});
     for (std::uint32_t n = 0; n < tree.size(); ++n) EXPECT_NEAR(tree.radius[n], 0.2, 0.01);
 }
 
-// Of two tubes that touch, a place belongs to the one whose surface faces as it does.
+// Of two touching tubes, a sample belongs to the one with a surface normal similar to its own.
 TEST(FitCapsules, NormalsTellNeighboursApart) {
-    DraftTree tree;
-    tree.add(DraftTree::kNoParent, {0, 0, 0}, 0.1);
+    InitialTree tree;
+    tree.add(kNoIndex, {0, 0, 0}, 0.1);
     tree.add(0, {-0.1, 0, 2}, 0.1);
     tree.add(0, {0.1, 0, 2}, 0.1);
     const std::vector<Vec3> points{{0, 0, 2}}, normals{{1, 0, 0}};
@@ -63,7 +64,7 @@ TEST(FitCapsules, NormalsTellNeighboursApart) {
 
 TEST(FitCapsules, NodesWithoutSamplesStayFinite) {
     const std::vector<Vec3> points = cylinder(0.2, 0, 1);
-    DraftTree tree = chain({{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {0, 0, 2}, {0, 0, 2}}, 0.2);
+    InitialTree tree = chain({{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {0, 0, 2}, {0, 0, 2}}, 0.2);
     FitSamples samples{points, {}, std::vector<std::uint32_t>(points.size(), 1)};
     fit_capsules(tree, samples, {}, {});
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
@@ -75,16 +76,16 @@ TEST(FitCapsules, NodesWithoutSamplesStayFinite) {
 TEST(FitCapsules, BitsDoNotDependOnThreads) {
     const std::vector<Vec3> points = cylinder(0.2, 0, 3);
     const auto fitted = [&](unsigned threads) {
-        DraftTree tree = chain({{0.05, 0, 0}, {-0.04, 0.05, 1}, {0.03, -0.05, 2}, {0, 0.04, 3}}, 0.15);
+        InitialTree tree = chain({{0.05, 0, 0}, {-0.04, 0.05, 1}, {0.03, -0.05, 2}, {0, 0.04, 3}}, 0.15);
         FitSamples samples{points, {}, std::vector<std::uint32_t>(points.size(), 1)};
         Context ctx;
         ctx.threads = threads;
         fit_capsules(tree, samples, {}, ctx);
         return tree;
     };
-    const DraftTree one = fitted(1);
+    const InitialTree one = fitted(1);
     for (const unsigned threads : {2u, 7u}) {
-        const DraftTree many = fitted(threads);
+        const InitialTree many = fitted(threads);
         EXPECT_EQ(one.position, many.position);
         EXPECT_EQ(one.radius, many.radius);
     }

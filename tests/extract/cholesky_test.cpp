@@ -7,7 +7,8 @@
 namespace coppice::extract_internal {
 namespace {
 
-/// The Laplacian of a square grid plus `shift` on the diagonal: symmetric, positive definite for shift > 0.
+/// Returns the Laplacian of a square grid plus `shift` on the diagonal: symmetric, positive definite for
+/// shift > 0.
 SparseCholesky::Matrix grid(int side, double shift) {
     std::vector<Eigen::Triplet<double>> entries;
     const auto join = [&](int a, int b) {

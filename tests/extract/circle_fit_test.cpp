@@ -52,8 +52,8 @@ TEST(CircleFit, LeavesOutliersOut) {
 TEST(CircleFit, OwnsUpWherePointsDoNotTell) {
     EXPECT_FALSE(fit_circle(arc(0, 2 * std::numbers::pi, 5, 0), 10).good);      // too few
     EXPECT_FALSE(fit_circle(arc(0, 0.5, 40, 0.01), 10).good);                   // a short arc
-    EXPECT_FALSE(fit_circle(arc(0, 2 * std::numbers::pi, 40, 0), 0.4).good);    // larger than it may be
-    EXPECT_FALSE(fit_circle(std::vector<PlanePoint>(20, {1, 1, 1}), 10).good);  // one place
+    EXPECT_FALSE(fit_circle(arc(0, 2 * std::numbers::pi, 40, 0), 0.4).good);    // larger than the maximum
+    EXPECT_FALSE(fit_circle(std::vector<PlanePoint>(20, {1, 1, 1}), 10).good);  // coincident points
     std::vector<PlanePoint> line;
     for (int i = 0; i < 20; ++i) line.push_back({0.1 * i, 0.2 * i, 1});
     EXPECT_FALSE(fit_circle(line, 1).good);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// An arc of radius 0.2 about (5, 3), with uniform noise.
+/// Returns an arc of radius 0.2 about (5, 3), with uniform noise.
 std::vector<PlanePoint> arc(double from, double to, int count, double noise) {
     std::vector<PlanePoint> points;
     const CounterRandom random(5, 1);
@@ -25,7 +25,7 @@ std::vector<PlanePoint> arc(double from, double to, int count, double noise) {
     return points;
 }
 
-/// Points all over a square of 1 m beside the arc, which covers a third of it: leaves.
+/// Adds points of leaves in a square of 1 m that contains a third of the circle.
 void add_clutter(std::vector<PlanePoint>& points, int count) {
     const CounterRandom random(6, 1);
     for (int i = 0; i < count; ++i) {
@@ -39,8 +39,8 @@ TEST(CircleSearch, FindsACircleAndSaysHowSureItIs) {
     EXPECT_NEAR(c.radius, 0.2, 0.001);
     EXPECT_NEAR(c.x, 5, 0.001);
     EXPECT_EQ(c.coverage, 1);
-    // Uniform noise of +-4 mm has a root mean square of 2.3 mm; 36 sectors of four points each make it
-    // 2.3 / sqrt(144) = 0.19 mm.
+    // Uniform noise of +-4 mm has a root mean square of 2.3 mm; 36 sectors of four points each reduce it
+    // to 2.3 / sqrt(144) = 0.19 mm.
     EXPECT_NEAR(c.residual, 0.0023, 0.0004);
     EXPECT_NEAR(c.deviation, 0.00019, 0.00004);
 }
@@ -52,13 +52,13 @@ TEST(CircleSearch, FindsHalfAStemBesideLeaves) {
     EXPECT_NEAR(c.radius, 0.2, 0.01);
     EXPECT_NEAR(c.x, 5, 0.01);
     EXPECT_GE(c.coverage, 0.45);
-    EXPECT_GT(c.deviation, 0.0002);  // half of it says less than all
+    EXPECT_GT(c.deviation, 0.0002);  // half of it determines the radius less than the whole
 }
 
 TEST(CircleSearch, FindsNothingAmidLeavesAlone) {
     std::vector<PlanePoint> points;
     add_clutter(points, 60);
-    const FoundCircle c = find_circle(points, {.least_radius = 0.1, .greatest_radius = 0.3, .noise = 0.004});
+    const FoundCircle c = find_circle(points, {.min_radius = 0.1, .max_radius = 0.3, .noise = 0.004});
     EXPECT_TRUE(c.used == 0 || c.coverage < 0.6 || c.inside > 0.5);
     EXPECT_EQ(find_circle({}, {}).used, 0u);
     EXPECT_EQ(find_circle(std::vector<PlanePoint>(50, {1, 1, 1}), {}).used, 0u);
@@ -66,7 +66,7 @@ TEST(CircleSearch, FindsNothingAmidLeavesAlone) {
 
 TEST(CircleSearch, ContrastTellsAStemFromPointsStrewnEvenly) {
     const CircleSearch search{
-        .least_radius = 0.1, .greatest_radius = 0.3, .noise = 0.008, .anywhere = false, .reach = 0.15};
+        .min_radius = 0.1, .max_radius = 0.3, .noise = 0.008, .anywhere = false, .reach = 0.15};
     const double least = std::log(kPi * 0.15 * 0.15 * 0.2 / std::pow(2 * search.noise, 3) / 0.01);
     int passed = 0;
     for (std::uint64_t seed = 0; seed < 200; ++seed) {
@@ -76,7 +76,7 @@ TEST(CircleSearch, ContrastTellsAStemFromPointsStrewnEvenly) {
             const double r = 0.45 * std::sqrt(random.uniform(2 * k)),
                          turn = 2 * kPi * random.uniform(2 * k + 1);
             even.push_back({r * std::cos(turn), r * std::sin(turn), 1});
-            // A quarter of the points are leaves about a stem of which half is seen.
+            // A quarter of the points are leaves about a half-visible stem.
             if (k % 4 == 0)
                 stem.push_back(even.back());
             else

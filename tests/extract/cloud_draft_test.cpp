@@ -1,4 +1,4 @@
-#include "coppice/extract/cloud/draft_internal.h"
+#include "coppice/extract/cloud/initial_tree_internal.h"
 
 #include <gtest/gtest.h>
 
@@ -6,6 +6,7 @@
 #include <cfenv>
 #include <cmath>
 
+#include "coppice/base/id.h"
 #include "coppice/extract/cloud/centerline_internal.h"
 #include "coppice/extract/points/clean_internal.h"
 #include "extract/cloud_support.h"
@@ -13,7 +14,7 @@
 namespace coppice::extract_internal {
 namespace {
 
-/// A cloud with all that the steps of a draft want to know of it.
+/// Cloud with the input of the steps of the initial tree.
 struct Prepared {
     Buffer<Vec3> points;
     Graph graph;
@@ -23,15 +24,15 @@ struct Prepared {
         const Neighbours near = nearest_neighbours(points, 12, {});
         graph = make_graph(near, std::vector<std::uint8_t>(points.size(), 0), {}, {});
         spacing = local_spacing(near, 4);
-        samples = {points, {}, std::vector<std::uint32_t>(points.size(), kNone)};
+        samples = {points, {}, std::vector<std::uint32_t>(points.size(), kNoIndex)};
     }
-    DraftCloud cloud(StemBases bases = {}) const { return {graph, bases, spacing, {}, {}}; }
+    CloudInput cloud(StemBases bases = {}) const { return {graph, bases, spacing, {}, {}}; }
 };
 
-/// A stem of radius 0.1 up to a height of 2, as one segment.
-DraftTree stem() {
-    DraftTree tree;
-    tree.add(kNone, {0, 0, 0}, 0.1);
+/// Returns a stem of radius 0.1 up to a height of 2, as one segment.
+InitialTree stem() {
+    InitialTree tree;
+    tree.add(kNoIndex, {0, 0, 0}, 0.1);
     tree.add(0, {0, 0, 2}, 0.1);
     return tree;
 }
@@ -40,13 +41,13 @@ TEST(CloudAssignment, PointsBelongToTheSurfaceTheyLieOn) {
     PointSet set;
     strew_cone(set, {0, 0, 0}, {0, 0, 2}, 0.1, 0.1, 3000, 0.002);
     const std::size_t on = set.size();
-    // Off the surface by more than noise, a fifth of the radius or a third of a spacing of some 20 mm.
+    // Farther from the surface than the noise, a fifth of the radius or a third of a spacing of some 20 mm.
     for (int i = 0; i < 40; ++i) set.positions.push_back({0.135f, 0, 0.5f + 0.02f * static_cast<float>(i)});
     Prepared p(set);
     const PointDistances distances = assign_points(stem(), p.samples, p.spacing, {});
-    EXPECT_EQ(std::ranges::count(p.samples.node, kNone), 40);
+    EXPECT_EQ(std::ranges::count(p.samples.node, kNoIndex), 40);
     EXPECT_EQ(
-        std::count(p.samples.node.begin() + static_cast<std::ptrdiff_t>(on), p.samples.node.end(), kNone),
+        std::count(p.samples.node.begin() + static_cast<std::ptrdiff_t>(on), p.samples.node.end(), kNoIndex),
         40);
     EXPECT_NEAR(distances.distance[on], 0.035, 1e-5);
     // The sum of three uniform numbers of 2 mm each has a standard deviation of 1 mm.
@@ -58,7 +59,7 @@ TEST(CloudAssignment, DropsTheSecondOfTwoAxesAndKeepsWhatStandsClear) {
     strew_cone(set, {0, 0, 0}, {0, 0, 2}, 0.1, 0.1, 3000, 0.002);
     strew_cone(set, {0.1, 0, 1}, {0.5, 0, 1.2}, 0.03, 0.03, 400, 0.002);
     Prepared p(set);
-    DraftTree tree = stem();
+    InitialTree tree = stem();
     const std::uint32_t fork = tree.add(0, {0, 0, 0.95}, 0.1);
     tree.parent[1] = fork;
     tree.add(fork, {0.5, 0, 1.2}, 0.03);       // the branch
@@ -69,7 +70,7 @@ TEST(CloudAssignment, DropsTheSecondOfTwoAxesAndKeepsWhatStandsClear) {
     EXPECT_EQ(prune_redundant(tree, p.samples, p.spacing, distances.noise, {}), 1u);
     ASSERT_EQ(tree.size(), 4u);
     EXPECT_EQ(std::ranges::count_if(tree.position, [](Vec3d q) { return q.x > 0.4; }), 1);
-    // Nothing else explains what is left.
+    // No other branch explains the remaining points.
     EXPECT_EQ(prune_redundant(tree, p.samples, p.spacing, distances.noise, {}), 0u);
 }
 
@@ -77,8 +78,8 @@ TEST(CloudAssignment, DropsABranchWithoutPointsAndDividesByNothing) {
     PointSet set;
     strew_cone(set, {0, 0, 0}, {0, 0, 2}, 0.1, 0.1, 3000, 0.002);
     Prepared p(set);
-    DraftTree tree = stem();
-    tree.add(tree.add(kNone, {3, 0, 0}, 0.03), {3, 0, 5}, 0.03);
+    InitialTree tree = stem();
+    tree.add(tree.add(kNoIndex, {3, 0, 0}, 0.03), {3, 0, 5}, 0.03);
     std::feclearexcept(FE_ALL_EXCEPT);
     EXPECT_EQ(prune_redundant(tree, p.samples, p.spacing, 0.001, {.threads = 1}), 1u);
     EXPECT_FALSE(std::fetestexcept(FE_INVALID | FE_DIVBYZERO));
@@ -89,7 +90,7 @@ TEST(CloudChains, FollowATwigOfTenPointsBackToTheStem) {
     strew_cone(set, {0, 0, 0}, {0, 0, 2}, 0.1, 0.1, 3000);
     strew_cone(set, {0.1, 0, 1}, {0.4, 0, 1}, 0.01, 0.01, 10);
     Prepared p(set);
-    DraftTree tree = stem();
+    InitialTree tree = stem();
     const PointDistances distances = assign_points(tree, p.samples, p.spacing, {});
     grow_chains(tree, p.samples, p.cloud(), distances, {});
     ASSERT_GT(tree.size(), 2u);
@@ -108,17 +109,17 @@ TEST(CloudAttach, AttachesLooseTubesToEachOtherAndToTheRoot) {
     PointSet set;
     strew_cone(set, {0, 0, 0}, {0, 0, 2}, 0.1, 0.1, 6000);
     Prepared p(set);
-    DraftTree tree;  // two tubes, the upper one the wrong way round, with half a metre between them
-    tree.add(kNone, {0, 0, 0.1}, 0.1);
+    InitialTree tree;  // two tubes with half a metre between them, the upper one reversed
+    tree.add(kNoIndex, {0, 0, 0.1}, 0.1);
     tree.add(0, {0, 0, 0.7}, 0.1);
-    tree.add(kNone, {0, 0, 1.9}, 0.1);
+    tree.add(kNoIndex, {0, 0, 1.9}, 0.1);
     tree.add(2, {0, 0, 1.2}, 0.1);
     assign_points(tree, p.samples, p.spacing, {});
     std::vector<std::vector<std::uint32_t>> bases(1);
     for (std::uint32_t i = 0; i < p.points.size(); ++i)
         if (p.points[i].z < 0.03f) bases[0].push_back(i);
     EXPECT_EQ(attach_tubes(tree, p.samples, p.cloud(bases), {}, true, {}), p.points.size());
-    EXPECT_EQ(std::ranges::count(tree.parent, kNone), 1);
+    EXPECT_EQ(std::ranges::count(tree.parent, kNoIndex), 1);
     const auto top = std::ranges::max_element(tree.position, {}, &Vec3d::z) - tree.position.begin();
     EXPECT_TRUE(DraftLinks(tree).is_tip(static_cast<std::uint32_t>(top)));
     EXPECT_DOUBLE_EQ(tree.position[static_cast<std::size_t>(top)].z, 1.9);
@@ -126,7 +127,7 @@ TEST(CloudAttach, AttachesLooseTubesToEachOtherAndToTheRoot) {
 }
 
 TEST(CloudLaterals, LateralsStartWhereTheirAxesMeet) {
-    DraftTree tree = stem();
+    InitialTree tree = stem();
     tree.position[1].z = 4;
     const std::uint32_t fork = tree.add(0, {0, 0, 1.4}, 0.1);  // too high
     tree.parent[1] = fork;
@@ -138,7 +139,7 @@ TEST(CloudLaterals, LateralsStartWhereTheirAxesMeet) {
     const auto new_of_old = sort_parents_first(tree);
     samples.node[0] = new_of_old[inside];
     reattach_laterals(tree, samples, {});
-    // At 45 degrees, from 0.3 off the stem at a height of 1.3: it leaves the stem at 1.0.
+    // At 45 degrees, starting at 0.3 from the axis of the stem at a height of 1.3: it leaves the stem at 1.0.
     const auto lateral = std::ranges::find(tree.position, Vec3d(0.3, 0, 1.3)) - tree.position.begin();
     ASSERT_LT(lateral, tree.size());
     const Vec3d start = tree.position[tree.parent[static_cast<std::size_t>(lateral)]];
@@ -168,16 +169,16 @@ TEST(CloudCenterline, WidensToAllOfAClosedTubeButNotToItsNeighbour) {
     for (const BranchPoint& m : branch.members) EXPECT_LT(m.point, 600u);
 }
 
-TEST(CloudDraft, ShortThickPiecesBecomeAsThinAsWhatBearsThem) {
-    DraftTree tree;
-    tree.add(kNone, {0, 0, 0}, 0.1);
+TEST(FittedTree, ShortThickPiecesBecomeAsThinAsWhatBearsThem) {
+    InitialTree tree;
+    tree.add(kNoIndex, {0, 0, 0}, 0.1);
     for (std::uint32_t i = 1; i <= 10; ++i) tree.add(i - 1, {0, 0, 0.1 * i}, 0.01);
-    tree.radius[8] = 0.05;    // 0.1 m long, of 0.6 m that it may be
+    tree.radius[8] = 0.05;    // 0.1 m long, less than the maximum of 0.6 m
     tree.radius[10] = 0.022;  // 2.2 times as thick
     correct_swollen_radii(tree);
     EXPECT_EQ(tree.radius[8], 0.01);
     EXPECT_EQ(tree.radius[10], 0.022);
-    // What is thick for longer is a branch, as is what stands on the root or beyond a thin place.
+    // A longer thick section is a branch, as is one at the root or beyond a thin section.
     for (std::uint32_t i = 7; i <= 10; ++i) tree.radius[i] = 0.03;
     tree.radius[2] = 0.002;
     const auto before = tree.radius;
@@ -200,17 +201,17 @@ TEST(CloudAttach, ShortTubesMuchThickerThanWhatBearsThemAreNone) {
     const std::vector<std::vector<std::uint32_t>> bases{base};
     for (const double end : {0.7, 1.5}) {
         Prepared q = p;
-        DraftTree tree = stem();
-        tree.add(kNone, {0.1, 0, 1}, 0.01);
+        InitialTree tree = stem();
+        tree.add(kNoIndex, {0.1, 0, 1}, 0.01);
         tree.add(2, {0.5, 0, 1}, 0.01);
-        tree.add(kNone, {0.5, 0, 1}, 0.06);
+        tree.add(kNoIndex, {0.5, 0, 1}, 0.06);
         tree.add(4, {end, 0, 1}, 0.06);  // 3 radii long, then 17
         for (std::size_t i = 3000; i < first; ++i) q.samples.node[i] = 3;
         for (std::size_t i = first; i < q.points.size(); ++i) q.samples.node[i] = 5;
         attach_tubes(tree, q.samples, q.cloud(bases), {}, true, {});
         const bool kept = end > 1;
         EXPECT_EQ(std::ranges::count(tree.radius, 0.06), kept ? 2 : 0);
-        EXPECT_EQ(q.samples.node.back() == kNone, !kept);
+        EXPECT_EQ(q.samples.node.back() == kNoIndex, !kept);
     }
 }
 

@@ -1,3 +1,4 @@
+#include "coppice/base/id.h"
 #include "coppice/extract/points/gaps_internal.h"
 #include "coppice/extract/points/graph_internal.h"
 
@@ -39,7 +40,7 @@ TEST(CloudGraph, NeighboursAreTheNearestOnes) {
 }
 
 TEST(CloudGraph, BridgesAreAMinimalSpanningTree) {
-    // Clusters of one point each: bridges against Prim's algorithm.
+    // Clusters of one point each: compares bridges with Prim's algorithm.
     const auto points = strewn(120, 2);
     const std::vector<std::uint8_t> used(points.size(), 0);
     Components alone;
@@ -71,12 +72,12 @@ TEST(CloudGraph, BridgesAreAMinimalSpanningTree) {
 }
 
 TEST(CloudGraph, PathsPreferManyShortSteps) {
-    // A square with one side in steps of 1, and a straight way of 3: 1 + 1 + 1 < 9.
+    // A path with steps of 1 and a straight link of 3: 1 + 1 + 1 < 9.
     const std::vector<Vec3> points{{0, 0, 0}, {1, 0.1f, 0}, {2, 0.1f, 0}, {3, 0, 0}};
     const Neighbours near = nearest_neighbours(points, 3, {});
     const Graph graph = make_graph(near, std::vector<std::uint8_t>(4, 0), {}, {});
     const std::vector<float> spacing(4, 1);
-    const std::vector<std::uint32_t> root{0}, free(4, kNone);
+    const std::vector<std::uint32_t> root{0}, free(4, kNoIndex);
     const Paths paths = shortest_paths(graph, root, free, {spacing}, {});
     EXPECT_EQ(paths.parent[3], 2u);
     EXPECT_EQ(paths.parent[2], 1u);
@@ -84,7 +85,7 @@ TEST(CloudGraph, PathsPreferManyShortSteps) {
 }
 
 TEST(CloudGraph, PathsFromTakenPointsAreTheShortest) {
-    // Nine of ten points are taken, and start paths: some twice, most with none but taken ones about them.
+    // Nine of ten points are taken and are sources, some twice, most with only taken neighbours.
     const auto points = strewn(600, 6);
     const Neighbours near = nearest_neighbours(points, 4, {});
     const Graph graph = make_graph(near, std::vector<std::uint8_t>(points.size(), 0), {}, {});
@@ -94,14 +95,14 @@ TEST(CloudGraph, PathsFromTakenPointsAreTheShortest) {
     for (std::uint32_t p = 0; p < points.size(); ++p) {
         const bool is_free = points[p].x < 0.3f && points[p].y < 0.4f && p != 0;
         if (is_free) {
-            taken[p] = kNone;
+            taken[p] = kNoIndex;
             least[p] = std::numeric_limits<double>::infinity();
         } else {
             sources.insert(sources.end(), p % 7 == 0 ? 2 : 1, p);
         }
     }
     const Paths paths = shortest_paths(graph, sources, taken, {spacing}, {});
-    for (bool better = true; better;) {  // Bellman and Ford
+    for (bool better = true; better;) {  // Bellman-Ford
         better = false;
         for (std::uint32_t p = 0; p < points.size(); ++p) {
             for (std::uint32_t e = graph.first[p]; e < graph.first[p + 1]; ++e) {
@@ -114,15 +115,15 @@ TEST(CloudGraph, PathsFromTakenPointsAreTheShortest) {
     }
     std::size_t reached = 0;
     for (std::uint32_t p = 0; p < points.size(); ++p) {
-        if (taken[p] != kNone) continue;
+        if (taken[p] != kNoIndex) continue;
         EXPECT_FLOAT_EQ(paths.distance[p], static_cast<float>(least[p])) << p;
         reached += std::isfinite(least[p]);
     }
     EXPECT_GT(reached, 40u);
     EXPECT_EQ(paths.order.size(), reached);
     EXPECT_TRUE(std::ranges::is_sorted(paths.order, {}, [&](std::uint32_t p) { return paths.distance[p]; }));
-    // A start that is free is on its path once, however often it is named.
-    const std::vector<std::uint32_t> free(points.size(), kNone), twice{5, 5};
+    // A free source is on its path once, even if it is listed twice.
+    const std::vector<std::uint32_t> free(points.size(), kNoIndex), twice{5, 5};
     EXPECT_EQ(std::ranges::count(shortest_paths(graph, twice, free, {spacing}, {}).order, 5u), 1);
 }
 
@@ -174,7 +175,7 @@ TEST(CloudClean, SortsAndDropsDuplicates) {
     EXPECT_EQ(once.size(), points.size());
     points.insert(points.end(), points.begin(), points.begin() + 100);
     EXPECT_EQ(sorted_without_duplicates(points, {}), once);
-    points.push_back({1e30f, 1e30f, 1e30f});  // throws all others into one cube of the sorting
+    points.push_back({1e30f, 1e30f, 1e30f});  // moves all others into one cell of the sorting
     EXPECT_EQ(sorted_without_duplicates(points, {}).size(), once.size() + 1);
 }
 
@@ -191,22 +192,22 @@ TEST(CloudClean, ThinsToOnePointACube) {
 }
 
 TEST(CloudGraph, PathsGoOnStraightAndOutward) {
-    // From 0 to 4 there are two ways of two equal steps: one goes on straight, the other one turns by 90
-    // degrees.
+    // From 0 to 4 there are two paths of two equal steps: one is straight, the other one turns by 90 degrees.
     const std::vector<Vec3> points{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {1, 1, 0}, {2, 1, 0}};
     const std::vector<Link> links{{0, 1, 1}, {1, 2, 1}, {1, 3, 1}, {2, 4, 1}, {3, 4, 1}};
     const Graph graph = make_graph({0, {}, {}}, std::vector<std::uint8_t>(5, 1), links, {});
     const std::vector<float> spacing(5, 1);
-    const std::vector<std::uint32_t> root{0}, free(5, kNone);
+    const std::vector<std::uint32_t> root{0}, free(5, kNoIndex);
     EXPECT_EQ(shortest_paths(graph, root, free, {spacing, points}, {}).parent[4], 2u);
-    // Where branches grow along y, the step along y comes first.
+    // If branches grow along y, the path begins with the step along y.
     const std::vector<Vec3> outward(5, {0, 1, 0});
     const std::vector<Vec3> aside{{0, 0, 0}, {0, 1, 0}, {0, 2, 0}, {1, 1, 0}, {1, 2, 0}};
     EXPECT_EQ(shortest_paths(graph, root, free, {spacing, aside, outward}, {}).parent[4], 2u);
 }
 
 TEST(CloudGraph, BridgesWideGapsToWhatIsLarge) {
-    // Rows of 40 and 30 points 0.1 apart, a gap of 0.8 between them, and a stray as far away.
+    // Rows of 40 and 30 points at intervals of 0.1, a gap of 0.8 between them, and an outlier at the same
+    // distance.
     std::vector<Vec3> points;
     for (int i = 0; i < 40; ++i) points.push_back({0.1f * static_cast<float>(i), 0, 0});
     for (int i = 0; i < 30; ++i) points.push_back({4.7f + 0.1f * static_cast<float>(i), 0, 0});

@@ -19,7 +19,7 @@
 namespace coppice::extract_internal {
 namespace {
 
-/// Points on a leaf: a flat disc about a place.
+/// Adds points on a leaf: a flat disc about a position.
 void strew_leaf(PointSet& set, Vec3d at, double radius, int count, const CounterRandom& random,
                 std::uint64_t& draw) {
     const double up = random.uniform(draw++, -1, 1), turn = random.uniform(draw++, 0, 2 * std::numbers::pi);
@@ -32,7 +32,7 @@ void strew_leaf(PointSet& set, Vec3d at, double radius, int count, const Counter
     }
 }
 
-/// A stem of 4 m with twelve branches of 1.2 m, sampled every 2 cm or so, and from `leaves_first` on leaves
+/// A stem of 4 m with twelve branches of 1.2 m, sampled about every 2 cm, and from `leaves_first` on leaves
 /// of 7 cm along the outer half of the branches.
 struct LeafyTree {
     PointSet set;
@@ -79,7 +79,7 @@ Found leaves_of(const PointSet& set, bool always = false, std::uint32_t neighbou
     return found;
 }
 
-/// Shares of the wood and of the leaves that are taken for what they are.
+/// Shares of the wood and of the leaves that are classified correctly.
 struct Recall {
     double wood = 0, leaves = 0;
 };
@@ -102,7 +102,7 @@ Recall recall(const LeafyTree& tree, const Found& found) {
     return {kept / wood, right / static_cast<double>(leaves.size())};
 }
 
-NormalDispersion dispersion_of(const PointSet& set) {
+NormalDispersion compute_dispersion(const PointSet& set) {
     const Buffer<Vec3> points = sorted_without_duplicates(set.positions, {});
     return normal_dispersion(points, nearest_neighbours(points, 12, {}), {});
 }
@@ -114,12 +114,11 @@ TEST(NormalDispersion, IsNoneOnPlanesAndTubesOfAnyThickness) {
         const double x = random.uniform(2 * i), y = random.uniform(2 * i + 1);
         plane.positions.push_back(Vec3(Vec3d{x, y, 0.5 * x}));
     }
-    EXPECT_LT(std::ranges::max(dispersion_of(plane).value), 1e-5);
-    // Beside their rims, where normals tilt, about four fifths of the points lie within a few spacings of
-    // none.
+    EXPECT_LT(std::ranges::max(compute_dispersion(plane).value), 1e-5);
+    // Normals tilt near the rims; about four fifths of the points are not within a few spacings of a rim.
     strew_cone(tubes, {0, 0, 0}, {0, 0, 4}, 0.1, 0.1, 8000, 0, false, 1);
     strew_cone(tubes, {3, 0, 0}, {3, 0, 4}, 0.3, 0.2, 8000, 0, false, 2);
-    const NormalDispersion d = dispersion_of(tubes);
+    const NormalDispersion d = compute_dispersion(tubes);
     EXPECT_LT(d.share, 0.001);
     EXPECT_GE(std::ranges::count_if(d.value, [](float v) { return v < 0.02f; }), 15000);
 }
@@ -133,7 +132,7 @@ TEST(NormalDispersion, IsAThirdWhereNormalsPointEverywhere) {
         draw += 3;
         strew_leaf(leaves, at, 0.04, 5, random, draw);
     }
-    const NormalDispersion d = dispersion_of(leaves);
+    const NormalDispersion d = compute_dispersion(leaves);
     EXPECT_GT(d.share, 0.9);
     EXPECT_LE(std::ranges::max(d.value), 1.0f / 3 + 1e-6f);
     EXPECT_GT(std::ranges::max(d.value), 0.27f);
@@ -184,14 +183,15 @@ TEST(CloudLeaves, AreToldFromWood) {
     const Recall r = recall(tree, found);
     EXPECT_GT(r.wood, 0.8);
     EXPECT_GT(r.leaves, 0.9);
-    // Below its branches, the stem is as far from leaves as can be.
+    // Below its branches, the stem is farthest from leaves.
     for (std::size_t i = 0; i < found.points.size(); ++i) {
         ASSERT_FALSE(found.leaf[i] && found.points[i].z < 1.2f) << found.points[i].z;
     }
 }
 
 TEST(CloudLeaves, AreFoundAtAnyDensity) {
-    // The same tree with each point eight times, 3 mm about: leaves of 96 points, smooth to their neighbours.
+    // The same tree with each point eight times, with offsets of 3 mm: leaves of 96 points, smooth relative
+    // to their neighbours.
     const LeafyTree tree = leafy_tree(100);
     LeafyTree dense;
     const CounterRandom random(23, 1);
@@ -235,14 +235,14 @@ TEST(CloudLeaves, AreTheSameForAnyNumberOfThreads) {
 TEST(CloudLeaves, RuleDecidesWhatIsLeftOut) {
     const LeafyTree tree = leafy_tree(100);
     const CloudExtraction kept = extract_from_cloud(tree.set, {.leaves = LeafRule::keep});
-    const CloudExtraction told = extract_from_cloud(tree.set, {.detail = 1});
+    const CloudExtraction reported = extract_from_cloud(tree.set, {.detail = 1});
     EXPECT_EQ(kept.cleaning.leaves, 0u);
-    EXPECT_GT(told.cleaning.leaves, 0.8 * static_cast<double>(tree.set.size() - tree.leaves_first));
+    EXPECT_GT(reported.cleaning.leaves, 0.8 * static_cast<double>(tree.set.size() - tree.leaves_first));
     // 4 m of stem and 12 branches of sqrt(1.1^2 + 0.5^2) = 1.21 m: 18.5 m of wood.
-    const double length = measure(told.skeleton).length;
+    const double length = measure(reported.skeleton).length;
     EXPECT_NEAR(length, 18.5, 6);
     EXPECT_GT(measure(kept.skeleton).length, 1.5 * length);
-    // Finer detail leads twigs to clusters of leaves, the finer the more of them.
+    // Finer detail adds more twigs to clusters of leaves.
     const double coarse = measure(extract_from_cloud(tree.set, {.detail = 0.2f}).skeleton).length;
     const double fine = measure(extract_from_cloud(tree.set, {.detail = 0.1f}).skeleton).length;
     EXPECT_LT(length, coarse);

@@ -9,8 +9,8 @@
 
 namespace coppice {
 
-/// Points strewn evenly over the lateral surface of a cone, with noise along its normals; over the part of it
-/// that faces +x only where `half`.
+/// Adds uniformly distributed points on the lateral surface of a cone, with noise along its normals; only on
+/// the side that faces +x if `half`.
 inline void strew_cone(PointSet& set, Vec3d a, Vec3d b, double ra, double rb, int count, double noise = 0,
                        bool half = false, std::uint64_t seed = 1) {
     const CounterRandom random(seed, 7);
@@ -28,7 +28,7 @@ inline void strew_cone(PointSet& set, Vec3d a, Vec3d b, double ra, double rb, in
     }
 }
 
-/// A stem of 2 m that divides in two branches of 1 m; 4.2 m of wood in all.
+/// Returns a stem of 2 m that forks into two branches of 1 m; 4.2 m of branches in total.
 inline PointSet fork_cloud(double noise = 0) {
     PointSet set;
     strew_cone(set, {0, 0, 0}, {0, 0, 2}, 0.1, 0.08, 4000, noise, false, 1);

@@ -9,7 +9,7 @@ namespace coppice {
 namespace {
 
 TEST(Crown, OfABoxOfPointsIsTheBox) {
-    // 2 x 1 x 1 m above z = 13, and a stem below that does not count.
+    // 2 x 1 x 1 m above z = 13, and a stem below, which is ignored.
     PointSet points{{}, {500000, 5400000, 10}};
     for (int i = 0; i < 8; ++i)
         points.positions.emplace_back(float(2 * (i & 1)), float((i >> 1) & 1), float(3 + (i >> 2)));
@@ -21,7 +21,7 @@ TEST(Crown, OfABoxOfPointsIsTheBox) {
         (std::vector<Vec3d>{
             {500000, 5400000, 13}, {500002, 5400000, 13}, {500002, 5400001, 13}, {500000, 5400001, 13}}));
     EXPECT_DOUBLE_EQ(crown.area, 2);
-    EXPECT_DOUBLE_EQ(crown.greatest_width, std::sqrt(5));
+    EXPECT_DOUBLE_EQ(crown.max_width, std::sqrt(5));
     EXPECT_DOUBLE_EQ(crown.diameter(), 2 * std::sqrt(2 / std::numbers::pi));
     EXPECT_NEAR(crown.hull_volume, 2, 1e-9);
     EXPECT_NEAR(crown.hull_area, 10, 1e-9);
@@ -29,11 +29,11 @@ TEST(Crown, OfABoxOfPointsIsTheBox) {
 }
 
 TEST(Crown, WidthIsThatOfTheFarthestCorners) {
-    // A slanted strip, a triangle whose side is longest, and a regular polygon.
+    // A slanted strip, a triangle with its maximum width along one side, and a regular polygon.
     const auto width = [](std::vector<Vec3> corners) {
         PointSet points{{}, {}};
         points.positions.assign(corners.begin(), corners.end());
-        return measure_crown(points, -1).greatest_width;
+        return measure_crown(points, -1).max_width;
     };
     EXPECT_DOUBLE_EQ(width({{0, 0, 0}, {1, 0, 0}, {10, 1, 0}, {9, 1, 0}}), std::sqrt(101));
     EXPECT_DOUBLE_EQ(width({{0, 0, 0}, {5, 0, 0}, {1, 1, 0}}), 5);
@@ -52,7 +52,7 @@ TEST(Crown, IsNothingWithoutAnOutline) {
         const Crown crown = measure_crown(points, above);
         EXPECT_TRUE(crown.outline.empty());
         EXPECT_EQ(crown.area, 0);
-        EXPECT_EQ(crown.greatest_width, 0);
+        EXPECT_EQ(crown.max_width, 0);
         EXPECT_EQ(crown.hull_volume, 0);
     }
 }
@@ -68,7 +68,7 @@ TEST(Crown, BasesAreThoseOfEachTree) {
     const std::vector<double> bases = crown_bases(trees, forms);
     EXPECT_DOUBLE_EQ(bases[0], 2);
     EXPECT_DOUBLE_EQ(bases[1], forms[1].height);
-    // Of the first tree the ends of twig and branch and the stem make a triangle; the pole has no outline.
+    // The ends of twig and branch and the stem of the first tree form a triangle; the pole has no outline.
     const std::vector<Crown> crowns = measure_crowns(trees, std::vector<double>{0, 0});
     EXPECT_NEAR(crowns[0].area, 0.15, 1e-7);
     EXPECT_EQ(crowns[1].area, 0);

@@ -60,7 +60,7 @@ TEST(FromCloud, FitsWhereOnlyOneSideIsSeen) {
     PointSet set;
     strew_cone(set, {0, 0, 0}, {0, 0, 3}, 0.1, 0.1, 4000, 0.002, true);
     const CloudExtraction found = extract_from_cloud(set);
-    // The mean of a half circle lies 2 r / pi = 64 mm off its middle.
+    // The mean of a half circle is 2 r / pi = 64 mm from its centre.
     for (const double z : {0.5, 1.5, 2.5}) EXPECT_LT(distance_to_axis(found.skeleton, {0, 0, z}), 0.02) << z;
     EXPECT_NEAR(mean_radius(found.skeleton), 0.1, 0.01);
 }
@@ -79,7 +79,7 @@ TEST(FromCloud, FindsForksAndTips) {
     EXPECT_NEAR(m.volume, 0.0702, 0.007);
 }
 
-/// A stem with a whorl of four branches, at `points` per square metre.
+/// Returns a stem with a whorl of four branches, at `points` per square metre.
 PointSet whorl_cloud(double points) {
     PointSet set;
     const auto strew = [&](Vec3d a, Vec3d b, double r, std::uint64_t seed) {
@@ -87,7 +87,7 @@ PointSet whorl_cloud(double points) {
         strew_cone(set, a, b, r, r, static_cast<int>(points * area), 0.001, false, seed);
     };
     strew({0, 0, 0}, {0, 0, 2}, 0.08, 1);
-    // They begin at the surface of the stem, as a scanner sees them.
+    // They begin at the surface of the stem, as in a scan.
     for (std::uint64_t k = 0; k < 4; ++k) {
         const double turn = 1.570796 * static_cast<double>(k);
         const Vec3d out{std::cos(turn), std::sin(turn), 0.5};
@@ -137,7 +137,7 @@ TEST(FromCloud, BridgesGapsUpToTheirWidth) {
     strew_cone(set, {0.25, 0, 0.9}, {1, 0, 1.2}, 0.05, 0.05, 1600);
     const CloudExtraction wide = extract_from_cloud(set, {.gap = 0.3f});
     EXPECT_EQ(wide.report.joined, 1u);
-    // The bridge runs along the surface, so the axis bends towards it.
+    // The bridge is on the surface, so that the axis bends towards it.
     EXPECT_NEAR(measure(wide.skeleton).length, 2, 0.2);
     const CloudExtraction narrow = extract_from_cloud(set, {.gap = 0.1f, .max_trees = 1});
     EXPECT_EQ(narrow.report.joined, 0u);
@@ -145,7 +145,7 @@ TEST(FromCloud, BridgesGapsUpToTheirWidth) {
     EXPECT_EQ(narrow.cleaning.unreached, 1600u);
 }
 
-/// A stem with limbs that lean out, and nothing seen in a band across all of them.
+/// Returns a stem with limbs that lean out, without points in a band across all of them.
 PointSet limbs_with_a_band() {
     PointSet set;
     strew_cone(set, {0, 0, 0}, {0, 0, 1.5}, 0.06, 0.06, 3000, 0.002);
@@ -191,7 +191,7 @@ TEST(FromCloud, KeepsATreeThatStandsHigherOnASlope) {
 TEST(FromCloud, CountsNoOutlierOnAStemAsReached) {
     PointSet set;
     strew_cone(set, {0, 0, 0}, {0, 0, 4}, 0.1, 0.08, 8000, 0.002);
-    for (int k = 0; k < 5; ++k)  // off the stem, but within its reach
+    for (int k = 0; k < 5; ++k)  // not on the stem, but within its reach
         set.positions.push_back({0.126f * std::cos(1.2f * static_cast<float>(k)),
                                  0.126f * std::sin(1.2f * static_cast<float>(k)),
                                  1 + 0.5f * static_cast<float>(k)});
@@ -208,7 +208,7 @@ TEST(FromCloud, GivesFewTwigsToNeedles) {
         strew_cone(set, from, to, 0.02, 0.01, 300, 0.002, false, 2 + k);
         strew_cone(set, from, to, 0.01, 0.01, 600, 0.1, false, 9 + k);
     }
-    // There are 18.4 m; 28 m are found where needles count as any points do.
+    // The total length is 18.4 m; 28 m are found if needles are treated like other points.
     EXPECT_LT(measure(extract_from_cloud(set).skeleton).length, 25);
 }
 
@@ -229,7 +229,7 @@ TEST(FromCloud, LeavesTheGroundOut) {
     EXPECT_LT(found.cleaning.ground, 8300u);
     EXPECT_EQ(measure(found.skeleton).tips, 2u);
     EXPECT_EQ(extract_from_cloud(set, {.ground = GroundRule::none}).cleaning.ground, 0u);
-    // A tree alone has none.
+    // A tree alone has no ground.
     EXPECT_EQ(extract_from_cloud(fork_cloud()).cleaning.ground, 0u);
 }
 
@@ -282,7 +282,7 @@ TEST(FromCloud, SaysHowSureItIs) {
     std::uint64_t samples = 0;
     for (const NodeConfidence& c : found.confidence) samples += c.samples;
     EXPECT_EQ(samples, found.report.samples);
-    // All points but a few about the rim of the stem lie on the surface that was found.
+    // All points except a few about the rim of the stem are on the extracted surface.
     EXPECT_GT(samples, 6700u);
     EXPECT_LT(found.report.residual, 0.1f);
 }
@@ -297,10 +297,10 @@ TEST(FromCloud, SaysBetweenWhatRadiiLie) {
         seen += c.evidence;
     }
     EXPECT_GT(seen, 0.8 * static_cast<double>(found.skeleton.size()));
-    EXPECT_LT(found.report.presumed, 0.5);
+    EXPECT_LT(found.report.inferred, 0.5);
 }
 
-/// A stem with two limbs that end in clusters of points.
+/// Returns a stem with two limbs that end in clusters of points.
 PointSet clusters() {
     PointSet set = fork_cloud(0.003);
     const CounterRandom random(5, 5);
@@ -329,7 +329,8 @@ TEST(FromCloud, GrowsNoThickerOutward) {
 TEST(FromCloud, TakesClustersForNoThickWood) {
     const CloudExtraction found = extract_from_cloud(clusters(), {.leaves = LeafRule::keep});
     const Skeleton& s = found.skeleton;
-    // The limbs are 5 cm thick at their ends; the clusters measure half a metre, and something leads to each.
+    // The limbs are 5 cm thick at their ends; the clusters have a size of half a metre, and a branch leads to
+    // each.
     for (const Vec3d at : {Vec3d{0.8, 0, 3}, Vec3d{-0.8, 0.1, 3}, Vec3d{0.9, 0.3, 3.3}}) {
         bool reached = false;
         for (const NodeId n : nodes(s)) {
@@ -340,7 +341,7 @@ TEST(FromCloud, TakesClustersForNoThickWood) {
         EXPECT_TRUE(reached);
     }
     EXPECT_NEAR(s.radii()[0], 0.1, 0.01);
-    EXPECT_GT(found.report.presumed, 0.3);
+    EXPECT_GT(found.report.inferred, 0.3);
 }
 
 TEST(FromCloud, GivesTheSameBitsForAnyNumberOfThreads) {
@@ -364,7 +365,7 @@ TEST(FromCloud, RefusesWhatIsNoTree) {
     EXPECT_EQ(error_of(fork_cloud(), {.ground = GroundRule::height, .ground_height = 10}),
               "extract: 0 points are left after cleaning, but a skeleton needs at least 20");
     EXPECT_EQ(error_of(fork_cloud(), {.neighbours = 3}),
-              "extract: neighbours must lie between 4 and 64, but is 3");
+              "extract: neighbours must be between 4 and 64, but is 3");
 }
 
 TEST(FromCloud, EndsOnOddClouds) {
@@ -402,8 +403,8 @@ TEST(FromCloud, CanBeStoppedAndTellsHowFarItIs) {
     EXPECT_EQ(last, 1);
 }
 
-// Asks for a stop at reports of progress from the first to the last but one; without a clock, so reports are
-// what is counted.
+// Requests cancellation at each progress report from the first to the last but one; uses counts of reports
+// instead of a clock.
 TEST(FromCloud, HeedsAStopBeforeItReportsAgain) {
     const PointSet set = whorl_cloud(5'000);
     int all = 0;

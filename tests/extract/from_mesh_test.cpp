@@ -37,7 +37,7 @@ double distance_to_axis(const Skeleton& s, Vec3 p) {
     return best;
 }
 
-/// The greatest distance of a's axis from b's.
+/// Returns the maximum distance of a's axis from that of b.
 double farthest(const Skeleton& a, const Skeleton& b) {
     double worst = 0;
     for (const NodeId n : nodes(a)) {
@@ -61,7 +61,7 @@ INSTANTIATE_TEST_SUITE_P(FromMesh, BothMethods,
                          testing::Values(MeshSkeletonMethod::rings, MeshSkeletonMethod::contraction),
                          [](const auto& which) { return std::string(name_of(which.param)); });
 
-// A tube with flat ends: the axis runs from face to face.
+// A tube with flat ends: the axis extends from face to face.
 TEST_P(BothMethods, AClosedTubeHasItsAxis) {
     const FromMeshResult r = extract_from_mesh(tube({0, 0, 1}, {0, 0, 3}, 0.1f), options());
     const SkeletonMeasures m = measure(r.skeleton);
@@ -91,7 +91,7 @@ TEST_P(BothMethods, TaperIsKept) {
         extract_from_mesh(tube({0, 0, 0}, {0, 0, 4}, 0.3f, {.rings = 41, .radius_end = 0.1f}), options());
     EXPECT_NEAR(measure(r.skeleton).length, 4, 0.5);  // within a radius at either end
     for (const NodeId n : nodes(r.skeleton)) {
-        // A point at height z on the cone is this far from its axis.
+        // Distance of a point at height z on the cone from its axis.
         const double z = r.skeleton.position(n).z;
         EXPECT_NEAR(r.skeleton.radius(n), 0.3 - 0.05 * z, 0.015) << z;
     }
@@ -99,7 +99,7 @@ TEST_P(BothMethods, TaperIsKept) {
 
 TEST_P(BothMethods, AForkIsFoundWhereItIs) {
     const Skeleton truth = fork();
-    // Contraction leaves tips that the fit moves only part of the way.
+    // Contraction creates tips that the fit moves only part of the way.
     const double tip = GetParam() == MeshSkeletonMethod::rings ? 0.05 : 0.15;
     const FromMeshResult r = extract_from_mesh(surface_of(truth, 0.05f), options());
     const SkeletonMeasures m = measure(r.skeleton);
@@ -133,7 +133,7 @@ TEST_P(BothMethods, EveryVertexIsMappedToTheNodeThatItIsAbout) {
     }
 }
 
-// A wedge: its vertices lie at two distances from the axis, so that their mean is not their median.
+// A wedge: its vertices have two distances from the axis, so that their mean differs from their median.
 TEST(FromMesh, ThicknessIsTheMedianOrTheMean) {
     PolygonMesh wedge = tube({0, 0, 0}, {0, 0, 4}, 0.2f, {.sides = 12, .rings = 40});
     for (Vec3& p : wedge.positions)
@@ -149,7 +149,7 @@ TEST(FromMesh, ThicknessIsTheMedianOrTheMean) {
     EXPECT_LT(middle(Thickness::mean), 0.98 * middle(Thickness::median));
 }
 
-// Six arms from one place: five forks of two or fewer with more children, six ends.
+// Six arms from one node: at most five forks, six ends.
 TEST_P(BothMethods, AStarHasAllItsArms) {
     std::vector<NodeId> parent{NodeId()};
     std::vector<Vec3> at{{0, 0, 0}};
@@ -206,7 +206,7 @@ TEST_P(BothMethods, AStopIsObeyed) {
     EXPECT_THROW(extract_from_mesh(tube({0, 0, 0}, {0, 0, 2}, 0.1f), options(), ctx), Cancelled);
 }
 
-// Whatever way the same surface is written down, the skeleton is the same.
+// The skeleton does not depend on the representation of the surface.
 TEST(FromMesh, SplitAndInwardFacesChangeNothing) {
     const PolygonMesh mesh = surface_of(fork(), 0.05f);
     const FromMeshResult plain = extract_from_mesh(mesh);
@@ -227,7 +227,7 @@ TEST(FromMesh, LeavesAreLeftOut) {
     EXPECT_LT(farthest(leafy.skeleton, bare.skeleton), 0.01);
 }
 
-// A lateral tube whose open base lies on the trunk's axis, as generators draw them.
+// A lateral tube with an open base on the axis of the trunk, as generators create them.
 TEST(FromMesh, OverlappingTubesAreJoined) {
     const PolygonMesh mesh =
         both(tube({0, 0, 0}, {0, 0, 3}, 0.2f, kOpen), tube({0, 0, 1.5f}, {1.5f, 0, 2.5f}, 0.1f, kOpen));
@@ -309,7 +309,7 @@ TEST(FromMesh, ConfidenceCountsEveryVertexOnce) {
     EXPECT_GT(sum, r.report.samples * 9 / 10);
 }
 
-// The skeleton needs no more nodes than the surface does.
+// The skeleton has only the nodes that the surface requires.
 TEST(FromMesh, StraightPartsHaveFewNodes) {
     EXPECT_LE(extract_from_mesh(tube({0, 0, 0}, {0, 0, 9}, 0.1f, {.rings = 181})).skeleton.size(), 6u);
 }
@@ -324,7 +324,7 @@ TEST(FromMesh, PiecesWithoutAnAxisAreRefused) {
     EXPECT_THROW(extract_from_mesh(tube({0, 0, 0}, {0, 0, 2}, 0.1f), options), InvalidInput);
 }
 
-// A hub with 20,000 spokes: each of its collapses would look at all of them, 400 million in all.
+// A hub with 20,000 spokes: each of its collapses would visit all of them, 400 million in total.
 TEST(FromMesh, HubsAreNotContracted) {
     const PolygonMesh mesh = tube({0, 0, 0}, {0, 0, 3}, 1, {.sides = 20000, .rings = 2});
     EXPECT_NEAR(measure(extract_from_mesh(mesh).skeleton).length, 3, 0.5);
@@ -333,7 +333,7 @@ TEST(FromMesh, HubsAreNotContracted) {
     EXPECT_THROW(extract_from_mesh(mesh, options), InvalidInput);
 }
 
-// Random triangles: any answer will do, but there must be one.
+// Random triangles: any result is accepted, but the function must return.
 TEST(FromMesh, AnythingEnds) {
     const CounterRandom random(3, 1);
     int answered = 0;
@@ -357,7 +357,7 @@ TEST(FromMesh, AnythingEnds) {
             FromMeshOptions options;
             options.method = method;
             try {
-                // All corners lie within 1 of the middle along each axis.
+                // All corners are within 1 of the origin along each axis.
                 const Box3 box = extract_from_mesh(m, options).skeleton.bounds();
                 EXPECT_TRUE(is_finite(box.low) && is_finite(box.high));
                 EXPECT_LT(box.diagonal(), 10);

@@ -7,7 +7,7 @@
 namespace coppice {
 namespace {
 
-/// A forest of straight pieces, from one end to the other.
+/// Returns a forest of straight segments, each with its two ends.
 Skeleton pieces(const std::vector<std::pair<Vec3, Vec3>>& ends) {
     std::vector<NodeId> parents;
     std::vector<Vec3> positions;
@@ -31,8 +31,8 @@ TEST(LooseParts, WhatIsShortAndHangsIsLoose) {
 }
 
 TEST(LooseParts, SmallTreesStandOnTheGround) {
-    // Beside a tall tree: one of 3 m, one that a slope of 1 in 5 puts 4 m higher, and a stump. The second
-    // tree may have its root at its tip.
+    // Next to a tall tree: one of 3 m, one at a position 4 m higher because of a slope of 1 in 5, and a
+    // stump. The second tree may have its root at its tip.
     const Skeleton s = pieces({{{0, 0, 0}, {0, 0, 20}},
                                {{5, 0, 0.5f}, {5, 0, 3.5f}},
                                {{20, 0, 7}, {20, 0, 4}},

@@ -54,11 +54,12 @@ TEST(MeshClean, WeldingGoesByTheSizeOfTheMesh) {
     PolygonMesh m = soup(closed_tube());
     for (std::size_t v = 0; v < m.positions.size(); v += 2) m.positions[v].x += 1e-3f;
     EXPECT_GT(clean_mesh(m, {.weld = 1e-6f}).repairs.open_edges, 0u);
-    // Places 1/2000 of the size apart, told apart to a hundredth.
+    // Vertices at intervals of 1/2000 of the size, welded at a hundredth.
     EXPECT_LT(clean_mesh(m, {.weld = 0.01f}).mesh.positions.size(), 500u);
 }
 
-// Cells of 1e-22 of the size have numbers beyond 64 bits: once all vertices fell into one.
+// Cells of 1e-22 of the size have indices beyond 64 bits: a regression test, all vertices were merged into
+// one.
 TEST(MeshClean, TheFinestWeldingIsExact) {
     const PolygonMesh m = soup(closed_tube());
     for (const float weld : {0.0f, 1e-22f, 1e-30f})

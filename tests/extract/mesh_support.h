@@ -17,12 +17,12 @@ namespace coppice::shapes {
 
 struct TubeOptions {
     std::uint32_t sides = 16;
-    std::uint32_t rings = 21;  ///< counted with both ends
-    bool closed = true;        ///< a fan over either end
-    float radius_end = 0;      ///< [m] 0: as at the beginning
+    std::uint32_t rings = 21;  ///< including both ends
+    bool closed = true;        ///< whether both ends have a fan
+    float radius_end = 0;      ///< [m] 0: as at the start
 };
 
-/// A tube of quads about the segment from a to b, faces outward.
+/// Returns a tube of quads about the segment from a to b, faces outward.
 inline PolygonMesh tube(Vec3 a, Vec3 b, float radius, const TubeOptions& o = {}) {
     PolygonMesh m;
     const Vec3 w = normalized(b - a), u = perpendicular(w), v = cross(w, u);
@@ -53,7 +53,7 @@ inline PolygonMesh tube(Vec3 a, Vec3 b, float radius, const TubeOptions& o = {})
     return m;
 }
 
-/// The union of the round cones of a skeleton; every lateral begins with its own radius.
+/// Union of the round cones of a skeleton; every lateral begins with its own radius.
 struct CapsuleField {
     const Skeleton& skeleton;
 
@@ -75,13 +75,13 @@ struct CapsuleField {
     }
 };
 
-/// The surface of a skeleton in irregular triangles, closed.
+/// Returns the surface of a skeleton as a closed mesh of irregular triangles.
 inline PolygonMesh surface_of(const Skeleton& skeleton, float cell) {
     const CapsuleField field{skeleton};
     return to_polygons(polygonize(FieldRef(field), skeleton.bounds().inflated(2 * cell), {.cell = cell}));
 }
 
-/// A trunk of 2 m that forks into two branches of 1.5 m, each 45 degrees off the trunk.
+/// Returns a trunk of 2 m that forks into two branches of 1.5 m, each at 45 degrees to the trunk.
 inline Skeleton fork() {
     const float c = 1.5f * std::numbers::sqrt2_v<float> / 2;
     const NodeId none;
@@ -89,7 +89,7 @@ inline Skeleton fork() {
                     {{0, 0, 0}, {0, 0, 2}, {c, 0, 2 + c}, {-c, 0, 2 + c}}, {0.2f, 0.2f, 0.12f, 0.1f});
 }
 
-/// A torus about the z axis in the plane z = 0.
+/// Returns a torus about the z axis in the plane z = 0.
 inline PolygonMesh torus(float big, float small, std::uint32_t around, std::uint32_t sides) {
     PolygonMesh m;
     const auto angle = [](std::uint32_t i, std::uint32_t n) {
@@ -111,7 +111,7 @@ inline PolygonMesh torus(float big, float small, std::uint32_t around, std::uint
     return m;
 }
 
-/// Every face with corners of its own.
+/// Returns the mesh with separate corners for every face.
 inline PolygonMesh soup(const PolygonMesh& m) {
     PolygonMesh out;
     for (std::uint32_t f = 0; f < m.face_count(); ++f) {
@@ -125,7 +125,7 @@ inline PolygonMesh soup(const PolygonMesh& m) {
     return out;
 }
 
-/// A square of side 2 h in the plane z = middle.z.
+/// Returns a square of side 2 h in the plane z = middle.z.
 inline PolygonMesh card(Vec3 middle, float h) {
     PolygonMesh m;
     for (const Vec3 d : {Vec3(-h, -h, 0), Vec3(h, -h, 0), Vec3(h, h, 0), Vec3(-h, h, 0)})

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "coppice/base/id.h"
 #include "coppice/extract/mesh/distance_internal.h"
 #include "coppice/extract/mesh/ring_measure_internal.h"
 #include "coppice/extract/mesh/rings_internal.h"
@@ -26,7 +27,7 @@ Surface surface(const PolygonMesh& mesh) {
 TEST(Surface, TwinsLieOnTheSameEdge) {
     const Surface s = surface(tube({0, 0, 0}, {0, 0, 1}, 0.1f));
     for (std::uint32_t h = 0; h < s.twin.size(); ++h) {
-        ASSERT_NE(s.twin[h], kNone);
+        ASSERT_NE(s.twin[h], kNoIndex);
         EXPECT_EQ(s.twin[s.twin[h]], h);
         EXPECT_EQ(s.from(s.twin[h]), s.to(h));
         EXPECT_EQ(s.to(s.twin[h]), s.from(h));
@@ -41,7 +42,7 @@ TEST(Surface, AnOpenTubeHasTwoBorders) {
     EXPECT_EQ(loops[1].size(), 9u);
 }
 
-// Of three triangles on an edge the two that lie in one plane belong together.
+// Of three triangles on an edge the two coplanar ones are adjacent.
 TEST(Surface, TheFlattestPairStaysTogether) {
     PolygonMesh m;
     for (const Vec3 p : {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, -1, 0), Vec3(0, 0, 1)})
@@ -51,12 +52,12 @@ TEST(Surface, TheFlattestPairStaysTogether) {
     m.add_face(std::vector<std::uint32_t>{1, 0, 3});
     const Surface s = surface(m);
     EXPECT_EQ(s.twin[0], 6u);
-    EXPECT_EQ(s.twin[3], kNone);
+    EXPECT_EQ(s.twin[3], kNoIndex);
     EXPECT_EQ(s.component_count, 1u);
 }
 
 TEST(MarchDistances, OnAPlaneTheyAreStraight) {
-    // A grid of 21 x 21 points, 0.1 apart, cut along the diagonals.
+    // A grid of 21 x 21 points at intervals of 0.1, with diagonals.
     PolygonMesh m;
     for (int y = 0; y <= 20; ++y)
         for (int x = 0; x <= 20; ++x)
@@ -71,7 +72,7 @@ TEST(MarchDistances, OnAPlaneTheyAreStraight) {
     for (std::uint32_t v = 0; v < s.size(); ++v) {
         const double straight = length(s.positions[v]);
         EXPECT_GE(d[v], straight - 1e-6);
-        EXPECT_LE(d[v], 1.09 * straight + 1e-6);  // along edges it would be up to 1.41
+        EXPECT_LE(d[v], 1.09 * straight + 1e-6);  // along edges it would be up to 1.41 times the distance
     }
     EXPECT_NEAR(d[20], 2, 1e-6);
 }
@@ -97,7 +98,8 @@ TEST(MeasureRing, ACircleIsItself) {
     EXPECT_LT(r.spread, 0.01);
 }
 
-// A section of the same cylinder at 45 degrees: seen along the area normal it is an ellipse about the axis.
+// A section of the same cylinder at 45 degrees: projected along the area normal it is an ellipse about the
+// axis.
 TEST(MeasureRing, ATiltedSectionHasItsCenterOnTheAxis) {
     std::vector<Vec3d> points;
     for (int i = 0; i < 60; ++i) {
@@ -126,11 +128,11 @@ TEST(FollowChains, AForkIsTwoChains) {
     const std::vector<std::uint32_t> source{low};
     const RingForest forest = follow_chains(s, march_distances(s, source, {}), std::vector<char>(1, 0), {});
     ASSERT_EQ(forest.chains.size(), 2u);
-    EXPECT_EQ(forest.rings[forest.chains[0].end - 1].parent, kNone);
+    EXPECT_EQ(forest.rings[forest.chains[0].end - 1].parent, kNoIndex);
     const std::uint32_t fork = forest.rings[forest.chains[1].end - 1].parent;
-    ASSERT_NE(fork, kNone);
+    ASSERT_NE(fork, kNoIndex);
     EXPECT_LT(distance(forest.rings[fork].center, Vec3d(0, 0, 2)), 0.4);
-    for (const RingChain& chain : forest.chains) EXPECT_EQ(chain.touched, kNone);
+    for (const RingChain& chain : forest.chains) EXPECT_EQ(chain.touched, kNoIndex);
 }
 
 TEST(FollowChains, AHandleTouchesWhatItMeets) {
@@ -138,8 +140,8 @@ TEST(FollowChains, AHandleTouchesWhatItMeets) {
     const std::vector<std::uint32_t> source{0};
     const RingForest forest = follow_chains(s, march_distances(s, source, {}), std::vector<char>(1, 0), {});
     ASSERT_EQ(forest.chains.size(), 2u);
-    EXPECT_EQ(forest.chains[0].touched, kNone);
-    EXPECT_NE(forest.chains[1].touched, kNone);
+    EXPECT_EQ(forest.chains[0].touched, kNoIndex);
+    EXPECT_NE(forest.chains[1].touched, kNoIndex);
 }
 
 }  // namespace

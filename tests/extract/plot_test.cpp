@@ -18,7 +18,7 @@ double slope(double x, double y) { return 0.2 * x + 0.15 * std::sin(y); }
 struct Standing {
     double x, y, radius, height, lean;
 };
-// The first two are 2.4 m apart, and their branches of 1.5 m overlap; the last is seen from one side only.
+// The first two are 2.4 m apart, and their branches of 1.5 m overlap; the last has points on one side only.
 constexpr Standing kTrees[] = {
     {2, 2, 0.15, 9, 0}, {4.4, 2, 0.12, 8, 0.05}, {3, 6, 0.1, 7, 0.15}, {8, 5, 0.08, 6, 0}};
 
@@ -58,7 +58,7 @@ TruePlot make_plot() {
     return plot;
 }
 
-/// Index of the tree found that stands where this one does.
+/// Returns the index of the found tree at the position of this one.
 std::size_t found_at(const std::vector<StemForm>& found, const Standing& tree) {
     for (std::size_t i = 0; i < found.size(); ++i)
         if (std::hypot(found[i].foot.x - tree.x, found[i].foot.y - tree.y) < 0.1) return i;
@@ -75,7 +75,7 @@ TEST(Plot, FindsTreesOnASlopeAndGivesThemTheirPoints) {
         at[t] = found_at(segments.trees, kTrees[t]);
         ASSERT_LT(at[t], 4u) << t;
         const StemForm& form = segments.trees[at[t]];
-        // The radius falls to three tenths of that at the foot on the way to the top.
+        // The radius at the top is three tenths of that at the foot.
         const double dbh = 2 * kTrees[t].radius * (1 - 0.7 * 1.3 / kTrees[t].height);
         EXPECT_NEAR(form.breast.diameter, dbh, 0.03 * dbh) << t;
         EXPECT_NEAR(form.height, kTrees[t].height, 0.5) << t;
@@ -95,8 +95,7 @@ TEST(Plot, FindsTreesOnASlopeAndGivesThemTheirPoints) {
 
 TEST(Plot, TakesTreesByTheIdsOfTheirPoints) {
     const TruePlot plot = make_plot();
-    // Ids out of order; the bush is a tree too, if whoever made the ids says so, and 30 points of ground are
-    // none.
+    // Unsorted ids; the bush is also a tree because it has an id, but 30 points of ground are not.
     constexpr std::array<std::uint32_t, 4> kIds{9, 2, 70000, 4};
     std::vector<std::uint32_t> ids;
     for (const std::uint32_t owner : plot.owner) ids.push_back(owner < 4 ? kIds[owner] : owner == 11 ? 5 : 0);
@@ -129,11 +128,12 @@ TEST(Plot, ExtractsEachTreeFromTheGroundUp) {
         EXPECT_EQ(s.tree_count(), 1u);
         EXPECT_EQ(tree.result->confidence.size(), s.size());
         EXPECT_NEAR(s.origin().z + double{s.position(NodeId(0)).z}, tree.form.foot.z, 0.05);
-        EXPECT_GT(tree.figures.length, 10);  // the stem and ten branches of 1.65 m each make some 24 m
+        EXPECT_GT(tree.figures.length,
+                  10);  // the stem and ten branches of 1.65 m each have a total length of some 24 m
         EXPECT_LT(tree.figures.length, 35);
         EXPECT_GT(tree.crown_base, 2);
         EXPECT_LT(tree.crown_base, 4);
-        EXPECT_GT(tree.crown.area, 4);  // branches of 1.5 m all around make at most 7.1 m2
+        EXPECT_GT(tree.crown.area, 4);  // branches of 1.5 m all around cover at most 7.1 m2
         EXPECT_LT(tree.crown.area, 10);
         EXPECT_GT(tree.crown.hull_volume, 4);
         EXPECT_GT(tree.points, 10'000u);
@@ -143,7 +143,7 @@ TEST(Plot, ExtractsEachTreeFromTheGroundUp) {
 TEST(Plot, OneBadTreeSaysSoAndStopsNothing) {
     const TruePlot plot = make_plot();
     CloudOptions options;
-    options.voxel = 20;  // nothing is left of any tree
+    options.voxel = 20;  // no points of any tree are left
     const PlotExtraction found = extract_plot(plot.points, {}, options);
     ASSERT_EQ(found.trees.size(), 4u);
     for (const PlotTree& tree : found.trees) {
@@ -248,7 +248,7 @@ TEST(Plot, WithoutGroundTreesStandOnTheirFeet) {
 TEST(Plot, RefusesWhatIsNoPlot) {
     EXPECT_THROW(segment_plot(PointSet{{{0, 0, 0}}, {}}), InvalidInput);
     const TruePlot plot = make_plot();
-    EXPECT_THROW(segment_plot(plot.points, {.least_diameter = 0}), InvalidInput);
+    EXPECT_THROW(segment_plot(plot.points, {.min_diameter = 0}), InvalidInput);
     std::stop_source stop;
     stop.request_stop();
     EXPECT_THROW(extract_plot(plot.points, {}, {}, {.threads = 2, .stop = stop.get_token(), .progress = {}}),

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "coppice/base/id.h"
 #include "coppice/base/random.h"
 #include "coppice/extract/prior/evidence_internal.h"
 #include "coppice/extract/prior/radii_internal.h"
@@ -12,19 +13,18 @@
 namespace coppice::extract_internal {
 namespace {
 
-constexpr std::uint32_t kNone = DraftTree::kNoParent;
 constexpr float kSpacing = 0.02f;
 
-/// A tree with its samples.
+/// Tree with its samples.
 struct Scene {
-    DraftTree tree;
+    InitialTree tree;
     std::vector<Vec3> points;
     std::vector<std::uint32_t> node;
     std::uint64_t draw = 0;
     CounterRandom random{7, 7};
 
-    /// Adds a straight axis of so many segments; `hollow` points lie on its surface, others fill it. Returns
-    /// its last node.
+    /// Adds a straight axis of `segments` segments; its points are on the surface if `hollow`, otherwise they
+    /// fill it. Returns its last node.
     std::uint32_t add_axis(std::uint32_t from, Vec3d to, int segments, double radius, double surface,
                            int points_each, bool hollow) {
         const Vec3d start = tree.position[from];
@@ -50,7 +50,7 @@ struct Scene {
 
 Scene trunk(double radius = 0.2) {
     Scene s;
-    s.tree.add(kNone, {}, radius);
+    s.tree.add(kNoIndex, {}, radius);
     s.add_axis(0, {0, 0, 5}, 10, radius, radius, 60, true);
     return s;
 }
@@ -69,7 +69,7 @@ TEST(Evidence, TellsTubesFromWhatIsFilled) {
 
 TEST(Evidence, MeasuresWhatTheRadiusShouldHaveBeen) {
     Scene s;
-    s.tree.add(kNone, {}, 0.1);
+    s.tree.add(kNoIndex, {}, 0.1);
     s.add_axis(0, {0, 0, 5}, 10, 0.1, 0.2, 60, true);
     EXPECT_NEAR(s.evidence()[5].radius, 0.2, 1e-3);
 }
@@ -85,7 +85,7 @@ TEST(Evidence, IsNoneWithoutPoints) {
 TEST(Radii, GrowNowhereAndKeepWhatIsSeen) {
     Scene s = trunk();
     s.add_axis(10, {2, 0, 6}, 8, 0.06, 0.06, 40, true);
-    const RadiusBelief belief = believe_radii(s.tree, s.evidence(), 0);
+    const RadiusEstimate belief = believe_radii(s.tree, s.evidence(), 0);
     for (std::uint32_t n = 1; n < s.tree.size(); ++n) {
         EXPECT_LE(s.tree.radius[n], s.tree.radius[s.tree.parent[n]]);
         EXPECT_LT(belief.low[n], s.tree.radius[n]);
@@ -98,10 +98,10 @@ TEST(Radii, GrowNowhereAndKeepWhatIsSeen) {
 
 TEST(Radii, OfClustersAreThoseOfWhatBearsLittle) {
     Scene s = trunk();
-    // A ball of leaves half a metre wide at the end of a twig that nothing is seen of.
+    // A ball of leaves half a metre wide at the end of a twig without points.
     const std::uint32_t twig = s.add_axis(10, {1, 0, 6}, 4, 0.05, 0.05, 0, true);
     const std::uint32_t ball = s.add_axis(twig, {1.5, 0, 6.2}, 3, 0.25, 0.3, 40, false);
-    const RadiusBelief belief = believe_radii(s.tree, s.evidence(), 0);
+    const RadiusEstimate belief = believe_radii(s.tree, s.evidence(), 0);
     EXPECT_LT(s.tree.radius[ball], 0.18);
     EXPECT_LT(belief.measured[ball], 0.9);
     EXPECT_GT(belief.high[ball] / belief.low[ball], 2);
@@ -114,12 +114,12 @@ TEST(Radii, AreThoseThatAMeasuredStemCanBear) {
     std::vector<std::uint32_t> tips;
     for (int k = 0; k < 12; ++k)
         tips.push_back(s.add_axis(top, {4 * std::cos(k), 4 * std::sin(k), 7}, 8, 0.15, 0.15, 60, true));
-    const DraftTree wide = s.tree;
+    const InitialTree wide = s.tree;
     believe_radii(s.tree, s.evidence(), 2);
     EXPECT_NEAR(s.tree.radius[tips[5]], 0.15, 0.01) << "the stem was not measured";
     s.tree = wide;
     for (std::uint32_t n = 0; n <= top; ++n) s.tree.fixed[n] = 1;
-    const RadiusBelief belief = believe_radii(s.tree, s.evidence(), 2);
+    const RadiusEstimate belief = believe_radii(s.tree, s.evidence(), 2);
     double area = 0;
     for (const std::uint32_t tip : tips) {
         const std::uint32_t n = tip - 4;
@@ -135,7 +135,7 @@ TEST(Radii, AreThoseThatAMeasuredStemCanBear) {
 
 TEST(Radii, FollowWhatMostWoodShows) {
     Scene s = trunk();
-    // Twice as thick as usual everywhere that is seen; so is the twig that is not.
+    // All measured branches are twice as thick as usual, and so is the twig without points.
     for (int k = 0; k < 6; ++k)
         s.add_axis(10, {2 * std::cos(k), 2 * std::sin(k), 6}, 8, 0.12, 0.12, 40, true);
     const Allometry thick = fit_allometry(s.tree, s.evidence());
@@ -152,7 +152,7 @@ TEST(SmoothAxes, OpensSharpTurnsAndLeavesWellSeenOnesAlone) {
     std::uint32_t n = 10;
     for (int k = 1; k <= 12; ++k)
         n = s.add_axis(n, {0.3 * k, k % 2 == 0 ? 0.3 : -0.3, 5 + 0.05 * k}, 1, 0.02, 0.2, 4, false);
-    const DraftTree before = s.tree;
+    const InitialTree before = s.tree;
     smooth_axes(s.tree, s.evidence(), {});
     for (std::uint32_t m = 12; m < n; ++m) {
         const Vec3d a = s.tree.position[m] - s.tree.position[m - 1],

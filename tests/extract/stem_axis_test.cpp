@@ -12,19 +12,19 @@
 namespace coppice::extract_internal {
 namespace {
 
-/// A stem from `foot` that leans by 0.1 in x and tapers from `radius` to a third of it over 8 m.
+/// Adds a stem from `foot` that leans by 0.1 in x and tapers from `radius` to a third of it over 8 m.
 void add_stem(PointSet& set, Vec3d foot, double radius, int count = 20000, std::uint64_t seed = 1) {
     strew_cone(set, foot, foot + Vec3d{0.8, 0, 8}, radius, radius / 3, count, 0.004, false, seed);
 }
 
-std::vector<StemAxis> axes_of(const PointSet& set, const StemAxisSearch& search = {}) {
+std::vector<StemAxis> find_axes(const PointSet& set, const StemAxisSearch& search = {}) {
     return find_stem_axes(set.positions, {}, search, {});
 }
 
 TEST(StemAxis, StandsAtTheFootAndFollowsTheStem) {
     PointSet set;
     add_stem(set, {0, 0, 0}, 0.15);
-    const auto axes = axes_of(set);
+    const auto axes = find_axes(set);
     ASSERT_EQ(axes.size(), 1u);
     const StemAxis& axis = axes[0];
     EXPECT_LT(length(axis.position.front()), 0.02);
@@ -46,7 +46,7 @@ TEST(StemAxis, CutsNoCornerWhereTheStemBends) {
     PointSet set;
     strew_cone(set, {0, 0, 0}, {0, 0, 4}, 0.1, 0.09, 12000, 0.002, false, 1);
     strew_cone(set, {0, 0, 4}, {1.5, 0, 6}, 0.09, 0.07, 8000, 0.002, false, 2);
-    const auto axes = axes_of(set);
+    const auto axes = find_axes(set);
     ASSERT_EQ(axes.size(), 1u);
     for (const Vec3d p : axes[0].position) {
         const double off = p.z < 4 ? p.x : (p.x - 0.75 * (p.z - 4)) * 0.8;
@@ -58,14 +58,14 @@ TEST(StemAxis, IsOneTreesWhereStemsStandApart) {
     PointSet set;
     add_stem(set, {0, 0, 0}, 0.15, 20000, 1);
     add_stem(set, {3, 0, 0}, 0.1, 15000, 2);
-    // A limb beside the first stem that hangs in the air.
+    // A limb near the first stem that is not connected to the ground.
     strew_cone(set, {-1, 0, 1.2}, {-1.2, 0, 4}, 0.08, 0.06, 6000, 0.004, false, 3);
-    const auto axes = axes_of(set);
+    const auto axes = find_axes(set);
     ASSERT_EQ(axes.size(), 2u);
     EXPECT_LT(length(axes[0].position.front()), 0.03);
     EXPECT_LT(distance(axes[1].position.front(), Vec3d{3, 0, 0}), 0.03);
-    EXPECT_EQ(axes_of(set, {.max_trees = 1}).size(), 1u);
-    const auto chosen = axes_of(set, {.root = Vec3d{3.05, 0, 0.1}});
+    EXPECT_EQ(find_axes(set, {.max_trees = 1}).size(), 1u);
+    const auto chosen = find_axes(set, {.root = Vec3d{3.05, 0, 0.1}});
     ASSERT_EQ(chosen.size(), 1u);
     EXPECT_NEAR(chosen[0].position.front().z, 0.1, 1e-6);
     EXPECT_NEAR(chosen[0].position.front().x, 3, 0.05);
@@ -82,7 +82,7 @@ TEST(StemAxis, BranchesGrowAwayFromALowerPlaceOfTheStem) {
     EXPECT_LT(distance(Vec3d(out[2]), Vec3d{0, 0, 1}), 1e-6);
 }
 
-/// A tree with four limbs.
+/// Returns a tree with four limbs.
 PointSet limbed_tree() {
     PointSet set;
     add_stem(set, {0, 0, 0}, 0.15);
@@ -97,7 +97,7 @@ PointSet limbed_tree() {
 
 TEST(StemAxis, IsWhatTheSkeletonStartsWith) {
     PointSet set = limbed_tree();
-    // Strays about the tree and below it, as rain or dust gives.
+    // Outliers about the tree and below it, as caused by rain or dust.
     const CounterRandom random(3, 1);
     for (std::uint64_t i = 0; i < 150; ++i) {
         set.positions.push_back(Vec3(Vec3d{random.uniform(3 * i, -3, 3), random.uniform(3 * i + 1, -3, 3),
@@ -112,7 +112,7 @@ TEST(StemAxis, IsWhatTheSkeletonStartsWith) {
     EXPECT_NEAR(tree.dbh, 0.2675, 0.006);
     EXPECT_NEAR(tree.dbh, tree.dbh_of_points, 0.02 * tree.dbh);
     EXPECT_TRUE(tree.doubts.empty()) << tree.doubts[0];
-    // The cones of the stem and the limbs that stand out of it.
+    // The cones of the stem and the portions of the limbs outside it.
     const double pi = 3.14159, stem = pi / 3 * 8.04 * (0.0225 + 0.0075 + 0.0025);
     const double limbs = 4 * pi / 3 * 1.7 * (0.0025 + 0.0015 + 0.0009);
     EXPECT_NEAR(tree.volume, stem + limbs, 0.1 * (stem + limbs));
@@ -135,7 +135,7 @@ TEST(TreeFigures, DoubtWhatIsNotPlausible) {
     const auto unseen = doubts({});
     ASSERT_EQ(unseen.size(), 3u);
     EXPECT_EQ(unseen[0], "no circle is seen at breast height");
-    EXPECT_NE(unseen[1].find("times what its diameter and height suggest"), std::string::npos);
+    EXPECT_NE(unseen[1].find("times the volume that its diameter and height suggest"), std::string::npos);
     EXPECT_NE(unseen[2].find("% of its volume is inferred"), std::string::npos);
     SeenStem seen;
     seen.breast.diameter = 0.3;
@@ -143,7 +143,7 @@ TEST(TreeFigures, DoubtWhatIsNotPlausible) {
     const TreeFigures known = tree_figures(s, confidence, std::vector{seen}).at(0);
     EXPECT_NEAR(known.dbh_high - 0.3, 1.645 * std::hypot(0.01, 0.025 * 0.3), 1e-9);
     EXPECT_NEAR(0.3 - known.dbh_low, known.dbh_high - 0.3, 1e-12);
-    seen.breast.deviation = 0.3;  // next to nothing is known
+    seen.breast.deviation = 0.3;  // hardly any information
     EXPECT_EQ(tree_figures(s, confidence, std::vector{seen}).at(0).dbh_low, 0);
     EXPECT_EQ(doubts({seen})[0], "the diameter at breast height is 20.0 cm, but 30.0 cm in the points");
 }
@@ -165,7 +165,7 @@ TEST(TreeFigures, VolumesLieBetweenBoundsOfRadii) {
     EXPECT_NEAR(open.volume * open.volume, open.volume_low * open.volume_high, 1e-6);
 }
 
-/// A stem of 12 m with points, and a limb of 4 m that is inferred and has none.
+/// A stem of 12 m with points, and an inferred limb of 4 m without points.
 struct HalfSeen {
     Skeleton skeleton{std::vector<NodeId>{NodeId(), NodeId(0), NodeId(1)},
                       std::vector<Vec3>{{0, 0, 0}, {0, 0, 12}, {4, 0, 12}},
@@ -178,7 +178,7 @@ TEST(TreeFigures, LengthsAreOpenWhereWoodIsInferred) {
     const HalfSeen tree;
     const TreeFigures known = tree_figures(tree.skeleton, tree.confidence, {}).at(0);
     EXPECT_NEAR(known.length, 16, 1e-5);
-    // A quarter of the length is inferred, and no point supports it.
+    // A quarter of the length is inferred, without points.
     EXPECT_NEAR(known.length_low, 12 / std::exp(0.03 + 0.35 / 4), 1e-4);
     EXPECT_NEAR(known.length_high, 16 * std::exp(0.03 + 0.3 / 4), 1e-4);
     std::vector<NodeConfidence> seen = tree.confidence;
@@ -209,8 +209,9 @@ TEST(TreeFigures, OfASkeletonAloneHaveNoBounds) {
     EXPECT_EQ(alone.height_high, 0);
     EXPECT_EQ(alone.volume_high, 0);
     EXPECT_EQ(alone.inferred, 0);
-    ASSERT_EQ(alone.doubts.size(), 1u);  // that no circle is seen says nothing
-    EXPECT_NE(alone.doubts[0].find("times what its diameter and height suggest"), std::string::npos);
+    ASSERT_EQ(alone.doubts.size(), 1u);  // a missing circle is not a doubt
+    EXPECT_NE(alone.doubts[0].find("times the volume that its diameter and height suggest"),
+              std::string::npos);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 namespace coppice {
 namespace {
 
-/// A stem of 8 m that leans by 0.1 and tapers from 0.15 to 0.05 m, with a lateral every metre.
+/// Returns a stem of 8 m that leans by 0.1 and tapers from 0.15 to 0.05 m, with a lateral every metre.
 PointSet leaning_stem(double noise = 0.004, bool half = false) {
     PointSet set;
     strew_cone(set, {0, 0, 0}, {0.8, 0, 8}, 0.15, 0.05, 20000, noise, half, 1);
@@ -43,7 +43,8 @@ TEST(StemForm, StemAloneHasTheVolumeOfItsCone) {
     const auto stem = stem_skeleton(stem_form(points));
     ASSERT_TRUE(stem);
     EXPECT_EQ(measure(*stem).tips, 1u);
-    // Up to a diameter of 0.15 m it is a cone from 0.15 to 0.075 m in radius, 6 m high and 0.6 m aside.
+    // Up to a diameter of 0.15 m it is a cone from 0.15 to 0.075 m in radius, 6 m high with a horizontal
+    // offset of 0.6 m.
     const TimberVolume timber = timber_volumes(*stem, list_branches(*stem), 0.15)[0];
     const double length = std::hypot(6, 0.6);
     EXPECT_NEAR(timber.stem_length, length, 0.02 * length);
@@ -155,7 +156,8 @@ TEST(StemForm, SameBitsForAnyNumberOfThreads) {
 }
 
 TEST(StemForm, OfASkeletonIsWhatItsNodesSay) {
-    // The stem has 0.2 - 0.05 z at height z: 0.135 m at breast height, of which 1.1 to 1.5 m is the mean.
+    // The stem has a radius of 0.2 - 0.05 z at height z: 0.135 m at breast height, the mean from 1.1 to 1.5
+    // m.
     const Skeleton s({NodeId(), NodeId(0), NodeId(1), NodeId(1), NodeId()},
                      {{0, 0, 10}, {0, 0, 12}, {0, 0, 13}, {1, 0, 12.5}, {5, 5, 0}},
                      {0.2f, 0.1f, 0.05f, 0.04f, 0.1f}, {100, 200, 300});
@@ -171,7 +173,7 @@ TEST(StemForm, OfASkeletonIsWhatItsNodesSay) {
 }
 
 TEST(StemForm, TheStemOfASkeletonPassesByButtresses) {
-    // At 0.4 m a buttress of 0.2 m radius ends at 0.6 m beside the stem of 0.1 m.
+    // At 0.4 m a buttress of 0.2 m radius ends at 0.6 m next to the stem of 0.1 m.
     const Skeleton s({NodeId(), NodeId(0), NodeId(1), NodeId(1)},
                      {{0, 0, 0}, {0, 0, 0.4f}, {0.3f, 0, 0.6f}, {0, 0, 8}}, {0.2f, 0.2f, 0.2f, 0.1f});
     const auto forms = stem_forms(s);
@@ -183,7 +185,7 @@ TEST(StemForm, TheStemOfASkeletonPassesByButtresses) {
 TEST(StemForm, SlicesOfAPlotHaveDiametersAndNoHeight) {
     PointSet slice;
     slice.origin = {5e5, 5e6, 300};
-    // Three stems cut 10 cm thick, the last seen from one side only, and a bush that is none.
+    // Three stems in a slice of 10 cm, the last with points on one side only, and a bush.
     strew_cone(slice, {0, 0, 0}, {0, 0, 0.1}, 0.1, 0.1, 900, 0.004);
     strew_cone(slice, {2, 1, 0}, {2, 1, 0.1}, 0.2, 0.2, 1500, 0.004, false, 2);
     strew_cone(slice, {4, 0, 0}, {4, 0, 0.1}, 0.15, 0.15, 700, 0.004, true, 3);

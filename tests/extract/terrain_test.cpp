@@ -9,10 +9,10 @@
 namespace coppice {
 namespace {
 
-/// A slope of 20 degrees with hummocks of half a metre.
+/// Returns the height of a slope of 20 degrees with hummocks of half a metre.
 double hill(double x, double y) { return 0.36 * x + 0.5 * std::sin(0.6 * x) * std::cos(0.5 * y + 1); }
 
-/// 20 by 20 m of ground with trees on it: stems, and crowns that leave gaps above a third of the plan.
+/// Returns 20 by 20 m of ground with trees on it: stems, and crowns with gaps above a third of the plan.
 PointSet wood(bool with_ground) {
     PointSet set;
     const CounterRandom random(4, 2);
@@ -20,7 +20,7 @@ PointSet wood(bool with_ground) {
     const auto next = [&](double low, double high) { return random.uniform(draw++, low, high); };
     for (int i = 0; i < 60000 && with_ground; ++i) {
         const double x = next(0, 20), y = next(0, 20);
-        if (std::hypot(x - 9, y - 12) < 2) continue;  // hidden behind something
+        if (std::hypot(x - 9, y - 12) < 2) continue;  // occluded
         set.positions.push_back(Vec3(Vec3d{x, y, hill(x, y) + next(-0.02, 0.02)}));
     }
     for (int t = 0; t < 9; ++t) {

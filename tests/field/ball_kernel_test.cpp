@@ -20,8 +20,8 @@ SegmentConstants<double> along_x(double length, int balls, double radius = 1, do
 }
 
 TEST(BallKernel, AddsTheWeighedBallsOfItsDefinition) {
-    // Three balls at 0, 1 and 2, of which those at the ends count half; the second point sees the first ball
-    // alone.
+    // Three balls at 0, 1 and 2; those at the ends have half weight; only the first ball reaches the second
+    // point.
     const auto s = along_x(2, 2);
     const double w = 15 / (16 * std::pow(1.25, 2.5));
     const auto ball = [](double d2) { return std::pow(std::max(2.25 - d2, 0.0), 2); };
@@ -48,7 +48,7 @@ TEST(BallKernel, ManyBallsAreTheLine) {
         auto s = along_x(4, 4000, 1, slope);
         const Vec3d p{1.7, 0.6, 0.3};
         const double line = sample_segment(test::quartic(1.5), s, {p.x, p.y, p.z}).value;
-        // The line takes one radius, that of the foot point.
+        // The line uses one radius, the one at the closest point.
         EXPECT_NEAR(sample_segment(kBalls, s, {p.x, p.y, p.z}).value, line, slope == 0 ? 1e-6 : 0.03);
     }
 }
@@ -61,7 +61,7 @@ TEST(BallChain, CloserBallsAreAsSmooth) {
             EXPECT_GT(chain.spacing, wider);
             wider = chain.spacing;
             for (double spacing = 0.02; spacing <= chain.spacing; spacing += 0.02) {
-                const BallChain closer = ball_chain_of(support, spacing);
+                const BallChain closer = compute_ball_chain(support, spacing);
                 EXPECT_LE(std::abs(closer.at_balls - closer.between), bulge + 1e-4) << spacing;
             }
         }
@@ -69,8 +69,8 @@ TEST(BallChain, CloserBallsAreAsSmooth) {
 }
 
 TEST(BallChain, IsWhatTheFieldHas) {
-    // 1.6 radii apart: the surface swells by 0.08 at balls, and sinks by as much between.
-    const BallChain chain = ball_chain_of(1.5, 1.6);
+    // 1.6 radii apart: the surface swells by 0.08 at balls, and sinks by the same amount between them.
+    const BallChain chain = compute_ball_chain(1.5, 1.6);
     EXPECT_NEAR(chain.at_balls, 1.082, 1e-3);
     EXPECT_NEAR(chain.between, 0.920, 1e-3);
     const auto s = along_x(1.6 * 20, 20);
@@ -88,7 +88,7 @@ TEST(SegmentBuilder, PlacesBallsAsCloseAsAskedForAtTheThinEnd) {
     EXPECT_EQ(count(10, 1, 0.5f), static_cast<int>(std::ceil(20 / spacing)));
     EXPECT_EQ(count(0.1f, 1, 1), 1);
     EXPECT_EQ(count(0, 1, 1), 0);
-    // Not hundreds of thousands where a thread leaves a ball.
+    // Not hundreds of thousands for a very thin branch at a ball.
     EXPECT_EQ(count(10, 1, 1e-5f), static_cast<int>(std::ceil(320 / spacing)));
     EXPECT_LE(count(1e9f, 1, 1), 1 << 20);
     EXPECT_EQ(SegmentBuilder({}).build({{0, 0, 0}, {9, 0, 0}, 1, 1}, {0, 0, 1}, true, RootEnd::base).balls,

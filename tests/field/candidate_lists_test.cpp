@@ -13,10 +13,10 @@
 namespace coppice {
 namespace {
 
-// Lists of the plain sum are ascending, as find_candidates makes them.
+// Lists of the plain sum are sorted, like those of find_candidates.
 const FieldOptions kPlainSum{.blend = 1};
 
-/// One region about every segment, and one about every single node.
+/// One region around every segment, and one around every single node.
 std::vector<FieldRegion> region_per_segment(const Skeleton& s) {
     std::vector<FieldRegion> regions;
     for (const NodeId n : nodes(s)) {
@@ -53,7 +53,7 @@ std::vector<NodeId> neighbours(const Skeleton& s, NodeId segment) {
     return all;
 }
 
-/// The segments that are connected with the seed through segments that contribute at one of the points.
+/// Returns the segments that are connected to the seed through segments that contribute at one of the points.
 std::set<std::uint32_t> connected_contributors(const Skeleton& s, const ConvolutionField& field, NodeId seed,
                                                const std::vector<Vec3>& points) {
     std::set<std::uint32_t> found{seed.index()};
@@ -111,7 +111,7 @@ TEST(CandidateLists, HoldWhatContributesAndHangsTogetherOnTheZoo) {
     EXPECT_GT(contributors, 1000u);  // the zoo has more segments than that, and most reach their own region
 }
 
-std::vector<Box3> boxes_of(const std::vector<FieldRegion>& regions) {
+std::vector<Box3> compute_boxes(const std::vector<FieldRegion>& regions) {
     std::vector<Box3> boxes;
     for (const FieldRegion& r : regions) boxes.push_back(r.box);
     return boxes;
@@ -122,7 +122,7 @@ TEST(TouchingLists, GiveTheFieldOfAllSegmentsOnTheZoo) {
         if (s.size() > 300) continue;
         SCOPED_TRACE(name);
         ConvolutionField field(s, {});
-        const auto boxes = boxes_of(region_per_segment(s));
+        const auto boxes = compute_boxes(region_per_segment(s));
         field.set_regions(boxes);
         ASSERT_EQ(field.region_count(), boxes.size());
         for (std::uint32_t r = 0; r < boxes.size(); ++r) {
@@ -156,7 +156,7 @@ TEST(TouchingLists, HoldABranchThatMerelyPassesByAndNothingFar) {
 }
 
 TEST(TouchingLists, KeepTheNearestOfTooMany) {
-    // Balls of radius 1 in a row; the box lies about the first of them, but all supports reach it.
+    // Balls of radius 1 in a row; the box is around the first of them, but all supports reach it.
     constexpr std::uint32_t kCount = 600;
     std::vector<SegmentSupport> supports;
     for (std::uint32_t i = 0; i < kCount; ++i) {
@@ -202,7 +202,7 @@ TEST(CandidateLists, ARootNamesItsLeader) {
     EXPECT_EQ(field.candidates(0)[0], 1u);
 }
 
-/// Spokes of length 100 and radius 1 in directions spread over the sphere.
+/// Spokes of length 100 and radius 1 in directions distributed over the sphere.
 Skeleton star(std::uint32_t spokes) {
     std::vector<NodeId> parent{NodeId{}};
     std::vector<Vec3> position{{0, 0, 0}};

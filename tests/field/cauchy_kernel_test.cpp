@@ -20,7 +20,7 @@ TEST(CauchyKernel, IsTheIntegralOfItsDefinition) {
     for (std::uint64_t i = 0; i < 400; ++i) {
         const double k = random.uniform(5 * i, 0.5, 8), h2 = random.uniform(5 * i + 1, 0, 9);
         const double x0 = random.uniform(5 * i + 2, -6, 6), x1 = x0 + random.uniform(5 * i + 3, 0, 8);
-        // Zhu2015, eq. 3 for the level 1 and radius 1.
+        // Zhu2015, eq. 3 for iso value 1 and radius 1.
         const double lambda = 2 / std::numbers::pi * k * std::pow(1 + k * k, 1.5);
         const auto f = [&](double x) { return std::pow(1 + k * k * (h2 + x * x), -2); };
         const double expected = lambda * test::integrate(f, x0, x1, 400);

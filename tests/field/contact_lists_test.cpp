@@ -10,7 +10,7 @@
 namespace coppice {
 namespace {
 
-// Two trees of one segment each, side by side: axes 0.15 apart, radius 0.1, so that they overlap.
+// Two parallel trees of one segment each: axes 0.15 apart, radius 0.1, so that they overlap.
 struct TwoStems {
     Skeleton skeleton{{NodeId::none(), NodeId(0), NodeId::none(), NodeId(2)},
                       {{0, 0, 0}, {0, 0, 2}, {0.15f, 0, 0}, {0.15f, 0, 2}},
@@ -33,13 +33,13 @@ float value_at(const ConvolutionField& field, std::uint32_t region, Vec3 p) {
     return out[0].value;
 }
 
-TEST(FindContacts, UnrelatedNeighboursAreRivals) {
+TEST(FindContacts, UnrelatedNeighboursAreCompetitors) {
     const TwoStems s;
     ConvolutionField field(s.skeleton, {});
     field.set_regions(s.regions, s.tubes());
     EXPECT_TRUE(std::ranges::equal(field.candidates(1), std::array{1u}));
-    EXPECT_TRUE(std::ranges::equal(field.rivals(1), std::array{3u}));
-    EXPECT_TRUE(std::ranges::equal(field.rivals(3), std::array{1u}));
+    EXPECT_TRUE(std::ranges::equal(field.competitors(1), std::array{3u}));
+    EXPECT_TRUE(std::ranges::equal(field.competitors(3), std::array{1u}));
 }
 
 TEST(FindContacts, AncestorsDescendantsAndSiblingsAreNot) {
@@ -52,7 +52,7 @@ TEST(FindContacts, AncestorsDescendantsAndSiblingsAreNot) {
     field.set_regions(regions, {s, tube});
     for (std::uint32_t r = 1; r < 4; ++r) {
         EXPECT_EQ(field.candidates(r).size(), 3u);
-        EXPECT_TRUE(field.rivals(r).empty());
+        EXPECT_TRUE(field.competitors(r).empty());
     }
 }
 
@@ -67,12 +67,12 @@ TEST(FindContacts, WhatIsJoinedGrowsTogether) {
     ConvolutionField field(s, {});
     field.set_regions(regions, {s, tube});
     EXPECT_TRUE(std::ranges::equal(field.candidates(4), std::array{4u}));
-    EXPECT_EQ(field.rivals(4).size(), 2u);
+    EXPECT_EQ(field.competitors(4).size(), 2u);
     const std::vector<NodeJoin> joins{{NodeId(4), NodeId(1)}};
     field.set_regions(regions, {s, tube, joins});
     for (const std::uint32_t r : {1u, 2u, 4u}) {
         EXPECT_EQ(field.candidates(r).size(), 3u);
-        EXPECT_TRUE(field.rivals(r).empty());
+        EXPECT_TRUE(field.competitors(r).empty());
     }
 }
 
@@ -90,7 +90,7 @@ TEST(FindContacts, OthersTakeNoPlaceOfRelatives) {
 }
 
 TEST(FindContacts, OfACrowdTheNearestArePicked) {
-    // A hundred stems along x, of which the first region's box meets all.
+    // A hundred stems along x, all of which meet the first region's box.
     constexpr std::uint32_t kStems = 100;
     std::vector<NodeId> parent, tube;
     std::vector<Vec3> position;
@@ -107,8 +107,8 @@ TEST(FindContacts, OfACrowdTheNearestArePicked) {
     const Skeleton s(parent, position, std::vector<float>(2 * kStems, 2.0f));
     ConvolutionField field(s, {});
     field.set_regions(regions, {s, tube});
-    ASSERT_EQ(field.rivals(1).size(), 48u);
-    for (const std::uint32_t rival : field.rivals(1)) EXPECT_LT(rival, 2 * 49u);
+    ASSERT_EQ(field.competitors(1).size(), 48u);
+    for (const std::uint32_t competitor : field.competitors(1)) EXPECT_LT(competitor, 2 * 49u);
 }
 
 TEST(Contact, OverlappingStemsLeaveAGapBetweenThem) {
@@ -119,7 +119,7 @@ TEST(Contact, OverlappingStemsLeaveAGapBetweenThem) {
     EXPECT_LT(value_at(field, 1, {0.075f, 0, 1}), 1);
     EXPECT_LT(value_at(field, 3, {0.075f, 0, 1}), 1);
     EXPECT_NEAR(value_at(field, 1, {0.075f, 0, 1}), 1 / 1.6f, 1e-4f);
-    // On the far side nothing presses.
+    // There is no contact on the far side.
     EXPECT_NEAR(value_at(field, 1, {-0.1f, 0, 1}), 1, 1e-4f);
 }
 
@@ -127,7 +127,7 @@ TEST(Contact, ZeroTurnsItOff) {
     const TwoStems s;
     ConvolutionField field(s.skeleton, {.contact = 0});
     field.set_regions(s.regions, s.tubes());
-    EXPECT_TRUE(field.rivals(1).empty());
+    EXPECT_TRUE(field.competitors(1).empty());
     EXPECT_GT(value_at(field, 1, {0.075f, 0, 1}), 1);
 }
 

@@ -32,8 +32,8 @@ FieldSample at(const ConvolutionField& field, Vec3 p) {
     return sample[0];
 }
 
-/// All segments in double precision, from the same constants; axes found anew, by going up from every
-/// segment.
+/// Evaluates all segments in double precision, from the same constants; determines axes by walking up from
+/// every segment.
 kernel::Sample<double> in_double(const Skeleton& skeleton, const ConvolutionField& field, int blend,
                                  Vec3d p) {
     std::map<std::uint32_t, kernel::Sample<double>> axes;
@@ -61,7 +61,7 @@ kernel::Sample<double> in_double(const Skeleton& skeleton, const ConvolutionFiel
     return all;
 }
 
-/// Distance from `start` along the unit vector u at which the value falls below the level.
+/// Returns the distance from `start` along the unit vector u at which the value falls below the iso value.
 float reach(const ConvolutionField& field, Vec3 start, Vec3 u, float unit) {
     float low = 0;
     while (at(field, start + (low + 0.01f * unit) * u).value >= 1) low += 0.01f * unit;
@@ -105,7 +105,7 @@ TEST(ConvolutionField, VectorsOfFloatsAgreeWithDoubles) {
                 const auto f = in_double(s, field, blend, Vec3d(points[i]));
                 const Vec3d g{f.gx, f.gy, f.gz};
                 EXPECT_NEAR(samples[i].value, f.value, 4e-5 * (1 + f.value));
-                if (f.value < 1e-4 && blend > 1) continue;  // the norm leaves out the least values
+                if (f.value < 1e-4 && blend > 1) continue;  // the norm omits the smallest values
                 EXPECT_LT(distance(Vec3d(samples[i].gradient), g), 2e-4 * (1 / 0.05 + length(g)));
             }
         }
@@ -117,7 +117,7 @@ TEST(ConvolutionField, GradientIsThatOfTheValueOnATree) {
     for (const auto& [k, blend] : kFields) {
         const ConvolutionField field(s, with_kernel(k, blend));
         for (const Vec3 p : points_near(s, 100, 2)) {
-            // The quartic field has continuous first derivatives only: differences over a small step.
+            // The quartic field has only continuous first derivatives: use differences over a small step.
             const auto f = [&, n = blend](Vec3d q) { return in_double(s, field, n, q); };
             EXPECT_LT(test::gradient_error(f, Vec3d(p), 1e-7), 2e-3);
         }
@@ -262,7 +262,7 @@ TEST(ConvolutionField, PointsFarAlongALongSegmentKeepTheirRadius) {
 }
 
 TEST(ConvolutionField, AnAxisFollowsTheLeader) {
-    // 0 - 1 - 2 - 3 is the trunk; 4 and 5 are laterals at 1, and 6 goes on from 4.
+    // 0 - 1 - 2 - 3 is the trunk; 4 and 5 are laterals at 1, and 6 continues 4.
     const Skeleton s({NodeId{}, NodeId(0), NodeId(1), NodeId(2), NodeId(1), NodeId(1), NodeId(4)},
                      {{0, 0, 0}, {0, 0, 2}, {0, 0, 4}, {0, 0, 6}, {2, 0, 2}, {-2, 0, 2}, {4, 0, 2}},
                      {1, 1, 1, 1, 0.3f, 0.4f, 0.3f});
@@ -284,7 +284,7 @@ TEST(ConvolutionField, ASingleAxisHasThePlainSum) {
         ConvolutionField(s, with_kernel(k, 8)).sample_everywhere(points, blended);
         EXPECT_EQ(std::memcmp(plain.data(), blended.data(), plain.size() * sizeof(FieldSample)), 0);
     }
-    // So it is to rounding when another axis is in the list, but out of reach.
+    // The same, except for rounding, if another axis is in the list, but out of reach.
     std::vector<NodeId> parent(s.parents().begin(), s.parents().end());
     std::vector<Vec3> position(s.positions().begin(), s.positions().end());
     std::vector<float> radius(s.radii().begin(), s.radii().end());
@@ -294,9 +294,9 @@ TEST(ConvolutionField, ASingleAxisHasThePlainSum) {
     const Skeleton two(parent, position, radius);
     const ConvolutionField alone(s, {});
     for (const int blend : kBlends) {
-        const ConvolutionField beside(two, {.blend = blend});
+        const ConvolutionField adjacent(two, {.blend = blend});
         for (const Vec3 p : points) {
-            const FieldSample a = at(alone, p), b = at(beside, p);
+            const FieldSample a = at(alone, p), b = at(adjacent, p);
             EXPECT_NEAR(a.value, b.value, 4e-5f * (1 + a.value)) << blend;
             EXPECT_LT(distance(a.gradient, b.gradient), 1e-4f * (1 / 0.05f + length(a.gradient))) << blend;
         }
@@ -304,8 +304,8 @@ TEST(ConvolutionField, ASingleAxisHasThePlainSum) {
 }
 
 TEST(ConvolutionField, GreaterBlendsKeepLateralsThinNearTheirTrunk) {
-    // A lateral of a tenth of the trunk's radius, at right angles, measured one and four of its radii above
-    // the bark. Expected: where F_lateral^n = 1 - F_trunk^n on long lines.
+    // A lateral with a tenth of the trunk's radius, at a right angle, measured at one and four of its radii
+    // above the trunk's surface. Expected: F_lateral^n = 1 - F_trunk^n on long lines.
     const Skeleton s({NodeId{}, NodeId(0), NodeId(1), NodeId(1)},
                      {{0, 0, -20}, {0, 0, 0}, {0, 0, 20}, {10, 0, 0}}, {1, 1, 1, 0.1f});
     const std::array<float, 4> one_above{1.180f, 1.055f, 1.010f, 1.001f}, four_above{1.006f, 1, 1, 1};
@@ -320,7 +320,8 @@ TEST(ConvolutionField, GreaterBlendsKeepLateralsThinNearTheirTrunk) {
 }
 
 TEST(ConvolutionField, GreaterBlendsSwellForksLess) {
-    // Two equal children at 60 degrees from the trunk's direction: radius across their plane, and upward.
+    // Two equal children at 60 degrees from the trunk's direction: radius perpendicular to their plane, and
+    // upwards.
     const float sine = std::sqrt(0.75f);
     const Skeleton s({NodeId{}, NodeId(0), NodeId(1), NodeId(1)},
                      {{0, 0, -50}, {0, 0, 0}, {50 * sine, 0, 25}, {-50 * sine, 0, 25}}, {1, 1, 1, 1});
@@ -333,7 +334,7 @@ TEST(ConvolutionField, GreaterBlendsSwellForksLess) {
 }
 
 TEST(ConvolutionField, BlendsOfTwoEqualAxesAreTheirNorm) {
-    // Two trees that coincide: two axes of the same value everywhere.
+    // Two coincident trees: two axes with the same value everywhere.
     const Skeleton s({NodeId{}, NodeId(0), NodeId{}, NodeId(2)},
                      {{0, 0, 0}, {0, 0, 10}, {0, 0, 0}, {0, 0, 10}}, {1, 1, 1, 1});
     const Skeleton one({NodeId{}, NodeId(0)}, {{0, 0, 0}, {0, 0, 10}}, {1, 1});
@@ -348,7 +349,7 @@ TEST(ConvolutionField, BlendsOfTwoEqualAxesAreTheirNorm) {
 }
 
 TEST(ConvolutionField, BlendsStayFiniteFromFarAwayToTheMiddleOfCrowds) {
-    // 500 coinciding spokes to and fro give values of thousands; beyond the support everything is 0.
+    // 500 coincident spokes back and forth result in values of thousands; beyond the support everything is 0.
     std::vector<NodeId> parent{NodeId{}};
     std::vector<Vec3> position{{0, 0, 0}};
     for (std::uint32_t i = 0; i < 500; ++i) {
@@ -398,7 +399,7 @@ TEST(ConvolutionField, ServesAsAFieldRef) {
     ref.sample(0, p, sample);
     EXPECT_EQ(ref.level(), 1);
     EXPECT_EQ(sample[0].value, at(field, p[0]).value);
-    EXPECT_LT(sample[0].gradient.x, 0);  // the field falls outward
+    EXPECT_LT(sample[0].gradient.x, 0);  // the field decreases outwards
 }
 
 }  // namespace

@@ -8,9 +8,9 @@
 
 namespace coppice {
 
-/// A stem of ten segments a tenth long, with 99 twigs at each of the nine nodes between, in depth-first
+/// A stem of ten segments of length one tenth, with 99 twigs at each of the nine inner nodes, in depth-first
 /// order. The last segment has nine ancestors and 99 siblings; 792 other twigs are nearer to it than its
-/// first ancestor is.
+/// first ancestor.
 inline Skeleton crowded_stem() {
     std::vector<NodeId> parents{NodeId::none()};
     std::vector<Vec3> positions{{0, 0, 0}};

@@ -28,7 +28,7 @@ Segment segment_or_ball(const Skeleton& s, NodeId n) {
     return g;
 }
 
-/// Distance from p over the radius at its foot.
+/// Returns the distance from p divided by the radius at the closest point.
 double rho(const Segment& s, Vec3 p) {
     const Vec3d q(p);
     const ClosestParameters c = closest_parameters(Vec3d(s.a), Vec3d(s.b), q, q);
@@ -45,7 +45,7 @@ TEST(SurfaceConstraints, LieOnTheSurfaceAndOutsideOfOtherBranches) {
         for (const WeightConstraint& c : points) {
             const Segment own = segment_or_ball(s, c.segment);
             const float least = std::min(own.radius_a, own.radius_b);
-            EXPECT_NEAR(rho(own, c.position), 1, 0.06 + rounding / least);  // beside its foot on a cone
+            EXPECT_NEAR(rho(own, c.position), 1, 0.06 + rounding / least);  // the tolerance allows for cones
             for (const NodeId n : nodes(s)) {
                 if (n == c.segment || s.is_root(n)) continue;
                 const Segment other = segment_or_ball(s, n);
@@ -95,7 +95,7 @@ TEST(GlobalWeights, ABallKeepsItsRadius) {
 TEST(GlobalWeights, TwoSegmentsInOnePlaceShareTheirWeight) {
     const Skeleton s({NodeId{}, NodeId(0), NodeId{}, NodeId(2)},
                      {{0, 0, 0}, {0, 0, 30}, {0, 0, 0}, {0, 0, 30}}, {1, 1, 1, 1});
-    // The trees are not connected: each fits its own points alone. As one tree they would be halved.
+    // The trees are not connected: each fits only its own points. As one tree their weights would be halved.
     EXPECT_NEAR(global_weights(s, global()).factors[1], 1, 0.01);
     const Skeleton one({NodeId{}, NodeId(0), NodeId(0)}, {{0, 0, 0}, {0, 0, 30}, {0, 0, 30}}, {1, 1, 1});
     const GlobalWeights w = global_weights(one, global());
@@ -105,7 +105,7 @@ TEST(GlobalWeights, TwoSegmentsInOnePlaceShareTheirWeight) {
 }
 
 TEST(GlobalWeights, AveragingTakesTheMeanOfAllThatMeet) {
-    // A stem with a fork of a thick and a thin branch, the thin one of two segments; and a tree beside it.
+    // A stem with a fork of a thick and a thin branch, the thin one of two segments; and a separate tree.
     const Skeleton s({NodeId{}, NodeId(0), NodeId(1), NodeId(1), NodeId(3), NodeId{}, NodeId(5)},
                      {{0, 0, 0}, {0, 0, 9}, {5, 0, 14}, {-3, 0, 12}, {-7, 0, 13}, {90, 0, 0}, {90, 0, 5}},
                      {2, 2, 1.5f, 0.5f, 0.3f, 1, 1});
@@ -161,8 +161,7 @@ TEST(GlobalWeights, TheResidualIsThatOfTheField) {
 }
 
 TEST(GlobalWeights, TakesGivenPoints) {
-    // Points on a circle of 1.2 radii about the middle: the segment must get the weight that makes it so
-    // thick.
+    // Points on a circle of 1.2 radii around the middle: the segment must get the weight of that thickness.
     const Skeleton s({NodeId{}, NodeId(0)}, {{0, 0, 0}, {0, 0, 20}}, {1, 1});
     std::vector<Vec3> points;
     for (int i = 0; i < 12; ++i)
@@ -218,13 +217,13 @@ TEST(GlobalWeights, RefusesWhatCannotBeFitted) {
         global_weights(s, global(), far);
         FAIL();
     } catch (const InvalidInput& e) {
-        EXPECT_STREQ(e.what(), "weights: no constraint lies near the skeleton; give points on its surface");
+        EXPECT_STREQ(e.what(), "weights: no constraint is near the skeleton; provide points on its surface");
     }
     try {
         global_weights(s, global(), broken);
         FAIL();
     } catch (const InvalidInput& e) {
-        EXPECT_STREQ(e.what(), "weights: constraint 2 is not finite; leave it out");
+        EXPECT_STREQ(e.what(), "weights: constraint 2 is not finite; remove it");
     }
     EXPECT_THROW(global_weights(s, {.constraint_density = 0}), InvalidInput);
     EXPECT_THROW(surface_constraints(s, {.constraint_density = 1000}), InvalidInput);

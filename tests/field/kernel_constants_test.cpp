@@ -11,9 +11,9 @@
 #include "errors.h"
 #include "field/support.h"
 
-// The figures of the tables were computed independently, with lines of infinite kernels not truncated and by
-// numerical integration where no closed form was at hand; 0.012 is their rounding and the finite length of
-// the lines.
+// The values of the tables were computed independently, without truncating the lines of infinite kernels, and
+// by numerical integration if there was no closed form; the tolerance of 0.012 covers their rounding and the
+// finite length of the lines.
 
 namespace coppice {
 namespace {
@@ -65,7 +65,7 @@ TEST(KernelConstants, RadiusInTheMiddleOfShortSegments) {
     expect_row("2", {0.79, 0.91, 0.93, 1.0, 0.89, 0, 0.96}, middle(2));
     expect_row("4", {0.94, 0.98, 0.98, 1.0, 1.0, 0.91, 1.0}, middle(4));
     expect_row("8", {0.99, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0}, middle(8));
-    // The shortest isolated segment that has a surface at all: the table's 0.37 and 1.09.
+    // The shortest isolated segment with a surface: the table's 0.37 and 1.09.
     EXPECT_LT(DoubleField(test::quartic(1.5)).add({-0.18, 0, 0}, {0.18, 0, 0}).value(kOrigin), 1);
     EXPECT_GT(DoubleField(test::quartic(1.5)).add({-0.19, 0, 0}, {0.19, 0, 0}).value(kOrigin), 1);
     EXPECT_LT(DoubleField(test::quartic(2)).add({-0.54, 0, 0}, {0.54, 0, 0}).value(kOrigin), 1);
@@ -137,8 +137,8 @@ TEST(KernelConstants, RadiusOfThinLateralsOnATrunk) {
     expect_row("10 above", {1.19, 1.07, 1.06, 1.00, 1.00, 1.44, 1.00}, lateral(10));
 }
 
-/// Greatest relative error of the radius in one segment of an endless taper: each segment is 3 radii long and
-/// ends with `ratio` times the radius it starts with.
+/// Returns the maximum relative error of the radius in one segment of an infinite taper: each segment is 3
+/// radii long and ends with `ratio` times its initial radius.
 double taper_error(const KernelConstants& k, double ratio, double weight = 1) {
     DoubleField f(k);
     double x = 0, r = 1;
@@ -168,7 +168,7 @@ TEST(KernelConstants, RadiusOfTapersWithTheLocalRadiusAtTheFootPoint) {
 TEST(KernelConstants, RadiusOfTapersWithScalis) {
     EXPECT_NEAR(taper_error(test::scalis(), 0.7), 0.009, 0.001);
     EXPECT_NEAR(taper_error(test::scalis(), 0.5), 0.025, 0.0015);
-    // The builder's weight takes the slope's part away.
+    // The builder's weight compensates for the slope.
     const SegmentBuilder builder({.kernel = Kernel::scalis});
     for (const float ratio : {0.7f, 0.5f}) {
         const auto s = builder.build({{0, 0, 0}, {3, 0, 0}, 1, ratio}, {0, 0, 1}, false, RootEnd::none);
@@ -176,7 +176,7 @@ TEST(KernelConstants, RadiusOfTapersWithScalis) {
     }
 }
 
-/// Newton steps along the normal of an infinite line until |h - 1| < 1e-4, on g(F); 0 = stuck.
+/// Newton steps along the normal of an infinite line until |h - 1| < 1e-4, on g(F); 0 = no convergence.
 template <class Transform>
 int newton_steps(const KernelConstants& k, double h, const Transform& g) {
     const auto line = DoubleField(k).add({-1e4, 0, 0}, {1e4, 0, 0});
@@ -230,7 +230,7 @@ TEST(KernelConstants, SteepSegmentsStayInTheRangeOfScalis) {
 
 TEST(KernelConstants, OptionsOutOfRangeAreRefusedByName) {
     EXPECT_EQ(test::error_of([] { SegmentBuilder({.support = 0.5f}); }),
-              "field: support must lie between 1.1 and 4, but is 0.5");
+              "field: support must be between 1.1 and 4, but is 0.5");
     EXPECT_THROW(SegmentBuilder({.width = NAN}), InvalidInput);
     EXPECT_THROW(SegmentBuilder({.tip_extension = 5}), InvalidInput);
 }

@@ -30,7 +30,7 @@ SparseRows rows_of(std::size_t rows, std::uint32_t columns,
     return a;
 }
 
-/// Each entry is there with probability `fill`; values in [low, 1).
+/// Each entry exists with probability `fill`; values in [low, 1).
 SparseRows random_rows(std::size_t rows, std::uint32_t columns, double fill, double low, std::uint64_t seed) {
     const CounterRandom there(seed, 1), value(seed, 2);
     return rows_of(rows, columns, [&](std::size_t j, std::uint32_t i) {
@@ -39,7 +39,7 @@ SparseRows random_rows(std::size_t rows, std::uint32_t columns, double fill, dou
     });
 }
 
-/// Rows that see a few neighbours, as points on a long branch do.
+/// Rows with a few adjacent columns, as for points on a long branch.
 SparseRows chain_rows(std::size_t columns, std::size_t per_column, std::uint64_t seed) {
     const CounterRandom value(seed, 3);
     SparseRows a;
@@ -92,8 +92,8 @@ void expect_optimal(const SparseRows& a, std::span<const double> b, std::span<co
     }
 }
 
-/// Gauss-Jordan with pivots on the normal equations of the columns in `set`; empty where they depend on each
-/// other.
+/// Gauss-Jordan elimination with pivoting on the normal equations of the columns in `set`; empty if they are
+/// linearly dependent.
 std::vector<double> least_squares(const SparseRows& a, std::span<const double> b, unsigned set) {
     const std::size_t n = a.columns;
     std::vector<std::vector<double>> m(n, std::vector<double>(n + 1, 0.0));
@@ -202,7 +202,7 @@ TEST(Nnls, ColumnsOfAnySizeCountAlike) {
 }
 
 TEST(Nnls, EqualColumnsShareAndZeroColumnsStayZero) {
-    // Columns 0 and 1 are equal, 2 is twice as long and the same direction, 3 is 0, 4 is in no row.
+    // Columns 0 and 1 are equal, 2 is twice as long in the same direction, 3 is 0, 4 is empty.
     const SparseRows a = rows_of(3, 5, [](std::size_t j, std::uint32_t i) {
         const double base = static_cast<double>(j + 1);
         return i < 2 ? base : i == 2 ? 2 * base : 0.0;
@@ -247,32 +247,34 @@ TEST(Nnls, NothingToDo) {
 TEST(Nnls, DescentAloneComesToTheSame) {
     const SparseRows a = random_rows(300, 40, 0.5, -1, 3);
     const std::vector<double> b = random_vector(300, -1, 1, 3);
-    const NnlsResult pivoted = nnls(a, b), descended = nnls(a, b, {.most_pivots = 0});
+    const NnlsResult pivoted = nnls(a, b), descended = nnls(a, b, {.max_pivots = 0});
     EXPECT_EQ(descended.pivots, 0);
     EXPECT_GT(descended.sweeps, 2);
     EXPECT_TRUE(descended.converged);
     for (std::size_t i = 0; i < 40; ++i) EXPECT_NEAR(descended.x[i], pivoted.x[i], 1e-8) << i;
-    const NnlsResult cut = nnls(a, b, {.most_pivots = 0, .most_sweeps = 1});
+    const NnlsResult cut = nnls(a, b, {.max_pivots = 0, .max_sweeps = 1});
     EXPECT_FALSE(cut.converged);
     EXPECT_GT(cut.violation, 1e-8);
     EXPECT_LT(objective(a, cut.x, b), objective(a, std::vector<double>(40, 0.0), b));
-    const NnlsResult stopped = nnls(a, b, {.most_pivots = 1});  // descent takes over where pivoting stopped
+    // Coordinate descent continues where pivoting stopped.
+    const NnlsResult stopped = nnls(a, b, {.max_pivots = 1});
     EXPECT_GT(stopped.sweeps, 0);
     EXPECT_TRUE(stopped.converged);
     for (std::size_t i = 0; i < 40; ++i) EXPECT_NEAR(stopped.x[i], pivoted.x[i], 1e-8) << i;
 }
 
 TEST(Nnls, SystemsTooLargeToFactorizeAreLeftToDescent) {
-    // 6,000 unknowns that all share rows: the matrix is beyond what is solved densely.
+    // 6,000 unknowns that all share rows: the matrix is too large for the dense solver.
     const SparseRows a = random_rows(40, 6000, 1, 0, 8);
     const std::vector<double> b = random_vector(40, 0, 1, 8);
-    const NnlsResult r = nnls(a, b, {.most_sweeps = 3});
+    const NnlsResult r = nnls(a, b, {.max_sweeps = 3});
     EXPECT_EQ(r.pivots, 0);
     EXPECT_EQ(r.sweeps, 3);
     EXPECT_LT(objective(a, r.x, b), objective(a, std::vector<double>(6000, 0.0), b));
-    // Rows of 45 of 4,500: pairs are few, but the factors fill up, which takes 4,500^3 / 3 products.
+    // Rows with 45 of 4,500 columns: pairs are few, but the factors fill up, which requires 4,500^3 / 3
+    // products.
     const SparseRows scattered = random_rows(4500, 4500, 0.01, 0, 8);
-    const NnlsResult s = nnls(scattered, random_vector(4500, 0, 1, 9), {.most_sweeps = 3});
+    const NnlsResult s = nnls(scattered, random_vector(4500, 0, 1, 9), {.max_sweeps = 3});
     EXPECT_EQ(s.pivots, 0);
     EXPECT_EQ(s.sweeps, 3);
 }
@@ -301,7 +303,7 @@ TEST(Nnls, RefusesWhatIsNotAProblem) {
     } catch (const InvalidInput& e) {
         EXPECT_STREQ(e.what(), "nnls: row 2 of the matrix is not finite");
     }
-    EXPECT_THROW(nnls(a, std::vector<double>{1, 2, 3}, {.most_pivots = -1}), InvalidInput);
+    EXPECT_THROW(nnls(a, std::vector<double>{1, 2, 3}, {.max_pivots = -1}), InvalidInput);
 }
 
 }  // namespace

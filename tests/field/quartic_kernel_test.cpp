@@ -16,7 +16,7 @@ QuarticKernel<double> quartic_kernel(double support) {
     return {support, QuarticKernel<double>::line_weight(support)};
 }
 
-/// The definition: Zhu2015's weight for the level 1 and radius 1 times the integral of (1 - r^2/R^2)^2 inside
+/// The definition: Zhu2015's weight for iso value 1 and radius 1 times the integral of (1 - r^2/R^2)^2 inside
 /// R.
 double by_quadrature(double support, double h2, double x0, double x1) {
     const double r2 = support * support;

@@ -16,7 +16,7 @@ Constants along_x(double length, double radius, double slope) {
     return {0, 0, 0, 1, 0, 0, 0, length, length, radius, slope, 1};
 }
 
-/// The definition; many pieces, since the integrand has kinks where the support ends.
+/// The definition; with many sections, because the integrand has kinks where the support ends.
 double by_quadrature(const Constants& s, Vec3d p) {
     const auto f = [&](double x) {
         const double tau = s.radius + s.slope * x;

@@ -16,8 +16,8 @@ const KernelConstants kNormalForms[] = {test::quartic(1.5), test::quartic(2), te
 
 TEST(SegmentKernel, ALongConeHasTheLevelAtItsLocalRadius) {
     for (const auto& k : kNormalForms) {
-        const auto f =
-            DoubleField(k).add({0, 0, 0}, {0, 0, 1000}, 11, 1);  // 45 radii from either end or more
+        // At least 45 radii from both ends.
+        const auto f = DoubleField(k).add({0, 0, 0}, {0, 0, 1000}, 11, 1);
         for (const double z : {500.0, 600.0, 700.0}) EXPECT_NEAR(f.value({11 - z / 100, 0, z}), 1, 1e-5);
     }
 }

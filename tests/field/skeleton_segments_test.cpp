@@ -14,7 +14,7 @@ bool same_bits(const kernel::SegmentConstants<float>& a, const kernel::SegmentCo
     return std::memcmp(&a, &b, sizeof a) == 0;
 }
 
-// The nodes that hang on one, and it.
+// A node and its descendants.
 std::vector<std::uint32_t> subtree(const Skeleton& s, NodeId top) {
     std::vector<std::uint8_t> is_in(s.size());
     std::vector<std::uint32_t> out;
@@ -35,7 +35,7 @@ TEST(SkeletonSegments, OfNodesThatMovedAreThoseOfTheFieldAboutThem) {
         const NodeId top(skeleton.size() / 3);
         const std::vector<std::uint32_t> branch = subtree(skeleton, top);
         std::vector<Vec3> positions(skeleton.positions().begin(), skeleton.positions().end());
-        // There, and back again: what has no length follows what it hangs on.
+        // There and back: segments without length follow their parent.
         for (const Vec3 way : {Vec3{0.3f, -0.2f, 0.1f}, Vec3{}}) {
             for (const std::uint32_t n : branch) {
                 const Vec3 p = skeleton.positions()[n];

@@ -13,7 +13,8 @@
 
 namespace coppice::test {
 
-/// A few segments summed in double precision, without extensions: for comparing formulas, not for speed.
+/// A few segments summed in double precision, without extensions: for the comparison of formulas, not for
+/// speed.
 class DoubleField {
   public:
     explicit DoubleField(const KernelConstants& kernel) : kernel_(kernel) {}
@@ -36,8 +37,8 @@ class DoubleField {
     }
     double value(Vec3d p) const { return sample(p).value; }
 
-    /// Distance from `start` along `direction` at which the value falls below 1; 0 where it is below 1 at the
-    /// start.
+    /// Returns the distance from `start` along `direction` at which the value falls below 1; 0 if it is below
+    /// 1 at the start.
     double reach(Vec3d start, Vec3d direction) const {
         const Vec3d u = normalized(direction);
         double low = 0;
@@ -64,7 +65,7 @@ inline KernelConstants cauchy(double width) {
 }
 inline KernelConstants scalis() { return kernel_constants({.kernel = Kernel::scalis}); }
 
-/// Gauss-Legendre with five points on `pieces` equal pieces.
+/// Gauss-Legendre quadrature with five points on `pieces` equal sections.
 inline double integrate(const std::function<double(double)>& f, double a, double b, int pieces = 2000) {
     constexpr double kNode[] = {0, 0.53846931010568309, -0.53846931010568309, 0.90617984593866399,
                                 -0.90617984593866399};
@@ -78,8 +79,8 @@ inline double integrate(const std::function<double(double)>& f, double a, double
     return 0.5 * h * sum;
 }
 
-/// Largest difference between the gradient and central differences of the value at p, relative to 1 + its
-/// length.
+/// Returns the maximum difference between the gradient and central differences of the value at p, relative to
+/// 1 + its length.
 inline double gradient_error(const std::function<kernel::Sample<double>(Vec3d)>& f, Vec3d p,
                              double step = 1e-5) {
     const auto s = f(p);
@@ -93,7 +94,7 @@ inline double gradient_error(const std::function<kernel::Sample<double>(Vec3d)>&
     return worst / (1 + length(g));
 }
 
-/// The partial derivatives of a kernel in normal form, against central differences.
+/// Compares the partial derivatives of a kernel in normal form with central differences.
 template <class NormalForm>
 void expect_derivatives_match(const NormalForm& f, double h2, double x0, double x1) {
     constexpr double kStep = 1e-5;

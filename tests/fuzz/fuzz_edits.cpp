@@ -1,5 +1,5 @@
-// Any bytes as a file of edits of a small tree: they are made again, left out with a reason of one line, or
-// the file is refused with one; and taking all back gives the tree that it was.
+// Reads arbitrary bytes as a file of edits of a small tree: the edits are applied, or skipped with a reason
+// of one line, or the file is refused with one; undoing all of them restores the tree.
 
 #include <cstddef>
 #include <cstdint>

@@ -1,6 +1,6 @@
-// Any bytes as the head of a request to the studio's server, whose token and port they cannot know: they are
-// no request, or are refused, or get the page; a blob, a file or a connection they never get. With the token
-// in them (the first byte says so) names never lead out of the folder.
+// Sends arbitrary bytes as the header of a request to the studio's server, with unknown token and port: they
+// are invalid, are refused, or get the page, but never a blob, a file or a connection. With the token
+// (selected by the first byte) names never lead out of the folder.
 
 #include <boost/beast/http/parser.hpp>
 #include <cstddef>
@@ -23,7 +23,7 @@ void require(bool condition) {
     if (!condition) std::abort();
 }
 
-/// A folder with a page, and an empty one in it.
+/// A folder with a page, and an empty subfolder.
 std::filesystem::path make_folder() {
     const std::filesystem::path folder = std::filesystem::temp_directory_path() / "coppice fuzz http";
     std::filesystem::create_directories(folder / "work");
@@ -32,13 +32,13 @@ std::filesystem::path make_folder() {
     return folder;
 }
 
-/// A server that all runs ask, in an empty folder.
+/// A server in an empty folder, used by all runs.
 struct Asked {
     std::filesystem::path folder = make_folder();
-    std::shared_ptr<const Jail> jail = std::make_shared<const Jail>(folder / "work");
-    StudioEngine engine{StudioOptions{.scene = {.folder = folder / "work", .jail = jail}}};
+    std::shared_ptr<const FolderSandbox> sandbox = std::make_shared<const FolderSandbox>(folder / "work");
+    StudioEngine engine{StudioOptions{.scene = {.folder = folder / "work", .sandbox = sandbox}}};
     server::Router router{
-        {.port = 4000, .token = kToken, .most_upload = 1000}, server::Page(folder), jail, engine};
+        {.port = 4000, .token = kToken, .max_upload = 1000}, server::Page(folder), sandbox, engine};
 };
 
 void check(const Asked& asked, const server::HttpHead& head, bool knows_token) {
@@ -49,7 +49,7 @@ void check(const Asked& asked, const server::HttpHead& head, bool knows_token) {
     }
     require(knows_token || std::holds_alternative<server::OpenSocket>(plan));
     if (const auto* wanted = std::get_if<server::SendFile>(&plan)) {
-        require(asked.router.file(*wanted).status == 404);  // there is none
+        require(asked.router.file(*wanted).status == 404);  // missing
     } else if (const auto* blob = std::get_if<server::SendBlob>(&plan)) {
         require(asked.router.blob(*blob).status == 404);
     } else if (const auto* file = std::get_if<server::TakeFile>(&plan)) {
@@ -66,7 +66,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     static const Asked asked;
     if (size == 0) return 0;
     http::request_parser<http::empty_body> parser;
-    parser.header_limit(server::kMostHead);
+    parser.header_limit(server::kMaxHead);
     parser.eager(false);
     boost::beast::error_code failure;
     parser.put(boost::asio::buffer(data + 1, size - 1), failure);

@@ -1,5 +1,5 @@
-// Options as JSON, from arbitrary bytes: those of a mesh, which have options of every type and options within
-// them. What is taken lies in range and is written and read back the same; what is not is refused in a
+// Reads options as JSON from arbitrary bytes: those of a mesh, which have options of every type and nested
+// options. Accepted options are in range and identical after writing and reading; others are refused with a
 // sentence of one line.
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "coppice/base/error.h"
-#include "coppice/pipeline/json.h"
+#include "coppice/options/json.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 
 namespace {

@@ -1,5 +1,5 @@
-// Every mesh reader against arbitrary bytes: the first byte picks the format, the rest is the file. A reader
-// returns a mesh whose indices are in range and whose positions are finite, or throws coppice::Error.
+// Feeds arbitrary bytes to every mesh reader: the first byte selects the format, the rest is the file. A
+// reader returns a mesh with valid indices and finite positions, or throws coppice::Error.
 
 #include <cstdint>
 #include <cstdlib>
@@ -28,7 +28,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const std::string_view bytes(reinterpret_cast<const char*>(data) + 1, size - 1);
     try {
         check(coppice::parse_mesh(bytes, static_cast<coppice::MeshFormat>(data[0] % 6), "input"));
-    } catch (const coppice::Error&) {  // the proper answer to a bad file
+    } catch (const coppice::Error&) {  // expected for an invalid file
     }
     return 0;
 }

@@ -1,5 +1,6 @@
-// Runs any bytes as a scene without files and with little memory: every command gives a result or throws
-// coppice::Error with a sentence of one line. A recipe of what was made must make as many objects again.
+// Runs arbitrary bytes as a scene without files and with little memory: every command succeeds or throws
+// coppice::Error with a sentence of one line. A recipe of the objects must create the same number of objects
+// again.
 
 #include <cstddef>
 #include <cstdint>
@@ -13,8 +14,8 @@
 
 namespace {
 
-const coppice::SceneSettings kSettings{.max_memory = 2, .files = false, .outputs = false, .most_lines = 60};
-constexpr std::size_t kMostLines = 40;
+const coppice::SceneSettings kSettings{.max_memory = 2, .files = false, .outputs = false, .max_lines = 60};
+constexpr std::size_t kMaxLines = 40;
 
 void require(bool condition) {
     if (!condition) std::abort();
@@ -28,7 +29,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const coppice::Context ctx{.threads = 1};
     try {
         const auto lines = coppice::scene_lines(text, "fuzz");
-        for (std::size_t i = 0; i < lines.size() && i < kMostLines; ++i) {
+        for (std::size_t i = 0; i < lines.size() && i < kMaxLines; ++i) {
             coppice::completions(lines[i].text, scene.state());
             try {
                 scene.run(lines[i].text, "fuzz", ctx);
@@ -37,9 +38,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             }
         }
         coppice::Scene again(kSettings);
-        again.run_text(coppice::recipe_of(scene.state()), "recipe", ctx);
+        again.run_text(coppice::make_recipe(scene.state()), "recipe", ctx);
         require(again.state().objects.size() == scene.state().objects.size());
-    } catch (const coppice::Error&) {  // the proper answer to what is no scene
+    } catch (const coppice::Error&) {  // expected for an invalid scene
     }
     return 0;
 }

@@ -1,5 +1,5 @@
-// Feeds any bytes to the parsers of skeleton files; the first byte picks the parser. What they accept must
-// survive the repair, and what the writers make of that must be read back.
+// Feeds arbitrary bytes to the parsers of skeleton files; the first byte selects the parser. Accepted
+// skeletons must be repairable, and the output of the writers for them must be readable.
 
 #include <cstddef>
 #include <cstdint>
@@ -38,7 +38,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     try {
         file = coppice::parse_skeleton(text, "fuzz", {.format = format});
     } catch (const coppice::Error&) {
-        return 0;  // refused in words, as it should be
+        return 0;  // refused with a message, as expected
     }
     for (const SkeletonFormat out : {SkeletonFormat::swc, SkeletonFormat::ply, SkeletonFormat::obj,
                                      SkeletonFormat::json, SkeletonFormat::rsml, SkeletonFormat::mtg}) {

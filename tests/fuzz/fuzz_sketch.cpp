@@ -1,4 +1,5 @@
-// Sketches from arbitrary bytes, and skeletons of those that can be read: finite, or coppice::Error.
+// Reads sketches from arbitrary bytes, and creates skeletons of valid ones: these are finite, or
+// coppice::Error is thrown.
 
 #include <cstddef>
 #include <cstdint>
@@ -28,9 +29,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         const coppice::Sketch sketch =
             coppice::parse_sketch({reinterpret_cast<const char*>(data), size}, "input");
         coppice::parse_sketch(coppice::encode_sketch(sketch), "back");
-        constexpr std::size_t kMostBranches = 20;  // each takes milliseconds under sanitizers
-        if (sketch.branches.size() <= kMostBranches) check(reconstruct(sketch, {}, "input", {.threads = 1}));
-    } catch (const coppice::Error&) {  // the proper answer to a bad file
+        constexpr std::size_t kMaxBranches = 20;  // each needs milliseconds with sanitizers
+        if (sketch.branches.size() <= kMaxBranches) check(reconstruct(sketch, {}, "input", {.threads = 1}));
+    } catch (const coppice::Error&) {  // expected for an invalid file
     }
     return 0;
 }

@@ -1,6 +1,6 @@
-// Any bytes as messages to a studio, one a line, in an empty folder and with little memory: every one that
-// has an id is answered, with a sentence of one line where it is refused; what can be fetched is fetched; and
-// nothing is an internal error.
+// Sends arbitrary bytes as messages to a studio, one per line, in an empty folder and with little memory:
+// every message with an id is answered, with a sentence of one line if it is refused; available data are
+// fetched; and no internal error occurs.
 
 #include <stdlib.h>
 
@@ -26,14 +26,14 @@ namespace {
 
 using namespace coppice;
 
-constexpr std::size_t kMostMessages = 40;
-constexpr std::chrono::milliseconds kPatience{300};  // with a request, which is stopped then
+constexpr std::size_t kMaxMessages = 40;
+constexpr std::chrono::milliseconds kRequestTimeout{300};  // together with a request, which is then cancelled
 
 void require(bool condition) {
     if (!condition) std::abort();
 }
 
-/// A folder that is empty for each input.
+/// A folder that is emptied for each input.
 class Folder {
   public:
     Folder() {
@@ -50,7 +50,7 @@ class Folder {
     std::filesystem::path path_;
 };
 
-/// Looks at all that it is sent.
+/// Checks all messages that it receives.
 class Watcher : public StudioClient {
   public:
     void send_text(std::string message) override {
@@ -70,7 +70,7 @@ class Watcher : public StudioClient {
 
     bool wait_for_answer() {
         std::unique_lock lock(mutex_);
-        return wake_.wait_for(lock, kPatience, [&] { return answers_ > 0; });
+        return wake_.wait_for(lock, kRequestTimeout, [&] { return answers_ > 0; });
     }
     std::vector<std::string> keys() {
         const std::scoped_lock lock(mutex_);
@@ -90,18 +90,18 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const std::string_view text(reinterpret_cast<const char*>(data), size);
     const Folder folder;
     StudioOptions options;
-    options.scene = {.max_memory = 16, .outputs = false, .folder = folder.path(), .most_lines = 60};
+    options.scene = {.max_memory = 16, .outputs = false, .folder = folder.path(), .max_lines = 60};
     StudioEngine engine(options);
     const auto hand = std::make_shared<Watcher>(), last = std::make_shared<Watcher>();
     engine.join("hand", hand);
     engine.join("last", last);
     std::size_t lines = 0;
-    for (std::size_t at = 0; at < text.size() && lines < kMostMessages; ++lines) {
+    for (std::size_t at = 0; at < text.size() && lines < kMaxMessages; ++lines) {
         const std::size_t end = std::min(text.find('\n', at), text.size());
         engine.post("hand", std::string(text.substr(at, end - at)));
         at = end + 1;
     }
-    // Requests are answered in order, and `cancel` goes past them.
+    // Requests are answered in order, except `cancel`, which overtakes them.
     int id = 1;
     engine.post("last", Json{{"id", id}, {"type", "ping"}}.dump());
     const auto stopper = std::make_shared<Watcher>();
@@ -110,7 +110,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (const std::string& key : hand->keys()) {
         try {
             if (const StudioBytes blob = engine.blob(key)) require(blob->starts_with("CPB1"));
-        } catch (const Error&) {  // what cannot be shown says so
+        } catch (const Error&) {  // objects that cannot be shown report it
         }
     }
     return 0;

@@ -1,4 +1,4 @@
-// node validate.mjs FILE.glb ...: exits 1 when the Khronos validator finds an error or a warning in any of the files.
+// node validate.mjs FILE.glb ...: exits with 1 if the Khronos validator finds an error or a warning in any of the files.
 import { readFile } from "node:fs/promises";
 import { validateBytes } from "gltf-validator";
 

@@ -1,4 +1,4 @@
-// write_samples FOLDER: writes the GLB files that the Khronos validator is to judge.
+// write_samples FOLDER: writes the GLB files that the Khronos validator checks.
 
 #include <cmath>
 #include <filesystem>
@@ -10,7 +10,7 @@ namespace {
 
 using namespace coppice;
 
-/// A torus of n x n quads; `flat` squeezes it until faces have no area and normals no direction.
+/// A torus of n x n quads; `flat` flattens it until faces have no area and normals no direction.
 QuadMesh torus(std::uint32_t n, float flat) {
     QuadMesh mesh;
     const float step = 6.2831853f / static_cast<float>(n);
@@ -33,7 +33,7 @@ int main(int argc, char** argv) {
     if (argc != 2) return 2;
     const std::filesystem::path folder = argv[1];
     std::filesystem::create_directories(folder);
-    QuadMesh mesh = torus(100, 1);  // 10,000 quads: two runs of the writer
+    QuadMesh mesh = torus(100, 1);  // 10,000 quads, which the writer writes in two blocks
     write_mesh(folder / "plain.glb", mesh);
     mesh.origin = {500000.25, -5200000.5, 310};
     write_mesh(folder / "origin.glb", mesh);

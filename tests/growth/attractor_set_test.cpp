@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "coppice/base/hash.h"
+#include "coppice/base/id.h"
 #include "coppice/base/random.h"
 #include "coppice/growth/attractor_set_internal.h"
 
@@ -27,7 +28,7 @@ struct Expected {
     std::vector<std::uint32_t> left;
 };
 
-/// The same in batches by trying all pairs.
+/// The same in batches by testing all pairs.
 Expected brute_force(const std::vector<Vec3>& attractors, const std::vector<Vec3>& nodes, std::size_t batch,
                      float influence, float kill) {
     Expected e{std::vector<Vec3d>(nodes.size()), std::vector<std::uint32_t>(nodes.size()), {}};
@@ -74,7 +75,7 @@ TEST(AttractorSet, AgreesWithTryingAllPairs) {
     }
 }
 
-// Batches of several ranges, which threads share: each meets most attractors many times over.
+// Batches of several ranges, shared by threads: each visits most attractors many times.
 TEST(AttractorSet, TheSameBitsForAnyNumberOfThreads) {
     const std::vector<Vec3> attractors = random_points(5000, 0), nodes = random_points(8000, 1);
     std::uint64_t first_hash = 0;
@@ -114,15 +115,15 @@ TEST(AttractorSet, FindsTheNearestOfANodeAndOfAll) {
     AttractorSet set(attractors, 2, 0.1f, {});
     std::vector<Pull> pulls(2);
     set.add_nodes(nodes, 0, pulls, {});
-    const auto of_first = set.nearest_of(0, nodes[0]);
+    const auto of_first = set.find_nearest(0, nodes[0]);
     EXPECT_EQ(set.position(of_first.place), attractors[2]);
     EXPECT_FLOAT_EQ(of_first.distance_squared, 0.25f);
-    EXPECT_EQ(set.position(set.nearest_of(1, nodes[1]).place), attractors[1]);
+    EXPECT_EQ(set.position(set.find_nearest(1, nodes[1]).place), attractors[1]);
     EXPECT_EQ(set.position(set.nearest({2.2f, 0, 0}).place), attractors[1]);
     set.drop(of_first.place, pulls);
-    EXPECT_EQ(set.position(set.nearest_of(0, nodes[0]).place), attractors[0]);
+    EXPECT_EQ(set.position(set.find_nearest(0, nodes[0]).place), attractors[0]);
     EXPECT_EQ(pulls[0].count, 1u);
-    // What was given up still goes to a node that comes nearer.
+    // A dropped attractor is still assigned to a node that is nearer.
     const std::vector<Vec3> more{nodes[0], nodes[1], {0, 0.2f, 0}};
     pulls.resize(3);
     set.add_nodes(more, 2, pulls, {});
@@ -134,7 +135,7 @@ TEST(AttractorSet, AnEmptySetIsAllowed) {
     std::vector<Pull> pulls(1);
     const std::vector<Vec3> nodes{{0, 0, 0}};
     set.add_nodes(nodes, 0, pulls, {});
-    EXPECT_EQ(set.nearest({}).place, AttractorSet::kNone);
+    EXPECT_EQ(set.nearest({}).place, kNoIndex);
     EXPECT_TRUE(set.remaining().empty());
 }
 

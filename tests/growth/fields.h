@@ -8,7 +8,7 @@
 
 namespace coppice {
 
-/// Minus the signed distance to a sphere; the level is 0.
+/// Minus the signed distance to a sphere; the iso value is 0.
 struct SphereField {
     Vec3 center;
     float radius;
@@ -22,7 +22,7 @@ struct SphereField {
     }
 };
 
-/// Minus the signed distance to a torus about the z axis; the level is 0.
+/// Minus the signed distance to a torus about the z axis; the iso value is 0.
 struct TorusField {
     float ring, tube;
 
@@ -36,7 +36,7 @@ struct TorusField {
     }
 };
 
-/// The least and greatest value of a signed field along all segments, in 200 places each.
+/// The minimum and maximum of a signed field along all segments, at 200 points each.
 struct FieldRange {
     float low = INFINITY, high = -INFINITY;
 };

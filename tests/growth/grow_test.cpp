@@ -35,7 +35,7 @@ GrowResult grow_at_origin(const std::vector<Vec3>& attractors, const GrowOptions
     return grow({.attractors = attractors, .roots = kOrigin}, options);
 }
 
-std::uint64_t hash_of(const GrowResult& r) {
+std::uint64_t compute_hash(const GrowResult& r) {
     const Skeleton& s = r.skeleton;
     Hash hash;
     hash.add(s.parents()).add(s.positions()).add(std::span(r.unreached));
@@ -43,7 +43,7 @@ std::uint64_t hash_of(const GrowResult& r) {
 }
 
 TEST(Grow, WalksStraightToASingleAttractor) {
-    // From 1 away in steps of 1/4: spent when the third node is 1/4 away.
+    // From a distance of 1 in steps of 1/4: spent when the third node is 1/4 away.
     const GrowResult r =
         grow_at_origin({{0, 0, 1}}, {.influence_radius = 2, .kill_radius = 0.25f, .step = 0.25f});
     ASSERT_EQ(r.skeleton.size(), 4u);
@@ -66,7 +66,7 @@ TEST(Grow, GoesAlongTheMeanDirectionAndSplits) {
 }
 
 TEST(Grow, OppositeAttractorsDoNotHoldANodeFast) {
-    // The pulls cancel. Three steps of 1/4 to either side bring a node within 1/4.
+    // The pulls cancel. Three steps of 1/4 to both sides bring a node within 1/4.
     const GrowResult r =
         grow_at_origin({{1, 0, 0}, {-1, 0, 0}}, {.influence_radius = 2, .kill_radius = 0.25f, .step = 0.25f});
     EXPECT_EQ(r.stop, StopReason::attractors_spent);
@@ -76,11 +76,12 @@ TEST(Grow, OppositeAttractorsDoNotHoldANodeFast) {
 }
 
 TEST(Grow, DoesNotMakeTheSameChildAgainAndAgain) {
-    // The sum points straight up, where a child comes nearer to neither: it would be made for ever.
+    // The sum points straight up, where a child is nearer to neither: it would be created forever.
     const GrowResult r = grow_at_origin({{1, 0, 0.01f}, {-1, 0, 0.01f}},
                                         {.influence_radius = 2, .kill_radius = 0.25f, .step = 0.25f});
     EXPECT_EQ(r.stop, StopReason::attractors_spent);
-    // 1.00005 away: three steps leave a hair more than 1/4, so that it takes four to either side.
+    // 1.00005 away: after three steps slightly more than 1/4 remains, so that four are required on both
+    // sides.
     EXPECT_EQ(r.skeleton.size(), 9u);
     EXPECT_GE(r.stalls, 1u);
     for (const NodeId n : nodes(r.skeleton)) EXPECT_LT(r.skeleton.position(n).z, 0.02f);
@@ -128,7 +129,7 @@ TEST(Grow, EqualRootsShareByNumber) {
 }
 
 TEST(Grow, TropismBendsTheDirection) {
-    // East with as much weight upward: halfway between.
+    // East with the same weight upwards: halfway between.
     const GrowResult r = grow_at_origin({{0.9f, 0, 0}}, {.step = 0.1f, .tropism_weight = 1});
     const float h = 0.1f * std::sqrt(0.5f);
     EXPECT_LT(distance(r.skeleton.position(NodeId(1)), Vec3(h, 0, h)), 1e-6f);
@@ -183,7 +184,7 @@ TEST(Grow, TrunkReachesForTheCrownAndKeepsItsDirectionFirst) {
     const std::vector<Root> upright{{{0, 0, 0}, {0, 0, 9}}};
     const GrowResult led = grow({.attractors = attractors, .roots = upright}, options);
     EXPECT_EQ(led.stop, StopReason::attractors_spent);
-    // Straight up gains half a step and more until the attractor is seen 60 degrees off: z = 6 - 3 / sqrt(3).
+    // Straight up gains at least half a step until the attractor is seen at 60 degrees: z = 6 - 3 / sqrt(3).
     for (const Vec3 p : led.skeleton.positions()) {
         if (p.z < 4.2f) {
             EXPECT_NEAR(p.x, 0, 1e-5f);
@@ -272,7 +273,7 @@ TEST(Grow, BudsLimitChildrenAndTheirPlaces) {
 TEST(Grow, JitterFollowsTheSeed) {
     const std::vector<Vec3> attractors = ball(300, {0, 0, 1}, 1);
     const auto with = [&](float jitter, int seed) {
-        return hash_of(grow_at_origin(attractors, {.jitter = jitter, .seed = seed}));
+        return compute_hash(grow_at_origin(attractors, {.jitter = jitter, .seed = seed}));
     };
     EXPECT_EQ(with(0.3f, 1), with(0.3f, 1));
     EXPECT_NE(with(0.3f, 1), with(0.3f, 2));
@@ -297,8 +298,8 @@ TEST(Grow, TheSameBitsForAnyNumberOfThreads) {
             const GrowResult r = grow({.attractors = attractors, .roots = roots, .guard = &guard}, options,
                                       {.threads = threads});
             EXPECT_GT(r.skeleton.size(), 3000u);
-            if (first == 0) first = hash_of(r);
-            EXPECT_EQ(hash_of(r), first) << threads;
+            if (first == 0) first = compute_hash(r);
+            EXPECT_EQ(compute_hash(r), first) << threads;
         }
     }
 }
@@ -356,7 +357,7 @@ TEST(Grow, TellsOfWhatHasGrownAndIsNotChangedByThat) {
         if (so_far.rounds == 20) middle = so_far.skeleton();
     };
     const GrowResult watched = grow({.attractors = attractors, .roots = kOrigin, .watch = watch}, options);
-    EXPECT_EQ(hash_of(watched), hash_of(grow_at_origin(attractors, options)));
+    EXPECT_EQ(compute_hash(watched), compute_hash(grow_at_origin(attractors, options)));
     ASSERT_EQ(rounds.size(), static_cast<std::size_t>(watched.iterations));
     for (std::size_t i = 0; i < rounds.size(); ++i) EXPECT_EQ(rounds[i], static_cast<int>(i) + 1);
     // The option that it names ends growth with the same tree.
@@ -386,7 +387,7 @@ TEST(Grow, RefusesOptionsOutOfRangeByName) {
                     const float bad[]{kNan, kHuge, -kHuge, static_cast<float>(f.low) - 1};
                     value = bad[which];
                 } else if constexpr (std::is_same_v<T, int>) {
-                    // The greatest seed is the greatest integer there is.
+                    // The maximum seed is the maximum integer.
                     skip = f.high >= 2147483647 && which == 0;
                     value = which == 0 ? std::numeric_limits<int>::max() : -which;
                 } else {
@@ -421,7 +422,7 @@ TEST(Grow, DescribesEveryOptionOnceWithItsDefaultInRange) {
     test::expect_described<GrowOptions>(3);  // bytes of padding after the bool
 }
 
-/// A stem of five nodes with a twig at the third, with radii and ids of its own.
+/// A stem of five nodes with a twig at the third, with its own radii and ids.
 Skeleton young_tree(Vec3d origin = {}) {
     const auto id = [](std::uint32_t i) { return NodeId(i); };
     return Skeleton({NodeId::none(), id(0), id(1), id(2), id(3), id(2)},
@@ -476,7 +477,7 @@ TEST(GrowFromTree, RootsMayGrowBesideIt) {
     const Skeleton s = grow({.attractors = points, .roots = roots, .tree = &tree}, kOfYoungTree).skeleton;
     EXPECT_EQ(s.tree_count(), 2u);
     EXPECT_TRUE(s.is_root(NodeId(6)));
-    EXPECT_GT(s.position(s.children(NodeId(6)).front()).z, 0.199f);  // straight on, as it was told
+    EXPECT_GT(s.position(s.children(NodeId(6)).front()).z, 0.199f);  // straight on, as specified
 }
 
 TEST(GrowFromTree, InTwoStagesReachesWhatWasOutOfReach) {
@@ -489,8 +490,8 @@ TEST(GrowFromTree, InTwoStagesReachesWhatWasOutOfReach) {
 }
 
 TEST(GrowFromTree, TheLeaderCountsOnAlongTheAxis) {
-    // Laterals leave only every two nodes: 1 and 3 of the stem have no bud, though the twig at 2 came in
-    // later.
+    // Laterals start only at every second node: 1 and 3 of the stem have no bud, although the twig at 2 was
+    // added later.
     const Skeleton tree = young_tree();
     const std::vector<Vec3> points{{0.9f, 0, 1}, {0.9f, 0, 3.1f}, {-0.9f, 0, 2}};
     const GrowOptions options{.influence_radius = 1, .kill_radius = 0.2f, .step = 0.2f, .bud_interval = 2};
@@ -520,7 +521,7 @@ TEST(GrowFromTree, Refusals) {
     const std::vector<Vec3> points{{0, 0, 5}};
     EXPECT_EQ(
         test::error_of([&] { grow({.attractors = points, .roots = {}, .tree = &tree}, {.max_nodes = 5}); }),
-        "grow: the tree that grows on has 6 nodes, and max_nodes is 5");
+        "grow: the existing tree has 6 nodes, but max_nodes is 5");
     const Skeleton far = Skeleton({NodeId::none()}, {{1e9f, 0, 0}}, {1});
     EXPECT_NE(test::error_of([&] { grow({.attractors = points, .roots = {}, .tree = &far}); }), "no error");
     EXPECT_NE(test::error_of([&] { grow({.attractors = points, .roots = {}}); }), "no error");

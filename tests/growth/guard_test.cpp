@@ -69,7 +69,7 @@ TEST(Guard, StepsStraightWhereTheWayIsClearAndSlidesElsewhere) {
 }
 
 TEST(Guard, FindsNoWayWhereThereIsNone) {
-    // A shell far thinner than the step: any segment of that length leaves it.
+    // A shell much thinner than the step: any segment of that length leaves it.
     const Guard thin(FieldRef(kBall), {.shell = 0.01f});
     EXPECT_FALSE(thin.step({0, 0, 1.005f}, {1, 0, 0}, 0.9f));
 }
@@ -105,7 +105,7 @@ TEST(Guard, RootsWhereItBarsGrowthAreRefused) {
     EXPECT_NE(error.find("root 1"), std::string::npos) << error;
 }
 
-// The thesis' figure 7.7 a: two marker points on either side of a bulge draw a node into the solid.
+// Figure 7.7 a of the thesis: two marker points on opposite sides of a bulge pull a node into the solid.
 TEST(Guard, TwoPointsAcrossABulgeDoNotDrawBranchesInside) {
     const std::vector<Vec3> attractors{{1.05f, 0, 0}, {-1.05f, 0, 0}};
     const std::vector<Root> roots{{{0, 0, 1.05f}, {}}};
@@ -119,7 +119,7 @@ TEST(Guard, TwoPointsAcrossABulgeDoNotDrawBranchesInside) {
     EXPECT_EQ(kept.stop, StopReason::attractors_spent);
 }
 
-// Figure 7.7 b: points on the far side of a torus draw branches away from its surface, across the hole.
+// Figure 7.7 b: points on the far side of a torus pull branches away from its surface, across the hole.
 TEST(Guard, BranchesStayByTheSurfaceOfATorus) {
     const TorusField torus{1, 0.3f};
     const std::vector<Vec3> attractors = shell_points(torus, 4000, 0.08f, 1.5);
@@ -139,7 +139,7 @@ TEST(Guard, BranchesStayByTheSurfaceOfATorus) {
 
 TEST(Guard, PointsFarAwayAcrossTheHoleAreNotReachedThroughTheAir) {
     const TorusField torus{1, 0.3f};
-    // From the inner rim towards the opposite one: nothing but air between.
+    // From the inner rim towards the opposite one: only air between.
     const std::vector<Vec3> attractors{{-0.65f, 0, 0}, {-0.64f, 0.05f, 0}};
     const std::vector<Root> roots{{{0.65f, 0, 0}, {}}};
     const GrowOptions options{.influence_radius = 5, .kill_radius = 0.1f, .step = 0.05f};

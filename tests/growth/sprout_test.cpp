@@ -25,7 +25,7 @@ SproutResult grown(const SproutOptions& options, std::vector<Root> roots = {Root
     return sprout({.roots = roots}, options, ctx);
 }
 
-/// As trees grow in the open: no shade, nothing random, nothing that bends.
+/// Trees in the open: without shade, random numbers and bending.
 SproutOptions plain() {
     return {.seasons = 8,
             .branching_spread = 0,
@@ -40,8 +40,8 @@ Vec3d direction(const Skeleton& s, NodeId n) {
     return normalized(Vec3d(s.position(n)) - Vec3d(s.position(s.parent(n))));
 }
 
-/// The first segments of laterals: those that are shorter than what they leave. Needs internode_decay < 1 and
-/// shoots that do not bend.
+/// Returns the first segments of laterals: those shorter than their parent segments. Requires internode_decay
+/// < 1 and straight shoots.
 std::vector<NodeId> laterals(const Skeleton& s) {
     std::vector<NodeId> out;
     const auto length = [&](NodeId n) { return distance(s.position(n), s.position(s.parent(n))); };
@@ -52,7 +52,7 @@ std::vector<NodeId> laterals(const Skeleton& s) {
     return out;
 }
 
-double angle_of(const Skeleton& s, NodeId n) {
+double compute_angle(const Skeleton& s, NodeId n) {
     return std::acos(std::clamp(dot(direction(s, n), direction(s, s.parent(n))), -1.0, 1.0));
 }
 
@@ -67,7 +67,7 @@ TEST(Sprout, BranchesLeaveAtTheAngleThatIsAskedFor) {
         const Skeleton exact = grown(o).skeleton;
         const std::vector<NodeId> all = laterals(exact);
         ASSERT_GT(all.size(), 50u);
-        for (const NodeId n : all) EXPECT_NEAR(angle_of(exact, n), degrees * kDegree, 1e-3);
+        for (const NodeId n : all) EXPECT_NEAR(compute_angle(exact, n), degrees * kDegree, 1e-3);
     }
     SproutOptions o = plain();
     o.seasons = 10;
@@ -76,14 +76,14 @@ TEST(Sprout, BranchesLeaveAtTheAngleThatIsAskedFor) {
     const Skeleton s = grown(o).skeleton;
     double sum = 0, squares = 0, count = 0;
     for (const NodeId n : laterals(s)) {
-        const double a = angle_of(s, n) / kDegree;
+        const double a = compute_angle(s, n) / kDegree;
         sum += a;
         squares += a * a;
         ++count;
     }
     ASSERT_GT(count, 300);
     const double mean = sum / count, deviation = std::sqrt(squares / count - mean * mean);
-    // Standard errors: 8 / sqrt(300) = 0.46 of the mean, 0.33 of the deviation; four of them.
+    // Standard errors: 8 / sqrt(300) = 0.46 of the mean, 0.33 of the deviation; tolerance of four.
     EXPECT_NEAR(mean, 50, 1.9);
     EXPECT_NEAR(deviation, 8, 1.4);
 }
@@ -116,12 +116,12 @@ TEST(Sprout, OppositeBudsAndWhorls) {
     const Skeleton s = grown(o).skeleton;
     for (const NodeId n : nodes(s)) {
         const std::size_t count = s.children(n).size();
-        EXPECT_TRUE(count <= 2 || count == 4) << count;  // a whorl of three, and the axis goes on
+        EXPECT_TRUE(count <= 2 || count == 4) << count;  // a whorl of three, and the axis continues
     }
     EXPECT_GT(laterals(s).size(), 6u);
 }
 
-/// Height of the stem, which goes straight up here, over that of the tree; and nodes on it over all.
+/// Returns the height of the stem, which is straight here, relative to the height of the tree.
 double stem_share(const Skeleton& s) {
     double stem = 0;
     for (const NodeId n : nodes(s)) {
@@ -148,8 +148,8 @@ TEST(Sprout, BudsNearLivingTipsWait) {
     SproutOptions o = plain();
     o.apical_dominance = 5;
     const Skeleton s = grown(o).skeleton;
-    // No tip of an axis has a lateral of it within four nodes: it would have sprouted beyond five, and the
-    // axis has grown since.
+    // No tip of an axis has one of its laterals within four nodes: it would have sprouted beyond five, and
+    // the axis has grown since.
     for (const NodeId n : laterals(s)) {
         NodeId on = s.parent(n);
         int beyond = 0;
@@ -194,8 +194,7 @@ TEST(Sprout, TreesBesideEachOtherShareTheLight) {
     EXPECT_GT(right, 0.25);
 }
 
-/// Shade that the tips of a tree lie in, by a grid of the same settings, and the mean over those in the
-/// worst.
+/// Returns the shade at the tips of a tree, by a grid of the same settings: the mean over the darkest tenth.
 double darkest_tenth(const Skeleton& s, const SproutOptions& o) {
     ShadeGrid grid({2 * o.internode, o.shade, o.shade_falloff, o.shade_depth});
     for (const NodeId n : nodes(s)) grid.add(s.position(n));
@@ -219,7 +218,7 @@ TEST(Sprout, BranchesInTheShadeAreShed) {
     const SproutResult lax = grown(o);
     EXPECT_GT(strict.shed, 0u);
     EXPECT_LT(darkest_tenth(strict.skeleton, o), darkest_tenth(lax.skeleton, o));
-    // In the open nothing is in the shade.
+    // In the open there is no shade.
     o.shade = 0;
     o.seasons = 8;
     o.leaf_seasons = 1000;
@@ -269,7 +268,7 @@ TEST(Sprout, KeepsToItsGuard) {
     EXPECT_GT(r.skeleton.size(), 50u);
     for (const Vec3 p : r.skeleton.positions()) EXPECT_LT(distance(p, Vec3{0, 0, 2}), 1.0f);
     const std::vector<Root> outside{{{0, 0, 0.5f}, {}}};
-    EXPECT_NE(error_of([&] { sprout({.roots = outside, .guard = &within}, o); }).find("guard bars"),
+    EXPECT_NE(error_of([&] { sprout({.roots = outside, .guard = &within}, o); }).find("guard excludes"),
               std::string::npos);
 }
 
@@ -287,7 +286,7 @@ TEST(Sprout, StopsWhereItIsTold) {
     stopped.stop = source.get_token();
     EXPECT_THROW(grown({}, {Root{}}, stopped), Cancelled);
     const std::vector<Root> roots{Root{}};
-    EXPECT_NE(error_of([&] { sprout({.roots = roots, .most_bytes = 10'000}, {}); }).find("memory"),
+    EXPECT_NE(error_of([&] { sprout({.roots = roots, .max_bytes = 10'000}, {}); }).find("memory"),
               std::string::npos);
     EXPECT_NE(error_of([&] { sprout({}, {}); }).find("no root"), std::string::npos);
     EXPECT_NE(error_of([&] { grown({.buds = 17}); }).find("buds"), std::string::npos);
@@ -309,11 +308,11 @@ TEST(ShadeGrid, WhatGoesLeavesNothing) {
     ShadeGrid grid({0.5f, 0.3f, 0.7f, 4});
     grid.add({0.1f, 0.1f, 10});
     EXPECT_NEAR(grid.shade({0.1f, 0.1f, 10}), 0.3, 1e-4);
-    EXPECT_NEAR(grid.shade({0.6f, -0.4f, 9.6f}), 0.21, 1e-4);  // one layer below, a cell aside
-    EXPECT_EQ(grid.shade({1.1f, 0.1f, 9.6f}), 0);              // two cells aside
+    EXPECT_NEAR(grid.shade({0.6f, -0.4f, 9.6f}), 0.21, 1e-4);  // one layer below, a cell to the side
+    EXPECT_EQ(grid.shade({1.1f, 0.1f, 9.6f}), 0);              // two cells to the side
     EXPECT_EQ(grid.shade({0.1f, 0.1f, 10.6f}), 0);             // above
     EXPECT_GT(grid.brighter({0.6f, 0.1f, 9.6f}).x, 0);
-    EXPECT_EQ(grid.brighter({0.1f, 0.1f, 9.6f}), (Vec3d{0, 0, -1}));  // brightest right above it and below
+    EXPECT_EQ(grid.brighter({0.1f, 0.1f, 9.6f}), (Vec3d{0, 0, -1}));  // brightest directly above it and below
     grid.add({-3, 2, 9});
     grid.remove({0.1f, 0.1f, 10});
     grid.remove({-3, 2, 9});

@@ -94,8 +94,8 @@ TEST(Tidy, LeavesNoSegmentShorterThanAsked) {
     for (const NodeId n : r.new_of_old) EXPECT_LT(n.index(), r.skeleton.size());
 }
 
-/// A trunk of radius 1 along z: nodes 0, 1 and 2 at 0, 1.2 and 2. From node 1 leave a lateral along x, nodes
-/// 3, 4 and 5, and a stub that ends in the wood, node 6.
+/// A trunk of radius 1 along z: nodes 0, 1 and 2 at 0, 1.2 and 2. At node 1 start a lateral along x, nodes 3,
+/// 4 and 5, and a stub that ends inside the trunk, node 6.
 Skeleton trunk_with_lateral() {
     const std::vector<NodeId> parents{NodeId(),  NodeId(0), NodeId(1), NodeId(1),
                                       NodeId(3), NodeId(4), NodeId(1)};
@@ -120,7 +120,7 @@ TEST(Tidy, ContractsWhatLiesInTheWoodBelow) {
 TEST(Tidy, WhatIsFarFromTheNodeBelowStays) {
     TidyOptions options = kNothing;
     EXPECT_EQ(tidy(trunk_with_lateral(), options).contracted, 0u);
-    options.within = 0.45f;  // of the radius 1 only node 3, at 0.4, is within it
+    options.within = 0.45f;  // within 0.45 of the radius 1 there is only node 3, at 0.4
     EXPECT_EQ(tidy(trunk_with_lateral(), options).contracted, 1u);
 }
 
@@ -143,7 +143,7 @@ TEST(Tidy, TheGuardHoldsSegmentsOutOfTheSolid) {
     const Skeleton s = grown_around(solid, &guard);
     ASSERT_LT(range_along(s, solid).high, 0);
     const TidyOptions hard{.relax_passes = 3, .smooth_passes = 10, .shortest = 1.5f};
-    EXPECT_GT(range_along(tidy(s, hard).skeleton, solid).high, 0);  // chords cut the sphere
+    EXPECT_GT(range_along(tidy(s, hard).skeleton, solid).high, 0);  // chords intersect the sphere
     std::uint64_t first = 0;
     for (const unsigned threads : {1u, 2u, 7u}) {
         const TidyResult r = tidy(s, hard, &guard, {.threads = threads});

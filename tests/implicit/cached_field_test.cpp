@@ -17,8 +17,8 @@ std::vector<FieldSample> samples(FieldRef field, std::span<const Vec3> points) {
     return out;
 }
 
-/// Greatest difference where the field lies in the band; checks the side of the band elsewhere.
-float greatest_error(const SolidField& field, const CachedField& cached, float band, Box3 box) {
+/// Returns the maximum error where the field is in the band; checks the side of the band elsewhere.
+float max_error(const SolidField& field, const CachedField& cached, float band, Box3 box) {
     const auto points = random_points_in(box.inflated(0.2f * box.diagonal()), 20000);
     const auto exact = samples(FieldRef(field), points), got = samples(FieldRef(cached), points);
     float error = 0;
@@ -40,7 +40,7 @@ TEST(CachedField, ErrorOfOnePrimitiveIsAsStated) {
         const SolidField field(sphere({0.3f, 0.2f, 0.1f}, o));
         const CachedField cached(field, {.cell = cell, .band = 0.3f});
         const double stated = 2.25 * factor * cell * cell / (1.1 * 1.1);
-        const float error = greatest_error(field, cached, 0.3f, field.bounds());
+        const float error = max_error(field, cached, 0.3f, field.bounds());
         EXPECT_LE(error, stated);
         EXPECT_GT(error, 0.02 * stated);
         EXPECT_LE(cached.error(), stated);
@@ -56,9 +56,10 @@ TEST(CachedField, ErrorOfTreesWithEdgesIsAsStated) {
         const SolidField field(twin.solid);
         if (field.surface_bounds().empty()) continue;
         const CachedField cached(field);
-        // The steepest that the primitives of these trees get, 3.4 / 0.6 per m, six of them at one place.
+        // The maximum slope of the primitives of these trees is 3.4 / 0.6 per m, with six of them at one
+        // place.
         const double stated = 0.87 * cached.cell() * 6 * 6;
-        EXPECT_LE(greatest_error(field, cached, 0.1f, field.surface_bounds()), stated);
+        EXPECT_LE(max_error(field, cached, 0.1f, field.surface_bounds()), stated);
         EXPECT_LT(cached.error(), stated);
     }
 }
@@ -119,7 +120,7 @@ TEST(CachedField, CellsBetweenHoldAllSuchValues) {
 TEST(CachedField, AnyFieldCanBeCached) {
     const SolidField field(circle({}, {0, 0, 1}, 1, {.radius = 0.4f}));
     const CachedField plain(FieldRef(field), field.bounds(), {.cell = 0.05f}), known(field, {.cell = 0.05f});
-    EXPECT_LT(greatest_error(field, plain, 0.1f, field.bounds()), 0.05f);
+    EXPECT_LT(max_error(field, plain, 0.1f, field.bounds()), 0.05f);
     EXPECT_LE(plain.blocks().size(), known.blocks().size());
     EXPECT_EQ(plain.level(), 0.5f);
 }
@@ -143,7 +144,7 @@ TEST(CachedField, RefusesWhatIsTooMuchOrNoNumber) {
     EXPECT_THROW(CachedField(field, {.cell = std::numeric_limits<float>::quiet_NaN()}), InvalidInput);
     EXPECT_THROW(CachedField(field, {.band = 0}), InvalidInput);
     EXPECT_THROW(CachedField(FieldRef(field), {{-Box3::kInfinity, 0, 0}, {1, 1, 1}}), InvalidInput);
-    // The least cell that the message names is accepted.
+    // The minimum cell that the message names is accepted.
     EXPECT_NO_THROW(CachedField(field, {.cell = 1}));
 }
 

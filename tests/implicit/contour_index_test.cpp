@@ -12,7 +12,7 @@ std::vector<PlaneSegment> closed(std::span<const Vec2d> corners) {
     return segments;
 }
 
-/// A star that reaches in and out by turns.
+/// A star with alternating outer and inner corners.
 std::vector<Vec2d> star(int points, double inner) {
     std::vector<Vec2d> corners;
     for (int i = 0; i < 2 * points; ++i) {
@@ -32,7 +32,7 @@ double distance_to_all(std::span<const PlaneSegment> segments, Vec2d p) {
     return least;
 }
 
-/// By the angle that the contour turns around p: needs no rays.
+/// Sums the angle that the contour turns around p: does not use rays.
 bool winds_around(std::span<const PlaneSegment> segments, Vec2d p) {
     double angle = 0;
     for (const auto& [a, b] : segments) {
@@ -69,7 +69,7 @@ TEST(ContourIndex, RaysThroughCornersCountOnce) {
 }
 
 TEST(ContourIndex, TallZigzagsDoNotTakeMuchMemory) {
-    // 20,000 segments as tall as the whole: with a stripe each, lists would have 400 million entries.
+    // 20,000 segments of the full height: with one stripe each, the lists would have 400 million entries.
     std::vector<Vec2d> corners;
     for (int i = 0; i < 20000; ++i) corners.push_back({static_cast<double>(i), i % 2 ? 10000.0 : 0.0});
     corners.push_back({20000, -1});

@@ -26,7 +26,7 @@ std::vector<Vec3> ring(int count) {
     return points;
 }
 
-/// Distance by looking at many places of every arc.
+/// Returns the distance by sampling every arc densely.
 double distance_by_steps(const Curve& curve, Vec3d p, int steps) {
     double least = 1e300;
     for (std::uint32_t i = 0; i < curve.arcs().size(); ++i)
@@ -76,7 +76,8 @@ TEST(Curve, MeasuresLength) {
     EXPECT_DOUBLE_EQ(line.length(), 7);
     EXPECT_NEAR(line.fraction(line.at_index(1)), 5.0 / 7, 1e-12);
     EXPECT_NEAR(line.position(line.at_fraction(6.0 / 7)).z, 1, 1e-12);
-    // 64 points on a circle: the spline leaves it by far less than the polygon, whose length is 0.9996 of it.
+    // 64 points on a circle: the deviation of the spline is much smaller than that of the polygon, which has
+    // 0.9996 of its length.
     for (const CurveKind kind : {CurveKind::catmull_rom, CurveKind::natural})
         EXPECT_NEAR(Curve(ring(64), {.kind = kind, .closed = true}).length(), 2 * std::numbers::pi, 1e-5);
 }
@@ -92,7 +93,7 @@ TEST(Curve, FractionAndPlaceInvertEachOther) {
 }
 
 TEST(Curve, FindsTheNearestPointOfSpirals) {
-    // Turns lie 0.13 apart along the axis: many local minima.
+    // Turns are 0.13 apart along the axis: many local minima.
     for (const CurveKind kind : kKinds) {
         const Curve curve(helix(200, 12, 0.02f), {.kind = kind});
         for (const Vec3 p : points_in(curve.bounds(), 300, 0.2f)) {
@@ -131,7 +132,8 @@ TEST(Curve, FramesAreOrthonormalAndDoNotTurnAboutTheTangent) {
         EXPECT_NEAR(length(f.normal), 1, 1e-12);
         EXPECT_NEAR(dot(f.normal, f.tangent), 0, 1e-12);
         EXPECT_LT(length(cross(f.normal, f.binormal) - f.tangent), 1e-12);
-        // The derivative of the normal points along the tangent: across it, steps are second order.
+        // The derivative of the normal is parallel to the tangent: perpendicular to it, steps are second
+        // order.
         const Vec3d step = f.normal - last;
         EXPECT_LT(std::abs(dot(step, f.binormal)), 2e-4);
         last = f.normal;
@@ -139,15 +141,15 @@ TEST(Curve, FramesAreOrthonormalAndDoNotTurnAboutTheTangent) {
 }
 
 TEST(Curve, FramesOfAHelixHaveTheTurnTheoryGives) {
-    // Against Frenet's frame, the rotation-minimising one turns by minus torsion times length. Radius 1 and
-    // rise 0.5 per radian: torsion 0.5 / 1.25 = 0.4, length sqrt(1.25) per radian; one turn: -2.8099.
+    // Relative to Frenet's frame, the rotation-minimizing one turns by minus torsion times length. Radius 1
+    // and rise 0.5 per radian: torsion 0.5 / 1.25 = 0.4, length sqrt(1.25) per radian; one turn: -2.8099.
     const Curve curve(helix(400, 1, 0.5f), {.kind = CurveKind::natural});
     const auto angle_to_frenet = [&](double fraction) {
         const CurveFrame f = curve.frame(curve.at_fraction(fraction));
         const Vec3d inward = normalized(Vec3d{-f.position.x, -f.position.y, 0});
         return std::atan2(dot(f.normal, cross(f.tangent, inward)), dot(f.normal, inward));
     };
-    // The ends of a natural spline are straight; look at the middle half, half a turn.
+    // The ends of a natural spline are straight; the test uses the middle half, half a turn.
     const double turn = angle_to_frenet(0.75) - angle_to_frenet(0.25);
     EXPECT_NEAR(std::remainder(turn + 0.4 * std::sqrt(1.25) * std::numbers::pi, 2 * std::numbers::pi), 0,
                 2e-3);
@@ -202,9 +204,9 @@ TEST(Curve, RefusesBadPoints) {
     EXPECT_EQ(curve({{0, 0, 0}}), "curve: an open curve needs 2 to 1000000 points, but has 1");
     EXPECT_EQ(curve({{0, 0, 0}, {1, 0, 0}}, true),
               "curve: a closed curve needs 3 to 1000000 points, but has 2");
-    EXPECT_EQ(curve({{0, 0, 0}, {1, 0, 0}, {1, 0, 0}}), "curve: points 2 and 3 coincide; leave one out");
+    EXPECT_EQ(curve({{0, 0, 0}, {1, 0, 0}, {1, 0, 0}}), "curve: points 2 and 3 coincide; remove one");
     EXPECT_EQ(curve({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 0}}, true),
-              "curve: points 4 and 1 coincide; leave one out");
+              "curve: points 4 and 1 coincide; remove one");
     EXPECT_NE(curve({{0, 0, 0}, {kNan, 0, 0}}).find("point 2"), std::string::npos);
     EXPECT_NE(curve({{0, 0, kInfinite}, {1, 0, 0}}).find("point 1"), std::string::npos);
     EXPECT_NE(curve({{0, 2e9f, 0}, {1, 0, 0}}).find("1e9 m"), std::string::npos);

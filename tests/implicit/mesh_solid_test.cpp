@@ -104,7 +104,7 @@ TEST(MeshSolid, SmallHolesAreClosed) {
     const MeshSolid solid = ball.solid();
     EXPECT_FALSE(solid.is_watertight());
     for (const Vec3 p : points_in(solid.bounds(), 2000, 0.3f)) {
-        if (length(p) > 0.8f && length(p) < 1.15f) continue;  // the patches are not the sphere
+        if (length(p) > 0.8f && length(p) < 1.15f) continue;  // the patches differ from the sphere
         EXPECT_EQ(at(solid, p).value < 0, length(p) < 1) << p.x << ' ' << p.y << ' ' << p.z;
     }
 }

@@ -13,10 +13,11 @@
 namespace coppice {
 namespace {
 
-/// Every edge has one triangle on either side, and the triangles around every vertex form one ring.
+/// Checks that every edge has one triangle on both sides, and the triangles around every vertex form one
+/// ring.
 void expect_closed_manifold(const TriMesh& s) {
-    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t>
-        next;  // of edge (a, b): the third corner
+    // Of edge (a, b): the third corner.
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> next;
     for (const auto& t : s.triangles) {
         for (std::size_t i = 0; i < 3; ++i) {
             ASSERT_LT(t[i], s.positions.size());
@@ -24,8 +25,8 @@ void expect_closed_manifold(const TriMesh& s) {
                 << "an edge twice one way";
         }
     }
-    std::map<std::uint32_t, std::pair<std::uint32_t, std::uint32_t>>
-        corner;  // some neighbour, and the valence
+    // An arbitrary neighbour, and the valence.
+    std::map<std::uint32_t, std::pair<std::uint32_t, std::uint32_t>> corner;
     for (const auto& [edge, third] : next) {
         ASSERT_TRUE(next.contains({edge.second, edge.first})) << "an open edge";
         corner[edge.first].first = edge.second;
@@ -63,7 +64,7 @@ TEST(Polygonize, SphereHasItsVolumeAndLiesOnTheSurface) {
     // An inscribed polyhedron of edges up to a tenth of the radius.
     EXPECT_NEAR(volume(s), exact, 0.005 * exact);
     EXPECT_LT(volume(s), exact);
-    // Vertices keep off the ends of their edges by a hundredth of them.
+    // The distance of vertices from the ends of their edges is at least a hundredth of these.
     for (const Vec3 p : s.positions)
         ASSERT_NEAR(length(p - Vec3{1, 2, 3}), 2, 0.011 * 0.125 * std::sqrt(3.0));
 }
@@ -121,7 +122,7 @@ TEST(Polygonize, SkippingBlocksChangesNothing) {
     }
 }
 
-/// A ball that knows nothing beyond the box of the region it is asked about, nor within regions far from it.
+/// A ball that is only defined within the box of the requested region, and not within regions far from it.
 struct BallInRegions {
     static constexpr float kRadius = 0.3f, kReach = 0.5f;
     std::vector<Box3> boxes;
@@ -142,13 +143,12 @@ TEST(Polygonize, RegionsGiveWhatTheWholeBoxGives) {
     BallInRegions field;
     const TriMesh all = polygonize(FieldRef(field), box, options);
     const float r = BallInRegions::kReach;
-    // Two boxes that overlap: no block twice.
+    // Two boxes that overlap: no block occurs twice.
     const std::array near{Box3{{-r, -r, -r}, {0.1f, r, r}}, Box3{{-0.1f, -r, -r}, {r, r, r}}};
     const PolygonizeRegions regions = regions_touching(box, near, options);
     ASSERT_EQ(regions.block.size(), regions.box.size());
     EXPECT_TRUE(std::is_sorted(regions.block.begin(), regions.block.end(), std::less_equal<>()));
-    // Blocks are 0.24 m wide, so that the ball's box of 1 m touches at least 4 and at most 6 a side, of 8 or
-    // so.
+    // Blocks are 0.24 m wide, so that the ball's box of 1 m touches 4 to 6 of about 8 on each side.
     EXPECT_GE(regions.block.size(), 4u * 4 * 4);
     EXPECT_LE(regions.block.size(), 6u * 6 * 6);
     for (const Box3& b : regions.box) EXPECT_TRUE(b.inflated(1e-4f).overlaps({{-r, -r, -r}, {r, r, r}}));
@@ -170,14 +170,14 @@ TEST(Polygonize, RegionsOfNothingAndBeyondTheBox) {
     EXPECT_TRUE(regions_touching(box, away).block.empty());
     const std::array beyond{Box3{{-9, -9, -9}, {9, 9, 9}}};
     const PolygonizeRegions all = regions_touching(box, beyond);
-    // 66 cells a side with the margin: 9 blocks.
+    // 66 cells on each side with the margin: 9 blocks.
     EXPECT_EQ(all.block.size(), 9u * 9 * 9);
     EXPECT_EQ(all.block.back(), 9u * 9 * 9 - 1);
     EXPECT_THROW(polygonize(FieldRef(field), box, all, {.cell = 1}), InvalidInput);
     EXPECT_THROW(regions_touching(box, beyond, {.cell = 1e-5f}), InvalidInput);
 }
 
-/// Pure noise: every node of its own mind.
+/// Noise: the values of all nodes are independent.
 struct Noise {
     float level() const { return 0.6f; }
     void sample(std::uint32_t, std::span<const Vec3> points, std::span<FieldSample> out) const {
@@ -247,7 +247,7 @@ TEST(Polygonize, RefusesWhatIsTooMuchOrNoNumber) {
     EXPECT_THROW(polygonize(FieldRef(field), {{0, 0, 0}, {Box3::kInfinity, 1, 1}}), InvalidInput);
 }
 
-/// A ball of another radius in the calls of one half of space: what it says of a point depends on the others.
+/// A ball with a different radius in calls for one half of space: the value at a point depends on the others.
 struct TwoMinded {
     float left, right;  ///< radii
     float level() const { return 0; }

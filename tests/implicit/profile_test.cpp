@@ -73,7 +73,7 @@ TEST(Profile, RefusesWhatIsNoProfile) {
         return error_of([&] { Profile(points, CurveKind::polyline, closed); });
     };
     EXPECT_EQ(profile({{0, 0}, {1, 1}, {2, 2}}),
-              "profile: contour 1 bounds no area; move its points off one line");
+              "profile: contour 1 encloses no area; its points must not be on one line");
     EXPECT_NE(profile({{0, 0}, {1, 1}}).find("3 to 1000000 points"), std::string::npos);
     EXPECT_NE(profile({{0, 0}, {1, std::nan("")}, {2, 0}}).find("point 2"), std::string::npos);
     EXPECT_NE(profile({{0, 0}, {1e300, 1}, {2, 0}}).find("point 2"), std::string::npos);

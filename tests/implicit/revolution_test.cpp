@@ -63,11 +63,11 @@ TEST(Revolution, GradientsAgreeWithDifferences) {
 TEST(Revolution, RefusesWhatCannotTurn) {
     EXPECT_NE(error_of([] {
                   Revolution(open_line({{-1, 0}, {1, 1}}));
-              }).find("across the axis"),
+              }).find("beyond the axis"),
               std::string::npos);
     EXPECT_NE(error_of([] {
                   Revolution(open_line({{0, 0}, {0, 1}}));
-              }).find("lies on the axis"),
+              }).find("are on the axis"),
               std::string::npos);
     EXPECT_NE(error_of([] {
                   Revolution(open_line({{1, 0}, {1, 1}}), {.direction = {0, 0, 0}});

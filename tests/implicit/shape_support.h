@@ -32,7 +32,7 @@ inline std::vector<FieldSample> all_at(const Shape& shape, std::span<const Vec3>
     return samples;
 }
 
-/// Evenly drawn from the box, grown on all sides by `margin` of its diagonal.
+/// Returns random points in the box, enlarged on all sides by `margin` of its diagonal.
 inline std::vector<Vec3> points_in(const Box3& box, std::size_t count, float margin, std::uint64_t seed = 1) {
     const CounterRandom random(seed, 0);
     const Box3 wide = box.inflated(margin * box.diagonal());
@@ -45,7 +45,8 @@ inline std::vector<Vec3> points_in(const Box3& box, std::size_t count, float mar
     return points;
 }
 
-/// Points where the gradient is not what differences over `step` say, within `tolerance`; creases are such.
+/// Returns the share of points with a gradient that differs from differences over `step` by more than
+/// `tolerance`, as at creases.
 inline double share_of_wrong_gradients(const Shape& shape, std::span<const Vec3> points, float step,
                                        float tolerance) {
     std::size_t wrong = 0;
@@ -62,7 +63,7 @@ inline double share_of_wrong_gradients(const Shape& shape, std::span<const Vec3>
     return static_cast<double>(wrong) / static_cast<double>(points.size());
 }
 
-/// Of 20,000 points around the box, those inside the shape lie in it.
+/// Checks, with 20,000 points around the box, that points inside the shape are in the box.
 inline void expect_bounds_hold_the_inside(const Shape& shape) {
     const Box3 box = shape.bounds();
     std::size_t inside = 0;
@@ -76,7 +77,8 @@ inline void expect_bounds_hold_the_inside(const Shape& shape) {
     EXPECT_GT(inside, 20u);
 }
 
-/// Samples of points that are not numbers, or huge, come back, and the bits of others do not depend on them.
+/// Checks that samples of NaN or huge points return, and that the results of other points do not depend on
+/// them.
 inline void expect_survives_strange_points(const Shape& shape) {
     const Vec3 fair = shape.bounds().center();
     const std::vector<Vec3> points{fair, {kNan, 0, 0},       fair, {kInfinite, 0, 0},
@@ -91,7 +93,7 @@ inline void expect_survives_strange_points(const Shape& shape) {
     EXPECT_GT(samples[5].value, 1e29f);
 }
 
-/// The bits of a sample depend on its point alone, not on the batch.
+/// Checks that a sample depends only on its point, not on the batch (bit-identical).
 inline void expect_batch_does_not_matter(const Shape& shape) {
     std::vector<Vec3> points = points_in(shape.bounds(), 500, 0.2f, 9);
     const std::vector<FieldSample> forward = all_at(shape, points);

@@ -24,7 +24,7 @@ Profile star() {
     return Profile(corners);
 }
 
-/// Four legs at one place, each a section of its own, and a top at the other.
+/// Four legs at one place, each a separate section, and a top at the other.
 Skin table(SkinBlend blend) {
     std::vector<SkinSection> sections;
     for (const double x : {-2.0, 2.0})
@@ -34,7 +34,7 @@ Skin table(SkinBlend blend) {
 }
 
 TEST(Skin, BlendsRadiiOfCircles) {
-    // Distances to circles of one centre are blended like their radii: 1 and 3, at a quarter of the way.
+    // Distances to concentric circles are blended like their radii: 1 and 3, at a quarter of the path.
     const std::vector<SkinSection> sections{{0, circle(1)}, {1, circle(3)}};
     const auto radius = [&](SkinBlend blend) {
         return 4 - at(Skin(upright(8), sections, {.blend = blend}), {4, 0, 2}).value;
@@ -47,7 +47,7 @@ TEST(Skin, BlendsRadiiOfCircles) {
 
 TEST(Skin, SmoothFlowsThroughSections) {
     // Radii 1, 2, 1, 2 at thirds: tangents vanish at both inner sections. Halfway u = 1/2: 1.5; at u = 1/4 of
-    // the middle interval Hermite's share is 0.15625.
+    // the middle interval the Hermite weight is 0.15625.
     const Skin wave(upright(3),
                     {{0, circle(1)}, {1.0f / 3, circle(2)}, {2.0f / 3, circle(1)}, {1, circle(2)}},
                     {.blend = SkinBlend::smooth});
@@ -91,7 +91,7 @@ TEST(Skin, TheTableStandsOnFourLegs) {
         EXPECT_LT(at(t, {2.9f, 1.9f, 2.99f}).value, 0);
         EXPECT_FLOAT_EQ(at(t, {2.3f, 1, 0}).value, 0);
     }
-    // One section of four contours is the same table.
+    // One section of four contours makes the same table.
     std::vector<std::vector<Vec2d>> legs;
     for (const double x : {-2.0, 2.0})
         for (const double y : {-1.0, 1.0}) legs.push_back(circle_contour({x, y}, 0.3, 512));
@@ -122,7 +122,7 @@ TEST(Skin, ClosedPathsGoRound) {
         const float a = std::numbers::pi_v<float> * static_cast<float>(i) / 32;
         ring.push_back({5 * std::cos(a), 5 * std::sin(a), 0});
     }
-    // Radius 1 at an eighth and 2 at five eighths of the ring: by the start, a quarter of the way back, it
+    // Radius 1 at an eighth and 2 at five eighths of the ring: at the start, a quarter of the way back, it
     // is 1.25.
     for (const SkinBlend blend : kBlends) {
         const Skin skin(Curve(ring, {.closed = true}), {{0.125f, circle(1)}, {0.625f, circle(2)}},
@@ -134,7 +134,7 @@ TEST(Skin, ClosedPathsGoRound) {
         }
         EXPECT_NEAR(at(skin, {-5 * std::sqrt(0.5f), -5 * std::sqrt(0.5f), 2.5f}).value, 0.5, 1e-2);
     }
-    // A section at the end of a closed path is one at its start.
+    // A section at the end of a closed path is equivalent to one at its start.
     const Skin same(Curve(ring, {.closed = true}), {{0, circle(1)}, {1, circle(1)}});
     EXPECT_EQ(same.station_count(), 1u);
 }

@@ -37,7 +37,8 @@ void expect_field(const Twin& twin, int count, double tolerance) {
     }
 }
 
-/// Differences of the field in double precision; points where the field has an edge nearby are left out.
+/// Compares gradients with differences of the field in double precision; points near an edge of the field are
+/// skipped.
 int expect_gradients(const Twin& twin, int count) {
     const SolidField field(twin.solid);
     const auto points = random_points_in(twin.solid.bounds(), count, 11);
@@ -72,7 +73,7 @@ TEST(SolidField, SphereByHand) {
     EXPECT_EQ(one.gradient.x, 0);
     EXPECT_NEAR(at(s, {static_cast<float>(radius), 0, 0}).value, 0.5, 1e-6);
     EXPECT_EQ(at(s, {2.001f, 0, 0}).value, 0);
-    // With its own influence of 4 the factor is 0.5 / (1 - (1/4)^2)^3.
+    // With an influence of 4 the factor is 0.5 / (1 - (1/4)^2)^3.
     EXPECT_NEAR(at(sphere({}, {.radius = 1, .influence = 4}), {}).value, 0.5 / std::pow(0.9375, 3), 1e-6);
 }
 
@@ -81,7 +82,7 @@ TEST(SolidField, TheSoftLawIsOneHalfAtHalfItsInfluence) {
     const Solid s = sphere({}, {.radius = 1, .law = FieldLaw::soft});
     EXPECT_EQ(at(s, {}).value, 1);
     EXPECT_NEAR(at(s, {0, 1, 0}).value, 0.5, 1e-6);
-    // x = 3/4: 1 - 1.375 + 0.59765625 - 0.0791015625; and its slope per metre, half of that by x.
+    // x = 3/4: 1 - 1.375 + 0.59765625 - 0.0791015625; and its slope per metre, half the derivative by x.
     const FieldSample far = at(s, {0, 0, 1.5f});
     EXPECT_NEAR(far.value, 0.1435546875, 1e-6);
     EXPECT_NEAR(far.gradient.z, 0.5 * (-44.0 / 9 * 0.75 + 68.0 / 9 * 0.421875 - 24.0 / 9 * 0.2373046875),
@@ -90,7 +91,7 @@ TEST(SolidField, TheSoftLawIsOneHalfAtHalfItsInfluence) {
     EXPECT_NEAR(s.bounds().high.x, 2, 1e-4);
     EXPECT_NEAR(s.surface_bounds().high.x, 1, 1e-4);
     EXPECT_NEAR(s.bounds_at(far.value).high.x, 1.5, 1e-4);
-    // With its own influence of 4 radii the factor is 0.5 over the law at 1/4.
+    // With an influence of 4 radii the factor is 0.5 divided by the law at 1/4.
     const double quarter = 1 - 22.0 / 9 / 16 + 17.0 / 9 / 256 - 4.0 / 9 / 4096;
     EXPECT_NEAR(at(sphere({}, {.radius = 1, .influence = 4, .law = FieldLaw::soft}), {}).value, 0.5 / quarter,
                 1e-6);
@@ -130,15 +131,15 @@ TEST(SolidField, RandomTreesMatchDoublePrecision) {
 
 TEST(SolidField, ClosedShapesFallFromOneToZeroAboutTheirSurface) {
     const auto ball = std::make_shared<BallShape>(Vec3{1, 0, 0}, 2.0f);
-    const Solid s = solid_of(ball, {.influence = 0.8f});
+    const Solid s = make_solid(ball, {.influence = 0.8f});
     EXPECT_NEAR(at(s, {3, 0, 0}).value, 0.5, 1e-6);
-    // The slope at the surface is -15/16 a influence.
+    // The slope at the surface is -15/16 per influence.
     EXPECT_NEAR(at(s, {3, 0, 0}).gradient.x, -15.0 / 16 / 0.8, 1e-4);
     EXPECT_EQ(at(s, {3.81f, 0, 0}).value, 0);
     EXPECT_EQ(at(s, {1.5f, 0, 0}).value, 1);
     // At half an influence 1/2 - (15 - 10/4 + 3/16) / 32.
     EXPECT_NEAR(at(s, {3.4f, 0, 0}).value, 0.5 - (15 - 2.5 + 3.0 / 16) / 32, 1e-5);
-    // Moved and scaled by 2: twice as far.
+    // Moved and scaled by 2: twice the distance.
     const Solid moved = scaled(s, {2, 2, 2});
     EXPECT_NEAR(at(moved, {6, 0, 0}).value, 0.5, 1e-6);
     EXPECT_NEAR(at(moved, {6, 0, 0}).gradient.x, -15.0 / 16 / 1.6, 1e-4);
@@ -146,8 +147,8 @@ TEST(SolidField, ClosedShapesFallFromOneToZeroAboutTheirSurface) {
 
 TEST(SolidField, ClosedShapesByTheSoftLawHaveItsSkeletonAtTheDepthOfTheInfluence) {
     const PrimitiveOptions o{.influence = 0.8f, .law = FieldLaw::soft};
-    const Solid s = solid_of(std::make_shared<BallShape>(Vec3{1, 0, 0}, 2.0f), o);
-    // So the law's own influence is 1.6, and its slope at the half -19/12 over that.
+    const Solid s = make_solid(std::make_shared<BallShape>(Vec3{1, 0, 0}, 2.0f), o);
+    // So the law's influence is 1.6, and its slope at the half is -19/12 divided by that.
     EXPECT_NEAR(at(s, {3, 0, 0}).value, 0.5, 1e-6);
     EXPECT_NEAR(at(s, {3, 0, 0}).gradient.x, -19.0 / 12 / 1.6, 1e-4);
     EXPECT_NEAR(at(s, {3.4f, 0, 0}).value, 0.1435546875, 1e-5);
@@ -174,7 +175,7 @@ TEST(SolidField, CombinationsKeepTheLawsOfSets) {
     same(u(a, a), a);
     same(subtract(a, std::array{b, c}), subtract(subtract(a, std::array{b}), std::array{c}));
     same(ricci_blend(std::array{a, b, c}, 1), blend(std::array{a, b, c}));
-    // What a has and b takes away: inside a alone.
+    // The difference of a and b: inside a only.
     for (const Vec3 p : points) {
         const bool left = at(subtract(a, std::array{b}), p).value > 0.5f;
         EXPECT_EQ(left, at(a, p).value > 0.5f && at(b, p).value < 0.5f);
@@ -182,7 +183,7 @@ TEST(SolidField, CombinationsKeepTheLawsOfSets) {
 }
 
 TEST(SolidField, RicciBlendByHand) {
-    // Two equal values v give 2^(1/n) v.
+    // The blend of two equal values v is 2^(1/n) v.
     const Solid a = sphere({0, 0, 0}), b = sphere({1, 0, 0});
     const float v = at(a, {0.5f, 0.3f, 0}).value;
     for (const float n : {1.0f, 2.0f, 5.0f, 100.0f}) {
@@ -219,7 +220,7 @@ TEST(SolidField, EveryInstructionSetSaysTheSame) {
         const auto best = samples(field, points);
         for (const auto target : {HWY_SCALAR, HWY_SSE4, HWY_AVX2}) {
             SCOPED_TRACE(hwy::TargetName(target));
-            // What this machine or build lacks falls back to plain numbers.
+            // Targets that this machine or build does not support use scalar code.
             hwy::SetSupportedTargetsForTest((hwy::SupportedTargets() & target) | HWY_SCALAR);
             const auto other = samples(field, points);
             hwy::SetSupportedTargetsForTest(0);
@@ -273,7 +274,8 @@ TEST(SolidField, LongPolylinesMatchTheirSegments) {
                  4000, 1e-4);
 }
 
-/// Boxes of many sizes in and around the solid hold the values of points within them.
+/// Checks that the ranges of boxes of many sizes in and around the solid contain the values of points within
+/// them.
 void expect_ranges(const Solid& solid, float size, std::uint64_t seed) {
     const SolidField field(solid);
     std::vector<Box3> boxes;
@@ -316,7 +318,7 @@ TEST(SolidField, RangesOfTheSoftLawHoldEveryValue) {
         expect_ranges(twin.solid, 0.02f, 3);
     }
     const PrimitiveOptions o{.influence = 0.8f, .law = FieldLaw::soft};
-    expect_ranges(solid_of(std::make_shared<BallShape>(Vec3{1, 0, 0}, 2.0f), o), 0.05f, 4);
+    expect_ranges(make_solid(std::make_shared<BallShape>(Vec3{1, 0, 0}, 2.0f), o), 0.05f, 4);
 }
 
 TEST(SolidField, RangesOfStrongWarpsHoldEveryValue) {

@@ -27,13 +27,13 @@ TEST(Solid, BoxesOfPrimitivesAreTight) {
     expect_box(sphere({1, 2, 3}, o).bounds(), {-1, 0, 1}, {3, 4, 5});
     expect_box(line({0, 0, 0}, {0, 0, 5}, o).surface_bounds(), {-1, -1, -1}, {1, 1, 6});
     expect_box(circle({}, {0, 0, 1}, 3, o).surface_bounds(), {-4, -4, -1}, {4, 4, 1});
-    // A disc of radius sqrt 2 across (1, 1, 0) reaches 1 along x and y.
+    // A disc of radius sqrt 2 perpendicular to (1, 1, 0) extends to 1 along x and y.
     expect_box(disc({}, {1, 1, 0}, std::sqrt(2.0f), o).surface_bounds(), {-2, -2, -1 - std::sqrt(2.0f)},
                {2, 2, 1 + std::sqrt(2.0f)});
     expect_box(box({{0, 0, 0}, {1, 2, 3}}, o).surface_bounds(), {-1, -1, -1}, {2, 3, 4});
     expect_box(cylinder({0, 0, 0}, {4, 0, 0}, 2, o).surface_bounds(), {-1, -3, -3}, {5, 3, 3});
     expect_box(cone({0, 0, 0}, {0, 0, 4}, 2, 0, o).surface_bounds(), {-3, -3, -1}, {3, 3, 5});
-    // An ellipsoid, turned by 90 degrees.
+    // An ellipsoid, rotated by 90 degrees.
     const Solid ellipsoid =
         rotated(scaled(sphere({}, o), {3, 1, 1}), {0, 0, 1}, std::numbers::pi_v<float> / 2);
     expect_box(ellipsoid.surface_bounds(), {-1, -3, -1}, {1, 3, 1});
@@ -86,7 +86,7 @@ TEST(Solid, KindsPartsAndDepth) {
     EXPECT_EQ(s.parts()[1].kind(), "transform");
     EXPECT_EQ(s.part_count(), 4u);
     EXPECT_EQ(s.depth(), 3u);
-    // Maps of maps become one.
+    // Consecutive maps are composed.
     EXPECT_EQ(translated(translated(sphere({}), {1, 0, 0}), {1, 0, 0}).depth(), 2u);
     EXPECT_EQ(blend(std::array{sphere({})}).kind(), "sphere");
     EXPECT_EQ(bent(s, {0, 0, -5}, {0, 0, 20}, {1, 0, 0}, 0.5f).kind(), "bend");
@@ -144,7 +144,7 @@ TEST(Solid, RefusesNumbersWithoutMeaning) {
     EXPECT_THROW(subtract(s, none), InvalidInput);
     EXPECT_THROW(tapered(s, {}, {}, 2), InvalidInput);
     EXPECT_THROW(bent(s, {0, 0, 0}, {0, 0, 1}, {0, 0, 2}, 1), InvalidInput);
-    // The field reaches 2.2 m to the side, the bend's radius is 1.
+    // The field extends 2.2 m to the side, the bend's radius is 1.
     EXPECT_THROW(bent(s, {0, 0, 0}, {0, 0, 1}, {1, 0, 0}, 1), InvalidInput);
 }
 
@@ -171,7 +171,7 @@ TEST(Solid, RefusesWhatWouldGrowWithoutEnd) {
             for (int i = 0; i < 20; ++i) big = scaled(big, {1e3f, 1e3f, 1e3f});
         },
         InvalidInput);
-    // The deepest that is allowed can be evaluated.
+    // The maximum nesting depth can be evaluated.
     const SolidField field(deep);
     const Vec3 p{1, 0, 0};
     float v;

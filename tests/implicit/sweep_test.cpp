@@ -58,12 +58,12 @@ TEST(Sweep, ACircleAlongAnySplineIsATubeAroundIt) {
 }
 
 TEST(Sweep, CornersOfPolylinesAreRounded) {
-    // Beside the corner of an L, the tube is a ball around the corner.
+    // Outside the corner of an L, the tube is a ball around the corner.
     const Sweep pipe(line({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}}), circle(0.5));
     EXPECT_NEAR(at(pipe, {5, -1, 0}).value, std::sqrt(2.0) - 0.5, 1e-4);
     EXPECT_NEAR(at(pipe, {4.6f, -0.8f, 0.3f}).value, std::sqrt(0.36 + 0.64 + 0.09) - 0.5, 1e-4);
     EXPECT_NEAR(at(pipe, {2, 2, 0}).value, 1.5, 1e-4);
-    // No jump where the corner begins.
+    // The value is continuous where the corner begins.
     EXPECT_NEAR(at(pipe, {3.9999f, -2, 0.7f}).value, at(pipe, {4.0001f, -2, 0.7f}).value, 1e-3);
     const Sweep beam(line({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}}), Profile(kSquare));
     for (const float z : {-0.7f, 0.2f, 1.5f})
@@ -81,7 +81,7 @@ TEST(Sweep, ScaleAndTwist) {
 
     const Sweep screw(line({{0, 0, 0}, {0, 0, 8}}), Profile(kSquare), {},
                       {.twist = 2 * std::numbers::pi_v<float>});
-    // After an eighth of a turn the corner lies on the x axis.
+    // After an eighth of a turn the corner is on the x axis.
     EXPECT_NEAR(at(screw, {1.4f, 0, 1}).value, -0.0142136 / std::sqrt(2.0), 1e-5);
     EXPECT_NEAR(at(screw, {1.4f, 0, 2}).value, 0.4, 1e-5);
     const Sweep rolled(line({{0, 0, 0}, {0, 0, 8}}), Profile(kSquare), {},
@@ -90,7 +90,7 @@ TEST(Sweep, ScaleAndTwist) {
 }
 
 TEST(Sweep, ValuesAreContinuousAcrossTheMedialAxisOfThePath) {
-    // Off-centre profiles: by the nearest place of the path alone, the halves of the arch would not fit.
+    // Off-centre profiles: with the nearest place of the path only, the halves of the arch would not match.
     const Sweep tube(arch(), circle(0.4, {0.3, 0.2}));
     for (int i = 0; i < 200; ++i) {
         const float z = 0.03f * static_cast<float>(i), y = 0.3f;
@@ -102,7 +102,7 @@ TEST(Sweep, ValuesAreContinuousAcrossTheMedialAxisOfThePath) {
 TEST(Sweep, GradientsAgreeWithDifferences) {
     const std::vector<ScaleAt> scales{{0.1f, 1}, {0.6f, 0.5f}, {1, 1.2f}};
     const Sweep all(arch(), Profile(circle_contour({0.1, 0.2}, 0.7, 7)), scales, {.roll = 0.3f, .twist = 2});
-    // Creases are where the nearest of edges, caps, or parts of the path changes.
+    // Creases are where the nearest edge, cap, or section of the path changes.
     EXPECT_LT(share_of_wrong_gradients(all, points_in(all.bounds(), 2000, 0.05f), 5e-4f, 0.03f), 0.04);
     expect_bounds_hold_the_inside(all);
     expect_survives_strange_points(all);
@@ -124,8 +124,8 @@ TEST(Sweep, RefusesWhatCannotBeSwept) {
     EXPECT_NE(with_scales({{0, 0}}).find("above 0"), std::string::npos);
     EXPECT_NE(with_scales({{0, kNan}}).find("above 0"), std::string::npos);
     EXPECT_NE(with_scales({{0, 1e6f}}).find("at most 1000"), std::string::npos);
-    EXPECT_NE(with_scales({{0.5f, 1}, {0.5f, 2}}).find("rise"), std::string::npos);
-    EXPECT_NE(with_scales({{-1, 1}}).find("rise"), std::string::npos);
+    EXPECT_NE(with_scales({{0.5f, 1}, {0.5f, 2}}).find("increase"), std::string::npos);
+    EXPECT_NE(with_scales({{-1, 1}}).find("increase"), std::string::npos);
     EXPECT_NE(error_of([] {
                   Sweep(line({{0, 0, 0}, {0, 0, 1}}), Profile(kSquare, CurveKind::polyline, false));
               }).find("open"),

@@ -12,7 +12,7 @@
 
 namespace coppice {
 
-/// A solid and, built beside it from textbook formulas in double precision, its field.
+/// A solid and its field, computed independently from textbook formulas in double precision.
 struct Twin {
     Solid solid;
     std::function<double(Vec3d)> field;
@@ -25,7 +25,7 @@ inline double wyvill(double distance, const PrimitiveOptions& o) {
     const auto f = [&](double d) {
         const double x = d / influence;
         if (x >= 1) return 0.0;
-        // The coefficients as they are printed, not the factors that the library takes.
+        // The published coefficients, not the factors used by the library.
         if (soft) return -4.0 / 9 * std::pow(x, 6) + 17.0 / 9 * std::pow(x, 4) - 22.0 / 9 * x * x + 1;
         return std::pow(1 - x * x, 3);
     };
@@ -38,7 +38,7 @@ inline double segment_distance(Vec3d p, Vec3d a, Vec3d b) {
 }
 
 /// Distance from a solid of revolution given by the outline (radius, height) of its half section; the first
-/// and last corners lie on the axis.
+/// and last corners are on the axis.
 inline double outline_distance(double rho, double z, const std::vector<std::array<double, 2>>& outline) {
     double least = 1e300;
     bool inside = false;
@@ -101,7 +101,7 @@ inline std::vector<Twin> primitive_twins(FieldLaw law = FieldLaw::cube) {
     return out;
 }
 
-/// A ball that is a closed shape: an exact signed distance.
+/// A ball as a closed shape: an exact signed distance.
 class BallShape final : public Shape {
   public:
     BallShape(Vec3 center, float radius) : center_(center), radius_(radius) {}
@@ -119,7 +119,7 @@ class BallShape final : public Shape {
     float radius_;
 };
 
-/// Draws what random trees are made of.
+/// Creates random trees.
 class TreeMaker {
   public:
     explicit TreeMaker(std::uint64_t seed) : random_(seed, 17) {}
@@ -181,7 +181,7 @@ class TreeMaker {
         }
     }
 
-    /// Bends from z = -h up, towards x, as slowly as the solid's size asks for.
+    /// Bends from z = -h up, towards x, as gradually as the solid's size requires.
     static Twin bent_twin(const Twin& t, float angle) {
         const Box3 b = t.solid.bounds();
         const float reach = b.empty() ? 1 : std::max(b.high.x, 0.5f);
@@ -245,7 +245,7 @@ class TreeMaker {
     std::uint64_t next_ = 0;
 };
 
-/// Points in and around a box, a row of them at a time so that batches are coherent.
+/// Points in and around a box, in short rows so that batches are coherent.
 inline std::vector<Vec3> random_points_in(Box3 box, int count, std::uint64_t seed = 3) {
     if (box.empty()) box = {{-1, -1, -1}, {1, 1, 1}};
     const CounterRandom random(seed, 5);

@@ -10,7 +10,7 @@
 namespace coppice {
 namespace {
 
-/// Evenly on a circle; of a hole the normals point to its middle.
+/// Evenly spaced on a circle; the normals of a hole point to its centre.
 std::vector<OrientedPoint> ring(int count, double radius, Vec2d center, bool hole = false) {
     std::vector<OrientedPoint> out;
     for (int i = 0; i < count; ++i) {
@@ -31,18 +31,18 @@ TEST(VariationalCurve, PointsOfACircleGiveTheCircle) {
     ASSERT_EQ(p.contours().size(), 1u);
     EXPECT_TRUE(p.closed());
     for (const Vec2d q : p.contours()[0]) EXPECT_NEAR(std::hypot(q.x - 10, q.y + 5), 2, 2e-3);
-    EXPECT_NEAR(contour_area(p.contours()[0]), 4 * std::numbers::pi, 0.02);  // against the clock
+    EXPECT_NEAR(contour_area(p.contours()[0]), 4 * std::numbers::pi, 0.02);  // counter-clockwise
 }
 
 TEST(VariationalCurve, PassesThroughItsPointsAndIsTheSmootherLine) {
-    // An L of six corners: the curve goes through all, and where two are far apart it swells.
+    // An L of six corners: the curve passes through all, and swells where two are far apart.
     const std::vector<Vec2d> corners{{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
     const Profile p = variational_profile(with_normals(corners));
     for (const Vec2d c : corners) EXPECT_NEAR(p.distance(c).value, 0, 3e-4);
     EXPECT_LT(p.distance({0.5, 0.5}).value, -0.3);
     EXPECT_GT(p.distance({1.8, 1.8}).value, 0.3);
     EXPECT_LT(p.distance({1, -0.02}).value, 0);
-    // The other way round the normals are the same.
+    // In reverse order the normals are the same.
     const std::vector<Vec2d> reversed(corners.rbegin(), corners.rend());
     EXPECT_NEAR(variational_profile(with_normals(reversed)).distance({0.5, 0.5}).value,
                 p.distance({0.5, 0.5}).value, 1e-9);

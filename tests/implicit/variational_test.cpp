@@ -10,7 +10,7 @@ struct Sample {
     std::vector<Vec3> points, normals;
 };
 
-/// Evenly on a sphere, along a spiral.
+/// Evenly distributed on a sphere, along a spiral.
 Sample ball(int count, float radius, Vec3 center) {
     Sample s;
     for (int i = 0; i < count; ++i) {
@@ -45,7 +45,8 @@ TEST(Variational, PointsOfASphereGiveTheSphere) {
 TEST(Variational, GradientsAgreeWithDifferences) {
     Sample s = ball(60, 1, {});
     for (Vec3& p : s.points)
-        p = {2 * p.x, p.y, 0.5f * p.z};  // normals are a little off: the surface bends to suit
+        p = {2 * p.x, p.y,
+             0.5f * p.z};  // normals are slightly inconsistent, and the surface bends accordingly
     const Variational v(s.points, s.normals);
     EXPECT_LT(share_of_wrong_gradients(v, points_in(v.bounds(), 500, 0.0f), 1e-3f, 0.02f), 0.03);
     EXPECT_LT(share_of_wrong_gradients(v, points_in(v.bounds(), 500, 0.5f), 1e-3f, 0.02f), 0.03);
@@ -55,7 +56,7 @@ TEST(Variational, GradientsAgreeWithDifferences) {
 }
 
 TEST(Variational, SumsOfCubesByHand) {
-    // One center at the origin of weight 2, p = (3, 4, 0): r = 5; value 250, gradient 6 r p, and in xy 6 x y
+    // One centre at the origin of weight 2, p = (3, 4, 0): r = 5; value 250, gradient 6 r p, and in xy 6 x y
     // / r.
     const std::vector<double> zero{0}, two{2};
     const CubeSums s = sum_cubes({zero, zero, zero, two}, {3, 4, 0});
@@ -65,7 +66,7 @@ TEST(Variational, SumsOfCubesByHand) {
     EXPECT_DOUBLE_EQ(s.xx, 6 * (5 + 9.0 / 5));
     EXPECT_DOUBLE_EQ(s.xy, 6 * 12.0 / 5);
     EXPECT_DOUBLE_EQ(s.zz, 30);
-    // At a center everything is 0; a tail shorter than a vector counts fully.
+    // At a centre everything is 0; a tail shorter than a vector is fully included.
     EXPECT_EQ(sum_cubes({zero, zero, zero, two}, {}).xx, 0);
     const std::vector<double> x(11, 0.0), w(11, 1.0);
     EXPECT_DOUBLE_EQ(sum_cubes({x, x, x, w}, {0, 0, 2}).value, 88);

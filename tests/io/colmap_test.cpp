@@ -4,9 +4,9 @@
 #include <numbers>
 #include <string>
 
-#include "coppice/io/file.h"
 #include "coppice/io/sketch/colmap_internal.h"
 #include "coppice/io/sketch/sketch_file.h"
+#include "coppice/system/file.h"
 #include "errors.h"
 #include "temporary_folder.h"
 
@@ -21,7 +21,7 @@ void write(const std::filesystem::path& path, const std::string& text) {
     file.commit();
 }
 
-/// A folder with two cameras and two pictures: a.jpg looks along +z of COLMAP's world, b.jpg along +x.
+/// A folder with two cameras and two images: a.jpg looks along +z of COLMAP's world, b.jpg along +x.
 class Colmap : public test::FolderTest {
   protected:
     void SetUp() override {
@@ -45,22 +45,21 @@ TEST_F(Colmap, CamerasAreRead) {
     const SketchView b = read_colmap_view(folder_, "b.jpg");
     EXPECT_EQ(b.k[1][1], 700);
     EXPECT_EQ(b.distortion[0], 0.05);
-    // A quarter turn about -y: what lies along +x comes to lie before the camera.
+    // A quarter turn about -y: points along +x are then in front of the camera.
     EXPECT_NEAR(length(b.r * Vec3d{1, 0, 0} - Vec3d{0, 0, 1}), 0, 1e-7);
 }
 
 TEST_F(Colmap, WhatIsWrongIsNamed) {
     const std::string path = folder_.string();
     EXPECT_EQ(error_of([&] { read_colmap_view(folder_, "d.jpg"); }),
-              path + "/images.txt: no picture is named 'd.jpg'");
+              path + "/images.txt: no image is named 'd.jpg'");
     EXPECT_EQ(error_of<Unsupported>([&] { read_colmap_view(folder_, "c.jpg"); }),
               path +
-                  "/cameras.txt:4: the camera model 'FISHEYE' is not read; undistort the pictures with "
-                  "COLMAP, which "
-                  "makes PINHOLE");
+                  "/cameras.txt:4: the camera model 'FISHEYE' is not read; undistort the images with COLMAP, "
+                  "which writes PINHOLE");
     write(folder_ / "images.txt", "1 1 0 0 zero 0 0 0 1 a.jpg\n\n");
     EXPECT_EQ(error_of([&] { read_colmap_view(folder_, "a.jpg"); }),
-              path + "/images.txt:1: 'zero' is no number");
+              path + "/images.txt:1: 'zero' is not a number");
     write(folder_ / "images.txt", "1 1 0 0 0 0 0 0 9 a.jpg\n\n");
     EXPECT_EQ(error_of([&] { read_colmap_view(folder_, "a.jpg"); }),
               path + "/cameras.txt: there is no camera 9, which took 'a.jpg'");
@@ -68,23 +67,23 @@ TEST_F(Colmap, WhatIsWrongIsNamed) {
 }
 
 TEST_F(Colmap, SketchesNameTheirPictures) {
-    // COLMAP's y points down as its first picture does, and its unit is half a metre.
+    // COLMAP's y points down as in its first image, and its unit is half a metre.
     const std::string text =
         R"({"format": "coppice-sketch", "version": 1, "world": {"up": [0, -1, 0], "metres_per_unit": 0.5},
         "views": [{"name": "a", "image": "a.jpg", "colmap": "."}, {"name": "b", "image": "b.jpg", "colmap": "."}],
         "branches": [{"name": "stem", "strokes": {"a": {"points": [[1, 2], [3, 4]], "widths": [1, 1]}, "b": {"points": [[1, 2], [3, 4]]}}}]})";
     const Sketch sketch = parse_sketch(text, "x", folder_);
-    // Up in our world is up in the picture.
+    // Up in our world is up in the image.
     EXPECT_LT(project(without_distortion(sketch.views[0]), {0, 2, 1}).y,
               project(without_distortion(sketch.views[0]), {0, 2, 0}).y);
     EXPECT_EQ(sketch.views[0].t, (Vec3d{0.25, 0.5, 1}));
-    EXPECT_EQ(parse_sketch(text, "x", Jail(folder_)).views[0].t, sketch.views[0].t);
+    EXPECT_EQ(parse_sketch(text, "x", FolderSandbox(folder_)).views[0].t, sketch.views[0].t);
 }
 
 TEST_F(Colmap, SketchesOfAJailReadNothingOutside) {
     std::filesystem::create_directory(folder_ / "home");
     std::filesystem::create_directory_symlink(folder_, folder_ / "home" / "link");
-    const Jail jail(folder_ / "home");
+    const FolderSandbox sandbox(folder_ / "home");
     const auto sketch_with = [](const std::string& view) {
         return R"({"format": "coppice-sketch", "version": 1, "views": [{"name": "a", )" + view +
                R"(}], "branches": []})";
@@ -94,13 +93,13 @@ TEST_F(Colmap, SketchesOfAJailReadNothingOutside) {
              {R"("image": "a.jpg", "colmap": ")" + name + "\"",
               R"("phenomenal": ")" + name + R"(/cameras.txt", "camera": "a", "angle": 0)"}) {
             SCOPED_TRACE(view);
-            EXPECT_NE(error_of<IoError>([&] { parse_sketch(sketch_with(view), "x", jail); }), "no error");
+            EXPECT_NE(error_of<IoError>([&] { parse_sketch(sketch_with(view), "x", sandbox); }), "no error");
         }
     }
 }
 
 TEST(Rotation, VectorsAndQuaternionsAgree) {
-    // A third of a turn about (1, 1, 1) brings x to y and y to z.
+    // A third of a turn about (1, 1, 1) maps x to y and y to z.
     const double angle = 2 * std::numbers::pi / 3 / std::sqrt(3);
     const Matrix3 r = rotation_about({angle, angle, angle});
     EXPECT_NEAR(length(r * Vec3d{1, 0, 0} - Vec3d{0, 1, 0}), 0, 1e-12);

@@ -57,16 +57,15 @@ TEST(CylinderTable, ArchiArborAndTreegraphNames) {
 }
 
 TEST(CylinderTable, RowsWithMoreValuesThanColumnsAreRefused) {
-    // 0,1,1,5,... would be read as a start at 1, 5 where it is at 1.5.
-    EXPECT_EQ(
-        error_of<InvalidInput>([] {
-            parse_cylinders(
-                "ID,parentID,startX,startY,startZ,endX,endY,endZ,radius\n"
-                "1,0,1,5,0,0,0,0,1,0,0,1\n",
-                "t.csv");
-        }),
-        "t.csv:2: the row has 12 values for 9 columns; if commas stand for decimal points, write them as "
-        "points, or separate the columns by semicolons");
+    // 0,1,1,5,... would be read as a start at 1, 5 instead of 1.5.
+    EXPECT_EQ(error_of<InvalidInput>([] {
+                  parse_cylinders(
+                      "ID,parentID,startX,startY,startZ,endX,endY,endZ,radius\n"
+                      "1,0,1,5,0,0,0,0,1,0,0,1\n",
+                      "t.csv");
+              }),
+              "t.csv:2: the row has 12 values for 9 columns; if these are decimal commas, write decimal "
+              "points, or separate the columns by semicolons");
 }
 
 TEST(CylinderTable, QuotedNamesAndRowNamesOfR) {
@@ -82,12 +81,11 @@ TEST(CylinderTable, ErrorsNameWhatIsMissing) {
         return error_of<InvalidInput>([&] { parse_cylinders(text, "t.csv"); });
     };
     EXPECT_EQ(error("ID,parentID,startX,startY,startZ,endX,endY,endZ\n"),
-              "t.csv:1: no column of the header gives the radius ('radius'); see docs/user/formats.md for "
+              "t.csv:1: no column of the header contains the radius ('radius'); see docs/user/formats.md for "
               "the names");
     EXPECT_EQ(error("# c\nradius,parent,startX,startY,startZ,length\n"),
-              "t.csv:2: no column of the header gives the end ('endX', 'endY', 'endZ', or 'axis_x', "
-              "'axis_y', 'axis_z' "
-              "and 'length'); see docs/user/formats.md for the names");
+              "t.csv:2: no column of the header contains the end ('endX', 'endY', 'endZ', or 'axis_x', "
+              "'axis_y', 'axis_z' and 'length'); see docs/user/formats.md for the names");
     const std::string head = "parent,radius,startX,startY,startZ,endX,endY,endZ\n";
     EXPECT_EQ(error(head + "0,1,1,2,3,1,2\n"), "t.csv:2: the row has 7 values, but the end is column 8");
     EXPECT_EQ(error(head + "0,abc,1,2,3,1,2,3\n"),
@@ -99,7 +97,7 @@ TEST(CylinderTable, ErrorsNameWhatIsMissing) {
               "length start(3) "
               "axis(3) parent extension");
     EXPECT_EQ(error("1 2 3 4 5 6 7 8 9 10\n"),
-              "t.csv:1: no header names the columns, and columns 6 to 8 are no axis of length 1 as in "
+              "t.csv:1: no header names the columns, and columns 6 to 8 are not an axis of length 1 as in "
               "TreeQSM's order");
 }
 
@@ -133,7 +131,7 @@ TEST(CylinderTable, UnitsOfNamesBelongToTheirColumns) {
         "parent;startX (m);startY (m);startZ (m);ax;ay;az;radius [cm];length (mm)\n" + rows, "t.csv"));
     expect_two_cylinders(
         parse_cylinders("parent;startX;startY;startZ;ax;ay;az;radius (cm);length (mm)\n" + rows, "t.csv"));
-    // All of one unit are not converted, nor where a bracket holds something else.
+    // Nothing is converted if all have the same unit, or if brackets contain something else.
     const auto radius = [](const std::string& start, const std::string& name) {
         return parse_cylinders(
                    "parent;" + start + ";startY;startZ;endX;endY;endZ;" + name + "\n0;1;2;3;4;5;6;7;7\n",
@@ -147,7 +145,7 @@ TEST(CylinderTable, UnitsOfNamesBelongToTheirColumns) {
     EXPECT_EQ(radius("length (mm);startX", "radius (mm)"), 7);  // the start is in mm too
 }
 
-/// The values of an attribute; empty where there is none.
+/// Returns the values of an attribute; empty if it does not exist.
 std::vector<double> values_of(const RawCylinders& read, std::string_view name) {
     for (const RawAttribute& a : read.attributes)
         if (a.name == name) return a.values;
@@ -165,7 +163,7 @@ TEST(CylinderTable, OrdersAndBranchesAreKept) {
 }
 
 TEST(CylinderTable, OrdersOfTablesWithoutNamesBelongToTheirVersion) {
-    // Behind the extension: branch, order, position; or added, unmodified radius, branch, order, position.
+    // After the extension: branch, order, position; or added, unmodified radius, branch, order, position.
     const std::vector<double> orders{0, 1}, branches{3, 8};
     for (const char* text : {"0.5 2 1 2 3 0 0 1 0 2 3 0 1 0\n0.25 1 1 2 5 1 0 0 1 0 8 1 1 0\n",
                              "0.5 2 1 2 3 0 0 1 0 2 0 .5 3 0 1\n0.25 1 1 2 5 1 0 0 1 0 0 .25 8 1 1\n",
@@ -218,10 +216,10 @@ TEST(CylinderTable, TreesOfOneTableAreNumberedEachOnItsOwn) {
     EXPECT_EQ(values_of(read, "tree"), (std::vector<double>{7, 9, 7, 9}));
     const auto named = parse_cylinders(head + "oak,1,0,0,0,0,0,0,2,.5\nelm,1,0,5,0,0,5,0,2,.5\n", "t.csv");
     EXPECT_EQ(values_of(named, "tree"), (std::vector<double>{1, 2}));
-    EXPECT_EQ(error_of<InvalidInput>(
-                  [&] { parse_cylinders(head + "7,1,0,0,0,0,0,0,2,.5\n7,1,0,5,0,0,5,0,2,.5\n", "t.csv"); }),
-              "t.csv, line 3: the id 1 was used before in this tree; give every cylinder of a tree an id of "
-              "its own");
+    EXPECT_EQ(
+        error_of<InvalidInput>(
+            [&] { parse_cylinders(head + "7,1,0,0,0,0,0,0,2,.5\n7,1,0,5,0,0,5,0,2,.5\n", "t.csv"); }),
+        "t.csv, line 3: the id 1 was used before in this tree; give every cylinder of a tree a unique id");
 }
 
 TEST(CylinderTable, TreesWithoutIdsCountTheirOwnCylinders) {
@@ -241,7 +239,7 @@ TEST(CylinderTable, TreesWithoutIdsCountTheirOwnCylinders) {
 }
 
 TEST(CylinderTable, TreegraphRunsFromItsNodesToTheirParents) {
-    // Each cylinder starts at its own node and points to that of its parent; node 0, the base, has none.
+    // Each cylinder starts at its own node and ends at that of its parent; node 0, the base, has none.
     const SkeletonFile file = parse_skeleton(
         "p1,p2,sx,sy,sz,ax,ay,az,radius,length,nbranch,is_tip\n"
         "3,0,0,0,2,0,0,-1,0.5,2,0,False\n5,3,0,0,3,0,0,-1,0.4,1,0,True\n8,0,1,0,0,-1,0,0,0.2,1,1,True\n",
@@ -275,17 +273,18 @@ TEST(CylinderTable, TreegraphJsonHoldsItsTableAsText) {
         return error_of<InvalidInput>([&] { parse_treegraph(R"({"cyls": ")" + table + R"("})", "t.json"); });
     };
     EXPECT_EQ(error("[1"),
-              "t.json: the table 'cyls' is no JSON of columns by name, each with a value for every row");
+              "t.json: the table 'cyls' is not JSON of columns by name, each with a value for every row");
     EXPECT_EQ(error("{}"), error("[1"));
     EXPECT_EQ(error(quoted(R"({"p1":{"0":[1]}})")), error("[1"));
     EXPECT_EQ(error(quoted(R"({"p1":{"0":1},"p2":{}})")),
               "t.json: the table 'cyls' has columns of different lengths");
-    EXPECT_NE(error(quoted(R"({"p1":{"0":1}})")).find("no column of the header gives the radius"),
+    EXPECT_NE(error(quoted(R"({"p1":{"0":1}})")).find("no column of the header contains the radius"),
               std::string::npos);
 }
 
 TEST(CylinderTable, WithoutParentsCylindersJoinTheNearest) {
-    // A trunk of two, a lateral that starts at the side of the first one, and its continuation over a gap.
+    // A trunk of two cylinders, a lateral that starts at the side of the first one, and its continuation over
+    // a gap.
     const std::string head = "name , startX, startY, startZ, endX, endY, endZ, volume, radius, length, \n";
     const std::string rows =
         "oak,.2,0,1.2,1,0,1.5,0,.05,1\noak,0,0,0,0,0,2,0,.2,2\noak,1.1,0,1.5,2,0,2,0,.04,1\n"
@@ -298,15 +297,15 @@ TEST(CylinderTable, WithoutParentsCylindersJoinTheNearest) {
     EXPECT_EQ(read.cylinders[3].parent, 2);
     ASSERT_EQ(read.notes.size(), 1u);
     EXPECT_EQ(read.notes[0],
-              "no column says which cylinder is whose parent: each was joined to the one that it starts "
-              "nearest to, which leaves 1 without a parent");
-    // Far away there is another tree.
+              "no column specifies the parents of cylinders: each was joined to the closest one at its "
+              "start; 1 remain without a parent");
+    // Another tree at a great distance.
     EXPECT_EQ(parse_cylinders(head + rows + "elm,50,0,0,50,0,3,0,.1,3\n", "t.csv").cylinders[4].parent, -1);
 }
 
 TEST(CylinderTable, WithoutParentsHostilePlacesAreNoTrouble) {
     const std::string head = "startX,startY,startZ,endX,endY,endZ,radius\n";
-    // A ring, cylinders at one place, and of no radius.
+    // A ring, cylinders at the same position, and without radius.
     const auto ring = parse_cylinders(head + "0,0,0,1,0,0,.1\n1,0,0,0,1,0,.1\n0,1,0,0,0,0,.1\n", "t.csv");
     int roots = 0;
     for (const RawCylinder& c : ring.cylinders) roots += c.parent < 0;
@@ -339,11 +338,11 @@ TEST(CylinderTable, OtherTablesAndListsOfTheFileArePassedOver) {
         const auto read = parse_cylinders(text, "t.txt");
         expect_two_cylinders(read);
         ASSERT_EQ(read.notes.size(), 1u);
-        EXPECT_NE(read.notes[0].find("hold no cylinders and were passed over"), std::string::npos);
+        EXPECT_NE(read.notes[0].find("contain no cylinders and were skipped"), std::string::npos);
         EXPECT_EQ(parse_skeleton(text, "tree.txt").format, "cylinders");
     }
     EXPECT_EQ(parse_cylinders(cylinders + kBranches + kFigures, "t.txt").notes[0],
-              "5 lines, from line 4 on, hold no cylinders and were passed over");
+              "5 lines, from line 4 on, contain no cylinders and were skipped");
 }
 
 TEST(CylinderTable, TablesWithoutNamesEndWhereTheirWidthDoes) {
@@ -353,15 +352,15 @@ TEST(CylinderTable, TablesWithoutNamesEndWhereTheirWidthDoes) {
         "# Cylinder data\n" + cylinders + "# Branch data\n" + branches + "# Tree data\n" + figures, "t.txt"));
     expect_two_cylinders(parse_cylinders(cylinders + branches + figures, "t.txt"));
     expect_two_cylinders(parse_cylinders(cylinders + "\n" + "0 0 492 3.4 0 1.3\n", "t.txt"));
-    // A row that was cut off is no table.
+    // A truncated row is not a table.
     const auto error = [](const std::string& text) {
         return error_of<InvalidInput>([&] { parse_cylinders(text, "t.txt"); });
     };
     EXPECT_EQ(error(cylinders + "0.25 1 1 2 5 1\n"),
-              "t.txt:3: the row has 6 values, but those before it have 14");
+              "t.txt:3: the row has 6 values, but the rows before it have 14");
     EXPECT_EQ(error(cylinders + "0.25 1 1 2 5 1\n" + cylinders), error(cylinders + "0.25 1 1 2 5 1\n"));
     EXPECT_EQ(error(cylinders + "0.25 1 1 2 5 1 0 0 1 0\n"),
-              "t.txt:3: the row has 10 values, but those before it have 14");
+              "t.txt:3: the row has 10 values, but the rows before it have 14");
 }
 
 TEST(CylinderTable, SeveralTablesAreModels) {
@@ -369,14 +368,14 @@ TEST(CylinderTable, SeveralTablesAreModels) {
     const std::string text =
         std::string(kHead) + "1\t1\t7\t7\t7\t0\t0\t1\t0\t0\t1\t0\t1\t0\t0\t0\t1\n" + kBranches + one;
     EXPECT_EQ(error_of<InvalidInput>([&] { parse_cylinders(text, "t.txt"); }),
-              "t.txt: holds 2 models; choose one with the option model, 1 to 2");
+              "t.txt: it contains 2 models; choose one with the option model, 1 to 2");
     expect_two_cylinders(parse_cylinders(text, "t.txt", 2));
     EXPECT_EQ(parse_cylinders(text, "t.txt", 1).cylinders.size(), 1u);
     EXPECT_EQ(parse_skeleton(text, "t.txt", {.model = 2}).models, 2u);
     EXPECT_EQ(error_of<InvalidInput>([&] { parse_skeleton(text, "t.txt", {.model = 3}); }),
-              "t.txt: there is no model 3; the file holds 2");
+              "t.txt: there is no model 3; the file contains 2");
     EXPECT_EQ(error_of<InvalidInput>([&] { parse_skeleton(one, "t.txt", {.model = 2}); }),
-              "t.txt: there is no model 2; the file holds 1");
+              "t.txt: there is no model 2; the file contains 1");
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 
 namespace e57_file {
 
-/// A field of made scans, and its values as they are stored: less the minimum, or the bits of a float.
+/// A field of generated scans with its values as stored: minus the minimum, or the bits of a float.
 struct Field {
     std::string name, attributes;
     unsigned bits = 0;
@@ -28,10 +28,10 @@ inline std::uint64_t bits_of(float v) {
 
 struct Scan {
     std::vector<Field> fields;
-    std::string before_points;  ///< XML of the scan: its pose, limits of colours
+    std::string before_points;  ///< additional XML of the scan: its pose, limits of colours
 };
 
-/// Values one after the other, low bits first.
+/// Packs values consecutively, least significant bits first.
 inline std::string packed(const Field& field) {
     std::string bytes;
     std::size_t at = 0;
@@ -50,7 +50,7 @@ void add(std::string& bytes, T value) {
         bytes += static_cast<char>(static_cast<std::uint64_t>(value) >> 8 * i);
 }
 
-/// CRC-32C bit by bit.
+/// Computes CRC-32C bit by bit.
 inline std::uint32_t checksum(std::string_view bytes) {
     std::uint32_t crc = 0xffffffffu;
     for (const char c : bytes) {
@@ -62,18 +62,19 @@ inline std::uint32_t checksum(std::string_view bytes) {
     return crc ^ 0xffffffffu;
 }
 
-/// Makes the checksum of a page fit what was changed in it, so that the change comes through to the reader.
+/// Updates the checksum of a modified page, so that the reader sees the modification.
 inline void mend(std::string& bytes, std::size_t page) {
     const std::uint32_t crc = checksum(std::string_view(bytes).substr(1024 * page, 1020));
     for (std::size_t i = 0; i < 4; ++i)
         bytes[1024 * page + 1020 + i] = static_cast<char>(crc >> (24 - 8 * i));
 }
 
-/// Where a byte lies among pages with checksums.
+/// Returns the offset of a byte in pages with checksums.
 inline std::uint64_t physical(std::uint64_t logical) { return logical / 1020 * 1024 + logical % 1020; }
 
-/// The packets of a scan: `piece` bytes of each field in each one, all fields in turn; of field f the pieces
-/// are f bytes shorter, so that fields advance unequally. An index packet and an empty one come first.
+/// Returns the packets of a scan: `piece` bytes of each field in each packet, all fields in turn; for field f
+/// the pieces are f bytes shorter, so that fields advance unequally. An index packet and an empty one come
+/// first.
 inline std::string packets(const Scan& scan, std::size_t piece) {
     std::vector<std::string> streams;
     for (const Field& field : scan.fields) streams.push_back(packed(field));
@@ -101,7 +102,7 @@ inline std::string packets(const Scan& scan, std::size_t piece) {
     return out;
 }
 
-/// An E57 file without any library: scans, then the XML, in pages with checksums.
+/// Returns an E57 file written without a library: scans, then the XML, in pages with checksums.
 inline std::string make(const std::vector<Scan>& scans, std::size_t piece = 100,
                         const std::string& before_scans = "") {
     std::string content(48, '\0');

@@ -22,7 +22,7 @@ using e57_file::Scan;
 constexpr const char* kDouble = "type=\"Float\"";
 constexpr const char* kSingle = "type=\"Float\" precision=\"single\"";
 
-/// Where the i-th point of the made scans lies, in steps of a millimetre.
+/// Position of the i-th point of the generated scans, in millimetres.
 std::array<int, 3> place(std::size_t i) {
     const auto k = static_cast<int>(i);
     return {k % 50 * 20, k * 7 % 1000, k * 3 - 500};
@@ -37,7 +37,7 @@ Field real(const char* name, std::size_t count, std::size_t axis, bool single) {
     return f;
 }
 
-/// In steps of a millimetre from `low` on, as many bits as `high` takes.
+/// In millimetres from `low` on, with the number of bits that `high` needs.
 Field scaled(const char* name, std::size_t count, std::size_t axis, int low, std::int64_t high,
              unsigned bits) {
     Field f{name,
@@ -75,7 +75,7 @@ void expect_made_points(const PointSet& set, std::size_t count) {
 
 TEST(E57Reader, ReadsEveryTypeOfCoordinates) {
     constexpr std::size_t kCount = 1000;
-    // 19 bits hold 500001, 11 bits 1023 + 1024, and 64 those of a range that a minimum is not told of.
+    // 19 bits represent 500001, 11 bits 1023 + 1024, and 64 a range without a specified minimum.
     const Scan integers{
         {scaled("cartesianX", kCount, 0, -100, 499901, 19), scaled("cartesianY", kCount, 1, -1, 2046, 11),
          scaled("cartesianZ", kCount, 2, -500, std::int64_t{1} << 62, 63)},
@@ -100,7 +100,7 @@ TEST(E57Reader, ReadsConstantsAndWholeRanges) {
 }
 
 TEST(E57Reader, JoinsScansByTheirPoses) {
-    // The second scanner is turned by a quarter about z: x is y, y is -x; and far away.
+    // The second scanner is rotated by a quarter about z: x is y, y is -x; and far away.
     const double half = std::sqrt(0.5);
     Scan turned = scan_of(40);
     turned.before_points =
@@ -127,7 +127,7 @@ TEST(E57Reader, ReadsSphericalCoordinatesAndInvalidStates) {
          {"sphericalInvalidState", "type=\"Integer\" minimum=\"0\" maximum=\"2\"", 2, {0, 0, 0, 2}}},
         ""};
     const PointFile found = parse_point_file(e57_file::make({scan}), "p.e57");
-    const PointSet& set = found.painted.points;
+    const PointSet& set = found.point_cloud.points;
     ASSERT_EQ(set.size(), 3u);
     EXPECT_EQ(found.without_return, 1u);
     EXPECT_LT(distance(set.world(0), {2, 0, 0}), 1e-6);
@@ -158,10 +158,10 @@ TEST(E57Reader, GivesWhatIsKnownOfPoints) {
     const PointFile found = parse_point_file(e57_file::make({scan}, 100, wkt), "p.e57");
     EXPECT_EQ(found.format, "E57");
     EXPECT_EQ(found.system.name(), "here");
-    EXPECT_EQ(found.painted.intensities, (std::vector<float>{0.25f, 1}));
-    EXPECT_EQ(found.painted.colors, (std::vector<Rgb>{{0, 255, 255}, {255, 1, 0}}));
-    EXPECT_EQ(found.painted.return_numbers, (std::vector<std::uint8_t>{1, 2}));
-    EXPECT_EQ(found.painted.return_counts, (std::vector<std::uint8_t>{1, 4}));
+    EXPECT_EQ(found.point_cloud.intensities, (std::vector<float>{0.25f, 1}));
+    EXPECT_EQ(found.point_cloud.colors, (std::vector<Rgb>{{0, 255, 255}, {255, 1, 0}}));
+    EXPECT_EQ(found.point_cloud.return_numbers, (std::vector<std::uint8_t>{1, 2}));
+    EXPECT_EQ(found.point_cloud.return_counts, (std::vector<std::uint8_t>{1, 4}));
 }
 
 TEST(E57Reader, RefusesDamage) {
@@ -169,13 +169,13 @@ TEST(E57Reader, RefusesDamage) {
     std::string bytes = good;
     bytes[2000] = static_cast<char>(bytes[2000] ^ 1);
     EXPECT_EQ(error_of(bytes), "p.e57: page 2 of " + std::to_string(good.size() / 1024) +
-                                   " of the E57 file is damaged: its checksum is another one");
+                                   " of the E57 file is damaged: its checksum does not match");
     EXPECT_EQ(error_of(std::string_view(good).substr(0, 5000)),
               "p.e57: the file is cut off: it has 5000 of " + std::to_string(good.size()) +
-                  " bytes, and what describes its points stands at its end");
+                  " bytes, and the description of its points is at its end");
     EXPECT_EQ(error_of("ASTM-E57\1"), "p.e57: the file ends within its E57 header");
-    EXPECT_EQ(error_of(e57_file::make({scan_of(0)})), "p.e57: it holds no points");
-    EXPECT_EQ(error_of(e57_file::make({})), "p.e57: it holds no points");
+    EXPECT_EQ(error_of(e57_file::make({scan_of(0)})), "p.e57: it contains no points");
+    EXPECT_EQ(error_of(e57_file::make({})), "p.e57: it contains no points");
     Scan scan = scan_of(3);
     scan.fields[0].attributes = "type=\"Integer\" minimum=\"4\" maximum=\"3\"";
     EXPECT_NE(error_of(e57_file::make({scan})).find("the range of the field 'cartesianX' is empty"),
@@ -188,7 +188,7 @@ TEST(E57Reader, RefusesDamage) {
 }
 
 TEST(E57Reader, ChecksCountsAgainstTheFile) {
-    // All constant: nothing but the count says how many points there are.
+    // All values are constant: only the count specifies the number of points.
     Scan scan = scan_of(1);
     for (Field& field : scan.fields)
         field = {field.name, "type=\"Integer\" minimum=\"1\" maximum=\"1\"", 0, {}};
@@ -196,7 +196,7 @@ TEST(E57Reader, ChecksCountsAgainstTheFile) {
     EXPECT_EQ(parse_points(e57_file::make({scan}), "p.e57").size(), 20u);
     scan.fields[0].stored.assign(1000000, 0);
     EXPECT_EQ(error_of(e57_file::make({scan})),
-              "p.e57: the E57 file is damaged: its XML names more points than it can hold");
+              "p.e57: the E57 file is damaged: its XML specifies more points than it can contain");
 }
 
 TEST(E57Reader, RefusesEveryTruncation) {
@@ -218,7 +218,7 @@ TEST(E57Reader, SurvivesDamage) {
         }
         try {
             for (const Vec3 p : parse_points(bytes, "p.e57").positions) ASSERT_TRUE(is_finite(p));
-        } catch (const Error&) {  // the proper answer to a bad file
+        } catch (const Error&) {  // expected for an invalid file
         }
     }
 }

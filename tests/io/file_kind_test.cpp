@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "coppice/base/error.h"
-#include "coppice/io/file.h"
+#include "coppice/system/file.h"
 #include "temporary_folder.h"
 
 namespace coppice {

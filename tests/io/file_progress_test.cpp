@@ -1,4 +1,4 @@
-#include "coppice/io/file_progress.h"
+#include "coppice/system/file_progress.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -9,17 +9,17 @@
 #include <thread>
 #include <vector>
 
-#include "coppice/io/file.h"
 #include "coppice/io/mesh/reader.h"
 #include "coppice/io/points/reader.h"
 #include "coppice/io/skeleton/reader.h"
 #include "coppice/io/skeleton/writer.h"
 #include "coppice/skeleton/random_tree.h"
+#include "coppice/system/file.h"
 
 namespace coppice {
 namespace {
 
-/// A text large enough for many steps, as a file of every kind that is read line by line or row by row.
+/// A text large enough for many steps, for files of every kind that is read line by line or row by row.
 struct Sample {
     std::string name;
     std::string bytes;
@@ -90,7 +90,7 @@ TEST(FileProgress, EveryReaderStopsWhenAskedTo) {
 
 TEST(FileProgress, StopsInTheMiddleOfAFileAndNeverFalls) {
     for (const Sample& sample : samples()) {
-        if (sample.name == "json") continue;  // how long it is shows only at the end
+        if (sample.name == "json") continue;  // its size is unknown until the end
         std::stop_source source;
         float last = 0;
         const auto watch = [&](float fraction) {

@@ -24,7 +24,7 @@ struct LasKind {
     std::uint16_t record = 34;
 };
 
-/// Three points at (1, 2, 3), (-1, 0.5, 4) and (1.001, 2, 3), less the offset in millimetres.
+/// Three points at (1, 2, 3), (-1, 0.5, 4) and (1.001, 2, 3), minus the offset in millimetres.
 std::string las_file(const LasKind& kind) {
     const std::size_t header = kind.minor == 4 ? 375 : kind.minor == 3 ? 235 : 227;
     std::string bytes(header + 3u * kind.record, '\0');
@@ -66,14 +66,14 @@ TEST(LasReader, ReadsAllVersionsAndFormats) {
         ASSERT_EQ(set.size(), 3u);
         EXPECT_LT(distance(set.world(0), {1e6 + 1, 2e6 + 2, 103}), 1e-6);
         EXPECT_LT(distance(set.world(1), {1e6 - 1, 2e6 + 0.5, 104}), 1e-6);
-        // A millimetre beside the first, which floats at 2e6 would lose.
+        // A millimetre from the first, which floats at 2e6 would lose.
         EXPECT_NEAR(set.world(2).x - set.world(0).x, 0.001, 1e-6);
     }
 }
 
 TEST(LasReader, KeepsTheDigitsOfCoordinatesFarAway) {
-    // Swiss coordinates in steps of a tenth of a millimetre, over 40 m: the origin lies within 64 m, and half
-    // a step of floats below 64 is 1.9e-6.
+    // Swiss coordinates in multiples of 0.1 mm, over 40 m: the origin is within 64 m, and half a step of
+    // floats below 64 is 1.9e-6.
     std::string bytes = las_file({2, 3, 34});
     const double offset[3] = {2.86e6, 1.18e6, 1500};
     const std::int32_t raw[3][3] = {{1, 2, 3}, {400003, 200007, 123456}, {123457, 200001, 9}};
@@ -87,7 +87,7 @@ TEST(LasReader, KeepsTheDigitsOfCoordinatesFarAway) {
     for (std::size_t i = 0; i < 3; ++i) {
         for (int axis = 0; axis < 3; ++axis) {
             const auto a = static_cast<std::size_t>(axis);
-            // The sum in double precision adds half a step at 2.86e6, 2.3e-10, thrice.
+            // The sum in double precision adds half a step at 2.86e6, 2.3e-10, three times.
             EXPECT_NEAR(set.world(i)[axis], raw[i][a] * 1e-4 + offset[a], 2e-6) << i << ' ' << axis;
         }
     }
@@ -98,20 +98,20 @@ TEST(LasReader, GivesWhatIsKnownOfPoints) {
     put<std::uint16_t>(bytes, 227 + 12, 700);
     bytes[227 + 14] = 2 | 3 << 3;              // the second of three returns
     bytes[227 + 15] = 0x25;                    // class 5, a key point
-    put<std::uint16_t>(bytes, 227 + 28, 255);  // writers that know 8 bits only leave the upper ones zero
+    put<std::uint16_t>(bytes, 227 + 28, 255);  // writers that support 8 bits only leave the upper ones zero
     put<std::uint16_t>(bytes, 227 + 34 + 32, 7);
-    const PaintedPoints found = parse_painted_points(bytes, "p.las");
+    const PointCloud found = parse_point_cloud(bytes, "p.las");
     EXPECT_EQ(found.intensities, (std::vector<float>{700, 0, 0}));
     EXPECT_EQ(found.return_numbers, (std::vector<std::uint8_t>{2, 0, 0}));
     EXPECT_EQ(found.return_counts, (std::vector<std::uint8_t>{3, 0, 0}));
     EXPECT_EQ(found.classes, (std::vector<std::uint8_t>{5, 0, 0}));
     EXPECT_EQ(found.colors, (std::vector<Rgb>{{255, 0, 0}, {0, 0, 7}, {0, 0, 0}}));
     put<std::uint16_t>(bytes, 227 + 30, 0x1234);
-    EXPECT_EQ(parse_painted_points(bytes, "p.las").colors,
+    EXPECT_EQ(parse_point_cloud(bytes, "p.las").colors,
               (std::vector<Rgb>{{0, 0x12, 0}, {0, 0, 0}, {0, 0, 0}}));
-    const PaintedPoints plain = parse_painted_points(las_file({4, 7, 36}), "p.las");
+    const PointCloud plain = parse_point_cloud(las_file({4, 7, 36}), "p.las");
     EXPECT_TRUE(plain.classes.empty() && plain.intensities.empty() && plain.colors.empty());
-    const PaintedPoints places = parse_painted_points(bytes, "p.las", kNoColumns);
+    const PointCloud places = parse_point_cloud(bytes, "p.las", kNoColumns);
     EXPECT_TRUE(places.classes.empty() && places.intensities.empty() && places.colors.empty());
     EXPECT_EQ(places.points, found.points);
 }
@@ -145,20 +145,20 @@ TEST(LasReader, RefusesWhatItCannotRead) {
     EXPECT_EQ(error_of(bytes), "p.las: the coordinates of its points are not finite or beyond 1e30");
     bytes = las_file({2, 3, 34});
     put<std::uint32_t>(bytes, 107, 0);
-    EXPECT_EQ(error_of(bytes), "p.las: it holds no points");
+    EXPECT_EQ(error_of(bytes), "p.las: it contains no points");
 }
 
 TEST(LasReader, RefusesCountsBeyondTheFile) {
     std::string bytes = las_file({4, 6, 30});
     put<std::uint64_t>(bytes, 247, std::uint64_t{1} << 62);
-    EXPECT_EQ(
-        error_of(bytes),
-        "p.las: the file is cut off or damaged: its header names 4611686018427387904 points, but it holds 3");
+    EXPECT_EQ(error_of(bytes),
+              "p.las: the file is cut off or damaged: its header specifies 4611686018427387904 points, but "
+              "it contains 3");
     EXPECT_THROW(parse_point_file(bytes, "p.las", {}), TruncatedFile);
     bytes = las_file({2, 3, 34});
     put<std::uint32_t>(bytes, 96, 0xffffffffu);
-    EXPECT_NE(error_of(bytes).find("but it holds 0"), std::string::npos);
-    put<std::uint32_t>(bytes, 96, 4);  // points within the header
+    EXPECT_NE(error_of(bytes).find("but it contains 0"), std::string::npos);
+    put<std::uint32_t>(bytes, 96, 4);  // points overlap the header
     EXPECT_NE(error_of(bytes).find("cut off or damaged"), std::string::npos);
 }
 
@@ -166,16 +166,16 @@ TEST(LasReader, TakesWhatIsThereOfATruncatedFile) {
     const std::string bytes =
         las_file({2, 3, 34}).substr(0, 227 + 34 + 33);  // the second lacks its last byte
     const PointFile file = parse_point_file(bytes, "p.las", {}, {.allow_truncated = true});
-    ASSERT_EQ(file.painted.points.size(), 1u);
+    ASSERT_EQ(file.point_cloud.points.size(), 1u);
     EXPECT_EQ(file.missing, 2u);
     EXPECT_EQ(file.format, "LAS 1.2, point format 3");
-    EXPECT_LT(distance(file.painted.points.world(0), {1e6 + 1, 2e6 + 2, 103}), 1e-6);
+    EXPECT_LT(distance(file.point_cloud.points.world(0), {1e6 + 1, 2e6 + 2, 103}), 1e-6);
     const auto none = [&] { parse_point_file(bytes.substr(0, 228), "p.las", {}, {.allow_truncated = true}); };
     EXPECT_THROW(none(), InvalidInput);
     EXPECT_EQ(parse_point_file(las_file({2, 3, 34}), "p.las", {}, {.allow_truncated = true}).missing, 0u);
 }
 
-/// An entry of the record about extra bytes.
+/// Returns an entry of the record about extra bytes.
 std::string dimension(std::string_view name, std::uint8_t type, std::uint8_t options = 0) {
     std::string entry(192, '\0');
     put(entry, 2, type);
@@ -200,7 +200,8 @@ void add_record(std::string& bytes, std::string_view user, std::uint16_t id, std
 }
 
 TEST(LasReader, ReadsExtraDimensions) {
-    // 2 raw bytes, then i16 height with scale 0.5 and offset 10, f32 wood, i32 PredInstance with -1 for none.
+    // 2 raw bytes, then i16 height with scale 0.5 and offset 10, f32 wood, i32 PredInstance with -1 for no
+    // tree.
     std::string bytes = las_file({4, 6, 42});
     const std::int16_t height[3] = {2, 4, 8};
     const float wood[3] = {0.25f, std::nanf(""), 0.75f};
@@ -217,7 +218,7 @@ TEST(LasReader, ReadsExtraDimensions) {
     put<std::int64_t>(predicted, 40, -1);
     add_record(bytes, "LASF_Spec", 4, dimension("", 0, 2) + scaled + dimension("wood", 9) + predicted);
     const PointFile file = parse_point_file(bytes, "p.las", {.ranges = true});
-    EXPECT_EQ(file.painted.tree_ids, (std::vector<std::uint32_t>{7, 0, 70000}));
+    EXPECT_EQ(file.point_cloud.tree_ids, (std::vector<std::uint32_t>{7, 0, 70000}));
     ASSERT_EQ(file.dimensions.size(), 3u);
     EXPECT_EQ(file.dimensions[0].name, "height");
     EXPECT_EQ(file.dimensions[0].low, 11);
@@ -226,7 +227,7 @@ TEST(LasReader, ReadsExtraDimensions) {
     EXPECT_EQ(file.dimensions[1].high, 0.75);
     EXPECT_EQ(file.dimensions[2].name, "PredInstance");
     EXPECT_EQ(file.dimensions[2].low, 7);
-    EXPECT_TRUE(parse_point_file(bytes, "p.las", kNoColumns).painted.tree_ids.empty());
+    EXPECT_TRUE(parse_point_file(bytes, "p.las", kNoColumns).point_cloud.tree_ids.empty());
     EXPECT_TRUE(parse_point_file(bytes, "p.las").dimensions.empty());
 }
 
@@ -235,7 +236,7 @@ TEST(LasReader, PassesOverDimensionsBeyondTheRecord) {
     put<std::uint32_t>(bytes, 375 + 30, 5);
     add_record(bytes, "LASF_Spec", 4, dimension("label", 5) + dimension("treeID", 5));
     const PointFile file = parse_point_file(bytes, "p.las", {.ranges = true});
-    EXPECT_EQ(file.painted.tree_ids, (std::vector<std::uint32_t>{5, 0, 0}));
+    EXPECT_EQ(file.point_cloud.tree_ids, (std::vector<std::uint32_t>{5, 0, 0}));
     EXPECT_EQ(file.dimensions.size(), 1u);
 }
 
@@ -280,7 +281,7 @@ TEST(LasReader, SurvivesDamage) {
         try {
             const PointSet set = parse_points(bytes, "p.las");
             for (const Vec3 p : set.positions) ASSERT_TRUE(is_finite(p));
-        } catch (const Error&) {  // the proper answer to a bad file
+        } catch (const Error&) {  // expected for an invalid file
         }
     }
 }

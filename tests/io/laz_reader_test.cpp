@@ -7,8 +7,8 @@
 
 #include "coppice/base/error.h"
 #include "coppice/base/random.h"
-#include "coppice/io/file.h"
 #include "coppice/io/points/reader.h"
+#include "coppice/system/file.h"
 #include "io/laz/made_points.h"
 #include "paths.h"
 
@@ -36,7 +36,7 @@ T get(const std::string& bytes, std::size_t at) {
     return value;
 }
 
-/// A file that LASzip wrote, see laz/make_laz.cpp.
+/// Reads a file written by LASzip, see laz/make_laz.cpp.
 struct LazFile {
     const char* name;
     int format;
@@ -74,10 +74,10 @@ bool has_color(int format) {
     return format == 2 || format == 3 || format == 5 || format == 7 || format == 8 || format == 10;
 }
 
-void expect_made_points(const PaintedPoints& found, const LazFile& file) {
+void expect_made_points(const PointCloud& found, const LazFile& file) {
     const PointSet& set = found.points;
     ASSERT_EQ(set.size(), kKept);
-    EXPECT_NE(set.origin.y, 0);  // so that no millimetre is lost but in leaps of 20 km
+    EXPECT_NE(set.origin.y, 0);  // so that millimetres are lost only in steps of 20 km
     ASSERT_EQ(found.colors.size(), has_color(file.format) ? kKept : 0);
     ASSERT_EQ(found.classes.size(), kKept);
     ASSERT_EQ(found.intensities.size(), kKept);
@@ -102,22 +102,21 @@ void expect_made_points(const PaintedPoints& found, const LazFile& file) {
     }
 }
 
-/// Where the payload of the first variable record begins, which is LASzip's.
+/// Returns the offset of the payload of the first variable length record, which is LASzip's.
 std::size_t packing_at(const std::string& bytes) { return get<std::uint16_t>(bytes, 94) + 54u; }
 
 TEST(LazReader, ReadsAllFormatsAndVersions) {
     for (const LazFile& file : kFiles) {
         SCOPED_TRACE(file.name);
-        expect_made_points(parse_painted_points(file.bytes(), "p.laz"), file);
-        EXPECT_TRUE(parse_points(file.bytes(), "p.laz") ==
-                    parse_painted_points(file.bytes(), "p.laz").points);
+        expect_made_points(parse_point_cloud(file.bytes(), "p.laz"), file);
+        EXPECT_TRUE(parse_points(file.bytes(), "p.laz") == parse_point_cloud(file.bytes(), "p.laz").points);
     }
 }
 
 TEST(LazReader, ReadsAScan) {
     const auto scan = source_dir().parent_path() / "shared/data/cloud/treels_pine.laz";
     if (!std::filesystem::exists(scan)) GTEST_SKIP() << "no shared data";
-    EXPECT_EQ(read_points(scan).size(), 73851u);  // as its header says
+    EXPECT_EQ(read_points(scan).size(), 73851u);  // as its header specifies
 }
 
 TEST(LazReader, GivesTheSameForAnyNumberOfThreads) {
@@ -143,7 +142,7 @@ TEST(LazReader, ReadsTheTableFromTheEndAsPipesLeaveIt) {
 }
 
 TEST(LazReader, ReadsCopcWhole) {
-    // COPC: a record of its own before LASzip's, chunks of several sizes, and its index behind their table.
+    // COPC: a record before that of LASzip, chunks of several sizes, and its index after their table.
     constexpr std::uint32_t kCopcVlr = 54 + 160;
     std::string bytes = laz_file("format7_varying");
     const auto data = get<std::uint32_t>(bytes, 96);
@@ -156,7 +155,7 @@ TEST(LazReader, ReadsCopcWhole) {
     put<std::uint32_t>(bytes, 96, data + kCopcVlr);
     put<std::uint32_t>(bytes, 100, 2);
     bytes.append(60 + 5 * 32, '\1');
-    expect_made_points(parse_painted_points(bytes, "p.copc.laz"), {"format7_varying", 7});
+    expect_made_points(parse_point_cloud(bytes, "p.copc.laz"), {"format7_varying", 7});
 }
 
 TEST(LazReader, ReadsFilesWithoutATableOfEqualChunks) {
@@ -166,55 +165,55 @@ TEST(LazReader, ReadsFilesWithoutATableOfEqualChunks) {
         const auto data = get<std::uint32_t>(bytes, 96);
         bytes.resize(static_cast<std::size_t>(get<std::int64_t>(bytes, data)));
         put<std::int64_t>(bytes, data, data);
-        expect_made_points(parse_painted_points(bytes, "p.laz"), file);
+        expect_made_points(parse_point_cloud(bytes, "p.laz"), file);
     }
     std::string bytes = laz_file("format1_varying");
     put<std::int64_t>(bytes, get<std::uint32_t>(bytes, 96), get<std::uint32_t>(bytes, 96));
-    EXPECT_NE(error_of(bytes).find("the table of their chunks is missing"), std::string::npos);
+    EXPECT_NE(error_of(bytes).find("the table of their chunks, which differ in size, is missing"),
+              std::string::npos);
 }
 
 TEST(LazReader, RefusesFieldsThatTheFormatHasNot) {
     const std::string bytes = laz_file("format3");
     const std::string wanted =
-        "p.laz: its compressed points are damaged: they have other fields than their format has";
+        "p.laz: its compressed points are damaged: their fields differ from those of their format";
     const std::size_t items = packing_at(bytes) + 34;
     std::string other = bytes;
-    put<std::uint16_t>(other, items + 12, 7);  // a second time of the GPS where the colour is
+    put<std::uint16_t>(other, items + 12, 7);  // a second GPS time in place of the colour
     EXPECT_EQ(error_of(other), wanted);
     other = bytes;
     put<std::uint16_t>(other, items - 2, 2);
     EXPECT_EQ(error_of(other), wanted);
     other = bytes;
-    put<std::uint16_t>(other, 105, 40);  // the record has six bytes that nothing packs
+    put<std::uint16_t>(other, 105, 40);  // the record has six bytes that no item compresses
     EXPECT_EQ(error_of(other), wanted);
     other = bytes;
     put<std::uint16_t>(other, packing_at(bytes), 9);
     EXPECT_NE(error_of(other).find("their kind of compression is unknown"), std::string::npos);
     other = bytes;
     other[packing_at(bytes) - 50] = 'x';
-    EXPECT_NE(error_of(other).find("how they were compressed is missing"), std::string::npos);
+    EXPECT_NE(error_of(other).find("the record about their compression is missing"), std::string::npos);
 }
 
 TEST(LazReader, RefusesBytesThatNobodyHas) {
     std::string bytes = laz_file("format2");
     put<std::uint16_t>(bytes, 105, 26 + 5000);
     put<std::uint16_t>(bytes, packing_at(bytes) + 34 + 12 + 2, 5000);
-    EXPECT_EQ(
-        error_of(bytes),
-        "p.laz: its points have 5000 bytes of their own, of which 4096 can be unpacked; convert it to LAS");
+    EXPECT_EQ(error_of(bytes),
+              "p.laz: its points have 5000 extra bytes, but at most 4096 can be unpacked; convert it to LAS");
 }
 
 TEST(LazReader, RefusesCountsBeyondTheFile) {
     std::string bytes = laz_file("format0");
     put<std::uint32_t>(bytes, 107, 0xffffffffu);
-    EXPECT_EQ(
-        error_of(bytes),
-        "p.laz: its compressed points are damaged: the header names more of them than the file can hold");
+    EXPECT_EQ(error_of(bytes),
+              "p.laz: its compressed points are damaged: the header specifies more of them than the file can "
+              "contain");
     put<std::uint32_t>(bytes, 107, made::kCount + 1000);
-    EXPECT_NE(error_of(bytes).find("chunks of them are missing"), std::string::npos);
+    EXPECT_NE(error_of(bytes).find("some of their chunks are missing"), std::string::npos);
     bytes = laz_file("format6");
     put<std::uint64_t>(bytes, 247, std::uint64_t{1} << 60);
-    EXPECT_NE(error_of(bytes).find("more of them than the file can hold"), std::string::npos);
+    EXPECT_NE(error_of(bytes).find("more of them than the file can contain"), std::string::npos);
     put<std::uint64_t>(bytes, 247, made::kCount + 50);
     EXPECT_EQ(error_of(bytes), "p.laz: its compressed points are damaged: chunk 4 of 4 cannot be unpacked");
 }
@@ -223,7 +222,7 @@ TEST(LazReader, RefusesTablesThatCannotBeTrue) {
     std::string bytes = laz_file("format0");
     const auto data = get<std::uint32_t>(bytes, 96);
     put<std::uint32_t>(bytes, static_cast<std::size_t>(get<std::int64_t>(bytes, data)) + 4, 0xffffffffu);
-    EXPECT_NE(error_of(bytes).find("the table of their chunks is not to be read"), std::string::npos);
+    EXPECT_NE(error_of(bytes).find("their chunk table is unreadable"), std::string::npos);
     put<std::int64_t>(bytes, data, std::int64_t{1} << 62);
     EXPECT_NE(error_of(bytes).find("the file is cut off"), std::string::npos);
     put<std::int64_t>(bytes, data, std::int64_t{data} + 1);
@@ -239,7 +238,7 @@ TEST(LazReader, RefusesLayersBeyondTheFile) {
     EXPECT_EQ(error_of(other), "p.laz: its compressed points are damaged: chunk 1 of 4 cannot be unpacked");
 }
 
-/// With a record that calls the first own bytes of the points `label`, a number of that type.
+/// Adds a record that names the first extra bytes of the points `label`, a number of that type.
 std::string with_label(std::string bytes, std::uint8_t type) {
     std::string record(54 + 192, '\0');
     record.replace(2, 9, "LASF_Spec");
@@ -265,7 +264,7 @@ TEST(LazReader, ReadsExtraBytes) {
     for (const Case& c : {Case{"format2", kTwoBytes}, Case{"format5", kByte}, Case{"format7", kTwoBytes},
                           Case{"format10", kTwoBytes}, Case{"format3_version1", kTwoBytes}}) {
         SCOPED_TRACE(c.name);
-        const PaintedPoints found = parse_painted_points(with_label(laz_file(c.name), c.type), "p.laz");
+        const PointCloud found = parse_point_cloud(with_label(laz_file(c.name), c.type), "p.laz");
         ASSERT_EQ(found.tree_ids.size(), kKept);
         std::size_t k = 0;
         for (std::uint32_t i = 0; i < made::kCount; ++i) {
@@ -281,17 +280,17 @@ TEST(LazReader, TakesWholeChunksOfATruncatedFile) {
         SCOPED_TRACE(name);
         const std::string bytes = laz_file(name);
         const auto table = static_cast<std::size_t>(get<std::int64_t>(bytes, get<std::uint32_t>(bytes, 96)));
-        const PaintedPoints all = parse_painted_points(bytes, "p.laz");
+        const PointCloud all = parse_point_cloud(bytes, "p.laz");
         const auto cut = [&](std::size_t size) {
             return parse_point_file(std::string_view(bytes).substr(0, size), "p.laz", {},
                                     {.allow_truncated = true});
         };
-        EXPECT_EQ(cut(table + 4).missing, 0u);  // the table alone is gone
+        EXPECT_EQ(cut(table + 4).missing, 0u);  // only the table is missing
         const PointFile found = cut(table - 40);
         EXPECT_EQ(found.missing, made::kCount - 3 * made::kChunk);
-        ASSERT_EQ(found.painted.points.size(), 3 * made::kChunk - 3);  // 3 of 192 are withheld
-        for (std::size_t i = 0; i < found.painted.points.size(); ++i)
-            ASSERT_LT(distance(found.painted.points.world(i), all.points.world(i)), 1e-3) << i;
+        ASSERT_EQ(found.point_cloud.points.size(), 3 * made::kChunk - 3);  // 3 of 192 are withheld
+        for (std::size_t i = 0; i < found.point_cloud.points.size(); ++i)
+            ASSERT_LT(distance(found.point_cloud.points.world(i), all.points.world(i)), 1e-3) << i;
         EXPECT_THROW(cut(table / 4), InvalidInput);
     }
     const std::string varying = laz_file("format7_varying");
@@ -306,7 +305,7 @@ TEST(LazReader, RefusesEveryTruncation) {
         const std::string bytes = laz_file(name);
         const auto place = get<std::int64_t>(bytes, get<std::uint32_t>(bytes, 96));
         const bool whole = std::string_view(name).ends_with("whole");
-        // The last bytes of the table and of points that fill all of the file are looked ahead only.
+        // The decoder only looks ahead at the last bytes of the table and of points that fill the whole file.
         const std::size_t end = whole ? bytes.size() - 6 : static_cast<std::size_t>(place) + 8;
         for (std::size_t size = 4; size < end; size += size < 600 ? 1 : 61) {
             EXPECT_THROW(parse_points(std::string_view(bytes).substr(0, size), "p.laz"), InvalidInput)
@@ -321,16 +320,16 @@ TEST(LazReader, SurvivesDamage) {
     for (const LazFile& file : kFiles) files.push_back(file.bytes());
     for (std::uint64_t turn = 0; turn < 2000; ++turn) {
         std::string bytes = files[turn % files.size()];
-        // One in two within what describes the points, where damage has the most effect.
+        // Half of the changes are in the description of the points, where damage has the largest effect.
         const std::size_t range = turn % 4 < 2 ? bytes.size() : 600;
         for (std::uint64_t k = 0; k < 1 + turn % 3; ++k) {
             const std::uint64_t draw = random.bits(8 * turn + k);
             bytes[4 + (draw >> 8) % (range - 4)] = static_cast<char>(draw);
         }
         try {
-            const PointSet set = parse_painted_points(bytes, "p.laz").points;
+            const PointSet set = parse_point_cloud(bytes, "p.laz").points;
             for (const Vec3 p : set.positions) ASSERT_TRUE(is_finite(p));
-        } catch (const Error&) {  // the proper answer to a bad file
+        } catch (const Error&) {  // expected for an invalid file
         }
     }
 }

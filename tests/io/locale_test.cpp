@@ -3,7 +3,6 @@
 #include <array>
 
 #include "comma_locale.h"
-#include "coppice/io/file.h"
 #include "coppice/io/mesh/reader.h"
 #include "coppice/io/mesh/writer.h"
 #include "coppice/io/points/reader.h"
@@ -11,6 +10,7 @@
 #include "coppice/io/skeleton/reader.h"
 #include "coppice/io/skeleton/writer.h"
 #include "coppice/skeleton/random_tree.h"
+#include "coppice/system/file.h"
 #include "temporary_folder.h"
 
 namespace coppice {
@@ -18,7 +18,7 @@ namespace {
 
 class Locale : public test::FolderTest {};
 
-/// The bytes of everything that is written, far from zero so that there are many digits.
+/// Returns the bytes of all written files, far from zero so that there are many digits.
 std::string written(const std::filesystem::path& folder) {
     const Skeleton tree = random_tree(1500, 3);
     std::string bytes;

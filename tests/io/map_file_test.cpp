@@ -9,14 +9,14 @@
 #include <vector>
 
 #include "coppice/base/error.h"
-#include "coppice/io/file.h"
+#include "coppice/system/file.h"
 #include "errors.h"
 #include "temporary_folder.h"
 
 namespace coppice {
 namespace {
 
-/// Two stems, of which the second has no name, and a crown.
+/// Two stems, the second one without a name, and a crown.
 std::vector<MapLayer> small_map() {
     const std::vector<std::string> columns{"tree", "height_m", "name"};
     return {{"stems",
@@ -36,7 +36,7 @@ class MapFileTest : public test::FolderTest {
         write_map(folder_ / name, small_map(), crs);
         return read_file(folder_ / name);
     }
-    /// The rows of a query, cells with blanks between them.
+    /// Returns the rows of a query, with cells separated by blanks.
     std::vector<std::string> rows(const std::string& name, const char* sql) const {
         sqlite3* database = nullptr;
         EXPECT_EQ(sqlite3_open_v2((folder_ / name).c_str(), &database, SQLITE_OPEN_READONLY, nullptr),
@@ -104,7 +104,7 @@ TEST_F(MapFileTest, GeoPackageGeometriesAreWellKnownBinary) {
     const Rows stem = rows("a.gpkg", "SELECT hex(geom) FROM stems WHERE fid = 2");
     EXPECT_EQ(stem[0].substr(0, 26), "47500001FFFFFFFF01E9030000");
     EXPECT_EQ(stem[0].size(), 2 * (8 + 5 + 24u));
-    // A polygon of one ring of four corners, the first one twice.
+    // A polygon with one ring of four corners, the first one repeated.
     const Rows crown = rows("a.gpkg", "SELECT hex(geom) FROM crowns");
     EXPECT_EQ(crown[0].substr(0, 16 + 26), "47500001FFFFFFFF01030000000100000004000000");
     EXPECT_EQ(crown[0].substr(16 + 26 + 2 * 16, 16), "0000000000001040");

@@ -10,7 +10,7 @@
 #include <map>
 
 #include "coppice/base/error.h"
-#include "coppice/io/file.h"
+#include "coppice/system/file.h"
 #include "errors.h"
 #include "paths.h"
 #include "temporary_folder.h"
@@ -39,7 +39,7 @@ std::string error_of(std::string_view bytes, MeshFormat format) {
     return test::error_of<Error>([&] { parse_mesh(bytes, format, "f"); });
 }
 
-/// A GLB file from its JSON and its buffer.
+/// Builds a GLB file from its JSON and its buffer.
 std::string glb(std::string json, std::string buffer) {
     json.resize((json.size() + 3) / 4 * 4, ' ');
     buffer.resize((buffer.size() + 3) / 4 * 4, '\0');
@@ -155,12 +155,12 @@ TEST(MeshReader, ObjErrorsNameTheLine) {
               "f:4: a face refers to vertex 99999999999, but the vertices are 1 to 3");
     EXPECT_EQ(error(three + "f 1 2 x\n"), "f:4: 'x' is not a corner of a face");
     EXPECT_EQ(error(three + "f 1 2\n"), "f:4: a face has 2 corners; it needs 3");
-    EXPECT_EQ(error(three), "f: it holds no faces, so it is no surface");
+    EXPECT_EQ(error(three), "f: it contains no faces, so it is not a surface");
     EXPECT_EQ(error("v 0 0\n"), "f:1: a vertex needs three coordinates");
     EXPECT_EQ(error("v 0 1,5 0\n"), "f:1: '1,5' is not a number");
     EXPECT_EQ(error("v 0 nan 0\n"), "f:1: a coordinate is not finite or beyond 1e30");
     EXPECT_EQ(error("v 0 1e31 0\n"), "f:1: a coordinate is not finite or beyond 1e30");
-    EXPECT_EQ(error("hello\n"), "f: no mesh is found in it; OBJ, PLY, OFF, STL and GLB are read");
+    EXPECT_EQ(error("hello\n"), "f: no mesh was found; OBJ, PLY, OFF, STL and GLB are read");
 }
 
 TEST(MeshReader, PlyInAllEncodings) {
@@ -184,8 +184,8 @@ TEST(MeshReader, PlyErrorsNameTheFace) {
     EXPECT_EQ(error("1 1 0", "1 inf 0"), "f: vertex 2 is not finite or beyond 1e30");
     EXPECT_EQ(error("float z", "float w"), "f: the vertices lack a property x, y or z");
     EXPECT_EQ(error("vertex_indices", "corners"), "f: the faces lack a list vertex_indices");
-    EXPECT_EQ(error("element face 1", "element face 0"), "f: it holds no faces, so it is no surface");
-    EXPECT_NE(error("face 1", "face 4000000000").find("for which the file is too short"), std::string::npos);
+    EXPECT_EQ(error("element face 1", "element face 0"), "f: it contains no faces, so it is not a surface");
+    EXPECT_NE(error("face 1", "face 4000000000").find("the file is too short for them"), std::string::npos);
     EXPECT_EQ(error_of("hello", MeshFormat::ply), "f: not a PLY file: it does not start with 'ply'");
 }
 
@@ -212,10 +212,10 @@ TEST(MeshReader, OffErrorsNameTheLine) {
     };
     EXPECT_EQ(error("3 0 2 3", "3 0 2 4"), "f:10: face 1 refers to vertex '4', but the vertices are 0 to 3");
     EXPECT_EQ(error("3 0 2 3", "3 0 2"), "f:10: the face has fewer than 3 corners");
-    EXPECT_EQ(error("3 0 2 3", "2 0 2"), "f:10: a face starts with the number of its corners, at least 3");
-    EXPECT_EQ(error("4 2 0", "4 3 0"), "f:10: the file ends after 2 of 3 faces; it is cut");
+    EXPECT_EQ(error("3 0 2 3", "2 0 2"), "f:10: a face must begin with its number of corners, at least 3");
+    EXPECT_EQ(error("4 2 0", "4 3 0"), "f:10: the file ends after 2 of 3 faces; it is truncated");
     EXPECT_EQ(error("4 2 0", "4000000000 2 0"),
-              "f:10: the file ends after 6 of 4000000000 vertices; it is cut");
+              "f:10: the file ends after 6 of 4000000000 vertices; it is truncated");
     EXPECT_EQ(error("4 2 0", "4 -2 0"), "f:3: expected the number of faces");
     EXPECT_EQ(error("0 1 7", "0 1 z"), "f:8: 'z' is not a number");
     EXPECT_NE(error("COFF", "4OFF").find("other than three dimensions"), std::string::npos);
@@ -239,11 +239,11 @@ TEST(MeshReader, StlErrors) {
     };
     EXPECT_EQ(error("vertex 1 0 0\n", ""), "f:6: a triangle has 2 corners");
     EXPECT_EQ(error("vertex 1 0 0\n", "vertex 1 0\n"), "f:5: a vertex needs three coordinates");
-    EXPECT_EQ(error("endsolid s\n", ""), "f:15: the file ends before 'endsolid'; it is cut");
+    EXPECT_EQ(error("endsolid s\n", ""), "f:15: the file ends before 'endsolid'; it is truncated");
     std::string cut = binary_stl({{Vec3{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}});
     cut.pop_back();
     EXPECT_EQ(error_of(cut, MeshFormat::stl),
-              "f: the head claims 1 triangles, for which the file is too short; it is cut");
+              "f: the header specifies 1 triangles, but the file is too short for them; it is truncated");
 }
 
 TEST(MeshReader, GlbTurnsUpright) {
@@ -255,7 +255,7 @@ TEST(MeshReader, GlbTurnsUpright) {
 
 TEST(MeshReader, GlbGroupsAreNamedByMeshAndMaterial) {
     EXPECT_TRUE(parse_mesh(triangle_glb(R"([{"mesh":0}])"), MeshFormat::glb, "f").group_names.empty());
-    // Of two entries of one name the last counts.
+    // The last of two entries with the same name is used.
     const std::string named = triangle_glb(
         R"([{"mesh":0}])",
         R"(,"meshes":[{"name":"tree","primitives":[{"attributes":{"POSITION":0},"indices":1,"material":0}]}],
@@ -266,8 +266,8 @@ TEST(MeshReader, GlbGroupsAreNamedByMeshAndMaterial) {
 }
 
 TEST(MeshReader, GlbTransformsAreApplied) {
-    // The child turns by 90 degrees about glTF's Z (x to y) and triples; the parent shifts by 10 along glTF's
-    // X.
+    // The child rotates by 90 degrees about glTF's Z (x to y) and scales by three; the parent translates by
+    // 10 along glTF's X.
     const auto mesh = parse_mesh(triangle_glb(R"([{"translation":[10,0,0],"children":[1]},
         {"mesh":0,"rotation":[0,0,0.70710678118654752,0.70710678118654752],"scale":[3,3,3]}])"),
                                  MeshFormat::glb, "f");
@@ -292,21 +292,21 @@ TEST(MeshReader, GlbErrors) {
     EXPECT_EQ(with_nodes(R"([{"children":[1,1]},{}])"), "f: node 1 has two parents or is its own ancestor");
     EXPECT_EQ(with_nodes(R"([{"children":[7]}])"), "f: 'nodes' has no entry 7");
     EXPECT_EQ(with_nodes(R"([{"mesh":3}])"), "f: 'meshes' has no entry 3");
-    EXPECT_EQ(with_nodes(R"([{"mesh":-1}])"), "f: 'mesh' is not a whole number of 32 bits");
+    EXPECT_EQ(with_nodes(R"([{"mesh":-1}])"), "f: 'mesh' is not an unsigned 32-bit integer");
     EXPECT_EQ(with_nodes(R"([{"mesh":0,"scale":[1,2]}])"), "f: 'scale' does not have 3 numbers");
     EXPECT_EQ(with_nodes(R"([{"mesh":0,"scale":[1e300,1e300,1]}])"),
               "f: vertex 1 is not finite or beyond 1e30");
-    EXPECT_EQ(with_nodes("[{}]"), "f: it holds no faces, so it is no surface");
-    EXPECT_EQ(with_nodes("[{]"), "f: its JSON part is damaged");
+    EXPECT_EQ(with_nodes("[{}]"), "f: it contains no faces, so it is not a surface");
+    EXPECT_EQ(with_nodes("[{]"), "f: its JSON chunk is damaged");
     const auto changed = [&](const std::string& from, const std::string& to) {
         return error_of(replaced(good, from, to), MeshFormat::glb);
     };
-    EXPECT_EQ(changed(R"(5126,"count":3)", R"(5126,"count":4)"), "f: accessor 0 reaches beyond its buffer");
-    EXPECT_EQ(changed(R"("byteLength":6)", R"("byteLength":9)"), "f: buffer view 1 reaches beyond the file");
+    EXPECT_EQ(changed(R"(5126,"count":3)", R"(5126,"count":4)"), "f: accessor 0 extends beyond its buffer");
+    EXPECT_EQ(changed(R"("byteLength":6)", R"("byteLength":9)"), "f: buffer view 1 extends beyond the file");
     EXPECT_EQ(changed("5123", "5124"), "f: accessor 1 has an unknown component type");
     EXPECT_EQ(changed(R"("SCALAR")", R"("VECTOR")"), "f: accessor 1 is not SCALAR");
     EXPECT_EQ(changed(R"(5123,"count":3)", R"(5123,"count":2)"),
-              "f: mesh 0 has 2 corners, which is no multiple of 3");
+              "f: mesh 0 has 2 corners, which is not a multiple of 3");
     std::string bad_index = good;
     bad_index[bad_index.size() - 4] = 9;
     EXPECT_EQ(error_of(bad_index, MeshFormat::glb), "f: triangle 0 of mesh 0 refers to vertex 9 of 3");
@@ -326,7 +326,7 @@ TEST(MeshReader, GlbBuffersInOtherFilesAreRefused) {
         "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],
         "bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"uri":"a.bin","byteLength":36}]})",
                           "");
-    EXPECT_NE(error_of(file, MeshFormat::glb).find("keeps data in other files"), std::string::npos);
+    EXPECT_NE(error_of(file, MeshFormat::glb).find("stores data in other files"), std::string::npos);
 }
 
 TEST(MeshReader, GlbEmptyAccessorsMayStartAnywhere) {
@@ -334,7 +334,7 @@ TEST(MeshReader, GlbEmptyAccessorsMayStartAnywhere) {
         "accessors":[{"bufferView":0,"byteOffset":4,"componentType":5126,"count":0,"type":"VEC3"}],
         "bufferViews":[{"byteLength":0}],"buffers":[{"byteLength":0}]})",
                           "");
-    EXPECT_EQ(error_of(file, MeshFormat::glb), "f: it holds no faces, so it is no surface");
+    EXPECT_EQ(error_of(file, MeshFormat::glb), "f: it contains no faces, so it is not a surface");
 }
 
 TEST(MeshReader, LargeCoordinatesKeepTheirDigits) {
@@ -346,7 +346,7 @@ TEST(MeshReader, LargeCoordinatesKeepTheirDigits) {
     EXPECT_LT(length(mesh.positions[2]), 8.f);
 }
 
-/// Whatever prefix of a file is read: a mesh or one of our errors, nothing else.
+/// Every prefix of a file is read as a mesh or refused with one of our errors.
 TEST(MeshReader, FilesCutAtAnyByte) {
     const std::vector<std::pair<std::string, MeshFormat>> files{
         {kObj, MeshFormat::obj},
@@ -361,9 +361,9 @@ TEST(MeshReader, FilesCutAtAnyByte) {
         EXPECT_NO_THROW(parse_mesh(file, format, "f"));
         const bool is_binary = file.find('\0') != std::string::npos;
         for (std::size_t size = 0; size < file.size(); ++size) {
-            const std::string cut(file, 0, size);  // a copy, so that sanitizers see the end
-            // GLB pads its end with two zeros; the head still tells that they are missing. What is left of
-            // text may be a smaller mesh, if a whole one.
+            const std::string cut(file, 0, size);  // a copy, so that sanitizers detect reads beyond the end
+            // GLB is padded with two zeros; the header reveals that they are missing. A prefix of text may be
+            // a smaller complete mesh.
             if (is_binary) {
                 EXPECT_NE(error_of(cut, format), "no error") << size;
             } else if (error_of(cut, format) == "no error") {
@@ -403,12 +403,12 @@ TEST_F(ReadMeshFile, OtherKindsOfFilesAreNamed) {
     EXPECT_NE(error_of_file("a.gltf", "{\"asset\":{}}").find("JSON"), std::string::npos);
     EXPECT_NE(error_of_file("a.3mf", "PK\x03\x04....").find("ZIP"), std::string::npos);
     EXPECT_NE(error_of_file("a.usda", "#usda 1.0\n").find("USD is written only"), std::string::npos);
-    EXPECT_NE(error_of_file("a.swc", "1 1 0 0 0 1 -1\n").find("no mesh is found in it"), std::string::npos);
+    EXPECT_NE(error_of_file("a.swc", "1 1 0 0 0 1 -1\n").find("no mesh was found"), std::string::npos);
     EXPECT_THROW(read_mesh("/nowhere/a.obj"), IoError);
     EXPECT_THROW(read_mesh(fs::path(testing::TempDir())), IoError);
 }
 
-/// Faces and welded vertices as counted by the people who collected the files (data/README.md there).
+/// Numbers of faces and welded vertices as counted by the collectors of the files (see data/README.md there).
 TEST(MeshReader, RealFiles) {
     const fs::path data = source_dir().parent_path() / "shared" / "data";
     if (!fs::exists(data)) GTEST_SKIP() << "the collection of real files is not here";

@@ -9,9 +9,9 @@
 #include <sstream>
 
 #include "coppice/base/error.h"
-#include "coppice/io/file.h"
 #include "coppice/io/mesh/reader.h"
 #include "coppice/mesh/topology.h"
+#include "coppice/system/file.h"
 #include "errors.h"
 #include "temporary_folder.h"
 
@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A closed cuboid, 1 x 2 x 3 m, one corner in the origin.
+/// A closed cuboid of 1 x 2 x 3 m with one corner at the origin.
 QuadMesh cuboid() {
     QuadMesh mesh;
     for (const float z : {0.f, 3.f}) {
@@ -80,7 +80,7 @@ class MeshWriter : public test::FolderTest {
     }
 };
 
-// Two quads side by side: both have the middle edge, one of its ends with a seam between them.
+// Two adjacent quads: they share the middle edge, with a texture seam at one of its ends.
 TEST_F(MeshWriter, PutsCornersOnATexture) {
     PolygonMesh mesh;
     mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {2, 0, 0}, {2, 1, 0}};
@@ -133,8 +133,8 @@ TEST_F(MeshWriter, TrianglesKeepTheVolumeAndTheOutside) {
     }
 }
 
-// 100 m from zero floats lie 7.6e-6 m apart, so that rounding alone would put the eight corners of the small
-// cuboid into one or two places.
+// 100 m from zero floats are 7.6e-6 m apart, so that rounding alone would map the eight corners of the small
+// cuboid to one or two positions.
 TEST_F(MeshWriter, StlKeepsVerticesApartThatRoundingPutsIntoOnePlace) {
     QuadMesh mesh = cuboid();
     for (const Vec3 p : cuboid().positions) mesh.positions.push_back(Vec3{2, 1, 1} + p * 1e-6f);
@@ -151,7 +151,7 @@ TEST_F(MeshWriter, StlKeepsVerticesApartThatRoundingPutsIntoOnePlace) {
     EXPECT_NEAR(volume(back), 6, 1e-2);
 }
 
-// A seam, as files have it where a texture begins, is none for who welds.
+// A texture seam disappears if vertices are welded.
 TEST_F(MeshWriter, StlKeepsVerticesTogetherThatAreInOnePlace) {
     QuadMesh mesh;
     mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}};
@@ -182,7 +182,7 @@ TEST_F(MeshWriter, QuadsAreCutAlongTheShorterDiagonal) {
 TEST_F(MeshWriter, AllMeshTypesAndLargeFaces) {
     PolygonMesh mesh;
     std::vector<std::uint32_t> ring;
-    for (std::uint32_t i = 0; i < 300; ++i) {  // more corners than a byte can count
+    for (std::uint32_t i = 0; i < 300; ++i) {  // more corners than a byte can represent
         const float angle = 6.2831853f * static_cast<float>(i) / 300;
         mesh.positions.push_back({std::cos(angle), std::sin(angle), 0});
         ring.push_back(i);
@@ -300,9 +300,9 @@ TEST_F(MeshWriter, CancellingLeavesNothing) {
 TEST_F(MeshWriter, Errors) {
     const std::string start = "cannot write " + folder_.string() + "/";
     EXPECT_EQ(error_of("a.xyz", cuboid()),
-              start + "a.xyz: a mesh file ends in .obj, .ply, .stl, .glb or .usda");
+              start + "a.xyz: a mesh file must have the extension .obj, .ply, .stl, .glb or .usda");
     EXPECT_EQ(error_of("a.off", cuboid()),
-              start + "a.off: a mesh file ends in .obj, .ply, .stl, .glb or .usda");
+              start + "a.off: a mesh file must have the extension .obj, .ply, .stl, .glb or .usda");
     QuadMesh bad = cuboid();
     bad.positions[5].y = std::numeric_limits<float>::quiet_NaN();
     EXPECT_EQ(error_of("a.obj", bad), start + "a.obj: vertex 5 is not finite");

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "coppice/base/error.h"
-#include "coppice/io/file.h"
+#include "coppice/system/file.h"
 #include "temporary_folder.h"
 
 namespace coppice {
@@ -65,7 +65,7 @@ TEST_F(MotionWriterTest, WritesMorphTargetsThatFollowEachOther) {
     ASSERT_EQ(primitive["targets"].size(), 3u);
     EXPECT_EQ(glb.head["buffers"][0]["byteLength"], glb.bytes.size());
     const auto last = primitive["targets"][2]["POSITION"].get<std::size_t>();
-    EXPECT_EQ(glb.number(last, 3 * 7), 1);  // vertex 7 went one metre along x
+    EXPECT_EQ(glb.number(last, 3 * 7), 1);  // vertex 7 moved by one metre along x
     EXPECT_EQ(glb.number(last, 3 * 3), 0);
     EXPECT_EQ(glb.head["accessors"][last]["max"][0], 1.0);
     const json& sampler = glb.head["animations"][0]["samplers"][0];

@@ -19,7 +19,7 @@ namespace {
 
 using test::error_of;
 
-/// A head with the classes P, A, U, E at scales 1 to 4; the last row names the columns.
+/// A header with the classes P, A, U, E at scales 1 to 4; the last row names the columns.
 std::string head(std::string_view features, std::string_view columns) {
     std::string text =
         "# by hand\nCODE :\tFORM-A\n\nCLASSES:\nSYMBOL\tSCALE\tDECOMPOSITION\tINDEXATION\tDEFINITION\n"
@@ -38,7 +38,7 @@ const std::string kPlaced = head("XX YY ZZ radius", "ENTITY-CODE\t\t\tXX\tYY\tZZ
 
 SkeletonFile read(const std::string& text) { return parse_skeleton(text, "t.mtg"); }
 
-/// "0(0 0 0) 0>1(0 0 1)": of each node its parent and its place.
+/// "0(0 0 0) 0>1(0 0 1)": the parent and the position of each node.
 std::string tree(const Skeleton& s) {
     std::string text;
     for (const NodeId n : nodes(s)) {
@@ -67,20 +67,21 @@ TEST(Mtg, RowsGoOnFromTheColumnBeforeThemOrWithACaretFromTheirOwn) {
     EXPECT_TRUE(std::ranges::equal(file.attribute("order"), std::vector<float>{0, 0, 1, 1, 2, 0}));
     EXPECT_TRUE(std::ranges::equal(file.attribute("axis"), std::vector<float>{0, 0, 1, 1, 2, 0}));
     ASSERT_EQ(file.notes.size(), 1u);
-    EXPECT_EQ(file.notes[0], "MTG names no unit: lengths were taken for metres; set scale for another one");
+    EXPECT_EQ(file.notes[0],
+              "MTG specifies no unit: lengths were assumed to be in metres; set scale for another unit");
 }
 
 TEST(Mtg, NamesMayBeWrittenInEveryWay) {
     const std::string expected = "0(0 0 0) 0>1(0 0 1) 1>2(1 0 1) 1>3(0 0 2)";
-    // A branch named in a row of its own, what follows it in the next column, then on with the stem.
+    // A branch named in a separate row, its continuation in the next column, then the stem continues.
     EXPECT_EQ(tree_of("/P1\n\t/A1/U1\n\t^/E1\t\t0\t0\t0\n\t^<E2\t\t0\t0\t1\n\t^+A2\n\t\t/U1/E1\t1\t0\t1\n"
                       "\t^<E3\t\t0\t0\t2\n"),
               expected);
-    // Two such branches at one node.
+    // Two such branches at the same node.
     EXPECT_EQ(
         tree_of("/P1\n\t/A1/U1/E1\t\t0\t0\t0\n\t^+A2\n\t\t/U1/E1\t1\t0\t0\n\t^+A3\n\t\t/U1/E1\t0\t1\t0\n"),
         "0(0 0 0) 0>1(1 0 0) 0>2(0 1 0)");
-    // Whole names.
+    // Full names.
     EXPECT_EQ(
         tree_of(
             "/P1/A1/U1/E1\t\t\t0\t0\t0\n/P1/A1/U1/E1<E2\t\t\t0\t0\t1\n/P1/A1/U1/E1<E2+A2/U1/E1\t\t\t1\t0\t1\n"
@@ -99,7 +100,7 @@ TEST(Mtg, NamesMayBeWrittenInEveryWay) {
 
 TEST(Mtg, OddFilesAreRead) {
     // Comments up to the next tab, CR LF, blanks in cells, decimal commas, rows that end early, an entity
-    // seen on two days, labels without numbers, a repeated place.
+    // observed on two days, labels without numbers, a repeated position.
     EXPECT_EQ(
         tree_of(
             "/P #the plant\r\n^/A/U/E\t# here\t\t0,0\t 0 \t0\t0,5\r\n\r\n# a line\r\n^<E\t\t\t0\t0\t0,5\r\n"
@@ -108,7 +109,7 @@ TEST(Mtg, OddFilesAreRead) {
     // Two plants.
     EXPECT_EQ(tree_of("/P1\n^/A1/U1/E1\t\t\t0\t0\t0\n^<E2\t\t\t0\t0\t1\n/P2\n^/A1/U1/E1\t\t\t5\t0\t0\n"),
               "0(0 0 0) 0>1(0 0 1) 2(5 0 0)");
-    // Blanks for tabs.
+    // Blanks instead of tabs.
     std::string blanks =
         kPlaced + "/P1\n /A1/U1/E1\t0 0 0 1\n ^<E2\t0 0 1 1\n   +A2/U1/E1\t1 0 1 1\n ^<E3\t0 0 2 1\n";
     std::ranges::replace(blanks, '\t', ' ');
@@ -119,13 +120,13 @@ TEST(Mtg, OddFilesAreRead) {
 }
 
 TEST(Mtg, EntitiesBetweenPlacesBearTheirBranchesThere) {
-    // E1 to E4 stand for four; the branch leaves the second.
+    // E1 to E4 represent four entities; the branch leaves the second.
     EXPECT_EQ(tree_of("/P1/A1/U1\t\t\t0\t0\t0\n^/E1<E2\n\t+A2/U1/E1\t\t1\t0\t2\n^<E3<<E4\t\t\t0\t0\t4\n"),
               "0(0 0 0) 0>1(0 0 2) 1>2(1 0 2) 1>3(0 0 4)");
-    // With nothing beyond it, it is where the branch begins.
+    // Without entities behind it, it is where the branch begins.
     EXPECT_EQ(tree_of("/P1/A1/U1\t\t\t0\t0\t0\n^/E1<E2\n\t+A2/U1/E1\t\t1\t0\t2\n\t^<E2\t\t2\t0\t2\n"),
               "0(0 0 0) 0>1(1 0 2) 1>2(2 0 2)");
-    // Without any place before it, it is the root of them all.
+    // Without coordinates before it, it is the root of all of them.
     EXPECT_EQ(
         read(kPlaced +
              "/P1/A1/U1/E1\n\t+A2/U1/E1\t\t1\t0\t2\n\t^<E2\t\t2\t0\t2\n\n^<E2\n\t+A3/U1/E1\t\t3\t0\t3\n")
@@ -134,12 +135,12 @@ TEST(Mtg, EntitiesBetweenPlacesBearTheirBranchesThere) {
 }
 
 TEST(Mtg, PlacesOfWholesAreTheirBasesOrTheirTops) {
-    // Where an axis begins, beside the branch that bears it.
+    // The coordinates of an axis at its beginning, next to its parent branch.
     EXPECT_EQ(
         tree_of("/P1/A1/U1/E1\t\t\t0\t0\t0\n^<E2\t\t\t0\t0\t4\n\t+A2\t\t0.5\t0\t4\n\t^/U1/E1\t\t3\t0\t4\n"
                 "\t^<E2\t\t5\t0\t4\n"),
         "0(0 0 0) 0>1(0 0 4) 1>2(0.5 0 4) 2>3(3 0 4) 3>4(5 0 4)");
-    // Where the last part of a unit ends: leading there first would go back and forth.
+    // Coordinates at the end of the last component of a unit: visiting them first would lead forth and back.
     EXPECT_EQ(tree_of("/P1/A1/U1/E1\t\t\t0\t0\t0\n^<E2\t\t\t0\t0\t4\n\t+A2\t\t5\t0\t4\n\t^/U1/E1\t\t3\t0\t4\n"
                       "\t^<E2\t\t5\t0\t4\n"),
               "0(0 0 0) 0>1(0 0 4) 1>2(3 0 4) 2>3(5 0 4)");
@@ -164,7 +165,7 @@ TEST(Mtg, PlantsAreLaidOutByTheirLengths) {
     EXPECT_NEAR(file.skeleton.radius(NodeId(0)), 0.2, 1e-6);
     EXPECT_NEAR(file.skeleton.radius(NodeId(2)), 0.15, 1e-6);
     EXPECT_NEAR(file.skeleton.radius(NodeId(5)), 0.1, 1e-6);
-    EXPECT_GT(place(7).x, std::sqrt(2.0)) << "plants stand beside each other";
+    EXPECT_GT(place(7).x, std::sqrt(2.0)) << "plants are placed next to each other";
     ASSERT_EQ(file.notes.size(), 2u);
     EXPECT_NE(file.notes[0].find("lengths and no coordinates"), std::string::npos);
 }
@@ -193,7 +194,7 @@ TEST(Mtg, ColumnsThatAllNodesHaveAreAttributes) {
 }
 
 TEST(Mtg, BranchesOnBranchesWithoutEndMakeNoTableWithoutEnd) {
-    // Every node bears a stout stub, which leads, and a thin branch, which goes on.
+    // Every node has a thick stub, which leads, and a thin branch, which continues.
     constexpr std::uint32_t kNodes = 20'000;
     std::vector<NodeId> parent{NodeId::none()};
     std::vector<Vec3> position{{0, 0, 0}};
@@ -215,23 +216,22 @@ TEST(Mtg, BranchesOnBranchesWithoutEndMakeNoTableWithoutEnd) {
 TEST(Mtg, Errors) {
     const auto error = [](const std::string& text) { return error_of([&] { read(text); }); };
     EXPECT_EQ(error("CODE: FORM-A\n"),
-              "t.mtg: this is no MTG: it needs a section MTG whose first line, ENTITY-CODE or TOPO, names "
-              "the columns");
-    EXPECT_EQ(
-        error(head("diam", "TOPO\tdiam") + "/P1/A1<A2\t3\n"),
-        "t.mtg: there are no nodes: the plants have neither coordinates (columns XX, YY and ZZ) nor lengths "
-        "(Length), so that nothing tells their shape");
+              "t.mtg: this is not an MTG file: it needs a section MTG with a first line, ENTITY-CODE or "
+              "TOPO, that names the columns");
+    EXPECT_EQ(error(head("diam", "TOPO\tdiam") + "/P1/A1<A2\t3\n"),
+              "t.mtg: there are no nodes: the plants have neither coordinates (columns XX, YY and ZZ) nor "
+              "lengths (Length), so that their shape is unknown");
     EXPECT_EQ(error(kPlaced + "/P1/X1\n"), "t.mtg:27: the class of 'X1' is not among the CLASSES");
     EXPECT_EQ(error(kPlaced + "/P1/A1\n\tE1\n"), "t.mtg:28: 'E1' does not begin with one of / < + ^");
     EXPECT_EQ(error(kPlaced + "<A1\n"),
-              "t.mtg:27: what stands first must be a part of the scene: begin it with /");
+              "t.mtg:27: the first entity must be a component of the scene: begin it with /");
     EXPECT_EQ(error(kPlaced + "(a)/A1\n"), "t.mtg:27: no entity has the alias 'a'");
     EXPECT_EQ(error(kPlaced + "(a/A1\n"), "t.mtg:27: '(a/A1' lacks its ')'");
     EXPECT_EQ(
         error(kPlaced + "/P1/A1<<A4000000000\t\t\t0\t0\t0\n"),
-        "t.mtg:27: ranges imply more entities than there can be in a file of this size; check their numbers");
+        "t.mtg:27: ranges imply more entities than a file of this size can contain; check their numbers");
     EXPECT_EQ(error("CODE: FORM-A\nCLASSES:\nP 1000\n"),
-              "t.mtg:3: the scale of class 'P' is '1000'; it has to be a whole number from 0 to 64");
+              "t.mtg:3: the scale of class 'P' is '1000'; it must be a whole number from 0 to 64");
     EXPECT_EQ(error(kPlaced + "/P1/A1/U1/E1\t\t\tinf\t0\t0\n"),
               "t.mtg, line 27: a coordinate is not a finite number");
 }

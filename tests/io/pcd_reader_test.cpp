@@ -37,8 +37,8 @@ std::string number(std::uint32_t v) {
 const std::string kAscii = kHead + "DATA ascii\n1 2 3 0\n4 5.5 6 16711680\n";
 const std::string kBinary = kHead + "DATA binary\n" + bytes_of({1, 2, 3, 0, 4, 5.5f, 6, 0});
 
-/// The fields one after another, here as plain runs of up to 32 bytes and, at the end, one copy of four
-/// zeros.
+/// Compresses the fields in sequence, here as literal runs of up to 32 bytes and, at the end, one copy of
+/// four zeros.
 std::string compressed_file() {
     const std::string fields = bytes_of({1, 4, 2, 5.5f, 3, 6, 0});  // the last number is copied
     std::string packed;
@@ -95,18 +95,18 @@ TEST(PcdReader, PassesOverPointsWithoutPlace) {
 
 TEST(PcdReader, SaysWhatIsWrong) {
     EXPECT_EQ(error_of(with(kAscii, "4 5.5 6 16711680\n", "")),
-              "p.pcd: the file is cut off: its header names 2 points, but it holds 1");
+              "p.pcd: the file is cut off: its header specifies 2 points, but it contains 1");
     EXPECT_EQ(error_of(with(kAscii, "5.5", "x5")), "p.pcd:13: 'x5' is not a number");
     EXPECT_EQ(error_of(with(kAscii, " 16711680", "")), "p.pcd:13: it has 3 values, but the fields need 4");
     EXPECT_EQ(error_of(with(kAscii, "x y z", "x y w")), "p.pcd: the points lack a field x, y or z");
-    EXPECT_EQ(error_of(with(kAscii, "TYPE F", "TYPE Q")), "p.pcd:5: 'Q' is no type of a field");
-    EXPECT_EQ(error_of(with(kAscii, "SIZE 4", "SIZE 3")), "p.pcd:4: '3' is no size of a field");
+    EXPECT_EQ(error_of(with(kAscii, "TYPE F", "TYPE Q")), "p.pcd:5: 'Q' is not a field type");
+    EXPECT_EQ(error_of(with(kAscii, "SIZE 4", "SIZE 3")), "p.pcd:4: '3' is not a field size");
     EXPECT_EQ(error_of(with(kAscii, "SIZE 4 4", "SIZE 4")), "p.pcd:4: it has 3 values for 4 fields");
     EXPECT_EQ(error_of(with(kAscii, "DATA ascii", "DATA morse")),
               "p.pcd:11: DATA must be ascii, binary or binary_compressed");
     EXPECT_EQ(error_of(kHead), "p.pcd: the file ends within its PCD header: there is no line DATA");
     EXPECT_EQ(error_of(with(kBinary, "POINTS 2", "POINTS 99999999999")),
-              "p.pcd: the file is cut off: its header names 99999999999 points, but it holds 2");
+              "p.pcd: the file is cut off: its header specifies 99999999999 points, but it contains 2");
     EXPECT_EQ(error_of(with(kAscii, "4 5.5", "1e40 5.5")), "p.pcd: point 1 is not finite or beyond 1e30");
 }
 
@@ -120,7 +120,7 @@ TEST(PcdReader, RefusesDamagedCompression) {
     bytes.back() = 100;  // copies from before the start
     EXPECT_EQ(error_of(bytes), "p.pcd: its compressed points are cut off or damaged");
     bytes = good;
-    bytes.replace(data + 4, 4, number(0xfffffff0u));  // claims more than the bytes can unfold to
+    bytes.replace(data + 4, 4, number(0xfffffff0u));  // specifies more than the bytes can decompress to
     EXPECT_EQ(error_of(bytes), "p.pcd: its compressed points are cut off or damaged");
 }
 
@@ -136,7 +136,7 @@ TEST(PcdReader, SurvivesDamage) {
             try {
                 const PointSet set = parse_points(bytes, "p.pcd");
                 for (const Vec3 p : set.positions) ASSERT_TRUE(is_finite(p));
-            } catch (const Error&) {  // the proper answer to a bad file
+            } catch (const Error&) {  // expected for an invalid file
             }
         }
     }

@@ -2,9 +2,9 @@
 
 #include <numbers>
 
-#include "coppice/io/file.h"
 #include "coppice/io/sketch/phenomenal_internal.h"
 #include "coppice/io/sketch/sketch_file.h"
+#include "coppice/system/file.h"
 #include "errors.h"
 #include "temporary_folder.h"
 
@@ -13,8 +13,8 @@ namespace {
 
 using test::error_of;
 
-/// Five metres before the table, level, turned to the left by 0.01 radians; what it stands off by shifts it
-/// back.
+/// Five metres in front of the table, level, rotated to the left by 0.01 radians; its lateral offset shifts
+/// it back.
 constexpr const char* kCalibration = R"({"angle_factor": 2, "clockwise": true, "cameras_parameters": {
  "side": {"_focal_length_x": 1000, "_focal_length_y": 1100, "_height_image": 800, "_width_image": 600,
           "_pos_x": 50, "_pos_y": -5000, "_pos_z": 100, "_rot_x": -1.5707963267948966, "_rot_y": 0, "_rot_z": 0.01},
@@ -35,8 +35,8 @@ TEST_F(Phenomenal, CamerasAreRead) {
     const SketchView side = read_phenomenal_view(folder_ / "c.json", "side", 0);
     EXPECT_EQ(side.width, 600);
     EXPECT_EQ(side.height, 800);
-    // A turn to the left by 0.01 about z moves what is straight ahead to the right: by 50 mm 5 m away, the
-    // same as the camera stands to the right, but for the cosine.
+    // A rotation to the left by 0.01 about z moves points straight ahead to the right: by 50 mm at 5 m, equal
+    // to the offset of the camera to the right, except for the cosine.
     const PicturePoint p = project(side, {0, 0, 0.1});
     EXPECT_NEAR(p.x, 300, 0.1);
     EXPECT_NEAR(p.y, 400, 1e-9);
@@ -46,11 +46,12 @@ TEST_F(Phenomenal, CamerasAreRead) {
 }
 
 TEST_F(Phenomenal, TheTableTurnsThePlant) {
-    // 45 degrees by a factor of 2 clockwise: what lay to the right of the side camera has come before it.
+    // 45 degrees by a factor of 2 clockwise: points to the right of the side camera are then in front of it.
     const double angle = std::numbers::pi / 4;
     const SketchView side = read_phenomenal_view(folder_ / "c.json", "side", angle);
     EXPECT_NEAR(depth(side, {1, 0, 0.1}), 4, 2e-3);
-    // The camera above looks down, its x is the world's: that point is now at -y, the lower edge's half.
+    // The upper camera looks down, its x is the world's: that point is then at -y, the lower half of the
+    // image.
     const SketchView top = read_phenomenal_view(folder_ / "c.json", "top", angle);
     EXPECT_NEAR(project(top, {1, 0, 0}).x, 400, 1e-9);
     EXPECT_NEAR(project(top, {1, 0, 0}).y, 300 + 500, 1e-9);

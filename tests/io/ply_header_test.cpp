@@ -28,7 +28,7 @@ std::string reversed(std::string bytes) {
     return bytes;
 }
 
-/// All values of all rows, lists after their lengths.
+/// Returns all values of all rows, lists after their lengths.
 std::vector<double> all_values(const std::string& file) {
     const PlyHeader header = parse_ply_header(file, "t.ply");
     PlyRows rows(file, header, "t.ply");
@@ -60,8 +60,8 @@ TEST(PlyHeader, NamesElementsAndProperties) {
     EXPECT_FALSE(header.elements[0].find({"y"}));
     EXPECT_FALSE(header.elements[0].has_list());
     EXPECT_TRUE(header.elements[1].has_list());
-    EXPECT_EQ(header.elements[0].least_row_bytes(PlyEncoding::little_endian), 5u);
-    EXPECT_EQ(header.elements[1].least_row_bytes(PlyEncoding::little_endian), 9u);
+    EXPECT_EQ(header.elements[0].min_row_bytes(PlyEncoding::little_endian), 5u);
+    EXPECT_EQ(header.elements[1].min_row_bytes(PlyEncoding::little_endian), 9u);
     ASSERT_EQ(header.comments.size(), 1u);
     EXPECT_EQ(header.comments[0], "made by hand");
     EXPECT_EQ(header.data_offset, kHead.size());
@@ -108,11 +108,11 @@ TEST(PlyRows, AbsurdCountsAreRefusedBeforeMemoryIsTaken) {
     std::string head = kHead;
     head.replace(head.find("vertex 2"), 8, "vertex 9007199254740992");
     EXPECT_EQ(error_of<InvalidInput>([&] { all_values(head + "1 2 3 4"); }),
-              "t.ply: the head claims 9007199254740992 rows of 'vertex', for which the file is too short; it "
-              "is cut or "
-              "damaged");
+              "t.ply: the header specifies 9007199254740992 rows of 'vertex', but the file is too short for "
+              "them; it is truncated or damaged");
     EXPECT_EQ(error_of<InvalidInput>([&] { all_values(kHead + "1 2 3 4 4000000000 1 2"); }),
-              "t.ply: the list 'vertex_indices' claims 4000000000 items, which the file cannot hold in row 1 "
+              "t.ply: the list 'vertex_indices' specifies 4000000000 items, more than the file can contain "
+              "in row 1 "
               "of 'face'");
     EXPECT_THROW(all_values(kHead + "1 2 3 4 -1 1 2"), InvalidInput);
     EXPECT_THROW(all_values(kHead + "1 2 3 4 nan 1 2"), InvalidInput);
@@ -123,18 +123,19 @@ TEST(PlyHeader, ErrorsNameTheLine) {
         return error_of<InvalidInput>([&] { parse_ply_header(text, "t.ply"); });
     };
     EXPECT_EQ(error("plx\n"), "t.ply: not a PLY file: it does not start with 'ply'");
-    EXPECT_EQ(error("ply\nformat ascii 1.0\n"), "t.ply: the PLY head has no end_header; the file is cut");
-    EXPECT_EQ(error("ply\nend_header\n"), "t.ply: the PLY head has no 'format' line");
+    EXPECT_EQ(error("ply\nformat ascii 1.0\n"),
+              "t.ply: the PLY header has no end_header; the file is truncated");
+    EXPECT_EQ(error("ply\nend_header\n"), "t.ply: the PLY header has no 'format' line");
     EXPECT_EQ(error("ply\nformat text 1.0\n"),
               "t.ply:2: the format must be ascii, binary_little_endian or binary_big_endian");
-    EXPECT_EQ(error("ply\nproperty float x\n"), "t.ply:2: a property stands before the first element");
+    EXPECT_EQ(error("ply\nproperty float x\n"), "t.ply:2: a property precedes the first element");
     EXPECT_EQ(error("ply\nelement vertex -1\n"), "t.ply:2: expected 'element NAME COUNT'");
-    EXPECT_EQ(error("ply\nelement vertex 1\nproperty half x\n"), "t.ply:3: 'half' is no PLY type");
+    EXPECT_EQ(error("ply\nelement vertex 1\nproperty half x\n"), "t.ply:3: 'half' is not a PLY type");
     EXPECT_EQ(error("ply\nelement f 1\nproperty list float int v\n"),
               "t.ply:3: the length of a list must be an integer");
     EXPECT_EQ(error("ply\nelement f 1\nproperty list uchar v\n"),
               "t.ply:3: expected 'property TYPE NAME' or 'property list TYPE TYPE NAME'");
-    EXPECT_EQ(error("ply\nhello\n"), "t.ply:2: 'hello' is no keyword of a PLY head");
+    EXPECT_EQ(error("ply\nhello\n"), "t.ply:2: 'hello' is not a keyword of a PLY header");
     EXPECT_EQ(error("ply\nformat ascii 1.0\nelement vertex 5\nend_header\n"),
               "t.ply: the PLY element 'vertex' has rows but no properties");
 }

@@ -10,10 +10,10 @@
 #include <fmt/format.h>
 
 #include "coppice/base/error.h"
-#include "coppice/io/file.h"
 #include "coppice/io/skeleton/reader.h"
 #include "coppice/io/skeleton/writer.h"
 #include "coppice/skeleton/measure.h"
+#include "coppice/system/file.h"
 #include "errors.h"
 
 namespace coppice {
@@ -40,7 +40,7 @@ std::string line(std::string_view points) {
 constexpr std::string_view kMetres = "<unit>m</unit><resolution>1</resolution>";
 
 TEST(Rsml, DrawingsStandUprightAndRootsHangTogether) {
-    // Two pixels to the centimetre. The lateral starts beside its parent, a third of the way down.
+    // Two pixels per centimetre. The lateral starts next to its parent, a third of the way down.
     const SkeletonFile file = read(file_of(
         "<unit>cm</unit><resolution>2</resolution>",
         "<plant ID='1'><root ID='a' po:accession='PO:1'>" +
@@ -55,7 +55,7 @@ TEST(Rsml, DrawingsStandUprightAndRootsHangTogether) {
         EXPECT_NEAR(distance(file.skeleton.position(NodeId(node)), p), 0, 1e-6) << node;
     };
     expect_at(0, {0.5f, 0, 0});
-    expect_at(1, {0.5f, 0, -0.1f});  // added where the lateral leaves
+    expect_at(1, {0.5f, 0, -0.1f});  // added where the lateral branches off
     expect_at(2, {0.5f, 0, -0.3f});
     expect_at(3, {0.52f, 0, -0.1f});
     expect_at(4, {0.6f, 0, -0.15f});
@@ -66,7 +66,7 @@ TEST(Rsml, DrawingsStandUprightAndRootsHangTogether) {
     EXPECT_EQ(file.attribute("order")[4], 1);
     EXPECT_EQ(file.attribute("axis")[2], 0);
     ASSERT_EQ(file.notes.size(), 1u);
-    EXPECT_EQ(file.notes[0], "the y axis of the file, which runs down, was turned upright");
+    EXPECT_EQ(file.notes[0], "the y axis of the file, which points down, was rotated to z");
 }
 
 TEST(Rsml, TheSideOfYThatRootsGrowToIsDown) {
@@ -90,7 +90,7 @@ TEST(Rsml, Units) {
                                        "</root></plant>"));
         return std::pair(measure(file.skeleton).length, file.notes.size());
     };
-    // Without radii there is a note of that besides the turned axis.
+    // Without radii there is a note in addition to that about the rotated axis.
     EXPECT_NEAR(length("<unit>inch</unit><resolution>300.0</resolution>").first, 0.0254, 1e-7);
     EXPECT_NEAR(length("<unit> Inches </unit><resolution>300</resolution>").first, 0.0254, 1e-7);
     EXPECT_NEAR(length("<unit>m</unit><resolution>0.0001</resolution>").first, 0.03, 1e-7);
@@ -117,7 +117,7 @@ TEST(Rsml, ParentNodesCountFromZeroOrOneAsFits) {
     };
     EXPECT_EQ(parent_z(1), -1);
     EXPECT_EQ(parent_z(2), -1);
-    EXPECT_EQ(parent_z(-1), -1);  // names none: the nearest
+    EXPECT_EQ(parent_z(-1), -1);  // specifies none: the closest
     EXPECT_EQ(parent_z(99), -1);
 }
 
@@ -141,8 +141,8 @@ TEST(Rsml, FunctionsOfAllDomains) {
 }
 
 TEST(Rsml, OddFilesAreRead) {
-    // Capitals, a namespace for everything, CR LF, comments, annotations with points, empty and single
-    // lines, a spline beside the line, several plants, a root that lies in one without points.
+    // Capitals, a namespace for everything, CR LF, comments, annotations with points, empty and single lines,
+    // a spline in addition to the line, several plants, a root within one without points.
     const SkeletonFile file = read(
         "\xEF\xBB\xBF<?xml version='1.0' encoding='windows-1252'?>\r\n<!-- <rsml> -->\r\n<!DOCTYPE RSML>\r\n"
         "<r:RSML xmlns:r='x'><r:Metadata><r:Unit>M</r:Unit></r:Metadata><r:Scene>\r\n"
@@ -175,16 +175,16 @@ TEST(Rsml, RootsOfAPlantFromOnePointAreOneTree) {
 TEST(Rsml, Errors) {
     const auto error = [](const std::string& text) { return error_of([&] { read(text); }); };
     EXPECT_EQ(error("<rsml>\n<scene><plant>\n"), "t.rsml:3: this is not valid XML: no element found");
-    EXPECT_EQ(error("<html></html>"), "t.rsml:1: this XML is no RSML: it starts with 'html'");
+    EXPECT_EQ(error("<html></html>"), "t.rsml:1: this XML is not RSML: it starts with 'html'");
     EXPECT_EQ(error("<rsml/>"), "t.rsml: there are no nodes: no root of a plant has a polyline with points");
     EXPECT_EQ(error(file_of(kMetres, "<root>" + line("\n<point x='1'/>") + "</root>")),
               "t.rsml:5: a point has no y");
     EXPECT_EQ(error(file_of(kMetres, "<root>" + line("<point x='1' y='1,5'/>") + "</root>")),
-              "t.rsml:4: the y of a point is '1,5', which is no number");
+              "t.rsml:4: the y of a point is '1,5', which is not a number");
     EXPECT_EQ(error(file_of(kMetres, "<root>" + line("<point x='1' y='nan'/>") + "</root>")),
               "t.rsml, line 4: a coordinate is not a finite number");
     EXPECT_EQ(error("<!DOCTYPE rsml [\n<!ENTITY a 'aaaa'><!ENTITY b '&a;&a;'>]><rsml>&b;</rsml>"),
-              "t.rsml:2: the DOCTYPE declares entities, which RSML has no need of; take the declaration out");
+              "t.rsml:2: the DOCTYPE declares entities, which RSML does not use; remove the declaration");
 }
 
 TEST(Rsml, DeepAndKnottedFilesTakeNoLongerThanOthers) {

@@ -1,4 +1,4 @@
-// Reads the third-party files beside the checkout, where they are.
+// Reads the third-party files next to the checkout, if they exist.
 
 #include <algorithm>
 #include <array>
@@ -11,10 +11,10 @@
 #include <gtest/gtest.h>
 
 #include "coppice/base/error.h"
-#include "coppice/io/file.h"
 #include "coppice/io/skeleton/parsers_internal.h"
 #include "coppice/io/skeleton/reader.h"
 #include "coppice/io/skeleton/stated_axes.h"
+#include "coppice/system/file.h"
 #include "errors.h"
 #include "paths.h"
 
@@ -33,7 +33,7 @@ std::vector<std::filesystem::path> files_in(const char* folder) {
 }
 
 TEST(SkeletonData, EverySwcFileHasTheNodesOfItsTable) {
-    // Nodes and roots as data/README.md counts them.
+    // Numbers of nodes and roots from data/README.md.
     const std::map<std::string, std::pair<std::size_t, std::size_t>> expected{
         {"neurom_simple", {9, 1}},
         {"neurom_Neuron", {847, 1}},
@@ -49,7 +49,7 @@ TEST(SkeletonData, EverySwcFileHasTheNodesOfItsTable) {
         {"navis_1734350788", {4465, 1}},
         {"modulartree_small", {188, 1}}};
     const auto files = files_in("swc");
-    if (files.empty()) GTEST_SKIP() << "no data beside the checkout";
+    if (files.empty()) GTEST_SKIP() << "no data next to the checkout";
     std::size_t counted = 0;
     for (const auto& path : files) {
         SCOPED_TRACE(path.filename());
@@ -71,7 +71,7 @@ TEST(SkeletonData, EverySwcFileHasTheNodesOfItsTable) {
 
 TEST(SkeletonData, EveryCylinderListIsOneTree) {
     const auto files = files_in("qsm");
-    if (files.empty()) GTEST_SKIP() << "no data beside the checkout";
+    if (files.empty()) GTEST_SKIP() << "no data next to the checkout";
     int read = 0;
     for (const auto& path : files) {
         const std::string name = path.filename().string();
@@ -96,7 +96,7 @@ TEST(SkeletonData, CylindersAddUpToWhatTreeQsmStates) {
         {"qsm2shade_walnut.mat", {151.13193, 296.37903, 18.39921}},
         {"rtwig_QSM.mat", {21.567524, 32.799881, 2.4975157}}};
     const auto files = files_in("qsm");
-    if (files.empty()) GTEST_SKIP() << "no data beside the checkout";
+    if (files.empty()) GTEST_SKIP() << "no data next to the checkout";
     std::size_t compared = 0;
     for (const auto& path : files) {
         const auto known = stated.find(path.filename().string());
@@ -115,7 +115,7 @@ TEST(SkeletonData, CylindersAddUpToWhatTreeQsmStates) {
 
 TEST(SkeletonData, BranchesAreThoseThatTreeQsmNumbers) {
     const auto files = files_in("qsm");
-    if (files.empty()) GTEST_SKIP() << "no data beside the checkout";
+    if (files.empty()) GTEST_SKIP() << "no data next to the checkout";
     int compared = 0;
     for (const auto& path : files) {
         if (path.extension() != ".mat" && path.filename() != "archi_Tree_1_TreeQSM.txt") continue;
@@ -124,7 +124,7 @@ TEST(SkeletonData, BranchesAreThoseThatTreeQsmNumbers) {
         const std::span<const float> axis = file.attribute("axis");
         const std::set<float> numbers(axis.begin(), axis.end());
         std::size_t branches = 0;
-        const NodeAxes axes = axes_of(file);
+        const NodeAxes axes = find_axes(file);
         for (const BranchOrder& o : branch_orders(file.skeleton, axes.order, axes.axis))
             branches += o.branches;
         EXPECT_EQ(branches, numbers.size());
@@ -135,7 +135,7 @@ TEST(SkeletonData, BranchesAreThoseThatTreeQsmNumbers) {
 
 TEST(SkeletonData, WithoutParentsCylindersFindThem) {
     const auto files = files_in("qsm");
-    if (files.empty()) GTEST_SKIP() << "no data beside the checkout";
+    if (files.empty()) GTEST_SKIP() << "no data next to the checkout";
     for (const char* name : {"rtwig_QSM.csv", "rtwig_QSM2.csv", "qsm2shade_walnut.cylinders.csv"}) {
         SCOPED_TRACE(name);
         const std::string text = read_file(kData / "qsm" / name);
@@ -146,14 +146,14 @@ TEST(SkeletonData, WithoutParentsCylindersFindThem) {
         ASSERT_EQ(found.size(), known.size());
         std::size_t same = 0;
         for (std::size_t i = 0; i < known.size(); ++i) same += found[i].parent == known[i].parent;
-        // Those of SimpleForest and aRchi start where their parents end.
+        // Cylinders of SimpleForest and aRchi start where their parents end.
         EXPECT_GE(same, (std::string_view(name).starts_with("rtwig") ? 1.0 : 0.96) * known.size());
     }
 }
 
 TEST(SkeletonData, MatFilesHoldTheCylindersOfTheirTables) {
     const auto files = files_in("qsm");
-    if (files.empty()) GTEST_SKIP() << "no data beside the checkout";
+    if (files.empty()) GTEST_SKIP() << "no data next to the checkout";
     for (const auto& path : files) {
         if (path.extension() != ".mat") continue;
         SCOPED_TRACE(path.filename());
@@ -172,7 +172,7 @@ TEST(SkeletonData, MatFilesHoldTheCylindersOfTheirTables) {
     }
 }
 
-/// The sentence of refusal, or "no error" for a file from which `expected` is read.
+/// Returns the message of refusal, or "no error" for a file from which `expected` is read.
 std::string read_damaged(const std::string& bytes, const std::vector<RawCylinder>& expected) {
     return test::error_of([&] {
         const auto read = parse_mat(bytes, "damaged.mat", 0).cylinders;
@@ -188,13 +188,14 @@ std::string read_damaged(const std::string& bytes, const std::vector<RawCylinder
 
 TEST(SkeletonData, DamagedMatFilesAreRefusedOrReadAsTheyWere) {
     const auto files = files_in("qsm");
-    if (files.empty()) GTEST_SKIP() << "no data beside the checkout";
+    if (files.empty()) GTEST_SKIP() << "no data next to the checkout";
     const std::string whole = read_file(kData / "qsm" / "itsme_tree_1_qsm.mat");
     const auto cylinders = parse_mat(whole, "whole.mat", 0).cylinders;
     for (std::size_t size = 0; size < whole.size(); size += 7) {
         EXPECT_EQ(read_damaged(whole.substr(0, size), cylinders).find("damaged.mat: "), 0u) << size;
     }
-    // What is packed has a checksum. Before it stand 116 bytes of text that nobody reads, and little else.
+    // Compressed data have a checksum. They are preceded by 116 bytes of text that are not read, and little
+    // else.
     constexpr std::size_t kText = 116, kHeader = 136;
     for (std::size_t i = 0; i < whole.size(); ++i) {
         std::string flipped = whole;
@@ -212,7 +213,7 @@ TEST(SkeletonData, DamagedMatFilesAreRefusedOrReadAsTheyWere) {
 
 TEST(SkeletonData, PointCloudsAreNotTakenForSkeletons) {
     for (const char* name : {"qsm/rtwig_cloud.txt", "qsm/itsme_buttressed_tree_1_pc.txt"}) {
-        if (!std::filesystem::exists(kData / name)) GTEST_SKIP() << "no data beside the checkout";
+        if (!std::filesystem::exists(kData / name)) GTEST_SKIP() << "no data next to the checkout";
         EXPECT_THROW(read_skeleton(kData / name), Unsupported);
     }
 }

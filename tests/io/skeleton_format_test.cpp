@@ -28,7 +28,7 @@ TEST(SkeletonFormat, IsToldByMarks) {
 TEST(SkeletonFormat, NodesOfSwcAreRowsThatHangTogether) {
     EXPECT_EQ(format_of_content("1 0 0 0 0 1 -1\n"), kSwc);
     EXPECT_EQ(format_of_content("# id type x y z r parent\n1 1 0 0 0 1 -1\n2 1 0 0 1 1 1\n"), kSwc);
-    // As MATLAB prints them, behind their parents or before, with a remark.
+    // As printed by MATLAB, after or before their parents, with a remark.
     EXPECT_EQ(format_of_content("1.0e+000 1.0 0 0 0 1 -1.\n2.0e+000 1.0 0 0 1 1 1.0e+000\n"), kSwc);
     EXPECT_EQ(format_of_content("7 1 0 0 0 1 9 # a twig\r\n9 1 0 0 1 1 -1\r\n8 1 0 0 2 1 9\r\n"), kSwc);
     EXPECT_EQ(format_of_content("1 1 0 0 0 1 -1\n2 1 0 0 1 1 1\n3 1 0"), kSwc);  // cut off
@@ -37,7 +37,7 @@ TEST(SkeletonFormat, NodesOfSwcAreRowsThatHangTogether) {
 TEST(SkeletonFormat, PointsWithSevenColumnsAreNoNodes) {
     EXPECT_EQ(format_of_content("0.5 1 2 100 255 0 17\n"), std::nullopt);
     EXPECT_EQ(format_of_content("5 1 2 0.3 255 0 17.5\n"), std::nullopt);
-    // Whole millimetres, an intensity and a colour: numbers come twice, or lead nowhere.
+    // Integer millimetres, an intensity and a colour: ids are repeated, or parents do not exist.
     std::string steps, rows;
     for (int i = 0; i < 200; ++i) {
         rows += std::to_string(1000 + i / 2) + " 250 12 100 90 80 " + std::to_string(i % 256) + "\n";

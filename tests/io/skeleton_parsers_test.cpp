@@ -12,8 +12,8 @@
 
 #include <gtest/gtest.h>
 
-#include "coppice/io/file.h"
 #include "coppice/io/text_internal.h"
+#include "coppice/system/file.h"
 #include "io/two_cylinders.h"
 #include "skeleton/text.h"
 
@@ -76,10 +76,11 @@ TEST(Raycloud, Errors) {
     const auto error = [](const std::string& text) {
         return error_of<InvalidInput>([&] { parse_raycloud(text, "t.txt"); });
     };
-    EXPECT_EQ(error("x,y,z\n"), "t.txt:1: expected a header with 'x,y,z,radius', as raycloudtools writes it");
+    EXPECT_EQ(error("x,y,z\n"),
+              "t.txt:1: expected a header with 'x,y,z,radius', as written by raycloudtools");
     const std::string head = "x,y,z,radius,parent_id\n";
     EXPECT_EQ(error(head + "0,0,0,1,-1, 0,0,1\n"),
-              "t.txt:2: 8 values do not make a tree: expected 0 and then 5 for each segment");
+              "t.txt:2: 8 values do not form a tree: expected 0 and then 5 for each segment");
     EXPECT_EQ(error(head + "0,0,0,1,-1, 0,0,1,x,0\n"),
               "t.txt:2: 'x' is not a number; it should be the radius of segment 1");
     EXPECT_EQ(
@@ -89,22 +90,22 @@ TEST(Raycloud, Errors) {
               "t.txt:2: a tree with several segments needs a column parent_id in the header");
 }
 
-std::vector<std::int64_t> parents_of(const Forest& forest) {
+std::vector<std::int64_t> find_parents(const Forest& forest) {
     std::vector<std::int64_t> parents;
     for (const RawNode& node : forest.nodes) parents.push_back(node.parent);
     return parents;
 }
 
 TEST(EdgeGraph, RootsAtTheLowestEndAndCutsLoops) {
-    // A square 1-2-3-4 on a stem 0-1, and a node of its own.
+    // A square 1-2-3-4 on a stem 0-1, and an isolated node.
     EdgeGraph graph;
     graph.position = {{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 2}, {0, 0, 2}, {9, 9, 9}};
     graph.edges = {{1, 0}, {1, 2}, {3, 2}, {3, 4}, {4, 1}, {1, 4}, {2, 2}};
-    const Forest forest = forest_of(graph, "t");
-    EXPECT_EQ(parents_of(forest), (std::vector<std::int64_t>{-1, 0, 1, 2, 1, -1}));
+    const Forest forest = make_forest(graph, "t");
+    EXPECT_EQ(find_parents(forest), (std::vector<std::int64_t>{-1, 0, 1, 2, 1, -1}));
     EXPECT_EQ(forest.loops_cut, 1u);
     graph.drop_isolated = true;
-    EXPECT_EQ(forest_of(graph, "t").nodes.size(), 5u);
+    EXPECT_EQ(make_forest(graph, "t").nodes.size(), 5u);
 }
 
 TEST(EdgeGraph, RootsAtTheThickestEnd) {
@@ -112,26 +113,26 @@ TEST(EdgeGraph, RootsAtTheThickestEnd) {
     graph.position = {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}};
     graph.edges = {{0, 1}, {1, 2}};
     graph.radius = {0.1, 5, 0.2};
-    EXPECT_EQ(parents_of(forest_of(graph, "t")), (std::vector<std::int64_t>{1, 2, -1}));
+    EXPECT_EQ(find_parents(make_forest(graph, "t")), (std::vector<std::int64_t>{1, 2, -1}));
     graph.directed = true;
-    EXPECT_EQ(parents_of(forest_of(graph, "t")), (std::vector<std::int64_t>{-1, 0, 1}));
-    graph.edges = {{0, 1}, {2, 1}};  // two parents: not a forest, so directions do not count
-    EXPECT_EQ(parents_of(forest_of(graph, "t")), (std::vector<std::int64_t>{1, 2, -1}));
-    graph.edges = {{0, 1}, {1, 2}, {2, 0}};  // a circle has one parent each, but no root
-    EXPECT_EQ(forest_of(graph, "t").loops_cut, 1u);
+    EXPECT_EQ(find_parents(make_forest(graph, "t")), (std::vector<std::int64_t>{-1, 0, 1}));
+    graph.edges = {{0, 1}, {2, 1}};  // two parents: not a forest, so directions are ignored
+    EXPECT_EQ(find_parents(make_forest(graph, "t")), (std::vector<std::int64_t>{1, 2, -1}));
+    graph.edges = {{0, 1}, {1, 2}, {2, 0}};  // in a cycle each node has one parent, but there is no root
+    EXPECT_EQ(make_forest(graph, "t").loops_cut, 1u);
 }
 
 TEST(EdgeGraph, PositionsMustBeFinite) {
     EdgeGraph graph;
     graph.position = {{0, 0, 0}, {0, std::nan(""), 1}};
-    EXPECT_EQ(error_of<InvalidInput>([&] { forest_of(graph, "t"); }),
+    EXPECT_EQ(error_of<InvalidInput>([&] { make_forest(graph, "t"); }),
               "t: the position of vertex 2 is not finite");
 }
 
 TEST(Gel, NodesAndConnections) {
     const Forest forest =
-        forest_of(parse_gel("n 0 0 1\nn 0 0 0\nn 0 1 1.5\nc 0 1\nc 2 0\n", "t.graph"), "t.graph");
-    EXPECT_EQ(parents_of(forest), (std::vector<std::int64_t>{1, -1, 0}));
+        make_forest(parse_gel("n 0 0 1\nn 0 0 0\nn 0 1 1.5\nc 0 1\nc 2 0\n", "t.graph"), "t.graph");
+    EXPECT_EQ(find_parents(forest), (std::vector<std::int64_t>{1, -1, 0}));
     const auto error = [](const std::string& text) {
         return error_of<InvalidInput>([&] { parse_gel(text, "t.graph"); });
     };
@@ -139,7 +140,7 @@ TEST(Gel, NodesAndConnections) {
     EXPECT_EQ(error("n 0 0 0\nc 0\n"), "t.graph:2: a connection needs the numbers of two nodes");
     EXPECT_EQ(error("n 0 0\n"), "t.graph:1: a position needs three numbers");
     EXPECT_EQ(error("n 0 0 q\n"), "t.graph:1: 'q' is not a number; it should be a coordinate");
-    EXPECT_EQ(error("x 0 0\n"), "t.graph:1: a line of a GEL graph starts with 'n' or 'c', not with 'x'");
+    EXPECT_EQ(error("x 0 0\n"), "t.graph:1: a line of a GEL graph must begin with 'n' or 'c', not with 'x'");
 }
 
 TEST(ObjLines, PolylinesWithAllKindsOfIndices) {
@@ -147,12 +148,12 @@ TEST(ObjLines, PolylinesWithAllKindsOfIndices) {
         parse_obj_lines("o tree\nv 0 0 0\nv 0 0 1 1.0\nv 0 0 2\nl 1 2/7 -1\nv 5 5 5\n", "t.obj");
     EXPECT_EQ(graph.edges, (std::vector<std::array<std::uint32_t, 2>>{{0, 1}, {1, 2}}));
     EXPECT_TRUE(graph.radius.empty());
-    EXPECT_EQ(forest_of(graph, "t.obj").nodes.size(), 3u) << "vertices that no line names do not count";
+    EXPECT_EQ(make_forest(graph, "t.obj").nodes.size(), 3u) << "vertices that no line names do not count";
     const auto error = [](const std::string& text) {
         return error_of<InvalidInput>([&] { parse_obj_lines(text, "t.obj"); });
     };
     EXPECT_EQ(error("v 0 0 0\nf 1 1 1\n"),
-              "t.obj: there are no line elements ('l'), so this is no skeleton but a mesh");
+              "t.obj: there are no line elements ('l'), so this is not a skeleton but a mesh");
     EXPECT_EQ(error("v 0 0 0\nl 1 2\n"), "t.obj:2: there is no vertex 2; the file has 1");
     EXPECT_EQ(error("v 0 0 0\nl 0 1\n"), "t.obj:2: '0' is not the number of a vertex");
     EXPECT_EQ(error("v 0 0 0\nl -2 1\n"), "t.obj:2: there is no vertex 0; the file has 1");
@@ -169,8 +170,8 @@ TEST(EdgePly, WeldsThePolylinesOfAdTree) {
         file += bytes_of(v);
     }
     for (const std::uint32_t v : {2u, 0u, 1u, 2u, 1u, 2u, 2u, 3u, 4u}) file += bytes_of(v);
-    const Forest forest = forest_of(parse_edge_ply(file, "t.ply"), "t.ply");
-    EXPECT_EQ(parents_of(forest), (std::vector<std::int64_t>{-1, 0, 1, 1}));
+    const Forest forest = make_forest(parse_edge_ply(file, "t.ply"), "t.ply");
+    EXPECT_EQ(find_parents(forest), (std::vector<std::int64_t>{-1, 0, 1, 1}));
     EXPECT_EQ(forest.nodes[1].radius, 0.5);
     EXPECT_EQ(forest.nodes[3].id, 4);
     for (std::size_t size = 0; size < file.size(); ++size) {
@@ -190,15 +191,15 @@ TEST(EdgePly, AsciiWithEndsAsTwoNumbers) {
         return error_of<InvalidInput>([&] { parse_edge_ply(head + rest, "t.ply"); });
     };
     EXPECT_EQ(error("end_header\n0 0 0\n0 0 1\n"),
-              "t.ply: the PLY file has no element 'edge', so it holds a mesh or points, no skeleton");
+              "t.ply: the PLY file has no element 'edge', so it contains a mesh or points, not a skeleton");
     EXPECT_EQ(error("element edge 1\nproperty int a\nend_header\n0 0 0\n0 0 1\n1 0\n"),
               "t.ply: the edges have neither a list 'vertex_indices' nor 'vertex1' and 'vertex2'");
     EXPECT_EQ(
         error("element edge 1\nproperty int vertex1\nproperty int vertex2\nend_header\n0 0 0\n0 0 1\n1 2\n"),
-        "t.ply: an edge names vertex 2, but there are only 2, counted from 0");
+        "t.ply: an edge refers to vertex 2, but there are only 2, numbered from 0");
     EXPECT_EQ(
         error("element edge 1\nproperty int vertex1\nproperty int vertex2\nend_header\n0 0 0\n0 0 1\n1 -2\n"),
-        "t.ply: an edge names vertex -2, which cannot exist");
+        "t.ply: an edge refers to vertex -2, which cannot exist");
 }
 
 TEST(SkeletonJson, ColumnsInAnyOrderBesideOtherThings) {
@@ -210,7 +211,7 @@ TEST(SkeletonJson, ColumnsInAnyOrderBesideOtherThings) {
     EXPECT_EQ(nodes[1].parent, 0);
     EXPECT_EQ(nodes[1].position, Vec3d(100, 0.5, 1));
     EXPECT_TRUE(std::isnan(nodes[1].radius));
-    ASSERT_EQ(attributes.size(), 2u);  // neither those whose names are none, nor what is nested
+    ASSERT_EQ(attributes.size(), 2u);  // neither attributes with invalid names nor nested ones
     EXPECT_EQ(attributes[0].name, "sure");
     ASSERT_EQ(attributes[0].values.size(), 2u);
     EXPECT_EQ(attributes[0].values[0], 0.5);
@@ -223,7 +224,7 @@ TEST(SkeletonJson, Errors) {
         return error_of<InvalidInput>([&] { parse_skeleton_json(text, "t.json"); });
     };
     EXPECT_EQ(error("{\n\"format\": oops}"), "t.json:2: this is not valid JSON near '\"format\": o'");
-    EXPECT_EQ(error("{}"), "t.json: this JSON is no skeleton: it needs \"format\": \"coppice-skeleton\"");
+    EXPECT_EQ(error("{}"), "t.json: this JSON is not a skeleton: it needs \"format\": \"coppice-skeleton\"");
     const std::string head = "{\"format\": \"coppice-skeleton\", ";
     EXPECT_EQ(error(head + "\"parent\": [-1], \"position\": [[0,0,0]]}"),
               "t.json: the columns differ in length: 1 parents, 1 positions, 0 radii");
@@ -232,11 +233,11 @@ TEST(SkeletonJson, Errors) {
               "t.json: the parent of node 0 is 0.5; it must be an index, or -1 for none");
     EXPECT_EQ(error(head + "\"parent\": [1e300]}"),
               "t.json: the parent of node 0 is 1e+300; it must be an index, or -1 for none");
-    EXPECT_EQ(error(std::string(1000000, '[')), "t.json: the JSON is nested too deep");
+    EXPECT_EQ(error(std::string(1000000, '[')), "t.json: the JSON is nested too deeply");
     EXPECT_THROW(parse_skeleton_json(head + "\"version\": 2}", "t.json"), Unsupported);
 }
 
-/// A .mat file in the making, written with the library that reads it.
+/// A .mat file under construction, written with matio.
 class MatWriter {
   public:
     explicit MatWriter(const std::string& name)
@@ -301,7 +302,7 @@ TEST(Mat, StructOfColumns) {
     expect_two_cylinders(read_mat(path, 0));
     expect_two_cylinders(read_mat(path, 1));
     EXPECT_EQ(error_of<InvalidInput>([&] { read_mat(path, 2); }),
-              path.string() + ": there is no model 2; the file holds 1");
+              path.string() + ": there is no model 2; the file contains 1");
 }
 
 TEST(Mat, SeveralModelsAskWhich) {
@@ -318,7 +319,7 @@ TEST(Mat, SeveralModelsAskWhich) {
     writer.add(cells);
     const auto path = writer.close();
     EXPECT_EQ(error_of<InvalidInput>([&] { read_mat(path, 0); }),
-              path.string() + ": holds 3 models; choose one with the option model, 1 to 3");
+              path.string() + ": it contains 3 models; choose one with the option model, 1 to 3");
     EXPECT_EQ(read_mat(path, 1).cylinders[0].start.x, 8);
     expect_two_cylinders(read_mat(path, 2));
     EXPECT_EQ(read_mat(path, 3).cylinders[0].start.x, 10);
@@ -364,7 +365,7 @@ TEST(Mat, FilesWithoutCylindersAndDamagedFiles) {
     MatWriter writer("none");
     writer.add(MatWriter::doubles("Rad", 1, 1, {1}));
     const auto path = writer.close();
-    EXPECT_NE(error_of<InvalidInput>([&] { read_mat(path, 0); }).find("no cylinders in it"),
+    EXPECT_NE(error_of<InvalidInput>([&] { read_mat(path, 0); }).find("it contains no cylinders"),
               std::string::npos);
 
     MatWriter toolbox("toolbox");
@@ -392,7 +393,7 @@ TEST(Mat, FilesWithoutCylindersAndDamagedFiles) {
     }
 }
 
-/// A .mat file by hand, in the byte order asked for.
+/// Builds a .mat file byte by byte, in the specified byte order.
 class RawMat {
   public:
     explicit RawMat(bool big_endian) : big_endian_(big_endian) {
@@ -443,7 +444,7 @@ TEST(Mat, ClaimsBeyondTheFileAreRefused) {
     const auto error = [&](const std::string& variable) {
         return error_of<InvalidInput>([&] { parse_mat(mat.with(variable), "t.mat", 0); });
     };
-    const std::string damaged = "t.mat: the MATLAB file is cut or damaged";
+    const std::string damaged = "t.mat: the MATLAB file is truncated or damaged";
     // A struct of 2,000,000,000 x 4 elements with one field.
     EXPECT_EQ(error(mat.element(14, mat.head_of(2, 2000000000, 4, "QSM") + mat.element(5, mat.number(8u)) +
                                         mat.element(1, std::string("radius\0\0", 8)))),
@@ -454,9 +455,9 @@ TEST(Mat, ClaimsBeyondTheFileAreRefused) {
 
     std::string nested = mat.element(14, mat.head_of(6, 0, 0, "x"));
     for (int depth = 0; depth < 20; ++depth) nested = mat.element(14, mat.head_of(1, 1, 1, "x") + nested);
-    EXPECT_EQ(error(nested), "t.mat: structures are nested too deep");
+    EXPECT_EQ(error(nested), "t.mat: structures are nested too deeply");
 
-    // 80 MiB of zeros take 80 KiB when packed.
+    // 80 MiB of zeros need 80 KiB when compressed.
     const std::string zeros(std::size_t{80} << 20, '\0');
     uLongf size = compressBound(zeros.size());
     std::string packed(size, '\0');
@@ -465,7 +466,7 @@ TEST(Mat, ClaimsBeyondTheFileAreRefused) {
               Z_OK);
     packed.resize(size);
     EXPECT_EQ(error(mat.element(15, packed)),
-              "t.mat: a variable unfolds to more data than is plausible for the size of the file");
+              "t.mat: a variable decompresses to more data than is plausible for the size of the file");
 }
 
 }  // namespace

@@ -43,7 +43,7 @@ TEST(SkeletonReader, TellsFormatsByContentWhereTheNameDoesNot) {
 }
 
 TEST(SkeletonReader, AttributesStayWithTheirNodesWhenNodesMove) {
-    // Node 0 comes before its parent, and node 3 lies where its parent lies.
+    // Node 0 precedes its parent, and node 3 coincides with its parent.
     const SkeletonFile file = parse_skeleton(
         R"({"a": [10, 11, 12, 13], "b": [1, 2, 3], "c": [1, 1e99, 3, 4], "a": [0, 0, 0, 0], "d": [1, null, 1, 1],
             "format": "coppice-skeleton", "parent": [1, -1, 1, 2], "radius": [1, 1, 1, 1],
@@ -69,15 +69,14 @@ TEST(SkeletonReader, UnitsAreStatedOrThoseOfANeuron) {
     EXPECT_EQ(units("# Meta: {\"units\": \"8 nanometer\"}\n" + tree, "t.swc"), "m") << "8 of them are none";
     EXPECT_EQ(units("# written; units: Centimeters\n" + tree, "t.swc"), "cm");
     EXPECT_EQ(units("# subunits: mm\n# units: furlong\n" + tree, "t.swc"), "m");
-    EXPECT_EQ(parse_skeleton(neuron, "t.swc").notes.size(), 1u) << "what was taken for granted is said";
+    EXPECT_EQ(parse_skeleton(neuron, "t.swc").notes.size(), 1u) << "assumptions are reported";
 }
 
 TEST(SkeletonReader, UnknownFilesAreRefused) {
-    EXPECT_EQ(
-        error_of<Unsupported>([] { parse_skeleton("1 2 3\n4 5 6\n", "cloud.txt"); }),
-        "cloud.txt: this is no skeleton file that can be told from its name or first line; known are "
-        "SWC, cylinder "
-        "tables, TreeQSM .mat, raycloudtools trees, edge PLY, GEL graphs, OBJ lines, RSML, MTG and JSON");
+    EXPECT_EQ(error_of<Unsupported>([] { parse_skeleton("1 2 3\n4 5 6\n", "cloud.txt"); }),
+              "cloud.txt: neither its name nor its first line is that of a skeleton file; supported are SWC, "
+              "cylinder tables, TreeQSM .mat, raycloudtools trees, edge PLY, GEL graphs, OBJ lines, RSML, "
+              "MTG and JSON");
     EXPECT_THROW(parse_skeleton("", "empty"), Unsupported);
     EXPECT_THROW(parse_skeleton("", "empty.swc"), InvalidInput);
     EXPECT_THROW(parse_skeleton("MATLAB 5.0 MAT-file", "t"), InvalidInput);
@@ -95,7 +94,7 @@ TEST(SkeletonReader, ScalesPositionsAndRadiiExactly) {
     const Skeleton s = parse_skeleton(kSwc, "t.swc", {.scale = 0.001f}).skeleton;
     EXPECT_EQ(s.position(NodeId(1)).z, 0.004f);
     EXPECT_EQ(s.radius(NodeId(0)), 0.0005f);
-    // 500,000.25 mm: with 0.001f in place of 0.001 the place would be 0.02 mm off.
+    // 500,000.25 mm: with 0.001f instead of 0.001 the position would be 0.02 mm off.
     const Skeleton far =
         parse_skeleton("1 0 500000.25 0 0 1 -1\n2 0 500000.25 0 1 1 1\n", "t.swc", {.scale = 0.001f})
             .skeleton;
@@ -110,7 +109,7 @@ TEST(SkeletonReader, FilesWithoutRadiiTakeTheDefaultOrSaySo) {
     EXPECT_GT(estimated.skeleton.radius(NodeId(1)), 0.0f);
     ASSERT_EQ(estimated.notes.size(), 1u);
     EXPECT_EQ(estimated.notes[0],
-              "the file has no radii: 1 % of its size was taken; set default_radius for another one");
+              "the file has no radii: 1 % of its size was used; set default_radius for another radius");
     EXPECT_EQ(parse_skeleton(kSwc, "t.swc", {.default_radius = 0.125f}).skeleton.radius(NodeId(0)), 0.5f);
 }
 
@@ -118,7 +117,7 @@ TEST(SkeletonReader, LoopsThatWereCutAreNoted) {
     const SkeletonFile file = parse_skeleton("n 0 0 0\nn 0 0 1\nn 0 1 1\nc 0 1\nc 1 2\nc 2 0\n", "t.graph",
                                              {.default_radius = 0.1f});
     ASSERT_EQ(file.notes.size(), 1u);
-    EXPECT_EQ(file.notes[0], "1 edges that closed loops were left out");
+    EXPECT_EQ(file.notes[0], "1 edges that closed loops were omitted");
 }
 
 TEST(SkeletonReader, OptionsAreChecked) {

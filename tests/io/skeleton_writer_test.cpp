@@ -18,7 +18,7 @@ namespace {
 
 using test::error_of;
 
-/// Two trees: a fork with numbers that have no short decimal form, and a single node.
+/// Two trees: a fork with numbers without a short decimal form, and a single node.
 Skeleton fork(Vec3d origin = {}) {
     return Skeleton({NodeId::none(), NodeId(0), NodeId(1), NodeId(1), NodeId::none()},
                     {{0.1f, 0.2f, 0}, {0.1f, 1.0f / 3, 1}, {0.5f, 0, 2e-7f}, {-0.5f, 0, 1.7f}, {7, 7, 7}},
@@ -53,7 +53,7 @@ TEST(SkeletonWriter, WholeTreesAndTheirAttributesAreReadBackWithTheSameBits) {
     using enum SkeletonFormat;
     for (const char* name : {"tree300.swc", "tree300hard.swc", "tree3k.swc"}) {
         const auto path = source_dir() / ".." / "shared" / "workloads" / name;
-        if (!std::filesystem::exists(path)) GTEST_SKIP() << "no workloads beside the checkout";
+        if (!std::filesystem::exists(path)) GTEST_SKIP() << "no workloads next to the checkout";
         const Skeleton s = read_skeleton(path).skeleton;
         std::vector<float> numbers;
         for (const NodeId n : nodes(s)) numbers.push_back(static_cast<float>(n.index() % 1000));
@@ -119,7 +119,7 @@ TEST(SkeletonWriter, CylindersKeepTheOrdersAxesAndTreesOfTheirNodes) {
         EXPECT_EQ(std::vector<float>(read.begin(), read.end()),
                   std::vector<float>(back.skeleton.size(), a.values[0]));
     }
-    // Halves are no orders.
+    // Fractions are not orders.
     const std::vector<NodeAttribute> halves{{"order", std::vector<float>(count, 0.5f)}};
     EXPECT_EQ(encode_skeleton(fork(), {SkeletonFormat::cylinders}, halves),
               encode_skeleton(fork(), {SkeletonFormat::cylinders}));
@@ -175,7 +175,7 @@ TEST(SkeletonWriter, TypesOfSwcGoThroughOtherFormatsAndBack) {
     EXPECT_NE(
         encode_skeleton(file.skeleton, {.format = SkeletonFormat::swc}, shares).find("\n2 0 0 0 9 1 1\n"),
         std::string::npos)
-        << "what is no type is not written as one";
+        << "invalid types are not written";
 }
 
 TEST(SkeletonWriter, IdsOfSwcAreKept) {
@@ -201,12 +201,12 @@ TEST(SkeletonWriter, IdsOfSwcAreKept) {
                         parse_skeleton(head + gaps, "t.swc").attributes);
     const SkeletonFile back = parse_skeleton(json, "t.json");
     EXPECT_EQ(encode_skeleton(back.skeleton, {.format = SkeletonFormat::swc}, back.attributes), head + gaps);
-    // Counted from 1 as the nodes come, they are nothing to keep.
+    // Ids that count from 1 in the order of the nodes are not stored.
     EXPECT_TRUE(parse_skeleton(head + "1 0 0 0 0 5 -1\n2 0 0 0 9 1 1\n", "t.swc").attributes.empty());
 }
 
 TEST(SkeletonWriter, NodesWithoutAnIdOfTheirOwnAreNumberedAfterTheOthers) {
-    // Of the copies of id 4 the first keeps it; 0 and 2.5 are no ids.
+    // The first of the nodes with id 4 keeps it; 0 and 2.5 are not ids.
     const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(2), NodeId(3)},
                      {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {0, 0, 3}, {0, 0, 4}}, {1, 1, 1, 1, 1});
     const std::vector<NodeAttribute> ids{{"id", {4, 4, 9, 0, 2.5f}}};
@@ -230,20 +230,21 @@ TEST(SkeletonWriter, FilesSayWhatAUnitIs) {
 TEST(NodeAttribute, ThoseOfEditedTreesAreCarried) {
     const auto node = [](std::uint32_t i) { return NodeId(i); };
     const Skeleton before({NodeId::none(), node(0), node(1)}, {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}}, {1, 1, 1});
-    // The last is gone; one is new between the two that stayed, with a twig, and a tree beside them.
+    // The last node is removed; one is new between the two remaining ones, with a twig, and there is another
+    // tree.
     const Skeleton after({NodeId::none(), node(0), node(1), node(1), NodeId::none()},
                          {{0, 0, 0}, {0, 0, 0.5f}, {0, 0, 1}, {1, 0, 1}, {5, 0, 0}}, {1, 1, 1, 1, 1}, {},
                          {StableId(0), StableId(7), StableId(1), StableId(8), StableId(9)});
-    const std::vector<NodeAttribute> carried = carried_attributes({{{"type", {1, 3, 4}}}}, before, after);
+    const std::vector<NodeAttribute> carried = kept_attributes({{{"type", {1, 3, 4}}}}, before, after);
     ASSERT_EQ(carried.size(), 1u);
     EXPECT_EQ(carried[0].name, "type");
     EXPECT_EQ(carried[0].values, (std::vector<float>{1, 1, 3, 1, 0}));
-    EXPECT_TRUE(carried_attributes({}, before, after).empty());
+    EXPECT_TRUE(kept_attributes({}, before, after).empty());
 }
 
 TEST(SkeletonWriter, Errors) {
     EXPECT_EQ(error_of<Unsupported>([] { write_skeleton("t.xyz", fork()); }),
-              "t.xyz: the ending of the name tells no skeleton format; use .swc, .csv, .ply, .obj, .json, "
+              "t.xyz: the extension is not that of a skeleton format; use .swc, .csv, .ply, .obj, .json, "
               ".rsml or .mtg");
     EXPECT_EQ(error_of<Unsupported>([] { write_skeleton("t.mat", fork()); }),
               "skeletons are not written as mat; choose swc, cylinders, ply, obj, json, rsml or mtg");

@@ -11,7 +11,7 @@ namespace {
 
 using test::error_of;
 
-/// A file with a stem from two sides, where one text is another.
+/// A file with a stem from two sides, with one text replaced by another.
 std::string file_with(const std::string& from = "", const std::string& to = "") {
     std::string text = R"({"format": "coppice-sketch", "version": 1, "views": [
         {"name": "front", "image": "a.png", "width": 400, "height": 300, "K": [[100, 0, 200], [0, 100, 150], [0, 0, 1]],
@@ -37,7 +37,7 @@ TEST(SketchFile, IsReadAsWritten) {
     EXPECT_EQ(sketch.views[0].distortion[0], 0.1);
     EXPECT_EQ(sketch.views[1].projection, Projection::orthographic);
     ASSERT_EQ(sketch.branches.size(), 2u);
-    EXPECT_EQ(sketch.branches[0].parent, 1u);  // a branch may come before its parent
+    EXPECT_EQ(sketch.branches[0].parent, 1u);  // a branch may precede its parent
     EXPECT_EQ(sketch.branches[0].attach, 0.5);
     EXPECT_EQ(sketch.branches[0].strokes[0].view, 0u);
     EXPECT_EQ(sketch.branches[0].strokes[1].points[1], (PicturePoint{220, 150}));
@@ -56,7 +56,7 @@ TEST(SketchFile, WhatIsWrittenIsReadAgain) {
 TEST(SketchFile, WhatIsWrongIsNamed) {
     EXPECT_EQ(said_of("\"views\": [", "\"views\": [,"), "a.sketch.json:1: this is not valid JSON");
     EXPECT_EQ(said_of("coppice-sketch", "coppice-skeleton"),
-              "a.sketch.json: this JSON is no sketch: it needs \"format\": \"coppice-sketch\"");
+              "a.sketch.json: this JSON is not a sketch: it needs \"format\": \"coppice-sketch\"");
     EXPECT_EQ(said_of("\"t\": [0, 1, 5]", "\"t\": [0, 1]"),
               "a.sketch.json: views[0].t must be a list of 3 numbers, not 2");
     EXPECT_EQ(said_of("\"attach\"", "\"atach\""),
@@ -79,10 +79,11 @@ TEST(SketchFile, WhatIsWrongIsNamed) {
               "a.sketch.json: views[0].distortion must be k1, k2, p1, p2 and, if known, k3");
     EXPECT_EQ(said_of("\"width\": 400", "\"width\": 1.5"),
               "a.sketch.json: views[0].width must be a whole number of pixels");
-    EXPECT_EQ(said_of("\"widths\": [10, 5]", "\"widths\": [10, 5, 1]"),
-              "a.sketch.json: branches[1].strokes.front.widths must hold two numbers, or one for each of the "
-              "2 points, "
-              "not 3");
+    EXPECT_EQ(
+        said_of("\"widths\": [10, 5]", "\"widths\": [10, 5, 1]"),
+        "a.sketch.json: branches[1].strokes.front.widths must contain two numbers, or one for each of the "
+        "2 points, "
+        "not 3");
     EXPECT_EQ(error_of<Unsupported>(
                   [&] { parse_sketch(file_with("\"version\": 1", "\"version\": 2"), "a.sketch.json"); }),
               "a.sketch.json: version 2 of coppice-sketch is newer than this program");

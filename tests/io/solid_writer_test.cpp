@@ -54,7 +54,7 @@ TEST_F(SolidWriter, WritesVtuAsBase64WithSizes) {
         << text;
     // One byte: the number of VTK's tetrahedron, 10.
     EXPECT_NE(text.find("Name=\"types\" format=\"binary\">AQAAAAAAAAA=Cg==</DataArray>"), std::string::npos);
-    // 96 bytes, of which the first is 10 as a double: 0x4024000000000000.
+    // 96 bytes, beginning with 10 as a double: 0x4024000000000000.
     EXPECT_NE(text.find("NumberOfComponents=\"3\" format=\"binary\">YAAAAAAAAAA=AAAAAAAAJEA"),
               std::string::npos);
 }

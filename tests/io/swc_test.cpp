@@ -43,17 +43,18 @@ TEST(Swc, ErrorsNameLineAndColumn) {
     EXPECT_EQ(error("1.5 0 0 0 0 1 -1\n"),
               "tree.swc:1: '1.5' is not a whole number; column 1 should be the id");
     EXPECT_EQ(error("\n1 0 0 0 0 1\n"),
-              "tree.swc:2: 6 values where a node of SWC has 7: id type x y z radius parent");
+              "tree.swc:2: 6 values, but a node of SWC has 7: id type x y z radius parent");
     EXPECT_EQ(error(std::string("\x01\x02\0\xff", 4)),
-              "tree.swc:1: 1 values where a node of SWC has 7: id type x y z radius parent");
+              "tree.swc:1: 1 values, but a node of SWC has 7: id type x y z radius parent");
 }
 
 TEST(Swc, DecimalCommasAreRefused) {
     for (const char* text :
          {"1 1 0,0 0,5 0,0 0,1 -1\n", "1;1;0,0;0,5;0;0,1;-1\n", "1\t1\t-0,25\t1e2\t0\t1\t-1\n",
           "1 1 0 0 0 1 -1\n2 1 0 0 1,5 1 1\n", "1,1,0,0,0,5,0,0,0,1,-1\n"}) {
-        EXPECT_NE(error_of<InvalidInput>([&] { parse_swc(text, "t.swc"); }).find("commas for decimal points"),
-                  std::string::npos)
+        EXPECT_NE(
+            error_of<InvalidInput>([&] { parse_swc(text, "t.swc"); }).find("its numbers have decimal commas"),
+            std::string::npos)
             << text;
     }
     for (const char* text :
@@ -62,7 +63,7 @@ TEST(Swc, DecimalCommasAreRefused) {
 }
 
 TEST(Swc, ColumnsBehindTheSeventhAreAllowedWhereTheFirstSevenAreThoseOfSwc) {
-    // As Vaa3D appends them: segment, level, mode, time.
+    // Columns appended by Vaa3D: segment, level, mode, time.
     const auto nodes =
         parse_swc(
             "#n type x y z r parent seg level mode time\n1 1 0 0 0 1.5 -1 0 1 0 1\n2 3 0 0 2 1 1 0 1 0 1\n",
@@ -74,14 +75,13 @@ TEST(Swc, ColumnsBehindTheSeventhAreAllowedWhereTheFirstSevenAreThoseOfSwc) {
         return error_of<InvalidInput>([&] { parse_swc(text, "t.swc"); });
     };
     EXPECT_EQ(error("1 1 0 0 0 1 -1\n2 1 0 0 1 1 1 9 9\n"),
-              "t.swc:2: 9 values where the first row has 7; write notes behind a #");
+              "t.swc:2: 9 values, but the first row has 7; write notes after a #");
     EXPECT_EQ(error("1 1 0 0 0 1 -1 7\n2 1 0 0 1 1 1\n"),
-              "t.swc:2: 7 values where the first row has 8; write notes behind a #");
+              "t.swc:2: 7 values, but the first row has 8; write notes after a #");
     // The seventh column is the radius here.
-    EXPECT_EQ(
-        error("1 1 1 0 0 0 20 -1\n2 2 1 0 0 5 30 1\n"),
-        "t.swc: the rows have 8 values, and the seventh, the parent, names no node in 2 of 2 rows; the first "
-        "seven columns of SWC are id type x y z radius parent");
+    EXPECT_EQ(error("1 1 1 0 0 0 20 -1\n2 2 1 0 0 5 30 1\n"),
+              "t.swc: the rows have 8 values, and the seventh, the parent, refers to no node in 2 of 2 rows; "
+              "the first seven columns of SWC are id type x y z radius parent");
 }
 
 }  // namespace

@@ -20,13 +20,13 @@ class TreeLibraryTest : public test::FolderTest {
   protected:
     std::filesystem::path file() const { return folder_ / "oak.coppicelib"; }
 
-    /// Fills the library; returns what went in.
+    /// Fills the library; returns its entries.
     std::vector<ChildTree> fill(const std::vector<std::string>& tags = {}) const {
         std::vector<ChildTree> trees = child_trees(random_tree(60, 1));
         TreeLibrary(file(), LibraryAccess::create).add(trees, "oak.swc", tags);
         return trees;
     }
-    /// Runs SQL on it, as somebody else might.
+    /// Runs SQL on it, as another program might.
     void execute(const char* sql) const {
         sqlite3* handle = nullptr;
         sqlite3_open(file().c_str(), &handle);
@@ -78,11 +78,11 @@ TEST_F(TreeLibraryTest, HoldsNothingTwice) {
 TEST_F(TreeLibraryTest, FiltersTagsAndRemoves) {
     const std::vector<ChildTree> trees = fill({"oak"});
     TreeLibrary library(file(), LibraryAccess::write);
-    const auto longest = library.list({.least_length = 1.0f});
+    const auto longest = library.list({.min_length = 1.0f});
     ASSERT_GT(longest.size(), 0u);
     ASSERT_LT(longest.size(), trees.size());
     for (const LibraryEntry& e : longest) EXPECT_GE(e.measures.length, 1);
-    for (const LibraryEntry& e : library.list({.most_orders = 1})) EXPECT_EQ(e.measures.orders, 1u);
+    for (const LibraryEntry& e : library.list({.max_orders = 1})) EXPECT_EQ(e.measures.orders, 1u);
     EXPECT_EQ(library.list({.from = {"elm.swc"}}).size(), 0u);
     const std::string id = std::to_string(longest[0].id);
     EXPECT_EQ(library.tag({.ids = {id}}, std::vector<std::string>{"best"}, std::vector<std::string>{"oak"}),
@@ -123,12 +123,12 @@ TEST_F(TreeLibraryTest, RefusesWhatIsNoLibrary) {
     EXPECT_NE(error_of<IoError>([&] { read(); }).find("no such file"), std::string::npos);
     std::ofstream(file()) << "not a database, but long enough to be looked at as one "
                           << std::string(2000, 'x');
-    expect_refused("no library");
-    EXPECT_NE(error_of<IoError>([&] { TreeLibrary(file(), LibraryAccess::create); }).find("no library"),
+    expect_refused("not a library");
+    EXPECT_NE(error_of<IoError>([&] { TreeLibrary(file(), LibraryAccess::create); }).find("not a library"),
               std::string::npos);
     std::filesystem::remove(file());
     execute("CREATE TABLE other (x)");
-    expect_refused("no library");
+    expect_refused("not a library");
     EXPECT_NE(error_of<IoError>([&] { TreeLibrary(folder_, LibraryAccess::read); }).find("folder"),
               std::string::npos);
 }
@@ -140,7 +140,7 @@ TEST_F(TreeLibraryTest, RefusesOtherVersionsViewsAndDamage) {
     execute("PRAGMA user_version = 1");
     EXPECT_GT(read().size(), 0u);
     execute("CREATE VIEW more AS SELECT 1");
-    expect_refused("no library");
+    expect_refused("not a library");
     execute("DROP VIEW more");
     execute("UPDATE tree SET skeleton = x'0100' WHERE id = 3");
     expect_refused<InvalidInput>("tree 3 is damaged");
@@ -173,7 +173,7 @@ TEST_F(TreeLibraryTest, ListsControlCharactersOfForeignTextEscaped) {
     execute(
         "UPDATE tree SET source = 'a' || char(27) || '[2J' || char(10) || 'b'; UPDATE tag SET name = "
         "char(7)");
-    const std::string table = table_of(TreeLibrary(file(), LibraryAccess::read).list({}));
+    const std::string table = make_table(TreeLibrary(file(), LibraryAccess::read).list({}));
     EXPECT_NE(table.find("a\\x1b[2J\\nb, \\x07\n"), std::string::npos) << table;
     EXPECT_EQ(table.find('\x1b'), std::string::npos);
 }
@@ -189,7 +189,7 @@ TEST_F(TreeLibraryTest, LeavesNoNewFileWhereNothingIsAdded) {
         Cancelled);
     { const TreeLibrary unused(file(), LibraryAccess::create); }
     EXPECT_TRUE(std::filesystem::is_empty(folder_));
-    // No trees are something that can be added: the library is empty.
+    // Adding an empty list of trees succeeds: the library is empty.
     TreeLibrary(file(), LibraryAccess::create).add({}, "oak.swc", {});
     EXPECT_EQ(read().size(), 0u);
     EXPECT_THROW(TreeLibrary(file(), LibraryAccess::create).add(trees, "oak.swc", bad), InvalidInput);

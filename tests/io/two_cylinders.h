@@ -8,7 +8,7 @@
 
 namespace coppice {
 
-/// Expects the two cylinders that tables and models of every kind are made of in these tests.
+/// Expects the two cylinders that the tables and models of all kinds in these tests contain.
 inline void expect_two_cylinders(const RawCylinders& read) {
     const std::vector<RawCylinder>& c = read.cylinders;
     ASSERT_EQ(c.size(), 2u);

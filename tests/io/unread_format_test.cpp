@@ -49,7 +49,7 @@ TEST(UnreadFormats, AreRefusedByTheReaders) {
               }).find("cell.asc: it is a Neurolucida"),
               0u);
     EXPECT_EQ(error_of<Unsupported>([] { parse_skeleton("\x1f\x8b", "tree.swc"); }),
-              "tree.swc: it is packed by gzip; unpack it first: gunzip FILE");
+              "tree.swc: it is compressed by gzip; unpack it first: gunzip FILE");
     // MATLAB writes HDF5 too.
     EXPECT_NE(error_of<Unsupported>([] { parse_skeleton("\x89HDF\r\n\x1a\n", "qsm.mat"); }).find("-v7"),
               std::string::npos);

@@ -33,13 +33,13 @@ AxesReport judge(const PolygonMesh& m, const Skeleton& s, EndShape tips = EndSha
     return find(m, s, tips).report;
 }
 
-/// The pole in two pieces, with a gap from 4.5 to 5.5 m.
+/// The pole in two components, with a gap from 4.5 to 5.5 m.
 PolygonMesh broken_pole() { return both(capsule(32, 16, 0.5f, 0, 4), capsule(32, 16, 0.5f, 6, 10)); }
 
 TEST(Axes, OfATrueSurfaceAreWhole) {
     const AxesFound found = find(capsule(64, 16, 0.5f, 0, 10), pole());
     const AxesReport& r = found.report;
-    EXPECT_NEAR(r.length, 10 - 2 * 0.6, 0.25);  // less what is near the ends, to the spacing of the points
+    EXPECT_NEAR(r.length, 10 - 2 * 0.6, 0.25);  // without the ends, within the spacing of the points
     EXPECT_EQ(r.outside, 0);
     EXPECT_EQ(r.thin, 0);
     EXPECT_EQ(r.segments, 1u);
@@ -55,7 +55,7 @@ TEST(Axes, AreSeveredWhereTheyLeaveTheSurface) {
         const AxesReport& r = found.report;
         EXPECT_NEAR(r.outside, 1, 0.25);
         EXPECT_NEAR(r.thin, 2 * 0.2, 0.3);
-        ASSERT_EQ(r.severed, 1u);  // however many nodes it runs over
+        ASSERT_EQ(r.severed, 1u);  // independent of the number of nodes
         EXPECT_NEAR(r.longest[0].length, r.outside + r.thin, 1e-6);
         EXPECT_NEAR(r.longest[0].place.z, 4.3, 0.25);
         EXPECT_EQ(r.longest[0].node, s.size() == 2 ? NodeId(1) : NodeId(44));
@@ -76,7 +76,7 @@ TEST(Axes, AreSeveredWhereTheSurfaceIsThin) {
 TEST(Axes, OfMissingBranchesLieOutside) {
     EXPECT_EQ(judge(PolygonMesh{}, pole()).missing, 1u);
     EXPECT_EQ(judge(cube(), pole()).missing, 1u);
-    // A twig of two segments that the surface does not have.
+    // A twig of two segments that is missing in the surface.
     const Skeleton s({kRoot, NodeId(0), NodeId(1), NodeId(1), NodeId(3)},
                      {{0, 0, 0}, {0, 0, 5}, {0, 0, 10}, {3, 0, 5}, {6, 0, 5}},
                      {0.5f, 0.5f, 0.5f, 0.1f, 0.1f});
@@ -98,7 +98,7 @@ TEST(Axes, MayRunInsideOfOtherBranches) {
     EXPECT_TRUE(r.is_whole());
     EXPECT_TRUE(r.reaches_tips());
     EXPECT_EQ(r.tips, 2u);
-    EXPECT_EQ(r.tip_reach.n, 1u);  // the twig's lies in the stem
+    EXPECT_EQ(r.tip_reach.n, 1u);  // the twig's tip is inside the stem
 }
 
 TEST(Tips, AreReached) {
@@ -112,7 +112,7 @@ TEST(Tips, AreReached) {
 
 TEST(Tips, AreShort) {
     const AxesReport r = judge(capsule(32, 8, 0.5f, 0, 9), pole());
-    EXPECT_NEAR(r.tip_reach.p50, -1, 1e-5);  // half a metre before the tip
+    EXPECT_NEAR(r.tip_reach.p50, -1, 1e-5);  // half a metre short of the tip
     ASSERT_EQ(r.short_tips, 1u);
     EXPECT_NEAR(r.shortest[0].missing, 2, 1e-5);
     EXPECT_EQ(r.shortest[0].node, NodeId(1));

@@ -5,13 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coppice/base/id.h"
 #include "coppice/base/random.h"
 #include "measure/support.h"
 
 namespace coppice {
 namespace {
 
-/// A fork of two radii: trunk up z to 4, leader on to 8 with a taper, lateral along x.
+/// A fork of two radii: trunk up z to 4, leader to 8 with a taper, lateral along x.
 Skeleton fork(Vec3d origin = {}) {
     return Skeleton({kRoot, NodeId(0), NodeId(1), NodeId(1)}, {{0, 0, 0}, {0, 0, 4}, {0, 0, 8}, {5, 0, 4}},
                     {1, 1, 0.5f, 0.25f}, origin);
@@ -20,9 +21,9 @@ Skeleton fork(Vec3d origin = {}) {
 TEST(CapsuleTree, RhoByHand) {
     const CapsuleTree tree(fork(), {});
     ASSERT_EQ(tree.size(), 3u);
-    const auto beside = tree.nearest({0, 3, 2});
-    EXPECT_EQ(tree.node(beside.capsule), NodeId(1));
-    EXPECT_DOUBLE_EQ(beside.rho, 3);
+    const auto adjacent = tree.nearest({0, 3, 2});
+    EXPECT_EQ(tree.node(adjacent.capsule), NodeId(1));
+    EXPECT_DOUBLE_EQ(adjacent.rho, 3);
     const auto taper = tree.nearest({0, 1.5, 6});  // the radius is 0.75 half way up the leader
     EXPECT_EQ(tree.node(taper.capsule), NodeId(2));
     EXPECT_DOUBLE_EQ(taper.rho, 2);
@@ -47,7 +48,7 @@ TEST(CapsuleTree, OriginsAreBroughtTogether) {
 TEST(CapsuleTree, NodesWithoutSegmentsAreNotSeen) {
     const CapsuleTree tree(Skeleton({kRoot}, {{0, 0, 0}}, {1}), {});
     EXPECT_EQ(tree.size(), 0u);
-    EXPECT_EQ(tree.nearest({1, 1, 1}).capsule, CapsuleTree::kNone);
+    EXPECT_EQ(tree.nearest({1, 1, 1}).capsule, kNoIndex);
     EXPECT_FALSE(tree.any_within({0, 0, 0}, 10, 0));
 }
 
@@ -88,7 +89,7 @@ TEST(CapsuleTree, AgreesWithTryingAll) {
         r.push_back(0.001f + 0.05f * static_cast<float>(std::pow(random.uniform(10 * i + 4), 4)));
     }
     const CapsuleTree tree(Skeleton(parent, x, r), {});
-    std::uint32_t hint = CapsuleTree::kNone;
+    std::uint32_t hint = kNoIndex;
     for (std::uint32_t i = 0; i < 300; ++i) {
         const Vec3d p{random.uniform(9000 + 3 * i), random.uniform(9001 + 3 * i),
                       random.uniform(9002 + 3 * i)};
@@ -106,8 +107,8 @@ TEST(CapsuleTree, AgreesWithTryingAll) {
         EXPECT_EQ(found.rho, std::sqrt(least));
         EXPECT_EQ(tree.nearest(p, tree.size() - 1).capsule, best);
         EXPECT_EQ(tree.nearest(p, hint).capsule, best);
-        EXPECT_TRUE(tree.any_within(p, std::sqrt(least) * 1.000001, CapsuleTree::kNone));
-        EXPECT_FALSE(tree.any_within(p, std::sqrt(least) * 0.999999, CapsuleTree::kNone));
+        EXPECT_TRUE(tree.any_within(p, std::sqrt(least) * 1.000001, kNoIndex));
+        EXPECT_FALSE(tree.any_within(p, std::sqrt(least) * 0.999999, kNoIndex));
         EXPECT_FALSE(tree.any_within(p, std::sqrt(others) * 0.999999, best));
         EXPECT_TRUE(tree.any_within(p, std::sqrt(others) * 1.000001, best));
         hint = found.capsule;
@@ -131,8 +132,8 @@ TEST(Gap, OfSegments) {
 }
 
 TEST(CapsuleTree, FindsTheSameForManyPointsAsForEach) {
-    // Points near each other, points far apart, and a crowd of axes about them that no list of candidates
-    // holds.
+    // Points near each other, points far apart, and so many axes around them that no candidate list is long
+    // enough.
     for (const std::uint32_t laterals : {3u, 200u}) {
         std::vector<NodeId> parent{kRoot};
         std::vector<Vec3> position{{0, 0, 0}};

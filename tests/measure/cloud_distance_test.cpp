@@ -32,7 +32,7 @@ PolygonMesh square(std::uint32_t n) {
     return out;
 }
 
-/// n x n points in the cells' middles of the unit square, at a height; of x below `end` only.
+/// n x n points at the centres of the cells of the unit square, at a height; only those with x below `end`.
 PointSet layer(std::uint32_t n, float height, float end = 1) {
     PointSet out;
     for (std::uint32_t j = 0; j < n; ++j) {
@@ -65,8 +65,8 @@ TEST(CloudDistances, OfALayerAboveAPlane) {
     EXPECT_EQ(to.n, 2500u);
     for (const double d : {to.mean, to.p50, to.p95, to.max}) EXPECT_NEAR(d, 0.1, 1e-7);
     EXPECT_FALSE(to.bias);  // a square has no inside
-    // Back: the point in the middle of the cell is at most half a diagonal of 0.02 aside, 0.01^2 in the mean
-    // of the squares of both coordinates together over 1.5.
+    // Back: the point in the middle of the cell is at most half a diagonal of 0.02 away, with a mean of the
+    // squares of both coordinates together of 0.01^2 / 1.5.
     const DistanceSummary& back = r.whole.to_cloud;
     EXPECT_EQ(back.n, 10'000u);
     EXPECT_GE(back.p50, 0.1 - 1e-7);
@@ -88,7 +88,7 @@ TEST(CloudDistances, BehindAnOpenSurfaceIsNegativeForThePointAlone) {
 
 TEST(CloudDistances, SurfaceWithoutPointsNearIsBare) {
     // Points over x < 0.5, the last at 0.49: with a support of 0.1 the surface beyond 0.49 + sqrt(0.1^2 -
-    // 0.01^2) = 0.5895 is bare, but for the places between points, less than 0.0002 of way.
+    // 0.01^2) = 0.5895 is bare, except for the gaps between points, less than 0.0002 in length.
     const CloudDistances found =
         cloud_distances(square(10), layer(50, 0.01f, 0.5f), nullptr, {.samples = 100'000, .support = 0.1f});
     EXPECT_NEAR(found.report.whole.bare_percent, 41.05, 0.1);
@@ -97,7 +97,7 @@ TEST(CloudDistances, SurfaceWithoutPointsNearIsBare) {
 }
 
 TEST(CloudDistances, BiasTellsInsideFromOutside) {
-    // 256 sides and radius 0.5: the chords lie 0.5 (1 - cos(pi / 256)) = 3.8e-5 inside at most.
+    // 256 sides and radius 0.5: the chords are at most 0.5 (1 - cos(pi / 256)) = 3.8e-5 inside.
     const PolygonMesh pole = capsule(256, 32, 0.5f, 0, 10);
     for (const double shift : {0.05, -0.05}) {
         const CloudDistanceReport r = cloud_distances(pole, shell(0.5 + shift), nullptr).report;
@@ -122,8 +122,8 @@ TEST(CloudDistances, SharesOfTheRadiusAreThoseOfTheSkeletonThere) {
 }
 
 TEST(CloudDistances, AtForksIsWithinTheirRadii) {
-    // The node with three neighbours is the square's middle, its ball of two radii 0.2 wide. Points in it lie
-    // 0.01 above, the others 0.02.
+    // The node with three neighbours is at the centre of the square, the radius of its ball of two radii is
+    // 0.2. Points in it are 0.01 above, the others 0.02.
     const Skeleton fork({kRoot, NodeId(0), NodeId(1), NodeId(1)},
                         {{0.5f, 0.5f, -1}, {0.5f, 0.5f, 0}, {0, 0.5f, 0}, {1, 0.5f, 0}},
                         {0.1f, 0.1f, 0.1f, 0.1f});
@@ -140,7 +140,7 @@ TEST(CloudDistances, AtForksIsWithinTheirRadii) {
     EXPECT_NEAR(r.at_forks.to_surface.mean, 0.01, 1e-7);
     EXPECT_NEAR(r.at_forks.to_surface_radius.max, 0.1, 1e-6);
     EXPECT_NEAR(r.whole.to_surface.max, 0.02, 1e-7);
-    // Of the surface the disc of radius 0.2: its area of 10,000 samples over 1.
+    // Of the surface, the disc of radius 0.2: its share of the 10,000 samples.
     EXPECT_NEAR(static_cast<double>(r.at_forks.to_cloud.n), 1e4 * std::numbers::pi * 0.04, 15);
     EXPECT_EQ(r.at_forks.bare_percent, 0);
     const CloudDistanceReport wide = cloud_distances(square(10), cloud, &fork, {.fork_reach = 20}).report;
@@ -186,14 +186,14 @@ TEST(CloudDistances, RefusesWhatCannotBeMeasured) {
     far.origin = {0, 0, 1000};
     EXPECT_EQ(
         error(square(2), far),
-        "check: the cloud lies 1000 m away from the mesh; are both in one place and unit? Their middles "
-        "differ by (0, 0, 1000) m");
+        "check: the cloud is 1000 m away from the mesh; make sure that both are in the same place and unit. "
+        "Their centres differ by (0, 0, 1000) m");
     PointSet millimetres = layer(50, 0.1f);
     for (Vec3& p : millimetres.positions) p = p * 1000;
-    EXPECT_EQ(
-        error(square(2), millimetres),
-        "check: the cloud is about 1000 times as large as the mesh and hardly meets it; are both in the "
-        "same unit?");
+    EXPECT_EQ(error(square(2), millimetres),
+              "check: the cloud is about 1000 times as large as the mesh and hardly overlaps it; make sure "
+              "that both are in "
+              "the same unit");
     PointSet kilometres = layer(50, 0.1f);
     for (Vec3& p : kilometres.positions) p = p / 1000;
     EXPECT_NE(error(square(2), kilometres).find("about 0.001 times as large"), std::string::npos);
@@ -201,7 +201,7 @@ TEST(CloudDistances, RefusesWhatCannotBeMeasured) {
 
 TEST(CloudDistances, OfASmallPartOrOfMuchAroundAreMeasured) {
     PointSet few = layer(50, 0);
-    for (Vec3& p : few.positions) p = p / 100;  // a corner that was scanned
+    for (Vec3& p : few.positions) p = p / 100;  // only a corner was scanned
     EXPECT_LT(cloud_distances(square(2), few, nullptr).report.whole.to_surface.max, 1e-9);
     PointSet stand = layer(50, 0);
     for (int i = -50; i < 50; ++i) {
@@ -217,7 +217,7 @@ TEST(CloudDistances, OfOnePoint) {
     const CloudDistanceReport r = cloud_distances(square(2), one, nullptr).report;
     EXPECT_EQ(r.whole.to_surface.n, 1u);
     EXPECT_EQ(r.whole.to_surface.p95, 0.5);
-    EXPECT_EQ(r.support, 0);  // there is no spacing
+    EXPECT_EQ(r.support, 0);  // no spacing
     EXPECT_EQ(r.whole.bare_percent, 100);
 }
 

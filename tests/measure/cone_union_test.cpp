@@ -29,7 +29,7 @@ TEST(ConeUnion, HasTreesOfOneNode) {
 }
 
 TEST(ConeUnion, FlatEndsTakeHalfBallsAlsoOfTheSegmentsNear) {
-    // The first node is half a radius above the root, so its ball reaches below.
+    // The first node is half a radius above the root, so its ball extends below the root.
     const Skeleton s({kRoot, NodeId(0), NodeId(1)}, {{0, 0, 0}, {0, 0, 0.5f}, {0, 0, 10}}, {1, 1, 1});
     const ConeUnion flat_base(s, {}, EndShape::flat, EndShape::round);
     EXPECT_TRUE(flat_base.contains({0, 0, 0.01}));
@@ -43,7 +43,7 @@ TEST(ConeUnion, FlatEndsTakeHalfBallsAlsoOfTheSegmentsNear) {
 }
 
 TEST(ConeUnion, ACutIsFeltOnlyNearItsEnd) {
-    // A branch from far up comes down beside the trunk and passes the root's plane.
+    // A branch from far up comes down next to the trunk and crosses the root's plane.
     const Skeleton s({kRoot, NodeId(0), NodeId(1), NodeId(1)},
                      {{0, 0, 0}, {0, 0, 10}, {0, 0, 20}, {2, 0, -10}}, {1, 1, 1, 0.5f});
     const ConeUnion solid(s, {}, EndShape::flat, EndShape::round);
@@ -63,7 +63,7 @@ TEST(ConeUnion, HasTheBallOfARootThatIsMuchThickerThanItsBranches) {
     EXPECT_TRUE(round_union(soma).contains({-3.9, 0, 0}));
     EXPECT_TRUE(round_union(soma).contains({0, 2.7, 2.7}));
     EXPECT_FALSE(round_union(soma).contains({0, 2.9, 2.9}));
-    // Of a stool, whose stems are long, the leader's cone holds the ball.
+    // If the stems of a root with several stems are long, the leader's cone contains the ball.
     const Skeleton stool({kRoot, NodeId(0), NodeId(0)}, {{0, 0, 0}, {0, 0, 50}, {50, 0, 0}}, {4, 0.5f, 0.4f});
     EXPECT_EQ(round_union(stool).capsules().size(), 2u);
 }

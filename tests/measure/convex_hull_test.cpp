@@ -14,7 +14,8 @@
 namespace coppice {
 namespace {
 
-/// Closed, of the Euler characteristic of a ball, and no point outside: only the hull is all of that.
+/// Checks that the mesh is closed, has the Euler characteristic of a ball, and no point is outside: only the
+/// hull satisfies all of that.
 void expect_hull(const TriMesh& hull, std::span<const Vec3> points) {
     const PolygonMesh mesh = to_polygons(hull);
     EXPECT_TRUE(topology(mesh).watertight());
@@ -39,7 +40,7 @@ std::vector<Vec3> ball(std::size_t size, bool only_surface) {
 }
 
 TEST(ConvexHull, HoldsTheCornersOfABoxOfPoints) {
-    // A grid of 5 x 4 x 3 points, all faces and edges of which hold further points: 4 x 3 x 2 = 24.
+    // A grid of 5 x 4 x 3 points; all faces and edges contain additional points: 4 x 3 x 2 = 24.
     std::vector<Vec3> points;
     for (int x = 0; x < 5; ++x)
         for (int y = 0; y < 4; ++y)
@@ -64,7 +65,7 @@ TEST(ConvexHull, EnclosesBallsOfPoints) {
         const std::vector<Vec3> points = ball(3000, only_surface);
         const TriMesh hull = convex_hull(points);
         expect_hull(hull, points);
-        // V - E + F = 2 with triangles: F = 2 V - 4. On a sphere nearly all points are corners.
+        // V - E + F = 2 with triangles: F = 2 V - 4. On a sphere almost all points are corners.
         EXPECT_EQ(hull.triangles.size(), 2 * hull.positions.size() - 4);
         EXPECT_EQ(hull.positions.size() > 2900, only_surface);
         EXPECT_NEAR(signed_volume(to_polygons(hull)), 4.0 / 3 * std::numbers::pi, only_surface ? 0.02 : 0.6);
@@ -72,14 +73,14 @@ TEST(ConvexHull, EnclosesBallsOfPoints) {
 }
 
 TEST(ConvexHull, OfAConeIsItsRimAndItsApex) {
-    // Many corners share one: the apex comes when the rim has most of its faces.
+    // Many corners share one: the apex is inserted after most of the rim.
     constexpr int kRim = 4000;
     std::vector<Vec3> points{{0, 0, 3}};
     for (int i = 0; i < kRim; ++i) {
         const double turn = 2 * std::numbers::pi * i / kRim;
         points.emplace_back(Vec3(Vec3d{2 * std::cos(turn), 2 * std::sin(turn), 0.001 * std::cos(3 * turn)}));
     }
-    // pi 2^2 3 / 3, but for the thousandth by which the rim goes up and down
+    // pi 2^2 3 / 3, except for the variation of the rim's height by a thousandth
     EXPECT_NEAR(signed_volume(to_polygons(convex_hull(points))), 4 * std::numbers::pi, 0.02);
 }
 
@@ -96,7 +97,7 @@ TEST(ConvexHull, IsEmptyWithoutASolid) {
 }
 
 TEST(ConvexHull, TakesWhatIsNearlyFlat) {
-    // A plane of points, one of which stands out by the least number there is.
+    // A plane of points, one of which is offset by the smallest possible number.
     std::vector<Vec3> points;
     for (int i = 0; i < 100; ++i) points.emplace_back(float(i % 10), float(i / 10), 1.f);
     points[55].z = std::nextafter(1.f, 2.f);

@@ -19,7 +19,7 @@ EdgeFlowReport flow(const PolygonMesh& mesh, const Skeleton& s, unsigned threads
     return edge_flow(mesh, sorted_sides(mesh, ctx), s, capsules, vertex_places(mesh, s, capsules, ctx), ctx);
 }
 
-/// Ten metres along z, of radius 0.5, in so many segments.
+/// Ten metres along z, of radius 0.5, in the given number of segments.
 Skeleton pole(std::uint32_t segments = 1) {
     std::vector<NodeId> parents;
     std::vector<Vec3> positions;
@@ -30,7 +30,7 @@ Skeleton pole(std::uint32_t segments = 1) {
     return Skeleton(parents, positions, std::vector<float>(segments + 1, 0.5f));
 }
 
-/// A tube along z whose rows of faces climb by `pitch` of a row from column to column.
+/// A tube along z with rows of faces that rise by `pitch` rows per turn.
 PolygonMesh spiral_tube(std::uint32_t sides, std::uint32_t rows, std::uint32_t pitch) {
     PolygonMesh m;
     for (std::uint32_t j = 0; j <= rows + pitch; ++j) {
@@ -71,8 +71,8 @@ TEST(EdgeFlow, RowsOfASpiralAreNot) {
 }
 
 TEST(EdgeFlow, LoopsBesideTheAxisAreNot) {
-    Skeleton beside({kRoot, NodeId(0)}, {{0.7f, 0, 0}, {0.7f, 0, 10}}, {0.5f, 0.5f});
-    const EdgeFlowReport r = flow(tube(16, 40, 0.5f, 10), beside);
+    Skeleton adjacent({kRoot, NodeId(0)}, {{0.7f, 0, 0}, {0.7f, 0, 10}}, {0.5f, 0.5f});
+    const EdgeFlowReport r = flow(tube(16, 40, 0.5f, 10), adjacent);
     EXPECT_GT(r.vertices, 0u);
     EXPECT_EQ(r.on_rings, 0u);
 }
@@ -84,7 +84,7 @@ TEST(EdgeFlow, TrianglesBreakLoops) {
 }
 
 TEST(EdgeFlow, DensityIsByRadius) {
-    // Ten metres of 0.5, then ten of 0.1.
+    // Ten metres of radius 0.5, then ten of 0.1.
     const Skeleton s({kRoot, NodeId(0), NodeId(1), NodeId(2)},
                      {{0, 0, 0}, {0, 0, 10}, {0, 0, 10.001f}, {0, 0, 20}}, {0.5f, 0.5f, 0.1f, 0.1f});
     const EdgeFlowReport r = flow(tube(16, 40, 0.5f, 10), s);

@@ -27,28 +27,28 @@ TEST(CrossingFaces, OfSoundSurfacesAreNone) {
 }
 
 TEST(CrossingFaces, OfTwoBoxes) {
-    // Each of the three faces of one box that reach into the other crosses the two across it.
+    // Each of the three faces of one box that extend into the other intersects the two opposite faces.
     EXPECT_EQ(count(both(cube(), box({0.5f, 0.5f, 0.5f}, {1.5f, 1.5f, 1.5f}))), 6u);
-    // A bar through a slab: its four sides cross both faces of the slab.
+    // A bar through a slab: its four sides intersect both faces of the slab.
     EXPECT_EQ(count(both(box({0, 0, 0}, {9, 9, 1}), box({4, 4, -3}, {5, 5, 3}))), 8u);
     // One box inside another does not touch it.
     EXPECT_EQ(count(both(box({0, 0, 0}, {9, 9, 9}), box({4, 4, 4}, {5, 5, 5}))), 0u);
 }
 
 TEST(CrossingFaces, OfTouchingBoxesTouch) {
-    // Five faces of each box reach the common square: the two in it meet all five, and a side meets all but
+    // Five faces of each box touch the common square: the two in it meet all five, and a side meets all but
     // its opposite.
     EXPECT_EQ(count(both(cube(), box({1, 0, 0}, {2, 1, 1}))), 5u + 4 * 4);
-    EXPECT_EQ(count(both(cube(), box({1, 1, 1}, {2, 2, 2}))), 9u);  // three faces each about one point
+    EXPECT_EQ(count(both(cube(), box({1, 1, 1}, {2, 2, 2}))), 9u);  // three faces each at one point
     EXPECT_EQ(count(both(cube(), box({std::nextafter(1.f, 2.f), 0, 0}, {2, 1, 1}))), 0u);
 }
 
 TEST(CrossingFaces, ThatShareCorners) {
-    // Folded flat onto each other along an edge; laid open; upright.
+    // Folded flat onto each other along an edge; unfolded; upright.
     EXPECT_EQ(count(polygons({{0, 0, 0}, {2, 0, 0}, {1, 2, 0}, {1, 1, 0}}, {{0, 1, 2}, {1, 0, 3}})), 1u);
     EXPECT_EQ(count(polygons({{0, 0, 0}, {2, 0, 0}, {1, 2, 0}, {1, -1, 0}}, {{0, 1, 2}, {1, 0, 3}})), 0u);
     EXPECT_EQ(count(polygons({{0, 0, 0}, {2, 0, 0}, {1, 2, 0}, {1, 1, 1}}, {{0, 1, 2}, {1, 0, 3}})), 0u);
-    // The same corners; one corner in common and piercing.
+    // The same corners; one common corner and an intersection.
     EXPECT_EQ(count(polygons({{0, 0, 0}, {2, 0, 0}, {1, 2, 0}}, {{0, 1, 2}, {2, 1, 0}})), 1u);
     EXPECT_EQ(
         count(polygons({{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {3, 3, 1}, {3, 3, -1}}, {{0, 1, 2}, {0, 3, 4}})),
@@ -56,7 +56,7 @@ TEST(CrossingFaces, ThatShareCorners) {
 }
 
 TEST(CrossingFaces, CountOncePerPairOfFaces) {
-    // A disc of twelve corners, ten triangles, and a blade through its middle that crosses many of them.
+    // A disc of twelve corners, ten triangles, and a blade through its centre that intersects many of them.
     PolygonMesh m;
     for (std::uint32_t i = 0; i < 12; ++i)
         m.positions.push_back({std::cos(angle(i, 12)), std::sin(angle(i, 12)), 0});
@@ -107,7 +107,7 @@ TEST(CrossingsAmong, AreThoseOfTheWholeByTheSameNumbers) {
         if (f < 6 || f >= 12) faces.push_back(f);
     }
     EXPECT_EQ(crossings_among(m, faces, kMany).pairs, all);
-    // Without the faces of one box there are none, and one face has nothing to cross.
+    // Without the faces of one box there are no intersections, nor for a single face.
     EXPECT_TRUE(crossings_among(m, std::span(faces).first(6), kMany).pairs.empty());
     EXPECT_TRUE(crossings_among(m, std::span(faces).first(1), kMany).pairs.empty());
     EXPECT_FALSE(crossings_among(m, faces, 5).complete);
@@ -124,15 +124,15 @@ TEST(FacesNear, AreThoseWhoseBoxesMeetOne) {
         const Box3 box = FaceView(m).box(f);
         if (box.overlaps(boxes[0]) || box.overlaps(boxes[1])) expected.push_back(f);
     }
-    // Columns 10, 11 and 12, and the two that touch at 2900; each twice, as the strip goes there and back.
+    // Columns 10, 11 and 12, and the two that touch at 2900; each twice, because the strip is folded back.
     EXPECT_EQ(expected.size(), 2u * 5);
     EXPECT_EQ(faces_near(m, boxes), expected);
     EXPECT_TRUE(faces_near(m, {}).empty());
     EXPECT_TRUE(faces_near(PolygonMesh{}, boxes).empty());
 }
 
-/// Bars along x and y that cross in eight pairs of faces: either's outer face the other's two sides, and
-/// sides by sides.
+/// Bars along x and y that intersect in eight pairs of faces: the outer face of each with the two sides of
+/// the other, and sides with sides.
 PolygonMesh crossing_bars() {
     return both(box({-1, -0.3f, -0.3f}, {5, 0.3f, 0.3f}), box({-0.3f, -1, 0.2f}, {0.3f, 5, 0.8f}));
 }
@@ -143,7 +143,7 @@ IntersectionReport kinds(const Skeleton& s) {
     return classify(crossing_faces(SurfaceTree(m), kMany), m, &s, &capsules);
 }
 
-/// Two trees of one segment each, along the middles of the bars, half a metre apart.
+/// Two trees of one segment each, along the centre lines of the bars, half a metre apart.
 Skeleton two_trees(float radius) {
     return Skeleton({kRoot, NodeId(0), kRoot, NodeId(2)},
                     {{-1, 0, 0}, {5, 0, 0}, {0, -1, 0.5f}, {0, 5, 0.5f}}, {radius, radius, radius, radius});
@@ -161,7 +161,7 @@ TEST(Classify, ByWayAndByCapsules) {
 }
 
 TEST(Classify, ByStepsAlongTheSkeleton) {
-    // From the end of the bar along x over `joints` nodes of a far detour to the bar along y.
+    // From the end of the bar along x over `joints` nodes of a long detour to the bar along y.
     const auto chain = [](std::uint32_t joints) {
         std::vector<NodeId> parent{kRoot, NodeId(0)};
         std::vector<Vec3> x{{-1, 0, 0}, {5, 0, 0}};
@@ -195,8 +195,8 @@ TEST(Classify, AShortWayIsLocalWhateverItsSteps) {
         return kinds(Skeleton(parent, x, std::vector<float>(x.size(), r)));
     };
     EXPECT_EQ(with_radius(0.2f).remote,
-              8u);                       // the way leads over a segment of 1.5 m as well: 3 radii are 0.6
-    x[x.size() - 2] = {-1.1f, 0, 0.5f};  // and now over one of half a metre
+              8u);                       // the path also includes a segment of 1.5 m: 3 radii are 0.6
+    x[x.size() - 2] = {-1.1f, 0, 0.5f};  // and now one of half a metre
     x.back() = {0, 5, 0.5f};
     EXPECT_EQ(with_radius(0.2f).local, with_radius(0.2f).total);
 }
@@ -208,22 +208,22 @@ TEST(Classify, WithoutASkeletonAllAreLocal) {
     EXPECT_EQ(r.local, 8u);
 }
 
-/// A bar through a slab at `x`: eight pairs (see CrossingFaces.OfTwoBoxes); where the bar ends in it, four.
+/// A bar through a slab at `x`: eight pairs (see CrossingFaces.OfTwoBoxes); if the bar ends in it, four.
 PolygonMesh pierced(float x, bool through) {
     return both(box({x, 0, 0}, {x + 9, 9, 1}), box({x + 4, 4, through ? -3 : 0.5f}, {x + 5, 5, 3}));
 }
 
-CrossingPlaces places_of(const PolygonMesh& m, const Skeleton* s, std::size_t most_named) {
+CrossingPlaces find_places(const PolygonMesh& m, const Skeleton* s, std::size_t max_named) {
     std::optional<CapsuleTree> capsules;
     if (s != nullptr) capsules.emplace(*s, m.origin);
     return crossing_places(crossing_faces(SurfaceTree(m), kMany), m, s, capsules ? &*capsules : nullptr,
-                           most_named);
+                           max_named);
 }
 
 TEST(CrossingPlaces, ComeByTheNumberOfTheirPairs) {
     PolygonMesh m = both(both(pierced(0, false), pierced(20, true)), pierced(40, false));
     m.origin = {1000, 0, 0};
-    const CrossingPlaces all = places_of(m, nullptr, 9);
+    const CrossingPlaces all = find_places(m, nullptr, 9);
     ASSERT_EQ(all.total, 3u);
     ASSERT_EQ(all.largest.size(), 3u);
     EXPECT_EQ(all.more(), 0u);
@@ -232,30 +232,30 @@ TEST(CrossingPlaces, ComeByTheNumberOfTheirPairs) {
     // The means of four sides of the bar and of the slab's faces, two and one: at (x + 4.5, 4.5).
     EXPECT_EQ(all.largest[0].place, Vec3d(1024.5, 4.5, 0.25));   // sides at 0, slab at 0 and 1
     EXPECT_EQ(all.largest[1].place, Vec3d(1004.5, 4.5, 1.375));  // sides at 1.75, slab at 1
-    EXPECT_EQ(all.largest[2].place.x, 1044.5);                   // as many pairs, of later faces
+    EXPECT_EQ(all.largest[2].place.x, 1044.5);                   // the same number of pairs, of later faces
     EXPECT_NEAR(all.largest[0].radius, std::sqrt(2 * 4.5 * 4.5 + 0.75 * 0.75), 1e-6);  // the slab's corners
     EXPECT_FALSE(all.largest[0].node);
-    const CrossingPlaces few = places_of(m, nullptr, 1);
+    const CrossingPlaces few = find_places(m, nullptr, 1);
     ASSERT_EQ(few.largest.size(), 1u);
     EXPECT_EQ(few.largest[0], all.largest[0]);
     EXPECT_EQ(few.more(), 2u);
-    EXPECT_EQ(places_of(m, nullptr, 0).more(), 3u);
-    EXPECT_EQ(places_of(cube(), nullptr, 5), CrossingPlaces{});
+    EXPECT_EQ(find_places(m, nullptr, 0).more(), 3u);
+    EXPECT_EQ(find_places(cube(), nullptr, 5), CrossingPlaces{});
 }
 
 TEST(CrossingPlaces, NameTheNearestNodesOfASkeleton) {
-    // The bar goes along z by nodes 0 to 2, the slab along x by 3 and 4; the place is at z = 0.25.
+    // The bar follows nodes 0 to 2 along z, the slab nodes 3 and 4 along x; the place is at z = 0.25.
     const Skeleton s(
         {kRoot, NodeId(0), NodeId(1), kRoot, NodeId(3)},
         {{4.5f, 4.5f, -3}, {4.5f, 4.5f, 1.5f}, {4.5f, 4.5f, 3}, {1, 4.5f, 0.5f}, {9, 4.5f, 0.5f}},
         {0.5f, 0.5f, 0.5f, 4, 4});
-    const CrossingPlaces found = places_of(pierced(0, true), &s, 5);
+    const CrossingPlaces found = find_places(pierced(0, true), &s, 5);
     ASSERT_EQ(found.largest.size(), 1u);
     EXPECT_EQ(found.largest[0].node, NodeId(1));
     EXPECT_EQ(found.largest[0].other_node, NodeId(3));
-    // All on one segment: one node, twice.
+    // All on one segment: the same node twice.
     const Skeleton alone({kRoot, NodeId(0)}, {{4.5f, 4.5f, -3}, {4.5f, 4.5f, 1.5f}}, {0.5f, 0.5f});
-    const CrossingPlaces one = places_of(pierced(0, true), &alone, 5);
+    const CrossingPlaces one = find_places(pierced(0, true), &alone, 5);
     EXPECT_EQ(one.largest.at(0).node, NodeId(1));
     EXPECT_EQ(one.largest.at(0).other_node, NodeId(1));
 }

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <tuple>
 
+#include "coppice/base/id.h"
 #include "coppice/base/random.h"
 
 namespace coppice {
 namespace {
 
-using measure_internal::kNoMatch;
 using measure_internal::match_points;
 using Matches = std::vector<std::uint32_t>;
 
@@ -34,9 +34,9 @@ Matches by_trying_all(const std::vector<Vec3d>& a, double reach, const std::vect
             if (distance(a[i], b[j]) <= reach) pairs.emplace_back(distance(a[i], b[j]), i, j);
     }
     std::sort(pairs.begin(), pairs.end());
-    Matches of_a(a.size(), kNoMatch), of_b(b.size(), kNoMatch);
+    Matches of_a(a.size(), kNoIndex), of_b(b.size(), kNoIndex);
     for (const auto& [d, i, j] : pairs) {
-        if (of_a[i] != kNoMatch || of_b[j] != kNoMatch) continue;
+        if (of_a[i] != kNoIndex || of_b[j] != kNoIndex) continue;
         of_a[i] = j;
         of_b[j] = i;
     }
@@ -44,20 +44,20 @@ Matches by_trying_all(const std::vector<Vec3d>& a, double reach, const std::vect
 }
 
 TEST(MatchPoints, TheNearestPairComesFirst) {
-    // 1.0 is nearest to 1.2, so 0.0 has to be content with 2.0, three times as far as 1.2.
+    // 1.0 is nearest to 1.2, so 0.0 is paired with 2.0, which is farther than 1.2.
     EXPECT_EQ(match({{0, 0, 0}, {1, 0, 0}}, 3, {{1.2, 0, 0}, {2, 0, 0}}), (Matches{1, 0}));
-    EXPECT_EQ(match({{0, 0, 0}, {1, 0, 0}}, 1.9, {{1.2, 0, 0}, {2, 0, 0}}), (Matches{kNoMatch, 0}));
+    EXPECT_EQ(match({{0, 0, 0}, {1, 0, 0}}, 1.9, {{1.2, 0, 0}, {2, 0, 0}}), (Matches{kNoIndex, 0}));
 }
 
 TEST(MatchPoints, TheReachIsThatOfA) {
     EXPECT_EQ(match_points(std::vector<Vec3d>{{0, 0, 0}, {5, 0, 0}}, std::vector<double>{1, 2},
                            std::vector<Vec3d>{{0, 0, 1.5}, {5, 0, 1.5}}, {}),
-              (Matches{kNoMatch, 1}));
+              (Matches{kNoIndex, 1}));
 }
 
 TEST(MatchPoints, NothingWithNothing) {
     EXPECT_EQ(match({}, 1, {{0, 0, 0}}), Matches{});
-    EXPECT_EQ(match({{0, 0, 0}}, 1, {}), Matches{kNoMatch});
+    EXPECT_EQ(match({{0, 0, 0}}, 1, {}), Matches{kNoIndex});
 }
 
 TEST(MatchPoints, AgreesWithTryingAllPairs) {
@@ -82,7 +82,7 @@ TEST(MatchPoints, ACrowdDoesNotTakeForEver) {
     }
     const Matches m = match(a, 1, b);
     EXPECT_EQ(m[0], 0u);
-    const auto matched = std::count_if(m.begin(), m.end(), [](std::uint32_t i) { return i != kNoMatch; });
+    const auto matched = std::count_if(m.begin(), m.end(), [](std::uint32_t i) { return i != kNoIndex; });
     EXPECT_GE(matched, 32);
 }
 

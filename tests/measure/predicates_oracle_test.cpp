@@ -1,4 +1,4 @@
-// The predicates against CGAL's exact ones, on triangles that touch, overlap and degenerate often.
+// Compares the predicates with CGAL's exact ones, on triangles that often touch, overlap and degenerate.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/intersections.h>
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ Kernel::Point_3 exact(Vec3 p) { return {p.x, p.y, p.z}; }
 Kernel::Triangle_3 exact(const TrianglePoints& t) { return {exact(t[0]), exact(t[1]), exact(t[2])}; }
 Kernel::Segment_3 segment(Vec3 a, Vec3 b) { return {exact(a), exact(b)}; }
 
-/// Points of a small grid, now and then moved by single ulps, turned out of the axes on demand.
+/// Points of a small grid, sometimes moved by single ulps, optionally rotated.
 class Points {
   public:
     explicit Points(std::uint64_t seed) : random_(seed, 0) {}

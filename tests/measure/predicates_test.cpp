@@ -20,8 +20,8 @@ TEST(Orientation, OfUnitVectors) {
 }
 
 TEST(Orientation, SeesTheLeastStepOffAPlane) {
-    // The plane x + y + z = 3 through points that single precision holds; a step of one ulp in one coordinate
-    // leaves it.
+    // The plane x + y + z = 3 through points that are exact in single precision; a step of one ulp in one
+    // coordinate leaves it.
     const Vec3 a{1, 1, 1}, b{1 + 0x1p-20f, 1 - 0x1p-20f, 1}, c{1, 1 + 0x1p-22f, 1 - 0x1p-22f};
     const Vec3 d{1 + 0x1p-18f, 1, 1 - 0x1p-18f};
     EXPECT_EQ(orientation(a, b, c, d), 0);
@@ -32,15 +32,12 @@ TEST(Orientation, SeesTheLeastStepOffAPlane) {
 }
 
 TEST(Orientation, StandsExtremeNumbers) {
-    constexpr float kMost = std::numeric_limits<float>::max(),
-                    kLeast = std::numeric_limits<float>::denorm_min();
-    EXPECT_EQ(orientation({}, {kMost, 0, 0}, {0, kMost, 0}, {0, 0, kLeast}), 1);
-    EXPECT_EQ(
-        orientation({-kMost, -kMost, 0}, {kMost, -kMost, 0}, {kMost, kMost, 0}, {-kMost, kMost, -kLeast}),
-        -1);
-    EXPECT_EQ(orientation({}, {kLeast, 0, 0}, {0, kLeast, 0}, {0, 0, kLeast}), 1);
-    EXPECT_EQ(orientation_2d({}, {kLeast, 0, 0}, {0, kLeast, 0}, 2), 1);
-    EXPECT_EQ(orientation_2d({-kMost, -kMost, 0}, {kMost, kMost, 0}, {kLeast, 0, 0}, 2), -1);
+    constexpr float kMax = std::numeric_limits<float>::max(), kMin = std::numeric_limits<float>::denorm_min();
+    EXPECT_EQ(orientation({}, {kMax, 0, 0}, {0, kMax, 0}, {0, 0, kMin}), 1);
+    EXPECT_EQ(orientation({-kMax, -kMax, 0}, {kMax, -kMax, 0}, {kMax, kMax, 0}, {-kMax, kMax, -kMin}), -1);
+    EXPECT_EQ(orientation({}, {kMin, 0, 0}, {0, kMin, 0}, {0, 0, kMin}), 1);
+    EXPECT_EQ(orientation_2d({}, {kMin, 0, 0}, {0, kMin, 0}, 2), 1);
+    EXPECT_EQ(orientation_2d({-kMax, -kMax, 0}, {kMax, kMax, 0}, {kMin, 0, 0}, 2), -1);
 }
 
 TEST(Triangles, AreDegenerateOnALineOnly) {
@@ -54,20 +51,22 @@ TEST(Triangles, AreDegenerateOnALineOnly) {
 constexpr TrianglePoints kFloor{Vec3{0, 0, 0}, Vec3{4, 0, 0}, Vec3{0, 4, 0}};
 
 TEST(Triangles, MeetInALineAPointOrNot) {
-    EXPECT_TRUE(triangles_meet(kFloor, {Vec3{1, 1, -1}, Vec3{1, 1, 1}, Vec3{9, 9, 0}}));  // pierces
+    EXPECT_TRUE(triangles_meet(kFloor, {Vec3{1, 1, -1}, Vec3{1, 1, 1}, Vec3{9, 9, 0}}));  // intersects
     EXPECT_TRUE(
-        triangles_meet(kFloor, {Vec3{1, 1, 0}, Vec3{1, 1, 1}, Vec3{1, 2, 1}}));  // stands on it with a corner
+        triangles_meet(kFloor, {Vec3{1, 1, 0}, Vec3{1, 1, 1}, Vec3{1, 2, 1}}));  // touches it with a corner
     EXPECT_TRUE(triangles_meet(kFloor, {Vec3{2, 2, 0}, Vec3{5, 5, 1}, Vec3{5, 5, -1}}));  // touches the rim
     EXPECT_FALSE(triangles_meet(kFloor, {Vec3{1, 1, 1}, Vec3{1, 2, 1}, Vec3{2, 1, 0x1p-20f}}));
-    EXPECT_FALSE(triangles_meet(kFloor, {Vec3{3, 3, -1}, Vec3{3, 3, 1}, Vec3{9, 9, 0}}));  // passes beside
+    EXPECT_FALSE(
+        triangles_meet(kFloor, {Vec3{3, 3, -1}, Vec3{3, 3, 1}, Vec3{9, 9, 0}}));  // passes next to it
 }
 
 TEST(Triangles, OfOnePlaneMeetWhereTheyOverlap) {
-    EXPECT_TRUE(triangles_meet(kFloor, {Vec3{1, 1, 0}, Vec3{1.5f, 1, 0}, Vec3{1, 1.5f, 0}}));  // lies inside
+    EXPECT_TRUE(triangles_meet(kFloor, {Vec3{1, 1, 0}, Vec3{1.5f, 1, 0}, Vec3{1, 1.5f, 0}}));  // is inside
+    EXPECT_TRUE(triangles_meet({Vec3{1, 1, 0}, Vec3{1.5f, 1, 0}, Vec3{1, 1.5f, 0}},
+                               kFloor));  // and the other way round
+    EXPECT_TRUE(triangles_meet(kFloor, {Vec3{4, 0, 0}, Vec3{5, 0, 0}, Vec3{5, 1, 0}}));  // a corner
     EXPECT_TRUE(
-        triangles_meet({Vec3{1, 1, 0}, Vec3{1.5f, 1, 0}, Vec3{1, 1.5f, 0}}, kFloor));     // and the other way
-    EXPECT_TRUE(triangles_meet(kFloor, {Vec3{4, 0, 0}, Vec3{5, 0, 0}, Vec3{5, 1, 0}}));   // a corner
-    EXPECT_TRUE(triangles_meet(kFloor, {Vec3{1, 0, 0}, Vec3{3, 0, 0}, Vec3{2, -1, 0}}));  // part of an edge
+        triangles_meet(kFloor, {Vec3{1, 0, 0}, Vec3{3, 0, 0}, Vec3{2, -1, 0}}));  // a portion of an edge
     EXPECT_FALSE(triangles_meet(kFloor, {Vec3{5, 0, 0}, Vec3{6, 0, 0}, Vec3{5, 1, 0}}));
     EXPECT_FALSE(triangles_meet(kFloor, {Vec3{2.5f, 2.5f, 0}, Vec3{6, 0, 0}, Vec3{6, 6, 0}}));
 }

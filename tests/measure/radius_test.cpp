@@ -26,12 +26,12 @@ TEST(RadiusDeviation, OfATrueCapsuleIsNone) {
     EXPECT_EQ(r.all.n, m.positions.size());
     EXPECT_NEAR(r.all.min, 0, 1e-5);
     EXPECT_NEAR(r.all.max, 0, 1e-5);
-    // Rings stand every 0.625 m; those from 1.25 to 8.75 m are two radii away from root and tip.
+    // Rings are 0.625 m apart; those from 1.25 to 8.75 m are at least two radii away from root and tip.
     EXPECT_EQ(r.regular.n, 13u * 64);
 }
 
 TEST(RadiusDeviation, OverAreasSeesThatChordsLieInside) {
-    // Four sides: distances on a chord are r cos(pi / 4) sqrt(1 + x^2), x even in [-1, 1]; the mean of the
+    // Four sides: distances on a chord are r cos(pi / 4) sqrt(1 + x^2), x uniform in [-1, 1]; the mean of the
     // root is (sqrt 2 + asinh 1) / 2.
     const double mean = std::cos(std::numbers::pi / 4) * (std::numbers::sqrt2 + std::asinh(1.0)) / 2 - 1;
     const RadiusReport r = radius(tube(4, 2, 0.5f, 10), pole());
@@ -53,7 +53,7 @@ TEST(RadiusDeviation, RegularMeansAwayFromBranchNodesButNotFromJoints) {
     const Skeleton joint({kRoot, NodeId(0), NodeId(1)}, {{0, 0, 0}, {0, 0, 4.9f}, {0, 0, 10}},
                          {0.5f, 0.5f, 0.5f});
     EXPECT_EQ(radius(m, joint).regular.n, 13u * 32);
-    // A thin lateral at 4.9 m takes away the rings at 4.375, 5 and 5.625 m.
+    // A thin lateral at 4.9 m excludes the rings at 4.375, 5 and 5.625 m.
     const Skeleton fork({kRoot, NodeId(0), NodeId(1), NodeId(1)},
                         {{0, 0, 0}, {0, 0, 4.9f}, {0, 0, 10}, {9, 0, 4.9f}}, {0.5f, 0.5f, 0.5f, 0.01f});
     EXPECT_EQ(radius(m, fork).regular.n, 10u * 32);

@@ -14,7 +14,7 @@
 namespace coppice {
 namespace {
 
-/// One segment up z of ten metres, radius 0.5.
+/// One segment of ten metres along z, radius 0.5.
 Skeleton pole(float radius = 0.5f, Vec3 shift = {}, Vec3d origin = {}) {
     return Skeleton({kRoot, NodeId(0)}, {shift, Vec3{0, 0, 10} + shift}, {radius, radius}, origin);
 }
@@ -37,7 +37,7 @@ Skeleton with_radii_times(const Skeleton& s, float factor) {
                     std::move(radii), s.origin());
 }
 
-/// The same way in the other direction, from the far end of a chain.
+/// The same axis in the other direction, from the far end of a chain.
 Skeleton reversed_pole() { return Skeleton({kRoot, NodeId(0)}, {{0, 0, 10}, {0, 0, 0}}, {0.5f, 0.5f}); }
 
 void expect_perfect(const SkeletonMatch& m) {
@@ -50,7 +50,7 @@ void expect_perfect(const SkeletonMatch& m) {
     EXPECT_EQ(m.tips_reached, 100);
 }
 
-/// Spokes of one metre from one node, evenly over the sphere.
+/// Spokes of one metre from one node, evenly distributed over the sphere.
 Skeleton star(std::uint32_t spokes) {
     std::vector<NodeId> parents{kRoot};
     std::vector<Vec3> positions{{}};
@@ -62,8 +62,8 @@ Skeleton star(std::uint32_t spokes) {
     return Skeleton(parents, positions, std::vector<float>(positions.size(), 0.01f));
 }
 
-// The boxes of the spokes lie over each other, so that each of the 200,000 samples would look at an eighth
-// of them: a minute of computing.
+// The boxes of the spokes overlap, so that each of the 200,000 samples would visit an eighth of them: a
+// minute of computing.
 TEST(SkeletonMatch, OfAStarWithItselfIsPerfect) {
     const Skeleton s = star(5'000);
     const SkeletonMatch m = compare(s, s, {.step = 100});
@@ -103,7 +103,7 @@ TEST(SkeletonMatch, ShiftedByHalfARadius) {
 }
 
 TEST(SkeletonMatch, EveryRadiusIsThatOfTheReference) {
-    // 0.4 m apart: within one radius of the thick one, not of the thin one.
+    // 0.4 m apart: within one radius of the thick one, but not of the thin one.
     const Skeleton thick = pole(0.5f), thin = pole(0.25f, {0.4f, 0, 0});
     EXPECT_EQ(compare(thick, thin).covered_percent, 100);
     EXPECT_EQ(compare(thick, thin).true_percent, 100);
@@ -124,7 +124,7 @@ TEST(SkeletonMatch, RadiiOffByATenth) {
 }
 
 TEST(SkeletonMatch, ALateralIsNotHeldAgainstTheTrunkItLeaves) {
-    // Where the lateral lies 0.1 off its true way the trunk's axis is nearer to its first piece.
+    // Where the lateral is 0.1 off its true position, the trunk's axis is nearer to its first section.
     const Skeleton found({kRoot, NodeId(0), NodeId(1), NodeId(1)},
                          {{0, 0, 0}, {0, 0, 4}, {0, 0, 8}, {5, 0, 4.1f}}, {0.5f, 0.5f, 0.5f, 0.25f});
     EXPECT_EQ(compare(fork(), found).radius_error.max, 0);
@@ -135,7 +135,7 @@ TEST(SkeletonMatch, ABranchIsMissing) {
                          {0.5f, 0.5f, 0.5f});
     const SkeletonMatch m = compare(fork(), trunk);
     EXPECT_NEAR(m.length.ratio(), 8.0 / 13, 1e-9);
-    // The trunk covers its 8 m and the lateral's first quarter metre, which lies within one of its radii.
+    // The trunk covers its 8 m and the lateral's first quarter metre, which is within one of its radii.
     EXPECT_NEAR(m.covered_percent, 100 * 8.25 / 13, 0.5);
     EXPECT_EQ(m.true_percent, 100);
     EXPECT_EQ(m.tips.reference, 2u);
@@ -148,7 +148,7 @@ TEST(SkeletonMatch, ABranchIsMissing) {
     EXPECT_EQ(back.covered_percent, 100);
     EXPECT_NEAR(back.true_percent, 100 * 8.5 / 13, 0.5) << "half a metre of the lateral is inside the trunk";
     EXPECT_EQ(back.tips.spurious(), 1u);
-    EXPECT_EQ(back.junctions.percent(), 100) << "none to be found";
+    EXPECT_EQ(back.junctions.percent(), 100) << "the reference has no junctions";
     EXPECT_EQ(back.junctions.spurious(), 1u);
 }
 
@@ -159,8 +159,8 @@ TEST(SkeletonMatch, ATipCutOff) {
     EXPECT_EQ(far.tips.matched, 1u);
     EXPECT_EQ(far.tips_reached, 50);
     EXPECT_EQ(far.tips.spurious(), 1u);
-    EXPECT_NEAR(far.covered_percent, 100 * (13 - 0.6) / 13, 1) << "0.5 m of 1.1 lie within one radius";
-    // Grown further instead, the axis still passes the true tip.
+    EXPECT_NEAR(far.covered_percent, 100 * (13 - 0.6) / 13, 1) << "0.5 m of 1.1 are within one radius";
+    // If it has grown longer instead, the axis still passes the true tip.
     EXPECT_EQ(compare(fork(), fork(9.5f)).tips.matched, 1u);
     EXPECT_EQ(compare(fork(), fork(9.5f)).tips_reached, 100);
 }
@@ -224,14 +224,15 @@ TEST(SkeletonMatch, VeryThinLongSegmentsAreSampledMoreCoarsely) {
 }
 
 TEST(SkeletonMatch, SamplesOfAStarGrowInProportionToItsLeaves) {
-    const Skeleton few = star(100), many = star(2000);  // spokes of 100 radii: 400 samples are wanted of each
+    const Skeleton few = star(100),
+                   many = star(2000);  // spokes of 100 radii: 400 samples are requested for each
     const auto n = static_cast<double>(compare(few, few).radius_error.n);
-    EXPECT_NEAR(n, 100 * 400, 100) << "up to one more for each, as lengths are rounded";
+    EXPECT_NEAR(n, 100 * 400, 100) << "up to one additional sample for each, because numbers are rounded up";
     EXPECT_LE(compare(many, many).radius_error.n, 2000 * (64u + 1u) + 65536u);
 }
 
 TEST(SkeletonMatch, OneLongSegmentTakesNoSamplesFromTheOthers) {
-    // The pole wants 10 / (0.25 0.5) = 80 samples; the way to a point that is 6000 km off all that are left.
+    // The pole requests 10 / (0.25 0.5) = 80 samples; the segment to a point 6000 km away gets all the rest.
     const Skeleton s({kRoot, NodeId(0), NodeId(1)}, {{0, 0, 0}, {0, 0, 10}, {6e6f, 0, 10}},
                      {0.5f, 0.5f, 0.5f});
     EXPECT_EQ(compare(pole(), s).radius_error.n, 80u);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// A grid of quads, (columns + 1) x (rows + 1) vertices; columns close into a ring where `ring` says so.
+// A grid of quads, (columns + 1) x (rows + 1) vertices; with `ring` the columns form a closed ring.
 template <class Place>
 PolygonMesh grid(std::uint32_t columns, std::uint32_t rows, bool ring, const Place& place) {
     PolygonMesh mesh;
@@ -50,7 +50,7 @@ TEST(Smoothness, ATubeBendsByItsLengthOverItsRadius) {
 }
 
 TEST(Smoothness, ASphereBendsByEightPi) {
-    // Between 30 degrees from either pole: the part of the area is the cosine of that.
+    // The zone at least 30 degrees from both poles: its share of the area is the cosine of that.
     const PolygonMesh zone = grid(128, 64, true, [](std::uint32_t i, std::uint32_t j) {
         const double a = 2 * kPi * i / 128, polar = kPi * (1.0 / 6 + 4.0 / 6 * (64 - j) / 64);
         return 3 * Vec3d{std::sin(polar) * std::cos(a), std::sin(polar) * std::sin(a), std::cos(polar)};
@@ -74,8 +74,8 @@ TEST(Smoothness, ACreaseCostsMoreTheFinerItsFacesAre) {
 }
 
 TEST(Smoothness, ForksAreTwoRadiiAroundTheirNodes) {
-    // A tube of radius 1 along z with a node in its middle from which two others leave: the tube within the
-    // ball of 2 is as long as twice the root of 3.
+    // A tube of radius 1 along z with a node in its middle from which two others start: the tube in the ball
+    // of radius 2 has twice the length of the root of 3.
     const Skeleton s({NodeId{}, NodeId(0), NodeId(1), NodeId(1)},
                      {{0, 0, 0}, {0, 0, 5}, {0, 0, 10}, {0, 5, 5}}, {1, 1, 1, 0.1f}, {100, 0, 0});
     PolygonMesh mesh = tube(1, 10, 64, 400);

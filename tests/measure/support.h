@@ -1,4 +1,4 @@
-// What tests of measures share.
+// Helpers of the tests of measures.
 #pragma once
 
 #include "coppice/skeleton/skeleton.h"

@@ -31,7 +31,8 @@ TEST(CheckSurface, BringsAllTogether) {
     EXPECT_EQ(r.intersections->total, 0u);
     EXPECT_EQ(r.radius->all.n, m.positions.size());
     EXPECT_EQ(r.axes->missing, 0u);
-    // 0.974 is the area of 16 sides over that of their circle; the base is round but is meant to be flat.
+    // 0.974 is the area of 16 sides divided by the area of their circle; the base is round but specified as
+    // flat.
     ASSERT_TRUE(r.volume);
     EXPECT_TRUE(r.holds_volume());
     EXPECT_GT(r.volume->ratio(), 0.98);
@@ -66,7 +67,7 @@ TEST(CheckSurface, UnsoundIsAResult) {
               6u);
 }
 
-/// The value of a figure that is true or false; none where the report does not have it.
+/// Returns the value of a boolean figure; nullopt if the report does not contain it.
 std::optional<bool> flag(const SurfaceReport& report, std::string_view wanted) {
     std::optional<bool> found;
     visit_figures(report, [&](std::string_view name, const auto& value) {
@@ -87,8 +88,8 @@ TEST(CheckSurface, SoundMeansWatertightAndFreeOfCrossings) {
         EXPECT_EQ(flag(r, "watertight"), watertight);
         EXPECT_EQ(flag(r, "sound"), sound);
     }
-    // A search that ended at its limit found crossings, whatever it counted.
-    EXPECT_FALSE(check_surface(crossing, nullptr, {.most_intersections = 0}).sound());
+    // A search that stopped at its limit found intersections, regardless of the count.
+    EXPECT_FALSE(check_surface(crossing, nullptr, {.max_intersections = 0}).sound());
 }
 
 TEST(CheckSurface, SaysNothingOfSoundnessWithoutLookingForCrossings) {
@@ -103,26 +104,26 @@ TEST(CheckSurface, RefusesWhatCannotBeJudged) {
     m.positions[0].x = std::numeric_limits<float>::quiet_NaN();
     EXPECT_THROW(check_surface(m, nullptr), InvalidInput);
     EXPECT_THROW(check_surface(polygons({{}, {}, {}}, {{0, 1, 7}}), nullptr), InvalidInput);
-    EXPECT_THROW(check_surface(cube(), nullptr, {.most_intersections = -1}), InvalidInput);
+    EXPECT_THROW(check_surface(cube(), nullptr, {.max_intersections = -1}), InvalidInput);
 }
 
 TEST(CheckSurface, StandsExtremeCoordinates) {
-    constexpr float kMost = std::numeric_limits<float>::max();
+    constexpr float kMax = std::numeric_limits<float>::max();
     const Skeleton s = pole();
-    EXPECT_TRUE(check_surface(box({-kMost, -kMost, -kMost}, {kMost, kMost, kMost}), &s).sound());
+    EXPECT_TRUE(check_surface(box({-kMax, -kMax, -kMax}, {kMax, kMax, kMax}), &s).sound());
     EXPECT_TRUE(check_surface(box({0, 0, 0}, {1e-44f, 1e-44f, 1e-44f}), &s).sound());
     EXPECT_EQ(check_surface(box({1, 1, 1}, {1, 1, 1}), &s).shape.inverted_faces, 6u);
 }
 
 TEST(CheckSurface, SaysWhenThereAreMoreCrossings) {
     const PolygonMesh m = both(cube(), box({0.5f, 0.5f, 0.5f}, {1.5f, 1.5f, 1.5f}));
-    const SurfaceReport r = check_surface(m, nullptr, {.most_intersections = 2});
+    const SurfaceReport r = check_surface(m, nullptr, {.max_intersections = 2});
     EXPECT_EQ(r.intersections->total, 2u);
     EXPECT_FALSE(r.intersections->complete);
 }
 
 TEST(CheckSurface, SameBitsForAnyNumberOfThreads) {
-    // Rough surfaces that cross each other many times, large enough for many ranges.
+    // Rough surfaces that intersect many times, large enough for many ranges.
     const PolygonMesh m =
         both(both(torus(60, 200, 0.51f, 2), tube(100, 100, 0.49f, 10)), capsule(80, 40, 2.2f, 1, 3));
     const Skeleton s({kRoot, NodeId(0), NodeId(1), NodeId(1)}, {{0, 0, 0}, {0, 0, 5}, {0, 0, 10}, {2, 0, 5}},
@@ -143,7 +144,7 @@ TEST(CheckSurface, ReportsProgressThatNeverFalls) {
     EXPECT_EQ(last, 1);
 }
 
-/// Names of all figures, groups with a dot.
+/// The names of all figures, with a dot for groups.
 struct Names {
     std::string prefix;
     std::string* all;

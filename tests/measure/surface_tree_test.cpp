@@ -36,7 +36,7 @@ TEST(SurfaceTree, DistanceToATriangleIsTheLeastOverItsPoints) {
         }
         const double ours = std::sqrt(distance_squared(p, a, b, c));
         EXPECT_LE(ours, least + 1e-12);
-        EXPECT_NEAR(ours, least, 0.011);  // the samples lie 0.0104 apart at most
+        EXPECT_NEAR(ours, least, 0.011);  // the samples are at most 0.0104 apart
     }
 }
 
@@ -93,7 +93,7 @@ TEST(SurfaceTree, SignedDistanceIsNegativeInside) {
 }
 
 TEST(SurfaceTree, SharpEdgesHaveTheRightSide) {
-    // A wedge of 10 degrees: beyond its edge a point lies behind the plane of neither or of one of its sides.
+    // A wedge of 10 degrees: beyond its edge a point is behind the plane of neither or of one of its sides.
     const float h = std::tan(0.0873f);
     const PolygonMesh wedge =
         polygons({{0, 0, 0}, {0, 1, 0}, {-1, 0, h}, {-1, 1, h}, {-1, 0, -h}, {-1, 1, -h}},
@@ -110,7 +110,7 @@ TEST(SurfaceTree, LeavesOutTrianglesWithoutAreaAndCutsLargeFaces) {
     EXPECT_EQ(SurfaceTree(line).boxes().size(), 0u);
     EXPECT_TRUE(std::isinf(SurfaceTree(line).distance({0, 0, 0})));
     EXPECT_TRUE(std::isinf(SurfaceTree(PolygonMesh{}).distance({0, 0, 0})));
-    // Seven corners: five triangles in three pieces.
+    // Seven corners: five triangles in three items.
     PolygonMesh disc;
     for (std::uint32_t i = 0; i < 7; ++i)
         disc.positions.push_back({std::cos(angle(i, 7)), std::sin(angle(i, 7)), 0});

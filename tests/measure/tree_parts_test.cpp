@@ -10,13 +10,13 @@ namespace {
 
 using namespace shapes;
 
-// Nodes at heights 0, 1, 2 ... along a pole of radius 0.5; beside it, ten away, a second of two nodes.
+// Nodes at heights 0, 1, 2 ... along a pole of radius 0.5; ten metres away, a second one of two nodes.
 const Skeleton kPole({kRoot, NodeId(0), NodeId(1), NodeId(2)}, {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {0, 0, 10}},
                      {0.5f, 0.5f, 0.5f, 0.5f});
 const Skeleton kTwo({kRoot, NodeId(0), kRoot, NodeId(2)}, {{0, 0, 0}, {0, 0, 10}, {10, 0, 0}, {10, 0, 10}},
                     {0.5f, 0.5f, 0.5f, 0.5f});
 
-PolygonMesh beside(PolygonMesh mesh, float x) {
+PolygonMesh adjacent(PolygonMesh mesh, float x) {
     for (Vec3& p : mesh.positions) p.x += x;
     return mesh;
 }
@@ -25,7 +25,7 @@ TEST(TreeParts, OfAPartForEachTreeHasNoneLoose) {
     const TreePartsReport one = tree_parts(capsule(16, 8, 0.5f, 0, 10), kPole);
     EXPECT_EQ(one, (TreePartsReport{.trees = 1, .parts = 1}));
     const PolygonMesh pole = capsule(16, 8, 0.5f, 0, 10);
-    EXPECT_EQ(tree_parts(both(pole, beside(pole, 10)), kTwo), (TreePartsReport{.trees = 2, .parts = 2}));
+    EXPECT_EQ(tree_parts(both(pole, adjacent(pole, 10)), kTwo), (TreePartsReport{.trees = 2, .parts = 2}));
 }
 
 TEST(TreeParts, OfTreesGrownTogetherMayHaveFewer) {
@@ -38,7 +38,7 @@ TEST(TreeParts, NamesWhereABranchIsTornOff) {
     EXPECT_EQ(r.parts, 2u);
     EXPECT_EQ(r.loose, 1u);
     EXPECT_FALSE(r.whole());
-    // The lower one has more faces, and so is the tree's.
+    // The lower one has more faces, and is therefore assigned to the tree.
     ASSERT_EQ(r.largest.size(), 1u);
     EXPECT_EQ(r.largest[0].node, NodeId(3));
     EXPECT_EQ(r.largest[0].place, (Vec3d{0, 0, 10}));
@@ -47,9 +47,9 @@ TEST(TreeParts, NamesWhereABranchIsTornOff) {
 
 TEST(TreeParts, FindsATornBranchThoughTwoTreesAreOnePart) {
     const PolygonMesh pole = capsule(16, 8, 0.5f, 0, 8);
-    PolygonMesh joined = both(pole, beside(pole, 10));
+    PolygonMesh joined = both(pole, adjacent(pole, 10));
     joined.add_face(std::vector<std::uint32_t>{0, 1, static_cast<std::uint32_t>(pole.positions.size())});
-    const TreePartsReport r = tree_parts(both(joined, beside(capsule(4, 1, 0.5f, 9, 9.5f), 10)), kTwo);
+    const TreePartsReport r = tree_parts(both(joined, adjacent(capsule(4, 1, 0.5f, 9, 9.5f), 10)), kTwo);
     EXPECT_EQ(r.trees, 2u);
     EXPECT_EQ(r.parts, 2u);
     EXPECT_EQ(r.loose, 1u);
@@ -58,7 +58,7 @@ TEST(TreeParts, FindsATornBranchThoughTwoTreesAreOnePart) {
 
 TEST(TreeParts, CountsHollowsAndBubblesBySize) {
     const PolygonMesh solid = capsule(32, 32, 0.5f, 0, 10);
-    const PolygonMesh hollow = inverted(capsule(8, 4, 0.1f, 4, 5)), bubble = beside(cube(), 3);
+    const PolygonMesh hollow = inverted(capsule(8, 4, 0.1f, 4, 5)), bubble = adjacent(cube(), 3);
     const TreePartsReport r = tree_parts(both(both(solid, bubble), hollow), kPole);
     EXPECT_EQ(r.loose, 2u);
     ASSERT_EQ(r.largest.size(), 2u);

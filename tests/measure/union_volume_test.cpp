@@ -52,7 +52,7 @@ TEST(UnionVolume, OfAStraightBranchDoesNotDependOnItsNodes) {
 }
 
 TEST(UnionVolume, CountsWhatOverlapsOnce) {
-    // Two cylinders of radius 1 that cross at right angles share 16/3 (Archimedes). Flat ends.
+    // Two cylinders of radius 1 that intersect at right angles share 16/3 (Archimedes). Flat ends.
     const Skeleton cross({kRoot, NodeId(0), kRoot, NodeId(2)}, {{-4, 0, 0}, {4, 0, 0}, {0, -4, 0}, {0, 4, 0}},
                          {1, 1, 1, 1});
     const UnionVolume v = volume(cross, EndShape::flat, EndShape::flat);
@@ -60,14 +60,14 @@ TEST(UnionVolume, CountsWhatOverlapsOnce) {
     EXPECT_NEAR(v.total, exact, v.error);
     EXPECT_LE(v.error, 0.0011 * exact);
     EXPECT_GT(v.error, 0);
-    // Two balls of radius 1 whose centers are 1 apart: each lacks a cap of height 1/2, pi h^2 (3 - h) / 3.
+    // Two balls of radius 1 with centres 1 apart: each lacks a cap of height 1/2, pi h^2 (3 - h) / 3.
     const UnionVolume balls = volume(Skeleton({kRoot, kRoot}, {{0, 0, 0}, {1, 0, 0}}, {1, 1}));
     EXPECT_NEAR(balls.total, 2 * (4 * kPi / 3 - kPi * 0.25 * 2.5 / 3), balls.error);
 }
 
 TEST(UnionVolume, OfARingIsThatOfATorus) {
-    // A closed polygon of 120 segments about the origin, major radius 3, minor 1: 2 pi^2 R r^2 less the
-    // polygon's shortfall, (pi / 120)^2 / 2 of it.
+    // A closed polygon of 120 segments about the origin, major radius 3, minor 1: 2 pi^2 R r^2 minus the
+    // deficit of the polygon, a share of (pi / 120)^2 / 2.
     std::vector<NodeId> parent;
     std::vector<Vec3> position;
     for (std::uint32_t i = 0; i <= 120; ++i) {
@@ -81,13 +81,13 @@ TEST(UnionVolume, OfARingIsThatOfATorus) {
 }
 
 TEST(UnionVolume, EndsInsideOthersAddNothing) {
-    // A branch that leaves a trunk at right angles, of a third of its radius: the trunk has all of the start.
+    // A branch at a right angle to a trunk, with a third of its radius: the trunk contains the whole start.
     const Skeleton fork({kRoot, NodeId(0), NodeId(1), NodeId(1)},
                         {{0, 0, 0}, {0, 0, 5}, {0, 0, 10}, {9, 0, 5}}, {3, 3, 3, 1});
     const UnionVolume v = volume(fork, EndShape::flat, EndShape::flat);
-    // The trunk; and of the branch what lies beyond: at height y off its axis the bark is at sqrt(9 - y^2),
-    // on average over the disc at 3 - E[y^2] / 6 - E[y^4] / 216 = 3 - 1/24 - 1/1728, (E[y^2] = 1/4, E[y^4] =
-    // 1/8).
+    // The trunk; and the portion of the branch beyond it: at height y off its axis the trunk's surface is at
+    // sqrt(9 - y^2), on average over the disc at 3 - E[y^2] / 6 - E[y^4] / 216 = 3 - 1/24 - 1/1728, (E[y^2] =
+    // 1/4, E[y^4] = 1/8).
     const double exact = kPi * 9 * 10 + kPi * (9 - 3 + 1.0 / 24 + 1.0 / 1728);
     EXPECT_NEAR(v.total, exact, v.error);
     EXPECT_NEAR(v.of_capsule[0] + v.of_capsule[1], kPi * 90, v.error);
@@ -110,7 +110,7 @@ TEST(UnionVolume, KeepsToTheTolerance) {
     const UnionVolume rough = volume(cross, EndShape::flat, EndShape::flat, {.tolerance = 1e-2});
     EXPECT_LE(rough.error, 0.011 * rough.total);
     EXPECT_LT(rough.samples, 20'000u);
-    EXPECT_LE(volume(cross, EndShape::flat, EndShape::flat, {.most_samples = 1000}).samples, 1200u);
+    EXPECT_LE(volume(cross, EndShape::flat, EndShape::flat, {.max_samples = 1000}).samples, 1200u);
 }
 
 TEST(UnionVolume, SameBitsForAnyNumberOfThreads) {

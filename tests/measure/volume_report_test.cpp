@@ -34,15 +34,15 @@ TEST(VolumeReport, OfATrueSurfaceMissesNothing) {
 }
 
 TEST(VolumeReport, WeighsABallThatWasLost) {
-    // A ball of radius 5 in the middle of a thin line, whose surface runs through it as if it were not there.
+    // A ball of radius 5 in the middle of a thin line; the surface of the line ignores the ball.
     const Skeleton s({kRoot, NodeId(0), NodeId(1), NodeId(2), NodeId(3)},
                      {{0, 0, -50}, {0, 0, -0.1f}, {0, 0, 0}, {0, 0, 0.1f}, {0, 0, 50}}, {1, 1, 5, 1, 1},
                      {1000, 0, 0});
     PolygonMesh thin = capsule(32, 64, 1, -50, 50);
     thin.origin = {1000, 0, 0};
     const VolumeReport r = report(thin, s);
-    // The cones on either side of node 2 are thin discs; the half balls beyond them make the ball. Beyond 2.5
-    // from the bark of radius 1, at most the ball outside a cylinder of radius 3.5: 4 pi / 3 (25
+    // The cones on both sides of node 2 are thin discs; the half balls beyond them form the ball. Beyond 2.5
+    // from the surface of radius 1, at most the ball outside a cylinder of radius 3.5: 4 pi / 3 (25
     // - 12.25)^1.5.
     EXPECT_GT(r.missing, 0.2 * r.cones);
     EXPECT_LT(r.missing, 4 * kPi / 3 * 46);
@@ -55,7 +55,7 @@ TEST(VolumeReport, WeighsABallThatWasLost) {
 }
 
 TEST(VolumeReport, NamesLumpsBySize) {
-    // A trunk that is there, and two twigs of it that are not, the second of two segments.
+    // A trunk that exists, and two twigs of it that are missing, the second of two segments.
     const Skeleton s({kRoot, NodeId(0), NodeId(1), NodeId(2), NodeId(1), NodeId(2), NodeId(5)},
                      {{0, 0, 0}, {0, 0, 3}, {0, 0, 6}, {0, 0, 10}, {5, 0, 3}, {-5, 0, 6}, {-9, 0, 6}},
                      {1, 1, 1, 1, 0.2f, 0.2f, 0.2f});
@@ -64,7 +64,8 @@ TEST(VolumeReport, NamesLumpsBySize) {
     EXPECT_EQ(r.lumps[0].segments, 2u);
     EXPECT_EQ(r.lumps[1].segments, 1u);
     EXPECT_EQ(r.lumps[1].node, NodeId(4));
-    // 8 m and 4 m beyond the bark, less a tenth of a metre that lies too near to it, and half a ball.
+    // 8 m and 4 m beyond the trunk's surface, minus a tenth of a metre that is too near to it, and half a
+    // ball.
     const double area = kPi * 0.04, end = 2 * kPi / 3 * 0.008;
     EXPECT_NEAR(r.lumps[0].volume, area * 7.9 + end, 0.02);
     EXPECT_NEAR(r.lumps[1].volume, area * 3.9 + end, 0.02);

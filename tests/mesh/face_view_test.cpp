@@ -39,7 +39,7 @@ TEST(SomeFaces, KeepTheirOrderAndThatOfTheirVertices) {
                                       {{0, 1, 2}, {0, 3, 2}, {4, 3, 2, 0}});
     const std::vector<std::uint32_t> faces{2, 1};
     const PolygonMesh part = some_faces(mesh, faces);
-    // Vertex 1 is left out.
+    // Vertex 1 is not used.
     ASSERT_EQ(part.positions.size(), 4u);
     EXPECT_EQ(part.positions[1], Vec3(2, 0, 0));
     ASSERT_EQ(part.face_count(), 2u);

@@ -7,7 +7,7 @@
 namespace coppice {
 namespace {
 
-// Two faces at a right angle, of one square metre and of four, that share the edge along y.
+// Two faces at a right angle, of 1 m^2 and 4 m^2, that share the edge along y.
 const std::vector<Vec3> kFold{{0, 0, 0}, {0, 1, 0}, {-1, 1, 0}, {-1, 0, 0}, {0, 1, -4}, {0, 0, -4}};
 
 TEST(SmoothNormals, WeighFacesByTheirArea) {
@@ -15,7 +15,7 @@ TEST(SmoothNormals, WeighFacesByTheirArea) {
     const Buffer<Vec3> n = smooth_normals(kFold, quads);
     EXPECT_EQ(n[2], (Vec3{0, 0, 1}));
     EXPECT_EQ(n[5], (Vec3{1, 0, 0}));
-    // (4, 0, 1) over its length.
+    // (4, 0, 1) divided by its length.
     EXPECT_NEAR(n[0].x, 0.970143f, 1e-6f);
     EXPECT_NEAR(n[0].z, 0.242536f, 1e-6f);
 }

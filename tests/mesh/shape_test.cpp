@@ -49,8 +49,8 @@ TEST(ScaledJacobian, IsTheLeastSine) {
 
 TEST(ScaledJacobian, IsNotPositiveForFoldedFaces) {
     EXPECT_LT(jacobian({{0, 0, 0}, {1, 0, 0}, {0.2f, 0.2f, 0}, {0, 1, 0}}), 0);  // an arrow head
-    EXPECT_EQ(jacobian({{0, 0, 0}, {1, 0, 0}, {0, 0, 0}, {0, 1, 0}}), -1);       // without area
-    EXPECT_EQ(jacobian({{0, 0, 0}, {0, 0, 0}, {1, 1, 0}, {0, 1, 0}}), -1);       // an edge without length
+    EXPECT_EQ(jacobian({{0, 0, 0}, {1, 0, 0}, {0, 0, 0}, {0, 1, 0}}), -1);       // no area
+    EXPECT_EQ(jacobian({{0, 0, 0}, {0, 0, 0}, {1, 1, 0}, {0, 1, 0}}), -1);       // an edge of length zero
     EXPECT_LT(jacobian({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}), 0);
     EXPECT_EQ(shape(polygons({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}})).inverted_faces, 1u);
 }

@@ -18,7 +18,7 @@ inline PolygonMesh polygons(std::vector<Vec3> positions,
     return m;
 }
 
-/// The box from low to high, six quads outward.
+/// Returns the box from low to high: six quads that face outward.
 inline PolygonMesh box(Vec3 low, Vec3 high) {
     std::vector<Vec3> x;
     for (int i = 0; i < 8; ++i) {
@@ -29,7 +29,7 @@ inline PolygonMesh box(Vec3 low, Vec3 high) {
 
 inline PolygonMesh cube() { return box({0, 0, 0}, {1, 1, 1}); }
 
-/// Both meshes in one, vertices apart.
+/// Returns both meshes in one, with separate vertices.
 inline PolygonMesh both(PolygonMesh a, const PolygonMesh& b) {
     const auto shift = static_cast<std::uint32_t>(a.positions.size());
     a.positions.insert(a.positions.end(), b.positions.begin(), b.positions.end());
@@ -41,7 +41,7 @@ inline PolygonMesh both(PolygonMesh a, const PolygonMesh& b) {
     return a;
 }
 
-/// The same surface seen from inside.
+/// Returns the mesh with reversed faces.
 inline PolygonMesh inverted(const PolygonMesh& m) {
     PolygonMesh out;
     out.positions = m.positions;
@@ -51,7 +51,8 @@ inline PolygonMesh inverted(const PolygonMesh& m) {
     return out;
 }
 
-/// n x m quads; `place(i, j)` of every vertex; joined in i always, in j where `round`.
+/// Returns a grid of n x m quads; `place(i, j)` is the position of every vertex; closed in i always, in j if
+/// `round`.
 template <class Place>
 PolygonMesh grid(std::uint32_t n, std::uint32_t m, bool round, const Place& place) {
     PolygonMesh out;
@@ -72,7 +73,7 @@ inline float angle(std::uint32_t i, std::uint32_t n) {
     return static_cast<float>(2 * std::numbers::pi * i / n);
 }
 
-/// A tube of radius r about z, from 0 to `height`, open at both ends: n quads about, m along.
+/// Returns a tube of radius r about z, from 0 to `height`, open at both ends: n quads around, m along.
 inline PolygonMesh tube(std::uint32_t n, std::uint32_t m, float r, float height) {
     return grid(n, m, false, [&](std::uint32_t i, std::uint32_t j) {
         const float t = angle(i, n), z = height * static_cast<float>(j) / static_cast<float>(m);
@@ -87,7 +88,7 @@ inline PolygonMesh torus(std::uint32_t n, std::uint32_t m, float small, float la
     });
 }
 
-/// A ring of n quads with half a turn.
+/// Returns a Moebius strip of n quads.
 inline PolygonMesh moebius(std::uint32_t n) {
     PolygonMesh out;
     for (std::uint32_t i = 0; i < n; ++i) {
@@ -103,8 +104,8 @@ inline PolygonMesh moebius(std::uint32_t n) {
     return out;
 }
 
-/// The capsule of radius r about the segment from `low` to `high` on the z axis, closed by triangles at the
-/// poles: n quads about, m from pole to equator and m along.
+/// Returns the capsule of radius r about the segment from `low` to `high` on the z axis, closed by triangles
+/// at the poles: n quads around, m from pole to equator and m along.
 inline PolygonMesh capsule(std::uint32_t n, std::uint32_t m, float r, float low, float high) {
     std::vector<std::pair<float, float>> profile;  // radius, z
     for (std::uint32_t j = 1; j <= m; ++j) {

@@ -10,7 +10,8 @@ namespace {
 TEST(Statistics, RanksOfAShuffledRow) {
     std::vector<double> values;
     for (int i = 0; i < 200; ++i)
-        values.push_back((i * 77) % 200 - 100);  // -100 .. 99, 77 and 200 share no factor
+        values.push_back((i * 77) % 200 -
+                         100);  // a permutation of -100 .. 99, because 77 and 200 have no common factor
     const Statistics s = statistics(values);
     EXPECT_EQ(s.n, 200u);
     EXPECT_DOUBLE_EQ(s.min, -100);

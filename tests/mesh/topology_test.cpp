@@ -40,7 +40,7 @@ TEST(Topology, OpenTubeHasAnOpenEdgePerSideAtBothEnds) {
     const TopologyReport t = topology(tube(8, 3, 1, 5));
     EXPECT_FALSE(t.watertight());
     EXPECT_EQ(t.open_edges, 16u);
-    EXPECT_EQ(t.non_manifold_vertices, 0u);  // half a fan is one fan
+    EXPECT_EQ(t.non_manifold_vertices, 0u);  // half a fan counts as one fan
     EXPECT_EQ(t.euler, 0);
     EXPECT_EQ(t.irregular_vertices, 16u);
 }
@@ -55,13 +55,13 @@ TEST(Topology, TwoCubesAreTwoComponents) {
 TEST(Topology, CubesThatShareAVertexAreABowTie) {
     PolygonMesh m = both(cube(), box({1, 1, 1}, {2, 2, 2}));
     for (auto& v : m.corners)
-        v = v == 8 ? 7 : v;  // vertex 8, the low corner of the second, is vertex 7 of the first
+        v = v == 8 ? 7 : v;  // vertex 8, the low corner of the second cube, becomes vertex 7 of the first
     const TopologyReport t = topology(m);
     EXPECT_FALSE(t.watertight());
     EXPECT_EQ(t.non_manifold_vertices, 1u);
     EXPECT_EQ(t.non_manifold_edges, 0u);
     EXPECT_EQ(t.vertices, 15u);   // vertex 8 is no longer used
-    EXPECT_EQ(t.components, 2u);  // a vertex does not join
+    EXPECT_EQ(t.components, 2u);  // a common vertex does not connect components
 }
 
 TEST(Topology, CubesThatShareAnEdgeAreNotManifold) {
@@ -130,7 +130,7 @@ TEST(Topology, QuadMeshesAreJudgedAlike) {
 }
 
 TEST(Topology, SameForAnyNumberOfThreads) {
-    // Large enough for many ranges, with a seam, a hole and two parts.
+    // Large enough for many ranges, with a seam, a hole and two components.
     PolygonMesh m = both(torus(200, 400, 1, 3), tube(100, 300, 0.1f, 1));
     std::swap(m.corners[400], m.corners[402]);
     const TopologyReport one = topology(m, {.threads = 1});

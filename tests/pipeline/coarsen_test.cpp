@@ -23,7 +23,7 @@ MeshOptions by_radius(int levels = 2) {
     return options;
 }
 
-// Straight up, 0.32 thick below and a 64th of that above.
+// Vertical, with radius 0.32 at the bottom and a 64th of it at the top.
 Skeleton tapered_limb() {
     std::vector<NodeId> parent{NodeId::none()};
     std::vector<Vec3> position{{0, 0, 0}};
@@ -36,14 +36,14 @@ Skeleton tapered_limb() {
     return {parent, position, radius};
 }
 
-// Per height: how many vertices a surface has there, as far as these are at one height.
+// Number of vertices of a surface by height.
 std::map<float, int> sides_by_height(const QuadMesh& mesh) {
     std::map<float, int> out;
     for (const Vec3& p : mesh.positions) ++out[std::round(p.z * 1000) / 1000];
     return out;
 }
 
-std::size_t crossings_of(const QuadMesh& mesh) {
+std::size_t find_crossings(const QuadMesh& mesh) {
     return crossing_faces(SurfaceTree(to_polygons(mesh)), 1000).pairs.size();
 }
 
@@ -86,7 +86,7 @@ TEST(SidesByRadius, HalveForEveryFourthOfTheRadius) {
     const QuadMesh mesh = mesh_skeleton(tapered_limb(), by_radius()).quads().mesh;
     EXPECT_TRUE(topology(mesh).watertight());
     EXPECT_EQ(topology(mesh).euler, 2);
-    EXPECT_EQ(crossings_of(mesh), 0u);
+    EXPECT_EQ(find_crossings(mesh), 0u);
     const std::map<float, int> sides = sides_by_height(mesh);
     int sixteen = 0, eight = 0, four = 0;
     for (const auto& [z, count] : sides) {
@@ -114,7 +114,7 @@ TEST(SidesByRadius, KeepVolumeAxesAndTips) {
         EXPECT_LT(2 * mesh.quads.size(), even.quads().mesh.quads.size());
         EXPECT_TRUE(topology(mesh).watertight());
         EXPECT_EQ(topology(mesh).euler, topology(even.quads().mesh).euler);
-        EXPECT_EQ(crossings_of(mesh), 0u);
+        EXPECT_EQ(find_crossings(mesh), 0u);
         for (const Quad& q : mesh.quads) EXPECT_GT(scaled_jacobian(q, mesh.positions), 0);
         const auto before = judge_surface(even, tree, {}), after = judge_surface(made, tree, {});
         EXPECT_NEAR(after->volume->mesh, after->volume->cones, 0.01 * after->volume->cones);
@@ -134,8 +134,8 @@ TEST(SidesByRadius, OfEverySkeletonAreAsClosedAsOthers) {
             EXPECT_TRUE(topology(made.mesh).watertight());
             EXPECT_EQ(topology(made.mesh).euler, topology(expected.mesh).euler);
             EXPECT_LE(made.mesh.quads.size(), expected.mesh.quads.size());
-            if (expected.knots.pairs_after == 0) {
-                EXPECT_EQ(crossings_of(made.mesh), 0u);
+            if (expected.repair.pairs_after == 0) {
+                EXPECT_EQ(find_crossings(made.mesh), 0u);
             }
         }
     }

@@ -1,11 +1,11 @@
-#include "coppice/pipeline/knots/crossings_internal.h"
+#include "coppice/pipeline/repair/crossings_internal.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "coppice/skeleton/random_tree.h"
-#include "slice_search.h"
+#include "tube_row_search.h"
 #include "zoo.h"
 
 namespace coppice {
@@ -20,7 +20,7 @@ MeshOptions with(int levels, int sides, TipShape tips = TipShape::round, BaseSha
     return options;
 }
 
-TEST(SliceCrossings, AreThoseOfTheWholeMeshOnTheZoo) {
+TEST(TubeCrossings, AreThoseOfTheWholeMeshOnTheZoo) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         SCOPED_TRACE(name);
         expect_same(skeleton);
@@ -29,11 +29,11 @@ TEST(SliceCrossings, AreThoseOfTheWholeMeshOnTheZoo) {
     }
 }
 
-TEST(SliceCrossings, AreThoseOfTheWholeMeshAtEveryLevelAndNumberOfSides) {
+TEST(TubeCrossings, AreThoseOfTheWholeMeshAtEveryLevelAndNumberOfSides) {
     for (int levels = 0; levels <= 6; ++levels) {
         const std::uint32_t size = levels < 4 ? 60 : 8;
         for (const int sides : {4, 8, 16}) {
-            if (levels > 4 && sides > 4) continue;  // a million quads, with nothing new in them
+            if (levels > 4 && sides > 4) continue;  // a million quads without additional coverage
             SCOPED_TRACE(testing::Message() << levels << " levels, " << sides << " sides");
             expect_same(random_tree(size, 3), with(levels, sides));
             expect_same(random_tree(size, 4, true), with(levels, sides, TipShape::flat));
@@ -42,7 +42,7 @@ TEST(SliceCrossings, AreThoseOfTheWholeMeshAtEveryLevelAndNumberOfSides) {
 }
 
 // Cages without grafting and unfolding cross themselves in many ways.
-TEST(SliceCrossings, AreThoseOfTheWholeMeshWhereMuchCrosses) {
+TEST(TubeCrossings, AreThoseOfTheWholeMeshWhereMuchCrosses) {
     std::size_t pairs = 0;
     for (std::uint64_t seed = 0; seed < 12; ++seed) {
         SCOPED_TRACE(seed);
@@ -54,8 +54,8 @@ TEST(SliceCrossings, AreThoseOfTheWholeMeshWhereMuchCrosses) {
     EXPECT_GT(pairs, 1000u);
 }
 
-// Units have quads between their tubes, a root may be one, and much crosses without unfolding.
-TEST(SliceCrossings, AreThoseOfTheWholeMeshOnRamifications) {
+// Units have quads between their tubes, including roots, and many quads cross without unfolding.
+TEST(TubeCrossings, AreThoseOfTheWholeMeshOnRamifications) {
     std::size_t pairs = 0;
     for (const int levels : {1, 2, 3}) {
         SCOPED_TRACE(testing::Message() << levels << " levels");
@@ -79,7 +79,7 @@ TEST(SliceCrossings, AreThoseOfTheWholeMeshOnRamifications) {
     EXPECT_GT(pairs, 1000u);
 }
 
-// Each vertex goes astray by itself: a fold that only touches its own row, or a spike that reaches others.
+// Each vertex is displaced separately: a fold that only touches its own row, or a spike that reaches others.
 void expect_same_when_vertices_are_moved(const Quads& quads) {
     const std::size_t count = quads.surface.mesh.positions.size();
     const Box3 box = [&] {
@@ -95,13 +95,13 @@ void expect_same_when_vertices_are_moved(const Quads& quads) {
         const Vec3 other = i % 2 == 0 ? box.center() : mesh.positions[(v + 1 + i % 30) % count];
         mesh.positions[v] = lerp(mesh.positions[v], other, i % 3 == 0 ? 0.3f : 1.2f);
         const std::vector<FacePair> all = search(mesh);
-        EXPECT_EQ(slice_search(quads, mesh), all);
+        EXPECT_EQ(tube_row_search(quads, mesh), all);
         pairs += all.empty() ? 0 : 1;
     }
     EXPECT_GT(pairs, 60u);
 }
 
-TEST(SliceCrossings, AreThoseOfTheWholeMeshWhenVerticesAreMoved) {
+TEST(TubeCrossings, AreThoseOfTheWholeMeshWhenVerticesAreMoved) {
     MeshOptions options = with(2, 4);
     expect_same_when_vertices_are_moved(quads_of(random_tree(40, 5), options));
     options.method = MeshMethod::ramifications;
@@ -109,20 +109,20 @@ TEST(SliceCrossings, AreThoseOfTheWholeMeshWhenVerticesAreMoved) {
     expect_same_when_vertices_are_moved(quads_of(random_tree(40, 5), options));
 }
 
-TEST(SliceCrossings, AreTheSameForAnyNumberOfThreads) {
+TEST(TubeCrossings, AreTheSameForAnyNumberOfThreads) {
     const Quads quads = quads_of(random_tree(2000, 1, true), with(1, 4));
-    const auto one = slice_search(quads, quads.surface.mesh, {.threads = 1});
+    const auto one = tube_row_search(quads, quads.surface.mesh, {.threads = 1});
     EXPECT_FALSE(one.empty());
     for (const unsigned threads : {2u, 7u}) {
-        EXPECT_EQ(slice_search(quads, quads.surface.mesh, {.threads = threads}), one);
+        EXPECT_EQ(tube_row_search(quads, quads.surface.mesh, {.threads = threads}), one);
     }
 }
 
-// What is left to be searched is little, on a tree whose branches keep clear of each other.
-TEST(SliceCrossings, AreProvedToBeNoneNearlyEverywhere) {
+// Few quads remain to be searched on a tree with branches that are clear of each other.
+TEST(TubeCrossings, AreProvedToBeNoneNearlyEverywhere) {
     const Quads quads = quads_of(random_tree(3000, 1), {});
-    const pipeline_internal::Slices slices(quads.surface.cage, quads.tubes, quads.levels);
-    const std::size_t left = unproved_quads(quads.surface.mesh, slices, {}).size();
+    const pipeline_internal::TubeRows tube_rows(quads.surface.cage, quads.tubes, quads.levels);
+    const std::size_t left = unproved_quads(quads.surface.mesh, tube_rows, {}).size();
     EXPECT_LT(left, quads.surface.mesh.quads.size() / 45);
 }
 

@@ -21,12 +21,12 @@ namespace {
 using cuda::QuadStages;
 using cuda::StrictExecutor;
 using test::Dragged;
-using test::kGreatest;
+using test::kMax;
 
-constexpr std::array<double, 5> kSwing{0, 0.11, kGreatest, -kGreatest, 0};
+constexpr std::array<double, 5> kSwing{0, 0.11, kMax, -kMax, 0};
 
-/// The frames of a drag by the kernels of a card, on the CPU. From the third one on they are launches that
-/// were noted.
+/// The frames of a drag by the kernels of a GPU, on the CPU. From the third one on they are recorded
+/// launches.
 class ByKernels {
   public:
     ByKernels(const QuadModel& model, const BranchDrag& drag, const DragPart& part,
@@ -39,7 +39,7 @@ class ByKernels {
         kernel_ = job.contacts.field.kernel();
     }
 
-    /// Makes a frame; how often it had to begin.
+    /// Computes a frame; returns the number of attempts.
     int make(const DragPose& pose) {
         int begun = 0;
         do {
@@ -72,12 +72,12 @@ class ByKernels {
     Buffer<Vec3> positions_, normals_;
 };
 
-/// How many vertices lie elsewhere than the CPU's, of those that frames write.
+/// Number of vertices that differ from those of the CPU, among those that frames write.
 struct Differing {
     std::size_t positions = 0, normals = 0, all = 0;
 };
 
-/// [m] Of the nearest node.
+/// [m] Radius of the closest node.
 float local_radius(const QuadModel& model, const DragPose& pose, Vec3 p) {
     float nearest = std::numeric_limits<float>::infinity(), radius = 0;
     for (std::size_t n = 0; n < pose.nodes.size(); ++n) {
@@ -96,7 +96,7 @@ Differing differing(const Dragged& d, const DragPose& pose, const DraggedSurface
         const Vec3 p = cpu.positions()[i];
         const float away = distance(p, kernels.positions()[i]);
         if (away == 0) continue;
-        // Coordinates are rounded to 6e-8 of themselves, several times over.
+        // Coordinates have a relative rounding error of 6e-8, several times.
         out.positions += !(away <= 1e-4f * local_radius(d.model, pose, p) + 1e-6f * length(p));
     }
     for (std::size_t i = 0; i < d.part.shaded; ++i)
@@ -104,7 +104,7 @@ Differing differing(const Dragged& d, const DragPose& pose, const DraggedSurface
     return out;
 }
 
-/// A swing, frame by frame. Returns how many vertices differ in all.
+/// Compares a swing frame by frame; returns the total number of different vertices.
 Differing swing(const Dragged& d, ByKernels& kernels) {
     DraggedSurface cpu(d.model, d.part);
     DragPose pose = d.drag.rest();
@@ -118,22 +118,22 @@ Differing swing(const Dragged& d, ByKernels& kernels) {
         sum.positions += frame.positions;
         sum.normals += frame.normals;
         sum.all += frame.all;
-        // What is not written stays to the bit.
+        // Vertices that are not written remain bit-identical.
         EXPECT_TRUE(std::ranges::equal(kernels.positions().subspan(d.part.written),
                                        cpu.positions().subspan(d.part.written)));
     }
     return sum;
 }
 
-/// `share` of the vertices may differ: those whose rays lie in a plane of symmetry, or touch a wall between
-/// branches, go by rounding to one side or the other.
+/// `share` of the vertices may differ: rays in a plane of symmetry, or that touch a wall between branches,
+/// end on one side or the other by rounding.
 void expect_same(const Dragged& d, double share = 0) {
     ByKernels kernels(d.model, d.drag, d.part);
     const Differing found = swing(d, kernels);
     const auto all = static_cast<double>(found.all);
     EXPECT_GT(found.all, 1000u);
     EXPECT_LE(static_cast<double>(found.positions), share * all);
-    // One that lies elsewhere turns the normals of its eight neighbours too.
+    // A different vertex also changes the normals of its eight neighbours.
     EXPECT_LE(static_cast<double>(found.normals), 9 * share * all);
 }
 
@@ -185,7 +185,7 @@ TEST(DragFeed, AFrameBeginsAgainWithMoreRoomForLists) {
     ByKernels kernels(d.model, d.drag, d.part, cuda::ListRoom{1, 1}), roomy(d.model, d.drag, d.part);
     const DragPose pose = d.at(0.2);
     EXPECT_EQ(roomy.make(pose), 1);
-    // First the own lists are counted, then those of rivals.
+    // First the own lists are counted, then those of competing segments.
     EXPECT_EQ(kernels.make(pose), 3);
     EXPECT_EQ(kernels.make(pose), 1);
     EXPECT_TRUE(std::ranges::equal(kernels.positions(), roomy.positions()));

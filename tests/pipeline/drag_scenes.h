@@ -9,7 +9,7 @@
 
 namespace coppice::test {
 
-inline constexpr double kGreatest = 20 * std::numbers::pi / 180;  // [rad]
+inline constexpr double kMax = 20 * std::numbers::pi / 180;  // [rad]
 
 /// A branch of a tree, and the part that it can change.
 struct Dragged {
@@ -20,7 +20,7 @@ struct Dragged {
     explicit Dragged(const Skeleton& tree, const MeshOptions& options = {}, std::uint32_t segments = 40)
         : model(quad_model(tree, options)),
           drag(model, branch_of_about(model.skeleton, segments), {0.3, 1, 0.2}),
-          part(drag_part(model, drag, kGreatest)) {}
+          part(drag_part(model, drag, kMax)) {}
 
     DragPose at(double angle) const {
         DragPose pose = drag.rest();

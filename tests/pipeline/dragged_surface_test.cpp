@@ -18,7 +18,7 @@ namespace coppice {
 namespace {
 
 using test::Dragged;
-using test::kGreatest;
+using test::kMax;
 
 Skeleton small_tree() { return random_tree(400, 3); }
 
@@ -32,7 +32,7 @@ Buffer<Vec3> in_model_order(const DragPart& part, std::span<const Vec3> drawn) {
 TEST(QuadModel, AtRestIsTheMeshThatIsNeitherUnfoldedNorRemeshed) {
     const Skeleton tree = small_tree();
     MeshOptions plain;
-    plain.overlaps = Overlaps::graft;  // what is merged moves apart while it is dragged
+    plain.overlaps = Overlaps::graft;  // merged branches would separate while they are dragged
     plain.untangle.passes = 0;
     plain.remesh_rounds = 0;
     const MeshResult made = mesh_skeleton(tree, plain);
@@ -47,11 +47,11 @@ TEST(QuadModel, RefusesWhatHasNoSuchQuads) {
         return error_of([&] { quad_model(small_tree(), options); });
     };
     EXPECT_EQ(refused({.method = MeshMethod::tetrahedra}),
-              "mesh: method must be quads or bmesh for a surface whose branches are dragged");
+              "mesh: method must be quads or bmesh for a surface with dragged branches");
     EXPECT_EQ(refused({.fit = Fit::volume}),
-              "mesh: fit must not be volume for a surface whose branches are dragged");
+              "mesh: fit must not be volume for a surface with dragged branches");
     EXPECT_EQ(refused({.field = {.weights = Weights::global}}),
-              "mesh: weights must be local for a surface whose branches are dragged");
+              "mesh: weights must be local for a surface with dragged branches");
 }
 
 TEST(BranchOfAbout, IsTheLateralNearestInSize) {
@@ -72,7 +72,7 @@ TEST(BranchOfAbout, IsTheLateralNearestInSize) {
     const Skeleton tree(parent, place, radius);
     EXPECT_EQ(branch_of_about(tree, 1), NodeId(9));
     EXPECT_EQ(branch_of_about(tree, 500), NodeId(10));
-    // Without laterals, the axis from where so much is left of it.
+    // Without laterals, the axis from the point with this remaining length.
     const Skeleton stem({NodeId{}, NodeId(0), NodeId(1), NodeId(2)}, {{}, {0, 0, 1}, {0, 0, 2}, {0, 0, 3}},
                         {1, 1, 1, 1});
     EXPECT_EQ(branch_of_about(stem, 2), NodeId(2));
@@ -81,8 +81,8 @@ TEST(BranchOfAbout, IsTheLateralNearestInSize) {
 
 TEST(BranchDrag, SegmentsTurnExactlyAndForksInPart) {
     const Dragged d(small_tree());
-    const DragPose pose = d.at(kGreatest);
-    const Rotation turn = rotation_about(d.drag.axis(), kGreatest);
+    const DragPose pose = d.at(kMax);
+    const Rotation turn = rotation_about(d.drag.axis(), kMax);
     for (const std::uint32_t n : d.drag.nodes()) {
         const Vec3d arm = Vec3d(d.model.skeleton.position(NodeId(n))) - d.drag.foot();
         EXPECT_LT(distance(Vec3d(pose.nodes[n]), d.drag.foot() + turn(arm)), 1e-5);
@@ -108,11 +108,11 @@ TEST(DraggedSurface, AtAngleZeroIsTheSurfaceAtRestToTheBit) {
         const NodeId top = branch_of_about(model.skeleton, 5);
         if (!top) continue;
         const BranchDrag drag(model, top, {1, 0, 0});
-        const DragPart part = drag_part(model, drag, kGreatest);
+        const DragPart part = drag_part(model, drag, kMax);
         DraggedSurface surface(model, part);
         const Buffer<Vec3> normals(surface.normals().begin(), surface.normals().end());
         DragPose pose = drag.rest();
-        for (const double angle : {kGreatest, 0.0}) {
+        for (const double angle : {kMax, 0.0}) {
             drag.turn(angle, pose);
             surface.make(pose);
         }
@@ -136,7 +136,7 @@ TEST(DraggedSurface, ThePartHasTheBitsOfTheWhole) {
             EXPECT_LT(d.part.written, whole.written / 2);
         }
         DraggedSurface part(d.model, d.part), all(d.model, whole);
-        for (const double angle : {-kGreatest, 0.07, kGreatest}) {
+        for (const double angle : {-kMax, 0.07, kMax}) {
             const DragPose pose = d.at(angle);
             part.make(pose);
             all.make(pose);
@@ -151,7 +151,7 @@ TEST(DraggedSurface, ThePartHasTheBitsOfTheWholeWhereBranchesRunThroughEachOther
         const Dragged d(random_tree(600, 4, true), {}, segments);
         const DragPart whole = whole_part(d.model);
         DraggedSurface part(d.model, d.part), all(d.model, whole);
-        for (const double angle : {-kGreatest, -0.11, 0.3}) {
+        for (const double angle : {-kMax, -0.11, 0.3}) {
             const DragPose pose = d.at(angle);
             part.make(pose);
             all.make(pose);
@@ -174,13 +174,13 @@ TEST(DraggedSurface, WhatTurnsFarFromTheForkKeepsItsShape) {
     const Dragged d(small_tree());
     DraggedSurface surface(d.model, d.part);
     const Buffer<Vec3> rest(surface.positions().begin(), surface.positions().end());
-    const ProjectReport report = surface.make(d.at(kGreatest));
+    const ProjectReport report = surface.make(d.at(kMax));
     EXPECT_LT(report.not_converged, report.vertices / 100);
-    // The tip of the branch: its last node, one radius on.
+    // The tip of the branch: its last node, one radius beyond.
     const std::uint32_t tip = d.drag.nodes().back();
     const Vec3 at = d.model.skeleton.position(NodeId(tip));
     const float r = d.model.skeleton.radius(NodeId(tip));
-    const Rotation turn = rotation_about(d.drag.axis(), kGreatest);
+    const Rotation turn = rotation_about(d.drag.axis(), kMax);
     std::size_t looked_at = 0;
     for (std::size_t i = 0; i < rest.size(); ++i) {
         if (distance(rest[i], at) > 1.2f * r) continue;

@@ -26,7 +26,7 @@ TEST(PlanFaces, MeetsTheNumberThatIsWanted) {
         EXPECT_NEAR(static_cast<double>(budget.faces), static_cast<double>(wanted), 0.02 * wanted);
         const QuadMesh mesh = mesh_skeleton(budget.skeleton, budget.options).quads().mesh;
         EXPECT_TRUE(topology(mesh).watertight());
-        // Rings that stand near each other cross at forks, and what is remeshed there has more faces.
+        // Close rings cross at forks, and remeshed regions have more faces.
         EXPECT_GE(mesh.quads.size(), budget.faces);
         EXPECT_LE(mesh.quads.size(),
                   (budget.options.prepare.resample.max_length < 5 ? 3 : 1.1) * budget.faces);
@@ -50,7 +50,7 @@ TEST(MeshWithFaces, ComesNearWithSidesByRadiusOrWithout) {
     EXPECT_EQ(mesh_with_faces(tree, {}, {}, 20'000).budget.options.tube_sides, TubeSides::by_radius);
 }
 
-// A trunk with laterals that wind by a fifth of their radius, by many nodes.
+// A trunk with laterals of many nodes that wind by a fifth of their radius.
 Skeleton winding_laterals() {
     std::vector<NodeId> parent{NodeId::none()};
     std::vector<Vec3> position{{0, 0, 0}};
@@ -75,8 +75,8 @@ Skeleton winding_laterals() {
     return {parent, position, radius};
 }
 
-// Where rings are so far apart that chords cut corners, moving the surface outward does not end at the volume
-// that is meant.
+// If chords between distant rings cut corners, moving the surface outward does not end at the specified
+// volume.
 TEST(MeshWithFaces, KeepsTheVolumeWithFewFaces) {
     const Skeleton tree = winding_laterals();
     for (const std::uint64_t faces : {200u, 400u, 800u}) {
@@ -107,7 +107,7 @@ TEST(PlanFaces, DropsBranchesOnlyWhereFewFacesAreWanted) {
     EXPECT_LT(few.options.levels, many.options.levels);
 }
 
-// The thin lateral goes before the thick one, and a branch never before what it carries.
+// The thin lateral is removed before the thick one, and a branch never before those that it carries.
 TEST(PlanFaces, DropsTheLeastSilhouetteFirst) {
     const Skeleton tree = random_tree(500, 7);
     std::uint32_t last = 0;

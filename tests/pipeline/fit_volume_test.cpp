@@ -30,7 +30,7 @@ Skeleton small_tree(float x = 0) {
                     {0.5f, 0.45f, 0.4f, 0.3f, 0.3f, 0.1f});
 }
 
-double volume_of(const PolygonMesh& m) { return shape(m).signed_volume; }
+double compute_volume(const PolygonMesh& m) { return shape(m).signed_volume; }
 std::uint64_t crossings(const PolygonMesh& m) {
     return crossing_faces(SurfaceTree(m), 1'000'000).pairs.size();
 }
@@ -50,9 +50,9 @@ TEST(FitVolume, ACylinderGetsTheAreaOfItsCircle) {
     EXPECT_TRUE(r.fitted->closed);
     const double exact = kPi * 0.25 * 10 + 2 * kPi / 3 * 0.125;
     EXPECT_NEAR(r.fitted->cones, exact, r.fitted->error);
-    EXPECT_NEAR(volume_of(to_polygons(r)), exact, 1e-3 * exact);
-    EXPECT_NEAR(r.fitted->after, volume_of(to_polygons(r)), 1e-4 * exact);
-    // Sixteen sides have the area of the circle when their corners are at r sqrt(a / sin a), a = 2 pi / 16.
+    EXPECT_NEAR(compute_volume(to_polygons(r)), exact, 1e-3 * exact);
+    EXPECT_NEAR(r.fitted->after, compute_volume(to_polygons(r)), 1e-4 * exact);
+    // Sixteen sides have the area of the circle if their corners are at r sqrt(a / sin a), a = 2 pi / 16.
     const double a = kPi / 8, corner = 0.5 * std::sqrt(a / std::sin(a));
     std::size_t seen = 0;
     for (const Vec3 p : r.quads().mesh.positions) {
@@ -65,7 +65,7 @@ TEST(FitVolume, ACylinderGetsTheAreaOfItsCircle) {
 
 TEST(FitVolume, FlatEndsStayFlat) {
     MeshOptions options;
-    options.field.radius_scale = 1;  // so that there is something to do
+    options.field.radius_scale = 1;  // so that the fit has an effect
     options.control.tips = TipShape::flat;
     const MeshResult before = mesh_skeleton(pole(), options);
     options.fit = Fit::volume;
@@ -78,9 +78,9 @@ TEST(FitVolume, FlatEndsStayFlat) {
         wider += std::hypot(q.x, q.y) > std::hypot(p.x, p.y) * 1.005 ? 1 : 0;
         ++flat;
     }
-    EXPECT_GT(flat, wider);  // the rim, but not what is within
+    EXPECT_GT(flat, wider);  // the rim, but not the vertices within
     EXPECT_EQ(wider, 32u);
-    EXPECT_NEAR(volume_of(to_polygons(after)), kPi * 2.5, 1e-3 * kPi * 2.5);
+    EXPECT_NEAR(compute_volume(to_polygons(after)), kPi * 2.5, 1e-3 * kPi * 2.5);
 }
 
 TEST(FitVolume, AnOpenBaseCountsAsClosed) {
@@ -89,15 +89,15 @@ TEST(FitVolume, AnOpenBaseCountsAsClosed) {
     options.fit = Fit::volume;
     const MeshResult r = mesh_skeleton(small_tree(7), options);
     EXPECT_TRUE(r.fitted->closed);
-    // The base is at z = 0, so that its disc adds nothing to the volume of the open surface.
-    EXPECT_NEAR(volume_of(to_polygons(r)), r.fitted->cones, 1e-3 * r.fitted->cones);
+    // The base is at z = 0, so that its disc adds no volume to the open surface.
+    EXPECT_NEAR(compute_volume(to_polygons(r)), r.fitted->cones, 1e-3 * r.fitted->cones);
 }
 
 TEST(FitVolume, HoldsForLevelsAndMethods) {
     for (const int level : {0, 1, 2, 3}) {
         SCOPED_TRACE(level);
         const MeshResult r = mesh_with(small_tree(), Fit::volume, MeshMethod::quads, level);
-        EXPECT_NEAR(volume_of(to_polygons(r)), r.fitted->cones, 1e-3 * r.fitted->cones);
+        EXPECT_NEAR(compute_volume(to_polygons(r)), r.fitted->cones, 1e-3 * r.fitted->cones);
     }
     for (const float edge : {0.25f, 0.5f, 1.0f}) {
         SCOPED_TRACE(edge);
@@ -106,12 +106,12 @@ TEST(FitVolume, HoldsForLevelsAndMethods) {
         options.fit = Fit::volume;
         options.tetra.edge = edge;
         const MeshResult r = mesh_skeleton(small_tree(), options);
-        EXPECT_NEAR(volume_of(to_polygons(r)), r.fitted->cones, 1e-3 * r.fitted->cones);
+        EXPECT_NEAR(compute_volume(to_polygons(r)), r.fitted->cones, 1e-3 * r.fitted->cones);
     }
 }
 
 TEST(FitVolume, AutomaticFitsWhereTheVolumeIsOff) {
-    // Of a long pole the ends, which lose some, are little.
+    // On a long pole, the volume that the ends lose is a small share.
     const Skeleton longer({kRoot, NodeId(0)}, {{0, 0, 0}, {0, 0, 60}}, {0.5f, 0.5f});
     const MeshResult near = mesh_with(longer, Fit::automatic);
     ASSERT_TRUE(near.measured);
@@ -120,7 +120,7 @@ TEST(FitVolume, AutomaticFitsWhereTheVolumeIsOff) {
     const MeshResult shorter = mesh_with(pole(), Fit::automatic);
     ASSERT_TRUE(shorter.measured && shorter.fitted);
     EXPECT_LT(shorter.measured->ratio(), 0.99);
-    EXPECT_NEAR(volume_of(to_polygons(shorter)), shorter.fitted->cones, 1e-3 * shorter.fitted->cones);
+    EXPECT_NEAR(compute_volume(to_polygons(shorter)), shorter.fitted->cones, 1e-3 * shorter.fitted->cones);
     const MeshResult coarse = mesh_with(pole(), Fit::automatic, MeshMethod::quads, 0);
     ASSERT_TRUE(coarse.fitted);
     EXPECT_NEAR(coarse.fitted->after, coarse.fitted->cones, 1e-3 * coarse.fitted->cones);
@@ -148,7 +148,7 @@ TEST(FitVolume, AutomaticLeavesSurfacesThatMeanSomethingElse) {
 }
 
 TEST(FitVolume, ThinBranchesOfABallKeepTheirRadius) {
-    // What the ball has too much must not be taken from the neurite that leaves it.
+    // The excess volume of the ball must not be removed from the neurite that leaves it.
     const Skeleton cell({kRoot, NodeId(0), NodeId(1), NodeId(0), NodeId(3)},
                         {{0, 0, 0}, {0, 0, 4}, {0, 0, 10}, {0, 4, 0}, {0, 10, 0}},
                         {3, 0.2f, 0.2f, 0.2f, 0.2f});
@@ -187,7 +187,7 @@ TEST(FitVolume, PartsGetTheirOwn) {
 }
 
 TEST(FitVolume, IsNotMadeUpForWhatIsLost) {
-    // The surface of a thin pole, held against a skeleton that has a ball in its middle.
+    // The surface of a thin pole, compared with a skeleton that has a ball in its middle.
     const Skeleton thin({kRoot, NodeId(0), NodeId(1)}, {{0, 0, 0}, {0, 0, 5}, {0, 0, 10}},
                         {0.5f, 0.5f, 0.5f});
     const Skeleton ball({kRoot, NodeId(0), NodeId(1), kRoot}, {{0, 0, 0}, {0, 0, 5}, {0, 0, 10}, {0, 0, 5}},
@@ -214,7 +214,7 @@ TEST(FitVolume, AddsNoFoldsOrCrossings) {
             try {
                 before = to_polygons(mesh_with(skeleton, Fit::surface, method));
             } catch (const InvalidInput&) {
-                continue;  // nothing is left of it as tetrahedra
+                continue;  // no surface is left with tetrahedra
             }
             const MeshResult r = mesh_with(skeleton, Fit::volume, method);
             const PolygonMesh after = to_polygons(r);
@@ -227,7 +227,7 @@ TEST(FitVolume, AddsNoFoldsOrCrossings) {
             ++all;
         }
     }
-    EXPECT_GT(closed, 0.8 * all);  // others are knots, and jumps that a field does not follow
+    EXPECT_GT(closed, 0.8 * all);  // others are self-intersections, and jumps that a field does not follow
 }
 
 TEST(FitVolume, SameBitsForAnyNumberOfThreads) {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "coppice/skeleton/random_tree.h"
-#include "slice_search.h"
+#include "tube_row_search.h"
 
 namespace coppice {
 namespace {
@@ -12,7 +12,7 @@ using namespace test;
 
 constexpr std::uint32_t kMany = 1'000'000;
 
-/// What is found in a surface with some of its vertices astray, and in what remeshing made of it.
+/// Compares the crossings found in a surface with some displaced vertices, and in its remeshed quads.
 std::size_t expect_all_found(const Skeleton& skeleton, float astray, const MeshOptions& options = {}) {
     const Quads before = quads_of(skeleton, options);
     const QuadMesh after = std::move(mesh_skeleton(skeleton, options).quads().mesh);
@@ -34,7 +34,7 @@ std::size_t expect_all_found(const Skeleton& skeleton, float astray, const MeshO
 }
 
 TEST(KeptQuads, FindTheCrossingsOfTheWholeMesh) {
-    // Nothing is remeshed in the first; hardly anything, and much, in the others.
+    // The first is not remeshed; the others in few and in many places.
     EXPECT_GT(expect_all_found(random_tree(300, 1), 0.5f), 100u);
     EXPECT_GT(expect_all_found(random_tree(150, 2, true), 0.5f), 100u);
     EXPECT_GT(expect_all_found(random_tree(150, 3, true), 1.5f), 1000u);

@@ -12,7 +12,7 @@ namespace {
 
 using namespace shapes;
 
-/// Moves all vertices of a mesh along x by what `way` says, as far as it may.
+/// Moves all vertices of a mesh along x by `way`, as far as possible.
 struct Moved {
     PolygonMesh start;
     CompressedRows<std::uint32_t> faces_of;
@@ -38,7 +38,7 @@ TEST(LimitOffsets, LeavesWhatHarmsNobody) {
 }
 
 TEST(LimitOffsets, TakesBackWhatWouldCross) {
-    // Boxes that are 0.1 apart and go 0.08 towards each other: half of that is less than half the gap.
+    // Boxes that are 0.1 apart and move 0.08 towards each other: half of that is less than half the gap.
     const PolygonMesh two = both(box({-1, -1, -1}, {1, 1, 1}), box({1.1f, -0.9f, -0.9f}, {3, 0.9f, 0.9f}));
     const auto together = [](Vec3 p) { return p.x < 1.05f ? 0.08f : -0.08f; };
     const Moved halved(two, together, 4);
@@ -56,7 +56,7 @@ TEST(LimitOffsets, TakesBackWhatWouldCross) {
 }
 
 TEST(LimitOffsets, TakesBackFolds) {
-    // The near side of a box goes through the far one: faces between them turn over.
+    // The near side of a box passes through the far one: faces between them are inverted.
     const Moved m(
         box({0, 0, 0}, {1, 1, 1}), [](Vec3 p) { return p.x < 0.5f ? 1.5f : 0.0f; }, 4);
     EXPECT_GT(m.result.rounds, 0u);

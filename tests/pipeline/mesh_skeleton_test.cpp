@@ -36,7 +36,7 @@ TEST(MeshSkeleton, HoldsTheSurfaceOfItsMethodAndNoOther) {
     EXPECT_THROW(static_cast<void>(triangles.quads()), std::bad_variant_access);
 }
 
-// Hundreds of spokes from one node; those of a brush, each from a node of its own, are fine.
+// Hundreds of spokes from one node; those of a brush, each from a separate node, are accepted.
 TEST(MeshSkeleton, RefusesHundredsOfBranchesAtOneNode) {
     constexpr std::uint32_t kSpokes = 300;
     std::vector<NodeId> parent{NodeId::none()};
@@ -50,8 +50,8 @@ TEST(MeshSkeleton, RefusesHundredsOfBranchesAtOneNode) {
     for (const MeshMethod method : {MeshMethod::quads, MeshMethod::tetrahedra}) {
         EXPECT_EQ(
             test::error_of([&] { static_cast<void>(mesh_skeleton(star, by(method))); }),
-            "mesh: 300 branches begin at the node at 0 0 1, of which a surface can join 256: let them begin "
-            "at nodes of their own along what they leave, or use the method cylinders");
+            "mesh: 300 branches begin at the node at 0 0 1, but a surface can join at most 256: let them "
+            "begin at separate nodes along their parent, or use the method cylinders");
     }
     EXPECT_FALSE(mesh_skeleton(star, by(MeshMethod::cylinders)).cylinders().mesh.positions.empty());
 }
@@ -76,8 +76,8 @@ TEST(MeshSkeleton, RamificationsNeverCross) {
             mesh_skeleton(random_tree(300, seed, true), by(MeshMethod::ramifications)).quads();
         const PolygonMesh mesh = to_polygons(made.mesh);
         EXPECT_TRUE(topology(made.mesh).watertight());
-        EXPECT_GT(made.knots.pairs_before, 0u);
-        EXPECT_EQ(made.knots.pairs_after, 0u);
+        EXPECT_GT(made.repair.pairs_before, 0u);
+        EXPECT_EQ(made.repair.pairs_after, 0u);
         EXPECT_TRUE(crossing_faces(SurfaceTree(mesh), 100'000).pairs.empty());
     }
 }
@@ -86,7 +86,7 @@ TEST(MeshSkeleton, MetaballsBulgeAsMuchAsIsAllowed) {
     const Skeleton bar = cone({0, 0, 4}, 0.2f, 0.2f);
     MeshOptions options = by(MeshMethod::bmesh);
     options.levels = 4;
-    options.prepare.resample.method = ResampleMethod::none;  // one segment, all of whose balls stand alike
+    options.prepare.resample.method = ResampleMethod::none;  // one segment with uniformly spaced balls
     options.field.ball_bulge = 0.12f;
     const QuadSurface surface = mesh_skeleton(bar, options).quads();
     ASSERT_TRUE(surface.balls);
@@ -97,7 +97,7 @@ TEST(MeshSkeleton, MetaballsBulgeAsMuchAsIsAllowed) {
         least = std::min(least, radius);
         most = std::max(most, radius);
     }
-    EXPECT_GT(most - least, 0.08f);  // whole balls stand a little closer than is allowed
+    EXPECT_GT(most - least, 0.08f);  // the spacing of whole balls is slightly less than the maximum
     EXPECT_LT(most - least, 0.121f);
     EXPECT_GE(surface.balls->balls, 20 / surface.balls->chain.spacing);
     EXPECT_FALSE(mesh_skeleton(bar).quads().balls);
@@ -112,22 +112,22 @@ TEST(MeshSkeleton, MetaballsAreSummedWhateverTheBlend) {
               mesh_skeleton(tree, same).quads().mesh.positions);
     options.field.kernel = Kernel::cauchy;
     EXPECT_EQ(test::error_of([&] { mesh_skeleton(tree, options); }),
-              "mesh: kernel must be quartic or balls for bmesh, whose balls are quartic");
+              "mesh: kernel must be quartic or balls for bmesh, which uses quartic balls");
 }
 
 TEST(MeshSkeleton, CylindersAreTubes) {
     const MeshResult made = mesh_skeleton(cone({0, 0, 2}, 0.3f, 0.2f), by(MeshMethod::cylinders));
     EXPECT_EQ(made.cylinders().report.tubes, 1u);
-    EXPECT_EQ(made.cylinders().report.most_sides, 16u);
+    EXPECT_EQ(made.cylinders().report.max_sides, 16u);
     EXPECT_EQ(to_polygons(made).face_count(), made.cylinders().mesh.face_count());
 }
 
-// Cut flat at its base, the cone is a hundred times as wide as high: less than the cells of the lattice.
+// With a flat base, the cone is a hundred times as wide as high: less than the cells of the lattice.
 TEST(MeshSkeleton, RefusesASurfaceThinnerThanTheTetrahedra) {
     const Skeleton wide = cone({0, 0, 1}, 100, 0.001f);
     MeshOptions options = by(MeshMethod::tetrahedra);
     const std::string said = test::error_of([&] { mesh_skeleton(wide, options); });
-    EXPECT_TRUE(said.starts_with("mesh: nothing is left of the surface")) << said;
+    EXPECT_TRUE(said.starts_with("mesh: no surface is left")) << said;
     options.control.base = BaseShape::round;
     EXPECT_FALSE(mesh_skeleton(wide, options).tetrahedra().mesh.triangles.empty());
 }

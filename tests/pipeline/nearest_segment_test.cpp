@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "coppice/base/id.h"
 #include "coppice/pipeline/fit/nearest_segment_internal.h"
 #include "zoo.h"
 
@@ -17,11 +18,11 @@ TEST(NearestSegment, FindsTheSurfaceThatAPointLiesOnWhateverTheHint) {
             const RoundCone& c = capsules.cone(i);
             const Vec3d p = c.point(0.5) + perpendicular(normalized(c.axis, {0, 0, 1})) * c.radius(0.5);
             const double least = capsules.nearest(p).rho;
-            for (const std::uint32_t hint : {CapsuleTree::kNone, i, 0u, capsules.size() - 1}) {
+            for (const std::uint32_t hint : {kNoIndex, i, 0u, capsules.size() - 1}) {
                 const std::uint32_t found = nearest(p, hint);
-                ASSERT_NE(found, CapsuleTree::kNone);
+                ASSERT_NE(found, kNoIndex);
                 const double rho = std::sqrt(capsules.cone(found).foot(p).relative_squared());
-                // The least of all, or one on whose bark the point lies too.
+                // The minimum, or a segment with the point on its bark.
                 EXPECT_TRUE(rho <= least + 1e-9 || (rho > 0.6 && rho < 1.2)) << i << ' ' << hint;
             }
         }
@@ -31,7 +32,7 @@ TEST(NearestSegment, FindsTheSurfaceThatAPointLiesOnWhateverTheHint) {
 TEST(NearestSegment, OfNothingIsNone) {
     const Skeleton ball({NodeId::none()}, {{0, 0, 0}}, {1});
     const CapsuleTree capsules(ball, {});
-    EXPECT_EQ(NearestSegment(ball, capsules)({0, 0, 1}, CapsuleTree::kNone), CapsuleTree::kNone);
+    EXPECT_EQ(NearestSegment(ball, capsules)({0, 0, 1}, kNoIndex), kNoIndex);
 }
 
 }  // namespace

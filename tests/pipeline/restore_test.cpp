@@ -23,7 +23,7 @@ using test::error_of;
 constexpr std::uint32_t kSides = 48, kRings = 64;
 constexpr float kHeight = 4;
 
-/// A tube of radius(angle, z) about the z axis, moved sideways; open at both ends.
+/// A tube of radius(angle, z) around the z axis, moved sideways; open at both ends.
 template <class Radius>
 PolygonMesh tube_of(std::uint32_t sides, std::uint32_t rings, const Radius& radius, float x = 0) {
     return grid(sides, rings, false, [&](std::uint32_t i, std::uint32_t j) {
@@ -49,7 +49,7 @@ float bumpy(float t, float z) { return 1 + 0.15f * std::sin(3 * t) * std::sin(4 
 
 QuadMesh plain_tube() { return quads_of(tube_of(kSides, kRings, plain)); }
 
-/// Axes along z of radius 1 at the given places.
+/// Axes along z of radius 1 at the given positions.
 Skeleton axes(std::initializer_list<float> places) {
     std::vector<NodeId> parents;
     std::vector<Vec3> positions;
@@ -120,7 +120,7 @@ TEST(RestoreOffsets, TurnsOriginalsThatLookInward) {
     QuadMesh wanted = plain_tube();
     const PolygonMesh bumps = tube_of(200, 300, bumpy);
     EXPECT_FALSE(restore_offsets(wanted, bumps, axes({0})).report.turned);
-    // The lower half of the tube looks inward, or all of it does.
+    // The lower half of the tube, or all of it, faces inward.
     PolygonMesh partly;
     partly.positions = bumps.positions;
     for (std::uint32_t f = 0; f < bumps.face_count(); ++f) {
@@ -164,7 +164,7 @@ TEST(RestoreOffsets, FadeWhereThereIsNoOriginal) {
 }
 
 TEST(RestoreOffsets, MakeNoNewCrossings) {
-    // Two tubes 0.2 apart whose originals run through each other.
+    // Two tubes at a distance of 0.2 with originals that intersect each other.
     const auto wide = [](float t, float z) { return 1.2f + 0.05f * std::sin(5 * t) * std::sin(3 * z); };
     const PolygonMesh original = both(tube_of(kSides, kRings, wide), tube_of(kSides, kRings, wide, 2.2f));
     ASSERT_GT(crossings(original), 0u);
@@ -205,7 +205,7 @@ TEST(RestoreOffsets, DoNotDependOnOrigins) {
     for (Vec3& p : original.positions) p = p - Vec3(original.origin);
     mesh = plain_tube();
     const RestoreResult result = restore_offsets(mesh, original, axes({0}));
-    // Rounded corners make some quads of the original choose their other diagonal.
+    // Rounding of corners makes some quads of the original use their other diagonal.
     for (std::size_t v = 0; v < result.offsets.size(); ++v)
         ASSERT_NEAR(result.offsets[v], expected.offsets[v], 1e-3) << v;
 }
@@ -231,7 +231,7 @@ TEST(RestoreOffsets, RefuseBadInput) {
     QuadMesh mesh = plain_tube();
     const PolygonMesh original = tube_of(60, 60, bumpy);
     EXPECT_EQ(error_of([&] { restore_offsets(mesh, original, axes({0}), {.reach = 0}); }),
-              "restore: reach must lie between 0.001 and 10, but is 0");
+              "restore: reach must be between 0.001 and 10, but is 0");
     PolygonMesh broken = original;
     broken.positions[7].x = std::numeric_limits<float>::quiet_NaN();
     EXPECT_NE(error_of([&] { restore_offsets(mesh, broken, axes({0})); }).find("7"), std::string::npos);

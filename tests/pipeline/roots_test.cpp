@@ -1,4 +1,4 @@
-// Roots that several branches leave, and tips: the surface has what the skeleton means.
+// Roots with several branches, and tips: the surface has the volume that the skeleton specifies.
 
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ constexpr NodeId kRoot = NodeId::none();
 SurfaceReport check(const Skeleton& s, const MeshOptions& options = {}) {
     return check_surface(to_polygons(mesh_skeleton(s, options)), &s);
 }
-VolumeReport volume_of(const Skeleton& s) { return *check(s).volume; }
+VolumeReport compute_volume(const Skeleton& s) { return *check(s).volume; }
 
 /// Two branches of two segments each that leave a root at an angle.
 Skeleton fork_at_root(float degrees, float ratio) {
@@ -37,7 +37,7 @@ TEST(Roots, OfTwoBranchesHaveTheirJoint) {
     for (const float degrees : {20.0f, 40.0f, 60.0f, 80.0f, 100.0f, 120.0f, 150.0f, 180.0f}) {
         for (const float ratio : {1.0f, 0.8f, 0.6f, 0.4f, 0.25f}) {
             SCOPED_TRACE(std::to_string(degrees) + " degrees, ratio " + std::to_string(ratio));
-            const VolumeReport report = volume_of(fork_at_root(degrees, ratio));
+            const VolumeReport report = compute_volume(fork_at_root(degrees, ratio));
             EXPECT_LT(report.missing_percent(), 0.01);
             EXPECT_GT(report.ratio(), 0.96);
             EXPECT_LT(report.ratio(), 1.05);  // the crotch is webbed
@@ -70,11 +70,11 @@ TEST(Roots, AreBallsWhereTheyAreMuchThickerThanWhatLeavesThem) {
     for (const auto& directions : cases) {
         SCOPED_TRACE(directions.size());
         const Skeleton s = ball(directions);
-        const VolumeReport report = volume_of(s);
+        const VolumeReport report = compute_volume(s);
         EXPECT_LT(report.missing_percent(), 0.1);
         EXPECT_GT(report.ratio(), 0.95);
-        EXPECT_LT(report.ratio(), 1.05);  // a ball of many faces needs less to make up for their flatness
-        // The far side of the ball from every branch's tip is there.
+        EXPECT_LT(report.ratio(), 1.05);  // a ball of many faces requires less compensation
+        // The side of the ball that faces away from each branch's tip is present.
         const double ball_alone = 4.0 / 3 * std::numbers::pi * 27;
         EXPECT_GT(report.cones, ball_alone);
         EXPECT_LT(report.cones, 1.25 * ball_alone);
@@ -101,7 +101,7 @@ TEST(Tips, OfLongTapersAreReached) {
         float top = 0;
         for (const Vec3 p : mesh.positions) top = std::max(top, p.z);
         EXPECT_NEAR(top, 7.8f + thin, 0.02f * thin) << thin;
-        EXPECT_LT(volume_of(s).missing_percent(), 0.01);
+        EXPECT_LT(compute_volume(s).missing_percent(), 0.01);
     }
 }
 

@@ -1,4 +1,4 @@
-// Surfaces do not depend on the unit of length: no size is built into meshing.
+// Surfaces do not depend on the unit of length: meshing contains no absolute size.
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 namespace coppice {
 namespace {
 
-/// A random tree of some 20 nodes near `base` with radii of about 1, bends and acute forks as it comes.
+/// A random tree of about 20 nodes near `base` with radii of about 1, including bends and acute forks.
 std::vector<RawNode> random_nodes(std::uint64_t seed, Vec3d base) {
     const CounterRandom random(seed, 0);
     std::uint64_t drawn = 0;
@@ -46,7 +46,7 @@ TEST(Scale, PowersOfTwoGiveTheSameBitsScaled) {
         for (const Vec3d base : {Vec3d{}, Vec3d{1e5, 2e4, -3e5}}) {
             const std::vector<RawNode> nodes = random_nodes(seed, base);
             const QuadSurface one = surface_of(scaled(nodes, 1));
-            // Beyond, squares of gradients, which are per length, come near to what floats hold.
+            // Beyond, squares of gradients, which are per length, come close to the limits of floats.
             for (const int power : {-30, -20, -10, -1, 3, 10, 20}) {
                 SCOPED_TRACE(testing::Message() << "seed " << seed << " at " << base.x << " by 2^" << power);
                 const double factor = std::ldexp(1.0, power);
@@ -63,7 +63,7 @@ TEST(Scale, PowersOfTwoGiveTheSameBitsScaled) {
 }
 
 // Coordinates times a power of ten are rounded. Where faces cross they are remeshed on a lattice, on which
-// the smallest difference may change the faces, so that is left out here.
+// the smallest difference may change the faces, so remeshing is disabled here.
 TEST(Scale, PowersOfTenGiveTheSameFacesUpToRounding) {
     MeshOptions options;
     options.remesh_rounds = 0;
@@ -84,11 +84,11 @@ TEST(Scale, PowersOfTenGiveTheSameFacesUpToRounding) {
         }
         seeds_apart += is_apart ? 1 : 0;
     }
-    // A segment that only just comes near a region presses on it or not by rounding.
+    // Whether a segment at the limit of its influence presses on a region depends on rounding.
     EXPECT_LE(seeds_apart, 1);
 }
 
-// Radii far below what floats tell apart at these places.
+// Radii far below the resolution of floats at these positions.
 TEST(Scale, NodesThatFloatsCannotTellApartGiveASurface) {
     for (std::uint64_t seed = 1; seed <= 100; ++seed) {
         std::vector<NodeId> parent;

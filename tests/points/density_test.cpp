@@ -64,7 +64,7 @@ TEST(DensityCurve, RangesHoldEveryValueInThem) {
             }
         }
     }
-    EXPECT_EQ(curves[0].over(0.6f, 2).least, 1);  // flat: cells wholly inside are known
+    EXPECT_EQ(curves[0].over(0.6f, 2).least, 1);  // flat: cells completely inside have a known density
     EXPECT_EQ(curves[0].over(0.1f, 0.4f).greatest, 0);
     EXPECT_EQ(curves[0].over(kNan, 2).greatest, 1);
 }
@@ -73,7 +73,7 @@ TEST(DensityCurve, KnowsTheRangeOfValuesThatHaveADensity) {
     EXPECT_EQ(DensityCurve(PointDensity::uniform, 0.5f).shell_width(), 0);
     EXPECT_EQ(DensityCurve(PointDensity::outside_boundary, 0.5f, 0.125f).shell_width(), 0.125f);
     EXPECT_EQ(DensityCurve({{0.25f, 1}, {0.5f, 1}}).shell_width(), 0.25f);
-    // Density rises from 0 at 1 and is back at 0 at 3; knots further out add nothing.
+    // The density increases from 0 at 1 and is 0 again at 3; knots farther out have no effect.
     EXPECT_EQ(DensityCurve({{0, 0}, {1, 0}, {2, 1}, {3, 0}, {7, 0}}).shell_width(), 2);
 }
 
@@ -87,9 +87,9 @@ TEST(DensityCurve, RefusesWhatIsNoDensity) {
     EXPECT_NE(error_of([] { DensityCurve(PointDensity::proportional, 1, 1, kNan); }).find("power"),
               std::string::npos);
     EXPECT_NE(error_of([] { DensityCurve(PointDensity::inverse, 0); }).find("above 0"), std::string::npos);
-    EXPECT_NE(error_of([] { DensityCurve(PointDensity::uniform, kNan); }).find("level"), std::string::npos);
+    EXPECT_NE(error_of([] { DensityCurve(PointDensity::uniform, kNan); }).find("iso value"), std::string::npos);
     EXPECT_NE(error_of([] { DensityCurve({{0, 1}}); }).find("two knots"), std::string::npos);
-    EXPECT_NE(error_of([] { DensityCurve({{1, 1}, {0, 1}}); }).find("must not fall"), std::string::npos);
+    EXPECT_NE(error_of([] { DensityCurve({{1, 1}, {0, 1}}); }).find("must not decrease"), std::string::npos);
     EXPECT_NE(error_of([] { DensityCurve({{0, 0}, {1, 0}}); }).find("0 everywhere"), std::string::npos);
     EXPECT_NE(error_of([] { DensityCurve({{0, 1}, {0, 1}}); }).find("0 everywhere"), std::string::npos);
     for (const float d : {-1.0f, kNan, 1e7f}) {

@@ -11,7 +11,7 @@ using namespace points_support;
 
 const Ball kBall;
 
-/// A lattice over a cube of side 4 about the origin: 17^3 points, of which some lie in the ball.
+/// Returns a lattice over a cube of side 4 about the origin: 17^3 points, some of them in the ball.
 PointSet lattice() {
     PointSet set;
     for (int i = 0; i < 17 * 17 * 17; ++i) {
@@ -37,7 +37,7 @@ TEST(Thinned, TakesExactlyTheShareInsideAndKeepsTheOrder) {
         const auto gone = static_cast<std::size_t>(std::llround(static_cast<double>(inside) * percent / 100));
         EXPECT_EQ(count_inside(left), inside - gone);
         EXPECT_EQ(left.size(), all.size() - gone);
-        std::size_t next = 0;  // what is left is a subsequence
+        std::size_t next = 0;  // the remaining points are a subsequence
         for (const Vec3 p : left.positions) {
             while (next < all.size() && all.positions[next] != p) ++next;
             ASSERT_LT(next, all.size());
@@ -68,7 +68,7 @@ TEST(Densified, AddsBehindTheOldPointsAndKeepsAway) {
     const PointSet more = densified(old, region, RadialKernel::disk(0.12f), {.count = 300});
     ASSERT_EQ(more.size(), old.size() + 300);
     EXPECT_TRUE(std::equal(old.positions.begin(), old.positions.end(), more.positions.begin()));
-    EXPECT_GE(least_distance(more), static_cast<double>(0.12f));
+    EXPECT_GE(min_distance(more), static_cast<double>(0.12f));
     EXPECT_EQ(count_inside(more), count_inside(old) + 300);
 }
 

@@ -41,7 +41,7 @@ TEST(Generate, EveryPatternOfEveryDensityLiesWhereItShould) {
                 const float r = length(p);
                 EXPECT_TRUE(outside ? r > 1 && r < 1.1001f : r < 1 && r >= low - 1e-4f) << r;
             }
-            EXPECT_GE(least_distance(result.points), static_cast<double>(result.distance));
+            EXPECT_GE(min_distance(result.points), static_cast<double>(result.distance));
         }
     }
 }
@@ -85,7 +85,7 @@ TEST(Generate, UniformAndProportionalPointsFollowTheirLaw) {
     }
 }
 
-/// Radii that part the ball of the law into shells of equal shares.
+/// Returns radii that divide the ball of the law into shells of equal shares.
 std::vector<double> equal_shells(const DensityCurve& law, std::size_t shells) {
     constexpr int kSteps = 20000;
     constexpr double kFarthest = 1.2;
@@ -113,7 +113,8 @@ TEST(Generate, PointsThatKeepADistanceFollowEveryLawWithinFivePercent) {
             density == PointDensity::inside_boundary || density == PointDensity::outside_boundary;
         for (const float power : {1.0f, 4.0f}) {
             for (const float spacing : {0.75f, 0.9f}) {
-                // In a thin shell disks lean on both rims, and at 0.9 the middle has no room for its share.
+                // In a thin shell disks are at both boundaries, and at 0.9 the middle has no space for its
+                // share.
                 if ((power > 1 && !has_power) || (is_thin && spacing > 0.8f)) continue;
                 SCOPED_TRACE(fmt::format("{} power {} spacing {}", name_of(density), power, spacing));
                 const GenerateOptions options{
@@ -137,7 +138,7 @@ TEST(Generate, ACurveOfTheCallerSelectsValues) {
     const PointRegion region{kField, ball_box(), DensityCurve({{1.5f, 1}, {1.75f, 1}})};
     for (const PointPattern pattern : kPatterns) {
         const PointSet points = generate(region, {.pattern = pattern, .count = 500}).points;
-        EXPECT_GT(points.size(), 400u);  // a jittered grid has about as many as asked for
+        EXPECT_GT(points.size(), 400u);  // a jittered grid has about the requested number
         for (const Vec3 p : points.positions) {
             EXPECT_GE(length(p), 0.25f - 1e-5f);
             EXPECT_LE(length(p), 0.5f + 1e-5f);
@@ -152,8 +153,8 @@ TEST(Generate, PatternsDifferAsTheyShould) {
     const auto disk = report(PointPattern::poisson_disk), uniform = report(PointPattern::uniform);
     const auto blue = report(PointPattern::blue_noise), jittered = report(PointPattern::jittered);
     const auto clustered = report(PointPattern::clustered);
-    EXPECT_GT(blue.least_distance, disk.least_distance);
-    EXPECT_GT(disk.least_distance, 10 * uniform.least_distance);
+    EXPECT_GT(blue.min_distance, disk.min_distance);
+    EXPECT_GT(disk.min_distance, 10 * uniform.min_distance);
     EXPECT_LT(blue.low_power, 0.3);
     EXPECT_LT(disk.low_power, 0.5);
     EXPECT_LT(jittered.low_power, 0.5);
@@ -165,7 +166,7 @@ TEST(Generate, ACountOfZeroFillsWithTheGivenDistance) {
     const auto result = generate(kField, ball_box(), {.count = 0, .distance = 0.3f});
     EXPECT_EQ(result.stop, PointStop::full);
     EXPECT_EQ(result.distance, 0.3f);
-    // Random packings of balls fill 0.36 to 0.39 of space; points near the surface have room beyond it.
+    // Random packings of balls fill 0.36 to 0.39 of space; points near the surface have space beyond it.
     EXPECT_GT(result.points.size(), 100u);
     EXPECT_LT(result.points.size(), 200u);
 }

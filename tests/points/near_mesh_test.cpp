@@ -11,7 +11,7 @@ namespace {
 
 using namespace points_support;
 
-/// A sheet of 4 x 1 at z = 0, its right quarter cut into many small triangles.
+/// Returns a sheet of 4 x 1 at z = 0 with many small triangles in its right quarter.
 TriMesh sheet() {
     TriMesh mesh;
     mesh.positions = {{0, 0, 0}, {3, 0, 0}, {3, 1, 0}, {0, 1, 0}};
@@ -59,7 +59,7 @@ TEST(NearMesh, FacesAreChosenByAreaOrEachAsOften) {
 }
 
 TEST(NearMesh, NormalsAreInterpolated) {
-    // An octahedron: over its corners the normal is that of the corner, over the middle of a face that of the
+    // An octahedron: at its corners the normal is that of the corner, at the middle of a face that of the
     // face.
     TriMesh mesh;
     mesh.positions = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
@@ -72,7 +72,7 @@ TEST(NearMesh, NormalsAreInterpolated) {
         farthest = std::max(farthest, length(Vec3d(p)));
         nearest = std::min(nearest, length(Vec3d(p)));
     }
-    // On the radial normals of a corner 2 away; over the middle of a face 1 / sqrt(3) + 1.
+    // At a corner, at a distance of 2 along its radial normal; at the middle of a face 1 / sqrt(3) + 1.
     EXPECT_NEAR(farthest, 2, 0.02);
     EXPECT_NEAR(nearest, 1 + 1 / std::sqrt(3.0), 0.01);
 }
@@ -81,8 +81,8 @@ TEST(NearMesh, EvenSetsAreEven) {
     const PointSet even = near_mesh(sheet(), {.count = 1000, .low = 0, .high = 0, .even = true});
     const PointSet plain = near_mesh(sheet(), {.count = 1000, .low = 0, .high = 0});
     // The triangular lattice of 1000 points on 4 square metres has a distance of 0.068.
-    EXPECT_GT(least_distance(even), 0.6 * 0.068);
-    EXPECT_LT(least_distance(plain), 0.01);
+    EXPECT_GT(min_distance(even), 0.6 * 0.068);
+    EXPECT_LT(min_distance(plain), 0.01);
 }
 
 TEST(NearMesh, GivesTheSameBitsForAnyNumberOfThreads) {
@@ -106,7 +106,7 @@ TEST(NearMesh, RefusesInOneSentence) {
     TriMesh bad = sheet();
     bad.positions[1].x = std::numeric_limits<float>::infinity();
     EXPECT_NE(said(bad, {}).find("not finite"), std::string::npos);
-    TriMesh tiny = sheet();  // floats cannot tell its points apart
+    TriMesh tiny = sheet();  // floats cannot distinguish its points
     for (Vec3& p : tiny.positions) p = 1e-4f * p + Vec3{1e3f, 1e3f, 1e3f};
     EXPECT_NE(said(tiny, {.count = 20000, .high = 1e-6f, .even = true}), "no error");
 }

@@ -23,7 +23,7 @@ std::vector<Vec3> random_points(std::size_t count, Vec3d size) {
 
 using Found = std::vector<std::pair<std::uint32_t, double>>;
 
-// A hash grid visits the same points in the same order: sums over neighbours have the same bits.
+// A hash grid visits the same points in the same order: sums over neighbours are bit-identical.
 TEST(PointGrid, VisitsWhatAHashGridVisitsInTheSameOrder) {
     constexpr double kEdge = 0.1;
     for (const Vec3d size :

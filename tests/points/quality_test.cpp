@@ -22,7 +22,7 @@ PointSet independent(std::size_t n) {
     return set;
 }
 
-/// 20^3 points at the middle of cubes, each moved by at most `jitter` of them.
+/// Returns 20^3 points at the centres of cubes, each moved by at most `jitter` of the edge.
 PointSet lattice(float jitter) {
     PointSet set = independent(8000);
     for (int i = 0; i < 8000; ++i) {
@@ -39,7 +39,7 @@ constexpr Box3 kCube{{0, 0, 0}, {1, 1, 1}};
 TEST(Quality, DistancesAreExact) {
     const PointSet set = independent(2000);
     const QualityReport report = quality(set);
-    EXPECT_NEAR(report.least_distance, least_distance(set), 1e-12);
+    EXPECT_NEAR(report.min_distance, min_distance(set), 1e-12);
     double mean = 0;
     for (std::size_t i = 0; i < set.size(); ++i) {
         double nearest = 9;
@@ -69,7 +69,7 @@ TEST(Quality, IndependentPointsHaveCurvesOfOne) {
 
 TEST(Quality, ALatticeHasGapsAndNoLowFrequencies) {
     const QualityReport report = quality(lattice(0), kCube);
-    EXPECT_NEAR(report.least_distance, 0.05, 1e-6);
+    EXPECT_NEAR(report.min_distance, 0.05, 1e-6);
     EXPECT_LT(report.low_power, 0.02);
     for (std::size_t b = 0; (static_cast<double>(b) + 1) * report.distance_step < 0.05; ++b) {
         EXPECT_EQ(report.distribution[b], 0);
@@ -86,15 +86,15 @@ TEST(Quality, SetsOfHardlyAnyPointsAndHeapsAreMeasured) {
     EXPECT_EQ(quality({}).points, 0u);
     PointSet set;
     set.positions = {{1, 2, 3}};
-    EXPECT_EQ(quality(set).least_distance, 0);
+    EXPECT_EQ(quality(set).min_distance, 0);
     set.positions.push_back({1, 2, 5});
-    EXPECT_DOUBLE_EQ(quality(set).least_distance, 2);
+    EXPECT_DOUBLE_EQ(quality(set).min_distance, 2);
     set.positions.assign(100000, Vec3{1, 2, 3});
-    EXPECT_EQ(quality(set).least_distance, 0);
+    EXPECT_EQ(quality(set).min_distance, 0);
     set.positions.push_back({2, 3, 4});
     set.positions.push_back({0, 1, 2});
     const QualityReport heap = quality(set);
-    EXPECT_EQ(heap.least_distance, 0);
+    EXPECT_EQ(heap.min_distance, 0);
     EXPECT_FALSE(quality_svg(heap).empty());
     EXPECT_FALSE(quality_svg({}).empty());
 }

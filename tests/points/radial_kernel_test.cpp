@@ -34,7 +34,8 @@ TEST(RadialKernel, RefusesWhatIsNoKernel) {
         EXPECT_NE(error_of([&] { RadialKernel::disk(d); }).find("knot 1"), std::string::npos);
     }
     EXPECT_NE(error_of([&] { RadialKernel::clustered(1, 2, nan); }).find("factor"), std::string::npos);
-    EXPECT_NE(error_of([] { RadialKernel::clustered(2, 1, 3); }).find("must not fall"), std::string::npos);
+    EXPECT_NE(error_of([] { RadialKernel::clustered(2, 1, 3); }).find("must not decrease"),
+              std::string::npos);
 }
 
 }  // namespace

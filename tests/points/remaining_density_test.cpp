@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "coppice/points/sampling/lane.h"
+#include "coppice/points/sampling/dart_throwing.h"
 #include "points/support.h"
 
 namespace coppice {
@@ -12,7 +12,7 @@ using namespace points_support;
 
 const Ramp kRamp;
 
-/// Density x from 0 to 10, in a box of that length.
+/// Returns a region with density x from 0 to 10, in a box of that length.
 PointRegion rod() { return {FieldRef(kRamp), {{0, -1, -1}, {10, 1, 1}}, DensityCurve({{0, 0}, {10, 10}})}; }
 
 PointSet points_at(std::vector<Vec3> positions) {
@@ -25,9 +25,9 @@ TEST(RemainingDensity, IsTheRegionsTimesTheKernelsOfAllPoints) {
     const RadialKernel kernel({{1, 3}, {2, 1}});
     const std::vector<Vec3> places{{4, 0, 0}, {5.5f, 0, 0}, {6.5f, 0, 0}, {9, 0, 0}, {9, 2, 0}, {-1, 0, 0}};
     const auto left = remaining_density(rod(), kernel, points_at({{5, 0, 0}, {8, 0, 0}}), places);
-    EXPECT_NEAR(left[0], 12, 1e-5);           // 3 at the core's edge, not within it
-    EXPECT_EQ(left[1], 0);                    // in a core
-    EXPECT_NEAR(left[2], 6.5 * 2 * 2, 1e-4);  // halfway down the kernels of both
+    EXPECT_NEAR(left[0], 12, 1e-5);           // 3 at the border of the core, not inside
+    EXPECT_EQ(left[1], 0);                    // inside a core
+    EXPECT_NEAR(left[2], 6.5 * 2 * 2, 1e-4);  // in the middle of the kernels of both
     EXPECT_NEAR(left[3], 27, 1e-4);
     EXPECT_EQ(left[4], 0);  // outside the box
     EXPECT_EQ(left[5], 0);
@@ -52,10 +52,10 @@ TEST(RemainingDensity, PointsLieWhereTheirOriginSays) {
     EXPECT_EQ(remaining_density(rod(), RadialKernel::disk(1), set, places), (std::vector<double>{0, 7}));
 }
 
-// What Lane's method places next never lies where nothing is left.
+// The next point of Lane's method is never at a position without remaining density.
 TEST(RemainingDensity, PointsOfLanesMethodLieWhereThoseBeforeLeftRoom) {
     const RadialKernel kernel({{0.3f, 5}, {1, 1}});
-    const auto set = sample_lane(rod(), kernel, {.count = 60}).points;
+    const auto set = sample_dart_throwing(rod(), kernel, {.count = 60}).points;
     for (std::size_t n : {1u, 10u, 30u, 59u}) {
         PointSet before = set;
         before.positions.resize(n);

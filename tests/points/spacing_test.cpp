@@ -24,7 +24,7 @@ TEST(WarningOfExtent, NamesAnAxisMoreThanFiftyTimesAsLong) {
     EXPECT_EQ(
         warning_of_extent(points),
         "the points extend 2369 m along x but 4 m at most along the other axes; is x the right column?");
-    // A plate is nothing odd; two points lie on a line.
+    // A plate causes no warning; two points are always collinear.
     points.positions = {{0, 0, 0}, {0, 100, 100}, {0, 3, 4}};
     EXPECT_EQ(warning_of_extent(points), std::nullopt);
     points.positions = {{0, 0, 0}, {0, 0, 1}};

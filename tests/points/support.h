@@ -14,7 +14,7 @@ namespace coppice::points_support {
 
 using test::error_of;
 
-/// A ball of radius 1: the value falls from 2 in the middle to 0 at distance 2, and is 1 at the surface.
+/// Ball of radius 1: the value decreases from 2 at the centre to 0 at distance 2, and is 1 at the surface.
 struct Ball {
     Vec3 center{};
     float level() const { return 1; }
@@ -27,7 +27,7 @@ struct Ball {
     }
 };
 
-/// The value is the x of the point.
+/// Field with the x coordinate as value.
 struct Ramp {
     float level() const { return 0; }
     void sample(std::uint32_t, std::span<const Vec3> points, std::span<FieldSample> out) const {
@@ -37,7 +37,7 @@ struct Ramp {
 
 inline Box3 ball_box() { return {{-2, -2, -2}, {2, 2, 2}}; }
 
-inline double least_distance(const PointSet& set) {
+inline double min_distance(const PointSet& set) {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < set.size(); ++i) {
         for (std::size_t k = 0; k < i; ++k) {
@@ -47,7 +47,7 @@ inline double least_distance(const PointSet& set) {
     return least;
 }
 
-/// Pearson's statistic; expected counts are at least 5.
+/// Returns Pearson's chi-squared statistic; expected counts are at least 5.
 inline double chi_square(std::span<const double> seen, std::span<const double> expected) {
     double sum = 0;
     for (std::size_t i = 0; i < seen.size(); ++i) {

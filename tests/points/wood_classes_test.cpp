@@ -7,10 +7,10 @@
 namespace coppice {
 namespace {
 
-/// A plan of 20 by 20 points of `ground` on a slope of 1 in 2, and over its middle a stem of 300 points of
-/// `stem`.
-PaintedPoints plot(std::uint8_t ground, std::uint8_t stem) {
-    PaintedPoints out;
+/// Returns a plan of 20 by 20 points of class `ground` on a slope of 1 in 2, and a stem of 300 points of
+/// class `stem` above its middle.
+PointCloud plot(std::uint8_t ground, std::uint8_t stem) {
+    PointCloud out;
     const auto add = [&](Vec3 p, std::uint8_t c) {
         out.points.positions.push_back(p);
         out.classes.push_back(c);
@@ -46,7 +46,7 @@ TEST(WoodClasses, ListsAreRead) {
 }
 
 TEST(WoodClasses, TheRuleLeavesGroundOut) {
-    PaintedPoints points = plot(2, 1);
+    PointCloud points = plot(2, 1);
     points.classes[600] = 7;  // noise
     const ClassSelection out = keep_wood_classes(points, {});
     EXPECT_EQ(out.count, 401u);
@@ -63,32 +63,32 @@ TEST(WoodClasses, TheRuleLeavesGroundOut) {
 }
 
 TEST(WoodClasses, TheRuleKeepsGroundThatStandsUp) {
-    PaintedPoints points = plot(1, 2);  // whoever made this took 2 for wood
+    PointCloud points = plot(1, 2);  // a file that uses class 2 for wood
     const ClassSelection out = keep_wood_classes(points, {});
     EXPECT_EQ(out.count, 0u);
-    EXPECT_EQ(out.doubt, "points of class 2, which is ground, do not lie low: they were kept");
+    EXPECT_EQ(out.doubt, "points of class 2, which is ground, are not low: they were kept");
     EXPECT_EQ(points.points.size(), 700u);
 }
 
 TEST(WoodClasses, TheRuleKeepsAllWhereLittleWouldBeLeft) {
-    PaintedPoints points = plot(6, 6);
+    PointCloud points = plot(6, 6);
     points.classes[5] = 4;
     const ClassSelection out = keep_wood_classes(points, {});
     EXPECT_EQ(out.doubt, "by their classes only 1 of 700 points could be trees: all were kept");
     EXPECT_EQ(points.points.size(), 700u);
-    PaintedPoints unknown = plot(0, 1);
+    PointCloud unknown = plot(0, 1);
     EXPECT_EQ(keep_wood_classes(unknown, {}).count, 0u);
     unknown.classes.clear();
     EXPECT_EQ(keep_wood_classes(unknown, {}).count, 0u);
 }
 
 TEST(WoodClasses, ThoseThatAreAskedForStay) {
-    PaintedPoints points = plot(2, 5);
+    PointCloud points = plot(2, 5);
     const ClassSelection out = keep_wood_classes(points, parse_wood_classes("2"));
     EXPECT_EQ(out.left_out[5], 300u);
     EXPECT_EQ(points.points.size(), 400u);
     EXPECT_EQ(error_of([&] { keep_wood_classes(points, parse_wood_classes("4")); }),
-              "no point has one of the classes that are asked for; there are 2 (400)");
+              "no point has one of the requested classes; there are 2 (400)");
     points.classes.clear();
     EXPECT_EQ(error_of([&] { keep_wood_classes(points, parse_wood_classes("4")); }),
               "its points have no classes to choose from");

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// A regular loop about a place, begun at an angle.
+/// Returns a regular loop about a position, starting at an angle.
 template <std::size_t kCount>
 std::array<Vec3d, kCount> loop(Vec3d center, double radius, double from) {
     std::array<Vec3d, kCount> out;
@@ -31,8 +31,7 @@ TEST(Objective, CosineDistanceIsZeroAlongAndTwoAgainst) {
 
 TEST(Objective, CubesAreNotDistorted) {
     EXPECT_NEAR(unit_distortion(1, 1, 1), 0, 1e-15);
-    // An end moved in all the way leaves the corner on the side: 45 degrees off the diagonal, for two
-    // corners.
+    // An end at the centre moves the corner onto the side: 45 degrees from the diagonal, for two corners.
     EXPECT_NEAR(unit_distortion(1, 0, 1), 2 * (1 - std::sqrt(0.5)), 1e-15);
     EXPECT_GT(unit_distortion(1, 0.4, 1), unit_distortion(1, 0.6, 1));
 }
@@ -41,7 +40,7 @@ TEST(Objective, NeighboursRepelBelowOneDiameter) {
     EXPECT_DOUBLE_EQ(connection_distortion(0, 3, 2), 0);
     EXPECT_DOUBLE_EQ(connection_distortion(0, 0, 2), 4);
     EXPECT_GT(connection_distortion(0, -1, 2), 4);
-    // Four corners turned by an eighth of a turn.
+    // Four corners rotated by an eighth of a turn.
     EXPECT_NEAR(connection_distortion(kPi / 4, 3, 2), 4 * (1 - std::sqrt(0.5)), 1e-15);
 }
 
@@ -58,9 +57,10 @@ TEST(Objective, BestTurnUndoesAShiftOfTheNumbers) {
 TEST(Objective, PastesWeighDirectionsAndLengthsAlike) {
     const auto place = loop<8>({0, 0, 0}, 1, 0);
     EXPECT_NEAR(paste_distortion(place, place, 2), 0, 1e-15);
-    // Eight lengths of one, in diameters of two, by half; directions from the centres are the same.
+    // Eight lengths of 1, divided by the diameter 2, with weight 0.5; the directions from the centres are
+    // equal.
     EXPECT_NEAR(paste_distortion(loop<8>({0, 0, 1}, 1, 0), place, 2), 0.5 * 8 / 2, 1e-12);
-    // A quarter of a turn: eight distances of 1, and eight lengths of sqrt 2.
+    // A quarter of a turn: eight cosine distances of 1, and eight lengths of sqrt 2.
     EXPECT_NEAR(paste_distortion(loop<8>({0, 0, 0}, 1, kPi / 2), place, 2),
                 0.5 * 8 + 0.5 * 8 * std::numbers::sqrt2 / 2, 1e-12);
 }

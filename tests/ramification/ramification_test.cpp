@@ -34,7 +34,7 @@ void expect_spheres(const ControlMesh& m, const Skeleton& s) {
     for (const Vec3 p : m.anchors) ASSERT_TRUE(is_finite(p));
 }
 
-/// A trunk and laterals of equal radius from its only inner node, at these angles about it.
+/// Returns a trunk and laterals of equal radius from its only inner node, at these angles about it.
 Skeleton whorl(const std::vector<float>& angles, float radius = 0.04f) {
     std::vector<NodeId> parents{NodeId::none(), NodeId(0), NodeId(1)};
     std::vector<Vec3> positions{{0, 0, 0}, {0, 0, 1}, {0, 0, 2}};
@@ -100,8 +100,9 @@ TEST(Ramification, FindsPlaceForHundredsOfLateralsAtANode) {
     }
 }
 
-// Faces of the cube look along 0, 90, 180 and 270 degrees from the thickest lateral, here the first of
-// equals; what comes out within 10 degrees of an edge, or where a face is taken, is additional.
+// The faces of the cube have the directions 0, 90, 180 and 270 degrees from the thickest lateral, here the
+// first of equals; a lateral with an exit within 10 degrees of an edge, or at an occupied face, is
+// additional.
 TEST(Ramification, ConnectsLateralsThatHaveAFaceToThemselves) {
     const auto additional = [](const std::vector<float>& degrees, bool printed = false) {
         std::vector<float> angles;
@@ -114,11 +115,11 @@ TEST(Ramification, ConnectsLateralsThatHaveAFaceToThemselves) {
     EXPECT_EQ(additional({0, 45}), 1u);
     EXPECT_EQ(additional({0, 127}), 1u);
     EXPECT_EQ(additional({0, 20}), 1u);
-    // Modulo 45 degrees, 90 is 0, less than 10; so all but one are.
+    // Modulo 45 degrees, 90 is 0, less than 10; therefore all except one are additional.
     EXPECT_EQ(additional({0, 90, 180, 270}, true), 3u);
 }
 
-// Two rows of eight sides lie between units, rings and ends, and each ring is that of its neighbour.
+// Two rows of eight sides are between units, rings and ends, and each ring is shared with its neighbour.
 TEST(Ramification, SaysOfWhichTubesQuadsAre) {
     for (const bool additional : {false, true}) {
         const Skeleton tree = random_tree(200, 2);
@@ -177,7 +178,7 @@ TEST(Ramification, LowersItsObjective) {
     }
 }
 
-// A lateral every millimetre: all units touch, none may grow without bound.
+// A lateral every millimetre: all units touch; none may grow without bound.
 TEST(Ramification, TakesABrush) {
     constexpr std::uint32_t kLaterals = 20'000;
     std::vector<NodeId> parents{NodeId::none()};
@@ -198,7 +199,7 @@ TEST(Ramification, TakesABrush) {
     EXPECT_GE(made.report.units, kLaterals / 256);
 }
 
-// Every branch leaves the one before it at the middle of its length.
+// Every branch starts at the middle of the length of the previous one.
 TEST(Ramification, TakesBranchesThatNestDeeply) {
     constexpr std::uint32_t kDepth = 20'000;
     std::vector<NodeId> parents{NodeId::none(), NodeId(0), NodeId(1)};

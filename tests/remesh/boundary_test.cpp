@@ -17,7 +17,7 @@ std::vector<Triangle> tube(std::uint32_t n) {
 }
 
 TEST(Boundary, OfATubeAreTwoLoopsInTheDirectionOfItsFaces) {
-    const Boundary b = boundary_of(tube(5));
+    const Boundary b = compute_boundary(tube(5));
     EXPECT_TRUE(b.pinched.empty());
     ASSERT_EQ(b.loops.size(), 2u);
     EXPECT_EQ(b.loops[0], (Loop{0, 1, 2, 3, 4}));
@@ -26,14 +26,14 @@ TEST(Boundary, OfATubeAreTwoLoopsInTheDirectionOfItsFaces) {
 
 TEST(Boundary, OfAClosedSurfaceIsEmpty) {
     const std::vector<Triangle> tetrahedron{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
-    const Boundary b = boundary_of(tetrahedron);
+    const Boundary b = compute_boundary(tetrahedron);
     EXPECT_TRUE(b.loops.empty());
     EXPECT_TRUE(b.pinched.empty());
 }
 
 TEST(Boundary, LeavesOutLoopsThatTouchAndNamesTheVertex) {
     const std::vector<Triangle> bow{{0, 1, 2}, {2, 3, 4}, {5, 6, 7}};
-    const Boundary b = boundary_of(bow);
+    const Boundary b = compute_boundary(bow);
     EXPECT_EQ(b.pinched, (std::vector<std::uint32_t>{2}));
     ASSERT_EQ(b.loops.size(), 1u);
     EXPECT_EQ(b.loops[0], (Loop{5, 6, 7}));
@@ -43,7 +43,7 @@ TEST(Boundary, LooksOnlyWhereItIsTold) {
     const std::vector<Triangle> faces = tube(4);
     std::vector<std::uint8_t> rim(8, 0);
     for (std::size_t v = 0; v < 4; ++v) rim[v] = 1;
-    const Boundary b = boundary_of(faces, rim);
+    const Boundary b = compute_boundary(faces, rim);
     ASSERT_EQ(b.loops.size(), 1u);
     EXPECT_EQ(b.loops[0], (Loop{0, 1, 2, 3}));
 }

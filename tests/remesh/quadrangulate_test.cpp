@@ -14,7 +14,7 @@ const Buffer<Vec3> kOctahedron{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0,
 const std::vector<Triangle> kFaces{{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
                                    {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
 
-QuadMesh mesh_of(const Buffer<Vec3>& positions, const QuadPatch& patch) {
+QuadMesh make_mesh(const Buffer<Vec3>& positions, const QuadPatch& patch) {
     QuadMesh out;
     out.positions = positions;
     out.quads.assign(patch.quads.begin(), patch.quads.end());
@@ -27,10 +27,10 @@ TEST(Quadrangulate, ATriangleAloneBecomesThreeQuadsInItsPlane) {
     QuadPatch patch = quadrangulate(kFaces, {}, x);
     split_pairs(patch, alone, x);
     ASSERT_EQ(patch.quads.size(), 3 * kFaces.size());
-    const TopologyReport t = topology(mesh_of(x, patch));
+    const TopologyReport t = topology(make_mesh(x, patch));
     EXPECT_TRUE(t.watertight());
     EXPECT_EQ(t.euler, 2);
-    EXPECT_NEAR(shape(mesh_of(x, patch)).signed_volume, 4.0 / 3, 1e-6);
+    EXPECT_NEAR(shape(make_mesh(x, patch)).signed_volume, 4.0 / 3, 1e-6);
     std::vector<int> count(kFaces.size(), 0);
     for (std::size_t q = 0; q < patch.quads.size(); ++q) {
         const Triangle& own = kFaces[patch.triangle[q]];
@@ -61,8 +61,8 @@ TEST(Quadrangulate, OnlyPairsWithAMarkedTriangleAreCutAgain) {
     ASSERT_EQ(patch.quads.size(), 14u);
     EXPECT_TRUE(std::equal(before.quads.begin(), before.quads.begin() + 4, patch.quads.begin()));
     EXPECT_TRUE(std::equal(before.quads.end() - 4, before.quads.end(), patch.quads.end() - 4));
-    EXPECT_NEAR(shape(mesh_of(x, patch)).area, 3, 1e-6);
-    EXPECT_EQ(shape(mesh_of(x, patch)).inverted_faces, 0u);
+    EXPECT_NEAR(shape(make_mesh(x, patch)).area, 3, 1e-6);
+    EXPECT_EQ(shape(make_mesh(x, patch)).inverted_faces, 0u);
 }
 
 TEST(Quadrangulate, FlatNeighboursBecomeFourQuads) {
@@ -80,12 +80,13 @@ TEST(Quadrangulate, TakesTheMiddlesThatAreGiven) {
     const std::vector<EdgeMiddle> given{{1, 0, 3}};
     const QuadPatch patch = quadrangulate(one, given, x);
     ASSERT_EQ(patch.quads.size(), 3u);
-    EXPECT_EQ(x.size(), 7u);  // two middles and one within
+    EXPECT_EQ(x.size(), 7u);  // two edge middles and one inner vertex
     EXPECT_EQ(patch.quads[0][1], 3u);
 }
 
 TEST(Quadrangulate, DoesNotJoinTrianglesAcrossAnEdge) {
-    Buffer<Vec3> x{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0.1f, 1}};  // a right angle and more between them
+    Buffer<Vec3> x{
+        {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0.1f, 1}};  // normals differ by more than a right angle
     const std::vector<Triangle> roof{{0, 1, 2}, {1, 0, 3}};
     EXPECT_EQ(quadrangulate(roof, {}, x).quads.size(), 6u);
 }

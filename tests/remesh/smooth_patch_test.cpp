@@ -9,7 +9,7 @@
 namespace coppice {
 namespace {
 
-// Falls from 1 on the unit ball as the fifth power of a quartic kernel does.
+// A field that is 1 on the unit ball and decreases like the fifth power of a quartic kernel.
 struct Ball {
     float level() const { return 1; }
     void sample(std::uint32_t, std::span<const Vec3> points, std::span<FieldSample> out) const {
@@ -20,7 +20,7 @@ struct Ball {
     }
 };
 
-// A grid of n x n quads over part of the ball, its inner vertices displaced.
+// A grid of n x n quads on part of the ball with displaced inner vertices.
 struct Patch {
     std::vector<Vec3> x;
     std::vector<Quad> quads;

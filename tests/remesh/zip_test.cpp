@@ -10,7 +10,7 @@ namespace {
 
 const LoopAxis kUp{{0, 0, 0}, {0, 0, 1}};
 
-// Appends a ring of n points at a height, from an angle on, and returns it.
+// Appends a ring of n points at a height, starting at an angle, and returns its loop.
 Loop ring(std::vector<Vec3>& x, std::uint32_t n, float height, float from, float sense = 1) {
     Loop out;
     for (std::uint32_t k = 0; k < n; ++k) {
@@ -35,13 +35,13 @@ TEST(Zip, JoinsRingsOfAnyNumbersByABandThatIsClosedBetweenThem) {
         for (const float from : {0.0f, 2.0f, -3.1f}) {
             std::vector<Vec3> x;
             const Loop a = ring(x, 8, 1, 0), b = ring(x, inner, 0, from);
-            // Seen from outside the upper ring runs backwards through the faces below it.
+            // Seen from outside, the faces below the upper ring traverse it backwards.
             Loop upper(a.rbegin(), a.rend());
             Loop lower(b.rbegin(), b.rend());
             const auto band = zip(upper, lower, x, kUp);
             ASSERT_TRUE(band);
             EXPECT_EQ(band->size(), 8 + inner);
-            const Boundary ends = boundary_of(*band);
+            const Boundary ends = compute_boundary(*band);
             ASSERT_EQ(ends.loops.size(), 2u);
             EXPECT_EQ(ends.loops[0].size() + ends.loops[1].size(), 8 + inner);
             for (const Triangle& t : *band) {

@@ -35,7 +35,7 @@ TEST(Colors, InsideIsBlueAndOutsideRedUpToTheRange) {
     EXPECT_GT(colors[0][2], colors[0][0] + 60);
     EXPECT_GT(colors[4][0], colors[4][2] + 60);
     EXPECT_NEAR(colors[2][0], colors[2][2], 10);
-    EXPECT_LT(colors[5][0], colors[2][0] - 40);  // a grey that is not that of 0
+    EXPECT_LT(colors[5][0], colors[2][0] - 40);  // a grey that differs from that of 0
 }
 
 }  // namespace

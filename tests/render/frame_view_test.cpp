@@ -57,7 +57,7 @@ TEST(FrameView, PointsThatFillThePictureTouchItsMargin) {
         left = std::min(left, at.x), right = std::max(right, at.x);
         top = std::min(top, at.y), bottom = std::max(bottom, at.y);
     }
-    // The height of 64 pixels is what they fill: 8 are free above and below, 48 for a square in the middle.
+    // The object fills the height of 64 pixels: 8 are free above and below, 48 for a square in the middle.
     EXPECT_NEAR(top, 8, 0.01);
     EXPECT_NEAR(bottom, 56, 0.01);
     EXPECT_NEAR(left, 24, 0.01);

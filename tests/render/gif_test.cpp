@@ -9,7 +9,7 @@
 namespace coppice {
 namespace {
 
-/// Reads what GifEncoder wrote, after the format's specification and not after the encoder.
+/// Decodes the output of GifEncoder, written from the specification of the format and not from the encoder.
 class Gif {
   public:
     explicit Gif(const std::string& bytes) : bytes_(bytes.begin(), bytes.end()) {
@@ -20,7 +20,7 @@ class Gif {
         while (bytes_[at_] != ';') read_picture();
     }
     unsigned width = 0, height = 0;
-    std::vector<std::vector<int>> pictures;  ///< the colours of all pixels, as shown
+    std::vector<std::vector<int>> pictures;  ///< the displayed colours of all pixels
     std::vector<unsigned> delays;
 
   private:

@@ -12,7 +12,7 @@ namespace {
 
 int brightness(const Image::Pixel& p) { return p[0] + p[1] + p[2]; }
 
-/// Rises by one from pixel to pixel.
+/// Increases by one from pixel to pixel.
 std::vector<double> ramp(int width, int height) {
     std::vector<double> out;
     for (int y = 0; y < height; ++y)
@@ -44,7 +44,7 @@ TEST(HeightMap, LinesLieWhereTheNumbersPass) {
     const Image outlined = height_map(ramp(50, 4), 50, {.low = 0, .high = 49, .outlines = {20.4}});
     EXPECT_EQ(outlined.at(20, 1), (Image::Pixel{255, 255, 255, 255}));
     EXPECT_EQ(outlined.at(15, 1), plain.at(15, 1));
-    // A step without anything between is a line too.
+    // A step without values in between is a line too.
     const std::vector<double> step{0, 0, 0, 1, 1, 1};
     EXPECT_NE(height_map(step, 6, {.isolines = {0.5}}).at(3, 0), height_map(step, 6, {}).at(3, 0));
 }

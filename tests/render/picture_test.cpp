@@ -68,7 +68,7 @@ TEST(Picture, JpegIsReadAboutAsWritten) {
 
 TEST(Picture, WhatIsNoPictureIsRefused) {
     EXPECT_EQ(error_of([] { decode_picture("GIF89a", "a.gif"); }),
-              "a.gif: this is neither a PNG nor a JPEG picture");
+              "a.gif: this is neither a PNG nor a JPEG image");
     const std::string png = encode_png(colors(255)), jpeg = jpeg_of(colors(255));
     EXPECT_EQ(error_of([&] { decode_picture(png.substr(0, 60), "a.png"); }).substr(0, 28),
               "a.png: this PNG is damaged: ");
@@ -83,7 +83,7 @@ TEST(Picture, DrawingsCoverWhatTheyLieOver) {
     EXPECT_EQ(overlay(below, above, 0.5f).pixels[0], (Image::Pixel{150, 50, 100, 255}));
     EXPECT_EQ(overlay(below, above, 0.5f).pixels[1], below.pixels[1]);
     EXPECT_EQ(error_of([&] { overlay(below, Image(1, 1), 1); }),
-              "a drawing of 1 x 1 pixels cannot lie over a picture of 2 x 1");
+              "a drawing of 1 x 1 pixels cannot be placed over an image of 2 x 1");
 }
 
 }  // namespace

@@ -43,7 +43,7 @@ RenderOptions small() {
     return o;
 }
 
-/// Columns and rows that the object touches.
+/// Returns the columns and rows that the object touches.
 struct Extent {
     int left = 1 << 20, right = -1, top = 1 << 20, bottom = -1;
 };
@@ -69,7 +69,7 @@ TEST(Render, TheObjectFillsThePictureUpToTheMargin) {
     const PolygonMesh mesh = cube(2);
     RenderOptions o = small();
     o.margin = 0.125f;  // 8 of 64 pixels on each side
-    // Seen square on, the front face of the cube is what fills the picture.
+    // Viewed along the normal, the front face of the cube fills the image.
     const Extent e = extent(render({.mesh = &mesh}, o));
     EXPECT_NEAR(e.left, 8, 1);
     EXPECT_NEAR(e.right, 55, 1);
@@ -109,7 +109,8 @@ TEST(Render, SizeAndPlaceDoNotMatter) {
 }
 
 TEST(Render, MeshAndSkeletonShareOneSpace) {
-    // The skeleton's ball touches the cube's faces from inside once both origins count.
+    // The ball of the skeleton touches the faces of the cube from inside if both origins are taken into
+    // account.
     const PolygonMesh mesh = cube(1, {1000, 0, 0});
     const Skeleton inside({NodeId{}}, {{0, 0, 0}}, {0.9f}, {1000, 0, 0});
     const Extent e = extent(render({.mesh = &mesh, .skeleton = &inside}, small()));
@@ -137,7 +138,7 @@ TEST(Render, MarkedFacesStandOutAlsoWhereTheyAreHidden) {
         const std::vector<std::uint32_t> marked{face};
         const Image image = render({.mesh = &mesh, .marked_faces = marked}, small());
         EXPECT_TRUE(is_magenta(image.at(32, 32))) << face;
-        EXPECT_EQ(is_magenta(image.at(5, 32)), face == 5) << "what is behind looks smaller";
+        EXPECT_EQ(is_magenta(image.at(5, 32)), face == 5) << "the more distant part looks smaller";
         EXPECT_EQ(render({.mesh = &mesh, .marked_faces = marked}, small(), {.threads = 3}), image);
     }
     const std::vector<std::uint32_t> none{6};
@@ -147,8 +148,7 @@ TEST(Render, MarkedFacesStandOutAlsoWhereTheyAreHidden) {
 }
 
 TEST(Render, MarkedTrianglesAndLargerFacesStandOutWhole) {
-    PolygonMesh
-        mesh;  // a square across the view, as one of four corners with a triangle below and five above
+    PolygonMesh mesh;  // a square perpendicular to the view, as one quad with a triangle below and five above
     mesh.positions.assign(
         {{0, -1, -1}, {0, 1, -1}, {0, 1, 0}, {0, -1, 0}, {0, -1, 1}, {0, 0, 1.1f}, {0, 1, 1}});
     mesh.add_face(std::vector<std::uint32_t>{0, 1, 2});
@@ -166,7 +166,7 @@ TEST(Render, MarkedTrianglesAndLargerFacesStandOutWhole) {
 }
 
 TEST(Render, CoarseFacesAreLitAsTheSmoothSurfaceTheyStandFor) {
-    // Where light grazes a face, it must not be black as a whole up to its edge.
+    // At grazing light, a face must not be entirely black up to its edge.
     RenderOptions o = small();
     o.samples = 64;
     const PolygonMesh coarse = shapes::tube(12, 1, 1, 8), fine = shapes::tube(192, 1, 1, 8);
@@ -188,7 +188,8 @@ TEST(Render, CoarseFacesAreLitAsTheSmoothSurfaceTheyStandFor) {
 
 TEST(Render, RingsAreDrawnAroundMarks) {
     const PolygonMesh mesh = cube(1, {100, 0, 0});
-    // A ring about the middle, as wide as the cube at that depth; one too small to be seen is drawn larger.
+    // A ring about the centre, as wide as the cube at that depth; one too small to be visible is drawn
+    // larger.
     const std::vector<RenderMark> wide{{{100, 0, 0}, 0.5}}, tiny{{{100, 0, 0}, 0}};
     const auto columns = [&](std::span<const RenderMark> marks) {
         const Image image = render({.mesh = &mesh, .marks = marks}, small());
@@ -200,12 +201,12 @@ TEST(Render, RingsAreDrawnAroundMarks) {
     };
     const auto ring = columns(wide);
     ASSERT_GE(ring.size(), 2u);
-    EXPECT_EQ(ring.front(), 63 - ring.back());  // about the middle
+    EXPECT_EQ(ring.front(), 63 - ring.back());  // about the centre
     EXPECT_GT(ring.back() - ring.front(), 20);
     EXPECT_LT(ring.back() - ring.front(), 40);
     EXPECT_FALSE(columns(tiny).empty());
     EXPECT_TRUE(columns({}).empty());
-    // One behind the camera, and one beside the picture.
+    // One behind the camera, and one outside the image.
     const std::vector<RenderMark> outside{{{1e6, 0, 0}, 1}, {{100, 1e6, 0}, 1}};
     EXPECT_TRUE(columns(outside).empty());
 }
@@ -238,7 +239,7 @@ TEST(Render, WiresFollowTheEdgesOfQuadsAndNotTheirDiagonals) {
 }
 
 TEST(Render, LargerFacesShowNoEdgesInside) {
-    PolygonMesh mesh;  // a hexagon across the view along -x
+    PolygonMesh mesh;  // a hexagon perpendicular to the view along -x
     std::uint32_t ring[6];
     for (std::uint32_t i = 0; i < 6; ++i) {
         const float a = kPi / 3 * static_cast<float>(i);
@@ -266,14 +267,14 @@ TEST(Render, InsideIsBlueAndOutsideRed) {
     EXPECT_GT(middle(-0.1f)[2], middle(-0.1f)[0] + 40);
     EXPECT_NEAR(middle(0.0f)[0], middle(0.0f)[2], 30);
     EXPECT_EQ(middle(0.5f), middle(0.1f)) << "the colours end at the range";
-    // What is not known is drawn in a grey of its own, and not in the colour of 0.
+    // Unknown values are drawn in a different grey than 0.
     const auto unknown = middle(std::numeric_limits<float>::quiet_NaN());
     EXPECT_NE(unknown, middle(0.0f));
     EXPECT_NEAR(unknown[0], unknown[2], 30);
 }
 
 TEST(Render, MeasuredNodesAreBlueAndPresumedOnesRed) {
-    // A pole along x: the far half of it was measured.
+    // A pole along x: its far half was measured.
     const Skeleton pole({NodeId{}, NodeId(0), NodeId(1)}, {{0, -1, 0}, {0, 0, 0}, {0, 1, 0}},
                         {0.3f, 0.3f, 0.3f});
     const std::vector<float> evidence{0, 0, 1};
@@ -318,7 +319,7 @@ TEST(Render, DeviationComesWithAScaleBar) {
 }
 
 TEST(Render, DistanceFromAnotherMeshIsMeasuredWhereItIsSeen) {
-    // The faces are large: what their corners know says nothing of their middles.
+    // The faces are large: the values at their corners do not determine those in the middle.
     const PolygonMesh drawn = cube(1);
     RenderOptions o = small();
     o.color = RenderColor::distance;
@@ -331,7 +332,7 @@ TEST(Render, DistanceFromAnotherMeshIsMeasuredWhereItIsSeen) {
     EXPECT_GT(middle(cube(1.1f))[2], middle(cube(1.1f))[0] + 40) << "inside of a larger one";
     EXPECT_NEAR(middle(cube(1))[0], middle(cube(1))[2], 30);
     EXPECT_EQ(middle(cube(0.5f)), middle(cube(0.9f))) << "the colours end at the range";
-    // A slab that holds the middle of the face seen, and none of the corners.
+    // A slab that contains the middle of the visible face, and none of its corners.
     PolygonMesh slab = cube(1.05f);
     for (Vec3& p : slab.positions) p.z *= 0.2f;
     EXPECT_GT(middle(slab)[2], middle(slab)[0] + 20);
@@ -354,7 +355,7 @@ TEST(Render, DistancesMindTheOrigins) {
 }
 
 TEST(Render, TheRangeOfDistancesFollowsMostVertices) {
-    // All corners are 0.1 outside per axis of the smaller cube: sqrt(3) / 10 away. Faces lie 0.1 away.
+    // All corners are 0.1 outside per axis of the smaller cube: sqrt(3) / 10 away. Faces are 0.1 away.
     const PolygonMesh drawn = cube(1), other = cube(0.9f);
     const SurfaceTree surface(other);
     RenderOptions o = small();
@@ -379,19 +380,19 @@ TEST(Render, LengthsOfTheScaleHaveThreeDigits) {
     EXPECT_EQ(length_text(1e-9), "1.00 nm");
 }
 
-/// One point in the middle of the picture, one to each side.
-PaintedPoints three_points() {
-    PaintedPoints out;
+/// One point in the middle of the image, one on each side.
+PointCloud three_points() {
+    PointCloud out;
     out.points.positions = {{0, -1, 0}, {0, 0, 0}, {0, 1, 0}};
     return out;
 }
 
 TEST(Render, PointsAreBalls) {
-    PaintedPoints cloud = three_points();
+    PointCloud cloud = three_points();
     for (const Vec3d origin : {Vec3d{}, Vec3d{500'000, 5e6, 100}}) {
         cloud.points.origin = origin;
         const Image image = render({.cloud = &cloud, .point_radius = 0.1f}, small());
-        // The picture is 2.2 m wide and 64 pixels but for the margins: 27 pixels a metre.
+        // The image is 2.2 m wide and 64 pixels except for the margins: 27 pixels per metre.
         EXPECT_EQ(image.at(32, 32)[3], 255);
         EXPECT_EQ(image.at(32, 32 + 5)[3], 0);
         EXPECT_EQ(image.at(32 + 13, 32)[3], 0);
@@ -400,7 +401,7 @@ TEST(Render, PointsAreBalls) {
 }
 
 TEST(Render, PointsHaveTheirColours) {
-    PaintedPoints cloud = three_points();
+    PointCloud cloud = three_points();
     cloud.colors = {{255, 0, 0}, {0, 255, 0}, {0, 0, 255}};
     const Image image = render({.cloud = &cloud, .point_radius = 0.1f}, small());
     // Seen from +x, +y is to the right.
@@ -410,10 +411,10 @@ TEST(Render, PointsHaveTheirColours) {
 }
 
 TEST(Render, PointsLieOverAPaleMeshColouredByTheirDistance) {
-    // Points 0.1 inside of, on and 0.1 outside of the face of a cube that is seen.
+    // Points 0.1 inside, on and 0.1 outside the visible face of a cube.
     const PolygonMesh mesh = cube(1);
     const SurfaceTree surface(mesh);
-    PaintedPoints cloud;
+    PointCloud cloud;
     cloud.points.positions = {{1.1f, 0.9f, 0}, {1, 0, 0}, {0.9f, -1.05f, 0}};
     RenderOptions o = small();
     o.color = RenderColor::distance;
@@ -423,7 +424,7 @@ TEST(Render, PointsLieOverAPaleMeshColouredByTheirDistance) {
     EXPECT_GT(image.at(58, 32)[0], image.at(58, 32)[2] + 40);   // outside
     EXPECT_NEAR(image.at(32, 32)[0], image.at(32, 32)[2], 30);  // on it
     EXPECT_NEAR(image.at(45, 45)[0], image.at(45, 45)[2], 30);  // the mesh
-    // Distances of their own go before those from the mesh, and their range is the one of 98 %.
+    // Own distances have priority over those from the mesh, and their range is the 98 % quantile.
     cloud.distances = {-0.3f, 0.3f, 0.3f};
     o.distance_range = 0;
     const Image own = render(scene, o);
@@ -432,7 +433,7 @@ TEST(Render, PointsLieOverAPaleMeshColouredByTheirDistance) {
 }
 
 TEST(Render, OddPointsAreRefused) {
-    PaintedPoints cloud;
+    PointCloud cloud;
     const auto drawn = [&](float radius = 0.1f) {
         render({.cloud = &cloud, .point_radius = radius}, small());
     };
@@ -447,7 +448,7 @@ TEST(Render, OddPointsAreRefused) {
     EXPECT_THROW(drawn(), InvalidInput);
     cloud = three_points();
     RenderOptions o = small();
-    o.color = RenderColor::distance;  // from what?
+    o.color = RenderColor::distance;  // there is no other surface
     EXPECT_THROW(render({.cloud = &cloud, .point_radius = 0.1f}, o), InvalidInput);
 }
 
@@ -487,8 +488,7 @@ TEST(Render, DegenerateSkeletonsAreDrawn) {
 }
 
 TEST(Render, AViewIsTheCameraWhateverTheOrigin) {
-    // A ball and, so that the scene has another size and middle, one far behind that the first hides nothing
-    // of.
+    // A ball, and a distant one, not hidden by the first, that changes the size and centre of the scene.
     for (const Projection projection : {Projection::perspective, Projection::orthographic}) {
         const Skeleton balls({NodeId{}, NodeId{}}, {{1, 2, 3}, {1, 9, 4}}, {0.1f, 0.2f}, {1000, 0, 0});
         SketchView view =

@@ -34,7 +34,7 @@ PolygonMesh box(Vec3 low, Vec3 high) {
     return m;
 }
 
-/// A square across the x axis with its middle at (x, y, 0).
+/// A square perpendicular to the x axis with its centre at (x, y, 0).
 PolygonMesh plate(float x, float y, float half) {
     PolygonMesh m;
     m.positions = {{x, y - half, -half}, {x, y + half, -half}, {x, y + half, half}, {x, y - half, half}};
@@ -43,7 +43,7 @@ PolygonMesh plate(float x, float y, float half) {
     return m;
 }
 
-/// One scanner on the +x side, at the height of the middle of what reaches from -1 to 1.
+/// One scanner on the +x side, at the height of the centre of an object from -1 to 1.
 ScanOptions from_x(int points, float noise = 0) {
     return {.points = points, .positions = 1, .distance = 10, .height = 1, .azimuth = 0, .noise = noise};
 }
@@ -80,7 +80,7 @@ TEST(Scan, AScannerSeesTheSidesThatFaceIt) {
 }
 
 TEST(Scan, NothingBehindAnOccluder) {
-    // The shield stands between the scanner at x = 10 and the cube, and its shadow is larger than the cube.
+    // The shield is between the scanner at x = 10 and the cube, and its shadow is larger than the cube.
     const PolygonMesh both = joined(box({-1, -0.5f, -0.5f}, {0, 0.5f, 0.5f}), plate(1, 0, 1));
     const PointSet points = scan(both, from_x(5000));
     EXPECT_EQ(count_if(points, [](Vec3 p) { return p.x < 1 - 1e-6f; }), 0u);
@@ -90,7 +90,7 @@ TEST(Scan, NothingBehindAnOccluder) {
 }
 
 TEST(Scan, DensityFallsWithTheSquareOfTheDistance) {
-    // The middle of both is (4, 0), so that the scanner stands at (12, 0), 4 and 12 metres from the plates.
+    // The centre of both is (4, 0), so that the scanner is at (12, 0), 4 and 12 metres from the plates.
     const PolygonMesh two = joined(plate(8, 2.5f, 0.5f), plate(0, -2.5f, 0.5f));
     ScanOptions o = from_x(20000);
     o.height = 0.5f;
@@ -98,7 +98,7 @@ TEST(Scan, DensityFallsWithTheSquareOfTheDistance) {
     const PointSet points = scan(two, o);
     const auto near = static_cast<double>(count_if(points, [](Vec3 p) { return p.x > 7; }));
     const auto far = static_cast<double>(points.size()) - near;
-    // Solid angle of a small plate: its area times the cosine of the slant over the distance squared.
+    // Solid angle of a small plate: area times the cosine of the incidence angle over the squared distance.
     const auto angle = [](double x, double y) { return x / std::pow(x * x + y * y, 1.5); };
     EXPECT_NEAR(near / far, angle(4, 2.5) / angle(12, 2.5), 0.3);
 }
@@ -139,7 +139,7 @@ TEST(Scan, UniformPointsLieAllOver) {
 }
 
 TEST(Scan, TheScannerMayStandAmidstTheMesh) {
-    // In a box that it sees from inside, all around and up to the zenith.
+    // Inside a box that it sees all around and up to the zenith.
     const PolygonMesh room = box({-10, -10, 0}, {10, 10, 5});
     const PointSet points = scan(room, {.points = 20000, .positions = 1, .distance = 1, .noise = 0});
     EXPECT_NEAR(static_cast<double>(points.size()), 20000, 1000);

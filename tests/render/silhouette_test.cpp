@@ -9,7 +9,7 @@
 namespace coppice {
 namespace {
 
-/// A square of 4 x 4 pixels in 10 x 10, on a background that strays by a few shades.
+/// A square of 4 x 4 pixels in 10 x 10, on a background with a noise of a few levels.
 Image square(Image::Pixel inside, Image::Pixel outside) {
     Image image(10, 10);
     for (int y = 0; y < 10; ++y) {
@@ -28,15 +28,18 @@ void expect_square(const Mask& mask) {
     EXPECT_TRUE(mask.at(3, 3) && mask.at(6, 6));
 }
 
-TEST(SilhouetteOf, AlphaTells) { expect_square(silhouette_of(square({90, 90, 90, 200}, {90, 90, 90, 40}))); }
+TEST(SilhouetteOf, AlphaTells) {
+    expect_square(compute_silhouette(square({90, 90, 90, 200}, {90, 90, 90, 40})));
+}
 
 TEST(SilhouetteOf, DifferenceFromTheEdgeTells) {
-    expect_square(silhouette_of(square({80, 60, 40, 255}, {150, 200, 240, 255})));
-    expect_square(silhouette_of(square({255, 255, 255, 255}, {0, 0, 0, 255})));
+    expect_square(compute_silhouette(square({80, 60, 40, 255}, {150, 200, 240, 255})));
+    expect_square(compute_silhouette(square({255, 255, 255, 255}, {0, 0, 0, 255})));
 }
 
 TEST(SilhouetteOf, APictureWithoutPixelsIsRefused) {
-    EXPECT_EQ(test::error_of([] { silhouette_of(Image()); }), "a picture without pixels has no silhouette");
+    EXPECT_EQ(test::error_of([] { compute_silhouette(Image()); }),
+              "an image without pixels has no silhouette");
 }
 
 }  // namespace

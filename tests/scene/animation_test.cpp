@@ -8,7 +8,7 @@
 namespace coppice {
 namespace {
 
-// A trunk with one branch, of two segments, along x.
+// A trunk with one branch of two segments along x.
 Skeleton fork() {
     return {{NodeId::none(), NodeId(0), NodeId(1), NodeId(1), NodeId(3)},
             {{0, 0, 0}, {0, 0, 2}, {0, 0, 4}, {1, 0, 2}, {2, 0, 2}},
@@ -22,7 +22,7 @@ AnimationOptions options() {
     return out;
 }
 
-/// Keeps what it is given.
+/// Records its input.
 class Recorder : public FrameSink {
   public:
     struct Seen {
@@ -47,10 +47,10 @@ TEST(Animation, LastsAsLongAsItsKeysOrAsAsked) {
     AnimationOptions o = options();
     const auto keys = [] { return Keyframes(fork(), "0.5: rotate 3 30", "k"); };
     EXPECT_EQ(Motion(fork(), keys(), o).seconds(), 0.5);
-    EXPECT_EQ(Motion(fork(), keys(), o).frames(), 6u);  // the last moment too
-    EXPECT_EQ(Motion(fork(), keys(), o).keys(), 2u);    // at rest before it
+    EXPECT_EQ(Motion(fork(), keys(), o).frames(), 6u);  // including the last moment
+    EXPECT_EQ(Motion(fork(), keys(), o).keys(), 2u);    // including the rest pose before it
     o.wind.speed = 8;
-    EXPECT_EQ(Motion(fork(), keys(), o).frames(), 5u);  // begins anew
+    EXPECT_EQ(Motion(fork(), keys(), o).frames(), 5u);  // periodic
     EXPECT_EQ(Motion(fork(), std::nullopt, o).seconds(), 4);
     o.run.duration = 0.2f;
     EXPECT_EQ(Motion(fork(), keys(), o).frames(), 2u);
@@ -78,24 +78,24 @@ TEST(Animation, SomethingHasToMove) {
 TEST(Animation, EveryFrameGoesToTheSinks) {
     const AnimationOptions o = options();
     const Motion motion(fork(), Keyframes(fork(), "0.3: rotate 3 30", "k"), o);
-    CarriedMesh mesh(fork(), o.mesh);
-    const FrameSeries series = series_of(mesh, motion, o);
+    SkinnedMesh mesh(fork(), o.mesh);
+    const FrameSeries series = make_series(mesh, motion, o);
     EXPECT_EQ(series.count, 4u);
     Recorder::Seen seen;
     const MotionReport report = make_frames(mesh, motion, recording(seen), {});
     ASSERT_EQ(seen.frames.size(), 4u);
     EXPECT_EQ(seen.finished, 1);
-    EXPECT_EQ(report.held, 0u);
+    EXPECT_EQ(report.frozen, 0u);
     EXPECT_EQ(seen.frames[0].quads, series.rest->quads);
     EXPECT_NE(seen.frames[3].positions, seen.frames[0].positions);
-    EXPECT_EQ(text_of(report, 4, 1000), "4 frames of 1,000 quads");
+    EXPECT_EQ(to_text(report, 4, 1000), "4 frames of 1,000 quads");
 }
 
 TEST(Animation, HeldFramesAreTold) {
     MotionReport report;
-    report.held = 3;
-    EXPECT_EQ(text_of(report, 1200, 37376),
-              "1,200 frames of 37,376 quads; 3 held back where branches would fold or cross");
+    report.frozen = 3;
+    EXPECT_EQ(to_text(report, 1200, 37376),
+              "1,200 frames of 37,376 quads; 3 with frozen branches that would fold or intersect");
 }
 
 TEST(Animation, AGrowingTreeEndsWhole) {

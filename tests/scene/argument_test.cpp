@@ -30,7 +30,7 @@ TEST(SceneArgument, NumbersMustBeFiniteAndInRange) {
     for (const char* text : {"nan", "inf", "-inf", "1e999", "x", "", "1x", "0x1", "-1", "10.1", "1,2"})
         EXPECT_NE(refusal(a, text), "no error") << text;
     EXPECT_EQ(refusal(a, "x"), "size takes a number of metres from 0 to 10, not 'x'");
-    EXPECT_NE(refusal(number(0, 0), "1e39"), "no error");  // no float
+    EXPECT_NE(refusal(number(0, 0), "1e39"), "no error");  // beyond the range of float
 }
 
 TEST(SceneArgument, WholeNumbersHaveNoFraction) {
@@ -90,7 +90,7 @@ TEST(SceneArgument, WhatIsTypedGivesTheSameBits) {
     }
 }
 
-// Every member of an option struct is an argument, and the default as typed is the member's default.
+// Every member of an option struct is an argument, and parsing its default returns the default of the member.
 template <class Options>
 void expect_defaults_to_come_back(const std::map<std::string, std::string>& renamed = {}) {
     std::vector<Argument> arguments;

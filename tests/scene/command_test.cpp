@@ -25,7 +25,7 @@ TEST(SceneCommands, TheTableIsSound) {
         SCOPED_TRACE(c.name);
         EXPECT_TRUE(names.insert(c.name).second);
         for (const std::string& alias : c.aliases) EXPECT_TRUE(names.insert(alias).second) << alias;
-        EXPECT_FALSE(c.help.empty() || c.help.ends_with('.'));
+        EXPECT_TRUE(c.help.ends_with('.')) << c.help;
         EXPECT_FALSE(c.group.empty());
         EXPECT_TRUE(c.run);
         EXPECT_NE(c.example.find(c.name), std::string::npos);
@@ -34,7 +34,7 @@ TEST(SceneCommands, TheTableIsSound) {
         for (const Argument& a : c.arguments) {
             SCOPED_TRACE(a.name);
             EXPECT_TRUE(arguments.insert(a.name).second);
-            EXPECT_FALSE(a.help.empty() || a.help.ends_with('.'));
+            EXPECT_TRUE(a.help.ends_with('.')) << a.help;
             EXPECT_LE(a.low, a.high);
             if (a.positional && a.repeats) ++repeated;
             if (a.required) {
@@ -78,13 +78,13 @@ TEST(SceneCommands, RefusalsNameTheWordAndTheNearestSpelling) {
     EXPECT_EQ(refusal(scene, "grow t p influence=3"),
               "grow has no option 'influence'; did you mean influence_radius?");
     EXPECT_EQ(refusal(scene, "sphere s radius=1 radius=2"), "radius is given twice");
-    EXPECT_EQ(refusal(scene, "sphere s 1 2"), "sphere does not know what to do with '1'");
+    EXPECT_EQ(refusal(scene, "sphere s 1 2"), "sphere does not accept '1'");
     EXPECT_EQ(refusal(scene, "scale crwon 2"), "there is no solid 'crwon'; did you mean crown?");
     EXPECT_EQ(refusal(scene, "scale p 2"), "'p' is a profile, not a solid");
     EXPECT_EQ(refusal(scene, "scale mesh 2"),
-              "'mesh' is a mesh, not a solid; make one of it with: solid mesh");
+              "'mesh' is a mesh, not a solid; create one from it with: solid mesh");
     EXPECT_EQ(refusal(scene, "pointset near crown"),
-              "'crown' is a solid, not a mesh; make one of it with: polygonize crown");
+              "'crown' is a solid, not a mesh; create one from it with: polygonize crown");
     EXPECT_EQ(refusal(scene, "scale crown 2 3"),
               "factors takes 1 or 3 numbers from -1e+06 to 1e+06 joined by commas, not '2,3'");
     EXPECT_EQ(
@@ -96,7 +96,7 @@ TEST(SceneCommands, RefusalsNameTheWordAndTheNearestSpelling) {
     EXPECT_EQ(refusal(scene, "sphere 2s"),
               "name takes a name (letters, digits, _, - and . after a letter, at most 64), not '2s'");
     EXPECT_EQ(refusal(scene, "union crown u"),
-              "union: name two solids or more and then the result, as in: union s l both");
+              "union: name at least two solids and then the result, as in: union s l both");
     EXPECT_EQ(refusal(scene, "sphere s radius=0"),
               "radius takes a number of metres from 1e-05 to 100000, not '0'");
 }
@@ -111,8 +111,8 @@ TEST(SceneCommands, PointsMayBeWrittenWithBlanksOrCommas) {
     EXPECT_EQ(bounds("a").high, bounds("b").high);
 }
 
-// Zero, negative, huge and no numbers at all, for every number of every command: a sentence or a result, and
-// no long work, since memory is short.
+// Zero, negative, huge and invalid numbers, for every number of every command, lead to a message or a result,
+// without long work because memory is limited.
 TEST(SceneCommands, OddNumbersAreTakenOrRefusedInWords) {
     int asked = 0;
     for (const SceneCommand& c : scene_commands()) {

@@ -53,7 +53,7 @@ TEST_F(SceneCompose, TakesTheTemplatesOwnBranchesWhenNoneAreNamed) {
 }
 
 TEST_F(SceneCompose, ALibraryKeepsBranchesOfTrees) {
-    scene.run("library add " + file("b.branches") + " elm oak tag=bent tag=old least_length=0.001");
+    scene.run("library add " + file("b.branches") + " elm oak tag=bent tag=old min_length=0.001");
     EXPECT_NE(scene.run("library add " + file("b.branches") + " elm").find("0 branches added"),
               std::string::npos);
     const std::string listed = scene.run("library list " + file("b.branches") + " from=elm tag=bent");
@@ -70,7 +70,7 @@ TEST_F(SceneCompose, ARecipeMakesTheSameTreeAgain) {
     scene.run("compose a oak library=" + file("b.branches") + " tag=bent seed=3");
     Scene again;
     again.hold_tree("oak", tree("oak"));
-    again.run_text(recipe_of(scene.state()), "recipe");
+    again.run_text(make_recipe(scene.state()), "recipe");
     EXPECT_TRUE(
         same(tree("a"), std::get<Skeleton>(again.state().objects.at({ObjectKind::skeleton, "a"})->value)));
 }
@@ -111,7 +111,7 @@ TEST_F(SceneCompose, RefusesWhatMakesNoSense) {
     EXPECT_THROW(closed.run("library add b.branches oak"), IoError);
 }
 
-// A trunk with laterals at nodes 3 (along +x) and 5 (along +y), which has one of its own, 7.
+// A trunk with laterals at nodes 3 (along +x) and 5 (along +y); the latter has a lateral 7.
 Skeleton trunk() {
     const auto id = [](std::uint32_t i) { return NodeId(i); };
     return {{NodeId::none(), id(0), id(1), id(1), id(3), id(2), id(5), id(5)},
@@ -122,14 +122,14 @@ Skeleton trunk() {
 TEST_F(SceneCompose, ABranchThatIsSelectedGoesToTheLibrary) {
     scene.hold_tree("t", trunk());
     EXPECT_EQ(scene.run("library add " + file("b.branches") + " t nodes=id(3)"),
-              "1 branches added, 0 were there already\n");
+              "1 branches added, 0 already existed\n");
     scene.run("library add " + file("b.branches") + " t nodes=id(6,7)");
     const auto entries = TreeLibrary(folder_ / "b.branches", LibraryAccess::read).list({});
     ASSERT_EQ(entries.size(), 3u);
     EXPECT_EQ(entries[0].tree.source_node, 3u);
     EXPECT_EQ(entries[0].measures.nodes, 3u);
     EXPECT_EQ(refusal("library add b.branches t nodes=id(4)"),
-              "library add: node 4 does not begin a branch; select the first node behind a fork");
+              "library add: node 4 does not begin a branch; select the first node after a fork");
     EXPECT_NE(refusal("library add b.branches t nodes=roots").find("node 0 does not begin"),
               std::string::npos);
     EXPECT_NE(refusal("library add b.branches t oak nodes=id(3)").find("of one tree"), std::string::npos);
@@ -143,7 +143,7 @@ TEST_F(SceneCompose, ABranchOfALibraryIsGrafted) {
     const std::string library = file("b.branches");
     scene.run("library add " + library + " t nodes=id(3)");
     const auto end = [&] { return tree("t").position(NodeId(tree("t").size() - 1)); };
-    // The way of the host at the tip is +z, and the branch is inclined by a right angle.
+    // The direction of the parent branch at the tip is +z, and the branch is inclined by a right angle.
     scene.run("library graft t " + library + " 1 id(7) direction=1,0,0");
     ASSERT_EQ(tree("t").size(), 10u);
     for (std::uint32_t i = 0; i < 8; ++i) {
@@ -151,9 +151,9 @@ TEST_F(SceneCompose, ABranchOfALibraryIsGrafted) {
         EXPECT_EQ(tree("t").stable_id(NodeId(i)), StableId(i));
     }
     EXPECT_LT(distance(end(), Vec3{2, 1, 3}), 1e-5f);
-    EXPECT_FLOAT_EQ(tree("t").radius(NodeId(9)), 0.02f);  // no thicker than its host
+    EXPECT_FLOAT_EQ(tree("t").radius(NodeId(9)), 0.02f);  // limited to the radius of the host
     scene.run("undo");
-    // Beside the laterals that are there, and not on them.
+    // Next to the existing laterals, and not on them.
     scene.hold_tree("t", trunk());
     scene.run("library graft t " + library + " 1 id(1) along=0.5 scale=0.5 limit_radius=false");
     ASSERT_EQ(tree("t").size(), 11u);  // a new node on the trunk
@@ -194,7 +194,7 @@ Skeleton long_fork() {
     return {std::move(parents), std::move(positions), std::move(radii)};
 }
 
-// The template fits, and not what is put in beside what was there.
+// There is enough memory for the template, but not for the inserted branches.
 TEST_F(SceneCompose, HoldsItsMemory) {
     Scene small({.max_memory = 1}), large({.max_memory = 4});
     for (Scene* each : {&small, &large}) each->hold_tree("fork", long_fork());

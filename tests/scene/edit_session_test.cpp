@@ -30,8 +30,8 @@ TEST(EditSession, RunsEditsAndTakesThemBack) {
     EXPECT_TRUE(test::same(s.tree().skeleton(), test::stem_with_branches()));
     s.run("redo 3");
     EXPECT_TRUE(test::same(s.tree().skeleton(), after));
-    EXPECT_EQ(error_of([&] { s.run("undo 4"); }), "undo: only 3 edits can be taken back; history lists them");
-    EXPECT_NE(s.run("history").find("3  split order(0)&!roots parts=3 at=0  # 6 added, 3 on other hosts"),
+    EXPECT_EQ(error_of([&] { s.run("undo 4"); }), "undo: only 3 edits can be undone; history lists them");
+    EXPECT_NE(s.run("history").find("3  split order(0)&!roots parts=3 at=0  # 6 added, 3 on other parents"),
               std::string::npos);
 }
 
@@ -58,7 +58,7 @@ TEST(EditSession, UsesSolidsOfSceneCommandsAndTheTreeInThem) {
     s.run("undo");
     EXPECT_NE(s.run("describe tree").find("skeleton   9 nodes"), std::string::npos);
     EXPECT_EQ(error_of([&] { s.run("tidy tree"); }),
-              "tidy makes a tree, and edits are of the one that there is; run a scene first");
+              "tidy creates a tree, but edits apply to the existing one; run a scene first");
 }
 
 TEST(EditSession, RefusesInOneSentenceWithItsPlace) {
@@ -68,7 +68,7 @@ TEST(EditSession, RefusesInOneSentenceWithItsPlace) {
               "outside the "
               "subtree of 4");
     EXPECT_EQ(error_of([&] { s.run("bend radius(5,) 30"); }),
-              "bend: 'radius(5,)' holds no node of the tree; try other bounds with: select radius(5,)");
+              "bend: 'radius(5,)' contains no node of the tree; try other bounds with: select radius(5,)");
     EXPECT_EQ(error_of([&] { s.run("radius tips 0"); }),
               "radius takes a number of metres from 1e-09 to 1e+06, not '0'");
     EXPECT_NE(error_of([&] { s.run("bned 4 30"); }).find("there is no command 'bned'"), std::string::npos);
@@ -91,11 +91,11 @@ TEST(EditSession, KeepsIdsInJson) {
     EXPECT_EQ(plain.find("stable_id"), std::string::npos);
     std::string twice = json;
     twice.replace(twice.find("[0,1,"), 5, "[1,1,");
-    EXPECT_NE(error_of([&] { parse_skeleton(twice, "a.json"); }).find("the id 1 names two nodes"),
+    EXPECT_NE(error_of([&] { parse_skeleton(twice, "a.json"); }).find("the id 1 is used by two nodes"),
               std::string::npos);
 }
 
-/// The same tree of other ids, 1.5 times as large, elsewhere.
+/// The same tree with other ids, 1.5 times as large, at another position.
 Skeleton other_growth(const Skeleton& s) {
     std::vector<StableId> ids;
     std::vector<Vec3> place;
@@ -119,8 +119,8 @@ TEST(SavedEdits, AreMadeAgainOnATreeOfOtherIds) {
     const auto replayed = again.replay(s.saved(), "edits.json");
     EXPECT_EQ(replayed.made, 5u);
     EXPECT_TRUE(replayed.unbound.empty());
-    EXPECT_EQ(again.history()[0].command, "split 301 parts=3 at=0");       // of 201 nodes
-    EXPECT_EQ(again.history()[3].command.substr(0, 13), "translate 402");  // made by the first edit
+    EXPECT_EQ(again.history()[0].command, "split 301 parts=3 at=0");       // the tree has 201 nodes
+    EXPECT_EQ(again.history()[3].command.substr(0, 13), "translate 402");  // added by the first edit
     EditSession same(first);
     same.replay(s.saved(), "edits.json");
     EXPECT_TRUE(test::same(same.tree().skeleton(), s.tree().skeleton()));
@@ -136,7 +136,7 @@ TEST(SavedEdits, TellOfWhatDoesNotBind) {
     EXPECT_EQ(replayed.made, 1u);
     ASSERT_EQ(replayed.unbound.size(), 2u);
     EXPECT_EQ(replayed.unbound[0].reason,
-              "node 6 is not found: nothing is within 0.12 m; the nearest is node 4, 2 m away");
+              "node 6 is not found: no node is within 0.12 m; the nearest is node 4, 2 m away");
     EXPECT_EQ(replayed.unbound[1].reason, "node 9 was made by edit 1, which has not made it this time");
     EXPECT_FLOAT_EQ(cut.tree().radius(id(3)), 0.01f);
 }
@@ -148,17 +148,18 @@ TEST(SavedEdits, RefuseWhatIsNoFileOfEdits) {
     };
     const std::string head = R"({"format": "coppice-edits", "version": 1, "edits": )";
     EXPECT_EQ(refused("{"), "e.json: this is not valid JSON");
-    EXPECT_EQ(refused("[]"), "e.json: this JSON is no file of edits: it needs \"format\": \"coppice-edits\"");
+    EXPECT_EQ(refused("[]"),
+              "e.json: this JSON is not a file of edits: it needs \"format\": \"coppice-edits\"");
     EXPECT_EQ(refused(R"({"format": "coppice-edits", "version": 2, "edits": []})"),
               "e.json: this version of coppice-edits is newer than the program");
-    EXPECT_EQ(refused(head + "3}"), "e.json.edits is no list of at most 100000 edits");
-    EXPECT_EQ(refused(head + R"([{"command": 3, "nodes": []}]})"), "e.json: edits[0].command is no text");
+    EXPECT_EQ(refused(head + "3}"), "e.json.edits is not a list of at most 100000 edits");
+    EXPECT_EQ(refused(head + R"([{"command": 3, "nodes": []}]})"), "e.json: edits[0].command is not a text");
     EXPECT_EQ(refused(head + R"([{"command": "delete 8", "nodes": [{"place": [0, 0]}]}]})"),
-              "e.json: edits[0].nodes[0].place is no list of three numbers");
+              "e.json: edits[0].nodes[0].place is not a list of three numbers");
     EXPECT_NE(refused(head + R"([{"command": "delete 8", "nodes": []}, {"command": "list", "nodes": []}]})")
                   .find("e.json: edits[1]"),
               std::string::npos);
-    EXPECT_TRUE(test::same(s.tree().skeleton(), test::stem_with_branches()));  // nothing of it was made
+    EXPECT_TRUE(test::same(s.tree().skeleton(), test::stem_with_branches()));  // the tree is unchanged
 }
 
 TEST(EditSession, TheSurfaceFollows) {

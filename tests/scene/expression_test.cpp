@@ -85,10 +85,10 @@ TEST(Expression, ValuesArePutIntoTexts) {
     EXPECT_EQ(expanded("${kind}_${kind}.obj", v), "oak_oak.obj");
     EXPECT_EQ(expanded("$5 { } $", v), "$5 { } $");
     EXPECT_EQ(expanded("$${n}", v), "${n}");
-    EXPECT_EQ(expanded("${0.1 + 0.2}", v), "0.30000000000000004");  // every digit counts
+    EXPECT_EQ(expanded("${0.1 + 0.2}", v), "0.30000000000000004");  // with all digits
     v.values["dollar"] = std::string("$");
     EXPECT_EQ(expanded("${dollar}${n}", v), "$3");
-    EXPECT_EQ(text_of(evaluate("\"a ${kind} of ${n}\"", v)), "a oak of 3");
+    EXPECT_EQ(to_text(evaluate("\"a ${kind} of ${n}\"", v)), "a oak of 3");
 }
 
 TEST(Expression, RefusalsSayWhatIsWrong) {
@@ -97,19 +97,19 @@ TEST(Expression, RefusalsSayWhatIsWrong) {
     EXPECT_EQ(refusal("zzz"), "there is no variable 'zzz'");
     EXPECT_EQ(refusal("1 / (n - 3)"), "/ divides by 0");
     EXPECT_EQ(refusal("1 % 0"), "% divides by 0");
-    EXPECT_EQ(refusal("sqrt(-1)"), "sqrt gives no finite number here");
-    EXPECT_EQ(refusal("10^400"), "^ gives no finite number here");
+    EXPECT_EQ(refusal("sqrt(-1)"), "the result of sqrt is not a finite number");
+    EXPECT_EQ(refusal("10^400"), "the result of ^ is not a finite number");
     EXPECT_EQ(refusal("kind + 1"), "+ or - takes numbers, and 'oak' is a text");
     EXPECT_EQ(refusal("min()"), "min takes 1 or more, not 0");
     EXPECT_EQ(refusal("sin(1, 2)"), "sin takes 1, not 2");
-    EXPECT_EQ(refusal("1 2"), "'2' follows the expression, where an operator has to stand");
-    EXPECT_EQ(refusal("(1"), "a parenthesis is opened and not closed");
+    EXPECT_EQ(refusal("1 2"), "'2' follows the expression, where an operator is required");
+    EXPECT_EQ(refusal("(1"), "a parenthesis is not closed");
     EXPECT_EQ(refusal("sin(1"), "the parenthesis after sin is not closed");
-    EXPECT_EQ(refusal("1 +"), "the expression ends where a number or a name has to follow");
-    EXPECT_EQ(refusal("\"a"), "a quote is opened and not closed");
-    EXPECT_EQ(refusal("\"${n\""), "a ${ is opened and not closed by }");
-    EXPECT_EQ(refusal("#"), "'#' begins no number, name or text");
-    EXPECT_EQ(refusal("1..2"), "'..2' follows the expression, where an operator has to stand");
+    EXPECT_EQ(refusal("1 +"), "the expression ends where a number or a name is required");
+    EXPECT_EQ(refusal("\"a"), "a quote is not closed");
+    EXPECT_EQ(refusal("\"${n\""), "a ${ is not closed by }");
+    EXPECT_EQ(refusal("#"), "'#' does not begin a number, name or text");
+    EXPECT_EQ(refusal("1..2"), "'..2' follows the expression, where an operator is required");
 }
 
 TEST(Expression, HostileOnesEndSoon) {
@@ -125,9 +125,9 @@ TEST(Expression, HostileOnesEndSoon) {
     EXPECT_EQ(refusal(powers), "the expression is nested more than 100 deep");
     EXPECT_EQ(number(sums), 200'001);
     EXPECT_EQ(refusal("\"" + std::string(kLongestText + 1, 'a') + "\""),
-              "a text may have 4096 bytes at most");
+              "a text may have at most 4096 bytes");
     EXPECT_EQ(refusal("min(" + std::string(5000, '1') + ")"),
-              "'" + std::string(80, '1') + "...' is no number");
+              "'" + std::string(80, '1') + "...' is not a number");
 }
 
 TEST(Expression, NamesOfVariables) {

@@ -30,7 +30,7 @@ class SceneExtract : public test::FolderTest {
     }
 
     SceneSettings settings(int max_memory = 4096) const {
-        return {.max_memory = max_memory, .jail = std::make_shared<const Jail>(folder_)};
+        return {.max_memory = max_memory, .sandbox = std::make_shared<const FolderSandbox>(folder_)};
     }
 
     /// Rings of 30 points; with `up` 1 the y axis points up.
@@ -57,7 +57,7 @@ class SceneExtract : public test::FolderTest {
         return std::ranges::equal(a.parents(), b.parents()) &&
                std::ranges::equal(a.positions(), b.positions()) && std::ranges::equal(a.radii(), b.radii());
     }
-    /// Whether it is that stem, within a tenth of its radius.
+    /// Checks that the skeleton is that stem, within a tenth of its radius.
     static void expect_stem(const Skeleton& s) {
         float low = 9, high = -9;
         for (const NodeId n : nodes(s)) {
@@ -129,13 +129,13 @@ TEST_F(SceneExtract, OptionsThatWouldDoNothingAreRefused) {
               "extract: method= is for meshes, and 'p' is taken for a cloud of points");
     EXPECT_EQ(refusal("extract a from=p up=y"), "extract: up= is for files, and 'p' is an object");
     EXPECT_EQ(refusal("extract a stem.xyz ground_height=1"),
-              "extract: ground_height= is for the rule of that name; add ground=height");
-    EXPECT_EQ(refusal("extract a tube.ply voxel=0"), "no error");  // as it is anyway
+              "extract: ground_height= applies only to the rule height; add ground=height");
+    EXPECT_EQ(refusal("extract a tube.ply voxel=0"), "no error");  // the default
 }
 
 TEST_F(SceneExtract, SaysWhatIsMissing) {
     const std::string one =
-        "extract: a file or from=OBJECT says what the skeleton is read off; give one of them";
+        "extract: a file or from=OBJECT is the source of the skeleton; give exactly one of them";
     EXPECT_EQ(refusal("extract a"), one);
     EXPECT_EQ(refusal("extract a tube.ply from=t"), one);
     EXPECT_EQ(refusal("extract a stem.swc"),
@@ -158,14 +158,14 @@ TEST_F(SceneExtract, PointsAreLeftOutByTheirClass) {
         scene.run("extract b classed.xyz ground=none").find("2 of 1,202 points left out by their class"),
         std::string::npos);
     EXPECT_TRUE(same(tree("a"), tree("b")));
-    EXPECT_NE(refusal("extract c classed.xyz wood_classes=wood").find("no classes of points"),
+    EXPECT_NE(refusal("extract c classed.xyz wood_classes=wood").find("not classes of points"),
               std::string::npos);
 }
 
 TEST_F(SceneExtract, ARecipeMakesTheSame) {
     scene.run("extract a stem.xyz ground=none leaves=keep");
     Scene again(settings());
-    again.run_text(recipe_of(scene.state()), "recipe");
+    again.run_text(make_recipe(scene.state()), "recipe");
     EXPECT_TRUE(
         same(tree("a"), std::get<Skeleton>(again.state().objects.at({ObjectKind::skeleton, "a"})->value)));
 }
@@ -222,7 +222,7 @@ TEST_F(SceneExtract, ReadsTheTreesThatPointsName) {
               std::string::npos);
     EXPECT_NE(refusal("extract a from=p trees_by=ids").find("trees_by= is for files"), std::string::npos);
     EXPECT_NE(refusal("extract a two.txt trees_by=ids max_trees=1")
-                  .find("max_trees= does nothing with trees_by=ids"),
+                  .find("max_trees= has no effect with trees_by=ids"),
               std::string::npos);
 }
 

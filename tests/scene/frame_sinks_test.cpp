@@ -22,7 +22,7 @@ QuadMesh square(float z) {
 
 class FrameSinksTest : public test::FolderTest {
   protected:
-    /// Two frames.
+    /// Writes two frames.
     void write(const fs::path& path, const QuadMesh* rest) {
         FrameSeries series;
         series.count = 2;
@@ -59,7 +59,7 @@ TEST_F(FrameSinksTest, NamesOfOtherKindsAreRefused) {
     for (const char* name : {"a", "a.swc", "a.off", "a.jpg"}) {
         EXPECT_EQ(test::error_of<InvalidInput>([&] {
                       check_frames_name(name, true);
-                  }).find(fmt::format("'{}' is no name for frames", name)),
+                  }).find(fmt::format("'{}' is not a valid file name for frames", name)),
                   0u);
     }
     EXPECT_NO_THROW(check_frames_name("a.glb", true));
@@ -76,7 +76,8 @@ TEST_F(FrameSinksTest, AnUnfinishedFileDoesNotAppear) {
     EXPECT_TRUE(fs::is_empty(folder_));
 }
 
-// A GLB holds a place of 12 bytes for each vertex and frame; files for each frame hold nothing.
+// A GLB sink stores a position of 12 bytes per vertex and frame; a sink with a file per frame stores no
+// frame.
 TEST_F(FrameSinksTest, TellWhatTheyHold) {
     const QuadMesh rest = square(0);
     FrameSeries series;

@@ -8,7 +8,7 @@
 namespace coppice {
 namespace {
 
-// A trunk with one branch, of two segments, along x.
+// A trunk with one branch of two segments along x.
 Skeleton fork() {
     return {{NodeId::none(), NodeId(0), NodeId(1), NodeId(1), NodeId(3)},
             {{0, 0, 0}, {0, 0, 2}, {0, 0, 4}, {1, 0, 2}, {2, 0, 2}},
@@ -24,7 +24,7 @@ std::string error_of(std::string_view text) {
     return "none";
 }
 
-// [degrees] Where the end of the branch is, seen from above.
+// Returns the azimuth [degrees] of the end of the branch.
 double azimuth(const Pose& p) {
     return std::atan2(double{p.positions[4].y}, double{p.positions[4].x}) * 180 / std::numbers::pi;
 }
@@ -80,7 +80,7 @@ TEST(Keyframes, BlendPlacesWhereAnEditHasNoParts) {
 }
 
 TEST(Keyframes, LookUpSelectionsAtRest) {
-    // The second edit finds the branch where it was before the first one moved it, and takes that back.
+    // The second edit finds the branch at its position before the first edit, and reverses that edit.
     const Keyframes keys(fork(), "1: rotate 3 90; rotate near(1,0,2) -90", "k.txt");
     EXPECT_LT(distance(keys.at(1).positions[3], {1, 0, 2}), 1e-5f);
 }
@@ -88,12 +88,13 @@ TEST(Keyframes, LookUpSelectionsAtRest) {
 TEST(Keyframes, SayWhatIsWrongInOneSentence) {
     EXPECT_EQ(error_of("2: rest\n1: rest"), "k.txt:2: the key at 1 s does not come after the one at 2 s");
     EXPECT_EQ(error_of("1 bouncy: rest"),
-              "k.txt:1: there is no easing 'bouncy'; take one of smooth, linear, in, out, hold");
+              "k.txt:1: there is no easing 'bouncy'; use one of smooth, linear, in, out, hold");
     EXPECT_NE(error_of("1: rotate 99 5").find("k.txt:1: there is no node 99"), std::string::npos)
         << error_of("1: rotate 99 5");
-    EXPECT_NE(error_of("1: delete 3").find("delete changes which nodes there are"), std::string::npos);
-    EXPECT_NE(error_of("1: sphere s 1").find("'sphere' is no edit"), std::string::npos);
-    EXPECT_NE(error_of("x: rest").find("'x' is no number of seconds from 0 to 3600"), std::string::npos);
+    EXPECT_NE(error_of("1: delete 3").find("delete adds or removes nodes or changes their parents"),
+              std::string::npos);
+    EXPECT_NE(error_of("1: sphere s 1").find("'sphere' is not an edit"), std::string::npos);
+    EXPECT_NE(error_of("x: rest").find("'x' is not a number of seconds from 0 to 3600"), std::string::npos);
     EXPECT_NE(error_of("rotate 3 5").find("k.txt:1: a key is seconds, a colon and edits"), std::string::npos);
     EXPECT_EQ(error_of("# nothing\n"), "k.txt: there is no key");
 }

@@ -1,6 +1,5 @@
-// Surfaces that follow edits: after each edit of a few dozen, of every kind that moves, adds, takes away or
-// hangs elsewhere, the surface has the bits of one made from scratch, and what an update tells to have
-// written is all that a copy of it has to fetch.
+// Surfaces that follow edits: after each of a few dozen edits of every kind, the surface is bit-identical to
+// one created from scratch, and the changes reported by an update are sufficient to update a copy.
 
 #include "coppice/pipeline/live_surface.h"
 
@@ -21,7 +20,7 @@
 namespace coppice {
 namespace {
 
-// A surface elsewhere, as in a graphics card.
+// A copy of a surface, as on a GPU.
 struct Copy {
     std::vector<Vec3> positions;
     std::vector<Quad> quads;
@@ -44,7 +43,7 @@ bool is_same(const QuadMesh& a, const QuadMesh& b) {
            std::ranges::equal(a.quads, b.quads);
 }
 
-// The faces by the places of their corners, in order.
+// Returns the faces as the positions of their corners, in order.
 std::vector<std::array<Vec3, 4>> faces_of(const QuadMesh& mesh) {
     std::vector<std::array<Vec3, 4>> out;
     for (const Quad& q : mesh.quads) {
@@ -68,7 +67,7 @@ class RandomEdits {
   public:
     explicit RandomEdits(EditableTree& tree, std::uint64_t seed) : tree_(tree), random_(seed, 0) {}
 
-    // Some edits are refused: a graft into itself, say. Then another is tried.
+    // Some edits are invalid, such as a graft into itself; another one is tried then.
     EditChange next() {
         for (;;) {
             try {
@@ -87,7 +86,7 @@ class RandomEdits {
             if (tree_.contains(n) && !tree_.is_root(n)) return n;
         }
     }
-    // On which not much hangs, so that a part of the tree is enough.
+    // Returns a node with few descendants, so that the update affects only a section of the tree.
     StableId twig() {
         StableId best = node();
         for (int i = 0; i < 8; ++i) {
@@ -126,7 +125,7 @@ class RandomEdits {
     std::uint64_t drawn_ = 0;
 };
 
-// Makes edits and looks at the surface after each; returns how many were not made by the whole.
+// Makes edits and compares the surface after each; returns the number of incremental updates.
 int follow(const Skeleton& first, int edits, std::uint64_t seed) {
     EditableTree tree(first);
     LiveSurface surface(first, {});

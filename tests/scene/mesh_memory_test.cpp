@@ -15,12 +15,12 @@ MeshOptions tetrahedra(float edge, int levels) {
     return options;
 }
 
-/// [bytes] of the tetrahedra that were made: measured, 170 for each of the octree, and 65 for each that is
-/// crossed.
+/// Returns the measured memory [bytes] of tetrahedra: 170 for each of the octree, and 65 for each that the
+/// surface crosses.
 double taken(const TetraSurface& made) { return 170.0 * made.coarse + 65.0 * made.march.crossed; }
 
-// A cone whose radius falls to a thousandth: as long in radii as a cylinder of ln(1000) / 0.999 radii a
-// metre.
+// A cone with a radius that decreases to a thousandth: its length in radii is that of a cylinder of ln(1000)
+// / 0.999 radii per metre.
 Skeleton spike() { return {{NodeId::none(), NodeId(0)}, {{0, 0, 0}, {0, 0, 10}}, {1, 0.001f}}; }
 
 TEST(MeshMemory, OfTetrahedraIsNeitherTooLowNorFarTooHigh) {
@@ -37,7 +37,7 @@ TEST(MeshMemory, OfTetrahedraIsNeitherTooLowNorFarTooHigh) {
     }
 }
 
-// Four times as many quads for each level; each of them is some 100 bytes while they are made.
+// Four times as many quads per level; each needs about 100 bytes during the computation.
 TEST(MeshMemory, OfQuadsGrowsWithTheirNumber) {
     const Skeleton tree = random_tree(100, 3);
     MeshOptions options;

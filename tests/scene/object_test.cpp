@@ -17,13 +17,13 @@ Surface one_quad() {
 TEST(SceneObject, SurfacesTurnIntoOneAnother) {
     const Surface quad = one_quad();
     EXPECT_EQ(face_count(quad), 1u);
-    EXPECT_EQ(polygons_of(quad).face(0).size(), 4u);
-    const Surface triangles{triangles_of(quad)};
+    EXPECT_EQ(make_polygons(quad).face(0).size(), 4u);
+    const Surface triangles{to_triangles(quad)};
     EXPECT_EQ(face_count(triangles), 2u);
-    EXPECT_EQ(polygons_of(triangles).face(1).size(), 3u);
-    EXPECT_EQ(polygons_of(triangles).origin, (Vec3d{10, 0, 0}));
-    EXPECT_EQ(face_count(Surface{polygons_of(triangles)}), 2u);
-    EXPECT_EQ(triangles_of(Surface{polygons_of(quad)}).triangles.size(), 2u);
+    EXPECT_EQ(make_polygons(triangles).face(1).size(), 3u);
+    EXPECT_EQ(make_polygons(triangles).origin, (Vec3d{10, 0, 0}));
+    EXPECT_EQ(face_count(Surface{make_polygons(triangles)}), 2u);
+    EXPECT_EQ(to_triangles(Surface{make_polygons(quad)}).triangles.size(), 2u);
 }
 
 TEST(SceneObject, TheKindIsThatOfTheValue) {

@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
 
-#include "coppice/io/file.h"
 #include "coppice/io/points/reader.h"
 #include "coppice/scene/properties_internal.h"
 #include "coppice/scene/save.h"
 #include "coppice/scene/scene.h"
+#include "coppice/system/file.h"
 #include "errors.h"
 #include "paths.h"
 #include "temporary_folder.h"
@@ -28,7 +28,7 @@ const PointSet& points_of(const Scene& scene, const std::string& name) {
     return std::get<PointSet>(scene.state().objects.at({ObjectKind::points, name})->value);
 }
 
-double least_distance(const PointSet& set) {
+double min_distance(const PointSet& set) {
     double least = 1e300;
     for (std::size_t i = 0; i < set.size(); ++i)
         for (std::size_t k = 0; k < i; ++k) least = std::min(least, length(set.world(i) - set.world(k)));
@@ -44,25 +44,25 @@ TEST_F(SceneProperties, ALineIsANameAndAValue) {
     EXPECT_EQ(found[2].name + "|" + found[2].value, "seed|7");
     EXPECT_EQ(found[3].value, "b");
     EXPECT_EQ(test::error_of<InvalidInput>([] { properties_of("a=1\ncount =\n", "p.props"); }),
-              "p.props:2: an option and its value are needed here, as in count = 500");
+              "p.props:2: an option and its value are required here, as in count = 500");
 }
 
-// All lines of commands that the thesis prints, as it prints them: sections 4.1, 7.0.1 and 7.1.
+// All command lines of the thesis, as printed there: sections 4.1, 7.0.1 and 7.1.
 TEST_F(SceneProperties, EveryLineOfTheThesisRunsAsPrinted) {
     write("poisson.props", "distance = 9\ncount = 400\n");
     Scene s = scene();
     const std::filesystem::path before = std::filesystem::current_path();
-    std::filesystem::current_path(folder_);  // where points.txt goes
+    std::filesystem::current_path(folder_);  // folder of points.txt
     s.run_text("sphere s1\nline s2\ndiff s1 s2 s3\n", "4.1");
     s.run_text("sphere s\nscale s 50 80 50\npointset gen s poisson poisson.props\nsave pointset points.txt\n",
                "7.0.1");
-    // The surfaces and points that section 7.1 takes for granted.
+    // The surfaces and points that section 7.1 assumes.
     s.run_text("sphere crown\npointset gen crown count=100\nsphere secondary radius=2", "7.1");
     s.run_text("pointset thin crown secondary 80\n", "7.1");
     std::filesystem::current_path(before);
     const PointSet saved = read_points(folder_ / "points.txt");
     EXPECT_EQ(saved.size(), 400u);
-    EXPECT_GE(least_distance(saved), 8.999);
+    EXPECT_GE(min_distance(saved), 8.999);
     EXPECT_EQ(points_of(s, "crown").size(), 20u);
     const std::string page = read_file(source_dir() / "docs/user/scenes.md");
     for (const char* line : {"sphere s1", "line s2", "diff s1 s2 s3", "sphere s", "scale s 50 80 50",
@@ -77,11 +77,11 @@ TEST_F(SceneProperties, WhatIsTypedGoesBeforeTheFile) {
     s.run_text("sphere s\npointset gen s properties=p.props count=70\npointset gen s jittered p.props name=j",
                "x");
     EXPECT_EQ(points_of(s, "s").size(), 70u);
-    const std::string recipe = recipe_of(s.state());
+    const std::string recipe = make_recipe(s.state());
     EXPECT_NE(recipe.find("pointset generate s uniform"), std::string::npos);
     EXPECT_NE(recipe.find("pointset generate s jittered"), std::string::npos);
     EXPECT_NE(recipe.find("curve=0.6,1 curve=0.7,1"), std::string::npos);
-    // The recipe has it all and does not need the file.
+    // The recipe contains all options and does not depend on the file.
     EXPECT_EQ(recipe.find("props"), std::string::npos);
     Scene again({.files = false});
     again.run_text(recipe, "recipe");
@@ -96,8 +96,9 @@ TEST_F(SceneProperties, MessagesNameFileLineAndOption) {
               std::string::npos);
     EXPECT_NE(refusal("pointset gen s poisson p.props", "count=1\ncount=2").find("given twice"),
               std::string::npos);
-    EXPECT_NE(refusal("pointset gen s poisson p.props", "solid = s").find("cannot stand in a file"),
-              std::string::npos);
+    EXPECT_NE(
+        refusal("pointset gen s poisson p.props", "solid = s").find("is not allowed in a file of options"),
+        std::string::npos);
     EXPECT_NE(refusal("pointset gen s poisson missing.props", "").find("missing.props"), std::string::npos);
     Scene closed({.files = false});
     closed.run("sphere s");
@@ -112,7 +113,7 @@ TEST_F(SceneProperties, SavePointsetTakesThePointsMadeLast) {
     s.run("save pointset " + quoted_word((folder_ / "a.ply").string()));
     EXPECT_EQ(read_points(folder_ / "a.ply").size(), 40u);
     EXPECT_THROW(s.run("save pointset a.obj"), InvalidInput);
-    // Where something is called so, it is that which is meant.
+    // An object of that name takes precedence.
     s.run("pointset gen a count=20 name=pointset");
     s.run("pointset gen a count=50 name=c");
     s.run("save pointset " + quoted_word((folder_ / "b.xyz").string()));

@@ -4,8 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "coppice/io/file.h"
 #include "coppice/scene/scene.h"
+#include "coppice/system/file.h"
 #include "paths.h"
 
 namespace coppice {
@@ -16,7 +16,7 @@ using Words = std::vector<std::string>;
 TEST(SceneReference, ThePageIsThatOfTheTable) {
     const std::string page = read_file(source_dir() / "docs/user/scene-reference.md");
     EXPECT_TRUE(page == scene_reference())
-        << "write it anew: coppice run --reference > docs/user/scene-reference.md";
+        << "regenerate it by: coppice run --reference > docs/user/scene-reference.md";
 }
 
 TEST(SceneReference, EveryArgumentIsExplained) {

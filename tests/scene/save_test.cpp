@@ -5,10 +5,10 @@
 #include <filesystem>
 
 #include "coppice/base/hash.h"
-#include "coppice/io/file.h"
 #include "coppice/io/skeleton/reader.h"
 #include "coppice/io/skeleton/writer.h"
 #include "coppice/scene/scene.h"
+#include "coppice/system/file.h"
 #include "errors.h"
 #include "temporary_folder.h"
 
@@ -21,12 +21,12 @@ constexpr std::string_view kScene =
     "grow tree crown root=0,0,-2 influence_radius=1.5 kill_radius=0.15 step=0.07 max_turn=80\n"
     "radii tree\ntidy tree\nmesh tree levels=1\n";
 
-std::uint64_t hash_of(const Scene& scene) {
+std::uint64_t compute_hash(const Scene& scene) {
     Hash hash;
     const auto& objects = scene.state().objects;
     const auto& points = std::get<PointSet>(objects.at({ObjectKind::points, "crown"})->value);
     const auto& tree = std::get<Skeleton>(objects.at({ObjectKind::skeleton, "tree"})->value);
-    const PolygonMesh mesh = polygons_of(std::get<Surface>(objects.at({ObjectKind::mesh, "tree"})->value));
+    const PolygonMesh mesh = make_polygons(std::get<Surface>(objects.at({ObjectKind::mesh, "tree"})->value));
     hash.add(std::span<const Vec3>(points.positions)).add(tree.positions()).add(tree.radii());
     hash.add(std::span<const Vec3>(mesh.positions)).add(std::span<const std::uint32_t>(mesh.corners));
     return hash.value();
@@ -61,23 +61,23 @@ TEST_F(SceneSave, KeepsTheNumbersOfNodesThroughEditsAndMoves) {
 TEST_F(SceneSave, ARecipeGivesTheSameBits) {
     Scene scene, again, third;
     scene.run_text(kScene, "scene");
-    const std::string recipe = recipe_of(scene.state());
+    const std::string recipe = make_recipe(scene.state());
     again.run_text(recipe, "recipe");
-    EXPECT_EQ(hash_of(scene), hash_of(again));
-    EXPECT_EQ(recipe_of(again.state()), recipe);
+    EXPECT_EQ(compute_hash(scene), compute_hash(again));
+    EXPECT_EQ(make_recipe(again.state()), recipe);
     EXPECT_NE(recipe.find("seed=5"), std::string::npos);
     EXPECT_NE(recipe.find("pipe_exponent=2.5"), std::string::npos);
     third.run_text("set seed 6\n" + std::string(kScene.substr(kScene.find('\n') + 1)), "other");
-    EXPECT_NE(hash_of(scene), hash_of(third));
+    EXPECT_NE(compute_hash(scene), compute_hash(third));
 }
 
 TEST_F(SceneSave, ARecipeFindsItsFilesFromElsewhere) {
     Scene scene;
     scene.run_text("sphere s\npolygonize s", "x");
     scene.run("save s " + quoted_word(file("ball.obj")));
-    Scene beside({.folder = folder_});
-    beside.run_text("loadmesh m ball.obj\nsolid m", "x");
-    beside.run("save recipe " + quoted_word(file("r.coppice")));
+    Scene adjacent({.folder = folder_});
+    adjacent.run_text("loadmesh m ball.obj\nsolid m", "x");
+    adjacent.run("save recipe " + quoted_word(file("r.coppice")));
     Scene elsewhere;
     elsewhere.run_text(read_file(file("r.coppice")), "r");
     EXPECT_TRUE(elsewhere.state().objects.contains({ObjectKind::solid, "m"}));
@@ -97,7 +97,7 @@ TEST_F(SceneSave, TheEndingPicksTheKind) {
     EXPECT_FALSE(std::filesystem::exists(file("tree.ply")));
     EXPECT_EQ(refusal(scene, "save tree kind=mesh " + quoted_word(file("tree.ply"))), "no error");
     const std::string solid = refusal(scene, "save part " + quoted_word(file("part.obj")));
-    EXPECT_NE(solid.find("write the mesh that polygonize makes"), std::string::npos) << solid;
+    EXPECT_NE(solid.find("write the mesh that polygonize creates"), std::string::npos) << solid;
 }
 
 TEST_F(SceneSave, WhatWasMadeLastAndSuitsIsFound) {
@@ -144,15 +144,17 @@ TEST_F(SceneSave, PicturesShowEveryKindButProfiles) {
 TEST_F(SceneSave, WhatNoFileCanHoldIsKnownBeforeTheSceneRuns) {
     const auto refused = [](std::string_view scene, const std::string& name) {
         return test::error_of<InvalidInput>(
-            [&] { check_scene_output(*commands_of(scene_lines(scene, "x")), name); });
+            [&] { check_scene_output(*find_commands(scene_lines(scene, "x")), name); });
     };
     const std::string tree = "sphere s\npointset generate s\ngrow t s\nmesh t\n";
     for (const char* name : {"a.obj", "a.glb", "a.swc", "a.json", "a.xyz", "a.ply"})
         EXPECT_EQ(refused(tree, name), "no error") << name;
-    EXPECT_NE(refused(tree, "a.foo").find("the ending of 'a.foo' names no format"), std::string::npos);
-    EXPECT_NE(refused("sphere s\n", "a.swc").find("makes nothing that 'a.swc' can hold"), std::string::npos);
-    EXPECT_NE(refused("sphere s\npointset generate s\n", "a.obj").find("makes nothing"), std::string::npos);
-    EXPECT_EQ(commands_of(scene_lines("sphere s\nshpere t\n", "x")), std::nullopt);
+    EXPECT_NE(refused(tree, "a.foo").find("the extension of 'a.foo' is not a known format"),
+              std::string::npos);
+    EXPECT_NE(refused("sphere s\n", "a.swc").find("makes no object that 'a.swc' can store"),
+              std::string::npos);
+    EXPECT_NE(refused("sphere s\npointset generate s\n", "a.obj").find("makes no object"), std::string::npos);
+    EXPECT_EQ(find_commands(scene_lines("sphere s\nshpere t\n", "x")), std::nullopt);
 }
 
 }  // namespace

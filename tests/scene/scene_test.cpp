@@ -34,7 +34,7 @@ float value_at(const Scene& scene, const std::string& name, Vec3 p) {
     return value;
 }
 
-// The commands of the thesis: an ellipsoid, and a ball without a line.
+// The commands of the thesis: an ellipsoid, and a ball minus a line.
 TEST(Scene, RunsTheCommandsOfTheThesis) {
     Scene scene;
     scene.run_text(
@@ -45,7 +45,7 @@ TEST(Scene, RunsTheCommandsOfTheThesis) {
     EXPECT_NEAR(value_at(scene, "s", {0, 80, 0}), 0.5f, 1e-3f);
     EXPECT_NEAR(value_at(scene, "s", {50, 0, 0}), 0.5f, 1e-3f);
     EXPECT_GT(value_at(scene, "s1", {0, 0, 0.5f}), 0.5f);
-    EXPECT_LT(value_at(scene, "s3", {0, 0, 0.5f}), 0.5f);  // in the line
+    EXPECT_LT(value_at(scene, "s3", {0, 0, 0.5f}), 0.5f);  // inside the line
     EXPECT_GT(value_at(scene, "s3", {0, 0, -0.7f}), 0.5f);
 }
 
@@ -84,8 +84,8 @@ TEST(Scene, MessagesNameFileLineAndCommand) {
               "f.coppice:3: there is no command 'sphre'; did you mean sphere?");
     EXPECT_EQ(refusal(scene, "\nprofile p 0,0 1,0 2,0").substr(0, 22), "f.coppice:2: profile: ");
     EXPECT_EQ(refusal(scene, "sphere \\\n s \\\n x=1").substr(0, 12), "f.coppice:1:");
-    EXPECT_TRUE(
-        scene.state().objects.contains({ObjectKind::solid, "s"}));  // what ran before the failing line stays
+    EXPECT_TRUE(scene.state().objects.contains(
+        {ObjectKind::solid, "s"}));  // the effects before the failing line remain
 }
 
 TEST(Scene, ObjectsDoNotChangeThroughOthers) {
@@ -111,7 +111,7 @@ TEST(Scene, UndoTakesBackWhatChangedSomething) {
     scene.run("undo");
     EXPECT_TRUE(scene.state().objects.empty());
     EXPECT_EQ(scene.state().bytes, 0u);
-    EXPECT_EQ(refusal(scene, "undo"), "f.coppice:1: undo: there is nothing to take back");
+    EXPECT_EQ(refusal(scene, "undo"), "f.coppice:1: undo: there is no command to undo");
 }
 
 TEST(Scene, DeletingComesBackByUndo) {
@@ -133,7 +133,7 @@ TEST(Scene, AMeshHasAboutSoManyFaces) {
     EXPECT_NEAR(faces("small"), 300, 15);
     EXPECT_NEAR(faces("large"), 5000, 250);
     EXPECT_NE(
-        refusal(scene, "mesh t faces=300 levels=1").find("faces= chooses the levels; leave levels= out"),
+        refusal(scene, "mesh t faces=300 levels=1").find("faces= determines the levels; leave levels= out"),
         std::string::npos);
     EXPECT_NE(refusal(scene, "mesh t faces=50").find("faces must be from 100 to"), std::string::npos);
 }
@@ -220,7 +220,7 @@ TEST(Scene, EverySolidTakesTheLawOfItsField) {
     scene.run_text(
         "sphere s law=soft\nprofile p circle=1\npath up 0,0,-2 0,0,2\nsweep r p up influence=0.5 law=soft",
         "x");
-    // 0.75 of the influence, of 2 radii; of the rod 0.25 m above its surface at 1 m.
+    // 0.75 of the influence, of 2 radii; for the rod 0.25 m above its surface at 1 m.
     EXPECT_NEAR(value_at(scene, "s", {1.5f, 0, 0}), 0.1435546875f, 1e-5f);
     EXPECT_NEAR(value_at(scene, "r", {1.25f, 0, 0}), 0.1435546875f, 5e-3f);
     for (const SceneCommand& c : scene_commands()) {
@@ -257,7 +257,7 @@ TEST(Scene, ADensityOfOnesOwnAndACachedField) {
     }
     scene.run("pointset gen s uniform count=300 cached=true");
     EXPECT_EQ(points_of_scene(scene, "s").size(), 300u);
-    // Densities all over the inside are remembered all over it, and curves as far as they reach.
+    // Densities of the whole inside are cached everywhere, and curves in their range.
     scene.run("pointset gen s uniform count=300 density=inverse cached=true cell=0.05");
     EXPECT_EQ(points_of_scene(scene, "s").size(), 300u);
     scene.run("pointset gen s uniform count=300 cached=true cell=0.02 curve=0.2,1 curve=0.3,1");
@@ -271,7 +271,7 @@ TEST(Scene, ADensityOfOnesOwnAndACachedField) {
 
 TEST(Scene, AKernelOfOnesOwnIsLanesMethod) {
     Scene scene;
-    // Nothing nearer than 0.2 m, and the next ones rather within 0.3 m.
+    // No point is nearer than 0.2 m, and the closest ones are usually within 0.3 m.
     scene.run_text("sphere s radius=2\npointset gen s kernel=0.2,1 count=200", "x");
     scene.run("pointset gen s distance=0.2 count=200 name=disks");
     EXPECT_EQ(points_of_scene(scene, "s").positions, points_of_scene(scene, "disks").positions);
@@ -336,13 +336,13 @@ TEST(Scene, SkeletonsAreMovedTurnedScaledAndJoined) {
     EXPECT_EQ(std::ranges::count_if(nodes_of_tips(tree),
                                     [](Vec3 p) { return p.z < 4 && length(Vec3(p.x, p.y, 0)) > 0.99f; }),
               4);
-    // A solid goes first where both are called so; kind= says otherwise.
+    // If both kinds have the name, the solid takes precedence; kind= overrides this.
     scene.run_text("sphere bough\ntranslate bough 5 0 0", "x");
     EXPECT_EQ(tree_of_scene(scene, "bough").position(NodeId(0)), Vec3(0, 0, 0));
     scene.run("translate bough 5 0 0 kind=skeleton");
     EXPECT_EQ(tree_of_scene(scene, "bough").position(NodeId(0)), Vec3(5, 0, 0));
     EXPECT_EQ(refusal(scene, "scale stem 1 2 3"),
-              "f.coppice:1: scale: a skeleton is scaled by one factor, so that its branches stay round");
+              "f.coppice:1: scale: a skeleton is scaled by a single factor, so that its branches stay round");
     EXPECT_EQ(refusal(scene, "translate stem 1 2 3 kind=solid"),
               "f.coppice:1: translate: there is no solid 'stem'");
     EXPECT_EQ(refusal(scene, "twist stem 30"), "f.coppice:1: 'stem' is a skeleton, not a solid");

@@ -11,7 +11,7 @@
 namespace coppice {
 namespace {
 
-/// The commands that the lines become.
+/// Returns the commands to which the lines expand.
 std::vector<std::string> commands_of_text(const std::string& text,
                                           std::map<std::string, std::string> given = {}) {
     SceneScript script(std::move(given), 1000);
@@ -40,7 +40,7 @@ TEST(SceneScript, VariablesArePutIntoWords) {
         commands_of_text(
             "let n = 3  # three\nlet name=\"my tree\"\nsave ${name} x=${n + 1} a${n}b ${n},${ n * 2 },0"),
         (Lines{"save \"my tree\" x=4 a3b 3,6,0"}));
-    // What comes out of a variable is one word, whatever it holds.
+    // An expanded variable is one word for any value.
     EXPECT_EQ(commands_of_text("let a = \"x=1 # \\\"\"\nsave ${a} y=${a}"),
               (Lines{"save \"x=1 # \\\"\" y=\"x=1 # \\\"\""}));
 }
@@ -81,44 +81,46 @@ TEST(SceneScript, GivenValuesGoBeforeTheFirstLet) {
 
 TEST(SceneScript, RefusalsNameThePlace) {
     EXPECT_EQ(refusal("let n = 1\n\nlist ${zzz + 1}"), "x:3: there is no variable 'zzz'");
-    EXPECT_EQ(refusal("let 2n = 1").substr(0, 37), "x:1: let: '2n' is no name for a varia");
-    EXPECT_EQ(refusal("let n"), "x:1: let: this is written: let NAME = EXPRESSION");
-    EXPECT_EQ(refusal("let n ="), "x:1: let: this is written: let NAME = EXPRESSION");
-    EXPECT_EQ(refusal("for i 1..2\nend"), "x:1: for: this is written: for NAME in FIRST..LAST [step STEP]");
-    EXPECT_EQ(refusal("for i in 1 2\nend"), "x:1: for: this is written: for NAME in FIRST..LAST [step STEP]");
+    EXPECT_EQ(refusal("let 2n = 1").substr(0, 37), "x:1: let: '2n' is not a valid name of");
+    EXPECT_EQ(refusal("let n"), "x:1: let: the syntax of this line is: let NAME = EXPRESSION");
+    EXPECT_EQ(refusal("let n ="), "x:1: let: the syntax of this line is: let NAME = EXPRESSION");
+    EXPECT_EQ(refusal("for i 1..2\nend"),
+              "x:1: for: the syntax of this line is: for NAME in FIRST..LAST [step STEP]");
+    EXPECT_EQ(refusal("for i in 1 2\nend"),
+              "x:1: for: the syntax of this line is: for NAME in FIRST..LAST [step STEP]");
     EXPECT_EQ(refusal("for i in 1..2 step 0\nend"),
-              "x:1: for: the step is 0, and would never come to the last number");
-    EXPECT_EQ(refusal("repeat 1.5\nend"), "x:1: repeat: it takes a whole number of turns, not 1.5");
-    EXPECT_EQ(refusal("list\nend"), "x:2: end: there is no block here that it could belong to");
-    EXPECT_EQ(refusal("for i in 1..2\nelse\nend"), "x:2: else: there is no if here that it could belong to");
-    EXPECT_EQ(refusal("if 1\nelse\nelse\nend"), "x:3: else: there is no if here that it could belong to");
-    EXPECT_EQ(refusal("if 1\nelse if 2\nend"), "x:2: else: this is written: else");
+              "x:1: for: the step is 0, and would never reach the last number");
+    EXPECT_EQ(refusal("repeat 1.5\nend"), "x:1: repeat: it needs a whole number of turns, not 1.5");
+    EXPECT_EQ(refusal("list\nend"), "x:2: end: there is no open block to which it could belong");
+    EXPECT_EQ(refusal("for i in 1..2\nelse\nend"), "x:2: else: there is no open if to which it could belong");
+    EXPECT_EQ(refusal("if 1\nelse\nelse\nend"), "x:3: else: there is no open if to which it could belong");
+    EXPECT_EQ(refusal("if 1\nelse if 2\nend"), "x:2: else: the syntax of this line is: else");
     EXPECT_EQ(refusal("list\nrepeat 2\nlist"), "x:2: no end closes this repeat");
     EXPECT_EQ(refusal("repeat 2\nlist\nlet n = n\nend"), "x:3: let: there is no variable 'n'");
 }
 
 TEST(SceneScript, HostileBlocksAreRefused) {
     const std::string many =
-        "x:3: the block has run 1000 lines, which are as many as one may; make its loops shorter";
+        "x:3: the block has run 1000 lines, which is the maximum; make its loops shorter";
     EXPECT_EQ(refusal("repeat 1e300\nlist\nend"), many);
     EXPECT_NE(refusal("repeat 1e9\nend").find("has run 1000 lines"), std::string::npos);
     EXPECT_NE(refusal("for i in 0..1e308 step 1e-300\nfor j in 0..1\nend\nend").find("has run 1000 lines"),
               std::string::npos);
     std::string deep;
     for (int i = 0; i < 40; ++i) deep += "repeat 10\n";
-    EXPECT_EQ(refusal(deep), "x:33: repeat: blocks may stand 32 deep in one another");
-    // Texts that double.
+    EXPECT_EQ(refusal(deep), "x:33: repeat: blocks may be nested at most 32 deep");
+    // Texts that double in length.
     std::string doubled = "let a = \"aaaaaaaaaaaaaaaa\"\n";
     for (int i = 0; i < 40; ++i) doubled += "let a = \"${a}${a}\"\n";
-    EXPECT_EQ(refusal(doubled), "x:10: let: a text may have 4096 bytes at most");
+    EXPECT_EQ(refusal(doubled), "x:10: let: a text may have at most 4096 bytes");
     std::string wide = "let a = \"" + std::string(4000, 'a') + "\"\nlist";
     for (int i = 0; i < 300; ++i) wide += " ${a}";
     EXPECT_EQ(refusal(wide), "x:2: with its variables the line is longer than 1048576 bytes");
-    // Words of a long line that open and never close.
+    // A long line with many unclosed expressions.
     std::string open = "list";
     for (int i = 0; i < 150'000; ++i) open += " ${";
     const auto begin = std::chrono::steady_clock::now();
-    EXPECT_EQ(refusal(open), "x:1: a ${ is opened and not closed by }");
+    EXPECT_EQ(refusal(open), "x:1: a ${ is not closed by }");
     EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(2));
 }
 
@@ -160,19 +162,19 @@ TEST(SceneSteps, ABlockIsOneStepAndHasToBeClosed) {
     EXPECT_EQ(steps[1].size(), 5u);
     EXPECT_EQ(test::error_of([] { scene_steps(scene_lines("list\nrepeat 2\nif 1\nend", "x"), "x"); }),
               "x:2: no end closes this repeat");
-    // Nothing has run then.
+    // No command has run then.
     Scene scene;
     EXPECT_THROW(scene.run_text("sphere s\nrepeat 2", "x"), InvalidInput);
     EXPECT_TRUE(scene.state().objects.empty());
     EXPECT_EQ(
-        variables_of(scene_lines("let a = 1\nfor i in 1..2\nlet b = a\nlet a = 2\nend\nlet 3 = 4", "x")),
+        find_variables(scene_lines("let a = 1\nfor i in 1..2\nlet b = a\nlet a = 2\nend\nlet 3 = 4", "x")),
         (Lines{"a", "b"}));
 }
 
 TEST(Scene, RecipesHoldWhatVariablesWere) {
     Scene scene({.variables = {{"r", "2"}}});
     scene.run_text("let r = 1\nfor i in 1..2\nsphere s${i} radius=${r * i}\nend", "x");
-    const std::string recipe = recipe_of(scene.state());
+    const std::string recipe = make_recipe(scene.state());
     EXPECT_NE(recipe.find("sphere s1 center=0,0,0 radius=2 "), std::string::npos) << recipe;
     EXPECT_NE(recipe.find("sphere s2 center=0,0,0 radius=4 "), std::string::npos) << recipe;
     EXPECT_EQ(recipe.find("${"), std::string::npos);
@@ -211,8 +213,9 @@ TEST(Scene, LoopsCannotFillTheMemoryWithHistory) {
     const std::string much = test::error_of([] {
         Scene().run_text("sphere abcdefghij\nrepeat 99999\nlist\ndescribe abcdefghij\nhelp\nend", "x");
     });
-    // Which line is the last straw depends on how long help is.
-    EXPECT_TRUE(much.ends_with(": the block says more than 16 MiB; let fewer of its turns list or describe"))
+    // The line that exceeds the limit depends on the length of the help.
+    EXPECT_TRUE(
+        much.ends_with(": the output of the block exceeds 16 MiB; let fewer of its turns list or describe"))
         << much;
 }
 

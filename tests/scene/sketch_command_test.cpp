@@ -10,18 +10,18 @@
 namespace coppice {
 namespace {
 
-/// A stem of 2 m: 200 pixels at 100 a metre, 20 wide at its foot and 10 at its tip, so 0.1 m and 0.05 m of
-/// radius.
+/// A stem of 2 m: 200 pixels at 100 per metre, 20 wide at its base and 10 at its tip, so that the radii are
+/// 0.1 m and 0.05 m.
 class SceneSketch : public test::FolderTest {
   protected:
     void SetUp() override {
         FolderTest::SetUp();
-        scene = Scene({.jail = std::make_shared<const Jail>(folder_)});
+        scene = Scene({.sandbox = std::make_shared<const FolderSandbox>(folder_)});
         write("stem.sketch.json", R"("orthographic": "side", "pixels_per_metre": 100, "origin": [200, 300])",
               "");
     }
 
-    /// `side`: the camera of the second view; `more`: branches behind the stem.
+    /// `side` is the camera of the second view; `more` contains branches after the stem.
     void write(const std::string& name, const std::string& side, const std::string& more) {
         const std::string stroke = R"({"points": [[200, 300], [200, 100]], "widths": [20, 10]})";
         std::ofstream(folder_ / name) << fmt::format(
@@ -62,7 +62,7 @@ TEST_F(SceneSketch, SaysWhatIsLeftOut) {
 }
 
 TEST_F(SceneSketch, TakesOptions) {
-    EXPECT_NE(refusal("sketch t stem.sketch.json least_angle=100").find("least_angle"), std::string::npos);
+    EXPECT_NE(refusal("sketch t stem.sketch.json min_angle=100").find("min_angle"), std::string::npos);
     EXPECT_EQ(refusal("sketch t stem.sketch.json max_error=5"), "no error");
 }
 

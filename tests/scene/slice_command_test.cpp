@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "coppice/io/file.h"
 #include "coppice/scene/scene.h"
+#include "coppice/system/file.h"
 #include "errors.h"
 #include "temporary_folder.h"
 
@@ -26,14 +26,14 @@ class SliceCommand : public test::FolderTest {
 };
 
 TEST_F(SliceCommand, DrawsAFieldWithItsIsolines) {
-    // The field ends at 2 m, so that the picture of 64 pixels is 4.32 m wide; 0.1 to 0.9 are isolines.
+    // The field ends at 2 m, so that the image of 64 pixels is 4.32 m wide; isolines are from 0.1 to 0.9.
     const std::string said = run("");
     EXPECT_NE(said.find("field 0 to 0.99"), std::string::npos) << said;
     EXPECT_NE(said.find("9 isolines; a pixel is 0.0675 m"), std::string::npos) << said;
     EXPECT_EQ(picture().substr(1, 3), "PNG");
     EXPECT_NE(run("isoline=0.25 isoline=0.75 high=2").find("drawn from 0 to 2; 2 isolines"),
               std::string::npos);
-    // Off the middle the values are less; a plane that passes by sees none.
+    // Off the centre the values are smaller; a plane outside the field contains none.
     EXPECT_NE(run("at=0,1,0").find("field 0 to 0.49"), std::string::npos);
     EXPECT_NE(run("at=0,5,0").find("field 0 to 0,"), std::string::npos);
 }
@@ -46,7 +46,7 @@ TEST_F(SliceCommand, DrawsWhatPointsLeaveOfADensity) {
     const std::string disks = picture();
     EXPECT_NE(run("of=density points=s kernel=0.3,1 dots=0.1").find("density"), std::string::npos);
     EXPECT_NE(picture(), disks);
-    // Clusters: up to four times the density where one point acts.
+    // Clusters: up to four times the density near one point.
     const std::string clusters = run("of=density points=s kernel=0.1,4 kernel=0.4,1");
     EXPECT_EQ(clusters.find("density 0 to 1,"), std::string::npos) << clusters;
     EXPECT_NE(run("of=density curve=0.6,2 curve=0.8,3").find("density 0 to 2.9"), std::string::npos);

@@ -16,7 +16,7 @@ std::string joined(const std::vector<ScenePiece>& pieces) {
 TEST(PiecesOf, AreTheTextAgain) {
     const std::string text =
         "# a crown\n\nsphere a \\\n  radius=2\nfor i in 1..2\n  if i > 1\n sphere b${i}\n  end\nend\nundo\n";
-    const auto pieces = pieces_of(text);
+    const auto pieces = find_pieces(text);
     EXPECT_EQ(joined(pieces), text);
     ASSERT_EQ(pieces.size(), 5u);
     EXPECT_EQ(pieces[2].text, "sphere a \\\n  radius=2");
@@ -25,14 +25,14 @@ TEST(PiecesOf, AreTheTextAgain) {
 }
 
 TEST(PiecesOf, KeepWhatIsNotClosedTogether) {
-    const auto pieces = pieces_of("sphere a\nfor i in 1..2\nsphere b\nsphere c");
+    const auto pieces = find_pieces("sphere a\nfor i in 1..2\nsphere b\nsphere c");
     ASSERT_EQ(pieces.size(), 2u);
     EXPECT_EQ(pieces[1].text, "for i in 1..2\nsphere b\nsphere c");
 }
 
 TEST(PiecesOf, TakeAnEndWithoutBlockByItself) {
-    EXPECT_EQ(pieces_of("end\nend\nsphere a\n").size(), 3u);
-    EXPECT_TRUE(pieces_of("").empty());
+    EXPECT_EQ(find_pieces("end\nend\nsphere a\n").size(), 3u);
+    EXPECT_TRUE(find_pieces("").empty());
 }
 
 TEST(RunPiece, SaysWhichLineOfTheTextIsWrong) {

@@ -1,5 +1,5 @@
-// How soon the long-running calls of the modules below scenes end once a stop was asked for, in units of
-// work: samples of a field and reports of progress. Clocks would tell of the machine.
+// Latency of cancellation of the long-running functions of the modules below scene, in units of work: samples
+// of a field and reports of progress. Times would depend on the machine.
 
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ namespace {
 
 constexpr std::uint64_t kNever = std::numeric_limits<std::uint64_t>::max();
 
-/// Counts the work of a call, and asks for a stop at a moment of it.
+/// Counts the work of a call, and requests cancellation at a given count.
 struct Probe {
     std::uint64_t stop_at_sample = kNever, stop_at_report = kNever;
     std::stop_source source;
@@ -49,7 +49,7 @@ struct Probe {
     }
 };
 
-/// A ball of radius 1 whose samples are counted.
+/// A ball of radius 1 that counts its samples.
 struct CountedBall {
     Probe& probe;
     float level() const { return 1; }
@@ -90,7 +90,7 @@ Skeleton zigzag(std::uint32_t count) {
 struct Call {
     std::string name;
     std::function<void(Probe&)> run;
-    double longest_step = 0.2;  ///< between two reports, as a part of the whole
+    double longest_step = 0.2;  ///< maximum progress between two reports, as a fraction of the total
 };
 
 Call generate_call(std::string name, const GenerateOptions& options) {
@@ -117,7 +117,7 @@ std::vector<Call> calls() {
           PointPattern::blue_noise}) {
         all.push_back(generate_call(std::string(name_of(pattern)), {.pattern = pattern, .count = 20000}));
     }
-    all[3].longest_step = 1;  // one batch of cubes
+    all[3].longest_step = 1;  // one batch of cells
     all[2].longest_step = 1;  // one batch of points
     all.push_back(generate_call("until full", {.count = 0, .distance = 0.1f}));
     all.push_back({"remove_random",
@@ -172,8 +172,8 @@ std::vector<Call> calls() {
     return all;
 }
 
-/// The moments of a count at which a stop is asked for, from the first one on; what is nearly done may end as
-/// if nobody had asked.
+/// Returns the counts at which cancellation is requested, from the first on; a call that is nearly complete
+/// may finish.
 std::vector<std::uint64_t> moments(std::uint64_t count) {
     std::vector<std::uint64_t> out;
     if (count > 1) {
@@ -183,8 +183,8 @@ std::vector<std::uint64_t> moments(std::uint64_t count) {
     return out;
 }
 
-// Every range of a parallel loop and every step of a serial one is at most this long.
-constexpr std::uint64_t kMostSamples = 20'000;
+// Maximum length of a range of a parallel loop and of a step of a serial one.
+constexpr std::uint64_t kMaxSamples = 20'000;
 
 TEST(Stop, EveryLongCallEndsSoonAfterItIsAskedTo) {
     std::uint64_t longest = 0;
@@ -198,7 +198,7 @@ TEST(Stop, EveryLongCallEndsSoonAfterItIsAskedTo) {
         EXPECT_FALSE(probes.empty());
         for (Probe& probe : probes) {
             EXPECT_THROW(call.run(probe), Cancelled) << probe.stop_at_sample << " " << probe.stop_at_report;
-            EXPECT_LE(probe.samples_after, kMostSamples);
+            EXPECT_LE(probe.samples_after, kMaxSamples);
             EXPECT_LE(probe.reports_after, 1u);
             longest = std::max(longest, probe.samples_after);
         }

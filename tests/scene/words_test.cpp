@@ -29,12 +29,12 @@ TEST(SceneLines, JoinsLinesThatEndInABackslash) {
 }
 
 TEST(SceneLines, RefusesWhatIsNoScene) {
-    EXPECT_EQ(message_of("sphere s\nsphere \x01"), "a.coppice:2: the line holds bytes that are no text");
-    EXPECT_EQ(message_of(std::string("a\0b", 3)), "a.coppice:1: the line holds bytes that are no text");
+    EXPECT_EQ(message_of("sphere s\nsphere \x01"), "a.coppice:2: the line contains bytes that are not text");
+    EXPECT_EQ(message_of(std::string("a\0b", 3)), "a.coppice:1: the line contains bytes that are not text");
     EXPECT_EQ(message_of("sphere s \\"), "a.coppice:1: nothing follows the backslash at the end of the line");
     EXPECT_NE(message_of(std::string(kLongestLine + 1, 'a')).find("longer"), std::string::npos);
     std::string many;
-    for (std::size_t i = 0; i <= kMostLines; ++i) many += "list\n";
+    for (std::size_t i = 0; i <= kMaxLines; ++i) many += "list\n";
     EXPECT_NE(message_of(many).find("more than 100000 commands"), std::string::npos);
 }
 

@@ -1,5 +1,5 @@
-"""What others' pages, other programs and broken clients may send to the studio's port, and what they get: each row of the
-table is one request, and behind each the studio still answers its own page."""
+"""Hostile requests to the port of the studio, as sent by foreign pages, other programs and broken clients: each row of the table is
+one request with its permitted answers, and after each the studio must still answer its own page."""
 import os
 import struct
 import sys
@@ -14,7 +14,7 @@ ENDS = 0  # the connection ends without an answer
 
 
 def rows(studio):
-    """(what it is, bytes, statuses that are right)."""
+    """Returns (label, request, permitted statuses) of each request."""
     host, token = studio.host, studio.token
     own = f"Host: {host}\r\n"
     bearer = f"Authorization: Bearer {token}\r\n"
@@ -26,7 +26,7 @@ def rows(studio):
 
     upgrade = "Upgrade: websocket\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n"
     out = []
-    # Names of other machines: DNS rebinding.
+    # Host names of other machines: DNS rebinding.
     for name in ["evil.example", f"evil.example:{studio.port}", "127.0.0.1", f"127.0.0.1:{studio.port + 1}", f"[::1]:{studio.port}",
                  f"0.0.0.0:{studio.port}", f"127.0.0.1:{studio.port}@evil.example", f"127.0.0.1:{studio.port}.", "localhost", "\x00"]:
         out.append((f"host {name!r}", get("/", f"Host: {name}\r\n"), [421, 400]))
@@ -34,13 +34,13 @@ def rows(studio):
     out.append(("two hosts", get("/", own, own), [421, 400]))
     out.append(("host in the target", get(f"http://{host}/", "Host: evil.example\r\n"), [421]))
     out.append(("blob under another name", get("/blob/x", "Host: evil.example\r\n", bearer), [421]))
-    # Origins of others.
+    # Foreign origins.
     for name in ["http://evil.example", "null", f"https://{host}", f"http://{host}.evil.example", f"http://localhost:{studio.port}", "file://",
                  f"http://{host}/", ""]:
         out.append((f"socket of {name!r}", get("/ws", own, f"Origin: {name}\r\n", upgrade), [403]))
         out.append((f"upload of {name!r}", get("/file/x.swc", own, bearer, f"Origin: {name}\r\n", "Content-Length: 1\r\n", method="PUT", body="1"), [403]))
-    out.append(("socket of nobody", get("/ws", own, upgrade), [403]))
-    out.append(("upload of nobody", get("/file/x.swc", own, bearer, "Content-Length: 1\r\n", method="PUT", body="1"), [403]))
+    out.append(("socket without origin", get("/ws", own, upgrade), [403]))
+    out.append(("upload without origin", get("/file/x.swc", own, bearer, "Content-Length: 1\r\n", method="PUT", body="1"), [403]))
     # Tokens.
     for said in ["", "Bearer", "Bearer ", "Bearer x", f"Bearer {token[:-1]}", f"Bearer {token}x", f"bearer {token}", f"Basic {token}", f"Bearer {'A' * 43}"]:
         out.append((f"token {said[:9]!r}", get("/file/secret.swc", own, f"Authorization: {said}\r\n"), [401]))
@@ -50,13 +50,13 @@ def rows(studio):
     out.append(("two tokens", get("/file/secret.swc", own, bearer, bearer), [401]))
     out.append(("blob without token", get("/blob/1-axes-plain", own), [401]))
     out.append(("upload without token", get("/file/x.swc", own, origin, "Content-Length: 1\r\n", method="PUT", body="1"), [401]))
-    # Ways out of the folder.
+    # Paths out of the folder.
     for name in ["../outside.swc", "..%2foutside.swc", "%2e%2e/outside.swc", "..%5coutside.swc", "/etc/passwd", "%2fetc%2fpasswd", "a/../../outside.swc",
                  ".hidden", "folder/.hidden", "link.swc", "linked/outside.swc", "%00", "secret.swc%00.txt", "secret.swc/", "./secret.swc/.", "~/x",
                  "%c0%ae%c0%ae/outside.swc", "....//outside.swc", "folder//../..//outside.swc", "file:%2f%2f%2fetc%2fpasswd", "fifo"]:
         out.append((f"reading {name}", get(f"/file/{name}", own, bearer), [404, 400]))
         out.append((f"writing {name}", get(f"/file/{name}", own, bearer, origin, "Content-Length: 4\r\nX-Overwrite: yes\r\n", method="PUT", body="evil"), [403, 400, 404]))
-    out.append(("writing over", get("/file/secret.swc", own, bearer, origin, "Content-Length: 4\r\n", method="PUT", body="evil"), [409]))
+    out.append(("overwriting", get("/file/secret.swc", own, bearer, origin, "Content-Length: 4\r\n", method="PUT", body="evil"), [409]))
     out.append(("writing a folder", get("/file/folder", own, bearer, origin, "Content-Length: 4\r\nX-Overwrite: yes\r\n", method="PUT", body="evil"), [403]))
     for name in ["/../app.js", "/%2e%2e/etc/passwd", "//etc/passwd", "/app.js/..", "/.git/config", "/src/app.ts", "/@fs/etc/passwd", "/index.html%00"]:
         out.append((f"page {name}", get(name, own), [404, 400]))
@@ -71,15 +71,15 @@ def rows(studio):
     out.append(("two lengths", get("/file/x.swc", own, bearer, origin, "Content-Length: 4\r\nContent-Length: 5\r\n", method="PUT", body="evil"), [400, 411]))
     out.append(("no length", get("/file/x.swc", own, bearer, origin, method="PUT"), [411]))
     out.append(("too long", get("/file/x.swc", own, bearer, origin, "Content-Length: 3000000\r\n", method="PUT", body="evil"), [413]))
-    out.append(("length that is none", get("/file/x.swc", own, bearer, origin, "Content-Length: -4\r\n", method="PUT"), [400]))
-    out.append(("length beyond all", get("/file/x.swc", own, bearer, origin, f"Content-Length: {'9' * 30}\r\n", method="PUT"), [400]))
-    # What is no HTTP, or too much of it.
+    out.append(("negative length", get("/file/x.swc", own, bearer, origin, "Content-Length: -4\r\n", method="PUT"), [400]))
+    out.append(("length out of range", get("/file/x.swc", own, bearer, origin, f"Content-Length: {'9' * 30}\r\n", method="PUT"), [400]))
+    # Invalid or too long HTTP.
     out.append(("long address", get("/" + "a" * 5000, own), [400]))
     out.append(("long field", get("/", own, f"X: {'a' * 9000}\r\n"), [431]))
     out.append(("many fields", get("/", own, "X: a\r\n" * 4000), [431]))
     out.append(("version 9", get("/", own, version="HTTP/9.9"), [400]))
     out.append(("version 0.9", "GET /\r\n\r\n", [400, ENDS]))
-    out.append(("nothing", "\r\n\r\n", [400, ENDS]))
+    out.append(("empty request", "\r\n\r\n", [400, ENDS]))
     out.append(("bytes", "\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03", [400, ENDS]))
     out.append(("another protocol", "*1\r\n$4\r\nPING\r\n", [400, ENDS]))
     out.append(("mail", "EHLO evil.example\r\n", [400, ENDS]))
@@ -88,7 +88,7 @@ def rows(studio):
     out.append(("bare line end", f"GET / HTTP/1.1\nHost: {host}\n\n", [400, ENDS]))
     out.append(("null in the target", get("/\x00", own), [400]))
     out.append(("smuggled request", get("/", own, "Content-Length: 10\r\n", body="GET /file/"), [400]))
-    # WebSockets that are none.
+    # Invalid WebSockets.
     out.append(("socket without upgrade", get("/ws", own, origin), [426]))
     out.append(("socket by POST", get("/ws", own, origin, upgrade, method="POST"), [405]))
     out.append(("socket without key", get("/ws", own, origin, "Upgrade: websocket\r\n"), [400, 426]))
@@ -122,26 +122,26 @@ class Hostile(unittest.TestCase):
         before = self.listing()
         table = rows(self.studio)
         self.assertGreaterEqual(len(table), 100)
-        for what, request, right in table:
-            with self.subTest(what):
+        for label, request, right in table:
+            with self.subTest(label):
                 status, fields, body = parse_answer(self.studio.raw(request.encode("latin-1"), 5))
-                self.assertIn(status, right, (what, body[:200]))
+                self.assertIn(status, right, (label, body[:200]))
                 self.assertNotIn(b"precious", body)
                 self.assertNotIn(self.studio.token.encode(), body)
-                self.assertFalse([f for f in fields if f.startswith("access-control")], what)
+                self.assertFalse([f for f in fields if f.startswith("access-control")], label)
                 self.assertLess(len(body), 2000 if status != 200 else 1 << 20)
                 if status:
                     self.assertEqual(fields.get("x-content-type-options"), "nosniff")
                 self.assertEqual(self.studio.ask("GET", "/file/secret.swc")[2], b"precious")
-        self.assertEqual(self.listing(), before)  # nothing came, nothing went
+        self.assertEqual(self.listing(), before)  # no file was added or removed
 
     def test_first_messages(self):
         hello = {"type": "hello", "version": 1, "token": self.studio.token, "client": "c" * 20}
-        wrong = [("token", dict(hello, token="x" * 43)), ("none", {}), ("version", dict(hello, version=2)), ("list", []),
+        wrong = [("token", dict(hello, token="x" * 43)), ("empty", {}), ("version", dict(hello, version=2)), ("list", []),
                  ("name", dict(hello, client="short")), ("long name", dict(hello, client="c" * 65)), ("odd name", dict(hello, client="../" * 8)),
                  ("number", dict(hello, token=5)), ("request first", {"id": 1, "type": "run", "line": "sphere s"})]
-        for what, message in wrong:
-            with self.subTest(what), Client(self.studio, hello=False) as client:
+        for label, message in wrong:
+            with self.subTest(label), Client(self.studio, hello=False) as client:
                 client.send(message)
                 with self.assertRaises(Closed) as closed:
                     client.receive()
@@ -149,21 +149,21 @@ class Hostile(unittest.TestCase):
                 self.assertNotIn(self.studio.token, closed.exception.reason)
 
     def test_frames(self):
-        """Frames that break the rules end their connection with the code for it, and no other."""
+        """An invalid frame ends its own connection with the specified code, and no other connection."""
         wrong = [("binary", lambda c: c.send_frame(BINARY, b"x"), [1003]),
                  ("no text", lambda c: c.send_frame(TEXT, b"\xff\xfe"), [1007, 1002]),
                  ("not masked", lambda c: c.send_frame(TEXT, b"{}", masked=False), [1002]),
                  ("reserved bits", lambda c: c.send_frame(TEXT, b"{}", first=0xF1), [1002]),
                  ("unknown kind", lambda c: c.send_frame(5, b"{}"), [1002]),
                  ("too long", lambda c: c.send_frame(TEXT, b"[" * (2 << 20)), [1009, 1006]),
-                 ("said to be longer than all", lambda c: c.connection.sendall(b"\x81\xff" + struct.pack(">Q", 1 << 62) + b"abcd"), [1009, 1002]),
+                 ("length out of range", lambda c: c.connection.sendall(b"\x81\xff" + struct.pack(">Q", 1 << 62) + b"abcd"), [1009, 1002]),
                  ("long ping", lambda c: c.send_frame(PING, b"x" * 200), [1002]),
-                 ("endless pieces", self.send_pieces, [1009, 1006]),
-                 ("continued nothing", lambda c: c.send_frame(0, b"{}"), [1002]),
-                 ("closed oddly", lambda c: c.send_frame(CLOSE, b"\x00"), [1002, 1005])]
+                 ("endless fragments", self.send_pieces, [1009, 1006]),
+                 ("continuation without start", lambda c: c.send_frame(0, b"{}"), [1002]),
+                 ("invalid close", lambda c: c.send_frame(CLOSE, b"\x00"), [1002, 1005])]
         with Client(self.studio) as good:
-            for what, send, codes in wrong:
-                with self.subTest(what), Client(self.studio) as client:
+            for label, send, codes in wrong:
+                with self.subTest(label), Client(self.studio) as client:
                     try:
                         send(client)
                         with self.assertRaises(Closed) as closed:
@@ -181,7 +181,7 @@ class Hostile(unittest.TestCase):
             client.send_frame(0, b"x" * 65536, final=False)
 
     def test_messages(self):
-        """Messages that make no sense are answered with a sentence."""
+        """Invalid messages are answered with an error message."""
         with Client(self.studio) as client:
             for text in ["", "{", "null", "7", '"x"', "[" * 100_000, '{"id": 0}', '{"id": -1}', '{"id": "1"}', '{"id": 1.5}', '{"a":' * 50_000, "\u0000"]:
                 client.send_frame(TEXT, text.encode())
@@ -231,21 +231,21 @@ class Hostile(unittest.TestCase):
             connection.close()
 
     def must_let_in(self):
-        """The owner gets files and opens a page."""
+        """Checks that the owner can read files and open a page."""
         self.assertEqual(self.studio.ask("GET", "/file/secret.swc")[2], b"precious")
         with Client(self.studio) as client:
             self.assertTrue(client.must("ping"))
 
     def test_connections_without_the_token_make_room(self):
-        """Idle connections and sockets without a hello do not keep the owner out, and end no page that is open."""
+        """Idle connections and sockets without a hello neither lock out the owner nor close open pages."""
         with Client(self.studio) as good:
             silent = {"idle": self.studio.connect, "without hello": lambda: Client(self.studio, hello=False).connection}
-            for what, connect in silent.items():
-                with self.subTest(what):
+            for label, connect in silent.items():
+                with self.subTest(label):
                     held = [connect() for _ in range(200)]
                     self.must_let_in()
                     held[0].settimeout(20)
-                    self.assertEqual(held[0].recv(1 << 16), b"", "the oldest is the one that ended")
+                    self.assertEqual(held[0].recv(1 << 16), b"", "the oldest connection must be closed")
                     self.assertTrue(good.must("ping"))
                     for connection in held:
                         connection.close()

@@ -9,7 +9,7 @@
 #include "launch.h"
 #include "temporary_folder.h"
 
-#include "coppice/io/file.h"
+#include "coppice/system/file.h"
 
 namespace coppice::server {
 namespace {
@@ -35,10 +35,10 @@ TEST_F(Journal, IsFoundAgainByTheNextStudioOfTheDocument) {
         first = place.file();
         ASSERT_FALSE(first.empty());
         write_file(first, "sphere s\n");
-        const JournalPlace beside("a/tree.coppice"), other("a/other.coppice");
-        EXPECT_NE(beside.file(), first);  // held by the one above
+        const JournalPlace adjacent("a/tree.coppice"), other("a/other.coppice");
+        EXPECT_NE(adjacent.file(), first);  // locked by the one above
         EXPECT_NE(other.file(), first);
-        EXPECT_NE(other.file(), beside.file());
+        EXPECT_NE(other.file(), adjacent.file());
     }
     EXPECT_EQ(JournalPlace("a/tree.coppice").file(), first);
     EXPECT_EQ(JournalPlace("a/./b/../tree.coppice").file(), first);

@@ -1,4 +1,4 @@
-"""The studio's protocol over real connections: docs/library/studio-protocol.md."""
+"""Tests of the studio protocol over real connections: docs/library/studio-protocol.md."""
 import os
 import sys
 import tempfile
@@ -60,17 +60,17 @@ class Protocol(unittest.TestCase):
             one.until(lambda: not one.state["statements"])
             self.assertEqual(one.state["redo"], ["sphere a"])
             reply = one.request("text", text="sphere b", revision=1)
-            self.assertEqual(reply["kind"], "input")  # the other tab changed it meanwhile
+            self.assertEqual(reply["kind"], "input")  # the other tab has changed the document since revision 1
 
     def test_nothing_runs_twice_and_nothing_is_lost(self):
-        """A connection is cut at every moment; the client comes back and sends again what was not answered."""
+        """A connection is closed at different moments; the client reconnects and sends unanswered requests again."""
         name, sent = "a" * 20, {}
         client = self.studio.client(name)
         for number in range(1, 60):
             message = {"id": number, "type": "run", "line": f"sphere s{number} radius={number}"}
             sent[number] = message
             client.send(message)
-            if number % 7 == 3:  # cut before it can have been answered, or just then
+            if number % 7 == 3:  # closed before or while the request is answered
                 client.connection.close()
                 known, client = client.answers, self.studio.client(name)
                 client.answers.update(known)
@@ -87,7 +87,7 @@ class Protocol(unittest.TestCase):
             lazy.connection.setsockopt(1, 8, 4096)
             line = "x" * 60_000
             try:
-                for _ in range(6000):  # each is refused with a sentence; 6000 states and answers pile up
+                for _ in range(6000):  # each is refused with an error message; 6000 states and answers accumulate
                     lazy.post("aside", line="list")
                     lazy.post("ping", time=line)
             except (BrokenPipeError, ConnectionResetError):
@@ -117,7 +117,7 @@ class Protocol(unittest.TestCase):
             self.assertEqual(len(client.state["statements"]), 1)
 
     def test_many_at_once(self):
-        """Clients of all kinds together: the document has every line once, in some order."""
+        """Several clients at the same time: the document contains every line once, in any order."""
         failures = []
 
         def work(at):

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "coppice/io/file.h"
+#include "coppice/system/file.h"
 #include "temporary_folder.h"
 #include "token.h"
 
@@ -27,10 +27,10 @@ class RouterTest : public test::FolderTest {
             write_file(page_ / name, std::string("<") + name + " __NONCE__>");
         StudioOptions options;
         options.scene.folder = work_;
-        options.scene.jail = jail_ = std::make_shared<const Jail>(work_);
+        options.scene.sandbox = sandbox_ = std::make_shared<const FolderSandbox>(work_);
         engine_ = std::make_unique<StudioEngine>(options);
-        Rules rules{.port = kPort, .token = token_, .most_upload = 1000};
-        router_ = std::make_unique<Router>(rules, Page(page_), jail_, *engine_);
+        Rules rules{.port = kPort, .token = token_, .max_upload = 1000};
+        router_ = std::make_unique<Router>(rules, Page(page_), sandbox_, *engine_);
     }
 
     /// A request as the page sends it.
@@ -48,7 +48,7 @@ class RouterTest : public test::FolderTest {
     static void without(HttpHead& head, const std::string& name) {
         std::erase_if(head.fields, [&](const auto& field) { return field.first == name; });
     }
-    /// The status of an answer, or 0 where there is more to do.
+    /// Returns the status of an answer, or 0 if there is more to do.
     int status(const HttpHead& head) const {
         const Plan plan = router_->plan(head);
         const auto* reply = std::get_if<HttpReply>(&plan);
@@ -57,14 +57,14 @@ class RouterTest : public test::FolderTest {
 
     std::filesystem::path page_, work_;
     std::string token_ = make_token();
-    std::shared_ptr<const Jail> jail_;
+    std::shared_ptr<const FolderSandbox> sandbox_;
     std::unique_ptr<StudioEngine> engine_;
     std::unique_ptr<Router> router_;
 };
 
 TEST_F(RouterTest, SendsThePageWithANonceOfItsOwn) {
     HttpHead asked = head("GET", "/");
-    without(asked, "authorization");  // the page itself is no secret
+    without(asked, "authorization");  // the page itself is not secret
     const auto body = [&](const Plan& plan) { return std::get<std::string>(std::get<HttpReply>(plan).body); };
     const std::string first = body(router_->plan(asked)), second = body(router_->plan(asked));
     EXPECT_TRUE(first.starts_with("<index.html ")) << first;

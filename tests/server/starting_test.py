@@ -1,4 +1,4 @@
-"""How `coppice studio` begins and ends."""
+"""Tests of how `coppice studio` starts and ends."""
 import json
 import os
 import re
@@ -32,17 +32,17 @@ class Starting(unittest.TestCase):
         return path
 
     def test_wrong_beginnings_are_told(self):
-        code, said = refused(os.path.join(self.folder, "none.coppice"))
+        code, errors = refused(os.path.join(self.folder, "missing.coppice"))
         self.assertEqual(code, 4)
-        self.assertIn("none.coppice", said)
+        self.assertIn("missing.coppice", errors)
         with socket.create_server(("127.0.0.1", 0)) as taken:
-            code, said = refused(self.folder, "--port", str(taken.getsockname()[1]))
+            code, errors = refused(self.folder, "--port", str(taken.getsockname()[1]))
         self.assertEqual(code, 4)
-        self.assertIn("--port", said)
+        self.assertIn("--port", errors)
         self.assertEqual(refused(self.folder, "--port", "70000")[0], 2)
-        code, said = refused(self.folder, "--page", self.folder)
+        code, errors = refused(self.folder, "--page", self.folder)
         self.assertEqual(code, 3)
-        self.assertIn("npm run build", said)
+        self.assertIn("npm run build", errors)
 
     def test_only_this_machine_is_listened_to(self):
         with Studio(PROGRAM, self.folder) as studio:
@@ -67,7 +67,7 @@ class Starting(unittest.TestCase):
                 time.sleep(0.3)
                 begun = time.monotonic()
                 self.assertEqual(studio.end(how), 0)
-                self.assertLess(time.monotonic() - begun, 2)  # a second, and what this machine adds
+                self.assertLess(time.monotonic() - begun, 2)  # one second plus the delay of a busy machine
 
     def test_ctrl_c_ends_it_while_its_scene_is_opened(self):
         path = self.write("long.coppice", "sphere crown radius=3\npointset generate crown poisson count=3000000 name=p\n")

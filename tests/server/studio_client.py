@@ -1,4 +1,4 @@
-"""A studio that was started, and a client of it that needs nothing but sockets: used by the tests beside this file."""
+"""A running studio and a client that uses only sockets, for the tests in this folder."""
 import base64
 import json
 import os
@@ -14,7 +14,7 @@ TEXT, BINARY, CLOSE, PING, PONG = 1, 2, 8, 9, 10
 
 
 class Studio:
-    """`coppice studio` in a folder; ends with the block."""
+    """`coppice studio` in a folder; a context manager that ends it."""
 
     def __init__(self, program, folder, *options, opened=None, environment=None):
         self.folder = folder
@@ -42,7 +42,7 @@ class Studio:
         self.end()
 
     def end(self, how=signal.SIGINT):
-        """Ends it and returns its exit code."""
+        """Ends the studio and returns its exit code."""
         if self.process.poll() is None:
             self.process.send_signal(how)
         try:
@@ -58,7 +58,7 @@ class Studio:
         return socket.create_connection(("127.0.0.1", self.port), 20)
 
     def raw(self, data, wait=20):
-        """Sends bytes as they are; what is answered until the end or a pause."""
+        """Sends bytes unchanged; returns the answer up to its end or a pause."""
         with self.connect() as connection:
             connection.settimeout(wait)
             try:
@@ -68,7 +68,7 @@ class Studio:
             return read_answer(connection)
 
     def ask(self, method, target, fields=None, body=b"", **kept):
-        """One request; (status, fields, body). `kept` takes away or replaces what every request has."""
+        """Sends a request; returns (status, fields, body). `kept` replaces default fields, or removes them by None."""
         all_fields = {"Host": self.host, "Authorization": f"Bearer {self.token}", "Origin": f"http://{self.host}",
                       "Connection": "close"}
         if body or method == "PUT":
@@ -107,7 +107,7 @@ class Closed(Exception):
 
 
 class Client:
-    """A WebSocket of the protocol. What comes is sorted: answers by number, binary frames, events."""
+    """A WebSocket of the protocol. Received messages are sorted into answers by number, binary frames, and events."""
 
     def __init__(self, studio, name=None, hello=True, token=None):
         self.studio = studio
@@ -182,7 +182,7 @@ class Client:
         return first & 15, data
 
     def receive(self, wait=20):
-        """Takes one message and sorts it."""
+        """Receives and sorts one message."""
         self.connection.settimeout(wait)
         kind, data = self.read_frame()
         if kind == CLOSE:
@@ -207,7 +207,7 @@ class Client:
         while not true():
             left = end - time.monotonic()
             if left <= 0:
-                raise TimeoutError("what was waited for did not come")
+                raise TimeoutError(f"the condition was not met within {wait} s")
             self.receive(left)
 
     def post(self, kind, /, **fields):
@@ -221,7 +221,7 @@ class Client:
         return self.answers[number]
 
     def request(self, kind, /, **fields):
-        """The answer, whatever it says."""
+        """Sends a request and returns its answer, which may be an error."""
         return self.answer(self.post(kind, **fields))
 
     def must(self, kind, /, **fields):
@@ -237,7 +237,7 @@ class Client:
 
 
 def header_of(blob):
-    """The JSON header of geometry."""
+    """Returns the JSON header of a geometry blob."""
     assert blob[:4] == b"CPB1", blob[:16]
     length = struct.unpack("<I", blob[4:8])[0]
     return json.loads(blob[8:8 + length])

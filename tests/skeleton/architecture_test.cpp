@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// A stem 0-1-2 of radius 2 with a branch 3-4 from node 1, on which 5 forks off, and a second tree 6-7.
+/// A stem 0-1-2 of radius 2 with a branch 3-4 from node 1, from which 5 branches off, and a second tree 6-7.
 Skeleton two_trees() {
     return Skeleton(
         {NodeId::none(), NodeId(0), NodeId(1), NodeId(1), NodeId(3), NodeId(3), NodeId::none(), NodeId(6)},
@@ -37,7 +37,7 @@ TEST(Architecture, OrdersOfAxesFollowTheThickestChild) {
 }
 
 TEST(Architecture, KnownOrdersAndAxesCountAsTheyAre) {
-    // A stem whose second segment is of another axis of the same order, and a branch of order 3.
+    // A stem with a second segment of another axis of the same order, and a branch of order 3.
     const Skeleton s({NodeId(), NodeId(0), NodeId(1), NodeId(1)},
                      {{0, 0, 0}, {0, 0, 1}, {0, 0, 3}, {4, 0, 1}}, {1, 1, 1, 0.5f});
     const std::vector<std::uint32_t> order{0, 0, 0, 3}, axis{5, 5, 6, 5};
@@ -63,7 +63,7 @@ TEST(Architecture, StrahlerOrdersRiseWhereTwoOfTheGreatestMeet) {
     EXPECT_EQ(order[1], 4u);
     EXPECT_EQ(order[2], 3u);
     EXPECT_EQ(order[15], 1u);
-    // Three of one order are two of it: one more.
+    // Three children of one order count as two: the order increases by one.
     const Skeleton fan({NodeId::none(), NodeId(0), NodeId(0), NodeId(0)},
                        {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {1, 1, 1, 1});
     EXPECT_EQ(strahler_orders(fan)[0], 2u);
@@ -83,7 +83,7 @@ TEST(Architecture, SegmentsAreCutAtTheLimitsOfDiameters) {
     EXPECT_NEAR(classes[3].volume, kPi / 3 * 2 * (4 + 2 * 1.6 + 1.6 * 1.6), 1e-5);
     EXPECT_THROW(diameter_classes(cone, std::array{0.5, 0.5}), InvalidInput);
     EXPECT_THROW(diameter_classes(cone, std::array{0.0}), InvalidInput);
-    // A thickness on a limit belongs to the class that begins there.
+    // A diameter equal to a limit belongs to the class that begins there.
     const Skeleton rod({NodeId::none(), NodeId(0)}, {{0, 0, 0}, {0, 0, 8}}, {0.5f, 0.5f});
     EXPECT_EQ(diameter_classes(rod, std::array{1.0})[1].length, 8);
 }
@@ -105,7 +105,7 @@ TEST(Architecture, ClassesAndOrdersAddUpToTheWhole) {
 }
 
 TEST(Sholl, CountsCrossingsOfSpheresAboutEachRoot) {
-    // Tree one: the stem crosses 1, 2 and 3, the branch's ends lie at sqrt(2) and sqrt(5), its twig at
+    // Tree one: the stem crosses 1, 2 and 3, the branch's ends are at sqrt(2) and sqrt(5), its twig at
     // sqrt(3). Tree two crosses 1 to 5.
     const ShollProfile profile = sholl(two_trees(), 1);
     EXPECT_EQ(profile.crossings, (std::vector<std::uint64_t>{2, 3, 2, 1, 1}));
@@ -114,7 +114,7 @@ TEST(Sholl, CountsCrossingsOfSpheresAboutEachRoot) {
 }
 
 TEST(Sholl, SegmentsThatDipIntoASphereCrossItTwice) {
-    // Out to (3, 4), across to (-3, 4): as near as 4 to the root.
+    // Out to (3, 4), across to (-3, 4): the minimum distance to the root is 4.
     const Skeleton bent({NodeId::none(), NodeId(0), NodeId(1)}, {{0, 0, 0}, {3, 4, 0}, {-3, 4, 0}},
                         {1, 1, 1});
     EXPECT_EQ(sholl(bent, 1).crossings, (std::vector<std::uint64_t>{1, 1, 1, 1, 3}));

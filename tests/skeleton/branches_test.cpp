@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "coppice/base/error.h"
+#include "coppice/base/id.h"
 #include "coppice/skeleton/architecture.h"
 #include "coppice/skeleton/measure.h"
 #include "zoo.h"
@@ -16,7 +17,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 /// A stem 0-1-2 from 1 m up, of radius 0.2 to its fork and then 0.1; a lateral 3-4 from the fork, along +y,
-/// of radius 0.05, from whose first node a twig 5 goes down; and a pole 6-7.
+/// of radius 0.05, with a twig 5 downwards from its first node; and a pole 6-7.
 Skeleton forked_tree() {
     return Skeleton(
         {NodeId::none(), NodeId(0), NodeId(1), NodeId(1), NodeId(3), NodeId(3), NodeId::none(), NodeId(6)},
@@ -26,12 +27,12 @@ Skeleton forked_tree() {
 
 TEST(Branches, AreListedWithTheirPlacesSizesAndDirections) {
     const BranchTable table = list_branches(forked_tree());
-    EXPECT_EQ(table.branch_of, (std::vector<std::uint32_t>{0, 0, 0, 1, 1, 2, 3, 3}));
+    EXPECT_EQ(table.find_branch, (std::vector<std::uint32_t>{0, 0, 0, 1, 1, 2, 3, 3}));
     EXPECT_EQ(table.position_of, (std::vector<std::uint32_t>{0, 1, 2, 1, 2, 1, 0, 1}));
     ASSERT_EQ(table.branches.size(), 4u);
 
     const Branch& stem = table.branches[0];
-    EXPECT_EQ(stem.parent, kNoBranch);
+    EXPECT_EQ(stem.parent, kNoIndex);
     EXPECT_EQ(stem.order, 0u);
     EXPECT_NEAR(stem.diameter, 0.4, 1e-7);
     EXPECT_DOUBLE_EQ(stem.length, 4);
@@ -60,14 +61,14 @@ TEST(Branches, AreListedWithTheirPlacesSizesAndDirections) {
     EXPECT_DOUBLE_EQ(twig.height, 2);
     EXPECT_DOUBLE_EQ(twig.zenith, kPi);
     EXPECT_EQ(table.branches[3].tree, 1u);
-    EXPECT_EQ(table.branches[3].parent, kNoBranch);
+    EXPECT_EQ(table.branches[3].parent, kNoIndex);
 }
 
 TEST(Branches, FollowAxesThatAreKnown) {
-    // The thin child goes on with the stem, and the thick one is a lateral of order 2.
+    // The thin child continues the stem, and the thick one is a lateral of order 2.
     const std::vector<std::uint32_t> order{0, 0, 2, 0, 0, 3, 1, 1}, axis{5, 5, 7, 5, 5, 9, 6, 6};
     const BranchTable table = list_branches(forked_tree(), order, axis);
-    EXPECT_EQ(table.branch_of, (std::vector<std::uint32_t>{0, 0, 1, 0, 0, 2, 3, 3}));
+    EXPECT_EQ(table.find_branch, (std::vector<std::uint32_t>{0, 0, 1, 0, 0, 2, 3, 3}));
     EXPECT_EQ(table.position_of, (std::vector<std::uint32_t>{0, 1, 1, 2, 3, 1, 0, 1}));
     EXPECT_EQ(table.next_of[1], NodeId(3));
     EXPECT_EQ(table.next_of[4], NodeId::none());
@@ -75,14 +76,14 @@ TEST(Branches, FollowAxesThatAreKnown) {
     EXPECT_EQ(table.branches[2].order, 3u);
     EXPECT_TRUE(table.branches[3].is_stem());
     EXPECT_EQ(table.branches[3].order, 1u);
-    // The stem is 4 m long: 2 m up and 2 m aside; of the second tree 4 m.
+    // The stem is 4 m long: 2 m up and 2 m sideways; that of the second tree 4 m.
     const auto timber = timber_volumes(forked_tree(), table, 0.001);
     EXPECT_DOUBLE_EQ(timber[0].stem_length, 4);
     EXPECT_DOUBLE_EQ(timber[1].stem_length, 4);
 }
 
 TEST(Branches, DirectionsPassOverWhatLiesWithinTheParent) {
-    // The lateral's first node lies 0.1 up within the bark; beyond two radii (0.4) it runs along (1, 0, 1).
+    // The lateral's first node is 0.1 up within the bark; beyond two radii (0.4) it runs along (1, 0, 1).
     const Skeleton tree({NodeId::none(), NodeId(0), NodeId(1), NodeId(1), NodeId(3)},
                         {{0, 0, 0}, {0, 0, 1}, {0, 0, 3}, {0, 0, 1.1f}, {1, 0, 2}},
                         {0.2f, 0.2f, 0.2f, 0.1f, 0.1f});
@@ -107,7 +108,7 @@ TEST(Branches, AddUpToTheSkeleton) {
         EXPECT_NEAR(volume, m.volume, 1e-9 * m.volume);
         EXPECT_EQ(segments, m.segments);
         for (const NodeId n : nodes(skeleton))
-            EXPECT_EQ(table.branches[table.branch_of[n.index()]].order, orders[n.index()]);
+            EXPECT_EQ(table.branches[table.find_branch[n.index()]].order, orders[n.index()]);
     }
 }
 
@@ -115,20 +116,19 @@ TEST(Branches, TimberEndsAtTheTopDiameter) {
     const Skeleton trees = forked_tree();
     const BranchTable table = list_branches(trees);
     const double whole = kPi * (0.08 + 0.14 / 3);
-    // All of the first stem is thicker than 0.15; the lateral is not. From a stump of 0.5 m: 0.5 pi 0.04
-    // less.
+    // The whole first stem is thicker than 0.15; the lateral is not. A stump of 0.5 m subtracts 0.5 pi 0.04.
     std::vector<TimberVolume> timber = timber_volumes(trees, table, 0.15, 0.5);
     EXPECT_NEAR(timber[0].stem_length, 3.5, 1e-7);
     EXPECT_NEAR(timber[0].stem_volume, whole - kPi * 0.02, 1e-7);
     EXPECT_NEAR(timber[0].volume, timber[0].stem_volume, 1e-7);
-    // The cone from 0.4 to 0.2 over 2 m has 0.3 in its middle: pi / 3 * (0.04 + 0.03 + 0.0225) is left of it.
+    // The cone from 0.4 to 0.2 over 2 m has 0.3 in its middle: pi / 3 * (0.04 + 0.03 + 0.0225) remains of it.
     timber = timber_volumes(trees, table, 0.3);
     EXPECT_NEAR(timber[0].stem_length, 3, 1e-6);
     EXPECT_NEAR(timber[0].stem_volume, kPi * (0.08 + 0.0925 / 3), 1e-7);
-    // That of the pole from 0.6 to 0.2 over 4 m after 3 m: pi / 3 * 3 * (0.09 + 0.045 + 0.0225).
+    // The cone of the pole from 0.6 to 0.2 over 4 m after 3 m: pi / 3 * 3 * (0.09 + 0.045 + 0.0225).
     EXPECT_NEAR(timber[1].stem_length, 3, 1e-6);
     EXPECT_NEAR(timber[1].stem_volume, kPi * 0.1575, 1e-7);
-    // With 0.1 the lateral counts as wood, and not as stem; nothing is as thick as a metre.
+    // With 0.1 the lateral counts as timber, and not as stem; no segment is as thick as a metre.
     timber = timber_volumes(trees, table, 0.099);
     EXPECT_NEAR(timber[0].volume, whole + kPi * 0.005, 1e-7);
     EXPECT_NEAR(timber[0].stem_volume, whole, 1e-7);
@@ -137,8 +137,8 @@ TEST(Branches, TimberEndsAtTheTopDiameter) {
 }
 
 TEST(Branches, StemsGoOnAboveAThinPlace) {
-    // Diameters 0.4, 0.1, 0.4, 0.1 a metre apart: 0.25 is last reached halfway up the third segment. The wood
-    // that is as thick is half of each segment, from 0.4 to 0.25.
+    // Diameters 0.4, 0.1, 0.4, 0.1 a metre apart: 0.25 is last reached halfway up the third segment. Half of
+    // each segment, from 0.4 to 0.25, has that diameter.
     const Skeleton pole({NodeId::none(), NodeId(0), NodeId(1), NodeId(2)},
                         {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {0, 0, 3}}, {0.2f, 0.05f, 0.2f, 0.05f});
     const TimberVolume timber = timber_volumes(pole, list_branches(pole), 0.25)[0];

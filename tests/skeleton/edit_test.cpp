@@ -91,7 +91,7 @@ TEST(SplitCrowdedNodes, LimitsTheChildrenOfEveryNode) {
 }
 
 TEST(SplitCrowdedNodes, TheNewNodesLeadOn) {
-    // Eight children, three places: two laterals at each of three nodes, then two children at the last: 8 = 3
+    // Eight children, three slots: two laterals at each of three nodes, then two children at the last: 8 = 3
     // * 2 + 2.
     const Skeleton s = zoo_skeleton("whorl_8");
     const EditResult r = split_crowded_nodes(s, 3);

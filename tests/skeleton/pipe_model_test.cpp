@@ -7,7 +7,7 @@
 namespace coppice {
 namespace {
 
-// 0 - 1 - 2 and 1 - 3: two tips on a fork with a stem; 4 stands alone.
+// 0 - 1 - 2 and 1 - 3: two tips on a fork with a stem; 4 is isolated.
 const std::vector<NodeId> kFork{NodeId(), NodeId(0), NodeId(1), NodeId(1), NodeId()};
 
 TEST(PipeModel, SumsSquaresOfTheTips) {

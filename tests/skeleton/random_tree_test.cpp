@@ -11,7 +11,7 @@
 namespace coppice {
 namespace {
 
-std::uint64_t hash_of(const Skeleton& s) {
+std::uint64_t compute_hash(const Skeleton& s) {
     return Hash().add(s.parents()).add(s.positions()).add(s.radii()).value();
 }
 
@@ -26,9 +26,9 @@ TEST(RandomTree, HasExactlyTheSegmentsAskedFor) {
 }
 
 TEST(RandomTree, TheSameArgumentsGiveTheSameTreeAndOthersDoNot) {
-    EXPECT_EQ(hash_of(random_tree(500, 1)), hash_of(random_tree(500, 1)));
-    EXPECT_NE(hash_of(random_tree(500, 1)), hash_of(random_tree(500, 2)));
-    EXPECT_NE(hash_of(random_tree(500, 1)), hash_of(random_tree(500, 1, true)));
+    EXPECT_EQ(compute_hash(random_tree(500, 1)), compute_hash(random_tree(500, 1)));
+    EXPECT_NE(compute_hash(random_tree(500, 1)), compute_hash(random_tree(500, 2)));
+    EXPECT_NE(compute_hash(random_tree(500, 1)), compute_hash(random_tree(500, 1, true)));
 }
 
 TEST(RandomTree, FollowsThePipeModel) {
@@ -55,19 +55,19 @@ TEST(RandomTree, HardOnesHaveShortSegmentsAndWhorls) {
         }
         return least;
     };
-    const auto most_children = [](const Skeleton& s) {
+    const auto max_children = [](const Skeleton& s) {
         std::size_t most = 0;
         for (const NodeId n : nodes(s)) most = std::max(most, s.children(n).size());
         return most;
     };
     EXPECT_GT(shortest(random_tree(1000, 4)), 1);
     EXPECT_LT(shortest(random_tree(1000, 4, true)), 0.7f);
-    EXPECT_LE(most_children(random_tree(1000, 4)), 3u);
-    EXPECT_GE(most_children(random_tree(1000, 4, true)), 6u);
+    EXPECT_LE(max_children(random_tree(1000, 4)), 3u);
+    EXPECT_GE(max_children(random_tree(1000, 4, true)), 6u);
 }
 
-/// Pairs of segments that are no neighbours and nearer than the sum of their radii, by brute force over the
-/// middles.
+/// Returns the number of pairs of segments that are not adjacent and closer than the sum of their radii, by
+/// brute force over their midpoints.
 int collisions(const Skeleton& s) {
     int count = 0;
     for (const NodeId i : nodes(s)) {

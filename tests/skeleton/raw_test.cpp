@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
-constexpr std::int64_t kLeast = std::numeric_limits<std::int64_t>::min();
+constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
+constexpr std::int64_t kMin = std::numeric_limits<std::int64_t>::min();
 
 template <class Records>
 std::string refusal(const Records& records) {
@@ -41,7 +41,7 @@ TEST(RepairNodes, PutsParentsFirstAndKeepsTheOrderOtherwise) {
                                                        {20, 10, {0, 0, 1}, 1, 3},
                                                        {5, 10, {1, 0, 0}, 1, 4}},
                                   "tree.txt");
-    EXPECT_EQ(r.report.reordered, 1u);  // only 30 came before its parent
+    EXPECT_EQ(r.report.reordered, 1u);  // only 30 preceded its parent
     ASSERT_EQ(r.skeleton.size(), 4u);
     EXPECT_EQ(r.skeleton.position(NodeId(2)), Vec3(0, 0, 2));
     EXPECT_EQ(r.skeleton.parent(NodeId(2)), NodeId(1));
@@ -52,9 +52,9 @@ TEST(RepairNodes, PutsParentsFirstAndKeepsTheOrderOtherwise) {
 TEST(RepairNodes, TakesIdsFromEndToEndOfTheirRange) {
     const RepairResult r = repair(
         std::vector<RawNode>{
-            {kMost, 7, {0, 0, 1}, 1, 1}, {kLeast, kMost, {0, 0, 2}, 1, 2}, {7, kLeast, {0, 0, 0}, 1, 3}},
+            {kMax, 7, {0, 0, 1}, 1, 1}, {kMin, kMax, {0, 0, 2}, 1, 2}, {7, kMin, {0, 0, 0}, 1, 3}},
         "tree.txt");
-    EXPECT_EQ(r.skeleton.tree_count(), 1u);  // a negative parent is no parent, even if a node has that id
+    EXPECT_EQ(r.skeleton.tree_count(), 1u);  // a negative parent means a root, even if a node has that id
     EXPECT_EQ(r.report.reordered, 1u);
 }
 
@@ -76,7 +76,8 @@ TEST(RepairNodes, InterpolatesMissingRadiiByLength) {
     EXPECT_EQ(r.report.missing_radii, 3u);
     EXPECT_FLOAT_EQ(r.skeleton.radius(NodeId(1)), 3);
     EXPECT_FLOAT_EQ(r.skeleton.radius(NodeId(3)), 1);
-    EXPECT_FLOAT_EQ(r.skeleton.radius(NodeId(4)), 1);  // nothing known in its tree: the smallest of the file
+    EXPECT_FLOAT_EQ(r.skeleton.radius(NodeId(4)),
+                    1);  // no known radius in its tree: the smallest of the file
 }
 
 TEST(RepairNodes, WithoutAnyRadiusTakesAHundredthOfTheSize) {
@@ -89,7 +90,7 @@ TEST(RepairNodes, WithoutAnyRadiusTakesAHundredthOfTheSize) {
 }
 
 TEST(RepairNodes, MergesNodesAtTheSamePlace) {
-    // 2 lies on 1 and hands it its children 3 and 4, which lie on each other; 5 hangs on 4.
+    // 2 coincides with 1 and passes its children 3 and 4, which coincide, to it; 5 is a child of 4.
     const RepairResult r = repair(std::vector<RawNode>{{1, -1, {0, 0, 0}, 1, 1},
                                                        {2, 1, {0, 0, 0}, 0.5, 2},
                                                        {3, 2, {0, 0, 2}, 0.3, 3},
@@ -119,7 +120,7 @@ TEST(RepairNodes, FarFromZeroKeepsTheDigitsInAnOrigin) {
     const Vec3d base{456'789.25, 5'400'000.5, 312.75};
     const RepairResult r = repair(
         std::vector<RawNode>{{1, -1, base, 0.1, 1}, {2, 1, base + Vec3d{0, 0, 0.001}, 0.1, 2}}, "tree.txt");
-    // The box with the balls of radius 0.1 has a diagonal of 0.347: steps of 2^-2 / 16.
+    // The bounding box of the balls of radius 0.1 has a diagonal of 0.347: steps of 2^-2 / 16.
     EXPECT_EQ(r.skeleton.origin(), base);
     EXPECT_EQ(r.skeleton.position(NodeId(0)), Vec3());
     EXPECT_NEAR(r.skeleton.position(NodeId(1)).z - r.skeleton.position(NodeId(0)).z, 0.001, 1e-6);
@@ -128,9 +129,8 @@ TEST(RepairNodes, FarFromZeroKeepsTheDigitsInAnOrigin) {
 TEST(RepairNodes, RefusesInOneSentenceThatNamesTheLine) {
     using Nodes = std::vector<RawNode>;
     EXPECT_EQ(refusal(Nodes{}), "tree.txt: there are no nodes");
-    EXPECT_EQ(
-        refusal(Nodes{{1, -1, {}, 1, 4}, {2, 1, {1, 0, 0}, 1, 5}, {1, 1, {2, 0, 0}, 1, 9}}),
-        "tree.txt, line 9: the id 1 was used before (tree.txt, line 4); give every record an id of its own");
+    EXPECT_EQ(refusal(Nodes{{1, -1, {}, 1, 4}, {2, 1, {1, 0, 0}, 1, 5}, {1, 1, {2, 0, 0}, 1, 9}}),
+              "tree.txt, line 9: the id 1 was used before (tree.txt, line 4); give every record a unique id");
     EXPECT_EQ(refusal(Nodes{{1, 2, {}, 1, 4}, {2, 1, {1, 0, 0}, 1, 5}}),
               "tree.txt, line 4: the record 1 is among its own ancestors; break the cycle");
     EXPECT_EQ(refusal(Nodes{{3, 3, {}, 1, 0}}),
@@ -169,7 +169,7 @@ TEST(RepairCylinders, TouchingOnesOfEqualRadiusMakeAPlainChain) {
 }
 
 TEST(RepairCylinders, ALateralOnTheSurfaceLeavesTheAxisWithoutABend) {
-    // At 45 degrees from the surface point (1, 0, 3): drawn backwards it meets the axis at z = 2.
+    // At 45 degrees from the surface point (1, 0, 3): extended backwards it meets the axis at z = 2.
     std::vector<RawCylinder> c = kTrunk;
     c.push_back({3, 1, {1, 0, 3}, {4, 0, 6}, 0.2, 3});
     const RepairResult r = repair(c, "qsm");
@@ -181,12 +181,12 @@ TEST(RepairCylinders, ALateralOnTheSurfaceLeavesTheAxisWithoutABend) {
     const Segment s = r.skeleton.segment(tip);
     EXPECT_NEAR(s.a.z, 2, 1e-6);
     EXPECT_NEAR(s.a.x, 0, 1e-6);
-    EXPECT_FLOAT_EQ(s.radius_a, 0.2f);  // true radius from the start
+    EXPECT_FLOAT_EQ(s.radius_a, 0.2f);  // own radius from the start
 }
 
 TEST(RepairCylinders, ALateralThatPassesTheAxisKeepsItsStart) {
-    // Tangential: it runs along y from (1, 0, 2). Straight from the axis it would be a radius (its five) off
-    // there.
+    // Tangential: it runs along y from (1, 0, 2). A straight line from the axis would be a radius (its five)
+    // off there.
     std::vector<RawCylinder> c = kTrunk;
     c.push_back({3, 1, {1, 0, 2}, {1, 4, 2}, 0.2, 3});
     const RepairResult r = repair(c, "qsm");
@@ -210,7 +210,7 @@ TEST(RepairCylinders, BridgesAGapWithTheRadiusBehindIt) {
     EXPECT_TRUE(found);
 }
 
-// Wide gaps, so that no cylinder simply goes on: straight ahead, and slightly aslant.
+// Wide gaps, so that no cylinder simply continues: straight ahead, and slightly oblique.
 TEST(RepairCylinders, WhatGoesOnBeyondAGapComesFromTheEnd) {
     for (const double aside : {0.0, 0.05}) {
         const RepairResult r = repair(std::vector<RawCylinder>{{1, -1, {0, 0, 0}, {0, 0, 10}, 0.5, 1},
@@ -236,7 +236,7 @@ TEST(RepairCylinders, KeepsBothRadiiOfAJump) {
     const Segment jump = r.skeleton.segment(NodeId(2));
     EXPECT_FLOAT_EQ(jump.radius_a, 0.5f);
     EXPECT_FLOAT_EQ(jump.radius_b, 13);
-    // As long as the change, 12.5, half of it on either side: at most a third of 20 is 6.67, so 6.25 fits.
+    // As long as the change, 12.5, half of it on each side: at most a third of 20 is 6.67, so 6.25 fits.
     EXPECT_FLOAT_EQ(jump.a.z, 13.75f);
     EXPECT_FLOAT_EQ(jump.b.z, 26.25f);
 }
@@ -285,7 +285,7 @@ TEST(RepairCylinders, TakesManyLateralsAtOnePlace) {
     EXPECT_GT(repair(c, "qsm").skeleton.size(), 20'000u);
 }
 
-/// Few distinct numbers, so that ids, places and radii often coincide; now and then an extreme one.
+/// Few distinct numbers, so that ids, positions and radii often coincide; occasionally an extreme one.
 class Mess {
   public:
     explicit Mess(std::uint64_t seed) : random_(seed, 0) {}
@@ -302,7 +302,7 @@ class Mess {
 };
 
 TEST(Repair, NodesKnowTheCylinderThatTheirSegmentBelongsTo) {
-    // Out of order; the third is a disc, and the lateral leaves from within the trunk.
+    // Out of order; the third is a disc, and the lateral branches off within the trunk.
     const RepairResult r = repair(std::vector<RawCylinder>{{2, 1, {0, 0, 5}, {0, 0, 9}, 0.5, 1},
                                                            {1, -1, {0, 0, 0}, {0, 0, 5}, 1, 2},
                                                            {3, 2, {0, 0, 9}, {0, 0, 9.001}, 0.5, 3},
@@ -311,7 +311,7 @@ TEST(Repair, NodesKnowTheCylinderThatTheirSegmentBelongsTo) {
     ASSERT_EQ(r.source.size(), r.skeleton.size());
     for (const NodeId n : nodes(r.skeleton)) {
         const Vec3 p = r.skeleton.position(n);
-        // About the joint at 5 m the radius goes from that of the one to that of the other.
+        // Around the joint at 5 m the radius changes from that of one cylinder to that of the other.
         const std::uint32_t expected = p.x > 0 ? 3 : p.z > 5 ? 0 : 1;
         EXPECT_EQ(r.source[n.index()], expected) << n.index();
     }

@@ -33,7 +33,7 @@ Skeleton chain(const std::vector<Ball>& balls) {
     return Skeleton(parents, positions, radii);
 }
 
-/// The least distance of the ball (p, r) to any segment, in position and radius, relative to r.
+/// Returns the minimum distance of the ball (p, r) to any segment, in position and radius, relative to r.
 double deviation(const Skeleton& s, Vec3 p, float r) {
     double best = 1e300;
     for (const NodeId n : nodes(s)) {
@@ -54,7 +54,7 @@ TEST(Resample, NoneLeavesEverything) {
 }
 
 TEST(Resample, DropsNodesOfAStraightTaperAndKeepsThoseOfAKink) {
-    // The radius falls linearly but for the kink at z = 20.
+    // The radius decreases linearly except for the kink at z = 20.
     const Skeleton s = chain(
         {{{0, 0, 0}, 2}, {{0, 0, 10}, 1.75f}, {{0, 0, 20}, 1.5f}, {{0, 0, 30}, 1.5f}, {{0, 0, 35}, 1.5f}});
     const ResampleResult r = resample(s, {.max_length = 100});
@@ -104,7 +104,7 @@ TEST(Resample, PushesTheEndsOfARadiusJumpApart) {
 }
 
 TEST(Resample, SplitsLongSegmentsEvenly) {
-    // 100 long with radius 1, at most 20 radii: five parts, and a ring before the tip.
+    // 100 long with radius 1, at most 20 radii: five sections, and a ring before the tip.
     const ResampleResult r = resample(chain({{{0, 0, 0}, 1}, {{0, 0, 100}, 1}}));
     ASSERT_EQ(r.skeleton.size(), 7u);
     EXPECT_EQ(r.report.inserted, 5u);
@@ -114,7 +114,7 @@ TEST(Resample, SplitsLongSegmentsEvenly) {
 
 TEST(Resample, SplitsTapersByLocalRadii) {
     const ResampleResult r = resample(chain({{{0, 0, 0}, 1}, {{0, 0, 50}, 0.1f}}));
-    // ln 10 / 0.9 times 50 radii, less the ring before the tip.
+    // ln 10 / 0.9 times 50 radii, minus the ring before the tip.
     ASSERT_GE(r.skeleton.size(), 7u);
     std::vector<double> lengths;
     for (const NodeId n : nodes(r.skeleton)) {
@@ -134,7 +134,7 @@ TEST(Resample, PutsARingBeforeATipOfALongSegment) {
     EXPECT_EQ(with_tip_at(11.9f).size(), 3u);
     ASSERT_EQ(with_tip_at(12.1f).size(), 4u);
     EXPECT_FLOAT_EQ(with_tip_at(12.1f).position(NodeId(2)).x, 10.6f);
-    // Half of a lone segment counts, which then has a node in the middle of what is left.
+    // Half of a single segment counts, which then has a node in the middle of the rest.
     EXPECT_EQ(resample(chain({{{0, 0, 0}, 1}, {{0, 0, 19.9f}, 1}})).skeleton.size(), 2u);
     const Skeleton lone = resample(chain({{{0, 0, 0}, 1}, {{0, 0, 24.5f}, 1}})).skeleton;
     ASSERT_EQ(lone.size(), 4u);
@@ -149,7 +149,7 @@ TEST(Resample, PutsRingsWhereBranchesLeaveABall) {
     const ResampleResult r = resample(soma);
     const NodeId leader = r.skeleton.leader(NodeId(0));
     EXPECT_FLOAT_EQ(r.skeleton.position(leader).z, 2.1f);
-    // On the common tangent of the balls about the root and the leader's end, whose sine is 0.3.
+    // On the common tangent of the balls at the root and at the leader's end; its sine is 0.3.
     EXPECT_NEAR(r.skeleton.radius(leader), (2 - 2.1 * 0.3) / std::sqrt(1 - 0.09), 1e-5);
     const auto lateral = std::ranges::find_if(r.skeleton.children(NodeId(0)),
                                               [&](NodeId c) { return r.skeleton.position(c).x > 1; });
@@ -179,7 +179,7 @@ TEST(Resample, ZhuDropsStraightAndShortOnes) {
                               {{5.5f, 0, 10.5f}, 1},
                               {{5, 0, 15}, 1}});
     const ResampleResult r = resample(s, {.method = ResampleMethod::zhu});
-    // 1 turns by 0.05; 2 turns by 90 degrees and stays; 3 lies 0.7 from 4; 4, seen from 2, turns and stays.
+    // 1 turns by 0.05; 2 turns by 90 degrees and is kept; 3 is 0.7 from 4; 4, seen from 2, turns and is kept.
     EXPECT_EQ(r.report.removed, 2u);
     EXPECT_EQ(r.skeleton.position(NodeId(1)), s.position(NodeId(2)));
     EXPECT_EQ(r.skeleton.position(NodeId(2)), s.position(NodeId(4)));
@@ -196,7 +196,7 @@ TEST(Resample, NeverLosesRootsBranchNodesOrTips) {
             EXPECT_EQ(before.branch_nodes, after.branch_nodes);
             EXPECT_EQ(before.max_children, after.max_children);
             EXPECT_EQ(r.skeleton.size(), s.size() - r.report.removed + r.report.inserted);
-            EXPECT_NEAR(after.length, before.length, 0.1 * before.length + 3 * before.greatest_radius);
+            EXPECT_NEAR(after.length, before.length, 0.1 * before.length + 3 * before.max_radius);
             for (const NodeId n : nodes(s)) {
                 const bool anchor = s.is_root(n) || s.children(n).size() != 1;
                 if (!anchor) continue;
@@ -222,7 +222,7 @@ TEST(Resample, TheSameChildLeads) {
 }
 
 TEST(Resample, ALeaderThatTapersBelowItsSiblingKeepsItsFirstNode) {
-    // The leader falls from 1 to 0.1 straight; without its first node the sibling of 0.5 would lead.
+    // The leader decreases linearly from 1 to 0.1; without its first node the sibling of 0.5 would lead.
     const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(2), NodeId(1)},
                      {{0, 0, 0}, {0, 0, 4}, {0, 0, 8}, {0, 0, 12}, {5, 0, 4}}, {1, 1, 0.55f, 0.1f, 0.5f});
     const ResampleResult r = resample(s);
@@ -232,7 +232,7 @@ TEST(Resample, ALeaderThatTapersBelowItsSiblingKeepsItsFirstNode) {
 TEST(Resample, TakesAMillionNodesInOneChain) {
     std::vector<Ball> balls;
     for (int i = 0; i < 1'000'000; ++i) {
-        // Farther and farther off the chord: the split is always near one end.
+        // Increasingly far from the chord: the split is always near one end.
         const auto x = static_cast<float>(i);
         balls.push_back({{std::sqrt(x), 0.001f * x, i % 7 == 0 ? 0.5f : 0.0f}, 0.001f});
     }

@@ -14,7 +14,7 @@ namespace {
 const NodeId kNoNode = NodeId::none();
 
 TEST(Skeleton, KnowsChildrenLeadersAndTips) {
-    // 0 - 1 - 2, and 3, 4 from 1; 5 alone. The leader of 1 is 3: the widest, and before 4.
+    // 0 - 1 - 2, and 3, 4 from 1; 5 alone. The leader of 1 is 3: the thickest, and before 4.
     const Skeleton s({kNoNode, NodeId(0), NodeId(1), NodeId(1), NodeId(1), kNoNode}, std::vector<Vec3>(6),
                      {5, 4, 1, 2, 2, 1});
     EXPECT_EQ(s.tree_count(), 2u);

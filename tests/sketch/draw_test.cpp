@@ -22,7 +22,7 @@ TEST(Draw, EveryAxisIsABranchThatFitsIntoItsPictures) {
         const DrawSketchOptions options{.projection = projection, .size = 800};
         const Sketch sketch = draw_sketch(tree, views_of(tree, options), options);
         EXPECT_NO_THROW(validate(sketch, "drawn"));
-        EXPECT_EQ(sketch.branches.size(), tips);  // each ends in one
+        EXPECT_EQ(sketch.branches.size(), tips);  // each branch ends in one tip
         for (const SketchBranch& branch : sketch.branches) {
             for (const Stroke& stroke : branch.strokes) {
                 EXPECT_EQ(stroke.widths.size(), stroke.points.size());

@@ -25,14 +25,14 @@ SketchResult made(const Sketch& sketch, const SketchOptions& options = {}, const
     return reconstruct(sketch, options, "a.sketch.json", ctx);
 }
 
-/// [m] from p to the nearest node.
+/// Returns the distance [m] from p to the closest node.
 double to_node(const Skeleton& s, Vec3d p) {
     double least = 1e9;
     for (const NodeId n : nodes(s)) least = std::min(least, distance(p, Vec3d(s.position(n))));
     return least;
 }
 
-/// [m] mean over the nodes of one from the nearest segment of the other.
+/// Returns the mean distance [m] of the nodes of one skeleton from the closest segments of the other.
 double mean_off(const Skeleton& reference, const Skeleton& found) {
     double sum = 0;
     for (const NodeId n : nodes(reference)) {
@@ -58,7 +58,7 @@ TEST(Reconstruct, AForkIsMadeAsDrawn) {
     EXPECT_EQ(s.tree_count(), 1u);
     for (const Vec3d p : {Vec3d{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {0.4, 0.3, 1.5}, {0.6, 0.5, 1.9}})
         EXPECT_LT(to_node(s, p), 0.01);  // one pixel
-    // 2 m of stem, 0.707 and 0.490 m of lateral.
+    // 2 m of stem, and 0.707 m and 0.490 m of lateral.
     EXPECT_NEAR(measure(s).length, 2 + std::sqrt(0.5) + std::sqrt(0.24), 0.01);
     // 20 pixels at 100 per metre are a radius of 0.1 m.
     EXPECT_NEAR(s.radius(NodeId(0)), 0.1, 1e-3);
@@ -67,7 +67,7 @@ TEST(Reconstruct, AForkIsMadeAsDrawn) {
         EXPECT_NEAR(fit.angle, std::numbers::pi / 2, 1e-9);
         for (const StrokeFit& stroke : fit.strokes) EXPECT_LT(stroke.rms_error, 0.5);
     }
-    // Without widths of its own the lateral begins with 0.6 of the stem's radius where it leaves, 0.075 m.
+    // Without widths, the lateral begins with 0.6 of the radius of the stem there, 0.075 m.
     EXPECT_TRUE(result.branches[1].guessed_radius);
     EXPECT_FALSE(result.branches[0].guessed_radius);
     for (const NodeId n : nodes(s)) {
@@ -99,7 +99,7 @@ TEST(Reconstruct, StrokesDrawnFromTheTipAreTurned) {
 }
 
 TEST(Reconstruct, ALevelBranchIsMatchedByItsLength) {
-    // Its strokes lie on each other's epipolar lines, so that these tell nothing.
+    // Its strokes are along each other's epipolar lines, which therefore give no correspondence.
     Sketch sketch = fork_drawing();
     for (Stroke& stroke : sketch.branches[1].strokes)
         stroke.points = {{200, 200}, {220, 200}, {240, 200}, {260, 200}, {280, 200}};
@@ -145,8 +145,8 @@ TEST(Reconstruct, ThirdViewsHelp) {
     }
 }
 
-/// What is promised of strokes that stray by 2 pixels: the length within 3 %, nodes within 1.5 radii on
-/// average.
+/// Documented accuracy for strokes with a noise of 2 pixels: the length within 3 %, and nodes within 1.5
+/// radii on average.
 TEST(Reconstruct, TreesDrawnByAnUnsteadyHandAreFound) {
     for (const double degrees : {90.0, 30.0}) {
         const Skeleton tree = random_tree(256, 11);
@@ -168,7 +168,7 @@ TEST(Reconstruct, TreesDrawnByAnUnsteadyHandAreFound) {
     }
 }
 
-/// Moves points of a sketch: all by up to 2 pixels, and one in twenty by 20 to 60.
+/// Moves points of a sketch: all by up to 2 pixels, and one in twenty by 20 to 60 pixels.
 void mess_up(Sketch& sketch) {
     const CounterRandom random(3, 0);
     std::uint64_t next = 0;
@@ -186,8 +186,8 @@ void mess_up(Sketch& sketch) {
     }
 }
 
-/// With one point in twenty wrong: the length within 3 %, 19 of 20 tips within two of their radii, of the
-/// branches hardly one refused.
+/// With one wrong point in twenty: the length within 3 %, 19 of 20 tips within two of their radii, and hardly
+/// any branch refused.
 TEST(Reconstruct, TreesDrawnWithWrongPointsAreFound) {
     double length = 0, tips = 0, found_tips = 0, refused = 0;
     for (const std::uint64_t seed : {21u, 22u, 23u, 24u}) {
@@ -224,7 +224,7 @@ TEST(Reconstruct, AWrongStartIsToldByTheOtherView) {
 
 TEST(Reconstruct, OfTwoPointsTheWrongStartIsLeftOut) {
     Sketch sketch = fork_drawing();
-    // 0.4 m to the right, 0.3 m to the back and 0.5 m up of the stem's middle.
+    // 0.4 m to the right, 0.3 m to the back and 0.5 m above the middle of the stem.
     sketch.branches[1].strokes[0].points = {{165, 170}, {240, 150}};
     sketch.branches[1].strokes[1].points = {{200, 200}, {230, 150}};
     const SketchResult result = made(sketch, {.tolerance = 0});
@@ -235,8 +235,8 @@ TEST(Reconstruct, OfTwoPointsTheWrongStartIsLeftOut) {
     EXPECT_NEAR(result.branches[1].length, std::sqrt(0.5), 0.05);
 }
 
-/// How wrong a tree's length is, and how far its branches are off their strokes [pixels], when the second
-/// camera is turned by a degree and shows everything by 1 % too large.
+/// Returns the error of the length of a tree, and the distance [pixels] of its branches from their strokes,
+/// if the second camera is rotated by a degree and its scale is 1 % too large.
 std::pair<double, double> with_wrong_camera(bool refine, double degrees) {
     const Skeleton tree = random_tree(256, 1);
     Sketch sketch = draw_sketch(tree, views_of(tree));
@@ -258,7 +258,7 @@ TEST(Reconstruct, CamerasArePutRight) {
     EXPECT_GT(wrong_off, 3 * right_off);
     EXPECT_NEAR(length, right_length, 0.005);
     EXPECT_LT(off, 1.2 * right_off);
-    // Where nothing is wrong little changes.
+    // Correct cameras hardly change.
     EXPECT_NEAR(with_wrong_camera(true, 0).first, right_length, 0.003);
 }
 
@@ -280,7 +280,7 @@ TEST(Reconstruct, ThreadsDoNotChangeTheResult) {
     }
 }
 
-/// Why the lateral of the fork is refused after a change.
+/// Returns the reason why the lateral of the fork is refused after a change.
 std::string refusal(const std::function<void(Sketch&)>& change) {
     Sketch sketch = fork_drawing();
     change(sketch);
@@ -289,19 +289,18 @@ std::string refusal(const std::function<void(Sketch&)>& change) {
 
 TEST(Reconstruct, WhatCannotBeMadeIsRefusedByName) {
     EXPECT_EQ(refusal([](Sketch& s) { s.branches[1].strokes.pop_back(); }),
-              "branch 'lateral' (strokes in 'front') is refused: it is drawn in one view alone");
+              "branch 'lateral' (strokes in 'front') is refused: it is drawn in a single view");
     EXPECT_EQ(
         refusal([](Sketch& s) {
             s.branches[1].strokes[1].points = {{300, 250}, {330, 270}, {350, 290}};
         }),
         "branch 'lateral' (strokes in 'front', 'side', 90.0 degrees apart) is refused: its strokes do not "
-        "match: their points do not lie on each other's lines of sight");
-    EXPECT_EQ(
-        refusal([](Sketch& s) {
-            for (PicturePoint& p : s.branches[1].strokes[1].points) p = {250, 150};
-        }),
-        "branch 'lateral' (strokes in 'front', 'side') is refused: all points of its stroke in 'side' lie in "
-        "one place");
+        "match: their points are not on each other's lines of sight");
+    EXPECT_EQ(refusal([](Sketch& s) {
+                  for (PicturePoint& p : s.branches[1].strokes[1].points) p = {250, 150};
+              }),
+              "branch 'lateral' (strokes in 'front', 'side') is refused: all points of its stroke in 'side' "
+              "coincide");
 }
 
 TEST(Reconstruct, WhatGrowsFromARefusedBranchIsRefusedToo) {
@@ -311,9 +310,8 @@ TEST(Reconstruct, WhatGrowsFromARefusedBranchIsRefusedToo) {
     twig.parent = 1;
     sketch.branches.push_back(twig);
     sketch.branches[1].strokes.pop_back();
-    EXPECT_EQ(
-        made(sketch).branches[2].refused,
-        "branch 'twig' (strokes in 'front', 'side') is refused: the branch that it grows from was refused");
+    EXPECT_EQ(made(sketch).branches[2].refused,
+              "branch 'twig' (strokes in 'front', 'side') is refused: its parent branch was refused");
 }
 
 TEST(Reconstruct, ViewsFromOnePlaceGiveNoDepth) {
@@ -329,7 +327,7 @@ TEST(Reconstruct, AStemNeedsItsThickness) {
     Sketch sketch = fork_drawing();
     for (Stroke& stroke : sketch.branches[0].strokes) stroke.widths.clear();
     EXPECT_EQ(error_of([&] { made(sketch); }),
-              "a.sketch.json: branch 'stem' has no parent and so needs widths or diameters");
+              "a.sketch.json: branch 'stem' has no parent and therefore needs widths or diameters");
 }
 
 TEST(Reconstruct, BranchesMayNestDeeply) {

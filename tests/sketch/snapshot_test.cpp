@@ -15,7 +15,7 @@ namespace coppice {
 namespace {
 
 TEST(Snapshot, ADrawingIsScaledByTheHeight) {
-    // The stem of 2 m is 200 pixels high and stands on (200, 300).
+    // The stem of 2 m is 200 pixels high, and its base is at (200, 300).
     const SketchView view =
         snapshot_view(test::fork_drawing(), 1, {.side = DrawingSide::side}, 2, "views[1]");
     EXPECT_EQ(view.name, "side");
@@ -25,7 +25,7 @@ TEST(Snapshot, ADrawingIsScaledByTheHeight) {
 
 TEST(Snapshot, APhotographFindsItsCamera) {
     const Skeleton tree = random_tree(120, 6);
-    // Two cameras 16 m off and 1.5 m high that do not look straight at the stem.
+    // Two cameras at a distance of 16 m and a height of 1.5 m that do not point directly at the stem.
     std::vector<SketchView> views(2);
     for (const bool side : {false, true}) {
         SketchView& v = views[side ? 1 : 0];
@@ -44,7 +44,7 @@ TEST(Snapshot, APhotographFindsItsCamera) {
         const DrawingSide side = v == 0 ? DrawingSide::front : DrawingSide::side;
         sketch.views[v] =
             snapshot_view(sketch, v, {.side = side, .field_of_view = field_of_view}, top, "view");
-        // What is highest leans out by less than 1 m in 16.
+        // The highest point leans out by less than 1 m in 16.
         EXPECT_LT(distance(sketch.views[v].t, views[v].t), 1);
     }
     const SketchResult result = reconstruct(sketch, {}, "tree");
@@ -58,16 +58,17 @@ TEST(Snapshot, WhatTellsNoScaleIsRefused) {
     };
     Sketch sketch = test::fork_drawing();
     EXPECT_EQ(said(sketch, {}, 0), "views[0]: the height of the tree must be above 0 metres");
-    EXPECT_EQ(said(sketch, {.side = DrawingSide::top}, 2), "views[0]: a height cannot be seen from the top");
+    EXPECT_EQ(said(sketch, {.side = DrawingSide::top}, 2),
+              "views[0]: the height of the tree is not visible from the top");
     EXPECT_EQ(said(sketch, {.field_of_view = 1}, 2),
-              "views[0]: field_of_view needs width and height of the picture");
+              "views[0]: field_of_view needs the width and height of the picture");
     for (SketchBranch& branch : sketch.branches)
         for (Stroke& stroke : branch.strokes)
             for (PicturePoint& p : stroke.points) p.y = 300;
-    EXPECT_EQ(said(sketch, {}, 2), "views[0]: nothing in this view lies above the foot of its stem");
+    EXPECT_EQ(said(sketch, {}, 2), "views[0]: no point in this view is above the base of its stem");
     sketch.branches.erase(sketch.branches.begin());  // the lateral keeps its parent
     EXPECT_EQ(said(sketch, {}, 2),
-              "views[0]: no stem has a stroke in this view, so that nothing tells its scale");
+              "views[0]: no stem has a stroke in this view, so that its scale is unknown; draw the stem");
 }
 
 }  // namespace

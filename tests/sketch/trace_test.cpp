@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coppice/base/id.h"
 #include "coppice/skeleton/measure.h"
 #include "coppice/sketch/reconstruct.h"
 #include "coppice/sketch/trace/hull_internal.h"
@@ -18,7 +19,7 @@ namespace {
 using namespace sketch_internal;
 using test::error_of;
 
-/// Fills what lies within a radius of a line.
+/// Fills the pixels within a radius of a line.
 void draw(Mask& mask, PicturePoint a, PicturePoint b, double radius) {
     for (int y = 0; y < mask.height; ++y) {
         for (int x = 0; x < mask.width; ++x) {
@@ -29,7 +30,7 @@ void draw(Mask& mask, PicturePoint a, PicturePoint b, double radius) {
     }
 }
 
-/// All points of a sketch.
+/// Returns all points of a sketch.
 std::vector<PicturePoint> points_of(const Sketch& sketch) {
     std::vector<PicturePoint> out;
     for (const SketchBranch& branch : sketch.branches)
@@ -82,7 +83,7 @@ TEST(Silhouette, BranchesThatCrossPassEachOther) {
     draw(mask, {100, 300}, {250, 60}, 5);
     draw(mask, {100, 220}, {290, 180}, 5);
     const std::vector<float> distance = distance_to_outside(mask);
-    const auto pieces = pieces_of(graph_of(thinned(mask, {}), distance), mask, distance);
+    const auto pieces = find_pieces(graph_of(thinned(mask, {}), distance), mask, distance);
     std::vector<PicturePoint> ends;
     for (const TracedPiece& piece : pieces)
         if (piece.is_tip) ends.push_back(piece.points.back());
@@ -95,7 +96,7 @@ TEST(Silhouette, BranchesThatCrossPassEachOther) {
     }
 }
 
-/// The fork of fork_drawing, with thick branches, as its views show it.
+/// Returns the silhouettes of fork_drawing with thick branches, in the given views.
 std::vector<Mask> fork_silhouettes(const std::vector<SketchView>& views) {
     std::vector<Mask> out(views.size(), Mask(400, 320));
     for (std::size_t v = 0; v < views.size(); ++v) {
@@ -109,7 +110,7 @@ std::vector<Mask> fork_silhouettes(const std::vector<SketchView>& views) {
     return out;
 }
 
-/// The views of fork_drawing, and two from between them and from the left of the front.
+/// Returns the views of fork_drawing, one from between them, and one from the left of the front.
 std::vector<SketchView> four_views() {
     std::vector<SketchView> views = test::fork_drawing().views;
     const double c = std::sqrt(0.5);
@@ -141,9 +142,9 @@ TEST(Trace, SilhouetteFieldsTellHowFarPlacesAreWithin) {
     for (int y = 20; y < 60; ++y)
         for (int x = 30; x < 70; ++x) mask.inside[mask.index(x, y)] = 1;
     const SilhouetteField field(mask);
-    EXPECT_EQ(field.inside_by({50.5, 30.5}), 10.5);  // the upper edge lies at y = 20
-    EXPECT_EQ(field.inside_by({28.5, 30.5}), -1.5);  // the left one at x = 30
-    EXPECT_LE(*field.inside_by({5.5, 30.5}), -20);   // 24.5 at most
+    EXPECT_EQ(field.inside_by({50.5, 30.5}), 10.5);  // the upper edge is at y = 20
+    EXPECT_EQ(field.inside_by({28.5, 30.5}), -1.5);  // the left edge is at x = 30
+    EXPECT_LE(*field.inside_by({5.5, 30.5}), -20);   // at most 24.5
     EXPECT_GE(*field.inside_by({5.5, 30.5}), -24.5);
     EXPECT_EQ(field.inside_by({-1, 30}), std::nullopt);
     EXPECT_EQ(field.inside_by({50, 80}), std::nullopt);
@@ -153,8 +154,8 @@ TEST(Trace, AHullIsAsWideAsWhatItHolds) {
     const std::vector<SketchView> views = four_views();
     const std::vector<Mask> masks = fork_silhouettes(views);
     std::vector<SilhouetteField> fields(masks.begin(), masks.end());
-    const Hull hull = hull_of(views, fields, {});
-    EXPECT_LE(hull.size, 0.015);  // of pixels of 1 cm
+    const Hull hull = compute_hull(views, fields, {});
+    EXPECT_LE(hull.size, 0.015);  // pixels are 1 cm
     double widest = 0;
     for (std::uint32_t i = 0; i < hull.cells.size(); ++i) {
         const Vec3d p = hull.center(i);
@@ -173,7 +174,7 @@ TEST(Trace, AForkIsFoundInFourSilhouettes) {
     EXPECT_EQ(traced.sketch.branches[1].strokes.size(), 4u);
     const Skeleton s = reconstruct(traced.sketch, {}, "traced").skeleton;
     EXPECT_EQ(s.tree_count(), 1u);
-    // Its ends are round: 0.08 more at both ends of the stem, 0.04 more at that of the branch.
+    // Its ends are round: 0.08 more at both ends of the stem, and 0.04 more at the end of the branch.
     EXPECT_NEAR(measure(s).length, 2 + std::sqrt(0.5) + std::sqrt(0.24) + 0.2, 0.15);
     EXPECT_NEAR(s.radius(NodeId(0)), 0.08, 0.015);
     double nearest = 1;
@@ -185,13 +186,13 @@ TEST(Trace, AForkIsFoundInFourSilhouettes) {
 }
 
 TEST(Trace, AGhostShowsNothing) {
-    // Two bars before the front view and two before the side: four bars would show the same.
+    // Two bars in the front view and two in the side view: four bars would have the same silhouettes.
     const std::vector<SketchView> views = test::fork_drawing().views;
     Hull hull;
     hull.size = 0.01;
     std::vector<HullPiece> pieces;
     const auto bar = [&](double x, double y) {
-        HullPiece piece{.cells = {}, .before = kNoCell, .is_tip = true};
+        HullPiece piece{.cells = {}, .before = kNoIndex, .is_tip = true};
         for (int k = 0; k < 60; ++k) {
             piece.cells.push_back(static_cast<std::uint32_t>(hull.cells.size()));
             hull.cells.push_back({static_cast<int>(100 * x), static_cast<int>(100 * y), 100 + k});
@@ -214,35 +215,36 @@ TEST(Trace, WhatCannotBeTracedIsRefused) {
         return error_of([&] { trace(views, masks); });
     };
     EXPECT_EQ(said({drawing.views[0]}, fork_silhouettes(drawing.views)),
-              "trace: two views or more with a silhouette each are needed");
-    EXPECT_EQ(said(drawing.views, {Mask(400, 320), Mask(400, 320)}), "trace: a silhouette shows nothing");
+              "trace: at least two views with a silhouette each are needed");
+    EXPECT_EQ(said(drawing.views, {Mask(400, 320), Mask(400, 320)}), "trace: a silhouette is empty");
     std::vector<SketchView> sized = drawing.views;
     sized[1].width = 500;
     sized[1].height = 320;
     EXPECT_EQ(said(sized, fork_silhouettes(drawing.views)),
-              "trace: the silhouette of 'side' has 400 x 320 pixels, but the view 500 x 320");
+              "trace: the silhouette of 'side' has 400 x 320 pixels, but the view has 500 x 320");
     std::vector<SketchView> moved = drawing.views;
     moved[1].t.y += 0.5;
     EXPECT_EQ(said(moved, fork_silhouettes(drawing.views)),
-              "trace: no branch of the two silhouettes matches; are these the right cameras?");
+              "trace: no branch of the two silhouettes matches; check that the cameras are correct");
     std::vector<SketchView> four = four_views();
     std::vector<Mask> shown = fork_silhouettes(four);
     four[3].t.x += 1;
     EXPECT_EQ(said(four, shown),
-              "trace: the silhouettes have nothing in common; are these the right cameras?");
+              "trace: the silhouettes have no common space; check that the cameras are correct");
     shown[2] = Mask(400, 320);
-    EXPECT_EQ(said(four, shown), "trace: a silhouette shows nothing");
+    EXPECT_EQ(said(four, shown), "trace: a silhouette is empty");
     shown = fork_silhouettes(four = {drawing.views[0], drawing.views[0], drawing.views[0]});
     EXPECT_EQ(said(four, shown),
-              "trace: all views look the same way, so that nothing tells how deep the tree is");
-    EXPECT_EQ(error_of([] { extent_of(Mask(10, 10), "here"); }), "here: the silhouette shows nothing");
+              "trace: all views look the same way, so that the depth of the tree is unknown; add a view from "
+              "another side");
+    EXPECT_EQ(error_of([] { compute_extent(Mask(10, 10), "here"); }), "here: the silhouette is empty");
 }
 
 TEST(Trace, TheExtentRunsFromTheFootToTheTop) {
     Mask mask(100, 100);
     for (int y = 20; y < 90; ++y)
         for (int x = 40; x < 60; ++x) mask.inside[mask.index(x, y)] = 1;
-    const Stroke extent = extent_of(mask, "here");
+    const Stroke extent = compute_extent(mask, "here");
     EXPECT_EQ(extent.points.front(), (PicturePoint{50, 90}));
     EXPECT_EQ(extent.points.back().y, 20);
 }

@@ -11,7 +11,7 @@ namespace {
 
 using test::error_of;
 
-/// Stands at (0, -5, 1) and looks along +y.
+/// A camera at (0, -5, 1) that looks along +y.
 SketchView pinhole() {
     SketchView view;
     view.name = "front";
@@ -22,9 +22,9 @@ SketchView pinhole() {
 }
 
 TEST(View, PinholeShowsWhatIsFarSmaller) {
-    // (1, 0, 1) lies 5 m off and 1 m to the right: 1000 / 5 pixels from the middle.
+    // (1, 0, 1) is at a depth of 5 m and 1 m to the right: 1000 / 5 pixels from the centre.
     EXPECT_EQ(project(pinhole(), {1, 0, 1}), (PicturePoint{700, 400}));
-    // Up is towards smaller y; 10 m off.
+    // Up is towards smaller y; at a depth of 10 m.
     EXPECT_EQ(project(pinhole(), {0, 5, 2}), (PicturePoint{500, 300}));
     EXPECT_DOUBLE_EQ(pixels_per_metre(pinhole(), {0, 5, 2}), 100);
     EXPECT_DOUBLE_EQ(depth(pinhole(), {3, 5, 2}), 10);
@@ -37,7 +37,7 @@ TEST(View, RaysRunThroughWhatTheirPixelsShow) {
         const ViewRay r = ray(view, project(view, p));
         EXPECT_NEAR(length(cross(p - r.origin, r.direction)), 0, 1e-9);
         EXPECT_GT(dot(p - r.origin, r.direction), 0);
-        // The straight picture shows it where the ray without distortion runs.
+        // The undistorted image shows it at the intersection of the undistorted ray.
         const PicturePoint straight = undistorted(view, project(view, p));
         EXPECT_NEAR(length(straight - project(without_distortion(view), p)), 0, 1e-6);
     }
@@ -81,7 +81,7 @@ TEST(View, WrongCamerasAreRefused) {
               "views[0].K must be [[fx, skew, cx], [0, fy, cy], [0, 0, 1]] with fx and fy above 0");
     view = pinhole();
     view.t.x = NAN;
-    EXPECT_EQ(error_of([&] { validate(view, "views[0]"); }), "views[0].t must hold finite numbers");
+    EXPECT_EQ(error_of([&] { validate(view, "views[0]"); }), "views[0].t must contain finite numbers");
     EXPECT_EQ(error_of([&] { drawing_view(DrawingSide::front, 0, {}); }),
               "the scale of a drawing must be above 0 pixels per metre");
 }

@@ -12,7 +12,7 @@
 namespace coppice {
 namespace {
 
-/// Boxes of very different sizes; every fifth touches the one before in a face exactly.
+/// Returns boxes of very different sizes; every fifth touches the previous one exactly in a face.
 std::vector<Box3> boxes(std::uint32_t n) {
     const CounterRandom random(3, n);
     std::vector<Box3> out;
@@ -69,9 +69,9 @@ TEST(BoxTree, SearchFindsTheNearest) {
 }
 
 TEST(BoxTree, StandsEqualAndExtremeBoxes) {
-    constexpr float kMost = std::numeric_limits<float>::max();
+    constexpr float kMax = std::numeric_limits<float>::max();
     std::vector<Box3> all(100, Box3{{1, 1, 1}, {1, 1, 1}});
-    all.push_back({{-kMost, -kMost, -kMost}, {kMost, kMost, kMost}});
+    all.push_back({{-kMax, -kMax, -kMax}, {kMax, kMax, kMax}});
     const BoxTree tree(all, {});
     std::size_t visits = 0;
     for (std::uint32_t g = 0; g < tree.group_count(); ++g) tree.overlaps(g, [&](auto, auto) { ++visits; });
@@ -91,8 +91,8 @@ TEST(ExtendOutward, HoldsThePoint) {
     for (const double x : {0.1, -0.1, 1e300, -1e300, 0.0, 16777217.0}) {
         Box3 box;
         extend_outward(box, {x, 0, 0});
-        constexpr double kMost = std::numeric_limits<float>::max();
-        const double clamped = std::clamp(x, -kMost, kMost);
+        constexpr double kMax = std::numeric_limits<float>::max();
+        const double clamped = std::clamp(x, -kMax, kMax);
         EXPECT_LE(box.low.x, clamped);
         EXPECT_GE(box.high.x, clamped);
         EXPECT_TRUE(is_finite(box.low) && is_finite(box.high));

@@ -9,7 +9,7 @@
 namespace coppice {
 namespace {
 
-/// Boxes along a line, with every tenth somewhere else; a few are large.
+/// Returns boxes along a line, with every tenth at another position; a few are large.
 std::vector<Box3> boxes_along(std::uint32_t count, std::uint64_t seed, float size) {
     const CounterRandom random(seed, 0);
     std::vector<Box3> out;

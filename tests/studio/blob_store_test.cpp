@@ -27,7 +27,7 @@ TEST(BlobStore, ForgetsTheOldestAndKeepsTheNewestHoweverLarge) {
     BlobStore blobs(100);
     const std::string a = blobs.offer(std::string(60, 'a'));
     const std::string b = blobs.offer(std::string(30, 'b'));
-    EXPECT_NE(blobs.get(a), nullptr);  // now used later than b
+    EXPECT_NE(blobs.get(a), nullptr);  // used after b
     const std::string c = blobs.offer(std::string(30, 'c'));
     EXPECT_EQ(blobs.get(b), nullptr);
     EXPECT_NE(blobs.get(a), nullptr);

@@ -15,9 +15,9 @@ namespace {
 
 const Context kQuiet;
 
-/// What objects there are, with all their numbers: enough to tell two scenes apart.
+/// Returns all objects with their numbers: sufficient to distinguish two scenes.
 std::string all_of(const Scene& scene) {
-    std::string out = recipe_of(scene.state());
+    std::string out = make_recipe(scene.state());
     for (const auto& [name, object] : scene.state().objects)
         out += std::string(name_of(name.first)) + " " + name.second + "\n" + description_of(*object);
     return out;
@@ -71,7 +71,7 @@ TEST(Document, StopsBeforeWhatFailsLaterAndDropsNothing) {
     EXPECT_EQ(document.failure()->line, 2u);
     EXPECT_EQ(document.ran(), 1u);
     EXPECT_EQ(document.size(), 3u);
-    document.run("sphere b", {}, kQuiet);  // goes before what failed, which then runs
+    document.run("sphere b", {}, kQuiet);  // inserted before the failed statement, which then runs
     EXPECT_FALSE(document.failure());
     EXPECT_EQ(document.text(), "sphere a\nsphere b\nunion a b c\nsphere d\n");
     EXPECT_EQ(document.ran(), 4u);
@@ -118,7 +118,7 @@ TEST(Document, RunsAgainWhatReadsAFile) {
     EXPECT_TRUE(document.rerun("tree.swc", kQuiet));
     const ObjectPtr after = document.scene().state().objects.at({ObjectKind::solid, "b"});
     EXPECT_NE(after, before);
-    // Versions that undo goes back to read what the file holds now as well.
+    // Undo restores versions that read the current content of the file.
     document.run("sphere c", {}, kQuiet);
     document.undo(1, kQuiet);
     EXPECT_EQ(document.scene().state().objects.at({ObjectKind::solid, "b"}), after);
@@ -126,7 +126,7 @@ TEST(Document, RunsAgainWhatReadsAFile) {
 }
 
 TEST(Document, UndoHasRoomForThousandsOfChangesOfALongText) {
-    // 1 MB in 300 statements, of which one is another one each time.
+    // 1 MB in 300 statements, one of which changes each time.
     std::vector<std::string> lines;
     for (int i = 0; i < 300; ++i) lines.push_back("# " + std::to_string(i) + std::string(3400, 'x'));
     const auto text = [&] {
@@ -141,7 +141,8 @@ TEST(Document, UndoHasRoomForThousandsOfChangesOfALongText) {
         lines[(i * 7) % lines.size()] = "# changed " + std::to_string(i) + std::string(3400, 'y');
         document.set_text(text(), kQuiet);
     }
-    // All of these changes take 2.8 MB, of which a quarter of the room has 1.5; whole texts were 800.
+    // All of these changes take 2.8 MB, of which a quarter of the limit has room for 1.5; whole texts would
+    // be 800.
     EXPECT_LT(test::heap_bytes() - before, std::uint64_t{6} << 20);
     EXPECT_GT(document.undo_names(10'000).size(), 400u);
     EXPECT_LT(document.undo_names(10'000).size(), 500u);
@@ -162,7 +163,7 @@ TEST(Document, ForgetsTheOldestChangesWhereThereIsNoRoom) {
     for (int i = 0; i < 200; ++i)
         document.set_text("# " + std::to_string(i) + std::string(2000, 'x') + "\n", kQuiet);
     const std::size_t left = document.undo_names(1000).size();
-    // A quarter of the room, by a little more than 2000 bytes each.
+    // A quarter of the limit, divided by slightly more than 2000 bytes each.
     EXPECT_GT(left, 30u);
     EXPECT_LT(left, 50u);
     document.undo(left, kQuiet);
@@ -170,7 +171,7 @@ TEST(Document, ForgetsTheOldestChangesWhereThereIsNoRoom) {
 }
 
 TEST(Document, StatesThatAreKeptHaveTheirRoom) {
-    // Points of 1.2 MB each, in ever new versions; all were 36 MB.
+    // Points of 1.2 MB each in different versions; all would be 36 MB.
     Document document(SceneSettings{}, {.states = std::uint64_t{4} << 20});
     document.run("sphere a", {}, kQuiet);
     const std::uint64_t before = test::heap_bytes();
@@ -208,7 +209,7 @@ TEST(Document, JoinsChangesThatBelongTogether) {
     EXPECT_EQ(document.text(), "sphere a radius=3\nsphere b radius=2\n");
 }
 
-// Whatever hands do, the text makes the same scene from scratch.
+// For any edits, the text reproduces the same scene from the start.
 TEST(Document, RandomChangesEqualRunningTheText) {
     std::mt19937 random(7);
     const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };

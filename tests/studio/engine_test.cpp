@@ -10,14 +10,14 @@
 #include <thread>
 #include <vector>
 
-#include "coppice/io/file.h"
-#include "coppice/pipeline/json.h"
+#include "coppice/options/json.h"
+#include "coppice/system/file.h"
 #include "temporary_folder.h"
 
 namespace coppice {
 namespace {
 
-/// Keeps what it is sent.
+/// Stores the messages that it receives.
 class Listener : public StudioClient {
   public:
     void send_text(std::string message) override {
@@ -27,7 +27,7 @@ class Listener : public StudioClient {
     }
     void send_binary(StudioBytes) override {}
 
-    /// The first message for which it holds; waits for it.
+    /// Waits for the first message that satisfies a condition, and returns it.
     template <class Holds>
     Json wait(const Holds& holds) {
         std::unique_lock lock(mutex_);
@@ -86,7 +86,7 @@ TEST(StudioEngineThread, DoesNothingTwiceAfterAReconnection) {
     engine.post("a", run_request(1, "sphere s"));
     first->answer(1);
     engine.leave("a", first.get());
-    engine.post("a", run_request(2, "sphere lost"));  // nobody is connected
+    engine.post("a", run_request(2, "sphere lost"));  // no client is connected
     auto second = std::make_shared<Listener>();
     engine.join("a", second);
     EXPECT_EQ(second->wait([](const Json& m) { return m.value("type", "") == "welcome"; })["answered"], 1);
@@ -114,7 +114,7 @@ TEST(StudioEngineThread, SaysSoWhereAnAnswerIsNotKeptAnyMore) {
     engine.post("a", R"({"id": 1, "type": "schema"})");
     const Json refused = a->wait([](const Json& m) { return m.value("re", -1) == 1 && m["ok"] == false; });
     EXPECT_EQ(refused["kind"], "busy");
-    engine.post("a", ping);  // the newest is kept, however long it is
+    engine.post("a", ping);  // the newest is stored, regardless of its length
     while (a->answers(2) < 2) std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
@@ -148,7 +148,7 @@ TEST(StudioEngineThread, GivesAPreviewUpWhenItsClientGoesOn) {
     engine.join("a", a);
     const std::string line = "for i in 1..90000\n  sphere s radius=${i}\nend";
     engine.post("a", Json{{"id", 1}, {"type", "preview"}, {"seq", 1}, {"line", line}}.dump());
-    // The first of these may come before the preview has begun.
+    // The first of these may arrive before the preview has begun.
     for (int id = 2; a->answers(1) == 0; ++id) {
         engine.post("a", Json{{"id", id}, {"type", "ping"}}.dump());
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -156,7 +156,7 @@ TEST(StudioEngineThread, GivesAPreviewUpWhenItsClientGoesOn) {
     EXPECT_TRUE(a->answer(1)["dropped"].get<bool>()) << a->answer(1).dump();
 }
 
-/// A growth that takes seconds, if it is let.
+/// A growth that would take seconds.
 constexpr const char* kGrowth = "grow tree crown influence_radius=0.5 kill_radius=0.05 step=0.01";
 
 std::string text_of_growth() {
@@ -180,7 +180,7 @@ TEST(StudioEngineThread, TellsWhatRunsAndWhatHasGrownAndThatNothingRunsAnyMore) 
     EXPECT_EQ(grown["until"].get<std::string>().find("max_iterations="), 0u);
     EXPECT_GT(grown["nodes"], 1);
     const auto late = std::make_shared<Listener>();
-    engine.join("late", late);  // who comes now sees it too
+    engine.join("late", late);  // a client that joins now sees it too
     EXPECT_EQ(late->wait([](const Json& m) { return m.value("type", "") == "welcome"; })["state"]["running"],
               2);
     engine.post("a", R"({"id": 2, "type": "cancel"})");
@@ -244,7 +244,7 @@ TEST(StudioEngineThread, RefusesWhatIsNoMessage) {
     engine.post("a", R"({"id": 1, "type": "ping"})");
     EXPECT_TRUE(a->answer(1)["ok"].get<bool>());
     EXPECT_EQ(a->answers(0), 6u);
-    // Brackets in texts are none.
+    // Brackets in texts do not count.
     engine.post("a", Json{{"id", 2}, {"type", "ping"}, {"time", "\\\"" + std::string(100, '[')}}.dump());
     EXPECT_TRUE(a->answer(2)["ok"].get<bool>());
 }

@@ -6,7 +6,7 @@
 
 namespace coppice::test {
 
-/// Bytes that the program has from the heap now; 0 where a sanitizer has a heap of its own.
+/// Returns the bytes that the program currently has allocated; 0 if a sanitizer replaces the heap.
 inline std::uint64_t heap_bytes() {
     const auto info = ::mallinfo2();
     return info.uordblks + info.hblkhd;

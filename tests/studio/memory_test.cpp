@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "coppice/studio/shares.h"
+#include "coppice/studio/memory_budget.h"
 #include "studio/heap_bytes.h"
 #include "studio/session_fixture.h"
 
@@ -13,24 +13,24 @@ namespace {
 
 constexpr std::uint64_t kMebibyte = 1 << 20;
 
-/// A studio that may take 64 MiB: a scene 20 of them, and surfaces that follow edits 4.
+/// A studio with a limit of 64 MiB: 20 of them for a scene, and 4 for surfaces that follow edits.
 class StudioMemory : public test::SessionTest {
   protected:
     void SetUp() override {
         options_.scene.max_memory = 64;
         SessionTest::SetUp();
     }
-    /// A tree of so many nodes.
+    /// Returns a tree with that many nodes.
     void make_tree(int nodes) { run(fmt::format("limb t 0,0,0 0,0,{} spacing=1", nodes - 1)); }
 };
 
-TEST(StudioShares, AreTogetherWhatThereIs) {
-    const StudioShares shares(4096);
+TEST(MemoryBudget, AreTogetherWhatThereIs) {
+    const MemoryBudget shares(4096);
     EXPECT_EQ(2 * shares.scene + shares.states + shares.surfaces + shares.blobs + shares.texts +
                   shares.growth + shares.messages,
               std::uint64_t{4096} << 20);
-    EXPECT_GT(StudioShares(1).growth, 0u);
-    EXPECT_GT(StudioShares(-5).scene, 0u);
+    EXPECT_GT(MemoryBudget(1).growth, 0u);
+    EXPECT_GT(MemoryBudget(-5).scene, 0u);
 }
 
 TEST_F(StudioMemory, RefusesWhatIsTooLargeInASentence) {
@@ -76,7 +76,7 @@ TEST_F(StudioMemory, RefusesWhatIsTooLargeInASentence) {
                        {"revision", session_->state()["revision"]}})
                   .find("MiB"),
               std::string::npos);
-    // What was refused left nothing, and nothing is broken.
+    // A refused request leaves no trace, and the session still works.
     EXPECT_EQ(session_->state()["statements"].size(), 3u);
     run("sphere b");
 }
@@ -111,7 +111,7 @@ TEST_F(StudioMemory, TakesNoMoreWhateverIsDoneInIt) {
         if (i % 10 == 9) must({{"type", "undo"}, {"count", 15}});
         most = std::max(most, test::heap_bytes());
     }
-    // All points together were 48 MB, all slices 58.
+    // All points together would be 48 MB, all slices 58.
     EXPECT_LT(most - std::min(most, before), 64 * kMebibyte);
 }
 

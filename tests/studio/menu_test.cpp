@@ -53,29 +53,29 @@ TEST(StudioMenu, CutsTheWordsOfProgramsAndRunsNoShell) {
 
 TEST(StudioMenu, SaysWhatIsWrongAndWhereAndTakesTheRest) {
     const std::pair<const char*, const char*> wrong[] = {
-        {"Ball = tool place", "mine:1: an item stands in a menu"},
-        {"[Crown", "mine:1: a menu begins with its name in brackets"},
-        {"[]", "mine:1: a menu begins"},
-        {"[C]\n\n# comment\nBall", "mine:4: an item is LABEL = what it does"},
-        {"[C]\n = tool place", "mine:2: an item is LABEL"},
-        {"[C]\nB = fly", "mine:2: 'fly' is nothing that an item does"},
-        {"[C]\nB = separator", "mine:2: 'separator' is nothing"},
-        {"[C]\nB = tool ../x", "mine:2: '../x' is no name of a tool"},
-        {"[C]\nB = page", "mine:2: '' is no name"},
+        {"Ball = tool place", "mine:1: an item must belong to a menu"},
+        {"[Crown", "mine:1: a menu starts with its name in brackets"},
+        {"[]", "mine:1: a menu starts"},
+        {"[C]\n\n# comment\nBall", "mine:4: an item has the form LABEL = ACTION"},
+        {"[C]\n = tool place", "mine:2: an item has the form LABEL"},
+        {"[C]\nB = fly", "mine:2: 'fly' is not an action"},
+        {"[C]\nB = separator", "mine:2: 'separator' is not an action"},
+        {"[C]\nB = tool ../x", "mine:2: '../x' is not the name of a tool"},
+        {"[C]\nB = page", "mine:2: '' is not the name"},
         {"[C]\nB = line spher x", "sphere"},
         {"[C]\nB = set mesh.level 3", "mesh has no option 'level'"},
         {"[C]\nB = set mesh.levels many", "mine:2: levels takes"},
         {"[C]\nB = set mesh.levels", "needs a value"},
         {"[C]\nB = set levels 3", "COMMAND.ARGUMENT VALUE"},
-        {"[C]\nB = program", "takes the name of a program"},
+        {"[C]\nB = program", "requires the name of a program"},
         {"[C]\nB = program ./x", "its absolute path"},
-        {"[C]\nB = program ${file}", "is no program"},
+        {"[C]\nB = program ${file}", "is not a program"},
         {"[C]\nB = program a 'b", "is not closed"},
-        {"[C]\nB = program a ${home}", "'${home}' stands for nothing"},
-        {"[C]\nB = program a ${file", "stands for nothing"},
-        {"[C]\nB = program a ${file.../x}", "stands for nothing"},
+        {"[C]\nB = program a ${home}", "'${home}' is not a placeholder"},
+        {"[C]\nB = program a ${file", "is not a placeholder"},
+        {"[C]\nB = program a ${file.../x}", "is not a placeholder"},
         {"[C]\nNone = nothing", "there is no item 'None'"},
-        {"[C]\nclear", "an item is LABEL"},
+        {"[C]\nclear", "an item has the form LABEL"},
     };
     for (const auto& [text, says] : wrong) {
         Menu menu;
@@ -88,7 +88,7 @@ TEST(StudioMenu, SaysWhatIsWrongAndWhereAndTakesTheRest) {
 }
 
 TEST(StudioMenu, LinesOfWhatIsBuiltInRun) {
-    // As the page fills them in: names that are free, what was selected, and the answers that are proposed.
+    // As the page fills them in: free names, the selected objects, and the proposed answers.
     Scene scene({.files = true, .outputs = false});
     scene.run("sphere crown radius=2 center=0,0,4");
     scene.run("pointset generate crown count=200");

@@ -4,13 +4,13 @@
 #include <filesystem>
 #include <fstream>
 
-#include "coppice/io/file.h"
+#include "coppice/system/file.h"
 #include "studio/session_fixture.h"
 
 namespace coppice {
 namespace {
 
-/// A trunk with one branch, of whose motions small pictures are made.
+/// A trunk with one branch, for small images of its motion.
 class MotionRequests : public test::SessionTest {
   protected:
     void SetUp() override {
@@ -23,7 +23,7 @@ class MotionRequests : public test::SessionTest {
         run("edit draw t 0,0,2 1,0,2.5 2,0,3 radius=0.06");
     }
 
-    /// "kind: sentence" of what is refused.
+    /// Returns "kind: sentence" of a refused request.
     std::string refusal(const Json& request, const Context& ctx = {}) {
         const Json reply = ask(request, ctx);
         EXPECT_FALSE(reply["ok"].get<bool>()) << reply.dump();
@@ -54,13 +54,13 @@ class MotionRequests : public test::SessionTest {
     std::vector<float> places(const Json& reply) { return numbers<float>(blob(reply), "position"); }
 };
 
-// 0.4 s at 5 frames a second, and the last moment: 3 frames.
+// 0.4 s at 5 frames a second, including the last moment: 3 frames.
 TEST_F(MotionRequests, AFileForEachFrame) {
     const Json made = must(animate("sway.png", {}));
     EXPECT_EQ(made["files"], Json::array({"sway_0000.png", "sway_0001.png", "sway_0002.png"}));
     EXPECT_EQ(made["file"], "sway_0000.png");
     EXPECT_EQ(made["frames"], 3);
-    EXPECT_EQ(made["held"], 0);
+    EXPECT_EQ(made["frozen"], 0);
     EXPECT_EQ(made["says"].get<std::string>().substr(0, 12), "3 frames of ");
     std::uintmax_t bytes = 0;
     for (const std::string& name : names()) bytes += std::filesystem::file_size(folder_ / name);
@@ -100,7 +100,7 @@ TEST_F(MotionRequests, NothingOutsideTheFolder) {
     const auto outside = folder_.parent_path() / "coppice_outside.png";
     for (const std::string& name : {std::string("../coppice_outside.png"), outside.string()})
         EXPECT_EQ(refusal(animate(name, {})).substr(0, 6), "files:") << name;
-    // A series is refused also where one frame alone would lead outside.
+    // A series is also refused if only one frame is outside the folder.
     std::filesystem::create_symlink(outside, folder_ / "sway_0002.png");
     EXPECT_EQ(refusal(animate("sway.png", {{"overwrite", true}})).substr(0, 6), "files:");
     EXPECT_FALSE(std::filesystem::exists(outside));
@@ -119,7 +119,7 @@ TEST_F(MotionRequests, OptionsAreThoseOfTheProgram) {
               std::string::npos);
     EXPECT_NE(refusal(animate("s.gif", {{"options", {{"duration", 3600}}}})).find("at most 10000"),
               std::string::npos);
-    EXPECT_NE(refusal(animate("s.avi", {})).find("no name for frames"), std::string::npos);
+    EXPECT_NE(refusal(animate("s.avi", {})).find("not a valid file name for frames"), std::string::npos);
     EXPECT_TRUE(names().empty());
 }
 
@@ -160,12 +160,12 @@ TEST_F(MotionRequests, ASurfaceAtAMoment) {
     const Json before = header(blob(rest));
     EXPECT_EQ(before["kind"], "surface");
     EXPECT_EQ(before["object"], Json({{"kind", "skeleton"}, {"name", "t"}}));
-    EXPECT_EQ(before["arrays"], header(blob(turned))["arrays"]);  // the same faces, elsewhere
+    EXPECT_EQ(before["arrays"], header(blob(turned))["arrays"]);  // the same faces at other positions
     EXPECT_NE(places(rest), places(turned));
     EXPECT_EQ(places(must(frame(0))), places(rest));
 }
 
-// The last frame of a film has the same vertices, as nothing is held.
+// The last frame of a film has the same vertices, because no nodes are frozen.
 TEST_F(MotionRequests, AMomentIsAFrameOfTheFilm) {
     must(animate("sway.obj", {}));
     std::ifstream file(folder_ / "sway_0002.obj");

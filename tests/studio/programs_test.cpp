@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "coppice/base/error.h"
-#include "coppice/io/file.h"
+#include "coppice/system/file.h"
 #include "studio/session_fixture.h"
 
 namespace coppice {
@@ -32,7 +32,7 @@ TEST_F(StudioPrograms, TellWhatTheyPrintAndHowTheyEnd) {
     EXPECT_EQ(said.text, "a  b $HOME;ls\n");
     EXPECT_EQ(said.status, 0);
     EXPECT_EQ(run({"pwd"}).text, std::filesystem::canonical(folder_).string() + "\n");
-    EXPECT_EQ(run({"cat"}).text, "");  // there is nothing to read
+    EXPECT_EQ(run({"cat"}).text, "");  // there is no input
     EXPECT_EQ(run({"false"}).status, 1);
     EXPECT_NE(run({"ls", "no-such-file"}).text.find("no-such-file"), std::string::npos);
 }
@@ -52,7 +52,7 @@ TEST_F(StudioPrograms, MayPrintMoreThanIsKept) {
 }
 
 TEST_F(StudioPrograms, GoOnAfterAWhile) {
-    // It prints more than a pipe holds after nobody waits for it any more, and ends well.
+    // It prints more than a pipe can buffer after the wait has ended, and ends normally.
     const ProgramResult said =
         run({"sh", "-c", "echo begun; sleep 0.3; head -c 200000 /dev/zero; touch done"}, 100ms);
     EXPECT_EQ(said.text, "begun\n");
@@ -125,10 +125,10 @@ TEST_F(StudioMenuRequests, TellTheItemsAndWhatIsWrong) {
 }
 
 TEST_F(StudioMenuRequests, StartWhatTheUsersFileAllows) {
-    EXPECT_NE(refused({{"type", "program"}, {"item", 0}}).find("ask for the menu again"), std::string::npos);
+    EXPECT_NE(refused({{"type", "program"}, {"item", 0}}).find("request the menu again"), std::string::npos);
     must({{"type", "menu"}});
     run("limb t 0,0,0 0,0,1 0,0,2");
-    EXPECT_EQ(start(0)["text"], "limb t 0,0,0 0,0,1 0,0,2\n");  // a copy of what is not saved
+    EXPECT_EQ(start(0)["text"], "limb t 0,0,0 0,0,1 0,0,2\n");  // a copy of the unsaved text
     EXPECT_EQ(start(1)["text"], std::filesystem::canonical(folder_).string() + "\n");
     const Json object{{"kind", "skeleton"}, {"name", "t"}};
     EXPECT_NE(start(2, object)["text"].get<std::string>().find("\n1 "), std::string::npos);

@@ -18,7 +18,7 @@ namespace {
 
 using Objects = std::map<std::string, std::string>;  // bytes by kind and name
 
-/// What hands, forms and the text editor do, in any order; the seed says in which.
+/// Random actions of tools, forms and the text editor; the seed determines the sequence.
 class RandomSession : public test::SessionTest, public testing::WithParamInterface<unsigned> {
   protected:
     std::size_t below(std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n - 1)(random_); }
@@ -40,7 +40,7 @@ class RandomSession : public test::SessionTest, public testing::WithParamInterfa
             {"tips", "order(1)", "roots", "near(0,0,2)", "subtree(2)", "all", anchored()});
     }
 
-    /// A node of the tree that a line is about, as a hand would name it.
+    /// Returns a random node of the tree of a line, in the syntax of tools.
     std::string anchored() {
         const Json reply = ask({{"type", "anchor"}, {"name", "t"}, {"nodes", {whole(0, 30)}}});
         return reply["ok"].get<bool>() ? "\"" + reply["selections"][0].get<std::string>() + "\"" : "tips";
@@ -107,7 +107,7 @@ class RandomSession : public test::SessionTest, public testing::WithParamInterfa
                 return fmt::format("sprout {} seasons={} internode=0.3", tree(), whole(1, 4));
             case 25:
                 return fmt::format("loadtree {} in.swc", tree());
-            case 26:  // does something, and fails then
+            case 26:  // has an effect, and then fails
                 return fmt::format("repeat 2\n  sphere {} radius=3\n  translate missing 0 0 1\nend", solid());
             default:
                 return one_of<std::string>({"undo", "undo 2", "# a remark", "list", "describe a"});
@@ -131,7 +131,7 @@ class RandomSession : public test::SessionTest, public testing::WithParamInterfa
         return out;
     }
 
-    /// Something happens to a statement in the middle, or to all of them.
+    /// Changes a statement in the middle, or all of them.
     std::string changed_text() {
         std::vector<std::string> all;
         for (const Json state = session_->state(); const Json& s : state["statements"])
@@ -157,7 +157,7 @@ class RandomSession : public test::SessionTest, public testing::WithParamInterfa
         return out;
     }
 
-    /// May be refused: then nothing has changed.
+    /// May be refused: then the document must be unchanged.
     void step() {
         switch (below(16)) {
             case 0:
@@ -204,7 +204,7 @@ class RandomSession : public test::SessionTest, public testing::WithParamInterfa
         }
     }
 
-    /// As clients get them, without the head, which has the number of the version.
+    /// As clients receive them, without the head, which contains the version number.
     Objects shown() {
         Objects out;
         for (const Json all = session_->state(); const Json& object : all["objects"]) {
@@ -215,10 +215,10 @@ class RandomSession : public test::SessionTest, public testing::WithParamInterfa
         }
         return out;
     }
-    /// The same of a scene that runs the text from its beginning.
+    /// The same for a scene that runs the text from its beginning.
     Objects made(std::string& failure) {
         const Json state = session_->state();
-        Scene scene({.folder = folder_, .jail = std::make_shared<const Jail>(folder_)});
+        Scene scene({.folder = folder_, .sandbox = std::make_shared<const FolderSandbox>(folder_)});
         std::size_t k = 0;
         for (const Json& s : state["statements"]) {
             const Scene before = scene;
@@ -257,7 +257,7 @@ class RandomSession : public test::SessionTest, public testing::WithParamInterfa
         ASSERT_EQ(found.size(), expected.size()) << text();
         for (const auto& [name, bytes] : expected) {
             ASSERT_TRUE(found.contains(name)) << name;
-            EXPECT_TRUE(found.at(name) == bytes) << name << " differs from what is made of\n" << text();
+            EXPECT_TRUE(found.at(name) == bytes) << name << " differs from the scene of\n" << text();
         }
     }
 

@@ -14,7 +14,7 @@
 
 namespace coppice::test {
 
-/// A session in a folder of its own, without threads.
+/// A session in a new folder, without threads.
 class SessionTest : public FolderTest {
   protected:
     void SetUp() override {
@@ -22,7 +22,7 @@ class SessionTest : public FolderTest {
         reopen();
     }
 
-    /// Anew, with the options as they are now.
+    /// Restarts with the current options.
     void reopen() {
         options_.scene.folder = folder_;
         session_ = nullptr;
@@ -52,7 +52,7 @@ class SessionTest : public FolderTest {
         std::memcpy(&length, blob.data() + 4, 4);
         return Json::parse(blob.substr(8, length));
     }
-    /// The numbers of an array of a blob.
+    /// Returns the numbers of an array of a blob.
     template <class Number>
     static std::vector<Number> numbers(const std::string& blob, const std::string& name) {
         std::uint32_t length = 0;

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <stop_token>
 
-#include "coppice/io/file.h"
+#include "coppice/system/file.h"
 #include "studio/session_fixture.h"
 
 namespace coppice {
@@ -30,11 +30,11 @@ TEST_F(Session, RunsLinesAndTellsTheState) {
 
 TEST_F(Session, RefusesWhatMakesNoSense) {
     EXPECT_EQ(refused({{"type", "fly"}}), "there is no request 'fly'");
-    EXPECT_EQ(refused(Json::object()), "the request needs a text 'type'");
-    EXPECT_EQ(refused({{"type", "run"}}), "the request needs a text 'line'");
-    EXPECT_EQ(refused({{"type", "undo"}, {"count", -1}}), "'count' takes a whole number");
-    EXPECT_EQ(refused({{"type", "show"}, {"kind", "tree"}, {"name", "a"}}), "'tree' is no kind of object");
-    EXPECT_EQ(refused({{"type", "show"}, {"kind", "solid"}, {"name", "a"}}), "there is no solid called 'a'");
+    EXPECT_EQ(refused(Json::object()), "the request requires a text 'type'");
+    EXPECT_EQ(refused({{"type", "run"}}), "the request requires a text 'line'");
+    EXPECT_EQ(refused({{"type", "undo"}, {"count", -1}}), "'count' must be a whole number");
+    EXPECT_EQ(refused({{"type", "show"}, {"kind", "tree"}, {"name", "a"}}), "'tree' is not a kind of object");
+    EXPECT_EQ(refused({{"type", "show"}, {"kind", "solid"}, {"name", "a"}}), "there is no solid 'a'");
     EXPECT_NE(refused({{"type", "run"}, {"line", "spher a"}}).find("sphere"), std::string::npos);
 }
 
@@ -42,9 +42,9 @@ TEST_F(Session, ChoosesNamesOfNewObjectsThatAreFree) {
     const auto names = [this](const char* line) { return must({{"type", "run"}, {"line", line}})["names"]; };
     EXPECT_EQ(names("sphere ${new ball}"), Json::array({"ball"}));
     EXPECT_EQ(names("sphere ${new ball}"), Json::array({"ball2"}));
-    EXPECT_EQ(names("box ${new ball2}"), Json::array({"ball3"}));  // counted on from its digits
+    EXPECT_EQ(names("box ${new ball2}"), Json::array({"ball3"}));  // continues its digits
     EXPECT_EQ(names("sphere ${new a}\nsphere ${new b} center=1,0,0\nunion ${new a} ${new b} ${new ball}"),
-              Json::array({"a", "b", "ball4"}));  // a name that is repeated is one object
+              Json::array({"a", "b", "ball4"}));  // a repeated name is one object
     EXPECT_EQ(names("sphere plain"), Json::array());
     EXPECT_EQ(session_->state()["objects"].size(), 7u);
     must({{"type", "preview"}, {"seq", 1}, {"line", "sphere ${new ball}"}});
@@ -122,7 +122,7 @@ TEST_F(Session, TextsRunAsFarAsIsAskedForAndJoin) {
     must({{"type", "undo"}});
     EXPECT_EQ(session_->state()["statements"].size(), 2u);
     must({{"type", "redo"}});
-    // What was taken back and made again is not the newest change of a hand any more.
+    // An undone and redone change is no longer the newest change of a tool.
     text("sphere a radius=6\n", drag);
     EXPECT_EQ(session_->state()["undo"].size(), 3u);
 }
@@ -135,7 +135,7 @@ TEST_F(Session, ANameBelongsToItsTextAndGoesWithIt) {
     EXPECT_TRUE(session_->state()["statements"].empty());
     run("sphere b");
     must({{"type", "save"}, {"file", "b.coppice"}});
-    must({{"type", "undo"}});  // of the sphere: b.coppice holds more now
+    must({{"type", "undo"}});  // of the sphere: b.coppice contains more now
     EXPECT_EQ(session_->state()["file"], "b.coppice");
     EXPECT_FALSE(session_->state()["saved"].get<bool>());
     must({{"type", "undo"}});  // of the new scene
@@ -185,9 +185,9 @@ TEST_F(Session, AGrowthIsSeenWhileItGrowsAndKeptByAnOptionWhereItWasStopped) {
     EXPECT_EQ(seen[1].statement, 2u);
     const std::string last = *blobs_.get(seen[0].key);
     EXPECT_EQ(header(last)["kind"], "skeleton");
-    EXPECT_EQ(header(last)["version"], 2) << "who comes late takes what is newest";
+    EXPECT_EQ(header(last)["version"], 2) << "a late reader receives the newest result";
     EXPECT_EQ(session_->state()["statements"].size(), 2u);
-    // Growth had begun to go on before it saw that it was to stop.
+    // Growth had continued before it noticed the stop.
     const std::string until = reply["grown"]["until"].get<std::string>();
     EXPECT_EQ(until, seen[1].until);
     session_->watch({});
@@ -233,7 +233,7 @@ TEST_F(Session, SavesOpensAndExportsWithinTheFolder) {
     EXPECT_TRUE(session_->state()["saved"].get<bool>());
     const Json exported{{"type", "export"}, {"kind", "skeleton"}, {"name", "t"}, {"file", "t.glb"}};
     EXPECT_GT(must(exported)["bytes"].get<int>(), 1000);
-    EXPECT_NE(refused(exported).find("there already"), std::string::npos);
+    EXPECT_NE(refused(exported).find("already exists"), std::string::npos);
     EXPECT_EQ(session_->state()["statements"].size(), 1u);
     for (const char* name : {"../t.coppice", "/tmp/t.coppice", "", "a/../../t.coppice"})
         refused({{"type", "save"}, {"file", name}});
@@ -254,7 +254,7 @@ TEST_F(Session, ChecksTheSurfaceOfASkeleton) {
     EXPECT_EQ(verdict["figures"]["components"], 1);
     run("sphere a");
     EXPECT_TRUE(must({{"type", "check"}, {"kind", "solid"}, {"name", "a"}})["good"].get<bool>());
-    // A mesh, by the tree that it should be of: one limb is missing.
+    // A mesh compared with the tree that it should represent: one limb is missing.
     run("mesh t");
     run("edit draw t 0,0,1 2,0,1.5 radius=0.05");
     const Json mesh{{"type", "check"}, {"kind", "mesh"}, {"name", "t"}};
@@ -276,7 +276,7 @@ TEST_F(Session, DrawsWhatTheCameraSees) {
                  {"options", {{"width", 64}, {"height", 48}, {"samples", 1}}},
                  {"camera", {{"eye", {0, -6, 1}}, {"target", {0, 0, 1}}, {"field_of_view", 40}}}};
     EXPECT_GT(must(picture)["bytes"].get<int>(), 100);
-    EXPECT_NE(refused(picture).find("there already"), std::string::npos);
+    EXPECT_NE(refused(picture).find("already exists"), std::string::npos);
     picture["overwrite"] = true;
     const std::string first = read_file(folder_ / "a.png");
     picture["camera"]["eye"] = {0, -12, 1};
@@ -314,7 +314,7 @@ TEST_F(Session, TriesALineOfWhichNothingIsKept) {
     EXPECT_NE(refused(wrong).find("'u'"), std::string::npos);
     wrong = surface;
     wrong["surface"] = {{"levels=0 name", 1}};
-    EXPECT_NE(refused(wrong).find("no name of an option"), std::string::npos);
+    EXPECT_NE(refused(wrong).find("not the name of an option"), std::string::npos);
 }
 
 TEST_F(Session, AnchorsNameTheirNodes) {

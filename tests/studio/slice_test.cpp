@@ -15,7 +15,7 @@
 namespace coppice {
 namespace {
 
-const Solid& solid_of(const Scene& scene) {
+const Solid& make_solid(const Scene& scene) {
     return std::get<Solid>(scene.state().objects.at({ObjectKind::solid, "a"})->value);
 }
 
@@ -40,15 +40,16 @@ Vec3d vector_of(const Json& numbers) {
 TEST(StudioSlice, HasTheFieldsValuesInTheMiddleOfItsCells) {
     Scene scene;
     scene.run("box a low=-1,-2,0 high=1,2,6 radius=0.5");
-    const SolidField field(solid_of(scene));
+    const SolidField field(make_solid(scene));
     for (const SliceAxis axis : {SliceAxis::x, SliceAxis::y, SliceAxis::z}) {
-        const std::string blob = encode_slice(solid_of(scene), {.axis = axis, .at = 0.5, .size = 40}, {}, {});
+        const std::string blob =
+            encode_slice(make_solid(scene), {.axis = axis, .at = 0.5, .size = 40}, {}, {});
         const Json head = header(blob);
         const int width = head["width"], height = head["height"];
         EXPECT_EQ(std::max(width, height), 40);
         const Vec3d corner = vector_of(head["corner"]), along = vector_of(head["along"]),
                     up = vector_of(head["up"]);
-        // Cells are squares, as far as whole numbers of them let.
+        // Cells are square, as far as whole numbers permit.
         EXPECT_NEAR(length(along) / width, length(up) / height, 0.05 * length(up) / height);
         const std::vector<float> found = values(blob);
         ASSERT_EQ(found.size(), static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
@@ -74,11 +75,11 @@ TEST(StudioSlice, RefusesWhatIsNoPlace) {
     Scene scene;
     scene.run("sphere a");
     for (const double at : {std::numeric_limits<double>::infinity(), std::nan("")})
-        EXPECT_THROW(encode_slice(solid_of(scene), {.at = at}, {}, {}), InvalidInput);
+        EXPECT_THROW(encode_slice(make_solid(scene), {.at = at}, {}, {}), InvalidInput);
     for (const int size : {-1, 0, 1, 1025})
-        EXPECT_THROW(encode_slice(solid_of(scene), {.size = size}, {}, {}), InvalidInput);
-    // Where there is no field it is 0 everywhere.
-    const std::string blob = encode_slice(solid_of(scene), {.at = 1000}, {}, {});
+        EXPECT_THROW(encode_slice(make_solid(scene), {.size = size}, {}, {}), InvalidInput);
+    // Outside the field its value is 0.
+    const std::string blob = encode_slice(make_solid(scene), {.at = 1000}, {}, {});
     EXPECT_EQ(header(blob)["high"], 0);
 }
 

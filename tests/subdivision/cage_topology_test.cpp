@@ -91,7 +91,7 @@ TEST(CageTopology, RefusesWhatIsNotManifold) {
     EXPECT_NE(error_of({{0, 1, 0, 3}}, 4).find("quad 0"), std::string::npos);
     // Three faces on edge 0-1.
     EXPECT_NE(error_of({{0, 1, 2, 3}, {1, 0, 4, 5}, {0, 1, 6, 7}}, 8).find("edge 0-1"), std::string::npos);
-    // Two faces that run along edge 0-1 in the same direction.
+    // Two faces with the same direction along edge 0-1.
     EXPECT_NE(error_of({{0, 1, 2, 3}, {0, 1, 4, 5}}, 6).find("edge 0-1"), std::string::npos);
     EXPECT_NE(error_of({{0, 1, 2, 3}, {5, 4, 1, 0}, {4, 6, 7, 0}, {0, 4, 1, 6}}, 8).find("edge"),
               std::string::npos);

@@ -20,8 +20,8 @@ struct Cage {
     std::uint32_t vertex_count() const { return static_cast<std::uint32_t>(points.size()); }
 };
 
-/// Rings of `sides` corners at the given radius and spacing along z, closed at both ends for 4 sides, else
-/// open.
+/// Rings of `sides` corners at the given radius and spacing along z, closed at both ends for 4 sides,
+/// otherwise open.
 inline Cage tube_cage(int rings, std::uint32_t sides, float radius, float spacing, bool capped) {
     Cage cage;
     for (int r = 0; r < rings; ++r) {
@@ -44,7 +44,7 @@ inline Cage tube_cage(int rings, std::uint32_t sides, float radius, float spacin
     return cage;
 }
 
-/// Replaces a quad by a tube of `steps` rings that grows out of it.
+/// Replaces a quad by a tube of `steps` rings that extends from it.
 inline void extrude(Cage& cage, std::size_t face, int steps, Vec3 step) {
     Quad base = cage.quads[face];
     for (int s = 0; s < steps; ++s) {
@@ -112,8 +112,8 @@ inline Cage branching_cage() {
     return cage;
 }
 
-/// Moves every point by up to `amount` along each axis, so that no two coincide and no symmetry hides a
-/// mistake.
+/// Moves every point by up to `amount` along each axis, so that no two coincide and no symmetry hides an
+/// error.
 inline Cage shaken(Cage cage, float amount) {
     const CounterRandom random(7, 1);
     std::uint64_t draw = 0;

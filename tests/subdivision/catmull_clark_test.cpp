@@ -19,7 +19,7 @@ namespace {
 namespace Far = OpenSubdiv::Far;
 namespace Sdc = OpenSubdiv::Sdc;
 
-// What OpenSubdiv wants of a vertex.
+// A vertex in the form that OpenSubdiv requires.
 struct OsdPoint {
     Vec3 value;
     void Clear() { value = {}; }
@@ -154,7 +154,7 @@ TEST(PatchRefinement, SameBitsForAnyNumberOfThreads) {
     }
 }
 
-// Radii of the limit section of a long prism with corner radius 1, at its corners and halfway between them:
+// Radii of the limit section of a long prism with corner radius 1, at its corners and midway between them:
 // the closed cubic B-spline of the polygon.
 TEST(PatchRefinement, PrismsShrinkToTheirBSpline) {
     struct Prism {
@@ -168,7 +168,7 @@ TEST(PatchRefinement, PrismsShrinkToTheirBSpline) {
         const PatchRefinement patches(cage.quads, cage.vertex_count(), 5);
         const Buffer<Vec3> points = patches.refine(cage.points);
         const Buffer<Quad> quads = patches.quads();
-        const std::size_t face = 4 * prism.sides;  // its lower side lies on the middle ring
+        const std::size_t face = 4 * prism.sides;  // its lower side is on the middle ring
         const Vec3 corner = points[quads[face << 10][0]];
         const Vec3 between = points[quads[(face << 10) + 16][0]];
         EXPECT_NEAR(std::hypot(corner.x, corner.y), prism.at_corner, 1e-3f);
@@ -192,7 +192,7 @@ TEST(PatchRefinement, RefusesLevelsAndSizesItCannotDo) {
     const Cage cage = hub_cage(3);
     EXPECT_THROW(PatchRefinement(cage.quads, 8, -1), InvalidInput);
     EXPECT_THROW(PatchRefinement(cage.quads, 8, 7), InvalidInput);
-    // 6 levels make 4096 quads of one: 2^31 is passed from 524,289 cage quads on, before they are looked at.
+    // 6 levels make 4096 quads of one: 2^31 is exceeded from 524,289 cage quads on, before these are checked.
     const std::vector<Quad> many(524289, Quad{0, 1, 2, 3});
     EXPECT_NE(test::error_of([&] { PatchRefinement(many, 8, 6); }).find("fewer levels"), std::string::npos);
 }

@@ -20,8 +20,8 @@ struct TestField {
     }
 };
 
-/// The compact quartic kernel of an infinite line of radius 1, `away` from it: 1 at distance 1, 0 from 1.5
-/// on.
+/// The compact quartic kernel of an infinite line of radius 1 at the offset `away`: 1 at distance 1, 0
+/// from 1.5 on.
 inline FieldSample compact(Vec3 away) {
     constexpr float kSupport = 1.5f;
     constexpr float kScale = 1 / (1 - 1 / (kSupport * kSupport));
@@ -38,7 +38,7 @@ inline TestField sphere_field(Vec3 center = {}) {
     return {[center](std::uint32_t, Vec3 p) { return compact(p - center); }};
 }
 
-/// What no sane field says.
+/// Values that no regular field returns.
 inline constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 inline constexpr std::array<FieldSample, 9> kNastySamples{
     {{kNan, {kNan, kNan, kNan}},
@@ -51,7 +51,7 @@ inline constexpr std::array<FieldSample, 9> kNastySamples{
      {1, {0, 0, 0}},
      {0.5f, {1e-30f, 0, 0}}}};
 
-/// Says the k-th of them everywhere; behind the last, each of them somewhere.
+/// Returns the k-th of them everywhere; for the index after the last, each of them somewhere.
 inline TestField nasty_field(std::size_t k) {
     return {[k](std::uint32_t, Vec3 p) {
         const auto pick = static_cast<std::size_t>(std::abs(p.x + 2 * p.y) * 1000) % kNastySamples.size();

@@ -9,7 +9,7 @@
 
 namespace coppice {
 
-/// For every point of a the nearest point of b within `tolerance`; the size of b where there is none.
+/// Returns for every point of a the closest point of b within `tolerance`; the size of b if there is none.
 inline std::vector<std::uint32_t> match_points(std::span<const Vec3> a, std::span<const Vec3> b,
                                                float tolerance) {
     std::vector<std::uint32_t> by_x(b.size());
@@ -30,8 +30,8 @@ inline std::vector<std::uint32_t> match_points(std::span<const Vec3> a, std::spa
     return match;
 }
 
-/// Quads renamed by `map` (identity if empty), each from its lowest corner on, sorted: equal for equal
-/// oriented surfaces.
+/// Returns quads renamed by `map` (identity if empty), each beginning with its lowest corner, sorted: equal
+/// for equal oriented surfaces.
 inline std::vector<Quad> canonical_quads(std::span<const Quad> quads,
                                          std::span<const std::uint32_t> map = {}) {
     std::vector<Quad> out(quads.begin(), quads.end());

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "coppice/base/id.h"
 #include "coppice/subdivision/catmull_clark.h"
 #include "subdivision/cages.h"
 
@@ -60,7 +61,7 @@ TEST(PatchStars, ALoneVertexHasNothing) {
     cage.points.push_back({});
     const PatchRefinement patches(cage.quads, cage.vertex_count(), 1);
     const PatchStars stars(patches.cage(), 1);
-    EXPECT_EQ(stars.owner(cage.vertex_count() - 1), CageTopology::kNone);
+    EXPECT_EQ(stars.owner(cage.vertex_count() - 1), kNoIndex);
     stars.for_each_corner(cage.vertex_count() - 1, [](QuadCorner) { FAIL(); });
 }
 

@@ -71,16 +71,16 @@ TEST(Project, ATubeGetsItsRadius) {
             EXPECT_EQ(report.not_converged, 0u);
             EXPECT_EQ(report.vertices, scene.patches.vertex_count());
             for (const Vec3& p : scene.positions) EXPECT_NEAR(std::hypot(p.x, p.y), 1, 3e-4f);
-            // From nearby, one step and a look at where it led; the longest step outward is 1.6 times the
-            // distance.
+            // From nearby, one step and an evaluation of its result; the longest step outward is 1.6 times
+            // the distance.
             const bool near = start > 0.7f && start < 1.5f;
             EXPECT_LE(report.mean_evaluations(), method == ProjectionMethod::gradient ? 7 : near ? 2.1 : 4);
         }
     }
 }
 
-// The plain step needs a gradient, and some more steps than one on the value's root; it overshoots where the
-// field is flat.
+// The plain step requires a gradient, and a few more steps than one on the value's root; it overshoots where
+// the field is flat.
 TEST(Project, ThePlainNewtonStepLeadsThereFromNearby) {
     for (const float start : {0.7f, 0.9f, 1.3f}) {
         SCOPED_TRACE(start);
@@ -150,7 +150,7 @@ Scene flat_tube(int levels) {
     return scene;
 }
 
-// 2 for the rim of the last cage quad, 1 inside, 0 elsewhere; by the refined quads alone.
+// 2 for the rim of the last cage quad, 1 inside, 0 elsewhere; from the refined quads alone.
 std::vector<int> places_of_last_cap(const Scene& scene) {
     const Buffer<Quad> quads = scene.patches.quads();
     const std::size_t cap = quads.size() - (std::size_t{1} << (2 * scene.patches.levels()));
@@ -185,7 +185,7 @@ TEST(Project, AFlatEndIsADiscWithASharpRim) {
     }
 }
 
-// Something presses the end of the tube inward from one side: what lies within the rim makes room.
+// The end of the tube is pressed inward from one side: the vertices within the rim move away.
 TEST(Project, TheInsideOfAFlatEndStaysWithinItsRim) {
     const TestField field{[](std::uint32_t, Vec3 p) {
         const Vec3 away = Vec3{p.x > 0 ? 2 * p.x : p.x, p.y, 0};

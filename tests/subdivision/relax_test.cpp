@@ -22,7 +22,7 @@ TEST(TangentialRelaxation, EvensOutAGridWithinItsPlane) {
 
 TEST(TangentialRelaxation, DoesNotMoveAlongTheNormal) {
     Cage cage = grid_cage(2, 2, false);
-    cage.points[4].z = 1;  // a symmetric bump: the pull is along the normal alone
+    cage.points[4].z = 1;  // a symmetric bump: the displacement is along the normal only
     const Buffer<Vec3> out = TangentialRelaxation(cage.quads, 9).step(cage.points, 1);
     EXPECT_NEAR(distance(out[4], cage.points[4]), 0, 1e-6f);
 }

@@ -47,10 +47,10 @@ struct Scene {
         return coppice::untangle({positions, anchors, quads}, patches, {FieldRef(field), regions, clips},
                                  options, ctx);
     }
-    // Two neighbours change places.
+    // Exchanges two adjacent vertices.
     void fold(std::size_t quad) { std::swap(positions[quads[quad][0]], positions[quads[quad][1]]); }
 
-    // The faces that count as bad by the definitions, in double precision.
+    // The faces that are bad by the definition, in double precision.
     std::uint64_t count_bad(double quality = 0.2) const {
         return static_cast<std::uint64_t>(std::count_if(quads.begin(), quads.end(), [&](const Quad& q) {
             const auto at = [&](std::size_t k) { return Vec3d(positions[q[k]]); };
@@ -217,7 +217,7 @@ TEST(Untangle, TheFlatEndStaysFlatAndItsRimRound) {
     }
     for (std::size_t q = 0; q < cap; ++q) {
         for (const std::uint32_t v : scene.quads[q]) {
-            EXPECT_TRUE(!in_cap[v] || radius(scene.positions[v]) > 0.999f) << "the rim keeps to the surface";
+            EXPECT_TRUE(!in_cap[v] || radius(scene.positions[v]) > 0.999f) << "the rim stays on the surface";
         }
     }
 }

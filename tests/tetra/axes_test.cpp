@@ -16,7 +16,7 @@
 #include "tetra/surfaces.h"
 #include "zoo.h"
 
-// What keeps the axes of a skeleton together: Lattice::passing, and march with InsideAxes.
+// Tests that the axes of a skeleton stay connected: Lattice::passing, and march with InsideAxes.
 
 namespace coppice {
 namespace {
@@ -25,7 +25,7 @@ using lattice_test::contains;
 using lattice_test::corners_of;
 using lattice_test::segments_of;
 
-/// A field that has one value everywhere.
+/// A field with one constant value.
 struct Constant {
     float value;
     float level() const { return 0; }
@@ -34,9 +34,9 @@ struct Constant {
     }
 };
 
-/// Greater than 0 in balls.
+/// Positive inside balls.
 struct Balls {
-    std::vector<std::array<float, 4>> balls;  ///< center and radius; hollow where it is negative
+    std::vector<std::array<float, 4>> balls;  ///< center and radius; a negative radius makes a hollow
     float level() const { return 0; }
     void sample(std::uint32_t, std::span<const Vec3> points, std::span<FieldSample> out) const {
         for (std::size_t i = 0; i < points.size(); ++i) {
@@ -124,7 +124,7 @@ TEST(HeldVertices, OfOneAxisAreJoinedByFineEdges) {
             }
             std::set<std::uint32_t> found;
             for (const auto& h : held.list) found.insert(sets.find(h.vertex));
-            // Trees that come near to each other may share vertices.
+            // Trees that are close to each other may share vertices.
             EXPECT_LE(found.size(), tree_count(skeleton));
             EXPECT_GE(found.size(), 1u);
             EXPECT_EQ(held.of_each_set.size() == 1, tree_count(skeleton) == 1);
@@ -167,7 +167,7 @@ TEST(MarchAxes, AreAsThickAsTheirRadiusWhereTheFieldHasNothingToSay) {
     double sum = 0;
     for (const Vec3 p : r.mesh.positions)
         sum += length(Vec3d(p) - a - along * closest_parameter(Vec3d(p), a, along));
-    // At least half the radius; half an edge may be less than all of it.
+    // At least half the radius; half an edge may be less than the whole radius.
     const double mean = sum / static_cast<double>(r.mesh.positions.size());
     EXPECT_GT(mean, 0.1);
     EXPECT_LT(mean, 0.22);
@@ -175,7 +175,7 @@ TEST(MarchAxes, AreAsThickAsTheirRadiusWhereTheFieldHasNothingToSay) {
 
 TEST(MarchAxes, LeaveOutPartsWithoutAnAxisAndHollows) {
     const TetraMesh mesh = bcc_block({12, 6, 6}, 0.5f, {0, 0, 0});
-    // A ball with a hollow in it, and one beside it.
+    // A ball with a hollow in it, and a separate ball.
     const Balls field{{{1.6f, 1.5f, 1.5f, 1.2f}, {1.6f, 1.5f, 1.5f, -0.6f}, {4.5f, 1.5f, 1.5f, 0.7f}}};
     EXPECT_EQ(topology(polygons(march(mesh, FieldRef(field)).mesh)).components, 3u);
     const std::vector<Segment> first{{{0.7f, 1.5f, 1.5f}, {0.8f, 1.5f, 1.5f}, 0.1f, 0.1f}};

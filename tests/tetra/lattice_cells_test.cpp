@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "coppice/base/id.h"
+
 #include "tetra/lattice_support.h"
 
 namespace coppice {
@@ -14,7 +16,7 @@ using Cell = Octree::Cell;
 
 std::vector<SplitKeys> octrees() {
     std::vector<SplitKeys> out{{}, {{0}}, {{0}, {0, 1, 2, 3, 4, 5, 6, 7}}};
-    // Down into one corner, and down to the middle of the cube.
+    // Towards one corner, and towards the middle of the cube.
     out.push_back({{0}, {7}, {56}, {448}, {3584}});
     out.push_back({{0}, {0}, {7}, {63}, {511}});
     for (std::uint64_t seed = 0; seed < 12; ++seed)
@@ -35,7 +37,7 @@ std::vector<Cell> leaves_of(const Octree& tree) {
     return out;
 }
 
-/// Leaves of the octree in which these cells and no others are split; keys as in Octree.
+/// Returns the leaves of the octree with exactly these split cells; keys as in Octree.
 std::vector<Cell> plain_leaves(const SplitKeys& split) {
     std::vector<Cell> out;
     const auto descend = [&](const auto& self, std::size_t level, std::uint64_t key, Cell cell) -> void {
@@ -51,8 +53,8 @@ std::vector<Cell> plain_leaves(const SplitKeys& split) {
     return out;
 }
 
-/// Splits the larger one of any two leaves that touch and differ by more than one level, until there are
-/// none.
+/// Splits the larger one of any two adjacent leaves that differ by more than one level, until there is no
+/// such pair.
 std::vector<Cell> brute_balance(std::vector<Cell> leaves) {
     for (bool changed = true; changed;) {
         changed = false;
@@ -96,14 +98,14 @@ TEST(Octree, LeavesFollowTheMortonCurve) {
         for (const Cell& c : leaves_of(tree)) {
             std::uint64_t key = 0;
             // Coordinates of leaves are even; halves fit into 63 bits.
-            for (unsigned b = 0; b < Octree::kMostLevels; ++b) {
+            for (unsigned b = 0; b < Octree::kMaxLevels; ++b) {
                 for (std::uint64_t axis = 0; axis < 3; ++axis)
                     key |= std::uint64_t{c.low[axis] >> (b + 1) & 1} << (3 * b + axis);
             }
             ASSERT_EQ(key, end);
             end += std::uint64_t{c.side / 2} * (c.side / 2) * (c.side / 2);
         }
-        EXPECT_EQ(end, std::uint64_t{1} << (3 * Octree::kMostLevels));
+        EXPECT_EQ(end, std::uint64_t{1} << (3 * Octree::kMaxLevels));
     }
 }
 
@@ -119,10 +121,10 @@ TEST(Octree, FindsNeighboursAndLeavesAtPoints) {
                 const std::array<unsigned, 3> step{s % 3, s / 3 % 3, s / 9};
                 for (std::size_t axis = 0; axis < 3; ++axis) at[axis] += (step[axis] - 1) * c.side;
                 const Octree::Neighbor n = tree.neighbor(tree.node_of_leaf(leaf), s);
-                // What wraps around below 0 is beyond the upper end too.
+                // Coordinates that wrap around below 0 exceed the upper end, too.
                 if (std::ranges::any_of(at, [](std::uint32_t x) { return x >= Octree::kSide; }) ||
                     c.side == Octree::kSide) {
-                    EXPECT_EQ(n.node, kNone);
+                    EXPECT_EQ(n.node, kNoIndex);
                     continue;
                 }
                 const std::uint32_t there = tree.leaf_at(at);
@@ -165,7 +167,7 @@ TEST(LatticeCells, NumbersEveryCenterAndCornerOnce) {
     }
 }
 
-/// The whole lattice, in small whole numbers.
+/// Returns the whole lattice with small integer coordinates.
 LatticeMesh whole_mesh(const LatticeCells& cells, unsigned levels) {
     return gather_tetra(cells, all_tetra(cells, {}), whole_cube(levels), {});
 }
@@ -174,7 +176,7 @@ TEST(LatticeCells, TetrahedraFillAllButTheBorder) {
     for (const SplitKeys& split : octrees()) {
         const LatticeCells cells(Octree(split, {}), {});
         const TetraMesh mesh = whole_mesh(cells, 6).mesh;
-        // Sixfold volume, exact: that of the cube without a pyramid on every square of its border.
+        // Exact sixfold volume: that of the cube without a pyramid on every square of its border.
         double expected = 6 * 128.0 * 128 * 128, sum = 0;
         for (const Cell& c : leaves_of(cells.octree())) {
             const double side = c.side / 32768.0;
@@ -198,7 +200,7 @@ TEST(LatticeCells, EveryPointLiesInOneTetrahedronOrOnSharedFaces) {
         const TetraMesh mesh = whole_mesh(cells, 6).mesh;
         if (mesh.tetra.empty()) continue;
         for (std::uint64_t i = 0; i < 60; ++i) {
-            // Within the middle half of the cube; every other point in a plane in which many faces lie.
+            // Within the middle half of the cube; every other point is in a plane that contains many faces.
             const auto draw = [&](std::uint64_t k) {
                 return std::floor(random.uniform(3 * i + k, 32, 96) * 64) / 64;
             };
@@ -234,7 +236,7 @@ TEST(LatticeCells, KnowsWhatLiesAcrossEveryFace) {
                 const TetraFace f = uses[side].face;
                 const LatticeCells::Name next = cells.across(names[f.tetra], f.opposite);
                 if (uses.size() == 1) {
-                    EXPECT_EQ(next.leaf, kNone);
+                    EXPECT_EQ(next.leaf, kNoIndex);
                     continue;
                 }
                 const LatticeCells::Name expected = names[uses[1 - side].face.tetra];

@@ -30,8 +30,8 @@ inline std::vector<Segment> segments_of(const Skeleton& s) {
 
 using SplitKeys = std::vector<Buffer<std::uint64_t>>;
 
-/// Cells to be split, drawn so that a few branches go deep: the first cell and, of each split cell's
-/// children, every one with a chance.
+/// Returns random cells to split, with a few deep branches: the first cell and, with a given probability,
+/// each child of each split cell.
 inline SplitKeys random_splits(unsigned levels, double chance, std::uint64_t seed) {
     const CounterRandom random(seed, 7);
     SplitKeys split{{0}};
@@ -49,7 +49,8 @@ inline SplitKeys random_splits(unsigned levels, double chance, std::uint64_t see
     return split;
 }
 
-/// A cube whose lattice has small whole coordinates, for exact arithmetic: twice as many as smallest cells.
+/// Creates a cube with a lattice of small integer coordinates, for exact arithmetic: two units per smallest
+/// cell.
 inline LatticeCube whole_cube(unsigned levels) {
     LatticeCube cube;
     cube.side = std::exp2(levels + 1);
@@ -69,8 +70,7 @@ inline double volume_six(const TetraMesh& mesh, const Tetra& t) {
     return volume_six(a, b, c, d);
 }
 
-/// How often the point lies on the inner side of the faces, and how often in one: {4, 0} within, {3, 1} in a
-/// face.
+/// Returns whether a tetrahedron contains a point; with `strictly`, whether its interior does.
 inline bool contains(const std::array<Vec3d, 4>& corners, Vec3d p, bool strictly = false) {
     for (const auto& f : kTetraFaces) {
         const double side = volume_six(corners[f[0]], corners[f[1]], corners[f[2]], p);
@@ -79,8 +79,8 @@ inline bool contains(const std::array<Vec3d, 4>& corners, Vec3d p, bool strictly
     return true;
 }
 
-/// Each face, by its vertices in ascending order: the tetrahedra that have it and whether it turns that way
-/// seen from outside of them.
+/// For each face, by its vertices in ascending order: the tetrahedra that have it and whether ascending order
+/// is counter-clockwise seen from outside of them.
 struct FaceUse {
     TetraFace face;
     bool ascending;
@@ -103,7 +103,7 @@ inline FaceUses face_uses(const TetraMesh& mesh) {
     return out;
 }
 
-inline std::vector<TetraFace> hull_of(const FaceUses& uses) {
+inline std::vector<TetraFace> compute_hull(const FaceUses& uses) {
     std::vector<TetraFace> out;
     for (const auto& [corners, use] : uses) {
         if (use.size() == 1) out.push_back(use[0].face);
@@ -111,7 +111,7 @@ inline std::vector<TetraFace> hull_of(const FaceUses& uses) {
     return out;
 }
 
-/// Least and greatest angle between two faces of a tetrahedron [degrees].
+/// Returns the minimum and maximum angle between two faces of a tetrahedron [degrees].
 inline std::array<double, 2> dihedral_range(const std::array<Vec3d, 4>& c) {
     std::array<double, 2> range{180, 0};
     std::array<Vec3d, 4> normal;
@@ -129,7 +129,7 @@ inline std::array<double, 2> dihedral_range(const std::array<Vec3d, 4>& c) {
     return range;
 }
 
-/// The tetrahedra by the positions of their corners, whatever their numbers.
+/// The tetrahedra by the positions of their corners, independent of their numbers.
 using Corners = std::array<std::array<float, 3>, 4>;
 inline std::set<Corners> tetra_set(const TetraMesh& mesh) {
     std::set<Corners> out;

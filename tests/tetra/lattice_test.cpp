@@ -30,7 +30,8 @@ std::vector<std::pair<std::string, std::vector<Segment>>> scenes() {
     return out;
 }
 
-/// Each face belongs to one tetrahedron, or to two on its two sides; the faces of one alone close a surface.
+/// Expects that each face belongs to one tetrahedron, or to two on its two sides, and that the faces of only
+/// one form a closed surface.
 void expect_conforming(const TetraMesh& mesh) {
     const FaceUses uses = face_uses(mesh);
     std::map<std::array<std::uint32_t, 2>, unsigned> hull_edges;
@@ -60,7 +61,7 @@ void expect_well_formed(const TetraMesh& mesh) {
     EXPECT_TRUE(std::ranges::all_of(used, [](bool u) { return u; }));
 }
 
-/// Tetrahedra around a point, found through boxes.
+/// Finds the tetrahedra around a point with bounding boxes.
 class Locator {
   public:
     explicit Locator(const TetraMesh& mesh) : mesh_(mesh), tree_(boxes(mesh), {}) {}
@@ -87,7 +88,7 @@ class Locator {
     BoxTree tree_;
 };
 
-/// Whether the point lies in some ball of the segment.
+/// Returns whether the point is in some ball of the segment.
 bool covers(const Segment& s, Vec3d p) { return holds_ball(growing_cone(s, {}), 1, p, 0); }
 
 /// A point on the rounded cone of a segment and the radius of the ball that touches it there.
@@ -139,8 +140,8 @@ TEST(Lattice, EnclosesEverySurfaceWithTetrahedraInProportionToTheRadius) {
                 unsigned found = 0;
                 locator.visit(at->position, [&](std::uint32_t t) {
                     ++found;
-                    // A cell no larger than asked for and one of twice its side: the centers are sqrt(11/4)
-                    // sides apart, the center and a corner of the larger sqrt(3).
+                    // A cell of at most the requested size and one of twice its side: the centers are
+                    // sqrt(11/4) sides apart, the center and a corner of the larger sqrt(3).
                     const auto corners = corners_of(lattice.mesh(), lattice.mesh().tetra[t]);
                     EXPECT_LE(longest_edge(corners), 1.7321 * double(options.cell) * at->radius * 1.00001);
                 });
@@ -181,7 +182,7 @@ TEST(Lattice, HoldsNeitherWhatLiesBeyondAllSegmentsNorWhatLiesWithinOne) {
                 return thinnest_ball_meeting(growing_cone(s, {}), double(options.outside), middle, reach)
                     .has_value();
             }));
-            // But for those that an axis passes through.
+            // Except those that an axis passes through.
             if (std::ranges::any_of(segments, [&](const Segment& s) {
                     return growing_cone(s, {}).foot(middle).distance() < reach;
                 }))
@@ -194,9 +195,9 @@ TEST(Lattice, HoldsNeitherWhatLiesBeyondAllSegmentsNorWhatLiesWithinOne) {
 }
 
 TEST(Lattice, ARodOfOneRadiusHasOneSizeOfCell) {
-    // The cells about it are half as large as allowed, but for the rounding of the cube's side to eighths of
-    // a power of two: 9/8 at most between two of them. The shortest edge joins center and corner: sqrt(3) / 2
-    // sides.
+    // The cells around it are half as large as allowed, except for the rounding of the cube's side to eighths
+    // of a power of two: at most 9/8 between two of them. The shortest edge connects center and corner:
+    // sqrt(3) / 2 sides.
     for (const float cell : {0.5f, 1.0f, 3.0f}) {
         const Lattice lattice(std::array{kRod}, {cell, 0.7f, 1.3f});
         for (const Tetra& t : lattice.mesh().tetra) {
@@ -224,7 +225,7 @@ TEST(Lattice, IsTheSameForAnyNumberOfThreadsAndAfterGrowth) {
             h.add(std::span<const std::uint32_t>(m.first));
         };
         add();
-        EXPECT_TRUE(lattice.grow(hull_of(face_uses(lattice.mesh())), ctx));
+        EXPECT_TRUE(lattice.grow(compute_hull(face_uses(lattice.mesh())), ctx));
         add();
         return h.value();
     };
@@ -236,7 +237,7 @@ TEST(Lattice, IsTheSameForAnyNumberOfThreadsAndAfterGrowth) {
 TEST(Lattice, GrowsByTheNeighboursAlone) {
     Lattice lattice(std::array{kRod, Segment{{0, 0, 5}, {4, 0, 8}, 0.3f, 0.1f}});
     const std::set<Corners> before = tetra_set(lattice.mesh());
-    const std::vector<TetraFace> hull = hull_of(face_uses(lattice.mesh()));
+    const std::vector<TetraFace> hull = compute_hull(face_uses(lattice.mesh()));
     std::vector<TetraFace> some;
     std::set<std::set<std::array<float, 3>>> closed;
     for (std::size_t i = 0; i < hull.size(); i += 7) {
@@ -254,7 +255,7 @@ TEST(Lattice, GrowsByTheNeighboursAlone) {
     const std::set<Corners> after = tetra_set(lattice.mesh());
     EXPECT_TRUE(std::ranges::includes(after, before));
     EXPECT_LE(after.size(), before.size() + some.size());
-    // Each new one has one of the faces, and each of the faces has two tetrahedra now.
+    // Each new tetrahedron has one of the faces, and each of the faces now has two tetrahedra.
     std::map<std::set<std::array<float, 3>>, unsigned> uses;
     for (const Corners& t : after) {
         bool touches = before.contains(t);
@@ -277,11 +278,11 @@ TEST(Lattice, GrowsToTheBorderOfTheOctreeAndNoFurther) {
         ASSERT_LT(tetra, lattice.mesh().tetra.size());
         tetra = lattice.mesh().tetra.size();
         ASSERT_LT(++steps, 100u);
-    } while (lattice.grow(hull_of(face_uses(lattice.mesh()))));
+    } while (lattice.grow(compute_hull(face_uses(lattice.mesh()))));
     EXPECT_EQ(tetra, lattice.mesh().tetra.size());
     expect_conforming(lattice.mesh());
     EXPECT_FALSE(lattice.grow({}));
-    // What is left of the cube: on each square of its border a pyramid without tetrahedra.
+    // The rest of the cube: on each square of its border a pyramid without tetrahedra.
     double volume = 0;
     for (const Tetra& t : lattice.mesh().tetra) volume += volume_six(lattice.mesh(), t) / 6;
     Box3 box;
@@ -325,10 +326,13 @@ TEST(Lattice, RefusesOptionsAndSegmentsOutOfRange) {
 TEST(Lattice, RefusesWhatNeedsTooManyCells) {
     const float big = std::numeric_limits<float>::max();
     const std::vector<std::vector<Segment>> hostile{
-        {{{0, 0, 0}, {0, 0, 1e7f}, 1, 1}},                             // 10 million radii long
-        {{{0, 0, 0}, {0.5e7f, 1e7f, 1e7f}, 1, 1}},                     // and aslant
-        {kRod, {{0, 0, 0}, {20, 0, 0}, 1e-9f, 1e-9f}},                 // a hair
-        {{{1e6f, 1e6f, 1e6f}, {1e6f, 1e6f, 1e6f + 1}, 1e-3f, 1e-3f}},  // thinner than a float tells
+        {{{0, 0, 0}, {0, 0, 1e7f}, 1, 1}},              // 10 million radii long
+        {{{0, 0, 0}, {0.5e7f, 1e7f, 1e7f}, 1, 1}},      // and oblique
+        {kRod, {{0, 0, 0}, {20, 0, 0}, 1e-9f, 1e-9f}},  // very thin
+        {{{1e6f, 1e6f, 1e6f},
+          {1e6f, 1e6f, 1e6f + 1},
+          1e-3f,
+          1e-3f}},  // thinner than the resolution of floats
         {{{-big, 0, 0}, {big, 0, 0}, 1, 1}},
         {{{0, 0, 0}, {0, 0, 1}, big, big}},
         {{{0, 0, 0}, {0, 0, 0}, 1e-42f, 1e-42f}, {{1, 0, 0}, {1, 0, 0}, 1e-42f, 1e-42f}},
@@ -354,11 +358,11 @@ TEST(Lattice, TakesThousandsOfSegmentsAtOnePlace) {
 }
 
 TEST(Lattice, TakesRadiiOfVeryDifferentSize) {
-    // A cone of a thousand to one with a needle's tip: cells shrink with it.
+    // A cone with a radius ratio of a thousand and a very thin tip: cells shrink with it.
     const Lattice lattice(std::array{Segment{{0, 0, 0}, {0, 0, 10}, 1, 1e-3f}});
     expect_conforming(lattice.mesh());
     EXPECT_LT(lattice.mesh().tetra.size(), 20000u);
-    // A thin segment within a thick one costs no more than cells that the thick one holds_ball.
+    // A thin segment within a thick one only adds cells that the thick one does not contain.
     const Segment thin{{0, 0, 1}, {0, 0, 9}, 1e-9f, 1e-9f};
     EXPECT_LT(Lattice(std::array{kRod, thin}).mesh().tetra.size(), 10000u);
 }

@@ -38,7 +38,7 @@ void expect_sound(const MarchResult& r) {
     EXPECT_TRUE(std::ranges::all_of(r.mesh.positions, [](Vec3 p) { return is_finite(p); }));
 }
 
-/// Random values on a grid of cells, constant in each, and below the level near the hull of [0, side]^3.
+/// Random values on a grid of cells, constant in each, and below the iso value near the hull of [0, side]^3.
 AnyField noise(std::uint64_t seed, float side, float per_cell, float low = -1, float high = 1) {
     return {
         [=](Vec3 p) {
@@ -51,7 +51,8 @@ AnyField noise(std::uint64_t seed, float side, float per_cell, float low = -1, f
         0, 0.03f};
 }
 
-// One tetrahedron has nothing but hull, so that march() would refuse: sampling and extraction alone.
+// All faces of a single tetrahedron are on the hull, so that march() would reject it: sampling and extraction
+// only.
 TEST(March, CutsOneTetrahedronInAllSixteenWays) {
     const TetraMesh mesh = one_tetra();
     for (std::uint32_t inside = 0; inside < 16; ++inside) {
@@ -98,7 +99,8 @@ TEST(March, CornersOnTheSurfaceTakeThePlaceOfCuts) {
             SCOPED_TRACE(testing::Message() << inside << " inside, " << on << " on");
             const auto& cut = tetra_internal::kCuts[16 * inside + on];
             const int in = std::popcount(inside), at = std::popcount(on), out = 4 - in - at;
-            // Cut edges, and corners on the surface that have an inner and another neighbour apart from it.
+            // Cut edges, and corners on the surface with an inner neighbour and another neighbour off the
+            // surface.
             const int corners = in == 0 || in == 4 ? 0 : in * out + (in + at == 4 && in > 1 ? 0 : at);
             EXPECT_EQ(cut.size, corners >= 3 ? corners : 0);
             std::set<int> seen;
@@ -117,7 +119,7 @@ TEST(March, CornersOnTheSurfaceTakeThePlaceOfCuts) {
     }
 }
 
-/// Marching tetrahedra as one would write it down: a map from edges to vertices.
+/// Reference implementation of marching tetrahedra: a map from edges to vertices.
 TriMesh march_plainly(const TetraMesh& fine, const AnyField& field) {
     TriMesh out;
     std::map<std::array<std::uint32_t, 2>, std::uint32_t> vertex_on;
@@ -163,7 +165,7 @@ TEST(March, IsWhatAPlainProgramFinds) {
     const TetraMesh mesh = shuffled(bent(bcc_block({5, 5, 5}, 1, {0, 0, 0}), 0.1f, 21), 22);
     for (int levels = 0; levels <= 2; ++levels) {
         SCOPED_TRACE(levels);
-        // Two balls that overlap, with values that are no distances.
+        // Two balls that overlap, with values that are not distances.
         const AnyField field{[](Vec3 p) {
             return std::max(1.1f - distance(p, {2.3f, 2.4f, 2.2f}),
                             0.9f - 1.3f * distance(p, {2.9f, 3.0f, 2.7f}));
@@ -204,14 +206,14 @@ TEST(March, MeasuresABall) {
         double error = 0;
         for (const Vec3 p : r.mesh.positions) error += std::abs(distance(p, field.center) - 1);
         EXPECT_LT(error / static_cast<double>(r.mesh.positions.size()), 0.003);
-        // Flat faces with their corners on the sphere: up to 9 % are missing.
+        // Flat faces with their corners on the sphere: up to 9 % of the volume is missing.
         EXPECT_NEAR(volume(r.mesh), 4.18879, 0.1 * 4.18879);
         EXPECT_NEAR(area(r.mesh), 12.56637, 0.05 * 12.56637);
         EXPECT_EQ(r.report.snapped > 0, snap > 0);
         EXPECT_EQ(r.report.tetra, mesh.tetra.size() * 64);
     }
     const MarchResult fine = march(mesh, FieldRef(field), {.levels = 4});
-    // Edges a quarter as long: a sixteenth is missing.
+    // Edges a quarter as long: a sixteenth of the error remains.
     EXPECT_NEAR(volume(fine.mesh), 4.18879, 0.006 * 4.18879);
     EXPECT_NEAR(area(fine.mesh), 12.56637, 0.05 / 16 * 12.56637);
 }
@@ -219,14 +221,14 @@ TEST(March, MeasuresABall) {
 TEST(March, MovedVerticesMakeGoodTriangles) {
     const TetraMesh mesh = bcc_block({8, 8, 8}, 1, {-4, -4, -4});
     const KernelField field = ball_field({0.12f, 0.22f, 0.31f}, 2.2f);
-    const auto plain = least_angles(march(mesh, FieldRef(field), {.snap = 0}).mesh);
-    const auto moved = least_angles(march(mesh, FieldRef(field)).mesh);
+    const auto plain = min_angles(march(mesh, FieldRef(field), {.snap = 0}).mesh);
+    const auto moved = min_angles(march(mesh, FieldRef(field)).mesh);
     EXPECT_LT(plain[plain.size() / 100], 3);
     EXPECT_GT(moved[moved.size() / 100], 24);
     EXPECT_GT(moved.front(), 14);
 }
 
-/// A lattice in which every tetrahedron with moved vertices keeps its orientation.
+/// Expects that every tetrahedron with moved vertices keeps its orientation.
 void expect_unfolded(const TetraMesh& mesh, FieldRef field, const MarchOptions& options) {
     const TetraRefinement refinement(mesh, options.levels);
     Samples samples = sampled(refinement, field, options.snap);
@@ -260,10 +262,10 @@ TEST(March, IsClosedAndManifoldOnNoise) {
             }
         }
     }
-    EXPECT_GT(freed, 0u) << "no vertex in which two sheets would meet: the test tests nothing";
+    EXPECT_GT(freed, 0u) << "there is no vertex in which two sheets would meet, so the test has no effect";
 }
 
-/// Fields as smooth as distances, with everything near to the limits of the lattice.
+/// Fields as smooth as distances, with many values near the limits of the lattice.
 std::vector<std::pair<const char*, AnyField>> nasty_fields() {
     const auto ball = [](Vec3 p, Vec3 c, float r) { return r - distance(p, c); };
     return {
@@ -343,7 +345,7 @@ TEST(March, NamesOpenFaces) {
     const MarchResult r = march(mesh, FieldRef(field), {.levels = 3});
     ASSERT_FALSE(r.open.empty());
     EXPECT_TRUE(r.mesh.triangles.empty());
-    // By hand: hull faces with fine vertices on both sides.
+    // Reference result: hull faces with fine vertices on both sides.
     const auto sides = face_sides(mesh);
     std::vector<TetraFace> expected;
     for (std::uint32_t t = 0; t < mesh.tetra.size(); ++t) {
@@ -367,7 +369,7 @@ TEST(March, NamesOpenFaces) {
 }
 
 TEST(March, TakesAHullThatIsInside) {
-    // A shell of tetrahedra about the ball's surface.
+    // A shell of tetrahedra around the ball's surface.
     const Vec3 center{3, 3, 3};
     const TetraMesh mesh = bcc_block({6, 6, 6}, 1, {0, 0, 0}, [&](Vec3 p) {
         const float d = distance(p, center);
@@ -382,7 +384,7 @@ TEST(March, TakesAHullThatIsInside) {
 }
 
 TEST(March, NeverMovesTheHull) {
-    // The surface runs so near to the hull that its vertices would be moved.
+    // The surface is so close to the hull that its vertices would be moved.
     const TetraMesh mesh = bcc_block({4, 4, 4}, 1, {0, 0, 0});
     const AnyField field{[](Vec3 p) { return 1.45f - std::abs(p.z - 2); }};
     const TetraRefinement refinement(mesh, 2);
@@ -471,7 +473,7 @@ TEST(March, TakesWhateverTheFieldSays) {
     const auto field_of = [&](float inside, float outside, float level) {
         return AnyField{[=](Vec3 p) { return distance(p, center) < 1.1f ? inside : outside; }, level, 0.05f};
     };
-    // Without slope, with infinite slope, without a number; two levels: one transforms the values.
+    // Zero slope, infinite slope, not a number; two iso values: values are transformed for one of them.
     for (const float inside : {1.5f, 1e30f, std::numeric_limits<float>::max(), kInfinity}) {
         for (const float outside : {0.0f, -1e30f, -kInfinity, kNan, 1.0f, std::nextafter(1.0f, 0.0f)}) {
             for (const float level : {1.0f, 0.0f}) {
@@ -484,10 +486,10 @@ TEST(March, TakesWhateverTheFieldSays) {
             }
         }
     }
-    // The smallest step above the level is inside.
+    // The smallest value above the iso value is inside.
     const AnyField hair = field_of(std::nextafter(1.0f, 2.0f), 0, 1);
     expect_sound(march(mesh, FieldRef(hair)));
-    // Exactly the level is outside: nothing there.
+    // A value equal to the iso value is outside: the surface is empty.
     const AnyField level = field_of(1, 1, 1);
     EXPECT_TRUE(march(mesh, FieldRef(level)).mesh.triangles.empty());
     const AnyField nothing = field_of(kNan, kNan, 1);
@@ -499,7 +501,7 @@ TEST(March, TakesWhateverTheFieldSays) {
 }
 
 TEST(March, FillsABubbleOfOneVertex) {
-    // All inside but for one lattice vertex right on the level: it is moved nowhere and has no triangles.
+    // All inside except one lattice vertex exactly on the iso value: it is not moved and has no triangles.
     const TetraMesh mesh = bcc_block({4, 4, 4}, 1, {0, 0, 0});
     const AnyField field{[](Vec3 p) { return distance(p, {2.003f, 2.002f, 2}) - 0.01f; }};
     const MarchResult r = march(mesh, FieldRef(field), {.levels = 1, .snap = 0.25f});

@@ -43,7 +43,7 @@ std::vector<std::pair<std::string, Skeleton>> scenes() {
     return out;
 }
 
-/// Calls visit(r, t) for the tetrahedra that hold a point, with their regions.
+/// Calls visit(r, t) for the tetrahedra that contain a point, with their regions.
 template <class Visit>
 void visit_holders(const TetraMesh& mesh, Vec3d p, const Visit& visit) {
     for (std::uint32_t r = 0; r < mesh.region_count(); ++r) {
@@ -63,7 +63,7 @@ TEST(Polyhedron, ConformsOnEverySkeleton) {
         EXPECT_EQ(polyhedron.report().tetra, mesh.tetra.size());
         ASSERT_EQ(polyhedron.passing().size(), mesh.region_count());
         for (const Tetra& t : mesh.tetra) ASSERT_GT(volume6(mesh, t), 0);
-        // Refuses what shares a face with more than one other.
+        // Rejects tetrahedra that share a face with more than one other.
         EXPECT_NO_THROW(TetraRefinement(mesh, 0));
     }
 }
@@ -127,7 +127,7 @@ TEST(Polyhedron, CutsABoxInFive) {
 }
 
 TEST(Polyhedron, HasAHandfulOfTetrahedraForEachSegment) {
-    // Rhus of [Zhu2013] has 2,064; how many segments it has is not said.
+    // Rhus of [Zhu2013] has 2,064; the paper does not state its number of segments.
     const PolyhedronReport r = around(random_tree(288, 1)).report();
     EXPECT_GT(r.tetra, 5 * 288u);
     EXPECT_LT(r.tetra, 18 * 288u);

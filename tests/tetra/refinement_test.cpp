@@ -63,7 +63,7 @@ TEST(TetraRefinement, FillsEveryTetrahedronAndConforms) {
                 for (const std::uint32_t v : t) seen[v] = 1;
             }
             EXPECT_TRUE(std::ranges::all_of(seen, [](char c) { return c == 1; }))
-                << "a number without a place";
+                << "a number without a vertex";
             EXPECT_NEAR(volume(fine), volume(scene.mesh), 1e-5 * volume(scene.mesh));
             const auto coarse_sides = face_sides(scene.mesh), sides = face_sides(fine);
             const auto lone = [](const FaceSides& s) {
@@ -98,7 +98,7 @@ TEST(TetraRefinement, SharedVerticesHaveTheSameBitsFromEverySide) {
     }
 }
 
-/// Six edge lengths, ascending: two tetrahedra with the same are congruent here, or mirror images.
+/// Six edge lengths, ascending: two tetrahedra with equal lengths are congruent here, or mirror images.
 std::array<double, 6> shape_of(const TetraMesh& mesh, const Tetra& t) {
     std::array<double, 6> out;
     for (std::size_t e = 0; e < 6; ++e)
@@ -127,7 +127,7 @@ TEST(TetraRefinement, DescendantsOfTheCubicLatticeAreAllAlike) {
 }
 
 TEST(TetraRefinement, ChoosesTheShortestDiagonalWhateverTheOrder) {
-    // The middles of 01 and 23 are 0.5 apart, the others 1.5 and more.
+    // The midpoints of 01 and 23 are 0.5 apart, the others at least 1.5.
     const std::array<Vec3, 4> p{Vec3{-1, 0, 0}, Vec3{1, 0, 0}, Vec3{0, -2, 0.5f}, Vec3{0, 2, 0.5f}};
     std::array<std::uint32_t, 4> order{0, 1, 2, 3};
     do {
@@ -143,8 +143,9 @@ TEST(TetraRefinement, ChoosesTheShortestDiagonalWhateverTheOrder) {
     } while (std::ranges::next_permutation(order).found);
 }
 
-/// Least distance of parallel planes about a tetrahedron, over all pairs of a face and a vertex and of edges.
-double width_of(const TetraMesh& mesh, const Tetra& t) {
+/// Minimum distance of parallel planes around a tetrahedron, over all pairs of a face and a vertex and of
+/// edges.
+double compute_width(const TetraMesh& mesh, const Tetra& t) {
     std::array<Vec3d, 4> p;
     for (std::size_t i = 0; i < 4; ++i) p[i] = Vec3d(mesh.positions[t[i]]);
     double least = std::numeric_limits<double>::infinity();
@@ -186,7 +187,7 @@ TEST(TetraRefinement, DescendantsHaveThreeShapesAndTheWidthsThatItSays) {
                 return true;
             };
             if (std::ranges::none_of(shapes, same)) shapes.push_back(shape);
-            width = std::min(width, width_of(fine, t));
+            width = std::min(width, compute_width(fine, t));
             shortest = std::min(shortest, shape[0]);
         }
         EXPECT_LE(shapes.size(), 3u);
@@ -295,13 +296,14 @@ TEST(TetraRefinement, KnowsTheHull) {
 }
 
 TEST(TetraRefinement, PatternsListVerticesEdgesAndStars) {
-    for (int levels = 0; levels <= TetraPattern::kMostLevels; ++levels) {
+    for (int levels = 0; levels <= TetraPattern::kMaxLevels; ++levels) {
         const auto n = std::size_t{1} << levels;
         for (std::uint32_t d = 0; d < 3; ++d) {
             const TetraPattern p = tetra_pattern(levels, d);
             ASSERT_EQ(p.weights.size(), (n + 1) * (n + 2) * (n + 3) / 6);
             ASSERT_EQ(p.tetra.size(), n * n * n);
-            // Euler: a ball. Every tetrahedron has four faces, those outside once, the others twice.
+            // Euler characteristic of a ball. Every tetrahedron has four faces; outer ones count once, the
+            // others twice.
             const std::size_t faces = (4 * p.tetra.size() + 4 * n * n) / 2;
             EXPECT_EQ(p.weights.size() + faces, p.edges.size() + p.tetra.size() + 1);
             for (std::size_t t = 0; t < p.tetra.size(); ++t) {
@@ -353,8 +355,8 @@ void expect_refused(const TetraMesh& mesh, int levels, const std::string& word) 
 
 TEST(TetraRefinement, RefusesWhatItCannotDo) {
     const TetraMesh one = one_tetra();
-    expect_refused(one, -1, "levels must lie between 0 and 5");
-    expect_refused(one, 6, "levels must lie between 0 and 5");
+    expect_refused(one, -1, "levels must be between 0 and 5");
+    expect_refused(one, 6, "levels must be between 0 and 5");
     TetraMesh bad = one;
     bad.tetra[0][2] = 4;
     expect_refused(bad, 1, "tetrahedron 0");
@@ -375,7 +377,7 @@ TEST(TetraRefinement, RefusesWhatItCannotDo) {
                                        Vec3{0, 0, 2}, Vec3{0, 0, -1}},
                    std::array<Tetra, 3>{Tetra{0, 1, 2, 3}, Tetra{0, 1, 2, 4}, Tetra{0, 1, 2, 5}});
     expect_refused(crowded, 1, "tetrahedron 2 has a face with more than one other");
-    // 6545 fine vertices in each of 300,000 tetrahedra apart.
+    // 6545 fine vertices in each of 300,000 separate tetrahedra.
     TetraMesh many;
     for (std::uint32_t i = 0; i < 300000; ++i) {
         const auto x = static_cast<float>(i);

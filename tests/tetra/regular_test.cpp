@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <functional>
 
+#include "coppice/base/id.h"
 #include "coppice/base/random.h"
 #include "coppice/tetra/lattice/tetra_mesh.h"
 
@@ -12,7 +13,6 @@ namespace coppice::tetra_internal {
 namespace {
 
 constexpr std::int32_t kSide = 1 << 20;
-constexpr std::uint32_t kNoCell = RegularTriangulation::kNoCell;
 
 RegularTriangulation filled(std::uint32_t count, const std::function<WeightedPlace(std::uint32_t)>& point) {
     RegularTriangulation out({-kSide, -kSide, -kSide}, {kSide, kSide, kSide});
@@ -22,7 +22,8 @@ RegularTriangulation filled(std::uint32_t count, const std::function<WeightedPla
     return out;
 }
 
-/// The cells fill the box, agree with their neighbours, and have no vertex of these in conflict.
+/// Expects that the cells fill the box, agree with their neighbours, and are not in conflict with vertices of
+/// their neighbours.
 void expect_sound(const RegularTriangulation& t) {
     const auto cells = t.cells();
     double volume = 0;
@@ -36,7 +37,7 @@ void expect_sound(const RegularTriangulation& t) {
             determinant(difference<double>(at[1]->at, at[0]->at), difference<double>(at[2]->at, at[0]->at),
                         difference<double>(at[3]->at, at[0]->at));
         for (std::size_t face = 0; face < 4; ++face) {
-            if (cells[c].next[face] == kNoCell) continue;
+            if (cells[c].next[face] == kNoIndex) continue;
             const auto& other = cells[cells[c].next[face]];
             ASSERT_FALSE(other.is_dead());
             const auto back = std::ranges::find(other.next, c) - other.next.begin();
@@ -66,7 +67,7 @@ TEST(RegularTriangulation, FillsItsBoxWhateverThePoints) {
     expect_sound(filled(2000, [&](std::uint32_t i) {
         return WeightedPlace{anywhere(i, kSide / 2), std::int64_t{draw(i, 1 << 20)} * (1 << 14)};
     }));
-    // Eight on a sphere again and again, four in a plane, three in a line, with and without weights.
+    // Many sets of eight points on a sphere, four in a plane, three on a line, with and without weights.
     for (const std::int64_t weight : {0, 2000}) {
         expect_sound(filled(1000, [&](std::uint32_t i) {
             const auto x = static_cast<std::int32_t>(i % 10), y = static_cast<std::int32_t>(i / 10 % 10),
@@ -78,7 +79,7 @@ TEST(RegularTriangulation, FillsItsBoxWhateverThePoints) {
     expect_sound(filled(400, [&](std::uint32_t i) {
         return WeightedPlace{{draw(2 * i, 50), draw(2 * i + 1, 50), 7}};
     }));
-    // A thousand at 27 places.
+    // A thousand points at 27 positions.
     expect_sound(filled(1000, [&](std::uint32_t i) { return WeightedPlace{anywhere(i, 1)}; }));
 }
 
@@ -119,7 +120,7 @@ TEST(RegularTriangulation, StopsWhenAsked) {
 }
 
 TEST(ExactSigns, HoldWhereDoublesRound) {
-    // Of a plane through places far out, and a unit off it.
+    // A plane through distant points, and points one unit off it.
     const std::int32_t far = 1 << 24;
     const GridPlace a{far, far - 1, far - 2}, b{-far, 3, far - 5}, c{7, -far, -far + 1};
     EXPECT_EQ(orientation(a, b, c, a), 0);
@@ -127,7 +128,7 @@ TEST(ExactSigns, HoldWhereDoublesRound) {
     EXPECT_EQ(orientation(a, b, c, GridPlace{a[0] + 1, a[1], a[2]}),
               -orientation(a, b, c, GridPlace{a[0] - 1, a[1], a[2]}));
     EXPECT_NE(orientation(a, b, c, GridPlace{a[0] + 1, a[1], a[2]}), 0);
-    // The corners of a cube lie on one sphere.
+    // The corners of a cube are on one sphere.
     std::array<WeightedPlace, 8> cube;
     for (unsigned i = 0; i < 8; ++i) {
         for (unsigned k = 0; k < 3; ++k) cube[i].at[k] = (i >> k & 1) != 0 ? far : -far + 1;

@@ -11,14 +11,14 @@
 #include "tetra/surfaces.h"
 #include "zoo.h"
 
-// The tetrahedra inside a surface.
+// Tests of the tetrahedra inside a surface.
 
 namespace coppice {
 namespace {
 
 using lattice_test::segments_of;
 
-/// The height of the nearest round cone: 1 at the axis, 0 at the radius.
+/// The height of the closest round cone: 1 at the axis, 0 at the radius.
 struct Cones {
     std::vector<Segment> segments;
     float level() const { return 0; }
@@ -37,7 +37,7 @@ struct Cones {
     }
 };
 
-/// Each triangle from its least corner on.
+/// Returns a triangle rotated such that its smallest corner is first.
 std::array<std::uint32_t, 3> turned(std::array<std::uint32_t, 3> t) {
     std::rotate(t.begin(), std::ranges::min_element(t), t.end());
     return t;
@@ -47,7 +47,7 @@ void expect_fills(const MarchResult& r) {
     ASSERT_FALSE(r.solid.tetra.empty());
     ASSERT_GE(r.solid.positions.size(), r.mesh.positions.size());
     EXPECT_TRUE(std::equal(r.mesh.positions.begin(), r.mesh.positions.end(), r.solid.positions.begin()));
-    // Faces that two tetrahedra share are run through both ways; the others are the surface.
+    // Faces shared by two tetrahedra occur in both orientations; the others are the surface.
     std::map<std::array<std::uint32_t, 3>, int> faces;
     double sum = 0;
     std::size_t flat = 0;
@@ -121,7 +121,7 @@ TEST(MarchSolid, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST(MarchSolid, LeavesBodiesOutThatHoldNoAxis) {
-    // A second branch that the axes know nothing of.
+    // A second branch that is not among the axes.
     std::vector<Segment> both{{{0, 0, 0}, {0, 0, 2}, 0.5f, 0.5f}, {{3, 0, 0}, {3, 0, 2}, 0.5f, 0.5f}};
     Lattice lattice(both, {.cell = 2, .inside = 0});
     const Cones field{both};

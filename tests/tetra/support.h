@@ -19,14 +19,14 @@
 
 namespace coppice {
 
-/// Six times the volume.
+/// Returns six times the volume.
 inline double volume6(Vec3d a, Vec3d b, Vec3d c, Vec3d d) { return dot(cross(b - a, c - a), d - a); }
 inline double volume6(const TetraMesh& mesh, const Tetra& t) {
     return volume6(Vec3d(mesh.positions[t[0]]), Vec3d(mesh.positions[t[1]]), Vec3d(mesh.positions[t[2]]),
                    Vec3d(mesh.positions[t[3]]));
 }
 
-/// Orders each tetrahedron's vertices positively; one region for each `per_region` tetrahedra.
+/// Orients each tetrahedron positively; creates one region for each `per_region` tetrahedra.
 inline TetraMesh tetra_mesh(std::span<const Vec3> positions, std::span<const Tetra> tetra,
                             std::size_t per_region = 12) {
     TetraMesh mesh;
@@ -45,8 +45,8 @@ inline TetraMesh one_tetra() {
                       std::array<Tetra, 1>{Tetra{0, 1, 2, 3}});
 }
 
-/// The body-centered cubic lattice in a block of cells of size `cell` from `low` on: a tetrahedron for each
-/// edge of each face between two cells, those alone that `keep` wants by their center. A region per cell.
+/// Creates the body-centered cubic lattice in a block of cells of size `cell` from `low`: a tetrahedron for
+/// each edge of each face between two cells, if its center satisfies `keep`. One region per cell.
 inline TetraMesh bcc_block(std::array<std::uint32_t, 3> cells, float cell, Vec3 low,
                            const std::function<bool(Vec3)>& keep = {}) {
     const std::uint32_t nx = cells[0], ny = cells[1], nz = cells[2];
@@ -119,7 +119,7 @@ inline TetraMesh bent(TetraMesh mesh, float by, std::uint64_t seed) {
     return mesh;
 }
 
-/// Numbers the vertices in another order.
+/// Renumbers the vertices in random order.
 inline TetraMesh shuffled(const TetraMesh& mesh, std::uint64_t seed) {
     const CounterRandom random(seed, 2);
     std::vector<std::uint32_t> number(mesh.positions.size());
@@ -133,7 +133,7 @@ inline TetraMesh shuffled(const TetraMesh& mesh, std::uint64_t seed) {
     return out;
 }
 
-/// The fine tetrahedra, in one region; vertices by their number.
+/// Returns the fine tetrahedra, in one region; vertices by their number.
 inline TetraMesh fine_mesh(const TetraRefinement& refinement) {
     TetraMesh out;
     out.positions.resize(refinement.vertex_count());
@@ -153,8 +153,8 @@ inline TetraMesh fine_mesh(const TetraRefinement& refinement) {
     return out;
 }
 
-/// For each face, by its vertices in ascending order: from each side, whether they turn that way seen from
-/// outside the tetrahedron.
+/// For each face, by its vertices in ascending order: for each side, whether ascending order is
+/// counter-clockwise seen from outside the tetrahedron.
 using FaceSides = std::map<std::array<std::uint32_t, 3>, std::vector<bool>>;
 inline FaceSides face_sides(const TetraMesh& mesh) {
     FaceSides out;
@@ -170,7 +170,8 @@ inline FaceSides face_sides(const TetraMesh& mesh) {
     return out;
 }
 
-/// Any function of a point as a field; the gradient by differences when it gives none.
+/// Any function of a point as a field; the gradient is computed by differences if the function does not
+/// return one.
 struct AnyField {
     std::function<float(Vec3)> value;
     float surface = 0;
@@ -186,11 +187,11 @@ struct AnyField {
     }
 };
 
-/// The compact quartic kernel about a center or an axis, of value 1 at distance `radius`.
+/// The compact quartic kernel around a center or an axis, with value 1 at distance `radius`.
 struct KernelField {
     Vec3 center;
     float radius = 1;
-    Vec3 keep{1, 1, 1};  ///< {1, 1, 0}: about the z axis
+    Vec3 keep{1, 1, 1};  ///< {1, 1, 0}: around the z axis
 
     float level() const { return 1; }
     void sample(std::uint32_t, std::span<const Vec3> points, std::span<FieldSample> out) const {

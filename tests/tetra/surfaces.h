@@ -37,8 +37,8 @@ inline double area(const TriMesh& mesh) {
     return sum;
 }
 
-/// Least angle of every triangle [degrees], ascending.
-inline std::vector<double> least_angles(const TriMesh& mesh) {
+/// Returns the minimum angle of every triangle [degrees], ascending.
+inline std::vector<double> min_angles(const TriMesh& mesh) {
     std::vector<double> out;
     for (const Triangle& t : mesh.triangles) {
         double least = 180;
@@ -61,8 +61,8 @@ inline std::uint64_t print(const TriMesh& mesh) {
         .value();
 }
 
-/// Whether an edge of one triangle passes through the other, or lies on it; triangles that share an edge are
-/// left out. Decided in double precision: coordinates here are small multiples of what float holds.
+/// Returns whether an edge of one triangle intersects the other; triangles that share an edge are ignored.
+/// Computed in double precision: coordinates here are small multiples of the float precision.
 inline bool edge_meets(Vec3d a, Vec3d b, const std::array<Vec3d, 3>& t) {
     const double da = volume6(t[0], t[1], t[2], a), db = volume6(t[0], t[1], t[2], b);
     if (!((da > 0 && db < 0) || (da < 0 && db > 0))) return false;

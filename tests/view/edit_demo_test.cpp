@@ -13,13 +13,13 @@ using test::small_tree;
 
 class EditDemoTest : public test::ViewTest {};
 
-/// Draws frames of a branch, at any angle.
+/// Draws frames of a branch at any angle.
 class Frames {
   public:
     Frames()
         : model_(quad_model(small_tree())),
           drag_(model_, branch_of_about(model_.skeleton, 30), {1, 0, 0}),
-          part_(drag_part(model_, drag_, kGreatest)),
+          part_(drag_part(model_, drag_, kMax)),
           surface_(model_, part_),
           triangles_(triangulate(
               QuadMesh{{surface_.positions().begin(), surface_.positions().end()}, part_.quads, {}})),
@@ -41,7 +41,7 @@ class Frames {
         return rest();
     }
 
-    static constexpr double kGreatest = 0.35;
+    static constexpr double kMax = 0.35;
 
   private:
     QuadModel model_;
@@ -58,13 +58,13 @@ TEST_F(EditDemoTest, ADraggedBranchIsSeenAndComesBackToTheBit) {
     Frames frames;
     const Image rest = frames.rest();
     EXPECT_EQ(frames.at(0), rest);
-    const Image dragged = frames.at(Frames::kGreatest);
+    const Image dragged = frames.at(Frames::kMax);
     std::size_t changed = 0;
     for (std::size_t i = 0; i < rest.pixels.size(); ++i)
         changed += rest.pixels[i] != dragged.pixels[i] ? 1 : 0;
     EXPECT_GT(changed, 100u);
     EXPECT_LT(changed, rest.pixels.size() / 2);
-    EXPECT_NE(frames.at(-Frames::kGreatest), dragged);
+    EXPECT_NE(frames.at(-Frames::kMax), dragged);
     EXPECT_EQ(frames.at(0), rest);
 }
 
@@ -89,7 +89,7 @@ TEST_F(EditDemoTest, TellsWhatWasDraggedAndHowLongItTook) {
     EXPECT_NE(result.pictures.front(), result.pictures.back());
 }
 
-/// Four frames of the small tree, and what made them.
+/// Four frames of the small tree, and the backend that computed them.
 EditDemoResult small_demo(SurfaceBackend& backend) {
     return edit_demo(quad_model(small_tree()), {.frames = 4, .segments = 30}, small_picture(), backend);
 }
@@ -110,12 +110,12 @@ TEST_F(EditDemoTest, ACardShowsWhatTheCpuShows) {
     if (!search.device) GTEST_SKIP() << "there is no card: " << search.missing;
     const auto card = surface_backend(Device::cuda), cpu = surface_backend(Device::cpu);
     const EditDemoResult here = small_demo(*card), there = small_demo(*cpu);
-    EXPECT_EQ(here.note.empty(), here.backend.find("by way of the host") == std::string::npos) << here.note;
+    EXPECT_EQ(here.note.empty(), here.backend.find("through the host") == std::string::npos) << here.note;
     EXPECT_NE(here.backend, "CPU");
     EXPECT_EQ(there.backend, "CPU");
     ASSERT_EQ(here.pictures.size(), there.pictures.size());
     for (std::size_t k = 0; k < here.pictures.size(); ++k) {
-        // Positions differ by far less than a pixel: a few of those along edges may.
+        // Positions differ by much less than a pixel: a few pixels along edges may differ.
         std::size_t differing = 0;
         const auto &a = here.pictures[k].pixels, &b = there.pictures[k].pixels;
         for (std::size_t i = 0; i < a.size(); ++i) differing += a[i] != b[i] ? 1 : 0;
@@ -137,9 +137,9 @@ TEST_F(EditDemoTest, RefusesWhatHasNoBranch) {
     const QuadModel ball = quad_model(Skeleton({NodeId{}}, {Vec3{}}, {1.0f}));
     const auto backend = cpu_backend();
     EXPECT_EQ(test::error_of([&] { edit_demo(ball, {}, small_picture(), *backend); }),
-              "view: a tree without segments has no branch that could be dragged");
+              "view: a tree without segments has no branch to drag");
     EXPECT_EQ(test::error_of([&] { edit_demo(ball, {.frames = 0}, small_picture(), *backend); }),
-              "view: frames must lie between 1 and 1000000, but is 0");
+              "view: frames must be between 1 and 1000000, but is 0");
 }
 
 TEST_F(EditDemoTest, StopsWhenItIsAskedTo) {

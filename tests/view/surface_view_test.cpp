@@ -13,7 +13,7 @@ namespace {
 using test::camera_for;
 using test::small_picture;
 
-/// A tree ready to be drawn.
+/// A tree prepared for drawing.
 struct Tree {
     QuadMesh mesh = mesh_skeleton(test::small_tree(), {.levels = 1}).quads().mesh;
     Buffer<Vec3> normals = smooth_normals(mesh.positions, mesh.quads);
@@ -22,7 +22,7 @@ struct Tree {
     DrawnSurface drawn() const { return {mesh.positions, normals, triangles.triangles}; }
 };
 
-/// How many pixels both show, and how many one of them.
+/// Counts the pixels that both images show, and those that only one shows.
 struct Overlap {
     int both = 0, one = 0;
 
@@ -42,11 +42,11 @@ TEST_F(SurfaceViewTest, ShowsWhatRenderShowsWithThatCamera) {
     const SketchView camera = camera_for(tree.mesh.positions, options);
     SurfaceView view(tree.drawn(), camera, options);
     view.draw();
-    const Mask by_gl = silhouette_of(view.picture());
+    const Mask by_gl = compute_silhouette(view.picture());
     const PolygonMesh polygons = to_polygons(tree.mesh);
     const RenderOptions traced{
         .width = options.width, .height = options.height, .ground = false, .transparent = true};
-    const Mask by_rays = silhouette_of(render({.mesh = &polygons, .view = &camera}, traced));
+    const Mask by_rays = compute_silhouette(render({.mesh = &polygons, .view = &camera}, traced));
     const auto area = static_cast<double>(std::ranges::count(by_rays.inside, std::uint8_t{1}));
     EXPECT_GT(area, 2000);
     EXPECT_NEAR(static_cast<double>(std::ranges::count(by_gl.inside, std::uint8_t{1})), area, 0.03 * area);
@@ -67,7 +67,7 @@ TEST_F(SurfaceViewTest, TheSameSurfaceGivesTheSameBits) {
 }
 
 TEST_F(SurfaceViewTest, LightComesFromAbove) {
-    // A square that lies on the ground, seen from above and from below.
+    // A square on the ground, seen from above and from below.
     const std::vector<Vec3> positions{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
     const std::vector<Vec3> up(4, Vec3{0, 0, 1});
     const std::vector<Triangle> triangles{{0, 1, 2}, {0, 2, 3}};
@@ -88,7 +88,7 @@ TEST_F(SurfaceViewTest, WrittenVerticesAreThoseDrawn) {
     SurfaceView view(tree.drawn(), camera, small_picture());
     view.draw();
     const Image before = view.picture();
-    // The first half of the vertices sinks into the root.
+    // The first half of the vertices is moved into the root.
     const std::size_t half = tree.mesh.positions.size() / 2;
     const std::vector<Vec3> sunk(half);
     write_vertices(view.buffers(), sunk, std::span(tree.normals).first(half));
@@ -120,7 +120,7 @@ TEST(OffscreenContextTest, SaysInOneSentenceWhatIsMissing) {
         EXPECT_FALSE(context.renderer().empty());
         EXPECT_FALSE(context.version().empty());
     } else {
-        EXPECT_TRUE(missing.starts_with("nothing can be drawn by OpenGL: ")) << missing;
+        EXPECT_TRUE(missing.starts_with("OpenGL is not available: ")) << missing;
     }
 }
 

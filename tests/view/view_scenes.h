@@ -18,7 +18,7 @@
 
 namespace coppice::test {
 
-/// Why OpenGL cannot be had here; empty where it can.
+/// Returns the reason why OpenGL is not available; empty if it is.
 inline std::string missing_gl() {
     try {
         const OffscreenContext context;
@@ -28,7 +28,7 @@ inline std::string missing_gl() {
     }
 }
 
-/// Tests that draw are skipped where nothing can be drawn.
+/// Skips tests that draw if OpenGL is not available.
 class ViewTest : public ::testing::Test {
   protected:
     void SetUp() override {
@@ -40,7 +40,7 @@ inline Skeleton small_tree() { return random_tree(150, 5); }
 
 inline ViewOptions small_picture() { return {.width = 320, .height = 240}; }
 
-/// A camera that sees all of these.
+/// Returns a camera that sees all of these points.
 inline SketchView camera_for(std::span<const Vec3> positions, const ViewOptions& options) {
     std::vector<Vec3d> points;
     for (const Vec3 p : positions) points.emplace_back(p);

@@ -1,19 +1,22 @@
-// What the program tells the page by the address that it opens: #token=...&import=tree.ply
+// Parameters that the program passes to the page in its address: #token=...&import=tree.ply
 
 export interface Told {
     token: string;
-    firstFile: string; // of the folder, to begin with; empty where none is
+    firstFile: string; // file of the folder that is opened first; empty: no file
 }
 
 function decoded(text: string): string {
     try {
         return decodeURIComponent(text);
     } catch {
-        return text; // there is no such file, which is said then
+        return text; // such a file does not exist, which is reported later
     }
 }
 
-/** What the address tells. It forgets that, so that a tab that is loaded again does nothing twice; the token is kept for that tab. */
+/**
+ * Returns the parameters in the address and removes them, so that a reload does not repeat the import; the token is stored for
+ * this tab.
+ */
 export function takeAddress(location: Location, history: History, kept: Storage): Told {
     const token = /(?:^#|&)token=([A-Za-z0-9_-]+)/.exec(location.hash)?.[1] ?? /^#([A-Za-z0-9_-]{16,})$/.exec(location.hash)?.[1];
     const file = /(?:^#|&)import=([^&]+)/.exec(location.hash)?.[1] ?? "";

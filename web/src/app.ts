@@ -1,4 +1,4 @@
-// What the parts of the page know of each other. transport.ts, store.ts and view/ implement it; tools/ and panels/ use it.
+// Interfaces between the components of the page. transport.ts, store.ts and view/ implement them; tools/ and panels/ use them.
 import type { Signal } from "@preact/signals-core";
 import type { VNode } from "preact";
 import type * as THREE from "three";
@@ -19,16 +19,16 @@ export class EngineError extends Error {
 export interface Ran {
     statement: number; // its number
     says: string;
-    names: string[]; // that the engine chose for the new objects of the line: newName() in tools/kit/words.ts
+    names: string[]; // chosen by the engine for the new objects of the line: newName() in tools/kit/words.ts
 }
 
-// The way to the engine: a server today, a worker perhaps one day.
+// The connection to the engine: a server now, possibly a worker later.
 export interface Engine {
     readonly client: string; // name of this tab in STATE.by
     request<Reply = Record<string, unknown>>(type: string, fields?: Record<string, unknown>): Promise<Reply>;
     run(line: string, about?: ObjectName): Promise<Ran>;
-    // One at a time: while one is under way, the newest waits and what waited before is dropped (false).
-    // The geometry of what it changes reaches the view by itself.
+    // One at a time: during a preview the newest request waits, and an earlier waiting request is dropped (false). The view
+    // receives the geometry of the changed objects automatically.
     preview(line: string, about?: ObjectName, surface?: Record<string, unknown>): Promise<boolean>;
     endPreview(): Promise<void>;
     cancel(): void;
@@ -39,8 +39,8 @@ export interface Engine {
 
 export interface Selection {
     object: ObjectName | null;
-    nodes: number[]; // stable ids of a skeleton's nodes
-    extent: "node" | "branch" | "subtree" | "tree" | "connected"; // what is selected with each; connected: from fork to fork
+    nodes: number[]; // stable ids of the nodes of a skeleton
+    extent: "node" | "branch" | "subtree" | "tree" | "connected"; // the nodes selected with each; connected: from fork to fork
 }
 
 export interface Message {
@@ -48,41 +48,41 @@ export interface Message {
     text: string;
 }
 
-export type Connection = "connecting" | "ready" | "lost" | "refused"; // refused: it does not come back by itself
+export type Connection = "connecting" | "ready" | "lost" | "refused"; // refused: no further attempt to connect
 
 export interface Store {
     state: Signal<State>;
-    schema: Signal<Command[]>; // commands of scenes; empty until known
+    schema: Signal<Command[]>; // commands of scenes; empty until they are loaded
     connection: Signal<Connection>;
-    folder: Signal<string>; // path of the one that is open
-    progress: Signal<{ statement: number | null; fraction: number } | null>; // null: of a request beside the document
-    grown: Signal<Grown | null>; // so far, of what grows or grew last
-    keepsGrown: Signal<boolean>; // it stays in the picture when it was stopped, until it is decided what becomes of it
+    folder: Signal<string>; // path of the open folder
+    progress: Signal<{ statement: number | null; fraction: number } | null>; // null: of a request that does not belong to the document
+    grown: Signal<Grown | null>; // result so far of the current or the last growth
+    keepsGrown: Signal<boolean>; // the result remains in the view after a stop, until the user keeps or discards it
     selection: Signal<Selection>;
     hover: Signal<Pick | null>;
     hidden: Signal<ReadonlySet<string>>; // "kind:name"
-    hideFor(objects: readonly ObjectName[], by: ObjectName): void; // hides objects as long as another one exists
-    tool: Signal<string>; // id of the tool in hand
-    messages: Signal<Message[]>; // the newest last
+    hideFor(objects: readonly ObjectName[], by: ObjectName): void; // hides objects as long as another object exists
+    tool: Signal<string>; // id of the active tool
+    messages: Signal<Message[]>; // in order, the newest last
     say(text: string, level?: Message["level"]): void;
     find(kind: Kind, name: string): SceneObject | undefined;
-    freeName(base: string): string; // base, base2, ... that no object has
+    freeName(base: string): string; // first of base, base2, ... that is not the name of an object
 }
 
-// What lies under a point of the picture.
+// The object at a point of the view.
 export interface Pick {
     object: ObjectName;
     point: Point; // [m] in the scene
-    node?: number; // stable id: of a skeleton or its surface, the node whose segment was hit
-    index?: number; // of a point of a set, or of a control point of a curve
+    node?: number; // stable id: of a skeleton or its surface, the node of the segment
+    index?: number; // index of a point of a set, or of a control point of a curve
 }
 
 export interface Ray {
     origin: Point;
-    direction: Point; // of length 1
+    direction: Point; // unit vector
 }
 
-// Words at a place of the picture.
+// Text at a position in the view.
 export interface Label {
     at: Point;
     text: string;
@@ -90,23 +90,23 @@ export interface Label {
 }
 
 export interface View {
-    readonly overlay: THREE.Group; // of what tools draw
-    readonly display: Display; // how it draws, and what its colours stand for
+    readonly overlay: THREE.Group; // parent of the objects that tools draw
+    readonly display: Display; // display mode and the meaning of colours
     camera(): THREE.Camera;
     requestDraw(): void;
-    pick(x: number, y: number, kinds?: Kind[]): Pick | null; // pixels from the upper left corner of the picture
+    pick(x: number, y: number, kinds?: Kind[]): Pick | null; // pixels from the upper left corner of the view
     ray(x: number, y: number): Ray;
     toPixels(point: Point): [number, number, number]; // x, y, depth in [-1, 1]
-    pixelSize(point: Point): number; // [m] a pixel at that depth
-    toPlane(x: number, y: number, through: Point, normal?: Point): Point | null; // normal: the line of sight where not given
-    geometry(object: ObjectName, kind?: GeometryHeader["kind"]): Geometry | undefined; // as last received, previews included
-    receive(geometry: Geometry): void; // draws it; with `seq` in place of what the document has, until `settle`
+    pixelSize(point: Point): number; // [m] size of a pixel at that depth
+    toPlane(x: number, y: number, through: Point, normal?: Point): Point | null; // normal: default is the line of sight
+    geometry(object: ObjectName, kind?: GeometryHeader["kind"]): Geometry | undefined; // last received geometry, including previews
+    receive(geometry: Geometry): void; // draws it; with `seq` it replaces the geometry of the document until `settle`
     settle(): void;
     frame(objects?: ObjectName[]): void;
     frameAround(place: Point, radius: number): void;
-    setLabels(owner: string, labels: readonly Label[]): void; // in place of those that the owner had
+    setLabels(owner: string, labels: readonly Label[]): void; // replaces the labels of the owner
     look(from: "front" | "back" | "left" | "right" | "top" | "bottom" | "free"): void;
-    setOrbit(enabled: boolean): void; // tools that drag switch it off
+    setOrbit(enabled: boolean): void; // tools with a drag disable it
     element(): HTMLCanvasElement;
 }
 
@@ -115,31 +115,31 @@ export interface ToolPointer {
     x: number;
     y: number;
     buttons: number;
-    pressure: number; // in [0, 1]; 0.5 of a mouse
+    pressure: number; // in [0, 1]; 0.5 for a mouse
     type: "mouse" | "touch" | "pen";
     shift: boolean;
     control: boolean;
     alt: boolean;
 }
 
-// Something that hands do in the 3D view. One is in hand at a time; "select" when no other is.
+// An interactive operation in the 3D view. One tool is active at a time; "select" if no other is.
 export interface Tool {
     id: string;
     label: string;
     group: "view" | "crown" | "points" | "branch" | "compose";
     help: string; // one sentence
     shortcut?: string; // "G", "Shift+D"
-    enabled?(app: App): boolean; // by selection
+    enabled?(app: App): boolean; // depends on the selection
     start(app: App): ToolRun;
 }
 
 export interface ToolRun {
-    pointer?(event: ToolPointer): boolean; // true: taken, the view does not orbit
+    pointer?(event: ToolPointer): boolean; // true: the event was used, and the view does not orbit
     wheel?(delta: number, event: ToolPointer): boolean;
     key?(event: KeyboardEvent): boolean; // every gesture has a typed equivalent: numbers, Enter, Esc
     panel?(): VNode; // its parameters
     status?(): string; // one line for the status bar
-    stop(): void; // Esc, another tool: takes back what was not ended
+    stop(): void; // Esc or another tool: discards the unfinished operation
 }
 
 export interface Panel {
@@ -147,7 +147,7 @@ export interface Panel {
     title: string;
     side: "left" | "right" | "bottom";
     order: number;
-    suits?(app: App): boolean; // open at first, and where the user has not said otherwise; always where not given
+    suits?(app: App): boolean; // whether the group is open by default, unless the user has changed it; if undefined, always
     render(app: App): VNode;
 }
 
@@ -157,7 +157,7 @@ export interface App {
     view: View;
     tools: Tool[];
     panels: Panel[];
-    take(tool: string): void; // by id; "select" puts down what is in hand
-    menuCommand(id: string, run: () => void): void; // of the page itself, for the menu file and shortcuts: "frame", "undo"
+    take(tool: string): void; // by id; "select" deactivates the current tool
+    menuCommand(id: string, run: () => void): void; // commands of the page itself, for the menu file and shortcuts: "frame", "undo"
     command(id: string): void; // runs one of them
 }

@@ -1,4 +1,4 @@
-// Geometry from its bytes: docs/library/studio-protocol.md, "Geometry". Arrays are views of the buffer, nothing is copied.
+// Reads geometry from its bytes: docs/library/studio-protocol.md, "Geometry". Arrays are views of the buffer; data is not copied.
 import type { Geometry } from "./app";
 import type { ArrayHeader, GeometryHeader } from "./protocol";
 
@@ -14,16 +14,16 @@ function readArray(buffer: ArrayBuffer, first: number, array: ArrayHeader): Geom
     const begin = first + array.offset;
     if (!type || !Number.isInteger(length) || length < 0 || begin < first || begin % 4 !== 0
         || begin + length * type.BYTES_PER_ELEMENT > buffer.byteLength) {
-        throw new BlobError(`The array "${array.name}" does not lie in its blob.`);
+        throw new BlobError(`The array "${array.name}" extends beyond its blob.`);
     }
     return new type(buffer, begin, length);
 }
 
-/** Throws a BlobError where the bytes are no geometry. */
+/** Throws BlobError if the bytes are not valid geometry. */
 export function parseGeometry(buffer: ArrayBuffer): Geometry {
     const view = new DataView(buffer);
     if (buffer.byteLength < 8 || view.getUint32(0, true) !== kMagic) {
-        throw new BlobError("These bytes are no geometry.");
+        throw new BlobError("These bytes are not geometry.");
     }
     const length = view.getUint32(4, true);
     const first = 8 + length;

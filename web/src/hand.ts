@@ -1,13 +1,13 @@
-// The tool in hand: one at a time, and what it is told.
+// The active tool: one at a time, and the events that it receives.
 import { type Signal, signal } from "@preact/signals-core";
 import type { App, ToolPointer, ToolRun } from "./app";
 
 const kSelect = "select";
 
 export class Hand {
-    /** Null where no tool of that name exists. */
+    /** Null if no tool has that name. */
     readonly run: Signal<ToolRun | null> = signal(null);
-    /** Changes after each event that the tool was told, since its status may have. */
+    /** Changes after each event of the tool, because its status may have changed. */
     readonly told = signal(0);
 
     constructor(private readonly app: () => App) {}

@@ -1,23 +1,23 @@
-// Fields for numbers: arithmetic is computed, and what is no number is refused in a sentence.
+// Number fields: arithmetic is computed, and invalid input is refused with a message.
 import type { TargetedEvent, TargetedKeyboardEvent, VNode } from "preact";
 import { useRef, useState } from "preact/hooks";
 import { type NumberLimits, readNumber } from "./script/arithmetic";
 
 export interface NumberOptions extends NumberLimits {
-    value: number | null; // null: none
-    shown?: string; // while the field is not edited; the value where not given
+    value: number | null; // null: no value
+    shown?: string; // text while the field is not edited; default is the value
     step?: number; // of the arrow keys
-    /** Takes a number; `done` once Enter was pressed or the field was left. */
+    /** Accepts a number; `done` after Enter or when the field loses the focus. */
     take(value: number, done: boolean): void;
-    /** What an empty field means; where not given an empty field is refused. */
+    /** Handles an empty field; if undefined, an empty field is refused. */
     clear?(): void;
 }
 
-/** The attributes of an input for a number, and why what was typed last was refused; empty where it was not. */
+/** Attributes of a number input, and the reason why the last text was refused; empty if it was accepted. */
 export function useNumber({ value, shown = String(value ?? ""), step = 1, take, clear, ...limits }: NumberOptions) {
-    const [draft, setDraft] = useState<string | null>(null); // what is typed now
+    const [draft, setDraft] = useState<string | null>(null); // current text
     const [trouble, setTrouble] = useState("");
-    const before = useRef({ value, shown, isKept: true }); // what a refused text leaves in place
+    const before = useRef({ value, shown, isKept: true }); // value that a refused text leaves unchanged
     const read = draft !== null && draft.trim() !== "" ? readNumber(draft, limits) : null;
 
     const refuse = (why: string) => {
@@ -58,7 +58,7 @@ export function useNumber({ value, shown = String(value ?? ""), step = 1, take, 
             } else if (text.trim() === "" && clear) {
                 clear();
             } else {
-                refuse(text.trim() === "" ? "This takes a number." : now.trouble);
+                refuse(text.trim() === "" ? "Enter a number." : now.trouble);
             }
         },
         onBlur: () => setDraft(null),
@@ -78,7 +78,7 @@ export function useNumber({ value, shown = String(value ?? ""), step = 1, take, 
     return { field, trouble };
 }
 
-/** Says why a field did not take what was typed. */
+/** Shows why a field did not accept its text. */
 export function FieldTrouble({ text }: { text: string }): VNode | null {
     return text === "" ? null : <p class="field-trouble" role="alert">{text}</p>;
 }

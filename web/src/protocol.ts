@@ -1,4 +1,4 @@
-// What page and server say to each other: docs/library/studio-protocol.md.
+// The protocol between page and server: docs/library/studio-protocol.md.
 
 export type Kind = "solid" | "path" | "profile" | "points" | "skeleton" | "mesh";
 export type Point = [number, number, number];
@@ -9,17 +9,17 @@ export interface ObjectName {
 }
 
 export interface Statement {
-    text: string; // as it stands in the document; blocks have several lines
-    line: number; // of its first line in the whole text, from 1
-    says: string; // what it said when it ran
+    text: string; // source text of the statement; blocks have several lines
+    line: number; // number of its first line in the whole text, from 1
+    says: string; // output of the statement
 }
 
 export interface SceneObject extends ObjectName {
-    version: number; // changes when the object does
-    statement: number; // that made it last
-    bounds: [number, number, number, number, number, number]; // [m] least, greatest
+    version: number; // changes when the object changes
+    statement: number; // number of the statement that changed it last
+    bounds: [number, number, number, number, number, number]; // [m] minimum, maximum
     count: number;
-    unit: string; // of the count: "nodes"
+    unit: string; // unit of the count: "nodes"
 }
 
 export interface State {
@@ -27,23 +27,23 @@ export interface State {
     by: string;
     statements: Statement[];
     ran: number;
-    running: number | null; // statement, in the list that is being made
+    running: number | null; // index of the running statement in the new list
     doing: string; // its first line
     error: { statement: number; line: number; message: string } | null;
     objects: SceneObject[];
-    undo: string[]; // the newest last
-    redo: string[]; // the next one last
+    undo: string[]; // in order, the newest last
+    redo: string[]; // in order, the next one last
     file: string;
     saved: boolean;
-    recovered: boolean; // the text was found in the journal of a studio that was killed
+    recovered: boolean; // the text was recovered from the journal of a studio that was killed
 }
 
-/** What growth has so far, while it runs. */
+/** Intermediate result of a growth. */
 export interface Grown {
     statement: number;
-    key: string; // of the skeleton's blob
+    key: string; // key of the blob of the skeleton
     nodes: number;
-    until: string; // the option with which the same command ends here: "max_iterations=57"
+    until: string; // the option with which the same command stops at this state: "max_iterations=57"
 }
 
 export type ErrorKind = "input" | "files" | "memory" | "cancelled" | "busy" | "internal";
@@ -62,9 +62,9 @@ export interface GeometryHeader {
     version: number;
     origin: Point;
     arrays: ArrayHeader[];
-    seq?: number; // of a preview
-    color?: string; // what "value" stands for, as it was asked for
-    low?: number; // of "value"
+    seq?: number; // number of the preview
+    color?: string; // quantity in "value", as requested
+    low?: number; // range of "value"
     high?: number;
     closed?: boolean; // of a curve
     base?: number; // of a patch
@@ -73,19 +73,19 @@ export interface GeometryHeader {
     quads?: number;
 }
 
-// Of a blob of kind "slice": samples of a solid's field on a plane, in the array "value", rows from the corner on.
+// Header of a blob of kind "slice": samples of the field of a solid on a plane, in the array "value", rows from the corner.
 export interface SliceHeader {
     width: number;
     height: number;
-    corner: Point; // [m] from the origin
-    along: Point; // over the whole width
-    up: Point; // over the whole height
-    level: number; // of the surface
+    corner: Point; // [m] relative to the origin
+    along: Point; // over the full width
+    up: Point; // over the full height
+    level: number; // iso value of the surface
     low: number;
     high: number;
 }
 
-// One command of the scene language, as `schema` gives it in "scene".
+// One argument of a command of the scene language, as returned by `schema` in "scene".
 export interface Argument {
     name: string;
     help: string;
@@ -94,14 +94,14 @@ export interface Argument {
     positional: boolean;
     required: boolean;
     repeats: boolean;
-    default?: string; // as typed; "@x": what argument x is
-    unit?: string; // "metre"; angles have "degree" and are typed so
+    default?: string; // as typed; "@x": the value of argument x
+    unit?: string; // "metre"; angles have "degree" and are typed in degrees
     low?: number;
     high?: number;
     choices?: string[];
-    kind?: Kind; // of an object; "any" where it may be of every kind
-    also?: Kind[]; // further kinds, where none of `kind` is called so
-    sizes?: number[]; // how many numbers a tuple may have
+    kind?: Kind; // of an object; "any" if every kind is accepted
+    also?: Kind[]; // further kinds, if no object of `kind` has the name
+    sizes?: number[]; // allowed numbers of components of a tuple
 }
 
 export interface Command {

@@ -1,4 +1,7 @@
-/** Scrolls a box as far as it takes to show what lies in it from `top` to `bottom` [px]. What the box itself lies in stays where it is. */
+/**
+ * Scrolls a box by the minimum distance that makes its range from `top` to `bottom` [px] visible. Containers of the box do not
+ * scroll.
+ */
 export function scrollWithin(box: HTMLElement, top: number, bottom: number): void {
     box.scrollTop = Math.min(Math.max(box.scrollTop, bottom - box.clientHeight), top);
 }

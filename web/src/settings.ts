@@ -1,15 +1,15 @@
-// What a user set of the page itself, kept by the browser.
+// User settings of the page, stored by the browser.
 import { effect, type Signal, signal } from "@preact/signals-core";
 
 function read(key: string): unknown {
     try {
         return JSON.parse(localStorage.getItem(key) ?? "null");
     } catch {
-        return null; // storage may be switched off, or hold what something else wrote
+        return null; // storage may be disabled, or contain a value of another program
     }
 }
 
-/** A signal whose value outlives the page. What was kept is taken where it has the type of the first value. */
+/** A persistent signal. A stored value is used if it has the type of the first value. */
 export function setting(name: string, first: number): Signal<number>;
 export function setting(name: string, first: boolean): Signal<boolean>;
 export function setting<T extends string>(name: string, first: T, allowed?: readonly T[]): Signal<T>;
@@ -25,7 +25,7 @@ export function setting<T>(name: string, first: T, allowed?: readonly T[]): Sign
             try {
                 localStorage.setItem(key, JSON.stringify(now));
             } catch {
-                // then it lasts as long as the page
+                // then it is kept as long as the page is open
             }
         }
         begun = true;

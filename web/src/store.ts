@@ -1,9 +1,9 @@
-// What the page knows of the document and of what is looked at.
+// State of the document and of the view.
 import { signal } from "@preact/signals-core";
 import type { Connection, Message, Pick, Selection, Store } from "./app";
 import type { Command, ObjectName, State } from "./protocol";
 
-const kMostMessages = 50;
+const kMaxMessages = 50;
 
 export const kEmptyState: State = {
     revision: 0,
@@ -40,7 +40,7 @@ export function createStore(): Store {
         hidden,
         tool: signal("select"),
         say(text, level = "info") {
-            messages.value = [...messages.peek(), { level, text }].slice(-kMostMessages);
+            messages.value = [...messages.peek(), { level, text }].slice(-kMaxMessages);
         },
         hideFor(objects, by) {
             const shown = objects.map(keyOf).filter((key) => !hidden.peek().has(key));
@@ -71,7 +71,7 @@ interface Replaced {
     isHidden: boolean;
 }
 
-// Undo takes the object away that others were hidden for, redo brings it back.
+// Undo removes the object for which others were hidden, redo restores it.
 function followReplaced(store: Store, all: Iterable<Replaced>): void {
     for (const one of all) {
         const isThere = store.find(one.by.kind, one.by.name) !== undefined;
@@ -91,14 +91,14 @@ function keyOf({ kind, name }: ObjectName): string {
     return `${kind}:${name}`;
 }
 
-/** The state with the line that failed, within a block too: messages begin with it, as "tree.coppice:12: ". */
+/** The state with the line that failed, also within a block: messages begin with it, as "tree.coppice:12: ". */
 export function placed(state: State): State {
     const { error } = state;
     const [, line, message] = /^[^\n]*?:(\d+): ([^]*)$/.exec(error?.message ?? "") ?? [];
     return error && Number(line) >= error.line ? { ...state, error: { ...error, line: Number(line), message } } : state;
 }
 
-/** Forgets what of the selection no longer is. */
+/** Removes objects and nodes that no longer exist from the selection. */
 export function keepSelectionTrue(store: Store): void {
     const { object } = store.selection.peek();
     if (object && !store.find(object.kind, object.name)) {

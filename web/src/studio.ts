@@ -1,4 +1,4 @@
-// The parts of the page, put together.
+// Connects the components of the page.
 import { takeAddress } from "./address";
 import type { App, View } from "./app";
 import { Hand } from "./hand";
@@ -14,7 +14,7 @@ export interface Studio extends App {
     view: View3D & View;
     engine: Transport;
     hand: Hand;
-    firstFile: string; // that the studio was started on; empty where none is
+    firstFile: string; // with which the studio was started; empty: no file
     hasCommand(id: string): boolean; // of the page itself, by its id
     command(id: string): void;
 }
@@ -47,7 +47,7 @@ function listen(studio: () => Studio): ConstructorParameters<typeof Transport>[1
         settled: () => studio().view.settle(),
         warned: (text) => {
             const { messages, say } = studio().store;
-            if (messages.peek().at(-1)?.text !== text) { // each change would say it again
+            if (messages.peek().at(-1)?.text !== text) { // each change would repeat it
                 say(text, "warning");
             }
         },
@@ -86,7 +86,7 @@ function listenToKeys(studio: Studio): void {
         if (event.defaultPrevented || !event.key) { // browsers that fill in forms send events without a key
             return;
         }
-        if (document.querySelector("dialog[open]")) { // what lies behind it takes no keys, wherever the focus is
+        if (document.querySelector("dialog[open]")) { // the page behind a dialog receives no keys, even if it has the focus
             return;
         }
         const shortcut = kShortcuts.find((one) => one.keys.some((keys) => matches(keys, event)));
@@ -118,7 +118,7 @@ function listenToKeys(studio: Studio): void {
     });
 }
 
-/** Connects to the server that the page came from. */
+/** Connects to the server of the page. */
 export function createStudio(): Studio {
     const store = createStore();
     const commands = new Map<string, () => void>();

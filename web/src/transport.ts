@@ -1,25 +1,25 @@
-// The engine behind a WebSocket and HTTP: docs/library/studio-protocol.md.
+// The connection to the engine by WebSocket and HTTP: docs/library/studio-protocol.md.
 import { type Connection, type Engine, EngineError, type Geometry, type Ran } from "./app";
 import { parseGeometry } from "./blob";
 import type { ErrorKind, Grown, ObjectName, State } from "./protocol";
 
 const kVersion = 1;
-const kFirstWait = 250; // [ms] before a second try to connect
+const kFirstWait = 250; // [ms] delay before the second attempt to connect
 const kLongestWait = 5000;
 
-/** What the transport tells the page. */
+/** Callbacks of the transport into the page. */
 export interface Listener {
     connection(now: Connection): void;
-    folder(path: string): void; // that is open
+    folder(path: string): void; // path of the open folder
     state(state: State): void;
     progress(statement: number | null, fraction: number): void;
     grown(grown: Grown): void;
-    geometry(geometry: Geometry): void; // of a preview, or of what it changed when it ends
-    // What a preview about an object shall bring, and what the page has of it: `surface` and `have` of the request.
+    geometry(geometry: Geometry): void; // of a preview, or of the objects it had changed when it ends
+    // The `surface` and `have` fields of a preview request about an object.
     follows(about?: ObjectName): Record<string, unknown>;
-    settled(): void; // what previews showed is in the document now, or forgotten
-    warned(text: string): void; // what was asked for was done, and something beside it not: the journal
-    refused(reason: string): void; // the server wants nothing of this page
+    settled(): void; // previews have become part of the document, or were discarded
+    warned(text: string): void; // the request succeeded, but an additional action failed: the journal
+    refused(reason: string): void; // the server refuses this page
 }
 
 export interface TransportOptions {
@@ -45,12 +45,12 @@ interface Preview {
 
 type Reply = { re: number; ok: boolean; error?: string; kind?: ErrorKind; warning?: string };
 
-// Requests that change nothing may wait for a connection that was lost; others are refused meanwhile.
+// Requests that change nothing may wait for a lost connection to return; others are refused during that time.
 const kHarmless = new Set([
     "show", "slice", "schema", "help", "complete", "describe", "check", "anchor", "files", "library", "branch", "menu", "ping", "endpreview",
 ]);
 
-// Requests that change the document: what a preview shows is over with them.
+// Requests that change the document: they end the previews.
 const kChanges = new Set(["run", "text", "ran", "undo", "redo", "rerun", "open"]);
 
 function clientName(): string {
@@ -63,7 +63,7 @@ function encodePath(name: string): string {
 }
 
 export class Transport implements Engine {
-    /** The name of this client in STATE's `by`. Ids begin anew with each page, and so does the name. */
+    /** The name of this client in the field `by` of STATE. Ids restart with each page, and so does the name. */
     readonly client = clientName();
 
     private socket: WebSocket | null = null;
@@ -73,11 +73,11 @@ export class Transport implements Engine {
     private timer: ReturnType<typeof setTimeout> | undefined;
     private lastId = 0;
     private lastSeq = 0;
-    private wanted = 0; // previews before this number are stale
+    private wanted = 0; // earlier previews are out of date
     private readonly pending = new Map<number, Pending>();
-    private fetching = 0; // blobs
+    private fetching = 0; // number of blobs being fetched
     private previewing = false;
-    private previewed: ObjectName | undefined; // what the last preview was about
+    private previewed: ObjectName | undefined; // object of the last preview
     private nextPreview: Preview | null = null;
 
     constructor(private readonly options: TransportOptions, private readonly listener: Listener) {}
@@ -92,7 +92,7 @@ export class Transport implements Engine {
         };
         socket.onmessage = (event: MessageEvent) => this.receive(event.data as string | ArrayBuffer);
         socket.onclose = (event: CloseEvent) => this.lost(socket, event);
-        socket.onerror = () => undefined; // a close follows
+        socket.onerror = () => undefined; // a close event follows
     }
 
     close(): void {
@@ -162,7 +162,7 @@ export class Transport implements Engine {
         return (await response.json()) as { file: string; bytes: number };
     }
 
-    /** Whether all that was asked for has come. */
+    /** Whether all responses have arrived. */
     get idle(): boolean {
         return this.pending.size === 0 && this.fetching === 0;
     }
@@ -199,7 +199,7 @@ export class Transport implements Engine {
             });
     }
 
-    // What a preview under way still brings is no longer wanted.
+    // Results of a pending preview are discarded.
     private dropPreview(): void {
         this.nextPreview?.resolve(false);
         this.nextPreview = null;
@@ -233,7 +233,7 @@ export class Transport implements Engine {
 
     private welcome(state: State): void {
         this.wait = kFirstWait;
-        // What waited goes first, since ids ascend: the state makes the page ask for more.
+        // Waiting requests are sent first, since ids ascend: the state makes the page send further requests.
         for (const [, request] of [...this.pending].sort(([a], [b]) => a - b)) {
             this.socket?.send(request.text);
         }
@@ -267,7 +267,7 @@ export class Transport implements Engine {
         if (this.closed) {
             return;
         }
-        const isRefused = event.code === 1008; // policy: another try would end the same way
+        const isRefused = event.code === 1008; // policy violation: another attempt would fail in the same way
         this.listener.connection(isRefused ? "refused" : "lost");
         if (isRefused) {
             this.listener.refused(event.reason || "The studio refused this page; open it again from the terminal.");

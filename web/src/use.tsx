@@ -8,7 +8,7 @@ function useRefresh(): () => void {
     return refresh as () => void;
 }
 
-/** The value of a signal; the component is drawn again when it changes. */
+/** The value of a signal; the component is redrawn when it changes. */
 export function useValue<T>(signal: ReadonlySignal<T>): T {
     const refresh = useRefresh();
     const shown = useRef<T | undefined>(undefined);
@@ -26,7 +26,7 @@ export function useValue<T>(signal: ReadonlySignal<T>): T {
     return value;
 }
 
-/** Draws again when any signal changes that `draw` reads. */
+/** Redraws when a signal changes that `draw` reads. */
 export function Tracked({ draw }: { draw: () => ComponentChildren }): VNode {
     const refresh = useRefresh();
     const stop = useRef<(() => void) | undefined>(undefined);
@@ -45,7 +45,7 @@ export function Tracked({ draw }: { draw: () => ComponentChildren }): VNode {
     return <>{drawn}</>;
 }
 
-/** A component that is drawn again when any signal changes that it reads. */
+/** A component that is redrawn when a signal changes that it reads. */
 export function tracked<P>(draw: (props: P) => ComponentChildren): (props: P) => VNode {
     return (props) => <Tracked draw={() => draw(props)} />;
 }

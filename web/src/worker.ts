@@ -1,4 +1,4 @@
-// Work on geometry that would hold up the page.
+// Computations on geometry that would block the page.
 import { triangulateQuads } from "./view/picking/triangles";
 
 interface Job {

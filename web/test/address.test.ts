@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { takeAddress } from "../src/address";
 
-/** A tab that is opened at an address, and what it keeps. */
+/** A tab opened at an address, with its session storage. */
 function tab() {
     const values = new Map<string, string>();
     const kept = { getItem: (key: string) => values.get(key) ?? null, setItem: (key: string, value: string) => void values.set(key, value) };
@@ -39,6 +39,6 @@ test("names of files are decoded, whatever is in them", () => {
     for (const name of ["a b&c=d#e.ply", "Bäume/Höhe 50%.laz", "token=x.swc"]) {
         assert.equal(named(name), name);
     }
-    assert.equal(tab()("#token=a&import=%FF.ply").firstFile, "%FF.ply", "of bytes that are no text: there is no such file, and the page says so");
+    assert.equal(tab()("#token=a&import=%FF.ply").firstFile, "%FF.ply", "of bytes that are not text: no such file exists, and the page reports it");
     assert.equal(tab()("#token=a&important=b").firstFile, "");
 });

@@ -10,7 +10,7 @@ const kNames = new Map<unknown, "f32" | "u32" | "u8" | "i8">([
     [Int8Array, "i8"],
 ]);
 
-/** The bytes of a blob; the header's arrays are made here. */
+/** The bytes of a blob; the array list of the header is created here. */
 export function blobOf(header: Omit<GeometryHeader, "arrays">, arrays: Arrays): ArrayBuffer {
     let offset = 0;
     const described = Object.entries(arrays).map(([name, { data, size }]) => {

@@ -1,4 +1,4 @@
-// The figures of a check, in groups for people.
+// The figures of a check, in groups.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { checkedObject, isOf } from "../src/panels/display/checks";
@@ -16,12 +16,12 @@ test("figures come in groups, bad ones are marked, and what a check has not is l
         volume: { ratio: 1.01 },
         something_new: 3,
     });
-    assert.deepEqual(groups.map(({ title }) => title), ["How faces join", "Crossings", "Shape of faces", "Size"]);
+    assert.deepEqual(groups.map(({ title }) => title), ["Topology", "Crossings", "Shape of faces", "Size"]);
     const rows = groups.flatMap((group) => group.rows);
     assert.deepEqual(rows.filter((row) => row.isBad).map((row) => row.label), ["Sound", "Open edges"]);
     const quads = rows.find((row) => row.label === "Quads");
     assert.deepEqual([quads?.value, quads?.unit], [100, "%"]);
-    assert.equal(rows.find((row) => row.label === "Share of that")?.value, 1.01);
+    assert.equal(rows.find((row) => row.label === "Volume ratio")?.value, 1.01);
     assert.equal(rows.length, 8);
 });
 

@@ -1,4 +1,4 @@
-// What colours, legends and lines of equal value stand for.
+// Values of colours, legends and isolines.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Geometry } from "../src/app";
@@ -66,9 +66,9 @@ test("ranges: of what is there, of shares from 0 to 1, of deviations the same bo
     const value = Float32Array.from({ length: 1000 }, (_, i) => (i === 999 ? 50 : (i % 100) / 1000));
     const deviation = rangeOf(geometry({ value }, { color: "deviation" }), "deviation");
     assert.equal(deviation?.low, -(deviation?.high ?? 0));
-    assert.ok((deviation?.high ?? 1) < 0.1); // 98 of 100 keep below 0.098; the one far out does not count
+    assert.ok((deviation?.high ?? 1) < 0.1); // 98 of 100 are below 0.098; the outlier is ignored
     assert.deepEqual(rangeOf(geometry({ value }, { color: "evidence" }), "evidence"), { low: 0, high: 1 });
-    assert.equal(rangeOf(geometry({ value }, { color: "radius" }), "evidence"), null); // what another colour stood for
+    assert.equal(rangeOf(geometry({ value }, { color: "radius" }), "evidence"), null); // values of another colouring
     const axes = geometry({ radius: new Float32Array([0.25, 0.5]), order: new Uint8Array([0, 3]) });
     assert.deepEqual(rangeOf(axes, "radius"), { low: 0.25, high: 0.5 });
     assert.deepEqual(rangeOf(axes, "order"), { low: 0, high: 3 });
@@ -79,7 +79,7 @@ test("ranges: of what is there, of shares from 0 to 1, of deviations the same bo
 });
 
 test("a line of equal value through a slope is straight", () => {
-    // 3 x 2 samples that rise by 1 with each column: the value 0.5 lies a quarter across.
+    // 3 x 2 samples that increase by 1 with each column: the value 0.5 is at a quarter of the width.
     const ends = isolines({ value: new Float32Array([0, 1, 2, 0, 1, 2]), width: 3, height: 2 }, 0.5);
     assert.equal(ends.length, 4);
     assert.deepEqual(ends.filter((_, i) => i % 2 === 0), [0.25, 0.25]);
@@ -94,11 +94,11 @@ test("lines of equal value are closed around a hill", () => {
     for (let i = 0; i < ends.length; i += 2) {
         const at = `${ends[i].toFixed(9)} ${ends[i + 1].toFixed(9)}`;
         met.set(at, (met.get(at) ?? 0) + 1);
-        // Between samples the distance is not straight, so that ends lie off by some hundredths of a step.
+        // Between samples the distance is not linear, so that end points are off by some hundredths of a step.
         assert.ok(Math.abs(Math.hypot(ends[i] * 20 - 10, ends[i + 1] * 20 - 10) - 6.5) < 0.1);
     }
     assert.ok(met.size > 30);
-    assert.deepEqual([...new Set(met.values())], [2]); // each end is that of two pieces
+    assert.deepEqual([...new Set(met.values())], [2]); // each end point belongs to two segments
 });
 
 test("where two hills meet at a corner, the middle says whether they join", () => {
@@ -106,7 +106,8 @@ test("where two hills meet at a corner, the middle says whether they join", () =
     const joined = isolines({ value: new Float32Array([1, 0, 0, 1]), width: 2, height: 2 }, 0.4);
     assert.equal(apart.length, 8);
     assert.equal(joined.length, 8);
-    // Apart: each piece cuts off the corner of a hill, (0, 0) or (1, 1). Joined: that of a hollow, (1, 0) or (0, 1).
+    // Separate: each segment cuts off the corner of a maximum, (0, 0) or (1, 1). Joined: the corner of a minimum, (1, 0) or (0,
+    // 1).
     const onMain = (ends: number[]) => Math.abs((ends[0] + ends[2]) / 2 - (ends[1] + ends[3]) / 2) < 1e-9;
     assert.ok(onMain(apart.slice(0, 4)) && onMain(apart.slice(4)));
     assert.ok(!onMain(joined.slice(0, 4)) && !onMain(joined.slice(4)));
@@ -120,7 +121,7 @@ test("lines have round values, and not that of the surface", () => {
 test("planes are placed within what there is, and the slice is of the solid that is selected", () => {
     const bounds = (at: number): [number, number, number, number, number, number] => [at, 0, 0, at + 1, 2, 3];
     assert.deepEqual(extentAlong([{ bounds: bounds(0) }, { bounds: bounds(5) }], "x"), [0, 6]);
-    assert.deepEqual(extentAlong([{ bounds: [1, 1, 1, 0, 0, 0] }], "z"), [0, 1]); // holds nothing
+    assert.deepEqual(extentAlong([{ bounds: [1, 1, 1, 0, 0, 0] }], "z"), [0, 1]); // empty bounds
     const store = createStore();
     const solid = (name: string) => ({ kind: "solid" as const, name, version: 1, statement: 0, bounds: bounds(0), count: 0, unit: "" });
     store.state.value = { ...store.state.peek(), objects: [solid("a"), solid("b"), solid("c")] };

@@ -1,4 +1,4 @@
-// What a dropped file is taken for, by its name and its first bytes.
+// The content of a dropped file, by its name and its first bytes.
 import assert from "node:assert/strict";
 import { existsSync } from "node:fs";
 import { readdir, readFile } from "node:fs/promises";
@@ -16,7 +16,7 @@ test("a PLY file says in its header what it holds", () => {
     assert.equal(plyContent(header("vertex 3", "face 0")), "points");
     assert.equal(plyContent(header("vertex 3", "face 0").replaceAll("\n", "\r\n")), "points");
     assert.equal(plyContent(header("vertex 3")), "points");
-    assert.throws(() => plyContent("solid cube"), /no PLY/);
+    assert.throws(() => plyContent("solid cube"), /not a PLY/);
 });
 
 test("an OFF file without faces is points", () => {
@@ -37,7 +37,7 @@ test("tables of cylinders and of nodes are trees, other numbers are points", () 
     assert.ok(isTree("# of a scan\nx,y,z,radius,parent_id\n"));
     assert.ok(isTree("0.2 1.5 0 0 0 0 0 1 0 2\n")); // TreeQSM: the axis has length 1
     assert.ok(isTree("1 3 0 0 0 0.5 -1\n2 3 0 0 1 0.4 1\n"));
-    assert.ok(!isTree("1 3 0 0 0 0.5 255\n2 3 0 0 1 0.4 254\n")); // points with something more: no row is another's parent
+    assert.ok(!isTree("1 3 0 0 0 0.5 255\n2 3 0 0 1 0.4 254\n")); // points with additional columns: no row is the parent of another
     assert.ok(!isTree("0.2 1.5 0 0 0 0 0 2 0 2\n"));
     assert.ok(!isTree('"x" "y" "z"\n1 2 3\n'));
     assert.ok(!isTree("x y z radius_of_search\n1 2 3 4\n"));
@@ -53,7 +53,7 @@ test("endings, JSON, and what is not read", async () => {
     await assert.rejects(text("a.json", '{"asset": 1}'), /another program/);
     await assert.rejects(text("a.e57", "ASTM-E57"), /LAZ/);
     await assert.rejects(text("a.zip", "PK"), /unpack/);
-    await assert.rejects(text("a.docx", "PK"), /no kind/);
+    await assert.rejects(text("a.docx", "PK"), /not in a supported format/);
     await assert.rejects(text("a.swc", ""), /empty/);
 });
 
@@ -75,7 +75,7 @@ test("names of files and of what is made of them", () => {
     }
 });
 
-// Files of other programs: beside the checkout, where they are at all.
+// Files of other programs: next to the checkout, if available.
 const kPlaces = ["../../shared/data", "../shared/data"].map((place) => join(process.cwd(), place));
 const kData = kPlaces.find(existsSync);
 const kHolds: Record<string, string> = { cloud: "points", closed_mesh: "mesh", mtg: "skeleton", qsm: "skeleton", rsml: "skeleton", swc: "skeleton", tree_mesh: "mesh" };
@@ -86,7 +86,7 @@ const kOthers = new Map([
     ["plantscan3d_A3B4.asc", "points"],
 ]);
 
-test("files as other programs write them", { skip: !kData && "there are no such files here" }, async () => {
+test("files as other programs write them", { skip: !kData && "these files do not exist here" }, async () => {
     for (const [folder, content] of Object.entries(kHolds)) {
         const names = await readdir(join(kData ?? "", folder));
         assert.ok(names.length > 0, folder);

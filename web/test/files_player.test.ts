@@ -1,4 +1,4 @@
-// How a film is fetched and shown, with an engine that is made up.
+// Fetching and playing of a film, with a fake engine.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { signal } from "@preact/signals-core";
@@ -22,7 +22,7 @@ interface Trial {
     fail(message: string): void;
 }
 
-// An engine that gives so many frames, and lets one wait for the others.
+// An engine that returns a number of frames, and can delay one.
 function trial(most = Infinity): Trial {
     const store = createStore();
     const asked: number[] = [];
@@ -60,14 +60,14 @@ function trial(most = Infinity): Trial {
     return { player: new Player(app, film), film, asked, drawn, settled: () => settled, store, fail };
 }
 
-// Until all has come that comes by itself.
+// Until all automatic requests have finished.
 const idle = () => new Promise((done) => setImmediate(done));
 
-// The clock, which stands still until a test sets it.
+// The clock, which a test sets.
 let clock = 0; // [ms]
 performance.now = () => clock;
 
-// Frames of the browser, drawn by hand.
+// Animation frames of the browser, triggered by hand.
 function playing(): { next(): void } {
     const waiting: (() => void)[] = [];
     globalThis.requestAnimationFrame = (then) => waiting.push(() => then(clock));
@@ -80,7 +80,7 @@ test("the first moment is drawn whole and the next ones are patches of it", asyn
     await idle();
     player.seek(0.2);
     await idle();
-    player.seek(0.1); // is here already
+    player.seek(0.1); // is already available
     await idle();
     assert.deepEqual(asked, [0.1, 0.2]);
     assert.deepEqual(drawn.map(({ header }) => header.kind), ["surface", "patch", "patch"]);
@@ -113,7 +113,7 @@ test("a film that plays fetches what comes next, once", async () => {
     next();
     await idle();
     assert.deepEqual([...asked].sort(), [0, 0.1, 0.2, 0.3, 0.4]);
-    assert.deepEqual(asked.slice(0, 3), [0.3, 0.4, 0]); // ahead, and once around
+    assert.deepEqual(asked.slice(0, 3), [0.3, 0.4, 0]); // the following frames, with wrap-around
     assert.equal(player.fetched.peek(), 5);
 });
 
@@ -123,7 +123,7 @@ test("a film that plays shows the newest frame that is here", async () => {
     film.value = { ...kFilm, duration: 9 };
     player.play();
     await idle();
-    next(); // frame 0 is here, and the next one
+    next(); // frame 0 and the next one are available
     await idle();
     clock += 550;
     next(); // frame 5 would be shown
@@ -174,7 +174,7 @@ test("the eye of a picture is that of the view", () => {
     assert.deepEqual([rounded(eye), rounded(target), rounded(up), field_of_view], [[3, -4, 2], [3, -3, 2], [0, 0, 1], 40]);
     const flat = new THREE.OrthographicCamera(-3, 3, 2, -2);
     assert.equal(eyeOf(flat).parallel, 4);
-    const { azimuth, sun_azimuth, sun_elevation } = sunOptions(12, 0); // the middle of the day: in the south, at 60 degrees
+    const { azimuth, sun_azimuth, sun_elevation } = sunOptions(12, 0); // noon: in the south, at 60 degrees
     assert.deepEqual([azimuth, sun_azimuth, Math.round(sun_elevation)], [0, -90, 60]);
 });
 

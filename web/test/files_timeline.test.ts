@@ -33,11 +33,11 @@ test("keys are read and written as files of them have them", () => {
     assert.deepEqual(readKeys(keysText(keyed.keys)), keyed.keys);
     assert.deepEqual(readKeys("2:"), [{ time: 2, easing: "smooth", edits: "rest" }]);
     assert.throws(() => readKeys("0: rest\nsoon: rest"), /Line 2/);
-    assert.throws(() => readKeys("1 bouncing: rest"), /no key/);
+    assert.throws(() => readKeys("1 bouncing: rest"), /not a key/);
 });
 
 test("keys have one frame more than the wind, whose end is its beginning", () => {
-    assert.equal(frameCount(keyed), 19); // 1.5 s at 12, and the last moment
+    assert.equal(frameCount(keyed), 19); // 1.5 s at 12, and the last frame
     assert.equal(frameCount({ ...keyed, wind: kFirstFilm.wind }), 18);
     assert.equal(frameCount({ ...keyed, grow: true, duration: 2 }), 24);
     assert.equal(frameAt(keyed, 99), 18);
@@ -48,10 +48,10 @@ test("keys have one frame more than the wind, whose end is its beginning", () =>
 });
 
 test("keys lie on frames, and no two on one", () => {
-    assert.equal(freeTime(keyed, 0.26), 0.333); // 3 of 12 is taken, 4 is next
+    assert.equal(freeTime(keyed, 0.26), 0.333); // 3 of 12 is occupied, 4 is next
     assert.equal(freeTime(keyed, 0.26, keyed.keys[1]), 0.25);
     assert.equal(freeTime(keyed, -3), 0.083);
-    assert.equal(freeTime(keyed, 9), 1.417); // the last frame, 18, is taken
+    assert.equal(freeTime(keyed, 9), 1.417); // the last frame, 18, is occupied
     const key = { time: 1, easing: "in" as const, edits: "rest" };
     const more = withKey(keyed, key);
     assert.deepEqual(more.keys.map(({ time }) => time), [0, 0.25, 1, 1.5]);

@@ -1,4 +1,4 @@
-// Growth without a browser: values to begin with, sliders, balls, lines of cards, and what is kept of growth that was stopped.
+// Growth without a browser: initial values, sliders, balls, lines of cards, and the result of a stopped growth.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { type App, EngineError, type Geometry } from "../src/app";
@@ -69,7 +69,7 @@ function points(...at: [number, number, number][]): Geometry {
 
 test("a ball counts what lies in it, at the origin of the blob too", () => {
     const position = [0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 3];
-    assert.equal(countWithin(position, [0, 0, 0], [0, 0, 0], 2), 2); // the one at 2 lies on it, not in it
+    assert.equal(countWithin(position, [0, 0, 0], [0, 0, 0], 2), 2); // the one at 2 is on it, not inside
     assert.equal(countWithin(position, [0, 0, 0], [0, 0, 0], 2.01), 3);
     assert.equal(countWithin(position, [10, 0, 0], [10, 0, 0], 1.5), 2);
     assert.equal(countWithin(position, [10, 0, 0], [0, 0, 0], 1.5), 0);
@@ -97,10 +97,10 @@ test("radii suit the distance of the points", () => {
     assert.ok(Math.abs(spacing - Math.cbrt((Math.PI * 36) / 2000)) < 1e-9); // a ball of radius 3 has 36 pi cubic metres
     const values = growthValues(bounds, 2000);
     const [influence, kill, step] = ["influence_radius", "kill_radius", "step"].map((name) => Number(values[name][0]));
-    assert.ok(step < kill && kill < influence); // what grow asks for
+    assert.ok(step < kill && kill < influence); // order required by grow
     assert.equal(influence, rounded(4 * spacing));
     assert.deepEqual(values.root, ["0,0,0"]); // on the ground
-    assert.deepEqual(rootBelow([-1, -1, -1, 1, 1, 1]), [0, 0, -1]); // a crown that reaches into it: at its foot
+    assert.deepEqual(rootBelow([-1, -1, -1, 1, 1, 1]), [0, 0, -1]); // a crown that extends below the ground: at its base
     assert.deepEqual(rootBelow([1, 2, 4, 3, 4, 6]), [2, 3, 0]);
 });
 
@@ -117,7 +117,7 @@ test("sliders go there and back, by powers of ten where ranges are wide", () => 
     assert.equal(share.toValue(share.toStep(0.37)), 0.37);
     assert.equal(share.toValue(0), 0);
     assert.equal(share.toValue(share.steps), 1);
-    const part = sliderOf(argument("tolerance", { low: 0, high: 100 }), 0.5); // an even one would begin with steps of 0.5
+    const part = sliderOf(argument("tolerance", { low: 0, high: 100 }), 0.5); // a linear one would begin with steps of 0.5
     assert.ok(part);
     assert.equal(part.toValue(0), 0);
     assert.ok(part.toValue(part.steps) === 10 && part.toValue(5) < 0.05);
@@ -171,10 +171,10 @@ test("the statement that made an object is found behind those that changed it", 
     const marks: SceneObject = { ...tree, kind: "points", name: "marks", statement: 1 };
     assert.deepEqual(makerOf(document, [kGrow, kGenerate], marks, ["pointset generate"])?.values.pattern, ["uniform"]);
     assert.equal(makerOf(document, [kGrow, kGenerate], { ...tree, name: "other" }, ["grow"]), null);
-    assert.deepEqual(targetOf(kGenerate, { solid: ["crown"] }), { kind: "points", name: "crown" }); // points are called as their solid
+    assert.deepEqual(targetOf(kGenerate, { solid: ["crown"] }), { kind: "points", name: "crown" }); // points have the name of their solid
 });
 
-// An engine that keeps what it was asked.
+// An engine that records its requests.
 function pageWith(document: State, run?: (text: string) => Promise<void>) {
     const store = createStore();
     store.schema.value = [kGrow, kGenerate, kThin];
@@ -233,8 +233,8 @@ test("a card shows its line, runs it once, and from then on writes it anew", asy
     card.set("step", ["0.4"], true);
     await new Promise((resolve) => setTimeout(resolve));
     assert.ok(asked.includes("text sphere crown; pointset generate crown; grow tree crown step=0.4; radii tree"));
-    assert.equal(store.state.peek().statements.length, 4); // none more
-    card.set("step", ["0.1"], true); // its default needs no word
+    assert.equal(store.state.peek().statements.length, 4); // no further statements
+    card.set("step", ["0.1"], true); // its default requires no word
     await new Promise((resolve) => setTimeout(resolve));
     assert.equal(store.state.peek().statements[2].text, "grow tree crown");
 });
@@ -279,7 +279,7 @@ test("growth that is stopped is shown as far as it came, and kept by one option"
     stop(new EngineError("stopped", "cancelled"));
     assert.equal(await done, false);
     assert.equal(watch.now.peek()?.phase, "stopped");
-    assert.ok(store.keepsGrown.peek()); // it is still in the picture
+    assert.ok(store.keepsGrown.peek()); // it is still in the view
     watch.keep(card);
     await new Promise((resolve) => setTimeout(resolve));
     assert.ok(asked.includes("run grow tree crown step=0.2 max_iterations=31\nradii tree"));
@@ -302,7 +302,7 @@ test("a newer value ends the growth that runs, and comments stay", async () => {
     card.set("step", ["0.5"], true); // while the other grows
     await new Promise((resolve) => setImmediate(resolve));
     assert.equal(store.state.peek().statements[1].text, "grow tree crown step=0.5 # slow");
-    assert.equal(watch.now.peek(), null); // nobody is asked whether to keep it
+    assert.equal(watch.now.peek(), null); // the user does not have to decide about it
     card.set("step", ["0.5"], true);
     assert.equal(card.line, "grow tree crown step=0.5 # slow");
     assert.equal(asked.filter((one) => one.startsWith("text")).length, 2);
@@ -315,8 +315,8 @@ test("growth that was stopped can be thrown away, and what was refused is said",
     const watch = new GrowthWatch(app);
     const card = growCard(app, watch);
     assert.equal(await card.run(), false);
-    assert.equal(watch.now.peek(), null); // nothing had grown
-    assert.match(store.messages.peek().at(-1)?.text ?? "", /Nothing had grown/);
+    assert.equal(watch.now.peek(), null); // no result yet
+    assert.match(store.messages.peek().at(-1)?.text ?? "", /before the tree had grown/);
     card.set("step", ["0.9"], false);
     await card.run();
     assert.equal(card.trouble.peek(), "kill_radius has to be a step at least");
@@ -331,7 +331,7 @@ test("of what has grown so far the newest is asked for, and what is gone is no t
         turns.shift()?.();
         await new Promise((done) => setImmediate(done));
     };
-    const grown = new Grown(engine as unknown as App["engine"], () => assert.fail("nothing is drawn"), () => new Promise((done) => turns.push(() => done(undefined))));
+    const grown = new Grown(engine as unknown as App["engine"], () => assert.fail("no result is drawn"), () => new Promise((done) => turns.push(() => done(undefined))));
     for (const key of ["a", "b", "c"]) {
         grown.show(key, kDark);
     }
@@ -340,7 +340,7 @@ test("of what has grown so far the newest is asked for, and what is gone is no t
     grown.show("d", kDark);
     grown.clear();
     await next();
-    assert.deepEqual(asked, ["c"], "growth has ended before it was asked for");
+    assert.deepEqual(asked, ["c"], "growth ended before it was requested");
     grown.show("e", kDark);
     await next();
     assert.deepEqual(asked, ["c", "e"]);

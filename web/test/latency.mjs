@@ -1,14 +1,14 @@
-// What the page of the studio takes: COPPICE=build/release/bin/coppice node web/test/latency.mjs TREE.swc
-// From the start of the program until the page can be used; from each picture of a drag until it is drawn, beside an echo on the
-// same connection; and what the page's heap grows by over a thousand of them.
+// Latency and memory of the page of the studio: COPPICE=build/release/bin/coppice node web/test/latency.mjs TREE.swc
+// Time from the start of the program until the page is usable; from each preview of a drag until it is drawn, compared with an
+// echo on the same connection; and the growth of the heap of the page over a thousand previews.
 import { readFile } from "node:fs/promises";
 import { endBrowser, openPage, runLines, settled, startBrowser, startStudio } from "./browser/browser.mjs";
 
 const kWarm = 100;
 const kDrags = 1000;
-const kHung = 500; // nodes that hang on what is dragged
+const kHung = 500; // number of descendants of the dragged node
 
-/** The number of the node that about so many hang on, of a file whose nodes come in order. */
+/** The node with about this number of descendants, in a file with sorted nodes. */
 function nodeWith(text, wanted) {
     const parents = text.split("\n").filter((line) => /^\s*\d/.test(line)).map((line) => Number(line.trim().split(/\s+/)[6]));
     const sizes = parents.map(() => 1);
@@ -35,7 +35,7 @@ await runLines(page, "loadtree tree tree.swc");
 await page.evaluate(() => globalThis.coppice.view.frame());
 await settled(page);
 
-/** [ms] of so many drags: until the engine answered and the next picture came. */
+/** [ms] of a number of drags: until the engine responded and until the next frame. */
 const drag = (count) => page.evaluate(async ([id, most]) => {
     const { engine } = globalThis.coppice;
     const frame = () => new Promise((resolve) => requestAnimationFrame(resolve));

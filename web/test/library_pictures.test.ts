@@ -39,7 +39,7 @@ test("steps that nobody sees are joined, and tips are always drawn", () => {
     const moves = made.strokes.map(({ path }) => path.split("M").length - 1).reduce((a, b) => a + b, 0);
     assert.ok(moves <= 167 && moves >= 100, String(moves)); // 100 px in steps of 0.6 px at least
     assert.ok(made.strokes.some(({ path }) => path.endsWith("L54 4"))); // the tip at the top
-    assert.equal(silhouetteOf(skeleton([1, 1, 1], [0.1], [kNone]), 108).strokes.length, 0); // one node: nothing to draw, no trouble
+    assert.equal(silhouetteOf(skeleton([1, 1, 1], [0.1], [kNone]), 108).strokes.length, 0); // one node: no strokes, and no error
 });
 
 function branch(number: number, fields: Partial<Branch> = {}): Branch {
@@ -56,7 +56,7 @@ test("filters hold together, and orders put the longest first", () => {
     assert.deepEqual(numbers({ tag: "oak", least: 2 }), [2]);
     assert.deepEqual(numbers({ most: 2 }), [1, 2]);
     assert.deepEqual(tagsOf(all), ["low", "oak"]);
-    assert.deepEqual(filterValues({ ...kAll, tag: "oak", least: 2 }), { tag: ["oak"], least_length: ["2"] });
+    assert.deepEqual(filterValues({ ...kAll, tag: "oak", least: 2 }), { tag: ["oak"], min_tree_length: ["2"] });
     assert.deepEqual(filterValues(kAll), {});
 });
 
@@ -85,7 +85,7 @@ test("where a segment begins the host is the node before", () => {
     const tree = new Skeleton([0, 0, 0, 0, 0, 1], [0.1, 0.1], [kNone, 0], [0, 1]);
     assert.deepEqual(hostAt(tree, 1, 0.004), { n: 0, along: 1 });
     assert.deepEqual(hostAt(tree, 1, 0.3), { n: 1, along: 0.3 });
-    assert.deepEqual(hostAt(tree, 0, 0), { n: 0, along: 0 }); // a root has none before
+    assert.deepEqual(hostAt(tree, 0, 0), { n: 0, along: 0 }); // a root has no previous node
 });
 
 test("a branch of the library begins behind a fork, wherever it was picked", () => {

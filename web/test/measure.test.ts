@@ -1,4 +1,4 @@
-// What picked points measure, in words.
+// Measures of picked points as text.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { angleAt, degreesText, type Measure, measureText, radiusBeside, spotText } from "../src/tools/measure_text";
@@ -25,5 +25,5 @@ test("the radius beside a segment is between those of its ends", () => {
     assert.equal(radius(0), 0.2);
     assert.equal(radius(9), 0.1);
     assert.ok(Math.abs(radius(2) - 0.15) < 1e-12);
-    assert.equal(radiusBeside([0, 0, 0], [1, 1, 1], [1, 1, 1], [0.2, 0.1]), 0.1); // a segment without length
+    assert.equal(radiusBeside([0, 0, 0], [1, 1, 1], [1, 1, 1], [0.2, 0.1]), 0.1); // a segment of length zero
 });

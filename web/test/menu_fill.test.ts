@@ -1,4 +1,4 @@
-// Menu items: how they are grouped, and what is put into their lines.
+// Menu items: their groups, and the text inserted into their lines.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { answerTrouble, argumentsOf, filled, kindsWanted, partsOf } from "../src/panels/menu/fill";

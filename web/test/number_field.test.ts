@@ -1,4 +1,4 @@
-// Numbers as they are typed into fields.
+// Numbers as typed into fields.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { computed, readNumber } from "../src/script/arithmetic";
@@ -24,8 +24,8 @@ test("what is no number, or none that is taken, is refused in a sentence", () =>
     assert.deepEqual(readNumber("0/0"), { trouble: '"0/0" is not a number.' });
     assert.deepEqual(readNumber("abc"), { trouble: '"abc" is not a number.' });
     assert.deepEqual(readNumber("x".repeat(99)), { trouble: `"${"x".repeat(24)}…" is not a number.` });
-    assert.deepEqual(readNumber("3", { low: 0, high: 2 }), { trouble: 'This takes a number from 0 to 2, not "3".' });
-    assert.deepEqual(readNumber("-1", { low: 0 }), { trouble: 'This takes a number of at least 0, not "-1".' });
-    assert.deepEqual(readNumber("5/2", { whole: true }), { trouble: 'This takes a whole number, not "5/2".' });
+    assert.deepEqual(readNumber("3", { low: 0, high: 2 }), { trouble: 'Enter a number from 0 to 2, not "3".' });
+    assert.deepEqual(readNumber("-1", { low: 0 }), { trouble: 'Enter a number of at least 0, not "-1".' });
+    assert.deepEqual(readNumber("5/2", { whole: true }), { trouble: 'Enter a whole number, not "5/2".' });
     assert.deepEqual(readNumber("5/2*2", { whole: true }), { value: 5 });
 });

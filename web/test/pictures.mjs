@@ -1,4 +1,4 @@
-// The pictures of docs/user/studio.md: COPPICE=build/release/bin/coppice node web/test/pictures.mjs docs/pictures
+// The images of docs/user/studio.md: COPPICE=build/release/bin/coppice node web/test/pictures.mjs docs/pictures
 import { writeFile } from "node:fs/promises";
 import { join } from "node:path";
 import { PNG } from "pngjs";
@@ -26,14 +26,14 @@ const folder = process.argv[2];
 await startBrowser();
 const studio = await startStudio();
 
-/** Fewer shades, which nobody sees and which take half the bytes. */
+/** Fewer shades: invisible, and half the size. */
 function coarsened(bytes) {
     const picture = PNG.sync.read(bytes);
     picture.data.forEach((value, i) => (picture.data[i] = Math.min(255, Math.round(value / 6) * 6)));
     return PNG.sync.write(picture, { colorType: 2, deflateLevel: 9 });
 }
 
-/** A tab of its own with these lines: what it shows in the end, or what is right of the tools in its 3D view, is the picture. */
+/** Creates a picture of a tab with these lines: of its final state, or of the area right of the tools in its 3D view. */
 async function draw(name, lines, show, isWhole = false) {
     const page = await openPage(studio, { viewport: { width: 1200, height: 760 }, colorScheme: "dark", reducedMotion: "reduce" });
     await page.evaluate(() => globalThis.coppice.engine.request("open", { file: "" }));

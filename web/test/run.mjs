@@ -1,4 +1,4 @@
-// Runs the unit tests: each test/*.test.ts becomes a bundle, and node:test runs those. Arguments are parts of names.
+// Runs the unit tests: each test/*.test.ts is bundled, and run by node:test. Arguments are parts of file names.
 import { spawnSync } from "node:child_process";
 import { mkdtemp, readdir, rm } from "node:fs/promises";
 import { tmpdir } from "node:os";
@@ -11,7 +11,7 @@ const wanted = process.argv.slice(2);
 const files = await readdir(here, { recursive: true });
 const tests = files.filter((name) => name.endsWith(".test.ts") && (wanted.length === 0 || wanted.some((part) => name.includes(part))));
 if (tests.length === 0) {
-    console.error("No unit test has such a name.");
+    console.error("No unit test has this name.");
     process.exit(1);
 }
 const folder = await mkdtemp(join(tmpdir(), "coppice-web-"));

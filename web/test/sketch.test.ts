@@ -1,4 +1,4 @@
-// Sketches without a browser: strokes, branches and views, and where things are on the screen.
+// Sketches without a browser: strokes, branches and views, and positions on the screen.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { kindOf, ofKind, rowsOf, rowsText } from "../src/sketch/forms";

@@ -1,4 +1,4 @@
-// What the page keeps of the document.
+// State of the document in the page.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { ObjectName, SceneObject } from "../src/protocol";
@@ -15,7 +15,7 @@ test("objects are hidden as long as the one exists that replaces them", () => {
     const store = createStore();
     const hidden = () => [...store.hidden.peek()].sort();
     store.state.value = withObjects(...kParts);
-    store.hideFor(kParts, kWhole); // the answer may come before the state
+    store.hideFor(kParts, kWhole); // the response may arrive before the state
     assert.deepEqual(hidden(), ["solid:a", "solid:b"]);
     store.state.value = withObjects(...kParts, kWhole);
     assert.deepEqual(hidden(), ["solid:a", "solid:b"]);

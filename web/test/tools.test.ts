@@ -1,4 +1,4 @@
-// Gestures without a browser: what a drag and typed numbers come to, and how lines read.
+// Gestures without a browser: results of drags and typed numbers, and the lines for them.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { bendTo, bentTip, leverOf } from "../src/tools/branch/bend_angle";
@@ -107,14 +107,14 @@ test("drags become changes", () => {
 });
 
 test("rings turn as they are dragged, seen from their face or from their edge", () => {
-    const into: Point = [0, 1, 0]; // the eye looks along Y from y = -10
+    const into: Point = [0, 1, 0]; // the camera looks along Y from y = -10
     const ray = (x: number, z: number) => ({ origin: [x, -10, z] as Point, direction: into });
     const turn = (axis: Point, from: [number, number], to: [number, number]) =>
         turnAbout(axis, [0, 0, 0], ray(...from), ray(...to), into, 2);
-    // To the eye Y points away: from the right to the top is clockwise about it, and so -90 degrees.
+    // Seen from the camera Y points away: from the right to the top is clockwise about it, and so -90 degrees.
     assert.ok(Math.abs(turn([0, 1, 0], [1, 0], [0, 1]) + 90) < 1e-9);
     assert.ok(Math.abs(turn([0, -1, 0], [1, 0], [0, 1]) - 90) < 1e-9);
-    // The ring about Z is seen on its edge; its near side goes to the right, 1 m of a circle with 2 m radius.
+    // The ring about Z is seen edge-on; its near side moves to the right, 1 m of a circle with 2 m radius.
     assert.ok(Math.abs(turn([0, 0, 1], [0, 0], [1, 0]) - (0.5 * 180) / Math.PI) < 1e-9);
 });
 
@@ -175,7 +175,7 @@ test("an axis bends so that its tip comes to the hand", () => {
             const found = bendTo(chain, tip);
             const again = bentTip(chain, normalized(cross(first, found.towards)), (found.degrees * Math.PI) / 180);
             assert.ok(distance(again, tip) < 0.03, `${degrees} towards ${towards}: ${distance(again, tip)}`);
-            assert.ok(Math.abs(found.degrees - degrees) < 3, `${found.degrees} in place of ${degrees}`);
+            assert.ok(Math.abs(found.degrees - degrees) < 3, `${found.degrees} instead of ${degrees}`);
         }
     }
 });
@@ -184,9 +184,9 @@ test("an axis bends so that what is held of it comes to the hand", () => {
     const chain: Point[] = Array.from({ length: 11 }, (_, i) => [0, 0, i / 10]);
     const middle = bentTip(chain, [0, 1, 0], Math.PI / 3, 5);
     const found = bendTo(chain, middle, 5);
-    // Towards where it went, which is not quite X: so the plane is the same, and the angle too.
+    // The direction of the drag is not exactly X, but the plane and the angle are the same.
     assert.ok(Math.abs(found.degrees - 60) < 0.1, `${found.degrees}`);
-    // 0.3 of the length is the least lever: its third edge.
+    // 0.3 of the length is the minimum lever: its third edge.
     assert.deepEqual([leverOf(chain, 1), leverOf(chain, 7)], [3, 7]);
 });
 
@@ -241,7 +241,7 @@ test("a fast brush leaves nothing out on its way", () => {
 });
 
 test("a stroke takes the depth of the branches around", () => {
-    // The same stem, and a bough 3 m behind it to the right, where the stroke goes.
+    // The same stem, and a bough 3 m behind it to the right, in the direction of the stroke.
     const position = [0, 0, 0, 0, 0, 1, 0, 0, 2, 3, 3, 2, 4, 3, 2];
     const tree = new Skeleton(position, [0.1, 0.1, 0.1, 0.05, 0.05], [kNone, 0, 1, 2, 3], [0, 1, 2, 3, 4]);
     const stroke: [number, number][] = Array.from({ length: 40 }, (_, i) => [i * 10, -150 - i]);

@@ -21,7 +21,7 @@ struct AnimateFlags {
     ReadSkeletonOptions read;
 };
 
-/// What is refused here is wrong on the command line.
+/// Converts errors of the library caused by the command line to UsageError.
 template <class Work>
 auto as_usage(const Work& work) {
     try {
@@ -42,7 +42,7 @@ void check_flags(const AnimateFlags& flags) {
     for (const auto& output : flags.outputs) check_output_folder(output);
 }
 
-/// The keys of the file and of the command line; none where there are none.
+/// Returns the keys of the file and of the command line; nullopt if there are none.
 std::optional<Keyframes> load_keys(Run& run, const AnimateFlags& flags, const Skeleton& tree) {
     std::string text, source = "--key";
     if (!flags.keys.empty()) {
@@ -60,37 +60,37 @@ FrameSinks open_sinks(const AnimateFlags& flags, const FrameSeries& series) {
     return sinks;
 }
 
-Figures figures_of_held(const HeldFrame& held) {
+Figures to_figures(const FrozenFrame& frozen) {
     Figures out;
-    out["frame"] = held.frame;
-    out["time"] = held.time;
-    out["held_nodes"] = held.nodes;
-    out["whole_tree"] = held.whole_tree;
-    out["folded"] = held.folded;
-    out["crossings"] = held.crossings;
+    out["frame"] = frozen.frame;
+    out["time"] = frozen.time;
+    out["frozen_nodes"] = frozen.nodes;
+    out["whole_tree"] = frozen.whole_tree;
+    out["folded"] = frozen.folded;
+    out["crossings"] = frozen.crossings;
     return out;
 }
 
 void count(Figures& counts, const MotionReport& report) {
-    counts["frames_held"] = report.held;
-    counts["frames_wholly_held"] = report.wholly_held;
+    counts["frames_frozen"] = report.frozen;
+    counts["frames_wholly_frozen"] = report.wholly_frozen;
     counts["folds_avoided"] = report.folded;
     counts["crossings_avoided"] = report.crossings;
     counts["not_converged"] = report.not_converged;
     if (report.first.empty()) return;
-    Figure::List held;
-    for (const HeldFrame& frame : report.first) held.emplace_back(figures_of_held(frame));
-    counts["held"] = held;
+    Figure::List frozen;
+    for (const FrozenFrame& frame : report.first) frozen.emplace_back(to_figures(frame));
+    counts["frozen"] = frozen;
 }
 
-/// One surface for all frames.
+/// Deforms one surface for all frames.
 ExitCode animate_motion(Run& run, const AnimateFlags& flags, const Skeleton& tree) {
     std::optional<Keyframes> keys = load_keys(run, flags, tree);
     const Motion motion = as_usage([&] { return Motion(tree, std::move(keys), flags.how); });
     const std::size_t count_of_frames = motion.frames();
-    CarriedMesh mesh =
-        run.stage("mesh", [&](const Context& ctx) { return CarriedMesh(tree, flags.how.mesh, ctx); });
-    const FrameSeries series = series_of(mesh, motion, flags.how);
+    SkinnedMesh mesh =
+        run.stage("mesh", [&](const Context& ctx) { return SkinnedMesh(tree, flags.how.mesh, ctx); });
+    const FrameSeries series = make_series(mesh, motion, flags.how);
     const FrameSinks sinks = open_sinks(flags, series);
     const MotionReport report =
         run.stage("frames", [&](const Context& ctx) { return make_frames(mesh, motion, sinks, ctx); });
@@ -101,17 +101,17 @@ ExitCode animate_motion(Run& run, const AnimateFlags& flags, const Skeleton& tre
     run.counts()["seconds_per_frame"] = report.carrying / static_cast<double>(count_of_frames);
     count(run.counts(), report);
     run.finish(fmt::format("{}: {}", flags.tree.string(),
-                           text_of(report, count_of_frames, series.rest->quads.size())));
+                           to_text(report, count_of_frames, series.rest->quads.size())));
     return kDone;
 }
 
-/// A surface of its own for each frame.
+/// Computes a new surface for each frame.
 ExitCode animate_growth(Run& run, const AnimateFlags& flags, const Skeleton& tree) {
     const GrowthFrames frames = as_usage([&] { return growth_frames(flags.how.run); });
     const MeshResult last =
         run.stage("mesh", [&](const Context& ctx) { return mesh_skeleton(tree, flags.how.mesh, ctx); });
     const QuadMesh& surface = last.quads().mesh;
-    const FrameSinks sinks = open_sinks(flags, series_of(surface, frames, flags.how));
+    const FrameSinks sinks = open_sinks(flags, make_series(surface, frames, flags.how));
     const std::uint64_t crossings = run.stage(
         "frames", [&](const Context& ctx) { return make_frames(tree, frames, flags.how, sinks, ctx); });
     count_surface(run, last);
@@ -129,7 +129,7 @@ ExitCode animate(Run& run, const AnimateFlags& flags) {
                           : animate_motion(run, flags, file.skeleton);
 }
 
-/// The surface beside pictures and keys.
+/// Names of the options of the surface, next to those of images and keys.
 FlagNames animated_surface_flag_names() {
     FlagNames surface = surface_flag_names();
     surface.names.insert(surface.names.end(), {{"field.width", "--field-width"}});
@@ -142,18 +142,18 @@ FlagNames animated_surface_flag_names() {
 Command animate_command() {
     const auto flags = std::make_shared<AnimateFlags>();
     OptionList options;
-    options.file("tree", "TREE", flags->tree, "Skeleton to animate");
+    options.file("tree", "TREE", flags->tree, "Skeleton to animate.");
     options.outputs("-o,--output", "FRAMES", flags->outputs,
                     "Animation to write: .gif, .mp4 (by ffmpeg), .glb, .usda, or one file per frame: .png, "
-                    ".ply, .obj, .stl (NAME_0000.png); may be repeated");
+                    ".ply, .obj, .stl (NAME_0000.png); may be repeated.");
     options.file("--keys", "FILE", flags->keys,
                  "File of keys, one per line: seconds, an optional easing, a colon and edits, as in 2 out: "
-                 "bend near(0,0,3) 20");
+                 "bend near(0,0,3) 20.");
     options.files("--key", "KEY", flags->more_keys,
-                  "One key as text, added after those of --keys; may be repeated");
-    options.may_replace("--output", "tree");  // the frames are numbered
+                  "One key as text, added after those of --keys; may be repeated.");
+    options.may_replace("--output", "tree");  // frames have numbered files
     options.flag("--grow", flags->how.grow,
-                 "Let the tree grow from its root, with a new surface in every frame");
+                 "Let the tree grow from its root, with a new surface in every frame.");
     options.fields(flags->how.run, "Time");
     options.fields(flags->how.growing, "Growth", {.prefix = "grow"});
     options.fields(flags->how.wind, "Wind", {.prefix = "wind"});
@@ -161,7 +161,7 @@ Command animate_command() {
     options.fields(flags->how.picture, "Picture",
                    {.common = MemberNames{"width", "height", "azimuth", "elevation"}});
     options.fields(flags->read, "Reading the skeleton", {.common = MemberNames{}});
-    return {"animate", "Animate a tree by keys, wind or growth", options,
+    return {"animate", "Animate a tree by keys, wind or growth.", options,
             [flags](Run& run, const GivenOptions&) { return animate(run, *flags); }};
 }
 

@@ -19,10 +19,9 @@ std::vector<double> rising_numbers(const std::filesystem::path& list, std::strin
         const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
         const bool rises = number > (out.empty() ? 0 : out.back()) && std::isfinite(number);
         if (error != std::errc{} || end != word.data() + word.size() || !rises)
-            throw UsageError(
-                fmt::format("{} takes numbers above 0 that rise, with commas between them, as in "
-                            "0.01,0.05,0.1, and not {}",
-                            option, quote(list.string())));
+            throw UsageError(fmt::format(
+                "{} takes ascending numbers above 0 separated by commas, as in 0.01,0.05,0.1, and not {}",
+                option, quote(list.string())));
         out.push_back(number);
     }
     return out;
@@ -32,12 +31,12 @@ std::vector<double> ArchitectureFlags::limits() const { return rising_numbers(di
 
 void add_architecture_options(OptionList& options, ArchitectureFlags& flags) {
     options.file("--diameters", "LIST", flags.diameters,
-                 "Limits of the diameter classes, in the units of the files, as in 0.01,0.05,0.1");
-    options.value(
-        {common_field("sholl_step",
-                      "Distance between the spheres of the Sholl analysis; 0 takes 1 % of the reach",
-                      Unit::metre, 0, 1e9),
-         &flags.sholl_step});
+                 "Limits of the diameter classes, in the units of the files, as in 0.01,0.05,0.1.");
+    options.value({common_field("sholl_step",
+                                "Distance between the spheres of the Sholl analysis; 0 uses 1 % of the "
+                                "greatest distance from the root.",
+                                Unit::metre, 0, 1e9),
+                   &flags.sholl_step});
 }
 
 }  // namespace coppice::cli

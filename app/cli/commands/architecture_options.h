@@ -8,16 +8,17 @@
 
 namespace coppice::cli {
 
-/// The numbers of a list such as 0.01,0.05, none of an empty one. Throws UsageError where it is none, or does
-/// not rise from above 0.
+/// Returns the numbers of a list such as 0.01,0.05; an empty list has none. Throws UsageError if the list is
+/// invalid, or not ascending from above 0.
 std::vector<double> rising_numbers(const std::filesystem::path& list, std::string_view option);
 
-/// How the architecture of a skeleton is counted, for tables and charts alike.
+/// Options of the architecture of a skeleton, for tables and charts.
 struct ArchitectureFlags {
-    std::filesystem::path diameters = "0.01,0.02,0.05,0.1,0.2,0.5";  ///< a list, no file
+    std::filesystem::path diameters = "0.01,0.02,0.05,0.1,0.2,0.5";  ///< a list, not a file
     float sholl_step = 0;
 
-    /// Between classes of diameter. Throws UsageError where the list is none, or does not rise from above 0.
+    /// Limits between diameter classes. Throws UsageError if the list is invalid, or not ascending from above
+    /// 0.
     std::vector<double> limits() const;
 };
 

@@ -16,9 +16,9 @@
 
 namespace coppice::cli {
 
-/// What a chart shows.
+/// Kinds of charts.
 enum class ChartKind { taper, orders, diameters, sholl };
-/// What bars say of orders and classes.
+/// Quantity shown by the bars of orders and diameter classes.
 enum class ChartOf { length, volume };
 
 }  // namespace coppice::cli
@@ -54,12 +54,12 @@ ChartKind kind_of_chart(const ChartFlags& flags) {
     const auto found = std::ranges::find(kNames, flags.kind.string());
     if (found == kNames.end() || flags.files.empty() || flags.output.empty())
         throw UsageError(
-            fmt::format("say what to draw, and name the files: coppice chart {} FILES... -o CHART.svg",
+            fmt::format("choose a chart, and name the files: coppice chart {} FILES... -o CHART.svg",
                         fmt::join(kNames, "|")));
     return static_cast<ChartKind>(found - kNames.begin());
 }
 
-/// Diameters along the stem; of several trees the one that is highest.
+/// Adds the diameters along the stem; of several trees, those of the highest one.
 void add_taper(ChartSeries& series, std::span<const StemForm> forms) {
     const StemForm& form = *std::ranges::max_element(forms, {}, &StemForm::height);
     for (const StemDiameter& d : form.taper) series.values.emplace_back(d.height, d.diameter);
@@ -67,7 +67,7 @@ void add_taper(ChartSeries& series, std::span<const StemForm> forms) {
 
 double shown(const auto& part, ChartOf of) { return of == ChartOf::length ? part.length : part.volume; }
 
-/// What the chart shows of one skeleton.
+/// Adds the values of one skeleton.
 void add_values(ChartSeries& series, const SkeletonFile& file, ChartKind kind, std::span<const double> limits,
                 const ChartFlags& flags) {
     const Skeleton& s = file.skeleton;
@@ -78,7 +78,7 @@ void add_values(ChartSeries& series, const SkeletonFile& file, ChartKind kind, s
         case ChartKind::taper:
             return add_taper(series, stem_forms(s));
         case ChartKind::orders: {
-            const NodeAxes axes = axes_of(file);
+            const NodeAxes axes = find_axes(file);
             for (const BranchOrder& o : branch_orders(s, axes.order, axes.axis)) add(shown(o, flags.of));
             return;
         }
@@ -95,18 +95,18 @@ void add_values(ChartSeries& series, const SkeletonFile& file, ChartKind kind, s
     }
 }
 
-/// The words and categories, once the values and their unit are known.
+/// Sets the labels and categories, once the values and their unit are known.
 void label(Chart& chart, ChartKind kind, LengthUnit unit, std::span<const double> limits, ChartOf of) {
     const std::string_view u = unit == LengthUnit::um ? "\u00b5m" : name_of(unit);
-    const std::string what =
+    const std::string subject =
         of == ChartOf::length ? fmt::format("length [{}]", u) : fmt::format("volume [{}\u00b3]", u);
-    chart.y_label = what;
+    chart.y_label = subject;
     if (kind == ChartKind::taper) {
-        chart.title = "Taper of the stem";
+        chart.title = "Stem taper";
         chart.x_label = fmt::format("height [{}]", u);
         chart.y_label = fmt::format("diameter [{}]", u);
     } else if (kind == ChartKind::sholl) {
-        chart.title = "Crossings of spheres about the root";
+        chart.title = "Sholl intersections";
         chart.x_label = fmt::format("radius [{}]", u);
         chart.y_label = "crossings";
     } else if (kind == ChartKind::orders) {
@@ -116,7 +116,7 @@ void label(Chart& chart, ChartKind kind, LengthUnit unit, std::span<const double
         for (const ChartSeries& s : chart.series) most = std::max(most, s.values.size());
         for (std::size_t o = 0; o < most; ++o) chart.categories.push_back(fmt::format("{}", o));
     } else {
-        chart.title = "Classes of diameter";
+        chart.title = "Diameter classes";
         chart.x_label = fmt::format("diameter [{}]", u);
         for (const double limit : limits) chart.categories.push_back(fmt::format("< {:g}", limit));
         chart.categories.push_back(limits.empty() ? "all" : fmt::format("\u2265 {:g}", limits.back()));
@@ -126,8 +126,8 @@ void label(Chart& chart, ChartKind kind, LengthUnit unit, std::span<const double
 ExitCode chart(Run& run, const ChartFlags& flags) {
     const ChartKind kind = kind_of_chart(flags);
     if (!is_chart_name(flags.output))
-        throw UsageError(
-            fmt::format("'{}' is no name of a chart; use the ending .svg or .png", flags.output.string()));
+        throw UsageError(fmt::format("'{}' is not the name of a chart; use the extension .svg or .png",
+                                     flags.output.string()));
     check_output_folder(flags.output);
     const std::vector<double> limits = flags.architecture.limits();
     Chart chart{.width = flags.width, .height = flags.height};
@@ -147,10 +147,12 @@ ExitCode chart(Run& run, const ChartFlags& flags) {
             add_values(series, file, kind, limits, flags);
         }
         if (unit && *unit != of_file)
-            throw UsageError(fmt::format("'{}' is in {}, but the files before it in {}; say --units for all",
-                                         path.string(), name_of(of_file), name_of(*unit)));
+            throw UsageError(
+                fmt::format("'{}' is in {}, but the files before it in {}; specify --units for all",
+                            path.string(), name_of(of_file), name_of(*unit)));
         unit = of_file;
-        if (series.values.empty()) run.warn(fmt::format("{}: there is nothing of it to draw", path.string()));
+        if (series.values.empty())
+            run.warn(fmt::format("{}: it contains no values for this chart", path.string()));
         chart.series.push_back(std::move(series));
     }
     label(chart, kind, *unit, limits, flags.of);
@@ -166,20 +168,20 @@ ExitCode chart(Run& run, const ChartFlags& flags) {
 Command chart_command() {
     const auto flags = std::make_shared<ChartFlags>();
     OptionList options;
-    options.file("kind", "taper|orders|diameters|sholl", flags->kind, "Chart to draw");
+    options.file("kind", "taper|orders|diameters|sholl", flags->kind, "Kind of chart to draw.");
     options.files("files", "FILES", flags->files,
-                  "Skeletons, and for taper also points; each is one line or one set of bars");
-    options.output("-o,--output", "CHART", flags->output, "Chart to write (.svg, .png)");
-    options.value({common_field("of", "Quantity shown by the bars of orders and diameter classes"),
+                  "Skeletons, and for taper also points; each is one line or one set of bars.");
+    options.output("-o,--output", "CHART", flags->output, "Chart to write (.svg, .png).");
+    options.value({common_field("of", "Quantity shown by the bars of orders and diameter classes."),
                    choice_of(flags->of)});
     add_architecture_options(options, flags->architecture);
     options.value(
-        {common_field("width", "Width of the chart in pixels", Unit::none, 200, 16384), &flags->width});
+        {common_field("width", "Width of the image in pixels.", Unit::none, 200, 16384), &flags->width});
     options.value(
-        {common_field("height", "Height of the chart in pixels", Unit::none, 150, 16384), &flags->height});
+        {common_field("height", "Height of the image in pixels.", Unit::none, 150, 16384), &flags->height});
     options.fields(flags->read, "Reading a skeleton");
     options.fields(flags->read_points, kReadPointsGroup);
-    return {"chart", "Draw the taper of stems, axes by order, diameter classes or Sholl intersections",
+    return {"chart", "Draw the taper of stems, axes by order, diameter classes or Sholl intersections.",
             options, [flags](Run& run, const GivenOptions&) { return chart(run, *flags); }};
 }
 

@@ -28,7 +28,7 @@ struct CheckFlags {
 
 std::string torn_off(const TreePartsReport& parts, const CheckFlags& flags) {
     return fmt::format(
-        "'{}' is in {} parts, {} too many for the trees of '{}' ({}); the largest is torn off at node {}",
+        "'{}' has {} components, {} too many for the trees of '{}' ({}); the largest is torn off at node {}",
         flags.mesh.string(), grouped(parts.parts), grouped(parts.loose), flags.skeleton.string(),
         grouped(parts.trees), parts.largest.front().node.index());
 }
@@ -41,12 +41,12 @@ std::string name_of(const CrossingPlace& place) {
 }
 
 std::string crosses_itself(const SurfaceReport& report, const CheckFlags& flags) {
-    constexpr std::size_t kMostListed = 3;
+    constexpr std::size_t kMaxListed = 3;
     const CrossingPlaces& places = *report.crossing_places;
     std::string text =
-        fmt::format("'{}' crosses itself at {} place{}{}", flags.mesh.string(), grouped(places.total),
+        fmt::format("'{}' intersects itself at {} place{}{}", flags.mesh.string(), grouped(places.total),
                     places.total == 1 ? "" : "s", report.intersections->complete ? "" : " or more");
-    const std::size_t listed = std::min(kMostListed, places.largest.size());
+    const std::size_t listed = std::min(kMaxListed, places.largest.size());
     for (std::size_t k = 0; k < listed; ++k) {
         const CrossingPlace& place = places.largest[k];
         text += fmt::format("{} {} ({}{})", k == 0 ? ":" : ",", name_of(place), grouped(place.pairs),
@@ -74,8 +74,8 @@ std::string wrong_volume(const VolumeReport& volume, const CheckFlags& flags) {
                        volume.lumps.front().node.index());
 }
 
-/// What is wrong, a sentence for each fault. Where most segments are missing, nothing else is said of the
-/// skeleton.
+/// Returns one sentence for each defect. If most segments are missing, no other defect of the skeleton is
+/// reported.
 std::vector<std::string> all_faults(const SurfaceReport& report, const CheckFlags& flags) {
     std::vector<std::string> out;
     if (report.crossing_places && report.crossing_places->total > 0)
@@ -90,7 +90,7 @@ std::vector<std::string> all_faults(const SurfaceReport& report, const CheckFlag
         return out;
     }
     if (!report.is_whole()) out.push_back(torn_off(*report.parts, flags));
-    for (std::string& fault : faults_of(*report.axes)) out.push_back(std::move(fault));
+    for (std::string& fault : find_faults(*report.axes)) out.push_back(std::move(fault));
     if (!report.holds_volume()) out.push_back(wrong_volume(*report.volume, flags));
     return out;
 }
@@ -100,16 +100,16 @@ std::string_view verdict_of(const SurfaceReport& report) {
     return report.intersections ? "sound" : "watertight, crossings not checked";
 }
 
-/// Without points these would do nothing.
+/// Throws UsageError for options that have no effect without points.
 void check_cloud_options(const GivenOptions& given, const CheckFlags& flags) {
     for (const Option* option : given) {
         if (flags.cloud.empty() && option->group == kCloudGroup)
             throw UsageError(
-                fmt::format("{} needs points to measure: coppice check MESH --cloud POINTS", option->name));
+                fmt::format("{} requires points: coppice check MESH --cloud POINTS", option->name));
     }
 }
 
-/// Measures the cloud, and writes it with what was found where that is asked for.
+/// Measures the cloud; writes it with its distances if requested.
 CloudDistanceReport measure_cloud(Run& run, const PolygonMesh& mesh, PointSet cloud, const Skeleton* skeleton,
                                   const CheckFlags& flags) {
     CloudDistances found = run.stage("distances", [&](const Context& ctx) {
@@ -118,11 +118,11 @@ CloudDistanceReport measure_cloud(Run& run, const PolygonMesh& mesh, PointSet cl
     if (!flags.distances.empty()) {
         run.stage("write", [&](const Context& ctx) {
             const float range = usual_range(found.of_points);
-            PaintedPoints painted{std::move(cloud), {}, distance_colors(found.of_points, range)};
-            painted.distances = std::move(found.of_points);
+            PointCloud point_cloud{std::move(cloud), {}, distance_colors(found.of_points, range)};
+            point_cloud.distances = std::move(found.of_points);
             const std::string note =
                 fmt::format("distance in metres: blue inside, red outside, full at {:.4g}", range);
-            write_painted_points(flags.distances, painted, {.note = note}, ctx);
+            write_point_cloud(flags.distances, point_cloud, {.note = note}, ctx);
             run.counts()["full_color_m"] = range;
         });
     }
@@ -133,7 +133,7 @@ ExitCode check(Run& run, const GivenOptions& given, const CheckFlags& flags) {
     if (flags.mesh.empty())
         throw UsageError("name the mesh: coppice check MESH [--skeleton SKELETON] [--cloud POINTS]");
     check_cloud_options(given, flags);
-    if (!flags.distances.empty()) check_painted_output(flags.distances);
+    if (!flags.distances.empty()) check_cloud_output(flags.distances);
     const PolygonMesh mesh = load_mesh(run, flags.mesh, flags.read.up);
     std::optional<SkeletonFile> skeleton;
     if (!flags.skeleton.empty()) skeleton = load_skeleton(run, flags.skeleton, flags.read);
@@ -144,9 +144,9 @@ ExitCode check(Run& run, const GivenOptions& given, const CheckFlags& flags) {
         run.stage("check", [&](const Context& ctx) { return check_surface(mesh, nodes, flags.check, ctx); });
     Figures figures;
     if (skeleton) figures["units"] = std::string(name_of(skeleton->units));
-    figures["sound"] = NotChecked{"crossings"};  // unless the report knows
-    figures.append(figures_of(report));
-    if (cloud) figures.append(figures_of(measure_cloud(run, mesh, std::move(*cloud), nodes, flags)));
+    figures["sound"] = NotChecked{"crossings"};  // unless the report contains it
+    figures.append(compute_figures(report));
+    if (cloud) figures.append(compute_figures(measure_cloud(run, mesh, std::move(*cloud), nodes, flags)));
     print(flags.json ? figures_json(figures) : figures_text(figures));
     run.counts()["figures"] = figures;
     run.finish(
@@ -160,22 +160,22 @@ ExitCode check(Run& run, const GivenOptions& given, const CheckFlags& flags) {
 Command check_command() {
     const auto flags = std::make_shared<CheckFlags>();
     OptionList options;
-    options.file("mesh", "MESH", flags->mesh, "Mesh to check (.obj, .ply, .off, .stl, .glb)");
+    options.file("mesh", "MESH", flags->mesh, "Mesh to check (.obj, .ply, .off, .stl, .glb).");
     options.file("-s,--skeleton", "FILE", flags->skeleton,
-                 "Skeleton to compare the radii and the volume with");
+                 "Skeleton to compare the radii and the volume with.");
     options.file("--cloud", "POINTS", flags->cloud,
-                 "Points to compare the mesh with, in both directions (.ply, .las, .laz, .xyz, .pcd)");
-    options.flag("--json", flags->json, "Print JSON instead of a table");
+                 "Points to compare the mesh with, in both directions (.ply, .las, .laz, .xyz, .pcd).");
+    options.flag("--json", flags->json, "Print JSON instead of a table.");
     options.fields(flags->check, "Checks");
     options.output("--distances", "PLY", flags->distances,
-                   "Also write the points with their distances from the mesh as values and colours",
+                   "Also write the points with their distances from the mesh as values and colours.",
                    {.group = kCloudGroup});
     options.fields(flags->cloud_options, kCloudGroup, {.prefix = "cloud"});
     options.fields(flags->read, "Reading the skeleton");
     options.fields(flags->read_points, kReadPointsGroup);
     return {"check",
             "Check a mesh: watertight, manifold, self-intersections, face shape, radii, volume, branches and "
-            "tips; exit code 1 when something is wrong",
+            "tips; exit code 1 reports a defect.",
             options, [flags](Run& run, const GivenOptions& given) { return check(run, given, *flags); }};
 }
 

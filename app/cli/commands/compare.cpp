@@ -17,7 +17,7 @@ struct CompareFlags {
     ReadSkeletonOptions read_reference, read_found;
 };
 
-/// Figures near 0 would not say what to do about files in different units.
+/// Figures near 0 would not reveal that the files are in different units.
 void check_units(const SkeletonMatch& match, const Skeleton& reference, const Skeleton& found,
                  const CompareFlags& flags) {
     const double ratio = unit_ratio(match, reference, found);
@@ -36,7 +36,7 @@ ExitCode compare_files(Run& run, const CompareFlags& flags) {
     const SkeletonMatch match = run.stage(
         "compare", [&](const Context& ctx) { return compare(a.skeleton, b.skeleton, flags.compare, ctx); });
     check_units(match, a.skeleton, b.skeleton, flags);
-    const Figures figures = figures_of(match);
+    const Figures figures = compute_figures(match);
     print(flags.json ? figures_json(figures) : figures_text(figures));
     run.counts()["figures"] = figures;
     run.finish(fmt::format("{}: {:.1f} % of {} found", flags.found.string(), match.covered_percent,
@@ -49,13 +49,13 @@ ExitCode compare_files(Run& run, const CompareFlags& flags) {
 Command compare_command() {
     const auto flags = std::make_shared<CompareFlags>();
     OptionList options;
-    options.file("a", "A", flags->reference, "Reference skeleton");
-    options.file("b", "B", flags->found, "Skeleton to compare with the reference");
-    options.flag("--json", flags->json, "Print JSON instead of a table");
+    options.file("a", "A", flags->reference, "Reference skeleton.");
+    options.file("b", "B", flags->found, "Skeleton to compare with the reference.");
+    options.flag("--json", flags->json, "Print JSON instead of a table.");
     options.fields(flags->compare, "Comparison");
     options.fields(flags->read_reference, "Reading A");
     options.fields(flags->read_found, "Reading B", {.prefix = "b", .common = MemberNames{}});
-    return {"compare", "Compare a skeleton with a reference: length, volume, axes, tips, junctions, radii",
+    return {"compare", "Compare a skeleton with a reference: length, volume, axes, tips, junctions, radii.",
             options, [flags](Run& run, const GivenOptions&) { return compare_files(run, *flags); }};
 }
 

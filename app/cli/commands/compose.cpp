@@ -23,7 +23,7 @@
 namespace coppice::cli {
 namespace {
 
-constexpr std::size_t kBatch = 64;  // trees held at once
+constexpr std::size_t kBatch = 64;  // maximum number of trees in memory
 
 struct ComposeFlags {
     std::filesystem::path host, library, output, mesh_output, sheet, crown;
@@ -45,11 +45,11 @@ void check_flags(const ComposeFlags& flags) {
     if (flags.sheet.empty()) return;
     if (!is_png_name(flags.sheet))
         throw UsageError(
-            fmt::format("'{}' is no name of a picture; use the ending .png", flags.sheet.string()));
+            fmt::format("'{}' is not the name of an image; use the extension .png", flags.sheet.string()));
     check_output_folder(flags.sheet);
 }
 
-/// tree.swc of the only one; else tree_001.swc and so on.
+/// Returns the file name: tree.swc for a single tree, else tree_001.swc and so on.
 std::filesystem::path numbered(const std::filesystem::path& path, std::size_t i, int count) {
     if (count == 1) return path;
     const std::size_t digits = std::max<std::size_t>(3, std::to_string(count).size());
@@ -57,13 +57,13 @@ std::filesystem::path numbered(const std::filesystem::path& path, std::size_t i,
            fmt::format("{}_{:0{}}{}", path.stem().string(), i + 1, digits, path.extension().string());
 }
 
-/// The solid that the crown may fill, in the coordinates of the template.
+/// Returns the solid that the crown may fill, in the coordinates of the template.
 std::optional<SolidField> crown_of(Run& run, const ComposeFlags& flags, Vec3d origin) {
     if (flags.crown.empty()) return {};
     return SolidField(relative_to(solid_of_scene(run, flags.crown.string()), origin));
 }
 
-/// How much a measure differs from tree to tree.
+/// Returns the statistics of a measure over all trees.
 Figures spread(std::vector<double> values) {
     const auto [least, greatest] = std::ranges::minmax(values);
     double sum = 0, squares = 0;
@@ -78,7 +78,7 @@ Figures spread(std::vector<double> values) {
     return out;
 }
 
-/// What is known of all trees.
+/// Totals of all trees.
 struct Totals {
     ComposeReport report;
     std::vector<double> length, volume, tips, height, nodes;
@@ -119,7 +119,7 @@ struct Totals {
     }
 };
 
-/// Trees first .. first + count - 1, the seed of each one more than that of the one before.
+/// Composes trees first .. first + count - 1; the seed increases by one from tree to tree.
 std::vector<ComposeResult> compose_some(Run& run, const ComposeFlags& flags, const TreeComposer& composer,
                                         const Skeleton& host, const SolidField* crown, std::size_t first,
                                         std::size_t count) {
@@ -136,8 +136,8 @@ std::vector<ComposeResult> compose_some(Run& run, const ComposeFlags& flags, con
     });
 }
 
-/// Meshes trees and writes their surfaces, several trees at once where there are several, since a tree keeps
-/// few threads busy. Returns the surface of the last one.
+/// Meshes trees and writes their surfaces, several trees at a time, because a single tree cannot use many
+/// threads. Returns the surface of the last one.
 MeshResult mesh_some(Run& run, const ComposeFlags& flags, std::span<const ComposeResult> made,
                      std::size_t first) {
     return run.stage("mesh", [&](const Context& ctx) {
@@ -189,8 +189,7 @@ ExitCode compose(Run& run, const ComposeFlags& flags) {
     const ComposeReport& r = totals.report;
     if (r.chosen > 0 && r.replaced == 0)
         run.warn(
-            "nothing was replaced; look at unmatched and blocked in the report, or try a greater "
-            "--tolerance");
+            "no branch was replaced; see unmatched and blocked in the report, or try a greater --tolerance");
     run.finish(fmt::format("{}: {} trees, {} of {} branches replaced, {} blocked, {} without a match{}",
                            numbered(flags.output, count - 1, flags.count).string(), grouped(count),
                            grouped(r.replaced), grouped(r.chosen), grouped(r.blocked), grouped(r.unmatched),
@@ -203,34 +202,33 @@ ExitCode compose(Run& run, const ComposeFlags& flags) {
 Command compose_command() {
     const auto flags = std::make_shared<ComposeFlags>();
     OptionList options;
-    options.file("template", "TEMPLATE", flags->host, "Skeleton with the branches to replace");
+    options.file("template", "TEMPLATE", flags->host, "Skeleton with the branches to replace.");
     options.output("-o,--output", "SKELETON", flags->output,
-                   "Skeleton to write; several are numbered tree_001.swc, tree_002.swc and so on");
+                   "Skeleton to write; several are numbered tree_001.swc, tree_002.swc and so on.");
     options.file("--library", "LIBRARY", flags->library,
-                 "Library of branches to insert, as written by coppice library");
-    options.value({common_field("seed", "Seed of the first tree; each further tree takes the next number",
+                 "Library of branches to insert, as written by coppice library.");
+    options.value({common_field("seed", "Seed of the first tree; it increases by one for each further tree.",
                                 Unit::none, 0, 2e9),
                    &flags->seed});
-    options.value({common_field("count", "Number of trees to make", Unit::none, 1, 1e6), &flags->count});
+    options.value({common_field("count", "Number of trees to compose.", Unit::none, 1, 1e6), &flags->count});
     options.file("--crown", "SCENE[:SOLID]", flags->crown,
                  "Solid of a scene that inserted branches must not leave, as crown.coppice:s; without a name "
-                 "the last one");
-    options.output("--sheet", "PNG", flags->sheet, "Also draw all trees on one sheet");
-    options.value(
-        {{"picture_size", "width and height of each picture on the sheet in pixels", Unit::none, 16, 4096},
-         &flags->picture_size});
+                 "the last one.");
+    options.output("--sheet", "PNG", flags->sheet, "Also draw all trees on one sheet.");
+    options.value({{"picture_size", "Width and height of each image in pixels.", Unit::none, 16, 4096},
+                   &flags->picture_size});
     options.output("--then-mesh", "MESH", flags->mesh_output,
-                   "Also write the surface of every tree, numbered like --output");
+                   "Also write the surface of every tree, numbered like --output.");
     options.may_replace("--output", "template");
     options.fields(flags->compose, "Composing");
     FlagNames which = library_flag_names();
     which.common = MemberNames{"ids", "tags"};
-    options.fields(flags->which, "Which trees of the library", which);
+    options.fields(flags->which, "Trees of the library to use", which);
     options.fields(flags->read, "Reading the template", {.common = MemberNames{}});
     options.fields(flags->write, "Writing",
                    {.names = {{"format", "--output-format"}, {"up", "--output-up"}}, .without = {"units"}});
     options.fields(flags->mesh, "Surface of --then-mesh", then_mesh_flag_names());
-    return {"compose", "Make variants of a tree by replacing branches with those of a library", options,
+    return {"compose", "Compose variants of a tree by replacing branches with those of a library.", options,
             [flags](Run& run, const GivenOptions&) { return compose(run, *flags); }};
 }
 

@@ -20,7 +20,7 @@ struct ConvertFlags {
     MeshWriteOptions mesh;
 };
 
-/// The kind of the output, which must be that of the input.
+/// Returns the kind of the output, which must equal that of the input.
 FileKind agreed_kind(const ConvertFlags& flags) {
     const FileKind from = kind_of_input(flags.input, flags.read.format);
     if (from == FileKind::skeleton && flags.write.format != SkeletonFormat::automatic) return from;
@@ -39,9 +39,9 @@ ExitCode convert(Run& run, const ConvertFlags& flags) {
         throw UsageError("name both files: coppice convert IN -o OUT");
     const FileKind kind = agreed_kind(flags);
     if (flags.mesh.normals && kind != FileKind::mesh)
-        throw UsageError(fmt::format("--normals are those of a mesh, and '{}' is {}", flags.input.string(),
+        throw UsageError(fmt::format("--normals requires a mesh, and '{}' is {}", flags.input.string(),
                                      with_article(kind)));
-    std::string what;
+    std::string subject;
     if (kind == FileKind::skeleton) {
         check_output_folder(flags.output);
         const SkeletonFile file = load_skeleton(run, flags.input, flags.read);
@@ -51,24 +51,25 @@ ExitCode convert(Run& run, const ConvertFlags& flags) {
             write.up = flags.mesh.up;
             write_skeleton(flags.output, file.skeleton, write, file.attributes, ctx);
         });
-        what = grouped(file.skeleton.size()) + " nodes";
+        subject = grouped(file.skeleton.size()) + " nodes";
     } else if (kind == FileKind::points) {
         check_points_output(flags.output);
         const PointColumns columns = keeps_columns(flags.output) ? PointColumns{} : kNoColumns;
         PointFile file = load_point_file(run, flags.input, columns, flags.read.up, flags.read_points);
-        turn_to_file(file.painted.points, flags.mesh.up);
+        turn_to_file(file.point_cloud.points, flags.mesh.up);
         run.stage("write", [&](const Context& ctx) {
-            write_painted_points(flags.output, file.painted, {.system = file.system}, ctx);
+            write_point_cloud(flags.output, file.point_cloud, {.system = file.system}, ctx);
         });
-        what = fmt::format("{} points{}", grouped(file.painted.points.size()), text_of_rays_left_out(file));
+        subject =
+            fmt::format("{} points{}", grouped(file.point_cloud.points.size()), text_of_rays_left_out(file));
     } else {
         check_mesh_output(flags.output);
         check_mesh_write_options(flags.mesh, {&flags.output, 1});
         const PolygonMesh mesh = load_mesh(run, flags.input, flags.read.up);
         run.stage("write", [&](const Context& ctx) { write_mesh(flags.output, mesh, flags.mesh, ctx); });
-        what = grouped(mesh.face_count()) + " faces";
+        subject = grouped(mesh.face_count()) + " faces";
     }
-    run.finish(fmt::format("{}: {}", flags.output.string(), what));
+    run.finish(fmt::format("{}: {}", flags.output.string(), subject));
     return kDone;
 }
 
@@ -77,15 +78,15 @@ ExitCode convert(Run& run, const ConvertFlags& flags) {
 Command convert_command() {
     const auto flags = std::make_shared<ConvertFlags>();
     OptionList options;
-    options.file("input", "IN", flags->input, "Skeleton, mesh or points to read");
-    options.output("-o,--output", "OUT", flags->output, "File to write; its extension selects the format");
+    options.file("input", "IN", flags->input, "Skeleton, mesh or points to read.");
+    options.output("-o,--output", "OUT", flags->output, "File to write; its extension selects the format.");
     options.may_replace("--output", "input");
     options.fields(flags->read, "Reading a skeleton");
     options.fields(flags->read_points, kReadPointsGroup);
     options.fields(flags->write, "Writing a skeleton",
                    {.names = {{"format", "--output-format"}}, .without = {"units", "up"}});
     add_mesh_write_options(options, flags->mesh);
-    return {"convert", "Convert a skeleton, mesh or point file to another format of the same kind", options,
+    return {"convert", "Convert a skeleton, mesh or point file to another format of the same kind.", options,
             [flags](Run& run, const GivenOptions&) { return convert(run, *flags); }};
 }
 

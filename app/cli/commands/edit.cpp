@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
 #include "command.h"
-#include "coppice/io/file.h"
 #include "coppice/io/skeleton/writer.h"
 #include "coppice/scene/edit_session.h"
 #include "coppice/scene/reference.h"
+#include "coppice/system/file.h"
 #include "files.h"
 #include "options.h"
 #include "scene_files.h"
@@ -28,7 +28,7 @@ void check_outputs(const EditFlags& flags) {
     for (const auto& output : flags.outputs) {
         if (kind_to_write(output, FileKind::skeleton) != FileKind::skeleton)
             throw UsageError(
-                fmt::format("'{}' is no name of a skeleton; use .json, which keeps the ids, .swc, .csv, "
+                fmt::format("'{}' is not the name of a skeleton; use .json, which keeps the ids, .swc, .csv, "
                             ".ply or .obj",
                             output.string()));
         check_output_folder(output);
@@ -37,7 +37,7 @@ void check_outputs(const EditFlags& flags) {
     if (!flags.mesh_output.empty()) check_mesh_output(flags.mesh_output);
 }
 
-/// Makes saved edits again; returns how many did not bind, of which each is warned.
+/// Applies saved edits; returns the number of edits that cannot be bound to the tree, each with a warning.
 std::size_t replay(Run& run, EditSession& session, const std::filesystem::path& path) {
     const EditSession::Replayed replayed = run.stage("edits", [&](const Context& ctx) {
         return session.replay(read_file(path, kLargestScene), path.string(), ctx);
@@ -52,7 +52,7 @@ std::size_t replay(Run& run, EditSession& session, const std::filesystem::path& 
 void write_results(Run& run, const EditFlags& flags, const SkeletonFile& file, const EditSession& session) {
     run.stage("write", [&](const Context& ctx) {
         const Skeleton edited = session.tree().skeleton();
-        const auto attributes = carried_attributes(file.attributes, file.skeleton, edited);
+        const auto attributes = kept_attributes(file.attributes, file.skeleton, edited);
         for (const auto& output : flags.outputs) {
             write_skeleton(output, edited, {.units = file.units}, attributes, ctx);
         }
@@ -72,10 +72,10 @@ ExitCode edit(Run& run, const EditFlags& flags) {
     const SkeletonFile file = load_skeleton(run, flags.tree, flags.read);
     EditSession session(file.skeleton, {.max_memory = run.max_memory(SceneSettings{}.max_memory)});
     const auto run_files = [&](const std::vector<std::filesystem::path>& files, const char* stage,
-                               std::string_view what, auto&& text) {
+                               std::string_view subject, auto&& text) {
         for (const auto& path : files)
             print(run.stage(stage, [&](const Context& ctx) {
-                return text(read_commands(path, what), path.string(), ctx);
+                return text(read_commands(path, subject), path.string(), ctx);
             }));
     };
     run_files(flags.scenes, "scene", "a scene",
@@ -104,28 +104,29 @@ ExitCode edit(Run& run, const EditFlags& flags) {
 Command edit_command() {
     const auto flags = std::make_shared<EditFlags>();
     OptionList options;
-    options.file("tree", "TREE", flags->tree, "Skeleton to edit");
+    options.file("tree", "TREE", flags->tree, "Skeleton to edit.");
     options.files("commands", "COMMANDS", flags->commands,
-                  "Edits as text, separated by semicolons: 'bend subtree(12) 30; prune radius=0.002'");
+                  "Edits as text, separated by semicolons: 'bend subtree(12) 30; prune radius=0.002'.");
     options.outputs("-o,--output", "OUT", flags->outputs,
-                    "Skeleton to write (.json keeps the ids; .swc, .csv, .ply, .obj); may be repeated");
+                    "Skeleton to write (.json keeps the ids; .swc, .csv, .ply, .obj); may be repeated.");
     options.files("--script", "FILE", flags->scripts,
-                  "File of edits, one per line, made before COMMANDS; may be repeated");
-    options.files("--scene", "SCENE", flags->scenes, "scene to run first, for the solids that edits name",
+                  "File of edits, one per line, applied before COMMANDS; may be repeated.");
+    options.files("--scene", "SCENE", flags->scenes, "Scene to run first, for the solids that edits name.",
                   {.common = false});
     options.files("--edits", "FILE", flags->edits,
-                  "saved edits to make again first, where they bind; the others are warned of, and the exit "
-                  "code is 1",
+                  "Saved edits to apply first; edits that cannot be bound to the tree are skipped with a "
+                  "warning and exit code 1.",
                   {.common = false});
     options.output("--save-edits", "FILE", flags->save_edits,
-                   "write all edits with the places of the nodes they name", {.common = false});
-    options.output("--then-mesh", "MESH", flags->mesh_output, "Also write the surface of the edited tree");
-    options.flag("--reference", flags->reference, "Print the reference page of the edits");
+                   "Write all edits with the positions of the nodes they name.", {.common = false});
+    options.output("--then-mesh", "MESH", flags->mesh_output, "Also write the surface of the edited tree.");
+    options.flag("--reference", flags->reference, "Print the reference page of the edits.");
     options.may_replace("--output", "tree");
     options.may_replace("--save-edits", "--edits");
     options.fields(flags->read, "Reading a skeleton");
     options.fields(flags->mesh, "Surface of --then-mesh", then_mesh_flag_names());
-    return {"edit", "Edit a tree by commands: cut, bend, graft, draw and thicken branches; node ids are kept",
+    return {"edit",
+            "Edit a tree by commands: cut, bend, graft, draw and thicken branches; node ids are kept.",
             options, [flags](Run& run, const GivenOptions&) { return edit(run, *flags); }};
 }
 

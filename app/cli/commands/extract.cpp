@@ -39,9 +39,9 @@ constexpr const char* kPlotGroup = "From a plot of many trees (-o FOLDER)";
 struct ExtractFlags {
     std::vector<std::string> wood_classes;
     std::vector<std::filesystem::path> inputs;
-    std::filesystem::path input;  ///< that is worked on
+    std::filesystem::path input;  ///< file that is processed
     std::filesystem::path output, mesh_output, leaf_output, tree_points, mapping, map, crowns;
-    std::filesystem::path crs;  ///< a name, no file
+    std::filesystem::path crs;  ///< a name, not a file
     FromMeshOptions from_mesh;
     CloudOptions from_cloud;
     PlotOptions from_plot;
@@ -64,8 +64,8 @@ void check_flags(ExtractFlags& flags) {
     check_output_folder(flags.output);
     if (!flags.mesh_output.empty()) check_mesh_output(flags.mesh_output);
     if (!flags.leaf_output.empty()) check_points_output(flags.leaf_output);
-    if (!flags.mapping.empty()) check_painted_output(flags.mapping);
-    if (!flags.tree_points.empty()) check_painted_output(flags.tree_points);
+    if (!flags.mapping.empty()) check_cloud_output(flags.mapping);
+    if (!flags.tree_points.empty()) check_cloud_output(flags.tree_points);
     flags.from_cloud.root = flags.from_mesh.root;
 }
 
@@ -81,11 +81,11 @@ Figure::List figures_of_orders(const std::vector<BranchOrder>& orders) {
     return out;
 }
 
-/// The figures that meshes and clouds have in common.
+/// Adds the figures that meshes and clouds have in common.
 void fill_report(Run& run, const ExtractResult& result) {
     const SkeletonMeasures m = measure(result.skeleton);
     Figures& counts = run.counts();
-    counts.append(figures_of(result.report));
+    counts.append(compute_figures(result.report));
     counts["nodes"] = m.nodes;
     counts["tips"] = m.tips;
     counts["branch_nodes"] = m.branch_nodes;
@@ -94,7 +94,7 @@ void fill_report(Run& run, const ExtractResult& result) {
     counts["orders"] = figures_of_orders(branch_orders(result.skeleton));
 }
 
-/// Runs extract(context); what it refuses is told with the name of the file.
+/// Runs extract(context); adds the name of the file to its errors.
 template <class Extract>
 auto extract_stage(Run& run, const std::filesystem::path& input, const Extract& extract) {
     return run.stage("extract", [&](const Context& ctx) {
@@ -106,15 +106,15 @@ auto extract_stage(Run& run, const std::filesystem::path& input, const Extract& 
     });
 }
 
-/// The vertices of a mesh, those of each node in a colour of its own.
+/// Writes the vertices of a mesh, coloured by their nodes.
 void write_mapping(const std::filesystem::path& path, const FromMeshResult& result, const Context& ctx) {
-    PaintedPoints painted{result.vertices, {}, {}};
-    for (const std::uint32_t node : result.nodes) painted.colors.push_back(numbered_color(node));
-    write_painted_points(path, painted,
-                         {.note = "the vertices of each node of the skeleton in a colour of its own"}, ctx);
+    PointCloud point_cloud{result.vertices, {}, {}};
+    for (const std::uint32_t node : result.nodes) point_cloud.colors.push_back(numbered_color(node));
+    write_point_cloud(path, point_cloud,
+                      {.note = "the vertices of each node of the skeleton in their own colour"}, ctx);
 }
 
-/// A skeleton, and the figures of its trees where it is of a cloud.
+/// A skeleton, and for a cloud the figures of its trees.
 struct Extracted {
     ExtractResult result;
     std::vector<TreeFigures> trees = {};
@@ -130,7 +130,7 @@ Extracted from_mesh(Run& run, const ExtractFlags& flags, std::string& summary) {
         run, flags.input, [&](const Context& ctx) { return extract_from_mesh(mesh, flags.from_mesh, ctx); });
     for (const auto& [name, seconds] : result.stages)
         run.add_stage(fmt::format("extract: {}", name), seconds);
-    run.repairs() = figures_of(result.repairs);
+    run.repairs() = compute_figures(result.repairs);
     if (!flags.mapping.empty())
         run.stage("write mapping", [&](const Context& ctx) { write_mapping(flags.mapping, result, ctx); });
     summary = fmt::format(", {} loops cut", grouped(result.report.loops));
@@ -146,15 +146,15 @@ WoodClasses wood_classes(const ExtractFlags& flags) {
     }
 }
 
-/// The points that may be wood by their classes, with these and the ids of trees; the report and `summary`
-/// say how many are not.
+/// Returns the points that may be wood according to their classes, with their classes and tree ids; adds the
+/// number of the others to the report and to `summary`.
 PointFile load_wood(Run& run, const ExtractFlags& flags, const WoodClasses& wood, std::string& summary) {
     PointColumns columns = kNoColumns;
     columns.classes = columns.tree_ids = true;
     columns.intensities = columns.returns = !flags.tree_points.empty();
     const std::filesystem::path& input = flags.input;
     PointFile file = load_point_file(run, input, columns, flags.up, flags.read_points);
-    PaintedPoints& scan = file.painted;
+    PointCloud& scan = file.point_cloud;
     const std::size_t all = scan.points.size();
     summary += text_of_rays_left_out(file);
     try {
@@ -173,12 +173,12 @@ PointFile load_wood(Run& run, const ExtractFlags& flags, const WoodClasses& wood
     return file;
 }
 
-/// The figures of every tree, and warnings where they are in doubt.
+/// Adds the figures of every tree, and warns if they are implausible.
 void report_trees(Run& run, const ExtractFlags& flags, const std::vector<TreeFigures>& trees,
                   std::string& summary) {
     Figure::List list;
     for (std::size_t k = 0; k < trees.size(); ++k) {
-        list.emplace_back(figures_of(trees[k]));
+        list.emplace_back(compute_figures(trees[k]));
         for (const std::string& doubt : trees[k].doubts) {
             run.warn(trees.size() == 1 ? fmt::format("{}: {}", flags.input.string(), doubt)
                                        : fmt::format("{}: tree {}: {}", flags.input.string(), k + 1, doubt));
@@ -188,32 +188,31 @@ void report_trees(Run& run, const ExtractFlags& flags, const std::vector<TreeFig
     if (trees.size() == 1) summary += text_of_tree(trees[0]);
 }
 
-/// The points with what they are by the skeleton, wood in a colour for each order of branches.
+/// Writes the points with the labels that the skeleton assigns, wood coloured by branch order.
 void write_labelled_points(const ExtractFlags& flags, PointFile& file, const CloudExtraction& result,
                            const Context& ctx) {
-    PaintedPoints& scan = file.painted;
+    PointCloud& scan = file.point_cloud;
     std::vector<std::uint32_t> all(scan.points.size());
     std::iota(all.begin(), all.end(), 0u);
     label_points(scan, all, result, result.cleaning.spacing, ctx);
     scan.colors.resize(all.size(), kNoTreeColor);
     for (const std::uint32_t p : all)
         if (scan.wood[p] != 0) scan.colors[p] = numbered_color(scan.branch_orders[p]);
-    write_painted_points(
-        flags.tree_points, scan,
-        {.note = "points of wood in a colour for each order of branches", .system = file.system}, ctx);
+    write_point_cloud(flags.tree_points, scan,
+                      {.note = "wood coloured by branch order", .system = file.system}, ctx);
 }
 
 Extracted from_cloud(Run& run, const ExtractFlags& flags, std::string& summary) {
     PointFile file = load_wood(run, flags, wood_classes(flags), summary);
     CloudExtraction result = extract_stage(run, flags.input, [&](const Context& ctx) {
-        return extract_from_cloud(file.painted.points, flags.from_cloud, ctx);
+        return extract_from_cloud(file.point_cloud.points, flags.from_cloud, ctx);
     });
-    run.repairs() = figures_of(result.cleaning);
+    run.repairs() = compute_figures(result.cleaning);
     summary += text_of_points_left_out(result.cleaning);
     report_trees(run, flags, result.trees, summary);
     if (!flags.leaf_output.empty() && !result.leaves.empty()) {
         run.stage("write leaves", [&](const Context& ctx) {
-            write_painted_points(flags.leaf_output, {result.leaves, {}, {}}, {.system = file.system}, ctx);
+            write_point_cloud(flags.leaf_output, {result.leaves, {}, {}}, {.system = file.system}, ctx);
         });
     }
     if (!flags.tree_points.empty()) {
@@ -224,7 +223,7 @@ Extracted from_cloud(Run& run, const ExtractFlags& flags, std::string& summary) 
     return {std::move(result), std::move(trees)};
 }
 
-/// An option for the other kind of input would do nothing.
+/// Throws UsageError for an option that has no effect on this kind of input.
 void check_groups(const GivenOptions& given, const std::filesystem::path& input, FileKind kind) {
     const bool cloud = kind == FileKind::points;
     for (const Option* option : given) {
@@ -241,16 +240,16 @@ bool is_given(const GivenOptions& given, std::string_view name) {
 
 void check_ground(const GivenOptions& given, const ExtractFlags& flags) {
     if (is_given(given, "--ground-height") && flags.from_cloud.ground != GroundRule::height)
-        throw UsageError("--ground-height is for the rule of that name; add --ground height");
+        throw UsageError("--ground-height requires --ground height");
 }
 
-/// A plot has a ground, and roots, of its own.
+/// Throws UsageError for options of one tree: a plot has its own ground and roots.
 void refuse_options_of_one_tree(const GivenOptions& given, const ExtractFlags& flags) {
     for (const char* name : {"--root", "--ground", "--ground-height", "--max-trees"}) {
         if (!is_given(given, name)) continue;
         throw UsageError(fmt::format(
-            "{} is for one tree, and '{}' names a folder, as for a plot of many; name "
-            "the skeleton, as {}.swc",
+            "{} is for one tree, and '{}' names a folder, as for a plot of many trees; name the skeleton, as "
+            "{}.swc",
             name, flags.output.string(), flags.output.has_filename() ? flags.output.string() : "tree"));
     }
 }
@@ -259,12 +258,12 @@ void check_plot_options(const GivenOptions& given, const ExtractFlags& flags) {
     refuse_options_of_one_tree(given, flags);
     if (kind_of_input(flags.input) == FileKind::points) return;
     throw UsageError(
-        fmt::format("'{}' names a folder, as for a plot of many trees, and '{}' is no cloud of points; "
-                    "name the skeleton, as tree.swc",
+        fmt::format("'{}' names a folder, as for a plot of many trees, and '{}' is no cloud of points; name "
+                    "the skeleton, as tree.swc",
                     flags.output.string(), flags.input.string()));
 }
 
-/// What the records of a cloud say of its coordinate reference system.
+/// Returns the coordinate reference system from the records of a cloud.
 MapCrs map_crs_of(const CoordinateSystem& system) {
     MapCrs out;
     if (const std::string name = system.name(); name.starts_with("EPSG:")) out = parse_crs(name);
@@ -273,10 +272,10 @@ MapCrs map_crs_of(const CoordinateSystem& system) {
     return out;
 }
 
-/// The coordinate reference system of the map, where the user names it.
+/// Returns the coordinate reference system of the map, if the user specifies it.
 MapCrs crs_of(const ExtractFlags& flags) {
     if (flags.crs.empty()) return {};
-    if (flags.map.empty()) throw UsageError("--crs says where a map is; add --map FILE");
+    if (flags.map.empty()) throw UsageError("--crs is the reference system of a map; add --map FILE");
     try {
         return parse_crs(flags.crs.string());
     } catch (const InvalidInput& error) {
@@ -303,22 +302,21 @@ WrittenPlot extract_plot_file(Run& run, const ExtractFlags& flags, std::string& 
     WoodClasses wood = wood_classes(flags);
     wood.ground = true;
     const PointFile file = load_wood(run, flags, wood, found);
-    const PointSet& points = file.painted.points;
+    const PointSet& points = file.point_cloud.points;
     files.system = file.system;
     if (files.crs.undefined()) files.crs = map_crs_of(file.system);
     const bool by_ids = flags.trees_by == TreeRule::ids;
     PlotExtraction plot = extract_stage(run, flags.input, [&](const Context& ctx) {
-        return by_ids ? extract_trees_by_ids(file.painted, flags.from_cloud, ctx)
+        return by_ids ? extract_trees_by_ids(file.point_cloud, flags.from_cloud, ctx)
                       : extract_plot(points, flags.from_plot, flags.from_cloud, ctx);
     });
     if (plot.trees.empty()) {
-        throw InvalidInput(
-            fmt::format("{0}: extract: no stem of a tree is seen from 0.3 to 3.9 m above the ground; "
-                        "--least-diameter may be "
-                        "less, and a cloud of one tree is read by coppice extract {0} -o tree.swc",
-                        flags.input.string()));
+        throw InvalidInput(fmt::format(
+            "{0}: extract: no stem of a tree is visible from 0.3 to 3.9 m above the ground; reduce "
+            "--min-diameter, or read a cloud of one tree by coppice extract {0} -o tree.swc",
+            flags.input.string()));
     }
-    WrittenPlot out = write_plot(run, file.painted, std::move(plot), files);
+    WrittenPlot out = write_plot(run, file.point_cloud, std::move(plot), files);
     summary = out.summary + found;
     return out;
 }
@@ -337,7 +335,7 @@ ExitCode from_plot(Run& run, const GivenOptions& given, const ExtractFlags& flag
     return in_doubt(written.plot) ? kCheckFailed : kDone;
 }
 
-/// What the file to work on holds; not a skeleton.
+/// Returns the kind of the input; throws for a skeleton.
 FileKind kind_to_extract(const ExtractFlags& flags) {
     const FileKind kind = kind_of_input(flags.input);
     if (kind != FileKind::skeleton) return kind;
@@ -359,9 +357,9 @@ Extracted extract_skeleton(Run& run, const ExtractFlags& flags, FileKind kind, s
     return made;
 }
 
-/// What goes wrong in work(), which then is what the table says of a file.
+/// Returns the error of work(), which the table then reports for the file.
 template <class Work>
-std::string trouble_of(const BatchFile& file, const Work& work) {
+std::string find_trouble(const BatchFile& file, const Work& work) {
     try {
         work();
         return {};
@@ -377,7 +375,7 @@ std::string trouble_of(const BatchFile& file, const Work& work) {
     }
 }
 
-/// The flags of one of many files.
+/// Returns the options for one of many files.
 ExtractFlags flags_of(ExtractFlags flags, const BatchFile& file) {
     flags.input = file.input;
     flags.output = file.skeleton;
@@ -393,11 +391,11 @@ ExitCode code_of(const std::string& trouble, bool in_doubt) {
     return !trouble.empty() ? kFileTrouble : in_doubt ? kCheckFailed : kDone;
 }
 
-/// Extracts the tree of one of many files. What is known of it stays when no surface can be made.
+/// Extracts the tree of one of many files. Its figures are kept if the surface fails.
 ExitCode extract_of_batch(Run& run, const ExtractFlags& flags, const BatchFile& file, BatchTable& table) {
     std::optional<Extracted> made;
     FileKind kind = FileKind::points;
-    const std::string trouble = trouble_of(file, [&] {
+    const std::string trouble = find_trouble(file, [&] {
         kind = kind_to_extract(flags);
         std::string summary;
         made = extract_skeleton(run, flags, kind, summary);
@@ -418,10 +416,10 @@ ExitCode extract_of_batch(Run& run, const ExtractFlags& flags, const BatchFile& 
 ExitCode extract_plot_of_batch(Run& run, const ExtractFlags& flags, const BatchFile& file,
                                BatchTable& table) {
     std::optional<WrittenPlot> made;
-    const std::string trouble = trouble_of(file, [&] {
+    const std::string trouble = find_trouble(file, [&] {
         if (kind_to_extract(flags) == FileKind::mesh)
             throw InvalidInput(
-                fmt::format("{}: it is a mesh; plots are clouds of points", flags.input.string()));
+                fmt::format("{}: it is a mesh; a plot must be a cloud of points", flags.input.string()));
         std::string summary;
         made = extract_plot_file(run, flags, summary);
     });
@@ -434,10 +432,10 @@ ExitCode extract_plot_of_batch(Run& run, const ExtractFlags& flags, const BatchF
     return code_of(trouble, made && in_doubt(made->plot));
 }
 
-/// Options of single files, of one tree, and of a kind that no file has, would do nothing.
+/// Throws UsageError for options of single files, of one tree, or of a kind of input that no file has.
 void check_batch_options(const GivenOptions& given, const ExtractFlags& flags, const Batch& batch) {
     if (is_given(given, "--mapping"))
-        throw UsageError("--mapping is for one file; name one, and its skeleton");
+        throw UsageError("--mapping is for one file; name only one, and its skeleton");
     const BatchFile& first = batch.files.front();
     if (batch.columns.of_plots) {
         refuse_options_of_one_tree(given, flags);
@@ -448,13 +446,13 @@ void check_batch_options(const GivenOptions& given, const ExtractFlags& flags, c
     if (first.kind && std::ranges::all_of(batch.files, same)) check_groups(given, first.input, *first.kind);
 }
 
-/// Extracts each of many files by itself. The files that are done stay, whatever happens later.
+/// Extracts each of many files separately. Finished files are kept if a later one fails.
 ExitCode extract_batch(Run& run, const GivenOptions& given, ExtractFlags& flags) {
     if (!is_plot_folder(flags.output, flags.write.format))
         throw UsageError("many files need a folder for their skeletons: coppice extract FILES... -o FOLDER/");
     flags.from_cloud.root = flags.from_mesh.root;
     check_ground(given, flags);
-    (void)wood_classes(flags);  // what is wrong with them is told before any work
+    (void)wood_classes(flags);  // so that errors are reported before any work
     (void)crs_of(flags);
     const bool of_plots =
         std::ranges::any_of(given, [](const Option* option) { return option->group == kPlotGroup; });
@@ -497,7 +495,7 @@ ExitCode extract_batch(Run& run, const GivenOptions& given, ExtractFlags& flags)
     run.counts()["passed_over"] = batch.passed_over;
     run.counts()["trees_found"] = table.rows();
     run.counts()["files"] = std::move(reports);
-    run.finish(fmt::format("{}: {} files, {} of them failed, {} in doubt",
+    run.finish(fmt::format("{}: {} files, {} of them failed, {} implausible",
                            (batch.folder / kTreeTable).string(), grouped(batch.files.size()), grouped(failed),
                            grouped(in_doubt)));
     return failed > 0 ? kFileTrouble : in_doubt > 0 ? kCheckFailed : kDone;
@@ -531,54 +529,53 @@ Command extract_command() {
     OptionList options;
     options.files("input", "FILES", flags->inputs,
                   "Mesh (.ply, .obj, .off, .stl, .glb) or points (.xyz, .txt, .asc, .csv, .pts, .ptx, .ply, "
-                  ".pcd, .las, .laz, .e57) to read; or many, or folders, each by itself");
+                  ".pcd, .las, .laz, .e57) to read; several files, or folders, are processed separately.");
     options.output("-o,--output", "SKELETON", flags->output,
-                   "Skeleton to write, its extension selects the format; or a folder for the trees of a "
-                   "plot, or of many files; with an option of plots each of them is one");
+                   "Skeleton to write, with an extension that selects the format; or a folder for the trees "
+                   "of a plot or of many files, which are all plots if an option for plots is given.");
     options.output(
         "--then-mesh", "MESH", flags->mesh_output,
-        "Also write the surface of the skeleton; in a folder of every tree, with this extension (.ply)");
-    // Of both kinds of input, and so not among the options of either.
-    options.value(
-        {common_field("root",
-                      "Place of the root, taken at the closest point of the tree; by default the lowest end",
-                      Unit::metre),
-         &flags->from_mesh.root});
+        "Also write the surface of the skeleton; for a folder, of every tree with this extension (.ply).");
+    // For both kinds of input, and therefore in neither group.
+    options.value({common_field("root",
+                                "Position of the root, which is moved to the closest point of the tree; by "
+                                "default the lowest end.",
+                                Unit::metre),
+                   &flags->from_mesh.root});
     options.value({kFileUpField, choice_of(flags->up)});
     options.fields(flags->from_mesh, kMeshGroup, {.without = {"root", "up"}});
     options.output("--mapping", "PLY", flags->mapping,
-                   "also write the vertices, those of each node of the skeleton in a colour of its own",
+                   "Also write the vertices, coloured by the nodes of the skeleton.",
                    {.group = kMeshGroup, .common = false});
     options.fields(flags->from_cloud, kCloudGroup, {.without = {"root"}});
     options.fields(flags->read_points, kCloudGroup);
     options.value({kWoodClassesField, &flags->wood_classes}, kCloudGroup);
     options.output(
         "--leaf-points", "POINTS", flags->leaf_output,
-        "also write the points that are left out as leaves, if any; of many files with this extension",
+        "Also write the points that are removed as leaves, if any; for many files with this extension.",
         {.group = kCloudGroup, .common = false});
     options.output(
         "--tree-points", "POINTS", flags->tree_points,
-        "also write all points with what they are: wood or not, order and evidence of their branch, "
-        "in a plot id and colour of their tree; of many files with this extension (.las)",
+        "Also write all points with their labels: wood or not, order and evidence of their branch, in a plot "
+        "id and colour of their tree; for many files with this extension (.las).",
         {.group = kCloudGroup, .common = false});
     options.fields(flags->from_plot, kPlotGroup);
     options.value({kTreesByField, choice_of(flags->trees_by)}, kPlotGroup);
-    options.output(
-        "--map", "MAP", flags->map,
-        "also write a map of stems and crowns, with what the table says of them (.gpkg, .geojson); of "
-        "many plots with this extension",
-        {.group = kPlotGroup, .common = false});
+    options.output("--map", "MAP", flags->map,
+                   "Also write a map of stems and crowns with the columns of the table (.gpkg, .geojson); "
+                   "for many plots with this extension.",
+                   {.group = kPlotGroup, .common = false});
     options.file("--crs", "EPSG:NUMBER", flags->crs,
-                 "coordinate reference system of the cloud, which the map names, as EPSG:32632",
+                 "Coordinate reference system of the cloud, which is stored in the map, as EPSG:32632.",
                  {.group = kPlotGroup, .common = false});
     options.output(
         "--crowns", "MESH", flags->crowns,
-        "also write the convex hulls of all crowns (.ply, .obj); of many plots with this extension",
+        "Also write the convex hulls of all crowns (.ply, .obj); for many plots with this extension.",
         {.group = kPlotGroup, .common = false});
     options.fields(flags->write, "Writing the skeleton", {.names = {{"up", "--output-up"}}});
     options.fields(flags->mesh, "Surface of --then-mesh", then_mesh_flag_names());
     return {"extract",
-            "Extract a skeleton with radii from the mesh or scan of a tree, or of each tree of a plot",
+            "Extract a skeleton with radii from the mesh or scan of a tree, or of each tree of a plot.",
             options, [flags](Run& run, const GivenOptions& given) { return extract(run, given, *flags); }};
 }
 

@@ -11,7 +11,7 @@
 #include "coppice/extract/stem/tree_figures.h"
 #include "coppice/mesh/shape.h"
 #include "coppice/mesh/topology.h"
-#include "coppice/pipeline/json.h"
+#include "coppice/options/json.h"
 #include "coppice/points/spacing.h"
 #include "coppice/scene/extraction.h"
 #include "coppice/skeleton/measure.h"
@@ -42,12 +42,12 @@ void add_size(Figures& out, const Box3& box, Vec3d origin, LengthUnit unit = Len
     out[in_unit("high", unit)] = numbers(Vec3d(box.high) + origin);
 }
 
-/// How many nodes there are of each type of SWC, where the file has types.
+/// Adds the number of nodes of each SWC type, if the file has types.
 void add_types(Figures& out, std::span<const float> types) {
     std::map<float, std::uint64_t> counts;
     for (const float type : types) ++counts[type];
-    constexpr std::size_t kMost = 20;
-    if (counts.size() > kMost) return;
+    constexpr std::size_t kMax = 20;
+    if (counts.size() > kMax) return;
     for (const auto& [type, count] : counts) out[fmt::format("nodes_of_type_{}", type)] = count;
 }
 
@@ -76,7 +76,7 @@ Figures describe(const SkeletonFile& file, const Context& ctx) {
     const Figures repairs = repairs_of(file.report);
     for (const auto& [name, count] : repairs.entries())
         if (std::get<std::uint64_t>(count.value) != 0) out["repairs_" + name] = count;
-    const Figures joints = joints_of(file.report);
+    const Figures joints = find_joints(file.report);
     for (const auto& [name, count] : joints.entries())
         if (std::get<std::uint64_t>(count.value) != 0) out[name] = count;
     if (!file.notes.empty()) out["notes"] = Figure::List(file.notes.begin(), file.notes.end());
@@ -112,7 +112,7 @@ Figures describe(const PointSet& points, const Context& ctx) {
     return out;
 }
 
-/// How many trees have points, and how many points have none.
+/// Adds the number of trees with points, and the number of points without a tree.
 void add_tree_ids(Figures& out, std::vector<std::uint32_t> ids) {
     std::ranges::sort(ids);
     const auto none = static_cast<std::uint64_t>(std::ranges::upper_bound(ids, 0u) - ids.begin());
@@ -121,9 +121,9 @@ void add_tree_ids(Figures& out, std::vector<std::uint32_t> ids) {
     out["points_of_no_tree"] = none;
 }
 
-/// The same with how many points there are of each class, and what else is known of them.
+/// Adds the number of points of each class, and the other attributes of the points.
 Figures describe(const PointFile& file, const Context& ctx) {
-    const PaintedPoints& scan = file.painted;
+    const PointCloud& scan = file.point_cloud;
     Figures out = describe(scan.points, ctx);
     out["format"] = file.format;
     if (const std::string system = file.system.name(); !system.empty()) out["coordinate_system"] = system;
@@ -140,14 +140,14 @@ Figures describe(const PointFile& file, const Context& ctx) {
         const auto [least, most] = std::ranges::minmax(scan.intensities);
         out["intensity"] = Figure::List{double{least}, double{most}};
     }
-    if (!scan.return_counts.empty()) out["most_returns"] = *std::ranges::max_element(scan.return_counts);
+    if (!scan.return_counts.empty()) out["max_returns"] = *std::ranges::max_element(scan.return_counts);
     if (!scan.tree_ids.empty()) add_tree_ids(out, scan.tree_ids);
     for (const PointDimension& d : file.dimensions)
         if (d.low <= d.high) out["dimension_" + d.name] = Figure::List{d.low, d.high};
     return out;
 }
 
-/// A diameter of a stem; what nothing tells is left out.
+/// Describes a diameter of a stem; omits unknown values.
 Figures describe(const StemDiameter& d) {
     Figures out;
     out["height_m"] = d.height;
@@ -160,7 +160,7 @@ Figures describe(const StemDiameter& d) {
     return out;
 }
 
-/// A figure with its bounds where they are known.
+/// Adds a figure with its bounds, if they are known.
 void add_bounded(Figures& out, std::string_view name, std::string_view unit, double value, double low,
                  double high) {
     out[fmt::format("{}_{}", name, unit)] = value;
@@ -169,7 +169,7 @@ void add_bounded(Figures& out, std::string_view name, std::string_view unit, dou
     out[fmt::format("{}_high_{}", name, unit)] = high;
 }
 
-/// A stem in a slice, of which neither its height nor that of the slice is known.
+/// Describes a stem in a slice; the heights of the stem and of the slice are unknown.
 Figures describe_in_slice(const StemForm& form) {
     Figures out;
     out["place_m"] = numbers(form.foot);
@@ -179,7 +179,7 @@ Figures describe_in_slice(const StemForm& form) {
     return out;
 }
 
-/// What forestry wants to know, of one tree.
+/// Describes the forestry measures of one tree.
 Figures describe(const StemForm& form) {
     if (form.height == 0 && form.breast.diameter > 0) return describe_in_slice(form);
     Figures out;
@@ -203,7 +203,7 @@ Figures describe(const StemForm& form) {
     return out;
 }
 
-/// For people: the taper as one line for each section.
+/// Formats the figures for people: the taper as one line for each section.
 std::string forestry_text(const Figures& figures) {
     Figures plain;
     Figure::List taper;
@@ -225,7 +225,7 @@ std::string forestry_text(const Figures& figures) {
     return text;
 }
 
-/// Adds what forestry wants to know of each tree to what is said of points or of a skeleton.
+/// Appends the forestry measures of each tree to the figures of points or of a skeleton.
 std::string forestry(Figures figures, const std::vector<Figures>& trees, bool json) {
     if (!json) {
         std::string text = figures_text(figures);
@@ -239,20 +239,20 @@ std::string forestry(Figures figures, const std::vector<Figures>& trees, bool js
 
 std::string in_metres(std::string_view name, int power) { return in_unit(name, LengthUnit::m, power); }
 
-/// The trees of a file in metres, without what hangs loose.
+/// The trees of a file in metres, without loose components.
 struct FileTrees {
     Skeleton skeleton;
-    std::vector<TreeFigures> figures;  ///< with bounds where the file is of an extraction
+    std::vector<TreeFigures> figures;  ///< with bounds if the file comes from an extraction
 };
 
 FileTrees trees_of(const SkeletonFile& file, const LooseParts& parts) {
     Skeleton s = parts_of(file.skeleton, parts.trees);
     std::vector<TreeFigures> figures =
-        tree_figures(s, node_confidence(carried_attributes(file.attributes, file.skeleton, s)));
+        tree_figures(s, node_confidence(kept_attributes(file.attributes, file.skeleton, s)));
     return {std::move(s), std::move(figures)};
 }
 
-/// What is not plausible of trees, if anything.
+/// Adds implausible figures of trees, if any.
 void add_doubts(Figures& out, std::span<const TreeFigures> trees) {
     Figure::List list;
     for (std::size_t t = 0; t < trees.size(); ++t)
@@ -261,7 +261,7 @@ void add_doubts(Figures& out, std::span<const TreeFigures> trees) {
     if (!list.empty()) out["doubts"] = std::move(list);
 }
 
-/// What a skeleton says of a tree besides its stem.
+/// Adds the figures of a tree except those of its stem.
 void add_wood(Figures& out, const TreeFigures& t) {
     add_bounded(out, "length", "m", t.length, t.length_low, t.length_high);
     add_bounded(out, "volume", "m3", t.volume, t.volume_low, t.volume_high);
@@ -270,7 +270,7 @@ void add_wood(Figures& out, const TreeFigures& t) {
     add_doubts(out, {&t, 1});
 }
 
-/// What forestry wants to know of each tree of a skeleton in metres.
+/// Describes the forestry measures of each tree of a skeleton in metres.
 std::vector<Figures> describe_trees(const FileTrees& trees, const TimberFlags& flags) {
     const Skeleton& s = trees.skeleton;
     const BranchTable table = list_branches(s);
@@ -290,7 +290,7 @@ std::vector<Figures> describe_trees(const FileTrees& trees, const TimberFlags& f
     return out;
 }
 
-/// What hangs loose beside the trees, if there is anything.
+/// Adds the loose components of a skeleton, if any.
 void add_loose_parts(Figures& out, const LooseParts& parts) {
     if (parts.loose.empty()) return;
     out["loose_parts"] = parts.loose.size();
@@ -298,13 +298,12 @@ void add_loose_parts(Figures& out, const LooseParts& parts) {
     Figure& notes = out["notes"];
     if (!std::holds_alternative<Figure::List>(notes.value)) notes = Figure::List();
     std::get<Figure::List>(notes.value)
-        .emplace_back(
-            fmt::format("{} of its {} connected parts are short and do not stand on the ground: they are not "
-                        "taken for trees",
-                        parts.loose.size(), parts.loose.size() + parts.trees.size()));
+        .emplace_back(fmt::format("{} of its {} connected components are short and not on the ground: they "
+                                  "are not counted as trees",
+                                  parts.loose.size(), parts.loose.size() + parts.trees.size()));
 }
 
-/// With --forestry; of a mesh no stem can be told.
+/// Throws UsageError for --forestry with a mesh, in which stems cannot be found.
 ExitCode info_of_stems(Run& run, const InfoFlags& flags, FileKind kind) {
     if (kind == FileKind::mesh) {
         throw UsageError(
@@ -314,8 +313,7 @@ ExitCode info_of_stems(Run& run, const InfoFlags& flags, FileKind kind) {
     }
     if (kind == FileKind::points && flags.timber.wood_density > 0) {
         throw UsageError(
-            fmt::format("biomass is that of a skeleton; make one of '{0}' with coppice extract {0} "
-                        "-o SKELETON",
+            fmt::format("biomass requires a skeleton; make one of '{0}' with coppice extract {0} -o SKELETON",
                         flags.file.string()));
     }
     std::string text;
@@ -323,9 +321,8 @@ ExitCode info_of_stems(Run& run, const InfoFlags& flags, FileKind kind) {
         const SkeletonFile file = load_skeleton(run, flags.file, flags.read);
         if (file.units != LengthUnit::m) {
             throw UsageError(
-                fmt::format("--forestry looks 1.3 m above the ground, and '{}' is in {}; turn it into metres "
-                            "with --scale, "
-                            "or say --units m where it is in metres",
+                fmt::format("--forestry measures 1.3 m above the ground, and '{}' is in {}; convert it to "
+                            "metres with --scale, or specify --units m if it is in metres",
                             flags.file.string(), name_of(file.units)));
         }
         text = run.stage("measure", [&](const Context& ctx) {
@@ -360,9 +357,8 @@ ExitCode info_of_stems(Run& run, const InfoFlags& flags, FileKind kind) {
 
 ExitCode info(Run& run, const InfoFlags& flags) {
     if (flags.file.empty()) throw UsageError("name the file: coppice info FILE");
-    if (!flags.forestry && flags.timber.any())
-        throw UsageError("timber and biomass are among what --forestry says; add that");
-    (void)flags.timber.tops();  // what is wrong with them is told before any work
+    if (!flags.forestry && flags.timber.any()) throw UsageError("timber and biomass require --forestry");
+    (void)flags.timber.tops();  // so that errors are reported before any work
     Figures figures;
     const FileKind kind = kind_of_input(flags.file, flags.read.format);
     if (flags.forestry) return info_of_stems(run, flags, kind);
@@ -392,14 +388,14 @@ ExitCode info(Run& run, const InfoFlags& flags) {
 Command info_command() {
     const auto flags = std::make_shared<InfoFlags>();
     OptionList options;
-    options.file("file", "FILE", flags->file, "Skeleton, mesh or points to read");
-    options.flag("--json", flags->json, "Print JSON instead of a table");
+    options.file("file", "FILE", flags->file, "Skeleton, mesh or points to read.");
+    options.flag("--json", flags->json, "Print JSON instead of a table.");
     options.flag("--forestry", flags->forestry,
-                 "Also print the height of the tree, its diameter at breast height (1.3 m) and its taper");
+                 "Also print the height of the tree, its diameter at breast height (1.3 m) and its taper.");
     add_timber_options(options, flags->timber);
     options.fields(flags->read, "Reading a skeleton");
     options.fields(flags->read_points, kReadPointsGroup);
-    return {"info", "Print what a skeleton, mesh or point file contains", options,
+    return {"info", "Print a summary of a skeleton, mesh or point file.", options,
             [flags](Run& run, const GivenOptions&) { return info(run, *flags); }};
 }
 

@@ -20,9 +20,9 @@ namespace {
 enum class Action { add, list, tag, remove, draw };
 constexpr std::array<std::string_view, 5> kActions{"add", "list", "tag", "remove", "draw"};
 constexpr const char* kAddGroup = "Adding";
-constexpr const char* kTagGroup = "Tags to give and take";
+constexpr const char* kTagGroup = "Tags to set and remove";
 constexpr const char* kDrawGroup = "Drawing";
-constexpr const char* kWhichGroup = "Which trees of the library";
+constexpr const char* kWhichGroup = "Trees of the library to use";
 
 struct LibraryFlags {
     std::filesystem::path action, library, output;
@@ -37,13 +37,13 @@ struct LibraryFlags {
 Action action_of(const LibraryFlags& flags) {
     const auto found = std::ranges::find(kActions, flags.action.string());
     if (flags.library.empty() || found == kActions.end()) {
-        throw UsageError(fmt::format("say what to do, and name the library: coppice library {} LIBRARY",
+        throw UsageError(fmt::format("choose an action, and name the library: coppice library {} LIBRARY",
                                      fmt::join(kActions, "|")));
     }
     return static_cast<Action>(found - kActions.begin());
 }
 
-/// An option that is for something else would do nothing.
+/// Throws UsageError for an option that belongs to another action.
 void check_groups(const GivenOptions& given, Action action) {
     for (const Option* option : given) {
         const std::string& group = option->group;
@@ -59,7 +59,7 @@ void check_groups(const GivenOptions& given, Action action) {
     }
 }
 
-std::vector<NodeId> nodes_of(const LibraryFlags& flags) {
+std::vector<NodeId> find_nodes(const LibraryFlags& flags) {
     std::vector<NodeId> out;
     for (const std::string& word : flags.nodes) {
         std::uint32_t n = 0;
@@ -75,11 +75,11 @@ std::vector<NodeId> nodes_of(const LibraryFlags& flags) {
 
 ExitCode add(Run& run, const LibraryFlags& flags) {
     if (flags.trees.empty())
-        throw UsageError("name the trees to take branches of: coppice library add LIBRARY TREE");
-    const std::vector<NodeId> chosen = nodes_of(flags);
-    if (!chosen.empty() && flags.trees.size() > 1) throw UsageError("--node is for one tree alone");
+        throw UsageError("name the trees that provide the branches: coppice library add LIBRARY TREE");
+    const std::vector<NodeId> chosen = find_nodes(flags);
+    if (!chosen.empty() && flags.trees.size() > 1) throw UsageError("--node requires exactly one tree");
     check_output_folder(flags.library);
-    // All are read before anything is written.
+    // All files are read before the library is written.
     std::vector<std::vector<ChildTree>> trees;
     for (const auto& path : flags.trees) {
         const SkeletonFile file = load_skeleton(run, path, flags.read);
@@ -88,7 +88,7 @@ ExitCode add(Run& run, const LibraryFlags& flags) {
                                   : child_trees_at(file.skeleton, chosen);
         }));
         if (trees.back().empty())
-            run.warn(fmt::format("{}: no branch is like that, so none was taken", path.string()));
+            run.warn(fmt::format("{}: it contains no such branch, so nothing was added", path.string()));
     }
     std::vector<TreeLibrary::Batch> batches;
     for (std::size_t i = 0; i < trees.size(); ++i)
@@ -98,13 +98,12 @@ ExitCode add(Run& run, const LibraryFlags& flags) {
     });
     run.counts()["added"] = done.ids.size();
     run.counts()["known"] = done.known;
-    run.finish(
-        fmt::format("{}: {} branches added{}", flags.library.string(), grouped(done.ids.size()),
-                    done.known > 0 ? fmt::format(", {} were there already", grouped(done.known)) : ""));
+    run.finish(fmt::format("{}: {} branches added{}", flags.library.string(), grouped(done.ids.size()),
+                           done.known > 0 ? fmt::format(", {} already existed", grouped(done.known)) : ""));
     return kDone;
 }
 
-Figures figures_of(const LibraryEntry& e) {
+Figures compute_figures(const LibraryEntry& e) {
     Figures out;
     out["id"] = e.id;
     out["source"] = e.source;
@@ -129,24 +128,24 @@ ExitCode list(Run& run, const LibraryFlags& flags) {
     const std::vector<LibraryEntry> entries = run.stage("read", [&](const Context& ctx) {
         return TreeLibrary(flags.library, LibraryAccess::read, ctx).list(flags.which);
     });
-    print(table_of(entries));
+    print(make_table(entries));
     Figure::List figures;
-    for (const LibraryEntry& e : entries) figures.emplace_back(figures_of(e));
+    for (const LibraryEntry& e : entries) figures.emplace_back(compute_figures(e));
     run.counts()["trees"] = entries.size();
     run.counts()["entries"] = figures;
     run.finish(fmt::format("{}: {} branches", flags.library.string(), grouped(entries.size())));
     return kDone;
 }
 
-void check_chosen(const LibraryFlags& flags, std::string_view what) {
+void check_chosen(const LibraryFlags& flags, std::string_view subject) {
     if (flags.which.empty())
         throw UsageError(
-            fmt::format("say which trees to {}, as with --id 7, --tag oak or --from oak.swc", what));
+            fmt::format("choose the trees to {}, as with --id 7, --tag oak or --from oak.swc", subject));
 }
 
 ExitCode tag(Run& run, const LibraryFlags& flags) {
     if (flags.set_tags.empty() && flags.clear_tags.empty())
-        throw UsageError("say which tags: --set-tag oak, --clear-tag elm");
+        throw UsageError("choose the tags, as with --set-tag oak or --clear-tag elm");
     check_chosen(flags, "tag");
     const std::uint32_t changed = run.stage("write", [&](const Context& ctx) {
         return TreeLibrary(flags.library, LibraryAccess::write, ctx)
@@ -179,7 +178,7 @@ ExitCode draw(Run& run, const LibraryFlags& flags) {
         return TreeLibrary(flags.library, LibraryAccess::read, ctx).read(flags.which);
     });
     if (entries.empty())
-        throw InvalidInput(fmt::format("{}: there are no such trees", flags.library.string()));
+        throw InvalidInput(fmt::format("{}: it contains no such trees", flags.library.string()));
     std::vector<const Skeleton*> trees;
     for (const LibraryEntry& e : entries) trees.push_back(&e.tree.skeleton);
     const std::vector<Image> pictures = draw_each(run, trees, flags.picture_size);
@@ -201,9 +200,10 @@ ExitCode use_library(Run& run, const GivenOptions& given, const LibraryFlags& fl
     const Action action = action_of(flags);
     check_groups(given, action);
     if (action != Action::add && !flags.trees.empty())
-        throw UsageError(fmt::format("'{}': only coppice library add takes trees", flags.trees[0].string()));
+        throw UsageError(
+            fmt::format("'{}': only coppice library add accepts trees", flags.trees[0].string()));
     if (action != Action::draw && !flags.output.empty())
-        throw UsageError("-o is for the pictures of coppice library draw");
+        throw UsageError("-o is for the images of coppice library draw");
     switch (action) {
         case Action::add:
             return add(run, flags);
@@ -226,29 +226,29 @@ FlagNames library_flag_names() { return {.names = {{"ids", "--id"}, {"tags", "--
 Command library_command() {
     const auto flags = std::make_shared<LibraryFlags>();
     OptionList options;
-    options.file("action", "ACTION", flags->action, "Action: add, list, tag, remove or draw");
-    options.file("library", "LIBRARY", flags->library, "Library file; add creates it if it is missing");
-    options.files("trees", "TREE", flags->trees, "Skeletons with the branches to add (add)");
+    options.file("action", "ACTION", flags->action, "Action: add, list, tag, remove or draw.");
+    options.file("library", "LIBRARY", flags->library, "Library file; add creates it if it is missing.");
+    options.files("trees", "TREE", flags->trees, "Skeletons with the branches to add (add).");
     options.output("-o,--output", "PNG", flags->output,
-                   "Sheet of pictures (.png), or a folder for one picture per tree (draw)");
+                   "Sheet of images (.png), or a folder for one image per tree (draw).");
     options.value(
         {common_field(
              "node",
-             "Add the branch that begins at this node, numbered from 0 as in reports; may be repeated"),
+             "Add the branch that begins at this node, numbered from 0 as in reports; may be repeated."),
          &flags->nodes},
         kAddGroup);
-    options.fields(flags->take, kAddGroup, {.names = {{"least_length", "--take-least-length"}}});
-    options.value({common_field("set_tag", "Tag to set on the trees; may be repeated"), &flags->set_tags},
+    options.fields(flags->take, kAddGroup, {.names = {{"min_length", "--take-min-length"}}});
+    options.value({common_field("set_tag", "Tag to set on the trees; may be repeated."), &flags->set_tags},
                   kTagGroup);
     options.value(
-        {common_field("clear_tag", "Tag to remove from the trees; may be repeated"), &flags->clear_tags},
+        {common_field("clear_tag", "Tag to remove from the trees; may be repeated."), &flags->clear_tags},
         kTagGroup);
-    options.value({{"picture_size", "width and height of each picture in pixels", Unit::none, 16, 4096},
+    options.value({{"picture_size", "Width and height of each image in pixels.", Unit::none, 16, 4096},
                    &flags->picture_size},
                   kDrawGroup);
     options.fields(flags->which, kWhichGroup, library_flag_names());
     options.fields(flags->read, "Reading a skeleton");
-    return {"library", "Manage a library of branches, from which new trees are composed", options,
+    return {"library", "Manage a library of branches, from which new trees are composed.", options,
             [flags](Run& run, const GivenOptions& given) { return use_library(run, given, *flags); }};
 }
 

@@ -6,13 +6,13 @@
 
 #include "command.h"
 #include "coppice/base/sort.h"
-#include "coppice/io/file.h"
 #include "coppice/io/mesh/solid_writer.h"
 #include "coppice/io/mesh/writer.h"
 #include "coppice/io/points/reader.h"
 #include "coppice/pipeline/face_budget.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/pipeline/restore.h"
+#include "coppice/system/file.h"
 #include "figures.h"
 #include "files.h"
 #include "options.h"
@@ -38,10 +38,11 @@ bool makes_quads(MeshMethod method) {
 }
 
 void check_volume(const MeshFlags& flags) {
-    if (flags.mesh.method != MeshMethod::tetrahedra) throw UsageError("--volume needs --method tetrahedra");
-    if (flags.mesh.fit == Fit::volume) throw UsageError("--volume needs --fit surface");
+    if (flags.mesh.method != MeshMethod::tetrahedra)
+        throw UsageError("--volume requires --method tetrahedra");
+    if (flags.mesh.fit == Fit::volume) throw UsageError("--volume requires --fit surface");
     if (!solid_format_of_name(flags.volume)) {
-        throw UsageError(fmt::format("--volume writes VTU and Gmsh; end the name '{}' in .vtu or .msh",
+        throw UsageError(fmt::format("--volume writes VTU and Gmsh; use the extension .vtu or .msh for '{}'",
                                      flags.volume.string()));
     }
     check_output_folder(flags.volume);
@@ -54,46 +55,48 @@ void check_flags(const MeshFlags& flags) {
     for (const auto& output : flags.outputs) check_mesh_output(output);
     check_mesh_write_options(flags.write, flags.outputs);
     if (!flags.constraints.empty() && flags.mesh.field.weights != Weights::global) {
-        throw UsageError("--constraints are for global weights; add --weights global");
+        throw UsageError("--constraints requires --weights global");
     }
     if (flags.constraint_edges && flags.constraints.empty())
-        throw UsageError("--constraint-edges are those of --constraints MESH; add it");
+        throw UsageError("--constraint-edges requires --constraints MESH");
     if (!flags.original.empty() && !makes_quads(flags.mesh.method)) {
-        throw UsageError("--restore needs --method quads");
+        throw UsageError("--restore requires --method quads");
     }
     if (!flags.offsets.empty()) {
-        if (flags.original.empty()) throw UsageError("--offsets are those of --restore MESH; add it");
+        if (flags.original.empty()) throw UsageError("--offsets requires --restore MESH");
         check_output_folder(flags.offsets);
     }
     if (!flags.volume.empty()) check_volume(flags);
     if (flags.cage.empty()) return;
-    if (!makes_quads(flags.mesh.method)) throw UsageError("--cage needs --method quads");
+    if (!makes_quads(flags.mesh.method)) throw UsageError("--cage requires --method quads");
     check_mesh_output(flags.cage);
     if (mesh_format_of_name(flags.cage) != MeshFormat::usda) {
-        throw UsageError(fmt::format("--cage writes USDA; end the name '{}' in .usda", flags.cage.string()));
+        throw UsageError(
+            fmt::format("--cage writes USDA; use the extension .usda for '{}'", flags.cage.string()));
     }
 }
 
-/// Options that would do nothing.
+/// Throws UsageError for options that have no effect.
 void check_given(const GivenOptions& given, const MeshOptions& mesh, int faces) {
     const auto has = [&](std::string_view name) {
         return std::ranges::any_of(given, [&](const Option* o) { return o->name == name; });
     };
     const bool bmesh = mesh.method == MeshMethod::bmesh;
     if (has("--ball-bulge") && !bmesh && mesh.field.kernel != Kernel::balls)
-        throw UsageError("--ball-bulge is for metaballs; add --method bmesh");
+        throw UsageError("--ball-bulge requires --method bmesh");
     if (has("--blend") && bmesh)
-        throw UsageError("--method bmesh sums all balls; leave --blend out, or take --kernel balls for it");
+        throw UsageError(
+            "--method bmesh adds the fields of all balls; leave --blend out, or use --kernel balls for it");
     if (has("--tetra-base") && mesh.method != MeshMethod::tetrahedra)
-        throw UsageError("--tetra-base is for tetrahedra; add --method tetrahedra");
+        throw UsageError("--tetra-base requires --method tetrahedra");
     if (has("--device") && mesh.method == MeshMethod::cylinders)
-        throw UsageError("--device is for surfaces of a field; leave it out with --method cylinders");
+        throw UsageError("--device applies to surfaces of a field; leave it out with --method cylinders");
     if (faces > 0 && has("--levels")) throw UsageError("--faces chooses the levels; leave --levels out");
     if (faces > 0 && has("--chord-error"))
         throw UsageError("--faces chooses the chord error; leave --chord-error out");
     if (has("--tetra-levels") && mesh.tetra.base == TetraBase::polyhedron)
         throw UsageError(
-            "--tetra-levels is for an octree; with --tetra-base polyhedron --edge says how often it is cut");
+            "--tetra-levels applies to an octree; with --tetra-base polyhedron use --tetra-edge");
 }
 
 void report_weights(Figures& counts, const GlobalWeights& weights) {
@@ -109,32 +112,33 @@ void report_weights(Figures& counts, const GlobalWeights& weights) {
     counts["residual_max_of_local_weights"] = weights.local.greatest;
 }
 
-/// One number per line, in the order of the vertices.
+/// Writes one number per line, in the order of the vertices.
 void write_offsets(const std::filesystem::path& path, std::span<const float> offsets) {
     AtomicFile file(path);
     for (const float offset : offsets) file.write(fmt::format("{}\n", offset));
     file.commit();
 }
 
-/// Moves the surface back to the original; returns what to say of it.
+/// Moves the surface back to the original mesh; returns a summary.
 std::string restore(Run& run, const MeshFlags& flags, const PolygonMesh& original, const Skeleton& skeleton,
                     QuadMesh& mesh) {
     const RestoreResult result = run.stage("restore", [&](const Context& ctx) {
         return restore_offsets(mesh, original, skeleton, flags.restore, ctx);
     });
     if (result.report.found == 0) {
-        throw InvalidInput(fmt::format(
-            "no face of '{}' lies within --restore-reach of the surface and looks the same way; is it in "
-            "the skeleton's units and coordinates?",
-            flags.original.string()));
+        throw InvalidInput(
+            fmt::format("no face of '{}' is within --restore-reach of the surface with a similar normal; is "
+                        "it in the skeleton's units and coordinates?",
+                        flags.original.string()));
     }
-    run.counts()["restored"] = figures_of(result.report);
+    run.counts()["restored"] = compute_figures(result.report);
     if (!flags.offsets.empty()) write_offsets(flags.offsets, result.offsets);
     return fmt::format("; {} restored, {} held back", grouped(result.report.found),
                        grouped(result.report.pulled_back));
 }
 
-/// The vertices of a mesh, and where it is asked for the middles of its edges, by their ends.
+/// Returns the vertices of a mesh, and if requested the midpoints of its edges, with the end points of the
+/// edges.
 PointSet points_of_mesh(const PolygonMesh& mesh, bool edges) {
     PointSet out{mesh.positions, mesh.origin};
     if (!edges) return out;
@@ -159,7 +163,7 @@ PointSet load_constraints(Run& run, const MeshFlags& flags) {
     return load_points(run, flags.constraints, flags.read.up);
 }
 
-/// Counts what was planned, and returns what to say of it.
+/// Reports the result of the planning, and returns a summary.
 std::string tell_plan(Run& run, const MeshFlags& flags, const BudgetedMesh& made) {
     const FaceBudget& budget = made.budget;
     Figures figures;
@@ -172,10 +176,10 @@ std::string tell_plan(Run& run, const MeshFlags& flags, const BudgetedMesh& made
     run.counts()["faces"] = std::move(figures);
     const std::string missed = text_of_missed_faces(made, static_cast<std::uint64_t>(flags.number.faces));
     if (!missed.empty()) run.warn(missed);
-    return "; " + text_of(budget);
+    return "; " + to_text(budget);
 }
 
-/// A surface, the branches that it was made of where these are not all, and what to say of that.
+/// A surface, the branches that it was made from (if not all), and a summary of that.
 struct MadeMesh {
     MeshResult result;
     std::optional<Skeleton> drawn;
@@ -248,35 +252,36 @@ Command mesh_command() {
     const auto flags = std::make_shared<MeshFlags>();
     OptionList options;
     options.file("skeleton", "SKELETON", flags->skeleton,
-                 "Skeleton to read (.swc, .csv, .txt, .mat, .ply, .obj, .json, .rsml, .mtg)");
+                 "Skeleton to read (.swc, .csv, .txt, .mat, .ply, .obj, .json, .rsml, .mtg).");
     options.outputs("-o,--output", "MESH", flags->outputs,
-                    "Mesh to write (.ply, .obj, .glb, .stl, .usda); may be repeated");
+                    "Mesh to write (.ply, .obj, .glb, .stl, .usda); may be repeated.");
     options.output("--cage", "FILE", flags->cage,
-                   "also write the control cage, for subdivision in other programs (.usda)",
+                   "Also write the control cage, for subdivision in other programs (.usda).",
                    {.common = false});
     options.output("--volume", "FILE", flags->volume,
-                   "also write the tetrahedra inside, for finite elements (.vtu, .msh)", {.common = false});
+                   "Also write the tetrahedra inside the surface, for finite elements (.vtu, .msh).",
+                   {.common = false});
     options.file("--constraints", "POINTS", flags->constraints,
-                 "points that global weights are fitted to, or a mesh, whose vertices they are (.xyz, .ply, "
-                 ".obj)",
+                 "Points, or a mesh with vertices, to which global weights are fitted (.xyz, .ply, .obj).",
                  {.common = false});
     options.flag("--constraint-edges", flags->constraint_edges,
-                 "also fit global weights to the middles of the edges of that mesh", {.common = false});
+                 "Also fit global weights to the midpoints of the edges of that mesh.", {.common = false});
     options.file("--restore", "MESH", flags->original,
-                 "move the surface onto this mesh where it is near (.ply, .obj, .off, .stl, .glb)",
+                 "Move the surface onto this mesh where it is near (.ply, .obj, .off, .stl, .glb).",
                  {.common = false});
     options.output("--offsets", "FILE", flags->offsets,
-                   "also write how far --restore moved each vertex along its normal, in metres, line by line",
+                   "Also write the distance by which --restore moved each vertex along its normal, in "
+                   "metres, one per line.",
                    {.common = false});
     options.flag("--strict", flags->strict,
-                 "exit with 1 where the surface lacks something of the skeleton: see coppice check",
+                 "Exit with 1 if the surface does not represent the whole skeleton; see coppice check.",
                  {.common = false});
     options.fields(flags->number, "Surface");
     options.fields(flags->mesh, "Surface", surface_flag_names());
-    options.fields(flags->restore, "Back to the original", {.names = {{"reach", "--restore-reach"}}});
+    options.fields(flags->restore, "Restoring the original", {.names = {{"reach", "--restore-reach"}}});
     options.fields(flags->read, "Reading the skeleton");
     add_mesh_write_options(options, flags->write);
-    return {"mesh", "Turn a skeleton with radii into one closed surface of quads or triangles", options,
+    return {"mesh", "Turn a skeleton with radii into one closed surface of quads or triangles.", options,
             [flags](Run& run, const GivenOptions& given) { return mesh(run, given, *flags); }};
 }
 

@@ -6,23 +6,23 @@
 
 #include "command.h"
 #include "coppice/base/fields.h"
-#include "coppice/io/file.h"
 #include "coppice/io/sketch/sketch_file.h"
 #include "coppice/measure/intersections.h"
 #include "coppice/measure/radius.h"
 #include "coppice/measure/surface_tree.h"
 #include "coppice/mesh/topology.h"
-#include "coppice/pipeline/option_fields.h"
+#include "coppice/options/option_fields.h"
 #include "coppice/points/spacing.h"
 #include "coppice/render/picture.h"
 #include "coppice/render/png.h"
+#include "coppice/system/file.h"
 #include "files.h"
 #include "options.h"
 #include "pictures.h"
 
 namespace coppice::cli {
 
-/// What stands out in the picture of a mesh.
+/// Highlighted elements in the image of a mesh.
 enum class Marked { none, crossings };
 
 }  // namespace coppice::cli
@@ -42,9 +42,9 @@ namespace {
 struct RenderFlags {
     std::filesystem::path input, second, output, distance_to, over;
     std::filesystem::path camera;  ///< SKETCH:VIEW
-    float opacity = 0.7f;          ///< of what is drawn over a photograph
+    float opacity = 0.7f;          ///< opacity of the objects drawn over a photograph
     Marked mark = Marked::none;
-    float point_size = 0;  ///< [m] width of points; 0 = from their spacing
+    float point_size = 0;  ///< [m] width of points; 0 = derived from their spacing
     RenderOptions render;
     ReadSkeletonOptions read;
     ReadPointsOptions read_points;
@@ -52,26 +52,26 @@ struct RenderFlags {
 
 struct Inputs {
     std::optional<PolygonMesh> mesh;
-    std::optional<PaintedPoints> cloud;
+    std::optional<PointCloud> cloud;
     float point_radius = 0;  ///< [m]
     std::optional<SkeletonFile> skeleton;
     std::optional<PolygonMesh> other;
-    std::optional<SurfaceTree> surface;  ///< of the other mesh
+    std::optional<SurfaceTree> surface;  ///< index of the other mesh
 };
 
-/// What stands out.
+/// Highlighted elements.
 struct Crossings {
     std::vector<std::uint32_t> faces;
     std::vector<RenderMark> places;
 };
 
-/// [m] Half of the distance between points, but as large that they are seen in the picture; or what was asked
-/// for.
+/// [m] Returns the requested radius, or else half of the point spacing, but at least the size that is visible
+/// in the image.
 float point_radius(Run& run, const PointSet& points, const RenderFlags& flags) {
     if (flags.point_size > 0) return flags.point_size / 2;
     const double spacing =
         run.stage("points", [&](const Context& ctx) { return median_spacing(points, ctx); });
-    constexpr double kSeen = 1.0 / 400;  // of the diagonal: some two pixels
+    constexpr double kSeen = 1.0 / 400;  // fraction of the diagonal: about two pixels
     const double least = std::max(kSeen * double{bounds(points).diagonal()}, 1e-6);
     return static_cast<float>(std::max(spacing, least) / 2);
 }
@@ -91,7 +91,7 @@ Inputs load(Run& run, const RenderFlags& flags) {
         } else if (kind == FileKind::points) {
             PointColumns columns = kNoColumns;
             columns.distances = columns.colors = true;
-            in.cloud = load_point_file(run, path, columns, flags.read.up, flags.read_points).painted;
+            in.cloud = load_point_file(run, path, columns, flags.read.up, flags.read_points).point_cloud;
             in.point_radius = point_radius(run, in.cloud->points, flags);
         } else {
             in.mesh = load_mesh(run, path, flags.read.up);
@@ -106,18 +106,19 @@ void check_flags(const RenderFlags& flags) {
         throw UsageError("name the files: coppice render IN [IN2] -o PNG");
     if (!is_png_name(flags.output)) {
         throw UsageError(
-            fmt::format("'{}' is no name of a picture; use the ending .png", flags.output.string()));
+            fmt::format("'{}' is not the name of an image; use the extension .png", flags.output.string()));
     }
     check_output_folder(flags.output);
 }
 
-/// The mesh that the drawn one is measured from; the surface refers to it.
+/// Loads the mesh from which distances are measured; the surface refers to it.
 void load_other(Run& run, const RenderFlags& flags, Inputs& in) {
     if (!in.mesh && !in.cloud)
         throw UsageError(
-            "--distance-to needs a mesh or points to draw: coppice render MESH --distance-to OTHER -o PNG");
+            "--distance-to requires a mesh or points to draw: coppice render MESH --distance-to OTHER -o "
+            "PNG");
     in.other = load_mesh(run, flags.distance_to, flags.read.up);
-    if (in.cloud) in.cloud->distances.clear();  // those that count are from this mesh
+    if (in.cloud) in.cloud->distances.clear();  // replaced by the distances from this mesh
     in.surface = run.stage("index", [&](const Context& ctx) {
         validate(*in.other);
         return SurfaceTree(*in.other, ctx);
@@ -125,15 +126,15 @@ void load_other(Run& run, const RenderFlags& flags, Inputs& in) {
 }
 
 Crossings find_crossings(Run& run, const Inputs& in) {
-    constexpr std::uint32_t kMostPairs = 1'000'000;
-    constexpr std::size_t kMostPlaces = 1000;
+    constexpr std::uint32_t kMaxPairs = 1'000'000;
+    constexpr std::size_t kMaxPlaces = 1000;
     if (!in.mesh)
-        throw UsageError("--mark crossings needs a mesh: coppice render MESH --mark crossings -o PNG");
+        throw UsageError("--mark crossings requires a mesh: coppice render MESH --mark crossings -o PNG");
     return run.stage("crossings", [&](const Context& ctx) {
         Crossings out;
-        const FacePairs found = crossing_faces(SurfaceTree(*in.mesh, ctx), kMostPairs, ctx);
+        const FacePairs found = crossing_faces(SurfaceTree(*in.mesh, ctx), kMaxPairs, ctx);
         for (const FacePair& p : found.pairs) out.faces.insert(out.faces.end(), {p.first, p.second});
-        const CrossingPlaces places = crossing_places(found, *in.mesh, nullptr, nullptr, kMostPlaces, ctx);
+        const CrossingPlaces places = crossing_places(found, *in.mesh, nullptr, nullptr, kMaxPlaces, ctx);
         for (const CrossingPlace& p : places.largest) out.places.push_back({p.place, p.radius});
         run.counts()["crossings"] = found.pairs.size();
         run.counts()["crossing_places"] = places.total;
@@ -141,16 +142,17 @@ Crossings find_crossings(Run& run, const Inputs& in) {
     });
 }
 
-/// The view that --camera SKETCH:VIEW names.
+/// Returns the view that --camera SKETCH:VIEW names.
 SketchView load_view(Run& run, const std::string& named) {
     const std::size_t colon = named.rfind(':');
     if (colon == std::string::npos || !is_sketch_name(named.substr(0, colon))) {
         throw UsageError(fmt::format(
-            "'{}' names no camera; write the sketch and its view, as in tree.sketch.json:front", named));
+            "'{}' does not name a camera; write the sketch and its view, as in tree.sketch.json:front",
+            named));
     }
     const std::string file = named.substr(0, colon), name = named.substr(colon + 1);
     const std::vector<SketchView> views = run.stage("read", [&](const Context& ctx) {
-        // What was drawn tells the cameras that nobody measured.
+        // Views without a calibrated camera derive it from the strokes.
         const SketchCameras cameras = read_cameras(file, ctx);
         const bool measured =
             std::ranges::none_of(cameras.snapshots, [](const auto& s) { return s.has_value(); });
@@ -161,10 +163,10 @@ SketchView load_view(Run& run, const std::string& named) {
         if (view.name == name) return view;
         names.push_back(view.name);
     }
-    throw UsageError(fmt::format("'{}' has no view '{}'; there are {}", file, name, fmt::join(names, ", ")));
+    throw UsageError(fmt::format("'{}' has no view '{}'; it has {}", file, name, fmt::join(names, ", ")));
 }
 
-/// A picture that a camera took, if any, and what follows from it for the drawing.
+/// Loads the photograph of a camera, if any, and derives the settings of the rendering from it.
 struct Backdrop {
     std::optional<SketchView> view;
     std::optional<Image> photograph;
@@ -174,10 +176,10 @@ Backdrop load_backdrop(Run& run, const RenderFlags& flags, RenderOptions& option
     Backdrop out;
     if (flags.camera.empty()) {
         if (flags.over.empty()) return out;
-        throw UsageError("--over needs the camera that took the picture: --camera tree.sketch.json:front");
+        throw UsageError("--over requires the camera of the image: --camera tree.sketch.json:front");
     }
     if (options.look_at || options.zoom != 1)
-        throw UsageError("--camera looks where its view does; leave --look-at and --zoom out");
+        throw UsageError("--camera defines the view; leave --look-at and --zoom out");
     out.view = load_view(run, flags.camera.string());
     if (out.view->width > 0 && out.view->height > 0) {
         options.width = out.view->width;
@@ -189,9 +191,9 @@ Backdrop load_backdrop(Run& run, const RenderFlags& flags, RenderOptions& option
     });
     const Image& picture = *out.photograph;
     if (out.view->width > 0 && (picture.width != out.view->width || picture.height != out.view->height)) {
-        throw InvalidInput(fmt::format(
-            "{}: the picture has {} x {} pixels, but that of the view '{}' {} x {}", flags.over.string(),
-            picture.width, picture.height, out.view->name, out.view->width, out.view->height));
+        throw InvalidInput(fmt::format("{}: the image has {} x {} pixels, but that of the view '{}' {} x {}",
+                                       flags.over.string(), picture.width, picture.height, out.view->name,
+                                       out.view->width, out.view->height));
     }
     if (options.color == RenderColor::plain) options.color = RenderColor::signal;
     options.width = picture.width;
@@ -213,21 +215,20 @@ ExitCode render_file(Run& run, const RenderFlags& flags) {
     if (options.color == RenderColor::distance && flags.distance_to.empty() &&
         (!in.cloud || in.cloud->distances.empty())) {
         throw UsageError(
-            "--color distance needs another mesh, or points that have distances: coppice render MESH "
+            "--color distance requires another mesh, or points with distances: coppice render MESH "
             "--distance-to OTHER -o PNG");
     }
     const bool by_deviation = options.color == RenderColor::deviation;
     if (by_deviation && !(in.mesh && in.skeleton)) {
         throw UsageError(
-            "--color deviation needs a mesh and its skeleton: coppice render MESH SKELETON -o PNG");
+            "--color deviation requires a mesh and its skeleton: coppice render MESH SKELETON -o PNG");
     }
     const std::span<const float> evidence =
         in.skeleton ? in.skeleton->attribute("evidence") : std::span<const float>{};
     if (options.color == RenderColor::evidence && evidence.empty()) {
         throw UsageError(
-            "--color evidence needs a skeleton that has it, as coppice extract CLOUD writes them in .json "
-            "and "
-            ".ply: coppice render TREE.json --color evidence -o PNG");
+            "--color evidence requires a skeleton with evidence, as coppice extract CLOUD writes it to .json "
+            "and .ply: coppice render TREE.json --color evidence -o PNG");
     }
     std::vector<float> deviation;
     if (by_deviation) {
@@ -259,33 +260,36 @@ ExitCode render_file(Run& run, const RenderFlags& flags) {
 Command render_command() {
     const auto flags = std::make_shared<RenderFlags>();
     OptionList options;
-    options.file("input", "IN", flags->input, "Mesh, points or skeleton to draw");
+    options.file("input", "IN", flags->input, "Mesh, points or skeleton to draw.");
     options.file("second", "IN2", flags->second,
-                 "Second object to draw: points over a mesh, or the skeleton of either");
-    options.output("-o,--output", "PNG", flags->output, "Picture to write (.png)");
+                 "Second object to draw: points over a mesh, or the skeleton of either.");
+    options.output("-o,--output", "PNG", flags->output, "Image to write (.png).");
     options.file("--distance-to", "MESH", flags->distance_to,
                  "Colour the points, or without points the mesh, by the distance from this mesh: inside "
-                 "blue, outside red");
+                 "blue, outside red.");
     options.file("--camera", "SKETCH:VIEW", flags->camera,
-                 "the camera of a view of a sketch, as tree.sketch.json:front; else the object is framed",
+                 "Camera of a view of a sketch, as tree.sketch.json:front; by default the object is framed.",
                  {.common = false});
     options.file("--over", "PHOTO", flags->over,
-                 "draws in magenta over this picture (.png, .jpg), which the camera took", {.common = false});
-    options.value({{"opacity", "of what is drawn over a picture", Unit::none, 0, 1}, &flags->opacity},
-                  "Picture");
+                 "Draw in magenta over this image (.png, .jpg), which the camera recorded.",
+                 {.common = false});
     options.value(
-        {{"mark", "what stands out: crossings are faces of the mesh that cross, with rings around them"},
+        {{"opacity", "Opacity of the objects drawn over an image.", Unit::none, 0, 1}, &flags->opacity},
+        "Picture");
+    options.value(
+        {{"mark", "Highlighted elements; crossings are intersecting faces of the mesh, marked by rings."},
          choice_of(flags->mark)},
         "Picture");
     options.value(
-        {{"point_size", "width of the points of a cloud; 0 = their spacing, or what is seen of all of it",
+        {{"point_size",
+          "Width of the points of a cloud; 0 derives it from their spacing and the size of the image.",
           Unit::metre, 0, 1e6},
          &flags->point_size},
         "Picture");
     options.fields(flags->render, "Picture");
     options.fields(flags->read, "Reading a skeleton", {.common = MemberNames{}});
     options.fields(flags->read_points, kReadPointsGroup);
-    return {"render", "Draw a mesh or points, a skeleton, or both, with sun and sky light", options,
+    return {"render", "Draw a mesh or points, a skeleton, or both, with sun and sky light.", options,
             [flags](Run& run, const GivenOptions&) { return render_file(run, *flags); }};
 }
 

@@ -36,11 +36,11 @@ ExitCode scan_file(Run& run, const ScanFlags& flags) {
 Command scan_command() {
     const auto flags = std::make_shared<ScanFlags>();
     OptionList options;
-    options.file("mesh", "MESH", flags->mesh, "Mesh to scan");
+    options.file("mesh", "MESH", flags->mesh, "Mesh to scan.");
     options.output("-o,--output", "POINTS", flags->output,
-                   "Points to write; the extension selects the format");
+                   "Points to write; the extension selects the format.");
     options.fields(flags->scan, "Scan");
-    return {"scan", "Simulate a laser scan of a mesh", options,
+    return {"scan", "Simulate a laser scan of a mesh.", options,
             [flags](Run& run, const GivenOptions&) { return scan_file(run, *flags); }};
 }
 

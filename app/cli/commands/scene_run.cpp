@@ -59,7 +59,7 @@ struct GrowFlags {
 
 ExitCode grow_scene(Run& run, const GrowFlags& flags) {
     for (const auto& output : flags.outputs) check_skeleton_output(output);
-    std::vector<SceneFile> files;  // read first: what is no scene is refused before an output is asked for
+    std::vector<SceneFile> files;  // read first: an invalid scene is reported before a missing output
     if (!flags.scene.empty()) files = read_scenes(run, {&flags.scene, 1});
     if (files.empty() || flags.outputs.empty())
         throw UsageError("name the scene and the skeleton: coppice grow SCENE -o SKELETON");
@@ -87,23 +87,25 @@ ExitCode grow_scene(Run& run, const GrowFlags& flags) {
 Command run_command() {
     const auto flags = std::make_shared<RunFlags>();
     OptionList options;
-    options.files("scenes", "SCENE", flags->scenes, "Scenes to run, one after the other (.coppice)");
-    options.outputs("-o,--output", "FILE", flags->outputs,
-                    "File for the last mesh, skeleton or points made, by its extension; may be repeated");
+    options.files("scenes", "SCENE", flags->scenes, "Scenes to run in this order (.coppice).");
+    options.outputs(
+        "-o,--output", "FILE", flags->outputs,
+        "File for the last mesh, skeleton or points made, selected by the extension; may be repeated.");
     add_scene_options(options, flags->given);
-    options.flag("--reference", flags->reference, "Print the reference page of all scene commands");
-    return {"run", "Run scenes: crowns, points, growth and meshes by commands, one per line", options,
+    options.flag("--reference", flags->reference, "Print the reference page of all scene commands.");
+    return {"run", "Run scenes: crowns, points, growth and meshes by commands, one per line.", options,
             [flags](Run& run, const GivenOptions&) { return run_scenes(run, *flags); }};
 }
 
 Command grow_command() {
     const auto flags = std::make_shared<GrowFlags>();
     OptionList options;
-    options.file("scene", "SCENE", flags->scene, "Scene to run (.coppice)");
+    options.file("scene", "SCENE", flags->scene, "Scene to run (.coppice).");
     options.outputs("-o,--output", "SKELETON", flags->outputs,
-                    "Skeleton to write (.swc, .json, .csv, .ply, .obj); may be repeated");
+                    "Skeleton to write (.swc, .json, .csv, .ply, .obj); may be repeated.");
     add_scene_options(options, flags->given);
-    return {"grow", "Run a scene and write the tree that it grows last, without its own pictures and files",
+    return {"grow",
+            "Run a scene and write the last tree that it grows; the scene itself writes no images and files.",
             options, [flags](Run& run, const GivenOptions&) { return grow_scene(run, *flags); }};
 }
 

@@ -3,10 +3,10 @@
 #include <nlohmann/json.hpp>
 
 #include "command.h"
-#include "coppice/animate/animate_options.h"
-#include "coppice/animate/growing.h"
-#include "coppice/animate/wind.h"
 #include "coppice/compose/compose.h"
+#include "coppice/edit/animate/animate_options.h"
+#include "coppice/edit/animate/growing.h"
+#include "coppice/edit/animate/wind.h"
 #include "coppice/extract/cloud/from_cloud.h"
 #include "coppice/extract/mesh/from_mesh.h"
 #include "coppice/extract/plot/plot.h"
@@ -16,7 +16,7 @@
 #include "coppice/measure/match/cloud_distance.h"
 #include "coppice/measure/match/skeleton_match.h"
 #include "coppice/measure/surface_report.h"
-#include "coppice/pipeline/json.h"
+#include "coppice/options/json.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/pipeline/restore.h"
 #include "coppice/render/render.h"
@@ -33,10 +33,10 @@ namespace {
 template <OptionStruct Options>
 Json described() {
     Options defaults;
-    return schema_of(option_fields(defaults));
+    return make_schema(option_fields(defaults));
 }
 
-/// Adds what describes the value of an option: files have no more than their type.
+/// Adds the description of the value of an option; files have only a type.
 struct DescribeTarget {
     Json& entry;
     const Option& option;
@@ -49,7 +49,7 @@ struct DescribeTarget {
     }
 };
 
-/// The options of a command as they are called on the command line.
+/// Describes the options of a command by their names on the command line.
 Json options_of(const Command& command) {
     Json out = Json::array();
     for (const Option& option : command.options.all()) {
@@ -104,7 +104,7 @@ ExitCode schema(Run& run) {
 
 Command schema_command() {
     return {"schema",
-            "Print every option with its type, unit, range and default as JSON",
+            "Print every option with its type, unit, range and default as JSON.",
             {},
             [](Run& run, const GivenOptions&) { return schema(run); }};
 }

@@ -19,10 +19,10 @@ struct ShellFlags {
 };
 
 constexpr const char* kPrompt = "coppice> ";
-constexpr const char* kPromptInBlock = "     ... ";  // until the block is closed
+constexpr const char* kPromptInBlock = "     ... ";  // until the block is complete
 
-/// Does the work and says what goes wrong. The exit code is that of the error, which the last failing line
-/// decides when lines come from a file or a pipe.
+/// Runs the work and prints its errors. Returns the exit code of the error; when lines come from a file or a
+/// pipe, that of the last failing line is the exit code of the shell.
 template <class Work>
 ExitCode code_of(Work&& work) {
     try {
@@ -80,9 +80,9 @@ ExitCode shell(Run& run, const ShellFlags& flags) {
 Command shell_command() {
     const auto flags = std::make_shared<ShellFlags>();
     OptionList options;
-    options.files("scenes", "SCENE", flags->scenes, "Scenes to run first (.coppice)");
+    options.files("scenes", "SCENE", flags->scenes, "Scenes to run first (.coppice).");
     add_scene_options(options, flags->given);
-    return {"shell", "Run scene commands interactively, with history and completion", options,
+    return {"shell", "Run scene commands interactively, with history and completion.", options,
             [flags](Run& run, const GivenOptions&) { return shell(run, *flags); }};
 }
 

@@ -4,7 +4,6 @@
 #include <numbers>
 
 #include "command.h"
-#include "coppice/io/file.h"
 #include "coppice/io/skeleton/writer.h"
 #include "coppice/io/sketch/sketch_file.h"
 #include "coppice/render/picture.h"
@@ -12,6 +11,7 @@
 #include "coppice/sketch/draw.h"
 #include "coppice/sketch/reconstruct.h"
 #include "coppice/sketch/trace/trace.h"
+#include "coppice/system/file.h"
 #include "figures.h"
 #include "files.h"
 #include "options.h"
@@ -39,9 +39,8 @@ void check_flags(const GivenOptions& given, const SketchFlags& flags) {
     if (flags.trace) {
         if (!draws || !is_sketch_name(flags.input)) {
             throw UsageError(
-                "--trace makes a sketch of the pictures that another one names: coppice sketch "
-                "VIEWS.sketch.json -o "
-                "NEW.sketch.json --trace");
+                "--trace makes a sketch of the images that another one names: coppice sketch "
+                "VIEWS.sketch.json -o NEW.sketch.json --trace");
         }
         for (const Option* option : given) {
             if (option->group == kSketchGroup || option->group == kDrawGroup)
@@ -50,14 +49,14 @@ void check_flags(const GivenOptions& given, const SketchFlags& flags) {
         return;
     }
     if (is_sketch_name(flags.input) == draws) {
-        throw UsageError(fmt::format(
-            "'{}' and '{}': one has to be a sketch, which ends with .sketch.json, and the other one a "
-            "skeleton",
-            flags.input.string(), flags.output.string()));
+        throw UsageError(
+            fmt::format("'{}' and '{}': one must be a sketch, with a name that ends in .sketch.json, and the "
+                        "other one a skeleton",
+                        flags.input.string(), flags.output.string()));
     }
     if (!draws && flags.write.format == SkeletonFormat::automatic &&
         kind_to_write(flags.output, FileKind::skeleton) != FileKind::skeleton) {
-        throw UsageError(fmt::format("'{}' is no name of a skeleton", flags.output.string()));
+        throw UsageError(fmt::format("'{}' is not the name of a skeleton", flags.output.string()));
     }
     for (const Option* option : given) {
         if (option->group == (draws ? kSketchGroup : kDrawGroup)) {
@@ -67,7 +66,7 @@ void check_flags(const GivenOptions& given, const SketchFlags& flags) {
     }
 }
 
-Figures figures_of(const Sketch& sketch, const StrokeFit& stroke) {
+Figures compute_figures(const Sketch& sketch, const StrokeFit& stroke) {
     Figures out;
     out["view"] = sketch.views[stroke.view].name;
     out["points"] = stroke.points;
@@ -78,7 +77,7 @@ Figures figures_of(const Sketch& sketch, const StrokeFit& stroke) {
     return out;
 }
 
-Figures figures_of(const Sketch& sketch, const BranchFit& fit) {
+Figures compute_figures(const Sketch& sketch, const BranchFit& fit) {
     Figures out;
     out["name"] = sketch.branches[fit.branch].name;
     out["made"] = fit.refused.empty();
@@ -87,7 +86,7 @@ Figures figures_of(const Sketch& sketch, const BranchFit& fit) {
     out["length_m"] = fit.length;
     out["guessed_radius"] = fit.guessed_radius;
     Figure::List strokes;
-    for (const StrokeFit& stroke : fit.strokes) strokes.emplace_back(figures_of(sketch, stroke));
+    for (const StrokeFit& stroke : fit.strokes) strokes.emplace_back(compute_figures(sketch, stroke));
     out["strokes"] = strokes;
     return out;
 }
@@ -98,7 +97,7 @@ double fill_report(Run& run, const Sketch& sketch, const SketchResult& result) {
     std::uint64_t refused = 0, left_out = 0, reversed = 0, guessed = 0;
     double most = 0;
     for (const BranchFit& fit : result.branches) {
-        branches.emplace_back(figures_of(sketch, fit));
+        branches.emplace_back(compute_figures(sketch, fit));
         guessed += fit.guessed_radius ? 1 : 0;
         for (const StrokeFit& stroke : fit.strokes) {
             left_out += stroke.left_out;
@@ -131,7 +130,7 @@ ExitCode make_skeleton(Run& run, const SketchFlags& flags) {
         write_skeleton(flags.output, result.skeleton, flags.write, {}, ctx);
     });
     const double error = fill_report(run, sketch, result);
-    run.finish(fmt::format("{}: {} nodes of {} branches, {:.1f} pixels off a stroke at most",
+    run.finish(fmt::format("{}: {} nodes of {} branches, at most {:.1f} pixels from a stroke",
                            flags.output.string(), grouped(result.skeleton.size()),
                            grouped(sketch.branches.size()), error));
     return kDone;
@@ -148,14 +147,14 @@ ExitCode draw(Run& run, const SketchFlags& flags) {
     return kDone;
 }
 
-/// The picture of a view, whose name is relative to the sketch.
+/// Reads the image of a view; its path is relative to the sketch.
 Mask load_silhouette(Run& run, const std::filesystem::path& sketch, const SketchView& view) {
     if (view.image.empty())
         throw InvalidInput(
             fmt::format("{}: the view '{}' names no image to trace", sketch.string(), view.name));
     const std::filesystem::path path = sketch.parent_path() / view.image;
     return run.stage("read", [&](const Context& ctx) {
-        return silhouette_of(decode_picture(read_file(path, kLargestFile, ctx), path.string()));
+        return compute_silhouette(decode_picture(read_file(path, kLargestFile, ctx), path.string()));
     });
 }
 
@@ -176,7 +175,7 @@ ExitCode trace_file(Run& run, const SketchFlags& flags) {
     const std::string seen = result.tips.size() == 2
                                  ? fmt::format("{} and {}", grouped(result.tips[0]), grouped(result.tips[1]))
                                  : grouped(result.tips[0]);
-    run.finish(fmt::format("{}: {} branches of {} tips seen; look at them, and correct what is wrong",
+    run.finish(fmt::format("{}: {} branches from {} visible tips; check them, and correct errors",
                            flags.output.string(), grouped(result.sketch.branches.size()), seen));
     return kDone;
 }
@@ -193,11 +192,10 @@ Command sketch_command() {
     const auto flags = std::make_shared<SketchFlags>();
     OptionList options;
     options.file("input", "FILE", flags->input,
-                 "Sketch to read (.sketch.json), or a skeleton to make a sketch of");
-    options.output("-o,--output", "FILE", flags->output, "Skeleton or sketch to write");
-    options.flag(
-        "--trace", flags->trace,
-        "Propose strokes from the silhouettes in the pictures of the sketch, for correction by hand");
+                 "Sketch to read (.sketch.json), or a skeleton to convert to a sketch.");
+    options.output("-o,--output", "FILE", flags->output, "Skeleton or sketch to write.");
+    options.flag("--trace", flags->trace,
+                 "Propose strokes from the silhouettes in the images of the sketch, for correction by hand.");
     options.fields(flags->sketch, kSketchGroup);
     options.fields(flags->write, "Writing the skeleton",
                    {.names = {{"format", "--output-format"}, {"up", "--output-up"}}, .without = {"units"}});
@@ -205,7 +203,7 @@ Command sketch_command() {
     options.fields(flags->read, "Reading a skeleton");
     return {
         "sketch",
-        "Reconstruct a skeleton from strokes drawn in two or more views, or draw a skeleton as such strokes",
+        "Reconstruct a skeleton from strokes drawn in two or more views, or draw a skeleton as such strokes.",
         options, [flags](Run& run, const GivenOptions& given) { return sketch_file(run, given, *flags); }};
 }
 

@@ -9,7 +9,7 @@
 #include "coppice/growth/sprout.h"
 #include "coppice/implicit/solid/solid_field.h"
 #include "coppice/io/skeleton/writer.h"
-#include "coppice/pipeline/quantity.h"
+#include "coppice/options/quantity.h"
 #include "coppice/skeleton/measure.h"
 #include "files.h"
 #include "memory.h"
@@ -37,12 +37,12 @@ void check_flags(const SproutFlags& flags, const GivenOptions& given) {
     if (!flags.mesh_output.empty()) check_mesh_output(flags.mesh_output);
     for (const Option* o : given) {
         if (flags.guard.empty() && o->name.starts_with("--guard-"))
-            throw UsageError(fmt::format("{} is for a solid that guards; add --guard SCENE", o->name));
+            throw UsageError(fmt::format("{} requires a solid; add --guard SCENE", o->name));
     }
 }
 
-/// "1,2,0" as a place, "1,2,0,0,0,1" with a direction too.
-Root root_of(const std::string& text) {
+/// Parses "1,2,0" as a position, "1,2,0,0,0,1" as a position and a direction.
+Root find_root(const std::string& text) {
     std::vector<float> n;
     for (std::size_t at = 0; at <= text.size();) {
         const std::size_t end = std::min(text.find(',', at), text.size());
@@ -63,7 +63,7 @@ Root root_of(const std::string& text) {
 ExitCode sprout_trees(Run& run, const SproutFlags& flags, const GivenOptions& given) {
     check_flags(flags, given);
     std::vector<Root> roots;
-    for (const std::string& text : flags.roots) roots.push_back(root_of(text));
+    for (const std::string& text : flags.roots) roots.push_back(find_root(text));
     if (roots.empty()) roots.emplace_back();
     std::optional<SolidField> solid;
     std::optional<Guard> guard;
@@ -72,10 +72,8 @@ ExitCode sprout_trees(Run& run, const SproutFlags& flags, const GivenOptions& gi
         guard.emplace(FieldRef(*solid), flags.guarded);
     }
     const double mebibytes = run.max_memory(memory_of_machine());
-    const SproutInput input{.roots = roots,
-                            .guard = guard ? &*guard : nullptr,
-                            .origin = {},
-                            .most_bytes = mebibytes * (1 << 20)};
+    const SproutInput input{
+        .roots = roots, .guard = guard ? &*guard : nullptr, .origin = {}, .max_bytes = mebibytes * (1 << 20)};
     const SproutResult grown =
         run.stage("sprout", [&](const Context& ctx) { return sprout(input, flags.sprout, ctx); });
     const Skeleton tree =
@@ -102,20 +100,20 @@ Command sprout_command() {
     const auto flags = std::make_shared<SproutFlags>();
     OptionList options;
     options.outputs("-o,--output", "SKELETON", flags->outputs,
-                    "Skeleton to write (.swc, .json, .csv, .ply, .obj); may be repeated");
+                    "Skeleton to write (.swc, .json, .csv, .ply, .obj); may be repeated.");
     options.value({common_field("root",
                                 "Start of a tree as X,Y,Z, or X,Y,Z,DX,DY,DZ with its direction; may be "
-                                "repeated for trees that share the light; 0,0,0 unless given"),
+                                "repeated for trees that share the light; by default 0,0,0."),
                    &flags->roots});
     options.file("--guard", "SCENE", flags->guard,
                  "Scene with a solid, the last one or FILE:NAME, that no segment may enter, or leave with "
-                 "--guard-side inside");
-    options.output("--then-mesh", "MESH", flags->mesh_output, "Also write the surface of the trees");
+                 "--guard-side inside.");
+    options.output("--then-mesh", "MESH", flags->mesh_output, "Also write the surface of the trees.");
     options.fields(flags->sprout, "Rules");
     options.fields(flags->radii, "Radii by the pipe model");
-    options.fields(flags->guarded, "Keeping to a solid");
+    options.fields(flags->guarded, "Limits of a solid");
     options.fields(flags->mesh, "Surface of --then-mesh", then_mesh_flag_names());
-    return {"sprout", "Grow trees by rules: buds, branching angles, light and shade, season by season",
+    return {"sprout", "Grow trees by rules: buds, branching angles, light and shade, season by season.",
             options,
             [flags](Run& run, const GivenOptions& given) { return sprout_trees(run, *flags, given); }};
 }

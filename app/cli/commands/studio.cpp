@@ -5,7 +5,7 @@
 
 #include "command.h"
 #include "coppice/base/error.h"
-#include "coppice/io/jail.h"
+#include "coppice/system/folder_sandbox.h"
 #include "files.h"
 #include "journal.h"
 #include "launch.h"
@@ -27,11 +27,11 @@ struct StudioFlags {
     bool print_address = false;
 };
 
-/// What is opened: a folder, and in it a scene or another file, or neither.
+/// Files to open: a folder, and optionally a scene or another file in it.
 struct Opened {
     std::filesystem::path folder;
     std::string scene;  ///< name in the folder
-    std::string other;  ///< the same of a file that is to be imported
+    std::string other;  ///< the same for a file that is to be imported
 };
 
 Opened opened_by(const std::filesystem::path& path) {
@@ -47,7 +47,7 @@ Opened opened_by(const std::filesystem::path& path) {
     return out;
 }
 
-/// The user's own menu, and those that are named.
+/// Loads the user's own menu, and the given ones.
 std::vector<std::filesystem::path> menus_of(const StudioFlags& flags) {
     std::vector<std::filesystem::path> out;
     const char* config = std::getenv("XDG_CONFIG_HOME");
@@ -86,9 +86,9 @@ void tell_where(const server::Doorway& doorway, const std::string& address, cons
         print(fmt::format("The studio opens in the browser; if it does not, open {} there.\n",
                           doorway.file().string()));
     } else {
-        print(fmt::format("Open this in the browser: {}\n", doorway.file().string()));
+        print(fmt::format("Open this address in the browser: {}\n", doorway.file().string()));
     }
-    print("Ctrl-C ends it; what is not saved is there again at the next start.\n");
+    print("Ctrl-C ends the studio; unsaved work is restored at the next start.\n");
     flush_output();
 }
 
@@ -97,7 +97,7 @@ ExitCode run_studio(Run& run, const StudioFlags& flags) {
     StudioOptions options;
     options.scene.max_memory = run.max_memory(SceneSettings{}.max_memory);
     options.scene.folder = opened.folder;
-    options.scene.jail = std::make_shared<const Jail>(opened.folder);
+    options.scene.sandbox = std::make_shared<const FolderSandbox>(opened.folder);
     options.file = opened.scene;
     options.menus = menus_of(flags);
     const server::JournalPlace journal(opened.scene.empty() ? opened.folder : opened.folder / opened.scene);
@@ -108,8 +108,8 @@ ExitCode run_studio(Run& run, const StudioFlags& flags) {
     StudioEngine engine(options);
     const server::Rules rules{.port = listener.port(),
                               .token = server::make_token(),
-                              .most_upload = static_cast<std::uint64_t>(flags.max_upload) << 20};
-    const server::Router router(rules, std::move(page), options.scene.jail, engine);
+                              .max_upload = static_cast<std::uint64_t>(flags.max_upload) << 20};
+    const server::Router router(rules, std::move(page), options.scene.sandbox, engine);
     std::string address = fmt::format("http://127.0.0.1:{}/#token={}", rules.port, rules.token);
     if (!opened.other.empty()) address += "&import=" + percent_encoded(opened.other);
     const server::Doorway doorway(address);
@@ -127,21 +127,22 @@ Command studio_command() {
     OptionList options;
     options.file("opened", "FOLDER|FILE", flags->opened,
                  "Folder to work in, scene in it (.coppice), or another file to start with; by default the "
-                 "current folder");
+                 "current folder.");
     options.value(
-        {common_field("port", "Port to serve the page at; 0 takes a free one", Unit::none, 0, 65535),
+        {common_field("port", "Port of the server of the page; 0 selects a free one.", Unit::none, 0, 65535),
          &flags->port});
-    options.flag("--no-browser", flags->no_browser, "Do not open a browser; print the address to open");
+    options.flag("--no-browser", flags->no_browser,
+                 "Print the address to open instead of starting a browser.");
     options.flag("--print-address", flags->print_address,
-                 "Print the address with its token, for a browser that connects through a tunnel");
+                 "Print the address with its token, for a browser that connects through a tunnel.");
     options.files("--menu", "FILE", flags->menus,
-                  "Menu file, added to coppice/studio.menu of the configuration folder; may be repeated");
-    options.value({common_field("max_upload", "Maximum size in MiB of a file that is dropped onto the page",
+                  "Menu file, added to coppice/studio.menu of the configuration folder; may be repeated.");
+    options.value({common_field("max_upload", "Maximum size in MiB of a file that is dropped onto the page.",
                                 Unit::none, 1, 1e6),
                    &flags->max_upload});
-    options.file("--page", "FOLDER", flags->page, "serve the page from a folder, while it is being worked on",
+    options.file("--page", "FOLDER", flags->page, "Serve the page from a folder, during its development.",
                  {.common = false});
-    return {"studio", "Model trees by hand in a browser: crowns, growth, branches, sketches", options,
+    return {"studio", "Model trees by hand in a browser: crowns, growth, branches, sketches.", options,
             [flags](Run& run, const GivenOptions&) { return run_studio(run, *flags); }};
 }
 

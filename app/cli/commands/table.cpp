@@ -10,7 +10,6 @@
 #include "coppice/extract/plot/crown.h"
 #include "coppice/extract/stem/loose_parts.h"
 #include "coppice/extract/stem/stem_form.h"
-#include "coppice/io/file.h"
 #include "coppice/io/skeleton/stated_axes.h"
 #include "coppice/mesh/shape.h"
 #include "coppice/mesh/topology.h"
@@ -18,6 +17,7 @@
 #include "coppice/points/spacing.h"
 #include "coppice/skeleton/architecture.h"
 #include "coppice/skeleton/measure.h"
+#include "coppice/system/file.h"
 #include "figures.h"
 #include "files.h"
 #include "options.h"
@@ -41,11 +41,11 @@ struct TableFlags {
     ReadSkeletonOptions read;
     ReadPointsOptions read_points;
 
-    /// Whether the table with a row for each file is wanted.
+    /// Returns whether the table with a row for each file is requested.
     bool wants_rows() const { return !output.empty() || !parts.any(); }
 };
 
-/// The height of a tree, the stem at breast height, and the crown; breast height is 1.3 m, so in metres only.
+/// Adds the height of a tree, the stem at breast height (1.3 m, therefore only in metres), and the crown.
 void add_forestry(Figures& row, const StemForm& form, const Crown& crown, double base) {
     row["height"] = form.height;
     if (form.breast.diameter > 0) row["dbh"] = form.breast.diameter;
@@ -56,21 +56,21 @@ void add_forestry(Figures& row, const StemForm& form, const Crown& crown, double
     row["crown_volume"] = crown.hull_volume;
 }
 
-/// Of a single tree, whatever hangs loose beside it.
+/// Adds the crown of a single tree, ignoring loose components.
 void add_crown(Figures& row, const Skeleton& whole) {
     const LooseParts parts = find_loose_parts(whole);
     row["loose_parts"] = parts.loose.size();
     row["loose_length_percent"] = 100 * parts.share;
-    if (parts.trees.size() != 1) return;  // a crown is that of a tree
+    if (parts.trees.size() != 1) return;  // only a single tree has a crown
     const Skeleton s = parts_of(whole, parts.trees);
     const std::vector<StemForm> forms = stem_forms(s);
-    // Below its root a root system has no height, but a depth, which its extent says.
+    // A root system below its root has no height, only a depth, which is part of its extent.
     if (forms.front().height < 0.5 * double{s.bounds().size().z}) return;
     const double base = crown_bases(s, forms).front(), above = forms.front().foot.z + base;
     add_forestry(row, forms.front(), measure_crowns(s, {&above, 1}).front(), base);
 }
 
-/// Figures of a row are in its units.
+/// The figures of a row are in its units.
 std::string plain_name(std::string_view name, int) { return std::string(name); }
 
 void add_timber(Figures& row, const SkeletonFile& file, const NodeAxes& axes, double volume,
@@ -93,7 +93,7 @@ void add_architecture(Figures& row, const Skeleton& s, const NodeAxes& axes, con
         listed[std::min(o, kOrders - 1)].volume += orders[o].volume;
     }
     row["branches"] = branches;
-    row["greatest_order"] = orders.size() - 1;
+    row["max_order"] = orders.size() - 1;
     row["strahler"] = std::ranges::max(strahler_orders(s));
     for (std::size_t o = 0; o < kOrders; ++o) {
         const std::string name = fmt::format("order_{}{}", o, o + 1 < kOrders ? "" : "_up");
@@ -107,7 +107,7 @@ void add_architecture(Figures& row, const Skeleton& s, const NodeAxes& axes, con
         row["volume_" + name] = c.volume;
     }
     const ShollProfile profile = sholl(s, flags.architecture.sholl_step);
-    row["sholl_most"] = profile.most();
+    row["sholl_max"] = profile.most();
     row["sholl_radius"] = profile.critical_radius();
 }
 
@@ -142,22 +142,22 @@ void describe(Run& run, Figures& row, const SkeletonFile& file, const TableFlags
     row["forks"] = m.branch_nodes;
     row["repairs"] = file.report.total();
     add_extent(row, s.bounds());
-    row["radius_min"] = m.least_radius;
-    row["radius_max"] = m.greatest_radius;
+    row["radius_min"] = m.min_radius;
+    row["radius_max"] = m.max_radius;
     row["length"] = m.length;
     row["longest_path"] = m.longest_path;
     run.stage("measure", [&](const Context& ctx) { add_sums(row, file, m, plain_name, ctx); });
     if (file.units == LengthUnit::m) add_crown(row, s);
-    const NodeAxes axes = axes_of(file);
+    const NodeAxes axes = find_axes(file);
     add_timber(row, file, axes, m.volume, flags.timber);
     add_architecture(row, s, axes, flags, limits);
     add_surface(run, row, s, flags);
 }
 
-/// What a row tells of the tree of a cloud in part.
+/// Adds the figures that a cloud provides only partially.
 struct CloudTree {
     StemForm form;
-    Crown crown;  ///< above breast height: the lowest branch is not known before there is a skeleton
+    Crown crown;  ///< above breast height: the lowest branch is unknown without a skeleton
 };
 
 CloudTree describe(Run& run, Figures& row, const PointSet& points, const TimberFlags& timber) {
@@ -212,7 +212,7 @@ void add_rows(Run& run, std::vector<Figures>& rows, TreeTables& parts, const fs:
     }
 }
 
-/// The rows of all files. What cannot be read or measured says why in its row.
+/// Adds the rows of all files. A file that cannot be read or measured has its error in the row.
 std::vector<Figures> rows_of(Run& run, TreeTables& parts, const TableFlags& flags,
                              std::span<const double> limits) {
     std::vector<Figures> rows;
@@ -230,8 +230,8 @@ std::vector<Figures> rows_of(Run& run, TreeTables& parts, const TableFlags& flag
     return rows;
 }
 
-/// Columns in the order in which rows bring them, `error` last.
-std::string csv_of(const std::vector<Figures>& rows) {
+/// Returns the columns in order of their first row, `error` last.
+std::string to_csv(const std::vector<Figures>& rows) {
     std::vector<std::string> columns;
     std::map<std::string, std::size_t> place;
     const auto add_column = [&](const std::string& name) {
@@ -244,15 +244,15 @@ std::string csv_of(const std::vector<Figures>& rows) {
     std::string out = fmt::format("{}\n", fmt::join(columns, ","));
     for (const Figures& row : rows) {
         std::vector<std::string> cells(columns.size());
-        for (const auto& [name, figure] : row.entries()) cells[place[name]] = csv_cell_of(figure);
+        for (const auto& [name, figure] : row.entries()) cells[place[name]] = to_csv_cell(figure);
         out += fmt::format("{}\n", fmt::join(cells, ","));
     }
     return out;
 }
 
 void write_rows(const fs::path& path, const std::vector<Figures>& rows) {
-    if (path.empty()) return print(csv_of(rows));
-    if (path.extension() == ".csv") return write_file(path, csv_of(rows));
+    if (path.empty()) return print(to_csv(rows));
+    if (path.extension() == ".csv") return write_file(path, to_csv(rows));
     Figures all;
     all["files"] = Figure::List(rows.begin(), rows.end());
     write_file(path, figures_json(all));
@@ -261,8 +261,8 @@ void write_rows(const fs::path& path, const std::vector<Figures>& rows) {
 ExitCode table(Run& run, const TableFlags& flags) {
     if (flags.files.empty()) throw UsageError("name the files: coppice table FILES... -o TABLE.csv");
     if (!flags.output.empty() && flags.output.extension() != ".json" && flags.output.extension() != ".csv")
-        throw UsageError(
-            fmt::format("'{}' is no name of a table; use the ending .csv or .json", flags.output.string()));
+        throw UsageError(fmt::format("'{}' is not the name of a table; use the extension .csv or .json",
+                                     flags.output.string()));
     if (!flags.output.empty()) check_output_folder(flags.output);
     const std::vector<double> limits = flags.architecture.limits();
     TreeTables parts(flags.parts, flags.timber);
@@ -287,17 +287,16 @@ ExitCode table(Run& run, const TableFlags& flags) {
 Command table_command() {
     const auto flags = std::make_shared<TableFlags>();
     OptionList options;
-    options.files("files", "FILES", flags->files, "Skeletons, points and meshes, or folders of them");
+    options.files("files", "FILES", flags->files, "Skeletons, points and meshes, or folders of them.");
     options.output("-o,--output", "TABLE", flags->output,
-                   "Table to write (.csv, .json); by default CSV is printed, unless another table is named");
+                   "Table to write (.csv, .json); by default CSV is printed, unless another table is named.");
     add_tree_table_options(options, flags->parts);
-    options.flag("--no-surfaces", flags->no_surfaces,
-                 "Do not compute surfaces, which takes most of the time");
+    options.flag("--no-surfaces", flags->no_surfaces, "Do not compute surfaces, which is the slowest part.");
     add_timber_options(options, flags->timber);
     add_architecture_options(options, flags->architecture);
     options.fields(flags->read, "Reading a skeleton");
     options.fields(flags->read_points, kReadPointsGroup);
-    return {"table", "Measure many files: one row each, with lengths, volumes, forks, orders and crown",
+    return {"table", "Measure many files: one row each, with lengths, volumes, forks, orders and crown.",
             options, [flags](Run& run, const GivenOptions&) { return table(run, *flags); }};
 }
 

@@ -29,25 +29,26 @@ struct ViewFlags {
 void check_picture(const std::filesystem::path& path) {
     if (path.empty()) return;
     if (!is_png_name(path))
-        throw UsageError(fmt::format("'{}' is no name of a picture; use the ending .png", path.string()));
+        throw UsageError(
+            fmt::format("'{}' is not the name of an image; use the extension .png", path.string()));
     check_output_folder(path);
 }
 
 void check_flags(const ViewFlags& flags, const GivenOptions& given) {
     if (flags.tree.empty() || (flags.output.empty() && !flags.edit_demo))
         throw UsageError(
-            "name the tree and the picture: coppice view TREE -o PNG, or coppice view TREE --edit-demo");
+            "name the tree and the image: coppice view TREE -o PNG, or coppice view TREE --edit-demo");
     check_picture(flags.output);
     check_picture(flags.sheet);
     if (flags.edit_demo) return;
     for (const Option* o : given) {
         if (o->name == "--sheet" || o->group == "Dragging")
-            throw UsageError(fmt::format("{} is for a branch that is dragged; add --edit-demo", o->name));
+            throw UsageError(fmt::format("{} applies to the dragging of a branch; add --edit-demo", o->name));
     }
 }
 
-/// Median and 95 % of what frames and their parts took.
-Figures milliseconds_of(const FrameTimes& times) {
+/// Returns the median and the 95 % quantile of the times of frames and their steps.
+Figures to_milliseconds(const FrameTimes& times) {
     Figures out;
     visit_figures(times, [&](std::string_view name, const Statistics& s) {
         Figures part;
@@ -58,7 +59,7 @@ Figures milliseconds_of(const FrameTimes& times) {
     return out;
 }
 
-Figures figures_of(const EditDemoResult& result) {
+Figures compute_figures(const EditDemoResult& result) {
     Figures out;
     out["renderer"] = result.renderer;
     out["opengl"] = result.opengl;
@@ -85,12 +86,12 @@ ExitCode drag_branch(Run& run, const ViewFlags& flags, const Skeleton& tree) {
         if (!flags.sheet.empty()) write_sheet(flags.sheet, result.pictures);
     });
     if (!result.note.empty()) run.warn(result.note);
-    Figures said = figures_of(result);
+    Figures said = compute_figures(result);
     run.counts().append(said);
-    run.counts()["seconds"] = cli::figures_of(result.seconds);
-    said.append(milliseconds_of(result.seconds));
+    run.counts()["seconds"] = cli::compute_figures(result.seconds);
+    said.append(to_milliseconds(result.seconds));
     print(figures_text(said));
-    run.finish(fmt::format("{}: {} frames of a branch of {} segments, {:.1f} a second", flags.tree.string(),
+    run.finish(fmt::format("{}: {} frames of a branch of {} segments, {:.1f} per second", flags.tree.string(),
                            grouped(result.frames), grouped(result.segments), result.frames_per_second));
     return kDone;
 }
@@ -116,7 +117,7 @@ ExitCode view(Run& run, const GivenOptions& given, const ViewFlags& flags) {
     return flags.edit_demo ? drag_branch(run, flags, file.skeleton) : draw_once(run, flags, file.skeleton);
 }
 
-/// The surface beside pictures.
+/// Names of the options of the surface, next to those of images.
 FlagNames viewed_surface_flag_names() {
     FlagNames surface = surface_flag_names();
     surface.names.insert(surface.names.end(), {{"field.width", "--field-width"}});
@@ -129,19 +130,20 @@ FlagNames viewed_surface_flag_names() {
 Command view_command() {
     const auto flags = std::make_shared<ViewFlags>();
     OptionList options;
-    options.file("tree", "TREE", flags->tree, "Skeleton with the surface to draw");
+    options.file("tree", "TREE", flags->tree, "Skeleton with the surface to draw.");
     options.output("-o,--output", "PNG", flags->output,
-                   "Picture to write (.png); with --edit-demo of the last frame");
+                   "Image to write (.png); with --edit-demo that of the last frame.");
     options.flag(
         "--edit-demo", flags->edit_demo,
-        "Drag a branch to and fro, compute the surface in every frame, and print the time per frame");
-    options.output("--sheet", "PNG", flags->sheet, "also write four frames of --edit-demo on one sheet",
+        "Drag a branch back and forth, compute the surface in every frame, and print the time per frame.");
+    options.output("--sheet", "PNG", flags->sheet, "Also write four frames of --edit-demo on one sheet.",
                    {.common = false});
     options.fields(flags->demo, "Dragging");
     options.fields(flags->view, "Picture");
     options.fields(flags->mesh, "Surface", viewed_surface_flag_names());
     options.fields(flags->read, "Reading the skeleton");
-    return {"view", "Draw the surface of a tree by OpenGL without a window, or time the dragging of a branch",
+    return {"view",
+            "Draw the surface of a tree by OpenGL without a window, or time the dragging of a branch.",
             options, [flags](Run& run, const GivenOptions& given) { return view(run, given, *flags); }};
 }
 

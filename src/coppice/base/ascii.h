@@ -5,14 +5,14 @@
 
 namespace coppice {
 
-/// Letters and digits of ASCII, the same in any locale; other bytes are neither, and stay as they are.
-/// Whether it is one of 0 to 9.
+/// ASCII letters and digits, independent of the locale; other bytes are neither, and remain unchanged.
+/// Returns whether the character is one of 0 to 9.
 constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
-/// Whether it is one of a to z or A to Z.
+/// Returns whether the character is one of a to z or A to Z.
 constexpr bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
-/// The small letter of a capital one; all else as it is.
+/// Converts a capital letter to a small one; returns other characters unchanged.
 constexpr char to_lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
-/// The same of every letter.
+/// Converts all capital letters of a text.
 inline std::string to_lower(std::string_view text) {
     std::string lower(text);
     for (char& c : lower) c = to_lower(c);

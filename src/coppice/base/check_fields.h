@@ -11,9 +11,9 @@
 
 namespace coppice {
 
-/// Throws InvalidInput naming the first field of `options`, or of a struct within it, whose value is out of
-/// its range, not a number, or no value of its enum. `source` says whose options these are: "render: samples
-/// must lie between 1 and 4096, but is 0", "mesh: project.damping must ...".
+/// Throws InvalidInput for the first field of `options`, or of a nested struct, that is out of its range,
+/// NaN, or an undefined value of its enum. `source` names the owner of the options: "render: samples must be
+/// between 1 and 4096, but is 0", "mesh: project.damping must ...".
 template <OptionStruct Options>
 void check_fields(const Options& options, std::string_view source, const std::string& path = {}) {
     visit_fields(options, [&](const Field& field, const auto& value) {
@@ -28,7 +28,7 @@ void check_fields(const Options& options, std::string_view source, const std::st
         } else if constexpr (std::is_same_v<T, int> || std::is_same_v<T, float>) {
             if (field.low >= field.high) return;
             if (value >= static_cast<T>(field.low) && value <= static_cast<T>(field.high)) return;
-            throw InvalidInput(fmt::format("{}: {}{} must lie between {} and {}, but is {}", source, path,
+            throw InvalidInput(fmt::format("{}: {}{} must be between {} and {}, but is {}", source, path,
                                            field.name, static_cast<T>(field.low), static_cast<T>(field.high),
                                            value));
         }

@@ -24,7 +24,7 @@ void* allocate_large(std::size_t bytes) {
         handler();
     }
 #ifdef __linux__
-    madvise(p, rounded, MADV_HUGEPAGE);  // only advice: where it fails, small pages do
+    madvise(p, rounded, MADV_HUGEPAGE);  // only a hint: if it fails, small pages are used
 #endif
     return p;
 }

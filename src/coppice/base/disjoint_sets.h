@@ -12,25 +12,25 @@
 
 namespace coppice {
 
-/// A partition of 0 .. count - 1 into sets that can be joined (union-find, with path halving). The least
-/// member stands for its set, so that the outcome does not depend on the order of the joins. O(log n)
+/// A partition of 0 .. count - 1 into sets that can be joined (union-find with path halving). The minimum
+/// member represents its set, so that the result does not depend on the order of the joins. O(log n)
 /// amortised.
 class DisjointSets {
   public:
-    /// Sets of one.
+    /// Creates sets of one member.
     explicit DisjointSets(std::size_t count = 0) { reset(count); }
 
-    /// Every number is a set of its own again. Keeps the memory.
+    /// Resets all numbers to sets of one member. Keeps the memory.
     void reset(std::size_t count) {
         parent_.resize(count);
         std::iota(parent_.begin(), parent_.end(), 0u);
     }
-    /// The least member of the set that i is in.
+    /// Returns the minimum member of the set of i.
     std::uint32_t find(std::uint32_t i) {
         while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
         return i;
     }
-    /// False where both are in one set already.
+    /// Joins two sets; returns false if they are one set already.
     bool join(std::uint32_t a, std::uint32_t b) {
         a = find(a);
         b = find(b);
@@ -43,14 +43,14 @@ class DisjointSets {
     std::vector<std::uint32_t> parent_;
 };
 
-/// The same for several threads that join at once.
+/// The same for concurrent joins by several threads.
 class ConcurrentDisjointSets {
   public:
-    /// Sets of one.
+    /// Creates sets of one member.
     explicit ConcurrentDisjointSets(std::uint32_t count) : parent_(count) {
         std::iota(parent_.begin(), parent_.end(), 0u);
     }
-    /// Waits for nobody.
+    /// Joins two sets; lock-free.
     void join(std::uint32_t a, std::uint32_t b) {
         for (;;) {
             a = find(a);
@@ -62,14 +62,14 @@ class ConcurrentDisjointSets {
                 return;
         }
     }
-    /// The number of sets; not while others join.
+    /// Returns the number of sets; must not run concurrently with joins.
     std::uint64_t set_count() const {
         std::uint64_t sets = 0;
         for (std::uint32_t i = 0; i < parent_.size(); ++i) sets += parent_[i] == i;
         return sets;
     }
 
-    /// The least member of the set that i is in; of some member while others join.
+    /// Returns the minimum member of the set of i; during concurrent joins some member.
     std::uint32_t find(std::uint32_t i) {
         for (;;) {
             const std::uint32_t parent = std::atomic_ref(parent_[i]).load(std::memory_order_relaxed);

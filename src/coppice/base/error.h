@@ -12,7 +12,7 @@ class Error : public std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// The data or an option is wrong. Exit code 3.
+/// The data or an option is invalid. Exit code 3.
 class InvalidInput : public Error {
   public:
     using Error::Error;
@@ -24,21 +24,21 @@ class IoError : public Error {
     using Error::Error;
 };
 
-/// The input is well-formed, but of a kind that is not handled. Exit code 3.
+/// The input is well-formed, but of an unsupported kind. Exit code 3.
 class Unsupported : public Error {
   public:
     using Error::Error;
 };
 
-/// Work was cancelled through `Context::stop` where no partial result makes sense. Exit code 130.
+/// Work was cancelled through `Context::stop` without a useful partial result. Exit code 130.
 class Cancelled : public Error {
   public:
-    Cancelled() : Error("interrupted") {}  ///< says "interrupted"
+    Cancelled() : Error("interrupted") {}  ///< its text is "interrupted"
 };
 
-/// A documented precondition of the library was broken: a fault of the code that called it, not of its user,
-/// so no `Error`. Thrown rather than printed or aborted with, because neither the streams nor the life of the
-/// process are the library's; what does not catch it ends as usual, with the text from std::terminate.
+/// A documented precondition of the library was broken: an error of the calling code, not of its user, and
+/// therefore not an `Error`. Thrown instead of printed or aborted, because the library owns neither the
+/// streams nor the process; if it is not caught, std::terminate prints its text.
 class PreconditionBroken : public std::logic_error {
   public:
     using std::logic_error::logic_error;
@@ -49,6 +49,6 @@ class PreconditionBroken : public std::logic_error {
 
 }  // namespace coppice
 
-/// A documented precondition that only code can break; checked in every build.
+/// Checks a documented precondition that only code can break, in every build.
 #define COPPICE_ASSERT(condition) \
     ((condition) ? static_cast<void>(0) : ::coppice::assertion_failed(#condition, __FILE__, __LINE__))

@@ -7,26 +7,27 @@
 
 namespace coppice {
 
-/// What a number of an option struct is measured in.
+/// The unit of a number of an option struct.
 enum class Unit { none, metre, radian, radius, second };
 
-/// What a front end has to know of one member of an option struct; the default is the member's own.
+/// The description of one member of an option struct for front ends; the default is that of the member.
 struct Field {
     std::string_view name;   ///< snake_case; the command line writes it with dashes
-    std::string_view help;   ///< one sentence without a full stop, which the help adds
+    std::string_view help;   ///< one sentence with a capital and a full stop; for a nested struct its title
     Unit unit = Unit::none;  ///< `radius` = multiples of the local radius
-    double low = 0;          ///< least and greatest value allowed, both included; unused for bool and enums
+    double low = 0;          ///< minimum and maximum, both included; unused for bool and enums
     double high = 0;         ///< see `low`
-    bool common = false;     ///< among the few that most users need, which the short help shows
+    bool common = false;     ///< one of the most common options, which the short help shows
 };
 
-/// A field that the short help shows.
+/// Creates a field that the short help shows.
 constexpr Field common_field(std::string_view name, std::string_view help, Unit unit = Unit::none,
                              double low = 0, double high = 0) {
     return {name, help, unit, low, high, true};
 }
 
-/// The names of an enum's values, in the order of the values from 0: specialise `EnumNames` beside the enum.
+/// The names of the values of an enum, in the order of the values from 0: specialise `EnumNames` next to the
+/// enum.
 template <class E>
 struct EnumNames;
 
@@ -35,7 +36,7 @@ concept NamedEnum = std::is_enum_v<E> && requires {
     EnumNames<E>::names;
 };
 
-/// The word for a value in options, JSON and schema.
+/// Returns the name of a value in options, JSON and schema.
 template <NamedEnum E>
 constexpr std::string_view name_of(E value) {
     return EnumNames<E>::names[static_cast<std::size_t>(value)];
@@ -45,7 +46,7 @@ constexpr std::string_view name_of(E value) {
 ///     template <class Self, class Visitor> requires SameOptions<Self, O>
 ///     constexpr void visit_fields(Self& options, Visitor&& visit);
 /// which calls visit(Field, member) once for every member: bool, int, float, or a NamedEnum. Command line,
-/// JSON and the schema are all made from it.
+/// JSON and schema are all derived from it.
 template <class Self, class O>
 concept SameOptions = std::is_same_v<std::remove_const_t<Self>, O>;
 

@@ -4,14 +4,15 @@
 
 namespace coppice {
 
-/// v turned the shortest way that brings the unit vector `from` to `to`; v is perpendicular to `from`.
+/// Returns v rotated by the smallest rotation that maps the unit vector `from` to `to`; v is perpendicular to
+/// `from`.
 inline Vec3d turned(Vec3d v, Vec3d from, Vec3d to) {
     const double c = 1 + dot(from, to);
     return c > 1e-12 ? v - (from + to) * (dot(v, to) / c) : v;
 }
 
-/// The normal of a frame at `from`, carried to `to` with as little turning about the unit tangents as can be:
-/// reflected onto the new place, then onto the new tangent [Wang2008]. The error is of fourth order in the
+/// Transports the normal of a frame at `from` to `to` with minimal rotation about the unit tangents:
+/// reflected onto the new position, then onto the new tangent [Wang2008]. The error is of fourth order in the
 /// step.
 inline Vec3d carried(Vec3d normal, Vec3d from, Vec3d tangent_from, Vec3d to, Vec3d tangent_to) {
     const auto reflect = [](Vec3d v, Vec3d across) {

@@ -6,10 +6,10 @@
 
 namespace coppice {
 
-/// FNV-1a over bytes: names results in benches and tests; not for hash tables of untrusted keys.
+/// FNV-1a over bytes: identifies results in benchmarks and tests; not for hash tables of untrusted keys.
 class Hash {
   public:
-    /// Adds the bytes of values; what is hashed must have no padding.
+    /// Adds the bytes of values, which must have no padding.
     template <class T>
     Hash& add(std::span<const T> values) {
         for (const std::byte b : std::as_bytes(values))
@@ -21,7 +21,7 @@ class Hash {
     Hash& add(const T& value) {
         return add(std::span<const T>(&value, 1));
     }
-    std::uint64_t value() const { return value_; }  ///< of all that was added, in order
+    std::uint64_t value() const { return value_; }  ///< hash of everything added, in order
 
   private:
     std::uint64_t value_ = 0xcbf29ce484222325ull;

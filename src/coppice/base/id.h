@@ -5,22 +5,24 @@
 
 namespace coppice {
 
-/// Names one element of one value: a node of a skeleton, a face of a mesh. Ids of different kinds do not mix.
-/// The default id is `none()`.
+/// The index of no element, in place of an index of 32 bits.
+inline constexpr std::uint32_t kNoIndex = 0xffffffffu;
+
+/// Identifies an element of an object: a node of a skeleton, a face of a mesh. Ids of different kinds are
+/// different types. The default id is `none()`.
 template <class Tag>
 class Id {
   public:
-    constexpr Id() = default;                                      ///< names nothing
+    constexpr Id() = default;                                      ///< refers to no element
     constexpr explicit Id(std::uint32_t index) : index_(index) {}  ///< the element of this index
-    static constexpr Id none() { return {}; }                      ///< names nothing
+    static constexpr Id none() { return {}; }                      ///< refers to no element
 
-    constexpr std::uint32_t index() const { return index_; }              ///< 2^32 - 1 for `none()`
-    constexpr explicit operator bool() const { return index_ != kNone; }  ///< false for `none()`
+    constexpr std::uint32_t index() const { return index_; }                 ///< 2^32 - 1 for `none()`
+    constexpr explicit operator bool() const { return index_ != kNoIndex; }  ///< false for `none()`
     friend constexpr auto operator<=>(Id, Id) = default;  ///< by index; `none()` is the greatest
 
   private:
-    static constexpr std::uint32_t kNone = 0xffffffffu;
-    std::uint32_t index_ = kNone;
+    std::uint32_t index_ = kNoIndex;
 };
 
 using NodeId = Id<struct NodeTag>;      ///< of a Skeleton

@@ -7,10 +7,10 @@
 
 namespace coppice {
 
-/// The origin that coordinates in the box from `low` to `high` are stored relative to, so that floats resolve
-/// them: zero when the box lies within eight times its diagonal of zero, else `anchor`, a point of the box,
-/// rounded to a power of two that is a 16th to a 32nd of the diagonal. Coordinates times a power of two have
-/// the origin times that power, exactly.
+/// Returns the origin relative to which coordinates in the box from `low` to `high` are stored, so that
+/// floats resolve them: zero if the box is within eight times its diagonal of zero, else `anchor`, a point of
+/// the box, rounded to a power of two that is a 16th to a 32nd of the diagonal. Scaling the coordinates by a
+/// power of two scales the origin exactly.
 inline Vec3d local_origin(Vec3d low, Vec3d high, Vec3d anchor) {
     const double size = length(high - low);
     if (!(size > 0) || std::max(length(low), length(high)) < 8 * size) return {};

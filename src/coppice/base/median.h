@@ -9,8 +9,8 @@
 
 namespace coppice {
 
-/// The median of at least one value: of an even number the upper one of the two in the middle. Reorders the
-/// values. O(n).
+/// Returns the median of at least one value: of an even number the upper one of the two middle values.
+/// Reorders the values. O(n).
 template <std::ranges::random_access_range Range>
 std::ranges::range_value_t<Range> median_in_place(Range&& values) {
     COPPICE_ASSERT(!std::ranges::empty(values));
@@ -19,7 +19,7 @@ std::ranges::range_value_t<Range> median_in_place(Range&& values) {
     return *middle;
 }
 
-/// The same, leaving the values as they are.
+/// The same without reordering the values.
 template <std::ranges::forward_range Range>
 std::ranges::range_value_t<Range> median(const Range& values) {
     return median_in_place(std::vector(std::ranges::begin(values), std::ranges::end(values)));

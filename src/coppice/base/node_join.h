@@ -4,11 +4,11 @@
 
 namespace coppice {
 
-/// A branch that ends in a node of another branch, so that both are one body.
+/// A branch that ends at a node of another branch, so that both form one body.
 struct NodeJoin {
-    NodeId end;                                                          ///< its last node, which lies at ...
-    NodeId node;                                                         ///< ... this one
-    friend bool operator==(const NodeJoin&, const NodeJoin&) = default;  ///< the same nodes
+    NodeId end;   ///< its last node, at the position of ...
+    NodeId node;  ///< ... this node
+    friend bool operator==(const NodeJoin&, const NodeJoin&) = default;  ///< compares the nodes
 };
 
 }  // namespace coppice

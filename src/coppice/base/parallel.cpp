@@ -27,8 +27,8 @@ void run_all(unsigned threads, std::size_t count, const RunOne& run) {
 
 #else
 
-/// oneTBB's threads are the process's, so nothing here changes how many there are: a loop that wants more,
-/// as tests do, starts its own.
+/// oneTBB's threads belong to the process, and their number is not changed here: a loop that requests more,
+/// as tests do, starts its own threads.
 void run_all(unsigned threads, std::size_t count, const RunOne& run) {
     const auto loop = [&] {
         oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<std::size_t>(0, count, 1),
@@ -62,8 +62,8 @@ void parallel_for_ranges(const Context& ctx, std::size_t count, std::size_t grai
         for (std::size_t i = 0; i < ranges; ++i) run(i);
         return;
     }
-    // Kept here rather than by oneTBB, which allocates to hand on an exception: the usual one says that there
-    // is no memory.
+    // Stored here instead of by oneTBB, which allocates to rethrow an exception: the most common exception
+    // reports that memory is exhausted.
     std::atomic<bool> failed = false;
     std::exception_ptr failure;
     run_all(ctx.threads, ranges, [&](std::size_t i) {

@@ -13,19 +13,19 @@ namespace coppice {
 
 /// Half-open range of indices.
 struct IndexRange {
-    std::size_t begin = 0;                            ///< the first index
-    std::size_t end = 0;                              ///< one past the last
+    std::size_t begin = 0;                            ///< first index
+    std::size_t end = 0;                              ///< one past the last index
     std::size_t size() const { return end - begin; }  ///< number of indices
 };
 
-/// Runs body(range) over disjoint ranges that cover [0, count), each `grain` long but for the last. The
-/// ranges depend on `count` and `grain` alone, so whatever is computed per range has the same bits for any
-/// number of threads. With one thread, or one range, this is a plain loop; else it runs on oneTBB's threads,
-/// whose number it leaves alone, and on threads of its own when ctx.threads is more than the machine has.
+/// Runs body(range) over disjoint ranges that cover [0, count), each of length `grain` except the last. The
+/// ranges depend only on `count` and `grain`, so that results per range do not depend on the number of
+/// threads. With one thread, or one range, this is a plain loop; otherwise it runs on the threads of oneTBB,
+/// leaving their number unchanged, or on its own threads if ctx.threads exceeds the number of the machine.
 ///
-/// What the body throws, be it that memory ran out, ends the loop early and is thrown here; of several, which
-/// one is not determined. Before every range it looks for a stop, and throws Cancelled once one was asked
-/// for.
+/// An exception of the body, including std::bad_alloc, ends the loop early and is rethrown here; of several
+/// exceptions, it is undefined which one. Polls for a stop before every range, and throws Cancelled after a
+/// request.
 void parallel_for_ranges(const Context& ctx, std::size_t count, std::size_t grain,
                          const std::function<void(IndexRange)>& body);
 
@@ -37,9 +37,9 @@ void parallel_for(const Context& ctx, std::size_t count, std::size_t grain, cons
     });
 }
 
-/// Runs body(i, context) for every i in [0, count): first the large ones, one after the other with all
-/// threads, then the others side by side, `grain` in a row, each with one thread. One alone has all threads.
-/// The contexts report no progress.
+/// Runs body(i, context) for every i in [0, count): first the large ones, sequentially with all threads, then
+/// the others in parallel, in groups of `grain`, each with one thread. A single one uses all threads. The
+/// contexts report no progress.
 template <class IsLarge, class Body>
 void parallel_for_uneven(const Context& ctx, std::size_t count, std::size_t grain, const IsLarge& is_large,
                          const Body& body) {
@@ -59,14 +59,15 @@ void parallel_for_uneven(const Context& ctx, std::size_t count, std::size_t grai
 template <class T, class Map, class Fold>
 T parallel_reduce(const Context& ctx, std::size_t count, std::size_t grain, T init, const Map& map,
                   const Fold& fold) {
-    static_assert(!std::is_same_v<T, bool>, "neighbours in a vector of bool share their byte: a data race");
+    static_assert(!std::is_same_v<T, bool>,
+                  "adjacent elements of a vector of bool share a byte: a data race");
     std::vector<T> part((count + grain - 1) / grain, init);
     parallel_for_ranges(ctx, count, grain, [&](IndexRange range) { part[range.begin / grain] = map(range); });
     for (const T& p : part) init = fold(init, p);
     return init;
 }
 
-/// Replaces counts by the sum of all counts before each; returns the total.
+/// Replaces each count by the sum of all previous counts; returns the total.
 template <class T>
 T exclusive_scan(std::span<T> counts) {
     T sum{};

@@ -11,7 +11,7 @@ namespace coppice::base_internal {
 void run_on_own_threads(unsigned threads, std::size_t count, const std::function<void(std::size_t)>& run) {
     std::atomic<std::size_t> next = 0;
     const auto work = [&] {
-        // Relaxed, so that taking turns here orders nothing else and hides no race from ThreadSanitizer.
+        // Relaxed, so that this counter synchronises nothing else and hides no race from ThreadSanitizer.
         for (std::size_t i; (i = next.fetch_add(1, std::memory_order_relaxed)) < count;) run(i);
     };
     const std::size_t wanted = std::min<std::size_t>(threads, count);
@@ -20,7 +20,7 @@ void run_on_own_threads(unsigned threads, std::size_t count, const std::function
     try {
         while (helpers.size() + 1 < wanted) helpers.emplace_back(work);
     } catch (const std::system_error&) {
-        // No more threads are to be had; those that are there do it all.
+        // No more threads can be created; the existing ones do all the work.
     }
     work();
 }

@@ -12,32 +12,32 @@
 
 namespace coppice {
 
-/// A priority queue for costs that never fall below the last one taken out, as those of shortest paths do: a
-/// radix heap [Ahuja1990] on the bits of the costs, which are in the order of non-negative doubles. What is
-/// about as cheap as the last entry is in a small binary heap, the rest in buckets by the highest bit that
-/// differs, without the cache misses of a large binary heap. Amortised O(log n) per entry. The order is that
-/// of `std::priority_queue`: of equal costs the least value comes first.
+/// A priority queue for costs that are never below the last one removed, as in shortest paths: a radix heap
+/// [Ahuja1990] on the bits of the costs, which have the order of non-negative doubles. Entries with costs
+/// similar to the last one are in a small binary heap, the others in buckets by the highest bit that differs,
+/// without the cache misses of a large binary heap. Amortised O(log n) per entry. The order is that of
+/// `std::priority_queue`: for equal costs the smallest value comes first.
 class RadixHeap {
   public:
     /// A value with its cost.
     struct Entry {
         double cost;          ///< >= 0
-        std::uint32_t value;  ///< of equal costs the least is taken out first
+        std::uint32_t value;  ///< for equal costs the smallest is removed first
     };
 
-    bool empty() const { return front_.empty() && used_ == 0; }  ///< whether nothing is in it
+    bool empty() const { return front_.empty() && used_ == 0; }  ///< returns whether the heap is empty
 
-    /// The cost must not be less than that of the last entry taken out, nor -0 or NaN.
+    /// Inserts an entry. The cost must not be less than that of the last entry removed, nor -0 or NaN.
     void push(double cost, std::uint32_t value) {
         const Item item{std::bit_cast<std::uint64_t>(cost), value};
         COPPICE_ASSERT(item.key >= last_ && item.key <= kInfinity);
-        if (bucket_of(item.key) > front_bits_) return put(item);
+        if (compute_bucket(item.key) > front_bits_) return put(item);
         front_.push_back(item);
         std::ranges::push_heap(front_, std::greater{});
         if (front_.size() > kLarge && front_bits_ > 0) divide(last_);
     }
 
-    /// Takes out the entry of the least cost. There must be one.
+    /// Removes and returns the entry of the lowest cost. The heap must not be empty.
     Entry pop() {
         COPPICE_ASSERT(!empty());
         if (front_.empty()) refill();
@@ -55,18 +55,20 @@ class RadixHeap {
         auto operator<=>(const Item&) const = default;
     };
     static constexpr std::uint64_t kInfinity = 0x7ff0000000000000u;
-    static constexpr std::size_t kSmall = 64, kLarge = 512;  // items of a bucket, and of a front, to divide
+    static constexpr std::size_t
+        kSmall = 64,
+        kLarge = 512;  // sizes of a bucket, and of the front, above which they are divided
 
-    /// The number of low bits in which a key and the base may differ.
-    int bucket_of(std::uint64_t key) const { return std::bit_width(key ^ base_); }
+    /// Returns the number of low bits in which a key and the base may differ.
+    int compute_bucket(std::uint64_t key) const { return std::bit_width(key ^ base_); }
 
     void put(const Item& item) {
-        const int b = bucket_of(item.key);
+        const int b = compute_bucket(item.key);
         bucket_[static_cast<std::size_t>(b)].push_back(item);
         used_ |= std::uint64_t{1} << b;
     }
 
-    /// Moves the lowest bucket to the front, all of it where it is small.
+    /// Moves the lowest bucket to the front; a small one as a whole.
     void refill() {
         std::vector<Item>& bucket = bucket_[static_cast<std::size_t>(std::countr_zero(used_))];
         used_ &= used_ - 1;
@@ -78,7 +80,8 @@ class RadixHeap {
         std::ranges::make_heap(front_, std::greater{});
     }
 
-    /// Leaves in the front only what has this key, the least that may come, and gives the rest to buckets.
+    /// Keeps only the items with this key, the minimum of the remaining keys, in the front, and moves the
+    /// others to buckets.
     void divide(std::uint64_t least) {
         base_ = least;
         front_bits_ = 0;
@@ -89,10 +92,10 @@ class RadixHeap {
         std::ranges::make_heap(front_, std::greater{});
     }
 
-    std::vector<Item> front_;  // a heap of what differs from the base in front_bits_ low bits
+    std::vector<Item> front_;  // a heap of items that differ from the base in at most front_bits_ low bits
     std::array<std::vector<Item>, 64> bucket_;  // by the highest bit that differs
-    std::uint64_t base_ = 0, last_ = 0;         // no key is below; the one taken out last
-    std::uint64_t used_ = 0;                    // a bit for every bucket that holds any
+    std::uint64_t base_ = 0, last_ = 0;         // lower bound of all keys; key of the last removed item
+    std::uint64_t used_ = 0;                    // one bit for every non-empty bucket
     int front_bits_ = 0;
 };
 

@@ -12,23 +12,23 @@ constexpr std::uint64_t mix_bits(std::uint64_t x) {
     return x ^ (x >> 31);
 }
 
-/// Random numbers without state: the draw depends on (seed, stage, index) alone, so no result depends on the
-/// order of draws.
+/// Stateless random numbers: a number depends only on (seed, stage, index), so that results do not depend on
+/// the order of calls.
 class CounterRandom {
   public:
-    /// Draws of one stage of work: stages of one seed are independent.
+    /// Random numbers of one stage of work: the stages of one seed are independent.
     constexpr CounterRandom(std::uint64_t seed, std::uint64_t stage)
         : key_(mix_bits(mix_bits(seed) ^ stage)) {}
 
-    /// 64 random bits
+    /// Returns 64 random bits.
     constexpr std::uint64_t bits(std::uint64_t index) const { return mix_bits(key_ ^ mix_bits(index)); }
 
-    /// Uniform in [0, 1).
+    /// Returns a number uniform in [0, 1).
     constexpr double uniform(std::uint64_t index) const {
         return static_cast<double>(bits(index) >> 11) * 0x1p-53;
     }
 
-    /// Uniform in [low, high); where the two are close, rounding may give `high` itself.
+    /// Returns a number uniform in [low, high); if the two are close, rounding may return `high` itself.
     constexpr double uniform(std::uint64_t index, double low, double high) const {
         return low + (high - low) * uniform(index);
     }

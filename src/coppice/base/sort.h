@@ -13,16 +13,15 @@
 
 namespace coppice {
 
-/// Sorts items and leaves one of each. O(n log n).
+/// Sorts items and removes duplicates. O(n log n).
 template <class Items>
 void sort_unique(Items& items) {
     std::sort(items.begin(), items.end());
     items.erase(std::unique(items.begin(), items.end()), items.end());
 }
 
-/// Sorts items by the lowest `bits` bits of key(item), stably: equal keys keep their order. O(n bits / 11),
-/// parallel, the same bits for any number of threads; one copy of the items as scratch. At most 2^32 - 1
-/// items.
+/// Sorts items by the lowest `bits` bits of key(item); stable. O(n bits / 11), parallel; the result does not
+/// depend on the number of threads; uses one copy of the items as temporary memory. At most 2^32 - 1 items.
 template <class T, class Key>
 void radix_sort(const Context& ctx, Buffer<T>& items, unsigned bits, const Key& key) {
     constexpr unsigned kDigit = 11;

@@ -11,9 +11,9 @@
 namespace coppice::cage_internal {
 
 /// The axes of a skeleton: chains that follow the leader, each from a root or branch node to a tip. Segments
-/// are ranked as if the thickest one that springs from those already ranked came next, where an axis counts
-/// as thick as it was until it has lost a third of that: so of two alike that cross, one comes first at the
-/// whole of the crossing. Axes are numbered by the rank of their first segments.
+/// are ranked so that the thickest segment that begins at an already ranked one comes next, where an axis
+/// keeps its thickness until it has lost a third of it: so of two similar axes that cross, one comes first
+/// along the whole crossing. Axes are numbered by the rank of their first segments.
 class Axes {
   public:
     /// O(n log n).
@@ -46,25 +46,25 @@ class Axes {
     }
 
     std::uint32_t count() const { return static_cast<std::uint32_t>(first_.size() - 1); }
-    std::span<const NodeId> nodes_of(std::uint32_t axis) const {
+    std::span<const NodeId> find_nodes(std::uint32_t axis) const {
         return std::span(nodes_).subspan(first_[axis], first_[axis + 1] - first_[axis]);
     }
-    /// The axis of the segment that ends at a node that is not a root.
-    std::uint32_t axis_of(NodeId n) const { return axis_[n.index()]; }
-    /// [m] The way along the axis from its beginning to the node.
+    /// Returns the axis of the segment that ends at a node that is not a root.
+    std::uint32_t find_axis(NodeId n) const { return axis_[n.index()]; }
+    /// [m] Returns the length along the axis from its beginning to the node.
     float arc(NodeId n) const { return arc_[n.index()]; }
-    bool is_first(NodeId n) const { return place_[n.index()] == first_[axis_of(n)]; }
+    bool is_first(NodeId n) const { return place_[n.index()] == first_[find_axis(n)]; }
     std::uint32_t rank(NodeId n) const { return rank_[n.index()]; }
     NodeId next(NodeId n) const {
         const std::uint32_t i = place_[n.index()] + 1;
-        return i < first_[axis_of(n) + 1] ? nodes_[i] : NodeId::none();
+        return i < first_[find_axis(n) + 1] ? nodes_[i] : NodeId::none();
     }
 
   private:
     static constexpr float kSameThickness = 2.0f / 3;
 
-    // The thicker, and of equals the one with the lower number, has the greater key: the bits of positive
-    // numbers are in the order of the numbers.
+    // Thicker segments, and of equals the one with the lower index, have the greater key: the bits of
+    // positive numbers have the same order as the numbers.
     static std::uint64_t key(float radius, NodeId n) {
         return std::uint64_t{std::bit_cast<std::uint32_t>(radius)} << 32 | ~n.index();
     }

@@ -8,21 +8,21 @@
 
 namespace coppice::cage_internal {
 
-/// A point of an axis: of the segment that ends at a node, 0 at its parent and 1 at the node.
+/// A point of an axis: on the segment that ends at a node, with t = 0 at its parent and 1 at the node.
 struct AxisPoint {
     NodeId segment;
     float t = 0;
 };
 
-/// Positions along the axes of a skeleton, by arc length: refers to both.
+/// Positions along the axes of a skeleton, by arc length; refers to both.
 struct AxisGeometry {
     const Skeleton& skeleton;
     const Axes& axes;
 
-    /// [m] Arc length at which the segment that ends at a node begins.
+    /// [m] Returns the arc length at which the segment that ends at a node begins.
     float start(NodeId n) const { return axes.is_first(n) ? 0 : axes.arc(skeleton.parent(n)); }
 
-    /// The first node at an arc length or beyond it, or the last one.
+    /// Returns the first node at or beyond an arc length, or the last node.
     std::span<const NodeId>::iterator first_node_at(std::span<const NodeId> chain, float arc) const {
         return std::lower_bound(chain.begin(), chain.end() - 1, arc,
                                 [&](NodeId n, float a) { return axes.arc(n) < a; });

@@ -23,14 +23,14 @@ using cage_internal::QuadKind;
 using cage_internal::Ring;
 
 constexpr float kHalfPi = std::numbers::pi_v<float> / 2;
-// A closed cubic B-spline with corners at radius 1 on a square, octagon or 16-gon has this mean radius; the
-// cage is larger by the inverse.
+// Mean radius of a closed cubic B-spline with corners at radius 1 on a square, octagon or 16-gon; the cage is
+// enlarged by the inverse.
 float shrinkage(int sides) { return sides == 4 ? 0.657f : sides == 8 ? 0.902f : 0.975f; }
-// Where the last ring of a round end lies, in radii: ahead of the end node and away from the axis.
+// [radii] Position of the last ring of a round end: ahead of the end node and away from the axis.
 constexpr float kRoundEndAhead = 1.0f;
 constexpr float kRoundEndOut = 1.1f;
-// The rings of a flat end, in radii of the tube's ring: the inner one keeps the cap's faces square, and the
-// rim is so wide that subdivision brings it to the tube's radius.
+// Rings of a flat end, in radii of the tube's ring: the inner one keeps the cap's faces square, and the width
+// of the rim is such that subdivision brings it to the tube's radius.
 constexpr float kInnerRing = 0.5f;
 constexpr float kRim = (6 - 1 - kInnerRing) / 4;
 constexpr std::uint32_t kFlatEndQuads = 5;
@@ -69,20 +69,20 @@ class CageBuilder {
         std::uint32_t first_vertex = 0;
         std::uint32_t first_quad = 0;
         std::uint32_t hub = 0;  ///< index + 1
-        NodeId joined;          ///< where its tube ends in another branch: the node of that
-        Ring upper{};           ///< where the tube from the parent begins, at the parent
-        Ring lower{};           ///< where it ends, at this node; both counter-clockwise about its direction
+        NodeId joined;          ///< node of another branch in which its tube ends
+        Ring upper{};           ///< at the parent, where the tube from it begins
+        Ring lower{};           ///< at this node, where it ends; both counter-clockwise about its direction
     };
 
     Node& at(NodeId n) { return node_[n.index()]; }
     const Node& at(NodeId n) const { return node_[n.index()]; }
     std::span<const NodeId> ends_at(NodeId n) const { return ends_at_[n.index()]; }
-    // Of the branches that begin at a node, those that end there included.
+    // Number of branches that begin at a node, including those that end there.
     std::uint32_t branch_count(NodeId n) const {
         return static_cast<std::uint32_t>(s_.children(n).size() + ends_at(n).size());
     }
     std::uint32_t degree(NodeId n) const { return branch_count(n) + (s_.is_root(n) ? 0 : 1); }
-    // A ring or hub whose orientation does not depend on the chains that meet there.
+    // Returns whether the orientation of a ring or hub is independent of the chains that meet there.
     bool is_fixed(NodeId n) const {
         return degree(n) >= 3 || (degree(n) == 2 && (s_.is_root(n) || !ends_at(n).empty()));
     }
@@ -96,7 +96,8 @@ class CageBuilder {
         const Segment seg = s_.segment(c);
         return {normalized(seg.b - seg.a), seg.radius_a, distance(seg.a, seg.b)};
     }
-    // Those to the children, in their order, those that end there, and then that to the parent.
+    // Returns the branches to the children, in their order, those that end there, and then the one to the
+    // parent.
     std::vector<Branch> branches(NodeId n) const {
         std::vector<Branch> out;
         out.reserve(degree(n));
@@ -109,7 +110,7 @@ class CageBuilder {
     static std::uint32_t place(std::span<const NodeId> in, NodeId n) {
         return static_cast<std::uint32_t>(std::find(in.begin(), in.end(), n) - in.begin());
     }
-    // The one that goes on towards the tip: the leader, or the first that ends there.
+    // Returns the branch that continues towards the tip: the leader, or the first that ends there.
     std::uint32_t onward(NodeId n) const { return s_.is_tip(n) ? 0 : number_among_siblings(s_.leader(n)); }
 
     void make_hubs() {
@@ -133,7 +134,8 @@ class CageBuilder {
         });
     }
 
-    // [m] How much of each branch the hub of a node may take, beside that at the other end.
+    // [m] Returns the length of each branch that is available to the hub of a node, without the hub at the
+    // other end.
     std::vector<float> rooms(NodeId n, std::span<const std::optional<Openings>> plan) const {
         std::vector<float> out;
         for (const NodeId c : s_.children(n)) out.push_back(room_towards_tip(c, plan));
@@ -151,9 +153,9 @@ class CageBuilder {
     }
     float room(float length, NodeId other_end, std::uint32_t branch,
                std::span<const std::optional<Openings>> plan) const {
-        constexpr float kOfHub = 1.2f;   // [radii]
-        constexpr float kLeast = 0.15f;  // of the length
-        float taken = kLeast * length;
+        constexpr float kOfHub = 1.2f;  // [radii]
+        constexpr float kMin = 0.15f;   // of the length
+        float taken = kMin * length;
         if (const std::uint32_t hub = node_[other_end.index()].hub; hub > 0) {
             taken = plan[hub - 1] ? plan[hub - 1]->reach(branch)
                                   : std::min(kOfHub * s_.radius(other_end), 0.5f * length);
@@ -178,7 +180,7 @@ class CageBuilder {
         const std::uint32_t leader = straightest_from(stem, count);
         const bool of_root = s_.is_root(n) || is_round_root(s_.parent(n));
         if (!of_root || !is_ball(s_, n)) return cage_internal::build_hub(branch, stem, leader);
-        // Branches have a like share of a ball, however thin they are.
+        // Branches get an equal share of a ball, independent of their radii.
         for (Branch& b : branch) b.radius = s_.radius(n);
         Hub hub = cage_internal::build_hub(branch, stem, leader);
         for (Vec3& p : hub.position) p = normalized(p, Vec3{0, 0, 1}) * s_.radius(n);
@@ -248,7 +250,8 @@ class CageBuilder {
 
     static Ring reversed(const Ring& r) { return {r[0], r[3], r[2], r[1]}; }
 
-    // Rings whose orientation is their own: branch nodes, roots in the middle of a chain, single nodes.
+    // Creates the rings with their own orientation: branch nodes, roots in the middle of a chain, single
+    // nodes.
     void fill_hubs() {
         parallel_for(ctx_, s_.size(), kCageGrain, [&](std::size_t i) {
             const NodeId n(static_cast<std::uint32_t>(i));
@@ -284,7 +287,7 @@ class CageBuilder {
         begin_branches(n, cells);
     }
 
-    // Lets the branches of a node begin with these rings, each counter-clockwise about its direction.
+    // Sets the first rings of the branches of a node, each counter-clockwise about its direction.
     void begin_branches(NodeId n, std::span<const Ring> cells) {
         std::size_t i = 0;
         for (const NodeId c : s_.children(n)) at(c).upper = cells[i++];
@@ -321,7 +324,7 @@ class CageBuilder {
         }
     }
 
-    // Chains run from a root or branch node to the next branch node or tip.
+    // Chains extend from a root or branch node to the next branch node or tip.
     void fill_chains() {
         std::vector<NodeId> heads;
         for (const NodeId n : nodes(s_)) {
@@ -378,7 +381,7 @@ class CageBuilder {
                                       s_.position(n));
     }
 
-    // Renumbers a ring so that its first corner lies farther on by an angle, a multiple of a quarter turn.
+    // Renumbers a ring so that its first corner is rotated by an angle, a multiple of a quarter turn.
     static void align(Ring& ring, float by) {
         const int shift = (static_cast<int>(std::lround(cage_internal::wrap_angle(by) / kHalfPi)) + 4) % 4;
         std::rotate(ring.begin(), ring.begin() + shift, ring.end());
@@ -387,7 +390,7 @@ class CageBuilder {
     TubePart cap_part(NodeId end) const { return s_.is_root(end) ? TubePart::start : TubePart::end; }
     std::uint32_t first_cap_quad(NodeId end) { return at(end).first_quad + (s_.is_root(end) ? 0 : 4); }
 
-    // The end of a tube at a tip or base, whose last ring becomes ring_of(n). The frame looks outward.
+    // Creates the end of a tube at a tip or base, with ring_of(n) as its last ring. The frame points outward.
     void fill_end(NodeId n, const Frame& frame, float phase, NodeId region) {
         if (is_flat(n)) return fill_flat_end(n, frame, phase, region);
         const float r = s_.radius(n);
@@ -404,8 +407,8 @@ class CageBuilder {
         }
     }
 
-    // The rim and a ring within it, both in the plane of the cut. Anchors lie behind the inner ring, so that
-    // the cap knows which way is out.
+    // Creates the rim and a ring within it, both in the plane of the cut. Anchors are behind the inner ring,
+    // so that the cap has an outward direction.
     void fill_flat_end(NodeId n, const Frame& frame, float phase, NodeId region) {
         const float r = s_.radius(n);
         const auto around = frame.quarters(phase);

@@ -7,9 +7,9 @@
 
 namespace coppice {
 
-/// How a branch ends beyond its last node: in half a ball, or in a disc through the node.
+/// Shape of a branch beyond its last node: half a ball, or a disc through the node.
 enum class TipShape { round, flat };
-/// How a tree ends at a root with one child: in a disc, half a ball, or a hole.
+/// Shape of a tree at a root with one child: a disc, half a ball, or a hole.
 enum class BaseShape { flat, round, open };
 
 template <>
@@ -21,11 +21,11 @@ struct EnumNames<BaseShape> {
     static constexpr std::array<std::string_view, 3> names{"flat", "round", "open"};
 };
 
-/// How the control cage is made.
+/// Options of the control cage.
 struct ControlOptions {
-    int sides = 4;                     ///< quads around a branch before subdivision; 4, 8 or 16 for a cage
-    TipShape tips = TipShape::round;   ///< how branches end
-    BaseShape base = BaseShape::flat;  ///< how a tree ends at a root with one child
+    int sides = 4;  ///< number of quads around a branch before subdivision; 4, 8 or 16 for a cage
+    TipShape tips = TipShape::round;   ///< shape of the ends of branches
+    BaseShape base = BaseShape::flat;  ///< shape of the end of a tree at a root with one child
 };
 
 template <class Self, class Visitor>
@@ -33,33 +33,33 @@ requires SameOptions<Self, ControlOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(common_field(
               "sides",
-              "Number of quads around a branch before subdivision: 4, 8 or 16, or 3 to 32 for cylinders",
+              "Number of quads around a branch before subdivision: 4, 8 or 16, or 3 to 32 for cylinders.",
               Unit::none, 3, 32),
           o.sides);
-    visit(common_field("tips", "Shape of the ends of branches"), o.tips);
-    visit(Field{"base", "how a tree ends at a root with one child"}, o.base);
+    visit(common_field("tips", "Shape of the ends of branches."), o.tips);
+    visit(Field{"base", "Shape of the end of a tree at a root with one child."}, o.base);
 }
 
-/// Builds a coarse cage of quads around a skeleton: closed (but for an open base), manifold and oriented for
-/// every skeleton, one sphere per tree, in O(n) and in parallel.
+/// Builds a coarse cage of quads around a skeleton: closed (except for an open base), manifold and oriented
+/// for every skeleton, one sphere per tree, in O(n) and in parallel.
 ///
 /// A tube of four quads (or `sides`) wraps every segment. At a node where two segments meet they share a ring
-/// of four vertices. At a branch node whose leader continues the stem, rings stand across both, below and
-/// above the laterals, and each of these leaves through one of the four faces between them: it has four
-/// vertices of valence 5, and rows of quads run straight past it. At other branch nodes, and where there is
-/// no room for that, the directions about the node are divided into one cell of four corners per segment, and
-/// a cell is the ring with which its tube begins. The cells of stem and leader share a ring; every lateral
-/// opens one of the corners that are there, so that the node adds no faces of its own (a scaffold
-/// [FuentesSuarez2018]: a fork has two poles of valence 6, nothing else irregular).
+/// of four vertices. At a branch node at which the leader continues the stem, rings cross both, below and
+/// above the laterals, and each lateral leaves through one of the four faces between them: it has four
+/// vertices of valence 5, and rows of quads pass straight along it. At other branch nodes, and where there is
+/// too little room for that, the directions around the node are divided into one cell of four corners per
+/// segment, and the cell is the ring with which its tube begins. The cells of stem and leader share a ring;
+/// every lateral opens one of the existing corners, so that the node adds no faces of its own (a scaffold
+/// [FuentesSuarez2018]: a fork has two poles of valence 6, and no other irregular vertices).
 ///
-/// Round ends are closed by one quad beyond the end node. A flat end lies in the plane through its node
-/// across the branch: a ring of quads from the rim inward and one within (a clip plane names them). An open
+/// Round ends are closed by one quad beyond the end node. A flat end is in the plane through its node across
+/// the branch: a ring of quads from the rim inward and one quad within (identified by a clip plane). An open
 /// base has its border in that plane. Trees of one node are balls; roots with several children have no base.
 ///
-/// `source` maps each node of `skeleton` to the node of the skeleton on which the field is built; both may be
-/// the same. Trees end round at `round_roots` (ascending), whatever the base. `joins` (by `end`) name tips
-/// that lie at a node which is no tip of a lone root: they end there as laterals of that node do, and each
-/// join takes away a sphere or adds a handle.
+/// `source` maps each node of `skeleton` to the node of the skeleton of the field; both may be the same.
+/// Trees end round at `round_roots` (ascending), for any base. `joins` (by `end`) identify tips at a node
+/// that is not a tip of a single root: they end there as laterals of that node do, and each join removes a
+/// sphere or adds a handle.
 ControlMesh build_control_mesh(const Skeleton& skeleton, std::span<const NodeId> source,
                                const ControlOptions& options, const Context& ctx,
                                std::span<const NodeId> round_roots = {},

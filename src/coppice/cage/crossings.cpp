@@ -10,16 +10,16 @@ namespace coppice::cage_internal {
 namespace {
 
 constexpr std::size_t kCrossingsGrain = 4096;
-// Looks at so many pairs of boxes at most: per group, or on average where that is more.
+// Maximum number of checked pairs of boxes: per group, or on average if that is more.
 constexpr std::size_t kLooksPerGroup = std::size_t{1} << 12;
 constexpr std::size_t kLooks = std::size_t{1} << 24;
-constexpr std::size_t kMostPerGroup = 64 * BoxTree::kWidth;
-// Segments of one axis are neighbours while the way between them is shorter than this many times the sum of
+constexpr std::size_t kMaxPerGroup = 64 * BoxTree::kWidth;
+// Segments of one axis are neighbours if the length between them is less than this many times the sum of
 // their radii.
 constexpr float kNeighbours = 5;
 constexpr int kBisections = 14;
 
-float greatest_radius(const Segment& s) { return std::max(s.radius_a, s.radius_b); }
+float max_radius(const Segment& s) { return std::max(s.radius_a, s.radius_b); }
 
 class Search {
   public:
@@ -31,16 +31,17 @@ class Search {
         if (axes_.rank(a) < axes_.rank(b)) std::swap(a, b);
         const Segment own = s_.segment(a);
         const Part host{s_.segment(b)};
-        if (axes_.axis_of(a) == axes_.axis_of(b)) {
+        if (axes_.find_axis(a) == axes_.find_axis(b)) {
             const float way = axes_.arc(a) - axes_.arc(b) - distance(own.a, own.b);
-            if (way < kNeighbours * (greatest_radius(own) + greatest_radius(host.segment))) return;
+            if (way < kNeighbours * (max_radius(own) + max_radius(host.segment))) return;
         }
         if (enclosure_.clearance(host, own, nearest_parameter(own, host)).gap >= 0) return;
         out.push_back({a, b, is_ordinary(a, b, own, host)});
     }
 
   private:
-    // Whether a lateral is out of a branch that meets its beginning before it has passed that branch's end.
+    // Returns whether a lateral is outside a branch that meets its beginning before it has passed that
+    // branch's end.
     bool is_ordinary(NodeId a, NodeId b, const Segment& own, const Part& host) const {
         const NodeId base = s_.parent(a);
         if (!axes_.is_first(a) || (b != base && s_.parent(b) != base)) return false;
@@ -63,7 +64,7 @@ Clearance Enclosure::clearance(const Part& host, const Segment& own, float at) c
     const auto cone = round_cone<float>(host.segment), own_cone = round_cone<float>(own);
     const Vec3 p = own_cone.point(at);
     const auto foot = cone.foot_at(std::clamp(cone.line_parameter(p), host.from, host.to), p);
-    return {foot.distance() - least_distance(foot.radius, own_cone.radius(at)), foot.t, foot.offset};
+    return {foot.distance() - min_distance(foot.radius, own_cone.radius(at)), foot.t, foot.offset};
 }
 
 float nearest_parameter(const Segment& own, const Part& host) {
@@ -88,17 +89,17 @@ std::vector<Crossing> find_crossings(const Skeleton& s, const Axes& axes, const 
     parallel_for(ctx, s.size(), kCrossingsGrain, [&](std::size_t i) {
         const NodeId n(static_cast<std::uint32_t>(i));
         const NodeId from = s.is_root(n) ? n : s.parent(n);
-        const float r = s.is_root(n) ? 0.0f : greatest_radius(s.segment(n));
+        const float r = s.is_root(n) ? 0.0f : max_radius(s.segment(n));
         boxes[i] = capsule_box(s.position(from), s.position(n), r);
     });
     const BoxTree tree(boxes, ctx);
     std::vector<std::vector<Crossing>> found(tree.group_count());
-    const std::size_t most_looks = std::max(kLooksPerGroup, kLooks / found.size());
+    const std::size_t max_looks = std::max(kLooksPerGroup, kLooks / found.size());
     parallel_for(ctx, found.size(), kCrossingsGrain / BoxTree::kWidth, [&](std::size_t g) {
         std::size_t looks = 0;
         tree.overlaps(static_cast<std::uint32_t>(g), [&](std::uint32_t p, std::uint32_t q) {
             search.add(NodeId(tree.item(p)), NodeId(tree.item(q)), found[g]);
-            return ++looks < most_looks && found[g].size() < kMostPerGroup;
+            return ++looks < max_looks && found[g].size() < kMaxPerGroup;
         });
     });
     std::vector<Crossing> all;

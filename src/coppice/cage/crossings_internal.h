@@ -8,50 +8,51 @@
 
 namespace coppice::cage_internal {
 
-/// Two segments of which the one of greater rank runs inside the other for a part.
+/// Two segments of which the one of greater rank runs partly inside the other.
 struct Crossing {
     NodeId segment, host;
     bool ordinary;  ///< a lateral that leaves a branch at their common node
 };
 
-/// A part [from, to] of a segment, from the end at the parent.
+/// The section [from, to] of a segment, from the end at the parent.
 struct Part {
     Segment segment;
     float from = 0, to = 1;
 };
 
-/// How far a point of one segment is from being inside another one, its host.
+/// Distance of a point of one segment from the inside of another one, its parent branch.
 struct Clearance {
-    float gap;    ///< [m] below 0: inside
-    float t;      ///< the nearest point of the host's axis
+    float gap;    ///< [m] negative inside
+    float t;      ///< parameter of the closest point of the parent's axis
     Vec3 offset;  ///< [m] from there to the point
 };
 
-/// An axis is inside another one while it is nearer than the greater of that one's radius and a share of the
-/// sum of both radii.
+/// Test whether an axis is inside another one: it is while it is closer than the greater of that one's radius
+/// and a share of the sum of both radii.
 class Enclosure {
   public:
     explicit Enclosure(float share_of_sum) : share_(share_of_sum) {}
 
-    float least_distance(float host, float own) const { return std::max(host, share_ * (host + own)); }
+    float min_distance(float host, float own) const { return std::max(host, share_ * (host + own)); }
     Clearance clearance(const Part& host, const Segment& own, float at) const;
 
-    /// Where, on the way from `in` to `out`, a segment has left a host by a gap. The distance to a segment is
-    /// convex, so that there is one such place on each side of the nearest point.
+    /// Returns the parameter, between `in` and `out`, at which a segment has left a parent branch by a gap.
+    /// The distance to a segment is convex, so that there is one such position on each side of the closest
+    /// point.
     float exit(const Part& host, const Segment& own, float in, float out, float gap = 0) const;
 
   private:
     float share_;
 };
 
-/// Where a segment comes nearest to a host.
+/// Returns the parameter at which a segment is closest to a parent branch.
 float nearest_parameter(const Segment& own, const Part& host);
 
-/// [radii of the inner one] A branch has left another one, surface and all, with this gap.
+/// [radii of the inner branch] Gap beyond which a branch has left another one, including its surface.
 inline constexpr float kClear = 0.8f;
 
-/// All crossings, of one tree or two, by segment, then host. O(n log n) unless most boxes of segments
-/// overlap, for which the search is limited.
+/// Returns all crossings, of one tree or two, by segment, then parent branch. O(n log n) unless most boxes of
+/// segments overlap, in which case the search is limited.
 std::vector<Crossing> find_crossings(const Skeleton& skeleton, const Axes& axes, const Enclosure& enclosure,
                                      const Context& ctx);
 

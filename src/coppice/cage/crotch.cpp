@@ -7,11 +7,11 @@
 namespace coppice::cage_internal {
 namespace {
 
-// The first is the thicker one.
+// The first cylinder is the thicker one.
 Crotch crotch_with_thinner(Vec3 a, float radius_a, Vec3 b, float radius_b) {
     const float s = length(cross(a, b)), c = dot(a, b), along = radius_b / radius_a + c;
     if (along <= 0) {
-        // The thinner one leaves backwards, through the ball that the thicker one begins with.
+        // The thinner one leaves backwards, through the ball at the beginning of the thicker one.
         const float sine_b = radius_b / radius_a;
         const float angle_b = fast_atan2(sine_b, std::sqrt(std::max(0.0f, 1 - sine_b * sine_b)));
         return {radius_a, fast_atan2(s, c) - angle_b, angle_b};

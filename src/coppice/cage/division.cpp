@@ -8,30 +8,31 @@ namespace coppice::cage_internal {
 namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
-// So many sites are placed with care; more are stacked around the second site, one after the other.
-constexpr std::size_t kMostWeighed = 48;
-// Ways to open a corner that are tried in earnest.
+// Number of sites that are placed with optimisation; the others are stacked around the second site.
+constexpr std::size_t kMaxWeighed = 48;
+// Number of ways to open a corner that are tried completely.
 constexpr std::size_t kTried = 6;
-// What the shape of an opening counts beside what cells lack after it.
+// Weight of the shape of an opening relative to the deficit of the cells after it.
 constexpr float kShape = 0.5f;
-// Passes after each opening.
+// Smoothing passes after each opening.
 constexpr int kPasses = 3;
-// A corner goes this part of the way to where its cells want it.
+// Share of the distance to its target by which a corner moves.
 constexpr float kStep = 0.7f;
 
 Vec3 tangent(Vec3 at, Vec3 to) { return normalized(to - at * dot(at, to)); }
 
 bool is_laid(const Division& d, std::size_t site) { return d.cell[site][0] != d.cell[site][1]; }
 
-// Where a cell wants its corners: a square about the site at their mean angle, but not less than that of the
-// site's cone. Small cells count more.
+// Adds the target corners of a cell: a square around the site at their mean angle, but at least the angle of
+// the site's cone. Small cells have a greater weight.
 void add_square(const Ring& cell, const Site& site, std::span<const Vec3> corner, std::span<Vec3> wanted) {
     const Frame frame(site.direction);
-    const Frame::Quarters mean = frame.quarters_of([&](std::size_t k) { return corner[cell[k]]; }, Vec3{});
+    const Frame::Quarters mean =
+        frame.compute_quarters([&](std::size_t k) { return corner[cell[k]]; }, Vec3{});
     const auto out = frame.quarters_from(normalized(frame.x * mean.x + frame.y * mean.y, frame.x));
-    // Half an angle is that of the number (1 + cos) + i sin, and a product of such numbers adds their halves:
-    // one angle is taken instead of four.
-    constexpr float kTiny = 1e-6f;  // a corner opposite to the site has an angle, too
+    // Half an angle is the argument of the number (1 + cos) + i sin, and a product of such numbers adds their
+    // halves: this needs one arctangent instead of four.
+    constexpr float kTiny = 1e-6f;  // defines the angle of a corner opposite to the site
     float re = 1, im = 0;
     for (std::size_t k = 0; k < 4; ++k) {
         const float c = 1 + kTiny + dot(corner[cell[k]], site.direction), s = mean.off_axis[k];
@@ -45,7 +46,7 @@ void add_square(const Ring& cell, const Site& site, std::span<const Vec3> corner
     for (std::size_t k = 0; k < 4; ++k) wanted[cell[k]] += (site.direction * cosine + out[k] * sine) * w;
 }
 
-// How far the cells are from holding their cones; 0 when all do.
+// Returns the deficit of the cells relative to their cones; 0 if all cells contain their cones.
 float lack(const Division& d, std::span<const Site> sites) {
     float sum = 0;
     for (std::size_t i = 0; i < sites.size(); ++i) {
@@ -89,7 +90,7 @@ class Divider {
         d_.cell[first] = {0, 3, 2, 1};
         laid_ = {first, second};
         for (const std::uint32_t i : order) {
-            if (laid_.size() < kMostWeighed) {
+            if (laid_.size() < kMaxWeighed) {
                 insert(i);
             } else {
                 stack(i, second);
@@ -119,7 +120,7 @@ class Divider {
         laid_.push_back(site);
     }
 
-    // Opens the nearest of the corners of another site's cell towards that site.
+    // Opens the corner of another site's cell that is closest to a site.
     void stack(std::uint32_t site, std::uint32_t upon) {
         const Ring ring = d_.cell[upon];
         std::size_t nearest = 0;
@@ -140,7 +141,7 @@ class Divider {
     }
 
     std::vector<Opening> openings(std::uint32_t site) const {
-        // By corner: the cell, and the place of the corner in it.
+        // by corner: the cell, and the index of the corner in it
         std::vector<std::vector<std::pair<std::uint32_t, std::uint32_t>>> around(d_.corner.size());
         for (const std::uint32_t i : laid_) {
             for (std::uint32_t k = 0; k < 4; ++k) around[d_.cell[i][k]].push_back({i, k});
@@ -164,12 +165,12 @@ class Divider {
         return ways;
     }
 
-    // The corner that follows in the cell.
+    // Returns the corner that follows in the cell.
     std::uint32_t edge_of(std::pair<std::uint32_t, std::uint32_t> at) const {
         return d_.cell[at.first][(at.second + 1) % 4];
     }
 
-    // Counter-clockwise about the corner: each cell ends with the edge with which the next begins.
+    // Sorts counter-clockwise around the corner: each cell ends with the edge with which the next begins.
     void sort_around(std::vector<std::pair<std::uint32_t, std::uint32_t>>& cells) const {
         for (std::size_t i = 1; i < cells.size(); ++i) {
             const std::uint32_t last = d_.cell[cells[i - 1].first][(cells[i - 1].second + 3) % 4];
@@ -182,8 +183,8 @@ class Divider {
         }
     }
 
-    // Good openings are near, their edges leave in opposite directions, and the cells to either side lie
-    // there.
+    // Rates an opening. Good openings are close, their edges leave in opposite directions, and the cells to
+    // either side are there.
     void weigh(Opening& way, std::span<const std::uint32_t> south, std::uint32_t site) const {
         const Vec3 d = sites_[site].direction;
         const Vec3 east = tangent(d, d_.corner[way.east]), west = tangent(d, d_.corner[way.west]);

@@ -14,7 +14,7 @@ namespace coppice::cage_internal {
 /// node).
 using Ring = std::array<std::uint32_t, 4>;
 
-/// Orthonormal frame about an axis: x, y perpendicular to it, right-handed.
+/// Orthonormal frame of an axis: x, y perpendicular to it, right-handed.
 struct Frame {
     Vec3 axis, x, y;
 
@@ -24,21 +24,21 @@ struct Frame {
     Vec3 around(float azimuth) const { return x * std::cos(azimuth) + y * std::sin(azimuth); }
     float azimuth(Vec3 v) const { return fast_atan2(dot(v, y), dot(v, x)); }
 
-    /// The four directions a quarter turn apart that begin at the azimuth.
+    /// Returns the four directions a quarter turn apart that begin at the azimuth.
     std::array<Vec3, 4> quarters(float azimuth) const { return quarters_from(around(azimuth)); }
     std::array<Vec3, 4> quarters_from(Vec3 u) const {
         const Vec3 v = cross(axis, u);
         return {u, v, -u, -v};
     }
 
-    /// The mean direction of four points about a center, each turned back by its number of quarter turns, as
-    /// a vector of any length, and how far they are off the axis. No angle is taken, so that it is cheap.
+    /// The mean direction of four points around a center, each turned back by its number of quarter turns, as
+    /// a vector of any length, and their distances from the axis. Needs no arctangent.
     struct Quarters {
         float x = 0, y = 0;
         std::array<float, 4> off_axis{};
     };
     template <class Points>
-    Quarters quarters_of(const Points& points, Vec3 center) const {
+    Quarters compute_quarters(const Points& points, Vec3 center) const {
         Quarters out;
         for (std::size_t k = 0; k < 4; ++k) {
             const Vec3 v = points(k) - center;
@@ -59,11 +59,11 @@ struct Frame {
 
     template <class Points>
     float quarters_azimuth(const Points& points, Vec3 center) const {
-        const Quarters mean = quarters_of(points, center);
+        const Quarters mean = compute_quarters(points, center);
         return fast_atan2(mean.y, mean.x);
     }
 
-    /// The frame turned by the least rotation that brings its axis to `to` [Wang2008].
+    /// Returns the frame turned by the minimum rotation that brings its axis to `to` [Wang2008].
     Frame turned(Vec3 to) const {
         const float c = dot(axis, to);
         if (c < -0.9999f) return Frame(to, x);  // half a turn about x

@@ -14,13 +14,13 @@ using namespace cage_internal;
 /// A node of the skeleton with its cuts.
 struct GraftNode {
     NodeId parent;
-    NodeId segment;  ///< of the given skeleton, on which it lies
+    NodeId segment;  ///< of the given skeleton, on which the node is
     float arc;       ///< [m] along its axis
     Vec3 position;
     float radius;
-    NodeId attached;  ///< for the first node of a piece that springs from another branch
-    NodeId joined;    ///< for the last node of a piece that ends in another branch: the node of that
-    NodeId in_tree;   ///< the nearest node of the tree of tubes from this one on towards the root
+    NodeId attached;  ///< for the first node of a section that begins at another branch
+    NodeId joined;    ///< for the last node of a section that ends in another branch: its node
+    NodeId in_tree;   ///< the closest node of the tree of tubes towards the root, or itself
 };
 
 /// The skeleton with its cuts, before it is numbered as a tree of tubes.
@@ -66,18 +66,19 @@ CutSkeleton cut_skeleton(const AxisGeometry& axes, const SegmentCuts& cuts) {
     return out;
 }
 
-// The middle of the segment that ends at a new node, along its axis.
-float middle_of(const Grafts& g, const CutSkeleton& cut, const GraftNode& n) {
+// Returns the middle of the segment that ends at a new node, along its axis.
+float compute_middle(const Grafts& g, const CutSkeleton& cut, const GraftNode& n) {
     const GraftNode& parent = cut.at(n.parent);
     return 0.5f * ((parent.segment == n.segment ? parent.arc : g.axes.start(n.segment)) + n.arc);
 }
 
 bool is_visible(const Grafts& g, const CutSkeleton& cut, const GraftNode& n) {
-    const std::uint32_t plan = g.plan.of_axis[g.axes.axes.axis_of(n.segment)];
-    return plan == kNoIndex || g.plan.plans[plan].is_visible(middle_of(g, cut, n));
+    const std::uint32_t plan = g.plan.of_axis[g.axes.axes.find_axis(n.segment)];
+    return plan == kNoIndex || g.plan.plans[plan].is_visible(compute_middle(g, cut, n));
 }
 
-// The node of the tree of tubes before a node. Nothing follows one at which a piece joins another branch.
+// Returns the previous node of the tree of tubes. A node at which a section joins another branch has no
+// successor.
 NodeId in_tree_before(const CutSkeleton& cut, const GraftNode& n) {
     const GraftNode& parent = cut.at(n.parent);
     return parent.joined ? cut.at(parent.parent).in_tree : parent.in_tree;
@@ -96,7 +97,7 @@ void attach_pieces(const Grafts& g, CutSkeleton& cut) {
         const bool in_tree = !n.parent || n.attached || n.joined || is_visible(g, cut, n);
         n.in_tree = in_tree ? NodeId(i) : in_tree_before(cut, n);
     }
-    // A piece that ends where it comes from is left as it is.
+    // A section that ends at the branch where it begins is left unchanged.
     for (GraftNode& n : cut.nodes) {
         if (!n.joined || cut.at(n.joined).in_tree != in_tree_before(cut, n)) continue;
         n.joined = NodeId::none();
@@ -104,7 +105,7 @@ void attach_pieces(const Grafts& g, CutSkeleton& cut) {
     }
 }
 
-// Ranks fall from a tube to its parent, so that the tubes form a tree.
+// Ranks decrease from a tube to its parent, so that the tubes form a tree.
 NodeId parent_tube(const Grafts& g, const CutSkeleton& cut, const GraftNode& n) {
     const Axes& axes = g.axes.axes;
     const bool falls = n.attached && (!cut.at(n.attached).parent ||
@@ -112,7 +113,7 @@ NodeId parent_tube(const Grafts& g, const CutSkeleton& cut, const GraftNode& n) 
     return falls ? cut.at(n.attached).in_tree : in_tree_before(cut, n);
 }
 
-/// The tree of tubes before it is numbered: by new node, none for those that are not in it.
+/// The tree of tubes before it is numbered: by new node; none for those that are not in it.
 struct TubeTree {
     std::vector<NodeId> parent, roots;
     CompressedRows<NodeId> children;
@@ -133,14 +134,14 @@ TubeTree tube_tree(const Grafts& g, const CutSkeleton& cut) {
     });
     for (std::uint32_t i = 0; i < count; ++i) {
         const GraftNode& n = cut.nodes[i];
-        // A root of which everything springs from another tree is left to that.
+        // A root at which no section begins is left to the other tree.
         const bool is_left = tree.children[i].empty() && !g.axes.skeleton.is_tip(n.segment);
         if (!n.parent && !is_left) tree.roots.push_back(NodeId(i));
     }
     return tree;
 }
 
-Skeleton skeleton_of(const CutSkeleton& cut, Vec3d origin) {
+Skeleton make_skeleton(const CutSkeleton& cut, Vec3d origin) {
     std::vector<NodeId> parent;
     std::vector<Vec3> position;
     std::vector<float> radius;
@@ -152,7 +153,7 @@ Skeleton skeleton_of(const CutSkeleton& cut, Vec3d origin) {
     return {std::move(parent), std::move(position), std::move(radius), origin};
 }
 
-// The new node whose segment holds a point of an axis.
+// Returns the new node of the segment that contains a point of an axis.
 NodeId node_holding(const SegmentCuts& cuts, const CutSkeleton& cut, std::uint32_t node_count, AxisPoint p) {
     NodeId best = cut.of_place[p.segment.index()];
     float nearest = 1;
@@ -164,7 +165,7 @@ NodeId node_holding(const SegmentCuts& cuts, const CutSkeleton& cut, std::uint32
     return best;
 }
 
-/// By new node: the tube that holds its segment. `id` are the tubes' own nodes.
+/// Returns by new node the tube that contains its segment. `id` are the tubes' own nodes.
 std::vector<NodeId> tubes_of_segments(const Grafts& g, const CutSkeleton& cut, std::span<const NodeId> id) {
     std::vector<NodeId> tube(cut.nodes.size());
     for (std::size_t i = 0; i < cut.nodes.size(); ++i) {
@@ -173,8 +174,8 @@ std::vector<NodeId> tubes_of_segments(const Grafts& g, const CutSkeleton& cut, s
             tube[i] = id[i];
             continue;
         }
-        const std::uint32_t axis = g.axes.axes.axis_of(n.segment);
-        const float middle = middle_of(g, cut, n);
+        const std::uint32_t axis = g.axes.axes.find_axis(n.segment);
+        const float middle = compute_middle(g, cut, n);
         if (const VisiblePiece* ended = g.plan.plans[g.plan.of_axis[axis]].piece_ended_before(middle)) {
             if (ended->join != kNoIndex) tube[i] = id[cut.at(cut.of_place[ended->end]).in_tree.index()];
             continue;
@@ -220,7 +221,7 @@ GraftResult number_tubes(const Grafts& g, const CutSkeleton& cut) {
     report.joined = g.axes.skeleton.tree_count() - tubes.tree_count();
     report.merged = static_cast<std::uint32_t>(joins.size());
     report.cut -= report.merged;
-    return {skeleton_of(cut, origin),
+    return {make_skeleton(cut, origin),
             std::move(tubes),
             std::move(segment),
             std::move(source),

@@ -10,23 +10,24 @@
 namespace coppice::cage_internal {
 namespace {
 
-// A piece shorter than this many radii does not show.
-constexpr float kLeastShown = 1.0f;
-constexpr float kLeastTip = 0.5f;  // the same for one with a tip
+// [radii] Minimum visible length of a section.
+constexpr float kMinShown = 1.0f;
+constexpr float kMinTip = 0.5f;    // the same for a section with a tip
 constexpr float kTipShown = 0.6f;  // the same for the ball of a tip alone,
-constexpr float kTipAxis = 0.65f;  // which gets so much of its axis
-// A piece that enters another branch ends so many of its radii ahead of the bark: its round end reaches it.
+constexpr float kTipAxis = 0.65f;  // which gets this length of its axis
+// [radii] A section that enters another branch ends at this distance before the bark: its round end reaches
+// it.
 constexpr float kEndAhead = 0.5f;
-// A branch that enters at a flatter angle, by its cosine, is taken to enter at this one.
+// Minimum cosine of the angle of entry; flatter branches are treated as if they had this one.
 constexpr float kFlattest = 0.5f;
-// From the place where it leaves a branch, a piece is traced back to that branch's axis by at most this many
-// times the distance to it: flatter laterals would run inside for long.
-constexpr float kMostTracedBack = 1.2f;
-// The end of a piece nearer to a node than this many radii is moved there.
+// From the position where it leaves a branch, a section is extended back to that branch's axis by at most
+// this many times the distance to it: flatter laterals would run inside for a long distance.
+constexpr float kMaxTracedBack = 1.2f;
+// [radii] The end of a section closer to a node than this is moved to the node.
 constexpr float kSnapEnd = 0.3f;
-// So many branches that hide the same place are looked at.
-constexpr std::ptrdiff_t kMostHosts = 16;
-constexpr std::uint32_t kAxesPerLook = 1024;  // whether the work is cancelled
+// Maximum number of checked branches that enclose the same position.
+constexpr std::ptrdiff_t kMaxHosts = 16;
+constexpr std::uint32_t kAxesPerLook = 1024;  // number of axes between checks for cancellation
 
 struct Input {
     const AxisGeometry& axes;
@@ -46,7 +47,7 @@ Part visible_part(const Skeleton& s, const GraftPlan& plan, NodeId n) {
     return {s.segment(n), from, to};
 }
 
-// ---- where an axis lies inside others
+// ---- sections of an axis inside others
 
 void find_enclosed(const Input& in, const GraftPlan& plan, NodeId n, NodeId host_node,
                    std::vector<EnclosedInterval>& out) {
@@ -79,9 +80,9 @@ std::vector<EnclosedInterval> enclosed_intervals(const Input& in, const GraftPla
     return out;
 }
 
-// ---- where pieces begin and end
+// ---- beginnings and ends of visible sections
 
-// A node instead of a point next to it.
+// Returns the arc length of a node that is close to a point, otherwise that of the point.
 float snapped(const Input& in, Chain chain, float arc) {
     const AxisPoint p = in.axes.at(chain, arc);
     const float near = kSnapEnd * in.axes.radius(p);
@@ -92,22 +93,22 @@ float snapped(const Input& in, Chain chain, float arc) {
 
 float radius_on(const Input& in, Chain chain, float arc) { return in.axes.radius(in.axes.at(chain, arc)); }
 
-// Where the last ring of a piece stands: at the bark, or clear of a branch that it joins.
-float end_ahead_of(const Input& in, const EnclosedInterval& interval, float radius) {
+// Returns the position of the last ring of a section: at the bark, or clear of a branch that it joins.
+float find_end_ahead(const Input& in, const EnclosedInterval& interval, float radius) {
     const float host = in.axes.radius({interval.host, interval.host_t});
     const float ahead = in.end == PieceEnd::joined
                             ? kClear * radius
-                            : host + kEndAhead * radius - in.enclosure.least_distance(host, radius);
+                            : host + kEndAhead * radius - in.enclosure.min_distance(host, radius);
     return interval.from - std::max(0.0f, ahead) / std::max(interval.approach, kFlattest);
 }
 
-// Where the last ring of a piece stands that begins at an arc length.
+// Returns the position of the last ring of a section that begins at an arc length.
 float last_ring(const Input& in, Chain chain, float from, const EnclosedInterval& next, float radius) {
-    const float to = snapped(in, chain, end_ahead_of(in, next, radius));
+    const float to = snapped(in, chain, find_end_ahead(in, next, radius));
     return in.end == PieceEnd::joined ? std::max(to, from) : to;
 }
 
-// Along the axis, within what shows of it and comes before the given rank.
+// Moves a point along the axis, within its visible sections of lower rank than the given one.
 AxisPoint moved(const Input& in, const GraftPlan& plan, AxisPoint p, float by, std::uint32_t rank) {
     const Axes& axes = in.axes.axes;
     while (true) {
@@ -124,19 +125,20 @@ AxisPoint moved(const Input& in, const GraftPlan& plan, AxisPoint p, float by, s
     }
 }
 
-// Follows a piece from where it leaves its host, or enters it, as if it ran straight to the host's axis.
+// Extends a section from the point where it leaves or enters its parent branch as if it were straight up to
+// the parent's axis.
 AxisPoint traced_back(const Input& in, const GraftPlan& plan, AxisPoint out, AxisPoint on_host, bool enters) {
     const Segment own = in.skeleton().segment(out.segment), host = in.skeleton().segment(on_host.segment);
     const Vec3 along = normalized(host.b - host.a), direction = normalized(own.b - own.a);
     const float d = distance(in.axes.position(out), in.axes.position(on_host));
     const float c = dot(along, direction);
     const float way = c / std::max(std::sqrt(std::max(0.0f, 1 - c * c)), 1e-3f);
-    const float by = (enters ? d : -d) * std::clamp(way, -kMostTracedBack, kMostTracedBack);
+    const float by = (enters ? d : -d) * std::clamp(way, -kMaxTracedBack, kMaxTracedBack);
     return moved(in, plan, on_host, by, in.axes.axes.rank(out.segment));
 }
 
-// The place that a piece springs from; none for a lateral that leaves its own trunk in the ordinary way.
-// `left` is the interval that the piece comes out of, if any.
+// Returns the place at which a section begins; none for a lateral that leaves its own parent in the regular
+// way. `left` is the interval that the section leaves, if any.
 std::uint32_t attachment(const Input& in, GraftPlan& plan, Chain chain, float from,
                          const EnclosedInterval* left) {
     const NodeId base = in.skeleton().parent(chain[0]);
@@ -153,40 +155,41 @@ std::uint32_t attachment(const Input& in, GraftPlan& plan, Chain chain, float fr
     return place_near(in.axes, plan.visible[at.segment.index()], at, plan.cuts);
 }
 
-// The place of the host in which a piece ends that enters it.
+// Returns the place of the parent branch in which a section that enters it ends.
 std::uint32_t join_place(const Input& in, GraftPlan& plan, Chain chain, const EnclosedInterval& enclosed) {
     const AxisPoint at =
         traced_back(in, plan, in.axes.at(chain, enclosed.from), {enclosed.host, enclosed.host_from}, true);
     return place_near(in.axes, plan.visible[at.segment.index()], at, plan.cuts);
 }
 
-// [radii of the tip] How far the ball of the tip comes out of the branch that hides the end of its axis.
+// [radii of the tip] Returns the length by which the ball of the tip extends beyond the branch that encloses
+// the end of its axis.
 float tip_shown(const Input& in, const GraftPlan& plan, Chain chain, const EnclosedInterval& last) {
     const Segment own = in.skeleton().segment(chain.back());
     const Part host = visible_part(in.skeleton(), plan, last.host);
     return in.enclosure.clearance(host, own, 1).gap / own.radius_b + 1;
 }
 
-// The parts between the intervals that are long enough.
+// Returns the sections between the intervals that are long enough.
 std::vector<VisiblePiece> divide(const Input& in, GraftPlan& plan, Chain chain,
                                  std::span<const EnclosedInterval> enclosed) {
     std::vector<VisiblePiece> pieces;
     const float end = in.axes.axes.arc(chain.back());
     float from = 0;
-    const EnclosedInterval* left = nullptr;  // from which the piece comes
+    const EnclosedInterval* left = nullptr;  // that the section leaves
     auto next = enclosed.begin();
     const auto last = enclosed.end();
     while (true) {
-        for (; next != last && next->from - from < kLeastShown * radius_on(in, chain, next->from); ++next) {
+        for (; next != last && next->from - from < kMinShown * radius_on(in, chain, next->from); ++next) {
             if (next->to < from) continue;
             from = next->to;
             left = &*next;
         }
         const bool is_tip = next == last;
         const float r = radius_on(in, chain, is_tip ? end : next->from);
-        // Where only the ball of the tip comes out it gets a piece of axis.
+        // If only the ball of the tip is visible, it gets a short section of the axis.
         const bool is_ball =
-            is_tip && left && end - from < kLeastTip * r && tip_shown(in, plan, chain, *left) >= kTipShown;
+            is_tip && left && end - from < kMinTip * r && tip_shown(in, plan, chain, *left) >= kTipShown;
         if (is_ball) {
             from = std::max(end - kTipAxis * r, 0.5f * (left->from + end));
             if (!pieces.empty()) pieces.back().resume = std::min(pieces.back().resume, from);
@@ -195,14 +198,14 @@ std::vector<VisiblePiece> divide(const Input& in, GraftPlan& plan, Chain chain,
         const float to = is_tip ? end : last_ring(in, chain, from, *next, r);
         const bool is_whole = is_tip && !left && !is_enclosed(plan, in.skeleton().parent(chain[0]));
         const float shown = in.end == PieceEnd::joined && !is_tip ? next->from - from : to - from;
-        if (is_whole || is_ball || shown >= (is_tip ? kLeastTip : kLeastShown) * r) {
+        if (is_whole || is_ball || shown >= (is_tip ? kMinTip : kMinShown) * r) {
             const std::uint32_t attach = attachment(in, plan, chain, from, left);
             pieces.push_back({attach == kNoIndex ? 0 : from, to, attach});
             if (!is_tip) {
                 VisiblePiece& piece = pieces.back();
                 piece.resume = std::min(next->to, next->from + r / std::max(next->approach, kFlattest));
                 if (in.end == PieceEnd::joined) {
-                    // The next piece may begin where this one has left.
+                    // The next section may begin where this one has left.
                     piece.resume = std::min(piece.resume, 0.5f * (next->from + next->to));
                     if (piece.resume > to) piece.join = join_place(in, plan, chain, *next);
                 }
@@ -216,7 +219,7 @@ std::vector<VisiblePiece> divide(const Input& in, GraftPlan& plan, Chain chain,
     return pieces;
 }
 
-// ---- what follows for the nodes
+// ---- results for the nodes
 
 std::uint32_t place_at(const Input& in, GraftPlan& plan, Chain chain, float arc) {
     const AxisPoint p = in.axes.at(chain, arc);
@@ -224,7 +227,7 @@ std::uint32_t place_at(const Input& in, GraftPlan& plan, Chain chain, float arc)
     return place_of_cut(in.axes, p, plan.cuts);
 }
 
-// Cuts the axis where a piece begins and ends, and notes what it shows of each segment.
+// Cuts the axis where a section begins and ends, and records the visible range of each segment.
 void mark_visible(const Input& in, GraftPlan& plan, Chain chain, VisiblePiece& piece) {
     if (piece.attach != kNoIndex) piece.start = place_at(in, plan, chain, piece.from);
     const std::uint32_t last = place_at(in, plan, chain, piece.to);
@@ -241,7 +244,7 @@ void mark_visible(const Input& in, GraftPlan& plan, Chain chain, VisiblePiece& p
 
 void plan_axis(const Input& in, GraftPlan& plan, const CompressedRows<Crossing>& crossings,
                std::uint32_t axis) {
-    const Chain chain = in.axes.axes.nodes_of(axis);
+    const Chain chain = in.axes.axes.find_nodes(axis);
     plan.of_axis[axis] = static_cast<std::uint32_t>(plan.plans.size());
     plan.plans.emplace_back().enclosed = enclosed_intervals(in, plan, crossings, chain);
     AxisPlan& own = plan.plans.back();
@@ -252,7 +255,7 @@ void plan_axis(const Input& in, GraftPlan& plan, const CompressedRows<Crossing>&
         const float arc = in.axes.axes.arc(n);
         if (own.is_visible(arc)) continue;
         plan.enclosed_at[n.index()] = host_at(in.axes, in.enclosure, plan, axis, arc);
-        ++plan.report.buried;
+        ++plan.report.nodes_inside;
     }
 }
 
@@ -276,11 +279,11 @@ const VisiblePiece* AxisPlan::piece_ended_before(float arc) const {
 
 AxisPoint host_at(const AxisGeometry& axes, const Enclosure& enclosure, const GraftPlan& plan,
                   std::uint32_t axis, float arc) {
-    const Chain chain = axes.axes.nodes_of(axis);
+    const Chain chain = axes.axes.find_nodes(axis);
     const auto& enclosed = plan.plans[plan.of_axis[axis]].enclosed;
     const auto after = std::upper_bound(enclosed.begin(), enclosed.end(), arc,
                                         [](float a, const EnclosedInterval& in) { return a < in.from; });
-    const auto first = after - std::min(after - enclosed.begin(), kMostHosts);
+    const auto first = after - std::min(after - enclosed.begin(), kMaxHosts);
     const auto last = after + std::min<std::ptrdiff_t>(enclosed.end() - after, 1);
     if (first == last) return plan.enclosed_at[axes.skeleton.parent(chain[0]).index()];
     const auto off = [&](const EnclosedInterval& in) { return std::max({in.from - arc, arc - in.to, 0.0f}); };
@@ -301,7 +304,7 @@ GraftPlan plan_grafts(const AxisGeometry& axes, const Enclosure& enclosure, Piec
     });
     std::vector<bool> extraordinary(axes.axes.count(), false);
     for (const Crossing& c : all) {
-        if (!c.ordinary) extraordinary[axes.axes.axis_of(c.segment)] = true;
+        if (!c.ordinary) extraordinary[axes.axes.find_axis(c.segment)] = true;
     }
     GraftPlan plan;
     plan.visible.resize(s.size());
@@ -310,7 +313,7 @@ GraftPlan plan_grafts(const AxisGeometry& axes, const Enclosure& enclosure, Piec
     plan.cuts.newest.assign(s.size(), kNoIndex);
     for (std::uint32_t a = 0; a < axes.axes.count(); ++a) {
         if (a % kAxesPerLook == 0) ctx.throw_if_cancelled();
-        if (extraordinary[a] || is_enclosed(plan, s.parent(axes.axes.nodes_of(a)[0])))
+        if (extraordinary[a] || is_enclosed(plan, s.parent(axes.axes.find_nodes(a)[0])))
             plan_axis(in, plan, crossings, a);
     }
     return plan;

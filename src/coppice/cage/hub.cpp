@@ -9,23 +9,25 @@ namespace coppice::cage_internal {
 namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
-// A seam is not placed farther out than this share of the shorter branch: the next ring must lie beyond it.
-constexpr float kGreatestSeam = 0.7f;
-// A cell holds a cone about its branch that is this many times wider than the branch where it leaves the
+// Maximum distance of the ring at a branch from the node, as a share of the shorter branch: the next ring
+// must be beyond it.
+constexpr float kMaxSeam = 0.7f;
+// A cell contains a cone around its branch that is this many times wider than the branch where it leaves the
 // union ...
 constexpr float kRoom = 1.6f;
-// ... but no wider than this share of the way to the nearest other branch, nor than this angle.
+// ... but at most this share of the angle to the closest other branch, and at most this angle.
 constexpr float kShareOfRoom = 0.7f;
 constexpr float kWidestCone = 1.2f;
 constexpr float kNarrowestCone = 0.02f;
-// Branches that meet at a wider angle than this one, by its cosine, are more or less in line.
+// Branches with an angle greater than this one, by its cosine, are approximately in line.
 constexpr float kCosInLine = -std::numbers::sqrt2_v<float> / 2;
-constexpr int kEvenings = 2;
-// Of more branches than this only the first are looked at when a place among them is sought.
-constexpr std::size_t kMostNeighbours = 256;
+constexpr int kRelaxationPasses = 2;
+// Maximum number of branches that are checked when a position among them is searched.
+constexpr std::size_t kMaxNeighbours = 256;
 
-// Of one lateral, or two no nearer to each other in azimuth than this, the seams are known exactly.
-constexpr float kLeastGap = 0.6f;
+// For one lateral, or two with at least this difference of azimuths, the edges between the cells are computed
+// exactly.
+constexpr float kMinGap = 0.6f;
 
 struct Lateral {
     std::uint32_t branch;
@@ -45,12 +47,12 @@ class HubBuilder {
         division_.corner.reserve(branch_.size() + 2);
         if (lateral_.size() == 1) {
             divide_fork();
-        } else if (lateral_.size() == 2 && std::min(gap_after(0), gap_after(1)) >= kLeastGap) {
+        } else if (lateral_.size() == 2 && std::min(gap_after(0), gap_after(1)) >= kMinGap) {
             divide_between_two();
         } else {
             division_ = divide_sphere(cones, stem_, leader_);
         }
-        even_out(division_, cones, kEvenings);
+        even_out(division_, cones, kRelaxationPasses);
         for (Vec3& corner : division_.corner) corner *= exit_distance(corner);
         return {std::move(division_.corner), {}, {}, std::move(division_.cell)};
     }
@@ -80,11 +82,11 @@ class HubBuilder {
     }
 
     std::span<const Branch> neighbours() const {
-        return branch_.first(std::min(branch_.size(), kMostNeighbours));
+        return branch_.first(std::min(branch_.size(), kMaxNeighbours));
     }
 
-    // How far a direction stays inside the union of the rounded cones: the union is star-shaped about the
-    // node.
+    // Returns the distance in a direction up to which it is inside the union of the rounded cones: the union
+    // is star-shaped around the node.
     float exit_distance(Vec3 direction) const {
         float t = 0;
         for (const Branch& b : neighbours()) t = std::max(t, exit_distance(b, direction));
@@ -94,17 +96,17 @@ class HubBuilder {
         const float c = dot(b.direction, direction);
         if (c <= 0) return b.radius;
         const float s = std::sqrt(std::max(0.0f, 1 - c * c));
-        return std::min(b.radius / std::max(s, 1e-3f), std::max(b.radius, kGreatestSeam * b.length));
+        return std::min(b.radius / std::max(s, 1e-3f), std::max(b.radius, kMaxSeam * b.length));
     }
 
-    // Where a branch's axis leaves the other branches.
+    // Returns the distance at which a branch's axis leaves the other branches.
     float root_distance(std::uint32_t i) const {
         float t = 0;
         for (std::uint32_t j = 0; j < neighbours().size(); ++j) {
             if (j == i) continue;
             t = std::max(t, exit_distance(branch_[j], branch_[i].direction));
         }
-        return std::min(t, kGreatestSeam * branch_[i].length);
+        return std::min(t, kMaxSeam * branch_[i].length);
     }
 
     Vec3 nearest_direction(std::uint32_t i) const {
@@ -134,7 +136,7 @@ class HubBuilder {
         return static_cast<std::uint32_t>(division_.corner.size() - 1);
     }
 
-    // The normal of the plane of stem, leader and a lateral: seen from its tip, they follow as leader,
+    // Returns the normal of the plane of stem, leader and a lateral: seen from its tip, the order is leader,
     // lateral, stem.
     Vec3 plane_normal(std::uint32_t lateral) const {
         const Vec3 a = branch_[leader_].direction, p = branch_[stem_].direction,
@@ -142,9 +144,9 @@ class HubBuilder {
         return normalized(cross(a, d) + cross(d, p) + cross(p, a), perpendicular(frame_.axis));
     }
 
-    // The direction between branches i and j, which follow each other about the normal, that leaves both
-    // cylinders at the same distance; half-way where the two are nearly in line or the sector between them is
-    // more than half a turn.
+    // Returns the direction between branches i and j, adjacent around the normal, that leaves both cylinders
+    // at the same distance; the bisector if the two are nearly in line or the sector between them is more
+    // than half a turn.
     Vec3 seam(std::uint32_t i, std::uint32_t j, Vec3 normal) const {
         const auto flat = [&](Vec3 d) {
             return normalized(d - normal * dot(d, normal), perpendicular(normal));
@@ -162,14 +164,14 @@ class HubBuilder {
     }
 
     // A lateral opens a corner of the stem's ring: the corner becomes its bottom, a new vertex its top, and
-    // the corner's neighbours are its sides. The ring that is left on top is the leader's.
+    // the corner's neighbours are its sides. The remaining ring on top is the leader's.
     void open(Ring& ring, std::size_t corner, std::uint32_t lateral) {
         const std::uint32_t top = add(seam(leader_, lateral, plane_normal(lateral)));
         division_.cell[lateral] = {ring[(corner + 1) % 4], top, ring[(corner + 3) % 4], ring[corner]};
         ring[corner] = top;
     }
 
-    // The poles of the plane of the three branches, and their seams within it.
+    // The poles of the plane of the three branches, and the edges between their cells within it.
     void divide_fork() {
         const std::uint32_t i = lateral_[0].branch;
         const Vec3 normal = plane_normal(i);
@@ -179,7 +181,8 @@ class HubBuilder {
         division_.cell[leader_] = ring;
     }
 
-    // Two laterals, the lower one first, at the corners that leave the others most evenly spread.
+    // Inserts two laterals, the lower one first, at the corners that leave the others most evenly
+    // distributed.
     void divide_between_two() {
         const std::array<float, 2> gap{gap_after(0), gap_after(1)};
         const std::size_t steps = std::numbers::sqrt3_v<float> * gap[0] < gap[1]   ? 1

@@ -13,13 +13,13 @@ constexpr float kQuarter = kPi / 2;
 constexpr std::size_t kFaces = 4;
 // Minimum sine of the angle between a lateral and the stem.
 constexpr float kMinSine = 0.1f;
-// A ring of four corners that subdivision brings to the radius 1 has its corners here; its edges are half as
-// long as this times the square root of 2.
+// Distance of the corners of a ring of four corners that subdivision brings to the radius 1; its edges are
+// half as long as this times the square root of 2.
 constexpr float kCornerRadius = 1.52f;
 constexpr float kHalfEdge = kCornerRadius / std::numbers::sqrt2_v<float>;
-// Half the azimuth of a lateral above which there is no ring of quads between it and its face.
+// Half the azimuth range of a lateral above which there is no ring of quads between it and its face.
 constexpr float kWide = 0.55f;
-// Maximum of the same: beyond, the edges of the face lie outside of the stem.
+// Maximum of the same: beyond, the edges of the face are outside the stem.
 constexpr float kMaxHalfWidth = 1.05f;
 // Maximum azimuth between a wide lateral and the middle of its face.
 constexpr float kMaxTurn = 0.35f;
@@ -27,24 +27,24 @@ constexpr float kMaxTurn = 0.35f;
 constexpr float kMinGap = 0.1f;
 // Maximum radius of a lateral, in radii of the stem.
 constexpr float kMaxRatio = 1.05f;
-// Between a lateral and the rings below and above, in radii of the stem and of the lateral.
+// Margin between a lateral and the rings below and above, in radii of the stem and of the lateral.
 constexpr float kMarginOfStem = 0.25f;
 constexpr float kMarginOfLateral = 0.35f;
-// Minimum part of the margin that has to be there.
+// Minimum share of the margin that has to be available.
 constexpr float kMinMargin = 0.15f;
-// Minimum length of the tube of a lateral outside of the stem, in its radii.
+// Minimum length of the tube of a lateral outside the stem, in its radii.
 constexpr float kMinTube = 0.6f;
-// The middle of a face looks this way where laterals leave the choice, so that faces of neighbours run
-// straight. It is hardly ever the direction of a branch.
+// Preferred direction of the middle of a face if laterals allow a choice, so that faces of neighbours are
+// aligned. It is almost never the direction of a branch.
 constexpr Vec3 kPreferred{0.79f, 0.53f, 0.31f};
 
-// The face whose middle is nearest to an azimuth that is counted from the middle of face 0.
+// Returns the face with the middle closest to an azimuth relative to the middle of face 0.
 std::uint32_t face_of(float azimuth) {
     return static_cast<std::uint32_t>(std::lround(azimuth / kQuarter) + 8) % 4;
 }
 
-// The corners of a face among those of the two rings, counter-clockwise seen from outside, the lower two
-// first.
+// Returns the corners of a face among those of the two rings, counter-clockwise seen from outside, the lower
+// two first.
 Ring corners_of(std::uint32_t face) {
     const std::uint32_t right = face, left = (face + 3) % 4;
     return {left, right, right + 4, left + 4};
@@ -82,7 +82,7 @@ std::optional<Openings> Openings::plan(std::span<const Branch> branches, std::ui
     return out;
 }
 
-// Its corners lie where lines along the lateral come out of the stem.
+// Its corners are where lines along the lateral leave the stem.
 bool Openings::add_lateral(std::uint32_t i, const Branch& b) {
     const float cosine = dot(b.direction, frame_.axis);
     const float sine = std::sqrt(std::max(0.0f, 1 - cosine * cosine));
@@ -109,7 +109,7 @@ bool Openings::add_lateral(std::uint32_t i, const Branch& b) {
     return true;
 }
 
-// Turns the faces as little as possible from where those of straight neighbours are.
+// Turns the faces as little as possible relative to those of straight neighbours.
 bool Openings::choose_phase() {
     const float preferred = frame_.azimuth(kPreferred);
     if (lateral_.size() == 1) {
@@ -133,7 +133,8 @@ bool Openings::choose_phase() {
     return true;
 }
 
-// How far a side of a lateral is from the middle of its face, at most; infinite where two share one.
+// Returns the maximum angle between a side of a lateral and the middle of its face; infinite if two laterals
+// share a face.
 float Openings::worst_side(float phase) const {
     std::array<bool, kFaces> is_taken{};
     float worst = 0;
@@ -141,7 +142,7 @@ float Openings::worst_side(float phase) const {
         const std::uint32_t face = face_of(l.azimuth - phase);
         if (is_taken[face]) return kInfinity;
         is_taken[face] = true;
-        // A wide one takes all of its face, which may look a little past it.
+        // A wide lateral covers all of its face, and may extend slightly beyond it.
         const float own = l.is_wide() ? kPi / 4 - kMinGap - kMaxTurn : l.half_width;
         worst = std::max(worst, std::abs(std::remainder(l.azimuth - phase, kQuarter)) + own);
     }
@@ -163,7 +164,7 @@ std::optional<Hub> Openings::build(std::span<const float> room) const {
     for (const Lateral& l : lateral_) {
         if (reach(l.branch) > room[l.branch]) return {};
     }
-    // Half of what is left is that of the other end.
+    // Half of the remaining length belongs to the other end.
     const float below = std::min(margin_, 0.45f * (room[stem_number_] - reach(stem_number_)));
     const float above = std::min(margin_, 0.45f * (room[leader_number_] - reach(leader_number_)));
     if (std::min(below, above) < kMinMargin * margin_) return {};
@@ -180,14 +181,14 @@ std::optional<Hub> Openings::build(std::span<const float> room) const {
     return hub;
 }
 
-// Along the stem below the node, along the leader above it.
+// Returns a point along the stem below the node, along the leader above it.
 Vec3 Openings::on_axis(float height) const {
     return height < 0 ? stem_.direction * -height : leader_.direction * height;
 }
 
 void Openings::add_ring(float height, Hub& hub) const {
     const Frame frame = frame_.turned(height < 0 ? -stem_.direction : leader_.direction);
-    // The corners of face 0 come first and last; the others share what is left of the way around.
+    // The corners of face 0 are first and last; the others share the remaining angle.
     const std::array<float, 4> by{widened_, widened_ / 3, -widened_ / 3, -widened_};
     const Vec3 center = on_axis(height);
     for (std::size_t k = 0; k < 4; ++k) {
@@ -200,7 +201,7 @@ void Openings::add_ring(float height, Hub& hub) const {
 void Openings::open(const Lateral& l, Hub& hub) const {
     const Ring edge = corners_of(l.face);
     if (l.is_wide()) {
-        // What is between these and the lateral's next ring is seen from the lateral's axis.
+        // The quads between these and the lateral's next ring are anchored at the lateral's axis.
         for (const std::uint32_t v : edge) hub.anchor[v] = {};
         hub.cell[l.branch] = edge;
         return;

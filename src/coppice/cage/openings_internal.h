@@ -12,25 +12,25 @@ namespace coppice::cage_internal {
 /// Minimum cosine of the angle between a stem and a leader that continues it.
 inline constexpr float kMinCosine = 0.64f;
 
-/// The cage about a branch node whose leader continues the stem: two rings, below and above the laterals,
-/// joined by four faces, and each lateral leaves through one of these. A thin lateral leaves a ring of quads
-/// between itself and the edge of its face. Each lateral has four vertices of valence 5, nothing else is
-/// irregular.
+/// The cage around a branch node at which the leader continues the stem: two rings, below and above the
+/// laterals, joined by four faces, and each lateral leaves through one of these. There is a ring of quads
+/// between a thin lateral and the edge of its face. Each lateral has four vertices of valence 5; there are no
+/// other irregular vertices.
 class Openings {
   public:
-    /// Nothing where the leader turns from the stem, a lateral is nearly as thick as the stem or leaves along
-    /// it, or two leave through the same face. O(k) for k branches.
+    /// Returns nullopt if the leader turns from the stem, a lateral is nearly as thick as the stem or leaves
+    /// along it, or two leave through the same face. O(k) for k branches.
     static std::optional<Openings> plan(std::span<const Branch> branches, std::uint32_t stem,
                                         std::uint32_t leader);
 
-    /// [m] What it needs of the length of a branch: at least.
+    /// [m] Returns the minimum length of a branch that is required.
     float reach(std::uint32_t branch) const;
 
-    /// `room`: [m] how much of each branch there is. Nothing where that is too little.
+    /// `room`: [m] available length of each branch. Returns nullopt if it is too small.
     std::optional<Hub> build(std::span<const float> room) const;
 
   private:
-    // A lateral as the stem sees it.
+    // A lateral as seen from the stem.
     struct Lateral {
         std::uint32_t branch = 0;
         float radius = 0;
@@ -58,9 +58,9 @@ class Openings {
     Frame frame_;
     std::vector<Lateral> lateral_;
     float phase_ = 0;           // azimuth of the middle of face 0
-    float widened_ = 0;         // by how much the corners of face 0 lie farther out
+    float widened_ = 0;         // outward displacement of the corners of face 0
     float low_ = 0, high_ = 0;  // of all laterals, along the axis
-    float margin_ = 0;          // wanted between these and the rings
+    float margin_ = 0;          // preferred distance between these and the rings
 };
 
 }  // namespace coppice::cage_internal

@@ -16,35 +16,35 @@ namespace {
 using cage_internal::Crotch;
 using cage_internal::crotch;
 
-// A crotch must lie within this share of a segment, so that the next ring comes after it.
+// A crotch must be within this share of a segment, so that the next ring is beyond it.
 constexpr float kCrotchShare = 0.75f;
-// A crotch beyond this share of the way to the leader's next branch node moves the branch on to that node.
+// A crotch beyond this share of the distance to the leader's next branch node moves the branch to that node.
 constexpr float kMoveShare = 1.0f;
-// A branch node is shifted until its crotches are at most this many radii away.
+// [radii] A branch node is shifted until its crotches are within this distance.
 constexpr float kCrotchReach = 1.8f;
-// A shift that leaves the way from the parent by more than this many radii keeps a ring at the node.
+// [radii] A shift that leaves the line from the parent by more than this keeps a ring at the node.
 constexpr float kCorner = 0.5f;
-// A node is moved on along its chain this many times at most; then the next node takes its place.
+// Maximum number of times that a node is moved along its chain; then the next node replaces it.
 constexpr std::uint8_t kMaxSlides = 64;
-// A leader shorter than this many radii leaves no room for a tube between two branch nodes.
+// [radii] A shorter leader has no room for a tube between two branch nodes.
 constexpr float kShortest = 0.8f;
 
-// A node that is taken out and lies this many radii off what is left is a bend; then there is a ring so many
-// after it.
+// [radii] A removed node with this distance from the remaining line is a bend; then a ring follows at the
+// second distance.
 constexpr float kBend = 0.3f;
 constexpr float kRingAfterBend = 2.0f;
 
-// Two branches that leave a root at 110 degrees or more bend there; more than two leave a side of it free
-// where none comes nearer to its middle than 75 degrees, both by the cosine of the angle from there.
+// Two branches that leave a root at 110 degrees or more bend there; more than two leave a side of it free if
+// none is closer to its middle than 75 degrees, both by the cosine of the angle from there.
 constexpr float kPairBends = -0.574f;
 constexpr float kLeavesSide = 0.26f;
-// Then its stem is at least this many radii long.
+// [radii] Minimum length of its stem in that case.
 constexpr float kShortestStem = 0.25f;
 
-// Children of a branch node beyond which nothing is moved: the search for pairs is quadratic.
-constexpr std::size_t kMostChildren = 64;
-// Two children are bundled when their stem would be this many radii long, and leave the other crotches
-// behind.
+// Number of children of a branch node beyond which no node is moved: the search for pairs is quadratic.
+constexpr std::size_t kMaxChildren = 64;
+// [radii] Two children are paired_nodes if their stem would have this length and extend beyond the other
+// crotches.
 constexpr float kBundleStem = 1.0f;
 
 class Parting {
@@ -82,12 +82,12 @@ class Parting {
         NodeId source;
         NodeId parent;
         std::vector<NodeId> children;
-        NodeId dissolved_into;    ///< whose tube wraps the segment of a node that was taken out
-        NodeId joined;            ///< of two nodes that stand for a join, each other: see add_joined
+        NodeId dissolved_into;    ///< node of the tube that wraps the segment of a removed node
+        NodeId joined;            ///< of two nodes that represent a join, the other one: see add_joined
         bool is_bundle = false;   ///< see bundle_one
-        std::uint8_t slides = 0;  ///< how often it was moved on along its chain
+        std::uint8_t slides = 0;  ///< number of times it was moved along its chain
     };
-    struct View {  // a child as its branch node sees it
+    struct View {  // a child as seen from its branch node
         NodeId node;
         Vec3 direction;
         float radius;
@@ -95,8 +95,8 @@ class Parting {
         bool tip;
     };
 
-    // What ends in a node is for that node a lateral which leads to where it comes from: a node of its own
-    // stands for that, and is gone in the end.
+    // A tube that ends in a node is a lateral of that node that leads to the beginning of the tube: it is
+    // represented by a temporary node.
     void add_joined(const NodeJoin& join) {
         const NodeId from = s_.parent(join.end), m(static_cast<std::uint32_t>(node_.size()));
         node_.push_back({s_.position(from), s_.radius(join.end), join.end, join.node, {}, {}, join.end});
@@ -104,7 +104,7 @@ class Parting {
         kids(join.node).push_back(m);
     }
 
-    // Two nodes may have one tube between them at most: another gets a ring in its middle.
+    // Two nodes may have at most one tube between them: another gets a ring in its middle.
     void divide_if_direct(NodeId joined) {
         const NodeId end = at(joined).joined, from = at(end).parent, node = at(joined).parent;
         const auto also_ends_there = [&](NodeId c) {
@@ -118,7 +118,7 @@ class Parting {
         std::ranges::replace(kids(from), end, m);
     }
 
-    // The only segment of a tree gets a node in its middle: each end is a tube of its own, and may be cut by
+    // The only segment of a tree gets a node in its middle: each end is a separate tube, and may be cut by
     // its own plane.
     void halve_lone_segment(NodeId n) {
         if (!s_.is_root(n) || s_.children(n).size() != 1 || !s_.is_tip(s_.children(n)[0])) return;
@@ -137,7 +137,7 @@ class Parting {
         return {c, normalized(d), at(c).radius, length(d), is_tip(c) && !at(c).joined};
     }
     bool is_bundle(NodeId n) const { return at(n).is_bundle; }
-    // Stands for a tube that ends in its parent.
+    // Returns whether the node represents a tube that ends in its parent.
     bool is_joined(NodeId n) const { return n.index() >= s_.size() && at(n).joined; }
     bool is_tip(NodeId n) const { return at(n).children.empty(); }
 
@@ -150,17 +150,17 @@ class Parting {
         return best;
     }
 
-    // Each step removes a node of the skeleton, moves one on along its chain, which happens to each at most
-    // kMaxSlides times, or takes a child from n, so the number of steps is bounded by that of nodes.
+    // Each step removes a node of the skeleton, moves one along its chain, which happens to each at most
+    // kMaxSlides times, or removes a child from n, so the number of steps is bounded by the number of nodes.
     void resolve(NodeId n) {
-        if (kids(n).size() > kMostChildren) return;
+        if (kids(n).size() > kMaxChildren) return;
         while (kids(n).size() > 1 && (absorb_one(n) || advance_one(n) || bundle_one(n))) {
         }
     }
 
     void adopt(NodeId n, NodeId c) { at(c).parent = n; }
 
-    // A node between p and its child c, of which p does not know yet.
+    // Inserts a node between p and its child c; the list of children of p is not updated.
     NodeId insert_ring(NodeId p, NodeId c, Vec3 position, float radius) {
         const NodeId m(static_cast<std::uint32_t>(node_.size()));
         node_.push_back({position, radius, at(c).source, p, {c}, {}});
@@ -181,18 +181,19 @@ class Parting {
         list.insert(place, grandchildren.begin(), grandchildren.end());
     }
 
-    // [m] How far a point is from the way between two nodes.
+    // [m] Returns the distance of a point from the line between two nodes.
     float distance_from_way(Vec3 p, NodeId n, NodeId g) const {
         const Vec3 from = at(n).position, axis = at(g).position - from;
         return length(p - from - axis * closest_parameter(p, from, axis, 1.0f));
     }
 
-    // Whether a tube from n to g would leave out what bends at c.
+    // Returns whether a tube from n to g would leave out a bend at c.
     bool bends(NodeId n, NodeId c, NodeId g) const {
         return distance_from_way(at(c).position, n, g) > kBend * at(g).radius;
     }
 
-    // Where the way from n to g bends at c, which goes, a long segment gets a ring: the first node of it.
+    // If the line from n to g bends at the removed node c, inserts a ring into a long segment; returns its
+    // first node.
     NodeId ring_after_bend(NodeId n, NodeId c, NodeId g) {
         const Vec3 rest = at(g).position - at(c).position;
         const float r = at(g).radius, way = length(rest);
@@ -201,7 +202,7 @@ class Parting {
         return insert_ring(n, g, at(c).position + rest * (kRingAfterBend * r / way), r);
     }
 
-    // A child inside the union about n joins n.
+    // Merges a child inside the union around n into n.
     bool absorb_one(NodeId n) {
         const NodeId lead = leader(n);
         for (const NodeId c : kids(n)) {
@@ -212,20 +213,20 @@ class Parting {
                 if (!is_swallowed(n, c, lead)) continue;
                 kids(n).erase(std::find(kids(n).begin(), kids(n).end(), c));
                 at(c).dissolved_into = n;
-                ++report_.swallowed;
+                ++report_.hidden_tips;
                 return true;
             }
             if (v.length >= inside || is_bundle(c) || at(c).joined) continue;
             if (kids(c).size() == 1 && c.index() >= s_.size() && slide(n, c, inside)) return true;
             dissolve(n, c);
-            ++report_.absorbed;
+            ++report_.merged_nodes;
             return true;
         }
         return false;
     }
 
-    // A tip that hardly shows: inside the union, or so near a longer sibling all the way that rays from the
-    // sibling's axis see what shows of it.
+    // Returns whether a tip is hardly visible: inside the union, or along its whole length so close to a
+    // longer sibling that rays from the sibling's axis reach its visible part.
     bool is_swallowed(NodeId n, NodeId c, NodeId lead) const {
         const View v = view(n, c);
         if (c != lead && v.length + 0.7f * v.radius <= root_distance(n, v)) return true;
@@ -239,7 +240,7 @@ class Parting {
         return false;
     }
 
-    // Where the axis of a child leaves the other branches of n.
+    // Returns the distance at which the axis of a child leaves the other branches of n.
     float root_distance(NodeId n, const View& child) const {
         float t = 0;
         for (const NodeId o : at(n).children) {
@@ -260,7 +261,7 @@ class Parting {
                         std::max(radius, length));
     }
 
-    // A branch that parts from the leader only beyond the leader's next node goes on to that node.
+    // Moves a branch that separates from the leader only beyond the leader's next node to that node.
     bool advance_one(NodeId n) {
         const NodeId lead = leader(n);
         const View a = view(n, lead);
@@ -285,9 +286,9 @@ class Parting {
         return false;
     }
 
-    // Moves a node in the middle of a chain on along the chain until it is `away` from n; one that would come
-    // too near the next node, or was moved too often, gives way to it. Nothing, and false, where the chain
-    // bends there.
+    // Moves a node in the middle of a chain along the chain until it is `away` from n; a node that would be
+    // too close to the next one, or was moved too often, is replaced by it. Returns false, without changes,
+    // if the chain bends there.
     bool slide(NodeId n, NodeId c, float away) {
         const NodeId next = kids(c)[0];
         const Vec3 rest = at(next).position - at(c).position;
@@ -301,13 +302,13 @@ class Parting {
             return false;
         } else {
             dissolve(n, c);
-            ++report_.absorbed;
+            ++report_.merged_nodes;
         }
         return true;
     }
 
-    // A branch that is moved on from n to its leader keeps to its axis, from where that comes out, by a ring
-    // there; none where the way from the leader runs near enough to it.
+    // Inserts a ring so that a branch that is moved from n to its leader keeps its axis from the point where
+    // it becomes visible; none if the line from the leader is close enough to the axis.
     NodeId ring_on_axis(NodeId n, NodeId c, NodeId lead) {
         const View a = view(n, lead), b = view(n, c);
         const float r = b.radius, abreast = a.length / std::max(dot(a.direction, b.direction), 0.1f);
@@ -324,13 +325,13 @@ class Parting {
         kids(n).erase(std::find(kids(n).begin(), kids(n).end(), c));
         kids(lead).push_back(on_axis ? on_axis : c);
         adopt(lead, kids(lead).back());
-        ++report_.advanced;
+        ++report_.shifted_nodes;
         if (on_axis) return;
         const float ahead = dot(at(c).position - at(lead).position, axis);
         if (ahead < 0.5f * at(c).radius && !is_tip(c)) dissolve(lead, c);
     }
 
-    // How far the crotch of two children lies, at most where their ends part.
+    // Returns the distance of the crotch of two children, at most the distance at which their ends separate.
     float crotch_distance(const View& a, const View& b, const Crotch& k) const {
         float d = k.distance;
         for (const auto& [v, angle] : {std::pair{a, k.angle_a}, std::pair{b, k.angle_b}}) {
@@ -347,7 +348,7 @@ class Parting {
         return a.direction * std::cos(k.angle_a) + across * std::sin(k.angle_a);
     }
 
-    // Two children that part from each other later than from the rest go together to a node of their own.
+    // Moves two children that separate from each other later than from the rest to a node of their own.
     bool bundle_one(NodeId n) {
         const auto& list = kids(n);
         if (list.size() < 3) return false;
@@ -388,13 +389,13 @@ class Parting {
         rest.push_back(m);
         adopt(m, a.node);
         adopt(m, b.node);
-        ++report_.bundled;
+        ++report_.paired_nodes;
         return true;
     }
 
-    // Rays from the branch node should see its crotches near at hand.
+    // Shifts a branch node so that rays from it reach its close crotches.
     void shift(NodeId n) {
-        if (kids(n).size() < 2 || kids(n).size() > kMostChildren) return;
+        if (kids(n).size() < 2 || kids(n).size() > kMaxChildren) return;
         const View a = view(n, leader(n));
         Vec3 sum;
         int count = 0;
@@ -416,7 +417,7 @@ class Parting {
             by = sum * (room_to_shift(n, sum / static_cast<float>(count)) / static_cast<float>(count));
         if (!at(n).parent) return shift_root(n, by);
         if (count == 0) return;
-        // A stem that goes on stays straight.
+        // A stem that continues stays straight.
         if (dot(way_in(n), a.direction) > cage_internal::kMinCosine) by = a.direction * dot(by, a.direction);
         if (turns(n, by)) {
             push_ahead(n, by);
@@ -425,17 +426,17 @@ class Parting {
         }
     }
 
-    // The direction from the parent.
+    // Returns the direction from the parent.
     Vec3 way_in(NodeId n) const { return normalized(at(n).position - at(at(n).parent).position); }
 
-    // Whether the way from the parent to the shifted node would cut a corner of the skeleton.
+    // Returns whether the line from the parent to the shifted node would cut a corner of the skeleton.
     bool turns(NodeId n, Vec3 by) const {
         const Vec3 in = way_in(n);
         return length(by - in * dot(by, in)) > kCorner * at(n).radius;
     }
 
-    // Where no branch leaves a root to one side, the tree gets a stem, at least as long as the shift, which
-    // is closed there. Else the root stays as it is: a ring between two branches, or more about a ball.
+    // If no branch leaves a root on one side, the tree gets a stem, at least as long as the shift, which is
+    // closed there. Otherwise the root is unchanged: a ring between two branches, or more around a ball.
     void shift_root(NodeId n, Vec3 by) {
         const bool is_pair = kids(n).size() == 2;
         const auto [side, nearest] = is_pair ? side_against(n) : free_side(n);
@@ -445,7 +446,7 @@ class Parting {
         if (is_ball(s_, n)) at(kids(n)[0]).radius = at(n).radius;
     }
 
-    // A direction, and the greatest cosine of its angle to a branch.
+    // A direction, and the maximum cosine of its angle to a branch.
     struct Side {
         Vec3 direction;
         float nearest;
@@ -460,7 +461,7 @@ class Parting {
         for (const NodeId c : kids(n)) sum += view(n, c).direction;
         return length_squared(sum) > 0 ? side_of(n, -normalized(sum)) : Side{{}, 1};
     }
-    // The one farthest from all branches, of many.
+    // Returns the direction of many that is farthest from all branches.
     Side free_side(NodeId n) const {
         Side best = side_against(n);
         const auto look = [&](Vec3 direction) {
@@ -479,7 +480,7 @@ class Parting {
         return best;
     }
 
-    // The node stays as a ring, and a new one takes its branches.
+    // The node remains as a ring, and a new one gets its branches.
     void push_ahead(NodeId n, Vec3 by) {
         const NodeId m(static_cast<std::uint32_t>(node_.size()));
         node_.push_back({at(n).position + by, at(leader(n)).radius, at(leader(n)).source, n, {}, {}});
@@ -488,8 +489,8 @@ class Parting {
         kids(n).push_back(m);
     }
 
-    // The share of a shift after which the way from the node to every child still leaves the union through
-    // that child's tube.
+    // Returns the maximum share of a shift for which the line from the node to every child still leaves the
+    // union through that child's tube.
     float room_to_shift(NodeId n, Vec3 by) const {
         float share = 1;
         for (const NodeId c : at(n).children) {
@@ -525,7 +526,7 @@ class Parting {
             const auto& list = at(n).children;
             for (auto c = list.rbegin(); c != list.rend(); ++c) stack.push_back({*c, id});
         }
-        std::vector<NodeJoin> joins = joins_of(new_id, parent, position);
+        std::vector<NodeJoin> joins = find_joins(new_id, parent, position);
         std::vector<NodeId> tube(s_.size());
         for (const NodeId n : nodes(s_)) {
             NodeId t = n;
@@ -545,10 +546,10 @@ class Parting {
                 report_};
     }
 
-    // The joins of the new nodes, whose ends it moves to where they end. A tube needs a ring between two
-    // branch nodes, or it is left as it is.
-    std::vector<NodeJoin> joins_of(std::span<const NodeId> new_id, std::span<const NodeId> parent,
-                                   std::vector<Vec3>& position) const {
+    // Returns the joins of the new nodes and moves their ends to the joined nodes. A tube requires a ring
+    // between two branch nodes, otherwise it is left unchanged.
+    std::vector<NodeJoin> find_joins(std::span<const NodeId> new_id, std::span<const NodeId> parent,
+                                     std::vector<Vec3>& position) const {
         std::vector<NodeJoin> out;
         for (const Node& n : node_) {
             if (!n.joined || !is_tip(n.joined) || n.joined.index() >= s_.size()) continue;

@@ -5,8 +5,8 @@
 namespace coppice::cage_internal {
 namespace {
 
-constexpr float kSnap = 0.5f;   // [radii] a place nearer to a node or a cut than this is moved there
-constexpr float kSame = 1e-4f;  // parameters of one place
+constexpr float kSnap = 0.5f;   // [radii] a point closer to a node or a cut than this is moved to it
+constexpr float kSame = 1e-4f;  // difference of parameters of equal points
 
 }  // namespace
 

@@ -3,11 +3,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "coppice/base/id.h"
 #include "coppice/cage/axis_points_internal.h"
 
 namespace coppice::cage_internal {
-
-inline constexpr std::uint32_t kNoIndex = 0xffffffffu;
 
 /// The range of a segment that gets a tube.
 struct VisibleRange {
@@ -15,7 +14,7 @@ struct VisibleRange {
     bool empty() const { return !(from < to); }
 };
 
-/// Nodes added to segments. A place is the number of a node, or that of a cut plus the number of nodes.
+/// Nodes inserted into segments. A place is the index of a node, or that of a cut plus the number of nodes.
 struct SegmentCuts {
     struct Cut {
         AxisPoint point;
@@ -32,10 +31,10 @@ struct SegmentCuts {
     }
 };
 
-/// The place of a point: a node or a cut that is there, or a new cut.
+/// Returns the place of a point: an existing node or cut, or a new cut.
 std::uint32_t place_of_cut(const AxisGeometry& axes, AxisPoint p, SegmentCuts& cuts);
 
-/// The same, where a node or cut that is near, within the range of the segment that gets a tube, will do.
+/// The same, but a close node or cut, within the range of the segment that gets a tube, is accepted.
 std::uint32_t place_near(const AxisGeometry& axes, VisibleRange visible, AxisPoint p, SegmentCuts& cuts);
 
 }  // namespace coppice::cage_internal

@@ -11,7 +11,7 @@ using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
 Edge edge_of(const Quad& q, std::size_t k) { return std::minmax(q[k], q[(k + 1) % 4]); }
 
-/// A vertex half-way between others, as far from its anchor as they are from theirs.
+/// A vertex midway between others, with the mean of their distances from their anchors.
 class Middle {
   public:
     explicit Middle(ControlMesh& mesh) : mesh_(mesh) {}

@@ -6,13 +6,13 @@
 
 namespace coppice::cage_internal {
 
-/// What a cage quad is made of: a piece of a tube, whose edges 0 and 2 run around it, or a face all of whose
-/// edges do.
+/// Kind of a cage quad: a section of a tube, with edges 0 and 2 around it, or a face with all edges around
+/// tubes.
 enum class QuadKind : std::uint8_t { tube, face };
 
-/// Doubles the number of quads around every branch: edges that run around are halved, tube quads become two,
-/// faces four. New vertices keep the distance from their anchors. Edges along branches stay whole. O(n log
-/// n).
+/// Doubles the number of quads around every branch: edges around branches are halved, tube quads become two,
+/// faces four. New vertices keep the distance from their anchors. Edges along branches are not divided. O(n
+/// log n).
 void double_sides(ControlMesh& mesh, std::vector<QuadKind>& kind);
 
 }  // namespace coppice::cage_internal

@@ -7,9 +7,10 @@
 namespace coppice::compose_internal {
 
 inline constexpr Vec3d kUp{0, 0, 1};
-inline constexpr double kReach = 2;  ///< [radii of the host] over which directions are taken
+inline constexpr double kReach =
+    2;  ///< [radii of the parent branch] length over which directions are computed
 
-/// Three unit vectors, right-handed.
+/// Three orthonormal, right-handed vectors.
 struct Frame {
     Vec3d x, y, z;
 
@@ -17,21 +18,25 @@ struct Frame {
     Vec3d to_world(Vec3d v) const { return x * v.x + y * v.y + z * v.z; }
 };
 
-/// z along `direction`, and `host` in the half plane of z and +x; any such frame where the two are parallel.
+/// Returns a frame with z along `direction` and `host` in the half plane of z and +x; an arbitrary such frame
+/// if the two are parallel.
 Frame branch_frame(Vec3d direction, Vec3d host);
 
-/// The frame turned about its z, counter-clockwise seen against it, by an angle [rad].
+/// Returns the frame rotated about its z by an angle [rad], counter-clockwise seen against z.
 Frame rolled(const Frame& frame, double angle);
 
-/// The direction in which the branch whose first node is `first` leaves its node: to where its axis is after
-/// two radii of the host, or after its first segment.
+/// Returns the direction in which the branch with the first node `first` leaves its branch node: towards the
+/// point of its axis at two radii of the parent branch, or towards the end of its first segment if that is
+/// farther.
 Vec3d branch_direction(const Skeleton& skeleton, NodeId first);
 
-/// The direction in which the axis arrives at a branch node, over as long a way; up at a root.
+/// Returns the direction in which the axis arrives at a branch node, computed over the same length; up at a
+/// root.
 Vec3d host_direction(const Skeleton& skeleton, NodeId node);
 
-/// Unit; from `start` to where a chain of nodes from `first` on is after `way`, at its first node at least;
-/// up where that is the same place. `next` of the last node is `none`.
+/// Returns the unit vector from `start` to the point at the length `way` along a chain of nodes that begins
+/// at `first`, or to the first node if that is farther; up if the two points coincide. `next` of the last
+/// node is `none`.
 template <class Node, class Position, class Next>
 Vec3d direction_along(Vec3d start, Node first, double way, const Position& position, const Next& next,
                       Node none) {
@@ -45,9 +50,9 @@ Vec3d direction_along(Vec3d start, Node first, double way, const Position& posit
     return normalized(at - start, kUp);
 }
 
-/// Per node, of the branch that begins with the segment to it.
+/// Per node: sizes of the branch that begins with the segment to it.
 struct BranchSizes {
-    std::vector<double> length;         ///< [m] of its segments
+    std::vector<double> length;         ///< [m] total length of its segments
     std::vector<std::uint32_t> orders;  ///< as in ChildTreeMeasures
 
     explicit BranchSizes(const Skeleton& skeleton);

@@ -15,7 +15,7 @@ namespace {
 
 using namespace compose_internal;
 
-/// Takes branches out of one skeleton; `number` is kept from branch to branch.
+/// Extracts branches from one skeleton; `number` is reused between branches.
 class Cutter {
   public:
     explicit Cutter(const Skeleton& skeleton) : skeleton_(skeleton), number_(skeleton.size()) {}
@@ -69,8 +69,7 @@ std::vector<ChildTree> child_trees(const Skeleton& skeleton, const ChildTreeOpti
     Cutter cutter(skeleton);
     std::vector<ChildTree> out;
     for (const NodeId n : nodes(skeleton)) {
-        if (!begins_child_tree(skeleton, n) || sizes.length[n.index()] < double{options.least_length})
-            continue;
+        if (!begins_child_tree(skeleton, n) || sizes.length[n.index()] < double{options.min_length}) continue;
         if (!options.leaders && skeleton.leader(skeleton.parent(n)) == n) continue;
         ctx.throw_if_cancelled();
         out.push_back(cutter.cut(n));
@@ -87,8 +86,8 @@ std::vector<ChildTree> child_trees_at(const Skeleton& skeleton, const std::vecto
     std::vector<ChildTree> out;
     for (const NodeId n : first) {
         if (!n || n.index() >= skeleton.size() || !begins_child_tree(skeleton, n)) {
-            throw InvalidInput(
-                fmt::format("node {} begins no branch: name children of nodes that have several", n.index()));
+            throw InvalidInput(fmt::format(
+                "node {} begins no branch: name children of nodes that have several children", n.index()));
         }
         out.push_back(cutter.cut(n));
     }

@@ -20,7 +20,7 @@ using Entry = TreeComposer::Entry;
 
 constexpr double kXuExponent = 1.5;  // [Xu2007]
 
-/// Draws one after the other.
+/// Sequence of random numbers.
 class Draws {
   public:
     explicit Draws(std::uint64_t seed) : random_(seed, kStage) {}
@@ -39,7 +39,7 @@ class Draws {
 
 bool shorter(const Entry& a, const Entry& b) { return a.length[0] < b.length[0]; }
 
-/// Composes one tree.
+/// Algorithm that composes one tree.
 class Composing {
   public:
     Composing(std::span<const Entry> laterals, std::span<const Entry> leaders, const ComposeOptions& options,
@@ -53,7 +53,7 @@ class Composing {
 
     ComposeResult run(const Context& ctx) {
         constexpr std::uint32_t kPoll = 256;
-        // What is put in comes after what is there, so that it is met later on.
+        // Inserted nodes are appended, so that the loop visits them later.
         for (std::uint32_t n = 0; n < tree_.size(); ++n) {
             if (n % kPoll == 0) ctx.throw_if_cancelled();
             if (tree_[n].gone || tree_[n].depth >= static_cast<std::uint32_t>(options_.depth)) continue;
@@ -86,7 +86,7 @@ class Composing {
         for (int t = 0; t < options_.tries; ++t) {
             const Entry& entry = *matching_[draws_.below(matching_.size())];
             lay(place, entry);
-            if (crown_ != nullptr && !lies_inside()) {
+            if (crown_ != nullptr && !is_inside()) {
                 ++report_.outside;
             } else if (tree_.crosses(place, entry.tree.skeleton, positions_, radii_)) {
                 ++report_.crossed;
@@ -112,13 +112,13 @@ class Composing {
         return {begin, end};
     }
 
-    /// Where all nodes of a child tree would lie, and how thick they would be.
+    /// Computes the positions and radii of all nodes of a child tree at a place.
     void lay(const Place& place, const Entry& entry) {
         const Skeleton& s = entry.tree.skeleton;
-        const Frame frame = frame_of(place, entry.tree);
+        const Frame frame = compute_frame(place, entry.tree);
         positions_.resize(s.size());
-        // Its first node lies as far from the bark as it did, on a thicker host as well: forks within the
-        // wood make surfaces that cross.
+        // On a thicker parent branch the first node keeps its distance from the bark, because forks inside a
+        // branch create intersecting surfaces.
         const Vec3d root = place.position;
         const Vec3d start = root + frame.z * std::max(0.0, place.radius - double{entry.tree.host_radius});
         for (const NodeId n : nodes(s)) {
@@ -132,7 +132,8 @@ class Composing {
         if (options_.radii == ComposeRadii::xu) thin_out(s, entry.length);
     }
 
-    /// As that of the branch replaced, by what hangs on both; by Xu's rule, of a lateral beside its host.
+    /// Returns the first radius of an inserted branch: from the replaced branch and the lengths that both
+    /// carry; with Xu's rule, for a lateral, from the parent branch.
     double first_radius(const Place& place, double length) const {
         if (place.leads) return place.first_radius;
         const bool xu = options_.radii == ComposeRadii::xu;
@@ -142,7 +143,8 @@ class Composing {
         return std::min(wanted, place.thickest_sibling);
     }
 
-    /// Every radius from the one before, by what hangs on both; but none below that of its tip.
+    /// Computes each radius from the previous one and the lengths that both carry, with the radius of the
+    /// thinnest tip as minimum.
     void thin_out(const Skeleton& s, const std::vector<double>& length) {
         float least = std::numeric_limits<float>::infinity();
         for (const NodeId n : nodes(s)) {
@@ -161,7 +163,7 @@ class Composing {
         }
     }
 
-    Frame frame_of(const Place& place, const ChildTree& tree) {
+    Frame compute_frame(const Place& place, const ChildTree& tree) {
         Vec3d z = place.direction;
         if (options_.pose == ComposePose::own && !place.leads) {
             const Frame side = branch_frame(place.host, place.direction);
@@ -175,10 +177,10 @@ class Composing {
         return rolled(branch_frame(z, place.host), draws_.within(double{options_.roll}));
     }
 
-    bool lies_inside() {
+    bool is_inside() {
         values_.resize(positions_.size());
         crown_->values(positions_, values_);
-        // Its root is the branch node, which was there before.
+        // The root is the existing branch node.
         return std::all_of(values_.begin() + 1, values_.end(), [&](float v) { return v >= crown_->level(); });
     }
 
@@ -199,10 +201,10 @@ class Composing {
 TreeComposer::TreeComposer(std::vector<ChildTree> library, const ComposeOptions& options)
     : options_(options) {
     check_fields(options, "compose");
-    if (library.empty()) throw InvalidInput("compose: the library has no such branches to compose of");
+    if (library.empty()) throw InvalidInput("compose: the library has no such branches to compose from");
     for (ChildTree& tree : library) {
         if (tree.skeleton.size() < 2 || tree.skeleton.tree_count() != 1)
-            throw InvalidInput("compose: a child tree needs a root and a segment");
+            throw InvalidInput("compose: a child tree needs a root and at least one segment");
         BranchSizes sizes(tree.skeleton);
         laterals_ += tree.leads ? 0 : 1;
         entries_.push_back({std::move(tree), std::move(sizes.length), std::move(sizes.orders)});

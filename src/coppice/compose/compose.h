@@ -13,10 +13,11 @@
 
 namespace coppice {
 
-/// Which way a branch that is put in points.
+/// Direction of an inserted branch.
 enum class ComposePose {
-    host,  ///< where the branch pointed that it replaces
-    own,   ///< about its host as on that branch's side, but as far from the axis as on its own host
+    host,  ///< direction of the branch that it replaces
+    own,   ///< azimuth of the branch that it replaces, and the inclination that it had to its own parent
+           ///< branch
 };
 
 template <>
@@ -24,13 +25,14 @@ struct EnumNames<ComposePose> {
     static constexpr std::array<std::string_view, 2> names{"host", "own"};
 };
 
-/// What radii a branch gets that is put in.
+/// Radii of an inserted branch.
 enum class ComposeRadii {
-    scaled,  ///< its own, times what makes its first as thick as its length asks for beside the one
-             ///< replaced, by the pipe model: segments are about as many as tips
-    xu,  ///< at every node, the first too, r (l / L)^1.5 of the radius r of the node before, where l is the
-         ///< length of all segments that hang on the one and L on the other [Xu2007]; never below its tips'
-    pipes,  ///< all of the tree's by the pipe model [Shinozaki1964]
+    scaled,  ///< its own, scaled so that its first radius relates to that of the replaced branch as their
+             ///< lengths do by the pipe model, the number of tips being proportional to the length
+    xu,  ///< at each node, including the first, r (l / L)^1.5, where r is the radius of the previous node, l
+         ///< the length of all segments that the node carries and L that of the previous node [Xu2007]; never
+         ///< below the radius of its tips
+    pipes,  ///< radii of the whole tree by the pipe model [Shinozaki1964]
 };
 
 template <>
@@ -38,115 +40,128 @@ struct EnumNames<ComposeRadii> {
     static constexpr std::array<std::string_view, 3> names{"scaled", "xu", "pipes"};
 };
 
-/// How a tree is composed.
+/// Options of TreeComposer.
 struct ComposeOptions {
-    float probability = 0.7f;  ///< that a branch is replaced, for those on the main axis; in [0, 1]
-    float probability_falloff =
-        1;                    ///< the same for each order more, over that of the order before; in [0, 1]
-    int depth = 3;            ///< times that branches of branches that were put in are replaced again, and 1
-    float tolerance = 0.5f;   ///< how much longer or shorter than the branch replaced, as a part of it
-    int order_tolerance = 1;  ///< how many orders of branches more or less
-    ComposePose pose = ComposePose::host;  ///< which way branches point
-    float turn = 0.2f;                     ///< [rad] by which directions stray at most
-    float roll = 0.35f;                    ///< [rad] by which branches are rolled about themselves at most
-    float phototropism = 0;                ///< part of the way from their direction to straight up; in [0, 1]
-    ComposeRadii radii = ComposeRadii::scaled;  ///< how thick they get
-    float pipe_exponent = 2.5f;                 ///< of scaled and pipes; in [2, 3]
-    float clearance = 1;  ///< where axes come nearer than this many times both radii, branches cross; 0
-                          ///< does not look for it
-    int tries = 8;        ///< branches and rolls tried for each that is to be replaced
-    int max_nodes = 50'000'000;  ///< a tree that would get more is an error
+    float probability = 0.7f;       ///< probability that a branch on a main axis is replaced; in [0, 1]
+    float probability_falloff = 1;  ///< factor on the probability for each further order; in [0, 1]
+    int depth = 3;  ///< number of passes: 1 replaces branches of the template, 2 also branches of the
+                    ///< inserted ones, ...
+    float tolerance = 0.5f;                ///< maximum relative difference of length from the replaced branch
+    int order_tolerance = 1;               ///< maximum difference in the number of branch orders
+    ComposePose pose = ComposePose::host;  ///< direction of inserted branches
+    float turn = 0.2f;                     ///< [rad] maximum random deviation of directions
+    float roll = 0.35f;                    ///< [rad] maximum random roll of branches about themselves
+    float phototropism = 0;  ///< fraction by which directions are interpolated towards vertical; in [0, 1]
+    ComposeRadii radii = ComposeRadii::scaled;  ///< radii of inserted branches
+    float pipe_exponent = 2.5f;                 ///< exponent for `scaled` and `pipes`; in [2, 3]
+    float clearance = 1;  ///< branches intersect where the distance of their axes is less than this factor
+                          ///< times the sum of their radii; 0 disables the test
+    int tries = 8;        ///< maximum number of candidate branches and rolls for each replacement
+    int max_nodes = 50'000'000;  ///< maximum number of nodes; exceeding it is an error
 };
 
 template <class Self, class Visitor>
 requires SameOptions<Self, ComposeOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(
-        common_field("probability", "Probability that a branch on a main axis is replaced", Unit::none, 0, 1),
-        o.probability);
-    visit(Field{"probability_falloff", "of each order more, over that of the order before", Unit::none, 0, 1},
+    visit(common_field("probability", "Probability that a branch on a main axis is replaced.", Unit::none, 0,
+                       1),
+          o.probability);
+    visit(Field{"probability_falloff", "Factor on the probability for each further branch order.", Unit::none,
+                0, 1},
           o.probability_falloff);
     visit(common_field("depth",
                        "Number of replacement passes: 1 replaces branches of the template, 2 also branches "
-                       "of the inserted ones, and so on",
+                       "of the inserted ones, and so on.",
                        Unit::none, 1, 20),
           o.depth);
-    visit(Field{"tolerance", "how much longer or shorter than what it replaces, as a part of that",
+    visit(Field{"tolerance",
+                "Maximum relative difference of length between a branch and the one that it replaces.",
                 Unit::none, 0, 100},
           o.tolerance);
-    visit(Field{"order_tolerance", "how many orders of branches more or less than what it replaces",
+    visit(Field{"order_tolerance",
+                "Maximum difference in the number of branch orders between a branch and the one that it "
+                "replaces.",
                 Unit::none, 0, 100},
           o.order_tolerance);
-    visit(Field{"pose", "points where the replaced one did, or is inclined as on its own host"}, o.pose);
-    visit(Field{"turn", "directions stray by so much at most", Unit::radian, 0, 3.15}, o.turn);
-    visit(Field{"roll", "branches are rolled about themselves by so much at most", Unit::radian, 0, 3.15},
-          o.roll);
-    visit(Field{"phototropism", "part of the way from their direction to straight up", Unit::none, 0, 1},
+    visit(Field{"pose",
+                "Direction of inserted branches: that of the replaced branch, or its azimuth with the "
+                "inclination to their own parent branch."},
+          o.pose);
+    visit(Field{"turn", "Maximum random deviation of the directions of branches.", Unit::radian, 0, 3.15},
+          o.turn);
+    visit(Field{"roll", "Maximum random roll of branches about themselves.", Unit::radian, 0, 3.15}, o.roll);
+    visit(Field{"phototropism",
+                "Fraction by which the directions of branches are interpolated towards vertical.", Unit::none,
+                0, 1},
           o.phototropism);
     visit(common_field("radii",
-                       "Radii of inserted branches: scaled to the branch replaced, by what each node "
-                       "carries, or by the pipe model"),
+                       "Radii of inserted branches: scaled to the branch replaced, by the length that each "
+                       "node carries, or by the pipe model."),
           o.radii);
-    visit(Field{"pipe_exponent", "of the pipe model, for scaled radii and pipes", Unit::none, 2, 3},
+    visit(Field{"pipe_exponent", "Exponent of the pipe model for scaled and pipes.", Unit::none, 2, 3},
           o.pipe_exponent);
-    visit(Field{"clearance", "axes may not come nearer than this many times both radii; 0 does not look",
+    visit(Field{"clearance",
+                "Minimum distance between axes as a multiple of the sum of their radii; 0 disables the test.",
                 Unit::none, 0, 100},
           o.clearance);
-    visit(Field{"tries", "branches and rolls tried for each that is to be replaced", Unit::none, 1, 1000},
+    visit(Field{"tries", "Maximum number of candidate branches and rolls for each replacement.", Unit::none,
+                1, 1000},
           o.tries);
-    visit(Field{"max_nodes", "a tree that would get more, those that were replaced too, is refused",
+    visit(Field{"max_nodes",
+                "Maximum number of nodes, including nodes of replaced branches; a larger tree is an error.",
                 Unit::none, 1, 5e7},
           o.max_nodes);
 }
 
-/// What became of the branches that were to be replaced.
+/// Counts of branches selected for replacement and of their outcomes.
 struct ComposeReport {
-    std::uint32_t chosen = 0;     ///< branches that were to be replaced
-    std::uint32_t replaced = 0;   ///< of these, those that were
-    std::uint32_t unmatched = 0;  ///< of these, those like which there is none in the library
-    std::uint32_t crossed = 0;    ///< tries that would have crossed other branches
-    std::uint32_t outside = 0;    ///< tries that would have left the crown
-    std::uint32_t blocked = 0;    ///< of the chosen, those for which all tries failed; they stay as they were
-    std::uint32_t depth = 0;      ///< greatest number of branches put one into another
+    std::uint32_t chosen = 0;     ///< branches selected for replacement
+    std::uint32_t replaced = 0;   ///< selected branches that were replaced
+    std::uint32_t unmatched = 0;  ///< selected branches without a similar branch in the library
+    std::uint32_t crossed = 0;    ///< candidates rejected because they intersect other branches
+    std::uint32_t outside = 0;    ///< candidates rejected because they leave the crown
+    std::uint32_t blocked = 0;    ///< selected branches left unchanged because all candidates were rejected
+    std::uint32_t depth = 0;      ///< maximum nesting depth of inserted branches
 };
 
 /// A composed tree.
 struct ComposeResult {
-    Skeleton skeleton;     ///< origin as the template's
-    ComposeReport report;  ///< what was done
+    Skeleton skeleton;     ///< same origin as the template
+    ComposeReport report;  ///< counts of replaced branches
 };
 
-/// Composes trees of a template by replacing branches, at random and again within what was put in, by child
-/// trees of like length and order [Zhu2015, figures 18 to 20].
+/// Composes trees from a template by replacing branches at random, also branches of inserted ones, with child
+/// trees of similar length and order [Zhu2015, figures 18 to 20].
 ///
-/// A branch that is put in sits at the branch node of the one that it replaces; on a thicker host than its
-/// own its first segment is as much longer. A leader is as thick as the one before. A lateral is as thick as
-/// the one before times (l / l')^(1 / pipe_exponent), where l and l' are the lengths of all segments of both,
-/// but no thicker than the leader beside it.
+/// An inserted branch begins at the branch node of the branch that it replaces. If its parent branch is
+/// thicker than its original one, its first segment is longer by the difference. A leader has the first
+/// radius of the leader that it replaces. A lateral has the first radius of the replaced one times (l /
+/// l')^(1 / pipe_exponent), where l and l' are the total lengths of both, but at most that of its thickest
+/// sibling.
 ///
-/// The same seed makes the same tree. Threads may share a composer.
+/// The result depends only on the inputs and the seed. A composer may be shared between threads.
 class TreeComposer {
   public:
-    /// O(library). Throws InvalidInput when an option is out of its range or the library is empty.
+    /// Throws InvalidInput if an option is out of range or the library is empty. O(library).
     TreeComposer(std::vector<ChildTree> library, const ComposeOptions& options);
 
-    /// Branches leave `crown`, if there is one, nowhere; it is in the coordinates of the skeleton's origin.
-    /// About O(n log n) of the result. Throws InvalidInput where the tree would grow beyond
-    /// ComposeOptions::max_nodes; Cancelled.
+    /// Composes a tree from the template `host`. If `crown` is given, inserted branches stay inside it; it is
+    /// in coordinates relative to the origin of the skeleton. About O(n log n) in the size of the result.
+    /// Throws InvalidInput if the tree would exceed ComposeOptions::max_nodes; Cancelled.
     ComposeResult compose(const Skeleton& host, std::uint64_t seed, const SolidField* crown = nullptr,
                           const Context& ctx = {}) const;
 
-    /// A child tree with what is looked up of it again and again.
+    /// A child tree with its precomputed sizes.
     struct Entry {
-        ChildTree tree;                     ///< as it was given
-        std::vector<double> length;         ///< [m] per node, of the branch that begins there
-        std::vector<std::uint32_t> orders;  ///< per node, of that branch
+        ChildTree tree;                     ///< as passed to the constructor
+        std::vector<double> length;         ///< [m] per node: length of the branch that begins there
+        std::vector<std::uint32_t> orders;  ///< per node: number of orders of that branch
     };
 
   private:
     ComposeOptions options_;
-    std::vector<Entry> entries_;  ///< by length, those that lead apart from the others
-    std::size_t laterals_ = 0;    ///< number of entries that do not lead, which come first
+    std::vector<Entry> entries_;  ///< sorted by length; laterals first, then leaders
+    std::size_t laterals_ = 0;    ///< number of laterals
 };
 
 }  // namespace coppice

@@ -6,28 +6,30 @@
 #include <cmath>
 
 #include "coppice/base/error.h"
+#include "coppice/base/id.h"
 #include "coppice/base/median.h"
 #include "coppice/skeleton/pipe_model.h"
 
 namespace coppice::compose_internal {
 namespace {
 
-constexpr double kNear = 2;  // [radii of the host] about a branch node, where branches always overlap
+constexpr double kNear =
+    2;  // [radii of the parent branch] distance from a branch node within which branches always overlap
 
 }  // namespace
 
 ComposedTree::ComposedTree(const Skeleton& host, const ComposeOptions& options)
     : origin_(host.origin()),
       clearance_(double{options.clearance}),
-      most_nodes_(static_cast<std::uint32_t>(options.max_nodes)) {
+      max_nodes_(static_cast<std::uint32_t>(options.max_nodes)) {
     const BranchSizes sizes(host);
     for (const coppice::NodeId n : coppice::nodes(host)) {
-        const std::uint32_t i = n.index(), parent = host.is_root(n) ? kNone : host.parent(n).index();
-        const bool begins = parent != kNone && host.leader(host.parent(n)) != n;
+        const std::uint32_t i = n.index(), parent = host.is_root(n) ? kNoIndex : host.parent(n).index();
+        const bool begins = parent != kNoIndex && host.leader(host.parent(n)) != n;
         add({.parent = parent,
              .position = host.position(n),
              .radius = host.radius(n),
-             .order = parent == kNone ? 0 : nodes_[parent].order + (begins ? 1 : 0),
+             .order = parent == kNoIndex ? 0 : nodes_[parent].order + (begins ? 1 : 0),
              .orders = sizes.orders[i],
              .length = sizes.length[i]});
     }
@@ -36,22 +38,22 @@ ComposedTree::ComposedTree(const Skeleton& host, const ComposeOptions& options)
 
 std::uint32_t ComposedTree::add(Node node) {
     const std::uint32_t n = size();
-    node.child = node.next = kNone;
+    node.child = node.next = kNoIndex;
     nodes_.push_back(node);
-    if (node.parent == kNone) return n;
+    if (node.parent == kNoIndex) return n;
     std::uint32_t* link = &nodes_[node.parent].child;
-    while (*link != kNone) link = &nodes_[*link].next;
+    while (*link != kNoIndex) link = &nodes_[*link].next;
     *link = n;
     return n;
 }
 
-// A segment that begins at a branch node has its own radius there, as in a Skeleton; where it leads it has
-// the host's, which matters only near the node, where nothing is looked for.
+// A segment that begins at a branch node has its own radius there, as in a Skeleton. A leader has the radius
+// of the parent branch there; the difference matters only near the node, where intersections are ignored.
 void ComposedTree::place_segment(std::uint32_t n) {
     const Node& node = nodes_[n];
-    if (clearance_ <= 0 || node.parent == kNone) return;
+    if (clearance_ <= 0 || node.parent == kNoIndex) return;
     const Node& from = nodes_[node.parent];
-    const double first = from.child == n && node.next == kNone ? double{from.radius} : double{node.radius};
+    const double first = from.child == n && node.next == kNoIndex ? double{from.radius} : double{node.radius};
     const RoundCone cone = round_cone(Vec3d(from.position), Vec3d(node.position), first, double{node.radius});
     const double most = clearance_ * std::max(first, double{node.radius});
     segments_.add(n, cone, capsule_box(from.position, node.position, static_cast<float>(most)));
@@ -59,15 +61,15 @@ void ComposedTree::place_segment(std::uint32_t n) {
 
 void ComposedTree::children(std::uint32_t n, std::vector<std::uint32_t>& out) const {
     out.clear();
-    for (std::uint32_t c = nodes_[n].child; c != kNone; c = nodes_[c].next) {
+    for (std::uint32_t c = nodes_[n].child; c != kNoIndex; c = nodes_[c].next) {
         if (!nodes_[c].gone) out.push_back(c);
     }
 }
 
 std::uint32_t ComposedTree::leader(std::uint32_t n) const {
-    std::uint32_t best = kNone;
-    for (std::uint32_t c = nodes_[n].child; c != kNone; c = nodes_[c].next) {
-        if (!nodes_[c].gone && (best == kNone || nodes_[c].radius > nodes_[best].radius)) best = c;
+    std::uint32_t best = kNoIndex;
+    for (std::uint32_t c = nodes_[n].child; c != kNoIndex; c = nodes_[c].next) {
+        if (!nodes_[c].gone && (best == kNoIndex || nodes_[c].radius > nodes_[best].radius)) best = c;
     }
     return best;
 }
@@ -82,13 +84,13 @@ Place ComposedTree::place(std::uint32_t node, std::uint32_t first) const {
     const auto direction_to = [&](std::uint32_t next_node, const auto& next) {
         return direction_along(
             out.position, next_node, kReach * out.radius,
-            [&](std::uint32_t n) { return Vec3d(nodes_[n].position); }, next, kNone);
+            [&](std::uint32_t n) { return Vec3d(nodes_[n].position); }, next, kNoIndex);
     };
     out.direction = direction_to(first, [&](std::uint32_t n) { return leader(n); });
-    out.host = at.parent == kNone
+    out.host = at.parent == kNoIndex
                    ? kUp
                    : -direction_to(at.parent, [&](std::uint32_t n) { return nodes_[n].parent; });
-    for (std::uint32_t c = at.child; c != kNone; c = nodes_[c].next) {
+    for (std::uint32_t c = at.child; c != kNoIndex; c = nodes_[c].next) {
         if (nodes_[c].gone) continue;
         out.node_length += nodes_[c].length;
         if (c != first) out.thickest_sibling = std::max(out.thickest_sibling, double{nodes_[c].radius});
@@ -130,13 +132,13 @@ void ComposedTree::find_axes_at(const Place& place) {
     const auto is_near = [&](std::uint32_t n) {
         return distance(Vec3d(nodes_[n].position), place.position) < kNear * place.radius;
     };
-    for (std::uint32_t n = place.node; nodes_[n].parent != kNone; n = nodes_[n].parent) {
+    for (std::uint32_t n = place.node; nodes_[n].parent != kNoIndex; n = nodes_[n].parent) {
         at_node_.push_back(n);
         if (!is_near(nodes_[n].parent)) break;
     }
-    for (std::uint32_t c = nodes_[place.node].child; c != kNone; c = nodes_[c].next) {
+    for (std::uint32_t c = nodes_[place.node].child; c != kNoIndex; c = nodes_[c].next) {
         if (nodes_[c].gone) continue;
-        for (std::uint32_t n = c; n != kNone; n = is_near(n) ? leader(n) : kNone) at_node_.push_back(n);
+        for (std::uint32_t n = c; n != kNoIndex; n = is_near(n) ? leader(n) : kNoIndex) at_node_.push_back(n);
     }
     std::ranges::sort(at_node_);
 }
@@ -145,7 +147,7 @@ void ComposedTree::take_out(const Place& place) {
     taken_.assign(1, place.first);
     for (std::size_t i = 0; i < taken_.size(); ++i) {
         nodes_[taken_[i]].gone = true;
-        for (std::uint32_t c = nodes_[taken_[i]].child; c != kNone; c = nodes_[c].next) {
+        for (std::uint32_t c = nodes_[taken_[i]].child; c != kNoIndex; c = nodes_[c].next) {
             if (!nodes_[c].gone) taken_.push_back(c);
         }
     }
@@ -159,10 +161,11 @@ void ComposedTree::put_back() {
 void ComposedTree::put_in(const Place& place, const Skeleton& tree, std::span<const double> length,
                           std::span<const std::uint32_t> orders, std::span<const Vec3> positions,
                           std::span<const float> radii) {
-    if (size() + tree.size() > most_nodes_) {
-        throw InvalidInput(fmt::format(
-            "compose: the tree gets more than {} nodes; use a smaller library, depth or tolerance",
-            most_nodes_));
+    if (size() + tree.size() > max_nodes_) {
+        throw InvalidInput(
+            fmt::format("compose: the tree gets more than {} nodes; use a smaller library, depth or "
+                        "tolerance, or raise the limit of nodes",
+                        max_nodes_));
     }
     const std::uint32_t before = size() - 1, depth = nodes_[place.node].depth + 1;
     const std::uint32_t order = nodes_[place.node].order + (place.leads ? 0 : 1);
@@ -182,7 +185,7 @@ void ComposedTree::put_in(const Place& place, const Skeleton& tree, std::span<co
 }
 
 Skeleton ComposedTree::skeleton(const ComposeOptions& options) const {
-    std::vector<std::uint32_t> number(size(), kNone);
+    std::vector<std::uint32_t> number(size(), kNoIndex);
     std::vector<NodeId> parents;
     std::vector<Vec3> positions;
     std::vector<float> radii;
@@ -191,10 +194,10 @@ Skeleton ComposedTree::skeleton(const ComposeOptions& options) const {
         const Node& node = nodes_[n];
         if (node.gone) continue;
         number[n] = static_cast<std::uint32_t>(parents.size());
-        parents.push_back(node.parent == kNone ? NodeId::none() : NodeId(number[node.parent]));
+        parents.push_back(node.parent == kNoIndex ? NodeId::none() : NodeId(number[node.parent]));
         positions.push_back(node.position);
         radii.push_back(node.radius);
-        if (leader(n) == kNone) tips.push_back(double{node.radius});
+        if (leader(n) == kNoIndex) tips.push_back(double{node.radius});
     }
     if (options.radii == ComposeRadii::pipes) {
         const std::vector<double> pipes =

@@ -15,11 +15,11 @@ namespace {
 
 using namespace compose_internal;
 
-constexpr int kSides = 24;                           // that are looked at for room
-constexpr std::array kProbes{0.25, 0.5, 0.75, 1.0};  // of the branch's extent, where room is looked for
-constexpr double kBetter = 1e-6;                     // part by which a side has more room than another
+constexpr int kSides = 24;                           // number of candidate azimuths
+constexpr std::array kProbes{0.25, 0.5, 0.75, 1.0};  // [extent of the branch] positions of the probe points
+constexpr double kBetter = 1e-6;                     // minimum relative improvement over the best side
 
-/// The segments of a tree that a branch of some extent may meet at a place.
+/// The segments of a tree that a branch of a given extent may meet at a place.
 class Surroundings {
   public:
     Surroundings(const Skeleton& tree, Vec3d place, double extent) {
@@ -30,8 +30,9 @@ class Surroundings {
         }
     }
 
-    /// How much there is about points on the way from a place, what is near counting most: where segments are
-    /// nearest, and where they end, since the nearest place of what leaves beside it is the place itself.
+    /// Returns the density of segments around probe points along a direction from a place, with near segments
+    /// weighted most: at their closest points and at their ends, because the closest point of segments that
+    /// leave the same place is the place itself.
     double crowd(Vec3d place, Vec3d way) const {
         const double least = 1e-6 * length_squared(way);
         const auto weight = [&](double d) { return 1 / std::max(least, d * d); };
@@ -57,7 +58,8 @@ class Surroundings {
     std::vector<Part> segments_;
 };
 
-/// As inclined as on its own host, to the side with most room; of sides alike, the first from +x on.
+/// Returns the direction with the original inclination towards the side with the most free space; on ties,
+/// the first one counted from +x.
 Vec3d roomy_direction(const ChildTree& branch, const Skeleton& tree, const HostPlace& host, double scale) {
     const Frame side = branch_frame(host.direction, {1, 0, 0});
     const double extent = scale * measure(branch).extent, a = double{branch.inclination};
@@ -76,10 +78,11 @@ Vec3d roomy_direction(const ChildTree& branch, const Skeleton& tree, const HostP
     return best;
 }
 
-Vec3d direction_of(const ChildTree& branch, const Skeleton& tree, const HostPlace& host,
-                   const BranchPose& pose) {
+Vec3d compute_direction(const ChildTree& branch, const Skeleton& tree, const HostPlace& host,
+                        const BranchPose& pose) {
     if (!pose.direction) return roomy_direction(branch, tree, host, pose.scale);
-    if (!(length(*pose.direction) > 0)) throw InvalidInput("a direction of 0,0,0 leads nowhere");
+    if (!(length(*pose.direction) > 0))
+        throw InvalidInput("a direction of 0,0,0 leads nowhere; enter a vector that is not zero");
     return normalized(*pose.direction);
 }
 
@@ -96,7 +99,7 @@ HostPlace host_place(const Skeleton& tree, NodeId node, double along) {
 Skeleton placed_branch(const ChildTree& branch, const Skeleton& tree, const HostPlace& host,
                        const BranchPose& pose) {
     const Frame frame =
-        rolled(branch_frame(direction_of(branch, tree, host, pose), host.direction), pose.roll);
+        rolled(branch_frame(compute_direction(branch, tree, host, pose), host.direction), pose.roll);
     const Vec3d start =
         host.position + frame.z * std::max(0.0, host.radius - pose.scale * double{branch.host_radius});
     const Skeleton& s = branch.skeleton;

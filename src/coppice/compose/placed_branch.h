@@ -6,28 +6,30 @@
 
 namespace coppice {
 
-/// A place on the axes of a tree.
+/// A point on an axis of a tree.
 struct HostPlace {
     Vec3d position;     ///< [m] from the skeleton's origin
-    Vec3d direction;    ///< unit; in which the axis arrives there; up at a root
-    double radius = 0;  ///< [m] of the wood
+    Vec3d direction;    ///< unit vector; direction in which the axis arrives there; up at a root
+    double radius = 0;  ///< [m] radius of the branch
 };
 
-/// A place on the segment that ends at a node, 1 = at the node; at a root the root itself.
+/// Returns the point at the parameter `along` of the segment that ends at a node, 1 at the node; for a root,
+/// the root itself.
 HostPlace host_place(const Skeleton& tree, NodeId node, double along = 1);
 
-/// How a child tree is put there.
+/// Direction, roll and scale of an inserted child tree.
 struct BranchPose {
-    /// Where it sets off to, of any length but 0. Without: as inclined to its host as on its own, to the side
-    /// with most room.
+    /// Initial direction, of any length except 0. If absent: the inclination of the child tree to its
+    /// original parent branch, towards the side with the most free space.
     std::optional<Vec3d> direction;
-    double roll = 0;   ///< [rad] about that
-    double scale = 1;  ///< of lengths and radii; > 0
+    double roll = 0;   ///< [rad] rotation about the direction
+    double scale = 1;  ///< factor on lengths and radii; > 0
 };
 
-/// A child tree as it stands on a host: its root at the place, in the coordinates of the tree's origin, with
-/// its own radii. On a thicker host than its own its first segment is as much longer, as forks within the
-/// wood make surfaces that cross. Throws InvalidInput for a direction without length. O(n), of both.
+/// Returns a child tree positioned on a parent branch: its root is at the place, in coordinates relative to
+/// the origin of the tree, with its own radii. If the parent branch is thicker than the original one, the
+/// first segment is longer by the difference, because forks inside a branch create intersecting surfaces.
+/// Throws InvalidInput if the direction is zero. O(n), for both trees.
 Skeleton placed_branch(const ChildTree& branch, const Skeleton& tree, const HostPlace& host,
                        const BranchPose& pose = {});
 

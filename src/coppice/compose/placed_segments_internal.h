@@ -11,11 +11,11 @@
 
 namespace coppice::compose_internal {
 
-/// Segments of a growing tree, found by their boxes. Those added last are looked through one by one, and go
-/// into a tree of boxes together once they are many.
+/// Index of the segments of a growing tree by bounding box. Recently added segments are searched linearly and
+/// are moved to a box tree when there are many.
 class PlacedSegments {
   public:
-    /// `name` tells the segment apart; the box is of the cone as it was made thicker for the search.
+    /// Adds a segment. `name` identifies it; the box encloses the cone, enlarged for the search.
     void add(std::uint32_t name, const RoundCone& cone, const Box3& box) {
         names_.push_back(name);
         cones_.push_back(cone);
@@ -23,7 +23,7 @@ class PlacedSegments {
         if (boxes_.size() - indexed_ > kLoose + boxes_.size() / kShare) index();
     }
 
-    /// Boxes asked about from now on lie in this one.
+    /// Restricts the following queries to boxes inside this one.
     void look_within(const Box3& all) {
         near_.clear();
         for (std::size_t i = indexed_; i < boxes_.size(); ++i) {
@@ -31,7 +31,7 @@ class PlacedSegments {
         }
     }
 
-    /// Calls visit(name, cone) for the segments whose boxes overlap `box`, until it returns false.
+    /// Calls visit(name, cone) for the segments with boxes that overlap `box`, until it returns false.
     template <class Visit>
     void visit_overlapping(const Box3& box, const Visit& visit) const {
         bool goes_on = true;
@@ -53,9 +53,9 @@ class PlacedSegments {
     std::vector<std::uint32_t> names_;
     std::vector<RoundCone> cones_;
     std::vector<Box3> boxes_;
-    std::optional<BoxTree> tree_;  ///< of the first `indexed_`
+    std::optional<BoxTree> tree_;  ///< contains the first `indexed_` boxes
     std::size_t indexed_ = 0;
-    std::vector<std::size_t> near_;  ///< of the others, those that matter now
+    std::vector<std::size_t> near_;  ///< other segments that overlap the query region
 };
 
 }  // namespace coppice::compose_internal

@@ -9,12 +9,12 @@
 namespace coppice {
 namespace {
 
-constexpr int kLeastCompute = 75;
+constexpr int kMinCompute = 75;
 
-// Products and sums in single precision that a multiprocessor begins in one cycle.
+// Number of single-precision products and sums that a multiprocessor starts in one cycle.
 int lanes_of(int compute) { return compute == 75 || compute == 80 ? 64 : 128; }
 
-// Why there is no device, as the end of a sentence.
+// Returns the reason why there is no device, as the end of a sentence.
 std::string reason_of(cudaError_t error) {
     switch (error) {
         case cudaErrorNoDevice:
@@ -26,15 +26,15 @@ std::string reason_of(cudaError_t error) {
     }
 }
 
-// 0 of what the driver does not tell.
+// Returns 0 if the driver does not report the attribute.
 double attribute(cudaDeviceAttr which, int device) {
     int value = 0;
     if (cudaDeviceGetAttribute(&value, which, device) == cudaSuccess) return value;
-    cudaGetLastError();  // or the next launch is blamed
+    cudaGetLastError();  // otherwise the next launch would report it
     return 0;
 }
 
-// All but how much memory is free. Takes the driver's time to start, and some milliseconds more.
+// Queries everything except the free memory. Includes the start of the driver and some milliseconds.
 DeviceSearch first_search(int number) {
     DeviceSearch out;
     const auto failed = [&](cudaError_t error) {
@@ -45,19 +45,19 @@ DeviceSearch first_search(int number) {
     int count = 0;
     if (failed(cudaGetDeviceCount(&count))) return out;
     if (number >= count) {
-        out.missing = count == 0 ? "CUDA finds no device" : "CUDA finds no device of this number";
+        out.missing = count == 0 ? "CUDA finds no device" : "CUDA finds no device with this number";
         return out;
     }
     cudaDeviceProp properties{};
     if (failed(cudaGetDeviceProperties(&properties, number))) return out;
     DeviceInfo info{properties.name, 10 * properties.major + properties.minor,
                     static_cast<std::uint32_t>(properties.multiProcessorCount), properties.totalGlobalMem};
-    if (info.compute < kLeastCompute) {
+    if (info.compute < kMinCompute) {
         out.missing = info.name + " has capability " + std::to_string(properties.major) + "." +
-                      std::to_string(properties.minor) + ", and 7.5 is the least that will do";
+                      std::to_string(properties.minor) + ", but at least 7.5 is required";
         return out;
     }
-    constexpr double kHertz = 1e3, kBits = 8;  // clocks are told in kHz, buses in bits
+    constexpr double kHertz = 1e3, kBits = 8;  // clocks are in kHz, bus widths in bits
     info.flops = 2.0 * lanes_of(info.compute) * info.multiprocessors *
                  attribute(cudaDevAttrClockRate, number) * kHertz;
     info.bandwidth = 2 * attribute(cudaDevAttrMemoryClockRate, number) * kHertz *
@@ -66,7 +66,7 @@ DeviceSearch first_search(int number) {
     return out;
 }
 
-// The same, looked for once.
+// Returns the cached result of the first search.
 DeviceSearch known(int number) {
     static std::mutex mutex;
     static std::map<int, DeviceSearch> found;

@@ -11,12 +11,12 @@
 
 namespace coppice {
 
-/// Where what can run on a graphics card runs. Topology is the same, positions agree to 1e-4 of the local
-/// radius.
+/// Selects where work that supports a GPU is executed. Topology does not depend on the device; positions
+/// agree to 1e-4 of the local radius.
 enum class Device {
-    automatic,  ///< on the card where there is one and the work is large enough to be worth it
-    cpu,        ///< never on a card
-    cuda  ///< on the card, or an error where there is none; on the CPU, with a note, where it is too small
+    automatic,  ///< on the GPU if there is one and the work is large enough to benefit
+    cpu,        ///< never on a GPU
+    cuda  ///< on the GPU, or an error if there is no GPU; on the CPU, with a note, if the work is too small
 };
 
 template <>
@@ -24,48 +24,46 @@ struct EnumNames<Device> {
     static constexpr std::array<std::string_view, 3> names{"auto", "cpu", "cuda"};
 };
 
-/// A card that kernels can run on.
+/// A GPU that can run the kernels.
 struct DeviceInfo {
-    std::string name;                   ///< as its maker calls it
+    std::string name;                   ///< as reported by the driver
     int compute = 0;                    ///< capability: 90 for 9.0
-    std::uint32_t multiprocessors = 0;  ///< that it has
-    std::uint64_t memory = 0;           ///< [bytes] in all
-    std::uint64_t free = 0;             ///< [bytes] not in use when it was looked for
-    double flops = 0;                   ///< [1/s] in single precision at most, product and sum counted apart
-    double bandwidth = 0;               ///< [bytes/s] of its memory at most
+    std::uint32_t multiprocessors = 0;  ///< number of multiprocessors
+    std::uint64_t memory = 0;           ///< [bytes] total
+    std::uint64_t free = 0;             ///< [bytes] free at the time of the search
+    double flops = 0;      ///< [1/s] peak in single precision, counting products and sums separately
+    double bandwidth = 0;  ///< [bytes/s] peak of its memory
 };
 
-/// What looking for a card found: one of the two.
+/// Result of the search for a GPU: exactly one of the members is set.
 struct DeviceSearch {
-    std::optional<DeviceInfo> device;  ///< the card
-    std::string missing;               ///< or why there is none, as the end of a sentence
+    std::optional<DeviceInfo> device;  ///< the GPU
+    std::string missing;               ///< or the reason why there is no device, as the end of a sentence
 };
 
-/// Looks for the card to which CUDA gives this number, and chooses it on this thread; the first call takes as
-/// long as the driver takes to start, some tenths of a second, and later ones only look how much memory is
-/// free. Never throws.
+/// Searches for the GPU with this CUDA number and selects it on this thread. The first call includes the
+/// start of the driver, some tenths of a second; later calls only query the free memory. Never throws.
 DeviceSearch find_device(int number = 0);
 
-/// Whether this build has the kernels at all: see COPPICE_CUDA in the build.
+/// Returns whether this build contains the kernels: see COPPICE_CUDA in the build.
 bool has_cuda();
 
-/// The card failed, or has too little memory: the CPU can still do the work.
+/// The GPU failed or has too little memory; the CPU can still do the work.
 class DeviceError : public Error {
   public:
     using Error::Error;
 };
 
-/// The work is too large for the card, mostly for its memory: it can still do it in parts.
+/// The work is too large for the GPU, usually for its memory; it can still be done in smaller batches.
 class DeviceFull : public DeviceError {
   public:
     using DeviceError::DeviceError;
 };
 
-/// The same card. Throws DeviceError, which says why and what to do, where there is none.
+/// Returns the same GPU. Throws DeviceError with the reason and a remedy if there is no device.
 DeviceInfo require_device(int number = 0);
 
-/// Throws DeviceFull, which says both numbers, where a card has less memory free than would be needed
-/// [bytes].
+/// Throws DeviceFull with both numbers if less memory is free on a GPU than required [bytes].
 void require_room(std::uint64_t free, std::uint64_t needed);
 
 }  // namespace coppice

@@ -24,7 +24,7 @@ AnchorFrame anchor_frame(const EditableTree& tree) {
 
 Anchor anchor_of(const EditableTree& tree, const AnchorFrame& frame, StableId node) {
     check_node(tree, node);
-    const std::vector<StableId> axis = axis_of(tree, node);
+    const std::vector<StableId> axis = find_axis(tree, node);
     double length = 0, before = 0;
     for (const StableId n : axis) {
         if (!tree.is_root(n)) length += distance(place_of(tree, n), place_of(tree, tree.parent(n)));
@@ -32,7 +32,7 @@ Anchor anchor_of(const EditableTree& tree, const AnchorFrame& frame, StableId no
     }
     return {.id = node,
             .place = (tree.origin() + place_of(tree, node) - frame.base) / frame.size,
-            .order = order_of(tree, node),
+            .order = compute_order(tree, node),
             .along = length > 0 ? before / length : 0,
             .length = length / frame.size,
             .radius = tree.radius(node) / frame.size};
@@ -40,20 +40,21 @@ Anchor anchor_of(const EditableTree& tree, const AnchorFrame& frame, StableId no
 
 namespace {
 
-/// A node that may be meant.
+/// A node that may correspond to an anchor.
 struct Candidate {
     StableId node;
     double away = 0;  // [m]
 };
 
-/// How much the axis of a node differs from the anchor's.
+/// Returns the dissimilarity between the axis of a node and the axis of an anchor.
 double unlike_axis(const EditableTree& tree, const AnchorFrame& frame, StableId node, const Anchor& anchor) {
     if (!anchor.knows_axis) return 0;
     const Anchor here = anchor_of(tree, frame, node);
     return std::abs(here.along - anchor.along) + std::abs(here.length - anchor.length);
 }
 
-/// The nodes within a distance of a place, the nearest first, and the nearest of all in `out`.
+/// Returns the nodes within a distance of a position, sorted by distance; stores the closest node of all in
+/// `out`.
 std::vector<Candidate> candidates(const EditableTree& tree, Vec3d place, double within, Binding& out) {
     std::vector<Candidate> near;
     double nearest = std::numeric_limits<double>::infinity();
@@ -86,7 +87,7 @@ Binding bind_anchor(const EditableTree& tree, const AnchorFrame& frame, const An
         const double by_place = c.away / within;
         if (by_place > best + kOtherId) break;
         const double thicker = std::abs(std::log(tree.radius(c.node) / frame.size / anchor.radius));
-        if (order_of(tree, c.node) != anchor.order) {
+        if (compute_order(tree, c.node) != anchor.order) {
             other_order = true;
             continue;
         }
@@ -95,7 +96,7 @@ Binding bind_anchor(const EditableTree& tree, const AnchorFrame& frame, const An
             continue;
         }
         const double axis = unlike_axis(tree, frame, c.node, anchor);
-        // Of two that are as like, the one that has the id.
+        // Of two equally similar nodes, the one with the id of the anchor is preferred.
         const double unlike = by_place + axis + 0.5 * thicker + (c.node == anchor.id ? 0 : kOtherId);
         if (std::abs(unlike - best) < kSame) out.twin = c.node;
         if (unlike > best - kSame) continue;
@@ -105,9 +106,9 @@ Binding bind_anchor(const EditableTree& tree, const AnchorFrame& frame, const An
         out.distance = c.away;
     }
     if (out.node) return out;
-    out.reason = other_radius  ? "the radius there is another"
-                 : other_order ? "the order of the axis there is another"
-                               : fmt::format("nothing is within {:.3g} m", within);
+    out.reason = other_radius  ? "the radius there is different"
+                 : other_order ? "the order of the axis there is different"
+                               : fmt::format("no node is within {:.3g} m", within);
     return out;
 }
 

@@ -6,52 +6,53 @@
 
 namespace coppice {
 
-/// What places and lengths of a tree are measured by, so that those of another growth or another scan of the
-/// same plant compare.
+/// Reference point and length of a tree, by which positions and lengths become comparable between different
+/// growths or scans of the same plant.
 struct AnchorFrame {
-    Vec3d base;       ///< [m] the first root, in world space
-    double size = 1;  ///< [m] greatest extent of the nodes; 1 where they have none
+    Vec3d base;       ///< [m] position of the first root, in world space
+    double size = 1;  ///< [m] maximum extent of the nodes; 1 if it is zero
 };
 
-AnchorFrame anchor_frame(const EditableTree& tree);  ///< of the tree as it is; O(n)
+AnchorFrame anchor_frame(const EditableTree& tree);  ///< for the current tree; O(n)
 
-/// Which node is meant, by what can be found again when ids are others: where it lies, and on which axis.
+/// Description of a node by its position and axis, so that it can be found again when ids have changed.
 struct Anchor {
-    StableId id;             ///< in the tree where it was made
-    Vec3d place;             ///< [size] from the base
-    int order = 0;           ///< see order_of
-    double along = 0;        ///< of the axis before it, in [0, 1]
-    double length = 0;       ///< [size] of its axis
-    double radius = 0;       ///< [size]
-    bool knows_axis = true;  ///< whether `along` and `length` are known; if not, they do not count
+    StableId id;             ///< id in the tree in which the anchor was created
+    Vec3d place;             ///< [size] position relative to the base
+    int order = 0;           ///< see compute_order
+    double along = 0;        ///< fraction of the axis before the node, in [0, 1]
+    double length = 0;       ///< [size] length of its axis
+    double radius = 0;       ///< [size] radius of the node
+    bool knows_axis = true;  ///< whether `along` and `length` are known; otherwise they are ignored
 };
 
-/// O(depth + axis).
+/// Returns the anchor of a node. O(depth + axis).
 Anchor anchor_of(const EditableTree& tree, const AnchorFrame& frame, StableId node);
 
-/// [size] within this distance a node may be the one that an anchor means, unless said otherwise.
+/// [size] default maximum distance between an anchor and the node bound to it.
 inline constexpr double kAnchorTolerance = 0.03;
-/// So many times as thick, or as thin, as the anchor says it may be at most.
+/// Maximum ratio between the radius of an anchor and the radius of the node bound to it, in both directions.
 inline constexpr double kAnchorThicker = 2;
 
-/// What an anchor was bound to.
+/// Result of binding an anchor.
 struct Binding {
-    StableId node;        ///< none: nothing is near and like enough
-    StableId twin;        ///< another node that is exactly as like; mostly none
-    StableId nearest;     ///< the node nearest to the anchor's place
-    double distance = 0;  ///< [m] from the anchor's place to `node`, or where there is none to `nearest`
-    std::string reason;   ///< why there is none
+    StableId node;     ///< none: no node is near and similar enough
+    StableId twin;     ///< another node that is equally similar; usually none
+    StableId nearest;  ///< the node closest to the position of the anchor
+    double distance =
+        0;  ///< [m] from the position of the anchor to `node`, or to `nearest` if there is no `node`
+    std::string reason;  ///< why there is no `node`
 };
 
-/// Finds the node that an anchor means: of those within `tolerance` [size] of its place, on an axis of the
-/// same order and at most half or twice as thick, the one that is most like it in place, axis and radius.
-/// O(n).
+/// Finds the node that corresponds to an anchor: among the nodes within `tolerance` [size] of its position,
+/// on an axis of the same order and with a radius that differs by a factor of at most two, the one most
+/// similar in position, axis and radius. O(n).
 Binding bind_anchor(const EditableTree& tree, const AnchorFrame& frame, const Anchor& anchor,
                     double tolerance = kAnchorTolerance);
 
-/// The selection `at(...)` that holds this node alone in this tree, and in others what is like it: see
-/// SelectionKind::at. Numbers have as many digits as that takes, and where other axes that are as thick pass
-/// by, fields that rule them out. O(n): 0.3 ms with 30,000 nodes.
+/// Returns the selection `at(...)` that contains only this node in this tree, and similar nodes in other
+/// trees: see SelectionKind::at. Numbers have as many digits as required; where other axes of similar radius
+/// are near, further fields exclude them. O(n): 0.3 ms with 30,000 nodes.
 std::string anchor_text(const EditableTree& tree, StableId node);
 
 }  // namespace coppice

@@ -13,10 +13,11 @@ using namespace edit_internal;
 
 namespace {
 
-/// [m] from a node to the nearest that could be taken for it, being as thick and on another axis; 2
-/// tolerances where there is none within. Of any order: where a branch goes, another one comes to lead.
+/// Returns the distance [m] from a node to the closest node with which it could be confused, of similar
+/// radius and on another axis; 2 tolerances if none is nearer. The order of the other axis is ignored,
+/// because after a branch is removed another one may become the leader.
 double room_around(const EditableTree& tree, const AnchorFrame& frame, StableId node) {
-    NodeSet own = axis_of(tree, node);
+    NodeSet own = find_axis(tree, node);
     std::ranges::sort(own);
     double room = 2 * kAnchorTolerance * frame.size;
     const Vec3d place = place_of(tree, node);
@@ -36,14 +37,14 @@ std::string fixed(double value, int decimals) {
     return text == "-0" ? "0" : text;
 }
 
-/// What is known of a node, and how it is written.
+/// Formats the anchor of a node.
 class Writer {
   public:
     Writer(const EditableTree& tree, StableId node)
         : tree_(tree), node_(node), frame_(anchor_frame(tree)), anchor_(anchor_of(tree, frame_, node)) {
-        constexpr double kFine = 1e-4;  // [size]
+        constexpr double kFine = 1e-4;  // [size] resolution
         decimals_ =
-            std::clamp(static_cast<int>(std::ceil(-std::log10(kFine * frame_.size))), 0, kMostDecimals);
+            std::clamp(static_cast<int>(std::ceil(-std::log10(kFine * frame_.size))), 0, kMaxDecimals);
         room_ = room_around(tree, frame_, node);
     }
 
@@ -57,7 +58,7 @@ class Writer {
     }
 
   private:
-    static constexpr int kMostDecimals = 15, kEvery = 99;
+    static constexpr int kMaxDecimals = 15, kEvery = 99;
 
     bool is_crowded() const { return room_ < 2 * kAnchorTolerance * frame_.size; }
 
@@ -81,7 +82,8 @@ class Writer {
         return out + ")";
     }
 
-    /// Nearer than half way to what it could be taken for, but not nearer than rounding moves it.
+    /// Returns a tolerance below half the distance to the closest confusable node, but not below the rounding
+    /// error.
     double within(int decimals) const {
         const double least = decimals == kEvery ? 1e-6 * frame_.size : 2 * std::pow(10.0, -decimals);
         return std::max(room_ * 0.49, least);
@@ -91,7 +93,7 @@ class Writer {
         try {
             return selected(tree_, parse_selection(text)) == NodeSet{node_};
         } catch (const InvalidInput&) {
-            return false;  // two are as like
+            return false;  // two nodes match
         }
     }
 

@@ -14,21 +14,21 @@ using namespace edit_internal;
 
 namespace {
 
-/// The axes of a tree, and the wood about them, as they are when this is made; what is split afterwards is
-/// found by its pieces.
+/// Spatial index of the branches of a tree at construction. Segments that are split later are found through
+/// the list of their new nodes.
 class Wood {
   public:
     Wood(const EditableTree& tree, const Context& ctx)
-        : tree_(tree), node_(tree.nodes()), boxes_(boxes_of(tree, node_), ctx) {}
+        : tree_(tree), node_(tree.nodes()), boxes_(compute_boxes(tree, node_), ctx) {}
 
-    /// The foot in the wood that p lies deepest in, of trees other than that of `root`; none where there is
-    /// no such.
+    /// Returns the closest axis point of the branch in which p is deepest, among trees other than that of
+    /// `root`; none if p is outside all branches.
     Foot around(StableId root, Vec3d p) const {
         Foot best;
         visit_near({Vec3(p), Vec3(p)}, [&](StableId n) {
             if (!tree_.contains(n) || (tree_.is_root(n) && !tree_.is_tip(n))) return;
             const Foot foot = on_pieces(n, p);
-            if (foot.distance >= foot.radius || tree_.root_of(n) == root) return;
+            if (foot.distance >= foot.radius || tree_.find_root(n) == root) return;
             const bool deeper = !best.node || foot.distance / foot.radius < best.distance / best.radius;
             const bool tied = best.node && foot.distance / foot.radius == best.distance / best.radius;
             if (deeper || (tied && foot.node < best.node)) best = foot;
@@ -36,13 +36,13 @@ class Wood {
         return best;
     }
 
-    /// Calls visit(n) for the segments that end at n and whose wood may meet the box.
+    /// Calls visit(n) for the segments that end at n and may intersect the box.
     template <class Visit>
     void visit_near(const Box3& box, const Visit& visit) const {
         boxes_.visit_overlapping(box, [&](std::uint32_t item) { visit(node_[item]); });
     }
 
-    /// The nearest foot on the segment that ended at n.
+    /// Returns the closest point to p on the original segment that ended at n.
     Foot on_pieces(StableId n, Vec3d p) const {
         Foot best = foot_on(tree_, n, p);
         const auto found = pieces_.find(n.index());
@@ -54,7 +54,7 @@ class Wood {
         return best;
     }
 
-    /// As node_at, of a foot that was found here.
+    /// As node_at, for a point that was found by this index.
     StableId split(TreeEdit& edit, const Foot& foot) {
         const std::uint32_t slots = tree_.slots();
         const StableId at = node_at(edit, tree_, foot);
@@ -65,19 +65,20 @@ class Wood {
         return at;
     }
 
-    /// The node at the end of the segment that a node was put on; any other node itself.
+    /// Returns the end of the original segment for a node that was inserted into it; otherwise the node
+    /// itself.
     StableId whole(StableId n) const {
         const auto found = whole_.find(n.index());
         return found == whole_.end() ? n : found->second;
     }
 
   private:
-    static std::vector<Box3> boxes_of(const EditableTree& tree, const NodeSet& nodes) {
+    static std::vector<Box3> compute_boxes(const EditableTree& tree, const NodeSet& nodes) {
         std::vector<Box3> boxes;
         for (const StableId n : nodes) {
-            const Vec3 from = tree.position(joint_of(tree, n));
+            const Vec3 from = tree.position(find_joint(tree, n));
             boxes.push_back(capsule_box(from, tree.position(n),
-                                        std::max(tree.radius(n), tree.radius(joint_of(tree, n)))));
+                                        std::max(tree.radius(n), tree.radius(find_joint(tree, n)))));
         }
         return boxes;
     }
@@ -85,8 +86,8 @@ class Wood {
     const EditableTree& tree_;
     NodeSet node_;
     BoxTree boxes_;
-    std::unordered_map<std::uint32_t, std::vector<StableId>> pieces_;  ///< new nodes on a segment
-    std::unordered_map<std::uint32_t, StableId> whole_;                ///< the other way round
+    std::unordered_map<std::uint32_t, std::vector<StableId>> pieces_;  ///< nodes inserted into a segment
+    std::unordered_map<std::uint32_t, StableId> whole_;                ///< inverse map
 };
 
 void attach_root(TreeEdit& edit, const EditableTree& tree, Wood& wood, StableId root, const Foot& foot) {
@@ -97,24 +98,24 @@ void attach_root(TreeEdit& edit, const EditableTree& tree, Wood& wood, StableId 
     edit.remove(root);
 }
 
-/// Where an axis runs within the wood of a segment of another one.
+/// Interval of an axis inside a segment of another axis.
 struct Passage {
     double enters = 0, leaves = 0;  ///< [m] along the axis from its joint
-    double deepest = 0;             ///< [m] as well
-    double depth = 0;               ///< distance there over the radius of the wood; < 1
-    StableId node;                  ///< end of the axis' segment
-    StableId host;                  ///< end of the other one
-    bool at_joint = false;          ///< the other axis leaves this one within it
+    double deepest = 0;             ///< [m] along the axis, closest to the other axis
+    double depth = 0;               ///< distance there divided by the radius of the branch; < 1
+    StableId node;                  ///< end of the segment of the axis
+    StableId host;                  ///< end of the other segment
+    bool at_joint = false;          ///< whether the other axis leaves this one within the interval
 };
 
-/// A place at which a branch is cut, its outer part going to the host.
+/// A point at which a branch is cut; its outer portion is attached to the host.
 struct Cut {
     StableId node, host;
     Vec3d place;       ///< [m] on the axis of the branch
     double along = 0;  ///< [m] from its joint
 };
 
-/// Finds where axes run through others.
+/// Finds the intersections of axes with other branches.
 class CrossingSearch {
   public:
     CrossingSearch(const EditableTree& tree, const Wood& wood) : tree_(tree), wood_(wood), at_(tree.slots()) {
@@ -140,7 +141,7 @@ class CrossingSearch {
         }
     }
 
-    /// The cuts of all axes, of each from the tip to the joint.
+    /// Returns the cuts of all axes, for each axis from the tip to the joint.
     std::vector<Cut> cuts(const Column<StableId, std::uint8_t>& chosen, const Context& ctx) const {
         std::vector<Cut> out;
         for (const StableId n : order_) {
@@ -160,16 +161,17 @@ class CrossingSearch {
 
   private:
     struct At {
-        StableId axis;                      ///< its first node behind its joint, or a root
-        double along = 0;                   ///< [m] from the joint of the axis
-        std::uint32_t first = 0, last = 0;  ///< numbers of what hangs on it, itself first
+        StableId axis;     ///< its first node after its joint, or a root
+        double along = 0;  ///< [m] from the joint of the axis
+        std::uint32_t first = 0,
+                      last = 0;  ///< range of the numbers of its descendants, beginning with itself
     };
 
     bool hangs_on(StableId n, StableId top) const {
         return at_[top].first <= at_[n].first && at_[n].first <= at_[top].last;
     }
 
-    /// Of two segments that overlap, whether that which ends at n is the one that is cut.
+    /// Returns whether, of two overlapping segments, the one that ends at n is cut.
     bool gives_way(StableId n, double radius, StableId host, double host_radius) const {
         if (hangs_on(host, n)) return false;
         if (hangs_on(n, host)) return true;
@@ -205,7 +207,7 @@ class CrossingSearch {
 
     double radius_at_start(StableId n) const { return double{tree_.segment(n).radius_a}; }
 
-    /// Where between a parameter inside and `to` the wood ends.
+    /// Returns the parameter between `inside` and `to` at which the axis leaves the branch.
     template <class Outside>
     static double boundary(const Outside& outside, double inside, double to) {
         if (outside(to) < 0) return to;
@@ -217,7 +219,7 @@ class CrossingSearch {
         return inside;
     }
 
-    /// Whether the host's axis leaves this one within the passage.
+    /// Returns whether the axis of the host leaves this axis within the passage.
     bool holds_joint(const Passage& p) const {
         const StableId other = at_[p.host].axis;
         if (tree_.is_root(other)) return false;
@@ -227,7 +229,7 @@ class CrossingSearch {
         return p.enters - touching <= where && where <= p.leaves + touching;
     }
 
-    /// Passages that touch are one; of each the deepest counts.
+    /// Merges passages that touch and creates one cut at the deepest of each group.
     void add_cuts(std::vector<Passage>& passages, double length, const Column<StableId, std::uint8_t>& chosen,
                   std::vector<Cut>& out) const {
         std::ranges::sort(passages, {}, [](const Passage& p) { return std::pair(p.enters, p.host); });
@@ -236,7 +238,8 @@ class CrossingSearch {
         for (std::size_t i = 0; i < passages.size();) {
             const Passage* deepest = &passages[i];
             double leaves = 0;
-            bool joined = passages[i].enters <= touching;  // where an axis begins it is in its host
+            bool joined =
+                passages[i].enters <= touching;  // the beginning of an axis is inside its parent branch
             for (; i < passages.size() && (leaves == 0 || passages[i].enters <= leaves + touching); ++i) {
                 leaves = std::max(leaves, passages[i].leaves);
                 joined = joined || passages[i].at_joint;
@@ -251,7 +254,7 @@ class CrossingSearch {
         std::reverse(out.begin() + static_cast<std::ptrdiff_t>(before), out.end());
     }
 
-    static constexpr double kTouching = 1e-6;  // of an axis' length
+    static constexpr double kTouching = 1e-6;  // [length of the axis]
 
     const EditableTree& tree_;
     const Wood& wood_;
@@ -259,8 +262,8 @@ class CrossingSearch {
     std::vector<StableId> order_;
 };
 
-/// What hangs on the nodes.
-Column<StableId, std::uint8_t> subtrees_of(const EditableTree& tree, const NodeSet& nodes) {
+/// Marks the nodes and their descendants.
+Column<StableId, std::uint8_t> find_subtrees(const EditableTree& tree, const NodeSet& nodes) {
     Column<StableId, std::uint8_t> chosen(tree.slots());
     for (const StableId top : nodes) {
         if (chosen[top] == 0) tree.visit_subtree(top, [&](StableId n) { chosen[n] = 1; });
@@ -269,17 +272,18 @@ Column<StableId, std::uint8_t> subtrees_of(const EditableTree& tree, const NodeS
 }
 
 bool may_hang(const EditableTree& tree, StableId n, StableId host) {
-    const auto lies_on = [&](StableId other) { return tree.position(n) == tree.position(other); };
-    if (lies_on(host) || hangs_on(tree, host, n)) return false;
+    const auto is_on = [&](StableId other) { return tree.position(n) == tree.position(other); };
+    if (is_on(host) || hangs_on(tree, host, n)) return false;
     for (StableId c = tree.first_child(host); c; c = tree.next_sibling(c)) {
-        if (lies_on(c)) return false;
+        if (is_on(c)) return false;
     }
     return true;
 }
 
-/// Cuts a branch and hangs its outer part on the host, unless that hangs on it since another cut was made.
+/// Cuts a branch and attaches its outer portion to the host, unless the host became a descendant of it by a
+/// previous cut.
 void make_cut(TreeEdit& edit, const EditableTree& tree, Wood& wood, const Cut& cut) {
-    // Of the pieces of a segment that has been cut before, the one that holds the place.
+    // If a segment was cut before, finds its section that contains the point.
     const Foot own = wood.on_pieces(cut.node, cut.place), foot = wood.on_pieces(cut.host, cut.place);
     if (foot.distance >= foot.radius || hangs_on(tree, foot.node, own.node)) return;
     const StableId end = wood.split(edit, own), host = wood.split(edit, foot);
@@ -295,7 +299,7 @@ void make_cut(TreeEdit& edit, const EditableTree& tree, Wood& wood, const Cut& c
     }
 }
 
-/// Joins crossings of what is chosen, or was before it was split.
+/// Joins the crossings of the chosen nodes, including nodes inserted into their segments.
 void join_crossings(TreeEdit& edit, const EditableTree& tree, const Wood& before,
                     Column<StableId, std::uint8_t> chosen, const Context& ctx) {
     const std::uint32_t known = chosen.size();
@@ -319,7 +323,7 @@ EditChange attach(EditableTree& tree, const NodeSet& nodes, Crossings crossings,
         throw InvalidInput("no root is selected; attach joins trees by their roots, as with: attach roots");
     TreeEdit edit(tree);
     Wood wood(tree, ctx);
-    const Column<StableId, std::uint8_t> chosen = subtrees_of(tree, nodes);
+    const Column<StableId, std::uint8_t> chosen = find_subtrees(tree, nodes);
     for (const StableId root : roots) {
         ctx.throw_if_cancelled();
         const Foot foot = wood.around(root, place_of(tree, root));

@@ -16,29 +16,29 @@ namespace coppice {
 namespace {
 
 constexpr std::size_t kGrain = 1024;
-// Of a push, so that the last bit of an overlap does not take for ever.
+// Over-relaxation of a push, so that a small remaining overlap converges quickly.
 constexpr double kBeyond = 1.1;
-// Of the gap: closer ones are pushed apart, though only overlaps count in the end.
+// [gap] segments closer than this are pushed apart, although only overlaps count in the report.
 constexpr double kEnough = 0.5;
-// How much stiffer a contact is than the way that it bends.
+// Ratio of the stiffness of a contact to the stiffness of the path that it bends.
 constexpr double kContactStiffness = 30;
-// Of the weight of a goal, from round to round, when nothing pushes any more.
+// Factor per round on the weight of a goal that is no longer pushed.
 constexpr double kKept = 0.9;
-constexpr double kLeastShift = 2e-3;  // [radius]
-// Of the way from the root: no node moves by more.
-constexpr double kMostBend = 0.5;
+constexpr double kMinShift = 2e-3;  // [radius]
+// [path length from the root] maximum displacement of a node.
+constexpr double kMaxBend = 0.5;
 
-/// Two segments of different trees that are too near to each other.
+/// Two segments of different trees that are too close to each other.
 struct Contact {
     NodeId one, other;
     ClosestParameters at;
-    Vec3d away;      ///< unit vector from the other to the one
-    double lacking;  ///< [m] of the distance that is asked for
-    bool overlaps;   ///< whether wood overlaps
+    Vec3d away;      ///< unit vector from `other` to `one`
+    double lacking;  ///< [m] missing distance
+    bool overlaps;   ///< whether the branches overlap
 };
 
-/// A forest that bends. The way of every node has a compliance; contacts give nodes goals; and the shifts of
-/// all nodes are those of least bending that keep to the goals.
+/// A deformable forest. The path to every node has a compliance, contacts define goals of nodes, and the
+/// displacements of all nodes minimize the bending energy for these goals.
 class Bending {
   public:
     Bending(const Skeleton& s, const std::vector<char>& may_move, const BendApartOptions& options,
@@ -62,7 +62,7 @@ class Bending {
             const double own = std::max(length, 1e-3 * r) / (r * r);
             stiffness_[i] = 1 / own;
             compliance_[i] = compliance_[p] + own;
-            most_[i] = most_[p] + kMostBend * length;
+            most_[i] = most_[p] + kMaxBend * length;
         }
     }
 
@@ -95,10 +95,10 @@ class Bending {
     }
 
   private:
-    // What nobody would see is none, so that most of a trunk stays as it is.
+    // Invisibly small displacements are set to zero, so that most of a trunk is unchanged.
     Vec3d shift(NodeId n) const {
         const Vec3d& u = shift_[n.index()];
-        return length(u) < kLeastShift * s_.radius(n) ? Vec3d{} : u;
+        return length(u) < kMinShift * s_.radius(n) ? Vec3d{} : u;
     }
     Vec3d at(NodeId n) const { return Vec3d(s_.position(n)) + shift(n); }
 
@@ -129,7 +129,7 @@ class Bending {
     }
 
     std::optional<Contact> contact(NodeId one, NodeId other) const {
-        // A root alone is the ball about it; else its segments stand for it.
+        // A root without children is a ball; otherwise its segments represent it.
         for (const NodeId n : {one, other}) {
             if (s_.is_root(n) && !s_.is_tip(n)) return {};
         }
@@ -159,8 +159,8 @@ class Bending {
         return s_.is_root(n) ? end : std::lerp(compliance_[s_.parent(n).index()], end, t);
     }
 
-    /// Nodes that are not pushed any more hold where they are, ever less, so that what was pushed away
-    /// neither falls back at once nor is in the way for ever.
+    /// Nodes that are no longer pushed are held in place with decreasing weight, so that they neither fall
+    /// back at once nor remain an obstacle.
     void set_goals(const std::vector<Contact>& found) {
         std::vector<Vec3d> push(s_.size());
         std::vector<double> pushes(s_.size(), 0);
@@ -195,7 +195,7 @@ class Bending {
         }
     }
 
-    /// Least bending: a tree of springs, solved from the tips down and from the roots up.
+    /// Minimizes the bending energy: solves a tree of springs from the tips to the roots and back.
     void relax() {
         std::vector<double> diagonal(s_.size());
         std::vector<Vec3d> right(s_.size());
@@ -224,10 +224,10 @@ class Bending {
     const Context& ctx_;
     std::vector<NodeId> root_;
     std::vector<Vec3d> shift_, goal_;
-    std::vector<double> weight_;      // of the goals; 0: none
-    std::vector<double> compliance_;  // [1/m] of the way from the root; 0: it does not move
-    std::vector<double> stiffness_;   // [m] of the segment; 0: it does not move
-    std::vector<double> most_;        // [m] that a node may move
+    std::vector<double> weight_;      // of the goals; 0: no goal
+    std::vector<double> compliance_;  // [1/m] of the path from the root; 0: fixed
+    std::vector<double> stiffness_;   // [m] of the segment; 0: fixed
+    std::vector<double> most_;        // [m] maximum displacement of a node
 };
 
 }  // namespace

@@ -10,50 +10,53 @@
 
 namespace coppice {
 
-/// How trees that run through each other are bent apart.
+/// Options of bend_apart.
 struct BendApartOptions {
-    float gap = 0.2f;  ///< [sum of radii] room left between barks; in [0, 10]
-    int rounds = 60;   ///< times at most that contacts are looked for; in [1, 10000]
+    float gap = 0.2f;  ///< [sum of radii] minimum gap between the surfaces of two branches; in [0, 10]
+    int rounds = 60;   ///< maximum number of rounds that find and resolve contacts; in [1, 10000]
 };
 
 template <class Self, class Visitor>
 requires SameOptions<Self, BendApartOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"gap", "room left between the barks of two trees, in sums of their radii", Unit::none, 0, 10},
+    visit(Field{"gap",
+                "Gap between the surfaces of branches of two trees, as a multiple of the sum of their radii.",
+                Unit::none, 0, 10},
           o.gap);
-    visit(Field{"rounds", "times at most that contacts are looked for", Unit::none, 1, 10'000}, o.rounds);
+    visit(Field{"rounds", "Maximum number of rounds that find and resolve contacts.", Unit::none, 1, 10'000},
+          o.rounds);
 }
 
-/// What bending apart did.
+/// Counts of overlaps and moved nodes.
 struct BendApartReport {
-    std::uint32_t before = 0;  ///< pairs of segments of two trees whose wood overlapped
-    std::uint32_t after = 0;   ///< pairs whose wood still does: roots stand within it, or there is no room
+    std::uint32_t before = 0;  ///< pairs of overlapping segments of different trees in the input
+    std::uint32_t after = 0;   ///< pairs that still overlap: a root is inside a branch, or there is no room
     std::uint32_t moved = 0;   ///< nodes that moved
-    float farthest = 0;        ///< [m] the longest way that one moved
-    int rounds = 0;            ///< times that contacts were looked for
+    float farthest = 0;        ///< [m] maximum displacement of a node
+    int rounds = 0;            ///< number of rounds
 };
 
-/// A forest whose trees stand clear of each other.
+/// A forest with separated trees.
 struct BendApartResult {
-    Skeleton skeleton;       ///< the same nodes, parents, radii and ids
-    BendApartReport report;  ///< what was done
+    Skeleton skeleton;       ///< same nodes, parents, radii and ids as the input
+    BendApartReport report;  ///< counts of overlaps and moved nodes
 };
 
-/// Bends the branches of different trees apart where their wood overlaps, so that each tree keeps all of its
-/// wood and none of the others'. Roots stay. Of two branches that meet the one that gives way more easily
-/// moves more: as axes bend under a load, by length over the square of the radius, summed from the root; a
-/// trunk hardly moves for a twig. The way to the place of contact bends evenly by the same measure, and what
-/// hangs on it beyond goes along and keeps its shape. No node moves by more than half its way from the root,
-/// so that some wood may overlap in the end, as where a root stands in another trunk.
+/// Bends overlapping branches of different trees apart. Roots do not move. Of two branches in contact, the
+/// more compliant one moves more: the compliance of an axis is the sum of length over squared radius from the
+/// root, so that a trunk hardly moves for a twig. The path from the root to the contact bends evenly by the
+/// same measure, and all branches beyond it follow and keep their shape. No node moves by more than half its
+/// path length from the root, so that some overlaps may remain, for example where a root is inside another
+/// trunk.
 ///
-/// Contacts within a tree are left alone, and trees that lie apart do not move. Deterministic
-/// for any number of threads. O(n log n) a round, and as much as there is that overlaps. Throws InvalidInput
-/// where an option is out of range; Cancelled.
+/// Contacts within a tree are ignored, and trees without contacts do not move. The result does not depend on
+/// the number of threads. O(n log n) per round, plus the number of overlaps. Throws InvalidInput if an option
+/// is out of range; Cancelled.
 BendApartResult bend_apart(const Skeleton& forest, const BendApartOptions& options = {},
                            const Context& ctx = {});
 
-/// The same as an edit, of which only branches give way that hang on the selected nodes. Throws InvalidInput
-/// also where nothing is selected.
+/// The same as an edit that moves only the selected nodes and their descendants. Also throws InvalidInput if
+/// the selection is empty.
 EditChange bend_apart(EditableTree& tree, const NodeSet& nodes, const BendApartOptions& options = {},
                       const Context& ctx = {});
 

@@ -13,24 +13,24 @@ using namespace edit_internal;
 
 namespace {
 
-constexpr int kMostParts = 1000;
-constexpr double kMostNodes = 1e7;  // that resampling makes
+constexpr int kMaxParts = 1000;
+constexpr double kMaxNodes = 1e7;  // maximum number of nodes created by resampling an axis
 
 NodeSet without_roots(const EditableTree& tree, const NodeSet& nodes) {
     check_set(tree, nodes);
     NodeSet out;
     std::ranges::copy_if(nodes, std::back_inserter(out), [&](StableId n) { return !tree.is_root(n); });
     if (out.empty())
-        throw InvalidInput("only roots are selected, and no segment ends at them; select others");
+        throw InvalidInput("only roots are selected, and no segment ends at them; select other nodes");
     return out;
 }
 
-/// A node between two others, which resampling may take away.
+/// Returns whether resampling may remove a node: it is selected and has a parent and a single child.
 bool is_loose(const EditableTree& tree, const NodeSet& nodes, StableId n) {
     return !tree.is_root(n) && !tree.is_tip(n) && !tree.next_sibling(tree.first_child(n)) && holds(nodes, n);
 }
 
-/// The nodes at which runs of loose ones end.
+/// Returns the nodes at which runs of removable nodes end.
 std::vector<StableId> ends_of_runs(const EditableTree& tree, const NodeSet& nodes) {
     std::vector<StableId> ends;
     for (const StableId n : nodes) {
@@ -48,15 +48,15 @@ struct Ball {
     double radius;
 };
 
-/// Points at equal lengths along the segments of a run, without its ends.
+/// Returns evenly spaced points along the segments of a run, without its ends.
 std::vector<Ball> evenly(const EditableTree& tree, const std::vector<StableId>& run, double spacing) {
     std::vector<double> along{0};
     for (const StableId n : run)
         along.push_back(along.back() + length(place_of(tree, n) - place_of(tree, tree.parent(n))));
     const double pieces = std::max(1.0, std::round(along.back() / spacing));
-    if (pieces > kMostNodes) {
+    if (pieces > kMaxNodes) {
         throw InvalidInput(fmt::format(
-            "a spacing of {} m would make {:.0f} nodes of one axis; give a larger one", spacing, pieces));
+            "a spacing of {} m would make {:.0f} nodes of one axis; use a larger spacing", spacing, pieces));
     }
     std::vector<Ball> out;
     std::size_t at = 0;
@@ -96,8 +96,8 @@ void resample_run(TreeEdit& edit, const EditableTree& tree, const NodeSet& nodes
 }  // namespace
 
 EditChange split(EditableTree& tree, const NodeSet& nodes, int parts) {
-    if (parts < 2 || parts > kMostParts)
-        throw InvalidInput(fmt::format("a segment is split in 2 to {} parts, not {}", kMostParts, parts));
+    if (parts < 2 || parts > kMaxParts)
+        throw InvalidInput(fmt::format("a segment is split in 2 to {} parts, not {}", kMaxParts, parts));
     TreeEdit edit(tree);
     for (const StableId n : without_roots(tree, nodes)) {
         for (int left = parts; left > 1; --left) split_segment(edit, tree, n, 1.0 / left);
@@ -115,7 +115,7 @@ EditChange split_at(EditableTree& tree, const NodeSet& nodes, double at) {
 
 EditChange detach(EditableTree& tree, const NodeSet& nodes) {
     TreeEdit edit(tree);
-    for (const StableId top : tops_of(tree, without_roots(tree, nodes))) {
+    for (const StableId top : find_tops(tree, without_roots(tree, nodes))) {
         const Segment s = tree.segment(top);
         edit.set_parent(top, edit.add(StableId::none(), s.a, s.radius_a));
     }
@@ -125,7 +125,7 @@ EditChange detach(EditableTree& tree, const NodeSet& nodes) {
 EditChange remove_branches(EditableTree& tree, const NodeSet& nodes) {
     check_set(tree, nodes);
     TreeEdit edit(tree);
-    for (const StableId top : tops_of(tree, nodes)) edit.remove_subtree(top);
+    for (const StableId top : find_tops(tree, nodes)) edit.remove_subtree(top);
     return edit.commit();
 }
 
@@ -143,7 +143,7 @@ EditChange dissolve(EditableTree& tree, const NodeSet& nodes) {
 EditChange resample(EditableTree& tree, const NodeSet& nodes, double spacing) {
     if (!(spacing > 0) || !std::isfinite(spacing))
         throw InvalidInput(
-            fmt::format("the spacing {} is not above 0; give the length of a segment", spacing));
+            fmt::format("the spacing {} is not above 0; enter the length of a segment in metres", spacing));
     check_set(tree, nodes);
     TreeEdit edit(tree);
     for (const StableId end : ends_of_runs(tree, nodes)) resample_run(edit, tree, nodes, end, spacing);

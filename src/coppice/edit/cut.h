@@ -6,73 +6,89 @@
 
 namespace coppice {
 
-// Cutting, splitting and spacing nodes. All throw InvalidInput where nothing is selected, or where nothing
-// would be left, and change nothing then.
+// Edits that cut, split and respace branches. All throw InvalidInput if the selection is empty or no node
+// would remain; the tree is unchanged then.
 
-/// Splits the segments that end at the nodes into equal parts; the surface stays as it is. Roots have none.
-/// Throws InvalidInput where parts is not in 2 to 1000.
+/// Splits the segments that end at the nodes into equal parts; the surface is unchanged. Roots are ignored.
+/// Throws InvalidInput if `parts` is not in [2, 1000].
 EditChange split(EditableTree& tree, const NodeSet& nodes, int parts = 2);
 
-/// Splits each of these segments once, at `at` in (0, 1) from the parent.
+/// Splits each of these segments once, at the parameter `at` in (0, 1) from the parent.
 EditChange split_at(EditableTree& tree, const NodeSet& nodes, double at);
 
-/// Makes trees of their own of branches: each takes its first segment along, so that a new root comes at its
-/// joint. Roots stay. Throws InvalidInput where there are only roots.
+/// Detaches branches as separate trees: each keeps its first segment, and a new root is created at its joint.
+/// Roots are ignored. Throws InvalidInput if only roots are selected.
 EditChange detach(EditableTree& tree, const NodeSet& nodes);
 
-/// Removes the nodes and all that hangs on them.
+/// Removes the nodes and their descendants.
 EditChange remove_branches(EditableTree& tree, const NodeSet& nodes);
 
-/// Removes the nodes alone: what hangs on them joins their parents, or where they are roots becomes a tree.
+/// Removes only the nodes: their children are attached to their parents, or become roots if the node is a
+/// root.
 EditChange dissolve(EditableTree& tree, const NodeSet& nodes);
 
-/// Spaces the selected nodes evenly: between forks, tips, and nodes that are not selected, segments become as
-/// long as `spacing` [m], as nearly as whole numbers of them allow. Nodes that stay keep their ids.
+/// Spaces the selected nodes evenly: between forks, tips, and nodes that are not selected, segments get the
+/// length closest to `spacing` [m] that divides the section evenly. Existing nodes that remain keep their
+/// ids.
 EditChange resample(EditableTree& tree, const NodeSet& nodes, double spacing);
 
-/// What is cut off. A branch is what leaves an axis, with all that hangs on it.
+/// Criteria of prune. A branch is a lateral axis with all its descendants.
 struct PruneOptions {
-    float radius = 0;       ///< [m] axes are cut where they are thinner; 0: nowhere
-    float length = 0;       ///< [m] branches whose longest way to a tip is shorter go; 0: none
-    int order = -1;         ///< branches of a higher order go; -1: none
-    float shade = 0;        ///< branches of which every tip lies in more shade go; 0: none
-    float shade_share = 0;  ///< branches of which every tip is of this part of all tips, those in most shade
-    float shade_cell =
-        0;  ///< [m] shade is counted in cubes of this size; 0: a fiftieth of the tree's greatest extent
+    float radius = 0;  ///< [m] axes are cut where they are thinner; 0: disabled
+    float length = 0;  ///< [m] minimum length of the longest path from the base of a branch to a tip; shorter
+                       ///< branches are removed; 0: disabled
+    int order = -1;    ///< maximum order of branches; -1: disabled
+    float shade = 0;   ///< removes branches with more shade than this at every tip; 0: disabled
+    float shade_share =
+        0;  ///< removes branches with all tips in this most shaded fraction of all tips; 0: disabled
+    float shade_cell = 0;  ///< [m] edge length of the grid cells in which shade is computed; 0: 1/50 of the
+                           ///< maximum extent of the tree
 };
 
 template <class Self, class Visitor>
 requires SameOptions<Self, PruneOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"radius", "axes are cut where they are thinner; 0 = nowhere", Unit::metre, 0, 1e6}, o.radius);
-    visit(Field{"length", "branches whose longest way to a tip is shorter go; 0 = none", Unit::metre, 0, 1e6},
+    visit(Field{"radius", "Minimum radius of axes, which are cut where they are thinner; 0 disables the cut.",
+                Unit::metre, 0, 1e6},
+          o.radius);
+    visit(Field{"length",
+                "Minimum length of the longest path from the base of a branch to a tip; shorter branches are "
+                "removed; 0 disables the criterion.",
+                Unit::metre, 0, 1e6},
           o.length);
-    visit(Field{"order", "branches of a higher order go; -1 = none", Unit::none, -1, 1e6}, o.order);
+    visit(Field{"order",
+                "Maximum order of branches; branches of higher order are removed; -1 disables the criterion.",
+                Unit::none, -1, 1e6},
+          o.order);
     visit(Field{"shade",
-                "branches of which every tip lies in more shade go; five tips right above make 1; 0 = none",
+                "Maximum shade; branches with more shade at every tip are removed; five tips directly above "
+                "make 1; 0 disables the criterion.",
                 Unit::none, 0, 1e6},
           o.shade);
     visit(Field{"shade_share",
-                "branches of which every tip is of this part of all tips go, those in most shade; 0 = none",
+                "Fraction of the most shaded tips; branches with only such tips are removed; 0 disables the "
+                "criterion.",
                 Unit::none, 0, 1},
           o.shade_share);
-    visit(Field{"shade_cell", "size of the cubes that shade is counted in; 0 = a fiftieth of the tree",
+    visit(Field{"shade_cell",
+                "Edge length of the grid cells in which shade is computed; 0 uses 1/50 of the extent of the "
+                "tree.",
                 Unit::metre, 0, 1e6},
           o.shade_cell);
 }
 
-/// Cuts off what the options say, of the nodes that are selected; roots stay. Each tip shades what lies in a
-/// pyramid below it, the less the deeper [Palubicki2009]. O(n).
+/// Removes the branches that meet a criterion, among the selected nodes; roots are kept. Each tip casts shade
+/// into a pyramid below it, decreasing with depth [Palubicki2009]. O(n).
 EditChange prune(EditableTree& tree, const NodeSet& nodes, const PruneOptions& options);
 
-/// Trims a tree to a solid in world space: axes are cut where they leave it, and branches that are nowhere
-/// within go; what leads up to it from the root stays. With `keep_inside` false, axes are cut where they
-/// enter the solid. Cuts are made at its surface. Throws InvalidInput where nothing would be left but roots.
-/// O(n).
+/// Trims a tree to a solid in world space: axes are cut where they leave it, and branches entirely outside
+/// are removed; the path from the root to the solid is kept. With `keep_inside` false, axes are cut where
+/// they enter the solid. Cuts are on the surface of the solid. Throws InvalidInput if only roots would
+/// remain. O(n).
 EditChange prune_by_solid(EditableTree& tree, const NodeSet& nodes, const Solid& solid,
                           bool keep_inside = true);
 
-/// The shade of each tip: five tips right above make 1. Entries of other nodes are 0. O(n).
+/// Returns the shade of each tip; five tips directly above make 1. Entries of other nodes are 0. O(n).
 Column<StableId, double> shade_of_tips(const EditableTree& tree, double cell);
 
 }  // namespace coppice

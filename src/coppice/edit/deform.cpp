@@ -15,16 +15,16 @@ using namespace edit_internal;
 
 namespace {
 
-/// An axis from its joint on, which is the first node. Of a root's axis that is the root.
+/// An axis with its joint as first node. The axis of a root begins with the root.
 struct Chain {
     std::vector<StableId> node;
-    std::vector<Vec3d> rest;  ///< where the nodes are before the edit
+    std::vector<Vec3d> rest;  ///< positions of the nodes before the edit
 
     std::size_t size() const { return node.size(); }
     Vec3d edge(std::size_t i) const { return rest[i] - rest[i - 1]; }
 };
 
-Chain chain_of(const EditableTree& tree, std::vector<StableId> nodes) {
+Chain find_chain(const EditableTree& tree, std::vector<StableId> nodes) {
     Chain chain{.node = std::move(nodes), .rest = {}};
     for (const StableId n : chain.node) chain.rest.push_back(place_of(tree, n));
     return chain;
@@ -33,17 +33,17 @@ Chain chain_of(const EditableTree& tree, std::vector<StableId> nodes) {
 Chain chain_from(const EditableTree& tree, StableId top) {
     std::vector<StableId> nodes = axis_from(tree, top);
     if (!tree.is_root(top)) nodes.insert(nodes.begin(), tree.parent(top));
-    return chain_of(tree, std::move(nodes));
+    return find_chain(tree, std::move(nodes));
 }
 
-/// Lengths along the chain up to each node.
+/// Returns the length along the chain up to each node.
 std::vector<double> lengths_along(const Chain& chain) {
     std::vector<double> along(chain.size(), 0.0);
     for (std::size_t i = 1; i < chain.size(); ++i) along[i] = along[i - 1] + length(chain.edge(i));
     return along;
 }
 
-/// Puts the nodes of a chain, but for the first, to their new places; what hangs on them is turned with them.
+/// Moves all nodes of a chain except the first to their new positions; branches on them rotate with them.
 void carry(TreeEdit& edit, const EditableTree& tree, const Chain& chain, const std::vector<Vec3d>& place,
            const std::vector<Rotation>& turn) {
     for (std::size_t i = 1; i < chain.size(); ++i) {
@@ -69,7 +69,8 @@ void bend_chain(TreeEdit& edit, const EditableTree& tree, const Chain& chain, do
     const Vec3d axis = normalized(cross(first, towards), perpendicular(first));
     const std::vector<double> along = lengths_along(chain);
     const double whole = along[chain.size() - 2];
-    // By its start, so that the first segment does not turn and the last one turns by all.
+    // The angle depends on the start of a segment, so that the first segment does not rotate and the last one
+    // rotates by the full angle.
     const auto angle_of_segment = [&](std::size_t i) {
         return whole > 0 ? angle * along[i - 1] / whole : 0.0;
     };
@@ -96,10 +97,10 @@ void twist_chain(TreeEdit& edit, const EditableTree& tree, const Chain& chain, d
     carry(edit, tree, chain, chain.rest, turn);
 }
 
-/// How far nodes are shifted from where they were.
+/// Displacements of nodes from their original positions.
 using Shifts = std::unordered_map<std::uint32_t, Vec3d>;
 
-/// Shifts nodes along their axes; what hangs on an axis is shifted as its joint is.
+/// Shifts nodes along their axes; branches on an axis are shifted with their joint.
 void apply_shifts(TreeEdit& edit, const EditableTree& tree, const std::vector<StableId>& tops,
                   const Shifts& own) {
     std::unordered_map<std::uint32_t, std::pair<Vec3d, Vec3d>> shift;  // of the axis, and of the node
@@ -117,14 +118,14 @@ void apply_shifts(TreeEdit& edit, const EditableTree& tree, const std::vector<St
     }
 }
 
-/// Nodes of a chain that are to follow one that is moved.
+/// The handle and the end condition of a chain that follows a moved node.
 struct Pull {
     std::size_t handle = 0;
-    bool free_end = false;  ///< the last node may go anywhere
+    bool free_end = false;  ///< the last node is free
 };
 
-/// The way to the least of the sum over edges of |x_i - x_i-1 - goal_i|^2 / length: one tridiagonal system
-/// for the nodes that may move, from `first` to `last`, which lie between fixed ones or end free.
+/// Minimizes the sum over edges of |x_i - x_i-1 - goal_i|^2 / length: one tridiagonal system for the movable
+/// nodes from `first` to `last`, with a fixed node before them and, unless the end is free, behind them.
 void solve_run(const Chain& chain, const std::vector<Vec3d>& goal, std::size_t first, std::size_t last,
                bool free_end, std::vector<Vec3d>& x) {
     if (first > last) return;
@@ -148,8 +149,8 @@ void solve_run(const Chain& chain, const std::vector<Vec3d>& goal, std::size_t f
     }
 }
 
-/// The turns of the nodes that their edges ask for. Fixed ends do not turn.
-std::vector<Rotation> turns_of(const Chain& chain, const Pull& pull, const std::vector<Vec3d>& x) {
+/// Computes the rotations of the nodes from their edges. Fixed ends do not rotate.
+std::vector<Rotation> compute_turns(const Chain& chain, const Pull& pull, const std::vector<Vec3d>& x) {
     std::vector<Rotation> edge(chain.size());
     for (std::size_t i = 1; i < chain.size(); ++i) edge[i] = rotation_between(chain.edge(i), x[i] - x[i - 1]);
     std::vector<Rotation> turn(chain.size());
@@ -176,22 +177,22 @@ void pull_chain(TreeEdit& edit, const EditableTree& tree, const Chain& chain, co
     std::vector<Rotation> turn;
     std::vector<Vec3d> goal(chain.size());
     for (int round = 0; round < kRounds; ++round) {
-        turn = turns_of(chain, pull, x);
+        turn = compute_turns(chain, pull, x);
         for (std::size_t i = 1; i <= end; ++i)
             goal[i] = (turn[i - 1](chain.edge(i)) + turn[i](chain.edge(i))) * 0.5;
         if (pull.handle > 0) solve_run(chain, goal, 1, pull.handle - 1, false, x);
         if (pull.handle < end)
             solve_run(chain, goal, pull.handle + 1, pull.free_end ? end : end - 1, pull.free_end, x);
     }
-    carry(edit, tree, chain, x, turns_of(chain, pull, x));
+    carry(edit, tree, chain, x, compute_turns(chain, pull, x));
     if (pull.handle == 0) edit.move(chain.node[0], Vec3(to));
 }
 
-/// The part of an axis within reach of one of its nodes, and where that is in it.
+/// Returns the section of an axis within reach of one of its nodes, and the position of the node in it.
 std::pair<Chain, Pull> chain_around(const EditableTree& tree, StableId node, double reach) {
-    std::vector<StableId> axis = axis_of(tree, node);
+    std::vector<StableId> axis = find_axis(tree, node);
     if (!tree.is_root(axis.front())) axis.insert(axis.begin(), tree.parent(axis.front()));
-    const Chain whole = chain_of(tree, axis);
+    const Chain whole = find_chain(tree, axis);
     const std::vector<double> along = lengths_along(whole);
     const auto at = static_cast<std::size_t>(std::ranges::find(axis, node) - axis.begin());
     std::size_t first = at, last = at;
@@ -200,17 +201,17 @@ std::pair<Chain, Pull> chain_around(const EditableTree& tree, StableId node, dou
     while (last + 1 < axis.size() && (within(last) || last == at)) ++last;
     const auto begin = static_cast<std::ptrdiff_t>(first), end = static_cast<std::ptrdiff_t>(last) + 1;
     const Pull pull{.handle = at - first, .free_end = last + 1 == axis.size() && last > at && within(last)};
-    return {chain_of(tree, {axis.begin() + begin, axis.begin() + end}), pull};
+    return {find_chain(tree, {axis.begin() + begin, axis.begin() + end}), pull};
 }
 
 }  // namespace
 
 EditChange bend(EditableTree& tree, const NodeSet& nodes, double angle, Vec3d towards) {
     if (!(length_squared(towards) > 0) || !is_finite(towards))
-        throw InvalidInput("towards has no direction; give three numbers that are not all 0");
+        throw InvalidInput("towards has no direction; enter three numbers that are not all 0");
     check_set(tree, nodes);
     TreeEdit edit(tree);
-    for (const StableId top : tops_of(tree, nodes))
+    for (const StableId top : find_tops(tree, nodes))
         bend_chain(edit, tree, chain_from(tree, top), angle, towards);
     return edit.commit();
 }
@@ -218,14 +219,14 @@ EditChange bend(EditableTree& tree, const NodeSet& nodes, double angle, Vec3d to
 EditChange twist(EditableTree& tree, const NodeSet& nodes, double angle) {
     check_set(tree, nodes);
     TreeEdit edit(tree);
-    for (const StableId top : tops_of(tree, nodes)) twist_chain(edit, tree, chain_from(tree, top), angle);
+    for (const StableId top : find_tops(tree, nodes)) twist_chain(edit, tree, chain_from(tree, top), angle);
     return edit.commit();
 }
 
 EditChange straighten(EditableTree& tree, const NodeSet& nodes, double amount) {
     check_set(tree, nodes);
     TreeEdit edit(tree);
-    const std::vector<StableId> tops = tops_of(tree, nodes);
+    const std::vector<StableId> tops = find_tops(tree, nodes);
     Shifts shifts;
     for (const StableId top : tops) {
         const Chain chain = chain_from(tree, top);
@@ -242,12 +243,13 @@ EditChange straighten(EditableTree& tree, const NodeSet& nodes, double amount) {
 EditChange smooth(EditableTree& tree, const NodeSet& nodes, int passes) {
     check_set(tree, nodes);
     TreeEdit edit(tree);
-    std::vector<StableId> inside;  // neither the first of an axis, whose joint is another's, nor a tip
+    std::vector<StableId>
+        inside;  // excludes tips and first nodes of axes, because their joints belong to other axes
     for (const StableId n : nodes) {
         if (!tree.is_root(n) && !tree.is_tip(n) && tree.leader(tree.parent(n)) == n) inside.push_back(n);
     }
     Shifts shifts;
-    const auto shift_of = [&](StableId n) {
+    const auto compute_shift = [&](StableId n) {
         const auto found = shifts.find(n.index());
         return found == shifts.end() ? Vec3d{} : found->second;
     };
@@ -255,21 +257,22 @@ EditChange smooth(EditableTree& tree, const NodeSet& nodes, int passes) {
         Shifts next;
         for (const StableId n : inside) {
             const StableId before = tree.parent(n), behind = tree.leader(n);
-            const Vec3d a = place_of(tree, before) + shift_of(before),
-                        b = place_of(tree, behind) + shift_of(behind);
+            const Vec3d a = place_of(tree, before) + compute_shift(before),
+                        b = place_of(tree, behind) + compute_shift(behind);
             const Vec3d middle = lerp(a, b, 0.5), here = place_of(tree, n);
-            next[n.index()] = lerp(here + shift_of(n), middle, 0.5) - here;
+            next[n.index()] = lerp(here + compute_shift(n), middle, 0.5) - here;
         }
         shifts = std::move(next);
     }
-    apply_shifts(edit, tree, tops_of(tree, nodes), shifts);
+    apply_shifts(edit, tree, find_tops(tree, nodes), shifts);
     return edit.commit();
 }
 
 EditChange move_node(EditableTree& tree, StableId node, Vec3d to, double reach) {
     check_node(tree, node);
     const Vec3d local = to - tree.origin();
-    if (!is_finite(local)) throw InvalidInput("the place to move to is not finite; give three numbers");
+    if (!is_finite(local))
+        throw InvalidInput("the target position is not finite; enter three finite numbers");
     TreeEdit edit(tree);
     const auto [chain, pull] = chain_around(tree, node, reach);
     pull_chain(edit, tree, chain, pull, local);

@@ -12,7 +12,7 @@
 namespace coppice {
 namespace {
 
-constexpr std::uint32_t kMostIdsPerNode = 64, kAlwaysAllowedIds = 1u << 20;
+constexpr std::uint32_t kMaxIdsPerNode = 64, kAlwaysAllowedIds = 1u << 20;
 
 }  // namespace
 
@@ -31,10 +31,10 @@ NodeSet EditChange::nodes() const {
 EditableTree::EditableTree(const Skeleton& s) : origin_(s.origin()), size_(s.size()) {
     std::uint32_t slots = s.size();
     for (const StableId id : s.stable_ids()) slots = std::max(slots, id.index() + 1);
-    if (slots > kAlwaysAllowedIds && slots / kMostIdsPerNode > s.size()) {
-        throw InvalidInput(fmt::format(
-            "the stable ids go up to {} for {} nodes; leave them out and the nodes are numbered anew",
-            slots - 1, s.size()));
+    if (slots > kAlwaysAllowedIds && slots / kMaxIdsPerNode > s.size()) {
+        throw InvalidInput(
+            fmt::format("the stable ids go up to {} for {} nodes; leave them out to number the nodes from 0",
+                        slots - 1, s.size()));
     }
     resize(slots);
     for (const NodeId n : coppice::nodes(s)) {
@@ -43,7 +43,7 @@ EditableTree::EditableTree(const Skeleton& s) : origin_(s.origin()), size_(s.siz
         position_[id] = s.position(n);
         radius_[id] = s.radius(n);
     }
-    // From the last to the first, so that each goes to the front of its siblings.
+    // In descending order, so that each node is prepended to its siblings.
     for (std::uint32_t i = slots; i-- > 0;) {
         if (contains(StableId(i))) link(StableId(i));
     }
@@ -100,7 +100,7 @@ Segment EditableTree::segment(StableId n) const {
     return {position_[p], position_[n], leader(p) == n ? radius_[p] : radius_[n], radius_[n]};
 }
 
-StableId EditableTree::root_of(StableId n) const {
+StableId EditableTree::find_root(StableId n) const {
     while (parent_[n]) n = parent_[n];
     return n;
 }
@@ -119,7 +119,8 @@ void EditableTree::resize(std::uint32_t slots) {
     radius_.resize(slots);
 }
 
-/// Where the link to n stands, or has to be put: behind the siblings of lesser id.
+/// Returns the link that points to n, or the position at which to insert it: after the siblings with smaller
+/// ids.
 StableId& EditableTree::link_before(StableId n) {
     StableId* at = parent_[n] ? &first_child_[parent_[n]] : &first_root_;
     while (*at < n) at = &next_sibling_[*at];
@@ -139,8 +140,8 @@ void EditableTree::unlink(StableId n) {
     next_sibling_[n] = StableId::none();
 }
 
-/// Makes the nodes what is given: first all links that change are taken out, so that none leads to a node
-/// that is not there.
+/// Sets the states of the given nodes. All links that change are removed first, so that none points to a node
+/// that does not exist.
 void EditableTree::assign(const Nodes& nodes) {
     const auto links_change = [&](StableId n, const Node& to) {
         return parent_[n] != to.parent || (radius_[n] > 0) != (to.radius > 0);

@@ -15,63 +15,69 @@ namespace edit_internal {
 struct Motion;
 }
 
-/// Nodes of a tree, ascending, none twice.
+/// Set of nodes of a tree: ascending, without duplicates.
 using NodeSet = std::vector<StableId>;
 
-/// What an edit, or taking one back, did to the nodes: all that a surface has to look at again. Which child
-/// leads follows from the radii, so the children of a node in `resized`, and the siblings of what is named
-/// here, may start with another radius.
+/// Nodes changed by an edit, or by undoing one: all that a surface has to update. The leader among siblings
+/// depends on the radii, so the children of a node in `resized`, and the siblings of nodes listed here, may
+/// start with another radius.
 struct EditChange {
-    NodeSet added;       ///< they were not there before
-    NodeSet removed;     ///< they are not there any more
-    NodeSet moved;       ///< another position
-    NodeSet resized;     ///< another radius
-    NodeSet reparented;  ///< another parent, or none, or one where there was none
+    NodeSet added;       ///< new nodes
+    NodeSet removed;     ///< nodes that no longer exist
+    NodeSet moved;       ///< position changed
+    NodeSet resized;     ///< radius changed
+    NodeSet reparented;  ///< parent changed, was removed or was set
 
-    bool empty() const;     ///< nothing changed
-    NodeSet nodes() const;  ///< all that are named
+    bool empty() const;     ///< whether no node changed
+    NodeSet nodes() const;  ///< all changed nodes
 };
 
 /// A forest that is edited in place: the nodes of a Skeleton, each with a StableId that it keeps until it is
-/// removed, whatever happens to the others, and that no other node gets as long as the history reaches back.
+/// removed. An id is not reused as long as the history refers to it.
 ///
-/// Invariants, between two edits: those of a Skeleton; and no node lies on its parent or on a sibling, unless
-/// it did so from the beginning. Children are in order of id, and so nothing depends on the way that led to
-/// a state: the same nodes are the same tree, to the bit.
+/// Invariants between two edits: those of a Skeleton; and no node coincides with its parent or a sibling,
+/// unless it did so from the beginning. Children are in order of id, so that the state does not depend on the
+/// edits that led to it: the same nodes form a bit-identical tree.
 ///
-/// Edits are made by TreeEdit. Each costs what it touches, O(k log k) for k nodes, whatever the size of the
-/// tree, and so does undoing it. 28 bytes a node; each step of the history about 100 bytes, and 5 to 20 for
-/// each node that it touched, 4 where it moved with the branch that it is on.
+/// Edits are made by TreeEdit. An edit of k nodes costs O(k log k), independent of the size of the tree, and
+/// so does undoing it. Memory: 28 bytes per node; about 100 bytes per history entry, plus 5 to 20 bytes per
+/// changed node, or 4 bytes if the node moved with its branch.
 class EditableTree {
   public:
-    /// Stable ids are those of the skeleton. Throws InvalidInput where they go up to more than 64 times the
-    /// number of nodes and more than a million. O(n).
+    /// Keeps the stable ids of the skeleton. Throws InvalidInput if the largest id exceeds both one million
+    /// and 64 times the number of nodes. O(n).
     explicit EditableTree(const Skeleton& skeleton);
 
-    /// The nodes as a skeleton with their stable ids, parents first, otherwise in order of id; an unedited
-    /// tree gives the same bits as the skeleton that it was made of. Throws InvalidInput where no node is
+    /// Returns the nodes as a skeleton with their stable ids, parents first, otherwise in order of id; for an
+    /// unedited tree, the result is bit-identical to the original skeleton. Throws InvalidInput if no node is
     /// left. O(n), O(n log n) after grafts.
     Skeleton skeleton() const;
 
     bool contains(StableId n) const { return n.index() < slots() && radius_[n] > 0; }  ///< any id is allowed
     std::uint32_t size() const { return size_; }                                       ///< number of nodes
-    std::uint32_t slots() const { return parent_.size(); }  ///< all ids are below; the next new node has this
+    std::uint32_t slots() const {
+        return parent_.size();
+    }  ///< upper bound of all ids; the id of the next new node
     StableId parent(StableId n) const { return parent_[n]; }  ///< none for a root
     Vec3 position(StableId n) const { return position_[n]; }  ///< [m] relative to origin(), Z up
     float radius(StableId n) const { return radius_[n]; }     ///< [m] > 0
-    Vec3d origin() const { return origin_; }                  ///< [m] see Skeleton
+    Vec3d origin() const { return origin_; }                  ///< [m] as in Skeleton
 
-    StableId first_root() const { return first_root_; }                 ///< that of least id; none: no nodes
-    StableId first_child(StableId n) const { return first_child_[n]; }  ///< that of least id; none for a tip
-    StableId next_sibling(StableId n) const { return next_sibling_[n]; }  ///< by id, among roots too
+    StableId first_root() const {
+        return first_root_;
+    }  ///< the root with the smallest id; none if there are no nodes
+    StableId first_child(StableId n) const {
+        return first_child_[n];
+    }  ///< the child with the smallest id; none for a tip
+    StableId next_sibling(StableId n) const { return next_sibling_[n]; }  ///< in order of id; also for roots
     bool is_root(StableId n) const { return !parent_[n]; }                ///< whether it has no parent
     bool is_tip(StableId n) const { return !first_child_[n]; }            ///< whether it has no children
-    StableId leader(StableId n) const;   ///< the child of greatest radius, of least id on ties
-    Segment segment(StableId n) const;   ///< see Skeleton::segment; n must not be a root
-    StableId root_of(StableId n) const;  ///< O(depth)
-    NodeSet nodes() const;               ///< all of them; O(slots)
+    StableId leader(StableId n) const;  ///< the child with the largest radius; on ties, with the smallest id
+    Segment segment(StableId n) const;  ///< as Skeleton::segment; n must not be a root
+    StableId find_root(StableId n) const;  ///< O(depth)
+    NodeSet nodes() const;                 ///< all of them; O(slots)
 
-    /// Calls visit(n) for a node and all that hangs on it, parents first.
+    /// Calls visit(n) for a node and its descendants, parents first.
     template <class Visit>
     void visit_subtree(StableId top, const Visit& visit) const {
         for (StableId n = top;;) {
@@ -86,28 +92,28 @@ class EditableTree {
         }
     }
 
-    /// The ids of a node and all that hangs on it, parents first.
+    /// Returns the ids of a node and its descendants, parents first.
     std::vector<StableId> subtree(StableId top) const;
 
-    /// From now on notes how edits turn what they move, which places alone do not tell: a branch may roll.
-    /// Not kept by undo() and redo().
+    /// Starts recording the rotations of edits, which positions alone do not determine because a branch may
+    /// roll. Not maintained by undo() and redo().
     void note_turns() { turn_.resize(slots()); }
-    /// How far edits have turned the segment that ends at a node, or a root, as they told; none where
-    /// turns are not noted.
+    /// Returns the accumulated rotation of the segment that ends at a node, or of a root; the identity if
+    /// rotations are not recorded.
     Rotation turn(StableId n) const { return n.index() < turn_.size() ? turn_[n.index()] : Rotation{}; }
 
-    std::size_t undo_depth() const { return done_.size(); }       ///< edits that undo() can take back
-    std::size_t redo_depth() const { return undone_.size(); }     ///< edits that redo() can make again
-    std::size_t history_bytes() const { return history_bytes_; }  ///< of memory, about
-    EditChange undo();  ///< takes the last edit back; there must be one
-    EditChange redo();  ///< makes the edit again that was taken back last; there must be one
-    /// Forgets the oldest edits until the history takes no more than this; the last one stays.
+    std::size_t undo_depth() const { return done_.size(); }       ///< number of edits that can be undone
+    std::size_t redo_depth() const { return undone_.size(); }     ///< number of edits that can be redone
+    std::size_t history_bytes() const { return history_bytes_; }  ///< approximate memory of the history
+    EditChange undo();  ///< undoes the last edit; requires undo_depth() > 0
+    EditChange redo();  ///< redoes the last undone edit; requires redo_depth() > 0
+    /// Discards the oldest edits until the history uses at most this memory; the last edit is always kept.
     void limit_history(std::size_t bytes);
 
   private:
     friend class TreeEdit;
 
-    /// All that a node is; of a node that is not there, the radius is 0.
+    /// Complete state of a node; the radius of a node that does not exist is 0.
     struct Node {
         StableId parent;
         Vec3 position;
@@ -115,9 +121,9 @@ class EditableTree {
         friend bool operator==(const Node&, const Node&) = default;
     };
     using Nodes = std::vector<std::pair<StableId, Node>>;  ///< in order of id
-    /// The nodes that were moved by motions.
+    /// Nodes that were moved by motions.
     struct Moves;
-    /// The difference of two states: what one has to be combined with to give the other, either way.
+    /// Reversible difference of two states.
     struct Delta {
         std::vector<std::uint8_t> bytes;
         std::uint32_t slots_before = 0, slots_after = 0;
@@ -142,38 +148,39 @@ class EditableTree {
     std::uint32_t size_ = 0;
     std::deque<Delta> done_, undone_;
     std::size_t history_bytes_ = 0;
-    std::vector<Rotation> turn_;  ///< by slot; empty where turns are not noted
+    std::vector<Rotation> turn_;  ///< by slot; empty if rotations are not recorded
 };
 
-/// One edit of a tree, all of it or nothing: what is not committed is taken back when the edit ends, so that
-/// an error in the middle leaves the tree as it was. The tree shows every change at once. One edit at a time.
+/// A transaction on a tree: changes that are not committed are rolled back by the destructor, so that an
+/// error leaves the tree unchanged. Changes are visible in the tree at once. At most one edit of a tree at a
+/// time.
 ///
-/// All nodes that are named must be there.
+/// All nodes passed as arguments must exist.
 class TreeEdit {
   public:
-    explicit TreeEdit(EditableTree& tree);          ///< begins
-    ~TreeEdit();                                    ///< takes back, unless committed
-    TreeEdit(const TreeEdit&) = delete;             ///< an edit is one
-    TreeEdit& operator=(const TreeEdit&) = delete;  ///< an edit is one
+    explicit TreeEdit(EditableTree& tree);          ///< begins the edit
+    ~TreeEdit();                                    ///< rolls back, unless committed
+    TreeEdit(const TreeEdit&) = delete;             ///< not copyable
+    TreeEdit& operator=(const TreeEdit&) = delete;  ///< not copyable
 
-    /// A new node; without a parent it is a root. Its id is greater than all before it.
+    /// Adds a node; without a parent it is a root. Its id is greater than all existing ids.
     StableId add(StableId parent, Vec3 position, float radius);
-    void remove(StableId tip);             ///< a node without children
-    void remove_subtree(StableId n);       ///< the node and all that hangs on it
-    void move(StableId n, Vec3 position);  ///< puts the node there, and nothing else
-    /// Moves the node and all that hangs on it as one. The history keeps little of that.
+    void remove(StableId tip);             ///< removes a node without children
+    void remove_subtree(StableId n);       ///< removes the node and its descendants
+    void move(StableId n, Vec3 position);  ///< moves only this node
+    /// Moves the node and its descendants rigidly. The history stores this compactly.
     void move_subtree(StableId n, const edit_internal::Motion& motion);
-    void set_radius(StableId n, float radius);  ///< of this node
-    /// Tells that what ends at the node turns, as rigid branches do, beside moving.
+    void set_radius(StableId n, float radius);  ///< sets the radius of this node
+    /// Records a rotation of the segment that ends at the node, in addition to its displacement.
     void turn(StableId n, const Rotation& by);
-    /// Hangs the node, with all that hangs on it, on another one, or on none; nothing moves. Throws
-    /// InvalidInput where `parent` hangs on n. O(depth).
+    /// Attaches the node with its descendants to another parent, or makes it a root; positions do not change.
+    /// Throws InvalidInput if `parent` is a descendant of n. O(depth).
     void set_parent(StableId n, StableId parent);
 
-    /// Ends the edit and remembers it, unless nothing changed; what had been undone cannot be redone then.
-    /// Throws InvalidInput naming the node, and takes all back, where an invariant would break: a position or
-    /// radius that is not finite or beyond 1e15 m, a radius below 1e-12 m, nodes that would coincide, no node
-    /// left.
+    /// Ends the edit and adds it to the history, unless nothing changed; undone edits can then no longer be
+    /// redone. Throws InvalidInput naming the node, and rolls back, if an invariant would be violated: a
+    /// position or radius that is not finite or beyond 1e15 m, a radius below 1e-12 m, coincident nodes, or
+    /// no remaining node.
     EditChange commit();
 
   private:
@@ -187,8 +194,8 @@ class TreeEdit {
     bool committed_ = false;
     bool sorted_ = true;
     EditableTree::Nodes before_;
-    std::vector<std::pair<StableId, Rotation>> turns_;  ///< where the tree notes them
-    std::unique_ptr<EditableTree::Moves> moves_;        ///< subtrees that moved as one
+    std::vector<std::pair<StableId, Rotation>> turns_;  ///< used if the tree records rotations
+    std::unique_ptr<EditableTree::Moves> moves_;        ///< subtrees that moved rigidly
 };
 
 }  // namespace coppice

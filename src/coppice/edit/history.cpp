@@ -15,10 +15,11 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr std::uint32_t kLeastFollowers = 6;  // fewer nodes take less than what moved them
-constexpr std::uint8_t kFollows = 1 << 5;     // of the bits that say what changed
+constexpr std::uint32_t kMinFollowers = 6;  // fewer nodes need less memory than the motion
+constexpr std::uint8_t kFollows = 1 << 5;   // flag in the byte of changed words
 
-/// Numbers of seven bits a byte, the least first: small ones, as differences are, take little.
+/// Appends a number with seven bits per byte, least significant first, so that small numbers, such as
+/// differences, need little memory.
 void put_number(Bytes& bytes, std::uint32_t value) {
     for (; value >= 128; value >>= 7) bytes.push_back(static_cast<std::uint8_t>(value | 128));
     bytes.push_back(static_cast<std::uint8_t>(value));
@@ -45,7 +46,7 @@ void take_bits(const Bytes& bytes, std::size_t& at, T& value) {
     at += sizeof(T);
 }
 
-/// What is as usual is left out.
+/// Appends a motion without the members that have their default value.
 void put_motion(Bytes& bytes, const Motion& motion) {
     const Motion usual{.from = motion.from, .to = Vec3d(motion.from), .turn = {}};
     const bool shifts = motion.to != usual.to, turns = motion.turn != usual.turn,
@@ -68,7 +69,7 @@ Motion take_motion(const Bytes& bytes, std::size_t& at) {
     return motion;
 }
 
-/// Floats in their order, each the number after that of the one below; -0 and 0 are two.
+/// Returns the rank of a float in ascending order; -0 and 0 have different ranks.
 std::uint32_t rank(float value) {
     const auto bits = std::bit_cast<std::uint32_t>(value);
     return (bits >> 31) != 0 ? ~bits : bits | 0x80000000u;
@@ -78,8 +79,9 @@ float of_rank(std::uint32_t rank) {
     return std::bit_cast<float>((rank >> 31) != 0 ? rank & 0x7fffffffu : ~rank);
 }
 
-/// How many floats lie between two places, by axis: mostly none or one, and one byte for all three then.
-constexpr std::int32_t kLeastStep = -3, kSteps = 6;
+/// Range of the number of floats between two positions per axis that fits into one byte for all three axes:
+/// usually 0 or 1.
+constexpr std::int32_t kMinStep = -3, kSteps = 6;
 constexpr std::uint8_t kFarther = 255;
 
 void put_steps(Bytes& bytes, Vec3 from, Vec3 to) {
@@ -89,8 +91,8 @@ void put_steps(Bytes& bytes, Vec3 from, Vec3 to) {
     for (int i = 0; i < 3; ++i) {
         const auto step = static_cast<std::int32_t>(rank(to[i]) - rank(from[i]));
         steps[static_cast<std::size_t>(i)] = step;
-        near = near && step >= kLeastStep && step < kLeastStep + kSteps;
-        code = code * kSteps + static_cast<std::uint32_t>(step - kLeastStep);
+        near = near && step >= kMinStep && step < kMinStep + kSteps;
+        code = code * kSteps + static_cast<std::uint32_t>(step - kMinStep);
     }
     bytes.push_back(near ? static_cast<std::uint8_t>(code) : kFarther);
     if (near) return;
@@ -108,13 +110,13 @@ Vec3 take_steps(const Bytes& bytes, std::size_t& at, Vec3 from) {
         }
     } else {
         for (std::size_t i = 3; i-- > 0; code /= kSteps)
-            steps[i] = code % kSteps + static_cast<std::uint32_t>(kLeastStep);
+            steps[i] = code % kSteps + static_cast<std::uint32_t>(kMinStep);
     }
     return {of_rank(rank(from.x) + steps[0]), of_rank(rank(from.y) + steps[1]),
             of_rank(rank(from.z) + steps[2])};
 }
 
-/// The words of a node that deltas are made of: parent, position, radius.
+/// The words of a node that deltas combine: parent, position, radius.
 using Words = std::array<std::uint32_t, 5>;
 
 Words words_of(StableId parent, Vec3 p, float radius) {
@@ -138,9 +140,10 @@ Vec3 moved_back(const Motion& motion, Vec3 p) {
 
 }  // namespace edit_internal
 
-/// First the motions that many nodes followed, then the nodes that changed: how much greater the id is than
-/// that of the one before, which words changed, these combined by exclusive or. Of nodes that followed a
-/// motion, in place of their position, which one, and what rounding takes when it is taken back.
+/// Encoding: first the motions that many nodes followed, then the changed nodes, each with the difference of
+/// its id from the previous one, the flags of changed words, and these words combined by exclusive or. Nodes
+/// that followed a motion store, instead of their position, the index of the motion and the rounding error of
+/// its inverse.
 EditableTree::Delta EditableTree::delta_from(const Nodes& before, std::uint32_t slots_before,
                                              Moves moves) const {
     moves.keep_followed(before, *this);
@@ -201,7 +204,8 @@ EditChange EditableTree::flip(const Delta& delta, bool forward) {
     return change_from(before);
 }
 
-/// Leaves the motions that enough nodes followed to the bit and did nothing else, and these nodes, by id.
+/// Keeps only motions that enough nodes followed bit-identically and without other moves, and these nodes,
+/// sorted by id.
 void EditableTree::Moves::keep_followed(const Nodes& before, const EditableTree& tree) {
     std::ranges::stable_sort(followers, {}, [](const auto& f) { return f.first; });
     const auto same_node = [](const auto& a, const auto& b) { return a.first == b.first; };
@@ -216,11 +220,11 @@ void EditableTree::Moves::keep_followed(const Nodes& before, const EditableTree&
         if (follows) ++count[f.second];
         return !follows;
     });
-    std::erase_if(followers, [&](const auto& f) { return count[f.second] < kLeastFollowers; });
+    std::erase_if(followers, [&](const auto& f) { return count[f.second] < kMinFollowers; });
     std::vector<std::uint32_t> number(motions.size());
     std::uint32_t kept = 0;
     for (std::size_t i = 0; i < motions.size(); ++i) {
-        if (count[i] < kLeastFollowers) continue;
+        if (count[i] < kMinFollowers) continue;
         number[i] = kept;
         motions[kept++] = motions[i];
     }

@@ -22,11 +22,13 @@ struct DrawnRadii {
     double first, last;
 };
 
-DrawnRadii radii_of(const DrawOptions& options, double otherwise, double limit) {
+DrawnRadii compute_radii(const DrawOptions& options, double otherwise, double limit) {
     for (const double r : {options.radius, options.tip_radius}) {
         if (!(r >= 0) || !std::isfinite(r))
             throw InvalidInput(
-                fmt::format("a branch cannot have the radius {}; give one above 0, or 0 for its host's", r));
+                fmt::format("a branch cannot have the radius {}; enter a radius above 0, or 0 for the radius "
+                            "of the parent branch",
+                            r));
     }
     const double first = std::min(options.radius > 0 ? options.radius : otherwise, limit);
     const double last = options.tip_radius > 0 ? options.tip_radius : 0.25 * first;
@@ -37,33 +39,32 @@ Foot checked_foot(const EditableTree& tree, Vec3d place, double snap) {
     const Foot foot = nearest_foot(tree, place, [](StableId) { return true; });
     if (foot.distance > snap * foot.radius) {
         throw InvalidInput(
-            fmt::format("the first point is {:.4g} m from the nearest axis, at node {}, whose radius is "
+            fmt::format("the first point is {:.4g} m from the nearest axis, at node {}, with the radius "
                         "{:.4g} m; begin nearer, raise snap, or draw it alone",
                         foot.distance, foot.node.index(), foot.radius));
     }
     return foot;
 }
 
-/// The branches that a graft takes along: what is named, or all that hangs on a root.
+/// Returns the branches that a graft moves: the given one, or all children of a root.
 std::vector<StableId> branches_to_graft(const EditableTree& tree, StableId branch) {
     if (!tree.is_root(branch)) return {branch};
     std::vector<StableId> all;
     for (StableId c = tree.first_child(branch); c; c = tree.next_sibling(c)) all.push_back(c);
     if (all.empty()) {
-        throw InvalidInput(
-            fmt::format("node {} is a tree of a single node, and nothing hangs on it to graft; "
-                        "append to the host instead",
-                        branch.index()));
+        throw InvalidInput(fmt::format(
+            "node {} is a tree of a single node, without branches to graft; append to the host instead",
+            branch.index()));
     }
     return all;
 }
 
-/// Where a branch is grafted.
+/// Returns the point at which a branch is grafted.
 Foot host_foot(const EditableTree& tree, StableId host, double along) {
     check_node(tree, host);
     if (!(along >= 0 && along <= 1)) {
         throw InvalidInput(
-            fmt::format("along is {}; it is from 0, the parent of the host, to 1, the host", along));
+            fmt::format("along is {}; it must be from 0, the parent of the host, to 1, the host", along));
     }
     Foot foot{.node = host,
               .t = along,
@@ -78,9 +79,9 @@ Foot host_foot(const EditableTree& tree, StableId host, double along) {
     return foot;
 }
 
-/// From how a branch leaves its joint to how the host is reached.
+/// Returns the rotation from the previous direction of the parent branch to that of the host.
 Rotation turn_to(const EditableTree& tree, Vec3d old_way, StableId host, const GraftOptions& options) {
-    return options.align ? rotation_between(old_way, direction_of(tree, host)) : Rotation{};
+    return options.align ? rotation_between(old_way, compute_direction(tree, host)) : Rotation{};
 }
 
 }  // namespace
@@ -92,7 +93,8 @@ EditChange draw(EditableTree& tree, std::span<const Vec3d> points, const DrawOpt
     std::vector<Vec3d> place;
     std::vector<double> along;
     for (const Vec3d p : points) {
-        if (!is_finite(p)) throw InvalidInput("a point to draw through is not finite; give three numbers");
+        if (!is_finite(p))
+            throw InvalidInput("a point to draw through is not finite; enter three finite numbers");
         place.push_back(p - tree.origin());
         along.push_back(along.empty() ? 0 : along.back() + distance(place.back(), place[place.size() - 2]));
     }
@@ -100,11 +102,11 @@ EditChange draw(EditableTree& tree, std::span<const Vec3d> points, const DrawOpt
     StableId last;
     DrawnRadii radii{};
     if (options.alone) {
-        radii = radii_of(options, along.back() / 50, 1e15);
+        radii = compute_radii(options, along.back() / 50, 1e15);
         last = edit.add(StableId::none(), Vec3(place[0]), static_cast<float>(radii.first));
     } else {
         const Foot foot = checked_foot(tree, place[0], options.snap);
-        radii = radii_of(options, 0.5 * foot.radius, foot.radius);
+        radii = compute_radii(options, 0.5 * foot.radius, foot.radius);
         last = node_at(edit, tree, foot);
     }
     for (std::size_t i = 1; i < place.size(); ++i) {
@@ -119,7 +121,8 @@ EditChange append(EditableTree& tree, StableId host, Vec3d by, double radius) {
     check_node(tree, host);
     TreeEdit edit(tree);
     if (!(radius >= 0))
-        throw InvalidInput(fmt::format("the radius {} is not above 0; give 0 for the host's", radius));
+        throw InvalidInput(
+            fmt::format("the radius {} is not above 0; enter 0 for the radius of the host", radius));
     edit.add(host, Vec3(place_of(tree, host) + by),
              radius > 0 ? static_cast<float>(radius) : tree.radius(host));
     return edit.commit();
@@ -131,13 +134,13 @@ EditChange graft(EditableTree& tree, StableId branch, StableId host, const Graft
     const std::vector<StableId> tops = branches_to_graft(tree, branch);
     if (hangs_on(tree, host, branch)) {
         throw InvalidInput(
-            fmt::format("node {1} hangs on node {0}, so that {0} would be grafted into itself; choose a "
-                        "host outside the subtree of {0}",
+            fmt::format("node {1} hangs on node {0}, so that {0} would be grafted into itself; choose a host "
+                        "outside the subtree of {0}",
                         branch.index(), host.index()));
     }
     TreeEdit edit(tree);
-    const StableId joint = joint_of(tree, branch);
-    const Vec3d old_way = tree.is_root(branch) ? kUp : direction_of(tree, joint);
+    const StableId joint = find_joint(tree, branch);
+    const Vec3d old_way = tree.is_root(branch) ? kUp : compute_direction(tree, joint);
     const Rotation turn = turn_to(tree, old_way, host, options);
     const StableId at = node_at(edit, tree, foot);
     const Motion motion{.from = tree.position(joint), .to = place_of(tree, at), .turn = turn};
@@ -152,7 +155,7 @@ EditChange graft(EditableTree& tree, StableId branch, StableId host, const Graft
 
 EditChange graft(EditableTree& tree, const Skeleton& branch, StableId host, const GraftOptions& options) {
     if (branch.tree_count() != 1 || branch.size() < 2)
-        throw InvalidInput("what is grafted has to be one tree of a root and a segment or more");
+        throw InvalidInput("the grafted skeleton must be a single tree with a root and at least one segment");
     const Foot foot = host_foot(tree, host, options.along);
     TreeEdit edit(tree);
     const Rotation turn = turn_to(tree, kUp, host, options);

@@ -8,8 +8,8 @@
 
 namespace coppice::edit_internal {
 
-/// What moves a branch as a whole: it is turned and scaled about a place, which goes to another one. A factor
-/// below 0 mirrors.
+/// Similarity transformation of a branch: rotation and scaling about `from`, which moves to `to`. A negative
+/// factor mirrors.
 struct Motion {
     Vec3 from;
     Vec3d to;
@@ -19,9 +19,9 @@ struct Motion {
     friend bool operator==(const Motion&, const Motion&) = default;
 };
 
-/// Where p goes. One function, so that doing it again gives the same bits.
+/// Returns the image of p. A single function, so that redoing a motion is bit-identical.
 Vec3 moved(const Motion& motion, Vec3 p);
-/// Where p was, about: rounding took the rest.
+/// Returns the preimage of p, up to rounding.
 Vec3 moved_back(const Motion& motion, Vec3 p);
 
 }  // namespace coppice::edit_internal
@@ -30,7 +30,8 @@ namespace coppice {
 
 struct EditableTree::Moves {
     std::vector<edit_internal::Motion> motions;
-    std::vector<std::pair<StableId, std::uint32_t>> followers;  ///< nodes, and by which motion they moved
+    std::vector<std::pair<StableId, std::uint32_t>>
+        followers;  ///< nodes, and the index of the motion that moved each
 
     void keep_followed(const Nodes& before, const EditableTree& tree);
 };

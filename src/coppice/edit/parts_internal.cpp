@@ -7,14 +7,13 @@
 namespace coppice::edit_internal {
 
 void check_set(const EditableTree& tree, const NodeSet& set) {
-    if (set.empty()) throw InvalidInput("no node is selected; select shows what a selection holds");
+    if (set.empty()) throw InvalidInput("no node is selected; use select to list the nodes of a selection");
     for (const StableId n : set) check_node(tree, n);
 }
 
-std::vector<StableId> tops_of(const EditableTree& tree, const NodeSet& set) {
+std::vector<StableId> find_tops(const EditableTree& tree, const NodeSet& set) {
     std::vector<StableId> tops;
-    // What was found not to be below a node of the set need not be looked at again, but a set is mostly one
-    // subtree, whose nodes find their parents in it at once.
+    // Paths are not cached: a set is usually a subtree, and its nodes find their parents in it at once.
     for (const StableId n : set) {
         StableId above = tree.parent(n);
         while (above && !holds(set, above)) above = tree.parent(above);
@@ -23,7 +22,7 @@ std::vector<StableId> tops_of(const EditableTree& tree, const NodeSet& set) {
     return tops;
 }
 
-Vec3d direction_of(const EditableTree& tree, StableId n) {
+Vec3d compute_direction(const EditableTree& tree, StableId n) {
     if (!tree.is_root(n)) return normalized(place_of(tree, n) - place_of(tree, tree.parent(n)));
     if (tree.is_tip(n)) return {0, 0, 1};
     return normalized(place_of(tree, tree.leader(n)) - place_of(tree, n));
@@ -47,7 +46,8 @@ StableId split_segment(TreeEdit& edit, const EditableTree& tree, StableId n, dou
     const Segment s = tree.segment(n);
     const bool leads = tree.leader(parent) == n;
     float radius = static_cast<float>(s.radius_a + (double{s.radius_b} - s.radius_a) * t);
-    // The new node is the last of its siblings, so that it has to be the thickest to lead as n did.
+    // The new node is the last of its siblings, so that it has to be the thickest to be the leader in place
+    // of n.
     for (StableId c = tree.first_child(parent); leads && c; c = tree.next_sibling(c)) {
         if (c != n && tree.radius(c) >= radius) radius = std::nextafter(tree.radius(c), 1e30f);
     }
@@ -71,7 +71,7 @@ Foot foot_on(const EditableTree& tree, StableId n, Vec3d p) {
 }
 
 StableId node_at(TreeEdit& edit, const EditableTree& tree, const Foot& foot) {
-    constexpr double kNear = 0.2;  // of the radius: segments much shorter than wide show nothing
+    constexpr double kNear = 0.2;  // [radius] much shorter segments have no visible effect
     if (tree.is_root(foot.node)) return foot.node;
     const StableId parent = tree.parent(foot.node);
     const double room = kNear * foot.radius;

@@ -13,45 +13,45 @@ inline Vec3d place_of(const EditableTree& tree, StableId n) { return Vec3d(tree.
 
 inline bool holds(const NodeSet& set, StableId n) { return std::ranges::binary_search(set, n); }
 
-/// Throws where a set is empty or names nodes that are not there.
+/// Throws InvalidInput if a set is empty or contains nodes that do not exist.
 void check_set(const EditableTree& tree, const NodeSet& set);
 
-/// The nodes of a set that hang on no other one of it.
-std::vector<StableId> tops_of(const EditableTree& tree, const NodeSet& set);
+/// Returns the nodes of a set without an ancestor in it.
+std::vector<StableId> find_tops(const EditableTree& tree, const NodeSet& set);
 
-/// The joint that a node leaves from: its parent, or itself where it is a root.
-inline StableId joint_of(const EditableTree& tree, StableId n) {
+/// Returns the joint of a branch: the parent of its first node, or the node itself if it is a root.
+inline StableId find_joint(const EditableTree& tree, StableId n) {
     return tree.is_root(n) ? n : tree.parent(n);
 }
 
-/// The direction in which a node is reached; of a root, in which its leader leaves.
-Vec3d direction_of(const EditableTree& tree, StableId n);
+/// Returns the direction of the segment that ends at a node; for a root, of the segment to its leader.
+Vec3d compute_direction(const EditableTree& tree, StableId n);
 
-/// Whether n is `top` or hangs on it. O(depth).
+/// Returns whether n is `top` or a descendant of it. O(depth).
 bool hangs_on(const EditableTree& tree, StableId n, StableId top);
 
-/// The part of the axis of a node that is tipward of it, from the node itself.
+/// Returns the section of the axis of a node from the node to the tip.
 std::vector<StableId> axis_from(const EditableTree& tree, StableId n);
 
-/// A new node on the segment that ends at n, with the radius that the segment has there, so that the surface
-/// stays as it is; t in (0, 1) from the parent.
+/// Inserts a node into the segment that ends at n, with the radius of the segment there, so that the surface
+/// is unchanged; t in (0, 1) from the parent.
 StableId split_segment(TreeEdit& edit, const EditableTree& tree, StableId n, double t);
 
-/// Lets no radius of a subtree exceed a limit.
+/// Limits the radii of a subtree.
 void limit_radii(TreeEdit& edit, const EditableTree& tree, StableId top, float limit);
 
-/// A point of a tree's axes.
+/// A point on an axis of a tree.
 struct Foot {
-    StableId node;        ///< end of its segment; a root without segments for a ball; none: nothing was found
-    double t = 1;         ///< where on the segment, 1 at the node
-    Vec3d place;          ///< [m] local
+    StableId node;  ///< end of its segment; a root without segments for a ball; none if no point was found
+    double t = 1;   ///< parameter on the segment, 1 at the node
+    Vec3d place;    ///< [m] local
     double distance = 0;  ///< [m]
-    double radius = 0;    ///< [m] of the wood there
+    double radius = 0;    ///< [m] of the branch there
 };
 
 Foot foot_on(const EditableTree& tree, StableId n, Vec3d p);
 
-/// The point of all axes that is nearest to p, of nodes that `counts` holds of. O(n).
+/// Returns the closest point to p on all axes, among the nodes for which `counts` returns true. O(n).
 template <class Counts>
 Foot nearest_foot(const EditableTree& tree, Vec3d p, const Counts& counts) {
     Foot best;
@@ -63,7 +63,8 @@ Foot nearest_foot(const EditableTree& tree, Vec3d p, const Counts& counts) {
     return best;
 }
 
-/// The node at a foot: that of an end that is within a fifth of the radius, else a new one.
+/// Returns the node at a point of an axis: an end of the segment within a fifth of the radius, otherwise a
+/// new node.
 StableId node_at(TreeEdit& edit, const EditableTree& tree, const Foot& foot);
 
 }  // namespace coppice::edit_internal

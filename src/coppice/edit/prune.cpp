@@ -24,16 +24,16 @@ std::vector<StableId> parents_first(const EditableTree& tree) {
     return all;
 }
 
-/// What pruning asks of a node and all that hangs on it.
+/// Quantities that pruning needs of a node and its descendants.
 struct Branch {
-    bool leads = false;  ///< it goes on with its parent's axis
+    bool leads = false;  ///< continues the axis of its parent
     int order = 0;
-    double length = 0;                                       ///< [m] the longest way from its joint to a tip
-    double shade = std::numeric_limits<double>::infinity();  ///< the least of its tips
+    double length = 0;                                       ///< [m] longest path from its joint to a tip
+    double shade = std::numeric_limits<double>::infinity();  ///< minimum over its tips
 };
 
-Column<StableId, Branch> branches_of(const EditableTree& tree, const std::vector<StableId>& order,
-                                     const Column<StableId, double>& shade) {
+Column<StableId, Branch> find_branches(const EditableTree& tree, const std::vector<StableId>& order,
+                                       const Column<StableId, double>& shade) {
     Column<StableId, Branch> branch(tree.slots());
     for (const StableId n : order) {
         const StableId leader = tree.leader(n);
@@ -54,7 +54,7 @@ Column<StableId, Branch> branches_of(const EditableTree& tree, const std::vector
     return branch;
 }
 
-/// The most shade that no branch goes for.
+/// Returns the maximum shade for which no branch is removed.
 double allowed_shade(const EditableTree& tree, const Column<StableId, double>& shade, const PruneOptions& o) {
     double limit = o.shade > 0 ? double{o.shade} : std::numeric_limits<double>::infinity();
     if (o.shade_share <= 0) return limit;
@@ -74,14 +74,14 @@ bool goes(const PruneOptions& o, double allowed_shade, const Branch& b, float ra
     return (o.length > 0 && b.length < double{o.length}) || b.shade > allowed_shade;
 }
 
-double greatest_extent(const EditableTree& tree) {
+double max_extent(const EditableTree& tree) {
     Box3 box;
     for (const StableId n : tree.nodes()) box.extend(tree.position(n));
     const Vec3 size = box.size();
     return std::max({size.x, size.y, size.z});
 }
 
-/// Values within a solid in world space, at local places.
+/// Evaluates a solid in world space at positions relative to the origin of the tree.
 class SolidTest {
   public:
     SolidTest(const EditableTree& tree, const Solid& solid) : field_(solid), origin_(tree.origin()) {}
@@ -104,7 +104,7 @@ class SolidTest {
     Vec3d origin_;
 };
 
-/// Where on the segment from a to b the surface is crossed, a being on the side that is kept.
+/// Returns the parameter at which the segment from a to b crosses the surface; a is on the side that is kept.
 double crossing(const SolidTest& test, Vec3d a, Vec3d b, bool keep_inside) {
     double low = 0, high = 1;
     for (int i = 0; i < 30; ++i) {
@@ -116,16 +116,16 @@ double crossing(const SolidTest& test, Vec3d a, Vec3d b, bool keep_inside) {
 
 void cut_at_surface(TreeEdit& edit, const EditableTree& tree, StableId n, const SolidTest& test,
                     bool keep_inside) {
-    constexpr double kLeastStub = 1e-4;  // of the segment
+    constexpr double kMinStub = 1e-4;  // [segment length]
     const double t = crossing(test, place_of(tree, tree.parent(n)), place_of(tree, n), keep_inside);
-    if (t > kLeastStub && t < 1) split_segment(edit, tree, n, t);
+    if (t > kMinStub && t < 1) split_segment(edit, tree, n, t);
     edit.remove_subtree(n);
 }
 
 }  // namespace
 
 Column<StableId, double> shade_of_tips(const EditableTree& tree, double cell) {
-    constexpr double kShade = 0.2, kFade = 0.5;  // of a tip on its own cube, and from layer to layer
+    constexpr double kShade = 0.2, kFade = 0.5;  // shade of a tip in its own cell, and factor per layer
     constexpr int kLayers = 7;
     using Cube = std::array<std::int32_t, 3>;
     const auto cube_of = [&](StableId n) {
@@ -136,7 +136,8 @@ Column<StableId, double> shade_of_tips(const EditableTree& tree, double cell) {
                 static_cast<std::int32_t>(std::clamp(std::floor(p[axis]), -1e9, 1e9));
         return out;
     };
-    // Tips by cube, then the shade of a cube from all cubes above: few cubes hold tips.
+    // Tips are sorted by cell, and the shade of a cell is summed over all cells above it, because few cells
+    // contain tips.
     std::vector<std::pair<Cube, StableId>> tips;
     for (const StableId n : tree.nodes()) {
         if (tree.is_tip(n)) tips.emplace_back(cube_of(n), n);
@@ -154,7 +155,7 @@ Column<StableId, double> shade_of_tips(const EditableTree& tree, double cell) {
             shade[tip] = shade[tips[i - 1].second];
             continue;
         }
-        double sum = -kShade;  // not of itself
+        double sum = -kShade;  // a tip does not shade itself
         double strength = kShade;
         for (std::int32_t up = 0; up < kLayers; ++up, strength *= kFade) {
             for (std::int32_t x = -up; x <= up; ++x) {
@@ -171,19 +172,19 @@ EditChange prune(EditableTree& tree, const NodeSet& nodes, const PruneOptions& o
     check_set(tree, nodes);
     Column<StableId, double> shade;
     if (options.shade > 0 || options.shade_share > 0) {
-        const double extent = greatest_extent(tree);
+        const double extent = max_extent(tree);
         const double cell = options.shade_cell > 0 ? double{options.shade_cell} : extent / 50;
         if (!(cell > 0))
-            throw InvalidInput("the tree has no extent that shade could be counted in; set shade_cell");
+            throw InvalidInput("the tree has no extent in which shade could be computed; set shade_cell");
         shade = shade_of_tips(tree, cell);
     }
     const std::vector<StableId> order = parents_first(tree);
-    const Column<StableId, Branch> branch = branches_of(tree, order, shade);
-    const double most_shade = allowed_shade(tree, shade, options);
+    const Column<StableId, Branch> branch = find_branches(tree, order, shade);
+    const double max_shade = allowed_shade(tree, shade, options);
     TreeEdit edit(tree);
     for (const StableId n : order) {
         if (tree.contains(n) && !tree.is_root(n) && holds(nodes, n) &&
-            goes(options, most_shade, branch[n], tree.radius(n)))
+            goes(options, max_shade, branch[n], tree.radius(n)))
             edit.remove_subtree(n);
     }
     return edit.commit();
@@ -196,7 +197,8 @@ EditChange prune_by_solid(EditableTree& tree, const NodeSet& nodes, const Solid&
     std::vector<Vec3> points;
     for (const StableId n : order) points.push_back(test.world(tree, n));
     const std::vector<float> values = test.values(points);
-    Column<StableId, std::uint8_t> wanted(tree.slots()), reaches(tree.slots());  // itself; or anything beyond
+    Column<StableId, std::uint8_t> wanted(tree.slots()),
+        reaches(tree.slots());  // by node: whether it is kept; whether it or a descendant is kept
     for (std::size_t i = order.size(); i-- > 0;) {
         const StableId n = order[i];
         wanted[n] = (values[i] >= Solid::kSurface) == keep_inside;
@@ -217,7 +219,7 @@ EditChange prune_by_solid(EditableTree& tree, const NodeSet& nodes, const Solid&
     }
     if (kept == 0) {
         throw InvalidInput(
-            fmt::format("all of the tree is {} the solid, so that nothing would be left; move the solid",
+            fmt::format("all of the tree is {} the solid, so that no node would remain; move the solid",
                         keep_inside ? "outside" : "within"));
     }
     return edit.commit();

@@ -13,26 +13,26 @@ using namespace edit_internal;
 
 namespace {
 
-/// Moves branches, each as motion(top, joint) says.
+/// Moves branches, each by motion(top, joint).
 template <class MotionOf>
 void move_branches(TreeEdit& edit, const EditableTree& tree, const NodeSet& nodes, const MotionOf& motion) {
     check_set(tree, nodes);
-    for (const StableId top : tops_of(tree, nodes)) {
-        const Vec3 joint = tree.position(joint_of(tree, top));
+    for (const StableId top : find_tops(tree, nodes)) {
+        const Vec3 joint = tree.position(find_joint(tree, top));
         edit.move_subtree(top, motion(top, Motion{.from = joint, .to = Vec3d(joint), .turn = {}}));
     }
 }
 
-Vec3d checked_direction(Vec3d v, const char* what) {
+Vec3d checked_direction(Vec3d v, const char* subject) {
     if (!is_finite(v) || !(length_squared(v) > 0))
         throw InvalidInput(
-            fmt::format("the {} has no direction; give three numbers that are not all 0", what));
+            fmt::format("the {} has no direction; enter three numbers that are not all 0", subject));
     return normalized(v);
 }
 
 Vec3d axis_of_turn(const EditableTree& tree, StableId top, const TurnOptions& options) {
-    const Vec3d own = direction_of(tree, top);
-    const Vec3d host = tree.is_root(top) ? Vec3d{0, 0, 1} : direction_of(tree, tree.parent(top));
+    const Vec3d own = compute_direction(tree, top);
+    const Vec3d host = tree.is_root(top) ? Vec3d{0, 0, 1} : compute_direction(tree, tree.parent(top));
     switch (options.about) {
         case TurnAxis::own:
             return own;
@@ -47,7 +47,7 @@ Vec3d axis_of_turn(const EditableTree& tree, StableId top, const TurnOptions& op
 }
 
 void copy_mirrored(TreeEdit& edit, const EditableTree& tree, StableId top, Vec3d normal) {
-    const Vec3d joint = place_of(tree, joint_of(tree, top));
+    const Vec3d joint = place_of(tree, find_joint(tree, top));
     std::unordered_map<std::uint32_t, StableId> copy_of;
     for (const StableId n : tree.subtree(top)) {
         const Vec3d p = place_of(tree, n) - joint;
@@ -79,14 +79,14 @@ EditChange rotate(EditableTree& tree, const NodeSet& nodes, const TurnOptions& o
 
 EditChange scale(EditableTree& tree, const NodeSet& nodes, double factor, bool radii) {
     if (!(factor > 0) || !std::isfinite(factor))
-        throw InvalidInput(fmt::format("the factor {} is not above 0; give 0.5 for half the size", factor));
+        throw InvalidInput(fmt::format("the factor {} is not above 0; enter 0.5 for half the size", factor));
     TreeEdit edit(tree);
     move_branches(edit, tree, nodes, [&](StableId, Motion m) {
         m.factor = factor;
         return m;
     });
     if (radii) {
-        for (const StableId top : tops_of(tree, nodes)) {
+        for (const StableId top : find_tops(tree, nodes)) {
             tree.visit_subtree(
                 top, [&](StableId n) { edit.set_radius(n, static_cast<float>(tree.radius(n) * factor)); });
         }
@@ -99,17 +99,17 @@ EditChange mirror(EditableTree& tree, const NodeSet& nodes, Vec3d normal, bool c
     TreeEdit edit(tree);
     if (copy) {
         check_set(tree, nodes);
-        for (const StableId top : tops_of(tree, nodes)) {
+        for (const StableId top : find_tops(tree, nodes)) {
             if (tree.is_root(top)) {
                 throw InvalidInput(
-                    fmt::format("node {} is a root, so that its mirrored copy would begin in it; "
-                                "mirror what hangs on it, as children({})",
+                    fmt::format("node {} is a root, so that its mirrored copy would begin in it; mirror its "
+                                "branches, as in children({})",
                                 top.index(), top.index()));
             }
             copy_mirrored(edit, tree, top, across);
         }
     } else {
-        // Half a turn about the normal, and every vector the other way.
+        // Half a turn about the normal, and a negative factor.
         move_branches(edit, tree, nodes, [&](StableId, Motion m) {
             m.turn = {0, across};
             m.factor = -1;

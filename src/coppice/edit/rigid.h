@@ -8,16 +8,16 @@
 
 namespace coppice {
 
-// Moving, turning and scaling of branches. Each works on the nodes that are selected and all that hangs on
-// them; a branch turns about its joint, the node that it leaves from, which stays. All throw InvalidInput
-// where nothing is selected, and change nothing then. O(nodes moved).
+// Edits that move, rotate and scale branches. Each applies to the selected nodes and their descendants; a
+// branch rotates about its joint, the parent of its first node, which does not move. All throw InvalidInput
+// if the selection is empty; the tree is unchanged then. O(nodes moved).
 
-/// What a branch is turned about.
+/// Axis about which a branch is rotated.
 enum class TurnAxis {
-    given,  ///< a direction in space
-    own,    ///< its own direction at the joint: it rolls
-    host,   ///< the direction of what it grows from: it goes round that
-    side,   ///< across both: it is raised towards the direction of its host
+    given,  ///< a direction in world space
+    own,    ///< its own direction at the joint: rolls the branch
+    host,   ///< the direction of the parent branch: changes the azimuth
+    side,   ///< perpendicular to both: raises the branch towards the direction of its parent branch
 };
 
 template <>
@@ -25,25 +25,25 @@ struct EnumNames<TurnAxis> {
     static constexpr std::array<std::string_view, 4> names{"given", "own", "host", "side"};
 };
 
-/// How branches turn.
+/// Options of rotate.
 struct TurnOptions {
     double angle = 0;                  ///< [rad] counter-clockwise seen against the axis
-    TurnAxis about = TurnAxis::given;  ///< what they turn about
-    Vec3d axis{0, 0, 1};               ///< of TurnAxis::given; any length but 0
+    TurnAxis about = TurnAxis::given;  ///< axis of the rotation
+    Vec3d axis{0, 0, 1};               ///< for TurnAxis::given; any length except 0
 };
 
-/// Moves branches by a vector [m].
+/// Translates branches by a vector [m].
 EditChange translate(EditableTree& tree, const NodeSet& nodes, Vec3d by);
 
-/// Turns branches, each about its joint.
+/// Rotates branches, each about its joint.
 EditChange rotate(EditableTree& tree, const NodeSet& nodes, const TurnOptions& options);
 
-/// Scales branches from their joints, with their radii or without. Throws InvalidInput for a factor that is
-/// not above 0.
+/// Scales branches about their joints, with or without their radii. Throws InvalidInput if the factor is not
+/// positive.
 EditChange scale(EditableTree& tree, const NodeSet& nodes, double factor, bool radii = true);
 
-/// Mirrors branches in the planes through their joints across `normal`; with `copy` they stay and mirrored
-/// ones come beside them, which hang on the same joints; roots are not copied but refused.
+/// Mirrors branches in the planes through their joints with the given normal. With `copy`, the branches are
+/// kept and mirrored copies are added at the same joints; throws InvalidInput if a root is to be copied.
 EditChange mirror(EditableTree& tree, const NodeSet& nodes, Vec3d normal, bool copy = false);
 
 }  // namespace coppice

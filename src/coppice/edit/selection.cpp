@@ -16,7 +16,7 @@
 
 namespace coppice {
 
-using edit_internal::tops_of;
+using edit_internal::find_tops;
 
 namespace {
 
@@ -35,7 +35,7 @@ NodeSet filtered(const EditableTree& tree, const Asks& asks) {
 }
 
 bool within(const std::vector<double>& range, double value) {
-    // Radii are floats and bounds are not: 0.1 as a float is more than 0.1.
+    // Compares as float, like radii: 0.1 as a float is greater than 0.1 as a double.
     return static_cast<float>(value) >= static_cast<float>(range[0]) &&
            static_cast<float>(value) <= static_cast<float>(range[1]);
 }
@@ -69,7 +69,7 @@ NodeSet within_box(const EditableTree& tree, const std::vector<double>& corners)
 NodeSet within_solid(const EditableTree& tree, const std::string& name, const SolidLookup& solids) {
     const Solid* solid = solids ? solids(name) : nullptr;
     if (solid == nullptr)
-        throw InvalidInput(fmt::format("there is no solid {} to select by; make it before, as in: sphere {}",
+        throw InvalidInput(fmt::format("there is no solid {} to select by; create it first, as in: sphere {}",
                                        quote(name), shortened(name)));
     const NodeSet all = tree.nodes();
     std::vector<Vec3> points;
@@ -90,9 +90,9 @@ void add_of_id(const EditableTree& tree, SelectionKind kind, StableId id, NodeSe
         case SelectionKind::subtree:
             return tree.visit_subtree(id, add);
         case SelectionKind::tree:
-            return tree.visit_subtree(tree.root_of(id), add);
+            return tree.visit_subtree(tree.find_root(id), add);
         case SelectionKind::axis:
-            std::ranges::copy(axis_of(tree, id), std::back_inserter(out));
+            std::ranges::copy(find_axis(tree, id), std::back_inserter(out));
             return;
         case SelectionKind::path:
             for (StableId n = id; n; n = tree.parent(n)) add(n);
@@ -105,17 +105,17 @@ void add_of_id(const EditableTree& tree, SelectionKind kind, StableId id, NodeSe
     }
 }
 
-/// The nodes by which `kind` finds the same as by all of these, each once.
+/// Returns the nodes without those that do not change the result of `kind`, without duplicates.
 NodeSet without_repeats(const EditableTree& tree, SelectionKind kind, NodeSet nodes) {
-    if (kind == SelectionKind::subtree) return sorted(tops_of(tree, nodes));
+    if (kind == SelectionKind::subtree) return sorted(find_tops(tree, nodes));
     for (StableId& n : nodes) {
-        if (kind == SelectionKind::tree) n = tree.root_of(n);
-        if (kind == SelectionKind::axis) n = axis_of(tree, n).front();
+        if (kind == SelectionKind::tree) n = tree.find_root(n);
+        if (kind == SelectionKind::axis) n = find_axis(tree, n).front();
     }
     return sorted(std::move(nodes));
 }
 
-/// From the nodes to their roots.
+/// Returns the nodes on the paths from the nodes to their roots.
 NodeSet paths_from(const EditableTree& tree, const NodeSet& nodes) {
     std::vector<bool> seen(tree.slots());
     NodeSet out;
@@ -151,10 +151,9 @@ StableId bound(const EditableTree& tree, const Selection& s) {
                                        place_text(world(tree, found.nearest)), found.distance));
     }
     if (found.twin) {
-        throw InvalidInput(
-            fmt::format("nodes {} and {} are both like {}; give all nine of its numbers, the last of "
-                        "which is the id",
-                        found.node.index(), found.twin.index(), to_text(s)));
+        throw InvalidInput(fmt::format(
+            "nodes {} and {} are both like {}; enter all nine of its numbers, the last of which is the id",
+            found.node.index(), found.twin.index(), to_text(s)));
     }
     return found.node;
 }
@@ -180,18 +179,18 @@ NodeSet combined(const Selection& s, const EditableTree& tree, const SolidLookup
 void check_node(const EditableTree& tree, StableId n) {
     if (tree.contains(n)) return;
     throw InvalidInput(
-        fmt::format("there is no node {}; {} ids from 0 to {} are in use, and select shows them", n.index(),
+        fmt::format("there is no node {}; {} ids from 0 to {} are in use, and select lists them", n.index(),
                     tree.size(), tree.slots() - 1));
 }
 
-std::vector<StableId> axis_of(const EditableTree& tree, StableId n) {
+std::vector<StableId> find_axis(const EditableTree& tree, StableId n) {
     while (!tree.is_root(n) && tree.leader(tree.parent(n)) == n) n = tree.parent(n);
     std::vector<StableId> axis{n};
     while (!tree.is_tip(axis.back())) axis.push_back(tree.leader(axis.back()));
     return axis;
 }
 
-int order_of(const EditableTree& tree, StableId n) {
+int compute_order(const EditableTree& tree, StableId n) {
     int order = 0;
     for (; !tree.is_root(n); n = tree.parent(n)) order += tree.leader(tree.parent(n)) == n ? 0 : 1;
     return order;
@@ -257,7 +256,7 @@ StableId selected_node(const EditableTree& tree, const Selection& selection, con
     const NodeSet nodes = selected(tree, selection, solids);
     if (nodes.size() != 1) {
         throw InvalidInput(
-            fmt::format("{} holds {} nodes where one is needed; name its id, or use near(x,y,z)",
+            fmt::format("{} contains {} nodes where one is needed; name its id, or use near(x,y,z)",
                         quote(to_text(selection)), nodes.size()));
     }
     return nodes.front();

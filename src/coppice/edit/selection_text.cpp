@@ -15,9 +15,9 @@ namespace coppice {
 namespace {
 
 constexpr int kDeepest = 64;
-constexpr std::size_t kMostIds = 1'000'000;
+constexpr std::size_t kMaxIds = 1'000'000;
 
-/// The names of what may be asked, in the order of SelectionKind.
+/// Names of the conditions, in the order of SelectionKind.
 constexpr std::array<std::string_view, 17> kNames{"all",    "roots", "tips",     "forks", "id",    "subtree",
                                                   "axis",   "path",  "children", "tree",  "order", "radius",
                                                   "height", "box",   "solid",    "near",  "at"};
@@ -60,7 +60,7 @@ class Parser {
     Selection one() {
         if (++depth_ > kDeepest)
             throw InvalidInput(
-                fmt::format("a selection is nested at most {} deep; leave some out", kDeepest));
+                fmt::format("a selection may be nested at most {} deep; use fewer parentheses", kDeepest));
         Selection out;
         if (take("!") || take_word("not")) {
             out.kind = SelectionKind::without;
@@ -114,14 +114,14 @@ class Parser {
         } else {
             const int count = out.kind == SelectionKind::box ? 6 : 3;
             for (int i = 0; i < count; ++i) {
-                if (i > 0 && !take(",")) fail(fmt::format("{} numbers joined by commas", count));
+                if (i > 0 && !take(",")) fail(fmt::format("{} numbers separated by commas", count));
                 out.numbers.push_back(number());
             }
         }
         if (!take(")")) fail("a closing parenthesis");
     }
 
-    /// Ids, or a selection of the nodes.
+    /// Parses ids, or a selection of the nodes.
     void named_nodes(Selection& out) {
         skip();
         const std::size_t begin = at_;
@@ -137,21 +137,20 @@ class Parser {
     }
 
     void place(Selection& out) {
-        constexpr std::size_t kLeast = 5, kMost = 9;
+        constexpr std::size_t kMin = 5, kMax = 9;
         do out.numbers.push_back(number());
-        while (out.numbers.size() < kMost && take(","));
+        while (out.numbers.size() < kMax && take(","));
         const auto& n = out.numbers;
         const auto whole = [](double value) {
             return value >= 0 && value < 4294967295.0 && value == std::floor(value);
         };
-        const bool good = n.size() >= kLeast && n.size() != kLeast + 1 && whole(n[3]) && n[4] > 0 &&
+        const bool good = n.size() >= kMin && n.size() != kMin + 1 && whole(n[3]) && n[4] > 0 &&
                           (n.size() < 7 || (n[5] >= 0 && n[5] <= 1 && n[6] >= 0)) &&
-                          (n.size() < 8 || n[7] > 0) && (n.size() < kMost || whole(n[8]));
+                          (n.size() < 8 || n[7] > 0) && (n.size() < kMax || whole(n[8]));
         if (!good)
             throw InvalidInput(
-                "at() takes x,y,z,order,radius[,along,length[,within[,id]]]: metres, along from 0 to 1, and "
-                "order "
-                "and id whole numbers");
+                "at() requires x,y,z,order,radius[,along,length[,within[,id]]]: metres, along from 0 to 1, "
+                "and order and id whole numbers");
     }
 
     void range(Selection& out) {
@@ -163,7 +162,7 @@ class Parser {
             skip();
             high = peek() == ')' ? kNone : number();
         } else if (out.kind != SelectionKind::order) {
-            fail("two numbers joined by a comma; one of them may be left out");
+            fail("two numbers separated by a comma, one of which may be left out");
         }
         out.numbers = {low, high};
     }
@@ -171,11 +170,11 @@ class Parser {
     void add_ids(std::vector<StableId>& ids) {
         const std::uint32_t first = id();
         const std::uint32_t last = take("-") ? id() : first;
-        if (last < first || last - first >= kMostIds - std::min(kMostIds, ids.size()))
+        if (last < first || last - first >= kMaxIds - std::min(kMaxIds, ids.size()))
             throw InvalidInput(
-                fmt::format("{}-{} are no ids: the first comes first, and at most {} are named; "
-                            "use subtree(ID) for many",
-                            first, last, kMostIds));
+                fmt::format("{}-{} is not a range of ids: the smaller id comes first, and at most {} are "
+                            "allowed; use subtree(ID) for many",
+                            first, last, kMaxIds));
         for (std::uint32_t i = first; i < last; ++i) ids.emplace_back(i);
         ids.emplace_back(last);
     }

@@ -16,18 +16,19 @@ using namespace edit_internal;
 
 namespace {
 
-void check_positive(double value, const char* what) {
+void check_positive(double value, const char* subject) {
     if (!(value > 0) || !std::isfinite(value))
-        throw InvalidInput(fmt::format("the {} {} is not above 0; give a finite one that is", what, value));
+        throw InvalidInput(
+            fmt::format("the {} {} is not above 0; enter a finite number above 0", subject, value));
 }
 
 void check_radius_or_zero(double value) {
     if (!(value >= 0) || !std::isfinite(value))
         throw InvalidInput(
-            fmt::format("the radius {} is not above 0; give 0 for the one that is there", value));
+            fmt::format("the radius {} is not above 0; enter 0 to keep the existing one", value));
 }
 
-/// Whether a node would still lead if it had this radius: its siblings keep theirs.
+/// Returns whether a node would still be the leader with this radius, if its siblings keep theirs.
 bool still_leads(const EditableTree& tree, StableId n, float radius) {
     for (StableId s = tree.first_child(tree.parent(n)); s; s = tree.next_sibling(s)) {
         if (s != n && (tree.radius(s) > radius || (tree.radius(s) == radius && s < n))) return false;
@@ -58,7 +59,7 @@ EditChange taper(EditableTree& tree, const NodeSet& nodes, double from, double t
     check_radius_or_zero(to);
     check_set(tree, nodes);
     TreeEdit edit(tree);
-    for (const StableId top : tops_of(tree, nodes)) {
+    for (const StableId top : find_tops(tree, nodes)) {
         const std::vector<StableId> axis = axis_from(tree, top);
         std::vector<double> along{0};
         for (std::size_t i = 1; i < axis.size(); ++i)
@@ -96,7 +97,8 @@ EditChange smooth_radii(EditableTree& tree, const NodeSet& nodes, int passes) {
 EditChange pipe_radii(EditableTree& tree, const NodeSet& nodes, double exponent) {
     check_positive(exponent, "exponent");
     check_set(tree, nodes);
-    // Children that still have to be counted of every node on a way, so that each has its turn after them.
+    // Number of children that remain to be processed for every node on a path, so that each node comes after
+    // them.
     std::unordered_map<std::uint32_t, int> waiting;
     std::unordered_set<std::uint32_t> counted;
     for (const StableId start : nodes) {

@@ -4,25 +4,25 @@
 
 namespace coppice {
 
-// Radii. Nothing moves. All throw InvalidInput where nothing is selected or a radius would not be above 0,
-// and change nothing then.
+// Edits of radii. Nodes do not move. All throw InvalidInput if the selection is empty or a radius would not
+// be positive; the tree is unchanged then.
 
-/// Gives the nodes one radius [m].
+/// Sets the radius [m] of the nodes.
 EditChange set_radii(EditableTree& tree, const NodeSet& nodes, double radius);
 
 /// Multiplies the radii of the nodes.
 EditChange scale_radii(EditableTree& tree, const NodeSet& nodes, double factor);
 
-/// Lets the axes that begin at the nodes taper evenly along their length, from their first node to their tip;
-/// of nodes that hang on each other the first counts. A radius [m] of 0 is that which is there.
+/// Tapers the axes that begin at the nodes linearly along their length, from their first node to their tip;
+/// nodes with a selected ancestor are ignored. A radius [m] of 0 keeps the existing one.
 EditChange taper(EditableTree& tree, const NodeSet& nodes, double from, double to);
 
-/// Averages radii along axes, as smooth_radii of skeleton/edit.h does: each node keeps half of its radius and
-/// takes a quarter each of its parent's and its leader's. First nodes of axes and tips stay.
+/// Averages radii along axes, like smooth_radii of skeleton/edit.h: the weights are 1/2 for the node and 1/4
+/// each for its parent and its leader. First nodes of axes and tips are unchanged.
 EditChange smooth_radii(EditableTree& tree, const NodeSet& nodes, int passes = 1);
 
-/// Radii by the pipe model [Shinozaki1964] on the ways from the nodes to their roots: r^exponent of each node
-/// that one of them hangs on becomes the sum over its children. O(all ways together).
+/// Sets the radii on the paths from the nodes to their roots by the pipe model [Shinozaki1964]: r^exponent of
+/// each ancestor becomes the sum over its children. O(total length of the paths).
 EditChange pipe_radii(EditableTree& tree, const NodeSet& nodes, double exponent = 2);
 
 }  // namespace coppice

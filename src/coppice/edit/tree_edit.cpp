@@ -10,10 +10,10 @@
 namespace coppice {
 namespace {
 
-constexpr float kGreatest = 1e15f, kLeastRadius = 1e-12f;  // as the readers of files have it
+constexpr float kMax = 1e15f, kMinRadius = 1e-12f;  // same limits as the file readers
 
 bool is_sound(Vec3 p) {
-    return is_finite(p) && std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= kGreatest;
+    return is_finite(p) && std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= kMax;
 }
 
 }  // namespace
@@ -27,16 +27,16 @@ TreeEdit::~TreeEdit() {
     tree_.resize(slots_before_);
 }
 
-/// Notes what a node was before the edit, once or several times: the first note counts.
+/// Records the state of a node before the edit; only the first record counts.
 void TreeEdit::touch(StableId n) {
     COPPICE_ASSERT(tree_.contains(n));
-    if (n.index() >= slots_before_) return;  // it was not there
+    if (n.index() >= slots_before_) return;  // it did not exist before
     if (!before_.empty() && before_.back().first == n) return;
     if (!before_.empty() && n < before_.back().first) sorted_ = false;
     before_.emplace_back(n, tree_.node(n));
 }
 
-/// What all touched nodes were, new ones included, in order of id.
+/// Returns the states of all touched nodes before the edit, including new ones, in order of id.
 EditableTree::Nodes TreeEdit::before() {
     if (!sorted_) {
         std::ranges::stable_sort(before_, {}, [](const auto& entry) { return entry.first; });
@@ -54,7 +54,7 @@ StableId TreeEdit::add(StableId parent, Vec3 position, float radius) {
     COPPICE_ASSERT(!parent || tree_.contains(parent));
     const StableId n(tree_.slots());
     if (!(radius > 0) || !std::isfinite(radius))
-        throw InvalidInput(fmt::format("a new node would get the radius {}; give one above 0", radius));
+        throw InvalidInput(fmt::format("a new node would get the radius {}; enter a radius above 0", radius));
     tree_.resize(tree_.slots() + 1);
     tree_.assign({{n, {parent, position, radius}}});
     return n;
@@ -96,7 +96,7 @@ void TreeEdit::set_radius(StableId n, float radius) {
     touch(n);
     if (!(radius > 0) || !std::isfinite(radius))
         throw InvalidInput(
-            fmt::format("node {} would get the radius {}; give one above 0", n.index(), radius));
+            fmt::format("node {} would get the radius {}; enter a radius above 0", n.index(), radius));
     tree_.radius_[n] = radius;
 }
 
@@ -134,16 +134,16 @@ EditChange TreeEdit::commit() {
 }
 
 void TreeEdit::check(const EditableTree::Nodes& before) const {
-    if (tree_.size() == 0) throw InvalidInput("no node would be left; keep at least one");
+    if (tree_.size() == 0) throw InvalidInput("no node would remain; keep at least one");
     for (const auto& [n, was] : before) {
         if (!tree_.contains(n)) continue;
         if (!is_sound(tree_.position(n))) {
-            throw InvalidInput(
-                fmt::format("node {} would get a place that is not finite or beyond 1e15 m; move it less far",
-                            n.index()));
+            throw InvalidInput(fmt::format(
+                "node {} would get a position that is not finite or beyond 1e15 m; move it less far",
+                n.index()));
         }
-        if (!(tree_.radius(n) >= kLeastRadius && tree_.radius(n) <= kGreatest)) {
-            throw InvalidInput(fmt::format("node {} would get the radius {}; give one from 1e-12 to 1e15 m",
+        if (!(tree_.radius(n) >= kMinRadius && tree_.radius(n) <= kMax)) {
+            throw InvalidInput(fmt::format("node {} would get the radius {}; enter one from 1e-12 to 1e15 m",
                                            n.index(), tree_.radius(n)));
         }
         check_place(n, before);
@@ -151,7 +151,7 @@ void TreeEdit::check(const EditableTree::Nodes& before) const {
     }
 }
 
-/// Whether n lies on its parent or a sibling now, and did not so before.
+/// Throws InvalidInput if n coincides with its parent or a sibling and did not so before.
 void TreeEdit::check_place(StableId n, const EditableTree::Nodes& before) const {
     const auto was = [&](StableId m) {
         const auto found =
@@ -161,12 +161,12 @@ void TreeEdit::check_place(StableId n, const EditableTree::Nodes& before) const 
     const StableId parent = tree_.parent(n);
     if (!parent) return;
     const Vec3 p = tree_.position(n);
-    const auto refuse = [&](StableId other, const char* what) {
+    const auto refuse = [&](StableId other, const char* subject) {
         const EditableTree::Node a = was(n), b = was(other);
         if (a.radius > 0 && b.radius > 0 && a.parent == parent && a.position == b.position) return;
         throw InvalidInput(
-            fmt::format("node {} would lie on its {} {}; move it elsewhere, or delete one of them", n.index(),
-                        what, other.index()));
+            fmt::format("node {} would coincide with its {} {}; move it elsewhere, or delete one of them",
+                        n.index(), subject, other.index()));
     };
     if (p == tree_.position(parent)) refuse(parent, "parent");
     for (StableId s = tree_.first_child(parent); s; s = tree_.next_sibling(s)) {

@@ -7,30 +7,29 @@
 
 namespace coppice {
 
-/// How well a node of an extracted skeleton is supported by what was measured.
+/// Measure of how well the input data support a node of an extracted skeleton.
 struct NodeConfidence {
-    std::uint32_t samples = 0;  ///< vertices or points whose nearest segment ends at this node
-    float residual = 0;         ///< [radius] their mean distance from that segment's surface; 0 without any
-    float radius_low = 0;       ///< [m] with `radius_high`: the true radius lies between in nine of ten cases
-    float radius_high = 0;      ///< [m] 0 for meshes, which are not asked
-    float evidence = 1;  ///< share of the points, against what trees are like, in the radius; in [0, 1]
-    friend bool operator==(const NodeConfidence&, const NodeConfidence&) = default;  ///< member by member
+    std::uint32_t samples = 0;  ///< number of samples of the segment that ends at this node
+    float residual = 0;         ///< [radius] mean distance of the samples from its surface; 0 without samples
+    float radius_low = 0;       ///< [m] lower bound of the 90 % confidence interval of the radius
+    float radius_high = 0;      ///< [m] upper bound of that interval; both bounds are 0 for meshes
+    float evidence = 1;         ///< weight of the points in the radius, against the prior of trees; in [0, 1]
+    friend bool operator==(const NodeConfidence&, const NodeConfidence&) = default;  ///< compares all members
 };
 
-/// What was found on the way from a surface or a cloud to a skeleton, counted.
+/// Counts of the features found during the extraction of a skeleton from a surface or a point cloud.
 struct ExtractReport {
-    std::uint64_t samples = 0;       ///< vertices or points that the skeleton was fitted to
-    std::uint32_t components = 0;    ///< connected pieces of the input that were kept
-    std::uint32_t trees = 0;         ///< roots of the skeleton
-    std::uint32_t joined = 0;        ///< pieces that were attached to another one
-    std::uint32_t loops = 0;         ///< closed ways round, each cut where it is thinnest
-    std::uint32_t pruned_twigs = 0;  ///< ends too short to be a branch
-    std::uint32_t repaired_tips =
-        0;                ///< ends moved along their axis to where the surface ends, less a radius
-    float residual = 0;   ///< [radius] mean over all samples of the distance from the surface
-    double presumed = 0;  ///< [m] of the length, where the radius is more what trees are like than measured
-    double limited = 0;   ///< [m] of the length, where the radius was lowered to what the stem can bear
-    friend bool operator==(const ExtractReport&, const ExtractReport&) = default;  ///< member by member
+    std::uint64_t samples = 0;        ///< number of vertices or points that the skeleton was fitted to
+    std::uint32_t components = 0;     ///< number of connected components of the input that were kept
+    std::uint32_t trees = 0;          ///< number of roots of the skeleton
+    std::uint32_t joined = 0;         ///< number of components that were attached to another one
+    std::uint32_t loops = 0;          ///< number of closed loops, each of which was cut at its thinnest place
+    std::uint32_t pruned_twigs = 0;   ///< number of removed ends that were too short for a branch
+    std::uint32_t repaired_tips = 0;  ///< number of ends moved to the end of the surface minus one radius
+    float residual = 0;               ///< [radius] mean distance from the surface over all samples
+    double inferred = 0;  ///< [m] length where the prior has more weight in the radius than the measurement
+    double limited = 0;  ///< [m] length where the radius was reduced to the maximum that the stem can support
+    friend bool operator==(const ExtractReport&, const ExtractReport&) = default;  ///< compares all members
 };
 
 /// Calls visit(name, number) for every member, in order.
@@ -44,15 +43,15 @@ void visit_figures(const ExtractReport& r, Visitor&& visit) {
     visit("pruned_twigs", r.pruned_twigs);
     visit("repaired_tips", r.repaired_tips);
     visit("residual", r.residual);
-    visit("presumed_m", r.presumed);
+    visit("inferred_m", r.inferred);
     visit("limited_m", r.limited);
 }
 
-/// A skeleton read off a surface or a cloud of points.
+/// Skeleton extracted from a surface or a point cloud.
 struct ExtractResult {
-    Skeleton skeleton;                       ///< in the frame of the input
+    Skeleton skeleton;                       ///< in the coordinate frame of the input
     std::vector<NodeConfidence> confidence;  ///< one per node
-    ExtractReport report;                    ///< what was found
+    ExtractReport report;                    ///< counts of the extraction
 };
 
 }  // namespace coppice

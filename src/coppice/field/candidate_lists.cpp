@@ -12,29 +12,30 @@ namespace coppice {
 namespace {
 
 constexpr std::size_t kCandidateListsGrain = 256;  // regions per task
-constexpr std::size_t kHub = 64;                   // a node with more children gets a tree of boxes
+constexpr std::size_t kHub = 64;  // minimum number of children, exclusive, for which a node gets a box tree
 constexpr std::uint64_t kMaxEntries = std::uint64_t{1} << 20;
 constexpr std::uint64_t kMinLimit = 256;
-constexpr std::size_t kLooked =
-    4;  // times the longest list: of more segments that touch a box, some go unseen
+// Multiple of the longest list: maximum number of touching segments that are examined per box.
+constexpr std::size_t kLooked = 4;
 
-/// The children of a node with many, by their boxes.
+/// A box tree of the children of a node with many children.
 class Hub {
   public:
     Hub(const Skeleton& skeleton, NodeId node, std::span<const SegmentSupport> supports, const Context& ctx)
-        : node_(node), boxes_(boxes_of(skeleton.children(node), supports, child_), ctx) {}
+        : node_(node), boxes_(compute_boxes(skeleton.children(node), supports, child_), ctx) {}
 
     NodeId node() const { return node_; }
 
-    /// Calls visit(child) for all whose boxes overlap, until it returns false.
+    /// Calls visit(child) for all children with overlapping boxes, until it returns false.
     template <class Visit>
     void query(const Box3& box, const Visit& visit) const {
         boxes_.visit_overlapping(box, [&](std::uint32_t i) { return visit(child_[i]); });
     }
 
   private:
-    static std::vector<Box3> boxes_of(std::span<const NodeId> children,
-                                      std::span<const SegmentSupport> supports, std::vector<NodeId>& listed) {
+    static std::vector<Box3> compute_boxes(std::span<const NodeId> children,
+                                           std::span<const SegmentSupport> supports,
+                                           std::vector<NodeId>& listed) {
         std::vector<Box3> boxes;
         for (const NodeId c : children) {
             if (supports[c.index()].box.empty()) continue;
@@ -49,15 +50,14 @@ class Hub {
     BoxTree boxes_;
 };
 
-/// Floods the tree from a seed. A tree has no cycles, so remembering where one came from is all the
-/// bookkeeping.
+/// Flood fill of the tree from a seed. A tree has no cycles, so storing the previous segment is sufficient.
 class Flood {
   public:
     Flood(const Skeleton& skeleton, std::span<const SegmentSupport> supports, std::span<const Hub> hubs,
           const MayCount& may_count)
         : skeleton_(skeleton), supports_(supports), hubs_(hubs), may_count_(may_count) {}
 
-    /// Appends the segments of a region, which has this number, to `out`, sorted.
+    /// Appends the segments of the region with this number to `out`, sorted.
     void run(std::size_t number, const FieldRegion& region, std::vector<std::uint32_t>& out) {
         number_ = number;
         NodeId seed = region.seed;
@@ -77,7 +77,7 @@ class Flood {
   private:
     struct Step {
         NodeId node;
-        NodeId segment;  ///< through which the flood came
+        NodeId segment;  ///< through which the node was reached
     };
 
     bool full(const std::vector<std::uint32_t>& out) const { return out.size() - first_ >= kLongestList; }
@@ -135,7 +135,7 @@ std::vector<Hub> find_hubs(const Skeleton& skeleton, std::span<const SegmentSupp
     return hubs;
 }
 
-/// Leaves those whose supports reach farthest beyond p, or come nearest to it.
+/// Keeps the segments with the smallest clearance to p.
 void keep_nearest(std::span<const SegmentSupport> supports, Vec3 p, std::size_t count,
                   std::vector<std::uint32_t>& list) {
     std::vector<std::pair<float, std::uint32_t>> ranked;

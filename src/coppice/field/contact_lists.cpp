@@ -16,29 +16,30 @@ namespace coppice {
 namespace {
 
 constexpr std::size_t kContactListsGrain = 128;
-constexpr float kLongestRun = 2;  // of regions searched together, in diagonals of the first one's box
+// Maximum size of regions searched together, in diagonals of the first one's box.
+constexpr float kLongestRun = 2;
 
-/// Which tubes grow together.
-class Kinship {
+/// Determines the tubes that blend with each other.
+class TubeRelations {
   public:
-    explicit Kinship(std::span<const NodeId> parent) : parent_(parent), end_(subtree_ends(parent)) {}
+    explicit TubeRelations(std::span<const NodeId> parent) : parent_(parent), end_(subtree_ends(parent)) {}
 
     bool related(std::uint32_t a, std::uint32_t b) const { return are_related(kin(a), kin(b)); }
 
   private:
-    TubeKin kin(std::uint32_t tube) const { return {tube, end_[tube], parent_[tube]}; }
+    TubeRelation kin(std::uint32_t tube) const { return {tube, end_[tube], parent_[tube]}; }
 
     std::span<const NodeId> parent_;
     std::vector<std::uint32_t> end_;
 };
 
-/// The segment of a node; that of a root has no length.
+/// Returns the segment of a node; the segment of a root has no length.
 Segment line_of(const Skeleton& skeleton, NodeId n) {
     if (!skeleton.is_root(n)) return skeleton.segment(n);
     return {skeleton.position(n), skeleton.position(n), skeleton.radius(n), skeleton.radius(n)};
 }
 
-/// The segments that each tube wraps.
+/// The segments inside each tube.
 using Contents = CompressedRows<std::uint32_t>;
 Contents contents_of(const TubeTree& tubes) {
     return compress_rows<std::uint32_t>(tubes.tree.size(), [&](const auto& put) {
@@ -58,25 +59,26 @@ std::vector<SegmentSupport> tube_supports(const Skeleton& tree, const Contents& 
     return out;
 }
 
-/// By child node.
-std::vector<SegmentSupport> rival_capsules(const Skeleton& skeleton, const Context& ctx) {
+/// Returns the capsules of competing segments, by child node.
+std::vector<SegmentSupport> competitor_capsules(const Skeleton& skeleton, const Context& ctx) {
     std::vector<SegmentSupport> capsules(skeleton.size());
     parallel_for(ctx, skeleton.size(), kContactListsGrain * 16, [&](std::size_t i) {
         const NodeId n(static_cast<std::uint32_t>(i));
-        capsules[i] = rival_capsule(line_of(skeleton, n));
+        capsules[i] = competitor_capsule(line_of(skeleton, n));
     });
     return capsules;
 }
 
-/// What tubes that are near a region add to its own through joins.
+/// The tubes near a region that are added to its own through joins.
 class JoinedTubes {
   public:
-    /// `near`: per region the tubes it is connected to without joins.
-    JoinedTubes(const TubeTree& tubes, const Kinship& kinship, std::span<const SegmentSupport> supports,
-                std::span<const FieldRegion> regions, const CandidateLists& near, const Context& ctx) {
+    /// `near`: per region the tubes that are connected to it without joins.
+    JoinedTubes(const TubeTree& tubes, const TubeRelations& relations,
+                std::span<const SegmentSupport> supports, std::span<const FieldRegion> regions,
+                const CandidateLists& near, const Context& ctx) {
         if (tubes.joins.empty()) return;
         const CompressedRows<NodeId> across = tubes_across(tubes);
-        std::vector<FieldRegion> begun;  // of floods beyond the joins
+        std::vector<FieldRegion> begun;  // the starts of the floods beyond the joins
         std::vector<std::uint32_t> region;
         std::vector<NodeId> seeds;
         for (std::uint32_t r = 0; r < regions.size(); ++r) {
@@ -95,11 +97,12 @@ class JoinedTubes {
         }
         found_ = find_candidates(
             tubes.tree, supports, begun,
-            [&](std::size_t i, NodeId t) { return kinship.related(t.index(), begun[i].seed.index()); }, ctx);
+            [&](std::size_t i, NodeId t) { return relations.related(t.index(), begun[i].seed.index()); },
+            ctx);
         of_region_ = group_by(region, regions.size());
     }
 
-    /// Adds the tubes of a region, which are ascending, and stay so.
+    /// Adds the tubes of a region to a sorted list, which remains sorted.
     void add(std::uint32_t region, std::vector<std::uint32_t>& tubes) const {
         if (of_region_.items.empty()) return;
         for (const std::uint32_t i : of_region_[region]) {
@@ -110,7 +113,7 @@ class JoinedTubes {
     }
 
   private:
-    // Per tube at a join: one of those that begin or end on the other side of it.
+    // Per tube at a join: one of the tubes that begin or end on the other side of it.
     static CompressedRows<NodeId> tubes_across(const TubeTree& tubes) {
         const Skeleton& tree = tubes.tree;
         return compress_rows<NodeId>(tree.size(), [&](const auto& put) {
@@ -124,22 +127,22 @@ class JoinedTubes {
     }
 
     CandidateLists found_;                     // per flood
-    CompressedRows<std::uint32_t> of_region_;  // the floods of each
+    CompressedRows<std::uint32_t> of_region_;  // the floods of each region
 };
 
-/// Finds rivals for runs of regions that lie close to each other: one search for all of a run.
-class RivalSearch {
+/// Finds competing segments for runs of regions that are close to each other, with one search per run.
+class CompetitorSearch {
   public:
-    RivalSearch(const Skeleton& skeleton, std::span<const FieldRegion> regions, std::span<const NodeId> tube,
-                const CandidateLists& own, const Context& ctx)
+    CompetitorSearch(const Skeleton& skeleton, std::span<const FieldRegion> regions,
+                     std::span<const NodeId> tube, const CandidateLists& own, const Context& ctx)
         : skeleton_(skeleton),
           regions_(regions),
           tube_(tube),
           own_(own),
-          capsules_(rival_capsules(skeleton, ctx)),
-          tree_(boxes_of(capsules_), ctx) {}
+          capsules_(competitor_capsules(skeleton, ctx)),
+          tree_(compute_boxes(capsules_), ctx) {}
 
-    /// Calls put(region, segment) for regions in order, segments ascending.
+    /// Calls put(region, segment) for regions in order, with sorted segments.
     template <class Put>
     void run(IndexRange range, const Put& put) const {
         std::vector<std::uint32_t> near;
@@ -149,30 +152,31 @@ class RivalSearch {
             Box3 all = regions_[begin].box;
             std::size_t end = end_of_run(begin, range.end, all);
             gather(all, near);
-            if (near.size() == kMostNear && end > begin + 1) {
-                end = begin + 1;  // too many for all of the run
+            if (near.size() == kMaxNear && end > begin + 1) {
+                end = begin + 1;  // too many for the whole run
                 gather(regions_[begin].box, near);
             }
             boxes.clear();
             for (const std::uint32_t s : near) boxes.push_back(capsules_[s].box);
             for (std::size_t r = begin; r < end; ++r) {
                 filter(static_cast<std::uint32_t>(r), near, boxes, found);
-                for (const Ranked& rival : found) put(static_cast<std::uint32_t>(r), rival.second);
+                for (const Ranked& competitor : found) put(static_cast<std::uint32_t>(r), competitor.second);
             }
             begin = end;
         }
     }
 
   private:
-    using Ranked = std::pair<float, std::uint32_t>;  ///< distance to a surface, negative inside; its segment
+    /// Signed distance to a surface, negative inside; its segment.
+    using Ranked = std::pair<float, std::uint32_t>;
 
-    static std::vector<Box3> boxes_of(std::span<const SegmentSupport> capsules) {
+    static std::vector<Box3> compute_boxes(std::span<const SegmentSupport> capsules) {
         std::vector<Box3> boxes;
         boxes.reserve(capsules.size());
         for (const SegmentSupport& c : capsules) boxes.push_back(c.box);
         return boxes;
     }
-    // Regions follow the tree, so that neighbours in number mostly are neighbours in space.
+    // Regions are in the order of the tree, so that consecutive ones are mostly close in space.
     std::size_t end_of_run(std::size_t begin, std::size_t limit, Box3& all) const {
         const float longest = kLongestRun * all.diagonal();
         std::size_t end = begin + 1;
@@ -184,17 +188,17 @@ class RivalSearch {
         }
         return end;
     }
-    // The segments that reach a box, ascending.
+    // Collects the segments that touch a box, sorted.
     void gather(const Box3& box, std::vector<std::uint32_t>& near) const {
         near.clear();
         if (!box.empty()) tree_.visit_overlapping(box, [&](std::uint32_t s) { return add(s, near); });
         std::sort(near.begin(), near.end());
     }
-    // False when no more are wanted.
+    // Returns false if the maximum number is reached.
     bool add(std::uint32_t segment, std::vector<std::uint32_t>& near) const {
         const NodeId n(segment);
         if (tube_[segment] && (!skeleton_.is_root(n) || skeleton_.is_tip(n))) near.push_back(segment);
-        return near.size() < kMostNear;
+        return near.size() < kMaxNear;
     }
     void filter(std::uint32_t region, std::span<const std::uint32_t> near, std::span<const Box3> boxes,
                 std::vector<Ranked>& found) const {
@@ -212,16 +216,16 @@ class RivalSearch {
             if (own != last && *own == s) continue;
             if (may_touch(capsules_[s], box, center, half_diagonal)) found.emplace_back(0.0f, s);
         }
-        if (found.size() > kMostRivals) keep_nearest(center, found);
+        if (found.size() > kMaxCompetitors) keep_nearest(center, found);
     }
     void keep_nearest(Vec3 p, std::vector<Ranked>& found) const {
         for (auto& [away, s] : found) away = clearance(capsules_[s], p);
-        std::nth_element(found.begin(), found.begin() + kMostRivals, found.end());
-        found.resize(kMostRivals);
+        std::nth_element(found.begin(), found.begin() + kMaxCompetitors, found.end());
+        found.resize(kMaxCompetitors);
         std::sort(found.begin(), found.end(),
                   [](const Ranked& a, const Ranked& b) { return a.second < b.second; });
     }
-    // Without branches: most boxes miss, each in its own way.
+    // Without branch instructions, because most boxes miss in unpredictable ways.
     static bool overlap(const Box3& a, const Box3& b) {
         return (a.low.x <= b.high.x) & (b.low.x <= a.high.x) & (a.low.y <= b.high.y) & (b.low.y <= a.high.y) &
                (a.low.z <= b.high.z) & (b.low.z <= a.high.z);
@@ -249,16 +253,16 @@ std::vector<std::uint32_t> subtree_ends(std::span<const NodeId> parent) {
 ContactLists find_contacts(const Skeleton& skeleton, std::span<const SegmentSupport> supports,
                            std::span<const FieldRegion> regions, const TubeTree& tubes, const Context& ctx) {
     COPPICE_ASSERT(tubes.tree.size() == regions.size() && tubes.tube.size() == skeleton.size());
-    const Kinship kinship(tubes.tree.parents());
+    const TubeRelations relations(tubes.tree.parents());
     const Contents contents = contents_of(tubes);
     std::vector<FieldRegion> at_tubes(regions.begin(), regions.end());
     for (std::uint32_t r = 0; r < regions.size(); ++r) at_tubes[r].seed = NodeId(r);
     const auto is_own = [&](std::size_t r, NodeId t) {
-        return kinship.related(t.index(), static_cast<std::uint32_t>(r));
+        return relations.related(t.index(), static_cast<std::uint32_t>(r));
     };
     const std::vector<SegmentSupport> of_tubes = tube_supports(tubes.tree, contents, supports, ctx);
     const CandidateLists near = find_candidates(tubes.tree, of_tubes, at_tubes, is_own, ctx);
-    const JoinedTubes joined(tubes, kinship, of_tubes, regions, near, ctx);
+    const JoinedTubes joined(tubes, relations, of_tubes, regions, near, ctx);
     ContactLists out;
     out.own = collect_lists(regions.size(), kContactListsGrain, ctx, [&](IndexRange range, const auto& put) {
         std::vector<std::uint32_t> list, tubes_near;
@@ -280,9 +284,9 @@ ContactLists find_contacts(const Skeleton& skeleton, std::span<const SegmentSupp
             for (const std::uint32_t s : list) put(r, s);
         }
     });
-    const RivalSearch search(skeleton, regions, tubes.tube, out.own, ctx);
-    out.rivals = collect_lists(regions.size(), kContactListsGrain, ctx,
-                               [&](IndexRange range, const auto& put) { search.run(range, put); });
+    const CompetitorSearch search(skeleton, regions, tubes.tube, out.own, ctx);
+    out.competitors = collect_lists(regions.size(), kContactListsGrain, ctx,
+                                    [&](IndexRange range, const auto& put) { search.run(range, put); });
     return out;
 }
 

@@ -22,7 +22,7 @@ constexpr std::size_t kConvolutionFieldGrain = 4096;
 constexpr std::size_t kRegionGrain = 256;
 constexpr std::size_t kContactBatch = 64;
 
-/// By segment, the child node nearest to the root of the chain of leaders it belongs to.
+/// Returns, by segment, the child node nearest to the root of the chain of leaders that contains the segment.
 std::vector<std::uint32_t> find_axes(const Skeleton& skeleton) {
     std::vector<std::uint32_t> axes(skeleton.size());
     for (const NodeId n : nodes(skeleton)) {
@@ -84,7 +84,7 @@ void ConvolutionField::set_regions(std::span<const Box3> boxes, const Context& c
 
 void ConvolutionField::set_lists(CandidateLists lists, const Context& ctx) {
     lists_ = std::move(lists);
-    rivals_ = {std::vector<std::uint64_t>(lists_.first.size(), 0), {}};
+    competitors_ = {std::vector<std::uint64_t>(lists_.first.size(), 0), {}};
     sort_by_axis(lists_, ctx);
 }
 
@@ -93,9 +93,9 @@ void ConvolutionField::set_regions(std::span<const FieldRegion> regions, const T
     if (contact_ == 0) return set_regions(regions, ctx);
     ContactLists contacts = find_contacts(*skeleton_, supports_, regions, tubes, ctx);
     lists_ = std::move(contacts.own);
-    rivals_ = std::move(contacts.rivals);
+    competitors_ = std::move(contacts.competitors);
     sort_by_axis(lists_, ctx);
-    sort_by_axis(rivals_, ctx);
+    sort_by_axis(competitors_, ctx);
 }
 
 void ConvolutionField::sort_by_axis(CandidateLists& lists, const Context& ctx) const {
@@ -115,23 +115,23 @@ std::span<const std::uint32_t> ConvolutionField::candidates(std::uint32_t region
     return list_of(lists_, region);
 }
 
-std::span<const std::uint32_t> ConvolutionField::rivals(std::uint32_t region) const {
+std::span<const std::uint32_t> ConvolutionField::competitors(std::uint32_t region) const {
     COPPICE_ASSERT(region < region_count());
-    return list_of(rivals_, region);
+    return list_of(competitors_, region);
 }
 
 void ConvolutionField::sample(std::uint32_t region, std::span<const Vec3> points,
                               std::span<FieldSample> out) const {
     sum(candidates(region), points, out);
-    if (!rivals(region).empty()) apply_contact(rivals(region), points, out);
+    if (!competitors(region).empty()) apply_contact(competitors(region), points, out);
 }
 
-void ConvolutionField::apply_contact(std::span<const std::uint32_t> rivals, std::span<const Vec3> points,
+void ConvolutionField::apply_contact(std::span<const std::uint32_t> competitors, std::span<const Vec3> points,
                                      std::span<FieldSample> out) const {
     std::array<FieldSample, kContactBatch> batch;
     for (std::size_t begin = 0; begin < points.size(); begin += kContactBatch) {
         const std::size_t count = std::min(kContactBatch, points.size() - begin);
-        sum(rivals, points.subspan(begin, count), std::span(batch).first(count));
+        sum(competitors, points.subspan(begin, count), std::span(batch).first(count));
         for (std::size_t i = 0; i < count; ++i) press(batch[i], contact_, out[begin + i]);
     }
 }

@@ -7,7 +7,7 @@
 #include "coppice/base/error.h"
 #include "coppice/base/kernel/fast_atan2.h"
 
-// Vectors of a size known only at run time cannot be members of a struct; these machines use NEON or plain
+// Vectors with a size known only at run time cannot be members of a struct; such machines use NEON or scalar
 // code.
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
@@ -33,7 +33,7 @@ HWY_BEFORE_NAMESPACE();
 
 namespace coppice::HWY_NAMESPACE {
 
-/// x from `low` on, else 0.
+/// Returns x if it is at least `low`, otherwise 0.
 HWY_INLINE Lane value_from(Lane x, Lane low) { return value_where(x >= low, x); }
 
 HWY_INLINE Lane value_within(Lane x, Lane high, Lane value) {
@@ -61,7 +61,7 @@ HWY_INLINE void add_entry(const K& formula, const SegmentList& list, std::size_t
     add_contribution(formula, broadcast, p, sum);
 }
 
-/// kLanes points, as x y z of each, against the whole list: the sums stay in registers.
+/// Sums the whole list at kLanes points, given as x y z of each; the sums stay in registers.
 template <int n, class K>
 HWY_INLINE void sum_block(const K& formula, const SegmentList& list, const float* HWY_RESTRICT points,
                           float* HWY_RESTRICT out) {
@@ -87,7 +87,7 @@ HWY_INLINE void sum_block(const K& formula, const SegmentList& list, const float
         sum = take_root<n>(total);
     } else {
         for (std::size_t i = 0; i < count; ++i) add_entry(formula, list, i, p, sum);
-        // Rounding may leave a sum of nothing slightly below 0, which roots and logarithms do not forgive.
+        // Rounding may make an empty sum slightly negative, which is invalid for roots and logarithms.
         sum.value = larger(sum.value, Lane(0.0f));
     }
     hn::StoreInterleaved4(sum.value.v, sum.gx.v, sum.gy.v, sum.gz.v, d, out);
@@ -106,8 +106,9 @@ HWY_FLATTEN void sum_all(const K& formula, const SegmentList& list, std::span<co
         std::fill_n(padded + count, kLanes - count, count > 0 ? points.back() : Vec3{});
     }
     for (std::size_t i = 0; i < count; i += kLanes) {
-        // The last block of many overlaps the one before it: the same bits twice cost less than a copy. One
-        // call for all, so that the compiler cannot round whole and padded blocks differently.
+        // The last block of many overlaps the previous one: computing identical values twice is cheaper than
+        // a copy. There is a single call, so that the compiler cannot round whole and padded blocks
+        // differently.
         const std::size_t first = whole ? std::min(i, count - kLanes) : 0;
         sum_block<n>(formula, list, whole ? &points[first].x : &padded[0].x,
                      whole ? &out[first].value : &result[0].value);
@@ -115,7 +116,7 @@ HWY_FLATTEN void sum_all(const K& formula, const SegmentList& list, std::span<co
     if (!whole) std::copy_n(result, count, out.data());
 }
 
-/// A single axis is its own norm: it takes the plain sum.
+/// The norm of a single axis is its plain sum.
 template <class K>
 HWY_INLINE void sum_axes(const K& formula, const SegmentList& list, std::span<const Vec3> points,
                          std::span<FieldSample> out) {

@@ -11,17 +11,17 @@
 
 namespace coppice {
 
-/// Which segments to sum, in this order.
+/// The segments to sum, in this order.
 struct SegmentList {
     const kernel::SegmentConstants<float>* segments;
     std::span<const std::uint32_t> ids;
-    /// By segment; the segments of one axis stand together in `ids`. Unused for the plain sum.
+    /// By segment; the segments of one axis are consecutive in `ids`. Unused for the plain sum.
     const std::uint32_t* axes;
     int blend;  ///< 1, 2, 4 or 8: see FieldOptions
 };
 
-/// The blended sum of the segments at every point, with the widest vectors of this machine. A point's bits do
-/// not depend on its place.
+/// Computes the blended sum of the segments at every point, with the widest vectors of this machine. The
+/// result of a point does not depend on its index (bit-identical).
 void sum_segments(const KernelConstants& kernel, const SegmentList& list, std::span<const Vec3> points,
                   std::span<FieldSample> out);
 

@@ -5,7 +5,7 @@
 namespace coppice {
 namespace {
 
-// What is hidden in a thicker branch needs no end.
+// An end hidden in a thicker branch needs no extension.
 RootEnd root_end(const Skeleton& s, NodeId n) {
     const NodeId p = s.parent(n);
     if (s.is_root(p)) return s.children(p).size() == 1 ? RootEnd::base : RootEnd::round;

@@ -9,18 +9,18 @@
 
 namespace coppice {
 
-/// Makes the segments of a convolution field, also where nodes have moved from where the skeleton has them.
+/// Creates the segments of a convolution field, also for moved nodes.
 class SkeletonSegments {
   public:
-    /// Nodes are where the skeleton has them. It must outlive this. O(n).
+    /// Starts with the node positions of the skeleton, which must outlive the object. O(n).
     SkeletonSegments(const Skeleton& skeleton, const SegmentBuilder& builder);
 
-    /// Tells of nodes that moved: ascending, each with all that hangs on it. `positions` are those of all
+    /// Updates moved nodes: sorted, each with all its descendants. `positions` are the positions of all
     /// nodes. O(moved).
     void follow(std::span<const std::uint32_t> moved, std::span<const Vec3> positions);
 
-    /// What the kernels see of the segment that ends at a node. A root has a ball, of weight 0 where anything
-    /// hangs on it. `positions` are those of all nodes, as they were told of last. Thread safe.
+    /// Returns the constants of the segment that ends at a node. A root has a ball, of weight 0 if it has
+    /// children. `positions` are the positions of all nodes at the latest update. Thread safe.
     kernel::SegmentConstants<float> build(NodeId n, std::span<const Vec3> positions) const;
 
   private:
@@ -28,7 +28,7 @@ class SkeletonSegments {
 
     const Skeleton* skeleton_;
     SegmentBuilder builder_;
-    // Where a segment without length points to: as the nearest ancestor that has a length, else to +Z.
+    // Direction of a segment without length: as the nearest ancestor with a length, or +Z.
     std::vector<Vec3> direction_;
 };
 

@@ -2,17 +2,19 @@
 #include <atomic>
 #include <cmath>
 
+#include "coppice/base/id.h"
 #include "coppice/base/parallel.h"
 #include "coppice/growth/attractor_set_internal.h"
 
 namespace coppice {
 namespace {
 
-constexpr std::size_t kNodeGrain = 256;  // about half a millisecond: less does not pay for a second thread
+// About half a millisecond; a second thread is not worthwhile for less.
+constexpr std::size_t kNodeGrain = 256;
 constexpr std::size_t kGroupGrain = 1 << 11;
-constexpr double kUnit = 1 << 30;  // 2^32 unit vectors cannot overflow 64 bits
+constexpr double kUnit = 1 << 30;  // the sum of 2^32 unit vectors does not overflow 64 bits
 
-std::vector<Box3> boxes_of(std::span<const Vec3> points) {
+std::vector<Box3> compute_boxes(std::span<const Vec3> points) {
     std::vector<Box3> boxes;
     boxes.reserve(points.size());
     for (const Vec3 p : points) boxes.push_back({p, p});
@@ -47,7 +49,7 @@ void add_pull(Pull& pull, std::int64_t x, std::int64_t y, std::int64_t z, std::u
 AttractorSet::AttractorSet(std::span<const Vec3> attractors, float influence, float kill, const Context& ctx)
     : link_(attractors.size()), kill_squared_(kill * kill) {
     const float reach = influence * influence;
-    const BoxTree tree(boxes_of(attractors), ctx);
+    const BoxTree tree(compute_boxes(attractors), ctx);
     number_.resize(tree.size());
     points_.resize(tree.group_count());
     parallel_for(ctx, points_.size(), kGroupGrain, [&](std::size_t group) {
@@ -59,8 +61,8 @@ AttractorSet::AttractorSet(std::span<const Vec3> attractors, float influence, fl
             points_[group].x[i] = p.x;
             points_[group].y[i] = p.y;
             points_[group].z[i] = p.z;
-            points_[group].key[i] = taken ? make_key(reach, kNone) : kSpent;
-            if (taken) link_[place] = {kNone, 0, 0, 0};
+            points_[group].key[i] = taken ? make_key(reach, kNoIndex) : kSpent;
+            if (taken) link_[place] = {kNoIndex, 0, 0, 0};
         }
     });
     copy_boxes(tree, reach);
@@ -99,19 +101,19 @@ float AttractorSet::offer_to_points(std::uint32_t group, const NewNode& n, Place
                 continue;
             }
             // The key of an earlier batch is replaced once, by one of the threads.
-            if (before < n.first || before == kNone) changed.push_back(kWidth * group + i);
+            if (before < n.first || before == kNoIndex) changed.push_back(kWidth * group + i);
             key = offer;
         }
-        if (key != kSpent) reach = std::max(reach, distance_squared_of(key));
+        if (key != kSpent) reach = std::max(reach, compute_distance_squared(key));
     }
     return reach;
 }
 
-/// Returns the reach of the group. Threads may overwrite each other's reach with an older one: it is only
-/// greater than need be.
+/// Returns the reach of the group. Threads may overwrite each other's reach with an older value, which is
+/// only greater than necessary.
 float AttractorSet::offer_below(std::uint32_t level, std::uint32_t group, const NewNode& n, Places& changed) {
     Boxes& boxes = boxes_[level][group];
-    const Floats d = boxes.least_distances_squared(n.position);
+    const Floats d = boxes.min_distances_squared(n.position);
     float widest = -1;
     for (std::uint32_t i = 0; i < kWidth; ++i) {
         float reach = load(boxes.reach[i]);
@@ -126,16 +128,16 @@ float AttractorSet::offer_below(std::uint32_t level, std::uint32_t group, const 
     return widest;
 }
 
-/// Moves what an attractor adds from its old node to its new one. Returns whether it is spent.
+/// Moves the contribution of an attractor from its old node to its new one. Returns whether it is spent.
 bool AttractorSet::reassign(std::uint32_t place, std::span<const Vec3> nodes, std::span<Pull> pulls) {
     Link& link = link_[place];
-    if (link.node != kNone) add_pull(pulls[link.node], -link.x, -link.y, -link.z, ~std::uint32_t{0});
+    if (link.node != kNoIndex) add_pull(pulls[link.node], -link.x, -link.y, -link.z, ~std::uint32_t{0});
     const Key key = this->key(place);
     const std::uint32_t node = node_of(key);
     store(pulls[node].attracted, std::uint16_t{1});
-    if (distance_squared_of(key) <= kill_squared_) {
+    if (compute_distance_squared(key) <= kill_squared_) {
         this->key(place) = kSpent;
-        link.node = kNone;
+        link.node = kNoIndex;
         return true;
     }
     const Vec3d way = normalized(Vec3d(position(place)) - Vec3d(nodes[node])) * kUnit;
@@ -170,12 +172,12 @@ void AttractorSet::add_nodes(std::span<const Vec3> nodes, std::uint32_t first, s
 void AttractorSet::nearest_below(std::uint32_t level, std::uint32_t group, std::uint32_t node, Vec3 at,
                                  Target& best) const {
     const Boxes& boxes = boxes_[level][group];
-    const Floats bound = boxes.least_distances_squared(at);
+    const Floats bound = boxes.min_distances_squared(at);
     for (std::uint32_t i = 0; i < kWidth; ++i) {
-        // A node's own attractors are within reach; boxes that are left over have none.
+        // The attractors of a node are within reach; unused boxes contain no attractors.
         const float reach = load(boxes.reach[i]);
-        if (node == kNone ? reach < 0 : bound[i] > reach) continue;
-        if (best.place != kNone && bound[i] >= best.distance_squared) continue;
+        if (node == kNoIndex ? reach < 0 : bound[i] > reach) continue;
+        if (best.place != kNoIndex && bound[i] >= best.distance_squared) continue;
         const std::uint32_t below = kWidth * group + i;
         if (level > 0) {
             nearest_below(level - 1, below, node, at, best);
@@ -184,24 +186,24 @@ void AttractorSet::nearest_below(std::uint32_t level, std::uint32_t group, std::
         const Floats d = points_[below].distances_squared(at);
         for (std::uint32_t k = 0; k < kWidth; ++k) {
             const std::uint32_t place = kWidth * below + k;
-            if (points_[below].key[k] == kSpent || (node != kNone && link_[place].node != node)) continue;
-            if (best.place == kNone || d[k] < best.distance_squared) best = {place, d[k]};
+            if (points_[below].key[k] == kSpent || (node != kNoIndex && link_[place].node != node)) continue;
+            if (best.place == kNoIndex || d[k] < best.distance_squared) best = {place, d[k]};
         }
     }
 }
 
-AttractorSet::Target AttractorSet::nearest_of(std::uint32_t node, Vec3 at) const {
+AttractorSet::Target AttractorSet::find_nearest(std::uint32_t node, Vec3 at) const {
     Target best;
     if (size() > 0) nearest_below(static_cast<std::uint32_t>(boxes_.size() - 1), 0, node, at, best);
     return best;
 }
 
-AttractorSet::Target AttractorSet::nearest(Vec3 at) const { return nearest_of(kNone, at); }
+AttractorSet::Target AttractorSet::nearest(Vec3 at) const { return find_nearest(kNoIndex, at); }
 
 void AttractorSet::drop(std::uint32_t place, std::span<Pull> pulls) {
     Link& link = link_[place];
     add_pull(pulls[link.node], -link.x, -link.y, -link.z, ~std::uint32_t{0});
-    link.node = kNone;
+    link.node = kNoIndex;
 }
 
 std::vector<std::uint32_t> AttractorSet::remaining() const {

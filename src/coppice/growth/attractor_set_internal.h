@@ -9,29 +9,29 @@
 
 #include "coppice/base/column.h"
 #include "coppice/base/context.h"
+#include "coppice/base/id.h"
 #include "coppice/base/vec.h"
 #include "coppice/spatial/box_tree.h"
 
 namespace coppice {
 
-/// The sum of the unit vectors from a node to the attractors that it is nearest to. In whole numbers: what is
-/// added can be taken away again without a trace, in any order.
+/// The sum of the unit vectors from a node to the attractors to which it is nearest. In integers, so that
+/// contributions can be added and removed exactly, in any order.
 struct Pull {
     std::int64_t x = 0, y = 0, z = 0;
-    std::uint32_t count = 0;      ///< attractors
+    std::uint32_t count = 0;      ///< number of attractors
     std::uint16_t changed = 0;    ///< whether it lost attractors, or is new, since the node last grew
-    std::uint16_t attracted = 0;  ///< whether an attractor ever came nearest to the node
+    std::uint16_t attracted = 0;  ///< whether the node was ever the nearest one to an attractor
 };
 
-/// The attractors, each with the nearest node within the influence radius, kept up to date as nodes are
-/// added. A hierarchy of boxes knows how near the nodes are to everything in it, so that a new node only
-/// meets attractors that it may be nearest to. A place is the position of an attractor in the order of the
-/// hierarchy. Nothing depends on the number of threads.
+/// The attractors, each with the nearest node within the influence radius, updated when nodes are added. A
+/// hierarchy of boxes stores the distance of the nodes to all attractors in a box, so that a new node only
+/// visits attractors to which it may be nearest. A place is the index of an attractor in the order of the
+/// hierarchy. The result does not depend on the number of threads.
 class AttractorSet {
   public:
-    static constexpr std::uint32_t kNone = 0xffffffffu;
     struct Target {
-        std::uint32_t place = kNone;
+        std::uint32_t place = kNoIndex;
         float distance_squared = 0;
     };
 
@@ -45,39 +45,39 @@ class AttractorSet {
         return {p.x[place % kWidth], p.y[place % kWidth], p.z[place % kWidth]};
     }
 
-    /// Takes in the nodes from `first` on: attractors change over to those that are nearer, and are spent
-    /// within the kill radius. Among equally near nodes the one of least number counts.
+    /// Adds the nodes from `first` on: attractors are reassigned to nodes that are nearer, and are spent
+    /// within the kill radius. Of equally near nodes the one with the smallest index is selected.
     void add_nodes(std::span<const Vec3> nodes, std::uint32_t first, std::span<Pull> pulls,
                    const Context& ctx);
 
-    /// The nearest of the attractors that belong to a node; none when there are none.
-    Target nearest_of(std::uint32_t node, Vec3 at) const;
+    /// Returns the nearest of the attractors that belong to a node; kNoIndex if there are no attractors.
+    Target find_nearest(std::uint32_t node, Vec3 at) const;
 
-    /// The nearest attractor that is not spent.
+    /// Returns the nearest attractor that is not spent.
     Target nearest(Vec3 at) const;
 
-    /// The node gives an attractor up; others may still take it.
+    /// Removes an attractor from its node; other nodes may still get it.
     void drop(std::uint32_t place, std::span<Pull> pulls);
 
-    /// Numbers of the attractors that are not spent, rising.
+    /// Returns the indices of the attractors that are not spent, sorted.
     std::vector<std::uint32_t> remaining() const;
 
   private:
     static constexpr std::uint32_t kWidth = BoxTree::kWidth;
     using Floats = std::array<float, kWidth>;
-    /// Squared distance above, node below: the lesser key is the nearer node.
+    /// Squared distance in the high bits, node in the low bits: the smaller key is the nearer node.
     using Key = std::uint64_t;
     static constexpr Key kSpent = 0;
     static Key make_key(float distance_squared, std::uint32_t node) {
-        // The bits of numbers that are not negative are ordered as the numbers are.
+        // The bits of non-negative numbers have the order of the numbers.
         return Key{std::bit_cast<std::uint32_t>(distance_squared)} << 32 | node;
     }
     static std::uint32_t node_of(Key key) { return static_cast<std::uint32_t>(key); }
-    static float distance_squared_of(Key key) {
+    static float compute_distance_squared(Key key) {
         return std::bit_cast<float>(static_cast<std::uint32_t>(key >> 32));
     }
 
-    /// What belongs to one box of the level above; the places that are left over are spent.
+    /// The attractors of one box of the level above; unused places are marked as spent.
     struct Points {
         Floats x, y, z;
         std::array<Key, kWidth> key;
@@ -93,11 +93,12 @@ class AttractorSet {
     };
     struct Boxes {
         Floats low_x, low_y, low_z, high_x, high_y, high_z;
-        Floats reach;  ///< greatest squared distance of a key below; -1 where all are spent
+        Floats reach;  ///< maximum squared distance of a key below; -1 if all are spent
 
-        /// Never above the squared distance to anything in the box, also as that is rounded.
-        Floats least_distances_squared(Vec3 p) const {
-            // Twice the distance beyond an axis' range, exactly, without the branches that keep out vectors.
+        /// Returns lower bounds of the squared distances to the contents of the boxes, including rounding.
+        Floats min_distances_squared(Vec3 p) const {
+            // Twice the distance outside the range of an axis, exact, without branches that prevent
+            // vectorization.
             const auto beyond = [](float low, float x, float high) {
                 const float under = low - x, over = x - high;
                 return (under + std::abs(under)) + (over + std::abs(over));
@@ -113,7 +114,7 @@ class AttractorSet {
         }
     };
 
-    /// What an attractor has added to the pull of its node.
+    /// The contribution of an attractor to the pull of its node.
     struct Link {
         std::uint32_t node;
         std::int32_t x, y, z;
@@ -134,7 +135,7 @@ class AttractorSet {
                        Target& best) const;
     bool reassign(std::uint32_t place, std::span<const Vec3> nodes, std::span<Pull> pulls);
 
-    Buffer<std::uint32_t> number_;      // of the attractor at a place
+    Buffer<std::uint32_t> number_;      // index of the attractor at a place
     Buffer<Points> points_;             // by group of places
     std::vector<Buffer<Boxes>> boxes_;  // by level and group; the last level is a single group
     Buffer<Link> link_;                 // by place

@@ -10,6 +10,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
+#include "coppice/base/id.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/progress.h"
 #include "coppice/base/random.h"
@@ -19,10 +20,10 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kGrowGrain = 1024;   // nodes whose plans are worth a thread of their own
-constexpr std::size_t kGuardedGrain = 64;  // the same where each samples a field
-constexpr std::uint32_t kNone = AttractorSet::kNone;
-constexpr double kLeastPull = 1e-6;  // of the number of attractors: below, their directions cancel
+constexpr std::size_t kGrowGrain = 1024;   // minimum number of nodes per thread
+constexpr std::size_t kGuardedGrain = 64;  // the same if each node samples a field
+// Relative to the number of attractors: minimum length at which their directions do not cancel.
+constexpr double kMinPull = 1e-6;
 
 void check_options(const GrowOptions& o) {
     check_fields(o, "grow");
@@ -41,20 +42,20 @@ void check_options(const GrowOptions& o) {
     }
 }
 
-void check_position(Vec3 p, float step, const char* what, std::size_t number) {
-    if (!is_finite(p)) throw InvalidInput(fmt::format("grow: {} {} has no finite position", what, number));
+void check_position(Vec3 p, float step, const char* subject, std::size_t number) {
+    if (!is_finite(p)) throw InvalidInput(fmt::format("grow: {} {} has no finite position", subject, number));
     const float far = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-    // A step is then at least 16 times the distance of neighbouring numbers.
+    // A step is then at least 16 times the distance between adjacent floats.
     if (far * 0x1p-19f <= step) return;
     throw InvalidInput(
-        fmt::format("grow: a step of {} is too small at {} {}, {} from the origin; move the scene "
-                    "nearer to it or lengthen the step",
-                    step, what, number, far));
+        fmt::format("grow: a step of {} is too small at {} {}, which is {} from the origin; move the scene "
+                    "closer to the origin or increase the step",
+                    step, subject, number, far));
 }
 
 void check_tree(const Skeleton& tree, const GrowOptions& o) {
     if (tree.size() > static_cast<std::uint32_t>(o.max_nodes)) {
-        throw InvalidInput(fmt::format("grow: the tree that grows on has {} nodes, and max_nodes is {}",
+        throw InvalidInput(fmt::format("grow: the existing tree has {} nodes, but max_nodes is {}",
                                        tree.size(), o.max_nodes));
     }
     for (const NodeId n : nodes(tree)) check_position(tree.position(n), o.step, "node", n.index());
@@ -62,9 +63,9 @@ void check_tree(const Skeleton& tree, const GrowOptions& o) {
 
 void check_input(const GrowInput& input, float step) {
     if (input.roots.empty() && !input.tree)
-        throw InvalidInput("grow: there is no root to grow from; give at least one");
-    if (input.attractors.size() >= kNone) {
-        throw InvalidInput(fmt::format("grow: {} attractors are too many; give fewer than 2^32 - 1",
+        throw InvalidInput("grow: there is no root to grow from; specify at least one");
+    if (input.attractors.size() >= kNoIndex) {
+        throw InvalidInput(fmt::format("grow: {} attractors are too many; use fewer than 2^32 - 1",
                                        input.attractors.size()));
     }
     for (std::size_t i = 0; i < input.attractors.size(); ++i)
@@ -75,12 +76,13 @@ void check_input(const GrowInput& input, float step) {
         if (!is_finite(root.direction))
             throw InvalidInput(fmt::format("grow: root {} has no finite direction", i));
         if (input.guard && !input.guard->allows(root.position)) {
-            throw InvalidInput(fmt::format("grow: root {} lies where the guard bars growth; move it", i));
+            throw InvalidInput(
+                fmt::format("grow: root {} is in a region that the guard excludes; move it", i));
         }
     }
 }
 
-/// What is grown, and how.
+/// Input and options of the growth.
 struct Task {
     const GrowInput& input;
     const GrowOptions& options;
@@ -88,38 +90,38 @@ struct Task {
     Vec3d tropism;
 };
 
-/// The nodes grown so far, in the order in which they grew.
+/// The nodes created so far, in the order of creation.
 struct Nodes {
     Buffer<Vec3> position;
     Buffer<std::uint32_t> parent, children;
-    Buffer<std::uint32_t> rank;  ///< nodes along the axis from its start
+    Buffer<std::uint32_t> rank;  ///< number of nodes along the axis from its start
     Buffer<Pull> pull;
     NodeGrid grid;
 
     std::uint32_t size() const { return static_cast<std::uint32_t>(position.size()); }
 };
 
-/// What a node does in an iteration: nothing, grow, or give its target up.
+/// The action of a node in an iteration: nothing, growth, or removal of its target.
 struct Plan {
     std::optional<Vec3> child;
-    std::uint32_t target = kNone;  ///< the attractor that a stalled node goes for
-    bool done = false;             ///< the node has no bud left
+    std::uint32_t target = kNoIndex;  ///< the only attractor to which a stalled node grows
+    bool done = false;                ///< the node has no bud left
 };
 
 struct Growth {
     Task task;
     AttractorSet attractors;
     Nodes nodes;
-    std::vector<std::uint32_t> active;  ///< nodes with attractors, rising
+    std::vector<std::uint32_t> active;  ///< nodes with attractors, sorted
     std::vector<Plan> plans;            ///< of the active nodes
     std::uint32_t stalls = 0, dropped = 0;
     bool full = false;  ///< max_nodes is reached
 
-    /// Nodes of the tree that grows on; they come first, and the roots after them.
+    /// Returns the number of nodes of the existing tree; they are first, followed by the roots.
     std::uint32_t old_nodes() const { return task.input.tree ? task.input.tree->size() : 0; }
 };
 
-/// Adds a node where max_nodes leaves room for it. A crowded one keeps no others away: another one there
+/// Adds a node unless max_nodes is reached. A crowded node does not block others, because another node there
 /// does.
 bool add_node(Growth& g, Vec3 p, std::uint32_t parent, bool crowded = false) {
     Nodes& nodes = g.nodes;
@@ -128,8 +130,8 @@ bool add_node(Growth& g, Vec3 p, std::uint32_t parent, bool crowded = false) {
         return false;
     }
     std::uint32_t rank = 0;
-    // A lateral starts an axis of its own.
-    if (parent != kNone) rank = nodes.children[parent]++ == 0 ? nodes.rank[parent] + 1 : 1;
+    // A lateral starts a new axis.
+    if (parent != kNoIndex) rank = nodes.children[parent]++ == 0 ? nodes.rank[parent] + 1 : 1;
     nodes.position.push_back(p);
     nodes.parent.push_back(parent);
     nodes.children.push_back(0);
@@ -139,21 +141,21 @@ bool add_node(Growth& g, Vec3 p, std::uint32_t parent, bool crowded = false) {
     return true;
 }
 
-/// The direction that was given to a root; 0 for all other nodes.
+/// Returns the direction specified for a root; 0 for all other nodes.
 Vec3d given_direction(const Growth& g, std::uint32_t node) {
     const std::uint32_t old = g.old_nodes();
     if (node < old || node - old >= g.task.input.roots.size()) return {};
     return normalized(Vec3d(g.task.input.roots[node - old].direction), {});
 }
 
-/// The direction of the segment that ends at a node; 0 at roots that have none.
+/// Returns the direction of the segment that ends at a node; 0 at roots without a direction.
 Vec3d incoming_direction(const Growth& g, std::uint32_t node) {
     const Nodes& nodes = g.nodes;
-    if (nodes.parent[node] == kNone) return given_direction(g, node);
+    if (nodes.parent[node] == kNoIndex) return given_direction(g, node);
     return normalized(Vec3d(nodes.position[node]) - Vec3d(nodes.position[nodes.parent[node]]));
 }
 
-/// The direction, or the one nearest to it that turns by no more than max_turn.
+/// Returns the direction, or the closest one that turns by at most max_turn.
 Vec3d within_turn(Vec3d direction, Vec3d incoming, float max_turn) {
     if (incoming == Vec3d{} || std::acos(std::clamp(dot(direction, incoming), -1.0, 1.0)) <= max_turn)
         return direction;
@@ -161,7 +163,7 @@ Vec3d within_turn(Vec3d direction, Vec3d incoming, float max_turn) {
     return incoming * std::cos(max_turn) + side * std::sin(max_turn);
 }
 
-/// One step on, within the turn and past the guard.
+/// Returns the end of the next step, limited by the turn and the guard.
 std::optional<Vec3> step_from(const Growth& g, std::uint32_t node, Vec3d direction) {
     const GrowOptions& options = g.task.options;
     const Vec3d way = within_turn(direction, incoming_direction(g, node), options.max_turn);
@@ -174,7 +176,8 @@ Vec3d direction_to(const Growth& g, std::uint32_t node, std::uint32_t place) {
     return normalized(Vec3d(g.attractors.position(place)) - Vec3d(g.nodes.position[node]));
 }
 
-/// One step on, where that comes nearer to an attractor by half a step; then `target` is that.
+/// Returns the end of the next step if it approaches an attractor by half a step; then `target` is set to
+/// that attractor.
 std::optional<Vec3> nearer_step(const Growth& g, std::uint32_t node, Vec3d direction,
                                 AttractorSet::Target& target) {
     const std::optional<Vec3> next = step_from(g, node, direction);
@@ -186,7 +189,7 @@ std::optional<Vec3> nearer_step(const Growth& g, std::uint32_t node, Vec3d direc
     return next;
 }
 
-/// Straight on, as long as that leads at least half as fast to the attractors as the straight way.
+/// Grows straight on, as long as that approaches the attractors at least half as fast as the direct path.
 void grow_trunk(Growth& g, std::uint32_t root, const Context& ctx) {
     Vec3d given = given_direction(g, root);
     std::uint32_t node = root;
@@ -196,7 +199,7 @@ void grow_trunk(Growth& g, std::uint32_t root, const Context& ctx) {
         std::optional<Vec3> next;
         if (given != Vec3d{}) next = nearer_step(g, node, given, target);
         if (!next) {
-            given = {};  // once left, it is not taken up again: the trunk would zigzag
+            given = {};  // not used again after the first deviation, because the trunk would zigzag
             next = nearer_step(g, node, direction_to(g, node, target.place), target);
         }
         if (!next || g.nodes.grid.any_near(*next, g.nodes.position, 0) || !add_node(g, *next, node)) return;
@@ -205,7 +208,7 @@ void grow_trunk(Growth& g, std::uint32_t root, const Context& ctx) {
     }
 }
 
-/// Makes the nodes from `first` on known to the attractors, and finds which nodes go on.
+/// Adds the nodes from `first` on to the attractors, and updates the active nodes.
 void assign_attractors(Growth& g, std::uint32_t first, const Context& ctx) {
     g.attractors.add_nodes(g.nodes.position, first, g.nodes.pull, ctx);
     std::size_t kept = 0;
@@ -218,19 +221,19 @@ void assign_attractors(Growth& g, std::uint32_t first, const Context& ctx) {
     }
 }
 
-/// Takes in the nodes of the tree that grows on.
+/// Adds the nodes of the existing tree.
 void take_tree(Growth& g, const Skeleton& tree) {
     for (const NodeId n : nodes(tree)) {
         const NodeId parent = tree.parent(n);
         const bool crowded = g.nodes.grid.any_near(tree.position(n), g.nodes.position, 0);
-        add_node(g, tree.position(n), parent ? parent.index() : kNone, crowded);
-        // Of an old fork, the leader goes on with the axis, not the first child.
+        add_node(g, tree.position(n), parent ? parent.index() : kNoIndex, crowded);
+        // At an existing fork the leader continues the axis, not the first child.
         const bool leads = parent && tree.leader(parent) == n;
         g.nodes.rank[n.index()] = !parent ? 0 : leads ? g.nodes.rank[parent.index()] + 1 : 1;
     }
 }
 
-/// The old node that is nearest to an attractor.
+/// Returns the existing node nearest to an attractor.
 std::uint32_t node_nearest_to_attractors(const Growth& g, const Context& ctx) {
     std::uint32_t nearest = 0;
     float least = std::numeric_limits<float>::infinity();
@@ -247,7 +250,7 @@ void start(Growth& g, const Context& ctx) {
     if (g.task.input.tree) take_tree(g, *g.task.input.tree);
     const std::uint32_t first_root = g.nodes.size();
     for (const Root& root : g.task.input.roots) {
-        if (!add_node(g, root.position, kNone)) break;
+        if (!add_node(g, root.position, kNoIndex)) break;
     }
     const std::uint32_t roots = g.nodes.size();
     if (g.task.options.trunk && g.attractors.size() > 0) {
@@ -272,20 +275,20 @@ Vec3d random_direction(const Growth& g, std::uint32_t node) {
     return normalized(Vec3d{draw(0), draw(1), draw(2)});
 }
 
-/// The direction a node is pulled in, unless everything cancels.
+/// Returns the direction in which a node is pulled, unless the contributions cancel.
 std::optional<Vec3d> pull_direction(const Growth& g, std::uint32_t node) {
     const Pull& pull = g.nodes.pull[node];
     const Vec3d sum =
         Vec3d(static_cast<double>(pull.x), static_cast<double>(pull.y), static_cast<double>(pull.z)) *
         0x1p-30;
-    if (length(sum) < kLeastPull * pull.count) return std::nullopt;
+    if (length(sum) < kMinPull * pull.count) return std::nullopt;
     Vec3d direction = normalized(sum) + g.task.tropism;
     if (g.task.options.jitter > 0) direction += random_direction(g, node) * g.task.options.jitter;
-    if (length(direction) < kLeastPull) return std::nullopt;
+    if (length(direction) < kMinPull) return std::nullopt;
     return normalized(direction);
 }
 
-Plan plan_of(const Growth& g, std::uint32_t node) {
+Plan make_plan(const Growth& g, std::uint32_t node) {
     const Nodes& nodes = g.nodes;
     if (!has_bud(g, node)) return {.done = true};
     if (nodes.pull[node].changed != 0) {
@@ -294,7 +297,7 @@ Plan plan_of(const Growth& g, std::uint32_t node) {
             if (child && !nodes.grid.any_near(*child, nodes.position, 0)) return {.child = child};
         }
     }
-    const AttractorSet::Target target = g.attractors.nearest_of(node, nodes.position[node]);
+    const AttractorSet::Target target = g.attractors.find_nearest(node, nodes.position[node]);
     auto child = step_from(g, node, direction_to(g, node, target.place));
     const bool nearer =
         child && length_squared(g.attractors.position(target.place) - *child) < target.distance_squared;
@@ -302,11 +305,11 @@ Plan plan_of(const Growth& g, std::uint32_t node) {
     return {.child = child, .target = target.place};
 }
 
-/// Nodes from `first` on were made in the same iteration.
+/// Nodes from `first` on were created in the same iteration.
 void apply_plan(Growth& g, std::uint32_t node, const Plan& plan, std::uint32_t first) {
     if (plan.done) return;
     g.nodes.pull[node].changed = 0;
-    if (plan.target != kNone) ++g.stalls;
+    if (plan.target != kNoIndex) ++g.stalls;
     if (!plan.child) {
         g.attractors.drop(plan.target, g.nodes.pull);
         ++g.dropped;
@@ -318,14 +321,15 @@ void apply_plan(Growth& g, std::uint32_t node, const Plan& plan, std::uint32_t f
 void iterate(Growth& g, const Context& ctx) {
     g.plans.assign(g.active.size(), {});
     const std::size_t grain = g.task.input.guard ? kGuardedGrain : kGrowGrain;
-    parallel_for(ctx, g.active.size(), grain, [&](std::size_t i) { g.plans[i] = plan_of(g, g.active[i]); });
+    parallel_for(ctx, g.active.size(), grain, [&](std::size_t i) { g.plans[i] = make_plan(g, g.active[i]); });
     const std::uint32_t first = g.nodes.size();
     for (std::size_t i = 0; i < g.active.size() && !g.full; ++i)
         apply_plan(g, g.active[i], g.plans[i], first);
     assign_attractors(g, first, ctx);
 }
 
-/// Of the old nodes, and above them all for the new ones; none where the old ones have none of their own.
+/// Returns the ids of the existing nodes, followed by larger ids for the new ones; empty if the existing tree
+/// has no ids.
 std::vector<StableId> stable_ids(const Growth& g, std::size_t count) {
     if (!g.task.input.tree || g.task.input.tree->stable_ids().empty()) return {};
     const auto old = g.task.input.tree->stable_ids();
@@ -336,14 +340,14 @@ std::vector<StableId> stable_ids(const Growth& g, std::size_t count) {
     return ids;
 }
 
-/// Without the new tips that came nearest to no attractor.
-Skeleton skeleton_of(const Growth& g) {
+/// Omits the new tips that were never nearest to an attractor.
+Skeleton make_skeleton(const Growth& g) {
     const Nodes& nodes = g.nodes;
     const std::uint32_t old = g.old_nodes();
     std::vector<NodeId> image(nodes.size()), parents;
     std::vector<Vec3> positions;
     for (std::uint32_t n = 0; n < nodes.size(); ++n) {
-        const bool root = nodes.parent[n] == kNone;
+        const bool root = nodes.parent[n] == kNoIndex;
         if (n >= old && !root && nodes.children[n] == 0 && nodes.pull[n].attracted == 0) continue;
         image[n] = NodeId(static_cast<std::uint32_t>(parents.size()));
         parents.push_back(root ? NodeId::none() : image[nodes.parent[n]]);
@@ -384,13 +388,13 @@ GrowResult grow(const GrowInput& input, const GrowOptions& options, const Contex
         if (!input.watch) continue;
         input.watch(
             {.nodes = g.nodes.size(), .rounds = iteration + 1, .limit = "max_iterations", .skeleton = [&g] {
-                 return skeleton_of(g);
+                 return make_skeleton(g);
              }});
     }
     if (g.full) stop = StopReason::node_limit;
     if (g.attractors.spent() == g.attractors.size()) stop = StopReason::attractors_spent;
     ctx.report(1);
-    return {skeleton_of(g), stop, iteration, g.stalls, g.dropped, g.attractors.remaining()};
+    return {make_skeleton(g), stop, iteration, g.stalls, g.dropped, g.attractors.remaining()};
 }
 
 }  // namespace coppice

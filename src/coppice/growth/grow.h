@@ -14,75 +14,84 @@
 
 namespace coppice {
 
-/// How a tree grows into its attractors.
+/// Options of the growth towards attractors.
 struct GrowOptions {
-    float influence_radius = 1;  ///< [m] attractors pull nodes nearer than this; >= kill_radius
-    float kill_radius = 0.2f;    ///< [m] an attractor this near a node is spent; >= step
+    float influence_radius = 1;  ///< [m] distance within which attractors pull nodes; >= kill_radius
+    float kill_radius = 0.2f;    ///< [m] distance from a node within which an attractor is spent; >= step
     float step = 0.1f;           ///< [m] length of every new segment; in [1e-6, 1e4]
-    float tropism_x = 0;         ///< direction that branches tend to, of any length but 0; in [-1, 1]
+    float tropism_x = 0;         ///< preferred direction of branches, of any length except 0; in [-1, 1]
     float tropism_y = 0;         ///< see tropism_x
     float tropism_z = 1;         ///< see tropism_x
-    float tropism_weight = 0;  ///< of that direction against the pull of the attractors; 0 = none; in [0, 10]
-    float jitter = 0;          ///< weight of a random direction against the pull; in [0, 10]
-    float min_spacing = 0.3f;  ///< [step] no node is made nearer to another one than this; in [0.01, 0.9]
-    float max_turn =
-        3.1415927f;        ///< [rad] greatest angle between a segment and the one before; in [0.05, 3.15]
-    int max_children = 0;  ///< buds of a node; 0 = any number; in [0, 1000]
-    int bud_interval = 1;  ///< laterals leave only every so many nodes along an axis; in [1, 10000]
-    bool trunk = true;     ///< roots out of reach of every attractor first grow towards the nearest
-    int max_nodes = 10'000'000;    ///< where it stops with StopReason::node_limit; in [1, 1e8]
-    int max_iterations = 100'000;  ///< where it stops with StopReason::iteration_limit; in [0, 1e9]
+    /// Of that direction relative to the pull of the attractors; 0 = off; in [0, 10].
+    float tropism_weight = 0;
+    float jitter = 0;             ///< weight of a random direction relative to the pull; in [0, 10]
+    float min_spacing = 0.3f;     ///< [step] minimum distance between nodes; in [0.01, 0.9]
+    float max_turn = 3.1415927f;  ///< [rad] maximum angle between consecutive segments; in [0.05, 3.15]
+    int max_children = 0;         ///< maximum number of children of a node; 0 = unlimited; in [0, 1000]
+    int bud_interval = 1;  ///< laterals start only at every bud_interval-th node of an axis; in [1, 10000]
+    bool trunk = true;     ///< roots out of reach of every attractor first grow towards the nearest one
+    int max_nodes = 10'000'000;    ///< maximum number; StopReason::node_limit; in [1, 1e8]
+    int max_iterations = 100'000;  ///< maximum number; StopReason::iteration_limit; in [0, 1e9]
     int seed = 0;                  ///< of the jitter; in [0, 2^31 - 1]
 };
 
 template <class Self, class Visitor>
 requires SameOptions<Self, GrowOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"influence_radius", "Distance within which attractors pull", Unit::metre, 1e-6, 1e6},
+    visit(Field{"influence_radius", "Distance within which attractors pull.", Unit::metre, 1e-6, 1e6},
           o.influence_radius);
-    visit(Field{"kill_radius", "Distance within which attractors are spent", Unit::metre, 1e-6, 1e6},
+    visit(Field{"kill_radius", "Distance within which attractors are spent.", Unit::metre, 1e-6, 1e6},
           o.kill_radius);
-    visit(Field{"step", "Length of new segments", Unit::metre, 1e-6, 1e4}, o.step);
-    visit(Field{"tropism_x", "Direction that branches tend to", Unit::none, -1, 1}, o.tropism_x);
-    visit(Field{"tropism_y", "Direction that branches tend to", Unit::none, -1, 1}, o.tropism_y);
-    visit(Field{"tropism_z", "Direction that branches tend to", Unit::none, -1, 1}, o.tropism_z);
-    visit(Field{"tropism_weight", "Weight of that direction against the attractors", Unit::none, 0, 10},
+    visit(Field{"step", "Length of new segments.", Unit::metre, 1e-6, 1e4}, o.step);
+    visit(Field{"tropism_x", "Preferred direction of branches, x component.", Unit::none, -1, 1},
+          o.tropism_x);
+    visit(Field{"tropism_y", "Preferred direction of branches, y component.", Unit::none, -1, 1},
+          o.tropism_y);
+    visit(Field{"tropism_z", "Preferred direction of branches, z component.", Unit::none, -1, 1},
+          o.tropism_z);
+    visit(Field{"tropism_weight", "Weight of the preferred direction relative to the attractors.", Unit::none,
+                0, 10},
           o.tropism_weight);
-    visit(Field{"jitter", "Weight of a random direction against the attractors", Unit::none, 0, 10},
+    visit(Field{"jitter", "Weight of a random direction relative to the attractors.", Unit::none, 0, 10},
           o.jitter);
-    visit(Field{"min_spacing", "Least distance of nodes in steps", Unit::none, 0.01, 0.9}, o.min_spacing);
-    visit(Field{"max_turn", "Greatest angle between a segment and the one before", Unit::radian, 0.05, 3.15},
-          o.max_turn);
+    visit(Field{"min_spacing", "Minimum distance between nodes in steps.", Unit::none, 0.01, 0.9},
+          o.min_spacing);
     visit(
-        Field{"max_children", "Greatest number of segments that leave a node; 0 = any", Unit::none, 0, 1000},
-        o.max_children);
-    visit(Field{"bud_interval", "Laterals leave only every so many nodes", Unit::none, 1, 10'000},
+        Field{"max_turn", "Maximum angle between a segment and the previous one.", Unit::radian, 0.05, 3.15},
+        o.max_turn);
+    visit(Field{"max_children", "Maximum number of segments that start at a node; 0 means unlimited.",
+                Unit::none, 0, 1000},
+          o.max_children);
+    visit(Field{"bud_interval",
+                "Interval of the nodes along an axis at which laterals may start; 1 uses every node.",
+                Unit::none, 1, 10'000},
           o.bud_interval);
-    visit(Field{"trunk", "Roots out of reach of the attractors grow towards the nearest"}, o.trunk);
-    visit(Field{"max_nodes", "Number of nodes at which growth stops", Unit::none, 1, 1e8}, o.max_nodes);
-    visit(Field{"max_iterations", "Number of iterations at which growth stops", Unit::none, 0, 1e9},
+    visit(Field{"trunk", "Let roots out of reach of the attractors grow towards the nearest one."}, o.trunk);
+    visit(Field{"max_nodes", "Number of nodes at which growth stops.", Unit::none, 1, 1e8}, o.max_nodes);
+    visit(Field{"max_iterations", "Number of iterations at which growth stops.", Unit::none, 0, 1e9},
           o.max_iterations);
-    visit(Field{"seed", "Seed of the random directions", Unit::none, 0, 2147483647}, o.seed);
+    visit(Field{"seed", "Seed of the random directions.", Unit::none, 0, 2147483647}, o.seed);
 }
 
-/// Where a tree starts.
+/// The start of a tree.
 struct Root {
-    Vec3 position;  ///< [m]
-    Vec3
-        direction;  ///< the trunk starts this way, and max_turn counts from it; any length; 0 = any direction
+    Vec3 position;   ///< [m]
+    Vec3 direction;  ///< direction in which the trunk starts, to which max_turn applies; any length; 0 = any
+                     ///< direction
 };
 
-/// What a tree grows from, towards and around.
+/// Input of grow().
 struct GrowInput {
     std::span<const Vec3> attractors;  ///< [m] marker points, in any order
-    std::span<const Root> roots;       ///< several compete for the attractors; at least one without `tree`
-    const Guard* guard = nullptr;      ///< what every new segment must keep clear of, or none
-    Vec3d origin = {};                 ///< [m] of the skeleton; with `tree` its origin counts instead
-    const Skeleton* tree = nullptr;    ///< what grows on, or none: new nodes spring from its nodes
-    GrowthWatch watch = {};            ///< told of what has grown after every iteration, or none
+    std::span<const Root> roots;   ///< several roots compete for the attractors; at least one without `tree`
+    const Guard* guard = nullptr;  ///< solid that every new segment must avoid, or null
+    Vec3d origin = {};             ///< [m] of the skeleton; with `tree` the origin of the tree is used
+    /// Existing tree that continues to grow, or null: new nodes start from its nodes.
+    const Skeleton* tree = nullptr;
+    GrowthWatch watch = {};  ///< called after every iteration with the current state, or empty
 };
 
-/// Why growth ended: all attractors spent, none that could be reached, or a limit.
+/// Reason why growth ended: all attractors are spent, the remaining ones are unreachable, or a limit.
 enum class StopReason { attractors_spent, no_progress, node_limit, iteration_limit };
 
 template <>
@@ -91,35 +100,36 @@ struct EnumNames<StopReason> {
                                                            "iteration_limit"};
 };
 
-/// A grown tree, and how it went.
+/// A grown tree with statistics.
 struct GrowResult {
     Skeleton skeleton;  ///< radii of new nodes are a tenth of the step: see radii.h
-    StopReason stop = StopReason::attractors_spent;  ///< why it ended
-    int iterations = 0;                              ///< rounds of growth
-    std::uint32_t stalls = 0;   ///< times that a node went for one attractor, as all gave no way on
-    std::uint32_t dropped = 0;  ///< times that a node gave an attractor up
-    std::vector<std::uint32_t> unreached;  ///< numbers of the attractors that are not spent, rising
+    StopReason stop = StopReason::attractors_spent;  ///< reason why it ended
+    int iterations = 0;                              ///< number of iterations
+    std::uint32_t stalls = 0;   ///< number of times that a node grew to a single attractor, because it was
+                                ///< blocked on the path to all
+    std::uint32_t dropped = 0;  ///< number of times that a node lost an unreachable attractor
+    std::vector<std::uint32_t> unreached;  ///< indices of the attractors that are not spent, sorted
 };
 
-/// Grows trees into marker points by space colonization [Runions2007]: in every iteration each attractor
-/// pulls the nearest node, each node so pulled gets a child one step along the sum of the unit vectors to its
+/// Grows trees towards marker points by space colonization [Runions2007]: in every iteration each attractor
+/// pulls the nearest node, each pulled node gets a child one step along the sum of the unit vectors to its
 /// attractors, and attractors near a node are spent.
 ///
-/// It always ends. A node grows again only once its attractors have changed: else it would make the same
-/// child once more, as between two attractors that pull it back and forth. It then goes for its nearest
-/// attractor alone, and gives that up where it cannot come nearer: because of the guard, the spacing or
-/// max_turn. Nodes that came nearest to no attractor are left out in the end.
+/// It always terminates. A node grows again only after its attractors have changed: otherwise it would create
+/// the same child again, as between two attractors that pull it back and forth. It then grows to its nearest
+/// attractor only, and gives that attractor up if it cannot approach it because of the guard, the spacing or
+/// max_turn. Nodes that were never nearest to an attractor are removed at the end.
 ///
-/// Of a tree that grows on, all nodes are kept as they are, with their numbers, radii and stable ids; new
-/// ones spring from nodes, not from the middle of segments. Where none of its nodes is within reach of the
-/// attractors, the nearest to them grows a trunk (GrowOptions::trunk).
+/// All nodes of an existing tree are kept unchanged, with their indices, radii and stable ids; new nodes
+/// start from nodes, not from the middle of segments. If none of its nodes is within reach of the attractors,
+/// the one nearest to them grows a trunk (GrowOptions::trunk).
 ///
-/// Nodes stand in the order in which they grew, those of the tree first, then roots. The same input gives the
-/// same bits, whatever the number of threads. Time O(m log n) for m nodes and n attractors, apart from an
-/// attractor's changes of its nearest node; about 90 bytes per attractor and 80 per node.
+/// Nodes are in the order of creation, first the nodes of the existing tree, then the roots. The result does
+/// not depend on the number of threads (bit-identical). Time O(m log n) for m nodes and n attractors, plus
+/// the reassignments of attractors; about 90 bytes per attractor and 80 per node.
 ///
-/// Throws InvalidInput where an option is out of range, a position is not finite or too far off for single
-/// precision to tell steps apart, there is neither root nor tree, a root is where the guard bars it, or the
+/// Throws InvalidInput if an option is out of range, a position is not finite or too far from the origin for
+/// steps in single precision, there is neither a root nor a tree, a root is excluded by the guard, or the
 /// tree has more nodes than max_nodes; Cancelled.
 GrowResult grow(const GrowInput& input, const GrowOptions& options = {}, const Context& ctx = {});
 

@@ -9,8 +9,8 @@ namespace coppice {
 namespace {
 
 constexpr int kCorrections = 12;
-constexpr float kMargin = 0.01f;          // room that a step keeps, as a part of its length
-constexpr float kSegmentMargin = 0.002f;  // the same where segments are only checked
+constexpr float kMargin = 0.01f;          // margin that a step keeps, relative to its length
+constexpr float kSegmentMargin = 0.002f;  // the same for segments that are only checked
 
 float part(int sample) { return static_cast<float>(sample + 1) / Guard::kSamples; }
 
@@ -20,7 +20,7 @@ Guard::Guard(FieldRef field, const GuardOptions& options) : field_(field), optio
     check_fields(options, "guard");
 }
 
-Guard::Clearance Guard::clearance_of(const FieldSample& sample) const {
+Guard::Clearance Guard::compute_clearance(const FieldSample& sample) const {
     const float slope = length(sample.gradient);
     const Vec3 outward = slope > 0 ? sample.gradient * (-1 / slope) : Vec3{};
     const float steep = std::max(slope, 1e-12f);
@@ -32,7 +32,7 @@ Guard::Clearance Guard::clearance_of(const FieldSample& sample) const {
         const float left = (options_.shell - beyond) / steep;
         if (left < nearest.distance) nearest = {left, -away};
     }
-    // Where the field is no number, nothing is known: barred.
+    // A field value of NaN is treated as excluded.
     return std::isnan(nearest.distance) ? Clearance{-Guard::kSamples, {}} : nearest;
 }
 
@@ -42,14 +42,14 @@ Guard::Samples Guard::samples(Vec3 a, Vec3 b) const {
     for (int i = 0; i < kSamples; ++i) at[i] = lerp(a, b, part(i));
     field_.sample(0, at, value);
     Samples out;
-    for (int i = 0; i < kSamples; ++i) out[i] = clearance_of(value[i]);
+    for (int i = 0; i < kSamples; ++i) out[i] = compute_clearance(value[i]);
     return out;
 }
 
 bool Guard::allows(Vec3 p) const {
     FieldSample value;
     field_.sample(0, {&p, 1}, {&value, 1});
-    return clearance_of(value).distance > 0;
+    return compute_clearance(value).distance > 0;
 }
 
 bool Guard::allows_segment(Vec3 a, Vec3 b) const {
@@ -66,7 +66,7 @@ std::optional<Vec3> Guard::step(Vec3 from, Vec3 direction, float length) const {
         int worst = 0;
         float lacking = 0;
         for (int i = 0; i < kSamples; ++i) {
-            // The start may lie closer than that, as roots do, so the room is asked for by and by.
+            // The start may be closer than the margin, as roots are, so the margin is required gradually.
             const float l = margin * part(i) - all[i].distance;
             if (l >= lacking) {
                 lacking = l;

@@ -5,27 +5,28 @@
 
 namespace coppice {
 
-/// The numbers of the pipe model.
+/// Options of the pipe model.
 struct RadiiOptions {
     float tip_radius = 0.01f;    ///< [m] of tips; in [1e-6, 1e4]
-    float pipe_exponent = 2.5f;  ///< r^e of a node is the sum over its children: 2 keeps the sum of the
-                                 ///< cross-sections, greater ones make slimmer trunks; in [2, 3]
-    float leaf_share = 0.02f;    ///< what every segment adds, as a part of a tip, so that unbranched axes
-                                 ///< taper; 0 = none; in [0, 1]
+    float pipe_exponent = 2.5f;  ///< r^e of a node is the sum over its children: 2 preserves the sum of the
+                                 ///< cross-sections, greater values make thinner trunks; in [2, 3]
+    float leaf_share = 0.02f;  ///< contribution of every segment, as a fraction of a tip, so that unbranched
+                               ///< axes taper; 0 = off; in [0, 1]
 };
 
 template <class Self, class Visitor>
 requires SameOptions<Self, RadiiOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(common_field("tip_radius", "Radius of tips", Unit::metre, 1e-6, 1e4), o.tip_radius);
-    visit(Field{"pipe_exponent", "Exponent of the radii that add up at forks", Unit::none, 2, 3},
+    visit(common_field("tip_radius", "Radius of tips.", Unit::metre, 1e-6, 1e4), o.tip_radius);
+    visit(Field{"pipe_exponent", "Exponent of the radii that are added at forks.", Unit::none, 2, 3},
           o.pipe_exponent);
-    visit(Field{"leaf_share", "What every segment adds to the pipes, as a part of a tip", Unit::none, 0, 1},
+    visit(Field{"leaf_share", "Contribution of every segment to the pipes, as a fraction of a tip.",
+                Unit::none, 0, 1},
           o.leaf_share);
 }
 
-/// The same skeleton with radii by the pipe model [Shinozaki1964]. Throws InvalidInput when an option is out
-/// of its range. O(n).
+/// Returns the skeleton with radii of the pipe model [Shinozaki1964]. Throws InvalidInput if an option is out
+/// of range. O(n).
 Skeleton with_pipe_radii(const Skeleton& skeleton, const RadiiOptions& options = {});
 
 }  // namespace coppice

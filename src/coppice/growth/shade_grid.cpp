@@ -6,7 +6,7 @@
 namespace coppice {
 namespace {
 
-constexpr double kUnits = 1 << 16;  // to full light: 32,000 leaves that take all of it fit into 32 bits
+constexpr double kUnits = 1 << 16;  // per full light: 32,000 leaves that absorb all of it fit into 32 bits
 
 }  // namespace
 
@@ -16,7 +16,7 @@ ShadeGrid::ShadeGrid(const ShadeSettings& settings) : per_cell_(1 / double{setti
         amount_.push_back(static_cast<std::int32_t>(std::lround(amount * kUnits)));
 }
 
-ShadeGrid::Cell ShadeGrid::cell_of(Vec3 p) const {
+ShadeGrid::Cell ShadeGrid::compute_cell(Vec3 p) const {
     const auto index = [&](float x) { return static_cast<std::int32_t>(std::floor(x * per_cell_)); };
     return {index(p.x), index(p.y), index(p.z)};
 }
@@ -44,7 +44,7 @@ ShadeGrid::Block& ShadeGrid::block(std::int32_t x, std::int32_t y, std::int32_t 
 }
 
 void ShadeGrid::cast(Vec3 leaves, std::int32_t sign) {
-    const Cell c = cell_of(leaves);
+    const Cell c = compute_cell(leaves);
     for (std::int32_t layer = 0; layer < static_cast<std::int32_t>(amount_.size()); ++layer) {
         const std::int32_t amount = amount_[static_cast<std::size_t>(layer)];
         if (amount != 0) cast_layer({c.x, c.y, c.z - layer}, layer, sign * amount);
@@ -67,10 +67,10 @@ void ShadeGrid::cast_layer(Cell middle, std::int32_t reach, std::int32_t amount)
     }
 }
 
-double ShadeGrid::shade(Vec3 p) const { return at(cell_of(p)) / kUnits; }
+double ShadeGrid::shade(Vec3 p) const { return at(compute_cell(p)) / kUnits; }
 
 Vec3d ShadeGrid::brighter(Vec3 p) const {
-    const Cell c = cell_of(p);
+    const Cell c = compute_cell(p);
     const auto fall = [](std::int32_t below, std::int32_t above) {
         return static_cast<double>(below) - above;
     };

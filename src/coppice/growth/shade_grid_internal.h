@@ -9,26 +9,26 @@
 
 namespace coppice {
 
-/// How leaves shade what is below them.
+/// Parameters of the shade below leaves.
 struct ShadeSettings {
     float cell;     ///< [m] edge of a cell
-    float shade;    ///< light that is taken in the cell of the leaves
-    float falloff;  ///< of that from each layer of cells to the next one below
-    int depth;      ///< layers below that are shaded
+    float shade;    ///< light that is absorbed in the cell of the leaves
+    float falloff;  ///< ratio between each layer of cells and the layer above
+    int depth;      ///< number of shaded layers below
 };
 
-/// Shade in cells of space: leaves shade their own cell and, in every layer below, one cell more to each side
-/// [Palubicki2009]. In whole numbers, so that leaves which go leave nothing behind, in any order. Only blocks
-/// of cells that were ever shaded take memory.
+/// Shade in cells of space: leaves shade their own cell and, in every layer below, one additional cell on
+/// each side [Palubicki2009]. In integers, so that leaves can be removed exactly, in any order. Memory is
+/// only used for blocks of cells that were ever shaded.
 class ShadeGrid {
   public:
     explicit ShadeGrid(const ShadeSettings& settings);
 
     void add(Vec3 leaves) { cast(leaves, 1); }      ///< O(depth^3)
-    void remove(Vec3 leaves) { cast(leaves, -1); }  ///< what was added before
-    double shade(Vec3 p) const;                     ///< light that is taken there; >= 0
-    Vec3d brighter(Vec3 p) const;  ///< unit vector to where there is less shade; 0: it is even
-    std::uint64_t bytes() const { return blocks_.size() * (sizeof(Block) + 64); }  ///< of memory, about
+    void remove(Vec3 leaves) { cast(leaves, -1); }  ///< removes leaves added before
+    double shade(Vec3 p) const;                     ///< absorbed light at p; >= 0
+    Vec3d brighter(Vec3 p) const;  ///< unit vector towards less shade; 0: the shade is uniform
+    std::uint64_t bytes() const { return blocks_.size() * (sizeof(Block) + 64); }  ///< approximate memory
 
   private:
     static constexpr int kBits = 3, kEdge = 1 << kBits;
@@ -37,7 +37,7 @@ class ShadeGrid {
         std::int32_t x, y, z;
     };
 
-    Cell cell_of(Vec3 p) const;
+    Cell compute_cell(Vec3 p) const;
     static std::uint64_t key(std::int32_t x, std::int32_t y, std::int32_t z);
     static std::size_t within(std::int32_t x, std::int32_t y, std::int32_t z);
     std::int32_t at(Cell c) const;
@@ -46,7 +46,7 @@ class ShadeGrid {
     void cast_layer(Cell middle, std::int32_t reach, std::int32_t amount);
 
     double per_cell_;
-    std::vector<std::int32_t> amount_;  // by layer from the leaves' own on
+    std::vector<std::int32_t> amount_;  // by layer, starting with the layer of the leaves
     std::unordered_map<std::uint64_t, std::uint32_t> number_;
     std::vector<Block> blocks_;
 };

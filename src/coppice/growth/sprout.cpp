@@ -12,6 +12,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
+#include "coppice/base/id.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/progress.h"
 #include "coppice/base/random.h"
@@ -20,36 +21,37 @@
 namespace coppice {
 namespace {
 
-constexpr std::uint32_t kNone = 0xffffffffu;
 constexpr std::size_t kSproutGrain = 4096;
-// Cosine of the turn by which a guard may make a shoot slide: else shoots would pave the wall that they meet.
-constexpr double kLeastAlong = 0.5;
-constexpr std::uint32_t kNodesPerLook = 4096;  // whether the work is cancelled, or takes too much memory
-constexpr double kBytesOfNode = 160;           // with what a season notes of it
+// Cosine of the maximum turn by which a shoot slides along a guard; without this limit, shoots would cover
+// the wall that they meet.
+constexpr double kMinAlong = 0.5;
+constexpr std::uint32_t kNodesPerLook = 4096;  // between two checks of cancellation and memory
+constexpr double kBytesOfNode = 160;           // including the data of a season
 
 /// A node with its buds and leaves.
 struct Metamer {
     Vec3 position;
     Vec3 direction;  // of the segment that ends here
-    Vec3 side;       // unit vector across, from which the sides of buds count
-    float azimuth;   // of the first lateral bud, from there
+    Vec3 side;       // unit vector perpendicular to it, reference of the bud angles
+    float azimuth;   // of the first lateral bud, relative to `side`
     std::uint32_t parent;
-    std::uint32_t id = 0;  // in the order of birth: names its random numbers
+    std::uint32_t id = 0;  // in the order of creation; index of its random numbers
     std::uint16_t order;
-    std::uint16_t buds;     // bits of the lateral ones that are alive
+    std::uint16_t buds;     // bit set of the living lateral buds
     std::int32_t born = 0;  // season
-    bool leads;             // it goes on with its parent's axis
-    bool tip;               // it bears a living bud that would go on with the axis
+    bool leads;             // it continues the axis of its parent
+    bool tip;               // it has a living bud that would continue the axis
 };
 
-/// What a season knows of a node; sums are of all that hangs on it, itself too.
+/// The data of a node in a season; sums include the node and all its descendants.
 struct Share {
-    double light = 0;                 // sum
-    std::uint32_t leaves = 0;         // number of nodes with leaves
-    std::uint32_t below_tip = kNone;  // nodes on the axis from here to its living tip; none: that is dead
-    double weights = 0;               // sum of those that share what comes here
-    double vigour = 0;                // what comes here
-    double own_light = 0;             // at the node
+    double light = 0;          // sum
+    std::uint32_t leaves = 0;  // number of nodes with leaves
+    // Number of nodes on the axis from here to its living tip; kNoIndex if the tip is dead.
+    std::uint32_t below_tip = kNoIndex;
+    double weights = 0;    // sum of the weights of the receivers
+    double vigour = 0;     // vigour received by the node
+    double own_light = 0;  // at the node
 };
 
 double gauss(const CounterRandom& random, std::uint64_t index) {  // [Box1958]
@@ -76,7 +78,7 @@ class Sprouting {
                  .side =
                      turned(up, perpendicular(up), 2 * std::numbers::pi * random_.uniform(draw(next_id_, 0))),
                  .azimuth = 0,
-                 .parent = kNone,
+                 .parent = kNoIndex,
                  .order = 0,
                  .buds = 0,
                  .leads = false,
@@ -110,7 +112,9 @@ class Sprouting {
 
   private:
     std::uint32_t count() const { return static_cast<std::uint32_t>(nodes_.size()); }
-    static std::uint64_t draw(std::uint32_t id, std::uint32_t what) { return std::uint64_t{id} << 8 | what; }
+    static std::uint64_t draw(std::uint32_t id, std::uint32_t subject) {
+        return std::uint64_t{id} << 8 | subject;
+    }
 
     static Vec3 turned(Vec3 axis, Vec3 side, double angle) {
         const Vec3d a(axis), s(side);
@@ -145,12 +149,11 @@ class Sprouting {
         ctx_.throw_if_cancelled();
         const double bytes =
             static_cast<double>(grid_.bytes()) + kBytesOfNode * static_cast<double>(nodes_.size());
-        if (input_.most_bytes <= 0 || bytes <= input_.most_bytes) return;
+        if (input_.max_bytes <= 0 || bytes <= input_.max_bytes) return;
         throw InvalidInput(
-            fmt::format("sprout: {} nodes and their shade take more than the {:.0f} MiB of memory that are "
-                        "left; allow more, "
-                        "lower max_nodes or seasons, or enlarge shade_cell",
-                        nodes_.size(), input_.most_bytes / (1 << 20)));
+            fmt::format("sprout: {} nodes and their shade need more than the {:.0f} MiB of memory that are "
+                        "left; allow more memory, reduce max_nodes or seasons, or increase shade_cell",
+                        nodes_.size(), input_.max_bytes / (1 << 20)));
     }
 
     // ---- light
@@ -158,7 +161,7 @@ class Sprouting {
     void gather_light() {
         share_.assign(nodes_.size(), {});
         parallel_for(ctx_, nodes_.size(), kSproutGrain, [&](std::size_t i) {
-            // The leaves of the node itself are in its cell too.
+            // The shade of the cell includes the leaves of the node itself.
             const double own = has_leaves(nodes_[i]) ? double{o_.shade} : 0;
             share_[i].own_light = std::clamp(1 - grid_.shade(nodes_[i].position) + own, 0.0, 1.0);
         });
@@ -170,11 +173,11 @@ class Sprouting {
                 ++s.leaves;
             }
             if (m.tip) s.below_tip = 0;
-            if (m.parent == kNone) continue;
+            if (m.parent == kNoIndex) continue;
             Share& below = share_[m.parent];
             below.light += s.light;
             below.leaves += s.leaves;
-            if (m.leads && s.below_tip != kNone) below.below_tip = s.below_tip + 1;
+            if (m.leads && s.below_tip != kNoIndex) below.below_tip = s.below_tip + 1;
         }
     }
 
@@ -187,18 +190,18 @@ class Sprouting {
     }
 
     bool shed_branches() {
-        std::vector<std::uint32_t> place(nodes_.size(), kNone);
+        std::vector<std::uint32_t> place(nodes_.size(), kNoIndex);
         std::uint32_t kept = 0;
         for (std::uint32_t i = 0; i < count(); ++i) {
             const Metamer& m = nodes_[i];
-            const bool parent_goes = m.parent != kNone && place[m.parent] == kNone;
+            const bool parent_goes = m.parent != kNoIndex && place[m.parent] == kNoIndex;
             if (parent_goes || is_to_shed(i)) {
                 if (has_leaves(m)) grid_.remove(m.position);
                 continue;
             }
             place[i] = kept;
             nodes_[kept] = m;
-            if (m.parent != kNone) nodes_[kept].parent = place[m.parent];
+            if (m.parent != kNoIndex) nodes_[kept].parent = place[m.parent];
             ++kept;
         }
         const bool any = kept < count();
@@ -209,13 +212,13 @@ class Sprouting {
 
     // ---- shares
 
-    // Bit by bit the lateral buds of a node that sprout where they get enough.
+    // Returns the bits of the lateral buds of a node that sprout if they receive enough.
     std::uint32_t waking_buds(std::uint32_t i) const {
         const Metamer& m = nodes_[i];
         const Share& s = share_[i];
         if (m.buds == 0 || season_ - m.born > o_.bud_seasons || s.own_light < double{o_.bud_light}) return 0;
         const bool held =
-            s.below_tip != kNone && s.below_tip < static_cast<std::uint32_t>(o_.apical_dominance);
+            s.below_tip != kNoIndex && s.below_tip < static_cast<std::uint32_t>(o_.apical_dominance);
         return held ? 0 : m.buds;
     }
 
@@ -231,16 +234,16 @@ class Sprouting {
         return (nodes_[i].leads ? control : 1 - control) * share_[i].light;
     }
 
-    // What comes to a node goes to its tip's bud, its lateral buds and what hangs on it.
+    // Distributes the vigour of a node to its tip's bud, its lateral buds and its children.
     void share_vigour() {
         for (std::uint32_t i = count(); i-- > 0;) {
             share_[i].weights += weight_of_tip(i) + std::popcount(waking_buds(i)) * weight_of_bud(i);
-            if (nodes_[i].parent != kNone) share_[nodes_[i].parent].weights += weight_of_branch(i);
+            if (nodes_[i].parent != kNoIndex) share_[nodes_[i].parent].weights += weight_of_branch(i);
         }
         for (std::uint32_t i = 0; i < count(); ++i) {
             const std::uint32_t parent = nodes_[i].parent;
-            share_[i].vigour =
-                parent == kNone ? double{o_.vigour} * share_[i].light : part_of(parent, weight_of_branch(i));
+            share_[i].vigour = parent == kNoIndex ? double{o_.vigour} * share_[i].light
+                                                  : part_of(parent, weight_of_branch(i));
         }
     }
 
@@ -286,7 +289,7 @@ class Sprouting {
         if (first) grow_on(*first, n - 1);
     }
 
-    // n segments more of an axis, which then ends in a bud or dies.
+    // Adds n segments to an axis, which then ends in a bud or dies.
     void grow_on(std::uint32_t from, int n) {
         std::uint32_t last = from;
         for (int k = 0; k < n; ++k) {
@@ -311,7 +314,7 @@ class Sprouting {
         return normalized(way, Vec3d(m.direction));
     }
 
-    /// A segment more; none where the guard leaves no way or there are nodes enough.
+    /// Adds a segment; returns nullopt if the guard excludes it or the maximum number of nodes is reached.
     std::optional<std::uint32_t> step(std::uint32_t from, Vec3d way, int order, bool leads, bool ends) {
         if (is_full()) {
             full_ = true;
@@ -322,7 +325,7 @@ class Sprouting {
         Vec3 to(Vec3d(m.position) + way * length);
         if (input_.guard) {
             const auto clear = input_.guard->step(m.position, Vec3(way), static_cast<float>(length));
-            if (!clear || dot(Vec3d(normalized(*clear - m.position)), way) < kLeastAlong) {
+            if (!clear || dot(Vec3d(normalized(*clear - m.position)), way) < kMinAlong) {
                 ++barred_;
                 return {};
             }
@@ -343,8 +346,8 @@ class Sprouting {
                     .tip = ends});
     }
 
-    // Along an axis it is carried without a twist; that of a new axis is level, so that what leaves it in two
-    // rows spreads out as leaves do.
+    // Along an axis the vector is transported without twist; the vector of a new axis is horizontal, so that
+    // laterals in two rows spread like leaves.
     static Vec3 side_of(const Metamer& m, Vec3 direction, bool leads) {
         if (leads) return normalized(m.side - direction * dot(m.side, direction), perpendicular(direction));
         const Vec3 level = cross(direction, Vec3{0, 0, 1});
@@ -355,7 +358,7 @@ class Sprouting {
         std::vector<NodeId> parents;
         std::vector<Vec3> positions;
         for (const Metamer& m : nodes_) {
-            parents.push_back(m.parent == kNone ? NodeId::none() : NodeId(m.parent));
+            parents.push_back(m.parent == kNoIndex ? NodeId::none() : NodeId(m.parent));
             positions.push_back(m.position);
         }
         std::vector<float> radii(nodes_.size(), 0.1f * o_.internode);
@@ -387,25 +390,27 @@ void check_options(const SproutOptions& o) {
 void check_root(const SproutInput& input, const SproutOptions& o, std::size_t number) {
     const Root& root = input.roots[number];
     if (!is_finite(root.position) || !is_finite(root.direction))
-        throw InvalidInput(fmt::format("sprout: root {} is not finite; give numbers", number));
+        throw InvalidInput(fmt::format("sprout: root {} is not finite; use finite numbers", number));
     const float far =
         std::max({std::abs(root.position.x), std::abs(root.position.y), std::abs(root.position.z)});
-    // An internode is then at least 16 times the distance of neighbouring numbers.
+    // An internode is then at least 16 times the distance between adjacent floats.
     if (far * 0x1p-19f > o.internode) {
         throw InvalidInput(
-            fmt::format("sprout: an internode of {} m is too short {} m from the origin; move the "
-                        "root nearer to it or lengthen the internode",
+            fmt::format("sprout: an internode of {} m is too short at a distance of {} m from the origin; "
+                        "move the root closer to the origin or increase the internode",
                         o.internode, far));
     }
     if (input.guard && !input.guard->allows(root.position))
-        throw InvalidInput(fmt::format("sprout: root {} lies where the guard bars growth; move it", number));
+        throw InvalidInput(
+            fmt::format("sprout: root {} is in a region that the guard excludes; move it", number));
 }
 
 }  // namespace
 
 SproutResult sprout(const SproutInput& input, const SproutOptions& options, const Context& ctx) {
     check_options(options);
-    if (input.roots.empty()) throw InvalidInput("sprout: there is no root to grow from; give at least one");
+    if (input.roots.empty())
+        throw InvalidInput("sprout: there is no root to grow from; specify at least one");
     for (std::size_t i = 0; i < input.roots.size(); ++i) check_root(input, options, i);
     return Sprouting(input, options, ctx).run();
 }

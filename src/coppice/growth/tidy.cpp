@@ -11,7 +11,7 @@ namespace coppice {
 namespace {
 
 constexpr std::size_t kTidyGrain = 1024;
-constexpr int kRounds = 64;  // after these an edit is done without: what is left gives way one by one
+constexpr int kRounds = 64;  // maximum number; then the edit is dropped for the remaining nodes
 
 using Positions = std::vector<Vec3>;
 
@@ -38,7 +38,7 @@ class GuardCheck {
   public:
     GuardCheck(const Skeleton& s, const Guard* guard, const Context& ctx) : s_(s), guard_(guard), ctx_(ctx) {}
 
-    /// Takes nodes back from `to` to `from` until no segment that moved is barred.
+    /// Moves nodes back from `to` to `from` until no moved segment is excluded.
     std::uint32_t undo_barred(const Positions& from, Positions& to) const {
         if (!guard_) return 0;
         std::uint32_t held = 0;
@@ -58,7 +58,7 @@ class GuardCheck {
         return held;
     }
 
-    /// The nodes whose segments from the given parents are barred and are not as they were.
+    /// Returns the nodes with changed segments from the given parents that are excluded.
     std::vector<char> barred_from(std::span<const NodeId> parent, const Positions& p) const {
         std::vector<char> bad(s_.size(), 0);
         if (!guard_) return bad;
@@ -108,11 +108,11 @@ double mean_length(const Skeleton& s, const Positions& p) {
 
 /// Lengths below which nodes are contracted.
 struct Shortest {
-    double step;    ///< [m] of any segment
-    double within;  ///< [radius of the parent]
+    double step;    ///< [m] minimum length of any segment
+    double within;  ///< [radius of the parent] minimum length
 };
 
-/// For every node the one it became, itself where it stays. Those of `fixed` stay.
+/// Returns for every node the node into which it is contracted, or itself. Nodes of `fixed` are kept.
 std::vector<NodeId> contraction(const Skeleton& s, const Positions& p, const Shortest& shortest,
                                 const std::vector<char>& fixed) {
     std::vector<NodeId> image(s.size());
@@ -126,7 +126,7 @@ std::vector<NodeId> contraction(const Skeleton& s, const Positions& p, const Sho
     return image;
 }
 
-/// Contracts, and where that makes a segment that is barred, does without the contraction next to it.
+/// Contracts nodes, and omits the contraction next to a segment that would be excluded.
 std::vector<NodeId> allowed_contraction(const Skeleton& s, const Positions& p, const Shortest& shortest,
                                         const GuardCheck& guarded, std::uint32_t& held) {
     std::vector<char> fixed(s.size(), 0);
@@ -141,7 +141,7 @@ std::vector<NodeId> allowed_contraction(const Skeleton& s, const Positions& p, c
         bool again = false;
         for (const NodeId n : nodes(s)) {
             if (!bad[n.index()]) continue;
-            // The parent was contracted, or the segment would be as it was.
+            // The parent was contracted, otherwise the segment would be unchanged.
             fixed[s.parent(n).index()] = 1;
             ++held;
             again = true;

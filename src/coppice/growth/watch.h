@@ -8,15 +8,15 @@
 
 namespace coppice {
 
-/// What has grown so far, between two rounds of growth; valid during the call that tells it.
+/// The state between two rounds of growth; valid only during the call.
 struct GrowthSoFar {
-    std::uint32_t nodes = 0;             ///< number of them
-    int rounds = 0;                      ///< iterations or seasons that are over
-    std::string_view limit;              ///< name of the option that ends growth after so many of them
-    std::function<Skeleton()> skeleton;  ///< makes it; O(nodes)
+    std::uint32_t nodes = 0;             ///< number of nodes
+    int rounds = 0;                      ///< number of completed iterations or seasons
+    std::string_view limit;              ///< name of the option that limits the number of rounds
+    std::function<Skeleton()> skeleton;  ///< creates the current skeleton; O(nodes)
 };
 
-/// Told after every round, on the thread that asked for growth, and changes nothing about it.
+/// Called after every round, on the thread that called grow() or sprout(); does not affect the growth.
 using GrowthWatch = std::function<void(const GrowthSoFar&)>;
 
 }  // namespace coppice

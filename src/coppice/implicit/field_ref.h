@@ -9,16 +9,16 @@ namespace coppice {
 
 /// Value and gradient of a scalar field at one point.
 struct FieldSample {
-    float value;    ///< greater than the level inside
-    Vec3 gradient;  ///< [1/m] points inward: the field falls outward
+    float value;    ///< greater than the iso value inside
+    Vec3 gradient;  ///< [1/m] points inwards: the field decreases outwards
 };
 
-/// Refers to any scalar field whose surface is value = level: inside above, outside below. One indirect call
-/// per batch.
+/// Reference to any scalar field with the surface value = level: greater inside, smaller outside. One
+/// indirect call per batch.
 ///
-/// `region` names a part of space for which the field has prepared a list of what matters there; the caller
-/// passes on the number it was given for that part. A field without such lists ignores it. Samples must be
-/// thread safe.
+/// `region` is the index of a region of space for which the field has prepared a list of relevant elements;
+/// the caller passes the index that it received for that region. A field without such lists ignores it.
+/// Samples must be thread safe.
 class FieldRef {
   public:
     /// The field must outlive the reference, and have `level()` and `sample(region, points, out)`.
@@ -31,8 +31,8 @@ class FieldRef {
               static_cast<const F*>(object)->sample(region, points, out);
           }) {}
 
-    float level() const { return level_; }  ///< what the field is on its surface
-    /// Value and gradient at each point, as many as `out` holds.
+    float level() const { return level_; }  ///< iso value of the surface
+    /// Evaluates value and gradient at each point; `out` must have the same size.
     void sample(std::uint32_t region, std::span<const Vec3> points, std::span<FieldSample> out) const {
         sample_(object_, region, points, out);
     }

@@ -10,11 +10,11 @@
 
 #include "coppice/base/ascii.h"
 #include "coppice/base/error.h"
-#include "coppice/io/file.h"
 #include "coppice/io/mesh/format.h"
 #include "coppice/io/skeleton/format.h"
 #include "coppice/io/text_internal.h"
 #include "coppice/io/unread_format.h"
+#include "coppice/system/file.h"
 
 namespace coppice {
 namespace {
@@ -31,7 +31,7 @@ std::string head_of(const std::filesystem::path& path) {
     return head;
 }
 
-/// Whether the first element of an OBJ file is a line; long lists of vertices come before it.
+/// Returns whether the first element after the vertices of an OBJ file is a line.
 bool obj_holds_lines(const std::filesystem::path& path) {
     std::ifstream file(path, std::ios::binary);
     std::string chunk(1 << 20, '\0');
@@ -55,7 +55,7 @@ FileKind kind_of_ply(const std::string& head) {
     return has("element edge") ? FileKind::skeleton : FileKind::points;
 }
 
-/// The second number of an OFF file is that of its faces.
+/// Returns whether the number of faces, the second number of an OFF file, is positive.
 FileKind kind_of_off(const std::string& head) {
     LineReader lines(head);
     std::vector<std::string_view> words, numbers;
@@ -97,7 +97,7 @@ std::optional<FileKind> kind_of_file(const std::filesystem::path& path) {
     const std::string ending = ending_of(path);
     std::error_code error;
     if (!std::filesystem::is_regular_file(path, error)) {
-        if (!std::filesystem::exists(path, error)) read_file(path);  // says what is wrong
+        if (!std::filesystem::exists(path, error)) read_file(path);  // throws with the reason
         return kind_of_name(path);
     }
     const std::string head = head_of(path);

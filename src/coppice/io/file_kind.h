@@ -9,7 +9,7 @@
 
 namespace coppice {
 
-/// What a file may hold.
+/// Kind of content of a file.
 enum class FileKind {
     skeleton,  ///< nodes with radii, or cylinders
     mesh,      ///< faces
@@ -21,14 +21,14 @@ struct EnumNames<FileKind> {
     static constexpr std::array<std::string_view, 3> names{"skeleton", "mesh", "points"};
 };
 
-/// What a file holds, by its name, and by its content where several kinds share an ending (OBJ, PLY, OFF,
-/// TXT, CSV) or the ending is unknown; none when both are unknown. What is no plain file, such as a pipe, is
-/// only judged by its name. Throws `IoError` when a file is missing or cannot be read, and `Unsupported` for
-/// the formats that unread_format() knows.
+/// Returns the kind of a file by its extension, and by its content if several kinds share the extension (OBJ,
+/// PLY, OFF, TXT, CSV) or the extension is unknown; returns nullopt if both are unknown. Only the extension
+/// is considered if the path is not a regular file, such as a pipe. Throws `IoError` if the file is missing
+/// or cannot be read, and `Unsupported` for the formats recognized by unread_format().
 std::optional<FileKind> kind_of_file(const std::filesystem::path& path);
 
-/// What a file of this name is to hold; a name that fits several kinds (OBJ, PLY) is of the kind `preferred`.
-/// None when its ending is unknown.
+/// Returns the kind of an output file by its extension; `preferred` if several kinds share the extension
+/// (OBJ, PLY), nullopt if it is unknown.
 std::optional<FileKind> kind_of_output(const std::filesystem::path& path, FileKind preferred);
 
 }  // namespace coppice

@@ -8,10 +8,10 @@
 
 namespace coppice {
 
-/// The axis that points up in a file; here it is z. Neither turns right hands into left ones.
+/// Up axis of a file. In memory it is z. Conversions preserve the handedness.
 enum class FileUp {
-    z,  ///< as in surveying and CAD
-    y   ///< as in games and in OBJ files of Blender
+    z,  ///< surveying and CAD
+    y   ///< games and OBJ files of Blender
 };
 
 template <>
@@ -19,19 +19,19 @@ struct EnumNames<FileUp> {
     static constexpr std::array<std::string_view, 2> names{"z", "y"};
 };
 
-/// A vector of a file as it is here.
+/// Converts a vector of a file to z up.
 template <class T>
 constexpr BasicVec3<T> from_file(BasicVec3<T> p, FileUp up) {
     return up == FileUp::y ? BasicVec3<T>{p.x, -p.z, p.y} : p;
 }
 
-/// A vector from here as it stands in a file.
+/// Converts a vector with z up to the up axis of a file.
 template <class T>
 constexpr BasicVec3<T> to_file(BasicVec3<T> p, FileUp up) {
     return up == FileUp::y ? BasicVec3<T>{p.x, p.z, -p.y} : p;
 }
 
-/// Turns all points of something that a file holds.
+/// Converts all points read from a file to z up.
 template <class Points>
 void turn_from_file(Points& points, FileUp up) {
     if (up == FileUp::z) return;
@@ -39,7 +39,7 @@ void turn_from_file(Points& points, FileUp up) {
     points.origin = from_file(points.origin, up);
 }
 
-/// Turns them to how a file is to hold them.
+/// Converts all points to the up axis of a file.
 template <class Points>
 void turn_to_file(Points& points, FileUp up) {
     if (up == FileUp::z) return;

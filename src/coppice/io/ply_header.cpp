@@ -37,7 +37,7 @@ constexpr std::array<TypeName, 16> kTypeNames{{{"char", PlyType::int8},
                                                {"double", PlyType::float64},
                                                {"float64", PlyType::float64}}};
 
-/// Reads a head line by line; a line ends with LF, or CR LF as in files that were written in text mode.
+/// Reads a header line by line; a line ends with LF, or with CR LF as in files written in text mode.
 class HeaderParser {
   public:
     HeaderParser(std::string_view file, const std::string& source) : file_(file), source_(source) {}
@@ -50,7 +50,7 @@ class HeaderParser {
         while (true) {
             if (!next())
                 throw InvalidInput(
-                    fmt::format("{}: the PLY head has no end_header; the file is cut", source_));
+                    fmt::format("{}: the PLY header has no end_header; the file is truncated", source_));
             if (words_.empty()) continue;
             const std::string_view word = words_[0];
             if (word == "end_header") break;
@@ -64,10 +64,11 @@ class HeaderParser {
             } else if (word == "property") {
                 parse_property();
             } else {
-                fail_at(source_, number_, fmt::format("{} is no keyword of a PLY head", in_quotes(word)));
+                fail_at(source_, number_,
+                        fmt::format("{} is not a keyword of a PLY header", in_quotes(word)));
             }
         }
-        if (!has_format) throw InvalidInput(fmt::format("{}: the PLY head has no 'format' line", source_));
+        if (!has_format) throw InvalidInput(fmt::format("{}: the PLY header has no 'format' line", source_));
         for (const PlyElement& element : header_.elements) {
             if (element.count > 0 && element.properties.empty()) {
                 throw InvalidInput(fmt::format("{}: the PLY element {} has rows but no properties", source_,
@@ -108,7 +109,7 @@ class HeaderParser {
     }
 
     void parse_property() {
-        if (header_.elements.empty()) fail_at(source_, number_, "a property stands before the first element");
+        if (header_.elements.empty()) fail_at(source_, number_, "a property precedes the first element");
         PlyProperty property;
         if (words_.size() == 5 && words_[1] == "list") {
             property = {std::string(words_[4]), type(words_[3]), type(words_[2])};
@@ -126,7 +127,7 @@ class HeaderParser {
         for (const TypeName& t : kTypeNames) {
             if (t.name == name) return t.type;
         }
-        fail_at(source_, number_, fmt::format("{} is no PLY type", in_quotes(name)));
+        fail_at(source_, number_, fmt::format("{} is not a PLY type", in_quotes(name)));
     }
 
     std::string_view file_;
@@ -195,7 +196,7 @@ bool PlyElement::has_list() const {
     return false;
 }
 
-std::size_t PlyElement::least_row_bytes(PlyEncoding encoding) const {
+std::size_t PlyElement::min_row_bytes(PlyEncoding encoding) const {
     if (encoding == PlyEncoding::ascii) return 2 * properties.size();
     std::size_t bytes = 0;
     for (const PlyProperty& property : properties)
@@ -221,13 +222,14 @@ PlyRows::PlyRows(std::string_view file, const PlyHeader& header, std::string sou
 void PlyRows::begin_element(const PlyElement& element) {
     element_ = &element;
     row_ = 0;
-    const std::size_t least = element.least_row_bytes(encoding_);
-    // The last number of an ASCII file need not be followed by a blank.
+    const std::size_t least = element.min_row_bytes(encoding_);
+    // The last number of an ASCII file may end without white space.
     const std::size_t left = file_.size() - offset_ + (encoding_ == PlyEncoding::ascii ? 1 : 0);
     if (least > 0 && element.count > left / least) {
-        throw InvalidInput(fmt::format(
-            "{}: the head claims {} rows of {}, for which the file is too short; it is cut or damaged",
-            source_, element.count, in_quotes(element.name)));
+        throw InvalidInput(
+            fmt::format("{}: the header specifies {} rows of {}, but the file is too short for them; it is "
+                        "truncated or damaged",
+                        source_, element.count, in_quotes(element.name)));
     }
 }
 
@@ -255,8 +257,7 @@ void PlyRows::skip_element() {
 
 std::string_view PlyRows::take_fixed_rows() {
     COPPICE_ASSERT(encoding_ != PlyEncoding::ascii && !element_->has_list());
-    const std::string_view rows =
-        file_.substr(offset_, element_->count * element_->least_row_bytes(encoding_));
+    const std::string_view rows = file_.substr(offset_, element_->count * element_->min_row_bytes(encoding_));
     offset_ += rows.size();
     return rows;
 }
@@ -288,8 +289,8 @@ std::size_t PlyRows::read_count(const PlyProperty& property) {
     const std::size_t item = encoding_ == PlyEncoding::ascii ? 2 : byte_size(property.type);
     const std::size_t most = (file_.size() - offset_ + 1) / item;
     if (!(count >= 0) || count > static_cast<double>(most) || count != std::trunc(count)) {
-        fail(fmt::format("the list {} claims {} items, which the file cannot hold", in_quotes(property.name),
-                         count));
+        fail(fmt::format("the list {} specifies {} items, more than the file can contain",
+                         in_quotes(property.name), count));
     }
     return static_cast<std::size_t>(count);
 }

@@ -9,63 +9,64 @@
 #include <string_view>
 #include <vector>
 
-#include "coppice/io/file_progress.h"
+#include "coppice/system/file_progress.h"
 
 namespace coppice {
 
-/// How the data of a PLY file is written.
+/// Encoding of the data of a PLY file.
 enum class PlyEncoding { ascii, little_endian, big_endian };
-/// The numbers that PLY knows, by size.
+/// Scalar types of PLY, by size.
 enum class PlyType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
 
-std::size_t byte_size(PlyType type);  ///< of one number in a binary file
+std::size_t byte_size(PlyType type);  ///< size of one number in a binary file
 
-/// One column of an element.
+/// A column of an element.
 struct PlyProperty {
     std::string name;                                        ///< as in the header
-    PlyType type = PlyType::float32;                         ///< of the value, or of each item of a list
-    std::optional<PlyType> count_type = std::nullopt;        ///< set for a list property
-    bool is_list() const { return count_type.has_value(); }  ///< whether a row holds several
+    PlyType type = PlyType::float32;                         ///< type of the value, or of each item of a list
+    std::optional<PlyType> count_type = std::nullopt;        ///< type of the length; set for a list property
+    bool is_list() const { return count_type.has_value(); }  ///< whether a row contains several values
 };
 
-/// One table of a PLY file: vertices, faces, edges.
+/// A table of a PLY file, such as vertices, faces or edges.
 struct PlyElement {
-    std::string name;         ///< as in the header
-    std::uint64_t count = 0;  ///< rows, as the header claims: untrusted until `PlyRows` has checked it
-    std::vector<PlyProperty> properties;  ///< in the order of their data
+    std::string name;  ///< as in the header
+    std::uint64_t count =
+        0;  ///< number of rows specified by the header; untrusted until `PlyRows` has checked it
+    std::vector<PlyProperty> properties;  ///< in the order of the data
 
-    /// The place of the first property called one of `names`; none when there is no such property.
+    /// Returns the index of the first property with one of `names`; nullopt if there is no such property.
     std::optional<std::size_t> find(std::initializer_list<std::string_view> names) const;
-    bool has_list() const;  ///< whether rows differ in length
-    /// The fewest bytes one row can take: in binary its values with empty lists, in ASCII one digit and a
-    /// blank each.
-    std::size_t least_row_bytes(PlyEncoding encoding) const;
+    bool has_list() const;  ///< whether the rows differ in length
+    /// Returns the minimum number of bytes of a row: in binary its values with empty lists, in ASCII one
+    /// digit and one blank for each value.
+    std::size_t min_row_bytes(PlyEncoding encoding) const;
 };
 
-/// The head of a PLY file: what its elements are called, how many rows each has and what is in a row.
+/// Header of a PLY file: names, number of rows and properties of its elements.
 struct PlyHeader {
-    PlyEncoding encoding = PlyEncoding::ascii;  ///< of all elements
-    std::vector<PlyElement> elements;           ///< in the order of their data
-    std::vector<std::string> comments;          ///< one per line, without the word
-    std::size_t data_offset = 0;                ///< first byte after "end_header" and its line end
+    PlyEncoding encoding = PlyEncoding::ascii;  ///< encoding of all elements
+    std::vector<PlyElement> elements;           ///< in the order of the data
+    std::vector<std::string> comments;          ///< one for each line, without the keyword
+    std::size_t data_offset = 0;                ///< offset of the first byte after the line "end_header"
 };
 
-bool is_ply(std::string_view file);  ///< starts with the word "ply" and a line end
+bool is_ply(std::string_view file);  ///< returns whether the file starts with "ply" and a line end
 
-/// Reads the head of `file`. Throws InvalidInput naming `source` and the line: no PLY, an unknown type or
-/// encoding, a property without an element, an element that has rows but no properties, no end_header. Linear
-/// in the head.
+/// Reads the header of `file`. Throws InvalidInput with `source` and the line if it is not PLY, has an
+/// unknown type or encoding, a property without an element, an element that has rows but no properties, or no
+/// end_header. Linear in the size of the header.
 PlyHeader parse_ply_header(std::string_view file, const std::string& source);
 
-/// One row: the values of property p are values[first[p]] to values[first[p + 1]], one for a scalar. All
-/// types of PLY fit a double without loss.
+/// A row of an element. The values of property p are values[first[p]] to values[first[p + 1]], a single one
+/// for a scalar. A double represents all PLY types without loss.
 struct PlyRow {
-    std::vector<double> values;      ///< of all properties, one after the other
-    std::vector<std::size_t> first;  ///< one more than there are properties
+    std::vector<double> values;      ///< values of all properties in order
+    std::vector<std::size_t> first;  ///< number of properties + 1 offsets
 
-    /// of a property that is no list
+    /// Returns the value of a property that is not a list.
     double scalar(std::size_t property) const { return values[first[property]]; }
-    /// The values of a list, or the one of a scalar.
+    /// Returns the values of a list, or the value of a scalar as a span.
     std::span<const double> list(std::size_t property) const {
         return {values.data() + first[property], first[property + 1] - first[property]};
     }
@@ -82,18 +83,18 @@ struct PlyRow {
 /// Throws InvalidInput where the file ends too early or a value is no number, and Cancelled.
 class PlyRows {
   public:
-    /// `file` must outlive this.
+    /// `file` must outlive this object.
     PlyRows(std::string_view file, const PlyHeader& header, std::string source, const Context& ctx = {});
 
-    /// Makes `element` the one that is read next, and refuses a count for which the file is too short: after
-    /// this, reserving memory by `element.count` is safe.
+    /// Starts reading `element`. Throws if the file is too short for its count: after this, reserving memory
+    /// by `element.count` is safe.
     void begin_element(const PlyElement& element);
-    void read(PlyRow& row);  ///< the next row
-    void skip_element();     ///< passes over all rows of the element just begun
+    void read(PlyRow& row);  ///< reads the next row
+    void skip_element();     ///< skips the remaining rows of the current element
 
-    std::size_t offset() const { return offset_; }  ///< of the next byte to be read
-    /// The rows of the element just begun as raw bytes, which are then passed over: for fast paths over
-    /// binary elements without lists, count * least_row_bytes long.
+    std::size_t offset() const { return offset_; }  ///< offset of the next byte
+    /// Returns the rows of the current element as raw bytes, count * min_row_bytes long, and skips them: a
+    /// fast path for binary elements without lists.
     std::string_view take_fixed_rows();
 
   private:

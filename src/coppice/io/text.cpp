@@ -13,8 +13,8 @@ namespace coppice {
 
 namespace {
 
-/// A token whose value is out of range is tiny when its exponent is negative, or when it has none and starts
-/// with "0.".
+/// Returns whether a token out of the range of double is too small rather than too large: its exponent is
+/// negative, or it has no exponent and starts with "0.".
 bool is_underflow(std::string_view token) {
     const std::size_t exponent = token.find_first_of("eE");
     if (exponent != std::string_view::npos) return exponent + 1 < token.size() && token[exponent + 1] == '-';

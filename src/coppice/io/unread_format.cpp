@@ -15,17 +15,17 @@ struct Signature {
     std::string_view start, text;
 };
 constexpr std::array<Signature, 8> kSignatures{
-    {{"\x1f\x8b"sv, "packed by gzip; unpack it first: gunzip FILE"},
+    {{"\x1f\x8b"sv, "compressed by gzip; unpack it first: gunzip FILE"},
      {"PK\x03\x04"sv, "a ZIP archive; unpack it first: unzip FILE"},
      {"7z\xbc\xaf"sv, "a 7z archive; unpack it first: 7z x FILE"},
-     {"BZh"sv, "packed by bzip2; unpack it first: bunzip2 FILE"},
+     {"BZh"sv, "compressed by bzip2; unpack it first: bunzip2 FILE"},
      {"\xfd"
       "7zXZ"sv,
-      "packed by xz; unpack it first: unxz FILE"},
-     {"\x28\xb5\x2f\xfd"sv, "packed by Zstandard; unpack it first: unzstd FILE"},
-     {"CCB2"sv, "a file of CloudCompare's own; save it there as LAZ, LAS or PLY"},
+      "compressed by xz; unpack it first: unxz FILE"},
+     {"\x28\xb5\x2f\xfd"sv, "compressed by Zstandard; unpack it first: unzstd FILE"},
+     {"CCB2"sv, "a CloudCompare file, which is not read; save it in CloudCompare as LAZ, LAS or PLY"},
      {"SQLite format 3\0"sv,
-      "an SQLite database; a library of branches is listed by coppice library list FILE"}}};
+      "an SQLite database; list a library of branches by: coppice library list FILE"}}};
 
 constexpr std::string_view kGrid =
     "an ESRI ASCII grid of heights, which is not read; convert its cells to points: gdal_translate -of XYZ "
@@ -33,7 +33,7 @@ constexpr std::string_view kGrid =
 constexpr std::string_view kNeurolucida =
     "a Neurolucida tracing, which is not read; convert it to SWC: morph-tool convert file FILE TRACING.swc";
 constexpr std::string_view kNeurolucidaXml =
-    "a Neurolucida XML tracing, which is not read; save it as SWC, for one with Simple Neurite Tracer";
+    "a Neurolucida XML tracing, which is not read; save it as SWC, for example with Simple Neurite Tracer";
 constexpr std::string_view kMorphIo =
     "a neuron in the HDF5 format of MorphIO, which is not read; convert it to SWC: morph-tool convert file "
     "FILE NEURON.swc";
@@ -44,7 +44,7 @@ constexpr std::size_t kMaxHead = std::size_t{1} << 16;
 
 bool contains(std::string_view text, std::string_view part) { return text.find(part) != text.npos; }
 
-/// The text behind blanks, empty lines and comments from ; to the end of the line.
+/// Returns the text without leading white space and comments, which extend from ; to the end of the line.
 std::string_view behind_comments(std::string_view text) {
     for (;;) {
         text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
@@ -53,7 +53,8 @@ std::string_view behind_comments(std::string_view text) {
     }
 }
 
-/// S-expressions, one of which names a part of a neuron or what all files of the program begin with.
+/// Returns whether the text consists of S-expressions that name a structure of a neuron or begin like a file
+/// of Neurolucida.
 bool is_neurolucida(std::string_view head) {
     constexpr std::array kParts{"(CellBody"sv, "(Axon"sv,     "(Dendrite"sv,   "(Apical"sv,
                                 "(Color"sv,    "(Sections"sv, "(ImageCoords"sv};

@@ -14,8 +14,8 @@
 namespace coppice::io_internal {
 namespace {
 
-/// Expat's events for a handler. No exception may pass through expat, which is C: it is kept, and thrown when
-/// expat has stopped.
+/// Forwards the events of expat to a handler. Exceptions must not pass through expat, which is C: the first
+/// is stored and rethrown after expat has stopped.
 class XmlEvents {
   public:
     XmlEvents(XmlHandler& handler, std::string_view format, const std::string& source)
@@ -32,9 +32,9 @@ class XmlEvents {
     }
 
     void parse(std::string_view text) {
-        constexpr std::size_t kMost = 1 << 30;  // expat counts in int
+        constexpr std::size_t kMax = 1 << 30;  // expat counts bytes in int
         do {
-            const std::string_view part = text.substr(0, kMost);
+            const std::string_view part = text.substr(0, kMax);
             text.remove_prefix(part.size());
             const auto status = XML_Parse(parser_.get(), part.data(), static_cast<int>(part.size()),
                                           text.empty() ? XML_TRUE : XML_FALSE);
@@ -78,18 +78,18 @@ class XmlEvents {
             events.handler_.text({text, static_cast<std::size_t>(size)});
         });
     }
-    /// Entities made of entities can grow a few lines to gigabytes.
+    /// Refuses entities: nested ones can expand a few lines to gigabytes.
     static void XMLCALL on_entity(void* data, const XML_Char*, int, const XML_Char*, int, const XML_Char*,
                                   const XML_Char*, const XML_Char*, const XML_Char*) {
         guarded(data, [](XmlEvents& events) {
-            fail_at(events.source_, events.line(),
-                    fmt::format(
-                        "the DOCTYPE declares entities, which {} has no need of; take the declaration out",
-                        events.format_));
+            fail_at(
+                events.source_, events.line(),
+                fmt::format("the DOCTYPE declares entities, which {} does not use; remove the declaration",
+                            events.format_));
         });
     }
-    /// Names and numbers are ASCII in all encodings of one byte that programs write; other letters stand in
-    /// labels, which do not matter here.
+    /// Reads the encodings Windows-125x and ISO 8859 as Latin-1: names and numbers are ASCII in all of them,
+    /// and other letters occur only in labels, which are ignored.
     static int XMLCALL on_encoding(void*, const XML_Char* name, XML_Encoding* encoding) {
         const std::string simple = to_lower(name);
         if (!simple.starts_with("windows-125") && !simple.starts_with("cp125") &&

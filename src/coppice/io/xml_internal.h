@@ -7,12 +7,12 @@
 
 namespace coppice::io_internal {
 
-/// Names and values of an element, as expat hands them over.
+/// Attributes of an element as passed by expat.
 class XmlAttributes {
   public:
     explicit XmlAttributes(const char* const* list) : list_(list) {}
 
-    /// The trimmed value of the first attribute for whose name is_it(name) holds.
+    /// Returns the trimmed value of the first attribute that satisfies is_it(name).
     template <class IsIt>
     std::optional<std::string_view> find_if(const IsIt& is_it) const {
         for (const char* const* at = list_; *at != nullptr; at += 2)
@@ -29,24 +29,24 @@ class XmlAttributes {
     const char* const* list_;
 };
 
-/// Where in a document an element begins.
+/// Position of an element in a document.
 struct XmlPlace {
     std::uint32_t line = 0;  ///< from 1
     std::uint64_t byte = 0;
 };
 
-/// Takes what a document says, as it comes. What these throw ends the parsing.
+/// Receives the events of a parser in document order. Exceptions thrown by its functions end the parsing.
 class XmlHandler {
   public:
     virtual ~XmlHandler() = default;
     virtual void start(std::string_view name, const XmlAttributes& attributes, const XmlPlace& place) = 0;
-    virtual void text(std::string_view text) = 0;  ///< a part of it, maybe
-    virtual void end() = 0;                        ///< of the element that was begun last
+    virtual void text(std::string_view text) = 0;  ///< possibly only a part of a text
+    virtual void end() = 0;                        ///< end of the current element
 };
 
-/// Parses XML from one event to the next: nothing is kept, nothing recurses, no file is opened. Names of
-/// encodings of one byte are known. Throws InvalidInput where it is no XML, and where it declares entities,
-/// by which a few lines can grow to gigabytes; `format` is the one that needs none.
+/// Parses XML event by event, without storing the document, without recursion and without opening files.
+/// Supports the encodings Windows-125x and ISO 8859 too. Throws InvalidInput if it is not valid XML or
+/// declares entities, which can expand a few lines to gigabytes; `format` names the format in messages.
 void parse_xml(std::string_view document, std::string_view format, const std::string& source,
                XmlHandler& handler);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "coppice/base/id.h"
 #include "coppice/base/parallel.h"
 #include "coppice/measure/face_runs_internal.h"
 
@@ -14,33 +15,34 @@ using measure_internal::FaceRuns;
 using measure_internal::NearestTriangle;
 
 constexpr std::size_t kAxesGrain = 64;
-constexpr double kDeep = 0.5;      // [radii] see AxesFound
-constexpr double kSpacing = 0.5;   // [radii] of points on an axis
-constexpr double kEndZone = 1.2;   // [radii] that are not judged
-constexpr double kMinPlace = 0.2;  // [radii] what is shorter is not severed
-constexpr double kFreeTip = 1.05;  // [radii] a tip that reaches farther may lie in another branch
+constexpr double kDeep = 0.5;      // [radii] see AxesFound::is_deep
+constexpr double kSpacing = 0.5;   // [radii] distance of the sample points on an axis
+constexpr double kEndZone = 1.2;   // [radii] length next to roots and tips that is excluded
+constexpr double kMinPlace = 0.2;  // [radii] minimum length of a severed place
+// [radii] a tip that is reached farther than this may be inside another branch.
+constexpr double kFreeTip = 1.05;
 constexpr double kMaxPoints = 256;
 
 enum class Depth : std::uint8_t { inside, thin, outside };
 
-// Points of an axis that follow each other and are all bad.
+// Consecutive bad sample points of an axis.
 struct BadRun {
     int first, end;
-    bool is_outside;  // some of them
+    bool is_outside;  // at least one of them
 };
 
-// What is known of a segment.
+// The state of a segment.
 struct Axis {
-    bool is_near = false;  // the surface comes near: depth varies along it
+    bool is_near = false;  // the surface is near the axis, so the depth varies along it
     bool is_deep = false;
     int points = 1;
-    double outside = 0, thin = 0;  // [m] as far as it is judged
+    double outside = 0, thin = 0;  // [m] of the examined length
     std::vector<BadRun> runs;
 };
 
 class AxesJudge {
   public:
-    // `wanted`: per node whether its segment is judged; empty: all are.
+    // `wanted`: per node whether its segment is examined; empty: all segments are.
     AxesJudge(const FaceRuns& faces, const Skeleton& skeleton, const CapsuleTree& capsules,
               std::span<const std::uint8_t> wanted = {})
         : faces_(faces), skeleton_(skeleton), capsules_(capsules), wanted_(wanted), axis_(capsules_.size()) {}
@@ -51,8 +53,8 @@ class AxesJudge {
         });
         AxesFound out;
         out.is_deep.assign(axis_.size(), 0);
-        place_of_.assign(skeleton_.size(), kNoRow);
-        capsule_of_.assign(skeleton_.size(), kNoRow);
+        place_of_.assign(skeleton_.size(), kNoIndex);
+        capsule_of_.assign(skeleton_.size(), kNoIndex);
         for (std::uint32_t i = 0; i < axis_.size(); ++i) {
             if (!is_segment(i)) continue;
             capsule_of_[capsules_.node(i).index()] = i;
@@ -62,7 +64,7 @@ class AxesJudge {
         return out;
     }
 
-    // [radii] How far the surface reaches beyond the tip of a segment, but kFarthest at most.
+    // [radii] Returns how far the surface extends beyond the tip of a segment, at most kFarthest.
     double reach(std::uint32_t i) const {
         constexpr double kNearest = 1e-3, kUsual = 1.1, kFarthest = 4;
         const RoundCone& c = capsules_.cone(i);
@@ -75,7 +77,7 @@ class AxesJudge {
         return -std::min(first_hit(c.b(), -d, l).distance, l) / r;
     }
 
-    // The parts of the severed places, once all has been judged.
+    // Returns the portions of the severed places, after judge().
     std::vector<SeveredPart> severed_parts() const {
         std::vector<SeveredPart> out;
         for (const Place& p : places_) {
@@ -94,15 +96,17 @@ class AxesJudge {
     const CapsuleTree& capsules() const { return capsules_; }
 
   private:
-    // Where a ray meets the surface first.
+    // The first intersection of a ray with the surface.
     struct Hit {
         double distance = std::numeric_limits<double>::infinity();  // [m]
         bool from_inside = false;
     };
 
-    // Where a line meets a triangle, in lengths of its direction; not a number where it does not.
+    // Returns the parameter of the intersection of a line and a triangle, in lengths of its direction; NaN if
+    // they do not intersect.
     static double crossing(Vec3d from, Vec3d direction, Vec3d a, Vec3d b, Vec3d c) {
-        // Volumes between the line and the edges; on an edge one is 0, and either face will do.
+        // Volumes spanned by the line and the edges; on an edge one is 0, and either adjacent face is
+        // correct.
         const Vec3d u = a - from, v = b - from, w = c - from;
         const double p = dot(direction, cross(u, v)), q = dot(direction, cross(v, w)),
                      s = dot(direction, cross(w, u));
@@ -112,7 +116,7 @@ class AxesJudge {
         return dot(u, normal) / dot(direction, normal);
     }
 
-    // Whether the axis comes nearer to a triangle than `limit`.
+    // Returns whether the distance between the axis and a triangle is below `limit`.
     static bool comes_near(const RoundCone& c, double limit, Vec3d p, Vec3d q, Vec3d r) {
         const double t = crossing(c.a, c.axis, p, q, r), squared = limit * limit;
         if (t >= 0 && t <= 1) return true;
@@ -135,13 +139,13 @@ class AxesJudge {
         return near;
     }
 
-    // Whether the planes about a run show that it is farther from the axis than `limit`.
-    static bool is_beside(const RoundCone& c, double limit, const FaceRuns::Run& run) {
+    // Returns whether the planes that bound a run prove that it is farther from the axis than `limit`.
+    static bool is_adjacent(const RoundCone& c, double limit, const FaceRuns::Run& run) {
         const double a = dot(c.a, run.normal), b = dot(c.b(), run.normal);
         return std::max(a, b) + limit < run.low || std::min(a, b) - limit > run.high;
     }
 
-    // Whether a plane between a face and the axis shows that these are farther apart than `limit`.
+    // Returns whether a plane between a face and the axis proves that they are farther apart than `limit`.
     bool keeps_clear(const RoundCone& c, double limit, std::size_t face) const {
         const auto corners = faces_.corners(face);
         const Vec3d middle = (faces_.at(corners[0]) + faces_.at(corners[2])) * 0.5;
@@ -152,9 +156,10 @@ class AxesJudge {
                                    [&](std::uint32_t v) { return dot(faces_.at(v), outward) > beyond; });
     }
 
-    // Whether the axis comes nearer to the surface than kDeep.
+    // Returns whether the axis is nearer to the surface than kDeep.
     bool is_near(const RoundCone& c) const {
-        constexpr double kLongest = 6, kMaxPieces = 64;  // [radii]
+        constexpr double kLongest = 6,
+                         kMaxPieces = 64;  // [radii] maximum length of a section with its own box
         const double r = std::max(c.radius_a, c.radius_b()), limit = kDeep * r;
         const double pieces = std::clamp(std::ceil(length(c.axis) / (kLongest * r)), 1.0, kMaxPieces);
         for (int k = 0; k < static_cast<int>(pieces); ++k) {
@@ -163,7 +168,7 @@ class AxesJudge {
             extend_outward(box, c.point((k + 1) / pieces));
             const bool is_clear =
                 faces_.visit_runs(box.inflated(static_cast<float>(limit)), [&](const FaceRuns::Run& run) {
-                    return is_beside(c, limit, run) || !comes_near(c, limit, run);
+                    return is_adjacent(c, limit, run) || !comes_near(c, limit, run);
                 });
             if (!is_clear) return true;
         }
@@ -204,12 +209,12 @@ class AxesJudge {
         const Vec3d p = c.point(t);
         NearestTriangle nearest(p);
         faces_.find_nearest(p, nearest);
-        const double d = nearest.signed_distance();  // infinite where there are no faces
+        const double d = nearest.signed_distance();  // infinite if there are no faces
         if (d > 0) return Depth::outside;
         return -d < AxesReport::kThin * c.radius(t) ? Depth::thin : Depth::inside;
     }
 
-    // Whether a point belongs to what is judged.
+    // Returns whether a point of an axis is outside the excluded end zones.
     bool is_judged(std::uint32_t i, double t) const {
         const RoundCone& c = capsules_.cone(i);
         const NodeId n = capsules_.node(i);
@@ -230,15 +235,15 @@ class AxesJudge {
         }
     }
 
-    // Tells on which side an axis lies that the surface does not come near, and adds all up.
+    // Determines the side of axes that are not near the surface, and adds the segment to the totals.
     void finish(std::uint32_t i, AxesFound& out) {
         Axis& a = axis_[i];
         const RoundCone& c = capsules_.cone(i);
         const NodeId n = capsules_.node(i), parent = skeleton_.parent(n);
         if (!a.is_near) {
-            // What goes on from a deep one without meeting the surface is deep too.
+            // A segment that continues a deep one without meeting the surface is deep too.
             const std::uint32_t before = capsule_of_[parent.index()];
-            a.is_deep = (before != kNoRow && axis_[before].is_deep) || depth(c, 0.5) != Depth::outside;
+            a.is_deep = (before != kNoIndex && axis_[before].is_deep) || depth(c, 0.5) != Depth::outside;
             for (int k = 0; !a.is_deep && k < a.points; ++k) add(i, k, Depth::outside);
         }
         out.is_deep[i] = a.is_deep ? 1 : 0;
@@ -254,14 +259,14 @@ class AxesJudge {
         for (const BadRun& run : a.runs) add_run(run, i);
     }
 
-    // A run at the beginning goes on with that at the end of the segment before.
+    // A run at the beginning of a segment continues the run at the end of the previous segment.
     void add_run(const BadRun& run, std::uint32_t i) {
         const Axis& a = axis_[i];
         const RoundCone& c = capsules_.cone(i);
         const NodeId n = capsules_.node(i);
-        const std::uint32_t before = run.first == 0 ? place_of_[skeleton_.parent(n).index()] : kNoRow;
-        const auto number = before != kNoRow ? before : static_cast<std::uint32_t>(places_.size());
-        if (before == kNoRow) {
+        const std::uint32_t before = run.first == 0 ? place_of_[skeleton_.parent(n).index()] : kNoIndex;
+        const auto number = before != kNoIndex ? before : static_cast<std::uint32_t>(places_.size());
+        if (before == kNoIndex) {
             const double t = static_cast<double>(run.first) / a.points;
             const Vec3d of_node = Vec3d(skeleton_.position(n)) + skeleton_.origin();
             places_.push_back({{n, of_node - c.axis * (1 - t), 0}});
@@ -288,7 +293,7 @@ class AxesJudge {
             std::uint8_t& cut = is_cut[n.index()];
             cut = cut | is_cut[skeleton_.parent(n).index()];
             const std::uint32_t i = capsule_of_[n.index()];
-            if (cut != 0 && i != kNoRow) out.beyond += length(capsules_.cone(i).axis);
+            if (cut != 0 && i != kNoIndex) out.beyond += length(capsules_.cone(i).axis);
         }
         out.severed = out.longest.size();
         for (const SeveredPlace& p : out.longest) found.faulty.push_back(p.node);
@@ -300,7 +305,7 @@ class AxesJudge {
         SeveredPlace severed;
         std::vector<SeveredPart> parts;
         double radius = 0;
-        bool is_outside = false;  // some of it
+        bool is_outside = false;  // at least one point of it
     };
     static bool is_severed(const Place& p) { return p.severed.length > kMinPlace * p.radius; }
 
@@ -309,8 +314,8 @@ class AxesJudge {
     const CapsuleTree& capsules_;
     std::span<const std::uint8_t> wanted_;
     std::vector<Axis> axis_;                 // by capsule
-    std::vector<std::uint32_t> place_of_;    // by node: the place that goes on there
-    std::vector<std::uint32_t> capsule_of_;  // by node: its segment, as far as these are finished
+    std::vector<std::uint32_t> place_of_;    // by node: the place that continues there
+    std::vector<std::uint32_t> capsule_of_;  // by node: its segment, if that is finished
     std::vector<Place> places_;
 };
 

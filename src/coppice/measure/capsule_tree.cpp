@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "coppice/base/id.h"
 #include "coppice/base/parallel.h"
 #include "coppice/skeleton/segment_cone.h"
 
@@ -19,7 +20,8 @@ std::vector<NodeId> nodes_with_parents(const Skeleton& skeleton) {
     return out;
 }
 
-std::vector<RoundCone> cones_of(const Skeleton& skeleton, std::span<const NodeId> children, Vec3d origin) {
+std::vector<RoundCone> compute_cones(const Skeleton& skeleton, std::span<const NodeId> children,
+                                     Vec3d origin) {
     const Vec3d shift = skeleton.origin() - origin;
     std::vector<RoundCone> cones;
     cones.reserve(children.size());
@@ -30,10 +32,11 @@ std::vector<RoundCone> cones_of(const Skeleton& skeleton, std::span<const NodeId
     return cones;
 }
 
-/// Where the pieces of an axis end: ever shorter towards both its ends, where the crowds are.
+/// Returns the parameters at which the sections of an axis end: sections are shorter towards both ends, where
+/// axes are crowded.
 std::vector<double> piece_ends(std::uint32_t halvings) {
     constexpr int kOfHalving = 4;
-    std::vector<double> to_middle;  // from 0, without it
+    std::vector<double> to_middle;  // from 0 to the middle, both excluded
     for (std::uint32_t h = halvings; h > 0; --h) {
         const double least = std::ldexp(0.5, -static_cast<int>(h));
         for (int k = 0; k < kOfHalving; ++k) to_middle.push_back(least * (1 + 1.0 * k / kOfHalving));
@@ -61,8 +64,8 @@ std::vector<Box3> axis_boxes(std::span<const RoundCone> cones, std::span<const d
     return boxes;
 }
 
-/// Whether the boxes of many axes lie over each other, as in stars and knots, so that a query would have to
-/// look at a good part of them all.
+/// Returns whether the boxes of many axes overlap, as in stars and dense clusters, so that a query would
+/// visit a large share of all axes.
 bool is_crowded(const BoxTree& boxes, std::span<const RoundCone> cones) {
     constexpr std::size_t kLookedAt = 256;
     constexpr std::size_t kMany = 32, kEnough = 4 * kMany;
@@ -78,19 +81,20 @@ bool is_crowded(const BoxTree& boxes, std::span<const RoundCone> cones) {
     return seen > kMany * count;
 }
 
-/// The pieces that axes are cut into where they are crowded: as many as are of use, or as memory bears.
+/// Returns the ends of the sections into which crowded axes are divided: as many as are useful, limited by
+/// memory.
 std::vector<double> crowd_pieces(std::size_t capsules) {
-    constexpr std::size_t kMost = std::size_t{1} << 23;
+    constexpr std::size_t kMax = std::size_t{1} << 23;
     constexpr std::uint32_t kHalvings = 8;
     std::vector<double> ends;
     for (std::uint32_t h = kHalvings; h > 0; --h) {
         ends = piece_ends(h);
-        if (capsules * ends.size() <= kMost) return ends;
+        if (capsules * ends.size() <= kMax) return ends;
     }
     return {1};
 }
 
-/// The capsule of least rho among those that are offered; of equal ones the first.
+/// Keeps the candidate capsule with the smallest rho, the first of equal ones.
 class Closest {
   public:
     Closest(std::span<const RoundCone> cones, Vec3d p) : cones_(cones), p_(p) {}
@@ -107,14 +111,14 @@ class Closest {
   private:
     std::span<const RoundCone> cones_;
     Vec3d p_;
-    std::uint32_t best_ = CapsuleTree::kNone;
+    std::uint32_t best_ = kNoIndex;
     double least_ = CapsuleTree::kFarthest * CapsuleTree::kFarthest;
 };
 
 }  // namespace
 
 CapsuleTree::CapsuleTree(const Skeleton& skeleton, Vec3d origin, const Context& ctx)
-    : CapsuleTree(nodes_with_parents(skeleton), cones_of(skeleton, nodes_with_parents(skeleton), origin),
+    : CapsuleTree(nodes_with_parents(skeleton), compute_cones(skeleton, nodes_with_parents(skeleton), origin),
                   ctx) {}
 
 CapsuleTree::CapsuleTree(std::vector<NodeId> nodes, std::vector<RoundCone> cones, const Context& ctx)
@@ -130,7 +134,7 @@ CapsuleTree::CapsuleTree(std::vector<NodeId> nodes, std::vector<RoundCone> cones
         levels[l].assign(boxes_.level(l).size(), std::numeric_limits<double>::infinity());
     }
     for (std::uint32_t place = 0; place < boxes_.size(); ++place) {
-        const RoundCone& c = cones_[capsule_of(boxes_.item(place))];
+        const RoundCone& c = cones_[compute_capsule(boxes_.item(place))];
         const double r = std::max(c.radius_a, c.radius_b());
         levels[0][place] = 1 / (r * r);
     }
@@ -144,9 +148,9 @@ CapsuleTree::CapsuleTree(std::vector<NodeId> nodes, std::vector<RoundCone> cones
 
 CapsuleTree::Nearest CapsuleTree::nearest(Vec3d p, std::uint32_t hint) const {
     Closest closest(cones_, p);
-    if (hint != kNone) closest.offer(hint);
+    if (hint != kNoIndex) closest.offer(hint);
     boxes_.search([&](std::uint32_t l, std::uint32_t i) { return bound(l, i, p); }, closest.rho_squared(),
-                  [&](std::uint32_t piece) { closest.offer(capsule_of(piece)); });
+                  [&](std::uint32_t piece) { closest.offer(compute_capsule(piece)); });
     return closest.found();
 }
 
@@ -155,9 +159,9 @@ void CapsuleTree::nearest(std::span<const Vec3d> points, std::uint32_t hint, std
     out[0] = nearest(points[0], hint);
     std::array<std::uint32_t, kMaxCandidates> candidate;
     std::size_t count = 0;
-    bool fit = out[0].capsule != kNone && points.size() > 1;
+    bool fit = out[0].capsule != kNoIndex && points.size() > 1;
     if (fit) {
-        // No point is farther from its nearest capsule than from that of the first one.
+        // No point is farther from its nearest capsule than from the capsule nearest to the first point.
         Box3 around;
         double limit = 0;
         for (const Vec3d p : points) {
@@ -171,7 +175,7 @@ void CapsuleTree::nearest(std::span<const Vec3d> points, std::uint32_t hint, std
         boxes_.search(to_box, limit, [&](std::uint32_t piece) {
             fit = fit && count < kMaxCandidates;
             if (fit) {
-                candidate[count++] = capsule_of(piece);
+                candidate[count++] = compute_capsule(piece);
             } else {
                 limit = -1;
             }
@@ -193,7 +197,7 @@ bool CapsuleTree::any_within(Vec3d p, double rho, std::uint32_t except) const {
     bool found = false;
     boxes_.search([&](std::uint32_t l, std::uint32_t i) { return bound(l, i, p); }, limit,
                   [&](std::uint32_t piece) {
-                      const std::uint32_t i = capsule_of(piece);
+                      const std::uint32_t i = compute_capsule(piece);
                       if (i == except || cones_[i].foot(p).relative_squared() >= rho * rho) return;
                       found = true;
                       limit = -1;
@@ -214,7 +218,7 @@ SegmentGap gap(const RoundCone& a, const RoundCone& b) {
     const double aa = length_squared(a.axis), bb = length_squared(b.axis), ab = dot(a.axis, b.axis);
     const double area = aa * bb - ab * ab;
     double s = 0;
-    if (area > 1e-14 * aa * bb) {  // else parallel, and any point of the overlap will do
+    if (area > 1e-14 * aa * bb) {  // otherwise they are parallel, and any point of the overlap is correct
         const Vec3d w = a.a - b.a;
         s = std::clamp((ab * dot(b.axis, w) - bb * dot(a.axis, w)) / area, 0.0, 1.0);
     }

@@ -16,67 +16,66 @@
 
 namespace coppice {
 
-/// The segments of a skeleton, found by rho: the distance from a point to the segment over the segment's
-/// radius at the foot. Capsules are numbered in the order of their child nodes. Nodes without a segment are
-/// not seen.
+/// Spatial index of the segments of a skeleton by rho: the distance from a point to the segment divided by
+/// the segment's radius at the closest point. Capsules are numbered in the order of their child nodes. Nodes
+/// without a segment are ignored.
 class CapsuleTree {
   public:
-    static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();  ///< no capsule
-    static constexpr double kFarthest = 1e9;  ///< in radii; nothing is seen beyond
+    static constexpr double kFarthest = 1e9;  ///< [radii] maximum search distance
 
-    /// `origin` is that of the points that will be asked about. The skeleton may go afterwards. O(n).
+    /// `origin` must be the origin of the query points. The skeleton is not referenced afterwards. O(n).
     CapsuleTree(const Skeleton& skeleton, Vec3d origin, const Context& ctx = {});
 
-    /// Of cones in the frame of the points, each with the node that names it. O(n).
+    /// Builds the index of cones in the frame of the query points, each with its child node. O(n).
     CapsuleTree(std::vector<NodeId> nodes, std::vector<RoundCone> cones, const Context& ctx = {});
 
-    /// number of capsules
+    /// Returns the number of capsules.
     std::uint32_t size() const { return static_cast<std::uint32_t>(cones_.size()); }
     const RoundCone& cone(std::uint32_t i) const { return cones_[i]; }  ///< i < size()
-    /// The child node of segment i, which names it.
+    /// Returns the child node of segment i.
     NodeId node(std::uint32_t i) const { return nodes_[i]; }
 
-    /// What `nearest` found.
+    /// The result of `nearest`.
     struct Nearest {
-        std::uint32_t capsule = kNone;  ///< kNone where there are none
-        double rho = kFarthest;         ///< of that capsule
+        std::uint32_t capsule = kNoIndex;  ///< kNoIndex if there are no capsules
+        double rho = kFarthest;            ///< rho of that capsule
     };
-    /// The capsule of least rho; of equal ones the first, as far as rounding tells. A good guess as `hint`
-    /// saves time. O(log n).
-    Nearest nearest(Vec3d p, std::uint32_t hint = kNone) const;
+    /// Returns the capsule with the smallest rho; of equal ones the first, within rounding. A good guess as
+    /// `hint` saves time. O(log n).
+    Nearest nearest(Vec3d p, std::uint32_t hint = kNoIndex) const;
 
-    static constexpr std::size_t kBlock = 16;  ///< points at most that are asked about at once
-    /// The same for kBlock points or fewer, which costs least where they are near each other.
+    static constexpr std::size_t kBlock = 16;  ///< maximum number of points of one query
+    /// The same for at most kBlock points; fastest if they are near each other.
     void nearest(std::span<const Vec3d> points, std::uint32_t hint, std::span<Nearest> out) const;
 
-    /// Whether a capsule other than `except` has rho below `rho`.
+    /// Returns whether a capsule other than `except` has a rho smaller than `rho`.
     bool any_within(Vec3d p, double rho, std::uint32_t except) const;
 
-    /// Calls visit(capsule, foot) for the capsules that have p, some of them more than once, until it returns
-    /// false.
+    /// Calls visit(capsule, foot) for the capsules that contain p, some of them more than once, until it
+    /// returns false.
     template <class Visit>
     void visit_containing(Vec3d p, const Visit& visit) const {
         double limit = 1;
         boxes_.search([&](std::uint32_t l, std::uint32_t i) { return bound(l, i, p); }, limit,
                       [&](std::uint32_t piece) {
-                          const std::uint32_t i = capsule_of(piece);
+                          const std::uint32_t i = compute_capsule(piece);
                           const RoundCone::Foot foot = cones_[i].foot(p);
                           if (limit > 0 && foot.relative_squared() <= 1 && !visit(i, foot)) limit = -1;
                       });
     }
 
-    /// The distance from p to the nearest axis; infinite where there is none. O(log n).
+    /// Returns the distance from p to the nearest axis; infinite if there are no axes. O(log n).
     double axis_distance(Vec3d p) const;
 
-    /// Calls visit(capsule, distance squared) for the capsules whose axis lies within the root of
-    /// `limit_squared` of p, mostly from near to far, some of them more than once; visit may lower the limit.
+    /// Calls visit(capsule, distance squared) for the capsules with an axis within sqrt(`limit_squared`) of
+    /// p, mostly from near to far, some of them more than once; visit may lower the limit.
     template <class Visit>
     void visit_near(Vec3d p, const double& limit_squared, const Visit& visit) const {
         const auto to_box = [&](std::uint32_t l, std::uint32_t i) {
             return distance_squared(boxes_.level(l)[i], p);
         };
         boxes_.search(to_box, limit_squared, [&](std::uint32_t piece) {
-            const std::uint32_t i = capsule_of(piece);
+            const std::uint32_t i = compute_capsule(piece);
             const double d2 = length_squared(cones_[i].foot(p).offset);
             if (d2 <= limit_squared) visit(i, d2);
         });
@@ -86,24 +85,24 @@ class CapsuleTree {
     double bound(std::uint32_t level, std::uint32_t i, Vec3d p) const {
         return distance_squared(boxes_.level(level)[i], p) * inverse_radius_squared_[level][i];
     }
-    std::uint32_t capsule_of(std::uint32_t piece) const { return piece / pieces_; }
+    std::uint32_t compute_capsule(std::uint32_t piece) const { return piece / pieces_; }
 
     std::vector<NodeId> nodes_;
     std::vector<RoundCone> cones_;
-    std::uint32_t pieces_ = 1;  ///< that every axis is cut into, each with a box of its own
-    BoxTree boxes_;             ///< of the pieces, those of one axis after each other
-    std::vector<std::vector<double>>
-        inverse_radius_squared_;  ///< by level and box: of the greatest radius in it
+    std::uint32_t pieces_ = 1;  ///< number of sections per axis, each with its own box
+    BoxTree boxes_;             ///< of the sections; those of one axis are consecutive
+    /// By level and box: of the largest radius in it.
+    std::vector<std::vector<double>> inverse_radius_squared_;
 };
 
-/// Calls use(i, nearest) for every i < count with the capsule that is nearest to point(i), a Vec3d, in
-/// parallel. Much quicker where points that follow each other are near each other. Throws Cancelled.
+/// Calls use(i, nearest) in parallel for every i < count with the capsule that is nearest to point(i), a
+/// Vec3d. Much faster if consecutive points are near each other. Throws Cancelled.
 template <class Point, class Use>
 void for_each_nearest(const CapsuleTree& capsules, const Context& ctx, std::size_t count, const Point& point,
                       const Use& use) {
     constexpr std::size_t kGrain = 1024;
     parallel_for_ranges(ctx, count, kGrain, [&](IndexRange range) {
-        std::uint32_t hint = CapsuleTree::kNone;
+        std::uint32_t hint = kNoIndex;
         std::array<Vec3d, CapsuleTree::kBlock> points;
         std::array<CapsuleTree::Nearest, CapsuleTree::kBlock> found;
         for (std::size_t first = range.begin; first < range.end; first += points.size()) {
@@ -116,13 +115,13 @@ void for_each_nearest(const CapsuleTree& capsules, const Context& ctx, std::size
     });
 }
 
-/// The least distance between two segments, and where it is taken on each.
+/// The smallest distance between two segments, and its parameters on both.
 struct SegmentGap {
     double distance;  ///< [m]
-    double s;         ///< where on the first: 0 at a, 1 at b
-    double t;         ///< where on the second
+    double s;         ///< parameter on the first segment: 0 at a, 1 at b
+    double t;         ///< parameter on the second segment
 };
-/// Of two segments, in the same frame. O(1).
+/// Returns the gap of two segments in the same frame. O(1).
 SegmentGap gap(const RoundCone& a, const RoundCone& b);
 
 }  // namespace coppice

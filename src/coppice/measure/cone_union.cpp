@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <utility>
 
+#include "coppice/base/id.h"
 #include "coppice/skeleton/segment_cone.h"
 
 namespace coppice {
 namespace {
 
-constexpr double kReach = 3;  // [radii] from its center a cut is felt, as the field's
+constexpr double kReach = 3;  // [radii] from its centre to which a cut applies, as in the field
 
 CapsuleTree solids_of(const Skeleton& skeleton, Vec3d origin, const Context& ctx) {
     const Vec3d shift = skeleton.origin() - origin;
@@ -30,11 +31,11 @@ CapsuleTree solids_of(const Skeleton& skeleton, Vec3d origin, const Context& ctx
     return {std::move(named), std::move(cones), ctx};
 }
 
-/// Finds the flat ends of a skeleton and the segments that each may take something from.
+/// Finds the flat ends of a skeleton and the segments that each may shorten.
 class Cutter {
   public:
     Cutter(const Skeleton& skeleton, Vec3d origin, const CapsuleTree& capsules)
-        : skeleton_(skeleton), shift_(skeleton.origin() - origin), capsule_of_(skeleton.size(), kNoRow) {
+        : skeleton_(skeleton), shift_(skeleton.origin() - origin), capsule_of_(skeleton.size(), kNoIndex) {
         for (std::uint32_t i = 0; i < capsules.size(); ++i) capsule_of_[capsules.node(i).index()] = i;
     }
 
@@ -53,7 +54,7 @@ class Cutter {
     }
 
     std::vector<ConeUnion::Cut> cuts;
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> taken;  ///< capsule, cut
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> taken;  ///< pairs of capsule and cut
 
   private:
     bool add(NodeId end, NodeId inward) {
@@ -67,11 +68,11 @@ class Cutter {
     void take(NodeId n) {
         taken.emplace_back(capsule_of_[n.index()], static_cast<std::uint32_t>(cuts.size() - 1));
     }
-    double length_of(NodeId n) const {
+    double compute_length(NodeId n) const {
         return distance(skeleton_.position(n), skeleton_.position(skeleton_.parent(n)));
     }
 
-    /// Segments away from the root.
+    /// Marks segments away from the root.
     void cut_below(NodeId root) {
         std::vector<std::pair<NodeId, double>> open{{root, 0.0}};
         while (!open.empty()) {
@@ -79,18 +80,18 @@ class Cutter {
             open.pop_back();
             for (const NodeId child : skeleton_.children(n)) {
                 take(child);
-                const double there = way + length_of(child);
+                const double there = way + compute_length(child);
                 if (there < reach()) open.emplace_back(child, there);
             }
         }
     }
 
-    /// Segments from the tip towards the root.
+    /// Marks segments from the tip towards the root.
     void cut_above(NodeId tip) {
         double way = 0;
         for (NodeId n = tip; !skeleton_.is_root(n) && way < reach(); n = skeleton_.parent(n)) {
             take(n);
-            way += length_of(n);
+            way += compute_length(n);
         }
     }
 

@@ -9,26 +9,26 @@
 #include <utility>
 #include <vector>
 
+#include "coppice/base/id.h"
 #include "coppice/base/random.h"
 #include "coppice/measure/predicates.h"
 
 namespace coppice {
 namespace {
 
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint32_t kPointsPerPoll = 4096;
 
-/// A face of the hull of the points that were added. Points are numbered in the order in which they are.
+/// A face of the hull of the points inserted so far. Points are numbered in the order of insertion.
 struct Face {
     Triangle corners{};
     std::array<std::uint32_t, 3> neighbours{};  ///< across the edges that begin at these corners
-    std::vector<std::uint32_t> seen_by = {};    ///< points that are still to be added, in their order
-    std::uint32_t judged_by = kNone;            ///< the last point that `is_seen` is about
+    std::vector<std::uint32_t> seen_by = {};    ///< points not inserted yet, in their order
+    std::uint32_t judged_by = kNoIndex;         ///< the last point for which `is_seen` was computed
     bool is_seen = false;
     bool is_removed = false;
 };
 
-/// Numbers of points in an order that does not depend on what the points are.
+/// Returns the indices of the points in an order that does not depend on their positions.
 std::vector<std::uint32_t> random_order(std::size_t size) {
     const CounterRandom random(0, 0);
     std::vector<std::uint32_t> order(size);
@@ -37,7 +37,7 @@ std::vector<std::uint32_t> random_order(std::size_t size) {
     return order;
 }
 
-/// The first four points that are the corners of a tetrahedron, the last one below the face of the others.
+/// Returns the first four points that span a tetrahedron, the last one below the face of the others.
 std::optional<std::array<std::uint32_t, 4>> first_tetrahedron(std::span<const Vec3> p) {
     const auto size = static_cast<std::uint32_t>(p.size());
     std::uint32_t b = 1;
@@ -54,18 +54,18 @@ std::optional<std::array<std::uint32_t, 4>> first_tetrahedron(std::span<const Ve
 class Hull {
   public:
     Hull(std::span<const Vec3> points, std::array<std::uint32_t, 4> first)
-        : points_(points), face_seen_(points.size(), kNone), face_from_(points.size(), kNone) {
+        : points_(points), face_seen_(points.size(), kNoIndex), face_from_(points.size(), kNoIndex) {
         const auto [a, b, c, d] = first;
-        // Faces 0 to 3, each across the edges of the others.
+        // Faces 0 to 3, each adjacent to the other three.
         faces_ = {
             {{a, b, c}, {1, 2, 3}}, {{b, a, d}, {0, 3, 2}}, {{c, b, d}, {0, 1, 3}}, {{a, c, d}, {0, 2, 1}}};
         for (std::uint32_t q = 0; q < points_.size(); ++q)
             for (std::uint32_t f = 0; f < faces_.size(); ++f) note_if_seen(f, q);
     }
 
-    /// The points in their order, each once.
+    /// Inserts a point. Points must be inserted in their order, each once.
     void add(std::uint32_t p) {
-        if (face_seen_[p] == kNone) return;
+        if (face_seen_[p] == kNoIndex) return;
         find_seen_faces(p);
         add_cone(p);
         for (const std::uint32_t f : seen_) remove(f);
@@ -97,7 +97,7 @@ class Hull {
         return face.is_seen;
     }
 
-    /// They are connected, so they are found from one of them.
+    /// Collects the visible faces. They are connected, so they are found from one of them.
     void find_seen_faces(std::uint32_t p) {
         seen_.assign(1, face_seen_[p]);
         (void)is_seen(seen_.front(), p);
@@ -108,11 +108,11 @@ class Hull {
         }
     }
 
-    /// Joins the rim of the seen faces to the point. What sees a new face sees one of the two beside its edge
-    /// of the rim; what saw a face that goes and still is outside sees a new one.
+    /// Connects the rim of the visible faces to the point. A point that sees a new face sees one of the two
+    /// faces adjacent to its rim edge; a point that saw a removed face and is still outside sees a new one.
     void add_cone(std::uint32_t p) {
         for (const std::uint32_t f : seen_)
-            for (const std::uint32_t q : faces_[f].seen_by) face_seen_[q] = kNone;
+            for (const std::uint32_t q : faces_[f].seen_by) face_seen_[q] = kNoIndex;
         made_.clear();
         for (const std::uint32_t f : seen_) {
             for (std::size_t k = 0; k < 3; ++k) {
@@ -127,11 +127,11 @@ class Hull {
         }
     }
 
-    /// The face over the edge k of the face f, beyond which there is g.
+    /// Adds the face over edge k of the face f, which is adjacent to g there.
     void add_face(std::uint32_t p, std::uint32_t f, std::size_t k, std::uint32_t g) {
         const std::uint32_t from = faces_[f].corners[k], to = faces_[f].corners[(k + 1) % 3];
         const std::uint32_t made = free_face();
-        faces_[made] = {{from, to, p}, {g, kNone, kNone}};
+        faces_[made] = {{from, to, p}, {g, kNoIndex, kNoIndex}};
         made_.push_back(made);
         face_from_[from] = made;
         std::ranges::replace(faces_[g].neighbours, f, made);
@@ -160,20 +160,20 @@ class Hull {
     std::span<const Vec3> points_;
     std::vector<Face> faces_;
     std::vector<std::uint32_t> free_;       // removed faces
-    std::vector<std::uint32_t> face_seen_;  // per point a face that it sees; none inside
-    std::vector<std::uint32_t> face_from_;  // per point the last new face whose rim edge begins there
-    std::vector<std::uint32_t> seen_, made_, candidates_;  // of one point
+    std::vector<std::uint32_t> face_seen_;  // per point a face that it sees; kNoIndex inside
+    std::vector<std::uint32_t> face_from_;  // per point the latest new face with a rim edge that begins there
+    std::vector<std::uint32_t> seen_, made_, candidates_;  // of the current point
 };
 
-/// The faces with only the vertices that they need, in the order of the points.
-TriMesh mesh_of(const Hull& hull, std::span<const Vec3> points, std::span<const std::uint32_t> order) {
-    std::vector<std::uint32_t> vertex(points.size(), kNone);
+/// Returns the faces with only the vertices that they use, in the order of the points.
+TriMesh make_mesh(const Hull& hull, std::span<const Vec3> points, std::span<const std::uint32_t> order) {
+    std::vector<std::uint32_t> vertex(points.size(), kNoIndex);
     hull.for_each_face([&](const Triangle& corners) {
         for (const std::uint32_t c : corners) vertex[order[c]] = 0;
     });
     TriMesh out;
     for (std::size_t i = 0; i < points.size(); ++i) {
-        if (vertex[i] == kNone) continue;
+        if (vertex[i] == kNoIndex) continue;
         vertex[i] = static_cast<std::uint32_t>(out.positions.size());
         out.positions.push_back(points[i]);
     }
@@ -198,7 +198,7 @@ TriMesh convex_hull(std::span<const Vec3> points, const Context& ctx) {
         if (p % kPointsPerPoll == 0) ctx.throw_if_cancelled();
         hull.add(p);
     }
-    return mesh_of(hull, points, order);
+    return make_mesh(hull, points, order);
 }
 
 }  // namespace coppice

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "coppice/base/id.h"
 #include "coppice/base/parallel.h"
 #include "coppice/measure/forks_internal.h"
 
@@ -13,15 +14,14 @@ namespace coppice {
 namespace {
 
 constexpr std::size_t kEdgeFlowGrain = 1 << 13;
-constexpr std::uint32_t kNoSide = std::numeric_limits<std::uint32_t>::max();
 
-/// The sides of a mesh, and how loops of edges go on from one to the next.
+/// The sides of a mesh, and the next side of each along a loop of edges.
 class EdgeLoops {
   public:
     EdgeLoops(const PolygonMesh& mesh, const Buffer<Side>& sides, const Context& ctx)
         : mesh_(mesh),
           next_(mesh.corners.size()),
-          opposite_(mesh.corners.size(), kNoSide),
+          opposite_(mesh.corners.size(), kNoIndex),
           faces_(mesh.positions.size()) {
         parallel_for(ctx, mesh.face_count(), kEdgeFlowGrain, [&](std::size_t f) {
             const std::uint32_t begin = mesh.first[f], end = mesh.first[f + 1];
@@ -30,47 +30,48 @@ class EdgeLoops {
         parallel_for(ctx, sides.size(), kEdgeFlowGrain, [&](std::size_t i) {
             if (!are_edge_of_two(sides, i)) return;
             const std::uint32_t a = sides[i].number, b = sides[i + 1].number;
-            if (start(a) == start(b)) return;  // not oriented alike
+            if (start(a) == start(b)) return;  // not consistently oriented
             opposite_[a] = b;
             opposite_[b] = a;
         });
         for (const std::uint32_t v : mesh.corners) ++faces_[v];
     }
 
-    /// Calls visit(vertices) for each closed loop, once.
+    /// Calls visit(vertices) once for each closed loop.
     template <class Visit>
     void for_each_closed(const Visit& visit) const {
         std::vector<char> seen(next_.size());
         std::vector<std::uint32_t> loop;
         for (std::uint32_t first = 0; first < seen.size(); ++first) {
-            if (seen[first] != 0 || opposite_[first] == kNoSide) continue;
+            if (seen[first] != 0 || opposite_[first] == kNoIndex) continue;
             loop.clear();
             std::uint32_t s = first;
             do {
                 seen[s] = seen[opposite_[s]] = 1;
                 loop.push_back(start(s));
                 s = straight_on(s);
-            } while (s != kNoSide && s != first && seen[s] == 0);
+            } while (s != kNoIndex && s != first && seen[s] == 0);
             if (s == first) visit(loop);
         }
     }
 
   private:
     std::uint32_t start(std::uint32_t side) const { return mesh_.corners[side]; }
-    // The side after one: across its end, where four faces meet; none elsewhere and at borders.
+    // Returns the next side straight across its end vertex, if that has four faces; kNoIndex otherwise and at
+    // borders.
     std::uint32_t straight_on(std::uint32_t side) const {
         const std::uint32_t turn = next_[side];
-        if (faces_[start(turn)] != 4 || opposite_[turn] == kNoSide) return kNoSide;
+        if (faces_[start(turn)] != 4 || opposite_[turn] == kNoIndex) return kNoIndex;
         const std::uint32_t on = next_[opposite_[turn]];
-        return opposite_[on] == kNoSide ? kNoSide : on;
+        return opposite_[on] == kNoIndex ? kNoIndex : on;
     }
 
     const PolygonMesh& mesh_;
     std::vector<std::uint32_t> next_, opposite_;  // by side
-    std::vector<std::uint32_t> faces_;            // how many, by vertex
+    std::vector<std::uint32_t> faces_;            // number of faces, by vertex
 };
 
-// Whether a closed polygon runs once round the axis of a cone, in either sense.
+// Returns whether a closed polygon winds once around the axis of a cone, in either direction.
 bool runs_round(const PolygonMesh& mesh, std::span<const std::uint32_t> loop, const RoundCone& cone) {
     const double size = length(cone.axis);
     if (!(size > 0)) return false;
@@ -102,14 +103,14 @@ std::vector<char> vertices_on_rings(const PolygonMesh& mesh, const EdgeLoops& lo
     return on_ring;
 }
 
-/// Classes of radius, each half of the one before.
+/// Radius classes, each half of the previous one.
 class RadiusClasses {
   public:
     explicit RadiusClasses(const CapsuleTree& capsules) {
         for (std::uint32_t c = 0; c < capsules.size(); ++c)
             maximum_ = std::max({maximum_, capsules.cone(c).radius_a, capsules.cone(c).radius_b()});
     }
-    /// The class of a radius; the last one has all that are thinner.
+    /// Returns the class of a radius; the last class also contains all smaller ones.
     std::size_t of(double radius) const {
         if (!(radius > 0)) return kClasses - 1;
         return std::min(kClasses - 1, static_cast<std::size_t>(std::max(0.0, std::log2(maximum_ / radius))));
@@ -124,7 +125,7 @@ class RadiusClasses {
 
 std::vector<DensityClass> density(const PolygonMesh& mesh, const CapsuleTree& capsules,
                                   const VertexPlaces& places) {
-    constexpr int kPieces = 8;  // that a segment is cut into, each of one radius
+    constexpr int kPieces = 8;  // number of sections per segment, each of one radius
     const RadiusClasses classes(capsules);
     std::vector<DensityClass> out(RadiusClasses::kClasses);
     for (std::uint32_t c = 0; c < capsules.size(); ++c) {
@@ -137,7 +138,7 @@ std::vector<DensityClass> density(const PolygonMesh& mesh, const CapsuleTree& ca
     std::uint64_t all = 0;
     for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
         const std::uint32_t c = places.nearest[v].capsule;
-        if (c == CapsuleTree::kNone) continue;
+        if (c == kNoIndex) continue;
         ++all;
         ++out[classes.of(capsules.cone(c).foot(Vec3d(mesh.positions[v])).radius)].vertices;
     }

@@ -12,36 +12,36 @@
 
 namespace coppice {
 
-/// How densely a surface covers branches of like thickness.
+/// The density of a surface on branches of similar thickness.
 struct DensityClass {
     double radius = 0;           ///< [units] maximum of the class; its minimum is half of that
-    double length = 0;           ///< [radii] of the axes in it
-    std::uint64_t vertices = 0;  ///< closest to an axis in it
+    double length = 0;           ///< [radii] of the axes in the class
+    std::uint64_t vertices = 0;  ///< number of vertices closest to an axis in the class
     double percent = 0;          ///< of all vertices
 
-    /// Vertices for each radius of length; 0 for none.
+    /// Returns the number of vertices per radius of length; 0 if there is no length.
     double per_radius() const { return length > 0 ? static_cast<double>(vertices) / length : 0; }
     friend bool operator==(const DensityClass&, const DensityClass&) = default;  ///< member by member
 };
 
-/// How edges run along branches, and how densely.
+/// Statistics of how edges follow branches, and of the vertex density.
 struct EdgeFlowReport {
     /// Regular vertices (see VertexPlaces) farther than two radii from every node with three neighbours.
     std::uint64_t vertices = 0;
-    /// Of those: on a closed loop of edges that runs once round the axis, straight on through vertices of
-    /// four faces.
+    /// Of those: vertices on a closed loop of edges that winds once around the axis and is straight at
+    /// vertices of four faces.
     std::uint64_t on_rings = 0;
-    std::vector<DensityClass> classes;  ///< by radius, largest first, without empty ones
+    std::vector<DensityClass> classes;  ///< by radius, largest first, without empty classes
 
-    /// 100 for no vertices.
+    /// 100 if there are no vertices.
     double on_rings_percent() const {
         return vertices > 0 ? 100.0 * static_cast<double>(on_rings) / static_cast<double>(vertices) : 100;
     }
     friend bool operator==(const EdgeFlowReport&, const EdgeFlowReport&) = default;  ///< member by member
 };
 
-/// Follows all loops of edges of a valid mesh. `sides` and `places` must be those of the mesh along this
-/// skeleton. O(n + k log k), n vertices near k nodes; the same for any number of threads.
+/// Follows all loops of edges of a valid mesh. `sides` and `places` must be computed from the mesh and this
+/// skeleton. O(n + k log k) for n vertices near k nodes. The result does not depend on the number of threads.
 EdgeFlowReport edge_flow(const PolygonMesh& mesh, const Buffer<Side>& sides, const Skeleton& skeleton,
                          const CapsuleTree& capsules, const VertexPlaces& places, const Context& ctx = {});
 

@@ -8,12 +8,12 @@
 
 namespace coppice::measure_internal {
 
-/// What is known of runs of faces.
+/// The properties of runs of faces.
 struct FaceRuns::Runs {
     std::uint32_t length;
     std::vector<Box3> box;
     std::vector<Slab> slab;
-    std::vector<double> width;  ///< [m] the sum of the diagonals of the faces
+    std::vector<double> width;  ///< [m] sum of the diagonals of the faces
 
     Runs(const FaceView& mesh, std::uint32_t run_length, const Context& ctx)
         : length(run_length),
@@ -55,7 +55,8 @@ struct FaceRuns::Runs {
         s.high = std::nextafter(static_cast<float>(high), kInfinity);
     }
 
-    /// Whether the faces of a run mostly are neighbours: then its box is no wider than they are together.
+    /// Returns whether the faces of a run are mostly adjacent: then the diagonal of its box is at most the
+    /// sum of theirs.
     bool hold_neighbours() const {
         double of_boxes = 0, of_faces = 0;
         for (const Box3& b : box) of_boxes += b.diagonal();

@@ -13,15 +13,15 @@
 
 namespace coppice::measure_internal {
 
-/// The faces of a mesh, found by place: a hierarchy of the boxes of runs of faces that follow each other. It
-/// is made much faster than a SurfaceTree where these are neighbours, as in surfaces of subdivided quads, and
-/// finds less quickly; where they are not, each face has a box of its own.
+/// Spatial index of the faces of a mesh: a hierarchy of the boxes of runs of consecutive faces. It is built
+/// much faster than a SurfaceTree if consecutive faces are adjacent, as in subdivided quads, but queries are
+/// slower; otherwise each face has its own box.
 class FaceRuns {
   public:
-    /// The mesh must be valid and outlive it. O(n).
+    /// The mesh must be valid and outlive the index. O(n).
     FaceRuns(const FaceView& mesh, const Context& ctx);
 
-    /// Adds to `nearest` the triangles that may be the nearest one. O(log n) near the surface.
+    /// Adds the triangles that may be the nearest one to `nearest`. O(log n) near the surface.
     void find_nearest(Vec3d p, NearestTriangle& nearest) const {
         const auto bound = [&](std::uint32_t l, std::uint32_t i) {
             return distance_squared(boxes_.level(l)[i], p);
@@ -38,11 +38,12 @@ class FaceRuns {
     /// Faces between two parallel planes.
     struct Run {
         IndexRange faces;
-        Vec3d normal;  ///< of the planes, outward for most of the faces; 0 where these have none in common
-        double low, high;  ///< [m] of the planes along the normal
-        double longest;    ///< [m] of the diagonals of the faces' boxes
+        Vec3d normal;      ///< of the planes, outward for most of the faces; 0 if the faces have no common
+                           ///< direction
+        double low, high;  ///< [m] positions of the planes along the normal
+        double longest;    ///< [m] maximum diagonal of the faces' boxes
     };
-    /// Calls visit(run) for runs of faces, among them all whose boxes meet a box, until it returns false;
+    /// Calls visit(run) for runs of faces, including all with boxes that meet `box`, until it returns false;
     /// returns false then.
     template <class Visit>
     bool visit_runs(const Box3& box, const Visit& visit) const {
@@ -55,19 +56,19 @@ class FaceRuns {
         return goes_on;
     }
 
-    /// Calls visit(a, b, c) with the corners of the triangles of a face.
+    /// Calls visit(a, b, c) with the corners of each triangle of a face.
     template <class Visit>
     void for_each_triangle_of(std::size_t face, const Visit& visit) const {
         for_each_triangle(corners(face), mesh_.positions(),
                           [&](const Triangle& t) { visit(at(t[0]), at(t[1]), at(t[2])); });
     }
 
-    /// Corner vertices of a face, in order.
+    /// Returns the corner vertices of a face, in order.
     std::span<const std::uint32_t> corners(std::size_t face) const {
         return mesh_.face(static_cast<std::uint32_t>(face));
     }
-    Box3 box(std::size_t face) const { return box_of(corners(face), mesh_.positions()); }  ///< of a face
-    Vec3d at(std::uint32_t vertex) const { return Vec3d(mesh_.positions()[vertex]); }      ///< [m]
+    Box3 box(std::size_t face) const { return compute_box(corners(face), mesh_.positions()); }  ///< of a face
+    Vec3d at(std::uint32_t vertex) const { return Vec3d(mesh_.positions()[vertex]); }           ///< [m]
 
   private:
     struct Slab {

@@ -3,7 +3,7 @@
 namespace coppice::measure_internal {
 
 Forks::Forks(const Skeleton& skeleton, Vec3d origin, double reach, const Context& ctx)
-    : balls_(balls(skeleton, origin, reach)), boxes_(boxes_of(balls_), ctx) {}
+    : balls_(balls(skeleton, origin, reach)), boxes_(compute_boxes(balls_), ctx) {}
 
 bool Forks::contain(Vec3d p) const {
     Box3 box;
@@ -26,7 +26,7 @@ std::vector<Forks::Ball> Forks::balls(const Skeleton& s, Vec3d origin, double re
     return out;
 }
 
-std::vector<Box3> Forks::boxes_of(const std::vector<Ball>& balls) {
+std::vector<Box3> Forks::compute_boxes(const std::vector<Ball>& balls) {
     std::vector<Box3> out(balls.size());
     for (std::size_t i = 0; i < balls.size(); ++i) {
         const Vec3d half{balls[i].radius, balls[i].radius, balls[i].radius};

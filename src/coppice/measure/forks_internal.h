@@ -9,14 +9,14 @@
 
 namespace coppice::measure_internal {
 
-/// The balls around the nodes of a skeleton where it forks: those with three neighbours or more.
+/// The balls around the forks of a skeleton: nodes with at least three neighbours.
 class Forks {
   public:
-    /// `origin` is that of the points that will be asked about; `reach` in radii of the nodes. O(n log n).
+    /// `origin` must be the origin of the query points; `reach` is in radii of the nodes. O(n log n).
     Forks(const Skeleton& skeleton, Vec3d origin, double reach, const Context& ctx);
 
     std::size_t size() const { return balls_.size(); }
-    /// Whether a point lies in one of the balls. O(log n).
+    /// Returns whether a point is in one of the balls. O(log n).
     bool contain(Vec3d p) const;
 
   private:
@@ -25,7 +25,7 @@ class Forks {
         double radius;
     };
     static std::vector<Ball> balls(const Skeleton& s, Vec3d origin, double reach);
-    static std::vector<Box3> boxes_of(const std::vector<Ball>& balls);
+    static std::vector<Box3> compute_boxes(const std::vector<Ball>& balls);
 
     std::vector<Ball> balls_;
     BoxTree boxes_;

@@ -5,6 +5,7 @@
 #include <unordered_map>
 
 #include "coppice/base/disjoint_sets.h"
+#include "coppice/base/id.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/sort.h"
 #include "coppice/measure/predicates.h"
@@ -15,13 +16,13 @@ namespace {
 constexpr std::size_t kGroupsPerRange = 64;
 constexpr std::size_t kRangesPerBatch = 32;
 constexpr std::size_t kFaceGrain = 1 << 12;
-constexpr std::size_t kPatch = 16;  // faces that are mostly neighbours
+constexpr std::size_t kPatch = 16;  // number of consecutive faces, which are mostly adjacent
 constexpr std::size_t kPairGrain = 256;
 constexpr double kNeighbourHops = 3;
 constexpr double kNeighbourRadii = 3;
 constexpr double kClearance = 1.05;
 
-/// Turns the corners of t so that corner `k` comes first.
+/// Rotates the corners of t so that corner `k` is first.
 Triangle turned(const Triangle& t, int k) { return {t[k], t[(k + 1) % 3], t[(k + 2) % 3]}; }
 
 class PairTest {
@@ -31,9 +32,9 @@ class PairTest {
     bool cross(const SurfaceTree::Piece& p, const SurfaceTree::Piece& q) const {
         if (p.face == q.face) return false;
         for (const Triangle& s : surface_.triangles(p)) {
-            const Box3 box = box_of(s);
+            const Box3 box = compute_box(s);
             for (const Triangle& t : surface_.triangles(q)) {
-                if (box.overlaps(box_of(t)) && cross(s, t)) return true;
+                if (box.overlaps(compute_box(t)) && cross(s, t)) return true;
             }
         }
         return false;
@@ -41,14 +42,14 @@ class PairTest {
 
   private:
     TrianglePoints points(const Triangle& t) const { return {x_[t[0]], x_[t[1]], x_[t[2]]}; }
-    Box3 box_of(const Triangle& t) const {
+    Box3 compute_box(const Triangle& t) const {
         Box3 box;
         for (const std::uint32_t v : t) box.extend(x_[v]);
         return box;
     }
     bool cross(const Triangle& s, const Triangle& t) const {
         int shared = 0, i = 0, j = 0, i_free = 3,
-            j_free = 3;  // free: sums of the corners that are not shared
+            j_free = 3;  // free: the sums of the corners that are not shared
         for (int a = 0; a < 3; ++a) {
             for (int b = 0; b < 3; ++b) {
                 if (s[a] != t[b]) continue;
@@ -91,8 +92,8 @@ Vec3d middle(const PolygonMesh& mesh, std::uint32_t face) {
     return sum / static_cast<double>(corners.size());
 }
 
-/// The segment that a face belongs to.
-std::uint32_t capsule_of(const PolygonMesh& mesh, std::uint32_t face, const CapsuleTree& capsules) {
+/// Returns the segment that a face belongs to.
+std::uint32_t compute_capsule(const PolygonMesh& mesh, std::uint32_t face, const CapsuleTree& capsules) {
     return capsules.nearest(middle(mesh, face)).capsule;
 }
 
@@ -108,9 +109,9 @@ class Classifier {
     }
 
     Kind kind(const PolygonMesh& mesh, FacePair pair) const {
-        const std::uint32_t i = capsule_of(mesh, pair.first, capsules_),
-                            j = capsule_of(mesh, pair.second, capsules_);
-        if (i == CapsuleTree::kNone || j == CapsuleTree::kNone) return Kind::local;
+        const std::uint32_t i = compute_capsule(mesh, pair.first, capsules_),
+                            j = compute_capsule(mesh, pair.second, capsules_);
+        if (i == kNoIndex || j == kNoIndex) return Kind::local;
         if (are_neighbours(i, j)) return Kind::local;
         const RoundCone &a = capsules_.cone(i), &b = capsules_.cone(j);
         const SegmentGap g = gap(a, b);
@@ -118,7 +119,8 @@ class Classifier {
     }
 
   private:
-    /// Climbs from both child nodes to where they meet. The way leaves out the two segments themselves.
+    /// Walks up from both child nodes to their common ancestor. The length excludes the two segments
+    /// themselves.
     bool are_neighbours(std::uint32_t i, std::uint32_t j) const {
         const RoundCone &s = capsules_.cone(i), &t = capsules_.cone(j);
         const double reach = kNeighbourRadii * std::max({s.radius_a, s.radius_b(), t.radius_a, t.radius_b()});
@@ -145,7 +147,7 @@ class Classifier {
     Column<NodeId, std::uint32_t> depth_;
 };
 
-/// Pairs by place, the largest first.
+/// Groups pairs by place, the largest group first.
 std::vector<std::vector<FacePair>> sort_by_place(const FacePairs& found, const PolygonMesh& mesh) {
     if (found.pairs.empty()) return {};
     DisjointSets sets(mesh.positions.size());
@@ -156,7 +158,7 @@ std::vector<std::vector<FacePair>> sort_by_place(const FacePairs& found, const P
         }
     }
     std::vector<std::vector<FacePair>> places;
-    std::unordered_map<std::uint32_t, std::size_t> place_of;  // by the vertex that stands for it
+    std::unordered_map<std::uint32_t, std::size_t> place_of;  // by the representative vertex
     for (const FacePair& p : found.pairs) {
         const auto [at, is_new] = place_of.try_emplace(sets.find(mesh.face(p.first)[0]), places.size());
         if (is_new) places.emplace_back();
@@ -188,12 +190,13 @@ CrossingPlace place_of(std::span<const FacePair> pairs, const PolygonMesh& mesh)
     return out;
 }
 
-/// The two segments, the lesser first, that most of these pairs lie on.
-std::array<std::uint32_t, 2> capsules_of(std::span<const FacePair> pairs, const PolygonMesh& mesh,
-                                         const CapsuleTree& capsules, const Context& ctx) {
+/// Returns the two segments, the smaller index first, to which most of these pairs belong.
+std::array<std::uint32_t, 2> compute_capsules(std::span<const FacePair> pairs, const PolygonMesh& mesh,
+                                              const CapsuleTree& capsules, const Context& ctx) {
     std::vector<std::array<std::uint32_t, 2>> sides(pairs.size());
     parallel_for(ctx, sides.size(), kPairGrain, [&](std::size_t i) {
-        sides[i] = {capsule_of(mesh, pairs[i].first, capsules), capsule_of(mesh, pairs[i].second, capsules)};
+        sides[i] = {compute_capsule(mesh, pairs[i].first, capsules),
+                    compute_capsule(mesh, pairs[i].second, capsules)};
         std::ranges::sort(sides[i]);
     });
     std::ranges::sort(sides);
@@ -210,9 +213,9 @@ std::array<std::uint32_t, 2> capsules_of(std::span<const FacePair> pairs, const 
     return best;
 }
 
-/// The end of a segment that is nearer to a place; none where there is no segment.
+/// Returns the end of a segment that is nearer to a place; an invalid id if there is no segment.
 NodeId nearer_end(const Skeleton& skeleton, const CapsuleTree& capsules, std::uint32_t i, Vec3d place) {
-    if (i == CapsuleTree::kNone) return {};
+    if (i == kNoIndex) return {};
     const RoundCone& cone = capsules.cone(i);
     const NodeId end = capsules.node(i), begin = skeleton.parent(end);
     const bool is_begin = begin && distance(place, cone.a) < distance(place, cone.b());
@@ -230,7 +233,7 @@ FacePairs crossing_faces(const SurfaceTree& surface, std::uint32_t limit, const 
         ctx.throw_if_cancelled();
         const std::size_t count = std::min(kBatch, groups - begin);
         for (auto& f : found) f.clear();
-        // Past the limit of its own a range cannot add anything; the sum over the ranges is limited below.
+        // A range may stop at its own limit; the sum over the ranges is limited below.
         parallel_for_ranges(ctx, count, kGroupsPerRange, [&](IndexRange range) {
             const IndexRange shifted{begin + range.begin, begin + range.end};
             found[range.begin / kGroupsPerRange] =
@@ -300,14 +303,14 @@ IntersectionReport classify(const FacePairs& found, const PolygonMesh& mesh, con
 }
 
 CrossingPlaces crossing_places(const FacePairs& found, const PolygonMesh& mesh, const Skeleton* skeleton,
-                               const CapsuleTree* capsules, std::size_t most_named, const Context& ctx) {
+                               const CapsuleTree* capsules, std::size_t max_named, const Context& ctx) {
     const std::vector<std::vector<FacePair>> places = sort_by_place(found, mesh);
     CrossingPlaces out{.total = places.size()};
-    for (std::size_t k = 0; k < std::min(most_named, places.size()); ++k) {
+    for (std::size_t k = 0; k < std::min(max_named, places.size()); ++k) {
         const std::vector<FacePair>& pairs = places[k];
         CrossingPlace& named = out.largest.emplace_back(place_of(pairs, mesh));
         if (skeleton == nullptr || capsules == nullptr) continue;
-        const auto [one, other] = capsules_of(pairs, mesh, *capsules, ctx);
+        const auto [one, other] = compute_capsules(pairs, mesh, *capsules, ctx);
         const Vec3d place = named.place - mesh.origin;
         named.node = nearer_end(*skeleton, *capsules, one, place);
         named.other_node = nearer_end(*skeleton, *capsules, other, place);

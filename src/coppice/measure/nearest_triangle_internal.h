@@ -7,16 +7,16 @@
 
 namespace coppice::measure_internal {
 
-/// Finds the triangle that is nearest to a point, of those that are added, and on which side of it the point
-/// is. Of several that are equally near, at an edge or a corner, the one that the point lies most squarely
-/// before decides.
+/// Finds the nearest of the added triangles to a point, and the side of it on which the point is. If several
+/// are equally near, at an edge or a corner, the one with the greatest distance from its plane to the point
+/// decides.
 class NearestTriangle {
   public:
     explicit NearestTriangle(Vec3d p) : p_(p) {}
 
-    /// Degenerate triangles are left out.
+    /// Degenerate triangles are ignored.
     void add(Vec3d a, Vec3d b, Vec3d c) {
-        // Faces around one edge come out equally far but for rounding.
+        // The distances to the faces at one edge are equal except for rounding.
         constexpr double kMore = 1 + 1e-9, kLess = 1 - 1e-9;
         const double d2 = distance_squared(p_, a, b, c);
         if (!(d2 <= limit_)) return;
@@ -29,9 +29,9 @@ class NearestTriangle {
         limit_ = least_ * kMore;
     }
 
-    /// [m^2] Nothing farther than the root of this is wanted any more.
+    /// [m^2] Returns the squared distance beyond which triangles are irrelevant.
     const double& limit_squared() const { return limit_; }
-    /// [m] to the nearest triangle, negative behind it; infinite without triangles.
+    /// [m] Returns the distance to the nearest triangle, negative behind it; infinite without triangles.
     double signed_distance() const { return std::copysign(std::sqrt(least_), before_); }
 
   private:

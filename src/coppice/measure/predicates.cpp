@@ -11,7 +11,7 @@ constexpr double kHalfUlp = std::numeric_limits<double>::epsilon() / 2;
 
 int sign(double x) { return (x > 0) - (x < 0); }
 
-/// A sum without rounding error: components of growing size whose digits do not overlap.
+/// A sum without rounding error: components of increasing magnitude with non-overlapping digits.
 class ExactSum {
   public:
     void add(double x) {
@@ -26,14 +26,15 @@ class ExactSum {
         if (x != 0) part_[kept++] = x;
         size_ = kept;
     }
-    /// Adds a * b * c of single precision numbers: a * b fits a double, and the rest is one error term.
+    /// Adds a * b * c of single precision numbers: a * b is exact in double precision, and the rest is one
+    /// error term.
     void add_product(float a, float b, float c) {
         const double ab = static_cast<double>(a) * b;
         const double high = ab * c;
         add(std::fma(ab, static_cast<double>(c), -high));
         add(high);
     }
-    int sign_of() const { return size_ == 0 ? 0 : sign(part_[size_ - 1]); }
+    int compute_sign() const { return size_ == 0 ? 0 : sign(part_[size_ - 1]); }
 
   private:
     std::array<double, 48> part_{};
@@ -56,10 +57,10 @@ int exact_orientation(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
     add_determinant(sum, -a, c, d);
     add_determinant(sum, a, b, d);
     add_determinant(sum, -a, b, c);
-    return sum.sign_of();
+    return sum.compute_sign();
 }
 
-/// Where a plane's triangle can be drawn flat without losing its shape.
+/// Returns the axis along which the triangle can be projected without becoming degenerate.
 int flat_axis(const TrianglePoints& t) {
     for (int axis = 0; axis < 2; ++axis) {
         if (orientation_2d(t[0], t[1], t[2], axis) != 0) return axis;
@@ -69,7 +70,7 @@ int flat_axis(const TrianglePoints& t) {
 
 bool has_both_signs(int a, int b, int c) { return std::min({a, b, c}) < 0 && std::max({a, b, c}) > 0; }
 
-/// The following three take points of one plane.
+/// The arguments of the next three functions are coplanar.
 bool point_in_triangle(Vec3 p, const TrianglePoints& t, int axis) {
     return !has_both_signs(orientation_2d(t[0], t[1], p, axis), orientation_2d(t[1], t[2], p, axis),
                            orientation_2d(t[2], t[0], p, axis));
@@ -94,7 +95,7 @@ bool flat_segment_meets(Vec3 p, Vec3 q, const TrianglePoints& t, int axis) {
            segments_meet(p, q, t[1], t[2], axis) || segments_meet(p, q, t[2], t[0], axis);
 }
 
-/// `side_p` and `side_q` tell where p and q lie by the plane of t.
+/// `side_p` and `side_q` are the sides of the plane of t on which p and q are.
 bool segment_meets(Vec3 p, Vec3 q, int side_p, int side_q, const TrianglePoints& t) {
     if (side_p * side_q > 0) return false;
     if (side_p == 0 && side_q == 0) return flat_segment_meets(p, q, t, flat_axis(t));
@@ -104,7 +105,7 @@ bool segment_meets(Vec3 p, Vec3 q, int side_p, int side_q, const TrianglePoints&
 
 int side(const TrianglePoints& t, Vec3 p) { return orientation(t[0], t[1], t[2], p); }
 
-/// Where the three corners of a triangle lie by a plane.
+/// The sides of a plane on which the corners of a triangle are.
 struct Sides {
     std::array<int, 3> at;
     Sides(const TrianglePoints& plane, const TrianglePoints& t)
@@ -144,7 +145,7 @@ int orientation_2d(Vec3 a, Vec3 b, Vec3 c, int axis) {
     if (std::fabs(left - right) > error) return sign(left - right);
     ExactSum sum;
     for (const double product : {au * bv, -av * bu, bu * cv, -bv * cu, cu * av, -cv * au}) sum.add(product);
-    return sum.sign_of();
+    return sum.compute_sign();
 }
 
 bool is_degenerate(const TrianglePoints& t) {
@@ -158,7 +159,7 @@ bool triangles_meet(const TrianglePoints& s, const TrianglePoints& t) {
     const Sides s_sides(t, s);
     if (s_sides.apart()) return false;
     if (s_sides.flat()) {
-        // Of two flat triangles without crossing edges, one may still hold the other.
+        // If no edges of two coplanar triangles intersect, one may still contain the other.
         return an_edge_meets(s, s_sides, t) || point_in_triangle(t[0], s, flat_axis(s));
     }
     const Sides t_sides(s, t);
@@ -166,7 +167,7 @@ bool triangles_meet(const TrianglePoints& s, const TrianglePoints& t) {
 }
 
 bool triangles_meet_beyond_corner(const TrianglePoints& s, const TrianglePoints& t) {
-    // A triangle that lies on one side of the other's plane touches it in the shared corner alone.
+    // A triangle on one side of the other's plane touches it only in the shared corner.
     const int s1 = side(t, s[1]), s2 = side(t, s[2]);
     if (s1 * s2 > 0) return false;
     const int t1 = side(s, t[1]), t2 = side(s, t[2]);

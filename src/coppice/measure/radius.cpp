@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "coppice/base/id.h"
 #include "coppice/base/parallel.h"
 #include "coppice/measure/match/area_points_internal.h"
 
@@ -11,9 +12,9 @@ namespace coppice {
 namespace {
 
 Statistics deviation_of_areas(const PolygonMesh& mesh, const CapsuleTree& capsules, const Context& ctx) {
-    constexpr std::size_t kLeastPoints = 10'000;
+    constexpr std::size_t kMinPoints = 10'000;
     if (mesh.face_count() == 0 || capsules.size() == 0) return {};
-    const measure_internal::AreaPoints points(mesh, std::max(kLeastPoints, mesh.positions.size()));
+    const measure_internal::AreaPoints points(mesh, std::max(kMinPoints, mesh.positions.size()));
     std::vector<double> deviation(points.size());
     for_each_nearest(
         capsules, ctx, deviation.size(), [&](std::size_t i) { return points[i]; },
@@ -31,7 +32,7 @@ RadiusReport radius_deviation(const PolygonMesh& mesh, const CapsuleTree& capsul
     regular.reserve(n);
     for (std::size_t v = 0; v < n; ++v) {
         const auto [c, rho] = places.nearest[v];
-        if (c == CapsuleTree::kNone) continue;
+        if (c == kNoIndex) continue;
         all.push_back(rho - 1);
         if (places.is_regular[v] != 0) regular.push_back(rho - 1);
     }
@@ -48,8 +49,8 @@ std::vector<float> vertex_deviations(const PolygonMesh& mesh, const Skeleton& sk
     for_each_nearest(
         capsules, ctx, out.size(), [&](std::size_t v) { return Vec3d(mesh.positions[v]); },
         [&](std::size_t v, CapsuleTree::Nearest found) {
-            out[v] = found.capsule != CapsuleTree::kNone ? static_cast<float>(found.rho - 1)
-                                                         : std::numeric_limits<float>::quiet_NaN();
+            out[v] = found.capsule != kNoIndex ? static_cast<float>(found.rho - 1)
+                                               : std::numeric_limits<float>::quiet_NaN();
         });
     return out;
 }

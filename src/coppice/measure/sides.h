@@ -9,19 +9,19 @@
 
 namespace coppice {
 
-/// A side of a face. Sides are numbered as corners are: side s runs from corner s to the next one of its
-/// face.
+/// A side of a face. Sides are numbered like corners: side s is from corner s to the next one of its face.
 struct Side {
-    std::uint32_t low;     ///< its vertex of lower number
-    std::uint32_t high;    ///< its other vertex
-    std::uint32_t face;    ///< to which it belongs
-    std::uint32_t number;  ///< its own
+    std::uint32_t low;     ///< vertex of the smaller index
+    std::uint32_t high;    ///< the other vertex
+    std::uint32_t face;    ///< face of the side
+    std::uint32_t number;  ///< index of the side
 };
 
-/// The sides of a valid mesh by their vertices, so that those of one edge follow each other. O(n).
+/// Returns the sides of a valid mesh sorted by their vertices, so that the sides of one edge are consecutive.
+/// O(n).
 Buffer<Side> sorted_sides(const PolygonMesh& mesh, const Context& ctx = {});
 
-/// Whether sides i and i + 1 are the only two of an edge.
+/// Returns whether sides i and i + 1 are the only two of an edge.
 bool are_edge_of_two(const Buffer<Side>& sides, std::size_t i);
 
 }  // namespace coppice

@@ -20,7 +20,7 @@ constexpr double kNoAngle = -1;
 
 Vec3d at(const PolygonMesh& mesh, std::uint32_t v) { return Vec3d(mesh.positions[v]); }
 
-// Twice the area, along the normal.
+// Returns twice the area times the normal.
 Vec3d area_vector(const PolygonMesh& mesh, std::uint32_t f) {
     Vec3d sum;
     for_each_triangle(mesh.face(f), mesh.positions, [&](const Triangle& t) {
@@ -41,7 +41,8 @@ std::vector<Vec3d> vertex_normals(const PolygonMesh& mesh, const std::vector<Vec
     return normals;
 }
 
-// The integral of the squared gradient of the normals, linear on a triangle; 0 where it has no area.
+// Returns the integral of the squared gradient of the normals, interpolated linearly on a triangle; 0 for a
+// degenerate one.
 double bending(const PolygonMesh& mesh, const std::vector<Vec3d>& normals, const Triangle& t) {
     double twice = 0;
     for (int k = 0; k < 3; ++k) {
@@ -54,7 +55,7 @@ double bending(const PolygonMesh& mesh, const std::vector<Vec3d>& normals, const
     return std::isfinite(twice) ? 0.5 * twice : 0;
 }
 
-// Of every face, whether its middle lies at a fork.
+// Returns for every face whether its centroid is at a fork.
 std::vector<char> faces_at_forks(const PolygonMesh& mesh, const Forks& forks, const Context& ctx) {
     std::vector<char> out(mesh.face_count());
     parallel_for(ctx, out.size(), kSmoothnessGrain, [&](std::size_t f) {
@@ -88,7 +89,7 @@ Sum bending(const PolygonMesh& mesh, const std::vector<Vec3d>& normals, const st
     });
 }
 
-// Degrees by the first side of each edge that two faces have, else kNoAngle.
+// Returns the angles [degrees] at the first side of each edge with two faces, and kNoAngle for other sides.
 std::vector<double> face_angles(const Buffer<Side>& sides, const std::vector<Vec3d>& areas,
                                 const Context& ctx) {
     std::vector<double> angles(sides.size(), kNoAngle);
@@ -101,7 +102,7 @@ std::vector<double> face_angles(const Buffer<Side>& sides, const std::vector<Vec
     return angles;
 }
 
-// Of the edges whose two faces both lie at forks, or both elsewhere.
+// Returns the statistics of the edges with both faces at forks, or with both elsewhere.
 Statistics angles_where(const Buffer<Side>& sides, std::vector<double> angles,
                         const std::vector<char>& at_fork, bool forks) {
     const auto belongs = [&](std::size_t i) { return (at_fork[sides[i].face] != 0) == forks; };

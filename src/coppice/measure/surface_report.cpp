@@ -8,18 +8,18 @@
 namespace coppice {
 namespace {
 
-/// What the crossing test, the axes and the volume look at; made only when one of them is wanted.
+/// Runs the checks that require a SurfaceTree: the intersection test, the axes and the volume.
 void check_tree(const PolygonMesh& mesh, const Skeleton* skeleton, const CapsuleTree* capsules,
                 const CheckOptions& options, const Context& ctx, SurfaceReport& report) {
     const SurfaceTree surface(mesh, ctx);
     ctx.throw_if_cancelled();
     ctx.report(0.3f);
     if (options.intersections) {
-        const auto limit = static_cast<std::uint32_t>(options.most_intersections);
+        const auto limit = static_cast<std::uint32_t>(options.max_intersections);
         const FacePairs found = crossing_faces(surface, limit, ctx);
         report.intersections = classify(found, mesh, skeleton, capsules, ctx);
         report.crossing_places = crossing_places(found, mesh, skeleton, capsules,
-                                                 static_cast<std::size_t>(options.most_places), ctx);
+                                                 static_cast<std::size_t>(options.max_places), ctx);
     }
     ctx.report(0.7f);
     if (capsules == nullptr) return;

@@ -19,60 +19,64 @@
 
 namespace coppice {
 
-/// What is looked for in a surface.
+/// Options of check_surface().
 struct CheckOptions {
-    bool intersections = true;           ///< look for faces that cross
-    int most_intersections = 1'000'000;  ///< stop looking after so many pairs; >= 0
-    int most_places = 5;                 ///< where they cross that are named; >= 0
-    EndShape base = EndShape::flat;      ///< how the skeleton's trees end at a root with one child
-    EndShape tips = EndShape::round;     ///< how its branches end
+    bool intersections = true;          ///< find faces that intersect
+    int max_intersections = 1'000'000;  ///< maximum number of intersecting pairs that are searched; >= 0
+    int max_places = 5;                 ///< maximum number of places with intersections that are listed; >= 0
+    EndShape base = EndShape::flat;     ///< end shape of the skeleton's trees at a root with one child
+    EndShape tips = EndShape::round;    ///< end shape of its branches
 };
 
 template <class Self, class Visitor>
 requires SameOptions<Self, CheckOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(common_field("intersections", "Find pairs of faces that cross each other"), o.intersections);
-    visit(Field{"most_intersections", "stop looking after so many crossing pairs", Unit::none, 0, 1e9},
-          o.most_intersections);
-    visit(Field{"most_places", "name so many of the places where faces cross, the largest first", Unit::none,
-                0, 1e6},
-          o.most_places);
-    visit(Field{"base", "how trees are meant to end at a root with one child, for the volume"}, o.base);
-    visit(Field{"tips", "how branches are meant to end, for the volume"}, o.tips);
+    visit(common_field("intersections", "Find pairs of faces that cross each other."), o.intersections);
+    visit(
+        Field{"max_intersections", "Maximum number of pairs of crossing faces after which the search stops.",
+              Unit::none, 0, 1e9},
+        o.max_intersections);
+    visit(Field{"max_places",
+                "Maximum number of places with crossing faces that are listed, the largest first.",
+                Unit::none, 0, 1e6},
+          o.max_places);
+    visit(Field{"base", "Specified shape of the end of trees at a root with one child, for the volume."},
+          o.base);
+    visit(Field{"tips", "Specified shape of the ends of branches, for the volume."}, o.tips);
 }
 
-/// All that is known of a surface, on its own and against its skeleton.
+/// The properties of a surface, alone and compared with its skeleton.
 struct SurfaceReport {
-    TopologyReport topology;                          ///< how faces join
-    ShapeReport shape;                                ///< how well shaped they are
-    SmoothnessReport smoothness;                      ///< how much they turn
-    std::optional<IntersectionReport> intersections;  ///< none when not asked for
-    std::optional<CrossingPlaces> crossing_places;    ///< where they are; none when not asked for
-    std::optional<RadiusReport> radius;               ///< none without a skeleton
-    std::optional<EdgeFlowReport> edge_flow;          ///< none without a skeleton
-    std::optional<AxesReport> axes;                   ///< none without a skeleton
-    std::optional<TreePartsReport> parts;             ///< none without a skeleton
-    std::optional<VolumeReport> volume;               ///< none without a skeleton
+    TopologyReport topology;                          ///< connectivity of the faces
+    ShapeReport shape;                                ///< quality of their shapes
+    SmoothnessReport smoothness;                      ///< angles and curvature
+    std::optional<IntersectionReport> intersections;  ///< nullopt if not requested
+    std::optional<CrossingPlaces> crossing_places;  ///< places of the intersections; nullopt if not requested
+    std::optional<RadiusReport> radius;             ///< nullopt without a skeleton
+    std::optional<EdgeFlowReport> edge_flow;        ///< nullopt without a skeleton
+    std::optional<AxesReport> axes;                 ///< nullopt without a skeleton
+    std::optional<TreePartsReport> parts;           ///< nullopt without a skeleton
+    std::optional<VolumeReport> volume;             ///< nullopt without a skeleton
 
     bool watertight() const { return topology.watertight(); }  ///< closed, manifold and oriented
-    /// Whether faces are known to cross; false where they were not looked for.
+    /// Returns whether faces intersect; false if that was not examined.
     bool crosses_itself() const {
         return intersections && (intersections->total > 0 || !intersections->complete);
     }
-    /// Watertight, and no faces cross. Says nothing of crossings that were not looked for.
+    /// Returns whether the surface is watertight and no faces are known to intersect.
     bool sound() const { return watertight() && !crosses_itself(); }
-    /// Most segments of the skeleton lie within the surface; true without a skeleton.
+    /// Returns whether most segments of the skeleton are inside the surface; true without a skeleton.
     bool covers_skeleton() const { return !axes || 2 * axes->missing <= axes->segments; }
-    /// No part is torn off the surface of a tree; true without a skeleton.
+    /// Returns whether no component is detached from the surface of a tree; true without a skeleton.
     bool is_whole() const { return !parts || parts->whole(); }
-    /// Hardly anything of the skeleton is cut off; true without a skeleton.
+    /// Returns whether almost nothing of the skeleton is cut off; true without a skeleton.
     bool joins_branches() const { return !axes || axes->is_whole(); }
-    /// It reaches as far as nearly all tips of the skeleton; true without a skeleton.
+    /// Returns whether the surface reaches almost all tips of the skeleton; true without a skeleton.
     bool reaches_tips() const { return !axes || axes->reaches_tips(); }
-    /// It has the volume of the skeleton's rounded cones, and hardly any of that lies outside; true without a
-    /// skeleton.
+    /// Returns whether the surface has the volume of the skeleton's rounded cones and contains almost all of
+    /// it; true without a skeleton.
     bool holds_volume() const { return !volume || (volume->complete() && volume->agrees()); }
-    /// All of the above.
+    /// Returns whether all of the above are satisfied.
     bool passes() const {
         return sound() && covers_skeleton() && is_whole() && joins_branches() && reaches_tips() &&
                holds_volume();
@@ -80,9 +84,9 @@ struct SurfaceReport {
     friend bool operator==(const SurfaceReport&, const SurfaceReport&) = default;  ///< member by member
 };
 
-/// Judges a surface. `skeleton` may be null; where its origin differs from the mesh's, both are brought into
-/// one frame. Throws InvalidInput for a mesh with numbers that are not finite or faces that cannot be (see
-/// `validate`). The same bits for any number of threads.
+/// Evaluates a surface. `skeleton` may be null; if its origin differs from the mesh's, both are transformed
+/// to one frame. Throws InvalidInput for a mesh with numbers that are not finite or invalid faces (see
+/// `validate`). The result does not depend on the number of threads.
 SurfaceReport check_surface(const PolygonMesh& mesh, const Skeleton* skeleton,
                             const CheckOptions& options = {}, const Context& ctx = {});
 
@@ -92,9 +96,9 @@ void visit_numbered(const char* name, const std::vector<Value>& values, Visitor&
     for (std::size_t k = 0; k < values.size(); ++k) visit(name + std::to_string(k + 1), values[k]);
 }
 
-/// Calls visit(name, value) for every figure, in the order for print. A value is an integer, a bool, a
-/// double, or a group (Statistics, IntersectionReport) with a visit_figures of its own. Names are those of
-/// the JSON report. `sound` is left out where it depends on crossings that were not looked for.
+/// Calls visit(name, value) for every figure, in the order for output. A value is an integer, a bool, a
+/// double, or a group (Statistics, IntersectionReport) with its own visit_figures. Names are those of the
+/// JSON report. `sound` is omitted if it depends on intersections that were not examined.
 template <class Visitor>
 void visit_figures(const SurfaceReport& r, Visitor&& visit) {
     const TopologyReport& t = r.topology;

@@ -40,7 +40,7 @@ struct SurfaceTree::Parts {
         });
     }
 
-    /// Joins what ranges of faces gave, in their order.
+    /// Joins the results of ranges of faces, in their order.
     static Parts join(std::vector<Parts>& ranges) {
         Parts all;
         std::size_t triangle_count = 0, piece_count = 0;
@@ -134,8 +134,8 @@ double distance_squared(Vec3d p, Vec3d a, Vec3d b, Vec3d c) {
     if (d1 <= 0 && d2 <= 0) return length_squared(ap);
     if (d3 >= 0 && d4 <= d3) return length_squared(bp);
     if (d6 >= 0 && d5 <= d6) return length_squared(cp);
-    // Barycentric coordinates of the foot, times the same positive number; one that is not positive names the
-    // nearest edge.
+    // Barycentric coordinates of the closest point, multiplied by a common positive number; one that is not
+    // positive selects the nearest edge.
     const double w = d1 * d4 - d3 * d2, v = d5 * d2 - d1 * d6, u = d3 * d6 - d5 * d4;
     if (w <= 0 && d1 >= 0 && d3 <= 0) return length_squared(ap - ab * (d1 / (d1 - d3)));
     if (v <= 0 && d2 >= 0 && d6 <= 0) return length_squared(ap - ac * (d2 / (d2 - d6)));

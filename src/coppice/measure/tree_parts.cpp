@@ -4,14 +4,15 @@
 #include <utility>
 
 #include "coppice/base/disjoint_sets.h"
+#include "coppice/base/id.h"
 #include "coppice/measure/capsule_tree.h"
 #include "coppice/skeleton/measure.h"
 
 namespace coppice {
 namespace {
 
-/// All segments, and trees of one node, in the frame of the mesh.
-CapsuleTree capsules_of(const Skeleton& skeleton, Vec3d origin, const Context& ctx) {
+/// Returns all segments, and trees of one node, in the frame of the mesh.
+CapsuleTree compute_capsules(const Skeleton& skeleton, Vec3d origin, const Context& ctx) {
     std::vector<NodeId> names;
     std::vector<RoundCone> cones;
     const Vec3d shift = skeleton.origin() - origin;
@@ -27,18 +28,18 @@ CapsuleTree capsules_of(const Skeleton& skeleton, Vec3d origin, const Context& c
     return {std::move(names), std::move(cones), ctx};
 }
 
-/// For every vertex the node whose segment is nearest; none where nothing is near.
+/// Returns for every vertex the node of the nearest segment; an invalid id if no segment is near.
 std::vector<NodeId> nearest_nodes(const PolygonMesh& mesh, const CapsuleTree& capsules, const Context& ctx) {
     std::vector<NodeId> out(mesh.positions.size());
     for_each_nearest(
         capsules, ctx, out.size(), [&](std::size_t v) { return Vec3d(mesh.positions[v]); },
         [&](std::size_t v, CapsuleTree::Nearest nearest) {
-            if (nearest.capsule != CapsuleTree::kNone) out[v] = capsules.node(nearest.capsule);
+            if (nearest.capsule != kNoIndex) out[v] = capsules.node(nearest.capsule);
         });
     return out;
 }
 
-/// The part with most vertices of each tree that has any.
+/// Returns the component with most vertices of each tree that has any.
 std::vector<std::uint32_t> main_parts(std::vector<std::pair<std::uint32_t, std::uint32_t>> tree_and_part) {
     std::ranges::sort(tree_and_part);
     std::vector<std::uint32_t> out;
@@ -67,7 +68,8 @@ TreePartsReport tree_parts(const PolygonMesh& mesh, const Skeleton& skeleton, co
     for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
         for (const std::uint32_t v : mesh.face(f)) sets.join(mesh.face(f)[0], v);
     }
-    std::vector<LoosePart> part(mesh.positions.size());  // by the first vertex of each
+    std::vector<LoosePart> part(
+        mesh.positions.size());  // indexed by the representative vertex of each component
     for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
         LoosePart& p = part[sets.find(mesh.face(f)[0])];
         out.parts += p.faces++ == 0 ? 1 : 0;
@@ -75,7 +77,8 @@ TreePartsReport tree_parts(const PolygonMesh& mesh, const Skeleton& skeleton, co
     if (out.parts <= 1) return out;
 
     const std::vector<NodeId> root = tree_roots(skeleton);
-    const std::vector<NodeId> nearest = nearest_nodes(mesh, capsules_of(skeleton, mesh.origin, ctx), ctx);
+    const std::vector<NodeId> nearest =
+        nearest_nodes(mesh, compute_capsules(skeleton, mesh.origin, ctx), ctx);
     std::vector<std::pair<std::uint32_t, std::uint32_t>> tree_and_part;
     for (std::uint32_t v = 0; v < nearest.size(); ++v) {
         const std::uint32_t p = sets.find(v);
@@ -87,7 +90,7 @@ TreePartsReport tree_parts(const PolygonMesh& mesh, const Skeleton& skeleton, co
     std::erase_if(part, [](const LoosePart& p) { return p.faces == 0; });
     out.loose = part.size();
     std::ranges::stable_sort(part, std::ranges::greater(), &LoosePart::faces);
-    part.resize(std::min(part.size(), TreePartsReport::kMostNamed));
+    part.resize(std::min(part.size(), TreePartsReport::kMaxNamed));
     for (LoosePart& p : part) {
         if (p.node) p.place = skeleton.origin() + Vec3d(skeleton.position(p.node));
     }

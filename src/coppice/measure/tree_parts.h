@@ -10,31 +10,32 @@
 
 namespace coppice {
 
-/// A part of a surface that no tree accounts for.
+/// A component of a surface that is not assigned to any tree.
 struct LoosePart {
-    NodeId node;  ///< the first of those whose segments are nearest to the part: where it tore off
-    Vec3d place;  ///< [m] of that node, with the skeleton's origin
-    std::uint64_t faces = 0;                                               ///< of the part
+    NodeId node;  ///< the first node of the segments nearest to the component: where it was detached
+    Vec3d place;  ///< [m] position of that node, with the skeleton's origin
+    std::uint64_t faces = 0;  ///< number of faces of the component
     friend bool operator==(const LoosePart&, const LoosePart&) = default;  ///< member by member
 };
 
-/// The parts of a surface beside the trees of its skeleton.
+/// The components of a surface and the trees of its skeleton.
 struct TreePartsReport {
-    static constexpr std::size_t kMostNamed = 5;  ///< parts that are named
+    static constexpr std::size_t kMaxNamed = 5;  ///< maximum number of components that are listed
 
-    std::uint64_t trees = 0;         ///< of the skeleton
-    std::uint64_t parts = 0;         ///< of the surface: faces joined by common vertices
-    std::uint64_t loose = 0;         ///< those that no tree accounts for
-    std::vector<LoosePart> largest;  ///< of these, by faces
+    std::uint64_t trees = 0;  ///< number of trees of the skeleton
+    std::uint64_t parts = 0;  ///< number of components of the surface: faces connected by common vertices
+    std::uint64_t loose = 0;  ///< number of components that are not assigned to any tree
+    std::vector<LoosePart> largest;  ///< the largest of these, by number of faces
 
-    bool whole() const { return loose == 0; }  ///< nothing is torn off
+    bool whole() const { return loose == 0; }  ///< no component is detached
     friend bool operator==(const TreePartsReport&, const TreePartsReport&) = default;  ///< member by member
 };
 
-/// Which parts of a surface belong to which tree. A vertex belongs to the tree whose segment is nearest, in
-/// radii; a tree accounts for one part, the one with most of its vertices; trees that have grown together
-/// account for one together. Any other part is loose: a branch that was torn off, a hollow, or something that
-/// is no branch. Throws nothing for a valid mesh. O(vertices log segments), O(faces) where there is one part.
+/// Assigns the components of a surface to trees. A vertex belongs to the tree of the nearest segment, in
+/// radii; a tree is assigned the component with most of its vertices; trees that have grown together are
+/// assigned one component together. Any other component is loose: a detached branch, a cavity, or a component
+/// that is not a branch. Does not throw for a valid mesh. O(vertices log segments), O(faces) if there is one
+/// component.
 TreePartsReport tree_parts(const PolygonMesh& mesh, const Skeleton& skeleton, const Context& ctx = {});
 
 /// Calls visit(name, value) for every member, in order.

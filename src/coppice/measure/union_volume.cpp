@@ -14,24 +14,24 @@ namespace {
 
 constexpr std::size_t kUnionVolumeGrain = 16;
 constexpr std::size_t kEstimateGrain = 1024;
-constexpr std::uint32_t kFirstRound = 8;  // points in every part
-constexpr int kMostRounds = 12;
+constexpr std::uint32_t kFirstRound = 8;  // points in every portion
+constexpr int kMaxRounds = 12;
 
-/// A cone consists of what lies beside its axis and the half balls beyond its ends. Parts of equal kind come
-/// in the order of their capsules; a point belongs to the first part that has it.
+/// A cone consists of a frustum around its axis and the half balls at its ends. Portions of one kind are in
+/// the order of their capsules; a point belongs to the first portion that contains it.
 enum Kind : std::uint8_t { kFrustum, kStart, kEnd, kBall, kKinds };
 
 struct Part {
     std::uint32_t capsule = 0;
     Kind kind = kFrustum;
-    double volume = 0;         ///< [m^3] cuts not counted
-    std::uint64_t points = 0;  ///< looked at
-    std::uint64_t own = 0;     ///< of these, in the union and in no part before
-    std::uint64_t marked = 0;  ///< of these, marked
+    double volume = 0;         ///< [m^3] without cuts
+    std::uint64_t points = 0;  ///< number of sampled points
+    std::uint64_t own = 0;     ///< of these, points in the union and in no previous portion
+    std::uint64_t marked = 0;  ///< of these, points with a true mark
     std::uint64_t wanted = kFirstRound;
 
     double share() const {
-        // A part with no or all points its own may yet have others (Jeffreys' prior).
+        // Other points may exist even if the sample contains only one kind (Jeffreys' prior).
         return (static_cast<double>(own) + 0.5) / (static_cast<double>(points) + 1);
     }
     double deviation() const { return volume * std::sqrt(share() * (1 - share())); }
@@ -40,7 +40,7 @@ struct Part {
     }
 };
 
-/// Where the foot of a point says it is.
+/// Returns the portion of the cone that contains a point, given its closest point on the axis.
 Kind kind_at(const RoundCone& cone, const RoundCone::Foot& foot) {
     if (length_squared(cone.axis) == 0) return kBall;
     return foot.t <= 0 ? kStart : foot.t >= 1 ? kEnd : kFrustum;
@@ -66,21 +66,21 @@ std::vector<Part> parts_of(const CapsuleTree& capsules) {
     return parts;
 }
 
-/// Two unit vectors across u and each other.
+/// Returns two unit vectors perpendicular to u and to each other.
 std::array<Vec3d, 2> across(Vec3d u) {
     const Vec3d other = std::fabs(u.x) < 0.6 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
     const Vec3d v = normalized(cross(u, other));
     return {v, cross(u, v)};
 }
 
-/// Where along a cone the volume between its start and there is the share u of the whole.
+/// Returns the parameter of a cone at which the volume from its start is the share u of the whole.
 double parameter_of_share(const RoundCone& c, double u) {
     const double a = c.radius_a, b = c.radius_b();
     if (std::fabs(b - a) < 1e-5 * (a + b)) return u;
     return std::clamp((std::cbrt(cube(a) + u * (cube(b) - cube(a))) - a) / (b - a), 0.0, 1.0);
 }
 
-/// Maps points of the unit cube to points of a part, evenly by volume.
+/// Maps points of the unit cube to points of a portion, evenly by volume.
 class PartMap {
   public:
     PartMap(const RoundCone& cone, Kind kind) : cone_(cone), kind_(kind) {
@@ -115,7 +115,7 @@ class PartMap {
     std::array<Vec3d, 2> side_;
 };
 
-/// Whether p, in this part, is in the union and in no part before.
+/// Returns whether p, in this portion, is in the union and in no previous portion.
 bool is_own(const ConeUnion& solid, const Part& part, Vec3d p) {
     if (solid.is_cut_off(part.capsule, p)) return false;
     bool own = true;
@@ -129,13 +129,14 @@ bool is_own(const ConeUnion& solid, const Part& part, Vec3d p) {
     return own;
 }
 
-/// Looks at more points of a part, up to as many as it wants.
+/// Samples additional points of a portion, up to the requested number.
 class Sampler {
   public:
     Sampler(const ConeUnion& solid, const MarkPoint& mark) : solid_(solid), mark_(mark) {}
 
     void operator()(Part& part) const {
-        // Shares of the solution of x^4 = x + 1: points k times these, modulo 1, fill the cube evenly.
+        // Powers of the inverse of the solution of x^4 = x + 1: their multiples, modulo 1, fill the cube
+        // evenly.
         constexpr double kGolden = 1.2207440846057596;
         constexpr std::array kStep{1 / kGolden, 1 / (kGolden * kGolden), 1 / (kGolden * kGolden * kGolden)};
         const CounterRandom random(0, part.kind);
@@ -167,7 +168,7 @@ struct Sums {
     std::uint64_t points = 0;
 };
 
-Sums sums_of(std::span<const Part> parts) {
+Sums compute_sums(std::span<const Part> parts) {
     Sums s;
     for (const Part& p : parts) {
         s.volume += p.estimate(p.own);
@@ -178,14 +179,15 @@ Sums sums_of(std::span<const Part> parts) {
     return s;
 }
 
-/// Gives the parts more points, in proportion to their deviations; false when there are enough.
+/// Increases the numbers of points of the portions, in proportion to their deviations; returns false if there
+/// are enough.
 bool allocate(std::span<Part> parts, const Sums& now, const UnionVolumeOptions& options) {
     const double target = options.tolerance * now.volume / 2;  // a standard error
-    if (now.variance <= target * target || now.points >= options.most_samples) return false;
-    // At most four times the points per round: deviations are guesses at first.
+    if (now.variance <= target * target || now.points >= options.max_samples) return false;
+    // At most four times the points per round, because the first deviations are rough estimates.
     const double ideal = now.deviation * now.deviation / (target * target);
     const double budget =
-        std::min({ideal, 4 * static_cast<double>(now.points), static_cast<double>(options.most_samples)});
+        std::min({ideal, 4 * static_cast<double>(now.points), static_cast<double>(options.max_samples)});
     bool more = false;
     for (Part& p : parts) {
         const double share = p.deviation() / now.deviation * budget;
@@ -202,10 +204,10 @@ UnionVolume union_volume(const ConeUnion& solid, const UnionVolumeOptions& optio
     std::vector<Part> parts = parts_of(solid.capsules());
     const Sampler sample(solid, mark);
     Sums sums;
-    for (int round = 0; round < kMostRounds; ++round) {
+    for (int round = 0; round < kMaxRounds; ++round) {
         parallel_for(ctx, parts.size(), kUnionVolumeGrain, [&](std::size_t i) { sample(parts[i]); });
-        sums = sums_of(parts);
-        ctx.report(static_cast<float>(round + 1) / kMostRounds);
+        sums = compute_sums(parts);
+        ctx.report(static_cast<float>(round + 1) / kMaxRounds);
         if (!allocate(parts, sums, options)) break;
     }
     UnionVolume out;
@@ -231,7 +233,7 @@ VolumeEstimate estimate_union_volume(const ConeUnion& solid, std::uint64_t sampl
     for (const Part& p : parts) volume[p.kind] += p.volume;
     const double all = std::accumulate(volume.begin(), volume.end(), 0.0);
     if (!(all > 0)) return {};
-    // Points first[i] up to first[i + 1] are those of part i.
+    // Points first[i] up to first[i + 1] belong to portion i.
     std::vector<std::uint64_t> first(parts.size() + 1, 0);
     double before = 0;
     for (std::size_t i = 0; i < parts.size(); ++i) {
@@ -266,7 +268,7 @@ VolumeEstimate estimate_union_volume(const ConeUnion& solid, std::uint64_t sampl
     VolumeEstimate out;
     double variance = 0;
     for (std::size_t k = 0; k < kKinds; ++k) {
-        // Jeffreys' prior; a kind without a point may be anything.
+        // Jeffreys' prior; the share of a kind without points is unknown.
         const double n = static_cast<double>(counts[k].points), own = static_cast<double>(counts[k].own);
         const double share = (own + 0.5) / (n + 1);
         out.volume += volume[k] * (n > 0 ? own / n : share);

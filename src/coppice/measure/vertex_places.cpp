@@ -1,16 +1,18 @@
 #include "coppice/measure/vertex_places.h"
 
+#include "coppice/base/id.h"
+
 namespace coppice {
 namespace {
 
 constexpr double kEndZone = 2;  // [radii]
 
-/// What is known of a skeleton's segment beyond its geometry.
+/// Properties of a segment of the skeleton other than its geometry.
 struct Ends {
-    bool bare_a, bare_b;  ///< away from these the radius is regular: branch nodes, roots, tips
+    bool bare_a, bare_b;  ///< the end is a branch node, root or tip, near which the radius is not regular
 };
 
-std::vector<Ends> ends_of(const Skeleton& skeleton, const CapsuleTree& capsules) {
+std::vector<Ends> find_ends(const Skeleton& skeleton, const CapsuleTree& capsules) {
     std::vector<Ends> ends(capsules.size());
     for (std::uint32_t i = 0; i < ends.size(); ++i) {
         const NodeId b = capsules.node(i), a = skeleton.parent(b);
@@ -34,12 +36,12 @@ VertexPlaces vertex_places(const PolygonMesh& mesh, const Skeleton& skeleton, co
     const std::size_t n = mesh.positions.size();
     std::vector<char> used(n);
     for (const std::uint32_t v : mesh.corners) used[v] = 1;
-    const std::vector<Ends> ends = ends_of(skeleton, capsules);
+    const std::vector<Ends> ends = find_ends(skeleton, capsules);
     VertexPlaces places{std::vector<CapsuleTree::Nearest>(n), std::vector<char>(n)};
     for_each_nearest(
         capsules, ctx, n, [&](std::size_t v) { return Vec3d(mesh.positions[v]); },
         [&](std::size_t v, CapsuleTree::Nearest found) {
-            if (used[v] == 0 || found.capsule == CapsuleTree::kNone) return;
+            if (used[v] == 0 || found.capsule == kNoIndex) return;
             places.nearest[v] = found;
             const std::uint32_t c = found.capsule;
             places.is_regular[v] = is_regular(capsules.cone(c), ends[c], Vec3d(mesh.positions[v])) ? 1 : 0;

@@ -8,22 +8,22 @@
 
 namespace coppice {
 
-/// The least box about the corners of a face.
-inline Box3 box_of(std::span<const std::uint32_t> face, std::span<const Vec3> positions) {
+/// Returns the bounding box of a face.
+inline Box3 compute_box(std::span<const std::uint32_t> face, std::span<const Vec3> positions) {
     Box3 box;
     for (const std::uint32_t v : face) box.extend(positions[v]);
     return box;
 }
 
-/// The faces of a mesh of any kind, which must outlive the view. Cheap to copy.
+/// View of the faces of a mesh of any type, which must outlive the view. Cheap to copy.
 class FaceView {
   public:
-    /// of quads
+    /// Creates a view of quads.
     FaceView(const QuadMesh& mesh)  // NOLINT(google-explicit-constructor): it is the mesh, as a view
         : quads_(mesh.quads.data()),
           positions_(mesh.positions),
           size_(static_cast<std::uint32_t>(mesh.quads.size())) {}
-    /// of polygons
+    /// Creates a view of polygons.
     FaceView(const PolygonMesh& mesh)  // NOLINT(google-explicit-constructor): it is the mesh, as a view
         : corners_(mesh.corners.data()),
           first_(mesh.first.data()),
@@ -31,15 +31,15 @@ class FaceView {
           size_(mesh.face_count()) {}
 
     std::uint32_t size() const { return size_; }                    ///< number of faces
-    std::span<const Vec3> positions() const { return positions_; }  ///< [m] of the vertices
-    /// Corner vertices of face f, in order.
+    std::span<const Vec3> positions() const { return positions_; }  ///< [m] vertex positions
+    /// Returns the corner vertices of face f, in order.
     std::span<const std::uint32_t> face(std::uint32_t f) const {
         if (quads_ != nullptr) return quads_[f];
         return {corners_ + first_[f], first_[f + 1] - first_[f]};
     }
-    /// The least box about face f.
-    Box3 box(std::uint32_t f) const { return box_of(face(f), positions_); }
-    /// The first `count` faces alone.
+    /// Returns the bounding box of face f.
+    Box3 box(std::uint32_t f) const { return compute_box(face(f), positions_); }
+    /// Returns a view of the first `count` faces.
     FaceView first(std::uint32_t count) const {
         FaceView view = *this;
         view.size_ = count;
@@ -47,15 +47,15 @@ class FaceView {
     }
 
   private:
-    const Quad* quads_ = nullptr;             // of a mesh of quads
-    const std::uint32_t* corners_ = nullptr;  // of any other
+    const Quad* quads_ = nullptr;             // for a mesh of quads
+    const std::uint32_t* corners_ = nullptr;  // for other meshes
     const std::uint32_t* first_ = nullptr;    // per face, in corners_
     std::span<const Vec3> positions_;
     std::uint32_t size_;
 };
 
-/// Some faces alone, in the order given, over those vertices that they use, which keep their order. O(faces
-/// given), but for a bit per vertex of the mesh.
+/// Returns a mesh of the given faces in this order and of the vertices that they use, in the order of the
+/// mesh. O(given faces), plus a bit per vertex of the mesh.
 PolygonMesh some_faces(const FaceView& mesh, std::span<const std::uint32_t> faces);
 
 }  // namespace coppice

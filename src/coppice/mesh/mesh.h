@@ -17,32 +17,32 @@ using Quad = std::array<std::uint32_t, 4>;
 /// Vertices of a triangle.
 using Triangle = std::array<std::uint32_t, 3>;
 
-/// An indexed surface of quads: counter-clockwise seen from outside. Indices are in range.
+/// Indexed quad mesh: faces are counter-clockwise seen from outside. Indices are in range.
 struct QuadMesh {
     Buffer<Vec3> positions;  ///< [m] relative to origin
     Buffer<Quad> quads;      ///< counter-clockwise
     Vec3d origin;            ///< [m] added back by writers
 };
 
-/// An indexed surface of triangles; same conventions.
+/// Indexed triangle mesh with the same conventions.
 struct TriMesh {
     Buffer<Vec3> positions;      ///< [m] relative to origin
     Buffer<Triangle> triangles;  ///< counter-clockwise
     Vec3d origin;                ///< [m] added back by writers
 };
 
-/// A surface as files hold it: faces of three or more corners, not necessarily closed or manifold.
+/// Polygon mesh as stored in files: faces of three or more corners, not necessarily closed or manifold.
 struct PolygonMesh {
     Buffer<Vec3> positions;                ///< [m] relative to origin
-    std::vector<std::uint32_t> corners;    ///< corner vertices of all faces, one after the other
+    std::vector<std::uint32_t> corners;    ///< corner vertices of all faces, concatenated
     std::vector<std::uint32_t> first{0};   ///< face f has corners first[f] .. first[f + 1]
     Vec3d origin;                          ///< [m] added back by writers
-    std::vector<std::string> group_names;  ///< of the groups or materials that the file tells apart
-    std::vector<std::uint32_t> group;      ///< per face an index into group_names; empty when it tells none
+    std::vector<std::string> group_names;  ///< names of the groups or materials of the file
+    std::vector<std::uint32_t> group;  ///< per face an index into group_names; empty if there are no groups
 
     /// number of faces
     std::uint32_t face_count() const { return static_cast<std::uint32_t>(first.size()) - 1; }
-    /// Corner vertices of face f, in order.
+    /// Returns the corner vertices of face f, in order.
     std::span<const std::uint32_t> face(std::uint32_t f) const {
         return {corners.data() + first[f], first[f + 1] - first[f]};
     }
@@ -53,14 +53,14 @@ struct PolygonMesh {
     }
 };
 
-/// The same surface as faces of any number of corners. O(n).
+/// Converts the mesh to polygons. O(n).
 PolygonMesh to_polygons(const QuadMesh& mesh);
-/// The same surface as faces of any number of corners. O(n).
+/// Converts the mesh to polygons. O(n).
 PolygonMesh to_polygons(const TriMesh& mesh);
 
-/// Each quad is cut along its shorter diagonal; larger faces become fans.
+/// Divides each quad along its shorter diagonal. O(n).
 TriMesh triangulate(const QuadMesh& mesh);
-/// Each quad is cut along its shorter diagonal; larger faces become fans. O(n).
+/// Divides each quad along its shorter diagonal; larger faces become fans. O(n).
 TriMesh triangulate(const PolygonMesh& mesh);
 
 }  // namespace coppice

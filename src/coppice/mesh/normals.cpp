@@ -8,7 +8,7 @@ Vec3 area_normal(std::span<const Vec3> p, const Triangle& t) {
 }
 
 template <class Face>
-Buffer<Vec3> normals_of(std::span<const Vec3> positions, std::span<const Face> faces) {
+Buffer<Vec3> compute_normals(std::span<const Vec3> positions, std::span<const Face> faces) {
     Buffer<Vec3> out;
     out.assign(positions.size(), Vec3{});
     for (const Face& face : faces) {
@@ -22,11 +22,11 @@ Buffer<Vec3> normals_of(std::span<const Vec3> positions, std::span<const Face> f
 }  // namespace
 
 Buffer<Vec3> smooth_normals(std::span<const Vec3> positions, std::span<const Quad> quads) {
-    return normals_of(positions, quads);
+    return compute_normals(positions, quads);
 }
 
 Buffer<Vec3> smooth_normals(const TriMesh& mesh) {
-    return normals_of<Triangle>(mesh.positions, mesh.triangles);
+    return compute_normals<Triangle>(mesh.positions, mesh.triangles);
 }
 
 }  // namespace coppice

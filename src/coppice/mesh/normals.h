@@ -9,12 +9,14 @@
 
 namespace coppice {
 
-/// Outward, as long as twice the area of the quad between the middles of its sides.
+/// Returns the outward normal of a quad; its length is twice the area of the quad between the midpoints of
+/// its sides.
 COPPICE_HOST_DEVICE inline Vec3 area_normal(std::span<const Vec3> positions, const Quad& q) {
     return cross(positions[q[2]] - positions[q[0]], positions[q[3]] - positions[q[1]]);
 }
 
-/// The unit normal of a vertex, of the quads about it in their order, weighted by area; +Z where they cancel.
+/// Returns the area-weighted unit normal of a vertex from the adjacent quads in the given order; +Z if they
+/// cancel.
 COPPICE_HOST_DEVICE inline Vec3 fan_normal(std::span<const Vec3> positions, std::span<const Quad> quads,
                                            std::span<const std::uint32_t> fan) {
     Vec3 sum;
@@ -22,10 +24,10 @@ COPPICE_HOST_DEVICE inline Vec3 fan_normal(std::span<const Vec3> positions, std:
     return normalized(sum);
 }
 
-/// Unit normals per vertex, from the quads about it in their order, weighted by area; +Z where they cancel.
-/// O(n).
+/// Returns the area-weighted unit normal of each vertex from the adjacent quads in their order; +Z if they
+/// cancel. O(n).
 Buffer<Vec3> smooth_normals(std::span<const Vec3> positions, std::span<const Quad> quads);
-/// The same of triangles.
+/// Returns the area-weighted unit normal of each vertex from the adjacent triangles.
 Buffer<Vec3> smooth_normals(const TriMesh& mesh);
 
 }  // namespace coppice

@@ -14,7 +14,7 @@ struct Extent {
     double volume = 0, area = 0;  // [m^3], [m^2]
 };
 
-/// Six volumes of the cones from `apex`, and twice the area, of a range of faces.
+/// Returns six times the volume of the cones from `apex`, and twice the area, of a range of faces.
 Extent extent(const FaceView& mesh, IndexRange range, Vec3d apex) {
     const std::span<const Vec3> positions = mesh.positions();
     Extent e;

@@ -9,30 +9,29 @@
 
 namespace coppice {
 
-/// How well shaped the faces of a mesh are.
+/// Quality of the shapes of the faces of a mesh.
 struct ShapeReport {
-    /// Of every face: the least sine of a corner's angle, negative where the corner turns against the face's
-    /// normal, -1 for a face without area. For triangles over the sine of 60 degrees, so that 1 is the best
-    /// for both.
+    /// Per face: the minimum sine of the corner angles, negative for a corner that is oriented against the
+    /// normal of the face, -1 for a face without area. For triangles divided by the sine of 60 degrees, so
+    /// that 1 is the optimum for both.
     Statistics scaled_jacobian;
     std::uint64_t inverted_faces = 0;  ///< scaled Jacobian <= 0
-    double signed_volume =
-        0;            ///< [m^3] positive when faces are counter-clockwise from outside; means little if open
-    double area = 0;  ///< [m^2]
-    friend bool operator==(const ShapeReport&, const ShapeReport&) = default;  ///< member by member
+    double signed_volume = 0;          ///< [m^3] positive for outward faces; not meaningful for open meshes
+    double area = 0;                   ///< [m^2]
+    friend bool operator==(const ShapeReport&, const ShapeReport&) = default;  ///< compares all members
 };
 
-/// Judges a valid mesh. O(n).
+/// Measures the shapes of a valid mesh. O(n).
 ShapeReport shape(const FaceView& mesh, const Context& ctx = {});
 
 /// Returns the signed volume of a valid mesh in m^3, as in ShapeReport. O(n).
 double signed_volume(const FaceView& mesh, const Context& ctx = {});
 
-/// The scaled Jacobian of one face.
+/// Returns the scaled Jacobian of one face.
 double scaled_jacobian(std::span<const std::uint32_t> face, std::span<const Vec3> positions);
 
-/// The corner from which a face is cut into a fan of triangles, in double precision: quads along their
-/// shorter diagonal.
+/// Returns the corner from which a face is divided into a fan of triangles, computed in double precision:
+/// quads along their shorter diagonal.
 std::uint32_t fan_corner(std::span<const std::uint32_t> face, std::span<const Vec3> positions);
 
 /// Calls visit(Triangle) for the fan of a face.

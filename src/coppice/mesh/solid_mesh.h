@@ -8,8 +8,8 @@
 
 namespace coppice {
 
-/// A body cut into tetrahedra, which share whole faces. Corners a, b, c, d with dot(cross(b - a, c - a), d -
-/// a) > 0. Float positions are relative to `origin`.
+/// Tetrahedral mesh; tetrahedra share whole faces. Corners a, b, c, d with dot(cross(b - a, c - a), d - a) >
+/// 0. Float positions are relative to `origin`.
 struct SolidMesh {
     Vec3d origin{};                              ///< [m]
     Buffer<Vec3> positions;                      ///< [m]

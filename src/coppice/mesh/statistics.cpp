@@ -15,7 +15,7 @@ Statistics statistics(std::vector<double> values) {
     }
     s.mean /= static_cast<double>(n);
     s.mean_abs /= static_cast<double>(n);
-    // Ranks never fall, so each selection only has to look at what lies behind the one before.
+    // Ranks never decrease, so that each selection only processes the values after the previous one.
     auto begin = values.begin();
     const auto rank = [&](std::size_t k) {
         const auto at = values.begin() + static_cast<std::ptrdiff_t>(k);

@@ -5,24 +5,24 @@
 
 namespace coppice {
 
-/// How a quantity is spread. Quantiles are members of the sample, not interpolated: of n sorted values p1 is
-/// number n / 100, p5 number n / 20, p50 number n / 2 (rounded down, from 0), and p95 and p99 lie as far from
-/// the end as p5 and p1 from the beginning. All are 0 when n is 0.
+/// Distribution of a quantity. Quantiles are members of the sample, not interpolated: of n sorted values p1
+/// is number n / 100, p5 number n / 20, p50 number n / 2 (rounded down, from 0), and p95 and p99 are as far
+/// from the end as p5 and p1 from the start. All are 0 if n is 0.
 struct Statistics {
-    std::uint64_t n = 0;  ///< number of values
-    double mean = 0;      ///< their mean
-    double mean_abs = 0;  ///< the mean of their absolute values
-    double p1 = 0;        ///< 1 % are less
-    double p5 = 0;        ///< 5 % are less
-    double p50 = 0;       ///< the median
-    double p95 = 0;       ///< 5 % are greater
-    double p99 = 0;       ///< 1 % are greater
-    double min = 0;       ///< the least
-    double max = 0;       ///< the greatest
-    friend bool operator==(const Statistics&, const Statistics&) = default;  ///< member by member
+    std::uint64_t n = 0;                                                     ///< number of values
+    double mean = 0;                                                         ///< mean of the values
+    double mean_abs = 0;                                                     ///< mean of the absolute values
+    double p1 = 0;                                                           ///< 1 % quantile
+    double p5 = 0;                                                           ///< 5 % quantile
+    double p50 = 0;                                                          ///< median
+    double p95 = 0;                                                          ///< 95 % quantile
+    double p99 = 0;                                                          ///< 99 % quantile
+    double min = 0;                                                          ///< minimum
+    double max = 0;                                                          ///< maximum
+    friend bool operator==(const Statistics&, const Statistics&) = default;  ///< compares all members
 };
 
-/// Summarises finite values. O(n).
+/// Computes the statistics of finite values. O(n).
 Statistics statistics(std::vector<double> values);
 
 /// Calls visit(name, number) for every member, in order.

@@ -2,12 +2,12 @@
 
 namespace coppice {
 
-/// Where a corner of a face lies on a texture that repeats: u goes around, v along. Two corners at one vertex
-/// may lie at different places, which makes a seam.
+/// Texture coordinates of a corner of a face; the texture repeats. u is around the tube, v along it. Two
+/// corners at one vertex may have different coordinates: a texture seam.
 struct TexturePoint {
     float u = 0;  ///< [turns] around; [0, 1]
-    float v = 0;  ///< along; as much as u where the texture is as high as it is wide
-    friend bool operator==(TexturePoint, TexturePoint) = default;  ///< both coordinates
+    float v = 0;  ///< along; has the scale of u for a square texture
+    friend bool operator==(TexturePoint, TexturePoint) = default;  ///< compares both coordinates
 };
 
 }  // namespace coppice

@@ -15,12 +15,12 @@ namespace {
 
 constexpr std::size_t kTopologyGrain = 1 << 14;
 
-/// A face as one of its vertices sees it.
+/// Corner of a face with its adjacent vertices in the face.
 struct Corner {
     std::uint32_t vertex, next, previous, face;
 };
 
-/// An end of an edge as one of its vertices sees it: the vertex at the other end, and the corner it bounds.
+/// End of an edge at a vertex: the vertex at the other end, and the adjacent corner.
 struct Spoke {
     std::uint32_t neighbour;
     std::uint32_t corner : 31;
@@ -40,7 +40,7 @@ Buffer<Corner> corners_by_vertex(const PolygonMesh& mesh, const Context& ctx) {
     return corners;
 }
 
-/// Judges one vertex after the other, keeping its scratch.
+/// Analyses one vertex after another; reuses its buffers.
 class FanJudge {
   public:
     FanJudge(ConcurrentDisjointSets& parts, TopologyReport& report) : parts_(parts), report_(report) {}
@@ -73,14 +73,14 @@ class FanJudge {
                   [](const Spoke& a, const Spoke& b) { return a.neighbour < b.neighbour; });
     }
 
-    /// Counts the edge when this is its lower end, so that each counts once.
+    /// Counts the edge only at its vertex with the smaller index.
     void judge_edge(std::span<const Corner> fan, std::span<const Spoke> edge) {
         const std::uint32_t vertex = fan[0].vertex;
         if (edge[0].neighbour < vertex) return;
         std::size_t uses = edge.size(), outgoing = 0;
         for (const Spoke& s : edge) outgoing += s.outgoing;
         if (edge[0].neighbour == vertex)
-            uses = outgoing;  // an edge from a vertex to itself shows both its ends
+            uses = outgoing;  // both ends of an edge from a vertex to itself are at this vertex
         ++report_.edges;
         report_.open_edges += uses == 1;
         report_.non_manifold_edges += uses > 2;
@@ -122,7 +122,7 @@ void validate(const PolygonMesh& mesh) {
         for (const std::uint32_t v : face) {
             if (v < mesh.positions.size()) continue;
             throw InvalidInput(
-                fmt::format("face {} of the mesh names vertex {} of {}", f, v, mesh.positions.size()));
+                fmt::format("face {} of the mesh refers to vertex {} of {}", f, v, mesh.positions.size()));
         }
     }
 }
@@ -130,7 +130,7 @@ void validate(const PolygonMesh& mesh) {
 TopologyReport topology(const PolygonMesh& mesh, const Context& ctx) {
     const Buffer<Corner> corners = corners_by_vertex(mesh, ctx);
     ConcurrentDisjointSets parts(mesh.face_count());
-    // A range judges the fans that begin in it, also where they end in the next.
+    // A range processes the fans that begin in it, including those that end in the next one.
     const auto judge_range = [&](IndexRange range) {
         TopologyReport report;
         FanJudge judge(parts, report);

@@ -7,29 +7,30 @@
 
 namespace coppice {
 
-/// How the faces of a mesh are connected. Vertices are told apart by their index, never by their position.
+/// Connectivity of the faces of a mesh. Vertices are identified by their index, not by their position.
 struct TopologyReport {
-    std::uint64_t vertices = 0;            ///< those that faces use
-    std::uint64_t faces = 0;               ///< of any number of corners
-    std::uint64_t quads = 0;               ///< faces of four corners
-    std::uint64_t edges = 0;               ///< pairs of vertices that follow each other in some face
-    std::uint64_t open_edges = 0;          ///< edges of one face
-    std::uint64_t non_manifold_edges = 0;  ///< edges of more than two faces
-    std::uint64_t misoriented_edges = 0;   ///< edges that their two faces run through in the same direction
-    std::uint64_t non_manifold_vertices =
-        0;  ///< vertices whose faces, joined across edges, are more than one fan
-    std::uint64_t irregular_vertices = 0;  ///< vertices without exactly four faces
-    std::uint64_t components = 0;          ///< parts joined across edges
-    std::int64_t euler = 0;                ///< vertices - edges + faces; 2 for a sphere, 0 for a torus
+    std::uint64_t vertices = 0;               ///< number of vertices used by faces
+    std::uint64_t faces = 0;                  ///< number of faces with any number of corners
+    std::uint64_t quads = 0;                  ///< number of faces with four corners
+    std::uint64_t edges = 0;                  ///< number of pairs of consecutive vertices of a face
+    std::uint64_t open_edges = 0;             ///< number of edges of one face
+    std::uint64_t non_manifold_edges = 0;     ///< number of edges of more than two faces
+    std::uint64_t misoriented_edges = 0;      ///< number of edges with the same direction in both faces
+    std::uint64_t non_manifold_vertices = 0;  ///< number of vertices with more than one fan of faces
+    std::uint64_t irregular_vertices = 0;     ///< number of vertices without exactly four faces
+    std::uint64_t components = 0;             ///< number of components connected by edges
+    std::int64_t euler = 0;                   ///< vertices - edges + faces; 2 for a sphere, 0 for a torus
 
-    /// Closed, manifold and oriented; an empty mesh is not.
+    /// Returns whether the mesh is closed, manifold and oriented; false for an empty mesh.
     bool watertight() const {
         return faces > 0 && open_edges == 0 && non_manifold_edges == 0 && misoriented_edges == 0 &&
                non_manifold_vertices == 0;
     }
-    double quads_percent() const { return percent(quads, faces); }                      ///< of the faces
-    double irregular_percent() const { return percent(irregular_vertices, vertices); }  ///< of the vertices
-    friend bool operator==(const TopologyReport&, const TopologyReport&) = default;     ///< member by member
+    double quads_percent() const { return percent(quads, faces); }  ///< percentage of the faces
+    double irregular_percent() const {
+        return percent(irregular_vertices, vertices);
+    }  ///< percentage of the vertices
+    friend bool operator==(const TopologyReport&, const TopologyReport&) = default;  ///< compares all members
 
   private:
     static double percent(std::uint64_t part, std::uint64_t whole) {
@@ -37,13 +38,13 @@ struct TopologyReport {
     }
 };
 
-/// Throws InvalidInput naming the first vertex that is not finite, or the first face with fewer than three
+/// Throws InvalidInput for the first vertex that is not finite, or the first face with fewer than three
 /// corners or with a corner that does not exist. O(n).
 void validate(const PolygonMesh& mesh);
 
-/// Judges a valid mesh. O(n) for bounded valence; about 60 bytes per quad of scratch.
+/// Analyses a valid mesh. O(n) for bounded valence; about 60 bytes of temporary memory per quad.
 TopologyReport topology(const PolygonMesh& mesh, const Context& ctx = {});
-/// The same for quads.
+/// Analyses a valid quad mesh.
 TopologyReport topology(const QuadMesh& mesh, const Context& ctx = {});
 
 }  // namespace coppice

@@ -10,11 +10,11 @@
 
 namespace coppice {
 
-/// Whether a tree ends at this node in a plane across it.
+/// Returns whether a tree ends at this node in a plane across it.
 bool ends_flat(const Skeleton& skeleton, NodeId node, const ControlOptions& ends);
 
-/// The planes through the flat ends of trees, each of which cuts off their field within a few radii. Tips and
-/// roots (with one child) end as `ends` says; one box per region of the field.
+/// Returns the planes through the flat ends of trees, each of which cuts off their field within a few radii.
+/// Tips and roots (with one child) end as `ends` says; one box per region of the field.
 EndCuts end_cuts(const Skeleton& skeleton, const ControlOptions& ends, std::span<const Box3> regions,
                  const Context& ctx);
 

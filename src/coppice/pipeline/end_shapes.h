@@ -5,8 +5,8 @@
 
 namespace coppice {
 
-/// The end that a surface with these options has, as the volume of its skeleton is measured; an open base is
-/// flat.
+/// Returns the shape of the base or of the tips of a surface with these options, for the measured volume of
+/// its skeleton; an open base counts as flat.
 /// @{
 inline EndShape base_end(const ControlOptions& options) {
     return options.base == BaseShape::round ? EndShape::round : EndShape::flat;

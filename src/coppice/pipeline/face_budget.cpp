@@ -11,10 +11,10 @@
 #include <optional>
 #include <utility>
 
+#include "coppice/options/quantity.h"
 #include "coppice/pipeline/coarsen/node_levels_internal.h"
 #include "coppice/pipeline/coarsen/selection_internal.h"
 #include "coppice/pipeline/quads/quad_surface_internal.h"
-#include "coppice/pipeline/quantity.h"
 #include "coppice/pipeline/stages_internal.h"
 #include "coppice/skeleton/chains_internal.h"
 
@@ -22,15 +22,16 @@ namespace coppice {
 namespace {
 
 constexpr int kMaxLevels = 5;
-// Rings stand so many times as close as with the given options.
+// Density of rings relative to the given options.
 constexpr double kMinDensity = 0.1, kMaxDensity = 16;
-// The surface moves by this at most, in radii, where there are fewer rings.
+// [radii] maximum displacement of the surface by a lower density of rings.
 constexpr float kMaxTolerance = 0.2f;
-// What is near enough to the wanted number, and what is too far from it.
+// Relative errors of the number of faces: accepted as exact, and rejected.
 constexpr double kNear = 0.01, kFar = 0.05;
 constexpr int kSteps = 12;
 
-// The axes of a skeleton, chains that follow the leader, by the silhouette of each with all that it carries.
+// The axes of a skeleton (chains of leaders), sorted by the silhouette of each with everything that it
+// carries.
 class AxesBySilhouette {
   public:
     explicit AxesBySilhouette(const Skeleton& s) : s_(s), area_(s.size(), 0) {
@@ -48,7 +49,7 @@ class AxesBySilhouette {
             area_[i] += double{distance(seg.a, seg.b)} * (double{seg.radius_a} + double{seg.radius_b});
             area_[s.parent(n).index()] += area_[i];
         }
-        // An axis has less than the one that carries it, which therefore comes first.
+        // The silhouette of an axis is smaller than that of its parent, so the parent comes first.
         std::ranges::stable_sort(laterals_, std::greater<>{},
                                  [&](NodeId n) { return std::pair(area_[n.index()], ~n.index()); });
     }
@@ -56,12 +57,12 @@ class AxesBySilhouette {
     std::uint32_t count() const { return axes_; }
     std::uint32_t lateral_count() const { return static_cast<std::uint32_t>(laterals_.size()); }
 
-    /// With so many of the laterals.
+    /// Returns the skeleton with the given number of laterals.
     Skeleton with(std::uint32_t laterals) const {
         std::vector<bool> kept = kept_with(laterals);
         return take_nodes(s_, kept, s_.positions(), s_.radii()).skeleton;
     }
-    /// The share of the silhouette that is lost then.
+    /// Returns the share of the silhouette that is lost with this number of laterals.
     double share_without(std::uint32_t laterals) const {
         const std::vector<bool> kept = kept_with(laterals);
         double all = 0, lost = 0;
@@ -87,7 +88,7 @@ class AxesBySilhouette {
 
     const Skeleton& s_;
     std::vector<double> area_;      // [m^2] of the segment that ends at a node and all that it carries
-    std::vector<NodeId> laterals_;  // the first nodes of axes that may go, by silhouette
+    std::vector<NodeId> laterals_;  // first nodes of removable axes, by silhouette
     std::uint32_t axes_ = 0;
 };
 
@@ -101,13 +102,14 @@ MeshOptions with_density(MeshOptions options, double density) {
 
 TubeCage cage_with(const Skeleton& skeleton, const MeshOptions& options, Context ctx) {
     ctx.throw_if_cancelled();
-    ctx.progress = {};  // that of one cage is none of the plan
+    ctx.progress = {};  // the progress of one cage is not the progress of the plan
     const PrepareResult prepared = prepare(skeleton, options.prepare);
     check_branches(prepared.skeleton);
-    return cage_of(prepared.skeleton, options, ctx);
+    return compute_cage(prepared.skeleton, options, ctx);
 }
 
-// The faces of the cage of a skeleton by how near rings stand, each counted once.
+// Number of faces of the cage of a skeleton as a function of the density of rings; each density is computed
+// once.
 class CageFaces {
   public:
     CageFaces(Skeleton skeleton, const MeshOptions& given, const Context& ctx)
@@ -141,13 +143,13 @@ class RadiusPlanner {
           thickest_(pipeline_internal::thickest_radius(cage_.tubes)),
           axes_(AxesBySilhouette(skeleton).count()) {}
 
-    // [m] With that the thickest axis has as many sides as so many levels give.
+    // [m] chord error at which the thickest axis has as many sides as this number of levels produces.
     float chord_error_at(int levels) const {
         return pipeline_internal::chord_error_at(thickest_, sides(), levels);
     }
 
-    // With more the surface, before quads are taken out, would take much memory.
-    int most_levels(double goal) const {
+    // More levels would need too much memory before quads are removed.
+    int max_levels(double goal) const {
         const auto cage_faces = static_cast<double>(cage_.control.cage.quads.size());
         const auto most = static_cast<int>(std::log2(kMaxRefinedFaces * goal / cage_faces) / 2);
         return std::clamp(most, 1, kMaxLevels);
@@ -161,9 +163,9 @@ class RadiusPlanner {
         return out;
     }
 
-    // None where there are more faces than wanted even with eight sides at most.
+    // Returns nullopt if there are more faces than requested even with at most eight sides.
     std::optional<FaceBudget> plan(double goal) const {
-        int levels = most_levels(goal);
+        int levels = max_levels(goal);
         while (levels > 1 && !fits(levels, goal)) --levels;
         if (!fits(levels, goal)) return {};
         float low = chord_error_at(kMaxLevels + 1), high = chord_error_at(levels);
@@ -190,13 +192,13 @@ class RadiusPlanner {
     std::uint32_t axes_;
 };
 
-// Levels, how near rings stand, and how many faces the cage then has.
+// Number of levels, density of the rings, and resulting number of faces of the cage.
 struct Rings {
     int levels = 0;
     double density = 1, faces = 0;
 };
 
-// How near rings have to stand for a cage to have about so many faces.
+// Returns the density of rings at which the cage has approximately this number of faces.
 Rings density_for(double wanted, CageFaces& cage) {
     Rings best;
     const auto off = [&](const Rings& r) { return std::abs(r.faces / wanted - 1); };
@@ -215,7 +217,7 @@ Rings density_for(double wanted, CageFaces& cage) {
     return best;
 }
 
-// Plans with as many sides everywhere.
+// Plans with the same number of sides everywhere.
 class RingPlanner {
   public:
     RingPlanner(const Skeleton& skeleton, const MeshOptions& given, std::uint64_t faces, const Context& ctx)
@@ -225,15 +227,16 @@ class RingPlanner {
         CageFaces drawn(skeleton_, given_, ctx_);
         int levels = std::clamp(static_cast<int>(std::lround(std::log(goal_ / drawn.at(1)) / std::log(4.0))),
                                 0, kMaxLevels);
-        // Rather more rings than fewer branches.
+        // Prefers more rings to fewer branches.
         if (levels > 0 && drawn.at(kMinDensity) > wanted(levels)) --levels;
         std::uint32_t laterals = axes_.lateral_count();
         if (drawn.at(kMinDensity) > wanted(levels)) {
-            laterals = most_laterals(levels);
+            laterals = max_laterals(levels);
             if (laterals < axes_.lateral_count()) drawn = with(laterals);
         }
         Rings best = rings_at(levels, drawn);
-        // A few branches have too few rings to choose from: faces four times as many and as large do better.
+        // With few branches there are too few rings to choose from: four times as many and as large faces
+        // come closer.
         if (levels > 0 && off(best) > kFar) {
             const Rings more = rings_at(levels - 1, drawn);
             if (off(more) < off(best)) best = more;
@@ -247,13 +250,14 @@ class RingPlanner {
     }
 
   private:
-    // Faces of the cage.
+    // Requested number of faces of the cage.
     double wanted(int levels) const { return std::ldexp(goal_, -2 * levels); }
     double off(const Rings& r) const { return std::abs(r.faces / wanted(r.levels) - 1); }
     CageFaces with(std::uint32_t laterals) const { return {axes_.with(laterals), given_, ctx_}; }
 
-    // That with the rings farthest apart have no more faces than are wanted.
-    std::uint32_t most_laterals(int levels) const {
+    // Returns the maximum number of laterals that, at the lowest density of rings, do not exceed the
+    // requested number of faces.
+    std::uint32_t max_laterals(int levels) const {
         std::uint32_t fits = 0, too_many = axes_.lateral_count();
         while (fits + 1 < too_many) {
             const std::uint32_t middle = fits + (too_many - fits) / 2;
@@ -285,13 +289,13 @@ void check_budget(const MeshOptions& given, std::uint64_t faces) {
         throw InvalidInput("mesh: a number of faces chooses chord_error; leave it out");
 }
 
-// The options with which a number of faces is planned.
+// Returns the options with which a number of faces is planned.
 MeshOptions options_of_plan(MeshOptions given) {
     if (given.tube_sides == TubeSides::automatic) given.tube_sides = TubeSides::by_radius;
     return given;
 }
 
-// Makes surfaces until one has about as many faces as are wanted.
+// Builds surfaces until one has approximately the requested number of faces.
 class BudgetSearch {
   public:
     BudgetSearch(const Skeleton& skeleton, const PointSet& constraints, const MeshOptions& options,
@@ -304,15 +308,16 @@ class BudgetSearch {
 
     BudgetedMesh run() {
         if (options_.tube_sides == TubeSides::by_radius) search_sides();
-        // Many branches may be of one radius, so that no number of sides gives what is wanted.
-        if (best_ && off(*best_) > kFar) search_rings_of(FaceBudget(best_->budget));
+        // Many branches may have the same radius, so that no number of sides gives the requested number.
+        if (best_ && off(*best_) > kFar) compute_search_rings(FaceBudget(best_->budget));
         if (!best_ || off(*best_) > kFar) search_rings();
         name_stages();
         return std::move(*best_);
     }
 
   private:
-    // What is near the number, or numbers on both sides of it; or on one side alone.
+    // Result of a search: a number close to the requested one or numbers on both sides of it, or on one side
+    // only.
     enum class Found { enough, too_few, too_many };
 
     static double count(const BudgetedMesh& m) {
@@ -326,7 +331,7 @@ class BudgetSearch {
         return Stages(ctx_, planned_).run("plan", 0, plan);
     }
 
-    // Makes a surface, and keeps it where it is the best; returns its number of faces.
+    // Builds a surface, keeps it if it is the best, and returns its number of faces.
     double make(FaceBudget budget) {
         MeshResult result = Stages(ctx_, tried_).run("try", 0, [&] {
             return mesh_skeleton(budget.skeleton, constraints_, budget.options, ctx_);
@@ -338,7 +343,7 @@ class BudgetSearch {
     }
 
     void search_sides() {
-        constexpr double kMadeOfPlanned = 2;  // about: bends and branch nodes have more than planned
+        constexpr double kMadeOfPlanned = 2;  // approximate: bends and branch nodes have more than planned
         std::optional<RadiusPlanner> planner;
         const std::optional<FaceBudget> first = planned([&] {
             planner.emplace(skeleton_, options_, ctx_);
@@ -346,7 +351,7 @@ class BudgetSearch {
             return plan ? plan : planner->plan(wanted());
         });
         if (!first) return;
-        // The number of sides is about as the root.
+        // The number of sides is approximately proportional to the root.
         const auto density = [](float chord_error) { return 1 / std::sqrt(double{chord_error}); };
         const auto search_with = [&](int levels, double at) {
             const double least = density(planner->chord_error_at(levels));
@@ -355,7 +360,7 @@ class BudgetSearch {
         };
         int levels = first->options.levels;
         double at = density(first->options.chord_error);
-        const int most = planner->most_levels(wanted());
+        const int most = planner->max_levels(wanted());
         Found found = search_with(levels, at);
         while (found == Found::too_few && levels < most) found = search_with(++levels, at);
         while (found == Found::too_many && levels > 1) {
@@ -364,8 +369,8 @@ class BudgetSearch {
         }
     }
 
-    // With the sides of a plan, and rings nearer to each other or farther apart.
-    void search_rings_of(const FaceBudget& sides) {
+    // Uses the sides of a plan and changes the density of the rings.
+    void compute_search_rings(const FaceBudget& sides) {
         CageFaces cage(skeleton_, sides.options, ctx_);
         search(wanted() / count(*best_), 0, [&](double share) {
             FaceBudget out = sides;
@@ -381,12 +386,13 @@ class BudgetSearch {
         });
     }
 
-    // Tries numbers, about as the power of which there are faces, not below the least one.
+    // Tries numbers that are not below `least`, assuming that the number of faces is approximately a power of
+    // them.
     template <class Plan>
     Found search(double first, double least, const Plan& plan) {
-        constexpr double kClose = 0.03;  // of the number: no further try
+        constexpr double kClose = 0.03;  // relative error at which the search ends
         constexpr int kTries = 6;
-        std::array<double, 2> low{0, 0}, high{0, 0};  // tried and made, below and above what is wanted
+        std::array<double, 2> low{0, 0}, high{0, 0};  // tried value and result, below and above the request
         double at = first, before = 0;
         for (int i = 0; i < kTries; ++i) {
             const double made = make(planned([&] { return plan(at); }));
@@ -448,7 +454,7 @@ BudgetedMesh mesh_with_faces(const Skeleton& skeleton, const PointSet& constrain
     return BudgetSearch(skeleton, constraints, options, faces, ctx).run();
 }
 
-std::string text_of(const FaceBudget& budget) {
+std::string to_text(const FaceBudget& budget) {
     const bool by_radius = budget.options.tube_sides == TubeSides::by_radius;
     return fmt::format("level {}{}, {} of {} axes, without {:.1f} % of the silhouette", budget.options.levels,
                        by_radius ? ", sides by radius" : "", grouped(budget.axes - budget.dropped),
@@ -459,7 +465,7 @@ std::string text_of_missed_faces(const BudgetedMesh& made, std::uint64_t faces) 
     const std::size_t has = made.result.quads().mesh.quads.size();
     if (std::abs(static_cast<double>(has) / static_cast<double>(faces) - 1) <= kFar) return {};
     return fmt::format(
-        "the surface has {} faces instead of {}: no choice of levels, rings and branches comes nearer",
+        "the surface has {} faces instead of {}: no choice of levels, rings and branches comes closer",
         grouped(has), grouped(faces));
 }
 

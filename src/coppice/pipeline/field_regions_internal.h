@@ -11,12 +11,12 @@
 
 namespace coppice::pipeline_internal {
 
-/// Where the vertices of a cage and their anchors are.
+/// Positions of the vertices of a cage and of their anchors.
 struct CagePlaces {
     std::span<const Vec3> positions, anchors;
 };
 
-/// The region of one quad grows until it holds the quad and its anchors.
+/// Extends the region of one quad to contain the quad and its anchors.
 inline void extend_region(std::vector<FieldRegion>& regions, const ControlMesh& control, std::uint32_t quad,
                           const CagePlaces& places) {
     Box3& box = regions[control.region[quad]].box;
@@ -26,8 +26,8 @@ inline void extend_region(std::vector<FieldRegion>& regions, const ControlMesh& 
     }
 }
 
-/// The regions of a field in which the surface about some quads of a cage is looked for, wherever the cage
-/// is: boxes about quads and anchors. Regions that have none of the quads have empty boxes.
+/// Returns the regions of a field in which the surface around some quads of a cage is searched, for any
+/// positions of the cage: boxes around quads and anchors. Regions without any of the quads have empty boxes.
 inline std::vector<FieldRegion> field_regions(const ControlMesh& control,
                                               std::span<const std::uint32_t> quads, const CagePlaces& places,
                                               const Skeleton& skeleton) {
@@ -37,7 +37,7 @@ inline std::vector<FieldRegion> field_regions(const ControlMesh& control,
     return regions;
 }
 
-/// The same about all quads of a cage as it stands.
+/// The same for all quads of a cage at its current positions.
 inline std::vector<FieldRegion> field_regions(const ControlMesh& control, const Skeleton& skeleton) {
     std::vector<FieldRegion> regions(control.region_node.size());
     for (std::uint32_t f = 0; f < control.region.size(); ++f)

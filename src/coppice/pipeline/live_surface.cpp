@@ -17,8 +17,8 @@ namespace {
 
 using namespace pipeline_internal;
 
-constexpr std::uint8_t kFirstTrusted = 2;  // levels that are trusted at first,
-constexpr std::uint8_t kMoreTrusted = 3;   // and how many more when they were not enough
+constexpr std::uint8_t kFirstTrusted = 2;  // Initial number of trusted levels,
+constexpr std::uint8_t kMoreTrusted = 3;   // and the increment when they were not sufficient.
 constexpr int kAttempts = 3;
 
 MeshOptions checked(const MeshOptions& options) {
@@ -36,13 +36,14 @@ MeshOptions checked(const MeshOptions& options) {
     return options.method == MeshMethod::bmesh ? on_metaballs(options) : options;
 }
 
-// The surface of a tree, or of a part of one, taken apart.
+// The surface of a tree, or of a part of a tree, divided into patches.
 struct Traced {
     SurfacePatches patches;
-    bool is_local;  // whether no place depends on all others
+    bool is_local;  // whether the result at each location is independent of distant ones
 };
 
-// `refined(part)` is called with the surface before it is remeshed; per node, it tells where to remesh.
+// `refined(part)` is called with the surface before it is remeshed; it returns per node whether to remesh
+// there.
 template <class Refined>
 Traced trace(const Skeleton& tree, const MeshOptions& options, const Context& ctx, const Refined& refined) {
     std::vector<std::pair<std::string, double>> seconds;
@@ -65,8 +66,8 @@ Traced trace(const Skeleton& tree, const MeshOptions& options, const Context& ct
     const QuadSurface surface =
         mesh_by_quads(prepared.skeleton, PointSet{}, options,
                       {.weights = weights, .trace = &trace, .wanted = wanted_tubes}, ctx, stages);
-    if (!trace.remeshed.pieces.empty()) patches = patches_of(surface, trace);
-    // Where very much would be inserted, segments are split less everywhere.
+    if (!trace.remeshed.repair_patches.empty()) patches = patches_of(surface, trace);
+    // If the number of inserted nodes would be very large, segments are split less everywhere.
     const bool is_local = trace.remeshed.is_local && prepared.report.resample.inserted <= tree.size();
     return {std::move(patches), is_local};
 }
@@ -106,7 +107,7 @@ class LiveSurface::State {
         return {true, range(store_.positions().size()), range(store_.quads().size()), now.size()};
     }
 
-    // None where the whole has to be made.
+    // Returns nullopt if the whole surface has to be built.
     std::optional<SurfaceChange> update_part(const Skeleton& now, std::span<const StableId> changed,
                                              const Context& ctx) {
         const NodeIndex at_before(tree_), at_now(now);
@@ -131,9 +132,9 @@ class LiveSurface::State {
     }
 
     struct Tried {
-        std::optional<SurfaceChange> change;  // none where it goes on beyond the zone
-        bool is_hopeless = false;             // whatever the zone
-        std::vector<StableId> missing;        // what the zone should have trusted, where that is known
+        std::optional<SurfaceChange> change;  // none if it continues beyond the zone
+        bool is_hopeless = false;             // independent of the zone
+        std::vector<StableId> missing;        // number of levels that the zone should have trusted, if known
     };
 
     Tried update_zone(const EditZone& zone, std::uint8_t trusted, const Touched& touched,

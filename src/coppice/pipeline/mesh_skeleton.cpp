@@ -32,7 +32,7 @@ CylinderMesh mesh_by_cylinders(const Skeleton& prepared, const MeshOptions& opti
     return stages.run("cylinders", 1.0f, [&] { return cylinders(prepared, tubes, ctx); });
 }
 
-// Fits what was made; `rows` go with quads, but not with ramifications.
+// Fits the surface; `rows` belong to quads, but not to ramifications.
 struct Fitting {
     const Skeleton& skeleton;
     const ControlOptions& ends;
@@ -52,11 +52,11 @@ struct Fitting {
         return fit_volume(surface.mesh, skeleton, base_end(ends), tip_end(ends), ctx);
     }
     FitVolumeReport operator()(CylinderMesh&) const {
-        throw InvalidInput("mesh: fit must be surface for cylinders, which run through each other at forks");
+        throw InvalidInput("mesh: fit must be surface for cylinders, which intersect each other at forks");
     }
 };
 
-// Whether the volume decides if a surface is fitted.
+// Returns whether the volume decides if a surface is fitted.
 bool fits_where_off(const MeshOptions& options) {
     const FieldOptions& field = options.field;
     const bool makes_quads =
@@ -71,14 +71,14 @@ VolumeReport measured_volume(const QuadMesh& mesh, const Skeleton& skeleton, con
     return pipeline_internal::measured_volume(mesh, solid, ctx);
 }
 
-// Of the volume, which is known to half a percent or better.
+// Relative error of the volume, which is known to half a percent or better.
 constexpr double kMaxDeviation = 0.005;
 
 bool is_off(const VolumeReport& volume) {
     return std::abs(volume.mesh - volume.cones) > kMaxDeviation * volume.cones + volume.error;
 }
 
-// Fits a surface, or leaves it where that makes its volume no better.
+// Fits a surface, or leaves it unchanged if that does not improve its volume.
 std::optional<FitVolumeReport> fit_where_better(QuadSurface& surface, const Fitting& fitting) {
     Buffer<Vec3> before = surface.mesh.positions;
     const FitVolumeReport report = fitting(surface);
@@ -146,14 +146,14 @@ MeshResult make_surface(const Skeleton& given_skeleton, const PointSet& constrai
     return out;
 }
 
-// [share of the cones' volume] How far a surface is off, where that was measured.
+// [share of the cones' volume] Returns the deviation of a surface, if it was measured.
 double deviation(const MeshResult& made) {
     const double cones = made.fitted ? made.fitted->cones : made.measured->cones;
     return std::abs((made.fitted ? made.fitted->after : made.measured->mesh) / cones - 1);
 }
 
-// A surface without levels, of the right volume where that can be had: its few sides have that of straight
-// branches alone, so that it is always fitted; but where much is cut off, that ends far from it.
+// A surface without levels gets the correct volume if possible: its few sides have it for straight branches
+// only, so it is always fitted; but where much is cut off, the result can be far from it.
 MeshResult make_coarsest(const Skeleton& skeleton, const PointSet& constraints, const MeshOptions& options,
                          const Context& ctx) {
     MeshOptions fitting = options;
@@ -173,16 +173,16 @@ MeshResult make_mesh(const Skeleton& skeleton, const PointSet& constraints, cons
     return make_surface(skeleton, constraints, options, with_solid, origin, ctx);
 }
 
-PolygonMesh polygons_of(const PolygonMesh& mesh) { return mesh; }
+PolygonMesh make_polygons(const PolygonMesh& mesh) { return mesh; }
 template <class Mesh>
-PolygonMesh polygons_of(const Mesh& mesh) {
+PolygonMesh make_polygons(const Mesh& mesh) {
     return to_polygons(mesh);
 }
 
 }  // namespace
 
 PolygonMesh to_polygons(const MeshResult& result) {
-    return std::visit([](const auto& surface) { return polygons_of(surface.mesh); }, result.surface);
+    return std::visit([](const auto& surface) { return make_polygons(surface.mesh); }, result.surface);
 }
 
 MeshResult mesh_skeleton(const Skeleton& skeleton, const MeshOptions& options, const Context& ctx) {

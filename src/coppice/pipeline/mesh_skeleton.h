@@ -9,6 +9,7 @@
 #include "coppice/base/context.h"
 #include "coppice/base/fields.h"
 #include "coppice/cage/cage.h"
+#include "coppice/cage/cylinders.h"
 #include "coppice/cage/graft.h"
 #include "coppice/cage/part.h"
 #include "coppice/cuda/device.h"
@@ -29,17 +30,16 @@
 #include "coppice/tetra/lattice/lattice.h"
 #include "coppice/tetra/march/march.h"
 #include "coppice/tetra/polyhedron/polyhedron.h"
-#include "coppice/tubes/cylinders.h"
 
 namespace coppice {
 
-/// How a skeleton becomes a surface.
+/// Method that builds a surface from a skeleton.
 enum class MeshMethod {
-    quads,          ///< a cage about the skeleton, subdivided and moved onto the field [Zhu2015]
-    tetrahedra,     ///< triangles where the field has its level, found in tetrahedra [Zhu2013]
-    cylinders,      ///< a tube for every axis, not joined to the others [Huang2017]
+    quads,          ///< a cage around the skeleton, subdivided and moved onto the field [Zhu2015]
+    tetrahedra,     ///< triangles of the iso surface of the field, found in tetrahedra [Zhu2013]
+    cylinders,      ///< a separate tube for every axis [Huang2017]
     ramifications,  ///< units at forks, connected or pasted, subdivided and moved onto the field [Huang2017]
-    bmesh,          ///< as quads, but moved onto metaballs [Ji2010], which [Zhu2015] compares with
+    bmesh,          ///< as quads, but moved onto metaballs [Ji2010], the comparison of [Zhu2015]
 };
 
 template <>
@@ -48,11 +48,12 @@ struct EnumNames<MeshMethod> {
                                                            "ramifications", "bmesh"};
 };
 
-/// What of its skeleton a surface keeps.
+/// Property of the skeleton that a surface preserves.
 enum class Fit {
-    surface,   ///< its vertices lie on the field, of radii at which rings have the area of the circles meant
-    volume,    ///< it encloses the volume of the skeleton's rounded cones, part by part
-    automatic  ///< as `surface`, but quads as `volume` where that would leave the volume off
+    surface,   ///< vertices are on the field, with radii at which rings have the areas of the specified
+               ///< circles
+    volume,    ///< the surface encloses the volume of the skeleton's rounded cones, locally and as a whole
+    automatic  ///< as `surface`, but quads as `volume` if their volume would deviate
 };
 
 template <>
@@ -60,12 +61,13 @@ struct EnumNames<Fit> {
     static constexpr std::array<std::string_view, 3> names{"surface", "volume", "automatic"};
 };
 
-/// What becomes of branches that run through each other.
+/// Treatment of branches that intersect each other.
 enum class Overlaps {
-    merge,  ///< they become one body where the axis of one runs inside the other
-    graft,  ///< what enters another branch is cut off there, and what comes out of it springs from there
-    apart,  ///< trees are bent apart, so that each keeps its wood; within a tree as graft
-    keep,   ///< they cross, and so do their quads
+    merge,  ///< they are merged into one body if the axis of one runs inside the other
+    graft,  ///< the section that enters another branch is cut off, and the section that leaves it is attached
+            ///< there
+    apart,  ///< trees are bent apart, so that each keeps its branches; within a tree as graft
+    keep,   ///< they are kept and cross, and so do their quads
 };
 
 template <>
@@ -73,10 +75,10 @@ struct EnumNames<Overlaps> {
     static constexpr std::array<std::string_view, 4> names{"merge", "graft", "apart", "keep"};
 };
 
-/// What tetrahedra the method `tetrahedra` begins with.
+/// Initial tetrahedra of the method `tetrahedra`.
 enum class TetraBase {
-    octree,     ///< those of a lattice, as fine as the local radius asks for
-    polyhedron  ///< those of a polyhedron about the branches, a handful for each segment [Zhu2013]
+    octree,     ///< a lattice, as fine as the local radius requires
+    polyhedron  ///< a polyhedron around the branches, a few tetrahedra for each segment [Zhu2013]
 };
 
 template <>
@@ -84,58 +86,59 @@ struct EnumNames<TetraBase> {
     static constexpr std::array<std::string_view, 2> names{"octree", "polyhedron"};
 };
 
-/// How large the triangles of the method `tetrahedra` are, and how exactly they lie.
+/// Size and accuracy of the triangles of the method `tetrahedra`.
 struct TetraOptions {
-    TetraBase base = TetraBase::octree;  ///< what is cut into eight
-    float edge = 0.5f;                   ///< [radii] length of the triangles' edges, about
-    /// More levels are faster for short edges, but grade less finely. A polyhedron, whose tetrahedra are as
-    /// wide as its sections, is cut as often as `edge` asks for, whatever the levels: see polyhedron_levels.
+    TetraBase base = TetraBase::octree;  ///< initial tetrahedra, each of which is cut into eight
+    float edge = 0.5f;                   ///< [radii] approximate edge length of the triangles
+    /// More levels are faster for short edges, but grade less finely. The tetrahedra of a polyhedron are as
+    /// wide as its sections and are cut as often as `edge` requires, independent of the levels: see
+    /// polyhedron_levels.
     MarchOptions march{.levels = 1};
 };
 
-/// Times that tetrahedra of a polyhedron three radii wide are cut, to come nearest to `edge`: three times at
-/// the default edge, as printed, and once at least. Throws InvalidInput naming `edge` when that is more than
-/// five times.
+/// Returns the number of times that tetrahedra of a polyhedron three radii wide are cut to come closest to
+/// `edge`: three at the default edge, as published, and at least one. Throws InvalidInput naming `edge` if it
+/// is more than five.
 int polyhedron_levels(const TetraOptions& options);
 
 template <class Self, class Visitor>
 requires SameOptions<Self, TetraOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"tetra_base",
-                "what is cut into tetrahedra: an octree about the branches, or a polyhedron around them, a "
-                "handful for each segment, cut in eight as often as edge asks for"},
+                "Initial tetrahedra: those of an octree around the branches, or of a polyhedron with a few "
+                "for each segment, which are cut into eight as often as edge requires."},
           o.base);
-    visit(common_field("edge", "Approximate edge length of the triangles of the method tetrahedra",
+    visit(common_field("tetra_edge", "Approximate edge length of the triangles of the method tetrahedra.",
                        Unit::radius, 0.05, 4),
           o.edge);
-    visit(Field{"tetra_levels", "times the tetrahedra of an octree are cut into eight", Unit::none, 0, 4},
+    visit(Field{"tetra_levels", "Number of times that the tetrahedra of an octree are cut into eight.",
+                Unit::none, 0, 4},
           o.march.levels);
     visit_accuracy_fields(o.march, visit);
 }
 
-/// Everything that decides what surface a skeleton gets. Tetrahedra are only concerned with prepare, field,
-/// tetra, and the ends of control; cylinders only with levels, prepare, control and tube_sides. Surfaces that
-/// are moved along with their skeleton have as many quads around all branches.
+/// Options of the surface of a skeleton. Tetrahedra only use prepare, field, tetra, and the ends of control;
+/// cylinders only levels, prepare, control and tube_sides. Surfaces that are moved along with their skeleton
+/// have the same number of quads around all branches.
 struct MeshOptions {
-    MeshMethod method = MeshMethod::quads;  ///< quads, triangles, or tubes
-    int levels =
-        2;  ///< times the cage is subdivided, or the tetrahedra, which then are as much larger before
-    Fit fit = Fit::surface;               ///< where vertices lie in the end
-    Overlaps overlaps = Overlaps::merge;  ///< what becomes of branches that run through each other
-    float graft = 0.6f;        ///< [sum of radii] branches whose axes come nearer than this overlap; 0 = none
-    PrepareOptions prepare;    ///< what is done to the skeleton first
-    ControlOptions control;    ///< the cage, and how branches end
-    FieldOptions field;        ///< what surface the radii mean
-    ProjectOptions project;    ///< how the cage is moved onto it
-    UntangleOptions untangle;  ///< how folds are taken out
-    int remesh_rounds = 12;    ///< times that quads which cross are looked for and remeshed; 0 = never
-    TetraOptions tetra;        ///< for tetrahedra only
-    RamificationOptions ramification;             ///< for ramifications only
+    MeshMethod method = MeshMethod::quads;  ///< kind of faces: quads, triangles or tubes
+    int levels = 2;          ///< number of subdivisions of the cage, or of the tetrahedra, which begin larger
+    Fit fit = Fit::surface;  ///< property that the final positions of the vertices preserve
+    Overlaps overlaps = Overlaps::merge;  ///< treatment of branches that intersect each other
+    float graft = 0.6f;      ///< [sum of radii] branches with axes closer than this overlap; 0 = no overlaps
+    PrepareOptions prepare;  ///< preparation of the skeleton
+    ControlOptions control;  ///< the cage, and the ends of branches
+    FieldOptions field;      ///< the surface that the radii specify
+    ProjectOptions project;  ///< projection of the cage onto the field
+    UntangleOptions untangle;          ///< removal of folds
+    int remesh_rounds = 12;            ///< maximum number of rounds that find and remesh crossing quads
+    TetraOptions tetra;                ///< used by tetrahedra only
+    RamificationOptions ramification;  ///< used by ramifications only
     TubeSides tube_sides = TubeSides::automatic;  ///< faces around thin axes; not for tetrahedra
-    /// [m] With sides by radius: how far the sides of sections may be from their circles; 0 = as far as those
-    /// of the thickest axis, which has as many as the levels say. Quads only.
+    /// [m] With sides by radius: maximum distance of the sides of sections from their circles; 0 = the
+    /// distance at the thickest axis, where the levels determine the number of sides. Quads only.
     float chord_error = 0;
-    Device device = Device::automatic;  ///< where quads are subdivided and tetrahedra sampled
+    Device device = Device::automatic;  ///< device that subdivides quads and samples tetrahedra
 };
 
 template <class Self, class Visitor>
@@ -143,193 +146,193 @@ requires SameOptions<Self, MeshOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(common_field("method",
                        "Kind of surface: quads along the branches, triangles of the level set, one tube per "
-                       "axis, quads of ramification units, or quads on metaballs"),
+                       "axis, quads of ramification units, or quads on metaballs."),
           o.method);
-    visit(common_field("levels", "Number of subdivisions of the control cage; each divides a quad into four",
+    visit(common_field("levels", "Number of subdivisions of the control cage; each divides a quad into four.",
                        Unit::none, 0, 6),
           o.levels);
-    visit(common_field("fit",
-                       "What the surface preserves: the areas of sections of branches, the volume of the "
-                       "rounded cones of the skeleton, or automatically that of quads where it would be off"),
+    visit(common_field(
+              "fit",
+              "Property that the surface preserves: the areas of sections of branches, the volume of the "
+              "rounded cones of the skeleton, or automatically the volume for quads if it would deviate."),
           o.fit);
-    visit(
-        common_field("overlaps",
-                     "Treatment of branches that run through each other: both are merged into one body, one "
-                     "is cut off and grafted onto the other, trees are bent apart, or they are kept"),
-        o.overlaps);
+    visit(common_field("overlaps",
+                       "Treatment of branches that intersect each other: they are merged into one body, one "
+                       "is cut off and grafted onto the other, trees are bent apart, or they are kept."),
+          o.overlaps);
     visit(Field{"graft",
-                "branches whose axes come nearer than this times the sum of their radii overlap; 0 = none",
+                "Maximum distance between the axes of overlapping branches, as a multiple of the sum of "
+                "their radii; 0 disables the detection of overlaps.",
                 Unit::none, 0, 1},
           o.graft);
-    visit(Field{"prepare", "Preparing the skeleton"}, o.prepare);
+    visit(Field{"prepare", "Preparation of the skeleton"}, o.prepare);
     visit(Field{"control", "Control cage"}, o.control);
     visit(Field{"field", "Convolution field"}, o.field);
     visit(Field{"project", "Projection onto the field"}, o.project);
     visit(Field{"untangle", "Unfolding"}, o.untangle);
-    visit(
-        Field{"remesh_rounds", "times at most that quads which cross are looked for and remeshed; 0 = never",
-              Unit::none, 0, 100},
-        o.remesh_rounds);
+    visit(Field{"remesh_rounds",
+                "Maximum number of rounds that find and remesh crossing quads; 0 disables the remeshing.",
+                Unit::none, 0, 100},
+          o.remesh_rounds);
     visit(Field{"tetra", "Tetrahedra"}, o.tetra);
     visit(Field{"ramification", "Ramifications"}, o.ramification);
-    visit(
-        Field{"tube_sides",
-              "faces around thin branches: as many as around thick ones, fewer by the root of the radius (4 "
-              "at least), or automatically fewer where a number of faces is given"},
-        o.tube_sides);
+    visit(Field{"tube_sides",
+                "Number of faces around thin branches: the same as around thick ones, proportional to the "
+                "root of the radius (at least 4), or automatically by radius if a number of faces is given."},
+          o.tube_sides);
     visit(Field{"chord_error",
-                "distance of sides of sections from their circles with tube_sides by_radius; 0 = that around "
-                "the thickest axis, which has as many sides as the levels say",
+                "Maximum distance of the sides of sections from their circles with tube_sides by_radius; 0 "
+                "uses the distance at the thickest axis, where the levels determine the number of sides.",
                 Unit::metre, 0, 1e6},
           o.chord_error);
-    visit(
-        Field{
-            "device",
-            "where the surface is computed: on a graphics card where there is one and the surface is large, "
-            "on the CPU, or on a card with CUDA"},
-        o.device);
+    visit(Field{"device",
+                "Device that computes the surface: a GPU if there is one and the surface is large, the CPU, "
+                "or a GPU with CUDA."},
+          o.device);
 }
 
-/// Returns the options of a surface that is written to a file: the volume is looked at, and mended.
+/// Returns the options of a surface that is written to a file: its volume is measured and repaired.
 inline MeshOptions options_of_written_surface() {
     MeshOptions options;
     options.fit = Fit::automatic;
     return options;
 }
 
-/// What became of a surface that got fewer quads around thin branches.
+/// Effects of fewer quads around thin branches.
 struct CoarsenReport {
-    std::uint64_t faces_before = 0;  ///< with as many around all
-    std::uint32_t raised = 0;  ///< times that a node got more sides, since quads crossed or were inverted
+    std::uint64_t faces_before = 0;  ///< number of quads with the same number of sides everywhere
+    std::uint32_t raised = 0;  ///< times that a node got more sides because quads crossed or were inverted
 };
 
-/// What remeshing did at knots, where tubes cross each other or themselves.
-struct KnotReport {
-    std::uint64_t pairs_before = 0;  ///< of quads that crossed
-    std::uint64_t pairs_after = 0;   ///< of quads that still do
-    std::uint32_t lossy = 0;         ///< rows of quads that left out something thick
+/// Results of remeshing at self-intersections, where tubes cross each other or themselves.
+struct RemeshReport {
+    std::uint64_t pairs_before = 0;  ///< pairs of quads that crossed
+    std::uint64_t pairs_after = 0;   ///< pairs of quads that still cross
+    std::uint32_t lost_bulges = 0;   ///< rows of quads that left out a thick part of the skeleton
     std::uint32_t severed = 0;       ///< rows of quads that severed an axis
-    std::uint32_t folded = 0;        ///< quads that stayed folded
-    std::uint32_t rounds = 0;        ///< of remeshing
-    std::uint32_t slices = 0;        ///< rows of quads around tubes that were replaced
-    std::uint64_t parts = 0;         ///< of the surface, remeshed or not
-    std::int64_t handles = 0;        ///< of all parts: the Euler number is 2 (parts - handles)
+    std::uint32_t folded = 0;        ///< quads that remained folded
+    std::uint32_t rounds = 0;        ///< rounds of remeshing
+    std::uint32_t tube_rows = 0;     ///< rows of quads around tubes that were replaced
+    std::uint64_t parts = 0;         ///< components of the surface, remeshed or not
+    std::int64_t handles = 0;        ///< handles of all components: the Euler number is 2 (parts - handles)
 };
 
-/// The metaballs that a surface was moved onto.
+/// The metaballs of the field that a surface was moved onto.
 struct BallReport {
-    std::uint64_t balls = 0;  ///< of all segments
-    BallChain chain;          ///< how they stand, and how smooth that is
+    std::uint64_t balls = 0;  ///< number of balls of all segments
+    BallChain chain;          ///< their spacing, and the resulting smoothness
 };
 
-/// What a surface was computed on.
+/// The device that computed a surface.
 struct DeviceUse {
-    std::string name = "CPU";  ///< that, or what the card is called
-    std::string note;          ///< where a card was asked for and did not do it, why: a sentence
+    std::string name = "CPU";  ///< the CPU, or the name of the GPU
+    std::string note;          ///< reason, as a sentence, if a GPU was requested but not used
 };
 
-/// What MeshMethod::quads, MeshMethod::ramifications and MeshMethod::bmesh make.
+/// Result of MeshMethod::quads, MeshMethod::ramifications and MeshMethod::bmesh.
 struct QuadSurface {
-    QuadMesh mesh;             ///< of at least one face
-    ControlMesh cage;          ///< the quads before subdivision; of ramifications, before the second one
-    GraftReport grafted;       ///< branches that run through each other
+    QuadMesh mesh;             ///< vertices of at least one face
+    ControlMesh cage;          ///< quads before subdivision; of ramifications, before the second subdivision
+    GraftReport grafted;       ///< branches that intersect each other
     PartReport parted;         ///< branch nodes that were moved
-    ProjectReport projected;   ///< how near the field's level the vertices are
-    UntangleReport untangled;  ///< folds found and taken out
-    KnotReport knots;          ///< crossings found and remeshed
-    std::optional<CoarsenReport> coarsened;      ///< where options.tube_sides was by_radius
-    std::optional<RamificationReport> ramified;  ///< how ramifications were joined
-    std::optional<BallReport> balls;             ///< where the kernel was balls
-    DeviceUse device;                            ///< what refined and projected it
+    ProjectReport projected;   ///< distances of the vertices from the iso value of the field
+    UntangleReport untangled;  ///< folds found and removed
+    RemeshReport repair;       ///< crossings found and remeshed
+    std::optional<CoarsenReport> coarsened;      ///< if options.tube_sides was by_radius
+    std::optional<RamificationReport> ramified;  ///< joints of ramifications
+    std::optional<BallReport> balls;             ///< if the kernel was balls
+    DeviceUse device;                            ///< device that refined and projected the surface
 };
 
-/// What MeshMethod::tetrahedra makes.
+/// Result of MeshMethod::tetrahedra.
 struct TetraSurface {
-    TriMesh mesh;                                ///< of at least one face
-    SolidMesh solid;                             ///< the tetrahedra inside; empty but from mesh_solid
-    MarchReport march;                           ///< of the tetrahedra
-    std::uint32_t coarse = 0;                    ///< tetrahedra before they are cut into eight
-    std::uint32_t grown = 0;                     ///< times more tetrahedra were taken to enclose the surface
-    std::optional<PolyhedronReport> polyhedron;  ///< where tetra.base asked for one
-    DeviceUse device;                            ///< what sampled the tetrahedra
+    TriMesh mesh;              ///< vertices of at least one face
+    SolidMesh solid;           ///< tetrahedra inside the surface; empty except from mesh_solid
+    MarchReport march;         ///< statistics of the tetrahedra
+    std::uint32_t coarse = 0;  ///< number of tetrahedra before they are cut into eight
+    std::uint32_t grown = 0;   ///< number of times that tetrahedra were added to enclose the surface
+    std::optional<PolyhedronReport> polyhedron;  ///< if tetra.base is polyhedron
+    DeviceUse device;                            ///< device that sampled the tetrahedra
 };
 
-/// A surface, and what every stage did.
+/// A surface, and the reports of all stages.
 struct MeshResult {
-    std::variant<QuadSurface, TetraSurface, CylinderMesh> surface;  ///< of its method
+    std::variant<QuadSurface, TetraSurface, CylinderMesh> surface;  ///< the surface, by method
     PrepareReport prepared;                                         ///< changes to the skeleton
-    std::optional<BendApartReport> bent_apart;                      ///< where options.overlaps asked for it
-    std::optional<GlobalWeights> weights;  ///< where options.field.weights asked for it
-    /// Of the surface before fitting and of the cones, measured by some 2^15 points where options.fit is
-    /// automatic and has to know.
+    std::optional<BendApartReport> bent_apart;                      ///< if options.overlaps is apart
+    std::optional<GlobalWeights> weights;                           ///< if options.field.weights is global
+    /// Volumes of the surface before fitting and of the cones, estimated from about 2^15 points if
+    /// options.fit is automatic and depends on them.
     std::optional<VolumeReport> measured;
-    std::optional<FitVolumeReport> fitted;  ///< where the surface was moved to enclose the volume
-    std::vector<std::pair<std::string, double>> stages;  ///< name, seconds
+    std::optional<FitVolumeReport> fitted;               ///< if the surface was fitted to the volume
+    std::vector<std::pair<std::string, double>> stages;  ///< names and seconds
 
-    /// The surface of quads; std::bad_variant_access when the method was another.
+    /// Returns the surface of quads. Throws std::bad_variant_access if the method is another.
     const QuadSurface& quads() const { return std::get<QuadSurface>(surface); }
-    QuadSurface& quads() { return std::get<QuadSurface>(surface); }  ///< the same, to change
+    QuadSurface& quads() { return std::get<QuadSurface>(surface); }  ///< mutable access
 
-    /// The surface of triangles; std::bad_variant_access when the method was another.
+    /// Returns the surface of triangles. Throws std::bad_variant_access if the method is another.
     const TetraSurface& tetrahedra() const { return std::get<TetraSurface>(surface); }
-    TetraSurface& tetrahedra() { return std::get<TetraSurface>(surface); }  ///< the same, to change
+    TetraSurface& tetrahedra() { return std::get<TetraSurface>(surface); }  ///< mutable access
 
-    /// The tubes; std::bad_variant_access when the method was another.
+    /// Returns the tubes. Throws std::bad_variant_access if the method is another.
     const CylinderMesh& cylinders() const { return std::get<CylinderMesh>(surface); }
 };
 
-/// The faces of a surface, whichever method made it. O(n).
+/// Returns the faces of a surface of any method. O(n).
 PolygonMesh to_polygons(const MeshResult& result);
 
-/// Wraps a skeleton in one closed surface of quads, one sphere per tree that does not run through another:
-/// prepares the skeleton, merges branches that run through each other, finds where branches part, builds a
-/// coarse cage, subdivides it, moves it onto the convolution field, and unfolds what was folded [Zhu2015].
-/// Where quads still cross, or from two levels on sever an axis, the tubes there are replaced by quads made
-/// of the triangles that tetrahedra find, which never cross and hold all axes; branches that touch there
-/// become one body, and a loop of such branches is a handle of the surface. Levels 0 and open bases are not
-/// looked at. Trees that run through each other are merged too; with `overlaps` apart they are bent apart
-/// first (see bend_apart), and the surface is that of the bent skeleton.
+/// Wraps a skeleton in one closed surface of quads, one sphere per tree that does not intersect another:
+/// prepares the skeleton, merges branches that intersect each other, finds the ramifications, builds a coarse
+/// cage, subdivides it, moves it onto the convolution field, and unfolds folded quads [Zhu2015]. Where quads
+/// still cross, or from two levels on sever an axis, the tubes are replaced by quads made from the triangles
+/// of tetrahedra, which never intersect and contain all axes; branches that touch there become one body, and
+/// a loop of such branches is a handle of the surface. Level 0 and open bases are not checked. Trees that
+/// intersect each other are merged too; with `overlaps` apart they are bent apart first (see bend_apart), and
+/// the surface is that of the bent skeleton.
 ///
-/// About 70 quads per segment at two levels. O(n log n); memory: at most 120 bytes per quad above the input.
+/// About 70 quads per segment at two levels. O(n log n); memory: at most 120 bytes per quad in addition to
+/// the input.
 ///
-/// Or, with tetrahedra, wraps it in triangles, as large as the local radius asks for: prepares the skeleton,
-/// puts a lattice of tetrahedra about it, and finds the surface in them. Branches that cross or touch become
-/// one body: the surface is closed, manifold and never crosses itself, but may have handles. It has a part
-/// for each tree, whatever the options, or fewer where trees touch. Or, with tetra.base polyhedron, puts the
-/// bounding polyhedron of [Zhu2013] about the skeleton in place of the lattice.
+/// With tetrahedra, wraps the skeleton in triangles, as large as the local radius allows: prepares the
+/// skeleton, puts a lattice of tetrahedra around it, and finds the surface in them. Branches that cross or
+/// touch become one body: the surface is closed, manifold and never intersects itself, but may have handles.
+/// It has one component for each tree, for any options, or fewer if trees touch. With tetra.base polyhedron,
+/// the bounding polyhedron of [Zhu2013] replaces the lattice.
 ///
-/// Or, with ramifications, builds the cage by units at forks (see build_ramifications), which is subdivided
-/// once less, moved onto the field, unfolded, and remeshed where quads cross as others are. Level 1 is not
-/// looked at.
+/// With ramifications, builds the cage from units at forks (see build_ramifications), which is subdivided
+/// once less, moved onto the field, unfolded, and remeshed where quads cross, as for quads. Level 1 is not
+/// checked.
 ///
-/// Or, with bmesh, takes the plain sum of metaballs for the field (kernel balls, blend 1, whatever is given)
-/// and does all else as with quads.
+/// With bmesh, the field is the plain sum of metaballs (kernel balls, blend 1, for any given values);
+/// everything else is done as with quads.
 ///
-/// Or, with cylinders, makes a tube for every axis of the prepared skeleton (see cylinders()): `sides` around
-/// times two for each level, and two to the power of levels rows along each segment.
+/// With cylinders, creates a tube for every axis of the prepared skeleton (see cylinders()): `sides` around,
+/// doubled for each level, and two to the power of levels rows along each segment.
 ///
-/// With `fit` volume, either of the closed surfaces is moved at the end so that it encloses the volume of the
-/// skeleton's rounded cones (see fit_volume). With `automatic` its volume is measured (some 20 ms), and it is
-/// moved where that is off by over half a percent beyond the error and moving makes it better; without levels
-/// always, unless that ends farther off. Triangles, cylinders, and quads on metaballs, with an open base,
-/// global weights or a radius_scale of their own stay as they are.
+/// With `fit` volume, each of the closed surfaces is finally moved so that it encloses the volume of the
+/// skeleton's rounded cones (see fit_volume). With `automatic` its volume is measured (about 20 ms), and it
+/// is moved if the volume deviates by more than half a percent beyond the error and moving improves it;
+/// without levels always, unless the result deviates more. Triangles, cylinders, quads on metaballs, and
+/// quads with an open base, global weights or a radius_scale stay unchanged.
 ///
-/// Throws InvalidInput naming an option out of range, a node at which more than 256 branches begin (but for
-/// cylinders), or `levels` when the mesh would be too large to index, and when tetrahedra find no surface
-/// because it is thinner than they are, `fit` when it is not surface for cylinders, and `kernel` when it is
-/// neither quartic nor balls for bmesh.
+/// Throws InvalidInput naming an option out of range, a node at which more than 256 branches begin (except
+/// for cylinders), `levels` if the mesh would be too large to index, `fit` if it is not surface for
+/// cylinders, and `kernel` if it is neither quartic nor balls for bmesh; and if tetrahedra find no surface
+/// because it is thinner than they are.
 MeshResult mesh_skeleton(const Skeleton& skeleton, const MeshOptions& options = {}, const Context& ctx = {});
 
-/// The same with global weights that are fitted to these points of the surface; chosen ones where there are
-/// none. Unused for local weights.
+/// The same with global weights that are fitted to these points of the surface, or to chosen points if there
+/// are none. The points are ignored for local weights.
 MeshResult mesh_skeleton(const Skeleton& skeleton, const PointSet& constraints, const MeshOptions& options,
                          const Context& ctx = {});
 
-/// The same by tetrahedra, with those inside the surface, for finite elements (TetraSurface::solid): they
-/// share whole faces, grow with the local radius, and their vertices begin with those of the surface, whose
-/// triangles are all that is left over. Memory: some 40 bytes more for each tetrahedron of the finest level.
+/// The same by tetrahedra, including those inside the surface, for finite elements (TetraSurface::solid):
+/// they share whole faces, grow with the local radius, and their vertices begin with those of the surface;
+/// the triangles of the surface are exactly their unshared faces. Memory: about 40 bytes more for each
+/// tetrahedron of the finest level.
 ///
-/// Throws as above, and InvalidInput naming `method` or `fit` when it is not tetrahedra, or not surface.
+/// Throws as above, and InvalidInput naming `method` if it is not tetrahedra, or `fit` if it is not surface.
 MeshResult mesh_solid(const Skeleton& skeleton, const PointSet& constraints, const MeshOptions& options = {},
                       const Context& ctx = {});
 

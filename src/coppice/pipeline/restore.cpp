@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "coppice/base/check_fields.h"
+#include "coppice/base/id.h"
 #include "coppice/base/parallel.h"
 #include "coppice/extract/mesh/mesh_clean.h"
 #include "coppice/measure/capsule_tree.h"
@@ -18,12 +19,12 @@ namespace coppice {
 namespace {
 
 constexpr std::size_t kRestoreGrain = 4096;
-constexpr double kFarFromAxis = 3;  // [radii] beyond, the nearest segment tells nothing about a vertex
-constexpr double kFacing = 0.25;    // least cosine between a vertex's normal and a face of the original
+constexpr double kFarFromAxis = 3;  // [radii] beyond it, the closest segment is unrelated to a vertex
+constexpr double kFacing = 0.25;    // minimum cosine between a vertex's normal and a face of the original
 
-/// Where the line p + t n passes through the triangle a, b, c from behind, at less than a grazing angle.
+/// Intersection of the line p + t n with the triangle a, b, c from behind, at less than a grazing angle.
 std::optional<double> line_triangle_intersection(Vec3d p, Vec3d n, Vec3d a, Vec3d b, Vec3d c) {
-    constexpr double kSlack = 1e-9;  // no line slips through between two triangles
+    constexpr double kSlack = 1e-9;  // tolerance, so that no line passes between two triangles
     const Vec3d ab = b - a, ac = c - a, normal = cross(ab, ac);
     const double facing = dot(normal, n);
     if (!(facing > kFacing * length(normal))) return std::nullopt;
@@ -33,14 +34,14 @@ std::optional<double> line_triangle_intersection(Vec3d p, Vec3d n, Vec3d a, Vec3
     return dot(a - p, normal) / facing;
 }
 
-/// The intersection nearest to p within `reach` both ways.
+/// Returns the intersection closest to p within `reach` in both directions.
 std::optional<double> nearest_intersection(const SurfaceTree& surface, Vec3d p, Vec3d n, double reach) {
     Box3 way;
     extend_outward(way, p - n * reach);
     extend_outward(way, p + n * reach);
     const auto& x = surface.mesh().positions;
     std::optional<double> nearest;
-    // Of two equally near ones the outer: the order of the search must not decide.
+    // Of two equally close ones the outer one, so that the result does not depend on the order of the search.
     const auto better = [&](double t) {
         const double d = std::fabs(t), least = nearest ? std::fabs(*nearest) : reach;
         return d < least || (d == least && (!nearest || t > *nearest));
@@ -72,7 +73,7 @@ class Restoration {
           start_(mesh.positions),
           topology_(build_cage_topology(mesh.quads, static_cast<std::uint32_t>(count_), ctx)) {}
 
-    /// `turned`: the original with other sides out, should they be wrong.
+    /// `turned`: the original with reversed components, in case they are wrong.
     RestoreResult run(const SurfaceTree* turned) {
         find_normals();
         find_original();
@@ -120,7 +121,7 @@ class Restoration {
 
     double local_radius(Vec3d p, std::uint32_t& hint) const {
         const CapsuleTree::Nearest nearest = capsules_.nearest(p, hint);
-        if (nearest.capsule == CapsuleTree::kNone || nearest.rho > kFarFromAxis) return 0;
+        if (nearest.capsule == kNoIndex || nearest.rho > kFarFromAxis) return 0;
         hint = nearest.capsule;
         return capsules_.cone(nearest.capsule).foot(p).radius;
     }
@@ -130,7 +131,7 @@ class Restoration {
         found_.assign(count_, std::uint8_t{0});
         result_.offsets.assign(count_, 0.0f);
         parallel_for_ranges(ctx_, count_, kRestoreGrain, [&](IndexRange range) {
-            std::uint32_t hint = CapsuleTree::kNone;
+            std::uint32_t hint = kNoIndex;
             for (std::size_t v = range.begin; v < range.end; ++v) {
                 const Vec3d p(start_[v]), n(normal_[v]);
                 radius_[v] = local_radius(p, hint);
@@ -148,7 +149,7 @@ class Restoration {
         return static_cast<std::uint64_t>(std::count(found_.begin(), found_.end(), 1));
     }
 
-    /// Takes the other surface where more vertices find it.
+    /// Uses the other surface if more vertices find it.
     void prefer(const SurfaceTree* other) {
         const std::uint64_t count = found_count();
         std::swap(original_, other);
@@ -162,7 +163,8 @@ class Restoration {
         result_.offsets = std::move(offsets);
     }
 
-    /// Averages over the neighbours where nothing was found: offsets spread from what was found, ever weaker.
+    /// Averages over the neighbours of vertices without a result: offsets spread from known ones and decrease
+    /// with distance.
     void fade() {
         Buffer<float> next = result_.offsets;
         for (int pass = 0; pass < options_.fade_passes; ++pass) {
@@ -180,7 +182,7 @@ class Restoration {
         }
     }
 
-    /// Moves the vertices, as far as no face folds or crosses another that did not before.
+    /// Moves the vertices as far as no face folds or intersects another that it did not intersect before.
     void limit_offsets() {
         constexpr std::uint32_t kHalvings = 6;
         PolygonMesh start = to_polygons(mesh_);
@@ -223,12 +225,12 @@ class Restoration {
     Buffer<Vec3> start_;
     CageTopology topology_;
     Buffer<Vec3> normal_;
-    std::vector<double> radius_;  // 0: none
+    std::vector<double> radius_;  // 0: no vertex
     std::vector<std::uint8_t> found_;
     RestoreResult result_;
 };
 
-/// The original with every piece facing outward; none where nothing had to be turned.
+/// Returns the original with every component facing outward; nullopt if all do.
 std::optional<PolygonMesh> turned_outward(const PolygonMesh& original, const Context& ctx) {
     if (original.face_count() == 0) return std::nullopt;
     CleanMeshOptions options;

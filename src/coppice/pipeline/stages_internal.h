@@ -9,7 +9,7 @@
 
 namespace coppice {
 
-/// Seconds per stage, and the bar's way through them.
+/// Seconds per stage, and the progress through the stages.
 class Stages {
   public:
     Stages(const Context& ctx, std::vector<std::pair<std::string, double>>& seconds)
@@ -26,7 +26,7 @@ class Stages {
         return result;
     }
 
-    /// The same seconds under another context, which has to outlive what is returned.
+    /// The same stages under another context, which has to outlive the result.
     Stages with(const Context& ctx) const { return {ctx, seconds_}; }
 
   private:

@@ -6,9 +6,9 @@
 namespace coppice {
 namespace {
 
-// A polygon with its corners on a circle has less area; radii times this make up for it. Fitting does so by
-// itself, global weights are fitted to points that the surface has to run through, and tetrahedra have no
-// rings of known sides.
+// A polygon with its corners on a circle has less area; the radii are multiplied by this factor to
+// compensate. It is not needed for the fit, which compensates by itself, for global weights, which are fitted
+// to points of the surface, and for tetrahedra, because their rings have no known number of sides.
 float volume_true_scale(const MeshOptions& options) {
     if (options.method == MeshMethod::tetrahedra || options.fit == Fit::volume ||
         options.field.weights == Weights::global) {
@@ -24,7 +24,7 @@ double corner_radius(double sides) {
     return std::sqrt(angle / std::sin(angle));
 }
 
-// Where the end of a tree is cut flat, the field goes on far enough to be full there.
+// At a flat cut the field continues far enough to have its full value there.
 FieldOptions surface_field_options(const MeshOptions& options) {
     constexpr float kBeyondCut = 1.5f;
     const ControlOptions& control = options.control;

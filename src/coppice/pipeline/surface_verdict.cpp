@@ -30,7 +30,7 @@ std::optional<SurfaceVerdict> judge_surface(const MeshResult& result, const Skel
     if (result.bent_apart) return {};
     if (const auto* quads = std::get_if<QuadSurface>(&result.surface)) {
         SurfaceVerdict out = judge(quads->mesh, quads->mesh.origin, result, skeleton, ends, ctx);
-        out.crossings = quads->knots.pairs_after;
+        out.crossings = quads->repair.pairs_after;
         return out;
     }
     if (std::holds_alternative<TetraSurface>(result.surface)) {

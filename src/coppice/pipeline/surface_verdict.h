@@ -10,22 +10,22 @@
 
 namespace coppice {
 
-/// What a surface has of the skeleton that it was made of.
+/// Properties of the skeleton that its surface preserves.
 struct SurfaceVerdict {
-    std::optional<VolumeReport> volume;  ///< not searched for what is missing; none for an open base
-    AxesReport axes;                     ///< whether branches are whole and tips are reached
+    std::optional<VolumeReport> volume;  ///< without a search for missing parts; nullopt for an open base
+    AxesReport axes;                     ///< whether branches are complete and tips are reached
     std::uint64_t crossings = 0;         ///< pairs of quads that are known to cross
 
-    /// The surface encloses what the skeleton means, by VolumeReport::kMaxDeviation.
+    /// Returns whether the surface encloses the specified volume, by VolumeReport::kMaxDeviation.
     bool holds_volume() const { return !volume || volume->agrees(); }
-    /// Nothing is wrong.
+    /// Returns whether no defect was found.
     bool is_good() const { return holds_volume() && axes.is_perfect() && crossings == 0; }
 };
 
-/// Judges a surface by its skeleton: volume against the union of the rounded cones, by some 2^15 points,
-/// severed branches, short tips, and crossings that remeshing left. `ends` has to be what the surface was
-/// made with. None for cylinders, which run through each other, and for trees that were bent apart. About a
-/// fifth of the time that making the surface takes.
+/// Compares a surface with its skeleton: volume with the union of the rounded cones, by about 2^15 points,
+/// severed branches, short tips, and remaining crossings. `ends` has to be the options of the surface.
+/// Returns nullopt for cylinders, which intersect each other, and for trees that were bent apart. Needs about
+/// a fifth of the time of building the surface.
 std::optional<SurfaceVerdict> judge_surface(const MeshResult& result, const Skeleton& skeleton,
                                             const ControlOptions& ends, const Context& ctx = {});
 

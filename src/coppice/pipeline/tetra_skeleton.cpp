@@ -13,11 +13,11 @@
 namespace coppice {
 namespace {
 
-// Most cells are about half as wide as they may be, and edges a little shorter than the cells are wide.
+// Most cells are about half as wide as allowed, and edges are slightly shorter than the cells.
 constexpr float kCellOverEdge = 2.8f;
-constexpr double kLeastPolyhedronEdge = 0.07;  ///< [radii] below it takes too many cuts
+constexpr double kMinPolyhedronEdge = 0.07;  ///< [radii] smaller edges need too many cuts
 
-/// Takes from the axes a radius, or a third of the segment, where a tree ends flat: there the surface passes
+/// Shortens the axes by a radius, or a third of the segment, where a tree ends flat: there the surface passes
 /// through the node. Segments are those of segment_axes().
 void shorten_flat_ends(std::vector<Segment>& axes, const Skeleton& skeleton, const ControlOptions& ends) {
     std::size_t i = 0;
@@ -37,7 +37,8 @@ void shorten_flat_ends(std::vector<Segment>& axes, const Skeleton& skeleton, con
     }
 }
 
-/// Whether a flat end is wider than all the rest reaches from it, so that axes tell nothing of the surface.
+/// Returns whether a flat end is wider than the extent of all other parts, so that axes are not a test of the
+/// surface.
 bool is_cut_away(const Skeleton& skeleton, const ControlOptions& ends) {
     Box3 box;
     float others = 0;
@@ -51,7 +52,7 @@ bool is_cut_away(const Skeleton& skeleton, const ControlOptions& ends) {
     return false;
 }
 
-/// All that a surface is made of but the tetrahedra.
+/// Inputs of a surface, except for the tetrahedra.
 struct Task {
     const Skeleton& prepared;
     const PointSet& constraints;
@@ -64,8 +65,8 @@ struct Task {
 
 Lattice make_lattice(const Task& task, std::span<const Segment> axes) {
     const TetraOptions& tetra = task.options.tetra;
-    // Vertices of the hull stay where they are, so the surface should keep away from it; tetrahedra that are
-    // cut reach far enough by themselves.
+    // Vertices of the hull stay at their positions, so the surface should keep a distance from it; tetrahedra
+    // that are cut have a sufficient margin by themselves.
     const float shell = tetra.march.levels == 0 ? 0.3f : 0.2f;
     const LatticeOptions sizes{
         .cell = kCellOverEdge * tetra.edge * static_cast<float>(1 << tetra.march.levels),
@@ -78,23 +79,23 @@ Polyhedron make_polyhedron(const Task& task, std::span<const Segment> axes) {
     return task.stages.run("polyhedron", 0.2f, [&] { return Polyhedron(task.prepared, axes, {}, task.ctx); });
 }
 
-/// The tetrahedra on a card, where they go to one.
+/// Marches in the tetrahedra, on a GPU if they are sent to one.
 class Marcher {
   public:
     explicit Marcher(const Task& task) : task_(task) {}
 
-    /// Whether they go to one, which finds the regions of the field by itself.
+    /// Returns whether they are sent to a GPU, which finds the regions of the field by itself.
     bool is_on_device(const TetraMesh& mesh, const MarchOptions& how, DeviceUse& use) const {
         const Device wanted = task_.options.device;
         if (task_.with_solid) {
             if (wanted == Device::cuda)
-                note_refusal(use, "tetrahedra inside a surface are not made on a card");
+                note_refusal(use, "tetrahedra inside a surface are not supported on a GPU");
             return false;
         }
         const std::uint64_t fine = std::uint64_t{mesh.tetra.size()} << (3 * how.levels);
         return goes_to_device(wanted, fine / kPerFace, use);
     }
-    /// Nothing where the card fails.
+    /// Returns nullopt if the GPU fails.
     std::optional<MarchResult> on_device(const TetraMesh& mesh, const CutConvolution& field,
                                          const InsideAxes& inside, const MarchOptions& how, DeviceUse& use) {
         return coppice::on_device(use, [&] {
@@ -110,7 +111,7 @@ class Marcher {
     }
 
   private:
-    static constexpr std::uint64_t kPerFace = 8;  // fine tetrahedra for each triangle, about
+    static constexpr std::uint64_t kPerFace = 8;  // approximate number of fine tetrahedra per triangle
 
     const Task& task_;
     std::optional<DeviceMarcher> device_;
@@ -178,8 +179,8 @@ TetraSurface surface_by_tetrahedra(const Task& task) {
     }
     if (out.march.inside == 0 && is_cut_away(task.prepared, options.control)) {
         throw InvalidInput(
-            "mesh: nothing is left of the surface, which is thinner than the tetrahedra everywhere; choose "
-            "base round where a trunk is wider than long, a smaller edge, or method quads");
+            "mesh: no surface is left because it is thinner than the tetrahedra everywhere; choose base "
+            "round where a trunk is wider than long, a smaller edge, or method quads");
     }
     out.mesh.origin = out.solid.origin = task.prepared.origin();
     task.ctx.report(1);
@@ -189,14 +190,14 @@ TetraSurface surface_by_tetrahedra(const Task& task) {
 }  // namespace
 
 int polyhedron_levels(const TetraOptions& options) {
-    constexpr int kMost = 5;
+    constexpr int kMax = 5;
     const double times = PolyhedronOptions{}.section / double{options.edge};
     const int levels = std::max(1, static_cast<int>(std::lround(std::log2(times))));
-    if (levels > kMost) {
+    if (levels > kMax) {
         throw InvalidInput(fmt::format(
-            "mesh: edge must be at least {} with tetra_base polyhedron, which is cut {} times at most; raise "
-            "it, or take tetra_base octree",
-            kLeastPolyhedronEdge, kMost));
+            "mesh: tetra_edge must be at least {} with tetra_base polyhedron, which is cut at most {} "
+            "times; raise it, or use tetra_base octree",
+            kMinPolyhedronEdge, kMax));
     }
     return levels;
 }

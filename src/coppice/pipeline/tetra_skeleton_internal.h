@@ -5,8 +5,8 @@
 
 namespace coppice {
 
-/// The surface of the field of a prepared skeleton by tetrahedra; fills in the weights, where they are asked
-/// for, and the stages.
+/// Returns the surface of the field of a prepared skeleton by tetrahedra; sets the weights, if requested, and
+/// the stages.
 TetraSurface mesh_by_tetrahedra(const Skeleton& prepared, const PointSet& constraints,
                                 const MeshOptions& options, std::optional<GlobalWeights>& weights,
                                 const Context& ctx, Stages& stages);

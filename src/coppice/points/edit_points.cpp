@@ -58,8 +58,8 @@ PointSet remove_random(const PointSet& points, const FieldRef& solid, const Remo
 }
 
 PointSet densified(const PointSet& points, const PointRegion& region, const RadialKernel& kernel,
-                   const LaneOptions& options, const Context& ctx) {
-    return merged(points, sample_lane(region, kernel, points, options, ctx).points);
+                   const DartThrowingOptions& options, const Context& ctx) {
+    return merged(points, sample_dart_throwing(region, kernel, points, options, ctx).points);
 }
 
 }  // namespace coppice

@@ -8,19 +8,19 @@
 
 namespace coppice {
 
-/// Where points may lie, and how densely: a density as a function of a field's value, 0 outside a box. The
-/// field is only referred to.
+/// Region of points and their density: a function of the value of a field, 0 outside a box. The field is
+/// stored by reference.
 struct PointRegion {
-    FieldRef field;        ///< whose values the density is of
-    Box3 box;              ///< [m] finite, with a volume; should hold all places where the density is above 0
-    DensityCurve density;  ///< by the value
+    FieldRef field;        ///< field that determines the density
+    Box3 box;              ///< [m] finite, with a volume; should contain all positions with a density above 0
+    DensityCurve density;  ///< density as a function of the value
 
-    /// Whether p lies in the box, its border included.
+    /// Returns whether p is in the box, including its border.
     bool contains(Vec3 p) const {
         return p.x >= box.low.x && p.x <= box.high.x && p.y >= box.low.y && p.y <= box.high.y &&
                p.z >= box.low.z && p.z <= box.high.z;
     }
-    /// The density at one point; costs a batch of the field.
+    /// Returns the density at one point; costs a batch of the field.
     double density_at(Vec3 p) const {
         if (!contains(p)) return 0;
         FieldSample sample{};

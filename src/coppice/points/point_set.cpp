@@ -12,7 +12,7 @@ PointSet merged(const PointSet& a, const PointSet& b) {
     if (a.empty()) return b;
     PointSet out = a;
     out.positions.reserve(a.size() + b.size());
-    const bool same_origin = a.origin == b.origin;  // then nothing is rounded
+    const bool same_origin = a.origin == b.origin;  // avoids rounding
     for (std::size_t i = 0; i < b.size(); ++i) {
         out.positions.push_back(same_origin ? b.positions[i] : Vec3(b.world(i) - a.origin));
     }

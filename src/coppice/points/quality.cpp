@@ -22,18 +22,18 @@ namespace {
 using points_internal::PointHash;
 
 constexpr std::uint64_t kStage = 0x7175616c;
-constexpr double kMostPairs = 1e9;
-constexpr std::uint32_t kLook = 256;  // points whose pairs are counted between two looks at the stop token
+constexpr double kMaxPairs = 1e9;
+constexpr std::uint32_t kLook = 256;  // number of points between two checks of the stop token
 
-// Parts of the whole time, for progress.
+// Progress at the end of each stage.
 constexpr float kDistances = 0.2f;
 constexpr float kDistribution = 0.6f;
 
-/// The points by x, then y, then z, each once.
+/// Returns the distinct points, sorted by x, then y, then z.
 Buffer<Vec3> distinct(Buffer<Vec3> points, const Context& ctx) {
     for (int axis = 2; axis >= 0; --axis) {
         radix_sort(ctx, points, 32, [axis](Vec3 p) {
-            // Ordered as the numbers are; + 0.0f, since -0 and 0 are equal.
+            // Sorted numerically; + 0.0f, because -0 and 0 are equal.
             const auto bits = std::bit_cast<std::uint32_t>(p[axis] + 0.0f);
             return bits >> 31 != 0 ? ~bits : bits | 1u << 31;
         });
@@ -42,7 +42,7 @@ Buffer<Vec3> distinct(Buffer<Vec3> points, const Context& ctx) {
     return points;
 }
 
-/// Points that lie on one another count as nearest at distance 0; the others are searched in a tree.
+/// Coincident points count with distance 0; the closest other points are searched in a tree.
 void measure_distances(const PointSet& set, QualityReport& report, const Context& ctx) {
     if (set.size() < 2) return;
     const Buffer<Vec3> points = distinct(set.positions, ctx);
@@ -55,7 +55,7 @@ void measure_distances(const PointSet& set, QualityReport& report, const Context
     const auto part = [&](IndexRange range) {
         Sum sum;
         for (std::size_t i = range.begin; i < range.end; ++i) {
-            std::array<std::uint32_t, 2> index;  // of the point itself, and of the nearest other one
+            std::array<std::uint32_t, 2> index;  // of the point itself, and of the closest other one
             std::array<double, 2> squared;
             tree.nearest(points[i], index, squared);
             const double d = std::sqrt(squared[1]);
@@ -67,7 +67,7 @@ void measure_distances(const PointSet& set, QualityReport& report, const Context
     const Sum sum = parallel_reduce(ctx, points.size(), 1024, Sum{}, part, [](Sum a, const Sum& b) {
         return Sum{std::min(a.least, b.least), a.all + b.all};
     });
-    report.least_distance = doubled ? 0 : sum.least;
+    report.min_distance = doubled ? 0 : sum.least;
     report.mean_distance = sum.all / static_cast<double>(set.size());
 }
 
@@ -76,7 +76,8 @@ bool contains(const Box3& box, Vec3 p) {
            p.z >= box.low.z && p.z <= box.high.z;
 }
 
-/// A random part of the points, each kept with the same chance: this changes neither curve but for noise.
+/// Returns a random subset of the points with a uniform probability: this changes neither curve except for
+/// noise.
 Buffer<Vec3> random_part(const Buffer<Vec3>& points, double share) {
     const CounterRandom random(1, kStage);
     Buffer<Vec3> out;
@@ -86,7 +87,7 @@ Buffer<Vec3> random_part(const Buffer<Vec3>& points, double share) {
     return out;
 }
 
-/// Pairs that a grid of this edge would compare.
+/// Returns the number of pairs that a grid with this edge would compare.
 double pairs_in(const Buffer<Vec3>& points, double edge) {
     std::vector<std::array<std::int64_t, 3>> cells;
     cells.reserve(points.size());
@@ -103,7 +104,7 @@ double pairs_in(const Buffer<Vec3>& points, double edge) {
     return pairs;
 }
 
-/// Pairs of which the first lies so deep in the window that the whole ball about it does too.
+/// Measures pairs of which the first point is at least the reach away from the border of the window.
 void measure_distribution(Buffer<Vec3> points, const Box3& window, const QualityOptions& options,
                           QualityReport& report, const Context& ctx) {
     const Vec3 size = window.size();
@@ -111,8 +112,8 @@ void measure_distribution(Buffer<Vec3> points, const Box3& window, const Quality
     const double reach = std::min(options.range * report.mean_spacing, 0.3 * shortest);
     const auto bins = static_cast<std::size_t>(options.bins);
     report.distance_step = reach / static_cast<double>(bins);
-    for (double pairs = pairs_in(points, reach); pairs > kMostPairs; pairs = pairs_in(points, reach)) {
-        points = random_part(points, 0.9 * std::sqrt(kMostPairs / pairs));
+    for (double pairs = pairs_in(points, reach); pairs > kMaxPairs; pairs = pairs_in(points, reach)) {
+        points = random_part(points, 0.9 * std::sqrt(kMaxPairs / pairs));
     }
     PointHash grid(reach, points.size());
     for (const Vec3 p : points) grid.insert(p);
@@ -131,7 +132,7 @@ void measure_distribution(Buffer<Vec3> points, const Box3& window, const Quality
     }
     const double volume = static_cast<double>(size.x) * size.y * size.z;
     const double expected =
-        centers * static_cast<double>(points.size()) / volume;  // pairs for each cubic metre
+        centers * static_cast<double>(points.size()) / volume;  // number of pairs per cubic metre
     report.distribution.resize(bins);
     for (std::size_t b = 0; b < bins; ++b) {
         const double r0 = report.distance_step * static_cast<double>(b), r1 = r0 + report.distance_step;
@@ -141,11 +142,11 @@ void measure_distribution(Buffer<Vec3> points, const Box3& window, const Quality
 }
 
 struct Weighted {
-    Vec3d place;  ///< from the middle of the window, in sizes of it
+    Vec3d place;  ///< relative to the centre and the size of the window
     double weight;
 };
 
-/// The power of multiples of one frequency along one direction.
+/// Adds the power of the multiples of one frequency along one direction.
 void add_power(const std::vector<Weighted>& points, const Vec3d& size, Vec3d frequency,
                std::vector<double>& power) {
     const std::size_t bins = power.size();
@@ -166,7 +167,8 @@ void add_power(const std::vector<Weighted>& points, const Vec3d& size, Vec3d fre
             im[k] += b;
         }
     }
-    // The transform of the weight itself, a raised cosine along each axis: what an even density would give.
+    // The transform of the weight itself, a raised cosine along each axis: the transform of a uniform
+    // density.
     const auto window = [](double f) {
         if (std::abs(f) < 1e-9) return 1.0;
         if (std::abs(std::abs(f) - 1) < 1e-9) return 0.5;
@@ -197,7 +199,7 @@ void measure_power(const Buffer<Vec3>& points, const Box3& window, const Quality
     const auto part = [&](IndexRange range) {
         std::vector<double> power(bins);
         for (std::size_t i = range.begin; i < range.end; ++i) {
-            // Evenly over half the sphere, along a spiral.
+            // Uniform directions on half the sphere, along a spiral.
             const double z = (static_cast<double>(i) + 0.5) / static_cast<double>(directions);
             const double turn = 2 * std::numbers::pi * std::numbers::phi * static_cast<double>(i);
             const double r = std::sqrt(1 - z * z);
@@ -221,8 +223,8 @@ void measure_power(const Buffer<Vec3>& points, const Box3& window, const Quality
     report.low_power = count > 0 ? low / count : 0;
 }
 
-/// The middle half of the box along each axis: inside most crowns, and clear of their surface.
-Box3 middle_of(const Box3& box) {
+/// Returns the middle half of the box along each axis: inside most crowns, and away from their surface.
+Box3 compute_middle(const Box3& box) {
     const Vec3 center = box.center(), quarter = 0.25f * box.size();
     return {center - quarter, center + quarter};
 }
@@ -243,7 +245,7 @@ QualityReport quality(const PointSet& points, const Box3& window, const QualityO
     for (const Vec3 p : points.positions) {
         if (contains(window, p)) inside.push_back(p);
     }
-    const auto most = static_cast<double>(options.most_points);
+    const auto most = static_cast<double>(options.max_points);
     if (static_cast<double>(inside.size()) > most) {
         inside = random_part(inside, most / static_cast<double>(inside.size()));
     }
@@ -259,7 +261,7 @@ QualityReport quality(const PointSet& points, const Box3& window, const QualityO
 }
 
 QualityReport quality(const PointSet& points, const QualityOptions& options, const Context& ctx) {
-    return quality(points, middle_of(bounds(points)), options, ctx);
+    return quality(points, compute_middle(bounds(points)), options, ctx);
 }
 
 }  // namespace coppice

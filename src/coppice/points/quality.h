@@ -11,51 +11,56 @@
 
 namespace coppice {
 
-/// How the curves of a report are made.
+/// Options of `quality`.
 struct QualityOptions {
-    int bins = 64;        ///< of the curves
-    float range = 5;      ///< curves reach to this many mean spacings, and to as many times their frequency
-    int directions = 64;  ///< over which the power of a frequency is averaged
-    int most_points = 100000;  ///< curves of larger sets are those of a random part of them
+    int bins = 64;            ///< number of bins of the curves
+    float range = 5;          ///< range of the curves, in mean spacings and in multiples of their frequency
+    int directions = 64;      ///< number of directions over which the power is averaged
+    int max_points = 100000;  ///< maximum number of points; the curves of larger sets use a random subset
 };
 
 template <class Self, class Visitor>
 requires SameOptions<Self, QualityOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"bins", "bins of the curves", Unit::none, 8, 1024}, o.bins);
-    visit(Field{"range", "reach of the curves in mean spacings and their frequency", Unit::none, 1, 16},
+    visit(Field{"bins", "Number of bins of the curves.", Unit::none, 8, 1024}, o.bins);
+    visit(Field{"range", "Range of the curves, in mean spacings and in multiples of their frequency.",
+                Unit::none, 1, 16},
           o.range);
-    visit(Field{"directions", "directions over which power is averaged", Unit::none, 8, 4096}, o.directions);
-    visit(Field{"most_points", "curves of larger sets are those of a random part", Unit::none, 100, 1e6},
-          o.most_points);
+    visit(Field{"directions", "Number of directions over which the power is averaged.", Unit::none, 8, 4096},
+          o.directions);
+    visit(Field{"max_points",
+                "Maximum number of points for the curves; larger sets are represented by a random subset.",
+                Unit::none, 100, 1e6},
+          o.max_points);
 }
 
-/// How the points of a set lie among each other. For independent points both curves are about 1 everywhere.
+/// Measures of the distribution of a set of points. For independent points both curves are about 1
+/// everywhere.
 struct QualityReport {
-    std::uint64_t points = 0;          ///< number of points
-    double least_distance = 0;         ///< [m] between any two points, exact; 0 for fewer than two
-    double mean_distance = 0;          ///< [m] from a point to its nearest
-    double mean_spacing = 0;           ///< [m] cube root of the window's volume for each point in it
-    std::vector<double> distribution;  ///< radial: pairs at a distance over those of independent points
+    std::uint64_t points = 0;  ///< number of points
+    double min_distance = 0;   ///< [m] minimum distance between any two points, exact; 0 for fewer than two
+    double mean_distance = 0;  ///< [m] mean distance from a point to its closest other point
+    double mean_spacing = 0;   ///< [m] cube root of the volume of the window per point in it
+    std::vector<double> distribution;  ///< radial: number of pairs relative to independent points
     double distance_step = 0;          ///< [m] width of a bin of `distribution`, the first from 0
     std::vector<double> power;         ///< radially averaged spectrum
     double frequency_step = 0;         ///< [1/m] between values of `power`, the first at one step
     double low_power = 0;  ///< mean power below half the frequency of the mean spacing: 1 for independent
-                           ///< points, near 0 for even ones, above 1 for clusters
-    friend bool operator==(const QualityReport&, const QualityReport&) = default;  ///< member by member
+                           ///< points, near 0 for evenly spaced ones, above 1 for clusters
+    friend bool operator==(const QualityReport&, const QualityReport&) = default;  ///< compares all members
 };
 
-/// Measures a set. The curves are those of the points in `window` (relative to the origin), which the set
-/// should fill evenly; by default the middle half of its box along each axis. The spectrum is weighted
-/// smoothly to the window's sides, and what an even density there would give is taken out. Distances are
-/// exact, in O(n log n); the curves cost O(n bins directions). Throws InvalidInput for options out of range
-/// and positions that are not finite.
+/// Measures the distribution of a set. The curves use the points in `window` (relative to the origin), which
+/// the set should fill evenly; by default the middle half of its box along each axis. The spectrum is
+/// weighted smoothly towards the sides of the window, and the contribution of a uniform density is
+/// subtracted. Distances are exact, in O(n log n); the curves cost O(n bins directions). Throws InvalidInput
+/// for options out of range and positions that are not finite.
 QualityReport quality(const PointSet& points, const QualityOptions& options = {}, const Context& ctx = {});
-/// The same within a window, for points that are part of a larger set.
+/// Measures the distribution within a window, for points that are part of a larger set.
 QualityReport quality(const PointSet& points, const Box3& window, const QualityOptions& options = {},
                       const Context& ctx = {});
 
-/// Both curves as a picture: the text of an SVG file.
+/// Returns a plot of both curves as the text of an SVG file.
 std::string quality_svg(const QualityReport& report);
 
 }  // namespace coppice

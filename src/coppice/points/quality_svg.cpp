@@ -9,15 +9,15 @@
 namespace coppice {
 namespace {
 
-constexpr double kWidth = 420, kHeight = 260, kLeft = 56, kTop = 36;  // of one plot
+constexpr double kWidth = 420, kHeight = 260, kLeft = 56, kTop = 36;  // dimensions of one plot
 
 struct Curve {
     std::string_view title, axis;
     const std::vector<double>& values;
-    double first, step;  ///< where the values lie on the axis
+    double first, step;  ///< positions of the values on the axis
 };
 
-/// The axis goes up to 2, or so far that the curve fits.
+/// Returns the maximum of the axis: 2, or the maximum of the curve if that is larger.
 double top_of(const std::vector<double>& values) {
     double top = 2;
     for (const double v : values) {
@@ -75,11 +75,11 @@ std::string quality_svg(const QualityReport& report) {
     plot({"Radially averaged power", "frequency [1/m]", report.power, report.frequency_step,
           report.frequency_step},
          2 * kLeft + kWidth + 20, svg);
-    fmt::format_to(
-        std::back_inserter(svg),
-        "<text x=\"{:.0f}\" y=\"{:.0f}\">{} points, least distance {:.4g} m, mean {:.4g} m to the nearest, "
-        "power at low frequency {:.3g}</text>\n</svg>\n",
-        kLeft, height - 12, report.points, report.least_distance, report.mean_distance, report.low_power);
+    fmt::format_to(std::back_inserter(svg),
+                   "<text x=\"{:.0f}\" y=\"{:.0f}\">{} points, minimum distance {:.4g} m, mean distance "
+                   "{:.4g} m to the closest point, power at low frequency {:.3g}</text>\n</svg>\n",
+                   kLeft, height - 12, report.points, report.min_distance, report.mean_distance,
+                   report.low_power);
     return svg;
 }
 

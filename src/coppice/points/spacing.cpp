@@ -14,7 +14,7 @@ namespace coppice {
 namespace {
 
 constexpr std::size_t kSpacingSample = 2000;
-constexpr double kMostElongated = 50;
+constexpr double kMaxElongated = 50;
 
 double distance_to_nearest_other(const BoxTree& tree, const Buffer<Vec3>& points, std::size_t i) {
     double nearest = std::numeric_limits<double>::infinity();
@@ -24,7 +24,7 @@ double distance_to_nearest_other(const BoxTree& tree, const Buffer<Vec3>& points
     tree.search(bound, nearest, [&](std::uint32_t item) {
         if (item == i) return;
         nearest = std::min(nearest, distance(Vec3d(points[item]), Vec3d(points[i])));
-        if (nearest == 0) nearest = -1;  // ends the search: many more may lie in the same place
+        if (nearest == 0) nearest = -1;  // ends the search: many more points may coincide
     });
     return std::max(nearest, 0.0);
 }
@@ -50,7 +50,7 @@ std::optional<std::string> warning_of_extent(const PointSet& points) {
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
     const char name = "xyz"[axis];
     const double others = std::max(double{size[(axis + 1) % 3]}, double{size[(axis + 2) % 3]});
-    if (points.size() < 3 || double{size[axis]} <= kMostElongated * others) return {};
+    if (points.size() < 3 || double{size[axis]} <= kMaxElongated * others) return {};
     return fmt::format(
         "the points extend {:.4g} m along {} but {:.4g} m at most along the other axes; is {} the right "
         "column?",

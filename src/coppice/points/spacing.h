@@ -8,12 +8,13 @@
 
 namespace coppice {
 
-/// [m] The median distance from a point to its nearest other one, by a sample of a few thousand; 0 for fewer
-/// than two points. O(n log n).
+/// Returns the median distance [m] from a point to its closest other one, from a sample of a few thousand
+/// points; 0 for fewer than two points. O(n log n).
 double median_spacing(const PointSet& points, const Context& ctx = {});
 
-/// A sentence where points extend more than 50 times as far along one axis as along the others, as they do
-/// when another column was read for a coordinate; none otherwise, and for two points, which lie on a line.
+/// Returns a warning if points extend more than 50 times as far along one axis as along the others, for
+/// example if a wrong column was read as a coordinate; nullopt otherwise, and for two points, which are
+/// always collinear.
 std::optional<std::string> warning_of_extent(const PointSet& points);
 
 }  // namespace coppice

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coppice/base/id.h"
 #include "coppice/base/kernel/segment_distance.h"
 #include "coppice/base/parallel.h"
 #include "coppice/ramification/branches_internal.h"
@@ -8,8 +9,8 @@
 namespace coppice::ramification_internal {
 namespace {
 
-/// What goes on after a node that is not a root: the child for which the cosine of the bend and the radius,
-/// in those of the thickest, are greatest in sum.
+/// Returns the continuation of a node that is not a root: the child with the maximum sum of the cosine of the
+/// bend and the radius relative to the thickest child.
 NodeId straight_on(const Skeleton& s, NodeId n) {
     const auto children = s.children(n);
     if (children.empty()) return NodeId::none();
@@ -76,12 +77,12 @@ Branches::Branches(const Skeleton& s) : branch_of_(s.size()), arc_of_(s.size()) 
     }
     first_lateral_.assign(count() + 1, 0);
     for (const Branch& b : branches_) {
-        if (b.parent != kNone) ++first_lateral_[b.parent];
+        if (b.parent != kNoIndex) ++first_lateral_[b.parent];
     }
     lateral_.resize(exclusive_scan(std::span(first_lateral_)));
     std::vector<std::uint32_t> place(first_lateral_);
     for (std::uint32_t b = 0; b < count(); ++b) {
-        if (branches_[b].parent != kNone) lateral_[place[branches_[b].parent]++] = b;
+        if (branches_[b].parent != kNoIndex) lateral_[place[branches_[b].parent]++] = b;
     }
 }
 
@@ -113,7 +114,7 @@ void Branches::add_branch(const Skeleton& s, NodeId head, std::span<const NodeId
         arc_of_[n.index()] = arcs_.back();
     }
     if (branches_[b].point_count == 1) {
-        // No length: a little upward, so that there is a direction.
+        // No length: add a point slightly above to define a direction.
         const Vec3d p = points_.back();
         const double r = radii_.back();
         add_point(p + Vec3d{0, 0, 0.01 * r}, r, nodes_.back());

@@ -4,15 +4,14 @@
 #include <span>
 #include <vector>
 
+#include "coppice/base/id.h"
 #include "coppice/base/vec.h"
 #include "coppice/skeleton/skeleton.h"
 
 namespace coppice::ramification_internal {
 
-constexpr std::uint32_t kNone = 0xffffffffu;
-
-/// The axis of a branch by its length; goes on straight beyond its ends. At least two points, no two
-/// neighbours alike.
+/// Axis of a branch, parametrized by arc length and extrapolated straight beyond its ends. Has at least two
+/// points; consecutive points differ.
 class Path {
   public:
     Path(std::span<const Vec3d> points, std::span<const double> radii, std::span<const double> arcs)
@@ -24,15 +23,15 @@ class Path {
     double arc(std::uint32_t point) const { return arcs_[point]; }
     Vec3d position(double t) const;
     double radius(double t) const;  ///< constant beyond the ends
-    /// The direction of the chord from `within` before to as much after.
+    /// Returns the direction of the chord from t - within to t + within.
     Vec3d direction(double t, double within) const;
 
-    /// The place of a segment nearest to p, and how far p lies outside the cone there.
+    /// Closest position on a segment to p, and the distance of p outside the cone there.
     struct Near {
         double t = 0, outside = 0;
     };
     Near nearest_in(std::uint32_t segment, Vec3d p) const;
-    /// The same over all segments on the way downhill from `segment`, which moves along.
+    /// Returns the closest position by a descent over the segments from `segment`, which is updated.
     Near nearest(std::uint32_t& segment, Vec3d p) const;
 
   private:
@@ -42,12 +41,12 @@ class Path {
 
 struct Branch {
     std::uint32_t first_point = 0, point_count = 0;
-    std::uint32_t parent = kNone;  ///< the branch that it leaves
-    double joint = 0;              ///< where, along that one
+    std::uint32_t parent = kNoIndex;  ///< parent branch
+    double joint = 0;                 ///< arc length on the parent branch
 };
 
-/// A skeleton as branches, each after the one that it leaves. At a node a branch goes on with the child
-/// that is thick and straight on.
+/// Skeleton as branches, sorted so that parents precede. At a node a branch continues with the child that is
+/// thick and straight on.
 class Branches {
   public:
     explicit Branches(const Skeleton& s);
@@ -60,17 +59,17 @@ class Branches {
                 std::span(radii_).subspan(at.first_point, at.point_count),
                 std::span(arcs_).subspan(at.first_point, at.point_count)};
     }
-    /// The node in which a segment of a branch ends.
+    /// Returns the node at the end of a segment of a branch.
     NodeId node_of(std::uint32_t b, std::uint32_t segment) const {
         return nodes_[branches_[b].first_point + segment + 1];
     }
-    /// The node whose segment holds a place of a branch.
+    /// Returns the node of the segment that contains a position of a branch.
     NodeId node_at(std::uint32_t b, double t) const { return node_of(b, path(b).segment_at(t)); }
-    /// The branches that leave one, in order.
+    /// Returns the laterals of a branch, in order.
     std::span<const std::uint32_t> laterals(std::uint32_t b) const {
         return std::span(lateral_).subspan(first_lateral_[b], first_lateral_[b + 1] - first_lateral_[b]);
     }
-    /// The node with which a branch begins: a root, or the first after the node that it leaves.
+    /// Returns the first node of a branch: a root, or the first node after that of the parent branch.
     NodeId head(std::uint32_t b) const { return head_[b]; }
 
   private:
@@ -81,7 +80,7 @@ class Branches {
     std::vector<NodeId> head_;
     std::vector<Vec3d> points_;
     std::vector<double> radii_, arcs_;
-    std::vector<NodeId> nodes_;             ///< per point: the node whose segment ends there
+    std::vector<NodeId> nodes_;             ///< per point: the node at the end of its segment
     std::vector<std::uint32_t> branch_of_;  ///< per node of the skeleton
     std::vector<double> arc_of_;            ///< per node of the skeleton, along its branch
     std::vector<std::uint32_t> first_lateral_, lateral_;

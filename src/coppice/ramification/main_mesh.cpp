@@ -4,6 +4,7 @@
 #include <span>
 
 #include "coppice/base/frame.h"
+#include "coppice/base/id.h"
 #include "coppice/ramification/main_mesh_internal.h"
 #include "coppice/ramification/objective.h"
 
@@ -13,22 +14,22 @@ namespace {
 using Ring = std::array<std::uint32_t, 4>;
 
 constexpr double kPi = std::numbers::pi;
-// Ends as those of build_control_mesh, in radii: the last ring of a round one, the rings of a flat one.
+// Ends as those of build_control_mesh, in radii: the last ring of a round end, the rings of a flat one.
 constexpr double kRoundAhead = 1.0, kRoundOut = 1.1;
 constexpr double kFlatInner = 0.5, kFlatRim = 1.125;
-// [radii] Rings at nodes keep away from those of units and ends.
+// [radii] minimum distance of rings at nodes from those of units and ends.
 constexpr double kClear = 0.3;
-// Most of a face that a lateral's boundary takes.
+// Maximum share of a face used by the boundary of a lateral.
 constexpr double kFaceFilled = 0.85;
-constexpr std::uint32_t kStubQuads = 9;  // six faces, of which one is four about the boundary
+constexpr std::uint32_t kStubQuads = 9;  // six faces, of which one is divided into four about the boundary
 
 enum class End { none, round, flat };
 
 struct RingPlan {
     double t = 0;
-    bool turned = false;      ///< azimuth is given
-    double azimuth = 0;       ///< of the middle of its first face, in its frame
-    double spread = kPi / 4;  ///< from there to its corners
+    bool turned = false;      ///< whether the azimuth is specified
+    double azimuth = 0;       ///< azimuth of the middle of its first face, in its frame
+    double spread = kPi / 4;  ///< angle from there to the corners of that face
     Vec3d center, axis, x, y;
     Ring vertices{};
 
@@ -63,42 +64,42 @@ class Builder {
     }
 
   private:
-    /// Where a lateral begins.
+    /// Start of a lateral.
     struct Base {
-        NodeId fork;  ///< the unit
+        NodeId fork;  ///< node of the unit
         Ring ring{};
         double exit_arc = 0;
         double radius = 0, cotangent = 0;
-        std::uint32_t paste = kNone;
+        std::uint32_t paste = kNoIndex;
     };
 
-    /// How far a branch has been built.
+    /// State of the construction of a branch.
     struct Front {
         Ring ring{};
         double t = 0;  ///< along the branch
-        NodeId node;   ///< the last of its tubes
-        NodeId first;  ///< of the last sides' two tubes
+        NodeId node;   ///< node of the last tube
+        NodeId first;  ///< node of the first of the two tubes of the last sides
     };
 
     End start_end(std::uint32_t b) const {
-        if (branches_[b].parent != kNone) return End::none;
+        if (branches_[b].parent != kNoIndex) return End::none;
         const NodeId root = branches_.head(b);
         const bool flat = ends_.base == BaseShape::flat && skeleton_.children(root).size() == 1 &&
                           !std::ranges::binary_search(round_roots_, root.index(), {}, &NodeId::index);
         return flat ? End::flat : End::round;
     }
     End tip_end(std::uint32_t b) const {
-        const bool lone = branches_[b].parent == kNone && skeleton_.is_tip(branches_.head(b));
+        const bool lone = branches_[b].parent == kNoIndex && skeleton_.is_tip(branches_.head(b));
         return ends_.tips == TipShape::flat && !lone ? End::flat : End::round;
     }
 
     void build_branch(std::uint32_t b) {
         const Path path = branches_.path(b);
-        const bool lateral = branches_[b].parent != kNone;
+        const bool lateral = branches_[b].parent != kNoIndex;
         const double start = first_place(b, path), tip = path.length();
         const double last = std::max(tip - 0.05 * path.radius(tip), start + 0.2 * path.radius(start));
         const UnitPlan plan = plan_units(branches_, b, start, last, alpha_, options_, report_);
-        if (lateral && base_[b].paste != kNone) out_.pastes[base_[b].paste].first_of_tube = quad_count();
+        if (lateral && base_[b].paste != kNoIndex) out_.pastes[base_[b].paste].first_of_tube = quad_count();
         std::vector<RingPlan> rings = lay_rings(b, path, plan, start, last);
         orient(rings, path, plan, b);
         for (RingPlan& ring : rings) make_ring(ring, alpha_ * std::numbers::sqrt2 * path.radius(ring.t));
@@ -106,7 +107,7 @@ class Builder {
         const auto is_start = [&](std::size_t i) {
             return unit < plan.units.size() && i < rings.size() && rings[i].t == plan.units[unit].start;
         };
-        // A lateral may be pasted on a round end, which is then part of the unit next to it.
+        // A lateral may be pasted on a round end, which is then part of the adjacent unit.
         const bool in_unit = !lateral && start_end(b) == End::round && is_start(0);
         Front front = begin_branch(b, path, plan, rings, in_unit);
         for (std::size_t i = 0; i < rings.size(); ++i) {
@@ -128,10 +129,11 @@ class Builder {
         end_tip(b, path, rings, front);
     }
 
-    /// A lateral goes on from its base, a root is closed, within its first unit where that takes it in.
+    /// Starts a branch: a lateral continues from its base, a root is closed, within its first unit if that
+    /// includes it.
     Front begin_branch(std::uint32_t b, const Path& path, const UnitPlan& plan,
                        std::span<const RingPlan> rings, bool in_unit) {
-        if (branches_[b].parent != kNone) return {base_[b].ring, base_[b].exit_arc, base_[b].fork, {}};
+        if (branches_[b].parent != kNoIndex) return {base_[b].ring, base_[b].exit_arc, base_[b].fork, {}};
         Front front;
         front.node = out_.tubes.add_root(branches_, b, in_unit ? meeting_point(plan, plan.units[0]) : 0);
         front.ring = begin_root(b, path, rings.empty() ? RingPlan{} : rings.front(),
@@ -139,8 +141,8 @@ class Builder {
         return front;
     }
 
-    /// Where the axes of a unit's laterals begin, on the mean; mostly before the unit, which is where they
-    /// come out.
+    /// Returns the mean position where the axes of the laterals of a unit begin; mostly before the unit,
+    /// which is where they exit.
     double meeting_point(const UnitPlan& plan, const Unit& unit) const {
         double sum = 0;
         for (const Lateral& l : std::span(plan.laterals).subspan(unit.first_lateral, unit.count))
@@ -148,26 +150,26 @@ class Builder {
         return std::min(sum / unit.count, unit.end);
     }
 
-    /// The two tubes of the sides from where a branch has got to, up to a ring at t; the second ends at
-    /// `end`.
+    /// Adds the two tubes of the sides from the current position of a branch up to a ring at t; the second
+    /// ends at `end`.
     void add_tubes(std::uint32_t b, Front& front, double t, double end) {
         const double middle = (front.t + t) / 2;
         front.first = out_.tubes.add(branches_, b, front.node, middle, {front.t, middle});
         front.node = out_.tubes.add(branches_, b, front.first, end, {middle, t});
     }
 
-    /// Where the first unit may begin.
+    /// Returns the minimum position of the first unit.
     double first_place(std::uint32_t b, const Path& path) const {
-        if (branches_[b].parent != kNone) return base_[b].exit_arc + 0.3 * base_[b].radius;
+        if (branches_[b].parent != kNoIndex) return base_[b].exit_arc + 0.3 * base_[b].radius;
         return start_end(b) == End::flat ? 0.2 * path.radius(0) : -0.8 * path.radius(0);
     }
 
-    /// Rings of units, of nodes that keep clear of these, and of a lateral after it has come out.
+    /// Creates the rings of units, of nodes far enough from these, and of a lateral beyond its exit.
     std::vector<RingPlan> lay_rings(std::uint32_t b, const Path& path, const UnitPlan& plan, double start,
                                     double last) const {
         std::vector<RingPlan> rings;
         double clear_from = start;
-        if (branches_[b].parent != kNone) {
+        if (branches_[b].parent != kNoIndex) {
             const Base& base = base_[b];
             const double first_unit =
                 plan.units.empty() ? last : plan.units.front().start - 0.15 * base.radius;
@@ -199,8 +201,8 @@ class Builder {
         return rings;
     }
 
-    /// Frames that turn as little as they can; at units and at a lateral's beginning azimuths are given, and
-    /// between these the rings turn evenly.
+    /// Computes frames with minimum rotation; at units and at the start of a lateral azimuths are specified,
+    /// and between these the rings rotate evenly.
     void orient(std::vector<RingPlan>& rings, const Path& path, const UnitPlan& plan, std::uint32_t b) const {
         for (std::size_t i = 0; i < rings.size(); ++i) {
             RingPlan& r = rings[i];
@@ -217,7 +219,7 @@ class Builder {
                 rings[i++].look_at(unit.out);
             }
         }
-        if (branches_[b].parent != kNone && !rings.empty() && !rings.front().turned)
+        if (branches_[b].parent != kNoIndex && !rings.empty() && !rings.front().turned)
             rings.front().look_at(base_out(b));
         spread_turns(rings);
     }
@@ -228,7 +230,7 @@ class Builder {
         return normalized(x - axis * dot(axis, x), perpendicular(axis));
     }
 
-    /// The middle of the first side of a lateral's boundary, seen from its centre.
+    /// Returns the direction from the centre of the boundary of a lateral to the middle of its first side.
     Vec3d base_out(std::uint32_t b) const {
         const Ring& r = base_[b].ring;
         return point(r[0]) + point(r[1]) - point(r[2]) - point(r[3]);
@@ -267,7 +269,7 @@ class Builder {
         out_.control.region.push_back(region.index());
     }
 
-    /// Corner k lies an eighth of a turn before the middle of face k.
+    /// Corner k is an eighth of a turn before the middle of face k.
     void make_ring(RingPlan& ring, double out) {
         ring.vertices = ring_at(ring, ring.center, out, ring.center);
     }
@@ -285,7 +287,7 @@ class Builder {
         return ring;
     }
 
-    /// Four quads from ring to ring, turned by eq. 6.
+    /// Adds four quads from ring to ring, rotated by eq. 6.
     void connect(const Ring& from, const Ring& to, Vec3d axis, TubePart part, NodeId region) {
         std::array<Vec3d, 4> first, second;
         for (std::size_t k = 0; k < 4; ++k) {
@@ -327,7 +329,7 @@ class Builder {
         if (!seat.pastes.empty()) out_.seats.push_back(std::move(seat));
     }
 
-    /// Stubs of the additional laterals, the thickest first.
+    /// Adds stubs of the additional laterals, thickest first.
     void add_stubs(std::uint32_t b, const Path& path, std::span<const Lateral> laterals, NodeId fork,
                    Seat& seat) {
         std::vector<const Lateral*> order;
@@ -348,7 +350,7 @@ class Builder {
         }
     }
 
-    /// A cube about where the lateral comes out.
+    /// Adds a cube about the exit of the lateral.
     void add_stub(const Path& path, const Lateral& l, NodeId fork) {
         const double r = path.radius(l.center);
         std::array<Ring, 2> rings;
@@ -369,7 +371,7 @@ class Builder {
         open_face({s[0], s[1], e[1], e[0]}, path, l, r, r, fork);
     }
 
-    /// Four quads about the boundary of a lateral, which reaches at most from `low` below its centre to
+    /// Adds four quads about the boundary of a lateral, which extends at most from `low` below its centre to
     /// `high` above it.
     void open_face(const Ring& face, const Path& path, const Lateral& l, double low, double high,
                    NodeId fork) {
@@ -400,14 +402,14 @@ class Builder {
         base.cotangent = std::abs(dot(way, up)) / std::max(sine, 1e-6);
     }
 
-    /// Closes a tree at its root; returns the ring with which the tube goes on.
+    /// Closes a tree at its root; returns the ring from which the tube continues.
     Ring begin_root(std::uint32_t b, const Path& path, const RingPlan& next, TubePart part, NodeId root) {
         RingPlan frame = next;
         frame.t = 0;
         frame.axis = path.direction(0, 0.5 * path.radius(0));
         frame.x = next.vertices == Ring{} ? perpendicular(frame.axis) : carried(next, frame.axis);
         frame.y = cross(frame.axis, frame.x);
-        // A tube is named by the node that comes next.
+        // A tube is identified by its next node.
         const NodeId region = part == TubePart::start ? NodeId(root.index() + 1) : root;
         const Ring ring = close(path, frame, start_end(b), 0, -1, part, region);
         root_cap_ = quad_count() - 1;
@@ -422,13 +424,13 @@ class Builder {
         frame.x = rings.empty() ? perpendicular(axis) : carried(rings.back(), axis);
         frame.axis = axis;
         frame.y = cross(axis, frame.x);
-        if (rings.empty() && branches_[b].parent != kNone) frame.look_at(base_out(b));
+        if (rings.empty() && branches_[b].parent != kNoIndex) frame.look_at(base_out(b));
         const std::uint32_t first_cap = quad_count();
         add_tubes(b, front, tip, tip);
         const Ring ring = close(path, frame, tip_end(b), tip, 1, TubePart::end, front.node);
         const std::uint32_t caps = quad_count() - first_cap;
         connect(front.ring, ring, axis, TubePart::side, front.first);
-        // The paste of a lateral without rings of its own counts on its tube's quads coming first.
+        // The paste of a lateral without own rings requires the quads of its tube to come first.
         auto& control = out_.control;
         const auto put_caps_last = [&](auto& column) {
             std::rotate(column.end() - 4 - caps, column.end() - 4, column.end());
@@ -439,7 +441,8 @@ class Builder {
         if (tip_end(b) == End::flat) control.clip.back().first_quad += 4;
     }
 
-    /// The rings and quads of an end; `sign` is -1 at a root. Returns the outermost ring, about the axis.
+    /// Adds the rings and quads of an end; `sign` is -1 at a root. Returns the outermost ring, about the
+    /// axis.
     Ring close(const Path& path, const RingPlan& frame, End end, double t, double sign, TubePart part,
                NodeId region) {
         const double r = path.radius(t);
@@ -475,7 +478,7 @@ class Builder {
     RamificationReport& report_;
     const Context& ctx_;
     std::vector<Base> base_;
-    std::uint32_t root_cap_ = kNone;
+    std::uint32_t root_cap_ = kNoIndex;
     MainMesh out_;
 };
 

@@ -11,29 +11,29 @@
 
 namespace coppice::ramification_internal {
 
-/// The faces of a unit, where laterals may be pasted.
+/// Faces of a unit on which laterals may be pasted.
 struct Seat {
     std::vector<std::uint32_t> quads;
-    std::vector<std::uint32_t> pastes;  ///< the thickest first
+    std::vector<std::uint32_t> pastes;  ///< thickest first
 };
 
-/// A lateral that was grown on a stub of its own.
+/// Lateral that was built on a separate stub.
 struct Paste {
     Lateral lateral;
-    double diameter = 0;              ///< of the branch that it leaves
-    double joint = 0;                 ///< along that one
-    std::uint32_t parent = 0;         ///< that one
-    std::uint32_t first_quad = 0;     ///< of the stub
-    std::uint32_t quad_count = 0;     ///< of the stub
-    std::uint32_t first_of_tube = 0;  ///< four quads whose first sides are the boundary of the lateral
+    double diameter = 0;              ///< diameter of the parent branch
+    double joint = 0;                 ///< arc length along the parent branch
+    std::uint32_t parent = 0;         ///< parent branch
+    std::uint32_t first_quad = 0;     ///< first quad of the stub
+    std::uint32_t quad_count = 0;     ///< number of quads of the stub
+    std::uint32_t first_of_tube = 0;  ///< four quads with first sides on the boundary of the lateral
 };
 
-/// The main mesh and the stubs, each closed, before subdivision.
+/// Main mesh and stubs, each closed, before subdivision.
 ///
-/// A side becomes two tubes, named by the nodes of `tubes` in `region` and the next.
+/// A side becomes two tubes: the node of `tubes` in `region`, and the next one.
 struct MainMesh {
     ControlMesh control;
-    TubeTree tubes;  ///< that `region` names
+    TubeTree tubes;  ///< nodes that `region` refers to
     std::vector<Seat> seats;
     std::vector<Paste> pastes;
 };

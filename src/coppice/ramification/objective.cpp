@@ -7,13 +7,13 @@
 namespace coppice {
 namespace {
 
-Vec3d center_of(std::span<const Vec3d> loop) {
+Vec3d compute_center(std::span<const Vec3d> loop) {
     Vec3d sum;
     for (const Vec3d p : loop) sum += p;
     return sum / static_cast<double>(loop.size());
 }
 
-/// Of the direction (along, side) to the diagonal.
+/// Returns the cosine distance of the direction (along, side) from the diagonal.
 double off_diagonal(double along, double side) {
     const double l = std::hypot(along, side);
     return l > 0 ? 1 - (along + side) / (std::numbers::sqrt2 * l) : 0;
@@ -37,7 +37,7 @@ double connection_distortion(double twist, double gap, double diameter) {
 
 std::uint32_t best_turn(std::span<const Vec3d> first, std::span<const Vec3d> second, Vec3d normal) {
     const std::size_t m = first.size();
-    const Vec3d a = center_of(first), b = center_of(second);
+    const Vec3d a = compute_center(first), b = compute_center(second);
     const auto flat = [&](Vec3d v) { return v - normal * dot(normal, v); };
     std::uint32_t best = 0;
     double least = 0;
@@ -55,7 +55,7 @@ std::uint32_t best_turn(std::span<const Vec3d> first, std::span<const Vec3d> sec
 
 double paste_distortion(std::span<const Vec3d> sub, std::span<const Vec3d> place, double diameter) {
     constexpr double kBeta = 0.5;
-    const Vec3d a = center_of(sub), b = center_of(place);
+    const Vec3d a = compute_center(sub), b = compute_center(place);
     double directions = 0, lengths = 0;
     for (std::size_t k = 0; k < sub.size(); ++k) {
         directions += cosine_distance(sub[k] - a, place[k] - b);

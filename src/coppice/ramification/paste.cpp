@@ -3,6 +3,7 @@
 #include <limits>
 #include <optional>
 
+#include "coppice/base/id.h"
 #include "coppice/ramification/objective.h"
 #include "coppice/ramification/paste_internal.h"
 #include "coppice/subdivision/catmull_clark.h"
@@ -13,16 +14,16 @@ namespace {
 using Loop = std::array<std::uint32_t, 8>;
 using Points = std::array<Vec3d, 8>;
 
-// Search for where the axis meets the mesh, in diameters about the joint.
+// Search radius of the intersection of the axis with the mesh, in diameters about the joint.
 constexpr double kReach = 1.5;
-// [radii of the parent] A single face is taken where it is nearer than a vertex by more than this.
+// [radii of the parent] A single face is used if it is closer than a vertex by more than this.
 constexpr double kSingleFace = 0.25;
-// A lateral narrower than this part of its place gets a band of quads about it.
+// A lateral narrower than this share of its place gets a band of quads about it.
 constexpr double kNarrow = 0.75;
-// Most of a place that a lateral's boundary takes.
+// Maximum share of a place used by the boundary of a lateral.
 constexpr double kPlaceFilled = 0.8;
 
-/// Where a segment meets a triangle, as its parameter [Moller1997].
+/// Returns the parameter of the intersection of a segment with a triangle [Moller1997].
 std::optional<double> hit_triangle(Vec3d from, Vec3d way, Vec3d a, Vec3d b, Vec3d c) {
     const Vec3d ab = b - a, ac = c - a, p = cross(way, ac);
     const double det = dot(ab, p);
@@ -33,21 +34,21 @@ std::optional<double> hit_triangle(Vec3d from, Vec3d way, Vec3d a, Vec3d b, Vec3
     return t;
 }
 
-Vec3d center_of(std::span<const Vec3d> points) {
+Vec3d compute_center(std::span<const Vec3d> points) {
     Vec3d sum;
     for (const Vec3d p : points) sum += p;
     return sum / static_cast<double>(points.size());
 }
 
-double radius_of(std::span<const Vec3d> points, Vec3d center) {
+double compute_radius(std::span<const Vec3d> points, Vec3d center) {
     double sum = 0;
     for (const Vec3d p : points) sum += distance(p, center);
     return sum / static_cast<double>(points.size());
 }
 
-/// Of a loop, counter-clockwise.
-Vec3d normal_of(std::span<const Vec3d> points) {
-    const Vec3d c = center_of(points);
+/// Returns the normal of a counter-clockwise loop.
+Vec3d compute_normal(std::span<const Vec3d> points) {
+    const Vec3d c = compute_center(points);
     Vec3d sum;
     for (std::size_t k = 0; k < points.size(); ++k)
         sum += cross(points[k] - c, points[(k + 1) % points.size()] - c);
@@ -76,7 +77,7 @@ Subdivided::Subdivided(const MainMesh& main, const Context& ctx) : main_(main) {
     }
 }
 
-/// Pastes laterals one after the other; deleted quads are marked, and leave at the end.
+/// Pastes laterals one after the other; deleted quads are marked and removed at the end.
 class Paster {
   public:
     Paster(Subdivided& mesh, const Branches& branches, RamificationReport& report)
@@ -116,7 +117,7 @@ class Paster {
         return out;
     }
 
-    /// The faces of a seat, and the vertices whose faces are all among them and four.
+    /// Loads the faces of a seat, and the vertices with exactly four faces that are all among them.
     void load(const Seat& seat) {
         faces_.clear();
         places_.clear();
@@ -136,7 +137,7 @@ class Paster {
         }
     }
 
-    /// A place about a vertex, when the four corners go around it.
+    /// Adds a place about a vertex if the four corners surround it.
     void add_place(std::span<const Corner> corners) {
         Place place;
         place.center = point(corners[0].vertex);
@@ -174,12 +175,12 @@ class Paster {
         place.faces[0] = face;
         place.face_count = 1;
         place.border.assign(mesh_.quads_[face].begin(), mesh_.quads_[face].end());
-        place.center = center_of(points(place.border));
+        place.center = compute_center(points(place.border));
         return place;
     }
 
-    /// Where the lateral's axis meets the faces of the seat, within a ball about the joint; else where it
-    /// leaves the cone.
+    /// Returns the intersection of the axis of the lateral with the faces of the seat, within a ball about
+    /// the joint; otherwise its exit from the cone.
     Vec3d hit(const Paste& paste) const {
         const Path own = branches_.path(paste.lateral.branch);
         const Vec3d joint = own.position(0);
@@ -205,9 +206,9 @@ class Paster {
         return found;
     }
 
-    /// The free place next to a point: about a vertex, or a single face where that is much nearer, or where
-    /// the faces would not do for the laterals that are left. There is always one: a unit has two faces for
-    /// each of its laterals, and four are taken for one only where those that remain have one each.
+    /// Returns the free place closest to a point: about a vertex, or a single face if that is much closer, or
+    /// if the faces would not suffice for the remaining laterals. There is always one: a unit has two faces
+    /// for each of its laterals, and four are used for one only if the remaining laterals have one each.
     Place next_to(Vec3d p, double radius, std::size_t left) const {
         double best = std::numeric_limits<double>::infinity();
         const Place* about_vertex = nullptr;
@@ -244,7 +245,7 @@ class Paster {
         const Place place = next_to(hit(paste), paste.diameter / 2, left);
         for (std::uint32_t i = 0; i < place.face_count; ++i) gone_[place.faces[i]] = true;
         const Loop& sub = mesh_.boundary_[index];
-        // Four corners count as eight, the middles of the sides between them.
+        // Four corners are extended to eight by the midpoints of the sides.
         std::vector<Vec3d> around = points(place.border);
         if (around.size() == 4) {
             std::vector<Vec3d> eight;
@@ -257,16 +258,16 @@ class Paster {
         }
         std::vector<Vec3d> own = points(sub);
         report_.before.pastes += paste_distortion(own, around, paste.diameter);
-        const std::uint32_t turn = best_turn(around, own, normal_of(around));
+        const std::uint32_t turn = best_turn(around, own, compute_normal(around));
         std::rotate(own.begin(), own.begin() + turn, own.end());
         Loop turned = sub;
         std::rotate(turned.begin(), turned.begin() + turn, turned.end());
-        const Vec3d center = center_of(around);
-        const double room = radius_of(around, center), wide = radius_of(own, center_of(own));
+        const Vec3d center = compute_center(around);
+        const double room = compute_radius(around, center), wide = compute_radius(own, compute_center(own));
         const bool band = place.face_count == 1 || wide < kNarrow * room;
-        const Vec3d before = center_of(own);
+        const Vec3d before = compute_center(own);
         move_into(own, center, room, band);
-        const Vec3 shift(center_of(own) - before);
+        const Vec3 shift(compute_center(own) - before);
         report_.after.pastes += paste_distortion(own, around, paste.diameter);
         for (std::size_t k = 0; k < 8; ++k) {
             mesh_.positions_[turned[k]] = Vec3(own[k]);
@@ -284,11 +285,11 @@ class Paster {
         }
     }
 
-    /// Moves a boundary to its place as little as keeps it within; makes it smaller where it is too wide for
-    /// a band.
+    /// Moves a boundary to its place by the minimum that keeps it inside; scales it down if it is too wide
+    /// for a band.
     static void move_into(std::vector<Vec3d>& own, Vec3d center, double room, bool band) {
-        const Vec3d from = center_of(own);
-        const double wide = radius_of(own, from);
+        const Vec3d from = compute_center(own);
+        const double wide = compute_radius(own, from);
         const double scale = band ? std::min(1.0, kPlaceFilled * room / wide) : 1.0;
         const double slack = std::max(0.0, kPlaceFilled * room - scale * wide), off = distance(from, center);
         const Vec3d to = off > slack ? center + (from - center) * (slack / off) : from;
@@ -301,7 +302,7 @@ class Paster {
         gone_.push_back(false);
     }
 
-    /// Six quads between a face and a loop of eight: one at each side, two at opposite corners.
+    /// Adds six quads between a face and a loop of eight: one at each side, two at opposite corners.
     void fill_face(const std::vector<std::uint32_t>& a, const Loop& s) {
         add_quad({a[0], s[1], s[0], s[7]});
         add_quad({a[0], a[1], s[2], s[1]});
@@ -311,7 +312,7 @@ class Paster {
         add_quad({a[3], a[0], s[7], s[6]});
     }
 
-    /// Identifies the loops half-way.
+    /// Merges the loops at the mean of their positions.
     void merge(const std::vector<std::uint32_t>& place, const Loop& sub) {
         for (std::size_t k = 0; k < 8; ++k) {
             const std::uint32_t p = place[k];
@@ -325,8 +326,8 @@ class Paster {
     const Branches& branches_;
     RamificationReport& report_;
     std::vector<bool> gone_;
-    std::vector<std::uint32_t> image_;  ///< per vertex: that with which it was merged
-    std::uint32_t unit_ = 0;            ///< the one that is being filled
+    std::vector<std::uint32_t> image_;  ///< per vertex: the one that it was merged into
+    std::uint32_t unit_ = 0;            ///< unit that is currently filled
     std::vector<std::uint32_t> faces_;
     std::vector<Place> places_;
 };
@@ -335,10 +336,10 @@ ControlMesh Paster::result() && {
     const ControlMesh& main = mesh_.main_.control;
     ControlMesh out;
     out.cage.origin = main.cage.origin;
-    std::vector<std::uint32_t> number(mesh_.positions_.size(), kNone);
+    std::vector<std::uint32_t> number(mesh_.positions_.size(), kNoIndex);
     const auto vertex = [&](std::uint32_t v) {
         v = image_[v];
-        if (number[v] == kNone) {
+        if (number[v] == kNoIndex) {
             number[v] = static_cast<std::uint32_t>(out.anchors.size());
             out.cage.positions.push_back(mesh_.positions_[v]);
             out.anchors.push_back(mesh_.anchors_[v]);
@@ -363,7 +364,7 @@ ControlMesh Paster::result() && {
         }
         const std::uint32_t region = main.region[q];
         if (main.part[q] == TubePart::side) {
-            // Of each of the four its lower two quads, and then its upper two.
+            // First the lower two quads of each of the four, then the upper two.
             for (const std::uint32_t row : {0u, 1u}) {
                 for (std::uint32_t k = 0; k < 8; ++k)
                     put(4 * (q + k / 2) + 2 * row + k % 2, TubePart::side, region + row);

@@ -10,7 +10,7 @@ class Subdivided {
   public:
     Subdivided(const MainMesh& main, const Context& ctx);
 
-    /// Cuts every additional lateral off its stub and pastes it into its seat. Adds to the objective.
+    /// Separates every additional lateral from its stub and pastes it into its seat. Adds to the objective.
     ControlMesh paste(const Branches& branches, RamificationReport& report, const Context& ctx) &&;
 
   private:
@@ -19,7 +19,7 @@ class Subdivided {
     Buffer<Vec3> positions_, anchors_;
     std::vector<Quad> quads_;
     std::vector<std::uint32_t> pasted_;  ///< per quad beyond those of the main mesh: its unit
-    std::vector<std::array<std::uint32_t, 8>> boundary_;  ///< per paste: of the lateral
+    std::vector<std::array<std::uint32_t, 8>> boundary_;  ///< per paste: boundary of the lateral
 };
 
 }  // namespace coppice::ramification_internal

@@ -11,7 +11,7 @@ namespace {
 
 using namespace ramification_internal;
 
-/// The inverse of the mean radius of a square tube after so many subdivisions, over half its side.
+/// Returns half the side of a square tube divided by its mean radius after this number of subdivisions.
 double widening(int levels) {
     constexpr double kOne = 1.030, kTwo = 0.953, kThree = 0.936, kLimit = 0.930;
     return 1 / (levels <= 1 ? kOne : levels == 2 ? kTwo : levels == 3 ? kThree : kLimit);
@@ -19,7 +19,7 @@ double widening(int levels) {
 
 class Timer {
   public:
-    /// Seconds since the last call, or since it was made.
+    /// Returns the seconds since the last call or the construction.
     double lap() {
         const auto now = std::chrono::steady_clock::now();
         const std::chrono::duration<double> took = now - start_;

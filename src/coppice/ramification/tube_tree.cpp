@@ -16,11 +16,11 @@ NodeId TubeTree::add_root(const Branches& branches, std::uint32_t branch, double
 }
 
 NodeId TubeTree::add(const Branches& branches, std::uint32_t branch, NodeId from, double at, Sides sides) {
-    constexpr double kLeast = 1e-3;  // [radii] of a tube's length
+    constexpr double kMin = 1e-3;  // [radii] minimum length of a tube
     const Path path = branches.path(branch);
     const Tube& before = tubes_[from.index()];
     const double start = before.branch == branch ? before.to : 0;
-    at = std::max(at, start + kLeast * path.radius(start));
+    at = std::max(at, start + kMin * path.radius(start));
     return append(path, {.parent = from, .branch = branch, .from = start, .to = at, .sides = sides});
 }
 

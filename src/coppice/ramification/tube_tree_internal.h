@@ -10,26 +10,28 @@
 
 namespace coppice::ramification_internal {
 
-/// The skeleton of the tubes that units, rings and ends leave between them: a node at the middle of each
-/// unit, at each ring of quads after the first subdivision, and at each end.
+/// Skeleton of the tubes between units, rings and ends: a node at the middle of each unit, at each ring of
+/// quads after the first subdivision, and at each end.
 class TubeTree {
   public:
-    /// Where the quads of a tube lie along its branch.
+    /// Range of the quads of a tube along its branch.
     struct Sides {
         double from = 0, to = 0;
     };
 
-    /// Appends the root at a place of a branch.
+    /// Appends the root at a position of a branch.
     NodeId add_root(const Branches& branches, std::uint32_t branch, double at);
-    /// Appends the node at a place of a branch, where a tube ends that begins at another.
+    /// Appends the node at a position of a branch at the end of a tube that begins at node `from`.
     NodeId add(const Branches& branches, std::uint32_t branch, NodeId from, double at, Sides sides);
 
-    Skeleton skeleton(Vec3d origin) const;  ///< of all nodes
-    /// Per node: between which parameters of its tube's axis the quads lie.
+    Skeleton skeleton(Vec3d origin) const;  ///< Returns the skeleton of all nodes.
+    /// Returns per node the range of the quads of its tube, in parameters of the axis of the tube.
     std::vector<std::array<float, 2>> sides() const;
-    /// Per node: the node of the branches' skeleton about whose segment the tube is, at its middle.
+    /// Returns per node the node of the branches' skeleton with the segment around the middle of which the
+    /// tube is.
     std::vector<NodeId> source(const Branches& branches) const;
-    /// Per node of the branches' skeleton, of which there are so many: the tubes about its segment, in order.
+    /// Returns per node of the branches' skeleton (`nodes` is their number) the tubes about its segment, in
+    /// order.
     CompressedRows<NodeId> wrapping(const Branches& branches, std::uint32_t nodes) const;
 
   private:

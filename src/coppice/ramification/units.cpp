@@ -10,26 +10,27 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kQuarter = kPi / 2;
-// An angle from the middle of a face that comes nearer to an edge of the cube than 10 degrees.
+// An angle from the middle of a face that is closer to an edge of the cube than 10 degrees.
 constexpr double kOffFace = 35 * kPi / 180;
 constexpr double kPrintedPeriod = kPi / 4, kPrintedReach = 10 * kPi / 180;
-// Corners of the face of a thick lateral: so far beside the crease, and at most so far from its middle.
-constexpr double kBesideCrease = 15 * kPi / 180, kWidest = 60 * kPi / 180;
-// Half the footprint of a lateral along its parent, in radii over the sine of its angle; of laterals that
-// leave at a smaller angle it is not longer.
-constexpr double kFootprint = 1.2, kLeastSine = 0.35;
-// Laterals in a row of faces; each has place for 16 that are crowded.
+// Corners of the face of a thick lateral: minimum angle from the crease, and maximum angle from its middle.
+constexpr double kAdjacentToCrease = 15 * kPi / 180, kWidest = 60 * kPi / 180;
+// Half the footprint of a lateral along its parent, in radii divided by the sine of its angle; constant for
+// smaller angles.
+constexpr double kFootprint = 1.2, kMinSine = 0.35;
+// Laterals in a row of faces; each row has space for 16 crowded ones.
 constexpr std::uint32_t kLateralsOfRow = 8;
-// Of a unit, for what is done with pairs of them; on a brush the next unit begins where this one ends.
-constexpr std::uint32_t kMostLaterals = 256;
-// [radii] A row beside the one of the current lateral is not shorter.
-constexpr double kLeastRow = 0.2;
-// Part of a lateral's footprint that has to lie within its row.
+// Maximum number of laterals of a unit, to limit operations on pairs of them; with more laterals the next
+// unit begins at the end of this one.
+constexpr std::uint32_t kMaxLaterals = 256;
+// [radii] minimum length of a row adjacent to that of the current lateral.
+constexpr double kMinRow = 0.2;
+// Share of the footprint of a lateral that must be within its row.
 constexpr double kInRow = 0.75;
-// Most of a face's half width that a lateral takes.
+// Maximum share of the half width of a face used by a lateral.
 constexpr double kFaceFilled = 0.85;
 
-/// The least value of a function with one minimum, by golden section.
+/// Returns the minimum of a unimodal function by golden-section search.
 template <class Function>
 double least_of(double low, double high, double tolerance, const Function& f) {
     constexpr double kGolden = 0.6180339887498949;
@@ -53,7 +54,8 @@ double least_of(double low, double high, double tolerance, const Function& f) {
     return (low + high) / 2;
 }
 
-/// A unit before it has its ends: it must hold [low, high], and is a cube from start to end at first.
+/// Unit before its ends are determined: it must contain [low, high], and is initially a cube from start to
+/// end.
 struct Cluster {
     Unit unit;
     double low = 0, high = 0;
@@ -104,9 +106,9 @@ class Planner {
         unit.first_lateral = first;
         unit.count = count;
         unit.radius = path_.radius(unit.center);
-        // The crease of a lateral as thick as its parent runs beyond the corners of a cube.
+        // The crease of a lateral as thick as its parent extends beyond the corners of a cube.
         const double crease = std::asin(std::min(1.0, current.radius / unit.radius));
-        unit.spread = std::clamp(crease + kBesideCrease, kPi / 4, kWidest);
+        unit.spread = std::clamp(crease + kAdjacentToCrease, kPi / 4, kWidest);
         out.low = out.high = unit.center;
         for (auto l = begin; l != begin + count; ++l) {
             out.low = std::min(out.low, std::clamp(l->center - l->half, from_, to_));
@@ -125,13 +127,13 @@ class Planner {
     }
 
     bool must_join(const Cluster& a, const Cluster& b) const {
-        if (a.unit.count + b.unit.count > kMostLaterals) return false;
+        if (a.unit.count + b.unit.count > kMaxLaterals) return false;
         const double room = 0.1 * std::min(a.unit.radius, b.unit.radius);
         if (b.low < a.high + room) return true;
         return !options_.no_connection_optimisation && calibrate(a, b).cost > options_.additional_threshold;
     }
 
-    /// The angle between the faces of two units, at most an eighth of a turn either way.
+    /// Returns the angle between the faces of two units, at most an eighth of a turn in either direction.
     double twist(const Unit& a, const Unit& b) const {
         const Vec3d axis = path_.direction((a.center + b.center) / 2, (b.center - a.center) / 2);
         const double angle =
@@ -141,7 +143,7 @@ class Planner {
 
     static double half_distortion(double along, double side) { return unit_distortion(side, along, side); }
 
-    /// Ends of two neighbours for the least RU + RC, one after the other by golden section.
+    /// Returns the ends of two neighbours with the minimum RU + RC, by alternating golden-section searches.
     Ends calibrate(const Cluster& a, const Cluster& b) const {
         const double turned = twist(a.unit, b.unit), diameter = a.unit.radius + b.unit.radius;
         const double tolerance = 1e-4 * diameter;
@@ -184,7 +186,8 @@ class Planner {
         }
     }
 
-    /// Rings in order, a little apart. Units that overlap because they were not to be optimised stay so.
+    /// Restores the order of the rings, with small gaps. Units that overlap because they must not be
+    /// optimised remain.
     void hold_order() {
         const double step = (to_ - from_) / static_cast<double>(4 * plan_.units.size() + 4);
         double least = from_;
@@ -201,14 +204,14 @@ class Planner {
         }
     }
 
-    /// Rings between rows of faces: one row for the current lateral, and more beside it where there are
-    /// others.
+    /// Creates the rings between rows of faces: one row for the current lateral, and adjacent ones if there
+    /// are others.
     void lay_rows(Unit& unit) const {
         const auto laterals = std::span(plan_.laterals).subspan(unit.first_lateral, unit.count);
         unit.rings = {unit.start, unit.end};
         if (unit.count > 1) {
             const double half = std::ranges::max_element(laterals, {}, &Lateral::radius)->half;
-            const double low = unit.center - half, high = unit.center + half, least = kLeastRow * unit.radius;
+            const double low = unit.center - half, high = unit.center + half, least = kMinRow * unit.radius;
             if (high + least < unit.end) unit.rings.insert(unit.rings.begin() + 1, high);
             if (low - least > unit.start) unit.rings.insert(unit.rings.begin() + 1, low);
             std::vector<double> finer;
@@ -246,7 +249,7 @@ class Planner {
         }
     }
 
-    /// Whether the lateral has a face of the unit to itself, as far as its own place is concerned; finds it.
+    /// Returns whether the lateral fits on a face of the unit, regardless of other laterals; finds the face.
     bool fits(const Unit& unit, Lateral& l) const {
         if (l.on_cap) return false;
         const Vec3d axis = path_.direction(l.center, unit.radius / 2);
@@ -277,14 +280,14 @@ class Planner {
 }  // namespace
 
 Lateral find_lateral(const Branches& branches, std::uint32_t lateral) {
-    constexpr int kMostSteps = 64;
+    constexpr int kMaxSteps = 64;
     const Branch& at = branches[lateral];
     const Path path = branches.path(lateral), parent = branches.path(at.parent);
     const double around = parent.radius(at.joint);
     std::uint32_t segment = parent.segment_at(at.joint);
     Lateral out{.branch = lateral};
     Path::Near near;
-    for (int step = 0; step < kMostSteps; ++step) {
+    for (int step = 0; step < kMaxSteps; ++step) {
         near = parent.nearest(segment, path.position(out.exit_arc));
         if (near.outside > -1e-3 * around || out.exit_arc >= path.length()) break;
         out.exit_arc = std::min(path.length(), out.exit_arc + std::max(-near.outside, 0.02 * around));
@@ -299,7 +302,7 @@ Lateral find_lateral(const Branches& branches, std::uint32_t lateral) {
     out.on_cap = length(across) < 0.5 * length(offset);
     out.out = normalized(across, perpendicular(axis));
     const double sine = length(cross(path.direction(out.exit_arc, out.radius / 2), axis));
-    out.half = std::min(kFootprint * out.radius / std::max(sine, kLeastSine), 2 * wide);
+    out.half = std::min(kFootprint * out.radius / std::max(sine, kMinSine), 2 * wide);
     return out;
 }
 

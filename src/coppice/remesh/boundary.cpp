@@ -26,7 +26,7 @@ std::vector<Edge> open_edges(std::span<const Triangle> faces, std::span<const st
 
 }  // namespace
 
-Boundary boundary_of(std::span<const Triangle> faces, std::span<const std::uint8_t> rim) {
+Boundary compute_boundary(std::span<const Triangle> faces, std::span<const std::uint8_t> rim) {
     Boundary out;
     const std::vector<Edge> open = open_edges(faces, rim);
     const auto leaving = [&](std::uint32_t v) {

@@ -8,19 +8,19 @@
 
 namespace coppice {
 
-/// Vertices of a closed way along edges, each joined to the next and the last to the first.
+/// Vertices of a closed path along edges, each joined to the next and the last to the first.
 using Loop = std::vector<std::uint32_t>;
 
-/// Where a set of faces ends.
+/// The boundary of a set of faces.
 struct Boundary {
-    std::vector<Loop>
-        loops;  ///< run as the faces run through their edges; by least vertex, which comes first
+    std::vector<Loop> loops;  ///< in the direction of the edges of the faces; ordered by smallest vertex,
+                              ///< which is the first
     std::vector<std::uint32_t> pinched;  ///< vertices at which loops touch; their loops are left out
 };
 
-/// The edges of oriented manifold triangles that have no second one, as loops. Where they are known to run
-/// between vertices that are marked in `rim`, one per vertex, others are not looked at. O(n + k log k) for k
-/// edges looked at.
-Boundary boundary_of(std::span<const Triangle> faces, std::span<const std::uint8_t> rim = {});
+/// Returns the edges of oriented manifold triangles that belong to a single triangle, as loops. If `rim` is
+/// given, only edges between vertices that are marked in it, one entry per vertex, are checked. O(n + k log
+/// k) for k checked edges.
+Boundary compute_boundary(std::span<const Triangle> faces, std::span<const std::uint8_t> rim = {});
 
 }  // namespace coppice

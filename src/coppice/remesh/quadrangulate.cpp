@@ -5,16 +5,16 @@
 #include <limits>
 
 #include "coppice/base/compressed_rows.h"
+#include "coppice/base/id.h"
 #include "coppice/mesh/shape.h"
 
 namespace coppice {
 namespace {
 
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-constexpr double kWorstPair = 0.3;  // scaled Jacobian below which two triangles are better left alone
-constexpr float kFlattest = 0.5f;   // cosine between the normals of two triangles that make a quad
+constexpr double kWorstPair = 0.3;  // scaled Jacobian below which two triangles are not joined
+constexpr float kFlattest = 0.5f;   // minimum cosine between the normals of two triangles that form a quad
 
-// Triangles by their edges. Half-edge 3 t + k runs from corner k of triangle t to the next one.
+// Triangles by their edges. Half-edge 3 t + k is from corner k of triangle t to the next one.
 class Edges {
   public:
     Edges(std::span<const Triangle> triangles, std::size_t vertices)
@@ -26,7 +26,7 @@ class Edges {
                                         }
                                     })),
           edge_(3 * triangles.size()),
-          twin_(3 * triangles.size(), kNone) {
+          twin_(3 * triangles.size(), kNoIndex) {
         for (std::uint32_t v = 0; v < rows_.size(); ++v) {
             for (const Half& here : rows_[v]) {
                 edge_[here.half] = find(v, here.high);
@@ -41,31 +41,31 @@ class Edges {
         const Triangle& t = triangles[half / 3];
         return {t[half % 3], t[(half + 1) % 3]};
     }
-    // The next half-edge of the same triangle.
+    // Returns the next half-edge of the same triangle.
     static std::uint32_t next(std::uint32_t half) { return half - half % 3 + (half + 1) % 3; }
 
-    std::size_t size() const { return rows_.items.size(); }  // numbers of edges are below
+    std::size_t size() const { return rows_.items.size(); }  // Upper bound of the indices of edges.
     std::uint32_t edge(std::uint32_t half) const { return edge_[half]; }
-    std::uint32_t twin(std::uint32_t half) const { return twin_[half]; }  // kNone at the boundary
-    // The edge between two vertices, or kNone.
+    std::uint32_t twin(std::uint32_t half) const { return twin_[half]; }  // kNoIndex at the boundary
+    // Returns the edge between two vertices, or kNoIndex.
     std::uint32_t find(std::uint32_t a, std::uint32_t b) const {
         const std::uint32_t low = std::min(a, b), high = std::max(a, b);
         for (std::uint32_t i = rows_.first[low]; i < rows_.first[low + 1]; ++i) {
             if (rows_.items[i].high == high) return i;
         }
-        return kNone;
+        return kNoIndex;
     }
 
   private:
     struct Half {
         std::uint32_t high, half;
     };
-    CompressedRows<Half> rows_;        // by the lesser end
+    CompressedRows<Half> rows_;        // by the smaller end
     std::vector<std::uint32_t> edge_;  // per half-edge
     std::vector<std::uint32_t> twin_;
 };
 
-// The corners of two triangles that share an edge, from where the half-edge of the first begins.
+// Returns the corners of two triangles that share an edge, from the beginning of the half-edge of the first.
 Quad joined(std::span<const Triangle> triangles, std::uint32_t half, std::uint32_t twin) {
     const auto [a, b] = Edges::ends(triangles, half);
     return {a, triangles[twin / 3][(twin + 2) % 3], b, triangles[half / 3][(half + 2) % 3]};
@@ -75,7 +75,7 @@ Vec3 normal(const Triangle& t, std::span<const Vec3> x) {
     return normalized(cross(x[t[1]] - x[t[0]], x[t[2]] - x[t[0]]));
 }
 
-// Per triangle, its half-edge across which it joins another, or kNone.
+// Per triangle: its half-edge across which it joins another, or kNoIndex.
 std::vector<std::uint32_t> pairs_of(std::span<const Triangle> triangles, const Edges& edges,
                                     std::span<const Vec3> x) {
     struct Pair {
@@ -85,7 +85,7 @@ std::vector<std::uint32_t> pairs_of(std::span<const Triangle> triangles, const E
     std::vector<Pair> good;
     for (std::uint32_t h = 0; h < 3 * triangles.size(); ++h) {
         const std::uint32_t g = edges.twin(h);
-        if (g == kNone || g < h) continue;
+        if (g == kNoIndex || g < h) continue;
         const double quality = scaled_jacobian(joined(triangles, h, g), x);
         if (quality < kWorstPair || dot(normal(triangles[h / 3], x), normal(triangles[g / 3], x)) < kFlattest)
             continue;
@@ -94,10 +94,10 @@ std::vector<std::uint32_t> pairs_of(std::span<const Triangle> triangles, const E
     std::sort(good.begin(), good.end(), [](const Pair& a, const Pair& b) {
         return a.quality != b.quality ? a.quality > b.quality : a.half < b.half;
     });
-    std::vector<std::uint32_t> out(triangles.size(), kNone);
+    std::vector<std::uint32_t> out(triangles.size(), kNoIndex);
     for (const Pair& p : good) {
         const std::uint32_t twin = edges.twin(p.half);
-        if (out[p.half / 3] != kNone || out[twin / 3] != kNone) continue;
+        if (out[p.half / 3] != kNoIndex || out[twin / 3] != kNoIndex) continue;
         out[p.half / 3] = p.half;
         out[twin / 3] = twin;
     }
@@ -113,14 +113,14 @@ std::uint32_t append(Buffer<Vec3>& positions, Vec3 p) {
 class Cutter {
   public:
     Cutter(const Edges& edges, std::span<const EdgeMiddle> given, Buffer<Vec3>& positions)
-        : edges_(edges), positions_(positions), middle_(edges.size(), kNone) {
+        : edges_(edges), positions_(positions), middle_(edges.size(), kNoIndex) {
         for (const EdgeMiddle& g : given) {
             const std::uint32_t edge = edges.find(g.a, g.b);
-            if (edge != kNone) middle_[edge] = g.middle;
+            if (edge != kNoIndex) middle_[edge] = g.middle;
         }
     }
 
-    // A face by its half-edges.
+    // Cuts a face given by its half-edges.
     void cut(std::span<const Triangle> triangles, std::span<const std::uint32_t> halves) {
         const std::size_t n = halves.size();
         std::array<std::uint32_t, 4> corner{}, middle{};
@@ -129,7 +129,7 @@ class Cutter {
             const auto [a, b] = Edges::ends(triangles, halves[k]);
             corner[k] = a;
             sum += positions_[a];
-            middle[k] = middle_of(edges_.edge(halves[k]), a, b);
+            middle[k] = compute_middle(edges_.edge(halves[k]), a, b);
         }
         const std::uint32_t center = append(positions_, sum / static_cast<float>(n));
         for (std::size_t k = 0; k < n; ++k) {
@@ -141,8 +141,8 @@ class Cutter {
     QuadPatch take() && { return std::move(patch_); }
 
   private:
-    std::uint32_t middle_of(std::uint32_t edge, std::uint32_t a, std::uint32_t b) {
-        if (middle_[edge] == kNone)
+    std::uint32_t compute_middle(std::uint32_t edge, std::uint32_t a, std::uint32_t b) {
+        if (middle_[edge] == kNoIndex)
             middle_[edge] = append(positions_, (positions_[a] + positions_[b]) * 0.5f);
         return middle_[edge];
     }
@@ -161,7 +161,7 @@ QuadPatch quadrangulate(std::span<const Triangle> triangles, std::span<const Edg
     const std::vector<std::uint32_t> pair = pairs_of(triangles, edges, positions);
     Cutter cutter(edges, given, positions);
     for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-        if (pair[t] == kNone) {
+        if (pair[t] == kNoIndex) {
             cutter.cut(triangles, std::array{3 * t, 3 * t + 1, 3 * t + 2});
             continue;
         }

@@ -7,30 +7,30 @@
 
 namespace coppice {
 
-/// An edge, and the vertex that is put between its ends.
+/// An edge, and the vertex that is inserted between its ends.
 struct EdgeMiddle {
     std::uint32_t a;       ///< one end
-    std::uint32_t b;       ///< the other
+    std::uint32_t b;       ///< the other end
     std::uint32_t middle;  ///< the vertex
 };
 
-/// Quads, and from which triangles they are.
+/// Quads, and the triangles from which they are made.
 struct QuadPatch {
-    std::vector<Quad> quads;              ///< corner of a triangle, middle of an edge, vertex within, middle
-    std::vector<std::uint32_t> triangle;  ///< per quad: a triangle of which its corner is one
+    std::vector<Quad> quads;              ///< corner of a triangle, middle of an edge, inner vertex, middle
+    std::vector<std::uint32_t> triangle;  ///< per quad: the triangle of its corner
 };
 
-/// Makes quads of triangles: neighbours join in pairs where that gives a good quad, the best first; then
-/// every pair is cut into four quads and every triangle left over into three, from the middles of the edges
-/// to a vertex in between. The middles of boundary edges are given where there are vertices already; all
-/// other new vertices are appended to `positions`, halfway along edges and in the means of faces.
+/// Converts triangles to quads: adjacent triangles are joined in pairs if that produces a good quad, the best
+/// first; then every pair is cut into four quads and every remaining triangle into three, from the middles of
+/// the edges to a vertex in between. The middles of boundary edges are given if there are vertices already;
+/// all other new vertices are appended to `positions`, midway along edges and in the means of faces.
 ///
 /// The triangles must be manifold and oriented. O(n log n).
 QuadPatch quadrangulate(std::span<const Triangle> triangles, std::span<const EdgeMiddle> given,
                         Buffer<Vec3>& positions);
 
-/// Cuts pairs again of which a triangle is marked in `alone`: each of both becomes three quads, which lie in
-/// its plane where their corners do and middles are halfway. O(n).
+/// Cuts pairs with a triangle that is marked in `alone` again: each of both becomes three quads, which are in
+/// its plane if their corners are and middles are midway. O(n).
 void split_pairs(QuadPatch& patch, std::span<const std::uint8_t> alone, Buffer<Vec3>& positions);
 
 }  // namespace coppice

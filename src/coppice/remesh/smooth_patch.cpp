@@ -5,17 +5,19 @@
 #include <cmath>
 
 #include "coppice/base/compressed_rows.h"
+#include "coppice/base/id.h"
 #include "coppice/base/parallel.h"
 
 namespace coppice {
 namespace {
 
-constexpr float kWeight = 0.6f;        // part of the way to the neighbours' mean
+constexpr float kWeight = 0.6f;        // share of the distance to the neighbours' mean
 constexpr float kLongestStep = 0.25f;  // [radii]
 constexpr int kSteps = 2;              // along the gradient, per pass
-constexpr std::size_t kBatch = 64;     // vertices that the field is asked about at once
+constexpr std::size_t kBatch = 64;     // vertices per evaluation of the field
 
-// One step of Newton's rule on value^(2/5) along the gradient, which is nearly straight for compact kernels.
+// Returns one step of Newton's method on value^(2/5) along the gradient, which is nearly linear for compact
+// kernels.
 Vec3 towards_level(FieldSample here, float level, float longest) {
     const float slope = length(here.gradient);
     if (!(slope > 0) || !(here.value > 0)) return {};
@@ -24,16 +26,16 @@ Vec3 towards_level(FieldSample here, float level, float longest) {
     return here.gradient * (std::clamp(way, -longest, longest) / slope);
 }
 
-// Per moving vertex, its neighbours along the edges of the quads.
+// Per moving vertex: its neighbours along the edges of the quads.
 CompressedRows<std::uint32_t> neighbours(std::span<const Quad> quads, std::span<const PatchVertex> moving) {
     std::uint32_t last = 0;
     for (const PatchVertex& m : moving) last = std::max(last, m.vertex);
-    std::vector<std::uint32_t> row(last + 1, kNoRow);
+    std::vector<std::uint32_t> row(last + 1, kNoIndex);
     for (std::uint32_t i = 0; i < moving.size(); ++i) row[moving[i].vertex] = i;
     return compress_rows<std::uint32_t>(moving.size(), [&](const auto& put) {
         for (const Quad& q : quads) {
             for (std::size_t k = 0; k < 4; ++k) {
-                if (q[k] <= last && row[q[k]] != kNoRow) put(row[q[k]], q[(k + 1) % 4]);
+                if (q[k] <= last && row[q[k]] != kNoIndex) put(row[q[k]], q[(k + 1) % 4]);
             }
         }
     });

@@ -12,14 +12,14 @@ namespace coppice {
 /// A vertex that may move.
 struct PatchVertex {
     std::uint32_t vertex;  ///< index into the positions
-    std::uint32_t region;  ///< in which the field is asked there
-    float radius;          ///< [m] of the branch there: no step is longer than a part of it
+    std::uint32_t region;  ///< region of the field for evaluations at the vertex
+    float radius;          ///< [m] of the branch at the vertex: limits the length of steps
 };
 
-/// Evens out a patch of quads on a field's surface: in every pass each vertex goes part of the way to the
-/// mean of its neighbours along edges, and then back onto value = level along the gradient, all at once.
-/// `quads` are those of the patch, whose other vertices stay. Cheapest when vertices of one region follow
-/// each other. Deterministic for any number of threads. O(passes n).
+/// Smooths a patch of quads on a field's surface: in every pass each vertex moves a share of the distance to
+/// the mean of its neighbours along edges, and then back onto value = level along the gradient, all
+/// simultaneously. `quads` are those of the patch; its other vertices do not move. Fastest if vertices of one
+/// region are consecutive. The result does not depend on the number of threads. O(passes n).
 void smooth_patch(std::span<Vec3> positions, std::span<const Quad> quads, std::span<const PatchVertex> moving,
                   FieldRef field, int passes, const Context& ctx = {});
 

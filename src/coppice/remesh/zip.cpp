@@ -7,7 +7,8 @@
 namespace coppice {
 namespace {
 
-// The angles of a loop's vertices about an axis, going on beyond a full turn; one more than vertices.
+// Returns the angles of a loop's vertices around an axis, continued beyond a full turn; one more than
+// vertices.
 std::vector<float> angles(const Loop& loop, std::span<const Vec3> positions, const LoopAxis& axis) {
     const Vec3 x = perpendicular(axis.direction), y = cross(axis.direction, x);
     std::vector<float> out;
@@ -26,7 +27,7 @@ int turns(std::span<const float> angle) {
     return static_cast<int>(std::lround((angle.back() - angle.front()) / (2 * std::numbers::pi_v<float>)));
 }
 
-// The loop from another vertex on.
+// Returns the loop with another first vertex.
 Loop started_at(const Loop& loop, std::size_t first) {
     Loop out = loop;
     std::rotate(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(first), out.end());
@@ -52,7 +53,7 @@ std::optional<std::vector<Triangle>> zip(const Loop& outer, const Loop& inner,
     const std::vector<float> a = angles(outer, positions, axis), b = angles(near, positions, axis);
     const int sense = turns(a);
     if (std::abs(sense) != 1 || turns(b) != sense) return {};
-    // Where the inner loop begins a little before or behind the outer one.
+    // Angle by which the inner loop begins slightly before or after the outer one.
     const float shift = a[0] + std::remainder(b[0] - a[0], 2 * std::numbers::pi_v<float>) - b[0];
     const auto way = [&](const std::vector<float>& angle, std::size_t k, float by) {
         return static_cast<float>(sense) * (angle[k] + angle[k + 1] + 2 * by);

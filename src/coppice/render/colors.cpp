@@ -8,8 +8,8 @@ namespace coppice {
 namespace {
 
 constexpr Vec3 kUnknown{0.25f, 0.25f, 0.25f};
-constexpr double kUsual = 0.98;       // of the distances lie within the range of the colours
-constexpr float kLeastRange = 1e-9f;  // [m]
+constexpr double kUsual = 0.98;     // fraction of the distances within the range of the colours
+constexpr float kMinRange = 1e-9f;  // [m]
 
 }  // namespace
 
@@ -57,11 +57,11 @@ float usual_range(std::span<const float> distances) {
     sizes.reserve(distances.size());
     for (const float d : distances)
         if (std::isfinite(d)) sizes.push_back(std::fabs(d));
-    if (sizes.empty()) return kLeastRange;
+    if (sizes.empty()) return kMinRange;
     const auto at =
         sizes.begin() + static_cast<std::ptrdiff_t>(kUsual * static_cast<double>(sizes.size() - 1));
     std::nth_element(sizes.begin(), at, sizes.end());
-    return std::max(*at, kLeastRange);
+    return std::max(*at, kMinRange);
 }
 
 std::vector<Rgb> distance_colors(std::span<const float> distances, float range) {

@@ -4,29 +4,29 @@
 #include <span>
 #include <vector>
 
-#include "coppice/points/painted_points.h"
+#include "coppice/points/point_cloud.h"
 
 namespace coppice {
 
-/// Red for outside, blue for inside, pale grey for true, a grey of its own for what is not a number; `t` runs
-/// over [-1, 1]. Linear light.
+/// Returns the colour of a deviation: red for outside, blue for inside, pale grey for zero, another grey for
+/// NaN; `t` is in [-1, 1]. Linear light.
 Vec3 deviation_color(float t);
 
 /// Encodes linear light in [0, 1] as sRGB.
 float to_srgb(float linear);
-/// The same for all three, as bytes. No colour is below 0.
+/// The same for all three channels, as bytes. No channel may be negative.
 Rgb to_srgb(Vec3 linear);
-/// Back again.
+/// Decodes sRGB to linear light.
 Vec3 to_linear(Rgb color);
 
-/// A colour for each of many things: those of neighbouring numbers are far apart in hue.
+/// Returns a colour for a number; the hues of consecutive numbers differ strongly.
 Rgb numbered_color(std::size_t number);
 
-/// The size [m] that 98 % of the distances keep below, so that few far away do not pale the others when it is
-/// drawn in full colour; above 0. What is not finite does not count. O(n).
+/// Returns the size [m] below which 98 % of the distances are, as range of the colours, so that few large
+/// ones do not make the others pale; above 0. Ignores values that are not finite. O(n).
 float usual_range(std::span<const float> distances);
 
-/// The colour of each distance where `range` has the full colour. O(n).
+/// Returns the colour of each distance; those of size `range` have the full colour. O(n).
 std::vector<Rgb> distance_colors(std::span<const float> distances, float range);
 
 }  // namespace coppice

@@ -11,8 +11,8 @@
 namespace coppice {
 namespace {
 
-/// Where the points are moved to: their middle to the origin, their box to a diagonal of 1, in which cameras
-/// are placed.
+/// The transformation of the points in which cameras are placed: the centre of their box is moved to the
+/// origin, its diagonal scaled to 1.
 struct UnitFrame {
     Vec3d center;
     double scale;
@@ -31,7 +31,7 @@ UnitFrame unit_frame(std::span<const Vec3d> points) {
     }
     const double size = length(high - low);
     if (!std::isfinite(size) || size <= 0)
-        throw InvalidInput("render: there is nothing of a size that a camera could look at");
+        throw InvalidInput("render: the object has no extent that a camera could frame");
     return {(low + high) * 0.5, 1 / size};
 }
 

@@ -7,9 +7,9 @@
 
 namespace coppice {
 
-/// The camera with which render() would look at these points [m], for those who draw by other means: it
-/// stands where the options say, and they all fit into the picture. Throws InvalidInput without points, and
-/// when one is not finite or their box has no size. O(n).
+/// Returns the camera that render() would use for these points [m], for other renderers: its direction is
+/// that of the options, and all points fit into the image. Throws InvalidInput without points, for a point
+/// that is not finite, and if their box has no extent. O(n).
 SketchView frame_view(std::span<const Vec3d> points, const RenderOptions& options);
 
 }  // namespace coppice

@@ -9,17 +9,17 @@
 namespace coppice {
 namespace {
 
-constexpr int kMostColors = 255;
-constexpr std::uint8_t kUnchanged = 255;  // the index of what stays as in the picture before
+constexpr int kMaxColors = 255;
+constexpr std::uint8_t kUnchanged = 255;  // index of pixels that do not change from the previous image
 constexpr int kCodeSize = 8;              // [bits] of a palette of 256
-constexpr std::uint32_t kClear = 1u << kCodeSize, kEnd = kClear + 1, kMostCodes = 4096;
+constexpr std::uint32_t kClear = 1u << kCodeSize, kEnd = kClear + 1, kMaxCodes = 4096;
 
 std::uint32_t bin_of(const Image::Pixel& p) {
     return static_cast<std::uint32_t>(p[0] >> 3) << 10 | static_cast<std::uint32_t>(p[1] >> 3) << 5 |
            p[2] >> 3;
 }
 
-/// Pixels of like colour.
+/// Pixels of similar colour.
 struct Bin {
     std::array<double, 3> color{};  ///< mean
     double count = 0;
@@ -49,7 +49,7 @@ Bin mean(const std::vector<Bin>& box) {
     return out;
 }
 
-/// The channel of greatest variance, and that variance times the pixels.
+/// Returns the channel of greatest variance, with that variance times the number of pixels.
 std::pair<double, std::size_t> spread(const std::vector<Bin>& box) {
     const Bin middle = mean(box);
     std::pair<double, std::size_t> out{-1, 0};
@@ -62,7 +62,7 @@ std::pair<double, std::size_t> spread(const std::vector<Bin>& box) {
     return out;
 }
 
-/// Cuts the box of widest spread at its mean, until there are as many as colours.
+/// Splits the box of widest spread at its mean, until there are as many boxes as colours.
 std::vector<std::array<std::uint8_t, 3>> palette_of(const Image& image, std::size_t count) {
     std::vector<std::vector<Bin>> boxes{histogram(image)};
     std::vector<std::pair<double, std::size_t>> spreads{spread(boxes[0])};
@@ -78,7 +78,7 @@ std::vector<std::array<std::uint8_t, 3>> palette_of(const Image& image, std::siz
         low.erase(middle, low.end());
         if (high.empty() || low.empty()) {
             low.insert(low.end(), high.begin(), high.end());
-            spreads[widest].first = 0;  // rounding: it cannot be cut
+            spreads[widest].first = 0;  // cannot be split because of rounding
             continue;
         }
         spreads[widest] = spread(low);
@@ -100,7 +100,7 @@ void put_word(std::string& out, unsigned value) {
     out += static_cast<char>(value >> 8 & 255);
 }
 
-/// Codes of growing width in blocks of 255 bytes.
+/// Writes codes of increasing width in blocks of 255 bytes.
 class CodeWriter {
   public:
     void put(std::uint32_t code, int bits) {
@@ -126,10 +126,11 @@ class CodeWriter {
     int count_ = 0;
 };
 
-/// Lempel, Ziv and Welch's code, as GIF has it.
+/// LZW compression as defined by GIF.
 std::string compressed(const std::vector<std::uint8_t>& pixels) {
     CodeWriter out;
-    std::vector<std::uint16_t> next(std::size_t{kMostCodes} << kCodeSize, 0);  // by code and byte; 0: none
+    std::vector<std::uint16_t> next(std::size_t{kMaxCodes} << kCodeSize,
+                                    0);  // by code and byte; 0: undefined
     std::uint32_t free = kEnd + 1;
     int bits = kCodeSize + 1;
     out.put(kClear, bits);
@@ -141,7 +142,7 @@ std::string compressed(const std::vector<std::uint8_t>& pixels) {
             continue;
         }
         out.put(code, bits);
-        if (free == kMostCodes) {
+        if (free == kMaxCodes) {
             out.put(kClear, bits);
             std::ranges::fill(next, std::uint16_t{0});
             free = kEnd + 1;
@@ -165,9 +166,10 @@ GifEncoder::GifEncoder(const Image& first, double delay, int colors)
       height_(first.height),
       delay_(static_cast<unsigned>(std::clamp(std::lround(100 * delay), 2L, 65535L))),
       nearest_(1u << 15, -1) {
-    if (first.pixels.empty()) throw InvalidInput("a GIF needs pictures with pixels");
-    if (width_ > 65535 || height_ > 65535) throw InvalidInput("a GIF is at most 65,535 pixels wide and high");
-    if (colors < 2 || colors > kMostColors) throw InvalidInput("a GIF has 2 to 255 colours");
+    if (first.pixels.empty()) throw InvalidInput("a GIF requires images with pixels");
+    if (width_ > 65535 || height_ > 65535)
+        throw InvalidInput("a GIF is limited to 65,535 pixels of width and height");
+    if (colors < 2 || colors > kMaxColors) throw InvalidInput("a GIF requires 2 to 255 colours");
     colors_ = palette_of(first, static_cast<std::size_t>(colors));
 }
 
@@ -199,7 +201,7 @@ std::uint8_t GifEncoder::index_of(const Image::Pixel& pixel) {
 
 std::string GifEncoder::add(const Image& picture) {
     if (picture.width != width_ || picture.height != height_)
-        throw InvalidInput("the pictures of a GIF must have one size");
+        throw InvalidInput("the images of a GIF must have the same size");
     std::vector<std::uint8_t> now, shown;
     now.reserve(picture.pixels.size());
     for (const Image::Pixel& p : picture.pixels) now.push_back(index_of(p));
@@ -208,7 +210,7 @@ std::string GifEncoder::add(const Image& picture) {
         if (now[i] == last_[i]) shown[i] = kUnchanged;
     }
     last_ = std::move(now);
-    std::string out("\x21\xf9\x04\x05", 4);  // left in place; one index is transparent
+    std::string out("\x21\xf9\x04\x05", 4);  // no disposal; one index is transparent
     put_word(out, delay_);
     out += static_cast<char>(kUnchanged);
     out += '\0';

@@ -9,22 +9,22 @@
 
 namespace coppice {
 
-/// Pictures that follow each other, as the bytes of a GIF file that repeats for ever. All have the colours
-/// that are most in the first one, whose pixels count as opaque; of each only what differs from
-/// the one before is held. The same pictures give the same bytes. The caller writes them; nothing is written
-/// here.
+/// Encodes consecutive images as the bytes of an endlessly repeating GIF file. The palette contains the most
+/// frequent colours of the first image, all pixels of which count as opaque; each image stores only the
+/// differences from the previous one. Equal images give equal bytes. The caller writes the bytes; the encoder
+/// writes no files.
 class GifEncoder {
   public:
-    /// `colors` in [2, 255], fewer for smaller files; `delay` [s] from one picture to the next, in
-    /// hundredths; at least two of them, as viewers take less for more.
+    /// `colors` in [2, 255], fewer for smaller files; `delay` [s] between images, in hundredths, at least
+    /// two, because viewers replace shorter delays by longer ones.
     GifEncoder(const Image& first, double delay, int colors = 255);
 
-    /// What the file begins with.
+    /// Returns the header of the file.
     std::string head() const;
-    /// What the next picture adds; the first one is to be added too. Throws InvalidInput when its size
+    /// Returns the bytes of the next image; the first one must be added too. Throws InvalidInput if its size
     /// differs.
     std::string add(const Image& picture);
-    /// What the file ends with.
+    /// Returns the end of the file.
     static std::string tail() { return ";"; }
 
   private:
@@ -33,8 +33,8 @@ class GifEncoder {
     int width_, height_;
     unsigned delay_;                                   ///< [1/100 s]
     std::vector<std::array<std::uint8_t, 3>> colors_;  ///< the palette
-    std::vector<std::int16_t> nearest_;  ///< by the upper five bits of each channel; -1: not asked yet
-    std::vector<std::uint8_t> last_;     ///< the picture before, by palette; empty at first
+    std::vector<std::int16_t> nearest_;  ///< by the upper five bits of each channel; -1: not computed yet
+    std::vector<std::uint8_t> last_;     ///< the previous image as palette indices; empty at first
 };
 
 }  // namespace coppice

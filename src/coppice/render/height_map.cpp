@@ -12,12 +12,12 @@ namespace {
 
 using Color = std::array<double, 3>;
 
-// Lighter from step to step, so that the map reads in grey too.
+// Increasingly light, so that the map is also readable in grey.
 constexpr std::array<Color, 5> kSteps{
     {{26, 28, 94}, {36, 96, 168}, {58, 158, 140}, {178, 206, 84}, {252, 240, 176}}};
 constexpr Color kNoNumber{128, 128, 128}, kDark{16, 16, 24}, kWhite{255, 255, 255};
 constexpr double kFine = 0.6, kBroad = 1.6;  // [pixels] half the width of lines
-constexpr double kFineShare = 0.55;          // how much of a fine line covers what lies below
+constexpr double kFineShare = 0.55;          // opacity of a fine line
 
 Color mixed(const Color& a, const Color& b, double t) {
     return {a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])};
@@ -37,7 +37,7 @@ void cover(Image::Pixel& pixel, const Color& color, double share) {
     }
 }
 
-/// How much of a pixel lies within `half` of a place `distance` away, with a rim of one pixel.
+/// Returns the fraction of a pixel within `half` of a point `distance` away, with a rim of one pixel.
 double coverage(double distance, double half) { return std::clamp(half + 0.5 - distance, 0.0, 1.0); }
 
 class Map {
@@ -52,7 +52,7 @@ class Map {
                        static_cast<std::size_t>(std::clamp(x, 0, width_ - 1))];
     }
 
-    /// The numbers of the pixels about one, from the least to the greatest.
+    /// The minimum and maximum value of the pixels around one.
     struct Range {
         double low, high;
         bool passes(double level) const { return low < level && level <= high; }
@@ -69,7 +69,8 @@ class Map {
         return range;
     }
 
-    /// [pixels] from where the numbers are `level`, to first order; some pixel about this one lies beyond.
+    /// [pixels] Returns the distance to the isoline of `level`, to first order; some adjacent pixel is on its
+    /// other side.
     double distance(int x, int y, double level) const {
         const double v = at(x, y) - level;
         const double gx = slope(at(x - 1, y), at(x, y), at(x + 1, y));
@@ -78,7 +79,7 @@ class Map {
     }
 
   private:
-    /// The steeper side, so that steps are lines too.
+    /// The steeper side, so that steps are drawn as lines too.
     static double slope(double before, double here, double after) {
         return std::max(std::abs(here - before), std::abs(after - here));
     }

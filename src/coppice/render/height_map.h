@@ -8,21 +8,21 @@
 
 namespace coppice {
 
-/// How numbers become colours and lines.
+/// Colours and lines of a map.
 struct HeightMapOptions {
-    double low = 0;                     ///< drawn in dark blue, as what is less
-    double high = 1;                    ///< drawn in pale yellow, as what is greater; > low
-    std::vector<double> isolines = {};  ///< a fine dark line where the numbers pass one of these
-    std::vector<double> outlines = {};  ///< a broad white line
+    double low = 0;                     ///< dark blue, also for lower values
+    double high = 1;                    ///< pale yellow, also for higher values; > low
+    std::vector<double> isolines = {};  ///< values of fine dark isolines
+    std::vector<double> outlines = {};  ///< values of broad white isolines
 };
 
-/// Draws a table of numbers as a map: dark blue, blue, green, yellow, pale yellow, with lines of equal number
-/// between pixels. What is not a number is grey. `values` are rows of `width` from the top. O(pixels), and
-/// lines where they pass. Throws Cancelled.
+/// Draws a table of values as a map: dark blue, blue, green, yellow, pale yellow, with isolines at subpixel
+/// accuracy. NaN is grey. `values` are rows of `width` from the top. O(pixels), plus the length of the lines.
+/// Throws Cancelled.
 Image height_map(std::span<const double> values, int width, const HeightMapOptions& options,
                  const Context& ctx = {});
 
-/// Draws a filled white dot with a dark rim, its centre at x, y [pixels] from the upper left corner.
+/// Draws a filled white dot with a dark rim and its centre at x, y [pixels] from the upper left corner.
 void draw_dot(Image& image, double x, double y, double radius);
 
 }  // namespace coppice

@@ -7,7 +7,7 @@
 
 namespace coppice {
 
-/// A picture of 8 bits per channel: sRGB colour, not premultiplied, and linear alpha. Row 0 is the top one.
+/// An image of 8 bits per channel: sRGB colour, not premultiplied, and linear alpha. Row 0 is at the top.
 struct Image {
     using Pixel = std::array<std::uint8_t, 4>;  ///< red, green, blue, alpha
 
@@ -26,7 +26,7 @@ struct Image {
     Pixel& at(int x, int y) { return pixels[index(x, y)]; }
     /// x < width from the left, y < height from the top
     const Pixel& at(int x, int y) const { return pixels[index(x, y)]; }
-    friend bool operator==(const Image&, const Image&) = default;  ///< pixel by pixel
+    friend bool operator==(const Image&, const Image&) = default;  ///< compares all pixels
 
   private:
     std::size_t index(int x, int y) const {

@@ -16,12 +16,13 @@
 namespace coppice {
 namespace {
 
-constexpr std::uint64_t kMostPixels = 128'000'000;
+constexpr std::uint64_t kMaxPixels = 128'000'000;
 
 void check_size(std::uint64_t width, std::uint64_t height, const std::string& name) {
-    if (width * height <= kMostPixels) return;
-    throw InvalidInput(fmt::format("{}: {} x {} pixels are more than {} million; scale the picture down",
-                                   name, width, height, kMostPixels / 1'000'000));
+    if (width * height <= kMaxPixels) return;
+    throw InvalidInput(
+        fmt::format("{}: {} x {} pixels are more than {} million; reduce the size of the image", name, width,
+                    height, kMaxPixels / 1'000'000));
 }
 
 Image decode_png(std::string_view bytes, const std::string& name) {
@@ -42,7 +43,7 @@ Image decode_png(std::string_view bytes, const std::string& name) {
     return image;
 }
 
-/// libjpeg leaves through longjmp: nothing that has to be destroyed may be made between setjmp and there.
+/// libjpeg returns through longjmp: no object with a destructor may be created between setjmp and longjmp.
 struct JpegReader {
     jpeg_decompress_struct state{};
     jpeg_error_mgr errors{};
@@ -113,13 +114,14 @@ Image decode_jpeg(std::string_view bytes, const std::string& name) {
 Image decode_picture(std::string_view bytes, const std::string& name) {
     if (bytes.starts_with("\x89PNG")) return decode_png(bytes, name);
     if (bytes.starts_with("\xff\xd8")) return decode_jpeg(bytes, name);
-    throw InvalidInput(name + ": this is neither a PNG nor a JPEG picture");
+    throw InvalidInput(name + ": this is neither a PNG nor a JPEG image");
 }
 
 Image overlay(const Image& picture, const Image& drawn, float opacity) {
     if (picture.width != drawn.width || picture.height != drawn.height) {
-        throw InvalidInput(fmt::format("a drawing of {} x {} pixels cannot lie over a picture of {} x {}",
-                                       drawn.width, drawn.height, picture.width, picture.height));
+        throw InvalidInput(
+            fmt::format("a drawing of {} x {} pixels cannot be placed over an image of {} x {}", drawn.width,
+                        drawn.height, picture.width, picture.height));
     }
     Image out = picture;
     for (std::size_t i = 0; i < out.pixels.size(); ++i) {

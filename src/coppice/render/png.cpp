@@ -13,7 +13,7 @@ std::string encode(png_image& header, const std::uint8_t* pixels) {
     std::string bytes(PNG_IMAGE_PNG_SIZE_MAX(header), '\0');
     png_alloc_size_t size = bytes.size();
     if (!png_image_write_to_memory(&header, bytes.data(), &size, 0, pixels, 0, nullptr)) {
-        throw Unsupported(std::string("the picture cannot be encoded as PNG: ") + header.message);
+        throw Unsupported(std::string("the image cannot be encoded as PNG: ") + header.message);
     }
     bytes.resize(size);
     return bytes;
@@ -23,7 +23,7 @@ std::string encode(png_image& header, const std::uint8_t* pixels) {
 
 std::string encode_png(const Image& image) {
     if (image.width <= 0 || image.height <= 0)
-        throw InvalidInput("a picture without pixels cannot be encoded as PNG");
+        throw InvalidInput("an image without pixels cannot be encoded as PNG");
     png_image header{};
     header.version = PNG_IMAGE_VERSION;
     header.width = static_cast<png_uint_32>(image.width);

@@ -7,12 +7,12 @@
 
 namespace coppice {
 
-/// The bytes of a PNG file with the picture: RGB where every pixel is opaque, otherwise RGBA. The same image
-/// gives the same bytes. Throws InvalidInput for a picture without pixels. The caller writes the bytes;
-/// nothing is written here.
+/// Returns the bytes of a PNG file of the image: RGB if every pixel is opaque, otherwise RGBA. Equal images
+/// give equal bytes. Throws InvalidInput for an image without pixels. The caller writes the bytes; this
+/// function writes no files.
 std::string encode_png(const Image& image);
 
-/// Whether the name ends in .png or .PNG.
+/// Returns whether the name ends in .png or .PNG.
 bool is_png_name(const std::filesystem::path& path);
 
 }  // namespace coppice

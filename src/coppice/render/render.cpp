@@ -18,18 +18,18 @@
 namespace coppice {
 namespace {
 
-constexpr long long kMostPixels = 128'000'000;
-constexpr int kTile = 16;           // [pixels] a square of them is traced together, for the caches
-constexpr int kRowsPerReport = 64;  // between two reports of progress
+constexpr long long kMaxPixels = 128'000'000;
+constexpr int kTile = 16;           // [pixels] side of a square that is traced as a unit, for the caches
+constexpr int kRowsPerReport = 64;  // between two progress reports
 constexpr float kBuildShare = 0.3f;
 
-void check(const PaintedPoints& cloud, float radius) {
+void check(const PointCloud& cloud, float radius) {
     const std::size_t n = cloud.points.size();
     if (n == 0) throw InvalidInput("render: the cloud has no points");
     if (!(radius > 0)) throw InvalidInput("render: the points have no radius");
     if ((!cloud.colors.empty() && cloud.colors.size() != n) ||
         (!cloud.distances.empty() && cloud.distances.size() != n))
-        throw InvalidInput("render: colours and distances of points are one for each, or none");
+        throw InvalidInput("render: the number of colours or distances must be that of the points, or 0");
     for (std::size_t i = 0; i < n; ++i) {
         if (!is_finite(cloud.points.positions[i]))
             throw InvalidInput(fmt::format("render: point {} has no finite position", i));
@@ -39,10 +39,10 @@ void check(const PaintedPoints& cloud, float radius) {
 void check(const RenderScene& scene, const RenderOptions& options) {
     check_fields(options, "render");
     const auto pixels = static_cast<long long>(options.width) * options.height;
-    if (pixels > kMostPixels) {
+    if (pixels > kMaxPixels) {
         throw InvalidInput(
-            fmt::format("render: {} x {} pixels are more than {} million; choose a smaller picture",
-                        options.width, options.height, kMostPixels / 1'000'000));
+            fmt::format("render: {} x {} pixels are more than {} million; choose a smaller image",
+                        options.width, options.height, kMaxPixels / 1'000'000));
     }
     if (scene.view != nullptr) validate(*scene.view, "render: view");
     if (scene.mesh == nullptr && scene.skeleton == nullptr && scene.cloud == nullptr)
@@ -64,19 +64,20 @@ void check(const RenderScene& scene, const RenderOptions& options) {
     const bool has_other = scene.distance_to != nullptr && scene.distance_to->boxes().size() > 0;
     if (options.color == RenderColor::distance && scene.cloud != nullptr && scene.cloud->distances.empty() &&
         !has_other)
-        throw InvalidInput("render: colour by distance needs points that have it, or a mesh with faces");
+        throw InvalidInput(
+            "render: colouring by distance requires points with distances, or a mesh with faces");
     if (options.color == RenderColor::distance && scene.cloud == nullptr &&
         (scene.mesh == nullptr || !has_other)) {
-        throw InvalidInput("render: colour by distance needs a mesh and another one with faces");
+        throw InvalidInput("render: colouring by distance requires a mesh and another one with faces");
     }
     if (options.color == RenderColor::evidence &&
         (scene.skeleton == nullptr || scene.evidence.size() != scene.skeleton->size()))
         throw InvalidInput(
-            "render: colour by evidence needs a skeleton and the evidence of each of its nodes");
+            "render: colouring by evidence requires a skeleton and an evidence value for each of its nodes");
     if (options.color != RenderColor::deviation) return;
     if (scene.mesh == nullptr || scene.deviation.size() != scene.mesh->positions.size()) {
         throw InvalidInput(
-            "render: colour by deviation needs a mesh and one deviation for each of its vertices");
+            "render: colouring by deviation requires a mesh and a deviation for each of its vertices");
     }
 }
 
@@ -86,7 +87,7 @@ Image::Pixel encode(const Light& light) {
     return {red, green, blue, static_cast<std::uint8_t>(std::lround(255 * std::min(1.0f, light.alpha)))};
 }
 
-/// [m] from the other surface, of each of the points of a frame.
+/// [m] Returns the distances of points from the other surface.
 std::vector<float> distances_to(const SurfaceTree& surface, std::size_t count, const Context& ctx,
                                 const std::function<Vec3d(std::size_t)>& world) {
     constexpr std::size_t kGrain = 256;
@@ -98,7 +99,7 @@ std::vector<float> distances_to(const SurfaceTree& surface, std::size_t count, c
     return out;
 }
 
-/// Of the vertices that faces have.
+/// Returns the distances of the vertices that faces use.
 std::vector<float> distances_of_mesh(const PolygonMesh& mesh, const SurfaceTree& surface,
                                      const Context& ctx) {
     std::vector<std::uint32_t> used = mesh.corners;
@@ -107,9 +108,9 @@ std::vector<float> distances_of_mesh(const PolygonMesh& mesh, const SurfaceTree&
                         [&](std::size_t i) { return Vec3d(mesh.positions[used[i]]) + mesh.origin; });
 }
 
-/// The cloud with the colours of its distances; chooses their range where none was given.
-PaintedPoints paint(const RenderScene& scene, float& range, const Context& ctx) {
-    PaintedPoints out = *scene.cloud;
+/// Returns the cloud with the colours of its distances; chooses their range if none is given.
+PointCloud paint(const RenderScene& scene, float& range, const Context& ctx) {
+    PointCloud out = *scene.cloud;
     if (out.distances.empty()) {
         out.distances = distances_to(*scene.distance_to, out.points.size(), ctx,
                                      [&](std::size_t i) { return out.points.world(i); });
@@ -119,7 +120,7 @@ PaintedPoints paint(const RenderScene& scene, float& range, const Context& ctx) 
     return out;
 }
 
-/// Looks at the stop token in each row, because many samples make a tile long.
+/// Polls the stop token in each row, because many samples make a tile slow.
 void draw_tile(Image& image, const Shading& shading, int left, int top, int bottom,
                const std::stop_token& stop) {
     for (int y = top; y < bottom && !stop.stop_requested(); ++y) {
@@ -128,18 +129,18 @@ void draw_tile(Image& image, const Shading& shading, int left, int top, int bott
     }
 }
 
-/// Rings at least as wide as a fortieth of the picture, so that none is overlooked.
+/// Draws rings of at least a fortieth of the image, so that they remain visible.
 void draw_marks(Image& image, const RenderScene& scene, const TracedScene& traced, const Camera& camera) {
-    constexpr float kLeastRadius = 1.0f / 80, kWidth = 1.0f / 450, kFree = 1.15f;
+    constexpr float kMinRadius = 1.0f / 80, kWidth = 1.0f / 450, kFree = 1.15f;
     const auto size = static_cast<float>(std::min(image.width, image.height));
     for (const RenderMark& mark : scene.marks) {
         const Vec3 place = traced.local(mark.place);
         const Camera::Projected middle = camera.project(place);
         if (middle.depth <= 0) continue;
-        const auto beside =
+        const auto adjacent =
             camera.project(place + camera.right() * (traced.local_length(mark.radius) * kFree));
         const float radius =
-            std::max(std::hypot(beside.x - middle.x, beside.y - middle.y), kLeastRadius * size);
+            std::max(std::hypot(adjacent.x - middle.x, adjacent.y - middle.y), kMinRadius * size);
         draw_ring(image, {middle.x, middle.y, radius, std::max(1.5f, kWidth * size)}, kMarkColor);
     }
 }
@@ -152,12 +153,12 @@ Image render(const RenderScene& scene, const RenderOptions& options, const Conte
     ctx.report(0);
     RenderScene shown = scene;
     if (options.color == RenderColor::deviation || options.color == RenderColor::distance)
-        shown.skeleton = nullptr;  // it would cover what is to be seen
+        shown.skeleton = nullptr;  // it would cover the coloured surface
     RenderOptions chosen = options;
-    PaintedPoints painted;
+    PointCloud point_cloud;
     if (options.color == RenderColor::distance && scene.cloud != nullptr) {
-        painted = paint(scene, chosen.distance_range, ctx);
-        shown.cloud = &painted;
+        point_cloud = paint(scene, chosen.distance_range, ctx);
+        shown.cloud = &point_cloud;
     } else if (options.color == RenderColor::distance && options.distance_range == 0) {
         chosen.distance_range = usual_range(distances_of_mesh(*scene.mesh, *scene.distance_to, ctx));
     }
@@ -169,7 +170,8 @@ Image render(const RenderScene& scene, const RenderOptions& options, const Conte
     const Camera camera = scene.view != nullptr ? Camera(traced.local(*scene.view))
                                                 : Camera(traced.frame_points(), options, middle);
     if (middle && scene.view == nullptr && camera.project(*middle).depth <= 0)
-        throw InvalidInput("render: what look_at names lies behind the camera; look from elsewhere");
+        throw InvalidInput(
+            "render: the point of look_at is behind the camera; change the direction of the camera");
     const Shading shading(traced, camera, chosen);
     Image image(options.width, options.height);
     const int columns = (options.width + kTile - 1) / kTile;

@@ -20,11 +20,11 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr std::uint64_t kBeamStage = 0x6265616d, kNoiseStage = 0x7363616e;
 constexpr std::size_t kGrain = 4096;
-constexpr std::size_t kRowsPerBlock = 64;  // between two looks at the stop token
-constexpr double kCoarseBeams = 1e5;       // of the first scan, all positions together
-constexpr double kFewHits = 30;            // enough to tell what will never do
-constexpr double kEnoughHits = 2000;       // for an estimate within a few per cent
-constexpr double kMostBeams = 1e7, kMostBeamsPerPoint = 1000;
+constexpr std::size_t kRowsPerBlock = 64;  // between two polls of the stop token
+constexpr double kCoarseBeams = 1e5;       // beams of the first scan, over all positions
+constexpr double kFewHits = 30;            // sufficient to detect scans that cannot succeed
+constexpr double kEnoughHits = 2000;       // sufficient for an estimate within a few per cent
+constexpr double kMaxBeams = 1e7, kMaxBeamsPerPoint = 1000;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr float kFarthest = 1e15f;  // [m] beyond it squares of floats overflow
 constexpr float kCoarseShare = 0.2f;
@@ -53,20 +53,20 @@ Box3 checked_bounds(const PolygonMesh& mesh) {
     return box;
 }
 
-/// The directions that hold all of the surface: azimuth from the direction to the middle, and elevation.
-/// [rad]
+/// [rad] The directions that contain the whole surface: azimuth relative to the direction to the centre, and
+/// elevation.
 struct Window {
     double left, right, low, high;
     double width() const { return std::max(0.0, right - left); }
     double height() const { return std::max(0.0, high - low); }
 };
 
-/// The same while it is gathered, in numbers that rise with the angles and cost no trigonometry: azimuths on
-/// the square |x| + |y| = 1, from -2 to 2 all around, and slopes.
+/// The same during accumulation, in numbers that increase with the angles and need no trigonometric
+/// functions: azimuths on the square |x| + |y| = 1, from -2 to 2 for a full turn, and slopes.
 struct Extent {
     double left = 2, right = -2, low = kInfinity, high = -kInfinity;
 
-    /// Relative to the scanner, which looks along x.
+    /// p is relative to the scanner, which looks along x.
     void add(Vec3d p) {
         const double side = p.y / (std::abs(p.x) + std::abs(p.y));
         const double azimuth = p.x >= 0 ? side : std::copysign(2.0, p.y) - side;
@@ -86,7 +86,7 @@ struct Extent {
     Window window() const { return {angle(left), angle(right), std::atan(low), std::atan(high)}; }
 };
 
-/// A place of the scanner, relative to the middle of the box; x points at the middle.
+/// A position of the scanner, relative to the centre of the box; x points to the centre.
 struct Station {
     Vec3d place;
     Vec3d ahead, aside;
@@ -108,8 +108,8 @@ struct Station {
     }
 };
 
-/// Where on an edge its slope is extreme, besides its ends; outside of (0, 1) if nowhere. The zero of the
-/// derivative of z over the horizontal distance, whose square terms cancel.
+/// Returns the parameter of the extreme slope of an edge between its ends; outside (0, 1) if there is none.
+/// It is the zero of the derivative of z over the horizontal distance, of which the quadratic terms cancel.
 double extreme_slope(Vec3d a, Vec3d b) {
     const Vec3d d = b - a;
     const double aa = a.x * a.x + a.y * a.y, ad = a.x * d.x + a.y * d.y, dd = d.x * d.x + d.y * d.y;
@@ -121,14 +121,14 @@ void add_edge(Extent& extent, Vec3d a, Vec3d b) {
     extent.add(a);
     const double t = extreme_slope(a, b);
     if (t > 0 && t < 1) extent.add(lerp(a, b, t));
-    // An edge behind the scanner joins the left end of the picture to the right one.
+    // An edge behind the scanner connects the left end of the image to the right one.
     if (a.y * b.y < 0 && (a.x * b.y - b.x * a.y) * (b.y - a.y) < 0) {
         extent.left = -2;
         extent.right = 2;
     }
 }
 
-/// The surface in a frame about the middle of its box, ready for beams.
+/// The surface relative to the centre of its box, prepared for beams.
 class Target {
   public:
     Target(const PolygonMesh& mesh, const Box3& box, const Context& ctx)
@@ -167,7 +167,8 @@ class Target {
         return parallel_reduce(ctx, mesh_.triangles.size(), kGrain, Extent{}, of_range, join).window();
     }
 
-    /// The first point that a beam meets, on the triangle in double precision; false when it meets nothing.
+    /// Computes the first intersection of a beam, on the triangle in double precision; returns false if there
+    /// is none.
     bool first_point(Vec3d from, Vec3d direction, Vec3d& point) const {
         const RTCRayHit r = cast_ray(scene_.get(), Vec3(from), Vec3(direction));
         if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
@@ -195,11 +196,11 @@ struct Grid {
         : left(w.left - step_ * random.uniform(2 * station)),
           low(w.low - step_ * random.uniform(2 * station + 1)),
           step(step_),
-          columns(static_cast<std::size_t>(columns_of(w, step_))),
+          columns(static_cast<std::size_t>(find_columns(w, step_))),
           rows(static_cast<std::size_t>(rows_of(w, step_))) {}
 
-    /// One more than fit, because of the phase; but no beam goes twice around.
-    static double columns_of(const Window& w, double step) {
+    /// One more than fit, because of the phase, but at most one full turn.
+    static double find_columns(const Window& w, double step) {
         return std::floor(std::min(w.width() / step + 2, std::max(1.0, 2 * kPi / step)));
     }
     static double rows_of(const Window& w, double step) { return std::floor(w.height() / step + 2); }
@@ -219,13 +220,12 @@ class Scan {
         }
     }
 
-    /// The step at which about as many beams meet the surface as points are asked for.
+    /// Returns the step at which approximately the requested number of beams meets the surface.
     double step(const Context& ctx) const {
         double area = 0;
         for (const Station& s : stations_) area += s.window.width() * s.window.height();
         if (!(area > 0)) {
-            throw InvalidInput(
-                "scan: from where the scanner stands the mesh is a line or a point; check its faces");
+            throw InvalidInput("scan: seen from the scanner, the mesh is a line or a point; check its faces");
         }
         double step = checked(std::sqrt(area / kCoarseBeams));
         const double wanted = std::min(kEnoughHits, static_cast<double>(options_.points));
@@ -282,13 +282,14 @@ class Scan {
     double checked(double step) const {
         double beams = 0;
         for (const Station& s : stations_)
-            beams += Grid::columns_of(s.window, step) * Grid::rows_of(s.window, step);
-        if (beams <= kMostBeams + kMostBeamsPerPoint * options_.points) return step;
+            beams += Grid::find_columns(s.window, step) * Grid::rows_of(s.window, step);
+        if (beams <= kMaxBeams + kMaxBeamsPerPoint * options_.points) return step;
         throw InvalidInput(
-            "scan: the scanner sees too little of the mesh; ask for fewer points, or go nearer to it");
+            "scan: the scanner sees too little of the mesh; request fewer points, or reduce the distance");
     }
 
-    /// Calls visit(beam's number in the grid, point, direction) for each beam of a row that meets the target.
+    /// Calls visit(index of the beam in the grid, point, direction) for each beam of a row that meets the
+    /// target.
     template <class Visit>
     void for_row(std::size_t s, const Grid& grid, std::size_t row, const Visit& visit) const {
         const Station& station = stations_[s];
@@ -340,7 +341,7 @@ PointSet scan(const PolygonMesh& mesh, const ScanOptions& options, const Context
     const double step = scan.step(ctx);
     ctx.report(kCoarseShare);
     PointSet out = scan.points(step, mesh.origin, ctx);
-    if (out.empty()) throw InvalidInput("scan: the scanner sees nothing of the mesh; go nearer to it");
+    if (out.empty()) throw InvalidInput("scan: the scanner sees no part of the mesh; reduce the distance");
     return out;
 }
 

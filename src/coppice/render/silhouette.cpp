@@ -20,8 +20,8 @@ std::array<int, 3> background_of(const Image& image) {
     return {median(edge[0]), median(edge[1]), median(edge[2])};
 }
 
-/// The threshold that parts a histogram into two with the least spread within both [Otsu1979].
-int threshold_of(const std::vector<double>& counts) {
+/// Returns the threshold that splits a histogram into two with the minimum variance within both [Otsu1979].
+int compute_threshold(const std::vector<double>& counts) {
     double all = 0, sum = 0;
     for (std::size_t i = 0; i < counts.size(); ++i)
         all += counts[i], sum += static_cast<double>(i) * counts[i];
@@ -40,8 +40,8 @@ int threshold_of(const std::vector<double>& counts) {
 
 }  // namespace
 
-Mask silhouette_of(const Image& image) {
-    if (image.pixels.empty()) throw InvalidInput("a picture without pixels has no silhouette");
+Mask compute_silhouette(const Image& image) {
+    if (image.pixels.empty()) throw InvalidInput("an image without pixels has no silhouette");
     Mask mask(image.width, image.height);
     if (std::ranges::any_of(image.pixels, [](const auto& p) { return p[3] < 128; })) {
         for (std::size_t i = 0; i < mask.inside.size(); ++i)
@@ -57,7 +57,7 @@ Mask silhouette_of(const Image& image) {
         off.push_back(sum);
         ++counts[static_cast<std::size_t>(sum)];
     }
-    const int threshold = threshold_of(counts);
+    const int threshold = compute_threshold(counts);
     for (std::size_t i = 0; i < off.size(); ++i) mask.inside[i] = off[i] > threshold ? 1 : 0;
     return mask;
 }

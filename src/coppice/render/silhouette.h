@@ -5,10 +5,10 @@
 
 namespace coppice {
 
-/// What of a picture is not background: where alpha tells, what is more than half opaque; else what differs
-/// in colour from the median of the picture's edge by more than [Otsu1979] takes for noise. Pictures of a
-/// tree before a sky or a wall that is plain, and silhouettes. Throws InvalidInput for a picture without
-/// pixels. O(pixels).
-Mask silhouette_of(const Image& image);
+/// Returns the mask of the foreground: the pixels with more than half opacity if the image has alpha, else
+/// those that differ in colour from the median of the image border by more than the threshold of [Otsu1979].
+/// For images of a tree before a plain sky or wall, and for silhouettes. Throws InvalidInput for an image
+/// without pixels. O(pixels).
+Mask compute_silhouette(const Image& image);
 
 }  // namespace coppice

@@ -12,7 +12,7 @@
 namespace coppice {
 namespace {
 
-constexpr double kLargestNumber = 1e30;  // still finite as a float
+constexpr double kLargestNumber = 1e30;  // finite as a float
 constexpr std::size_t kLongestName = 64;
 
 std::string sizes_text(const Argument& a) { return fmt::format("{}", fmt::join(a.sizes, " or ")); }
@@ -27,7 +27,8 @@ std::string sizes_text(const Argument& a) { return fmt::format("{}", fmt::join(a
 double checked(const Argument& a, std::string_view text, double number) {
     const double value = in_library_unit(a.unit, number);
     const bool ranged = a.low < a.high;
-    // A bound is typed with the digits that help shows, so it may be a little beyond what it stands for.
+    // Users enter a bound with the digits that the help shows, so that it may exceed the exact value
+    // slightly.
     const double slack = a.unit == Unit::radian ? 1e-3 : 0;
     const double low = ranged ? a.low - slack : -kLargestNumber,
                  high = ranged ? a.high + slack : kLargestNumber;
@@ -52,7 +53,7 @@ ArgumentValue parse_section(const Argument& a, std::string_view text) {
     return {std::string(text.substr(0, at)), {checked(a, text, *fraction)}};
 }
 
-/// A choice by its name or the only one that begins so.
+/// Returns the choice with this name, or the only one with this prefix.
 std::string chosen(const Argument& a, std::string_view text) {
     if (std::ranges::find(a.choices, text) != a.choices.end()) return std::string(text);
     const auto begins = [&](const std::string& choice) { return choice.starts_with(text); };
@@ -154,7 +155,7 @@ std::string takes_text(const Argument& a) {
         case ArgumentType::output_file:
             return "the name of a file";
         case ArgumentType::properties:
-            return "the name of a file of options, a line each";
+            return "the name of a file of options, one per line";
         case ArgumentType::selection:
             return "nodes, such as 12, subtree(12) or tips&!order(0)";
         case ArgumentType::word:

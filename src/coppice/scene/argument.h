@@ -10,82 +10,81 @@
 
 #include "coppice/base/error.h"
 #include "coppice/base/fields.h"
-#include "coppice/pipeline/json.h"
-#include "coppice/pipeline/option_fields.h"
-#include "coppice/pipeline/quantity.h"
-#include "coppice/pipeline/spelling.h"
+#include "coppice/options/json.h"
+#include "coppice/options/option_fields.h"
+#include "coppice/options/quantity.h"
+#include "coppice/options/spelling.h"
 #include "coppice/scene/object.h"
 #include "coppice/scene/words.h"
 
 namespace coppice {
 
-/// What an argument of a command takes.
+/// Type of the value of an argument.
 enum class ArgumentType {
-    new_name,     ///< of what the command makes
-    object,       ///< an object of `kind`; any kind where `any_kind`
-    number,       ///< in the unit of the argument, within its range
-    whole,        ///< a whole number within its range
+    new_name,     ///< name of a result of the command
+    object,       ///< an object of `kind`, or of any kind if `any_kind`
+    number,       ///< in the unit and range of the argument
+    whole,        ///< an integer within the range
     flag,         ///< true or false
-    choice,       ///< one of the argument's choices
-    tuple,        ///< numbers joined by commas: a point, a pair
-    section,      ///< "PROFILE at FRACTION", joined by an at sign
-    word,         ///< anything
-    input_file,   ///< read
-    selection,    ///< nodes of a tree, as parse_selection reads them
-    output_file,  ///< written
-    properties,   ///< a file of options, which stand for those that are not given
+    choice,       ///< one of `choices`
+    tuple,        ///< numbers separated by commas: a point, a pair
+    section,      ///< PROFILE@FRACTION
+    word,         ///< any text
+    input_file,   ///< a file to read
+    selection,    ///< nodes of a tree, in the syntax of parse_selection
+    output_file,  ///< a file to write
+    properties,   ///< a file of options, which apply unless given in the command
 };
 
-/// One argument of a command of scenes: all that parsing, checks, help, completion and the reference page
-/// know of it. Angles have the unit radian and are written in degrees.
+/// An argument of a scene command, as used by parsing, checks, help, completion and the reference page.
+/// Angles have the unit radian and are entered in degrees.
 struct Argument {
-    std::string name;                        ///< as it is typed before "="
-    std::string help;                        ///< one sentence without a full stop
-    ArgumentType type = ArgumentType::word;  ///< what it takes
-    bool positional = false;                 ///< may stand without its name
+    std::string name;                        ///< name before "="
+    std::string help;                        ///< one sentence with a capital and a full stop
+    ArgumentType type = ArgumentType::word;  ///< type of the value
+    bool positional = false;                 ///< may be given without its name
     bool required = false;                   ///< must be given
     bool repeats = false;                    ///< may be given several times
-    std::string initial;                     ///< as typed; "@x": what argument x is; empty: none
-    Unit unit = Unit::none;                  ///< of every number
-    double low = 0;                          ///< least of every number, where low < high
-    double high = 0;                         ///< greatest
-    std::vector<std::string> choices;        ///< for ArgumentType::choice
-    ObjectKind kind = ObjectKind::solid;     ///< for ArgumentType::object
-    bool any_kind = false;                   ///< an object of whatever kind
-    std::vector<std::size_t> sizes;          ///< how many numbers a tuple may have
-    std::string field;                       ///< "grow.step" where it stands for a member of an option struct
-    std::vector<ObjectKind> also =
-        {};                   ///< further kinds an object may be of, where none of `kind` is called so
-    std::string unless = {};  ///< no default where this argument is given
+    std::string initial;     ///< default as entered; "@x": the value of argument x; empty: no default
+    Unit unit = Unit::none;  ///< of all numbers
+    double low = 0;          ///< minimum of all numbers, if low < high
+    double high = 0;         ///< maximum
+    std::vector<std::string> choices;     ///< for ArgumentType::choice
+    ObjectKind kind = ObjectKind::solid;  ///< for ArgumentType::object
+    bool any_kind = false;                ///< accepts objects of any kind
+    std::vector<std::size_t> sizes;       ///< valid numbers of components of a tuple
+    std::string field;                    ///< "grow.step" if it represents a member of an option struct
+    std::vector<ObjectKind> also = {};    ///< further kinds, used if no object of `kind` has the name
+    std::string unless = {};              ///< the default does not apply if this argument is given
 };
 
-/// One value of an argument: a text, and its numbers where it has some, as they were typed: see
+/// A value of an argument: a text, and its numbers, if any, in the units in which they were entered; see
 /// `in_library_unit`.
 struct ArgumentValue {
-    std::string text;             ///< as typed, without quotes
-    std::vector<double> numbers;  ///< of a number or tuple
+    std::string text;             ///< as entered, without quotes
+    std::vector<double> numbers;  ///< for a number or tuple
 };
 
-/// Reads what was typed. Throws InvalidInput, one sentence without the place: "radius takes a number of
-/// metres from 1e-05 to 100000, not 'x'". Objects are looked up by the caller.
+/// Parses a value. Throws InvalidInput with a sentence without the location: "radius takes a number of metres
+/// from 1e-05 to 100000, not 'x'". The caller resolves objects.
 ArgumentValue parse_argument(const Argument& argument, std::string_view text);
 
-/// A number of the argument as the library takes it: angles in radians.
+/// Converts a number of the argument to the unit of the library: angles to radians.
 double in_library_unit(const Argument& argument, double number);
 
-/// The numbers of a word, none when it is not made of numbers joined by commas.
+/// Parses numbers separated by commas; empty if the word is anything else.
 std::vector<double> numbers_of(std::string_view word);
 
-/// The value as it would be typed, so that reading it gives the same bits.
+/// Returns the value as a user would enter it, so that parsing it is bit-identical.
 std::string typed(const Argument& argument, const ArgumentValue& value);
 
-/// What it takes, for people: "number of metres from 0 to 10", "one of a, b".
+/// Returns a description of the valid values: "number of metres from 0 to 10", "one of a, b".
 std::string takes_text(const Argument& argument);
 
-/// Letters, digits, _, - and . after a letter or _, at most 64: what objects may be called.
+/// Returns whether an object may have this name: letters, digits, _, - and . after a letter or _, at most 64.
 bool is_object_name(std::string_view name);
 
-/// An argument that stands for a member of an option struct, its default being the member's value.
+/// Returns an argument that represents a member of an option struct, with the value of the member as default.
 template <class T>
 Argument argument_of(const Field& field, const T& value) {
     Argument a;
@@ -115,8 +114,8 @@ Argument argument_of(const Field& field, const T& value) {
     return a;
 }
 
-/// Calls visit(path, field, member) for the members of an option struct and of those within it; the path is
-/// "mesh.control.base".
+/// Calls visit(path, field, member) for the members of an option struct and of nested structs; the path has
+/// the form "mesh.control.base".
 template <class Options, class Visitor>
 void visit_members(Options& options, const std::string& path, Visitor&& visit) {
     visit_fields(options, [&](const Field& field, auto& value) {
@@ -130,9 +129,8 @@ void visit_members(Options& options, const std::string& path, Visitor&& visit) {
     });
 }
 
-/// Adds an argument for every member of an option struct, but for those in `without`. It has the name of the
-/// member, or that in `names` for its path; each name is declared once, so a name that is taken is an error
-/// of the program.
+/// Adds an argument for every member of an option struct, except those in `without`. It has the name of the
+/// member, or the name in `names` for its path. Duplicate names are a programming error.
 template <class Options>
 void add_options(std::vector<Argument>& arguments, const Options& defaults, const std::string& path,
                  const std::set<std::string>& without = {},

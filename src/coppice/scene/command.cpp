@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <set>
 
+#include "coppice/base/id.h"
 #include "coppice/base/quote.h"
-#include "coppice/io/file.h"
+#include "coppice/options/renamed.h"
 #include "coppice/scene/commands/tables_internal.h"
 #include "coppice/scene/properties_internal.h"
 #include "coppice/scene/script/script.h"
+#include "coppice/system/file.h"
 
 namespace coppice {
 namespace {
@@ -51,7 +53,7 @@ std::vector<std::string> names_of_kind(const SceneState& state, ObjectKind kind)
     return names;
 }
 
-/// The kinds that a name stands for.
+/// Returns the kinds of objects that have this name.
 std::vector<ObjectKind> kinds_of(const SceneState& state, const std::string& name) {
     std::vector<ObjectKind> kinds;
     for (int k = 0; k < static_cast<int>(EnumNames<ObjectKind>::names.size()); ++k) {
@@ -71,14 +73,14 @@ void check_exists(const SceneState& state, ObjectKind kind, const std::string& n
     }
     std::string hint;
     if (kind == ObjectKind::solid && others.back() == ObjectKind::mesh)
-        hint = fmt::format("; make one of it with: solid {}", shortened(name));
+        hint = fmt::format("; create one from it with: solid {}", shortened(name));
     if (kind == ObjectKind::mesh && others.front() == ObjectKind::solid)
-        hint = fmt::format("; make one of it with: polygonize {}", shortened(name));
+        hint = fmt::format("; create one from it with: polygonize {}", shortened(name));
     throw InvalidInput(fmt::format("{} is {}, not {}{}", quote(name), with_article(others.front()),
                                    with_article(kind), hint));
 }
 
-/// The example without what goes before it.
+/// Returns the last line of the example, without its preparation.
 std::string own_line(const SceneCommand& command) {
     const std::size_t end = command.example.rfind('\n');
     return end == std::string::npos ? command.example : command.example.substr(end + 1);
@@ -88,7 +90,7 @@ std::string option_word(const SceneWord& word) {
     return word.key.empty() ? word.text : word.key + "=" + word.text;
 }
 
-/// Gives the words of a line to the arguments of its command.
+/// Assigns the words of a line to the arguments of its command.
 class Binder {
   public:
     Binder(const SceneCommand& command, const SceneState& state, SceneCall& call)
@@ -112,6 +114,8 @@ class Binder {
     const Argument& option_called(const std::string& name) const {
         const auto found = std::ranges::find(command_.arguments, name, &Argument::name);
         if (found != command_.arguments.end()) return *found;
+        const auto renamed = std::ranges::find(command_.arguments, present_name(name), &Argument::name);
+        if (renamed != command_.arguments.end()) return *renamed;
         std::vector<std::string> known;
         for (const Argument& a : command_.arguments) known.push_back(a.name);
         throw InvalidInput(
@@ -138,7 +142,7 @@ class Binder {
         return value;
     }
 
-    /// Whether an object of one of the kinds is called so.
+    /// Returns whether an object of one of the kinds has this name.
     bool is_one_of(const std::vector<ObjectKind>& kinds, const std::string& name) const {
         return std::ranges::any_of(kinds, [&](ObjectKind k) { return state_.objects.contains({k, name}); });
     }
@@ -163,8 +167,7 @@ class Binder {
             }
         }
         if (at < positional_.size()) {
-            throw InvalidInput(
-                fmt::format("{} does not know what to do with {}", command_.name, quote(positional_[at])));
+            throw InvalidInput(fmt::format("{} does not accept {}", command_.name, quote(positional_[at])));
         }
     }
 
@@ -172,7 +175,7 @@ class Binder {
         for (std::size_t i = first; i < first + count; ++i) typed_[&a].push_back(parsed(a, positional_[i]));
     }
 
-    /// A point may be one word, or one for each number.
+    /// A point may be one word, or one word per number.
     std::size_t take_tuple(const Argument& a, std::size_t first) {
         std::string joined;
         std::size_t count = 0, numbers = 0;
@@ -189,8 +192,8 @@ class Binder {
         return std::max<std::size_t>(1, count);
     }
 
-    /// Options of a file, as if they were typed after those that are; the file itself is then forgotten, so
-    /// that a recipe does not need it.
+    /// Adds the options of a file that are not given in the command. The file itself is not recorded, so that
+    /// a recipe does not depend on it.
     void read_properties() {
         const auto given = std::ranges::find_if(
             typed_, [](const auto& t) { return t.first->type == ArgumentType::properties; });
@@ -205,7 +208,8 @@ class Binder {
             try {
                 const Argument& a = option_called(p.name);
                 if (a.type == ArgumentType::properties || a.required)
-                    throw InvalidInput(fmt::format("{} cannot stand in a file", p.name));
+                    throw InvalidInput(
+                        fmt::format("{} is not allowed in a file of options; add it to the command", p.name));
                 if (typed_.contains(&a) && !mine.contains(&a)) continue;
                 bind_value(a, p.value);
                 mine.insert(&a);
@@ -259,8 +263,8 @@ std::string SceneCall::typed() const {
     std::string line = command_.name;
     for (const Argument& a : command_.arguments) {
         for (ArgumentValue value : values(a.name)) {
-            // A recipe may lie elsewhere than the scene.
-            if (a.type == ArgumentType::input_file && !settings_.jail)
+            // A recipe may be in another folder than the scene.
+            if (a.type == ArgumentType::input_file && !settings_.sandbox)
                 value.text = std::filesystem::absolute(input(a.name)).lexically_normal().string();
             line += a.positional ? " " : " " + a.name + "=";
             line += coppice::typed(a, value);
@@ -276,9 +280,9 @@ std::span<const ArgumentValue> SceneCall::values(std::string_view name) const {
 }
 
 const std::string& SceneCall::text(std::string_view name) const {
-    static const std::string kNone;
+    static const std::string kNoIndex;
     const auto all = values(name);
-    return all.empty() ? kNone : all.front().text;
+    return all.empty() ? kNoIndex : all.front().text;
 }
 
 double SceneCall::number(std::string_view name) const {
@@ -305,7 +309,7 @@ ObjectPtr SceneCall::any(const std::string& name, const std::string& kind) const
     if (kinds.size() > 1) {
         std::vector<std::string_view> names;
         for (const ObjectKind k : kinds) names.push_back(name_of(k));
-        throw InvalidInput(fmt::format("{} is the name of several things; add kind= and one of {}",
+        throw InvalidInput(fmt::format("{} is the name of several objects; add kind= and one of {}",
                                        quote(name), fmt::join(names, ", ")));
     }
     return state_.objects.at({kinds.front(), name});
@@ -324,29 +328,30 @@ double SceneCall::memory_left() const {
 void SceneCall::reserve(double bytes) const {
     const double held = static_cast<double>(state_.bytes), limit = settings_.max_memory * kMebibyte;
     if (held + bytes <= limit) return;
-    throw InvalidInput(fmt::format(
-        "this may take {:.1f} MiB beside the {:.1f} that are held, and {} are allowed; ask for less, "
-        "delete objects, or raise max_memory",
-        bytes / kMebibyte, held / kMebibyte, settings_.max_memory));
+    throw InvalidInput(
+        fmt::format("this may take {:.1f} MiB in addition to the {:.1f} in use, and {} are allowed; request "
+                    "less, delete objects, or raise max_memory",
+                    bytes / kMebibyte, held / kMebibyte, settings_.max_memory));
 }
 
 std::filesystem::path SceneCall::input(std::string_view name) const {
     std::filesystem::path path = text(name);
     if (!settings_.files)
         throw IoError(fmt::format("'{}' is not read: files are not allowed here", path.string()));
-    if (settings_.jail) return settings_.jail->to_read(text(name));
+    if (settings_.sandbox) return settings_.sandbox->to_read(text(name));
     if (path.is_absolute() || settings_.folder.empty()) return path;
-    const std::filesystem::path beside = settings_.folder / path;
+    const std::filesystem::path adjacent = settings_.folder / path;
     std::error_code error;
-    const bool is_only_here = !std::filesystem::exists(beside, error) && std::filesystem::exists(path, error);
-    return is_only_here ? path : beside;
+    const bool is_only_here =
+        !std::filesystem::exists(adjacent, error) && std::filesystem::exists(path, error);
+    return is_only_here ? path : adjacent;
 }
 
 std::filesystem::path SceneCall::output(std::string_view name) const {
     std::filesystem::path path = text(name);
     if (!settings_.files)
         throw IoError(fmt::format("'{}' is not written: files are not allowed here", path.string()));
-    if (settings_.jail) return settings_.jail->to_write(text(name));
+    if (settings_.sandbox) return settings_.sandbox->to_write(text(name));
     const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
     std::error_code error;
     if (settings_.outputs && !std::filesystem::is_directory(folder, error)) {
@@ -384,11 +389,11 @@ const SceneCommand& find_command(std::span<const SceneWord> words, std::size_t& 
     throw InvalidInput(fmt::format("there is no command {}{}", quote(word), hint));
 }
 
-std::optional<std::vector<const SceneCommand*>> commands_of(std::span<const SceneLine> lines) {
+std::optional<std::vector<const SceneCommand*>> find_commands(std::span<const SceneLine> lines) {
     std::vector<const SceneCommand*> commands;
     try {
         for (const SceneLine& line : lines) {
-            if (statement_of(line.text) != nullptr) continue;
+            if (find_statement(line.text) != nullptr) continue;
             std::size_t used = 0;
             const auto words = scene_words(line.text);
             if (!words.empty()) commands.push_back(&find_command(words, used));

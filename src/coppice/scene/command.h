@@ -16,68 +16,70 @@
 #include "coppice/edit/editable_tree.h"
 #include "coppice/growth/watch.h"
 #include "coppice/implicit/solid/solid_field.h"
-#include "coppice/io/jail.h"
 #include "coppice/scene/argument.h"
 #include "coppice/scene/object.h"
+#include "coppice/system/folder_sandbox.h"
 
 namespace coppice {
 
-/// What a scene may do and take.
+/// Limits and settings of a scene.
 struct SceneSettings {
-    int max_memory = 4096;  ///< [MiB] of all objects and what is being made; more is refused beforehand
+    int max_memory = 4096;  ///< [MiB] maximum memory of all objects and of the current command, checked
+                            ///< before the command runs
     bool files = true;      ///< whether files may be read and written
-    bool outputs = true;    ///< whether save and render write; if not, they only check
-    std::filesystem::path folder = {};  ///< where files to read are looked for; empty: the current one
-    int seed = 0;                       ///< of commands that are given none, until set seed gives another
-    std::map<std::string, std::string> variables = {};  ///< as typed, instead of what their first let says
-    /// Where given, files are read and written within it alone, by names relative to its folder, and `folder`
-    /// does not matter; what commands keep of files stays as it was typed.
-    std::shared_ptr<const Jail> jail = {};
-    int most_lines = 100'000;  ///< that one block of loops may run, counted as often as they run
-    GrowthWatch watch = {};    ///< told of what `grow` and `sprout` have so far, or none
+    bool outputs = true;  ///< whether save and render write files; otherwise they only check their arguments
+    std::filesystem::path folder = {};  ///< folder of input files; empty: the current one
+    int seed = 0;                       ///< seed of commands without one, until set seed changes it
+    std::map<std::string, std::string> variables =
+        {};  ///< values as entered, which replace those of the first let
+    /// If given, files are read and written only in this sandbox, with names relative to its folder, and
+    /// `folder` is ignored; recorded commands keep file names as entered.
+    std::shared_ptr<const FolderSandbox> sandbox = {};
+    int max_lines = 100'000;  ///< maximum number of lines that a block of loops may run
+    GrowthWatch watch = {};   ///< receives intermediate results of `grow` and `sprout`; may be empty
 };
 
-/// The objects of a scene by kind and name.
+/// Objects of a scene by kind and name.
 using SceneObjects = std::map<std::pair<ObjectKind, std::string>, ObjectPtr>;
 
-/// All that a scene holds between two commands.
+/// State of a scene between two commands.
 struct SceneState {
-    SceneObjects objects;              ///< what names stand for now
-    std::vector<std::string> history;  ///< commands that made them, with every option spelled out
-    std::string last_grown;            ///< name of the skeleton that was grown last
-    std::vector<std::pair<ObjectKind, std::string>> made;  ///< in the order of making, the last one last
-    int seed = 0;                                          ///< of commands that are given none
-    std::uint64_t bytes = 0;                               ///< of the objects, about
+    SceneObjects objects;                                  ///< current objects
+    std::vector<std::string> history;                      ///< commands that created them, with all options
+    std::string last_grown;                                ///< name of the last grown skeleton
+    std::vector<std::pair<ObjectKind, std::string>> made;  ///< in order of creation
+    int seed = 0;                                          ///< seed of commands without one
+    std::uint64_t bytes = 0;                               ///< approximate memory of the objects
 };
 
 struct SceneCommand;
 
-/// A command with its arguments, checked against the table; what was left out has its default. Objects that
-/// are named exist.
+/// A command with its arguments, checked against the table; omitted arguments have their defaults. All named
+/// objects exist.
 class SceneCall {
   public:
-    /// A call without values: see bind_command. The arguments must outlive it.
+    /// Creates a call without values: see bind_command. The arguments must outlive it.
     SceneCall(const SceneCommand& command, const SceneState& state, const SceneSettings& settings,
               const Context& ctx);
 
-    const SceneCommand& command() const { return command_; }     ///< the row of the table
-    const SceneState& state() const { return state_; }           ///< of the scene before the call
-    const SceneSettings& settings() const { return settings_; }  ///< of the scene
-    const Context& context() const { return ctx_; }              ///< for the library's functions
-    std::string typed() const;                                   ///< the whole line, every option spelled out
+    const SceneCommand& command() const { return command_; }     ///< the entry of the table
+    const SceneState& state() const { return state_; }           ///< state of the scene before the call
+    const SceneSettings& settings() const { return settings_; }  ///< settings of the scene
+    const Context& context() const { return ctx_; }              ///< context for library functions
+    std::string typed() const;                                   ///< the complete line, with all options
 
-    /// All values of an argument; none where it was left out and has no default.
+    /// Returns all values of an argument; empty if it was omitted and has no default.
     std::span<const ArgumentValue> values(std::string_view name) const;
     bool has(std::string_view name) const { return !values(name).empty(); }  ///< whether it has a value
-    const std::string& text(std::string_view name) const;  ///< of the first value, which must exist
-    double number(std::string_view name) const;            ///< in the library's unit
+    const std::string& text(std::string_view name) const;  ///< text of the first value, which must exist
+    double number(std::string_view name) const;            ///< in the unit of the library
     bool flag(std::string_view name) const { return text(name) == "true"; }  ///< whether it is "true"
-    Vec3 point(std::string_view name) const;                                 ///< of a tuple of three numbers
-    std::vector<Vec3> points(std::string_view name) const;                   ///< one for every value
+    Vec3 point(std::string_view name) const;                                 ///< for a tuple of three numbers
+    std::vector<Vec3> points(std::string_view name) const;                   ///< one point per value
 
-    /// The object that an argument's text names; it must exist.
+    /// Returns the object named by the text of an argument; it must exist.
     const Solid& solid(const std::string& name) const { return get<Solid>(ObjectKind::solid, name); }
-    /// Of a solid, in coordinates that begin at `origin`; throws as `reserve` does.
+    /// Returns the field of a solid in coordinates relative to `origin`; throws as `reserve` does.
     SolidField field(const std::string& name, Vec3d origin = {}) const;
     /// As solid().
     const Curve& path(const std::string& name) const { return get<Curve>(ObjectKind::path, name); }
@@ -91,17 +93,18 @@ class SceneCall {
     const Skeleton& skeleton(const std::string& name) const {
         return get<Skeleton>(ObjectKind::skeleton, name);
     }
-    /// The numbers that the nodes of a skeleton have beside their radii.
+    /// Returns the attributes of the nodes of a skeleton, in addition to their radii.
     std::span<const NodeAttribute> attributes(const std::string& name) const {
         return state_.objects.at({ObjectKind::skeleton, name})->attributes;
     }
     /// As solid().
     const Surface& surface(const std::string& name) const { return get<Surface>(ObjectKind::mesh, name); }
-    /// The object that is meant by a name of any kind, or of the kind called `kind` where that is not empty.
-    /// Throws InvalidInput when there is none or several.
+    /// Returns the object of a name, of any kind, or of the kind called `kind` if that is not empty. Throws
+    /// InvalidInput if there is no such object or several.
     ObjectPtr any(const std::string& name, const std::string& kind) const;
 
-    /// An option struct whose members are arguments: "grow" for those with fields "grow.step" and so on.
+    /// Returns an option struct with members from the arguments: "grow" for arguments with the fields
+    /// "grow.step" and so on.
     template <class Options>
     Options options(const std::string& path, Options out = {}) const {
         visit_members(out, path, [&](const std::string& at, const Field&, auto& value) {
@@ -110,19 +113,21 @@ class SceneCall {
         return out;
     }
 
-    /// Throws InvalidInput when `bytes` more would be beyond the limit of memory.
+    /// Throws InvalidInput if `bytes` more would exceed the memory limit.
     void reserve(double bytes) const;
-    double memory_left() const;  ///< bytes until then; >= 0
-    /// Where a file to read lies; throws IoError where files are forbidden, or this one by the jail.
+    double memory_left() const;  ///< bytes below the limit; >= 0
+    /// Returns the path of an input file; throws IoError if files are forbidden, or this one by the sandbox.
     std::filesystem::path input(std::string_view name) const;
-    /// Where a file may be written; throws IoError where files are forbidden, or this one by the jail, or its
-    /// folder does not exist.
+    /// Returns the path of an output file; throws IoError if files are forbidden, or this one by the sandbox,
+    /// or its folder does not exist.
     std::filesystem::path output(std::string_view name) const;
-    /// Where files named within files are to lie; null where they may lie anywhere.
-    const Jail* jail() const { return settings_.jail.get(); }
+    /// Returns the sandbox for files named within files; null if they may be anywhere.
+    const FolderSandbox* sandbox() const { return settings_.sandbox.get(); }
 
-    void set(const Argument& argument, std::vector<ArgumentValue> values);  ///< what parsing found
-    void unset(const Argument& argument) { values_.erase(argument.name); }  ///< as if it were not given
+    void set(const Argument& argument, std::vector<ArgumentValue> values);  ///< sets parsed values
+    void unset(const Argument& argument) {
+        values_.erase(argument.name);
+    }  ///< removes the values of an argument
 
   private:
     template <class T>
@@ -155,56 +160,57 @@ class SceneCall {
     std::map<std::string, std::vector<ArgumentValue>, std::less<>> values_;
 };
 
-/// What a command does to a scene: nothing of it happens when the command fails.
+/// Effect of a command on a scene; not applied if the command fails.
 struct SceneOutcome {
-    /// An object that comes, or goes.
+    /// An object that is added or removed.
     struct Change {
-        ObjectKind kind;   ///< of the object
-        std::string name;  ///< of the object
-        ObjectPtr object;  ///< none: it goes
+        ObjectKind kind;   ///< kind of the object
+        std::string name;  ///< name of the object
+        ObjectPtr object;  ///< null: the object is removed
     };
     std::vector<Change> changes;  ///< in order
-    std::string text;             ///< what the command has to say
-    std::string grown;            ///< name of a skeleton that was grown, or nothing
-    std::optional<int> seed;      ///< from now on, for commands that are given none
-    int undo = 0;                 ///< commands to take back
+    std::string text;             ///< text output of the command
+    std::string grown;            ///< name of a grown skeleton, or empty
+    std::optional<int> seed;      ///< new seed for commands without one
+    int undo = 0;                 ///< number of commands to undo
 };
 
-/// A row of the table: all that parsing, help and the reference page know of a command.
+/// An entry of the command table, as used by parsing, help and the reference page.
 struct SceneCommand {
     std::string name;                  ///< "sphere", "pointset thin"
     std::vector<std::string> aliases;  ///< other names
-    std::string group;                 ///< heading on the reference page
-    std::string help;                  ///< one sentence without a full stop
-    std::string example;  ///< a line that works after those in the examples of the commands before it
-    std::vector<Argument> arguments;  ///< positional ones first
-    bool records = true;              ///< whether it makes or changes objects: a recipe keeps it
-    std::optional<ObjectKind> makes;  ///< the kind of what it makes, where that is always the same
-    std::function<SceneOutcome(const SceneCall&)> run;  ///< does the work; throws what the library throws
-    /// Of commands that edit a tree, which `run` takes from the scene and gives back: the same on a tree that
-    /// is kept.
+    std::string group;                 ///< heading in the reference page
+    std::string help;                  ///< one sentence with a capital and a full stop
+    std::string example;               ///< a line that works after the examples of the commands before it
+    std::vector<Argument> arguments;   ///< positional ones first
+    bool records = true;              ///< whether it creates or changes objects, so that a recipe contains it
+    std::optional<ObjectKind> makes;  ///< kind of the result, if it is always the same
+    std::function<SceneOutcome(const SceneCall&)>
+        run;  ///< executes the command; throws as the library functions do
+    /// For commands that edit a tree, which `run` copies from the scene and back: applies the edit to a
+    /// persistent tree.
     std::function<EditChange(const SceneCall&, EditableTree&)> edit;
     std::function<std::string(const SceneCall&, const EditableTree&)>
-        show;  ///< of those that only look at it
+        show;  ///< the same for commands that only inspect it
 };
 
-/// The one table of all commands, in the order of the reference page.
+/// Returns the table of all commands, in the order of the reference page.
 std::span<const SceneCommand> scene_commands();
 
-/// The command that the first one or two words name; `used` says how many. Throws InvalidInput with the
-/// nearest spelling.
+/// Returns the command named by the first one or two words; stores their number in `used`. Throws
+/// InvalidInput with the closest spelling.
 const SceneCommand& find_command(std::span<const SceneWord> words, std::size_t& used);
 
-/// The commands that the lines of a scene name, those in blocks too; none where a line is not understood:
-/// running it says why.
-std::optional<std::vector<const SceneCommand*>> commands_of(std::span<const SceneLine> lines);
+/// Returns the commands in the lines of a scene, including those in blocks; none if a line cannot be parsed:
+/// running it reports the error.
+std::optional<std::vector<const SceneCommand*>> find_commands(std::span<const SceneLine> lines);
 
-/// Checks a line against the table. Throws InvalidInput, one sentence that names the word.
+/// Checks a line against the table. Throws InvalidInput with a sentence that names the word.
 SceneCall bind_command(std::span<const SceneWord> words, const SceneState& state,
                        const SceneSettings& settings, const Context& ctx);
 
-/// The same of a command that need not be in the table; `words` are those behind its name. All but these
-/// must outlive the call.
+/// The same for a command that need not be in the table; `words` are those after its name. All arguments
+/// except `words` must outlive the call.
 SceneCall bind_command(const SceneCommand& command, std::span<const SceneWord> words, const SceneState& state,
                        const SceneSettings& settings, const Context& ctx);
 

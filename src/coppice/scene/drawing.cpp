@@ -8,10 +8,10 @@
 namespace coppice {
 namespace {
 
-constexpr float kPointSize = 1 / 250.0f;  // of the size of the points' box
+constexpr float kPointSize = 1 / 250.0f;  // [size of the bounding box of the points]
 constexpr int kPathSteps = 200;
 
-/// Gathers surfaces and balls of all objects relative to the origin of the first one.
+/// Collects surfaces and balls of all objects relative to the origin of the first one.
 class Gatherer {
   public:
     Gatherer(float point_radius, const Context& ctx) : point_radius_(point_radius), ctx_(ctx) {}
@@ -27,9 +27,9 @@ class Gatherer {
         for (const auto& t : made.triangles) part.add_face(t);
         add(part);
     }
-    void operator()(const Surface& surface) { add(polygons_of(surface)); }
+    void operator()(const Surface& surface) { add(make_polygons(surface)); }
     void operator()(const Skeleton& s) {
-        const Vec3 shift = shift_of(s.origin());
+        const Vec3 shift = compute_shift(s.origin());
         const auto base = static_cast<std::uint32_t>(positions_.size());
         for (const NodeId n : nodes(s)) {
             const NodeId parent = s.parent(n);
@@ -39,12 +39,12 @@ class Gatherer {
         }
     }
     void operator()(const PointSet& points) {
-        const Vec3 shift = shift_of(points.origin);
+        const Vec3 shift = compute_shift(points.origin);
         const float radius = ball_radius(bounds(points));
         for (const Vec3 p : points.positions) add_ball(p + shift, radius, NodeId{});
     }
     void operator()(const Curve& path) {
-        const Vec3 shift = shift_of({});
+        const Vec3 shift = compute_shift({});
         const float radius = ball_radius(path.bounds());
         NodeId before;
         for (int i = 0; i <= kPathSteps; ++i) {
@@ -53,7 +53,7 @@ class Gatherer {
         }
     }
     void operator()(const Profile&) {
-        throw InvalidInput("a profile cannot be drawn; draw the solid that is made of it");
+        throw InvalidInput("a profile cannot be drawn; draw a solid that is made from it");
     }
 
     std::optional<PolygonMesh> mesh() {
@@ -68,7 +68,7 @@ class Gatherer {
     }
 
   private:
-    Vec3 shift_of(Vec3d origin) {
+    Vec3 compute_shift(Vec3d origin) {
         if (!origin_) origin_ = origin;
         return Vec3(origin - *origin_);
     }
@@ -82,7 +82,7 @@ class Gatherer {
         return NodeId(static_cast<std::uint32_t>(positions_.size() - 1));
     }
     void add(const PolygonMesh& part) {
-        const Vec3 shift = shift_of(part.origin);
+        const Vec3 shift = compute_shift(part.origin);
         const auto base = static_cast<std::uint32_t>(mesh_.positions.size());
         for (const Vec3 p : part.positions) mesh_.positions.push_back(p + shift);
         std::vector<std::uint32_t> corners;
@@ -106,9 +106,9 @@ class Gatherer {
 
 Drawing::Drawing(std::span<const ObjectPtr> objects, float point_radius, const SceneCall& call) {
     Context quiet = call.context();
-    quiet.progress = nullptr;  // it is the picture's
+    quiet.progress = nullptr;  // progress is reported for the image
     Gatherer gatherer(point_radius, quiet);
-    constexpr double kBytesOfSurface = 5e7;  // of a solid at the resolution of pictures
+    constexpr double kBytesOfSurface = 5e7;  // of a solid at the resolution of images
     double bytes = 0;
     for (const ObjectPtr& object : objects) {
         bytes += 4.0 * static_cast<double>(object->bytes);

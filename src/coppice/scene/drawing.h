@@ -8,15 +8,15 @@
 
 namespace coppice {
 
-/// What a picture of several objects shows: solids as their surfaces, points as small balls, paths as thin
-/// tubes. Profiles cannot be drawn.
+/// Renderable geometry of several objects: solids as surfaces, points as small balls, paths as thin tubes.
+/// Profiles cannot be drawn.
 class Drawing {
   public:
-    /// `point_radius` [m] is that of the balls; 0 = by the size of the points. Throws InvalidInput for a
-    /// profile, and for more memory than the call has left; Cancelled.
+    /// `point_radius` [m] is the radius of the balls; 0 = computed from the extent of the points. Throws
+    /// InvalidInput for a profile, and if the memory left for the call is exceeded; Cancelled.
     Drawing(std::span<const ObjectPtr> objects, float point_radius, const SceneCall& call);
 
-    /// What render() draws; this must outlive it.
+    /// Returns the input of render(); this object must outlive it.
     RenderScene scene() const {
         return {.mesh = mesh_ ? &*mesh_ : nullptr,
                 .skeleton = skeleton_ ? &*skeleton_ : nullptr,

@@ -8,11 +8,11 @@
 
 namespace coppice::scene_internal {
 
-/// The edit, or the command that only looks at a tree, that is written `edit NAME` in scenes; null where
-/// there is none.
+/// Returns the command that edits or inspects a tree and is written `edit NAME` in scenes; null if there is
+/// no such command.
 const SceneCommand* edit_called(const std::string& name);
 
-/// Commands of a line: semicolons outside of quotes and comments part them.
+/// Splits a line into commands at semicolons outside of quotes and comments.
 std::vector<std::string> parted(std::string_view line);
 
 }  // namespace coppice::scene_internal

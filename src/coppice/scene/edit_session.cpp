@@ -48,8 +48,8 @@ using scene_internal::placed;
 
 namespace {
 
-constexpr double kBytesOfNode = 400;  // of an edit that doubles the tree, and of its history
-const std::string kTree = "tree";     // what the scene calls it
+constexpr double kBytesOfNode = 400;  // for an edit that doubles the tree, and its history
+const std::string kTree = "tree";     // name of the tree in the scene
 
 std::vector<StableId> ids_named(const SceneCall& call) {
     std::set<StableId> ids;
@@ -63,15 +63,15 @@ std::vector<StableId> ids_named(const SceneCall& call) {
     return {ids.begin(), ids.end()};
 }
 
-/// "edit bend tree 12 30 ..." as people type it here: "bend 12 30 ...".
+/// Converts "edit bend tree 12 30 ..." to the form of this session: "bend 12 30 ...".
 std::string typed_here(const SceneCall& call) {
     const std::string name = call.command().name, line = call.typed();
     const std::string before = name + " " + kTree;
     return name.substr(std::string_view("edit ").size()) + line.substr(before.size());
 }
 
-std::string counted(std::size_t n, std::string_view what) {
-    return n == 0 ? "" : fmt::format(" {} {},", n, what);
+std::string counted(std::size_t n, std::string_view subject) {
+    return n == 0 ? "" : fmt::format(" {} {},", n, subject);
 }
 
 }  // namespace
@@ -120,7 +120,7 @@ std::string EditSession::run_one(std::string_view line, const std::string& place
             placed(place, [&]() -> const SceneCommand& { return find_command(words, used); });
         if (other.makes == ObjectKind::skeleton) {
             throw InvalidInput(
-                fmt::format("{}{}{} makes a tree, and edits are of the one that there is; run a scene first",
+                fmt::format("{}{}{} creates a tree, but edits apply to the existing one; run a scene first",
                             place, place.empty() ? "" : ": ", other.name));
         }
         if (!held_) scene_.hold_tree(kTree, tree_.skeleton());
@@ -165,21 +165,20 @@ std::string EditSession::edit(const SceneCall& call) {
 }
 
 std::string EditSession::history_command(const std::vector<SceneWord>& words) {
-    const std::string& what = words[0].text;
-    if (words.size() > (what == "history" ? 1 : 2))
-        throw InvalidInput(
-            fmt::format("{} does not know what to do with {}", what, quote(words.back().text)));
-    if (what == "history") return history_text();
+    const std::string& subject = words[0].text;
+    if (words.size() > (subject == "history" ? 1 : 2))
+        throw InvalidInput(fmt::format("{} does not accept {}", subject, quote(words.back().text)));
+    if (subject == "history") return history_text();
     const Argument count{.name = "count", .help = {}, .type = ArgumentType::whole, .low = 1, .high = 1e9};
     const double most = words.size() > 1 ? parse_argument(count, words[1].text).numbers.at(0) : 1;
-    std::vector<Made>& from = what == "undo" ? made_ : undone_;
-    std::vector<Made>& to = what == "undo" ? undone_ : made_;
+    std::vector<Made>& from = subject == "undo" ? made_ : undone_;
+    std::vector<Made>& to = subject == "undo" ? undone_ : made_;
     if (most > static_cast<double>(from.size())) {
         throw InvalidInput(fmt::format("only {} edits can be {}; history lists them", from.size(),
-                                       what == "undo" ? "taken back" : "made again"));
+                                       subject == "undo" ? "undone" : "redone"));
     }
     for (double i = 0; i < most; ++i) {
-        note(what == "undo" ? tree_.undo() : tree_.redo());
+        note(subject == "undo" ? tree_.undo() : tree_.redo());
         to.push_back(std::move(from.back()));
         from.pop_back();
     }
@@ -194,11 +193,11 @@ std::string EditSession::history_text() const {
         const EditChange& c = made.change;
         std::string did = counted(c.added.size(), "added") + counted(c.removed.size(), "removed") +
                           counted(c.moved.size(), "moved") + counted(c.resized.size(), "with other radii") +
-                          counted(c.reparented.size(), "on other hosts");
+                          counted(c.reparented.size(), "on other parents");
         did.pop_back();
         text += fmt::format("{:>4}  {}  #{}\n", ++number, made.command, did);
     }
-    return text + fmt::format("{} edits, {} taken back\n", made_.size(), undone_.size());
+    return text + fmt::format("{} edits, {} undone\n", made_.size(), undone_.size());
 }
 
 EditSession::Named EditSession::named(StableId n) const {

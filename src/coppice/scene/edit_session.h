@@ -8,78 +8,80 @@
 #include "coppice/base/context.h"
 #include "coppice/edit/anchor.h"
 #include "coppice/edit/editable_tree.h"
-#include "coppice/pipeline/json.h"
+#include "coppice/options/json.h"
 #include "coppice/pipeline/live_surface.h"
 #include "coppice/scene/scene.h"
 
 namespace coppice {
 
-/// Edits of one tree by commands: those that scenes write as `edit NAME TREE ...`, here without these words.
-/// It keeps the tree between them, and every edit as a command that can be taken back, saved, and made again
-/// on another growth or extraction of the plant. docs/user/editing.md explains it.
+/// Interactive editing of one tree by commands: those that scenes write as `edit NAME TREE ...`, here without
+/// the first and third word. Keeps the tree between commands, and every edit as a command that can be undone,
+/// saved, and repeated on another growth or extraction of the plant; see docs/user/editing.md.
 class EditSession {
   public:
-    /// A node that a command names, as it was before the edit.
+    /// A node in a command, as it was before the edit.
     struct Named {
-        Anchor anchor;  ///< where it lay
-        std::size_t maker =
-            0;  ///< number of the edit that had added it, from 1; 0: it was there from the beginning
-        std::size_t added = 0;  ///< which of the nodes that this had added
+        Anchor anchor;          ///< its position
+        std::size_t maker = 0;  ///< number of the edit that added it, from 1; 0: part of the original tree
+        std::size_t added = 0;  ///< its index among the nodes added by that edit
     };
-    /// An edit as it was made.
+    /// An executed edit.
     struct Made {
-        std::string command;       ///< with every option spelled out
-        std::vector<Named> named;  ///< the nodes that it names by their ids
-        EditChange change;         ///< what it did
+        std::string command;       ///< with all options
+        std::vector<Named> named;  ///< nodes that it refers to by id
+        EditChange change;         ///< changed nodes
     };
-    /// An edit that was not made again, and why.
+    /// A saved edit that could not be repeated.
     struct Unbound {
-        std::size_t index = 0;  ///< of the saved edit, from 0
-        std::string command;    ///< as it was saved
-        std::string reason;     ///< one sentence, with the nearest candidate where there is one
+        std::size_t index = 0;  ///< index of the saved edit, from 0
+        std::string command;    ///< as saved
+        std::string reason;     ///< one sentence, with the closest candidate if there is one
     };
-    /// What became of saved edits.
+    /// Result of repeating saved edits.
     struct Replayed {
-        std::size_t edits = 0;         ///< saved ones
-        std::size_t made = 0;          ///< made again
-        std::vector<Unbound> unbound;  ///< not made
+        std::size_t edits = 0;         ///< number of saved edits
+        std::size_t made = 0;          ///< number of repeated edits
+        std::vector<Unbound> unbound;  ///< edits that could not be repeated
     };
 
-    /// Throws what EditableTree throws. Solids that selections name are made by scene commands.
+    /// Throws as EditableTree does. Solids used by selections are created by scene commands.
     explicit EditSession(const Skeleton& tree, SceneSettings settings = {});
 
-    /// Runs one command; `place` begins messages, as in Scene::run. Edits; `select`; `undo [COUNT]`, `redo
-    /// [COUNT]`, `history`; and any command of scenes that makes no tree and has not the name of an edit,
-    /// which finds the tree under the name `tree`. Returns what it has to say, and throws what Scene::run
-    /// throws; then nothing has changed.
+    /// Runs one command; `place` is the prefix of messages, as in Scene::run. Supports edits; `select`; `undo
+    /// [COUNT]`, `redo [COUNT]`, `history`; and any scene command that does not create a tree and does not
+    /// have the name of an edit, which sees the tree under the name `tree`. Returns its output, and throws as
+    /// Scene::run does; in this case nothing has changed.
     std::string run(std::string_view line, const std::string& place = {}, const Context& ctx = {});
 
-    /// Runs commands one a line, or several with semicolons between them.
+    /// Runs commands, one per line or several separated by semicolons.
     std::string run_text(std::string_view text, const std::string& source, const Context& ctx = {});
 
-    /// Runs the scene commands of a file, as Scene::run_text.
+    /// Runs the scene commands of a file, as Scene::run_text does.
     std::string run_scene(std::string_view text, const std::string& source, const Context& ctx = {}) {
         return scene_.run_text(text, source, ctx);
     }
 
-    const EditableTree& tree() const { return tree_; }          ///< as it is now
-    const std::vector<Made>& history() const { return made_; }  ///< edits that `undo` can take back, in order
-    EditChange last_change() const { return last_change_; }     ///< by the last run()
+    const EditableTree& tree() const { return tree_; }          ///< the current tree
+    const std::vector<Made>& history() const { return made_; }  ///< edits that `undo` can undo, in order
+    EditChange last_change() const { return last_change_; }     ///< change by the last run()
 
-    /// Makes a surface that follows every edit from now on. Throws what LiveSurface throws. An edit of which
-    /// no surface can be made stays made; run() throws, and the surface follows with the next that can be.
+    /// Creates a surface that follows every later edit. Throws as LiveSurface does. If the surface of an edit
+    /// cannot be created, the edit is kept and run() throws; the surface follows with the next edit for which
+    /// it can be created.
     void keep_surface(const MeshOptions& options, const Context& ctx = {});
-    /// That surface as it is now; nullptr where none is kept.
+    /// Returns the current surface; nullptr if there is none.
     const LiveSurface* surface() const { return surface_ ? &*surface_ : nullptr; }
-    /// What the last run() wrote of it.
+    /// Returns the sections of the surface changed by the last run().
     const SurfaceChange& last_surface_change() const { return last_surface_change_; }
 
-    /// The history as a file of edits (JSON): each command, and for every node that it names where that lay.
+    /// Returns the history as a file of edits (JSON): each command, and the position of every node that it
+    /// refers to.
     std::string saved() const;
 
-    /// Makes saved edits, in order, on this tree. Nodes are found by their anchors, those that edits had made
-    /// by these edits. An edit that does not bind, or that the tree refuses, is told of and left out. Throws
-    /// InvalidInput naming source and field where this is no file of edits, Unsupported for a later version.
+    /// Repeats saved edits, in order, on this tree. Nodes are found by their anchors, and nodes added by
+    /// edits by these edits. An edit with a node that is not found, or that is invalid for the tree, is
+    /// reported and skipped. Throws InvalidInput naming source and field if the text is not a file of edits,
+    /// Unsupported for a later version.
     Replayed replay(std::string_view json, const std::string& source, const Context& ctx = {});
 
   private:
@@ -98,13 +100,13 @@ class EditSession {
     Scene scene_;
     EditableTree tree_;
     AnchorFrame frame_;
-    std::uint32_t first_slots_;  ///< ids below were there from the beginning
+    std::uint32_t first_slots_;  ///< smaller ids belong to the original tree
     std::vector<Made> made_, undone_;
     EditChange last_change_;
     std::optional<LiveSurface> surface_;
     SurfaceChange last_surface_change_;
-    NodeSet unfollowed_;  ///< nodes that changed since the surface followed
-    bool held_ = true;    ///< the scene has the tree as it is now
+    NodeSet unfollowed_;  ///< nodes changed since the last update of the surface
+    bool held_ = true;    ///< whether the scene has the current tree
 };
 
 }  // namespace coppice

@@ -8,19 +8,18 @@
 
 #include "coppice/base/error.h"
 #include "coppice/base/progress.h"
-#include "coppice/pipeline/quantity.h"
+#include "coppice/options/quantity.h"
 
 namespace coppice {
 
-PlotExtraction extract_trees_by_ids(const PaintedPoints& scan, const CloudOptions& options,
-                                    const Context& ctx) {
-    constexpr float kSegmented = 0.1f;  // of the time
+PlotExtraction extract_trees_by_ids(const PointCloud& scan, const CloudOptions& options, const Context& ctx) {
+    constexpr float kSegmented = 0.1f;  // fraction of the progress
     if (scan.tree_ids.empty())
         throw InvalidInput(
             "its points have no ids of trees; these are read from a column, property or extra dimension "
             "tree_id, treeID, PredInstance, instance or label");
     PlotSegments segments = segment_plot_by_ids(scan.points, scan.tree_ids, part_of(ctx, 0, kSegmented));
-    if (segments.trees.empty()) throw InvalidInput("extract: no id of a tree has 50 points");
+    if (segments.trees.empty()) throw InvalidInput("extract: no tree id has at least 50 points");
     return extract_trees(scan.points, std::move(segments), options, part_of(ctx, kSegmented, 1));
 }
 

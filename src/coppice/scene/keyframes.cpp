@@ -7,10 +7,10 @@
 #include <cmath>
 #include <vector>
 
-#include "coppice/animate/easing.h"
 #include "coppice/base/quote.h"
+#include "coppice/edit/animate/easing.h"
 #include "coppice/edit/selection.h"
-#include "coppice/pipeline/spelling.h"
+#include "coppice/options/spelling.h"
 #include "coppice/scene/edit_lines_internal.h"
 #include "coppice/scene/place_internal.h"
 #include "coppice/scene/scene.h"
@@ -24,10 +24,10 @@ namespace {
 const std::string kTree = "tree";
 constexpr double kLongest = 3600;  // [s]
 
-/// How an argument of an edit grows with the part of the edit that is made.
+/// An argument of an edit that scales with the completed fraction of the edit.
 struct Graded {
     std::string_view edit, argument;
-    bool is_factor = false;  ///< of which no part is 1
+    bool is_factor = false;  ///< whether the neutral value is 1 instead of 0
 };
 constexpr std::array<Graded, 7> kGraded{{{"edit rotate", "angle"},
                                          {"edit bend", "angle"},
@@ -46,7 +46,7 @@ const Argument& argument_called(const SceneCommand& command, std::string_view na
     return *std::ranges::find(command.arguments, name, &Argument::name);
 }
 
-/// The edit with part of its angle, way or factor.
+/// Returns the edit with a fraction of its angle, displacement or factor.
 SceneCall graded(const SceneCall& call, const Graded& by, double part) {
     SceneCall out = call;
     const Argument& argument = argument_called(call.command(), by.argument);
@@ -58,7 +58,7 @@ SceneCall graded(const SceneCall& call, const Graded& by, double part) {
     return out;
 }
 
-/// Part of the way from one pose to another by the nodes' places.
+/// Interpolates two poses by the positions of the nodes.
 Pose blend(const Pose& from, const Pose& to, double part) {
     Pose out = from;
     for (std::size_t i = 0; i < out.positions.size(); ++i) {
@@ -69,7 +69,7 @@ Pose blend(const Pose& from, const Pose& to, double part) {
     return out;
 }
 
-/// A line before its edits: seconds and easing.
+/// The beginning of a line: time and easing.
 struct Moment {
     double time = 0;
     Easing easing = Easing::smooth;
@@ -81,7 +81,7 @@ Easing easing_called(const std::string& name) {
     const auto found = std::ranges::find(names, name);
     if (found == names.end()) {
         throw InvalidInput(
-            fmt::format("there is no easing {}; take one of {}", quote(name), fmt::join(names, ", ")));
+            fmt::format("there is no easing {}; use one of {}", quote(name), fmt::join(names, ", ")));
     }
     return static_cast<Easing>(found - names.begin());
 }
@@ -91,18 +91,20 @@ double seconds_from(std::string text) {
     double time = -1;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), time);
     if (error != std::errc{} || end != text.data() + text.size() || !(time >= 0 && time <= kLongest))
-        throw InvalidInput(fmt::format("{} is no number of seconds from 0 to {:g}", quote(text), kLongest));
+        throw InvalidInput(
+            fmt::format("{} is not a number of seconds from 0 to {:g}", quote(text), kLongest));
     return time;
 }
 
-Moment moment_of(std::string_view line) {
+Moment compute_moment(std::string_view line) {
     const std::size_t colon = line.find(':');
     if (colon == line.npos)
         throw InvalidInput("a key is seconds, a colon and edits, as in 2: rotate near(0,0,3) 30");
     std::vector<SceneWord> words = scene_words(line.substr(0, colon));
     if (words.size() > 1 && words[1].text == "s") words.erase(words.begin() + 1);
     if (words.empty() || words.size() > 2)
-        throw InvalidInput("before the colon of a key stand seconds, and perhaps an easing, as in 2 out:");
+        throw InvalidInput(
+            "before the colon of a key there must be seconds and optionally an easing, as in 2 out:");
     Moment out{.time = seconds_from(words[0].text), .easing = {}, .edits = line.substr(colon + 1)};
     if (words.size() > 1) out.easing = easing_called(words[1].text);
     return out;
@@ -151,7 +153,7 @@ class Keyframes::Body {
     };
 
     bool add(std::string_view line, const std::string& place, const EditableTree& at_rest) {
-        const Moment moment = moment_of(line);
+        const Moment moment = compute_moment(line);
         if (!keys_.empty() && !(moment.time > keys_.back().time)) {
             throw InvalidInput(fmt::format("the key at {:g} s does not come after the one at {:g} s",
                                            moment.time, keys_.back().time));
@@ -163,7 +165,7 @@ class Keyframes::Body {
             key.edits.push_back({bind(words, at_rest), place});
         }
         keys_.push_back(std::move(key));
-        edited(rest_pose(tree_), keys_.back(), 1);  // what throws does it now
+        edited(rest_pose(tree_), keys_.back(), 1);  // reports errors of the edits early
         return true;
     }
 
@@ -172,7 +174,7 @@ class Keyframes::Body {
         const SceneCommand* command = scene_internal::edit_called(words[0].text);
         if (command == nullptr || !command->edit) {
             throw InvalidInput(
-                fmt::format("{} is no edit; coppice edit --reference lists them", quote(words[0].text)));
+                fmt::format("{} is not an edit; coppice edit --reference lists them", quote(words[0].text)));
         }
         words.insert(words.begin(), SceneWord{{}, "edit"});
         words.insert(words.begin() + 2, SceneWord{{}, kTree});
@@ -184,7 +186,7 @@ class Keyframes::Body {
         return call;
     }
 
-    /// Names the nodes that a selection holds at rest by their ids.
+    /// Replaces a selection by the ids of its nodes at rest.
     void fix_selection(SceneCall& call, const Argument& argument, const EditableTree& at_rest) const {
         std::vector<ArgumentValue> values;
         for (const ArgumentValue& v : call.values(argument.name)) {
@@ -193,14 +195,14 @@ class Keyframes::Body {
             ids.kind = SelectionKind::id;
             ids.ids = selected(at_rest, parse_selection(v.text), no_solids);
             if (ids.ids.empty())
-                throw InvalidInput(fmt::format("{}: {} holds no node of the tree",
+                throw InvalidInput(fmt::format("{}: {} contains no node of the tree",
                                                call.command().name.substr(5), quote(v.text)));
             values.push_back({to_text(ids), {}});
         }
         call.set(argument, std::move(values));
     }
 
-    /// `move N to=...` as a way, of which there are parts.
+    /// Converts `move N to=...` to a displacement, which can be scaled.
     static void move_by(SceneCall& call, const EditableTree& at_rest) {
         const StableId n = selected_node(at_rest, parse_selection(call.text("node")));
         const Vec3d here = at_rest.origin() + Vec3d(at_rest.position(n));
@@ -225,10 +227,10 @@ class Keyframes::Body {
         const Graded* by = grading(call.command());
         const EditChange change = call.command().edit(by != nullptr ? graded(call, *by, part) : call, tree);
         if (!change.added.empty() || !change.removed.empty() || !change.reparented.empty()) {
-            throw InvalidInput(fmt::format(
-                "{} changes which nodes there are, or what they hang on; an animation keeps both: "
-                "take rotate, bend, twist, translate, move, scale, straighten or smooth",
-                call.command().name.substr(5)));
+            throw InvalidInput(
+                fmt::format("{} adds or removes nodes or changes their parents, which an animation must "
+                            "keep; use rotate, bend, twist, translate, move, scale, straighten or smooth",
+                            call.command().name.substr(5)));
         }
         Pose out = pose;
         for (const NodeId n : nodes(tree_)) {

@@ -4,38 +4,39 @@
 #include <string>
 #include <string_view>
 
-#include "coppice/animate/pose.h"
 #include "coppice/base/context.h"
+#include "coppice/edit/animate/pose.h"
 #include "coppice/scene/command.h"
 
 namespace coppice {
 
-/// A motion of a tree by keys: edits of the tree at rest, and moments at which they are made in full. One key
-/// a line,
+/// A motion of a tree by keys: edits of the tree at rest, and the times at which they are complete. One key
+/// per line,
 ///
 ///     0: rest
 ///     1.5 out: rotate near(2,0,3) 30; bend 19 20
 ///     3: rest
 ///
-/// seconds, how the motion to the key runs (see Easing; smooth where nothing is said), and edits as for
-/// `coppice edit`, or `rest`. Between two keys the edits of the one fade while those of the other come, by
-/// their angles, ways and factors, so that branches turn and do not shrink; edits of other kinds fade by the
-/// places of the nodes. Before the first key the tree rises from rest, at second 0.
+/// consists of seconds, the easing of the motion to the key (see Easing; smooth by default), and edits as for
+/// `coppice edit`, or `rest`. Between two keys, the edits of the first fade out while those of the second
+/// fade in, by their angles, displacements and factors, so that branches rotate without shrinking; edits of
+/// other kinds are interpolated by the positions of the nodes. Before the first key, the tree starts at rest
+/// at second 0.
 ///
-/// Selections are looked up in the tree at rest. Edits have to keep the nodes and what they hang on.
+/// Selections are evaluated in the tree at rest. Edits must keep the nodes and their parents.
 class Keyframes {
   public:
-    /// Throws InvalidInput that begins with source and line: times that do not rise, an easing that is
-    /// unknown, what the edits throw, edits that add or remove nodes, no keys.
+    /// Throws InvalidInput that begins with source and line, for times that do not increase, an unknown
+    /// easing, errors of the edits, edits that add or remove nodes, and if there are no keys.
     Keyframes(const Skeleton& tree, std::string_view text, const std::string& source,
               const SceneSettings& settings = {}, const Context& ctx = {});
-    ~Keyframes();                                ///< gives its memory back
-    Keyframes(Keyframes&&) noexcept;             ///< takes over
-    Keyframes& operator=(Keyframes&&) noexcept;  ///< takes over
+    ~Keyframes();                                ///< releases its memory
+    Keyframes(Keyframes&&) noexcept;             ///< transfers ownership
+    Keyframes& operator=(Keyframes&&) noexcept;  ///< transfers ownership
 
-    double end() const;          ///< [s] of the last key
+    double end() const;          ///< [s] time of the last key
     std::size_t size() const;    ///< number of keys
-    Pose at(double time) const;  ///< the pose at a time [s]; O(n) for each edit that is on its way
+    Pose at(double time) const;  ///< pose at a time [s]; O(n) for each active edit
 
   private:
     class Body;

@@ -6,13 +6,13 @@ namespace coppice {
 namespace {
 
 double memory_of_quads(const Skeleton& skeleton, int levels, Fit fit) {
-    constexpr double kCageQuads = 5;  // for each segment
+    constexpr double kCageQuads = 5;  // per segment
     double quads = kCageQuads * skeleton.size();
     for (int i = 0; i < levels; ++i) quads *= 4;
     return memory_of_faces(quads, fit);
 }
 
-/// [radii] The length of all axes, in radii of the wood there, and a ball at both ends of each tree.
+/// Returns the length of all axes in units of the local radius, plus a ball at both ends of each tree.
 double length_in_radii(const Skeleton& skeleton) {
     double sum = 2.0 * skeleton.tree_count();
     for (const NodeId n : nodes(skeleton)) {
@@ -20,15 +20,15 @@ double length_in_radii(const Skeleton& skeleton) {
         const Segment s = skeleton.segment(n);
         const double a = double{s.radius_a}, b = double{s.radius_b}, l = distance(Vec3d(s.a), Vec3d(s.b));
         const double difference = a - b;
-        // The integral of 1 / r along a cone.
+        // The integral of 1 / r along a truncated cone.
         sum += std::abs(difference) < 1e-3 * a ? l / a : l * std::log(a / b) / difference;
     }
     return sum;
 }
 
-/// By the tetrahedra of the octree, which are the more the smaller its cells are, and those that the surface
-/// crosses; for each radius along the axes, at most as measured in trees of 300 to 3,000 segments, and at
-/// most so many bytes for each.
+/// Estimates the memory from the number of tetrahedra of the octree, which increases as its cells get
+/// smaller, and of those that the surface crosses: per radius of length along the axes, the maximum measured
+/// in trees of 300 to 3,000 segments, times the maximum number of bytes.
 double memory_of_lattice(const Skeleton& skeleton, const TetraOptions& options) {
     constexpr double kBytesOfTetra = 180, kBytesOfCrossed = 75;
     const double edge = double{options.edge}, cell = std::ldexp(edge, options.march.levels);
@@ -37,17 +37,18 @@ double memory_of_lattice(const Skeleton& skeleton, const TetraOptions& options) 
     return length_in_radii(skeleton) * (kBytesOfTetra * tetra + kBytesOfCrossed * crossed);
 }
 
-/// By the segments: a handful of tetrahedra for each, cut in eight, and most of their vertices sampled.
+/// Estimates the memory from the number of segments: several tetrahedra per segment, each subdivided into
+/// eight, with most of their vertices sampled.
 double memory_of_polyhedron(const Skeleton& skeleton, const TetraOptions& options) {
-    // Coarse ones a segment, at most as measured (16 in a tree of 3,000, which took 115 MB beside the
-    // program).
+    // Maximum measured number of coarse tetrahedra per segment (16 in a tree of 3,000 segments, which used
+    // 115 MB in addition to the program).
     constexpr double kTetra = 26, kBytesOfTetra = 500, kBytesOfFine = 5;
     const double fine = std::ldexp(1.0, 3 * polyhedron_levels(options));
     return kTetra * skeleton.size() * (kBytesOfTetra + kBytesOfFine * fine);
 }
 
-/// Of quads, as much for cylinders, which have fewer vertices and more sides, and twice as much for
-/// ramifications, which have rings of their own.
+/// Estimates the memory of quads. Cylinders need as much, because they have fewer vertices and more sides;
+/// ramifications need twice as much, because they have additional rings.
 double memory_of_surface(const Skeleton& skeleton, const MeshOptions& options) {
     if (options.method == MeshMethod::tetrahedra) {
         return options.tetra.base == TetraBase::polyhedron ? memory_of_polyhedron(skeleton, options.tetra)
@@ -66,7 +67,7 @@ double memory_of_faces(double quads, Fit fit) {
 }
 
 double memory_of_mesh(const Skeleton& skeleton, const MeshOptions& options) {
-    constexpr double kBytesOfNode = 1600;  // of what is prepared, and of the field
+    constexpr double kBytesOfNode = 1600;  // of the prepared skeleton and the field
     return kBytesOfNode * skeleton.size() + memory_of_surface(skeleton, options);
 }
 

@@ -5,10 +5,10 @@
 
 namespace coppice {
 
-/// [bytes] that mesh_skeleton() takes at most, about, with the surface that it returns. O(n).
+/// Returns the approximate maximum memory [bytes] of mesh_skeleton(), including the returned surface. O(n).
 double memory_of_mesh(const Skeleton& skeleton, const MeshOptions& options);
 
-/// [bytes] that making a surface of so many quads takes at most, about.
+/// Returns the approximate maximum memory [bytes] for creating a surface of this number of quads.
 double memory_of_faces(double quads, Fit fit);
 
 }  // namespace coppice

@@ -45,7 +45,7 @@ std::string described(const Skeleton& skeleton) {
         "skeleton   {} nodes\ntrees      {}\ntips       {}\nlength_m   {:.6g}\nradius_m   {:.6g} to "
         "{:.6g}\nbox "
         "       {}\n",
-        m.nodes, m.trees, m.tips, m.length, m.least_radius, m.greatest_radius,
+        m.nodes, m.trees, m.tips, m.length, m.min_radius, m.max_radius,
         box_text(m.bounds, skeleton.origin()));
 }
 
@@ -71,13 +71,13 @@ std::string with_article(ObjectKind kind) {
     return kind == ObjectKind::points ? name : "a " + name;
 }
 
-PolygonMesh polygons_of(const Surface& surface) {
+PolygonMesh make_polygons(const Surface& surface) {
     if (const auto* quads = std::get_if<QuadMesh>(&surface.mesh)) return to_polygons(*quads);
     if (const auto* triangles = std::get_if<TriMesh>(&surface.mesh)) return to_polygons(*triangles);
     return std::get<PolygonMesh>(surface.mesh);
 }
 
-TriMesh triangles_of(const Surface& surface) {
+TriMesh to_triangles(const Surface& surface) {
     if (const auto* triangles = std::get_if<TriMesh>(&surface.mesh)) return *triangles;
     if (const auto* quads = std::get_if<QuadMesh>(&surface.mesh)) return triangulate(*quads);
     return triangulate(std::get<PolygonMesh>(surface.mesh));
@@ -89,13 +89,13 @@ std::uint64_t face_count(const Surface& surface) {
     return std::get<PolygonMesh>(surface.mesh).face_count();
 }
 
-std::uint64_t memory_of(const PointSet& points) { return points.size() * sizeof(Vec3); }
+std::uint64_t compute_memory(const PointSet& points) { return points.size() * sizeof(Vec3); }
 
-std::uint64_t memory_of(const Skeleton& skeleton, std::span<const NodeAttribute> attributes) {
+std::uint64_t compute_memory(const Skeleton& skeleton, std::span<const NodeAttribute> attributes) {
     return skeleton.size() * (kBytesOfNode + sizeof(float) * attributes.size());
 }
 
-std::uint64_t memory_of(const Surface& surface) {
+std::uint64_t compute_memory(const Surface& surface) {
     const std::uint64_t vertices =
         std::visit([](const auto& mesh) { return mesh.positions.size(); }, surface.mesh);
     return vertices * sizeof(Vec3) + face_count(surface) * 5 * sizeof(std::uint32_t);

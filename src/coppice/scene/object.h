@@ -20,8 +20,8 @@
 
 namespace coppice {
 
-/// What a name in a scene may stand for. Every kind has names of its own: a crown, the points in it and the
-/// tree that grows into them may have the same one.
+/// Kind of an object in a scene. Every kind has its own namespace: a crown, the points in it and the tree
+/// that grows into them may have the same name.
 enum class ObjectKind { solid, path, profile, points, skeleton, mesh };
 
 template <>
@@ -33,35 +33,36 @@ struct EnumNames<ObjectKind> {
 /// "a solid", "points"
 std::string with_article(ObjectKind kind);
 
-/// A surface as it was made or read.
+/// A surface as it was created or read.
 struct Surface {
-    std::variant<QuadMesh, TriMesh, PolygonMesh> mesh;  ///< as it came
+    std::variant<QuadMesh, TriMesh, PolygonMesh> mesh;  ///< in the original representation
 };
-/// The surface as faces of any number of corners.
-PolygonMesh polygons_of(const Surface& surface);
-/// The surface as triangles.
-TriMesh triangles_of(const Surface& surface);
-/// Number of faces.
+/// Returns the surface as polygons.
+PolygonMesh make_polygons(const Surface& surface);
+/// Returns the surface as triangles.
+TriMesh to_triangles(const Surface& surface);
+/// Returns the number of faces.
 std::uint64_t face_count(const Surface& surface);
 
-/// An object of a scene; it never changes once it was made.
+/// An immutable object of a scene.
 struct SceneObject {
     std::variant<Solid, Curve, Profile, PointSet, Skeleton, Surface> value;  ///< in the order of ObjectKind
-    std::uint64_t bytes = 0;                                                 ///< of memory, about
-    std::vector<NodeAttribute> attributes = {};  ///< of a skeleton's nodes, as its file had them
+    std::uint64_t bytes = 0;                                                 ///< approximate memory
+    std::vector<NodeAttribute> attributes =
+        {};  ///< attributes of the nodes of a skeleton, as read from its file
 
-    ObjectKind kind() const { return static_cast<ObjectKind>(value.index()); }  ///< of the value
+    ObjectKind kind() const { return static_cast<ObjectKind>(value.index()); }  ///< kind of the value
 };
-using ObjectPtr = std::shared_ptr<const SceneObject>;  ///< shared by all states that hold it
+using ObjectPtr = std::shared_ptr<const SceneObject>;  ///< shared by all states that contain it
 
-/// Bytes of memory, about; a solid made of others counts what is its own.
-std::uint64_t memory_of(const PointSet& points);
-/// Bytes of memory, about.
-std::uint64_t memory_of(const Skeleton& skeleton, std::span<const NodeAttribute> attributes = {});
-/// Bytes of memory, about.
-std::uint64_t memory_of(const Surface& surface);
+/// Returns the approximate memory [bytes]; a solid made of others counts only its own.
+std::uint64_t compute_memory(const PointSet& points);
+/// Returns the approximate memory [bytes].
+std::uint64_t compute_memory(const Skeleton& skeleton, std::span<const NodeAttribute> attributes = {});
+/// Returns the approximate memory [bytes].
+std::uint64_t compute_memory(const Surface& surface);
 
-/// The figures of an object, a line each.
+/// Returns the figures of an object, one per line.
 std::string description_of(const SceneObject& object);
 
 }  // namespace coppice

@@ -10,7 +10,8 @@
 
 namespace coppice::scene_internal {
 
-/// Some messages of the library begin with the name of the stage, which may be the command's.
+/// Returns the message with the place as prefix. Some messages of the library begin with the name of the
+/// stage, which may be the name of the command.
 inline std::string with_place(const std::string& place, std::string_view message) {
     const std::size_t space = place.rfind(' ');
     const std::string last = place.substr(space == place.npos ? 0 : space + 1) + ":";
@@ -18,7 +19,7 @@ inline std::string with_place(const std::string& place, std::string_view message
     return place.empty() ? std::string(message) : fmt::format("{}: {}", place, message);
 }
 
-/// Calls work, and puts the place before the message of whatever it throws.
+/// Calls work, and adds the place as prefix to the message of an exception.
 template <class Work>
 auto placed(const std::string& place, const Work& work) {
     try {
@@ -32,7 +33,7 @@ auto placed(const std::string& place, const Work& work) {
     } catch (const Error& error) {
         throw InvalidInput(with_place(place, error.what()));
     } catch (const std::bad_alloc&) {
-        throw InvalidInput(with_place(place, "there is not enough memory for this"));
+        throw InvalidInput(with_place(place, "there is not enough memory for this command"));
     }
 }
 

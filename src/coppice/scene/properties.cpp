@@ -17,7 +17,7 @@ std::string_view trimmed(std::string_view text) {
     return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
 }
 
-/// Up to where a word begins with "#".
+/// Returns the text before a word that begins with "#".
 std::string_view without_comment(std::string_view text) {
     for (std::size_t i = text.find('#'); i != text.npos; i = text.find('#', i + 1)) {
         if (i == 0 || kBlanks.find(text[i - 1]) != kBlanks.npos) return text.substr(0, i);
@@ -42,7 +42,7 @@ std::vector<Property> properties_of(std::string_view text, const std::string& so
             value = trimmed(value.substr(1));
         if (end == 0 || value.empty())
             throw InvalidInput(fmt::format(
-                "{}:{}: an option and its value are needed here, as in count = 500", source, line.number));
+                "{}:{}: an option and its value are required here, as in count = 500", source, line.number));
         out.push_back({line.number, std::string(all.substr(0, end)), std::string(unquoted(value))});
     }
     return out;

@@ -13,20 +13,20 @@ namespace {
 
 constexpr std::string_view kLanguage = "Variables and loops";
 
-/// The default, rounded where it is an angle in degrees with stray digits.
+/// Returns the default, rounded if it is an angle in degrees with rounding errors.
 std::string default_text(const Argument& a) {
-    if (a.initial.starts_with('@')) return fmt::format("that of {}", a.initial.substr(1));
-    if (!a.unless.empty()) return fmt::format("{}; with {}= none", a.initial, a.unless);
-    if (a.name == "seed") return fmt::format("{}, or what set seed says", a.initial);
+    if (a.initial.starts_with('@')) return fmt::format("value of {}", a.initial.substr(1));
+    if (!a.unless.empty()) return fmt::format("{}; with {}= no default", a.initial, a.unless);
+    if (a.name == "seed") return fmt::format("{}, or the value of set seed", a.initial);
     if (a.unit != Unit::radian || a.initial.empty()) return a.initial;
     return fmt::format("{:.4g}", numbers_of(a.initial).at(0));
 }
 
 std::string argument_line(const Argument& a) {
-    std::string text = fmt::format("{}; {}", a.help, takes_text(a));
+    std::string text = fmt::format("{} [{}", a.help, takes_text(a));
     if (const std::string initial = default_text(a); !initial.empty()) text += "; default " + initial;
     if (a.repeats && !a.positional) text += "; may be repeated";
-    return text;
+    return text + "]";
 }
 
 std::string upper(std::string_view name) {
@@ -36,7 +36,7 @@ std::string upper(std::string_view name) {
     return out;
 }
 
-/// Lines with two blanks before each.
+/// Indents lines by two blanks.
 std::string indented(std::string_view lines) {
     std::string text;
     while (!lines.empty()) {
@@ -68,12 +68,12 @@ std::string table_cell(std::string_view text) {
     return out;
 }
 
-std::string markdown_of(const SceneCommand& c) {
-    std::string text = fmt::format("### {}\n`{}`: {}.\n", c.name, usage_of(c), c.help);
+std::string to_markdown(const SceneCommand& c) {
+    std::string text = fmt::format("### {}\n`{}`: {}\n", c.name, usage_of(c), c.help);
     if (!c.aliases.empty()) text += fmt::format("Also called `{}`.\n", fmt::join(c.aliases, "`, `"));
     text += fmt::format("```\n{}\n```\n", c.example);
     if (c.arguments.empty()) return text + "\n";
-    text += "| argument | what it is | takes | default |\n| --- | --- | --- | --- |\n";
+    text += "| argument | description | value | default |\n| --- | --- | --- | --- |\n";
     for (const Argument& a : c.arguments) {
         text += fmt::format("| `{}` | {} | {}{} | {} |\n", a.positional ? upper(a.name) : a.name + "=",
                             table_cell(a.help), table_cell(takes_text(a)), a.repeats ? ", repeated" : "",
@@ -82,8 +82,8 @@ std::string markdown_of(const SceneCommand& c) {
     return text + "\n";
 }
 
-std::string markdown_of(const SceneStatement& s) {
-    return fmt::format("### {}\n`{}`: {}.\n```\n{}\n```\n\n", s.name, s.usage, s.help, s.example);
+std::string to_markdown(const SceneStatement& s) {
+    return fmt::format("### {}\n`{}`: {}\n```\n{}\n```\n\n", s.name, s.usage, s.help, s.example);
 }
 
 std::vector<std::string> groups() {
@@ -94,7 +94,7 @@ std::vector<std::string> groups() {
     return names;
 }
 
-/// What an argument's value may be, as far as it can be listed.
+/// Returns the possible values of an argument, if they can be listed.
 std::vector<std::string> values_of(const Argument& a, const SceneState& state) {
     if (a.type == ArgumentType::choice) return a.choices;
     if (a.type == ArgumentType::flag) return {"false", "true"};
@@ -109,7 +109,7 @@ std::vector<std::string> values_of(const Argument& a, const SceneState& state) {
     return names;
 }
 
-/// Whether the text is a positional word rather than key=value.
+/// Returns whether the text is a positional word rather than key=value.
 bool is_plain(const SceneWord& word) { return word.key.empty(); }
 
 void add_matches(std::set<std::string>& out, const std::vector<std::string>& words, std::string_view begin,
@@ -119,7 +119,7 @@ void add_matches(std::set<std::string>& out, const std::vector<std::string>& wor
     }
 }
 
-/// The words after `done` that begin as `begin` does, of commands with one or two words.
+/// Adds the words after `done` that begin with `begin`, of commands with one or two words.
 void add_commands(std::set<std::string>& out, const std::string& done, std::string_view begin) {
     for (const SceneCommand& c : scene_commands()) {
         if (!c.name.starts_with(done)) continue;
@@ -180,12 +180,12 @@ std::string help_overview() {
     }
     text += fmt::format("{}\n", kLanguage);
     for (const SceneStatement& s : scene_statements()) text += fmt::format("  {:<18} {}\n", s.name, s.help);
-    return text + "help COMMAND explains one; lines that begin with # are comments.\n";
+    return text + "help COMMAND explains a command; lines that begin with # are comments.\n";
 }
 
 std::string help_of(std::span<const SceneWord> words) {
     if (words.size() == 1) {
-        if (const SceneStatement* statement = statement_of(words[0].text))
+        if (const SceneStatement* statement = find_statement(words[0].text))
             return help_of_statement(*statement);
         std::string family;
         for (const SceneCommand& c : scene_commands()) {
@@ -200,20 +200,19 @@ std::string help_of(std::span<const SceneWord> words) {
 
 std::string scene_reference(std::string_view only) {
     std::string text =
-        "# Commands of scenes\n\nMade by `coppice run --reference`; [scenes.md](scenes.md) explains the "
-        "language. Angles "
-        "are degrees.\nWords in capitals are given in order, without their names; all others as "
-        "`name=value`.\n\n";
+        "# Commands of scenes\n\nGenerated by `coppice run --reference`; [scenes.md](scenes.md) explains the "
+        "language. Angles are in degrees.\nWords in capitals are given in order, without their names; all "
+        "others as `name=value`.\n\n";
     for (const std::string& group : groups()) {
         if (!only.empty() && group != only) continue;
         text += fmt::format("## {}\n\n", group);
         for (const SceneCommand& c : scene_commands()) {
-            if (c.group == group) text += markdown_of(c);
+            if (c.group == group) text += to_markdown(c);
         }
     }
     if (only.empty()) {
         text += fmt::format("## {}\n\n", kLanguage);
-        for (const SceneStatement& s : scene_statements()) text += markdown_of(s);
+        for (const SceneStatement& s : scene_statements()) text += to_markdown(s);
     }
     text.pop_back();
     return text;
@@ -239,7 +238,7 @@ std::vector<std::string> completions(std::string_view line, const SceneState& st
     try {
         words = scene_words(line);
     } catch (const InvalidInput&) {
-        return {};  // within quotes: a file name
+        return {};  // a file name within quotes
     }
     const bool fresh = line.empty() || line.back() == ' ' || line.back() == '\t';
     const SceneWord last = fresh || words.empty() ? SceneWord{} : words.back();

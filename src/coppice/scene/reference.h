@@ -9,24 +9,24 @@
 
 namespace coppice {
 
-/// All commands by group, a line each.
+/// Returns all commands by group, one per line.
 std::string help_overview();
 
-/// What the words name: a command with its arguments, or all commands of a family ("pointset"). Throws
-/// InvalidInput with the nearest spelling.
+/// Returns the help of a command with its arguments, or of all commands of a family ("pointset"). Throws
+/// InvalidInput with the closest spelling.
 std::string help_of(std::span<const SceneWord> words);
 
-/// The reference page of all commands in Markdown, docs/user/scene-reference.md, or of one group of them.
+/// Returns the reference page of all commands in Markdown, docs/user/scene-reference.md, or of one group.
 std::string scene_reference(std::string_view group = {});
 
-/// The table as JSON: commands with their arguments, types, units, ranges and defaults.
+/// Returns the table as JSON: commands with their arguments, types, units, ranges and defaults.
 Json scene_schema();
 
-/// What the last word of an unfinished line may become, in order: commands, option names with "=", choices,
-/// names of objects. Words are whole: "crown", "pattern=jittered".
+/// Returns the completions of the last word of an unfinished line, in order: commands, option names with "=",
+/// choices, names of objects. Words are complete: "crown", "pattern=jittered".
 std::vector<std::string> completions(std::string_view line, const SceneState& state);
 
-/// NAME, [NAME], NAME... as the first words of a command are written.
+/// Returns the syntax of the first words of a command: NAME, [NAME], NAME...
 std::string usage_of(const SceneCommand& command);
 
 }  // namespace coppice

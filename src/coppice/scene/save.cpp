@@ -42,15 +42,15 @@ std::string_view hint_of(ObjectKind kind) {
         case ObjectKind::mesh:
             return "use .obj, .ply, .glb, .stl or .usda";
         case ObjectKind::solid:
-            return "write the mesh that polygonize makes of it";
+            return "write the mesh that polygonize creates from it";
         case ObjectKind::path:
         case ObjectKind::profile:
             break;
     }
-    return "it is kept by: save recipe FILE.coppice";
+    return "it is saved by: save recipe FILE.coppice";
 }
 
-/// A line that puts in nothing, also where a file is called by what would stand for a variable.
+/// Escapes ${ in a line, because the name of a file may contain it.
 std::string without_variables(std::string_view line) {
     std::string out;
     for (std::size_t i = 0; i < line.size(); ++i) {
@@ -61,7 +61,7 @@ std::string without_variables(std::string_view line) {
 }
 
 [[noreturn]] void refuse_to_hold(const std::filesystem::path& path) {
-    throw InvalidInput(fmt::format("the scene makes nothing that '{}' can hold", path.string()));
+    throw InvalidInput(fmt::format("the scene makes no object that '{}' can store", path.string()));
 }
 
 }  // namespace
@@ -86,7 +86,7 @@ ObjectPtr object_for_file(const SceneState& state, const std::string& name,
     }
     if (!name.empty() && fitting.size() > 1) {
         throw InvalidInput(
-            fmt::format("{} is the name of several things that '{}' can hold; add kind= and one of {}, {}",
+            fmt::format("{} is the name of several objects that '{}' can store; add kind= and one of {}, {}",
                         quote(name), path.string(), name_of(fitting[0]), name_of(fitting[1])));
     }
     return last;
@@ -95,10 +95,10 @@ ObjectPtr object_for_file(const SceneState& state, const std::string& name,
 void check_scene_output(std::span<const SceneCommand* const> commands, const std::filesystem::path& path) {
     constexpr std::array kWritten{ObjectKind::mesh, ObjectKind::skeleton, ObjectKind::points};
     if (std::ranges::none_of(kWritten, [&](ObjectKind kind) { return suits(kind, path); })) {
-        throw InvalidInput(
-            fmt::format("the ending of '{}' names no format; for a mesh {}, for a skeleton {}, for points {}",
-                        path.string(), hint_of(ObjectKind::mesh), hint_of(ObjectKind::skeleton),
-                        hint_of(ObjectKind::points)));
+        throw InvalidInput(fmt::format(
+            "the extension of '{}' is not a known format; for a mesh {}, for a skeleton {}, for points {}",
+            path.string(), hint_of(ObjectKind::mesh), hint_of(ObjectKind::skeleton),
+            hint_of(ObjectKind::points)));
     }
     const bool made = std::ranges::any_of(
         commands, [&](const SceneCommand* c) { return c->makes && suits(*c->makes, path); });
@@ -108,8 +108,8 @@ void check_scene_output(std::span<const SceneCommand* const> commands, const std
 void check_file_name(const SceneObject& object, const std::filesystem::path& path) {
     const ObjectKind kind = object.kind();
     if (suits(kind, path)) return;
-    throw InvalidInput(fmt::format("'{}' is no name of a file for {}; {}", path.string(), with_article(kind),
-                                   hint_of(kind)));
+    throw InvalidInput(fmt::format("'{}' is not a valid file name for {}; {}", path.string(),
+                                   with_article(kind), hint_of(kind)));
 }
 
 void save_object(const SceneObject& object, const std::filesystem::path& path, const Context& ctx) {
@@ -124,9 +124,8 @@ void save_object(const SceneObject& object, const std::filesystem::path& path, c
     }
 }
 
-std::string recipe_of(const SceneState& state) {
-    std::string text =
-        "# Makes the same objects as the scene it was saved from; every option is spelled out.\n";
+std::string make_recipe(const SceneState& state) {
+    std::string text = "# Makes the same objects as the original scene; every option is spelled out.\n";
     for (const std::string& line : state.history) text += without_variables(line) + "\n";
     return text;
 }

@@ -1,4 +1,4 @@
-// Saved edits: JSON of commands and of where the nodes lay that they name.
+// Saved edits: JSON with commands and the positions of the nodes that they refer to.
 
 #include <fmt/format.h>
 
@@ -16,7 +16,7 @@ namespace coppice {
 namespace {
 
 constexpr int kVersion = 1;
-constexpr std::size_t kMostEdits = 100'000;
+constexpr std::size_t kMaxEdits = 100'000;
 
 Json json_of(Vec3d v) { return Json::array({v.x, v.y, v.z}); }
 
@@ -31,8 +31,8 @@ Json json_of(const EditSession::Named& node) {
     return out;
 }
 
-[[noreturn]] void fail(const std::string& where, std::string_view what) {
-    throw InvalidInput(fmt::format("{}{}", where, what));
+[[noreturn]] void fail(const std::string& where, std::string_view subject) {
+    throw InvalidInput(fmt::format("{}{}", where, subject));
 }
 
 const Json& member(const Json& object, const char* name, const std::string& where) {
@@ -43,13 +43,14 @@ const Json& member(const Json& object, const char* name, const std::string& wher
 double number(const Json& object, const char* name, const std::string& where, double low, double high) {
     const Json& value = member(object, name, where);
     const double x = value.is_number() ? value.get<double>() : std::numeric_limits<double>::quiet_NaN();
-    if (!(x >= low && x <= high)) fail(where, fmt::format(".{} is no number from {} to {}", name, low, high));
+    if (!(x >= low && x <= high))
+        fail(where, fmt::format(".{} is not a number from {} to {}", name, low, high));
     return x;
 }
 
 std::size_t whole(const Json& object, const char* name, const std::string& where) {
     const double x = number(object, name, where, 0, 4294967294.0);
-    if (x != std::floor(x)) fail(where, fmt::format(".{} is no whole number", name));
+    if (x != std::floor(x)) fail(where, fmt::format(".{} is not a whole number", name));
     return static_cast<std::size_t>(x);
 }
 
@@ -58,7 +59,7 @@ EditSession::Named named_from(const Json& object, const std::string& where) {
     const Json& place = member(object, "place", where);
     if (!place.is_array() || place.size() != 3 ||
         !std::ranges::all_of(place, [](const Json& x) { return x.is_number(); }))
-        fail(where, ".place is no list of three numbers");
+        fail(where, ".place is not a list of three numbers");
     EditSession::Named out{
         .anchor = {.id = StableId(static_cast<std::uint32_t>(whole(object, "id", where))),
                    .place = {place[0].get<double>(), place[1].get<double>(), place[2].get<double>()},
@@ -75,7 +76,7 @@ EditSession::Named named_from(const Json& object, const std::string& where) {
 
 std::vector<EditSession::Named> all_named(const Json& edit, const std::string& where) {
     const Json& list = member(edit, "nodes", where);
-    if (!list.is_array()) fail(where, ".nodes is no list");
+    if (!list.is_array()) fail(where, ".nodes is not a list");
     std::vector<EditSession::Named> out;
     for (std::size_t i = 0; i < list.size(); ++i)
         out.push_back(named_from(list[i], fmt::format("{}.nodes[{}]", where, i)));
@@ -86,12 +87,12 @@ Json parsed(std::string_view text, const std::string& source) {
     Json all = Json::parse(text, nullptr, false);
     if (all.is_discarded()) fail(source, ": this is not valid JSON");
     if (!all.is_object() || all.value("format", Json()) != "coppice-edits")
-        fail(source, ": this JSON is no file of edits: it needs \"format\": \"coppice-edits\"");
+        fail(source, ": this JSON is not a file of edits: it needs \"format\": \"coppice-edits\"");
     if (number(all, "version", source, 0, 1e9) > kVersion)
         throw Unsupported(fmt::format("{}: this version of coppice-edits is newer than the program", source));
     const Json& edits = member(all, "edits", source);
-    if (!edits.is_array() || edits.size() > kMostEdits)
-        fail(source, fmt::format(".edits is no list of at most {} edits", kMostEdits));
+    if (!edits.is_array() || edits.size() > kMaxEdits)
+        fail(source, fmt::format(".edits is not a list of at most {} edits", kMaxEdits));
     return all;
 }
 
@@ -112,19 +113,20 @@ std::string EditSession::saved() const {
     return all.dump(1) + "\n";
 }
 
-/// A saved command, checked against the table.
+/// Checks a saved command against the table.
 SceneCall EditSession::bind_edit(const std::string& command, const std::string& where, const Context& ctx) {
     return scene_internal::placed(where, [&] {
         const auto lines = scene_lines(command, "command");
         if (lines.size() != 1)
-            throw InvalidInput(fmt::format("there are {} commands, not one", lines.size()));
+            throw InvalidInput(fmt::format("there are {} commands instead of one", lines.size()));
         SceneCall call = bind(scene_words(lines[0].text), ctx);
-        if (!call.command().edit) throw InvalidInput(fmt::format("{} is no edit", call.command().name));
+        if (!call.command().edit) throw InvalidInput(fmt::format("{} is not an edit", call.command().name));
         return call;
     });
 }
 
-/// The node of this tree that a saved edit names. Throws InvalidInput where there is none.
+/// Returns the node of this tree that corresponds to a node of a saved edit. Throws InvalidInput if there is
+/// no such node.
 StableId EditSession::find_again(const Named& node, const std::vector<std::size_t>& made_as) const {
     const std::uint32_t id = node.anchor.id.index();
     if (node.maker > 0) {
@@ -145,7 +147,7 @@ StableId EditSession::find_again(const Named& node, const std::vector<std::size_
     return found.node;
 }
 
-/// Edits with the ids of this tree in place of the saved ones.
+/// Executes an edit with the ids of this tree in place of the saved ones.
 void EditSession::make_again(SceneCall call, const std::vector<Named>& named,
                              const std::vector<std::size_t>& made_as) {
     for (const Argument& a : call.command().arguments) {
@@ -157,7 +159,7 @@ void EditSession::make_again(SceneCall call, const std::vector<Named>& named,
                 const auto saved =
                     std::ranges::find_if(named, [&](const Named& node) { return node.anchor.id == n; });
                 if (saved == named.end())
-                    throw InvalidInput(fmt::format("nothing says where node {} lay", n.index()));
+                    throw InvalidInput(fmt::format("the position of node {} is missing", n.index()));
                 n = find_again(*saved, made_as);
             });
             values.push_back({to_text(selection), {}});
@@ -175,12 +177,12 @@ EditSession::Replayed EditSession::replay(std::string_view json, const std::stri
     for (std::size_t i = 0; i < edits.size(); ++i) {
         const std::string where = fmt::format("{}: edits[{}]", source, i);
         const Json& command = member(edits[i], "command", where);
-        if (!command.is_string()) fail(where, ".command is no text");
+        if (!command.is_string()) fail(where, ".command is not a text");
         saved.emplace_back(command.get<std::string>(), all_named(edits[i], where));
         bind_edit(saved.back().first, where, ctx);
     }
     Replayed out{.edits = saved.size(), .made = 0, .unbound = {}};
-    std::vector<std::size_t> made_as;  // its number among those made here, from 1; 0: none
+    std::vector<std::size_t> made_as;  // number of the corresponding edit in this session, from 1; 0: skipped
     for (std::size_t i = 0; i < saved.size(); ++i) {
         ctx.throw_if_cancelled();
         const std::size_t before = made_.size();

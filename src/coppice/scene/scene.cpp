@@ -12,10 +12,10 @@ using scene_internal::placed;
 
 namespace {
 
-constexpr std::size_t kMostObjects = 10'000;
-constexpr std::size_t kMostSteps = 1000;
+constexpr std::size_t kMaxObjects = 10'000;
+constexpr std::size_t kMaxSteps = 1000;
 constexpr std::uint64_t kMebibyte = 1 << 20;
-constexpr std::size_t kLongestAnswer = 16 * kMebibyte;  // [bytes] of what a block says
+constexpr std::size_t kLongestAnswer = 16 * kMebibyte;  // [bytes] maximum output of a block
 
 std::string place_of(const std::string& place, const SceneCommand& command) {
     return place.empty() ? command.name : fmt::format("{}: {}", place, command.name);
@@ -24,7 +24,7 @@ std::string place_of(const std::string& place, const SceneCommand& command) {
 }  // namespace
 
 Scene::Scene(SceneSettings settings)
-    : settings_(std::move(settings)), script_(settings_.variables, settings_.most_lines) {
+    : settings_(std::move(settings)), script_(settings_.variables, settings_.max_lines) {
     state_.seed = settings_.seed;
     script_.set_seed(state_.seed);
 }
@@ -36,7 +36,7 @@ std::string Scene::run(std::string_view line, const std::string& place, const Co
         if (said.size() > kLongestAnswer) {
             placed(at, [] {
                 throw InvalidInput(
-                    "the block says more than 16 MiB; let fewer of its turns list or describe");
+                    "the output of the block exceeds 16 MiB; let fewer of its turns list or describe");
             });
         }
     };
@@ -73,8 +73,8 @@ std::string Scene::run_text(std::string_view text, const std::string& source, co
 
 void Scene::apply(const SceneCall& call, const SceneOutcome& outcome) {
     if (outcome.changes.empty() && !outcome.seed) return;
-    if (state_.objects.size() + outcome.changes.size() > kMostObjects)
-        throw InvalidInput(fmt::format("a scene has at most {} objects; delete some", kMostObjects));
+    if (state_.objects.size() + outcome.changes.size() > kMaxObjects)
+        throw InvalidInput(fmt::format("a scene has at most {} objects; delete some", kMaxObjects));
     double more = 0;
     for (const auto& change : outcome.changes)
         more += change.object ? static_cast<double>(change.object->bytes) : 0;
@@ -115,14 +115,14 @@ void Scene::put(ObjectKind kind, const std::string& name, const ObjectPtr& objec
 }
 
 void Scene::hold_tree(const std::string& name, Skeleton tree) {
-    const std::uint64_t bytes = memory_of(tree);
+    const std::uint64_t bytes = compute_memory(tree);
     put(ObjectKind::skeleton, name, std::make_shared<const SceneObject>(SceneObject{std::move(tree), bytes}));
 }
 
 void Scene::take_back(int count) {
     if (undo_.size() < static_cast<std::size_t>(count)) {
-        throw InvalidInput(undo_.empty() ? "there is nothing to take back"
-                                         : fmt::format("only {} commands can be taken back", undo_.size()));
+        throw InvalidInput(undo_.empty() ? "there is no command to undo"
+                                         : fmt::format("only {} commands can be undone", undo_.size()));
     }
     for (; count > 0; --count) {
         const StepPtr last = std::move(undo_.back());
@@ -143,7 +143,7 @@ void Scene::take_back(int count) {
 
 void Scene::forget_old_steps() {
     const std::uint64_t most = static_cast<std::uint64_t>(settings_.max_memory) * kMebibyte / 4;
-    while (undo_.size() > kMostSteps || (undo_bytes_ > most && !undo_.empty())) {
+    while (undo_.size() > kMaxSteps || (undo_bytes_ > most && !undo_.empty())) {
         undo_bytes_ -= undo_.front()->bytes;
         undo_.pop_front();
     }
@@ -164,8 +164,8 @@ std::uint64_t SceneMemory::add(const Scene& scene) {
     for (const auto& [name, object] : scene.state_.objects)
         bytes += kBytesOfName + (is_new(object.get()) ? object->bytes : 0);
     bytes += kBytesOfEntry * (scene.state_.history.size() + scene.state_.made.size());
-    // Of scenes copied from each other, one has steps at the end that the other has not, and lacks some at
-    // the beginning: what lies between is shared.
+    // Compared to a copy, a scene may have additional steps at the end and at the beginning; the steps
+    // between them are shared.
     const auto& steps = scene.undo_;
     bytes += sizeof(Scene::StepPtr) * steps.size();
     for (auto step = steps.rbegin(); step != steps.rend() && is_new(step->get()); ++step)

@@ -16,59 +16,60 @@
 
 namespace coppice {
 
-/// A scene: named objects, and the commands that make them one after the other. docs/user/scenes.md explains
-/// the language, docs/user/scene-reference.md its commands.
+/// A scene: named objects and the commands that create them in sequence. See docs/user/scenes.md for the
+/// language and docs/user/scene-reference.md for its commands.
 ///
-/// Objects never change: a command that "changes" one gives its name to a new one, and whatever was made of
-/// the old one stays as it is. A command that fails leaves the scene as it was. The same commands give the
-/// same bits for any number of threads.
+/// Objects are immutable: a command that "changes" one assigns its name to a new one, and objects made from
+/// the old one are unchanged. A command that fails leaves the scene unchanged. The same commands create
+/// bit-identical objects for any number of threads.
 class Scene {
   public:
-    explicit Scene(SceneSettings settings = {});  ///< without objects
+    explicit Scene(SceneSettings settings = {});  ///< creates an empty scene
 
-    /// Runs one line: a command, with its variables put in, or a statement (see SceneScript). What stands in
-    /// a block runs when its end comes. `place` begins messages ("crown.coppice:3", empty for none). Returns
-    /// what the commands have to say: nothing for most.
+    /// Runs one line: a command, with its variables expanded, or a statement (see SceneScript). The lines of
+    /// a block run when it is closed. `place` is the prefix of messages ("crown.coppice:3", may be empty).
+    /// Returns the output of the commands, which is usually empty.
     ///
-    /// Throws what the command's library functions throw, as one sentence "PLACE: COMMAND: ...": InvalidInput
-    /// for a word that is not understood (with the nearest valid spelling), a value out of range, an object
-    /// that does not exist, more than 10,000 objects, or more memory than the settings allow, by estimate and
-    /// before work begins; IoError; Cancelled. What a block did before a line of it fails stays.
+    /// Throws as the library functions of the command do, with one sentence "PLACE: COMMAND: ...":
+    /// InvalidInput for an unknown word (with the closest valid spelling), a value out of range, an object
+    /// that does not exist, more than 10,000 objects, or more memory than the settings allow, by an estimate
+    /// before the work begins; IoError; Cancelled. If a line of a block fails, the effects of the previous
+    /// lines remain.
     std::string run(std::string_view line, const std::string& place = {}, const Context& ctx = {});
 
-    /// Whether a block is open, so that lines wait for its end.
+    /// Returns whether a block is open, so that lines are queued until its end.
     bool waits() const { return script_.open(); }
-    /// Throws InvalidInput naming the line that opens the open block, if there is one, and forgets the block.
+    /// If a block is open, discards it and throws InvalidInput naming the line that opened it.
     void finish() { script_.finish(); }
 
-    /// Runs all lines of a file's text; returns what they have to say. `source` names it in messages. Throws
-    /// before the first line where a block is not closed.
+    /// Runs all lines of a text; returns their output. `source` names the text in messages. Throws before the
+    /// first line if a block is not closed.
     std::string run_text(std::string_view text, const std::string& source, const Context& ctx = {});
 
-    /// Gives a skeleton to the scene from outside, in place of one of that name. No command made it, so that
-    /// neither `undo` nor a recipe knows of it.
+    /// Adds an external skeleton to the scene, replacing one of that name. It is not recorded as a command,
+    /// so that `undo` and recipes ignore it.
     void hold_tree(const std::string& name, Skeleton tree);
 
-    const SceneState& state() const { return state_; }                       ///< what it holds now
-    const SceneSettings& settings() const { return settings_; }              ///< as given
-    const SceneVariables& variables() const { return script_.variables(); }  ///< as they are now
-    /// where files to read are looked for
+    const SceneState& state() const { return state_; }                       ///< current state
+    const SceneSettings& settings() const { return settings_; }              ///< as passed to the constructor
+    const SceneVariables& variables() const { return script_.variables(); }  ///< current values
+    /// sets the folder of input files
     void set_folder(std::filesystem::path folder) { settings_.folder = std::move(folder); }
-    /// From now on save and render write nothing, and only check.
+    /// Makes save and render check their arguments without writing.
     void forbid_outputs() { settings_.outputs = false; }
 
-    /// Commands that `undo` can take back: the last 1,000, fewer when what they replaced takes more than a
-    /// quarter of the memory.
+    /// Returns the number of commands that can be undone: the last 1,000, or fewer if the objects that they
+    /// replaced use more than a quarter of the memory.
     std::size_t undo_depth() const { return undo_.size(); }
 
   private:
-    /// What a command replaced.
+    /// State that a command replaced.
     struct Step {
         std::vector<SceneOutcome::Change> before;
         std::size_t history = 0, made = 0;
         std::string last_grown;
         int seed = 0;
-        std::uint64_t bytes = 0;  ///< of what was replaced
+        std::uint64_t bytes = 0;  ///< memory of the replaced objects
     };
     using StepPtr = std::shared_ptr<const Step>;  ///< shared by copies of the scene
     friend class SceneMemory;
@@ -88,10 +89,11 @@ class Scene {
     std::uint64_t history_bytes_ = 0;
 };
 
-/// Counts what scenes take that were copied from each other, what they share only once.
+/// Counts the memory of scenes that are copies of each other; shared memory counts once.
 class SceneMemory {
   public:
-    /// Bytes that a scene takes beside those that were added before, about. They must outlive this.
+    /// Returns the approximate memory [bytes] of a scene in addition to those added before. All scenes must
+    /// outlive this object.
     std::uint64_t add(const Scene& scene);
 
   private:

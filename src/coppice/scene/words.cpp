@@ -9,7 +9,7 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kMostWords = 200'000;
+constexpr std::size_t kMaxWords = 200'000;
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 bool is_key_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; }
@@ -27,7 +27,7 @@ void check_text(std::string_view line, const std::string& source, std::uint32_t 
         return (byte < 32 && !is_blank(c)) || byte == 127;
     });
     if (odd) {
-        throw InvalidInput(fmt::format("{}:{}: the line holds bytes that are no text", source, number));
+        throw InvalidInput(fmt::format("{}:{}: the line contains bytes that are not text", source, number));
     }
     if (line.size() > kLongestLine) {
         throw InvalidInput(
@@ -35,15 +35,15 @@ void check_text(std::string_view line, const std::string& source, std::uint32_t 
     }
 }
 
-/// The length of `key=` at the start of a word, 0 when there is none.
+/// Returns the length of `key=` at the start of a word; 0 if there is no key.
 std::size_t key_length(std::string_view rest) {
     const auto end = std::ranges::find_if_not(rest, is_key_letter);
     if (end == rest.begin() || end == rest.end() || *end != '=') return 0;
     return static_cast<std::size_t>(end - rest.begin()) + 1;
 }
 
-/// The end of an unquoted word that begins at `at`. Blanks within ${...} are a part of it; `closes` is where
-/// the last } of the line stands, or 0.
+/// Returns the end of an unquoted word that begins at `at`, including blanks within ${...}; `closes` is the
+/// position of the last } of the line, or 0.
 std::size_t end_of_plain_word(std::string_view line, std::size_t at, std::size_t closes) {
     for (; at < line.size() && !is_blank(line[at]); ++at) {
         if (at < closes && line.substr(at).starts_with("${")) at = line.find('}', at);
@@ -51,7 +51,7 @@ std::size_t end_of_plain_word(std::string_view line, std::size_t at, std::size_t
     return at;
 }
 
-/// Reads what is quoted from the quote at `at`; leaves `at` behind the closing one.
+/// Reads a quoted text from the quote at `at`; leaves `at` after the closing one.
 std::string read_quoted(std::string_view line, std::size_t& at) {
     std::string text;
     for (++at; at < line.size(); ++at) {
@@ -62,7 +62,7 @@ std::string read_quoted(std::string_view line, std::size_t& at) {
         if (line[at] == '\\' && at + 1 < line.size() && (line[at + 1] == '"' || line[at + 1] == '\\')) ++at;
         text += line[at];
     }
-    throw InvalidInput("a quote is opened and not closed");
+    throw InvalidInput("a quote is not closed");
 }
 
 }  // namespace
@@ -87,9 +87,9 @@ std::vector<SceneLine> scene_lines(std::string_view text, const std::string& sou
             lines.push_back({number, std::string(line)});
         }
         joined = on;
-        if (lines.size() > kMostLines) {
-            throw InvalidInput(fmt::format("{}:{}: there are more than {} commands; cut the file in several",
-                                           source, number, kMostLines));
+        if (lines.size() > kMaxLines) {
+            throw InvalidInput(fmt::format("{}:{}: there are more than {} commands; split the file", source,
+                                           number, kMaxLines));
         }
     }
     if (joined) {
@@ -123,8 +123,8 @@ std::vector<SceneWord> scene_words(std::string_view line) {
             word.text = line.substr(start, at - start);
         }
         words.push_back(std::move(word));
-        if (words.size() > kMostWords) {
-            throw InvalidInput(fmt::format("there are more than {} words in one command", kMostWords));
+        if (words.size() > kMaxWords) {
+            throw InvalidInput(fmt::format("there are more than {} words in one command", kMaxWords));
         }
     }
     return words;

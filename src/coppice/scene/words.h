@@ -7,34 +7,33 @@
 
 namespace coppice {
 
-/// A command as a scene file holds it: one line, or several joined by a backslash at the end of each but the
-/// last.
+/// A command in a scene file: one line, or several joined by a backslash at the end of each except the last.
 struct SceneLine {
-    std::uint32_t number = 0;  ///< of its first line in the file, from 1
-    std::string text;          ///< without comments and joins
+    std::uint32_t number = 0;  ///< number of its first line in the file, from 1
+    std::string text;          ///< without comments and line continuations
 };
 
-/// The lines that hold anything but blanks and comments. Throws InvalidInput naming `source` and the line:
-/// bytes that are no text, a line of more than kLongestLine bytes, more than kMostLines lines, nothing after
-/// a backslash.
+/// Returns the lines that contain more than blanks and comments. Throws InvalidInput naming `source` and the
+/// line, for bytes that are not text, a line of more than kLongestLine bytes, more than kMaxLines lines, and
+/// a backslash at the end of the text.
 std::vector<SceneLine> scene_lines(std::string_view text, const std::string& source);
 
 inline constexpr std::size_t kLongestLine = std::size_t{1} << 20;  ///< [bytes]
-inline constexpr std::size_t kMostLines = 100'000;                 ///< of one file
+inline constexpr std::size_t kMaxLines = 100'000;                  ///< maximum number of lines of a file
 
 /// A word of a line, or key=value.
 struct SceneWord {
-    std::string key;      ///< of a word key=value, else empty
-    std::string text;     ///< what stands after the key; without quotes
-    bool quoted = false;  ///< whether quotes were there
+    std::string key;      ///< key of a word key=value, otherwise empty
+    std::string text;     ///< text after the key, without quotes
+    bool quoted = false;  ///< whether it was quoted
 };
 
-/// Cuts a line into words at blanks. A `#` at the start of a word begins a comment. Double quotes keep blanks
-/// together, also behind `key=`; within them \" and \\ stand for " and \. So does ${...}, which stays as it
-/// is. Throws InvalidInput for a quote that is not closed, and for more than 200,000 words.
+/// Splits a line into words at blanks. A `#` at the start of a word begins a comment. Double quotes preserve
+/// blanks, also after `key=`; within them \" and \\ are escapes for " and \. ${...} preserves blanks too and
+/// is kept unchanged. Throws InvalidInput for a quote that is not closed, and for more than 200,000 words.
 std::vector<SceneWord> scene_words(std::string_view line);
 
-/// A word that is read back as it is: with quotes where it needs them.
+/// Returns a word that is parsed to the same text: with quotes if required.
 std::string quoted_word(std::string_view text);
 
 }  // namespace coppice

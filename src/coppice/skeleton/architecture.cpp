@@ -14,7 +14,7 @@ namespace coppice {
 
 namespace {
 
-/// Ends of a segment by their distances from the root of its tree, and how near it comes in between.
+/// Distances of a segment from the root of its tree: at its ends, and the minimum.
 struct Span {
     double first, second, nearest;
 };
@@ -62,7 +62,8 @@ std::vector<BranchOrder> branch_orders(const Skeleton& s, std::span<const std::u
 
 std::vector<std::uint32_t> strahler_orders(const Skeleton& s) {
     std::vector<std::uint32_t> order(s.size(), 0);
-    std::vector<bool> is_shared(s.size(), false);  // by two children: the next order
+    std::vector<bool> is_shared(s.size(),
+                                false);  // whether two children have the maximum, which gives the next order
     for (std::uint32_t i = s.size(); i-- > 0;) {
         const NodeId n(i);
         order[i] = std::max(order[i] + (is_shared[i] ? 1u : 0u), 1u);
@@ -80,9 +81,9 @@ std::vector<DiameterClass> diameter_classes(const Skeleton& s, std::span<const d
     for (std::size_t k = 0; k < limits.size(); ++k) {
         const double before = k == 0 ? 0 : limits[k - 1];
         if (!(limits[k] > before) || !std::isfinite(limits[k]))
-            throw InvalidInput(
-                fmt::format("limits of diameter classes must be above 0 and rise, but {:g} comes after {:g}",
-                            limits[k], before));
+            throw InvalidInput(fmt::format(
+                "limits of diameter classes must be above 0 and increase, but {:g} comes after {:g}",
+                limits[k], before));
         classes[k].to = classes[k + 1].from = limits[k];
     }
     classes.back().to = std::numeric_limits<double>::infinity();
@@ -116,23 +117,23 @@ std::uint64_t ShollProfile::most() const {
 }
 
 ShollProfile sholl(const Skeleton& s, double step) {
-    constexpr double kMostSpheres = 1e6;
+    constexpr double kMaxSpheres = 1e6;
     if (!(step >= 0) || !std::isfinite(step))
         throw InvalidInput(fmt::format("the step between spheres is {:g}; it must be 0 or more", step));
     const std::vector<NodeId> roots = tree_roots(s);
-    const auto distance_of = [&](NodeId n) {
+    const auto compute_distance = [&](NodeId n) {
         return length(Vec3d(s.position(n)) - Vec3d(s.position(roots[n.index()])));
     };
     double reach = 0;
-    for (const NodeId n : nodes(s)) reach = std::max(reach, distance_of(n));
+    for (const NodeId n : nodes(s)) reach = std::max(reach, compute_distance(n));
     if (reach == 0) return {step, {}};
     if (step == 0) step = reach / 100;
-    if (reach / step > kMostSpheres)
+    if (reach / step > kMaxSpheres)
         throw InvalidInput(
             fmt::format("a step of {:g} between spheres is too small for a reach of {:g}", step, reach));
-    // Where spheres begin and cease to be crossed: how often is the sum up to each.
+    // Changes of the number of crossings from each sphere to the next; the number is their prefix sum.
     std::vector<std::int64_t> change(static_cast<std::size_t>(reach / step) + 2, 0);
-    // Spheres of radii above `low`, up to and with `high`.
+    // Adds spheres with radii in (low, high].
     const auto add = [&](double low, double high) {
         const auto first = static_cast<std::size_t>(low / step), last = static_cast<std::size_t>(high / step);
         ++change[first];

@@ -6,62 +6,62 @@
 
 #include "coppice/skeleton/skeleton.h"
 
-/// How a skeleton branches, in the terms of those who compare trees, roots and neurons.
+/// Measures of branching architecture, in the terms used to compare trees, roots and neurons.
 namespace coppice {
 
-/// Per node the order of its axis: that of a root is 0; at a fork the thickest child goes on with its
-/// parent's axis, and every other begins one of the next order. O(n).
+/// Returns the order of the axis of each node: 0 for a root; at a fork the thickest child continues its
+/// parent's axis, and every other child begins an axis of the next order. O(n).
 std::vector<std::uint32_t> axis_orders(const Skeleton& skeleton);
 
-/// The axes of one order.
+/// Totals of the axes of one order.
 struct BranchOrder {
-    std::uint64_t branches = 0;  ///< how many
-    double length = 0;           ///< [m] of all of them
-    double volume = 0;           ///< [m^3] of the cones between their nodes
+    std::uint64_t branches = 0;  ///< number of axes
+    double length = 0;           ///< [m] total length
+    double volume = 0;           ///< [m^3] total volume of the cones between nodes
 };
 
-/// What there is of each order of `axis_orders`. O(n).
+/// Returns the totals of each order of `axis_orders`. O(n).
 std::vector<BranchOrder> branch_orders(const Skeleton& skeleton);
 
-/// The same for orders and axes that are known otherwise. Both have a number for each node; orders are below
-/// the number of nodes, and an axis begins where its number or its order differs from that of the parent.
-/// O(n).
+/// Returns the totals for given orders and axes, each with a number for each node; orders are less than the
+/// number of nodes, and an axis begins where its number or its order differs from that of the parent. O(n).
 std::vector<BranchOrder> branch_orders(const Skeleton& skeleton, std::span<const std::uint32_t> order,
                                        std::span<const std::uint32_t> axis);
 
-/// Per node its order after [Strahler1957]: 1 for a tip; of others the greatest of its children's, and one
-/// more where two have that. O(n).
+/// Returns the order of each node after [Strahler1957]: 1 for a tip; otherwise the maximum of its children,
+/// plus one if two children have it. O(n).
 std::vector<std::uint32_t> strahler_orders(const Skeleton& skeleton);
 
-/// What there is between two thicknesses.
+/// Totals of the segments in a class of diameters.
 struct DiameterClass {
-    double from = 0;    ///< [m] diameter, included
-    double to = 0;      ///< [m] not included; infinite for the last class
-    double length = 0;  ///< [m] of segments, or parts of them, as thick as that
+    double from = 0;    ///< [m] minimum diameter, inclusive
+    double to = 0;      ///< [m] maximum diameter, exclusive; infinite for the last class
+    double length = 0;  ///< [m] of segments, or parts of them, in the class
     double area = 0;    ///< [m^2] lateral area of their cones
     double volume = 0;  ///< [m^3] of their cones
 };
 
-/// Classes of diameter between 0, the limits [m], and infinity: one more than there are limits. Segments that
-/// taper over a limit are cut there. Throws InvalidInput for limits that are not above 0, finite and rising.
-/// O(n log k) for k classes, and at most as many parts of a segment as it has classes.
+/// Returns the classes of diameter between 0, the limits [m], and infinity: one more than there are limits.
+/// Segments that taper across a limit are split there. Throws InvalidInput for limits that are not positive,
+/// finite and increasing. O(n log k) for k classes, plus the parts of segments, at most k for each.
 std::vector<DiameterClass> diameter_classes(const Skeleton& skeleton, std::span<const double> limits);
 
-/// How often branches cross spheres about their roots [Sholl1953].
+/// Number of crossings of branches with spheres about their roots [Sholl1953].
 struct ShollProfile {
-    double step = 0;                       ///< [m] between the radii of the spheres
-    std::vector<std::uint64_t> crossings;  ///< of the sphere of radius step, 2 step, ...
+    double step = 0;                       ///< [m] distance between the radii of the spheres
+    std::vector<std::uint64_t> crossings;  ///< with the spheres of radius step, 2 step, ...
 
-    /// [m] Radius of the sphere that is crossed most often, of equals the smallest; 0 where none is.
+    /// Returns the radius in metres of the sphere with the maximum number of crossings, the smallest on ties;
+    /// 0 if there are no crossings.
     double critical_radius() const;
-    /// How often that is.
+    /// Returns the maximum number of crossings.
     std::uint64_t most() const;
 };
 
-/// Crossings of each tree's axes with spheres about its root; those of all trees are added. Segments that
-/// touch a sphere from outside and turn back do not cross it, those that dip into it cross twice. `step` 0
-/// takes a hundredth of the reach. Throws InvalidInput for a step that is negative or not finite, or so small
-/// that there were over a million spheres. O(n + spheres).
+/// Counts the crossings of the axes of each tree with spheres about its root, summed over all trees. Segments
+/// that touch a sphere from outside and turn back do not cross it, those that enter and leave it cross twice.
+/// `step` 0 means a hundredth of the reach. Throws InvalidInput for a step that is negative, not finite, or
+/// so small that there would be over a million spheres. O(n + spheres).
 ShollProfile sholl(const Skeleton& skeleton, double step = 0);
 
 }  // namespace coppice

@@ -12,7 +12,7 @@
 namespace coppice {
 namespace {
 
-/// The same tree with its nodes elsewhere; `place` maps places of the world.
+/// Returns the tree with transformed nodes; `place` maps positions in world space.
 template <class Place>
 Skeleton moved(const Skeleton& s, double factor, const Place& place) {
     std::vector<Vec3> positions;

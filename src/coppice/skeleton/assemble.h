@@ -7,23 +7,23 @@
 
 namespace coppice {
 
-// Whole skeletons, moved and put together. Places are those of the world: they have the origin in them. What
-// is moved keeps its origin and its stable ids. Each throws InvalidInput where a position or a radius would
-// not be finite, and takes O(n).
+// Transformations and union of whole skeletons. Positions are in world space: they include the origin.
+// Transformed skeletons keep their origin and stable ids. All functions throw InvalidInput if a position or a
+// radius would not be finite, and are O(n).
 
-/// Moved by a vector [m].
+/// Returns the skeleton translated by a vector [m].
 Skeleton translated(const Skeleton& skeleton, Vec3d by);
 
-/// Turned by an angle [rad] about the line through `center` [m] along `axis`, counter-clockwise seen against
-/// the axis, which is of any length but 0.
+/// Returns the skeleton rotated by an angle [rad] about the line through `center` [m] along `axis`,
+/// counter-clockwise when seen against the axis, which may have any length except 0.
 Skeleton rotated(const Skeleton& skeleton, Vec3d axis, double angle, Vec3d center = {});
 
-/// Scaled with its radii; `center` [m] stays in place. Throws InvalidInput for a factor that is not greater
-/// than 0.
+/// Returns the skeleton scaled together with its radii; `center` [m] is the fixed point. Throws InvalidInput
+/// for a factor that is not greater than 0.
 Skeleton scaled(const Skeleton& skeleton, double factor, Vec3d center = {});
 
-/// The trees of all of them, in order, as one skeleton with the origin of the first. Nothing is joined to
-/// anything, and stable ids are numbered anew. There must be at least one.
+/// Returns the trees of all skeletons, in order, as one skeleton with the origin of the first. Trees are not
+/// connected, and stable ids are renumbered. Requires at least one skeleton.
 Skeleton joined(std::span<const Skeleton* const> parts);
 
 }  // namespace coppice

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "coppice/base/error.h"
+#include "coppice/base/id.h"
 #include "coppice/skeleton/architecture.h"
 #include "coppice/skeleton/frustum.h"
 #include "coppice/skeleton/measure.h"
@@ -16,7 +17,7 @@ namespace {
 
 Vec3d place(const Skeleton& s, NodeId n) { return Vec3d(s.position(n)); }
 
-/// The direction of a lateral from the node that it leaves; none where all lies at one place.
+/// Returns the direction of a lateral from its branching node; zero if all of its nodes coincide.
 Vec3d direction_of_lateral(const Skeleton& s, NodeId first) {
     const NodeId from = s.parent(first);
     const double beyond = 2 * double{s.radius(from)};
@@ -25,7 +26,7 @@ Vec3d direction_of_lateral(const Skeleton& s, NodeId first) {
     return place(s, n) - place(s, from);
 }
 
-/// That of the axis which runs through the node, below it; above it for a root.
+/// Returns the direction of the axis through a node, below it; above it for a root.
 Vec3d direction_of_axis(const Skeleton& s, NodeId n) {
     if (!s.is_root(n)) return place(s, n) - place(s, s.parent(n));
     return s.is_tip(n) ? Vec3d{} : place(s, s.leader(n)) - place(s, n);
@@ -33,7 +34,7 @@ Vec3d direction_of_axis(const Skeleton& s, NodeId n) {
 
 double angle_between(Vec3d a, Vec3d b) { return std::atan2(length(cross(a, b)), dot(a, b)); }
 
-/// The branch that begins with a node, without what its segments add up to.
+/// Returns the branch that begins at a node, without the totals of its segments.
 Branch begin_branch(const Skeleton& s, NodeId first, NodeId root) {
     Branch out{.first = first, .diameter = 2 * double{s.radius(first)}};
     const bool is_stem = s.is_root(first);
@@ -46,7 +47,7 @@ Branch begin_branch(const Skeleton& s, NodeId first, NodeId root) {
     return out;
 }
 
-/// A part of a segment, from its parent on, in [0, 1].
+/// Part of a segment, as parameters from the parent in [0, 1].
 struct Part {
     double from = 0, to = 1;
 
@@ -54,8 +55,8 @@ struct Part {
         from = std::max(from, low);
         to = std::min(to, high);
     }
-    /// Keeps where a value that runs linearly from a to b is at least `least`.
-    void cut_to_least(double least, double a, double b) {
+    /// Restricts the part to where a value that is linear from a to b is at least `least`.
+    void cut_to_min(double least, double a, double b) {
         if (a >= least && b >= least) return;
         if (a < least && b < least) return cut_to(1, 0);
         const double t = (least - a) / (b - a);
@@ -69,7 +70,7 @@ Frustum part_of(const Frustum& cone, const Part& part) {
             std::lerp(cone.radius_a, cone.radius_b, part.to), cone.length * (part.to - part.from)};
 }
 
-/// Adds up what is at least as thick as a diameter.
+/// Sums the parts of segments with at least a minimum diameter.
 class TimberSum {
   public:
     TimberSum(const Skeleton& s, const BranchTable& table, double top_diameter, double stump_height)
@@ -91,20 +92,20 @@ class TimberSum {
     }
 
   private:
-    const Branch& branch_of(NodeId n) const { return table_.branches[table_.branch_of[n.index()]]; }
+    const Branch& find_branch(NodeId n) const { return table_.branches[table_.find_branch[n.index()]]; }
 
-    /// The part of a segment that is not of the stump: all of it, where it is not of the stem.
+    /// Returns the part of a segment above the stump: all of it if it does not belong to the stem.
     Part above_stump(NodeId n) const {
         Part out;
-        if (!branch_of(n).is_stem()) return out;
+        if (!find_branch(n).is_stem()) return out;
         const Segment segment = s_.segment(n);
-        out.cut_to_least(place(s_, roots_[n.index()]).z + stump_height_, segment.a.z, segment.b.z);
+        out.cut_to_min(place(s_, roots_[n.index()]).z + stump_height_, segment.a.z, segment.b.z);
         return out;
     }
     Part as_thick(NodeId n) const {
         Part out;
         const Frustum cone = frustum(s_.segment(n));
-        out.cut_to_least(top_diameter_, 2 * cone.radius_a, 2 * cone.radius_b);
+        out.cut_to_min(top_diameter_, 2 * cone.radius_a, 2 * cone.radius_b);
         return out;
     }
 
@@ -112,10 +113,11 @@ class TimberSum {
         Part part = above_stump(n);
         const Part thick = as_thick(n);
         part.cut_to(thick.from, thick.to);
-        if (!part.empty()) trees_[branch_of(n).tree].volume += part_of(frustum(s_.segment(n)), part).volume();
+        if (!part.empty())
+            trees_[find_branch(n).tree].volume += part_of(frustum(s_.segment(n)), part).volume();
     }
 
-    /// From the stump to the end of its last part that is as thick.
+    /// Adds the stem from the stump to the end of its last part with the minimum diameter.
     void add_stem(const Branch& stem) {
         std::vector<NodeId> axis;
         for (NodeId n = table_.next_of[stem.first.index()]; n; n = table_.next_of[n.index()])
@@ -149,15 +151,15 @@ BranchTable list_branches(const Skeleton& s, std::span<const std::uint32_t> orde
                           std::span<const std::uint32_t> axis) {
     COPPICE_ASSERT(order.size() == s.size() && axis.size() == s.size());
     BranchTable out;
-    out.branch_of.resize(s.size());
+    out.find_branch.resize(s.size());
     out.position_of.resize(s.size(), 0);
     out.next_of.resize(s.size());
     const std::vector<NodeId> roots = tree_roots(s);
     std::uint32_t trees = 0;
     for (const NodeId n : nodes(s)) {
         const std::uint32_t i = n.index(), p = s.is_root(n) ? i : s.parent(n).index();
-        const std::uint32_t parent = i == p ? kNoBranch : out.branch_of[p];
-        std::uint32_t& index = out.branch_of[i];
+        const std::uint32_t parent = i == p ? kNoIndex : out.find_branch[p];
+        std::uint32_t& index = out.find_branch[i];
         index = parent;
         if (i == p || axis[i] != axis[p] || order[i] != order[p]) {
             index = static_cast<std::uint32_t>(out.branches.size());

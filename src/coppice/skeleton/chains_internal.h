@@ -11,14 +11,14 @@
 
 namespace coppice {
 
-/// Neither root nor tip nor branch node.
+/// Returns whether a node is neither root nor tip nor branch node.
 inline bool is_chain_node(const Skeleton& s, NodeId n) { return !s.is_root(n) && s.children(n).size() == 1; }
 
-/// The angle between two ways, 0 where one has no direction.
+/// Returns the angle between two directions; 0 if one has zero length.
 inline double turn(Vec3d in, Vec3d out) { return std::atan2(length(cross(in, out)), dot(in, out)); }
 
-/// Calls visit(anchor, chain) for every chain: the nodes from the first after a root or branch node to the
-/// next branch node or tip, both included.
+/// Calls visit(anchor, chain) for every chain: the nodes after a root or branch node up to and including the
+/// next branch node or tip.
 template <class Visit>
 void for_each_chain(const Skeleton& s, const Visit& visit) {
     std::vector<NodeId> chain;
@@ -42,8 +42,9 @@ struct Subset {
     std::vector<NodeId> new_of_old;
 };
 
-/// The kept nodes with new positions and radii; roots must be kept. Where a node goes, its children join its
-/// parent. It maps to its first child's image, or where it has none, to its parent's.
+/// Returns the kept nodes with new positions and radii; roots must be kept. Children of a removed node are
+/// attached to its closest kept ancestor. A removed node maps to the image of its first child or, if it has
+/// no children, to that of its parent.
 inline Subset take_nodes(const Skeleton& s, const std::vector<bool>& kept, std::span<const Vec3> position,
                          std::span<const float> radius) {
     std::vector<NodeId> parent, kept_ancestor(s.size()), image(s.size());

@@ -11,7 +11,7 @@
 namespace coppice {
 namespace {
 
-/// Every node that has a parent to lead on from and a leader.
+/// Returns whether a node is inside an axis: it continues the axis of its parent and has a leader.
 bool is_inside_axis(const Skeleton& s, NodeId n) {
     return !s.is_root(n) && !s.is_tip(n) && s.leader(s.parent(n)) == n;
 }
@@ -28,13 +28,13 @@ std::vector<float> averaged(const Skeleton& s, const std::vector<float>& radius)
         if (!is_inside_axis(s, n)) continue;
         const float around = radius[s.parent(n).index()] + radius[s.leader(n).index()];
         const float r = 0.5f * radius[n.index()] + 0.25f * around;
-        // Only leaders change, so the siblings still have the radii they have in s.
+        // Only the radii of leaders change, so the siblings have the radii of s.
         if (still_leads(s, n, r)) smooth[n.index()] = r;
     }
     return smooth;
 }
 
-/// Merges every branch node that is too close to the next one rootward into that.
+/// Merges each branch node that is too close to the next branch node towards the root into that one.
 class Merger {
   public:
     Merger(const Skeleton& s, float factor)
@@ -86,13 +86,13 @@ class Merger {
     const Skeleton& s_;
     float factor_;
     std::vector<bool> kept_;
-    std::vector<NodeId> branch_;  // the branch node that a node is part of, or the next one rootward
+    std::vector<NodeId> branch_;  // branch node into which a node is merged, or the next one towards the root
     std::vector<NodeId> merged_;
     std::vector<Vec3> position_;
     std::vector<float> radius_;
 };
 
-/// Children in the order in which they leave: backward ones first, the leader last.
+/// Returns the children in order of their direction: backward ones first, the leader last.
 std::vector<NodeId> in_leaving_order(const Skeleton& s, NodeId n) {
     const NodeId leader = s.leader(n);
     const Vec3 forward = normalized(s.position(leader) - s.position(n));
@@ -148,7 +148,7 @@ EditResult split_crowded_nodes(const Skeleton& skeleton, int max_children) {
         }
         const std::vector<NodeId> order = in_leaving_order(skeleton, n);
         const Segment way = skeleton.segment(order.back());
-        // Every node but the last gives one of its places to the next.
+        // Every node except the last uses one of its child slots for the next one.
         const std::size_t added = (children - 2) / (most - 1);
         const float l = distance(way.a, way.b);
         const float part = l > 0 ? std::min(way.radius_a / l, 0.5f / static_cast<float>(added)) : 0;

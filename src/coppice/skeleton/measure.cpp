@@ -14,8 +14,8 @@ SkeletonMeasures measure(const Skeleton& skeleton) {
     m.segments = m.nodes - m.trees;
     m.bounds = skeleton.bounds();
     const auto [least, greatest] = std::ranges::minmax_element(skeleton.radii());
-    m.least_radius = *least;
-    m.greatest_radius = *greatest;
+    m.min_radius = *least;
+    m.max_radius = *greatest;
     std::vector<std::uint32_t> depth(m.nodes, 0);
     std::vector<double> path(m.nodes, 0.0);
     for (const NodeId n : nodes(skeleton)) {

@@ -9,7 +9,7 @@
 namespace coppice {
 namespace {
 
-/// Applies a step's result: `Result` has skeleton and new_of_old.
+/// Applies the result of a step; `Result` has skeleton and new_of_old.
 template <class Result>
 void take_over(PrepareResult& to, Result&& step) {
     for (NodeId& n : to.new_of_old) n = step.new_of_old[n.index()];

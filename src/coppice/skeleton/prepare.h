@@ -9,45 +9,49 @@
 
 namespace coppice {
 
-/// What is done to a skeleton before a surface is made of it.
+/// Options for preparing a skeleton for meshing.
 struct PrepareOptions {
-    float merge_branches = 0.5f;  ///< [radius] branch nodes nearer than this become one; 0 = never; in [0, 2]
-    int smooth_passes = 0;        ///< times that radii are averaged along axes; in [0, 1000]
-    ResampleOptions resample;     ///< how the nodes between branch nodes are chosen
-    int max_children = 0;         ///< nodes with more children are split; 0 = never, else in [2, 1000]
+    float merge_branches =
+        0.5f;                  ///< [radius] distance below which branch nodes are merged; 0: never; in [0, 2]
+    int smooth_passes = 0;     ///< number of passes that average radii along axes; in [0, 1000]
+    ResampleOptions resample;  ///< resampling of the nodes between branch nodes
+    int max_children =
+        0;  ///< maximum number of children, above which nodes are split; 0: never, otherwise in [2, 1000]
 };
 
 template <class Self, class Visitor>
 requires SameOptions<Self, PrepareOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"merge_branches", "Distance below which two branch nodes become one; 0 = never", Unit::radius,
-                0, 2},
+    visit(Field{"merge_branches", "Distance below which two branch nodes are merged; 0 disables merging.",
+                Unit::radius, 0, 2},
           o.merge_branches);
-    visit(Field{"smooth_passes", "Times that radii are averaged along branches", Unit::none, 0, 1000},
+    visit(Field{"smooth_passes", "Number of passes that average radii along branches.", Unit::none, 0, 1000},
           o.smooth_passes);
     visit_fields(o.resample, visit);
-    visit(Field{"max_children", "Nodes with more children are split; 0 = never", Unit::none, 0, 1000},
+    visit(Field{"max_children",
+                "Maximum number of children, above which a node is split; 0 disables splitting.", Unit::none,
+                0, 1000},
           o.max_children);
 }
 
-/// What `prepare` changed, counted.
+/// Numbers of changes by `prepare`.
 struct PrepareReport {
-    std::uint32_t merged_branches = 0;  ///< branch nodes that became part of another one
-    std::uint32_t smoothed_radii = 0;   ///< radii that changed
-    ResampleReport resample;            ///< of the nodes between branch nodes
-    std::uint32_t split_nodes = 0;      ///< nodes added to share the children of crowded ones
+    std::uint32_t merged_branches = 0;  ///< branch nodes merged into another one
+    std::uint32_t smoothed_radii = 0;   ///< changed radii
+    ResampleReport resample;            ///< changes of the nodes between branch nodes
+    std::uint32_t split_nodes = 0;      ///< nodes added to distribute the children of others
 };
 
-/// A skeleton ready for meshing, and what was done to it.
+/// A skeleton prepared for meshing, with a report of the changes.
 struct PrepareResult {
-    Skeleton skeleton;               ///< the new one
-    PrepareReport report;            ///< what was done
-    std::vector<NodeId> new_of_old;  ///< for every node of the input the one that stands for it
+    Skeleton skeleton;               ///< prepared skeleton
+    PrepareReport report;            ///< changes
+    std::vector<NodeId> new_of_old;  ///< by input node: the new node that replaces it
 };
 
-/// Merges close branch nodes, smooths radii, resamples chains, splits crowded nodes, in this order:
-/// resampling sees the final branch nodes and radii, and what splitting adds is not taken away again. Roots
-/// and tips are never lost. Throws InvalidInput when max_children is 1 or negative. O(n log n).
+/// Merges close branch nodes, smooths radii, resamples chains and splits nodes with many children, in this
+/// order: resampling uses the final branch nodes and radii, and the nodes added by splitting are not removed
+/// again. Roots and tips are preserved. Throws InvalidInput if max_children is 1 or negative. O(n log n).
 PrepareResult prepare(const Skeleton& skeleton, const PrepareOptions& options = {});
 
 }  // namespace coppice

@@ -20,12 +20,12 @@ namespace {
 
 constexpr double kTipRadius = 0.01;
 constexpr double kPipeExponent = 2.2;
-constexpr double kClearance = 1.25;  // branches count as apart from this multiple of the sum of their radii
+constexpr double kClearance = 1.25;  // multiple of the sum of radii below which branches overlap
 constexpr int kTries = 20;
 
 enum Stage : std::uint64_t { kTopology, kAzimuth, kShape };
 
-/// Draws in sequence, for what is built in one fixed order.
+/// A sequence of random numbers, for structures that are built in a fixed order.
 class Draws {
   public:
     Draws(std::uint64_t seed, Stage stage) : random_(seed, stage) {}
@@ -38,8 +38,8 @@ class Draws {
 
 struct Topology {
     std::vector<std::uint32_t> parent{0};
-    std::vector<bool> lateral{false};  // the first node of a lateral
-    std::uint32_t left = 0;            // segments that were not used
+    std::vector<bool> lateral{false};  // whether it is the first node of a lateral
+    std::uint32_t left = 0;            // number of remaining segments
 
     std::uint32_t size() const { return static_cast<std::uint32_t>(parent.size()); }
     std::uint32_t add(std::uint32_t parent_index, bool first_of_lateral) {
@@ -50,7 +50,7 @@ struct Topology {
     }
 };
 
-/// Nodes base, first, first + 1, ..., first + length - 1.
+/// An axis with the nodes base, first, first + 1, ..., first + length - 1.
 struct Axis {
     std::uint32_t base, first, length;
     int order;
@@ -89,7 +89,7 @@ Topology branch_out(std::uint32_t segments, std::uint32_t trunk_length, std::uin
     return t;
 }
 
-/// Lengthens the trunk until its branches use up the segments; a last odd segment goes to the last axis.
+/// Lengthens the trunk until its branches use all segments; a last single segment is added to the last axis.
 Topology make_topology(std::uint32_t segments, std::uint64_t seed, bool hard) {
     std::uint32_t trunk_length = 8;
     Topology t = branch_out(segments, trunk_length, seed, hard);
@@ -98,15 +98,15 @@ Topology make_topology(std::uint32_t segments, std::uint64_t seed, bool hard) {
     return t;
 }
 
-std::vector<NodeId> parents_of(const Topology& t) {
+std::vector<NodeId> find_parents(const Topology& t) {
     std::vector<NodeId> parents(t.size());
     for (std::uint32_t i = 1; i < t.size(); ++i) parents[i] = NodeId(t.parent[i]);
     return parents;
 }
 
-/// Finds the placed segments near a new one. Segments are cut into pieces a few radii long and filed in a
-/// grid per power of two of their radius, so that every piece touches at most eight cells, however long and
-/// thin its segment is.
+/// Finds the placed segments near a new one. Segments are split into sections a few radii long and stored in
+/// one grid for each power of two of their radius, so that every section intersects at most eight cells,
+/// however long and thin its segment is.
 class SegmentHash {
   public:
     explicit SegmentHash(std::uint32_t size) : seen_(size, 0) {}
@@ -123,7 +123,7 @@ class SegmentHash {
         });
     }
 
-    /// Calls visit(node) once for every segment whose pieces share a cell with the pieces of this one.
+    /// Calls visit(node) once for every segment with sections that share a cell with those of this one.
     template <class Visit>
     void for_each_near(Vec3d a, Vec3d b, double radius, const Visit& visit) {
         ++stamp_;
@@ -193,7 +193,7 @@ struct Frame {
     Vec3d end;
 };
 
-/// Places the nodes from the thickest to the thinnest.
+/// Places the nodes in order of decreasing radius.
 class Placer {
   public:
     Placer(const Topology& topology, const std::vector<double>& radius, std::uint64_t seed, bool hard)
@@ -211,7 +211,7 @@ class Placer {
     }
 
     std::vector<Frame> place() {
-        // A child is never thicker than its parent, so by radius parents come first too; equal ones go by
+        // A child is never thicker than its parent, so this order places parents first; ties are resolved by
         // index.
         std::vector<std::uint32_t> order(topology_.size() - 1);
         for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i + 1;
@@ -306,13 +306,13 @@ class Placer {
 }  // namespace
 
 Skeleton random_tree(std::uint32_t segments, std::uint64_t seed, bool hard) {
-    constexpr std::uint32_t kMost = 100'000'000;
-    if (segments == 0 || segments > kMost) {
-        throw InvalidInput(fmt::format("a random tree needs 1 to {} segments, not {}", kMost, segments));
+    constexpr std::uint32_t kMax = 100'000'000;
+    if (segments == 0 || segments > kMax) {
+        throw InvalidInput(fmt::format("a random tree needs 1 to {} segments, not {}", kMax, segments));
     }
     const Topology topology = make_topology(segments, seed, hard);
-    std::vector<NodeId> parents = parents_of(topology);
-    // Every segment bears a few leaves, so that unbranched axes taper too.
+    std::vector<NodeId> parents = find_parents(topology);
+    // Every segment has a few leaves, so that unbranched axes taper too.
     const std::vector<double> radius = pipe_radii(parents, kTipRadius, kPipeExponent, 0.08);
     const std::vector<Frame> placed = Placer(topology, radius, seed, hard).place();
     std::vector<Vec3> positions(topology.size());

@@ -1,6 +1,7 @@
 #include <map>
 #include <tuple>
 
+#include "coppice/base/id.h"
 #include "coppice/base/local_origin.h"
 #include "coppice/skeleton/raw.h"
 #include "coppice/skeleton/repair_internal.h"
@@ -13,21 +14,21 @@ std::string place(const std::string& source, std::uint32_t line, std::size_t ind
                     : fmt::format("{}, record {}", source, index + 1);
 }
 
-void check_number(double value, const char* what, const std::string& source, std::uint32_t line,
+void check_number(double value, const char* subject, const std::string& source, std::uint32_t line,
                   std::size_t index) {
     if (!std::isfinite(value)) {
-        throw InvalidInput(fmt::format("{}: {} is not a finite number", place(source, line, index), what));
+        throw InvalidInput(fmt::format("{}: {} is not a finite number", place(source, line, index), subject));
     }
-    if (std::abs(value) > kGreatest) {
+    if (std::abs(value) > kMax) {
         throw InvalidInput(fmt::format("{}: {} is {:g}, beyond the limit of {:g}; check the units",
-                                       place(source, line, index), what, value, kGreatest));
+                                       place(source, line, index), subject, value, kMax));
     }
 }
 
 namespace {
 
-/// Finds records by id. Ids come from files, so nothing is assumed of them: no hashing, no arithmetic that
-/// may overflow.
+/// Finds records by id. Ids come from files and may have any values: no hashing, no arithmetic that may
+/// overflow.
 class IdIndex {
   public:
     IdIndex(const std::vector<Link>& links, const std::string& source) {
@@ -38,9 +39,9 @@ class IdIndex {
         const auto twin = std::adjacent_find(entries_.begin(), entries_.end(), same);
         if (twin == entries_.end()) return;
         const std::uint32_t first = twin->second, second = (twin + 1)->second;
-        throw InvalidInput(fmt::format(
-            "{}: the id {} was used before ({}); give every record an id of its own",
-            place(source, links[second].line, second), twin->first, place(source, links[first].line, first)));
+        throw InvalidInput(fmt::format("{}: the id {} was used before ({}); give every record a unique id",
+                                       place(source, links[second].line, second), twin->first,
+                                       place(source, links[first].line, first)));
     }
 
     std::uint32_t find(std::int64_t id) const {
@@ -48,7 +49,7 @@ class IdIndex {
         const std::uint64_t guess = static_cast<std::uint64_t>(id) - first;
         if (guess < entries_.size() && entries_[guess].first == id) return entries_[guess].second;
         const auto at = std::lower_bound(entries_.begin(), entries_.end(), Entry{id, 0});
-        return at != entries_.end() && at->first == id ? at->second : kNone;
+        return at != entries_.end() && at->first == id ? at->second : kNoIndex;
     }
 
   private:
@@ -65,9 +66,9 @@ std::pair<Vec3d, Vec3d> corners(const std::vector<Vec3d>& points) {
     return {low, high};
 }
 
-bool known(double radius) { return radius >= kLeastRadius; }  // false for NaN
+bool known(double radius) { return radius >= kMinRadius; }  // false for NaN
 
-/// The nearest known radius in one direction along the skeleton.
+/// The closest known radius in one direction along the skeleton.
 struct Nearest {
     double distance = std::numeric_limits<double>::infinity();
     double radius = 0;
@@ -89,14 +90,14 @@ Vec3d choose_origin(const NodeList& nodes) {
     return local_origin(low - margin, high + margin, nodes.position.front());
 }
 
-/// Builds the columns of a skeleton, folding nodes that coincide with their parents or with their siblings.
+/// Builds the columns of a skeleton; merges nodes that coincide with their parents or siblings.
 class Assembler {
   public:
     explicit Assembler(const NodeList& nodes)
         : nodes_(nodes), origin_(choose_origin(nodes)), merged_(nodes.size()) {
         std::vector<std::uint32_t> children(nodes.size(), 0);
         for (const std::uint32_t p : nodes.parent) {
-            if (p != kNone) ++children[p];
+            if (p != kNoIndex) ++children[p];
         }
         crowded_.reserve(nodes.size());
         for (std::uint32_t i = 0; i < nodes.size(); ++i) crowded_.push_back(children[i] > 1);
@@ -113,7 +114,7 @@ class Assembler {
     std::uint32_t place_node(std::uint32_t i, RepairReport& report) {
         const std::uint32_t old_parent = nodes_.parent[i];
         const Vec3 p(nodes_.position[i] - origin_);
-        if (old_parent == kNone) return add(NodeId::none(), p, i);
+        if (old_parent == kNoIndex) return add(NodeId::none(), p, i);
         const std::uint32_t parent = merged_[old_parent];
         if (position_[parent] == p) {
             ++report.zero_length;
@@ -142,8 +143,8 @@ class Assembler {
     const NodeList& nodes_;
     Vec3d origin_;
     std::vector<std::uint32_t> merged_;
-    std::vector<bool> crowded_;       // of the old nodes: several children
-    std::vector<bool> has_siblings_;  // of the new nodes: took over children of others
+    std::vector<bool> crowded_;       // by old node: has several children
+    std::vector<bool> has_siblings_;  // by new node: has children of merged nodes
     std::map<std::tuple<std::uint32_t, float, float, float>, std::uint32_t> sibling_;
     std::vector<NodeId> parent_;
     std::vector<Vec3> position_;
@@ -157,11 +158,11 @@ class Assembler {
 std::vector<std::uint32_t> find_parents(const std::vector<Link>& links, const std::string& source,
                                         RepairReport& report) {
     const IdIndex index(links, source);
-    std::vector<std::uint32_t> parent(links.size(), kNone);
+    std::vector<std::uint32_t> parent(links.size(), kNoIndex);
     for (std::size_t i = 0; i < links.size(); ++i) {
         if (links[i].parent < 0) continue;
         parent[i] = index.find(links[i].parent);
-        if (parent[i] == kNone) ++report.missing_parents;
+        if (parent[i] == kNoIndex) ++report.missing_parents;
     }
     return parent;
 }
@@ -174,8 +175,8 @@ std::vector<std::uint32_t> parents_first(const std::vector<std::uint32_t>& paren
     std::vector<std::uint32_t> order, path;
     order.reserve(parent.size());
     for (std::uint32_t i = 0; i < parent.size(); ++i) {
-        if (parent[i] != kNone && parent[i] > i) ++report.reordered;
-        for (std::uint32_t j = i; j != kNone && state[j] != State::placed; j = parent[j]) {
+        if (parent[i] != kNoIndex && parent[i] > i) ++report.reordered;
+        for (std::uint32_t j = i; j != kNoIndex && state[j] != State::placed; j = parent[j]) {
             if (state[j] == State::on_path) {
                 throw InvalidInput(
                     fmt::format("{}: the record {} is among its own ancestors; break the cycle",
@@ -202,13 +203,13 @@ std::uint32_t fill_radii(const std::vector<std::uint32_t>& parent, const std::ve
     if (!std::isfinite(smallest)) smallest = size > 0 ? 0.01 * size : 0.01;
     std::vector<Nearest> rootward(n), tipward(n);
     for (std::size_t i = n; i-- > 0;) {
-        if (parent[i] == kNone) continue;
+        if (parent[i] == kNoIndex) continue;
         const Nearest here = known(radius[i]) ? Nearest{0, radius[i]} : tipward[i];
         Nearest& best = tipward[parent[i]];
         if (here.distance + step[i] < best.distance) best = {here.distance + step[i], here.radius};
     }
     for (std::size_t i = 0; i < n; ++i) {
-        if (parent[i] == kNone) continue;
+        if (parent[i] == kNoIndex) continue;
         const std::uint32_t p = parent[i];
         const Nearest here = known(radius[p]) ? Nearest{0, radius[p]} : rootward[p];
         rootward[i] = {here.distance + step[i], here.radius};
@@ -237,7 +238,7 @@ using namespace skeleton_internal;
 
 RepairResult repair(const std::vector<RawNode>& nodes, const std::string& source) {
     if (nodes.empty()) throw InvalidInput(fmt::format("{}: there are no nodes", source));
-    if (nodes.size() >= kNone) throw Unsupported(fmt::format("{}: more than 4 billion nodes", source));
+    if (nodes.size() >= kNoIndex) throw Unsupported(fmt::format("{}: more than 4 billion nodes", source));
     std::vector<Link> links;
     links.reserve(nodes.size());
     for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -256,10 +257,10 @@ RepairResult repair(const std::vector<RawNode>& nodes, const std::string& source
     std::vector<std::uint32_t> new_index(nodes.size());
     std::vector<double> step;
     for (const std::uint32_t i : order) {
-        const std::uint32_t p = parent[i] == kNone ? kNone : new_index[parent[i]];
+        const std::uint32_t p = parent[i] == kNoIndex ? kNoIndex : new_index[parent[i]];
         new_index[i] = list.add(p, nodes[i].position, nodes[i].radius);
         if (nodes[i].stable_id) list.stable_id.push_back(nodes[i].stable_id);
-        step.push_back(p == kNone ? 0 : distance(nodes[i].position, list.position[p]));
+        step.push_back(p == kNoIndex ? 0 : distance(nodes[i].position, list.position[p]));
     }
     COPPICE_ASSERT(list.stable_id.empty() || list.stable_id.size() == list.size());
     report.missing_radii = fill_radii(list.parent, step, extent(list.position), list.radius);

@@ -1,4 +1,5 @@
 #include "coppice/base/compressed_rows.h"
+#include "coppice/base/id.h"
 #include "coppice/base/kernel/segment_distance.h"
 #include "coppice/skeleton/raw.h"
 #include "coppice/skeleton/repair_internal.h"
@@ -8,16 +9,16 @@ namespace {
 
 using namespace skeleton_internal;
 
-constexpr double kShortest = 0.01;      // [radius] cylinders shorter than this have no length
-constexpr double kSnapToEnd = 0.5;      // [parent's radius] laterals nearer to the end leave from the end
-constexpr double kSnapTogether = 0.1;   // [parent's radius] laterals nearer to each other share a node
-constexpr double kWidestGap = 2;        // [larger radius] over which a cylinder runs on
-constexpr double kSharpestTurn = 0.5;   // cosine of the angle up to which it does so
-constexpr double kGreatestShift = 0.5;  // [own radius] by which an axis may pass its own start
+constexpr double kShortest = 0.01;  // [radius] length below which cylinders are removed
+constexpr double kSnapToEnd = 0.5;  // [parent's radius] distance below which laterals branch off at the end
+constexpr double kSnapTogether = 0.1;  // [parent's radius] distance below which laterals share a node
+constexpr double kWidestGap = 2;       // [larger radius] maximum gap that a continuation bridges
+constexpr double kSharpestTurn = 0.5;  // cosine of the maximum angle of such a continuation
+constexpr double kMaxShift = 0.5;      // [own radius] maximum distance of an axis from its own start
 constexpr double kGapFrom = 1.05;  // [larger radius] TreeQSM starts laterals at 1.00 from the parent's axis
-constexpr double kSmallestJump = 0.01;  // relative change of radius that is kept
+constexpr double kSmallestJump = 0.01;  // minimum relative change of radius that is preserved
 
-/// A cylinder with a parent among the others, parents first.
+/// A cylinder with the index of its parent; parents come first.
 struct Axis {
     Vec3d start, end;
     double radius;
@@ -30,7 +31,7 @@ double distance_to_axis(Vec3d p, const Axis& axis) { return segment_distance(p, 
 
 void check(const std::vector<RawCylinder>& cylinders, const std::string& source) {
     if (cylinders.empty()) throw InvalidInput(fmt::format("{}: there are no cylinders", source));
-    if (cylinders.size() >= kNone / 8)
+    if (cylinders.size() >= kNoIndex / 8)
         throw Unsupported(fmt::format("{}: more than 500 million cylinders", source));
     for (std::size_t i = 0; i < cylinders.size(); ++i) {
         const RawCylinder& c = cylinders[i];
@@ -55,13 +56,13 @@ void fill_missing_radii(std::vector<Axis>& axes, RepairReport& report) {
     for (std::size_t i = 0; i < axes.size(); ++i) axes[i].radius = radius[i];
 }
 
-/// Leaves out what has no length: its children join its parent.
+/// Removes cylinders without length; their children are attached to their parents.
 std::vector<Axis> without_discs(const std::vector<Axis>& axes, RepairReport& report) {
     std::vector<Axis> kept;
     std::vector<std::uint32_t> new_index(axes.size());
     for (std::size_t i = 0; i < axes.size(); ++i) {
         Axis a = axes[i];
-        if (a.parent != kNone) {
+        if (a.parent != kNoIndex) {
             a.parent = new_index[a.parent];
             if (distance(a.start, a.end) < kShortest * a.radius) {
                 new_index[i] = a.parent;
@@ -88,19 +89,20 @@ std::vector<Axis> read_axes(const std::vector<RawCylinder>& cylinders, const std
     for (const std::uint32_t i : order) {
         const RawCylinder& c = cylinders[i];
         new_index[i] = static_cast<std::uint32_t>(axes.size());
-        axes.push_back({c.start, c.end, c.radius, parent[i] == kNone ? kNone : new_index[parent[i]], i});
+        axes.push_back(
+            {c.start, c.end, c.radius, parent[i] == kNoIndex ? kNoIndex : new_index[parent[i]], i});
     }
     fill_missing_radii(axes, report);
     return without_discs(axes, report);
 }
 
-/// Joins the axes of cylinders to one tree whose nodes have the radius of the segment that ends in them.
+/// Joins the axes of cylinders to a tree; the radius of a node is that of the segment that ends there.
 class Joiner {
   public:
     Joiner(const std::vector<Axis>& axes, RepairReport& report)
         : axes_(axes),
           report_(report),
-          next_(axes.size(), kNone),
+          next_(axes.size(), kNoIndex),
           tip_(axes.size()),
           leaves_from_(axes.size()) {}
 
@@ -108,7 +110,7 @@ class Joiner {
         choose_continuations();
         children_ = compress_rows<std::uint32_t>(axes_.size(), [&](const auto& put) {
             for (std::uint32_t i = 0; i < axes_.size(); ++i) {
-                if (axes_[i].parent != kNone) put(axes_[i].parent, i);
+                if (axes_[i].parent != kNoIndex) put(axes_[i].parent, i);
             }
         });
         for (std::uint32_t i = 0; i < axes_.size(); ++i) add_axis(i);
@@ -116,8 +118,8 @@ class Joiner {
     }
 
   private:
-    /// How far a child starts from where its parent ends, in the larger radius; infinite when it cannot
-    /// continue its parent.
+    /// Returns the distance between the start of a child and the end of its parent, relative to the larger
+    /// radius; infinite if it cannot continue its parent.
     double misfit(const Axis& child) const {
         const Axis& parent = axes_[child.parent];
         const double cosine = dot(parent.direction(), child.direction());
@@ -133,30 +135,32 @@ class Joiner {
         std::vector<double> least(axes_.size(), std::numeric_limits<double>::infinity());
         for (std::uint32_t i = 0; i < axes_.size(); ++i) {
             const std::uint32_t p = axes_[i].parent;
-            if (p == kNone) continue;
+            if (p == kNoIndex) continue;
             const double m = misfit(axes_[i]);
-            const bool ties = next_[p] != kNone && m == least[p] && axes_[i].radius > axes_[next_[p]].radius;
+            const bool ties =
+                next_[p] != kNoIndex && m == least[p] && axes_[i].radius > axes_[next_[p]].radius;
             if (!(m < least[p]) && !ties) continue;
             least[p] = m;
             next_[p] = i;
         }
         for (std::uint32_t i = 0; i < axes_.size(); ++i) {
-            tip_[i] = next_[i] == kNone ? axes_[i].end : lerp(axes_[i].end, axes_[next_[i]].start, 0.5);
+            tip_[i] = next_[i] == kNoIndex ? axes_[i].end : lerp(axes_[i].end, axes_[next_[i]].start, 0.5);
         }
     }
 
-    /// Where on its parent's axis a lateral would come from.
+    /// Returns the point of the parent's axis at which a lateral originates.
     Vec3d source_point(const Axis& lateral) const {
         const Axis& parent = axes_[lateral.parent];
-        const double beside = closest_parameter(lateral.start, parent.start, parent.end - parent.start);
-        // Beyond an end it comes from there: back along a line that goes on straight, all places are as near.
-        if (beside <= 0 || beside >= 1) return lerp(parent.start, parent.end, beside);
+        const double adjacent = closest_parameter(lateral.start, parent.start, parent.end - parent.start);
+        // Beyond an end it is that end: extended backwards along a collinear axis, all points would be
+        // equally close.
+        if (adjacent <= 0 || adjacent >= 1) return lerp(parent.start, parent.end, adjacent);
         const double reach = 4 * distance_to_axis(lateral.start, parent);
         const Vec3d back = lateral.start - lateral.direction() * reach;
         const ClosestParameters c = closest_parameters(parent.start, parent.end, lateral.start, back);
         const Vec3d on_parent = lerp(parent.start, parent.end, c.on_a);
         if (distance(on_parent, lerp(lateral.start, back, c.on_b)) <= parent.radius) return on_parent;
-        return lerp(parent.start, parent.end, beside);
+        return lerp(parent.start, parent.end, adjacent);
     }
 
     std::uint32_t add_node(std::uint32_t parent, Vec3d p, const Axis& a) {
@@ -166,9 +170,9 @@ class Joiner {
 
     void add_axis(std::uint32_t i) {
         const Axis& a = axes_[i];
-        std::uint32_t node = kNone;
-        if (a.parent == kNone) {
-            node = add_node(kNone, a.start, a);
+        std::uint32_t node = kNoIndex;
+        if (a.parent == kNoIndex) {
+            node = add_node(kNoIndex, a.start, a);
         } else {
             node = leaves_from_[i];
             if (distance_to_axis(a.start, axes_[a.parent]) >
@@ -186,7 +190,7 @@ class Joiner {
         const Axis& a = axes_[i];
         const Axis& parent = axes_[a.parent];
         if (distance_to_axis(a.start, parent) + a.radius <= parent.radius) return false;
-        return segment_distance(a.start, a.start, from, tip_[i]) > kGreatestShift * a.radius;
+        return segment_distance(a.start, a.start, from, tip_[i]) > kMaxShift * a.radius;
     }
 
     struct Attachment {
@@ -194,7 +198,7 @@ class Joiner {
         std::uint32_t child;
     };
 
-    /// The nodes from which laterals leave, and the end.
+    /// Adds the nodes at which laterals branch off, and the end.
     void add_body(std::uint32_t i, std::uint32_t node) {
         const Axis& a = axes_[i];
         const Vec3d from = list_.position[node];
@@ -220,28 +224,28 @@ class Joiner {
         }
         node = add_node(node, tip_[i], a);
         for (; f < attachments.size(); ++f) leaves_from_[attachments[f].child] = node;
-        if (next_[i] != kNone) leaves_from_[next_[i]] = node;
+        if (next_[i] != kNoIndex) leaves_from_[next_[i]] = node;
     }
 
     const std::vector<Axis>& axes_;
     RepairReport& report_;
-    std::vector<std::uint32_t> next_;         // the child that continues a cylinder
-    std::vector<Vec3d> tip_;                  // where the cylinder's axis ends after joining
-    std::vector<std::uint32_t> leaves_from_;  // the node a cylinder is attached to
+    std::vector<std::uint32_t> next_;         // child that continues a cylinder
+    std::vector<Vec3d> tip_;                  // end of the cylinder's axis after joining
+    std::vector<std::uint32_t> leaves_from_;  // node to which a cylinder is attached
     CompressedRows<std::uint32_t> children_;
     NodeList list_;
 };
 
-/// Puts short segments where the radius changes from a segment to the one that leads on.
+/// Inserts short segments where the radius changes between a segment and its continuation.
 class JumpKeeper {
   public:
     explicit JumpKeeper(const NodeList& list)
-        : in_(list), leader_(list.size(), kNone), children_(list.size(), 0) {
+        : in_(list), leader_(list.size(), kNoIndex), children_(list.size(), 0) {
         for (std::uint32_t i = 0; i < list.size(); ++i) {
             const std::uint32_t p = list.parent[i];
-            if (p == kNone) continue;
+            if (p == kNoIndex) continue;
             ++children_[p];
-            if (leader_[p] == kNone || list.radius[i] > list.radius[leader_[p]]) leader_[p] = i;
+            if (leader_[p] == kNoIndex || list.radius[i] > list.radius[leader_[p]]) leader_[p] = i;
         }
     }
 
@@ -250,7 +254,7 @@ class JumpKeeper {
         NodeList out;
         for (std::uint32_t i = 0; i < in_.size(); ++i) {
             const std::uint32_t p = in_.parent[i];
-            const std::uint32_t from = p == kNone ? kNone : leader_[p] == i ? leaving[p] : new_index[p];
+            const std::uint32_t from = p == kNoIndex ? kNoIndex : leader_[p] == i ? leaving[p] : new_index[p];
             new_index[i] = leaving[i] = out.add(from, in_.position[i], radius(i));
             out.source.push_back(in_.source[i]);
             if (!jumps_at(i)) continue;
@@ -265,12 +269,12 @@ class JumpKeeper {
     }
 
   private:
-    /// A root takes the radius of its leader.
+    /// Returns the radius of a node; a root gets that of its leader.
     double radius(std::uint32_t i) const {
-        return in_.parent[i] == kNone && leader_[i] != kNone ? in_.radius[leader_[i]] : in_.radius[i];
+        return in_.parent[i] == kNoIndex && leader_[i] != kNoIndex ? in_.radius[leader_[i]] : in_.radius[i];
     }
     bool jumps_at(std::uint32_t i) const {
-        if (in_.parent[i] == kNone || leader_[i] == kNone) return false;
+        if (in_.parent[i] == kNoIndex || leader_[i] == kNoIndex) return false;
         return std::abs(in_.radius[leader_[i]] - in_.radius[i]) > kSmallestJump * in_.radius[i];
     }
     double length(std::uint32_t i) const { return distance(in_.position[i], in_.position[in_.parent[i]]); }
@@ -278,7 +282,7 @@ class JumpKeeper {
         return normalized(in_.position[j] - in_.position[i]);
     }
 
-    /// The part of the jump at i that lies on the segment which ends in j.
+    /// Returns the length of the jump at i on the segment that ends at j.
     double room(std::uint32_t i, std::uint32_t j) const {
         const double a = in_.radius[i], b = in_.radius[leader_[i]];
         const double whole = std::max(std::abs(a - b), std::min(a, b));

@@ -13,13 +13,13 @@
 namespace coppice {
 namespace {
 
-/// Which nodes stay, and where.
+/// Kept nodes and their positions.
 struct Choice {
     std::vector<bool> kept;
     std::vector<Vec3> position;
 };
 
-// [radius] Greatest shift of the surface by leaving out a node that is too near to another.
+// [radius] maximum shift of the surface by removing a node that is too close to another one
 constexpr double kMaxShift = 0.1;
 
 void simplify(const Skeleton& s, NodeId anchor, const std::vector<NodeId>& chain, const ResampleOptions& o,
@@ -40,7 +40,7 @@ void simplify(const Skeleton& s, NodeId anchor, const std::vector<NodeId>& chain
     }
 }
 
-/// [Zhu2015] 3.1. The paper's condition on the angle holds for its difference from a straight line.
+/// [Zhu2015] 3.1. The condition of the paper on the angle applies to its difference from a straight line.
 void thin_chain(const Skeleton& s, NodeId anchor, const std::vector<NodeId>& chain, const ResampleOptions& o,
                 Choice& choice) {
     NodeId before = anchor;
@@ -60,7 +60,7 @@ NodeId first_kept(const Skeleton& s, const std::vector<bool>& kept, NodeId n) {
     return n;
 }
 
-/// Where leaving out nodes would make another child lead, the first nodes of all children stay.
+/// Keeps the first nodes of all children where removing nodes would change the leader.
 void keep_leaders(const Skeleton& s, std::vector<bool>& kept) {
     for (const NodeId n : nodes(s)) {
         if (s.children(n).size() < 2) continue;
@@ -94,18 +94,18 @@ ResampleResult choose_nodes(const Skeleton& s, const ResampleOptions& options) {
     return {std::move(subset.skeleton), report, std::move(subset.new_of_old)};
 }
 
-/// A node that comes on a segment.
+/// A node to be inserted on a segment.
 struct Ring {
     double t;  ///< fraction of the length
     double radius;
 };
 
-/// A part of a segment, cut into pieces of the same length in local radii.
+/// Part of a segment, divided into sections of equal length in local radii.
 struct EvenRings {
     double first = 0, last = 1;  // fractions of the length
     std::uint32_t parts = 1;
 
-    /// Where piece i begins, on a segment whose radii at the ends have this ratio.
+    /// Returns the begin of section i on a segment with this ratio of the radii at its ends.
     double begin(std::uint32_t i, double ratio) const {
         const double share = static_cast<double>(i) / parts;
         if (std::abs(ratio - 1) < kNoTaper) return first + (last - first) * share;
@@ -129,7 +129,7 @@ class Splitter {
         if (wanted > budget) max_length_ *= wanted / budget;
     }
 
-    /// `result` holds the skeleton that this splitter was made for.
+    /// `result` must contain the skeleton passed to the constructor.
     void run(ResampleResult& result) const {
         std::vector<NodeId> parent, new_index(s_.size());
         std::vector<Vec3> position;
@@ -160,7 +160,7 @@ class Splitter {
     }
 
   private:
-    // In local radii: the integral of 1 / radius along the segment.
+    // Length in local radii: the integral of 1 / radius along the segment.
     double relative_length(NodeId n) const {
         const Segment g = s_.segment(n);
         const double a = g.radius_a, ratio = g.radius_b / a;
@@ -169,11 +169,12 @@ class Splitter {
         return distance(Vec3d(g.a), Vec3d(g.b)) / mean;
     }
 
-    // So do branches that leave a ball or a root, where they part before the ring, and the surface about a
-    // tip: long faces before it would pull it back.
+    // Returns whether a node gets rings. Besides sharp turns these are balls and roots at which branches
+    // separate before the ring, and tips of long segments: long faces before a tip would pull the surface
+    // back.
     bool turns_sharply(NodeId n) const {
-        constexpr double kLongBeforeTip = 12;                          // radii
-        if (o_.bend_angle >= std::numbers::pi_v<float>) return false;  // no rings are wanted
+        constexpr double kLongBeforeTip = 12;                          // [radius]
+        if (o_.bend_angle >= std::numbers::pi_v<float>) return false;  // rings are disabled
         if (s_.is_root(n)) return s_.children(n).size() > 1 && (is_ball(s_, n) || parts_widely(n));
         if (s_.is_tip(n)) return length_before_tip(n) > kLongBeforeTip * s_.radius(n);
         if (!is_chain_node(s_, n)) return false;
@@ -182,7 +183,7 @@ class Splitter {
         return turn(Vec3d(in), Vec3d(out)) > o_.bend_angle;
     }
 
-    // That of a tree of one segment has a node in the middle in any case: each end is a tube of its own.
+    // A tree of one segment always gets a node in the middle: each end is a separate tube.
     double length_before_tip(NodeId n) const {
         const double length = distance(s_.position(n), s_.position(s_.parent(n)));
         return is_lone(n) ? length / 2 : length;
@@ -192,8 +193,8 @@ class Splitter {
         return s_.is_root(p) && s_.is_tip(tip) && s_.children(p).size() == 1;
     }
 
-    // Whether all branches that leave a root do so at 67 degrees or more from each other: of some dozen, some
-    // do not.
+    // Returns whether all branches at a root are at least 67 degrees apart; false for many branches, which
+    // cannot be.
     bool parts_widely(NodeId root) const {
         constexpr float kCosine = 0.39f;
         constexpr std::size_t kMaxChildren = 16;
@@ -211,15 +212,15 @@ class Splitter {
 
     std::vector<Ring> rings(NodeId n) const {
         const NodeId p = s_.parent(n);
-        // A leader thicker than its parent would hand its lead to a sibling through a thinner node before it.
+        // If a leader is thicker than its parent, a thinner inserted node could make a sibling the leader.
         if (s_.children(p).size() > 1 && s_.leader(p) == n && s_.radius(n) > s_.radius(p)) return {};
         const Segment g = s_.segment(n);
         const double l = distance(Vec3d(g.a), Vec3d(g.b));
         const EvenRings even = even_rings(n, g, l);
         const double ratio = g.radius_b / static_cast<double>(g.radius_a);
-        // In this form it is never below both.
+        // This form is never below both ends.
         const auto linear = [&](double t) { return (1 - t) * g.radius_a + t * g.radius_b; };
-        // Where the leader comes out of a ball, the hull of the balls about its ends begins to be a cone.
+        // Where the leader leaves a ball, the hull of the balls at its ends begins to be a cone.
         const bool leaves_ball = s_.is_root(p) && s_.leader(p) == n && is_ball(s_, p) && even.first > 0;
         const double sine = (g.radius_a - g.radius_b) / l;
         const double outside = leaves_ball ? (g.radius_a - even.first * l * sine) / std::sqrt(1 - sine * sine)

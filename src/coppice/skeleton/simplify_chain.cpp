@@ -8,15 +8,15 @@
 namespace coppice {
 namespace {
 
-constexpr double kJump = 0.2f;  // relative change of radius that is worth two close nodes
+constexpr double kJump = 0.2f;  // relative change of radius above which two close nodes are kept
 
 struct Interval {
     std::uint32_t first, last;
     int depth;
 };
 
-/// The relative shift of the ball about p when points first + 1 ... last - 1 go.
-double shift_of(const ChainPoint& p, const ChainPoint& a, const ChainPoint& b) {
+/// Returns the relative shift of the ball at p if the points between a and b are removed.
+double compute_shift(const ChainPoint& p, const ChainPoint& a, const ChainPoint& b) {
     const Vec3d way = b.position - a.position;
     const double widening = b.radius - a.radius;
     const Vec3d to = p.position - a.position;
@@ -31,18 +31,18 @@ std::pair<std::uint32_t, double> find_farthest(const std::vector<ChainPoint>& po
                                                bool leads) {
     std::pair<std::uint32_t, double> best{in.first, -1};
     ChainPoint a = points[in.first];
-    // A lateral's first segment has the radius of its end all along.
+    // The first segment of a lateral has the radius of its end throughout.
     if (in.first == 0 && !leads) a.radius = points[in.last].radius;
     for (std::uint32_t i = in.first + 1; i < in.last; ++i) {
-        const double shift = shift_of(points[i], a, points[in.last]);
+        const double shift = compute_shift(points[i], a, points[in.last]);
         if (shift > best.second) best = {i, shift};
     }
     return best;
 }
 
-/// Chooses points by Douglas-Peucker in four dimensions, on a stack of its own. Deep intervals are halved
-/// instead of split at their farthest point: so the worst case stays O(n log n), at the price of a few points
-/// more.
+/// Chooses points by Douglas-Peucker in four dimensions, with an explicit stack. Deep intervals are split in
+/// half instead of at their farthest point: this bounds the worst case by O(n log n), at the cost of a few
+/// additional points.
 std::vector<bool> choose_points(std::vector<ChainPoint>& points, const ChainRule& rule) {
     const auto last = static_cast<std::uint32_t>(points.size() - 1);
     std::vector<bool> chosen(points.size(), false);
@@ -67,12 +67,12 @@ bool is_jump(const ChainPoint& a, const ChainPoint& b) {
     return std::abs(a.radius - b.radius) > kJump * std::max(a.radius, b.radius);
 }
 
-/// Neither far enough apart nor worth two points.
+/// Returns whether two points are too close and have similar radii.
 bool crowd(const ChainPoint& a, const ChainPoint& b, double spacing) {
     return distance(a.position, b.position) < spacing * std::min(a.radius, b.radius) && !is_jump(a, b);
 }
 
-/// Adds a point to those that stay, in place of nearby ones of less influence, or not at all.
+/// Adds a point to the kept ones; it replaces close points with less influence, or is omitted.
 void add_spaced(std::vector<ChainPoint>& out, const ChainPoint& p, double spacing) {
     while (crowd(out.back(), p, spacing)) {
         if (out.size() == 1 || out.back().influence >= p.influence) return;
@@ -81,12 +81,12 @@ void add_spaced(std::vector<ChainPoint>& out, const ChainPoint& p, double spacin
     out.push_back(p);
 }
 
-/// A point moved along the segment to the next one until it is `away` [m] from the one before; nothing where
-/// that takes more than half of the segment.
+/// Returns a point moved along the segment to the next one until its distance to the previous one is `away`
+/// [m]; nullopt if that needs more than half of the segment.
 std::optional<ChainPoint> moved_on(ChainPoint p, const ChainPoint& before, const ChainPoint& next,
                                    double away) {
     const Vec3d from = p.position - before.position, way = next.position - p.position;
-    // Where |from + t way| = away: the greater solution of a quadratic equation.
+    // Solves |from + t way| = away: the larger root of a quadratic equation.
     const double a = length_squared(way), b = dot(from, way), c = length_squared(from) - away * away;
     if (!(a > 0) || c >= 0) return {};
     const double t = (std::sqrt(b * b - a * c) - b) / a;
@@ -112,7 +112,7 @@ SimplifiedChain space_out(const std::vector<ChainPoint>& points, const std::vect
             kept.push_back(p);
             continue;
         }
-        if (shift_of(p, before, next) > rule.max_shift) {
+        if (compute_shift(p, before, next) > rule.max_shift) {
             const double spacing = rule.min_spacing * std::min(before.radius, p.radius);
             if (const auto moved = moved_on(p, before, next, std::max(ball, spacing))) {
                 kept.push_back(*moved);
@@ -127,8 +127,8 @@ SimplifiedChain space_out(const std::vector<ChainPoint>& points, const std::vect
     return out;
 }
 
-/// Pushes the two ends of a jump in radius apart, each along its own segment and by at most a third of that.
-/// Returns how many points moved.
+/// Moves the two ends of a jump in radius apart, each along its own segment and by at most a third of it.
+/// Returns the number of moved points.
 std::uint32_t spread_jumps(std::vector<ChainPoint>& chain, double spacing) {
     std::uint32_t moved = 0;
     const auto move = [&](std::size_t i, std::size_t toward, double way) {

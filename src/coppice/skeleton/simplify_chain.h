@@ -8,37 +8,38 @@
 
 namespace coppice {
 
-/// A node on a chain, as a ball.
+/// A node of a chain, as a ball.
 struct ChainPoint {
     Vec3d position;        ///< [m]
-    double radius;         ///< [m] > 0, that the segments really have there
-    std::uint32_t node;    ///< the caller's own number for it
-    double influence = 0;  ///< [radius] shift of the surface without the point; found by `simplify_chain`
+    double radius;         ///< [m] > 0; radius of the segments at this point
+    std::uint32_t node;    ///< number chosen by the caller
+    double influence = 0;  ///< [radius] shift of the surface without the point; computed by `simplify_chain`
 };
 
-/// What is left out between the ends of a chain.
+/// Rule for removing points between the ends of a chain.
 struct ChainRule {
-    double tolerance;      ///< [radius] how far the surface may move; >= 0
-    double min_spacing;    ///< [radius] least distance of points, of the lesser radius; 0 = any
-    bool leads = true;     ///< the chain starts with the radius of the node that it leaves, else with its own
-    double fork_ball = 0;  ///< [m] of a lateral: no point but the first lies nearer to that one
-    /// [radius] Of a point that is too near to the one before: how far the surface may move by leaving it
-    /// out. Else the point moves on along its segment, by at most half of that.
+    double tolerance;    ///< [radius] maximum shift of the surface; >= 0
+    double min_spacing;  ///< [smaller radius] minimum distance of points; 0: any
+    bool leads =
+        true;  ///< whether the chain begins with the radius of its branching node rather than its own
+    double fork_ball = 0;  ///< [m] for laterals: minimum distance of the other points from the first one
+    /// [radius] maximum shift of the surface by removing a point that is too close to the previous one.
+    /// Otherwise the point is moved along its segment, by at most half of it.
     double max_shift = std::numeric_limits<double>::infinity();
 };
 
-/// What `simplify_chain` keeps.
+/// Result of `simplify_chain`.
 struct SimplifiedChain {
-    std::vector<ChainPoint> points;  ///< in order; the first and the last are those of the input
-    std::uint32_t moved = 0;         ///< points moved along their segments, away from others
+    std::vector<ChainPoint> points;  ///< in order; includes the first and the last of the input
+    std::uint32_t moved = 0;         ///< number of points moved along their segments
 };
 
-/// Chooses the points that the surface needs, by Douglas-Peucker on position and radius together, such that
-/// no ball left out is farther than the tolerance from the new axis. Of two points nearer than the spacing
-/// the one of less influence goes then, or the second moves on (see ChainRule::max_shift), unless the radius
-/// jumps by more than a fifth between them: those are pushed apart, each along its own segment and by at most
-/// a third of that. At least two points.
-/// O(n log n), no recursion.
+/// Chooses the points that determine the surface, by Douglas-Peucker on position and radius together: the
+/// distance of every removed ball from the new axis is at most the tolerance. Then, of two points closer than
+/// the spacing, the one with less influence is removed, or the second one is moved (see
+/// ChainRule::max_shift), unless the radius changes by more than a fifth between them: those are moved apart,
+/// each along its own segment and by at most a third of it. Requires at least two points. O(n log n), not
+/// recursive.
 SimplifiedChain simplify_chain(std::vector<ChainPoint> points, const ChainRule& rule);
 
 }  // namespace coppice

@@ -14,7 +14,7 @@ void check_unique(std::vector<StableId> ids) {
     const auto twin = std::ranges::adjacent_find(ids);
     if (twin != ids.end()) {
         throw InvalidInput(
-            fmt::format("the id {} names two nodes; give every node one of its own", twin->index()));
+            fmt::format("the id {} is used by two nodes; give every node a unique id", twin->index()));
     }
 }
 

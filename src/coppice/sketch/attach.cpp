@@ -7,12 +7,12 @@
 namespace coppice::sketch_internal {
 namespace {
 
-constexpr double kMostParts = 1024;  // of a piece of the parent, that are looked at
-constexpr int kParts = 8;            // of the pieces about the best of them
-constexpr double kLeastNoise = 3;    // [pixels] with which strokes begin at least
-constexpr double kCutShort = 6;      // [noise] the more a stroke lacks beyond this, the less that tells
+constexpr double kMaxParts = 1024;  // maximum number of samples per segment of the parent axis
+constexpr int kParts = 8;           // number of samples in the segments around the best one
+constexpr double kMinNoise = 3;     // [pixels] minimum noise of the start of a stroke
+constexpr double kCutShort = 6;     // [noise] gap beyond which a missing beginning of a stroke counts less
 
-/// Unit, against the way a line begins.
+/// Returns the unit vector opposite to the initial direction of a line.
 PicturePoint backwards(const Line& line) {
     const std::size_t few = std::min<std::size_t>(line.points.size() - 1, 4);
     const PicturePoint d = line.points.front() - line.points[few];
@@ -20,30 +20,30 @@ PicturePoint backwards(const Line& line) {
     return size > 1e-9 ? d * (1 / size) : line.direction(0) * -1;
 }
 
-/// Whether a line has the first point of its stroke, from whichever end it was drawn.
+/// Returns whether a line contains the first point of its stroke, drawn from either end.
 bool begins(const Stroke& stroke, const Line& line) {
     const int first = line.drawn.front();
     return first == 0 || first + 1 == static_cast<int>(stroke.points.size()) || first < 0;
 }
 
-/// What a stroke says of where it starts.
+/// Evidence of a stroke for the start of its branch.
 struct Start {
     const SketchView* view;
-    PicturePoint first, back;  ///< its first point, and unit, against the way it begins
+    PicturePoint first, back;  ///< its first point, and the unit vector opposite to its initial direction
     double noise;              ///< [pixels]
-    double most;  ///< by which it counts at most, so that one wrong start does not outweigh a right one
+    double most;               ///< maximum cost, so that one wrong start does not outweigh a correct one
 
     double cost(Vec3d p) const {
         const PicturePoint off = (project(*view, p) - first) * (1 / noise);
-        const double ahead = dot(off, back), beside = cross(off, back);
+        const double ahead = dot(off, back), adjacent = cross(off, back);
         const double lack = std::max(ahead / kCutShort, 0.0);
-        const double off_squared = beside * beside + ahead * ahead / (1 + lack * lack);
+        const double off_squared = adjacent * adjacent + ahead * ahead / (1 + lack * lack);
         return off_squared / (1 + off_squared / most);
     }
 };
 
-Start start_of(const SketchView& view, const Stroke& stroke, const Line& line) {
-    return {&view, line.points.front(), backwards(line), std::hypot(line.noise, kLeastNoise),
+Start find_start(const SketchView& view, const Stroke& stroke, const Line& line) {
+    return {&view, line.points.front(), backwards(line), std::hypot(line.noise, kMinNoise),
             begins(stroke, line) ? kWrong : kShort};
 }
 
@@ -62,7 +62,7 @@ Place place_on(const Axis& parent, std::span<const SketchView> views, std::span<
     std::vector<Start> starts;
     for (std::size_t i = 0; i < strokes.size(); ++i)
         if (lines[i].points.size() >= 2)
-            starts.push_back(start_of(views[strokes[i].view], strokes[i], lines[i]));
+            starts.push_back(find_start(views[strokes[i].view], strokes[i], lines[i]));
     Place best;
     double least = std::numeric_limits<double>::infinity();
     const auto look = [&](std::size_t node, double low, double high, int parts) {
@@ -79,7 +79,7 @@ Place place_on(const Axis& parent, std::span<const SketchView> views, std::span<
         for (const Start& start : starts)
             parts = std::max(parts,
                              length(project(*start.view, b) - project(*start.view, a)) / (2 * start.noise));
-        look(node, 0, 1, static_cast<int>(std::min(parts, kMostParts)));
+        look(node, 0, 1, static_cast<int>(std::min(parts, kMaxParts)));
     }
     const std::size_t near = best.node, last = parent.positions.size() - 2;
     for (std::size_t node = near - std::min<std::size_t>(near, 1); node <= std::min(near + 1, last); ++node)

@@ -3,8 +3,8 @@
 namespace coppice::sketch_internal {
 namespace {
 
-/// m L^-T, row by row: for vectors of a fixed size Eigen unrolls what it else does in blocks of a large
-/// matrix.
+/// Returns m L^-T, computed by rows: Eigen unrolls this for vectors of a fixed size, but processes a matrix
+/// in blocks.
 Eigen::Matrix3d divided(const Eigen::Matrix3d& m, const Eigen::LLT<Eigen::Matrix3d>& l) {
     Eigen::Matrix3d out;
     for (int row = 0; row < 3; ++row) {
@@ -16,8 +16,8 @@ Eigen::Matrix3d divided(const Eigen::Matrix3d& m, const Eigen::LLT<Eigen::Matrix
 
 }  // namespace
 
-// Blocks are eliminated from the first on: A = L L^T, where L has the bands of A. Inverses of the blocks
-// would be as fast, but short pieces beside long ones make them too inexact.
+// Forward elimination of blocks: A = L L^T, where L has the bandwidth of A. Inverses of the blocks would be
+// as fast, but are inaccurate if short and long segments are adjacent.
 void BandedSystem::solve(double damping, std::vector<Eigen::Vector3d>& x) {
     const std::size_t n = size();
     x = right_;

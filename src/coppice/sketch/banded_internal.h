@@ -6,11 +6,11 @@
 
 namespace coppice::sketch_internal {
 
-/// A symmetric, positive definite system of blocks for points in a row, each tied to the next two. Factoring
-/// and solving are O(points).
+/// A symmetric positive definite block system for a sequence of points, each coupled with the next two.
+/// Factorization and solution are O(points).
 class BandedSystem {
   public:
-    /// All zero, for so many points; keeps its memory.
+    /// Sets the system to zero for a number of points; keeps the allocated memory.
     void reset(std::size_t points) {
         diagonal_.assign(points, Eigen::Matrix3d::Zero());
         next_.assign(points, Eigen::Matrix3d::Zero());
@@ -20,16 +20,17 @@ class BandedSystem {
     }
 
     std::size_t size() const { return diagonal_.size(); }
-    Eigen::Matrix3d& diagonal(std::size_t i) { return diagonal_[i]; }      ///< of point i
-    Eigen::Matrix3d& next(std::size_t i) { return next_[i]; }              ///< row i + 1, column i
-    Eigen::Matrix3d& after_next(std::size_t i) { return after_next_[i]; }  ///< row i + 2, column i
-    Eigen::Vector3d& right(std::size_t i) { return right_[i]; }            ///< right side
+    Eigen::Matrix3d& diagonal(std::size_t i) { return diagonal_[i]; }      ///< block of point i
+    Eigen::Matrix3d& next(std::size_t i) { return next_[i]; }              ///< block in row i + 1, column i
+    Eigen::Matrix3d& after_next(std::size_t i) { return after_next_[i]; }  ///< block in row i + 2, column i
+    Eigen::Vector3d& right(std::size_t i) { return right_[i]; }            ///< right-hand side
 
-    /// The solution, with `damping` times its trace added to the diagonal of every block. Keeps the system.
+    /// Solves the system with `damping` times its trace added to the diagonal of every block. The system is
+    /// unchanged.
     void solve(double damping, std::vector<Eigen::Vector3d>& x);
 
   private:
-    /// Of L: the block on the diagonal, and rows i + 1 and i + 2 of column i.
+    /// Column i of L: the diagonal block, and rows i + 1 and i + 2.
     struct Column {
         Eigen::LLT<Eigen::Matrix3d> l;
         Eigen::Matrix3d below, second;

@@ -14,27 +14,29 @@
 namespace coppice::sketch_internal {
 namespace {
 
-constexpr double kMostCost = 3;           // of a match, above which strokes are of different things
-constexpr double kLeastMatched = 0.3;     // of the strokes
-constexpr double kHopeless = 1e6;         // how odd nothing at all is
-constexpr double kFarOut = 3;             // of its noise, and as many pixels: a detour to a wrong point
-constexpr std::size_t kMostTried = 40;    // points of all strokes, of which each is tried where none matches
-constexpr std::size_t kMostSuspects = 6;  // that are tried otherwise
-constexpr double kNear = 3;  // [noise] a stroke that begins so near its parent's axis begins on it
-constexpr double kGuessedStart = 0.6, kGuessedEnd = 0.3;  // of the parent's radius
+constexpr double kMaxCost = 3;          // maximum cost of a match; above it, strokes show different branches
+constexpr double kMinMatched = 0.3;     // minimum matched fraction of the strokes
+constexpr double kHopeless = 1e6;       // score of an attempt without a result
+constexpr double kOutlierDistance = 3;  // factor on 1 pixel + noise: minimum detour to a wrong point
+constexpr std::size_t kMaxTried =
+    40;  // maximum number of points of all strokes for which every point is tried if no match is found
+constexpr std::size_t kMaxSuspects = 6;  // maximum number of points tried otherwise
+constexpr double kNear = 3;  // [noise] distance from the parent axis within which a stroke begins on it
+constexpr double kGuessedStart = 0.6;
+constexpr double kGuessedEnd = 0.3;  // [radius of the parent branch] radii without drawn widths
 
 std::string rounded(double number, int digits) {
     std::string text = std::to_string(number);
     return text.substr(0, text.find('.') + (digits > 0 ? 1 + static_cast<std::size_t>(digits) : 0));
 }
 
-/// [rad] between the two lines of sight, whichever way they run.
-double angle_of(const ViewRay& a, const ViewRay& b) {
+/// Returns the angle [rad] between two lines of sight, ignoring their orientation.
+double compute_angle(const ViewRay& a, const ViewRay& b) {
     const double angle = angle_between(a, b);
     return std::min(angle, std::numbers::pi - angle);
 }
 
-/// The axis as a picture shows it.
+/// Projects the axis into an image.
 Line shown_in(const SketchView& view, const Axis& axis) {
     std::vector<PicturePoint> points;
     for (const Vec3d p : axis.positions) points.push_back(project(view, p));
@@ -52,12 +54,12 @@ class BranchMaker {
           fit_(fit) {}
 
     Axis run(const Context& ctx) {
-        if (parent_ && parent_->positions.empty()) return refuse("the branch that it grows from was refused");
-        if (branch_.strokes.size() < 2) return refuse("it is drawn in one view alone");
+        if (parent_ && parent_->positions.empty()) return refuse("its parent branch was refused");
+        if (branch_.strokes.size() < 2) return refuse("it is drawn in a single view");
         std::vector<Line> drawn = lines_of(true);
         for (std::size_t i = 0; i < drawn.size(); ++i) {
             if (drawn[i].points.size() < 2)
-                return refuse("all points of its stroke in '" + view_name(i) + "' lie in one place");
+                return refuse("all points of its stroke in '" + view_name(i) + "' coincide");
         }
         Outcome best = attempt(drawn, ctx);
         if (!best.suspects.empty() && total_left_out(drawn) > 0)
@@ -90,13 +92,13 @@ class BranchMaker {
         double odd;
     };
 
-    /// What came of some lines.
+    /// Result of an attempt with a set of lines.
     struct Outcome {
         Axis axis;
         BranchFit fit;
-        std::string why;                ///< it is refused; or empty
-        double odd = 0;                 ///< how unlikely all of it is; less is better
-        std::vector<Suspect> suspects;  ///< points that may be wrong, the oddest first
+        std::string why;                ///< reason for rejection, or empty
+        double odd = 0;                 ///< negative log-likelihood of the result; smaller is better
+        std::vector<Suspect> suspects;  ///< possibly wrong points, most unlikely first
     };
 
     std::vector<Line> lines_of(bool clean) const {
@@ -113,7 +115,7 @@ class BranchMaker {
         return sum;
     }
 
-    /// Tries these lines, and goes on with them where that is likelier.
+    /// Tries other lines and keeps them if the result is more likely.
     void keep_better(Outcome& best, std::vector<Line>& drawn, std::vector<Line> others, const Context& ctx) {
         Outcome tried = attempt(others, ctx);
         if (tried.odd >= best.odd) return;
@@ -139,13 +141,13 @@ class BranchMaker {
     Axis made(Outcome& out, const Context& ctx) {
         if (parent_) find_start();
         choose_pair();
-        if (fit_.angle < double{options_.least_angle})
-            return out.why = "its views are too near to each other", Axis{};
+        if (fit_.angle < double{options_.min_angle})
+            return out.why = "the angle between its views is too small", Axis{};
         const Match match = matched();
         fit_.matched = match.share;
         out.odd = kHopeless * (1 + match.cost);
         if (!matches(match)) {
-            out.why = "its strokes do not match: their points do not lie on each other's lines of sight";
+            out.why = "its strokes do not match: their points are not on each other's lines of sight";
             suspect_all(out);
             return {};
         }
@@ -154,13 +156,13 @@ class BranchMaker {
             suspect_all(out);
             return out.why = "its lines of sight meet behind a camera", Axis{};
         }
-        Axis axis = axis_of(nodes);
+        Axis axis = find_axis(nodes);
         measure_errors(axis);
         double error = 0;
         for (const StrokeFit& stroke : fit_.strokes) error = std::max(error, stroke.rms_error);
         if (error > double{options_.max_error}) {
-            out.why =
-                "no branch lies near all of its strokes, the best is off by " + rounded(error, 1) + " pixels";
+            out.why = "no branch is near all of its strokes, the best one is off by " + rounded(error, 1) +
+                      " pixels";
         }
         judge(nodes, match, out);
         if (!out.why.empty()) {
@@ -170,28 +172,29 @@ class BranchMaker {
         return axis;
     }
 
-    /// Where nothing tells which point is wrong, it may be any of a few.
+    /// Without evidence for a wrong point, any of a small number of points may be wrong.
     void suspect_all(Outcome& out) const {
         std::size_t points = 0;
         for (const Line& line : lines_) points += line.points.size();
-        if (points > kMostTried) return;
+        if (points > kMaxTried) return;
         for (std::size_t i = 0; i < lines_.size(); ++i)
             for (std::size_t p = 0; p < lines_[i].points.size(); ++p) suspect(out, i, p, kWrong);
     }
 
-    /// A point of the line of an attempt, as a point of the line that it was made of.
+    /// Adds a point of a line of this attempt, converted to the index in its stroke.
     void suspect(Outcome& out, std::size_t line, std::size_t point, double odd) const {
         if (lines_[line].drawn[point] >= 0)
             out.suspects.push_back({line, static_cast<std::size_t>(lines_[line].drawn[point]), odd});
     }
 
-    /// How odd everything about every point of a line of the pair is.
+    /// Scores for every point of a line of the pair.
     struct Oddness {
-        std::vector<double> all;  ///< its place, the turns about it, how far it is from the points beside it
-        std::vector<double> off;  ///< its place alone
+        std::vector<double>
+            all;  ///< of its position, of the turns around it and of its distance from adjacent points
+        std::vector<double> off;  ///< of its position only
     };
 
-    /// How odd the axis is, and which points it may be that make it so.
+    /// Computes the score of the axis and the points that may be wrong.
     void judge(const std::vector<AxisNode>& nodes, const Match& match, Outcome& out) const {
         out.odd = 0;
         for (const AxisNode& node : nodes) out.odd += node.odd;
@@ -205,7 +208,7 @@ class BranchMaker {
                     suspect(out, pair_[which], p, odd.all[p]);
         }
         std::ranges::stable_sort(out.suspects, std::ranges::greater(), &Suspect::odd);
-        if (out.suspects.size() > kMostSuspects) out.suspects.resize(kMostSuspects);
+        if (out.suspects.size() > kMaxSuspects) out.suspects.resize(kMaxSuspects);
     }
 
     Oddness oddness_at(const std::vector<AxisNode>& nodes, std::size_t which) const {
@@ -221,13 +224,13 @@ class BranchMaker {
         return out;
     }
 
-    /// How odd the ways from point to point of a stroke are, and that it stops short at its tip, at `matched`
-    /// [pixels], or at its start. Adds to what is known of its points.
+    /// Returns the score of the point distances of a stroke, and of a missing tip beyond `matched` [pixels]
+    /// or a missing start. Adds it to the scores of its points.
     double judge_stroke(std::size_t stroke, double matched, std::vector<double>& odd) const {
         const Line& line = lines_[stroke];
         double sum = 0;
         for (std::size_t p = 1; p < line.points.size(); ++p) {
-            const double leap = leap_of(stroke, p);
+            const double leap = compute_leap(stroke, p);
             sum += leap;
             odd[p] += leap;
             odd[p - 1] += leap;
@@ -237,7 +240,7 @@ class BranchMaker {
         return sum;
     }
 
-    /// Whether the axis goes far out of its way to a point of a line of the pair, or ends there.
+    /// Returns whether a point of a line of the pair causes a large detour of the axis, or is an end.
     bool detours(const std::vector<AxisNode>& nodes, std::size_t which, std::size_t point) const {
         const Line& line = lines_[pair_[which]];
         if (point == 0 || point + 1 == line.points.size() || line.drawn[point - 1] < 0) return true;
@@ -248,19 +251,20 @@ class BranchMaker {
         const auto from = node_of(point - 1), to = node_of(point + 1);
         double way = -distance(from->position, to->position);
         for (auto node = from; node < to; ++node) way += distance(node->position, (node + 1)->position);
-        return way * pixels_per_metre(view(pair_[which]), from->position) > kFarOut * (1 + line.noise);
+        return way * pixels_per_metre(view(pair_[which]), from->position) >
+               kOutlierDistance * (1 + line.noise);
     }
 
-    /// Which point of the stroke, counted from where the branch starts, a point of the line is; the first one
-    /// stands for a start that was not drawn.
+    /// Returns the index in the stroke, counted from the start of the branch, of a point of the line; 0 for a
+    /// start that was not drawn.
     int place_in(std::size_t stroke, std::size_t point) const {
         const int drawn = lines_[stroke].drawn[point];
         const auto count = static_cast<int>(branch_.strokes[stroke].points.size());
         return drawn < 0 ? 0 : fit_.strokes[stroke].reversed ? count - 1 - drawn : drawn;
     }
 
-    /// How odd it is that a point lies so far from the one before it.
-    double leap_of(std::size_t stroke, std::size_t point) const {
+    /// Returns the score of the distance between a point and the previous one.
+    double compute_leap(std::size_t stroke, std::size_t point) const {
         if (facts_.hand.piece <= 0) return 0;
         const Line& line = lines_[stroke];
         const int pieces = std::max(place_in(stroke, point) - place_in(stroke, point - 1), 1);
@@ -271,13 +275,13 @@ class BranchMaker {
         return std::min(far * far, late ? kShort : kWrong);
     }
 
-    /// Tries what comes of the strokes without each of the points that may be wrong, and keeps the best where
-    /// that is likelier: of few points none can be told to be wrong by its own stroke.
+    /// Tries to remove each of the possibly wrong points, and keeps the best result if it is more likely: in
+    /// a short stroke, a wrong point cannot be detected from the stroke alone.
     bool leave_out_one(std::vector<Line>& drawn, Outcome& best, const Context& ctx) {
         std::size_t points = 0;
         for (const Line& line : drawn) points += line.points.size();
-        // Of long strokes the wrong points were found before, and each trial is dear.
-        if (points > kMostTried && best.why.empty()) return false;
+        // The wrong points of long strokes were found before, and each attempt is expensive.
+        if (points > kMaxTried && best.why.empty()) return false;
         if (total_left_out(drawn) > points / 4) return false;
         const Outcome before = best;
         std::vector<Line> kept = drawn;
@@ -295,20 +299,21 @@ class BranchMaker {
         return best.odd < before.odd;
     }
 
-    /// The two views that differ most.
+    /// Selects the two views with the largest angle.
     void choose_pair() {
         const auto sight = [&](std::size_t i) {
             return ray(view(i), lines_[i].at(0.5 * lines_[i].length()));
         };
         for (std::size_t i = 0; i < lines_.size(); ++i) {
             for (std::size_t j = i + 1; j < lines_.size(); ++j) {
-                const double angle = angle_of(sight(i), sight(j));
+                const double angle = compute_angle(sight(i), sight(j));
                 if (angle > fit_.angle) fit_.angle = angle, pair_ = {i, j};
             }
         }
     }
 
-    /// Turns strokes that end on the parent's axis and begin off it; finds the place on it where they begin.
+    /// Reverses strokes that end on the parent axis and begin off it, and finds the start of the branch on
+    /// the parent axis.
     void find_start() {
         for (std::size_t i = 0; i < lines_.size(); ++i) {
             const Line shown = shown_in(view(i), *parent_);
@@ -322,7 +327,7 @@ class BranchMaker {
             branch_.attach ? place_at(*branch_.attach) : place_on(*parent_, views_, branch_.strokes, lines_);
         for (std::size_t i = 0; i < lines_.size(); ++i) {
             const PicturePoint p = project(view(i), parent_->at(start_));
-            // What is drawn within the parent is drawn where it starts, too.
+            // A stroke that begins inside the parent branch begins at the start.
             const double thick = parent_->radius_at(start_) * pixels_per_metre(view(i), parent_->at(start_));
             const double near = std::max(kNear * lines_[i].noise, thick);
             const bool begins = length(p - lines_[i].points.front()) <= near && lines_[i].points.size() > 1;
@@ -348,16 +353,14 @@ class BranchMaker {
         return {p.size() - 2, 1};
     }
 
-    static bool matches(const Match& match) {
-        return match.cost <= kMostCost && match.share >= kLeastMatched;
-    }
+    static bool matches(const Match& match) { return match.cost <= kMaxCost && match.share >= kMinMatched; }
 
     Match matched() {
         const auto [i, j] = pair_;
         const Matrix3 f = fundamental_matrix(view(i), view(j));
         Match match = match_lines(lines_[i], lines_[j], f, parent_ != nullptr);
-        if (match.cost <= kMostCost || parent_) return match;
-        // A stem that was drawn downwards in one view.
+        if (match.cost <= kMaxCost || parent_) return match;
+        // A stem may have been drawn downwards in one view.
         Match turned = match_lines(lines_[i], reversed(lines_[j]), f, false);
         if (turned.cost > 0.5 * match.cost) return match;
         turn(j);
@@ -378,7 +381,7 @@ class BranchMaker {
         return fit_axis(input, ctx).nodes;
     }
 
-    Axis axis_of(const std::vector<AxisNode>& nodes) {
+    Axis find_axis(const std::vector<AxisNode>& nodes) {
         Axis axis;
         axis.start = start_;
         for (const AxisNode& node : nodes) axis.positions.push_back(node.position);
@@ -401,14 +404,14 @@ class BranchMaker {
             for (const AxisNode& node : nodes) axis.radii.push_back(drawn_radius(node));
             return;
         }
-        COPPICE_ASSERT(parent_ != nullptr);  // reconstruct looked
+        COPPICE_ASSERT(parent_ != nullptr);  // checked by reconstruct
         fit_.guessed_radius = true;
         const double thick = parent_->radius_at(start_);
         between(kGuessedStart * thick, kGuessedEnd * thick);
     }
 
-    /// The mean of what the strokes say: of the pair where they are matched, or else of all where they are
-    /// nearest.
+    /// Returns the mean radius from the drawn widths: of the pair where it is matched, otherwise of all
+    /// strokes at the closest points.
     double drawn_radius(const AxisNode& node) const {
         double sum = 0;
         int count = 0;
@@ -446,7 +449,7 @@ class BranchMaker {
     const Axis* parent_;
     const SketchOptions& options_;
     BranchFit& fit_;
-    std::vector<Line> lines_;  ///< one for each stroke
+    std::vector<Line> lines_;  ///< by stroke
     std::array<std::size_t, 2> pair_{0, 1};
     Place start_;
 };

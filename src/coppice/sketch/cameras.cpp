@@ -13,18 +13,21 @@ namespace coppice::sketch_internal {
 namespace {
 
 constexpr int kSteps = 15;
-constexpr double kUsualTurn = 0.02, kUsualMove = 0.01, kUsualScale = 0.01;  // [rad], of its distance, of 1
-constexpr double kSmall = 1e-4;                                             // of these, for slopes
-constexpr std::size_t kFewest = 8;  // points, below which cameras stay as they are
+constexpr double kUsualTurn = 0.02, kUsualMove = 0.01;
+constexpr double kUsualScale = 0.01;  // standard deviations: [rad], [distance], relative
+constexpr double kSmall = 1e-4;       // [standard deviation] step of finite differences
+constexpr std::size_t kMin = 8;       // minimum number of points; with fewer, cameras are not changed
 
-using Change = Eigen::Matrix<double, 7, 1>;  // of a camera: turn, move, scale, in what is usual
+using Change =
+    Eigen::Matrix<double, 7, 1>;  // change of a camera in standard deviations: rotation, translation, scale
 
-/// The same place in two pictures.
+/// The same point in two images.
 struct Both {
     PicturePoint first, second;
 };
 
-/// Turned about the middle of what it shows, which stays where it is in the picture.
+/// Returns the view rotated about the centre of the scene, which keeps its position in the image, and then
+/// moved and scaled.
 SketchView changed(SketchView view, const Change& change, double away) {
     const Matrix3 turn = rotation_about(Vec3d{change[0], change[1], change[2]} * kUsualTurn);
     const Vec3d middle{0, 0, view.projection == Projection::perspective ? away : 0};
@@ -50,7 +53,7 @@ class Refiner {
     }
 
   private:
-    /// [pixels] signed, of every place.
+    /// Returns the signed epipolar distance [pixels] of every point.
     Eigen::VectorXd off(const Change& change) const {
         const Matrix3 f = fundamental_matrix(first_, changed(second_, change, away_));
         Eigen::VectorXd out(static_cast<Eigen::Index>(places_.size()));
@@ -64,11 +67,12 @@ class Refiner {
         const Eigen::VectorXd here = off(now);
         Eigen::Matrix<double, Eigen::Dynamic, 7> slope(here.size(), 7);
         for (int c = 0; c < 7; ++c) {
-            Change beside = now;
-            beside[c] += kSmall;
-            slope.col(c) = (off(beside) - here) / kSmall;
+            Change adjacent = now;
+            adjacent[c] += kSmall;
+            slope.col(c) = (off(adjacent) - here) / kSmall;
         }
-        // What most places are off, so that few wrong ones do not count, however far off all are at first.
+        // The robust scale is the median distance, so that outliers do not count even if all distances are
+        // large at first.
         std::vector<double> sizes(here.data(), here.data() + here.size());
         for (double& size : sizes) size = std::abs(size);
         const double usual = std::max(median_in_place(sizes) / 0.674, noise_);
@@ -86,8 +90,8 @@ class Refiner {
     double away_, noise_;
 };
 
-/// Starts and tips that both views show.
-std::vector<Both> places_of(const Sketch& sketch, std::uint32_t first, std::uint32_t second) {
+/// Returns the starts and tips that both views show.
+std::vector<Both> find_places(const Sketch& sketch, std::uint32_t first, std::uint32_t second) {
     std::vector<Both> out;
     for (const SketchBranch& branch : sketch.branches) {
         const Stroke* strokes[2] = {nullptr, nullptr};
@@ -107,8 +111,8 @@ std::vector<Both> places_of(const Sketch& sketch, std::uint32_t first, std::uint
     return out;
 }
 
-/// [m] before the second camera, of what most places show.
-double distance_of(const SketchView& first, const SketchView& second, const std::vector<Both>& places) {
+/// Returns the median depth [m] of the points from the second camera.
+double compute_distance(const SketchView& first, const SketchView& second, const std::vector<Both>& places) {
     std::vector<double> depths;
     for (const Both& both : places)
         if (const auto p = meet(ray(first, both.first), ray(second, both.second)))
@@ -121,9 +125,9 @@ double distance_of(const SketchView& first, const SketchView& second, const std:
 void refine_cameras(const Sketch& sketch, std::span<SketchView> views, const Hand& hand, const Context& ctx) {
     for (std::uint32_t v = 1; v < views.size(); ++v) {
         ctx.throw_if_cancelled();
-        std::vector<Both> places = places_of(sketch, 0, v);
-        if (places.size() < kFewest) continue;
-        const double away = distance_of(views[0], views[v], places);
+        std::vector<Both> places = find_places(sketch, 0, v);
+        if (places.size() < kMin) continue;
+        const double away = compute_distance(views[0], views[v], places);
         views[v] = Refiner(views[0], views[v], std::move(places), away, hand.noise).run();
     }
 }

@@ -9,8 +9,8 @@
 namespace coppice {
 namespace {
 
-constexpr double kOpening = 0.5;  // [rad] of perspective cameras
-constexpr double kFree = 1.1;     // times what has to fit
+constexpr double kOpening = 0.5;  // [rad] field of view of perspective cameras
+constexpr double kFree = 1.1;     // factor on the radius of the visible sphere
 
 SketchView view_at(double azimuth, const std::string& name, Vec3d middle, double radius,
                    const DrawSketchOptions& o) {
@@ -29,7 +29,7 @@ SketchView view_at(double azimuth, const std::string& name, Vec3d middle, double
     return view;
 }
 
-/// To hundredths of a pixel, for files that people read.
+/// Rounds to hundredths of a pixel, so that files remain readable.
 double rounded(double pixels) { return std::round(100 * pixels) / 100; }
 
 class Drawer {
@@ -55,8 +55,8 @@ class Drawer {
   private:
     Vec3d position(NodeId n) const { return skeleton_.origin() + Vec3d(skeleton_.position(n)); }
 
-    /// Draws what begins with these nodes. Those that follow a leader have no smaller ids, so that the branch
-    /// of a node is known before its laterals come.
+    /// Draws the branch that begins with these nodes. Nodes have larger ids than their parents, so that the
+    /// branch of a node is known before its laterals.
     void add_branch(std::vector<NodeId> axis, std::optional<std::uint32_t> parent) {
         const auto index = static_cast<std::uint32_t>(sketch_.branches.size());
         while (!skeleton_.is_tip(axis.back())) axis.push_back(skeleton_.leader(axis.back()));
@@ -65,11 +65,11 @@ class Drawer {
         branch.name = (parent ? "branch " : "stem ") + std::to_string(index + 1);
         branch.parent = parent;
         for (std::uint32_t v = 0; v < sketch_.views.size(); ++v)
-            branch.strokes.push_back(stroke_of(axis, v, parent.has_value()));
+            branch.strokes.push_back(make_stroke(axis, v, parent.has_value()));
         sketch_.branches.push_back(std::move(branch));
     }
 
-    Stroke stroke_of(const std::vector<NodeId>& axis, std::uint32_t v, bool lateral) const {
+    Stroke make_stroke(const std::vector<NodeId>& axis, std::uint32_t v, bool lateral) const {
         const SketchView& view = sketch_.views[v];
         Stroke stroke;
         stroke.view = v;
@@ -80,7 +80,7 @@ class Drawer {
         };
         for (std::size_t i = 0; i + 1 < axis.size(); ++i) {
             const Vec3d a = position(axis[i]), b = position(axis[i + 1]);
-            // A lateral has its own radius from its start on.
+            // A lateral has its own radius from its start.
             const double ra = double{skeleton_.radius(axis[lateral && i == 0 ? 1 : i])},
                          rb = double{skeleton_.radius(axis[i + 1])};
             const double way = length(project(view, b) - project(view, a));
@@ -94,7 +94,7 @@ class Drawer {
 
     const Skeleton& skeleton_;
     const DrawSketchOptions& options_;
-    std::vector<std::uint32_t> branch_;  ///< of every node
+    std::vector<std::uint32_t> branch_;  ///< by node
     Sketch sketch_;
 };
 

@@ -10,37 +10,39 @@
 namespace coppice::sketch_internal {
 namespace {
 
-constexpr int kMostSteps = 30;
-constexpr double kSettled = 1e-2;    // of its noise, by which no node moves any more
-constexpr double kFarOff = 3;        // of its noise, and as many pixels: what is farther off counts less
-constexpr double kAlongOwn = 0.25;   // weight along a stroke of its own points, against across
-constexpr double kAlongOther = 0.1;  // the same of where the other stroke's points were matched
-constexpr double kSharp = 0.5;       // of the usual turn at a node: what turns more is a corner
-constexpr double kOddTurn = 3;       // the same where it is judged whether something is wrong
-constexpr double kStartNoise = 0.1;  // [pixels] of a start that is given
+constexpr int kMaxSteps = 30;
+constexpr double kSettled = 1e-2;  // [noise] maximum displacement of the nodes at convergence
+constexpr double kFarOff =
+    3;  // factor on 1 + 1 pixel / noise: scale of the robust cost, beyond which outliers count less
+constexpr double kAlongOwn =
+    0.25;  // weight along a stroke of its own points, relative to the weight across it
+constexpr double kAlongOther = 0.1;  // the same for matched points of the other stroke
+constexpr double kSharp = 0.5;       // [standard turn at a node] larger turns are corners
+constexpr double kOddTurn = 3;       // the same for the detection of wrong points
+constexpr double kStartNoise = 0.1;  // [pixels] noise of a given start
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 Eigen::Vector3d eigen(Vec3d v) { return {v.x, v.y, v.z}; }
 
-/// Where one picture wants one node.
+/// Target position of a node in an image.
 struct Wish {
     std::size_t node;
     const SketchView* view;
     PicturePoint target;     ///< [pixels]
-    PicturePoint direction;  ///< unit, of the stroke there
+    PicturePoint direction;  ///< unit vector, direction of the stroke there
     double noise = 1;        ///< [pixels]
-    double across = 0;       ///< weights: 1 / pixels
+    double across = 0;       ///< weights [1 / pixels]
     double along = 0;
 };
 
 struct Node {
     Vec3d position;
-    std::array<double, 2> along{kNone, kNone};  // of the two strokes that were matched
-    std::array<int, 2> own{-1, -1};             // the point of them that it is; -1 = none
-    bool end = false;                           // where both strokes end
+    std::array<double, 2> along{kNone, kNone};  // position along the two matched strokes
+    std::array<int, 2> own{-1, -1};             // index of the corresponding point of each stroke; -1 = none
+    bool end = false;                           // common end of both strokes
 };
 
-/// t of s by a match, linear between its pairs; NaN beyond.
+/// Returns the t of s in a match, interpolated linearly between its pairs; NaN outside the match.
 double other_of(const Match& match, double s, bool from_first) {
     const auto here = [&](const Pair& p) { return from_first ? p.s : p.t; };
     const auto there = [&](const Pair& p) { return from_first ? p.t : p.s; };
@@ -73,7 +75,7 @@ class AxisFit {
     const Line& line(std::size_t which) const { return *in_.matched[which].line; }
     const SketchView& view(std::size_t which) const { return *in_.matched[which].view; }
 
-    /// A node for every point of both strokes, in the order of the match.
+    /// Creates a node for every point of both strokes, in the order of the match.
     void place_nodes() {
         for (const std::size_t which : {std::size_t{0}, std::size_t{1}}) {
             for (std::size_t p = 0; p < line(which).along.size(); ++p) {
@@ -85,7 +87,7 @@ class AxisFit {
                 nodes_.push_back(node);
             }
         }
-        // A point beyond the match lies before all others or behind them.
+        // A point outside the match comes before or after all others.
         const Pair first = in_.match->pairs.front(), last = in_.match->pairs.back();
         const auto place = [&](const Node& node) {
             const double s = node.along[0], t = node.along[1];
@@ -98,7 +100,8 @@ class AxisFit {
         join_ends();
     }
 
-    /// Both strokes' first points are one node where both are matched, and so are their last ones.
+    /// Merges the first points of both strokes into one node if both are matched, and likewise the last
+    /// points.
     void join_ends() {
         const auto join = [&](std::size_t a, std::size_t b) {
             Node& x = nodes_[a];
@@ -134,7 +137,7 @@ class AxisFit {
                 ++next;
                 continue;
             }
-            // As deep as the nearest node that is known.
+            // Uses the depth of the closest known node.
             const std::size_t near = next == 0 ? sure.front() : sure[next - 1];
             const std::size_t which = std::isnan(nodes_[i].along[0]) ? 1 : 0;
             const ViewRay r = ray(view(which), line(which).at(nodes_[i].along[which]));
@@ -150,7 +153,7 @@ class AxisFit {
         });
     }
 
-    /// How long the pieces between nodes are meant to be: as in the pictures, in the scale of the branch.
+    /// Computes the target lengths of the segments: as in the images, at the scale of the branch.
     void measure_pieces() {
         Vec3d middle{};
         for (const Node& node : nodes_) middle += node.position / static_cast<double>(nodes_.size());
@@ -174,12 +177,12 @@ class AxisFit {
         }
     }
 
-    void wish_all() {
+    void request_all() {
         wishes_.clear();
-        for (std::size_t i = 0; i < nodes_.size(); ++i) add_wishes(i);
+        for (std::size_t i = 0; i < nodes_.size(); ++i) add_requests(i);
     }
 
-    void add_wishes(std::size_t i) {
+    void add_requests(std::size_t i) {
         const Node& node = nodes_[i];
         for (const std::size_t which : {std::size_t{0}, std::size_t{1}}) {
             if (std::isnan(node.along[which])) continue;
@@ -191,7 +194,7 @@ class AxisFit {
                     {i, &view(which), l.at(matched), l.direction(matched), l.noise, weight, along});
                 continue;
             }
-            // The foot on the stroke, near where it was matched, is what lies across.
+            // The target across the stroke is the closest point of the stroke near the matched position.
             const double slack = 2 * l.length() / static_cast<double>(l.points.size());
             const double s = l.nearest(project(view(which), node.position), std::max(0.0, matched - slack),
                                        std::min(l.length(), matched + slack));
@@ -208,23 +211,24 @@ class AxisFit {
         }
     }
 
-    /// Geman and McClure's: rr / (1 + rr / cc), so that what is far off pulls no more; `weight` is its slope.
+    /// Geman-McClure cost rr / (1 + rr / cc), which is bounded for outliers; `weight` is its derivative.
     static double robust(double rr, double noise, double& weight) {
         const double far = kFarOff * (1 + 1 / noise), share = 1 / (1 + rr / (far * far));
         weight = share * share;
         return rr * share;
     }
 
-    /// Charbonnier's: from quadratic to linear, so that a sharp corner costs no more than a bow as wide.
+    /// Charbonnier cost: from quadratic to linear, so that a sharp corner costs no more than a wide bend by
+    /// the same angle.
     static double sharp(double bb, double knee, double& weight) {
         const double root = std::sqrt(1 + bb / (knee * knee));
         weight = 1 / root;
         return 2 * knee * knee * (root - 1);
     }
 
-    /// How far a node is from a wish.
+    /// Deviation of a node from a target.
     struct Miss {
-        double across, along;  ///< in their weights
+        double across, along;  ///< weighted
         double squared() const { return across * across + along * along; }
     };
 
@@ -233,7 +237,7 @@ class AxisFit {
         return {w.across * cross(w.direction, off), w.along * dot(w.direction, off)};
     }
 
-    double cost_of(const std::vector<Vec3d>& positions) const {
+    double compute_cost(const std::vector<Vec3d>& positions) const {
         double sum = 0, weight = 0;
         for (const Wish& w : wishes_) sum += robust(miss(w, positions[w.node]).squared(), w.noise, weight);
         for (std::size_t i = 1; i + 1 < positions.size(); ++i)
@@ -248,16 +252,16 @@ class AxisFit {
         return 1 / (in_.bend * std::sqrt(0.5 * (pieces_[i - 1] + pieces_[i]) / total_));
     }
 
-    /// How far the axis turns at a node, in what it may turn by.
+    /// Returns the turn of the axis at a node in standard turns.
     Vec3d bend_at(const std::vector<Vec3d>& p, std::size_t i) const {
         return ((p[i + 1] - p[i]) / pieces_[i] - (p[i] - p[i - 1]) / pieces_[i - 1]) * bend_weight(i);
     }
 
-    /// Sets the system up for a step from these positions, and returns what they cost.
+    /// Sets up the system for a step from these positions and returns their cost.
     double linearise(const std::vector<Vec3d>& positions) {
         system_.reset(positions.size());
         double cost = 0;
-        for (const Wish& w : wishes_) cost += add_wish(w, positions[w.node]);
+        for (const Wish& w : wishes_) cost += add_request(w, positions[w.node]);
         for (std::size_t i = 1; i + 1 < positions.size(); ++i) cost += add_bend(i, positions);
         if (!in_.start) return cost;
         const double ww = start_weight() * start_weight();
@@ -267,7 +271,7 @@ class AxisFit {
         return cost + ww * length_squared(off);
     }
 
-    double add_wish(const Wish& w, Vec3d position) {
+    double add_request(const Wish& w, Vec3d position) {
         const Miss m = miss(w, position);
         const auto [x, y] = projection_change(*w.view, position);
         double weight = 0;
@@ -312,9 +316,9 @@ class AxisFit {
         std::vector<Vec3d> now = positions(), tried = now;
         std::vector<Eigen::Vector3d> change;
         double damping = 1e-6;
-        for (int step = 0; step < kMostSteps; ++step) {
+        for (int step = 0; step < kMaxSteps; ++step) {
             ctx.throw_if_cancelled();
-            wish_all();
+            request_all();
             const double before = linearise(now);
             double moved = 0;
             for (;; damping *= 10) {
@@ -324,8 +328,8 @@ class AxisFit {
                     tried[i] = now[i] + Vec3d{change[i].x(), change[i].y(), change[i].z()};
                     moved = std::max(moved, scale_ * change[i].norm());
                 }
-                // What is not finite costs no less.
-                if (cost_of(tried) <= before) break;
+                // False for a cost that is not finite.
+                if (compute_cost(tried) <= before) break;
                 if (damping > 1e6) return;
             }
             std::swap(now, tried);
@@ -335,9 +339,9 @@ class AxisFit {
         }
     }
 
-    /// What the fit forgives is odd nevertheless: corners up to kOddTurn count by their square.
+    /// Computes scores without the tolerance of the fit: turns up to kOddTurn count quadratically.
     void judge(std::vector<AxisNode>& nodes) {
-        wish_all();
+        request_all();
         const std::vector<Vec3d> at = positions();
         double weight = 0;
         for (const Wish& w : wishes_) {
@@ -351,12 +355,12 @@ class AxisFit {
         }
     }
 
-    static constexpr double kBeyond = 1e9;  // sorts what lies behind a match
+    static constexpr double kBeyond = 1e9;  // sort key of points after a match
 
     const FitInput& in_;
     std::vector<Node> nodes_;
-    std::vector<double> pieces_;  ///< [m] meant, node to node
-    double total_ = 0;            ///< [m] of all pieces
+    std::vector<double> pieces_;  ///< [m] target lengths between nodes
+    double total_ = 0;            ///< [m] total of all segments
     double scale_ = 1;            ///< [pixels / m]
     std::vector<Wish> wishes_;
     BandedSystem system_;

@@ -10,45 +10,45 @@
 
 namespace coppice::sketch_internal {
 
-/// A stroke and the camera of its picture, which does not distort.
+/// A stroke with the undistorted camera of its image.
 struct Sight {
     const SketchView* view;
     const Line* line;
 };
 
-/// A node of a branch in space.
+/// A node of the axis of a branch.
 struct AxisNode {
-    Vec3d position;                 ///< [m]
-    std::array<double, 2> along{};  ///< [pixels] along both strokes that were matched; NaN beyond their match
-    std::array<int, 2> point{-1, -1};  ///< of these strokes that it is; -1 = none
-    double off = 0;                    ///< squares of how far off its strokes it is, in what they stray
-    double odd = 0;  ///< how ill it fits its strokes and how sharply it turns, as a sum of squares
+    Vec3d position;  ///< [m]
+    std::array<double, 2>
+        along{};  ///< [pixels] position along the two matched strokes; NaN outside their match
+    std::array<int, 2> point{-1, -1};  ///< index of the corresponding point of each stroke; -1 = none
+    double off = 0;                    ///< sum of squared distances from its strokes in units of the noise
+    double odd = 0;  ///< score of the distances from the strokes and of the turn, a sum of squares
 };
 
 /// The axis of a branch.
 struct FittedAxis {
-    std::vector<AxisNode> nodes;  ///< none where lines of sight do not meet before the cameras
+    std::vector<AxisNode> nodes;  ///< empty if lines of sight do not meet in front of the cameras
 };
 
-/// What the fit starts from.
+/// Input of fit_axis.
 struct FitInput {
-    std::array<Sight, 2> matched;   ///< the two strokes that were matched
-    std::span<const Sight> others;  ///< of further views
-    const Match* match;             ///< of the two
-    std::optional<Vec3d> start;     ///< [m] where the axis has to begin
-    double bend = 0.8;              ///< [rad] that a branch turns by, about, from its start to its end
+    std::array<Sight, 2> matched;   ///< the two matched strokes
+    std::span<const Sight> others;  ///< strokes of further views
+    const Match* match;             ///< match of the two strokes
+    std::optional<Vec3d> start;     ///< [m] fixed start of the axis
+    double bend = 0.8;              ///< [rad] standard turn of a branch from its start to its end
 };
 
-/// The axis of a branch that looks most like its strokes: a node for every point of both that were matched;
-/// the sum of squares of how far it lies from them, in what they stray, and of how sharply it bends, is
-/// least, where points far off count little. Gauss-Newton with damping. O(nodes) for each of at most 30
-/// steps.
+/// Fits the axis of a branch to its strokes, with a node for every point of both matched strokes. Minimizes
+/// the sum of squared distances from the strokes in units of the noise and of squared turns, with reduced
+/// weight of outliers. Damped Gauss-Newton. O(nodes) for each of at most 30 steps.
 FittedAxis fit_axis(const FitInput& input, const Context& ctx);
 
-/// [rad] between two lines of sight.
+/// Returns the angle [rad] between two lines of sight.
 double angle_between(const ViewRay& a, const ViewRay& b);
 
-/// The point half way where two lines of sight come nearest to each other; none where they are parallel.
+/// Returns the midpoint of the shortest segment between two lines of sight; none if they are parallel.
 std::optional<Vec3d> meet(const ViewRay& a, const ViewRay& b);
 
 }  // namespace coppice::sketch_internal

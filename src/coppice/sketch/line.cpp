@@ -8,13 +8,13 @@
 namespace coppice::sketch_internal {
 namespace {
 
-constexpr std::size_t kMostPoints = 256;             // of a line: more are sampled down
-constexpr std::size_t kFewestToJudge = 6;            // points, before any is taken for wrong
-constexpr double kWorth = 8, kWorthOfPiece = 0.8;    // [pixels], [median piece] of a point
-constexpr double kLeastNoise = 0.3, kMostNoise = 5;  // [pixels]
-constexpr double kUnknownNoise = 1;                  // [pixels] where no line has as many points
-constexpr std::size_t kFewestPieces = 20;            // of a sketch, before they tell what is usual
-constexpr double kLeastSpread = 0.3;                 // no hand is that even by nature
+constexpr std::size_t kMaxPoints = 256;  // maximum number of points of a line; longer ones are resampled
+constexpr std::size_t kMinToJudge = 6;   // minimum number of points for the detection of wrong points
+constexpr double kWorth = 8, kWorthOfPiece = 0.8;  // [pixels], [median segment] cost of leaving out a point
+constexpr double kMinNoise = 0.3, kMaxNoise = 5;   // [pixels]
+constexpr double kUnknownNoise = 1;                // [pixels] default if no line has enough points
+constexpr std::size_t kMinPieces = 20;             // minimum number of segments of a sketch for statistics
+constexpr double kMinSpread = 0.3;                 // minimum spread of hand-drawn segments
 
 void measure(Line& line) {
     line.along.assign(1, 0);
@@ -22,7 +22,7 @@ void measure(Line& line) {
         line.along.push_back(line.along.back() + length(line.points[i] - line.points[i - 1]));
 }
 
-/// [pixels] from p to the straight way from a to b.
+/// Returns the distance [pixels] of p from the segment from a to b.
 double off_chord(PicturePoint p, PicturePoint a, PicturePoint b) {
     const PicturePoint ab = b - a, ap = p - a;
     const double t = std::clamp(dot(ap, ab) / std::max(dot(ab, ab), 1e-12), 0.0, 1.0);
@@ -50,15 +50,15 @@ class Cleaner {
     void run() {
         take_shortest_way();
         for (const bool front : {true, false})
-            if (line_.points.size() >= kFewestToJudge && wrong_end(front))
+            if (line_.points.size() >= kMinToJudge && wrong_end(front))
                 erase(front ? 0 : line_.points.size() - 1), ++line_.left_out;
     }
 
   private:
     void erase(std::size_t i) { erase_point(line_, i); }
 
-    /// Leaves out points, up to three in a row, where the way along the others is shorter by more than these
-    /// are worth: a wrong point is a detour there and back, a corner hardly one.
+    /// Removes points, up to three in a row, if this shortens the line by more than their cost: a wrong point
+    /// is a detour, a corner hardly is.
     void take_shortest_way() {
         const auto& p = line_.points;
         const double worth = kWorth + kWorthOfPiece * usual_piece();
@@ -87,7 +87,7 @@ class Cleaner {
         return median(pieces);
     }
 
-    /// An end is wrong where the last piece is long and turns sharply.
+    /// Returns whether an end is wrong: its segment is long and turns sharply.
     bool wrong_end(bool front) const {
         const auto& p = line_.points;
         const std::size_t n = p.size();
@@ -100,7 +100,7 @@ class Cleaner {
     Line& line_;
 };
 
-std::vector<double> widths_of(const Stroke& stroke) {
+std::vector<double> compute_widths(const Stroke& stroke) {
     if (stroke.widths.size() != 2 || stroke.points.size() == 2) return stroke.widths;
     std::vector<double> along(1, 0), out;
     for (std::size_t i = 1; i < stroke.points.size(); ++i)
@@ -112,7 +112,7 @@ std::vector<double> widths_of(const Stroke& stroke) {
 
 Line without_repeats(const SketchView& view, const Stroke& stroke) {
     Line line;
-    const std::vector<double> widths = widths_of(stroke);
+    const std::vector<double> widths = compute_widths(stroke);
     for (std::size_t i = 0; i < stroke.points.size(); ++i) {
         const PicturePoint p = undistorted(view, stroke.points[i]);
         if (!line.points.empty() && length(p - line.points.back()) < 1e-6) continue;
@@ -124,56 +124,56 @@ Line without_repeats(const SketchView& view, const Stroke& stroke) {
 }
 
 void sample_down(Line& line) {
-    if (line.points.size() <= kMostPoints) return;
+    if (line.points.size() <= kMaxPoints) return;
     Line thin = line;
     thin.points.clear();
     thin.widths.clear();
     thin.drawn.clear();
-    for (std::size_t i = 0; i < kMostPoints; ++i) {
-        const double s = line.length() * static_cast<double>(i) / (kMostPoints - 1);
+    for (std::size_t i = 0; i < kMaxPoints; ++i) {
+        const double s = line.length() * static_cast<double>(i) / (kMaxPoints - 1);
         thin.points.push_back(line.at(s));
-        thin.drawn.push_back(line.drawn[i * (line.drawn.size() - 1) / (kMostPoints - 1)]);
+        thin.drawn.push_back(line.drawn[i * (line.drawn.size() - 1) / (kMaxPoints - 1)]);
         if (!line.widths.empty()) thin.widths.push_back(line.width_at(s));
     }
     measure(thin);
     line = std::move(thin);
 }
 
-/// The piece that s lies in, and how far along it.
-std::pair<std::size_t, double> piece_of(const Line& line, double s) {
+/// Returns the segment that contains s, and the parameter on it.
+std::pair<std::size_t, double> find_piece(const Line& line, double s) {
     const auto after = std::upper_bound(line.along.begin() + 1, line.along.end() - 1, s);
     const auto i = static_cast<std::size_t>(after - line.along.begin()) - 1;
     const double size = line.along[i + 1] - line.along[i];
     return {i, std::clamp((s - line.along[i]) / std::max(size, 1e-12), 0.0, 1.0)};
 }
 
-/// Of three points of which each strays by s, the middle one is off the others' chord by about 0.82 s in the
-/// median.
-double noise_of(const std::vector<double>& off) {
-    return std::clamp(median(off) / 0.82, kLeastNoise, kMostNoise);
+/// If each of three points deviates by s, the median distance of the middle one from the chord of the others
+/// is about 0.82 s.
+double compute_noise(const std::vector<double>& off) {
+    return std::clamp(median(off) / 0.82, kMinNoise, kMaxNoise);
 }
 
 }  // namespace
 
 PicturePoint Line::at(double s) const {
-    const auto [i, t] = piece_of(*this, s);
+    const auto [i, t] = find_piece(*this, s);
     return points[i] + (points[i + 1] - points[i]) * t;
 }
 
 double Line::width_at(double s) const {
-    const auto [i, t] = piece_of(*this, s);
+    const auto [i, t] = find_piece(*this, s);
     return std::lerp(widths[i], widths[i + 1], t);
 }
 
 PicturePoint Line::direction(double s) const {
-    const std::size_t i = piece_of(*this, s).first;
+    const std::size_t i = find_piece(*this, s).first;
     const PicturePoint d = points[i + 1] - points[i];
     return d * (1 / coppice::length(d));
 }
 
 double Line::nearest(PicturePoint p, double low, double high) const {
     double best = low, least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = piece_of(*this, low).first; i + 1 < points.size() && along[i] <= high; ++i) {
+    for (std::size_t i = find_piece(*this, low).first; i + 1 < points.size() && along[i] <= high; ++i) {
         const PicturePoint ab = points[i + 1] - points[i];
         const double size = along[i + 1] - along[i];
         const double s = std::clamp(along[i] + dot(p - points[i], ab) / size, std::max(low, along[i]),
@@ -192,27 +192,27 @@ Hand hand_of(const Sketch& sketch, double noise) {
             const Line line = without_repeats(sketch.views[stroke.view], stroke);
             for (std::size_t i = 1; i < line.points.size(); ++i)
                 pieces.push_back(length(line.points[i] - line.points[i - 1]));
-            if (line.points.size() < kFewestToJudge) continue;
+            if (line.points.size() < kMinToJudge) continue;
             const std::vector<double> own = offsets(line.points);
             off.insert(off.end(), own.begin(), own.end());
         }
     }
-    hand.noise = noise > 0 ? noise : off.empty() ? kUnknownNoise : noise_of(off);
-    if (pieces.size() < kFewestPieces) return hand;
+    hand.noise = noise > 0 ? noise : off.empty() ? kUnknownNoise : compute_noise(off);
+    if (pieces.size() < kMinPieces) return hand;
     hand.piece = median(pieces);
     for (const double piece : pieces)
         if (piece > hand.piece) above.push_back(std::log(piece / hand.piece));
-    // A normal distribution's half above its mean has its median at 0.674 of the deviation.
-    hand.spread = std::max(above.empty() ? 0 : median(above) / 0.674, kLeastSpread);
+    // The median of the upper half of a normal distribution is 0.674 standard deviations above the mean.
+    hand.spread = std::max(above.empty() ? 0 : median(above) / 0.674, kMinSpread);
     return hand;
 }
 
 Line line_of(const SketchView& view, const Stroke& stroke, const Hand& hand, double noise, bool clean) {
     Line line = without_repeats(view, stroke);
     if (line.points.size() < 2) return line;
-    const bool judged = line.points.size() >= kFewestToJudge;
+    const bool judged = line.points.size() >= kMinToJudge;
     if (judged && clean) Cleaner(line).run();
-    line.noise = noise > 0 ? noise : judged ? noise_of(offsets(line.points)) : hand.noise;
+    line.noise = noise > 0 ? noise : judged ? compute_noise(offsets(line.points)) : hand.noise;
     measure(line);
     sample_down(line);
     return line;
@@ -231,7 +231,8 @@ Line line_through(std::vector<PicturePoint> points) {
 
 Line with_start(const Line& line, PicturePoint start) {
     Line out = line;
-    if (length(start - line.points.front()) < 1e-6) start.x += 1e-6;  // the only point that is left
+    if (length(start - line.points.front()) < 1e-6)
+        start.x += 1e-6;  // coincides with the only remaining point
     out.points.insert(out.points.begin(), start);
     out.drawn.insert(out.drawn.begin(), -1);
     if (!out.widths.empty()) out.widths.insert(out.widths.begin(), out.widths.front());

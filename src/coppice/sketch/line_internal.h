@@ -8,48 +8,47 @@
 
 namespace coppice::sketch_internal {
 
-/// A stroke ready for work: in the picture without distortion, without repeated and wrong points.
+/// A preprocessed stroke: in the undistorted image, without repeated and wrong points.
 struct Line {
-    std::vector<PicturePoint> points;  ///< two or more, all apart
-    std::vector<double> along;         ///< [pixels] of every point from the first
-    std::vector<double> widths;        ///< [pixels] at every point; empty where none were drawn
-    std::vector<int> drawn;            ///< which of the stroke's points each is; -1 = none of them
-    double noise = 1;                  ///< [pixels] how far points stray across the line, about
-    std::size_t left_out = 0;          ///< points taken for wrong
+    std::vector<PicturePoint> points;  ///< at least two, all distinct
+    std::vector<double> along;         ///< [pixels] arc length of every point
+    std::vector<double> widths;        ///< [pixels] at every point; empty if not drawn
+    std::vector<int> drawn;            ///< index of each point in the stroke; -1 = not drawn
+    double noise = 1;                  ///< [pixels] approximate standard deviation of points across the line
+    std::size_t left_out = 0;          ///< number of points removed as wrong
 
     double length() const { return along.back(); }  ///< [pixels]
-    PicturePoint at(double s) const;                ///< of a length along the line, held within it
-    double width_at(double s) const;                ///< the same of the widths
-    PicturePoint direction(double s) const;         ///< unit, of the part about s
-    /// The length along the line, within [low, high], that is nearest to a point.
+    PicturePoint at(double s) const;                ///< point at an arc length, clamped to the line
+    double width_at(double s) const;                ///< width at an arc length
+    PicturePoint direction(double s) const;         ///< unit vector, direction of the segment at s
+    /// Returns the arc length in [low, high] of the closest point to p.
     double nearest(PicturePoint p, double low, double high) const;
 };
 
-/// How somebody draws, by all strokes of a sketch.
+/// Drawing style of a user: statistics of all strokes of a sketch.
 struct Hand {
-    double noise = 1;   ///< [pixels] how far points stray across their lines, about
-    double piece = 0;   ///< [pixels] median way from point to point
-    double spread = 1;  ///< standard deviation of the logarithm of the ways above the median
+    double noise = 1;   ///< [pixels] approximate standard deviation of points across their lines
+    double piece = 0;   ///< [pixels] median distance between consecutive points
+    double spread = 1;  ///< standard deviation of the logarithm of the distances above the median
 };
 
-/// Medians over all strokes, so that the points that are wrong tell nothing. `noise` [pixels] goes before
-/// what is measured; 0 = none. O(points).
+/// Computes medians over all strokes, which are robust against wrong points. A positive `noise` [pixels]
+/// replaces the measured one. O(points).
 Hand hand_of(const Sketch& sketch, double noise);
 
-/// Takes out points that leap from the line and back, and measures how far the others stray; of a stroke of
-/// few points `hand` tells it. `noise` [pixels] goes before both; 0 = none. Without `clean` every point
-/// stays. O(n).
+/// Removes outliers from a stroke and measures the noise of the remaining points; short strokes use the noise
+/// of `hand`. A positive `noise` [pixels] replaces both. Without `clean` every point is kept. O(n).
 Line line_of(const SketchView& view, const Stroke& stroke, const Hand& hand, double noise, bool clean = true);
 
-/// The line through these points, of which two at least must be apart, as they are.
+/// Returns the line through unmodified points, at least two of which must be distinct.
 Line line_through(std::vector<PicturePoint> points);
-/// The same line with one more point before its first.
+/// Returns the line with an additional point before its first.
 Line with_start(const Line& line, PicturePoint start);
-/// The same line with its first point moved; it stays as it is where its second one lies there.
+/// Returns the line with its first point moved; unchanged if the second point is there.
 Line with_first(const Line& line, PicturePoint first);
-/// The same line without a point of it, which counts as wrong; it needs another one.
+/// Returns the line without one of its points, which is counted as wrong; at least one point must remain.
 Line without_point(const Line& line, std::size_t point);
-/// The same line from its other end.
+/// Returns the line in reverse order.
 Line reversed(const Line& line);
 
 }  // namespace coppice::sketch_internal

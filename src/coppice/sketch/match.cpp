@@ -11,11 +11,11 @@ namespace {
 
 using Camera = Eigen::Matrix<double, 3, 4>;
 
-constexpr std::size_t kSamples = 48;  // of each stroke
-constexpr double kMostCost = 12;      // of a sample: beyond, how far it is off tells nothing
-constexpr double kUnmatchedCost = 2;  // of a sample at an end that only one stroke has
+constexpr std::size_t kSamples = 48;  // number of samples of each stroke
+constexpr double kMaxCost = 12;       // maximum cost of a sample
+constexpr double kUnmatchedCost = 2;  // cost of a sample at an end that only one stroke has
 
-/// How far a step goes along both strokes, and what its pace costs.
+/// Numbers of samples by which a step advances along both strokes, and the cost of their ratio.
 struct Step {
     std::size_t first, second;
     double cost;
@@ -44,7 +44,7 @@ Camera camera_of(const SketchView& view) {
     return k * pose;
 }
 
-/// The line a x + b y + c = 0 in a picture.
+/// The line a x + b y + c = 0 in an image.
 struct PictureLine {
     Vec3d abc;
     double normal_squared;
@@ -52,8 +52,8 @@ struct PictureLine {
 
 PictureLine picture_line(Vec3d abc) { return {abc, abc.x * abc.x + abc.y * abc.y}; }
 
-/// How far two points are from being the same, with a sign that tells on which side of the epipolar line;
-/// `line_a` and `line_b` are those of b and a.
+/// Returns the epipolar distance of two points, signed by the side of the epipolar line; `line_a` and
+/// `line_b` are the epipolar lines of b and a.
 double side_distance(const PictureLine& line_b, const PictureLine& line_a, PicturePoint b) {
     const double across = line_a.normal_squared + line_b.normal_squared;
     return (b.x * line_b.abc.x + b.y * line_b.abc.y + line_b.abc.z) / std::sqrt(std::max(across, 1e-300));
@@ -64,11 +64,11 @@ double side_distance(const Matrix3& f, PicturePoint first, PicturePoint second) 
                          picture_line(transposed(f) * Vec3d{second.x, second.y, 1}), second);
 }
 
-/// The cheapest ways to all pairs of samples.
+/// Table of the cheapest paths to all pairs of samples.
 class Table {
   public:
     Table(const Line& first, const Line& second, const Matrix3& f, bool starts_meet)
-        : starts_meet_(starts_meet), noise_(noise_of(first, second)) {
+        : starts_meet_(starts_meet), noise_(compute_noise(first, second)) {
         weigh(first, second, f);
         for (std::size_t i = 0; i < kSamples; ++i)
             for (std::size_t j = 0; j < kSamples; ++j) reach(i, j);
@@ -103,17 +103,18 @@ class Table {
     }
 
   private:
-    static double noise_of(const Line& first, const Line& second) {
+    static double compute_noise(const Line& first, const Line& second) {
         return std::max(std::hypot(first.noise, second.noise) / std::sqrt(2.0), 1.0);
     }
 
-    /// [pixels] along the line to the middle between samples i - 1 and i.
+    /// Returns the arc length [pixels] of the midpoint between samples i - 1 and i.
     static double before_sample(const Line& line, std::size_t i) {
         const double share = (static_cast<double>(i) - 0.5) / (kSamples - 1);
         return line.length() * std::clamp(share, 0.0, 1.0);
     }
 
-    /// A sample stands for the line half way to its neighbours: it costs what the best of that costs.
+    /// A sample represents the line up to the midpoints to its neighbours; its cost is the minimum over this
+    /// interval.
     void weigh(const Line& first, const Line& second, const Matrix3& f) {
         const Matrix3 back = transposed(f);
         std::array<PicturePoint, kSamples + 1> b;
@@ -132,7 +133,7 @@ class Table {
                 const double low = std::min({side[0][j], side[1][j], side[0][j + 1], side[1][j + 1]});
                 const double high = std::max({side[0][j], side[1][j], side[0][j + 1], side[1][j + 1]});
                 const double off = low > 0 ? low : high < 0 ? -high : 0;
-                own_[i - 1][j] = std::min(0.5 * off * off, kMostCost);
+                own_[i - 1][j] = std::min(0.5 * off * off, kMaxCost);
             }
         }
     }
@@ -152,13 +153,13 @@ class Table {
     }
 
     bool starts_meet_;
-    double noise_;  ///< [pixels] of both lines
+    double noise_;  ///< [pixels] combined noise of both lines
     std::array<std::array<double, kSamples>, kSamples> own_, total_;
     std::array<std::array<int, kSamples>, kSamples> from_;
 };
 
-/// Moves the second points of pairs, by a sample at most, onto the epipolar lines of the first ones; not
-/// where these run along the stroke. The ends stay.
+/// Moves the second points of pairs, by at most one sample, onto the epipolar lines of the first ones, except
+/// where these are parallel to the stroke. The ends are fixed.
 void refine(Match& match, const Line& first, const Line& second, const Matrix3& f) {
     const double sample = second.length() / (kSamples - 1), half = 0.5 * sample;
     for (std::size_t i = 1; i + 1 < match.pairs.size(); ++i) {
@@ -181,7 +182,8 @@ void refine(Match& match, const Line& first, const Line& second, const Matrix3& 
 
 }  // namespace
 
-// [Hartley2004] 17.3: holds for every pair of linear cameras, also orthographic ones, which have no centre.
+// [Hartley2004] 17.3: valid for every pair of linear cameras, including orthographic ones, which have no
+// centre.
 Matrix3 fundamental_matrix(const SketchView& first, const SketchView& second) {
     const Camera a = camera_of(first), b = camera_of(second);
     Matrix3 f{};

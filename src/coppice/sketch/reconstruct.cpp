@@ -17,9 +17,10 @@ using namespace sketch_internal;
 
 namespace {
 
-constexpr double kSameNode = 0.25;  // [radius] a lateral this near a node of its parent leaves from there
+constexpr double kSameNode =
+    0.25;  // [radius] distance from a node of the parent within which a lateral leaves from that node
 
-/// The branches in order of how many lie between them and a stem.
+/// Returns the branches grouped by branch order.
 std::vector<std::vector<std::uint32_t>> by_order(const Sketch& sketch) {
     const auto count = static_cast<std::uint32_t>(sketch.branches.size());
     std::vector<std::vector<std::uint32_t>> children(count), orders(1);
@@ -41,11 +42,11 @@ void check_stems(const Sketch& sketch, const std::string& source) {
         const auto has_widths = [](const Stroke& stroke) { return !stroke.widths.empty(); };
         if (branch.parent || branch.diameters || std::ranges::any_of(branch.strokes, has_widths)) continue;
         throw InvalidInput(source + ": branch '" + branch.name +
-                           "' has no parent and so needs widths or diameters");
+                           "' has no parent and therefore needs widths or diameters");
     }
 }
 
-/// Strings the axes together, with a node on the parent's where each begins.
+/// Assembles the axes, with a node on the parent axis at the start of each lateral.
 class Assembly {
   public:
     Assembly(const Sketch& sketch, const std::vector<Axis>& axes)
@@ -64,7 +65,8 @@ class Assembly {
   private:
     bool made(std::uint32_t b) const { return !axes_[b].positions.empty(); }
 
-    /// Where a lateral leaves its parent's axis, in nodes from its start: from a node, where one is near.
+    /// Returns the position of a lateral on its parent axis, in nodes from the start; snapped to a node if
+    /// one is near.
     static double leaves_at(const Axis& parent, Place place) {
         const Vec3d p = parent.at(place);
         const double near = kSameNode * parent.radius_at(place);
@@ -80,7 +82,7 @@ class Assembly {
         for (const std::uint32_t lateral : laterals_[b]) id_at[leaves_at(axis, axes_[lateral].start)] = -1;
         std::int64_t last = -1;
         for (auto& [at, id] : id_at) {
-            // A lateral's first node is the one that it leaves on its parent.
+            // The first node of a lateral is its node on the parent axis.
             id = last = at == 0 && start_[b] >= 0 ? start_[b] : add_node(last, axis, at);
         }
         for (const std::uint32_t lateral : laterals_[b])
@@ -97,8 +99,8 @@ class Assembly {
     }
 
     const std::vector<Axis>& axes_;
-    std::vector<std::vector<std::uint32_t>> laterals_;  ///< of each branch
-    std::vector<std::int64_t> start_;                   ///< the node that each lateral leaves
+    std::vector<std::vector<std::uint32_t>> laterals_;  ///< by branch
+    std::vector<std::int64_t> start_;                   ///< by lateral: its node on the parent axis
     std::vector<RawNode> nodes_;
 };
 

@@ -15,14 +15,14 @@ void check_names(const List& list, const std::string& where) {
         const std::string place = where + "[" + std::to_string(i) + "].name";
         if (list[i].name.empty()) throw InvalidInput(place + " is missing");
         if (!names.insert(list[i].name).second)
-            throw InvalidInput(place + ": '" + list[i].name + "' is the name of another one already");
+            throw InvalidInput(place + ": '" + list[i].name + "' is already the name of another one");
     }
 }
 
 void check_widths(const Stroke& stroke, const std::string& where) {
     const std::size_t count = stroke.widths.size();
     if (count != 0 && count != 2 && count != stroke.points.size()) {
-        throw InvalidInput(where + ".widths must hold two numbers, or one for each of the " +
+        throw InvalidInput(where + ".widths must contain two numbers, or one for each of the " +
                            std::to_string(stroke.points.size()) + " points, not " + std::to_string(count));
     }
     for (const double width : stroke.widths)
@@ -33,11 +33,11 @@ void check_stroke(const Sketch& sketch, const Stroke& stroke, std::set<std::uint
                   const std::string& branch) {
     if (stroke.view >= sketch.views.size()) throw InvalidInput(branch + ".strokes: there is no such view");
     const std::string where = branch + ".strokes." + sketch.views[stroke.view].name;
-    if (!views.insert(stroke.view).second) throw InvalidInput(where + " is there twice");
-    if (stroke.points.size() < 2) throw InvalidInput(where + ".points must be two or more");
+    if (!views.insert(stroke.view).second) throw InvalidInput(where + " occurs twice");
+    if (stroke.points.size() < 2) throw InvalidInput(where + ".points must contain at least two points");
     for (std::size_t i = 0; i < stroke.points.size(); ++i) {
         if (!(std::abs(stroke.points[i].x) < 1e9 && std::abs(stroke.points[i].y) < 1e9))
-            throw InvalidInput(where + ".points[" + std::to_string(i) + "] lies outside of every picture");
+            throw InvalidInput(where + ".points[" + std::to_string(i) + "] is outside of every picture");
     }
     check_widths(stroke, where);
 }
@@ -46,7 +46,7 @@ void check_branch(const Sketch& sketch, const SketchBranch& branch, const std::s
     if (branch.parent && *branch.parent >= sketch.branches.size())
         throw InvalidInput(where + ".parent: there is no such branch");
     if (branch.attach && !(*branch.attach >= 0 && *branch.attach <= 1))
-        throw InvalidInput(where + ".attach must lie between 0 and 1");
+        throw InvalidInput(where + ".attach must be between 0 and 1");
     if (branch.attach && !branch.parent) throw InvalidInput(where + ".attach needs a parent");
     if (branch.diameters) {
         for (const double d : *branch.diameters)
@@ -57,7 +57,7 @@ void check_branch(const Sketch& sketch, const SketchBranch& branch, const std::s
 }
 
 void check_circles(const Sketch& sketch, const std::string& where) {
-    // 0 = not seen, 1 = on the way from the present one, 2 = ends at a stem
+    // 0 = not visited, 1 = on the current path, 2 = connected to a stem
     std::vector<char> state(sketch.branches.size(), 0);
     std::vector<std::uint32_t> way;
     for (std::uint32_t i = 0; i < sketch.branches.size(); ++i) {
@@ -70,7 +70,7 @@ void check_circles(const Sketch& sketch, const std::string& where) {
         }
         if (at && state[*at] == 1) {
             throw InvalidInput(where + "[" + std::to_string(*at) + "].parent: '" + sketch.branches[*at].name +
-                               "' grows out of itself");
+                               "' is its own ancestor");
         }
         for (const std::uint32_t b : way) state[b] = 2;
     }
@@ -80,8 +80,8 @@ void check_circles(const Sketch& sketch, const std::string& where) {
 
 void validate(const Sketch& sketch, const std::string& source) {
     const std::string start = source + ": ";
-    if (sketch.views.size() < 2) throw InvalidInput(start + "views: a sketch needs two or more");
-    if (sketch.branches.empty()) throw InvalidInput(start + "branches: a sketch needs one or more");
+    if (sketch.views.size() < 2) throw InvalidInput(start + "views: a sketch needs at least two");
+    if (sketch.branches.empty()) throw InvalidInput(start + "branches: a sketch needs at least one");
     check_names(sketch.views, start + "views");
     check_names(sketch.branches, start + "branches");
     for (std::size_t i = 0; i < sketch.views.size(); ++i)

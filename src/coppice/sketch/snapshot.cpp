@@ -13,12 +13,13 @@ const Stroke* stroke_in(const SketchBranch& branch, std::uint32_t view) {
     return found == branch.strokes.end() || found->points.empty() ? nullptr : &*found;
 }
 
-/// Where the first stem begins in a view.
+/// Returns the position at which the first stem begins in a view.
 PicturePoint foot_in(const Sketch& sketch, std::uint32_t view, const std::string& where) {
     for (const SketchBranch& branch : sketch.branches)
         if (const Stroke* stroke = stroke_in(branch, view); stroke && !branch.parent)
             return stroke->points.front();
-    throw InvalidInput(where + ": no stem has a stroke in this view, so that nothing tells its scale");
+    throw InvalidInput(where +
+                       ": no stem has a stroke in this view, so that its scale is unknown; draw the stem");
 }
 
 }  // namespace
@@ -27,7 +28,7 @@ SketchView snapshot_view(const Sketch& sketch, std::uint32_t view, const Snapsho
                          const std::string& where) {
     if (!(height > 0)) throw InvalidInput(where + ": the height of the tree must be above 0 metres");
     if (snapshot.side == DrawingSide::top)
-        throw InvalidInput(where + ": a height cannot be seen from the top");
+        throw InvalidInput(where + ": the height of the tree is not visible from the top");
     const PicturePoint foot = foot_in(sketch, view, where);
     double top = foot.y;
     for (const SketchBranch& branch : sketch.branches) {
@@ -35,7 +36,7 @@ SketchView snapshot_view(const Sketch& sketch, std::uint32_t view, const Snapsho
             for (const PicturePoint p : stroke->points) top = std::min(top, p.y);
     }
     if (!(foot.y - top >= 1))
-        throw InvalidInput(where + ": nothing in this view lies above the foot of its stem");
+        throw InvalidInput(where + ": no point in this view is above the base of its stem");
     const SketchView& given = sketch.views[view];
     SketchView out = drawing_view(snapshot.side, (foot.y - top) / height, foot);
     out.name = given.name;
@@ -44,7 +45,7 @@ SketchView snapshot_view(const Sketch& sketch, std::uint32_t view, const Snapsho
     out.height = given.height;
     if (snapshot.field_of_view == 0) return out;
     if (given.width <= 0 || given.height <= 0)
-        throw InvalidInput(where + ": field_of_view needs width and height of the picture");
+        throw InvalidInput(where + ": field_of_view needs the width and height of the picture");
     const double focal = 0.5 * std::max(given.width, given.height) / std::tan(0.5 * snapshot.field_of_view);
     const double away = focal * height / (foot.y - top);
     const double cx = 0.5 * given.width, cy = 0.5 * given.height;

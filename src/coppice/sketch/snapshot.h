@@ -4,19 +4,20 @@
 
 namespace coppice {
 
-/// A picture of a tree whose camera nobody measured, taken level from one side.
+/// An image of a tree by an unknown camera, taken horizontally from one side.
 struct Snapshot {
-    DrawingSide side = DrawingSide::front;  ///< not top
-    double field_of_view = 0;  ///< [rad] across its longer side; 0 = from so far off that it is in one scale
+    DrawingSide side = DrawingSide::front;  ///< any side except top
+    double field_of_view = 0;               ///< [rad] across the longer side of the image; 0 = orthographic
 };
 
-/// The camera of a snapshot, from strokes in it and the height [m] of the tree from the foot of its first
-/// stem to its highest point: the foot lies at (0, 0, 0) and the highest point as far off as the foot. What
-/// leans towards the camera or away makes it err by as much as it leans over how far off the camera is.
+/// Estimates the camera of a snapshot from its strokes and the height [m] of the tree from the base of its
+/// first stem to its highest point: the base is at (0, 0, 0), and the highest point has the same depth as the
+/// base. If the tree leans towards the camera or away from it, the relative error is the lean divided by the
+/// distance of the camera.
 ///
-/// `view` is the index of the sketch's view, whose width and height have to be known for a field of view;
-/// name, image, width and height are kept. Throws InvalidInput, beginning with `where`, when they are not,
-/// when no stem has a stroke in the view, or nothing in it lies above the foot. O(points).
+/// `view` is the index of the view in the sketch, which must have a width and height if there is a field of
+/// view; name, image, width and height are kept. Throws InvalidInput, beginning with `where`, if they are
+/// missing, if no stem has a stroke in the view, or if no point is above the base. O(points).
 SketchView snapshot_view(const Sketch& sketch, std::uint32_t view, const Snapshot& snapshot, double height,
                          const std::string& where);
 

@@ -8,9 +8,9 @@
 namespace coppice {
 namespace {
 
-constexpr double kNearest = 1e-9;  // [m] depth at which a perspective picture ends
+constexpr double kNearest = 1e-9;  // [m] minimum depth of a perspective image
 
-/// x and y of a camera of unit focal length, distorted.
+/// Applies the distortion to normalized image coordinates.
 PicturePoint distort(const SketchView& view, PicturePoint p) {
     const auto [k1, k2, p1, p2, k3] = view.distortion;
     const double rr = dot(p, p), radial = 1 + rr * (k1 + rr * (k2 + rr * k3));
@@ -22,7 +22,7 @@ bool distorts(const SketchView& view) {
     return std::ranges::any_of(view.distortion, [](double d) { return d != 0; });
 }
 
-/// The inverse of `distort`.
+/// Inverts `distort`.
 PicturePoint straighten(const SketchView& view, PicturePoint wanted) {
     PicturePoint p = wanted;
     for (int i = 0; i < 30; ++i) {
@@ -72,7 +72,7 @@ Matrix3 transposed(const Matrix3& m) {
     return {{{m[0][0], m[1][0], m[2][0]}, {m[0][1], m[1][1], m[2][1]}, {m[0][2], m[1][2], m[2][2]}}};
 }
 
-Matrix3 rotation_of(double w, Vec3d v) {
+Matrix3 compute_rotation(double w, Vec3d v) {
     const double size = std::sqrt(w * w + length_squared(v));
     w /= size;
     v = v / size;
@@ -84,7 +84,7 @@ Matrix3 rotation_of(double w, Vec3d v) {
 
 Matrix3 rotation_about(Vec3d axis) {
     const double angle = length(axis);
-    return rotation_of(std::cos(0.5 * angle), normalized(axis) * std::sin(0.5 * angle));
+    return compute_rotation(std::cos(0.5 * angle), normalized(axis) * std::sin(0.5 * angle));
 }
 
 double depth(const SketchView& view, Vec3d position) { return (view.r * position + view.t).z; }
@@ -161,16 +161,16 @@ SketchView drawing_view(DrawingSide side, double pixels_per_metre, PicturePoint 
 void validate(const SketchView& view, const std::string& where) {
     for (const auto& numbers : view.k)
         for (const double number : numbers)
-            if (!std::isfinite(number)) throw InvalidInput(where + ".K must hold finite numbers");
+            if (!std::isfinite(number)) throw InvalidInput(where + ".K must contain finite numbers");
     const Matrix3& k = view.k;
     if (!(k[0][0] > 0) || !(k[1][1] > 0) || k[1][0] != 0 || k[2][0] != 0 || k[2][1] != 0 || k[2][2] != 1) {
         throw InvalidInput(where +
                            ".K must be [[fx, skew, cx], [0, fy, cy], [0, 0, 1]] with fx and fy above 0");
     }
     if (!is_rotation(view.r)) throw InvalidInput(where + ".R must be a rotation");
-    if (!is_finite(view.t)) throw InvalidInput(where + ".t must hold finite numbers");
+    if (!is_finite(view.t)) throw InvalidInput(where + ".t must contain finite numbers");
     for (const double number : view.distortion)
-        if (!std::isfinite(number)) throw InvalidInput(where + ".distortion must hold finite numbers");
+        if (!std::isfinite(number)) throw InvalidInput(where + ".distortion must contain finite numbers");
 }
 
 }  // namespace coppice

@@ -8,12 +8,12 @@
 
 namespace coppice {
 
-/// A place in a picture [pixels]: x to the right, y down, from the upper left corner.
+/// A point in an image [pixels]: x to the right, y down, from the upper left corner.
 struct PicturePoint {
     double x = 0;  ///< to the right
     double y = 0;  ///< down
 
-    /// Coordinate by coordinate.
+    /// Component-wise operations.
     /// @{
     friend constexpr PicturePoint operator+(PicturePoint a, PicturePoint b) { return {a.x + b.x, a.y + b.y}; }
     friend constexpr PicturePoint operator-(PicturePoint a, PicturePoint b) { return {a.x - b.x, a.y - b.y}; }
@@ -22,44 +22,45 @@ struct PicturePoint {
     /// @}
 };
 
-/// The scalar product.
+/// Returns the scalar product.
 constexpr double dot(PicturePoint a, PicturePoint b) { return a.x * b.x + a.y * b.y; }
-/// Twice the area of the triangle 0, a, b.
+/// Returns twice the signed area of the triangle 0, a, b.
 constexpr double cross(PicturePoint a, PicturePoint b) { return a.x * b.y - a.y * b.x; }
-/// [pixels]
+/// Returns the length of a vector [pixels].
 inline double length(PicturePoint a) { return std::sqrt(dot(a, a)); }
 
-/// Three rows of three numbers.
+/// 3 x 3 matrix by rows.
 using Matrix3 = std::array<std::array<double, 3>, 3>;
 
-/// A row of pixels, or a column, for every row of the matrix.
+/// Returns the product of a matrix and a vector.
 Vec3d operator*(const Matrix3& m, Vec3d v);
-/// The product of two matrices.
+/// Returns the product of two matrices.
 Matrix3 operator*(const Matrix3& a, const Matrix3& b);
-/// The matrix with rows and columns exchanged; of a rotation, its inverse.
+/// Returns the transpose; for a rotation, its inverse.
 Matrix3 transposed(const Matrix3& m);
 
-/// The rotation about an axis by its length [rad] (Rodrigues), as OpenCV writes them.
+/// Returns the rotation by a rotation vector (Rodrigues), as in OpenCV: its length is the angle [rad].
 Matrix3 rotation_about(Vec3d axis);
 
-/// The rotation of a quaternion, which need not have length 1.
-Matrix3 rotation_of(double w, Vec3d v);
+/// Returns the rotation of a quaternion, which need not be normalized.
+Matrix3 compute_rotation(double w, Vec3d v);
 
-/// How a camera turns space into a picture.
+/// Projection of a camera.
 enum class Projection {
-    perspective,   ///< a pinhole: what is twice as far is half as large
-    orthographic,  ///< everything in one scale, as in a drawing
+    perspective,   ///< pinhole camera: size is inversely proportional to depth
+    orthographic,  ///< uniform scale, as in a technical drawing
 };
 
-/// One picture of a tree, and the camera that took it. A point X [m] of the world lies at R X + t before the
-/// camera: x to the right, y down, z away from it, as in OpenCV and COLMAP. A perspective camera divides x
-/// and y by z and distorts them; an orthographic one leaves x and y [m] as they are. K makes pixels of that.
+/// An image of a tree with its camera. A point X [m] in world space has the camera coordinates R X + t: x to
+/// the right, y down, z away from the camera, as in OpenCV and COLMAP. A perspective camera divides x and y
+/// by z and applies the distortion; an orthographic one uses x and y [m] directly. K converts the result to
+/// pixels.
 struct SketchView {
-    std::string name;   ///< each once
-    std::string image;  ///< file of the picture, relative to the sketch; empty where there is none
-    int width = 0;      ///< [pixels] of the picture; 0 = not known
-    int height = 0;     ///< [pixels] of the picture; 0 = not known
-    Projection projection = Projection::perspective;  ///< of the camera
+    std::string name;                                 ///< unique
+    std::string image;                                ///< image file, relative to the sketch; may be empty
+    int width = 0;                                    ///< [pixels] of the image; 0 = unknown
+    int height = 0;                                   ///< [pixels] of the image; 0 = unknown
+    Projection projection = Projection::perspective;  ///< projection of the camera
     Matrix3 k{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};     ///< [pixels], orthographic: [pixels per metre]
     Matrix3 r{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};     ///< a rotation
     Vec3d t;                                          ///< [m]
@@ -68,35 +69,35 @@ struct SketchView {
 
 /// A line of sight.
 struct ViewRay {
-    Vec3d origin;  ///< [m] of a perspective camera its centre, of an orthographic one some point of the line
-    Vec3d direction;  ///< unit, away from the camera
+    Vec3d origin;  ///< [m] the centre of a perspective camera, or some point of the line for an orthographic
+                   ///< one
+    Vec3d direction;  ///< unit vector, away from the camera
 };
 
-/// [m] before the camera; <= 0 is behind it. Means nothing for an orthographic one.
+/// Returns the depth [m] of a point in front of the camera; <= 0 is behind it. Not meaningful for an
+/// orthographic camera.
 double depth(const SketchView& view, Vec3d position);
-/// Where a point of the world [m] is in the picture. A perspective camera needs a positive depth.
+/// Projects a point [m] in world space into the image. A perspective camera requires a positive depth.
 PicturePoint project(const SketchView& view, Vec3d position);
-/// How the place in the picture changes with the point of the world: two rows [pixels / m], distortion left
-/// out of the change.
+/// Returns the Jacobian of the projection: two rows [pixels / m], ignoring distortion.
 std::array<Vec3d, 2> projection_change(const SketchView& view, Vec3d position);
-/// The line of sight through a point of the picture.
+/// Returns the line of sight through a point of the image.
 ViewRay ray(const SketchView& view, PicturePoint point);
-/// The same place in the picture of the same camera without distortion. By fixed-point iteration.
+/// Returns the corresponding point in the undistorted image of the same camera, by fixed-point iteration.
 PicturePoint undistorted(const SketchView& view, PicturePoint point);
-/// The same view with a lens that does not distort.
+/// Returns the view without distortion.
 SketchView without_distortion(SketchView view);
-/// [pixels / m] at a point of the world, for what lies across the line of sight.
+/// Returns the scale [pixels / m] at a point in world space, perpendicular to the line of sight.
 double pixels_per_metre(const SketchView& view, Vec3d position);
 
-/// The six sides from which a drawing may show a tree, its front towards -y. Front and side are what most
-/// people draw.
+/// Side of the tree that a drawing shows, with the front towards -y. Front and side are the most common.
 enum class DrawingSide { front, back, side, left, top };
 
-/// An orthographic view: `origin` is where (0, 0, 0) lies in the picture. Throws InvalidInput when the scale
-/// [pixels / m] is not above 0.
+/// Returns an orthographic view with (0, 0, 0) at the image point `origin`. Throws InvalidInput if the scale
+/// [pixels / m] is not positive.
 SketchView drawing_view(DrawingSide side, double pixels_per_metre, PicturePoint origin);
 
-/// Throws InvalidInput when something is wrong with the camera: "`where`.R must be a rotation", say.
+/// Throws InvalidInput if the camera is invalid, for example "`where`.R must be a rotation".
 void validate(const SketchView& view, const std::string& where);
 
 }  // namespace coppice

@@ -15,7 +15,7 @@ struct Place {
     std::uint32_t item;
 };
 
-Box3 bounds_of(std::span<const Box3> boxes) {
+Box3 compute_bounds(std::span<const Box3> boxes) {
     Box3 all;
     for (const Box3& b : boxes) all.extend(b);
     return all;
@@ -24,7 +24,7 @@ Box3 bounds_of(std::span<const Box3> boxes) {
 }  // namespace
 
 BoxTree::BoxTree(std::span<const Box3> boxes, const Context& ctx) : item_(boxes.size()) {
-    const BoxGrid grid = box_grid(bounds_of(boxes));
+    const BoxGrid grid = box_grid(compute_bounds(boxes));
     Buffer<Place> order(boxes.size());
     parallel_for(ctx, boxes.size(), kGrain, [&](std::size_t i) {
         order[i] = {box_code(grid, boxes[i]), static_cast<std::uint32_t>(i)};
@@ -43,7 +43,7 @@ BoxTree::BoxTree(std::span<const Box3> boxes, const Context& ctx) : item_(boxes.
         std::vector<Box3> level(count);
         parallel_for(ctx, count, kGrain, [&](std::size_t i) {
             const std::size_t first = kWidth * i;
-            level[i] = bounds_of(
+            level[i] = compute_bounds(
                 std::span(level_.back()).subspan(first, std::min<std::size_t>(kWidth, below - first)));
         });
         level_.push_back(std::move(level));
@@ -52,12 +52,12 @@ BoxTree::BoxTree(std::span<const Box3> boxes, const Context& ctx) : item_(boxes.
 }
 
 void extend_outward(Box3& box, Vec3d p) {
-    constexpr float kMost = std::numeric_limits<float>::max();
+    constexpr float kMax = std::numeric_limits<float>::max();
     Box3 cell;
     for (int axis = 0; axis < 3; ++axis) {
-        const float f = static_cast<float>(std::clamp<double>(p[axis], -kMost, kMost));
-        cell.low[axis] = std::max(std::nextafter(f, -kMost), -kMost);
-        cell.high[axis] = std::min(std::nextafter(f, kMost), kMost);
+        const float f = static_cast<float>(std::clamp<double>(p[axis], -kMax, kMax));
+        cell.low[axis] = std::max(std::nextafter(f, -kMax), -kMax);
+        cell.high[axis] = std::min(std::nextafter(f, kMax), kMax);
     }
     box.extend(cell);
 }

@@ -13,53 +13,51 @@
 
 namespace coppice {
 
-/// A hierarchy of boxes that serves every query of this module. The items are sorted along a Morton curve,
-/// and each node bounds eight neighbours of the level below, so that the tree needs no pointers and is the
-/// same for any number of threads. Its shape depends on the number of items alone: a dozen levels at most,
-/// however the boxes lie. A place is the position of an item in the sorted order. O(n).
+/// Hierarchy of boxes for all queries of this module. The items are sorted along a Morton curve, and each
+/// node bounds eight consecutive boxes of the level below, so that the tree needs no pointers and does not
+/// depend on the number of threads. Its shape depends only on the number of items: at most a dozen levels for
+/// any arrangement of the boxes. A place is the index of an item in the sorted order. O(n).
 class BoxTree {
   public:
-    static constexpr std::uint32_t kWidth =
-        BoxGroup::kWidth;  ///< boxes that one box of the level above bounds
+    static constexpr std::uint32_t kWidth = BoxGroup::kWidth;  ///< number of boxes per parent box
 
-    /// Boxes must be finite and not empty.
+    /// Builds the tree. Boxes must be finite and not empty.
     BoxTree(std::span<const Box3> boxes, const Context& ctx);
 
     std::uint32_t size() const { return static_cast<std::uint32_t>(item_.size()); }  ///< number of items
-    /// the index, in the span given, of what lies at a place
+    /// Returns the index of the item at a place in the input span.
     std::uint32_t item(std::uint32_t place) const { return item_[place]; }
-    /// 0 without items
+    /// Returns the number of levels; 0 without items.
     std::uint32_t level_count() const { return static_cast<std::uint32_t>(level_.size()); }
-    /// Level 0 holds the items' boxes by place; box i of a level bounds boxes 8 i .. 8 i + 7 of the level
-    /// below.
+    /// Returns the boxes of a level. Level 0 contains the boxes of the items by place; box i of a level
+    /// bounds boxes 8 i .. 8 i + 7 of the level below.
     std::span<const Box3> level(std::uint32_t l) const { return level_[l]; }
 
-    /// Visits items from near to far: calls visit(item) for those of which `bound` does not exceed `limit`,
-    /// which visit may lower. bound(level, i) must not exceed what it returns for anything below box i of
-    /// that level.
+    /// Visits items from near to far: calls visit(item) for those with a `bound` of at most `limit`, which
+    /// visit may reduce. bound(level, i) must not exceed its values for the boxes below box i of that level.
     template <class Bound, class Visit>
     void search(const Bound& bound, const double& limit, const Visit& visit) const {
         if (size() > 0) descend(level_count() - 1, 0, bound, limit, visit);
     }
 
-    /// Places come in groups of kWidth.
+    /// Returns the number of groups of kWidth places.
     std::uint32_t group_count() const { return (size() + kWidth - 1) / kWidth; }
 
-    /// Calls visit(p, q) for all places p in a group and q > p whose boxes overlap; touching counts. A visit
-    /// that returns a bool ends the search with false.
+    /// Calls visit(p, q) for all places p in a group and q > p with overlapping boxes; touching boxes
+    /// overlap. A visit that returns false ends the search.
     template <class Visit>
     void overlaps(std::uint32_t group, const Visit& visit) const {
         if (level_count() > 1) overlaps_below(level_count() - 1, 0, Group(*this, group), visit);
     }
 
-    /// Calls visit(item) for all items whose boxes overlap the given one; touching counts. A visit that
-    /// returns a bool ends the search with false.
+    /// Calls visit(item) for all items with boxes that overlap the given one; touching boxes overlap. A visit
+    /// that returns false ends the search.
     template <class Visit>
     void visit_overlapping(const Box3& box, const Visit& visit) const {
         if (size() > 0) visit_below(level_count() - 1, 0, box, visit);
     }
 
-    /// Whether the box of any item overlaps the given one; touching counts.
+    /// Returns whether the box of any item overlaps the given one; touching boxes overlap.
     bool meets(const Box3& box) const {
         bool found = false;
         visit_overlapping(box, [&](std::uint32_t) {
@@ -70,7 +68,7 @@ class BoxTree {
     }
 
   private:
-    /// Boxes of level l that belong to box `parent` of the level above.
+    /// Returns the range of boxes of level l below box `parent` of the level above.
     std::array<std::uint32_t, 2> children(std::uint32_t l, std::uint32_t parent) const {
         const auto count = static_cast<std::uint32_t>(level_[l].size());
         return {kWidth * parent, std::min(kWidth * parent + kWidth, count)};
@@ -102,7 +100,7 @@ class BoxTree {
         }
     }
 
-    // Both return false when the search has ended.
+    // Both return false if the search has ended.
     template <class Visit>
     bool visit_below(std::uint32_t l, std::uint32_t parent, const Box3& box, const Visit& visit) const {
         const auto [begin, end] = children(l, parent);
@@ -119,7 +117,7 @@ class BoxTree {
         return true;
     }
 
-    /// A group of places.
+    /// Group of places.
     struct Group {
         Group(const BoxTree& tree, std::uint32_t group)
             : bounds(tree.level_[1][group]), first(kWidth * group) {
@@ -136,7 +134,7 @@ class BoxTree {
     template <class Visit>
     bool overlaps_below(std::uint32_t l, std::uint32_t parent, const Group& own, const Visit& visit) const {
         const auto [begin, end] = children(l, parent);
-        // What comes before the group has had its turn.
+        // Boxes before the group have been processed already.
         const std::uint32_t first = l == 0 ? own.first + 1 : own.first >> (3 * l);
         for (std::uint32_t i = std::max(begin, first); i < end; ++i) {
             if (!level_[l][i].overlaps(own.bounds)) continue;
@@ -163,7 +161,7 @@ class BoxTree {
     std::vector<std::vector<Box3>> level_;
 };
 
-/// The squared distance from a point to a box, 0 inside.
+/// Returns the squared distance from a point to a box, 0 inside.
 inline double distance_squared(const Box3& box, Vec3d p) {
     double sum = 0;
     for (int axis = 0; axis < 3; ++axis) {
@@ -173,7 +171,7 @@ inline double distance_squared(const Box3& box, Vec3d p) {
     return sum;
 }
 
-/// The squared distance between two boxes, 0 where they overlap.
+/// Returns the squared distance between two boxes, 0 if they overlap.
 inline double distance_squared(const Box3& a, const Box3& b) {
     double sum = 0;
     for (int axis = 0; axis < 3; ++axis) {
@@ -184,7 +182,7 @@ inline double distance_squared(const Box3& a, const Box3& b) {
     return sum;
 }
 
-/// The least box in single precision that holds a point in double precision, extended to.
+/// Extends a box to the smallest box in single precision that contains a point in double precision.
 void extend_outward(Box3& box, Vec3d p);
 
 }  // namespace coppice

@@ -7,13 +7,14 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kLeaf = 16;       // points that are not divided further
-constexpr std::size_t kLook = 1 << 16;  // questions between two looks for a stop
+constexpr std::size_t kLeaf = 16;       // maximum number of points of a leaf
+constexpr std::size_t kLook = 1 << 16;  // number of queries between two checks for cancellation
 
-/// What the index asks for points. It looks for no stop, so while it is built a question may throw.
+/// Interface of the index to the points. The index does not check for cancellation itself; during its
+/// construction a query may throw.
 struct Points {
     std::span<const Vec3> points;
-    const Context* ctx;  ///< null once the index is built: threads ask then
+    const Context* ctx;  ///< null after the construction: threads then query concurrently
     mutable std::size_t asked = 0;
 
     std::size_t kdtree_get_point_count() const { return points.size(); }

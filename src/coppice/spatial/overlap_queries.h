@@ -13,29 +13,31 @@
 
 namespace coppice {
 
-/// Looks up the boxes of a tree that overlap each of many boxes. Successive ones should be near each other:
-/// the tree is then descended once for some dozens of them. One for each thread, as it keeps memory.
+/// Finds the boxes of a tree that overlap each of many boxes. Successive boxes should be close to each other:
+/// the tree is then traversed once for some dozens of them. Keeps buffers: use one object per thread.
 class OverlapQueries {
   public:
-    /// `boxes` are those that the tree was made of. Refers to both.
+    /// `boxes` are the input of the tree. Refers to both.
     OverlapQueries(const BoxTree& tree, std::span<const Box3> boxes) : tree_(&tree), boxes_(boxes) {}
 
-    /// Calls visit(i, items) for every i of the range, ascending, with all items whose boxes overlap
-    /// box_of(i), in the order of BoxTree::visit_overlapping; touching counts.
+    /// Calls visit(i, items) for every i of the range, ascending, with all items that have boxes overlapping
+    /// compute_box(i), in the order of BoxTree::visit_overlapping; touching boxes overlap.
     template <class BoxOf, class Visit>
-    void visit(IndexRange range, const BoxOf& box_of, const Visit& visit) {
+    void visit(IndexRange range, const BoxOf& compute_box, const Visit& visit) {
         for (std::size_t begin = range.begin; begin < range.end; begin += kBatch)
-            visit_batch({begin, std::min(range.end, begin + kBatch)}, box_of, visit);
+            visit_batch({begin, std::min(range.end, begin + kBatch)}, compute_box, visit);
     }
 
   private:
     static constexpr std::uint32_t kWidth = BoxGroup::kWidth;
-    static constexpr std::size_t kBatch = 32;       // boxes for which the tree is descended once
-    static constexpr std::size_t kPart = 4;         // of them, where there are many items about a batch
-    static constexpr std::size_t kMaxGroups = 6;    // of items, each of which a box is tested against
-    static constexpr std::size_t kMaxItems = 1024;  // about a batch, or else it is divided
+    static constexpr std::size_t kBatch = 32;  // number of boxes per traversal of the tree
+    static constexpr std::size_t kPart = 4;    // number of boxes per part of a batch with many items
+    static constexpr std::size_t kMaxGroups =
+        6;  // maximum number of groups of items that each box is tested against
+    static constexpr std::size_t kMaxItems =
+        1024;  // maximum number of items of a batch; otherwise it is divided
 
-    /// Some items with their boxes.
+    /// Items with their boxes.
     struct Items {
         std::vector<std::uint32_t> index;
         std::vector<BoxGroup> groups;
@@ -53,7 +55,7 @@ class OverlapQueries {
             groups.back().set(place, box);
             index.push_back(item);
         }
-        /// Calls visit(item) for those whose boxes overlap the given one.
+        /// Calls visit(item) for the items with boxes that overlap the given one.
         template <class Visit>
         void visit_overlapping(const Box3& box, const Visit& visit) const {
             for (std::size_t g = 0; g < groups.size(); ++g) {
@@ -64,38 +66,39 @@ class OverlapQueries {
     };
 
     template <class BoxOf>
-    static Box3 bounds(IndexRange range, const BoxOf& box_of) {
+    static Box3 bounds(IndexRange range, const BoxOf& compute_box) {
         Box3 all;
-        for (std::size_t i = range.begin; i < range.end; ++i) all.extend(box_of(i));
+        for (std::size_t i = range.begin; i < range.end; ++i) all.extend(compute_box(i));
         return all;
     }
 
     template <class BoxOf, class Visit>
-    void visit_batch(IndexRange range, const BoxOf& box_of, const Visit& visit) {
+    void visit_batch(IndexRange range, const BoxOf& compute_box, const Visit& visit) {
         about_batch_.clear();
-        tree_->visit_overlapping(bounds(range, box_of),
+        tree_->visit_overlapping(bounds(range, compute_box),
                                  [&](std::uint32_t item) { about_batch_.add(item, boxes_[item]); });
         if (about_batch_.index.size() > kMaxItems && range.size() > 1) {
             const std::size_t middle = range.begin + range.size() / 2;
-            visit_batch({range.begin, middle}, box_of, visit);
-            visit_batch({middle, range.end}, box_of, visit);
+            visit_batch({range.begin, middle}, compute_box, visit);
+            visit_batch({middle, range.end}, compute_box, visit);
             return;
         }
-        if (about_batch_.groups.size() <= kMaxGroups) return visit_part(range, about_batch_, box_of, visit);
+        if (about_batch_.groups.size() <= kMaxGroups)
+            return visit_part(range, about_batch_, compute_box, visit);
         for (std::size_t begin = range.begin; begin < range.end; begin += kPart) {
             const IndexRange part{begin, std::min(range.end, begin + kPart)};
             about_part_.clear();
-            about_batch_.visit_overlapping(bounds(part, box_of),
+            about_batch_.visit_overlapping(bounds(part, compute_box),
                                            [&](std::uint32_t item) { about_part_.add(item, boxes_[item]); });
-            visit_part(part, about_part_, box_of, visit);
+            visit_part(part, about_part_, compute_box, visit);
         }
     }
 
     template <class BoxOf, class Visit>
-    void visit_part(IndexRange range, const Items& items, const BoxOf& box_of, const Visit& visit) {
+    void visit_part(IndexRange range, const Items& items, const BoxOf& compute_box, const Visit& visit) {
         for (std::size_t i = range.begin; i < range.end; ++i) {
             found_.clear();
-            items.visit_overlapping(box_of(i), [&](std::uint32_t item) { found_.push_back(item); });
+            items.visit_overlapping(compute_box(i), [&](std::uint32_t item) { found_.push_back(item); });
             visit(i, std::span<const std::uint32_t>(found_));
         }
     }

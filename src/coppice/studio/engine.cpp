@@ -13,20 +13,22 @@
 #include <utility>
 
 #include "coppice/base/error.h"
+#include "coppice/studio/memory_budget.h"
 #include "coppice/studio/session.h"
-#include "coppice/studio/shares.h"
 
 namespace coppice {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kMostAnswers = 256;   // that are kept for a client
-constexpr std::size_t kMostWaiting = 4096;  // messages of one client
-constexpr std::size_t kMostNames = 64;      // of clients that were here once
+constexpr std::size_t kMaxAnswers = 256;   // stored answers of a client
+constexpr std::size_t kMaxWaiting = 4096;  // queued messages of a client
+constexpr std::size_t kMaxNames = 64;      // known clients, including disconnected ones
 constexpr std::chrono::milliseconds kProgressApart{50};
-constexpr std::chrono::milliseconds kPatience{60};   // with a preview when a newer one is there
-constexpr std::chrono::milliseconds kRunsLong{100};  // after which everybody is told of what runs
+constexpr std::chrono::milliseconds kMaxOverrun{
+    60};  // run time after which a preview is cancelled for a newer one
+constexpr std::chrono::milliseconds kRunsLong{
+    100};  // run time after which all clients are notified of a statement
 constexpr int kVersion = 1;
 
 struct Message {
@@ -36,18 +38,18 @@ struct Message {
     std::size_t bytes = 0;
 };
 
-/// A client that is or was here.
+/// A client that is or was connected.
 struct Client {
-    std::shared_ptr<StudioClient> connection;  ///< none: it is away
-    std::uint64_t taken = 0;                   ///< the last id that came
-    std::uint64_t answered = 0;                ///< the last id that was answered
+    std::shared_ptr<StudioClient> connection;  ///< null: disconnected
+    std::uint64_t taken = 0;                   ///< last id received
+    std::uint64_t answered = 0;                ///< last id answered
     std::deque<std::pair<std::uint64_t, std::string>> answers;
     std::size_t answer_bytes = 0;
-    std::size_t waiting = 0;  ///< its messages in the queue
-    std::uint64_t seen = 0;   ///< when it joined last
+    std::size_t waiting = 0;  ///< number of its messages in the queue
+    std::uint64_t seen = 0;   ///< time of its last join
 };
 
-/// What runs, as those who wait for it are told.
+/// The running statement, as sent to the clients.
 struct Running {
     std::size_t statement = 0;
     std::string text;  ///< its first line
@@ -57,8 +59,8 @@ std::string refusal(std::uint64_t id, const char* kind, const char* error) {
     return Json{{"re", id}, {"ok", false}, {"error", error}, {"kind", kind}}.dump();
 }
 
-/// Whether brackets stand in one another no deeper than messages need: what handles JSON calls itself as
-/// often.
+/// Returns whether the nesting of brackets does not exceed the maximum of messages: JSON is parsed
+/// recursively.
 bool is_shallow(std::string_view text) {
     constexpr int kDeepest = 64;
     int depth = 0;
@@ -118,7 +120,7 @@ class StudioEngine::State {
         Json welcome{
             {"type", "welcome"}, {"version", kVersion}, {"folder", folder_}, {"answered", client.answered}};
         welcome["state"] = *latest_;
-        if (told_) say_what_runs(welcome["state"]);
+        if (reported_) say_what_runs(welcome["state"]);
         client.connection->send_text(welcome.dump());
         forget_names();
     }
@@ -138,8 +140,9 @@ class StudioEngine::State {
         Client& client = found->second;
         const std::uint64_t id = id_of(request);
         if (id == 0) {
-            client.connection->send_text(
-                refusal(0, "input", "a message is a JSON object with an id from 1 on, no deeper than 64"));
+            client.connection->send_text(refusal(
+                0, "input",
+                "a message must be a JSON object with an id of at least 1 and a nesting of at most 64"));
             return;
         }
         if (id <= client.taken) return repeat(name, client, id);
@@ -149,8 +152,8 @@ class StudioEngine::State {
             answer(client, id, Json{{"re", id}, {"ok", true}}.dump());
             return;
         }
-        if (client.waiting >= kMostWaiting || waiting_bytes_ + text.size() > shares_.messages / 2) {
-            answer(client, id, refusal(id, "busy", "too many requests wait already; wait for their answers"));
+        if (client.waiting >= kMaxWaiting || waiting_bytes_ + text.size() > shares_.messages / 2) {
+            answer(client, id, refusal(id, "busy", "too many requests are waiting; wait for their answers"));
             return;
         }
         if (type_of(request) == "preview") drop_previews(name, client);
@@ -178,7 +181,8 @@ class StudioEngine::State {
             std::ranges::any_of(queue_, [&](const Message& m) { return m.client == name && m.id == id; });
         if (waits || (doing_ == std::pair(name, id))) return;
         client.connection->send_text(
-            refusal(id, "busy", "that was done already, and what it gave is not kept any more; ask again"));
+            refusal(id, "busy",
+                    "this request was already done, and its answer is no longer stored; request it again"));
     }
 
     void answer(Client& client, std::uint64_t id, std::string text) {
@@ -186,15 +190,15 @@ class StudioEngine::State {
         if (client.connection) client.connection->send_text(text);
         client.answer_bytes += text.size();
         client.answers.emplace_back(id, std::move(text));
-        // The newest stays, however long it is.
-        while (client.answers.size() > kMostAnswers ||
-               (client.answers.size() > 1 && client.answer_bytes > shares_.messages / 2 / kMostNames)) {
+        // The newest answer is always stored, regardless of its length.
+        while (client.answers.size() > kMaxAnswers ||
+               (client.answers.size() > 1 && client.answer_bytes > shares_.messages / 2 / kMaxNames)) {
             client.answer_bytes -= client.answers.front().second.size();
             client.answers.pop_front();
         }
     }
 
-    /// Only the newest preview of a client counts.
+    /// Removes the waiting previews of a client: only its newest one counts.
     void drop_previews(const std::string& name, Client& client) {
         std::erase_if(queue_, [&](const Message& m) {
             if (m.client != name || type_of(m.request) != "preview") return false;
@@ -205,14 +209,14 @@ class StudioEngine::State {
         });
     }
 
-    /// A preview that takes long has no point any more when its client goes on.
+    /// Cancels a slow preview when its client sends another request.
     void leave_preview(const std::string& name, bool for_another) {
         if (previewing_ != name) return;
-        if (!for_another || Clock::now() - began_ > kPatience) running_.request_stop();
+        if (!for_another || Clock::now() - began_ > kMaxOverrun) running_.request_stop();
     }
 
     void forget_names() {
-        while (clients_.size() > kMostNames) {
+        while (clients_.size() > kMaxNames) {
             auto oldest = clients_.end();
             for (auto at = clients_.begin(); at != clients_.end(); ++at) {
                 if (at->second.connection || at->second.waiting > 0) continue;
@@ -250,7 +254,7 @@ class StudioEngine::State {
         }
     }
 
-    /// Nobody asked for it, and nobody is answered; `cancel` stops it.
+    /// Runs the document at the start; there is no client to answer, and `cancel` stops it.
     void run_what_was_opened() {
         if ((*latest_)["statements"].empty()) return;
         const Message message{.client = {}, .request = {{"type", "ran"}}, .id = 0, .bytes = 0};
@@ -277,7 +281,7 @@ class StudioEngine::State {
             reply = {{"ok", true}, {"dropped", true}};
         reply["re"] = message.id;
         const bool changed = session_.revision() != revision_;
-        if (changed || was_told()) publish();
+        if (changed || was_reported()) publish();
         if (changed) {
             try {
                 session_.keep_journal();
@@ -293,7 +297,7 @@ class StudioEngine::State {
         answer(client, message.id, reply.dump(-1, ' ', false, Json::error_handler_t::replace));
     }
 
-    /// Tells everybody of the state as it is now.
+    /// Sends the current state to all clients.
     void publish() {
         revision_ = session_.revision();
         auto state = std::make_shared<const Json>(session_.state());
@@ -303,13 +307,13 @@ class StudioEngine::State {
         const std::scoped_lock lock(mutex_);
         folder_ = session_.folder();
         latest_ = std::move(state);
-        told_.reset();
+        reported_.reset();
         send_to_all(text);
     }
 
-    bool was_told() {
+    bool was_reported() {
         const std::scoped_lock lock(mutex_);
-        return told_.has_value();
+        return reported_.has_value();
     }
 
     void runs(const std::optional<Document::Running>& running) {
@@ -328,10 +332,10 @@ class StudioEngine::State {
         herald_wake_.notify_all();
     }
 
-    /// Tells everybody of statements that take long, whether they report progress or not.
+    /// Notifies all clients of slow statements, whether they report progress or not.
     void tell_of_what_runs(const std::stop_token& end) {
         std::unique_lock lock(mutex_);
-        // After the end is asked for, waiting returns at once, whatever runs.
+        // After a stop request, waiting returns at once, even while a statement runs.
         while (herald_wake_.wait(lock, end, [&] { return runs_.has_value(); }) && !end.stop_requested()) {
             const Clock::time_point at = tell_at_;
             if (Clock::now() < at) {
@@ -339,8 +343,8 @@ class StudioEngine::State {
                 continue;
             }
             tell_at_ = Clock::now() + kRunsLong;
-            if (told_ == runs_->statement) continue;
-            told_ = runs_->statement;
+            if (reported_ == runs_->statement) continue;
+            reported_ = runs_->statement;
             Json event = *latest_;
             event["type"] = "state";
             say_what_runs(event);
@@ -349,7 +353,7 @@ class StudioEngine::State {
     }
 
     void say_what_runs(Json& state) const {
-        state["running"] = *told_;
+        state["running"] = *reported_;
         state["doing"] = runs_ ? runs_->text : std::string();
     }
 
@@ -386,32 +390,32 @@ class StudioEngine::State {
         }
     }
 
-    const StudioShares shares_;
+    const MemoryBudget shares_;
     BlobStore blobs_;
-    std::mutex mutex_;  ///< for what follows, up to the session
+    std::mutex mutex_;  ///< guards the members up to the session
     std::condition_variable wake_;
     std::deque<Message> queue_;
     std::size_t waiting_bytes_ = 0;
-    std::pair<std::string, std::uint64_t> doing_;  ///< whose request of what id is being done
+    std::pair<std::string, std::uint64_t> doing_;  ///< client and id of the current request
     std::map<std::string, Client> clients_;
-    std::stop_source running_;  ///< of the request that is being done
-    std::string previewing_;    ///< whose preview is being made; empty: none
-    Clock::time_point began_;   ///< when
+    std::stop_source running_;  ///< of the current request
+    std::string previewing_;    ///< client of the current preview; empty: none
+    Clock::time_point began_;   ///< start of the current request
     std::shared_ptr<const Json> latest_;
     std::string folder_;
     std::uint64_t joined_ = 0;
-    std::optional<Running> runs_;      ///< now
-    std::optional<std::size_t> told_;  ///< the statement that everybody believes to be running
-    Clock::time_point tell_at_;        ///< what runs then is told
+    std::optional<Running> runs_;          ///< the running statement
+    std::optional<std::size_t> reported_;  ///< the running statement that clients were notified of
+    Clock::time_point tell_at_;            ///< time of the next notification
     std::condition_variable_any herald_wake_;
 
-    StudioSession session_;  ///< the engine's thread's, like what follows
+    StudioSession session_;  ///< only used by the engine's thread, as are the following members
     std::uint64_t revision_ = 0;
-    const Message* request_ = nullptr;      ///< that is being done
-    std::optional<std::size_t> statement_;  ///< that runs
+    const Message* request_ = nullptr;      ///< the current request
+    std::optional<std::size_t> statement_;  ///< the running statement
     Clock::time_point progressed_;
     std::jthread herald_;
-    std::jthread thread_;  ///< ends before anything that it uses
+    std::jthread thread_;  ///< destroyed before the members that it uses
 };
 
 StudioEngine::StudioEngine(const StudioOptions& options) : state_(std::make_unique<State>(options)) {}

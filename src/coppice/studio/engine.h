@@ -10,46 +10,47 @@
 
 namespace coppice {
 
-/// What is sent, shared by all who send it.
+/// Data to send, shared by all recipients.
 using StudioBytes = std::shared_ptr<const std::string>;
 
-/// What a studio begins with and may do.
+/// Options of a studio.
 struct StudioOptions {
-    SceneSettings scene = {};            ///< `folder` is the one that was opened
-    std::string file = {};               ///< the scene to open, by its name in the folder; empty: a new one
-    std::filesystem::path journal = {};  ///< where the document is kept after every change; empty: nowhere
-    /// The user's own menus, which may start programs: never files of the folder that is open, which may be
-    /// somebody else's. Those that are not there are passed over.
+    SceneSettings scene = {};            ///< `folder` is the opened folder
+    std::string file = {};               ///< name of the scene to open in the folder; empty: a new scene
+    std::filesystem::path journal = {};  ///< file that stores the document after every change; empty: none
+    /// The user's own menus, which may start programs: never files of the opened folder, which may come from
+    /// another person. Missing files are skipped.
     std::vector<std::filesystem::path> menus = {};
 };
 
-/// Somebody who is connected: a tab, or a test. Called on the engine's thread; must not block or throw.
+/// A connected client: a tab, or a test. Called on the engine's thread; must not block or throw.
 class StudioClient {
   public:
-    virtual ~StudioClient() = default;                ///< is not called any more
-    virtual void send_text(std::string message) = 0;  ///< a message of the protocol, as JSON
-    virtual void send_binary(StudioBytes frame) = 0;  ///< geometry in the form of the protocol
+    virtual ~StudioClient() = default;                ///< not called by the engine
+    virtual void send_text(std::string message) = 0;  ///< sends a message of the protocol, as JSON
+    virtual void send_binary(StudioBytes frame) = 0;  ///< sends geometry in the format of the protocol
 };
 
-/// The engine of a studio: one thread that owns the document and does what messages ask for, in order.
-/// docs/library/studio-protocol.md says what they are. Knows nothing of sockets or tokens. All functions may
-/// be called from any thread.
+/// The engine of a studio: one thread that owns the document and processes messages in order. The messages
+/// are documented in docs/library/studio-protocol.md. Independent of sockets and tokens. All functions are
+/// thread-safe.
 class StudioEngine {
   public:
     explicit StudioEngine(
-        const StudioOptions& options);  ///< starts the thread; throws IoError for a file it cannot read
-    ~StudioEngine();                    ///< stops what runs and waits for it
+        const StudioOptions& options);  ///< starts the thread; throws IoError if a file cannot be read
+    ~StudioEngine();                    ///< cancels the current request and waits for it
     StudioEngine(const StudioEngine&) = delete;
     StudioEngine& operator=(const StudioEngine&) = delete;
 
-    /// A client of that name comes, or comes back on another connection: it gets `welcome` first.
+    /// Adds a client, or reconnects one: the first message that it receives is `welcome`.
     void join(const std::string& name, std::shared_ptr<StudioClient> client);
-    /// The connection is gone; a name that joined anew in the meantime stays.
+    /// Removes a connection; a client of the same name that has joined again since then stays.
     void leave(const std::string& name, const StudioClient* client);
-    /// A message of a client that has joined. Never throws for what it says.
+    /// Queues a message of a client that has joined. Never throws because of its content.
     void post(const std::string& name, const std::string& message);
 
-    /// The geometry of that key; nullptr when there is none any more. May take as long as making it does.
+    /// Returns the geometry of that key; nullptr if it no longer exists. May take as long as computing the
+    /// geometry.
     StudioBytes blob(std::string_view key) const;
 
   private:

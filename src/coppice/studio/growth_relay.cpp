@@ -12,13 +12,13 @@ namespace coppice::studio_internal {
 namespace {
 
 constexpr std::chrono::milliseconds kApart{100};
-constexpr int kShare = 50;        // one part of so many of the time is taken
-constexpr std::size_t kHeld = 2;  // skeletons: the newest, and the one before it while that is encoded
-constexpr std::uint64_t kBytesOfNode = 64;  // with what making a skeleton takes
+constexpr int kShare = 50;        // at most 1/kShare of the time is spent
+constexpr std::size_t kHeld = 2;  // skeletons: the newest, and the previous one while it is being encoded
+constexpr std::uint64_t kBytesOfNode = 64;  // including the memory to create a skeleton
 
 }  // namespace
 
-/// What one growth has so far. Whoever comes late takes what is newest then.
+/// The current result of a growth. Late readers receive the newest one.
 struct GrowthRelay::Newest {
     std::mutex mutex;
     ObjectPtr object;
@@ -41,7 +41,7 @@ void GrowthRelay::take(const GrowthSoFar& so_far) {
                         .until = fmt::format("{}={}", so_far.limit, so_far.rounds),
                         .key = {}};
     const auto start = Clock::now();
-    if (!tell_ || start < next_ || so_far.nodes * kBytesOfNode > most_bytes_ / kHeld) return;
+    if (!tell_ || start < next_ || so_far.nodes * kBytesOfNode > max_bytes_ / kHeld) return;
     last_->key = offer(so_far.skeleton());
     tell_(*last_);
     const auto end = Clock::now();
@@ -57,7 +57,7 @@ std::string GrowthRelay::offer(Skeleton skeleton) {
     std::string key = fmt::format("grown-{}", count_);
     blobs_.offer(key, [growth = std::weak_ptr(newest_)]() -> std::optional<std::string> {
         const std::shared_ptr<Newest> newest = growth.lock();
-        if (!newest) return std::string();  // another growth has begun: who is late has done no wrong
+        if (!newest) return std::string();  // another growth has started; late requests are not an error
         std::unique_lock lock(newest->mutex);
         const ObjectPtr object = newest->object;
         const GeometryHead head{ObjectKind::skeleton, {}, newest->version, {}};

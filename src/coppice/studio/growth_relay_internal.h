@@ -14,21 +14,22 @@
 
 namespace coppice::studio_internal {
 
-/// Hands out what growth has so far as blobs, without holding it up: at most ten times a second, and in at
-/// most a fiftieth of the time. One thread's; the blobs are encoded by those who fetch them, and are
-/// empty once the next growth has begun.
+/// Publishes intermediate results of a growth as blobs with little delay to it: at most ten times a second,
+/// and in at most a fiftieth of the time. For one thread; the blobs are encoded by the readers, and are empty
+/// after the next growth has started.
 class GrowthRelay {
   public:
-    using Tell = std::function<void(const StudioGrown&)>;  ///< told that there is more
+    using Tell = std::function<void(const StudioGrown&)>;  ///< called when there is a new result
 
-    /// What is handed out takes up to so many bytes.
-    GrowthRelay(BlobStore& blobs, std::uint64_t most_bytes) : blobs_(blobs), most_bytes_(most_bytes) {}
+    /// `max_bytes` limits the memory of published results.
+    GrowthRelay(BlobStore& blobs, std::uint64_t max_bytes) : blobs_(blobs), max_bytes_(max_bytes) {}
 
-    void tell(Tell tell) { tell_ = std::move(tell); }  ///< from now on
-    void begin_request() { last_.reset(); }            ///< what has grown before is no matter any more
-    void runs(std::optional<std::size_t> statement);   ///< from now on; none: nothing is handed out any more
-    void take(const GrowthSoFar& so_far);              ///< of the statement that runs
-    const std::optional<StudioGrown>& last() const { return last_; }  ///< how far growth came in this request
+    void tell(Tell tell) { tell_ = std::move(tell); }  ///< sets the callback
+    void begin_request() { last_.reset(); }            ///< forgets earlier growth
+    void runs(
+        std::optional<std::size_t> statement);  ///< the running statement; nullopt: nothing is published
+    void take(const GrowthSoFar& so_far);       ///< result of the running statement
+    const std::optional<StudioGrown>& last() const { return last_; }  ///< the last result within this request
 
   private:
     struct Newest;
@@ -38,11 +39,11 @@ class GrowthRelay {
     using Clock = std::chrono::steady_clock;
 
     BlobStore& blobs_;
-    std::uint64_t most_bytes_;
+    std::uint64_t max_bytes_;
     Tell tell_;
     std::optional<std::size_t> statement_;
     std::optional<StudioGrown> last_;
-    Clock::time_point next_;  ///< nothing is handed out before
+    Clock::time_point next_;  ///< time of the next publication
     std::shared_ptr<Newest> newest_ = nullptr;
     std::uint64_t count_ = 0;
 };

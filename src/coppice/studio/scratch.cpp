@@ -19,7 +19,7 @@ std::filesystem::path Scratch::next(std::string_view ending) {
         std::error_code error;
         std::string name = (std::filesystem::temp_directory_path(error) / "coppice-XXXXXX").string();
         if (error || ::mkdtemp(name.data()) == nullptr)
-            throw IoError(fmt::format("no folder can be made for temporary files, as {}", name));
+            throw IoError(fmt::format("cannot create a folder for temporary files: {}", name));
         folder_ = name;
     }
     return folder_ / fmt::format("{}{}", ++count_, ending);

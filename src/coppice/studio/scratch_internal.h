@@ -5,7 +5,7 @@
 
 namespace coppice::studio_internal {
 
-/// Files for programs to read, in a folder of their own that nobody else sees, which goes in the end.
+/// Temporary files for programs, in a private folder that is removed on destruction.
 class Scratch {
   public:
     Scratch() = default;
@@ -13,11 +13,11 @@ class Scratch {
     Scratch(const Scratch&) = delete;
     Scratch& operator=(const Scratch&) = delete;
 
-    /// A new name with that ending. Throws IoError where there can be no folder.
+    /// Returns a new name with that extension. Throws IoError if the folder cannot be created.
     std::filesystem::path next(std::string_view ending);
 
   private:
-    std::filesystem::path folder_;  ///< made when it is needed first
+    std::filesystem::path folder_;  ///< created on first use
     int count_ = 0;
 };
 

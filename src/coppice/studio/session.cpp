@@ -9,16 +9,16 @@
 #include <system_error>
 
 #include "coppice/base/error.h"
-#include "coppice/io/file.h"
 #include "coppice/studio/session_internal.h"
+#include "coppice/system/file.h"
 
 namespace coppice {
 namespace studio_internal {
 
 namespace {
 
-constexpr std::size_t kMostNames = 100;  // of what undo takes back
-constexpr double kMostCount = 1e9;
+constexpr std::size_t kMaxNames = 100;  // maximum number of listed undo steps
+constexpr double kMaxCount = 1e9;
 
 const Json* field_of(const Json& fields, const char* name) {
     const auto found = fields.find(name);
@@ -28,7 +28,7 @@ const Json* field_of(const Json& fields, const char* name) {
 ObjectKind kind_called(const std::string& name) {
     const auto found = std::ranges::find(EnumNames<ObjectKind>::names, name);
     if (found == EnumNames<ObjectKind>::names.end())
-        throw InvalidInput(fmt::format("'{}' is no kind of object", name.substr(0, 40)));
+        throw InvalidInput(fmt::format("'{}' is not a kind of object", name.substr(0, 40)));
     return static_cast<ObjectKind>(found - EnumNames<ObjectKind>::names.begin());
 }
 
@@ -41,14 +41,14 @@ const ObjectNotes::Note& ObjectNotes::of(const ObjectPtr& object) {
     }
     const auto found = known_.find(object);
     if (found != known_.end()) return found->second;
-    return known_.emplace(object, Note{++last_, bounds_of(*object)}).first->second;
+    return known_.emplace(object, Note{++last_, compute_bounds(*object)}).first->second;
 }
 
 ObjectPtr Studio::object(ObjectKind kind, const std::string& name) const {
     const SceneObjects& objects = document.scene().state().objects;
     const auto found = objects.find({kind, name});
     if (found == objects.end())
-        throw InvalidInput(fmt::format("there is no {} called '{}'", name_of(kind), name.substr(0, 80)));
+        throw InvalidInput(fmt::format("there is no {} '{}'", name_of(kind), name.substr(0, 80)));
     return found->second;
 }
 
@@ -58,15 +58,15 @@ void Studio::reserve(double bytes) const {
     const double held = static_cast<double>(scene.state().bytes);
     if (held + bytes <= scene.settings().max_memory * kMebibyte) return;
     throw InvalidInput(
-        fmt::format("this may take {:.1f} MiB beside the {:.1f} that are held, and {} are allowed; ask for "
-                    "less, or give the studio more with --max-memory",
+        fmt::format("this may take {:.1f} MiB in addition to the current {:.1f}, and {} are allowed; reduce "
+                    "the request, or give the studio more with --max-memory",
                     bytes / kMebibyte, held / kMebibyte, scene.settings().max_memory));
 }
 
 const std::string& Request::text(const char* field) const {
     const Json* found = field_of(fields, field);
     if (found == nullptr || !found->is_string())
-        throw InvalidInput(fmt::format("the request needs a text '{}'", field));
+        throw InvalidInput(fmt::format("the request requires a text '{}'", field));
     return found->get_ref<const std::string&>();
 }
 
@@ -77,15 +77,15 @@ std::string Request::text(const char* field, const char* otherwise) const {
 double Request::number(const char* field) const {
     const Json* found = field_of(fields, field);
     if (found == nullptr || !found->is_number())
-        throw InvalidInput(fmt::format("the request needs a number '{}'", field));
+        throw InvalidInput(fmt::format("the request requires a number '{}'", field));
     return found->get<double>();
 }
 
 std::size_t Request::count(const char* field, std::size_t otherwise) const {
     if (field_of(fields, field) == nullptr) return otherwise;
     const double n = number(field);
-    if (!(n >= 0 && n <= kMostCount) || n != std::floor(n))
-        throw InvalidInput(fmt::format("'{}' takes a whole number", field));
+    if (!(n >= 0 && n <= kMaxCount) || n != std::floor(n))
+        throw InvalidInput(fmt::format("'{}' must be a whole number", field));
     return static_cast<std::size_t>(n);
 }
 
@@ -103,7 +103,7 @@ std::optional<Document::Name> Request::about() const {
     return Document::Name{inner.kind(), inner.text("name")};
 }
 
-std::string run_beside(const Studio& studio, const std::string& line, const Context& ctx) {
+std::string run_alongside(const Studio& studio, const std::string& line, const Context& ctx) {
     Scene scene = studio.document.scene();
     return scene.run(line, {}, ctx);
 }
@@ -144,8 +144,8 @@ Json state_of(Studio& studio) {
             {"doing", ""},
             {"error", error},
             {"objects", objects},
-            {"undo", document.undo_names(kMostNames)},
-            {"redo", document.redo_names(kMostNames)},
+            {"undo", document.undo_names(kMaxNames)},
+            {"redo", document.redo_names(kMaxNames)},
             {"file", document.file()},
             {"saved", studio.is_saved()},
             {"recovered", studio.recovered}};
@@ -155,7 +155,7 @@ Json json_of(const StudioGrown& grown) {
     return {{"statement", grown.statement}, {"nodes", grown.nodes}, {"until", grown.until}};
 }
 
-/// What a request named is said as it is, but on one line.
+/// Messages may quote names of the request, which must stay on one line.
 Json refusal(const char* kind, std::string error) {
     std::ranges::replace_if(
         error, [](unsigned char c) { return c < ' '; }, ' ');
@@ -171,11 +171,11 @@ using studio_internal::Studio;
 
 namespace {
 
-/// Files have a folder that they do not lead out of, whoever makes the session; growth has the relay.
+/// Restricts files to the folder for every session; connects growth to the relay.
 StudioOptions settled(StudioOptions options, studio_internal::GrowthRelay& relay) {
     SceneSettings& scene = options.scene;
     if (scene.folder.empty()) scene.folder = ".";
-    if (!scene.jail) scene.jail = std::make_shared<const Jail>(scene.folder);
+    if (!scene.sandbox) scene.sandbox = std::make_shared<const FolderSandbox>(scene.folder);
     scene.watch = [&relay](const GrowthSoFar& so_far) { relay.take(so_far); };
     return options;
 }
@@ -185,7 +185,7 @@ StudioOptions settled(StudioOptions options, studio_internal::GrowthRelay& relay
 class StudioSession::State {
   public:
     State(const StudioOptions& options, BlobStore& blobs, Frames frames)
-        : relay_(blobs, StudioShares(options.scene.max_memory).growth),
+        : relay_(blobs, MemoryBudget(options.scene.max_memory).growth),
           studio_(settled(options, relay_), blobs, std::move(frames)) {
         for (const auto& requests : {studio_internal::document_requests(), studio_internal::view_requests(),
                                      studio_internal::preview_requests(), studio_internal::check_requests(),
@@ -218,10 +218,11 @@ class StudioSession::State {
         } catch (const Error& error) {
             return refusal("input", error.what());
         } catch (const std::bad_alloc&) {
-            return refusal("memory",
-                           "there is not enough memory for that; give less to do, or more by --max-memory");
+            return refusal(
+                "memory",
+                "there is not enough memory for this; reduce the request, or allow more by --max-memory");
         } catch (const Json::exception&) {
-            return refusal("input", "the request has a field of the wrong kind");
+            return refusal("input", "a field of the request has an invalid type");
         } catch (const std::exception& error) {
             return refusal("internal", error.what());
         }
@@ -257,8 +258,8 @@ class StudioSession::State {
     void open() {
         const std::string& file = studio_.options.file;
         std::string text;
-        if (!file.empty()) text = read_file(studio_.jail().to_read(file));
-        // Texts are compared as the document writes them: with a line end behind the last line.
+        if (!file.empty()) text = read_file(studio_.sandbox().to_read(file));
+        // Texts are compared in the form that the document writes: with a line end after the last line.
         studio_.document.begin_with(text, file);
         studio_.note_saved();
         std::error_code ignored;
@@ -270,11 +271,11 @@ class StudioSession::State {
         journal_saved_ = !studio_.recovered;
     }
 
-    studio_internal::GrowthRelay relay_;  ///< before what grows
+    studio_internal::GrowthRelay relay_;  ///< the text before the running growth
     Studio studio_;
     std::map<std::string, Handler> handlers_;
-    std::string journal_;        ///< the text that it keeps
-    bool journal_saved_ = true;  ///< it is gone, since the text was saved
+    std::string journal_;        ///< the text in the journal
+    bool journal_saved_ = true;  ///< removed, because the text is saved
 };
 
 StudioSession::StudioSession(const StudioOptions& options, BlobStore& blobs, Frames frames)

@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "coppice/base/error.h"
+#include "coppice/base/id.h"
 #include "coppice/base/parallel.h"
 
 namespace coppice {
 namespace {
 
-constexpr std::uint32_t kNone = CageTopology::kNone;
 constexpr std::size_t kVertexGrain = 4096;
 constexpr std::size_t kFaceGrain = 4096;
 constexpr std::uint32_t kMaxFaces = 1u << 29;  // half-edges and 2 edge + direction fit 32 bits
@@ -39,13 +39,13 @@ void check_quads(std::span<const Quad> quads, std::uint32_t vertex_count, const 
                     q[0], q[1], q[2], q[3], vertex_count));
 }
 
-// What one range of lower vertices contributes.
+// Result of one range of lower vertices.
 struct EdgeRun {
     std::vector<std::array<std::uint32_t, 2>> edges;
-    std::array<std::uint32_t, 2> bad = {kNone, kNone};  // ends of the first edge that is not manifold
+    std::array<std::uint32_t, 2> bad = {kNoIndex, kNoIndex};  // ends of the first edge that is not manifold
 };
 
-// A half-edge at vertex u whose other end is higher, sorted by that end, outgoing before incoming.
+// A half-edge at vertex u with a higher other end, sorted by that end, outgoing before incoming.
 std::uint64_t entry(std::uint32_t other, bool incoming, std::uint32_t half) {
     return std::uint64_t{other} << 32 | std::uint64_t{incoming} << 31 | half;
 }
@@ -53,7 +53,7 @@ std::uint32_t other_end(std::uint64_t e) { return static_cast<std::uint32_t>(e >
 bool is_incoming(std::uint64_t e) { return (e >> 31 & 1) != 0; }
 std::uint32_t half_of(std::uint64_t e) { return static_cast<std::uint32_t>(e & 0x7fffffffu); }
 
-// Fans are short: insertion beats std::sort's overhead; hubs go to std::sort.
+// Fans are short: insertion sort avoids the overhead of std::sort; hubs use std::sort.
 void sort_entries(std::span<std::uint64_t> entries) {
     if (entries.size() > 32) return std::sort(entries.begin(), entries.end());
     for (std::size_t i = 1; i < entries.size(); ++i) {
@@ -71,8 +71,8 @@ void pair_half_edges(std::span<const std::uint64_t> entries, std::uint32_t u, Ed
         while (end < entries.size() && other_end(entries[end]) == other) ++end;
         const bool manifold =
             end - i == 1 || (end - i == 2 && !is_incoming(entries[i]) && is_incoming(entries[i + 1]));
-        if (!manifold && run.bad[0] == kNone) run.bad = {u, other};
-        std::array<std::uint32_t, 2> pair{kNone, kNone};
+        if (!manifold && run.bad[0] == kNoIndex) run.bad = {u, other};
+        std::array<std::uint32_t, 2> pair{kNoIndex, kNoIndex};
         for (std::size_t k = i; k < end; ++k) pair[is_incoming(entries[k])] = half_of(entries[k]);
         run.edges.push_back(pair);
         i = end;
@@ -107,7 +107,7 @@ void build_edges(CageTopology& t, const Context& ctx) {
     });
     std::vector<std::uint32_t> first(runs.size());
     for (std::size_t r = 0; r < runs.size(); ++r) {
-        if (const auto& bad = runs[r].bad; bad[0] != kNone) {
+        if (const auto& bad = runs[r].bad; bad[0] != kNoIndex) {
             throw InvalidInput(
                 fmt::format("edge {}-{} of the cage must have one face, or two faces that run along it in "
                             "opposite directions",
@@ -121,7 +121,7 @@ void build_edges(CageTopology& t, const Context& ctx) {
         std::uint32_t e = first[r];
         for (const auto& pair : runs[r].edges) {
             for (std::uint32_t k = 0; k < 2; ++k) {
-                if (pair[k] != kNone) t.side[pair[k] >> 2][pair[k] & 3] = 2 * e + k;
+                if (pair[k] != kNoIndex) t.side[pair[k] >> 2][pair[k] & 3] = 2 * e + k;
             }
             t.edge_half[e++] = pair;
         }
@@ -130,7 +130,7 @@ void build_edges(CageTopology& t, const Context& ctx) {
 
 void mark_boundary(CageTopology& t) {
     for (const auto& pair : t.edge_half) {
-        if (pair[0] != kNone && pair[1] != kNone) continue;
+        if (pair[0] != kNoIndex && pair[1] != kNoIndex) continue;
         if (t.on_boundary.empty()) t.on_boundary.assign(t.vertex_count(), std::uint8_t{0});
         const std::uint32_t half = std::min(pair[0], pair[1]);
         t.on_boundary[t.corner(half)] = 1;

@@ -58,11 +58,11 @@ std::uint64_t refined_vertex_count(const CageTopology& cage, int level) {
     return cage.vertex_count() + inside * cage.edge_count() + inside * inside * cage.face_count();
 }
 
-void check_size(std::uint64_t count, const char* what, int levels) {
+void check_size(std::uint64_t count, const char* subject, int levels) {
     if (count <= kMaxCount) return;
     throw InvalidInput(
-        fmt::format("{} levels of subdivision would make {} {}, use fewer levels to stay below {}", levels,
-                    count, what, kMaxCount));
+        fmt::format("{} levels of subdivision would create {} {}, use fewer levels to stay below {}", levels,
+                    count, subject, kMaxCount));
 }
 
 }  // namespace
@@ -71,7 +71,7 @@ PatchRefinement::PatchRefinement(std::span<const Quad> quads, std::uint32_t vert
                                  const Context& ctx)
     : levels_(levels) {
     if (levels < 0 || levels > kMaxLevels) {
-        throw InvalidInput(fmt::format("levels is {}, but must lie in 0 to {}", levels, kMaxLevels));
+        throw InvalidInput(fmt::format("levels is {}, but must be from 0 to {}", levels, kMaxLevels));
     }
     check_size(std::uint64_t{quads.size()} << (2 * levels), "quads", levels);
     cage_ = build_cage_topology(quads, vertex_count, ctx);

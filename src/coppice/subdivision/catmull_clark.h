@@ -5,6 +5,7 @@
 
 #include "coppice/base/column.h"
 #include "coppice/base/context.h"
+#include "coppice/base/id.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/subdivision/cage_topology.h"
 
@@ -16,45 +17,45 @@ namespace coppice {
 /// After k levels every cage quad is a grid of n x n quads, n = 2^k, and all indices are closed forms:
 ///
 /// * vertices: those of the cage; n - 1 inside each cage edge, from its lower to its higher vertex; (n - 1)^2
-///   inside each cage quad, row by row: corner 0 at (0, 0), corner 1 at (n, 0), corner 3 at (0, n);
+/// inside each cage quad, row by row: corner 0 at (0, 0), corner 1 at (n, 0), corner 3 at (0, n);
 /// * quads: n^2 per cage quad, row by row, starting at the same corner as the cage quad.
 ///
-/// Only cage vertices can be irregular: everything else is a product of the cubic B-spline rules along two
-/// directions.
+/// Only cage vertices can be irregular: all other vertices are a product of the cubic B-spline rules along
+/// two directions.
 ///
-/// Boundary edges follow the cubic B-spline rule, corners of a single quad too (OpenSubdiv's
-/// VTX_BOUNDARY_EDGE_ONLY). A vertex without quads stays in place. Any valence is allowed.
+/// Boundary edges follow the cubic B-spline rule, including corners of a single quad (OpenSubdiv's
+/// VTX_BOUNDARY_EDGE_ONLY). A vertex without quads keeps its position. Any valence is allowed.
 class PatchRefinement {
   public:
     static constexpr int kMaxLevels = 6;  ///< quads become 4096 times as many
 
     /// Throws InvalidInput for a cage that is not manifold (see build_cage_topology), for levels below 0 or
-    /// above kMaxLevels, and, before anything of that size is allocated, when more than 2^31 vertices or
+    /// above kMaxLevels, and, before any memory of that size is allocated, if more than 2^31 vertices or
     /// quads would result. O(cage).
     PatchRefinement(std::span<const Quad> quads, std::uint32_t vertex_count, int levels,
                     const Context& ctx = {});
 
     const CageTopology& cage() const { return cage_; }            ///< edges and fans of the cage
-    int levels() const { return levels_; }                        ///< times that it is refined
-    std::uint32_t vertex_count() const { return vertex_count_; }  ///< refined ones
-    std::uint32_t quad_count() const { return cage_.face_count() << (2 * levels_); }  ///< refined ones
+    int levels() const { return levels_; }                        ///< number of refinements
+    std::uint32_t vertex_count() const { return vertex_count_; }  ///< of refined ones
+    std::uint32_t quad_count() const { return cage_.face_count() << (2 * levels_); }  ///< of refined ones
 
-    /// The refined quads, in the order above. O(quads).
+    /// Returns the refined quads, in the order above. O(quads).
     Buffer<Quad> quads(const Context& ctx = {}) const;
 
-    /// The cage's points after `levels` exact Catmull-Clark steps. One value per cage vertex in, one per
-    /// refined vertex out. The same bits for any number of threads.
+    /// Returns the cage's points after `levels` exact Catmull-Clark steps: one value per refined vertex from
+    /// one per cage vertex. The result does not depend on the number of threads.
     Buffer<Vec3> refine(std::span<const Vec3> cage_points, const Context& ctx = {}) const;
 
-    /// Most vertices that one cage quad can own.
+    /// Returns the maximum number of vertices that one cage quad can own.
     std::uint32_t max_owned() const { return ((1u << levels_) + 1) * ((1u << levels_) + 1); }
 
-    /// Writes the refined vertices that count as those of one cage quad: its inside, and the edges and
-    /// corners that no earlier quad has. Over all quads every vertex that has a quad appears once. Returns
-    /// how many; out holds max_owned().
+    /// Writes the refined vertices that one cage quad owns: its inside, and the edges and corners that no
+    /// earlier quad has. Over all quads every vertex that has a quad appears once. Returns their number;
+    /// `out` has space for max_owned().
     std::uint32_t owned_vertices(std::uint32_t cage_quad, std::span<std::uint32_t> out) const;
 
-    /// Per refined vertex, the cage quad that counts it as its own; CageTopology::kNone without quads.
+    /// Returns per refined vertex the cage quad that owns it; kNoIndex without quads.
     Buffer<std::uint32_t> owners() const;
 
   private:

@@ -1,12 +1,13 @@
 #include <algorithm>
 
 #include "coppice/base/disjoint_sets.h"
+#include "coppice/base/id.h"
 #include "coppice/subdivision/fold_clusters.h"
 
 namespace coppice {
 namespace {
 
-constexpr int kRings = 4;  // of faces around the bad ones: unfolding takes two, and may spread by as many
+constexpr int kRings = 4;  // of faces around the bad ones: unfolding uses two and may spread by two
 
 // The corners of the bad faces and of the rings around them, and all faces that have such a corner; both
 // ascending.
@@ -39,12 +40,12 @@ struct Surroundings {
     }
 };
 
-// The rows that hold values[i] for the keys, with the place in its row of each.
+// Rows of values[i] by key, with the index in its row of each.
 CompressedRows<std::uint32_t> rows_of(std::span<const std::uint32_t> values,
                                       std::span<const std::uint32_t> keys, std::size_t rows) {
     return compress_rows<std::uint32_t>(rows, [&](const auto& put) {
         for (std::size_t i = 0; i < values.size(); ++i) {
-            if (keys[i] != kNoRow) put(keys[i], values[i]);
+            if (keys[i] != kNoIndex) put(keys[i], values[i]);
         }
     });
 }
@@ -67,13 +68,13 @@ FoldClusters::FoldClusters(std::span<const std::uint32_t> all_bad, std::size_t v
         movable_.add(around.vertices[i]);
         vertex_place_[around.vertices[i]] = i;
     }
-    // What has a face in common is one cluster.
+    // Vertices with a common face belong to one cluster.
     DisjointSets sets(around.vertices.size());
     const auto first_movable = [&](std::uint32_t face) {
-        std::uint32_t first = kNoRow;
+        std::uint32_t first = kNoIndex;
         for (const std::uint32_t v : stars.quad(face)) {
             if (!may_move(v)) continue;
-            if (first == kNoRow) first = vertex_place_[v];
+            if (first == kNoIndex) first = vertex_place_[v];
             sets.join(first, vertex_place_[v]);
         }
         return first;
@@ -85,14 +86,14 @@ FoldClusters::FoldClusters(std::span<const std::uint32_t> all_bad, std::size_t v
     for (std::uint32_t i = 0; i < cluster.size(); ++i)
         cluster[i] = sets.find(i) == i ? count++ : cluster[sets.find(i)];
     const auto to_cluster = [&](std::uint32_t& key) {
-        if (key != kNoRow) key = cluster[key];
+        if (key != kNoIndex) key = cluster[key];
     };
     std::ranges::for_each(key_of_face, to_cluster);
     std::vector<std::uint32_t> key_of_bad;
     for (const std::uint32_t face : all_bad) {
         key_of_bad.push_back(first_movable(face));
         to_cluster(key_of_bad.back());
-        if (key_of_bad.back() == kNoRow) fixed.push_back(face);
+        if (key_of_bad.back() == kNoIndex) fixed.push_back(face);
     }
     vertices = rows_of(around.vertices, cluster, count);
     faces = rows_of(around.faces, key_of_face, count);

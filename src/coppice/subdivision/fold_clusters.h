@@ -12,30 +12,31 @@
 
 namespace coppice {
 
-/// Bad faces in clusters so far apart that what is done about one never sees another: each has the vertices
-/// within some rings of its bad faces for its own, and no face has vertices of two clusters. What becomes of
-/// a cluster then depends on nothing that lies elsewhere, and clusters can be worked on side by side.
+/// Bad faces in clusters that are so far apart that the processing of one does not affect another: each owns
+/// the vertices within some rings of its bad faces, and no face has vertices of two clusters. The result for
+/// a cluster then depends on no other part of the surface, and clusters can be processed in parallel.
 struct FoldClusters {
-    CompressedRows<std::uint32_t> vertices;  ///< by cluster, ascending: that may move, none on a boundary
-    CompressedRows<std::uint32_t> faces;     ///< by cluster, ascending: all that have such a vertex
-    CompressedRows<std::uint32_t> bad;       ///< by cluster, ascending: of the faces, those that are bad
-    std::vector<std::uint32_t> fixed;        ///< bad faces all of whose vertices lie on boundaries
+    CompressedRows<std::uint32_t> vertices;  ///< by cluster, ascending: may move, not on a boundary
+    CompressedRows<std::uint32_t> faces;     ///< by cluster, ascending: all faces that have such a vertex
+    CompressedRows<std::uint32_t> bad;       ///< by cluster, ascending: the bad faces among these
+    std::vector<std::uint32_t> fixed;        ///< bad faces with all vertices on boundaries
 
     /// number of clusters
     std::size_t size() const { return vertices.size(); }
-    /// Whether a vertex is one of a cluster's own.
+    /// Returns whether a vertex belongs to a cluster.
     bool may_move(std::uint32_t vertex) const { return movable_.contains(vertex); }
-    /// The place in its row of a vertex that may move.
+    /// Returns the index in its row of a vertex that may move.
     std::uint32_t vertex_place(std::uint32_t vertex) const { return vertex_place_[vertex]; }
-    /// The place in its row of a face that has such a vertex.
+    /// Returns the index in its row of a face that has such a vertex.
     std::uint32_t face_place(std::uint32_t face) const { return face_place_[face]; }
 
-    /// `bad` ascends. Costs what the clusters have, and a bit per vertex and face.
+    /// `bad` is ascending. The cost is proportional to the size of the clusters, plus a bit per vertex and
+    /// face.
     FoldClusters(std::span<const std::uint32_t> bad, std::size_t vertex_count, const PatchStars& stars);
 
   private:
     NumberSet movable_;
-    Buffer<std::uint32_t> vertex_place_, face_place_;  ///< only those that are asked for are set
+    Buffer<std::uint32_t> vertex_place_, face_place_;  ///< only the requested entries are set
 };
 
 }  // namespace coppice

@@ -12,11 +12,11 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kPointsPerBlock = 512;  // small enough for the first cache
+constexpr std::size_t kPointsPerBlock = 512;  // small enough for the first-level cache
 constexpr std::size_t kFacesPerRange = 1 << 15;
 
-// Points of some cage quads, one array per coordinate: quad (i, j) of a patch has the corners k, k + 1,
-// k + N + 2, k + N + 1 with k = j (N + 1) + i. The last row and column start no quad.
+// Points of some cage quads, one array per coordinate: quad (i, j) of a patch has the corners k, k + 1, k + N
+// + 2, k + N + 1 with k = j (N + 1) + i. No quad begins in the last row or column.
 template <int N>
 class Block {
   public:
@@ -32,7 +32,7 @@ class Block {
         const float reach = std::max({extent(mesh.positions[grid[0][N]] - origin),
                                       extent(mesh.positions[grid[N][N]] - origin),
                                       extent(mesh.positions[grid[N][0]] - origin)});
-        const float scale = scale_of(reach);
+        const float scale = compute_scale(reach);
         std::size_t k = begin;
         for (const auto& row : grid) {
             for (const std::uint32_t v : row) {

@@ -18,9 +18,9 @@ struct FoldedFaces {
     std::span<const Vec3> anchors;
     float quality;
 
-    // The bad faces of the whole mesh, ascending. Fast when there are few.
+    // Returns the bad faces of the whole mesh, ascending. Fast if there are few.
     std::vector<std::uint32_t> all(const PatchRefinement& patches, const Context& ctx) const;
-    // The same test on one face.
+    // Applies the same test to one face.
     bool is_bad(const Quad& face) const;
 };
 
@@ -31,7 +31,8 @@ struct FaceColumns {
     std::size_t row;
 };
 
-// bad[k] = bad_face of face k where starts[k] is 1, else 0; true when any is bad. Vector code.
+// Sets bad[k] to bad_face of face k where starts[k] is 1, else to 0; returns whether a face is bad. Vector
+// code.
 bool mark_bad_faces(const FaceColumns& columns, std::size_t count, FaceLimits limits,
                     const std::int32_t* starts, std::int32_t* bad);
 

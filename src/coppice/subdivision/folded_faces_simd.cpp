@@ -9,7 +9,7 @@ HWY_BEFORE_NAMESPACE();
 
 namespace coppice::HWY_NAMESPACE {
 
-// A plain loop: compilers make vector code of it for each instruction set.
+// A plain loop, which compilers vectorise for each instruction set.
 bool mark_all(const FaceColumns& columns, std::size_t count, FaceLimits limits,
               const std::int32_t* HWY_RESTRICT starts, std::int32_t* HWY_RESTRICT bad) {
     const float* HWY_RESTRICT x = columns.x;

@@ -109,7 +109,9 @@ HalfedgeMesh build_halfedges(std::span<const Vec3> points, std::span<const Quad>
         const std::int32_t to = mesh.vertex[next(h)];
         if (!by_ends.emplace(std::pair{from, to}, h).second) {
             throw InvalidInput(
-                fmt::format("two quads run from vertex {} to vertex {}, turn one of them around", from, to));
+                fmt::format("two quads have the edge from vertex {} to vertex {} in the same direction, "
+                            "reverse one of them",
+                            from, to));
         }
         const auto other = by_ends.find({to, from});
         if (other == by_ends.end()) {

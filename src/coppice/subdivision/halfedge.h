@@ -9,15 +9,15 @@
 
 namespace coppice {
 
-/// A surface of quads as half-edges: h = 4 f + s runs from corner s of quad f to corner s + 1, so that only
-/// twin, edge and start vertex are stored [Dupuy2021].
+/// A surface of quads as half-edges: h = 4 f + s is from corner s of quad f to corner s + 1, so that only
+/// twin, edge and first vertex are stored [Dupuy2021].
 struct HalfedgeMesh {
     static constexpr std::int32_t kBoundary = -1;  ///< no twin
 
-    std::vector<std::int32_t> twin;    ///< kBoundary where the surface ends
+    std::vector<std::int32_t> twin;    ///< kBoundary at the end of the surface
     std::vector<std::int32_t> edge;    ///< per half-edge: its edge
-    std::vector<std::int32_t> vertex;  ///< per half-edge: where it starts
-    std::int32_t edge_count = 0;       ///< of one quad or two
+    std::vector<std::int32_t> vertex;  ///< per half-edge: its first vertex
+    std::int32_t edge_count = 0;       ///< edges of one quad or two
     std::vector<Vec3d> points;         ///< one per vertex
 
     /// number of quads
@@ -26,15 +26,15 @@ struct HalfedgeMesh {
     std::int32_t vertex_count() const { return static_cast<std::int32_t>(points.size()); }
 };
 
-/// Throws InvalidInput when an edge has more than two quads, or two that run along it in the same direction.
+/// Throws InvalidInput if an edge has more than two quads, or two with the same direction along it.
 HalfedgeMesh build_halfedges(std::span<const Vec3> points, std::span<const Quad> quads);
 
-/// One Catmull-Clark step by the half-edge rule of [Dupuy2021]: every half-edge becomes four. Simple, serial
-/// and in double precision: the reference that PatchRefinement is tested against. Refined vertices: old ones
-/// | face points | edge points.
+/// Performs one Catmull-Clark step by the half-edge rule of [Dupuy2021]: every half-edge becomes four.
+/// Simple, serial and in double precision: the reference for tests of PatchRefinement. Order of refined
+/// vertices: old ones, face points, edge points.
 HalfedgeMesh refine_halfedges(const HalfedgeMesh& mesh);
 
-/// The same surface with positions in single precision.
+/// Returns the same surface with positions in single precision.
 QuadMesh to_quads(const HalfedgeMesh& mesh);
 
 }  // namespace coppice

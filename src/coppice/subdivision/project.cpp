@@ -23,7 +23,7 @@ namespace {
 constexpr std::size_t kPointsPerRange = 16384;
 constexpr std::size_t kEndsPerRange = 64;
 
-// What all ranges of one pass share.
+// Data shared by all ranges of one pass.
 struct Task {
     std::span<Vec3> positions;
     std::span<const Vec3> anchors;
@@ -36,11 +36,11 @@ struct Task {
     }
 };
 
-// Collects vertices of one region and moves them together along their rays, so that the field sees many
-// points at a time.
+// Collects vertices of one region and moves them together along their rays, so that the field evaluates many
+// points per call.
 class RayBatch {
   public:
-    // Vertices that no surface was found for are appended to `unprojected`.
+    // Vertices without a surface along their rays are appended to `unprojected`.
     RayBatch(const Task& task, ProjectReport& report, std::vector<std::uint32_t>& unprojected)
         : task_(task), report_(report), unprojected_(unprojected) {}
 
@@ -82,7 +82,7 @@ class RayBatch {
     }
 
   private:
-    // Keeps the vertices that are still on their way.
+    // Keeps the vertices that are still running.
     void release_arrived() {
         std::size_t left = 0;
         for (std::size_t k = 0; k < size_; ++k) {
@@ -105,7 +105,7 @@ class RayBatch {
         report_.anchors_outside += outcome == RayOutcome::no_surface;
         unprojected_.push_back(vertex_[k]);
     }
-    // Out of evaluations.
+    // The maximum number of evaluations is reached.
     void give_up(std::size_t k) {
         const bool is_empty = !(rays_.inside[k] > 0);
         const float t = is_empty ? 1.0f : rays_.best_t[k];
@@ -187,7 +187,8 @@ class GradientBatch {
     Readings readings_;
 };
 
-// Vertices of one region whose rays found no surface: along the gradient, from where they were.
+// Moves vertices of one region without a surface along their rays along the gradient, from their initial
+// positions.
 void follow_gradient(const Task& task, std::uint32_t region, std::vector<std::uint32_t>& unprojected,
                      ProjectReport& report) {
     if (unprojected.empty()) return;
@@ -204,14 +205,14 @@ void follow_gradient(const Task& task, std::uint32_t region, std::vector<std::ui
     unprojected.clear();
 }
 
-// What one pass runs over.
+// The elements of one pass.
 struct Surface {
     const PatchRefinement& patches;
     const Regions& regions;
     const FlatVertices& flat;
 };
 
-// Fills the batch with the vertices of cage faces, region by region, but for those of flat ends.
+// Fills the batch with the vertices of cage faces, region by region, except for those of flat ends.
 template <class Batch, class Finish>
 void project_faces(Batch& batch, const Task& task, const Surface& surface, IndexRange faces,
                    const Finish& finish_region) {
@@ -250,8 +251,8 @@ ProjectReport project_faces(const Task& task, const Surface& surface, IndexRange
     return report;
 }
 
-// Flat ends, one after the other: everything is dropped onto the plane, the rim goes along rays within it,
-// and the inside shrinks or grows by as much as the rim where that went inward most, so that it stays within.
+// Processes flat ends: all vertices are projected on the plane, the rim moves along rays within it, and the
+// inside shrinks or grows by the minimum scale of the rim, so that it stays within.
 class FlatEndPass {
   public:
     FlatEndPass(const Task& task, const Surface& surface)
@@ -299,7 +300,7 @@ class FlatEndPass {
             if (rays_->full()) rays_->move(region);
         }
         rays_->move(region);
-        unprojected_.clear();  // they have stayed where they were, which keeps the rim whole
+        unprojected_.clear();  // they have kept their positions, so that the rim has no gaps
         for (const RimVertex& r : rim_) task_.positions[r.vertex] = dropped(task_.positions[r.vertex], plane);
     }
 
@@ -366,7 +367,9 @@ ProjectReport& ProjectReport::operator+=(const ProjectReport& more) {
 
 void check_projection(std::string_view stage, std::size_t positions, std::size_t anchors,
                       const PatchRefinement& patches, const Regions& regions, FieldRef field) {
-    const auto refuse = [&](const char* what) { throw InvalidInput(fmt::format("{}: {}", stage, what)); };
+    const auto refuse = [&](const char* subject) {
+        throw InvalidInput(fmt::format("{}: {}", stage, subject));
+    };
     if (positions != patches.vertex_count() || anchors != patches.vertex_count()) {
         refuse("give one position and one anchor per refined vertex");
     }

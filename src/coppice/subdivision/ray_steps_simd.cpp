@@ -5,7 +5,7 @@
 
 #include "coppice/base/kernel/kernel_math.h"
 
-// Vectors of a size known only at run time cannot be members of a struct; these machines use NEON or plain
+// Vectors of a size known only at run time cannot be members of a struct; these machines use NEON or scalar
 // code.
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
@@ -70,7 +70,7 @@ HWY_FLATTEN void advance_all(RayLanes& rays, std::size_t count,
                              const std::array<FieldSample, kFieldBatch>& samples, const RayRule& rule) {
     static_assert(sizeof(Vec3) == 3 * sizeof(float) && sizeof(FieldSample) == 4 * sizeof(float));
     static_assert(kFieldBatch % hn::MaxLanes(Tag()) == 0);
-    // What lies behind the last vertex is moved too: old numbers that nobody reads.
+    // Elements behind the last vertex are moved too: old numbers that are not read.
     for (std::size_t k = 0; k < count; k += hn::MaxLanes(Tag())) advance_block(rays, k, samples.data(), rule);
 }
 

@@ -20,16 +20,16 @@ namespace coppice {
 namespace {
 
 constexpr std::size_t kFacesPerRange = 1024;
-constexpr std::size_t kLarge = 8192;  // vertices of a cluster that is worth all threads
+constexpr std::size_t kLarge = 8192;  // vertices of a cluster that is processed by all threads
 constexpr std::size_t kClustersPerRange = 8;
 
-// A vertex that has moved, where it was at first, and where it was when the fewest faces were bad.
+// A vertex that has moved, its initial position, and its position at the minimum number of bad faces.
 struct Touched {
     std::uint32_t vertex;
     Vec3 first, best;
 };
 
-// What stays the same from pass to pass.
+// Data that do not change between passes.
 struct Task {
     std::span<Vec3> positions;
     std::span<const Vec3> anchors;
@@ -38,7 +38,7 @@ struct Task {
     FieldRef field;
 };
 
-// Collects movers of one region and writes where they end.
+// Collects movers of one region and writes their final positions.
 class MoverBatch {
   public:
     MoverBatch(FieldRef field, std::span<Vec3> out) : field_(field), out_(out) {}
@@ -74,14 +74,14 @@ class MoverBatch {
     FieldRef field_;
     std::span<Vec3> out_;
     std::size_t size_ = 0;
-    std::array<std::uint32_t, kFieldBatch> slot_;  // where it is written to
+    std::array<std::uint32_t, kFieldBatch> slot_;  // index of the output
     std::array<Mover, kFieldBatch> movers_;
     std::array<Vec3, kFieldBatch> points_;
     std::array<FieldSample, kFieldBatch> samples_;
     Readings readings_;
 };
 
-// What holds for all clusters.
+// Data shared by all clusters.
 struct Surface {
     const Task& task;
     int levels;
@@ -90,14 +90,14 @@ struct Surface {
     FoldedFaces folds;
 };
 
-// What came of one cluster.
+// Result of one cluster.
 struct Outcome {
     std::uint32_t passes = 0;
     std::uint64_t moved = 0;
     std::vector<std::uint32_t> still_bad;  // ascending
 };
 
-// The work around the bad faces of one cluster, pass by pass.
+// Unfolds the bad faces of one cluster, pass by pass.
 class Untangling {
   public:
     Untangling(const Surface& surface, const FoldClusters& clusters, std::size_t cluster)
@@ -109,7 +109,7 @@ class Untangling {
           vertex_set_(vertex_count_),
           touched_set_(vertex_count_),
           face_set_(clusters.faces[cluster].size()),
-          least_bad_(bad_) {}
+          min_bad_(bad_) {}
 
     Outcome run(const UntangleOptions& options, const Context& ctx) {
         UnfoldSchedule schedule(options.passes, options.projected_passes,
@@ -121,7 +121,7 @@ class Untangling {
             find_bad(ctx);
             if (schedule.end_pass(static_cast<std::uint32_t>(active_.size()),
                                   static_cast<std::uint32_t>(bad_.size()))) {
-                least_bad_ = bad_;
+                min_bad_ = bad_;
                 for (Touched& t : touched_) t.best = task_.positions[t.vertex];
             }
         }
@@ -130,13 +130,13 @@ class Untangling {
             task_.positions[t.vertex] = t.best;
             out.moved += t.best != t.first;
         }
-        out.still_bad = std::move(least_bad_);
+        out.still_bad = std::move(min_bad_);
         return out;
     }
 
   private:
-    // The corners of the bad faces and of so many rings around them, as far as the cluster reaches; and all
-    // faces that have such a corner: no others change, and every bad face is one of them.
+    // Collects the corners of the bad faces and of the given number of rings around them, within the cluster;
+    // and all faces that have such a corner: no others change, and every bad face is one of them.
     void collect_active(int rings) {
         active_.clear();
         faces_.clear();
@@ -190,7 +190,7 @@ class Untangling {
                 surface_.ends.of_vertex(surface_.stars, surface_.levels, vertex), task_.regions.clips};
     }
 
-    // As many vertices as a batch holds, by region.
+    // Moves at most a batch of vertices, by region.
     void move_range(IndexRange range, int steps) {
         std::array<std::pair<std::uint32_t, std::uint32_t>, kFieldBatch> order;  // region, index in active_
         for (std::size_t k = range.begin; k < range.end; ++k) {
@@ -227,12 +227,12 @@ class Untangling {
     const FoldClusters& clusters_;
     std::uint32_t vertex_count_;
     std::vector<std::uint32_t> bad_, active_, faces_;
-    std::vector<std::uint32_t> vertex_places_, face_places_;  // of active_ and faces_ in their cluster
+    std::vector<std::uint32_t> vertex_places_, face_places_;  // by active_ and faces_, in the cluster
     std::vector<std::uint8_t> verdicts_;
     std::vector<Vec3> moved_;
     std::vector<Touched> touched_;
     NumberSet vertex_set_, touched_set_, face_set_;
-    std::vector<std::uint32_t> least_bad_;
+    std::vector<std::uint32_t> min_bad_;
 };
 
 std::vector<Outcome> untangle_each(const Surface& surface, const FoldClusters& clusters,

@@ -13,8 +13,8 @@
 namespace coppice {
 namespace {
 
-// A drag on a card: into the buffers where it is the card that draws and OpenGL shares them, else by way of
-// the host.
+// Dragging on a GPU: writes directly into the buffers if the same GPU draws and OpenGL shares them, otherwise
+// copies through the host.
 class CardFrames {
   public:
     CardFrames(const DragScene& scene, const VertexBuffers& buffers, const Context& ctx)
@@ -22,7 +22,7 @@ class CardFrames {
           feed_(scene.model, scene.drag, scene.part, ctx),
           device_(std::max(0, drawing_device()), ctx) {
         if (scene.model.field.contact == 0)
-            throw DeviceError("the lists of a field without contact are made on the CPU");
+            throw DeviceError("the lists of a field without contact are computed on the CPU");
         is_direct_ = attach();
         if (!is_direct_) {
             positions_.resize(scene.part.written);
@@ -31,8 +31,8 @@ class CardFrames {
         device_.begin(feed_.job(), feed_.moves(scene.drag.rest()));
     }
 
-    std::string name() const { return device_.name() + (is_direct_ ? "" : ", by way of the host"); }
-    const std::string& note() const { return note_; }  // why by way of the host
+    std::string name() const { return device_.name() + (is_direct_ ? "" : ", copied through the host"); }
+    const std::string& note() const { return note_; }  // the reason for copying through the host
     void make(const DragPose& pose) { device_.make(feed_.moves(pose)); }
     void deliver() {
         if (is_direct_) return;
@@ -46,7 +46,7 @@ class CardFrames {
             device_.attach({buffers_.positions, buffers_.normals});
             return true;
         } catch (const DeviceError& error) {
-            note_ = fmt::format("frames go by way of the host: {}", error.what());
+            note_ = fmt::format("frames are copied through the host: {}", error.what());
             return false;
         }
     }
@@ -56,10 +56,10 @@ class CardFrames {
     DeviceDrag device_;
     bool is_direct_ = false;
     std::string note_;
-    Buffer<Vec3> positions_, normals_;  // where they go by way of the host
+    Buffer<Vec3> positions_, normals_;  // copies in the host
 };
 
-// Makes surfaces on a card, and on the CPU from the frame on in which that fails.
+// Computes surfaces on a GPU, and on the CPU after an error of the GPU.
 class CudaBackend : public SurfaceBackend {
   public:
     explicit CudaBackend(Device wanted) : wanted_(wanted) {}
@@ -90,7 +90,7 @@ class CudaBackend : public SurfaceBackend {
     }
 
   private:
-    // Left to itself, a card makes what it draws.
+    // The automatic choice is the GPU that draws.
     bool is_wanted() const {
         if (wanted_ != Device::automatic) return wanted_ == Device::cuda;
         const int device = drawing_device();
@@ -106,7 +106,7 @@ class CudaBackend : public SurfaceBackend {
         try {
             work();
         } catch (const DeviceError& error) {
-            note_ = fmt::format("{}; the CPU made the surfaces", error.what());
+            note_ = fmt::format("{}; the CPU computed the surfaces", error.what());
             card_.reset();
             begin_on_cpu(ctx);
         }

@@ -15,11 +15,11 @@ namespace coppice {
 namespace {
 
 constexpr int kPictures = 4;
-constexpr double kSwings = 1.25;  // to one side, to the other, and once more to the first
+constexpr double kSwings = 1.25;  // to one side, to the other, and again to the first
 
 class Stopwatch {
   public:
-    // Seconds since the last time.
+    // Returns the seconds since the previous call.
     double lap() {
         const auto now = std::chrono::steady_clock::now();
         const std::chrono::duration<double> took = now - std::exchange(last_, now);
@@ -30,7 +30,7 @@ class Stopwatch {
     std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-// Seconds of a part of the frames, one after the other.
+// Seconds of the steps of all frames.
 struct Laps {
     std::vector<double> edit, surface, upload, draw;
 
@@ -62,14 +62,14 @@ SketchView camera_of(std::span<const Vec3> positions, std::span<const Vec3> reac
     return frame_view(points, camera_options(options));
 }
 
-// From the object to the camera.
+// Returns the direction from the object to the camera.
 Vec3d viewing_axis(const ViewOptions& options) {
     const double azimuth = options.azimuth, elevation = options.elevation;
     return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
             std::sin(elevation)};
 }
 
-// Where the nodes of the branch come to, at both sides of its way: with balls of their radii.
+// Returns the positions that the nodes of the branch reach, on both sides of rest, with their radii.
 std::vector<Vec3> reached_places(const QuadModel& model, const BranchDrag& drag, double swing) {
     constexpr int kSteps = 8;
     std::vector<Vec3> out;
@@ -86,7 +86,7 @@ std::vector<Vec3> reached_places(const QuadModel& model, const BranchDrag& drag,
     return out;
 }
 
-// Whether a frame is one of those of which pictures are taken.
+// Returns whether an image of this frame is stored.
 bool is_shown(int frame, int frames) {
     if (frames <= kPictures) return true;
     for (int i = 0; i < kPictures; ++i)
@@ -94,7 +94,7 @@ bool is_shown(int frame, int frames) {
     return false;
 }
 
-double angle_of(int frame, const EditDemoOptions& demo) {
+double compute_angle(int frame, const EditDemoOptions& demo) {
     if (frame == 0) return 0;
     const double way = static_cast<double>(frame) / (demo.frames - 1);
     return demo.swing * std::sin(2 * std::numbers::pi * kSwings * way);
@@ -102,11 +102,11 @@ double angle_of(int frame, const EditDemoOptions& demo) {
 
 NodeId checked_branch(const QuadModel& model, const EditDemoOptions& demo) {
     const NodeId top = branch_of_about(model.skeleton, static_cast<std::uint32_t>(demo.segments));
-    if (!top) throw InvalidInput("view: a tree without segments has no branch that could be dragged");
+    if (!top) throw InvalidInput("view: a tree without segments has no branch to drag");
     return top;
 }
 
-// Per drawn vertex, whether it is of the branch.
+// Returns for each drawn vertex 1 if it belongs to the branch, else 0.
 std::vector<float> vertices_of(const QuadModel& model, const BranchDrag& drag, const DragPart& part) {
     std::vector<float> out(part.vertex.size());
     std::vector<std::uint8_t> turns(model.control.region_node.size());
@@ -119,7 +119,7 @@ std::vector<float> vertices_of(const QuadModel& model, const BranchDrag& drag, c
     return out;
 }
 
-// Everything about a demo before its first frame.
+// The data of a demo before its first frame.
 struct Prepared {
     BranchDrag drag;
     DragPart part;
@@ -146,7 +146,7 @@ struct Prepared {
           view(view_of(model, drag, part, demo, options)) {}
 };
 
-// A backend between its begin and its end.
+// Calls begin() and end() of a backend.
 class Running {
   public:
     Running(SurfaceBackend& backend, const Prepared& prepared, const QuadModel& model, const Context& ctx)
@@ -190,7 +190,7 @@ EditDemoResult edit_demo(const QuadModel& model, const EditDemoOptions& demo, co
     for (int k = 0; k < demo.frames; ++k) {
         ctx.throw_if_cancelled();
         Stopwatch watch;
-        drag.turn(angle_of(k, demo), pose);
+        drag.turn(compute_angle(k, demo), pose);
         laps.edit.push_back(watch.lap());
         backend.make(pose, each);
         laps.surface.push_back(watch.lap());

@@ -13,13 +13,13 @@
 
 namespace coppice {
 
-/// Seconds of all frames; parts of a frame follow each other in this order.
+/// Statistics of the times of all frames [s]; the steps of a frame have this order.
 struct FrameTimes {
-    Statistics edit;     ///< the branch's nodes, cage and anchors are moved
-    Statistics surface;  ///< the cage is refined, moved onto the field, and given normals
-    Statistics upload;   ///< vertices are brought to where they are drawn
-    Statistics draw;     ///< until the picture stands on the device
-    Statistics frame;    ///< all of it
+    Statistics edit;     ///< time to move the nodes, cage and anchors of the branch
+    Statistics surface;  ///< time to refine the cage, project it onto the field, and compute normals
+    Statistics upload;   ///< time to copy the vertices to the drawing device
+    Statistics draw;     ///< until the image is complete on the device
+    Statistics frame;    ///< the whole frame
 };
 
 /// Calls visit(name, statistics) for every member, in order.
@@ -32,40 +32,39 @@ void visit_figures(const FrameTimes& t, Visitor&& visit) {
     visit("frame", t.frame);
 }
 
-/// What was dragged, and how fast.
+/// The dragged branch and the speed.
 struct EditDemoResult {
-    std::string renderer;          ///< what drew, as its maker calls it
-    std::string opengl;            ///< its version
-    std::string backend;           ///< what made the surfaces
+    std::string renderer;          ///< name of the OpenGL renderer
+    std::string opengl;            ///< version of OpenGL
+    std::string backend;           ///< name of the backend
     std::string note;              ///< see SurfaceBackend
-    std::uint32_t branch = 0;      ///< id of the branch's first node, as in the prepared skeleton
-    std::uint32_t segments = 0;    ///< that were dragged
-    std::uint32_t quads = 0;       ///< that were drawn
-    std::uint32_t vertices = 0;    ///< of these
-    std::uint32_t written = 0;     ///< vertices that a frame made anew
-    std::uint32_t frames = 0;      ///< that were drawn
-    double frames_per_second = 0;  ///< of all of them
-    FrameTimes seconds;            ///< of a frame and its parts
-    std::vector<Image>
-        pictures;  ///< four frames, from the first to the last, or fewer where there are not as many
+    std::uint32_t branch = 0;      ///< id of the first node of the branch, in the prepared skeleton
+    std::uint32_t segments = 0;    ///< number of dragged segments
+    std::uint32_t quads = 0;       ///< number of drawn quads
+    std::uint32_t vertices = 0;    ///< number of drawn vertices
+    std::uint32_t written = 0;     ///< number of vertices that a frame recomputes
+    std::uint32_t frames = 0;      ///< number of drawn frames
+    double frames_per_second = 0;  ///< over all frames
+    FrameTimes seconds;            ///< of a frame and its steps
+    std::vector<Image> pictures;   ///< at most four frames, evenly spaced from the first to the last
 };
 
-/// Drags a branch of the tree to and fro in the plane of the picture, and draws every frame: one swing and a
-/// quarter, from rest to the greatest angle. Pictures are taken outside of what is timed.
+/// Drags a branch of the tree back and forth in the image plane, and draws every frame: one and a quarter
+/// periods, from rest to the maximum angle. Images are stored outside the measured times.
 ///
-/// Throws InvalidInput where the tree has no branch or an option is out of range, Unsupported where OpenGL
-/// cannot be had, and what the backend throws.
+/// Throws InvalidInput if the tree has no branch or an option is out of range, Unsupported if OpenGL is not
+/// available, and the exceptions of the backend.
 EditDemoResult edit_demo(const QuadModel& model, const EditDemoOptions& demo, const ViewOptions& options,
                          SurfaceBackend& backend, const Context& ctx = {});
 
-/// A surface that is drawn once.
+/// The image of a surface.
 struct ViewResult {
     Image picture;         ///< of the surface
-    std::string renderer;  ///< what drew, as its maker calls it
-    std::string opengl;    ///< its version
+    std::string renderer;  ///< name of the OpenGL renderer
+    std::string opengl;    ///< version of OpenGL
 };
 
-/// Draws a surface. Throws as above.
+/// Draws a surface. Throws as edit_demo().
 ViewResult view_surface(const PolygonMesh& mesh, const ViewOptions& options);
 
 }  // namespace coppice

@@ -21,10 +21,10 @@ std::uint32_t compiled(GLenum kind, const char* source) {
     std::array<char, kLongestMessage> message{};
     glGetShaderInfoLog(shader, kLongestMessage, nullptr, message.data());
     glDeleteShader(shader);
-    throw Unsupported(fmt::format("the driver of OpenGL does not take a shader: {}", message.data()));
+    throw Unsupported(fmt::format("the OpenGL driver does not compile a shader: {}", message.data()));
 }
 
-// A buffer of pixels on the framebuffer that is bound.
+// A renderbuffer attached to the current framebuffer.
 void attach(GLuint buffer, GLenum format, GLenum place, int samples, int width, int height) {
     glBindRenderbuffer(GL_RENDERBUFFER, buffer);
     if (samples > 1) {
@@ -37,18 +37,18 @@ void attach(GLuint buffer, GLenum format, GLenum place, int samples, int width, 
 
 void check_frame(int width, int height) {
     if (glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE) return;
-    throw Unsupported(fmt::format("OpenGL cannot draw a picture of {} x {} pixels here; choose a smaller one",
+    throw Unsupported(fmt::format("OpenGL cannot draw an image of {} x {} pixels here; choose a smaller one",
                                   width, height));
 }
 
 }  // namespace
 
-void check_gl(const std::string& what) {
+void check_gl(const std::string& subject) {
     const GLenum error = glGetError();
     if (error == GL_NO_ERROR) return;
     throw Unsupported(error == GL_OUT_OF_MEMORY
-                          ? fmt::format("{} is too large for the memory of what draws it", what)
-                          : fmt::format("the driver of OpenGL refuses {} (error {:#06x})", what, error));
+                          ? fmt::format("{} is too large for the memory of the OpenGL device", subject)
+                          : fmt::format("the OpenGL driver refuses {} (error {:#06x})", subject, error));
 }
 
 GlVertexArray::GlVertexArray() {
@@ -78,7 +78,7 @@ GlProgram::GlProgram(const char* vertex_shader, const char* fragment_shader) : n
     glLinkProgram(name_);
     GLint is_done = 0;
     glGetProgramiv(name_, GL_LINK_STATUS, &is_done);
-    if (is_done == 0) throw Unsupported("the driver of OpenGL does not link two shaders");
+    if (is_done == 0) throw Unsupported("the OpenGL driver does not link two shaders");
 }
 GlProgram::~GlProgram() { glDeleteProgram(name_); }
 
@@ -91,15 +91,13 @@ void GlProgram::set(const char* uniform, Vec3 value) const {
 }
 
 Canvas::Canvas(int width, int height, int samples) : width_(width), height_(height) {
-    GLint most_samples = 1, largest = 0;
-    glGetIntegerv(GL_MAX_SAMPLES, &most_samples);
+    GLint max_samples = 1, largest = 0;
+    glGetIntegerv(GL_MAX_SAMPLES, &max_samples);
     glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
     if (std::max(width, height) > largest)
-        throw Unsupported(
-            fmt::format("OpenGL draws pictures of at most {} x {} pixels here; choose a smaller "
-                        "one",
-                        largest, largest));
-    const int taken = std::min(samples, most_samples);
+        throw Unsupported(fmt::format(
+            "OpenGL draws images of at most {} x {} pixels here; choose a smaller one", largest, largest));
+    const int taken = std::min(samples, max_samples);
     glGenFramebuffers(2, frames_.data());
     glGenRenderbuffers(3, buffers_.data());
     glBindFramebuffer(GL_FRAMEBUFFER, frames_[1]);
@@ -109,7 +107,7 @@ Canvas::Canvas(int width, int height, int samples) : width_(width), height_(heig
     attach(buffers_[0], GL_RGBA8, GL_COLOR_ATTACHMENT0, taken, width, height);
     attach(buffers_[1], GL_DEPTH_COMPONENT24, GL_DEPTH_ATTACHMENT, taken, width, height);
     check_frame(width, height);
-    check_gl("the picture");
+    check_gl("the image");
 }
 
 Canvas::~Canvas() {
@@ -133,7 +131,7 @@ Image Canvas::picture() const {
     glBindFramebuffer(GL_READ_FRAMEBUFFER, frames_[1]);
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
     glReadPixels(0, 0, width_, height_, GL_RGBA, GL_UNSIGNED_BYTE, upside_down.pixels.data());
-    check_gl("the picture");
+    check_gl("the image");
     for (int y = 0; y < height_; ++y) std::copy_n(&upside_down.at(0, height_ - 1 - y), width_, &out.at(0, y));
     return out;
 }

@@ -12,8 +12,8 @@
 
 namespace coppice::view_internal {
 
-/// Throws Unsupported naming what was to be made when OpenGL reports an error, as that memory ran out.
-void check_gl(const std::string& what);
+/// Throws Unsupported with the name of the object if OpenGL reports an error, for example exhausted memory.
+void check_gl(const std::string& subject);
 
 /// A vertex array, bound.
 class GlVertexArray {
@@ -27,13 +27,13 @@ class GlVertexArray {
     std::uint32_t name_ = 0;
 };
 
-/// What a buffer holds for each vertex: some floats.
+/// The data of a buffer for each vertex: a number of floats.
 struct GlAttribute {
-    std::uint32_t location;  ///< in the vertex shader
+    std::uint32_t location;  ///< location in the vertex shader
     int floats;
 };
 
-/// A buffer object with its bytes, which may be an attribute of the vertices.
+/// A buffer object with its data, which may be a vertex attribute.
 class GlBuffer {
   public:
     GlBuffer(std::uint32_t target, std::span<const std::byte> bytes,
@@ -48,7 +48,7 @@ class GlBuffer {
     std::uint32_t name_ = 0;
 };
 
-/// Two shaders, linked.
+/// A program of two linked shaders.
 class GlProgram {
   public:
     GlProgram(const char* vertex_shader, const char* fragment_shader);
@@ -64,22 +64,22 @@ class GlProgram {
     std::uint32_t name_ = 0;
 };
 
-/// What is drawn on: a framebuffer with several samples a pixel, and one to which their means go.
+/// The target of drawing: a framebuffer with several samples per pixel, and one for their means.
 class Canvas {
   public:
-    /// With as many samples as there can be, up to those asked for.
+    /// Uses the maximum supported number of samples up to the requested one.
     Canvas(int width, int height, int samples);
     ~Canvas();
     Canvas(const Canvas&) = delete;
     Canvas& operator=(const Canvas&) = delete;
 
-    void begin() const;  ///< what is drawn from now on comes here
-    void end() const;    ///< takes the means
+    void begin() const;  ///< binds the target
+    void end() const;    ///< resolves the samples to their means
     Image picture() const;
 
   private:
     int width_, height_;
-    std::array<std::uint32_t, 2> frames_{};   ///< that is drawn on, with the means
+    std::array<std::uint32_t, 2> frames_{};   ///< multisampled target, and means
     std::array<std::uint32_t, 3> buffers_{};  ///< colour, depth, colour of the means
 };
 

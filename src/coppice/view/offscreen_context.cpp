@@ -14,13 +14,13 @@
 namespace coppice {
 namespace {
 
-constexpr EGLint kMostDevices = 64;
+constexpr EGLint kMaxDevices = 64;
 
 bool has_word(const char* words, const char* word) {
     return words != nullptr && std::strstr(words, word) != nullptr;
 }
 
-// The loader of functions ends the program where a library is missing: better to look before.
+// The function loader ends the program if a library is missing; therefore this is checked before.
 void check_libraries() {
     const auto is_there = [](const char* name) {
         void* const library = dlopen(name, RTLD_LAZY | RTLD_LOCAL);
@@ -29,15 +29,15 @@ void check_libraries() {
     };
     if (is_there("libEGL.so.1") && (is_there("libOpenGL.so.0") || is_there("libGL.so.1"))) return;
     throw Unsupported(
-        "nothing can be drawn by OpenGL: libEGL is not found; install it (Debian: apt install libegl1 "
-        "libegl-mesa0 libgl1-mesa-dri, or the driver of the graphics card), or draw with coppice render");
+        "OpenGL is not available: libEGL is not found; install it (Debian: apt install libegl1 libegl-mesa0 "
+        "libgl1-mesa-dri, or the driver of the GPU), or draw with coppice render");
 }
 
-// Those of devices; cards before software.
+// The displays of devices; GPUs before software.
 std::vector<EGLDisplay> device_displays() {
-    std::array<EGLDeviceEXT, kMostDevices> devices{};
+    std::array<EGLDeviceEXT, kMaxDevices> devices{};
     EGLint count = 0;
-    if (eglQueryDevicesEXT(kMostDevices, devices.data(), &count) == EGL_FALSE) return {};
+    if (eglQueryDevicesEXT(kMaxDevices, devices.data(), &count) == EGL_FALSE) return {};
     std::vector<EGLDisplay> cards, software;
     for (EGLint i = 0; i < count; ++i) {
         EGLDeviceEXT const device = devices[static_cast<std::size_t>(i)];
@@ -50,7 +50,7 @@ std::vector<EGLDisplay> device_displays() {
     return cards;
 }
 
-// Where a context may be made.
+// The possible displays of a context.
 std::vector<EGLDisplay> candidates() {
     const char* const known = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
     std::vector<EGLDisplay> out;
@@ -130,10 +130,8 @@ OffscreenContext::OffscreenContext() : state_(std::make_unique<State>()) {
     for (EGLDisplay const candidate : candidates())
         if (state_->open(candidate)) return;
     throw Unsupported(
-        "nothing can be drawn by OpenGL: no driver here gives OpenGL 3.3 without a window; install one "
-        "(Debian: apt install libegl-mesa0 libgl1-mesa-dri, or the driver of the graphics card), or draw "
-        "with "
-        "coppice render");
+        "OpenGL is not available: no driver provides OpenGL 3.3 without a window; install one (Debian: apt "
+        "install libegl-mesa0 libgl1-mesa-dri, or the driver of the GPU), or draw with coppice render");
 }
 
 OffscreenContext::~OffscreenContext() = default;

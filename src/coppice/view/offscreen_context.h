@@ -6,20 +6,19 @@
 namespace coppice {
 
 /// An OpenGL context without a window, by EGL: core profile 3.3 or later. It is current on the thread that
-/// made it, until it goes; only one at a time.
+/// created it until its destruction; only one may exist at a time.
 ///
-/// Displays are tried in this order: those of devices, graphics cards before software; one without surfaces;
-/// the default one. So a card is used also where nobody is logged in, and software (Mesa's llvmpipe) where
-/// there is none.
+/// Displays are tried in this order: those of devices, GPUs before software; a surfaceless one; the default
+/// one. Thus a GPU is used even if no user is logged in, and software (Mesa's llvmpipe) if there is no GPU.
 class OffscreenContext {
   public:
-    /// Throws Unsupported where no such context can be had, saying what is missing.
+    /// Throws Unsupported with the missing component if no such context is available.
     OffscreenContext();
-    ~OffscreenContext();                                            ///< gives it back
-    OffscreenContext(const OffscreenContext&) = delete;             ///< it is one
-    OffscreenContext& operator=(const OffscreenContext&) = delete;  ///< it is one
+    ~OffscreenContext();                                            ///< releases the context
+    OffscreenContext(const OffscreenContext&) = delete;             ///< not copyable
+    OffscreenContext& operator=(const OffscreenContext&) = delete;  ///< not copyable
 
-    const std::string& renderer() const;  ///< what draws, as its maker calls it
+    const std::string& renderer() const;  ///< name of the renderer from its vendor
     const std::string& version() const;   ///< of OpenGL, and of the driver
 
   private:

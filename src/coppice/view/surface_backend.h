@@ -12,49 +12,49 @@
 
 namespace coppice {
 
-/// A branch that is dragged, and all that stays the same meanwhile.
+/// A dragged branch, and the data that are constant during the drag.
 struct DragScene {
     const QuadModel& model;  ///< cage, anchors, regions and the skeleton of the field at rest
-    const BranchDrag& drag;  ///< which of these move
+    const BranchDrag& drag;  ///< the moving subset
     const DragPart& part;    ///< the quads that change, and the order of vertices in the buffers
 };
 
-/// What makes the surface of each frame: the cage of the part refined, moved onto the field of the posed
-/// skeleton, with normals, as DraggedSurface has them; topology is the same, positions agree within 1e-4 of
-/// the local radius.
+/// Computes the surface of each frame: refines the cage of the affected region, projects it onto the field of
+/// the posed skeleton, and computes normals, as DraggedSurface does; the topology is the same, positions
+/// agree within 1e-4 of the local radius.
 class SurfaceBackend {
   public:
-    SurfaceBackend() = default;                                 ///< nothing yet
-    virtual ~SurfaceBackend() = default;                        ///< after end(), if it began
-    SurfaceBackend(const SurfaceBackend&) = delete;             ///< it is one
-    SurfaceBackend& operator=(const SurfaceBackend&) = delete;  ///< it is one
+    SurfaceBackend() = default;                                 ///< not begun
+    virtual ~SurfaceBackend() = default;                        ///< requires end() if begin() was called
+    SurfaceBackend(const SurfaceBackend&) = delete;             ///< not copyable
+    SurfaceBackend& operator=(const SurfaceBackend&) = delete;  ///< not copyable
 
-    /// What it runs on, in a word or two; once it has begun.
+    /// Returns the name of the device, after begin().
     virtual std::string name() const = 0;
-    /// Where a card was asked for and did not do the work, why: a sentence. Else empty.
+    /// Returns one sentence with the reason if a requested GPU did not do the work; otherwise empty.
     virtual std::string note() const { return {}; }
-    /// Called once, before any frame. The buffers hold the surface at rest in the order of the part's drawn
-    /// vertices, and their context is current here and in all later calls; scene and buffers stay where they
-    /// are as long as frames are made.
+    /// Called once, before any frame. The buffers contain the surface at rest in the order of the drawn
+    /// vertices of the region, and their context is current here and in all later calls; scene and buffers
+    /// must stay valid until end().
     virtual void begin(const DragScene& scene, const VertexBuffers& buffers, const Context& ctx) = 0;
-    /// Makes the surface of a pose, of which only what DragScene::drag names differs from rest. Done when it
-    /// returns, so that its time is that of the surface.
+    /// Computes the surface of a pose, in which only the nodes of DragScene::drag differ from rest. Complete
+    /// when it returns, so that its time is that of the surface.
     virtual void make(const DragPose& pose, const Context& ctx) = 0;
-    /// Brings what make() made into the first `part.written` positions and the first `part.shaded` normals of
-    /// the buffers, if it is not there yet. What is drawn next shows it.
+    /// Copies the result of make() to the first `part.written` positions and the first `part.shaded` normals
+    /// of the buffers, unless it is already there. The next drawing shows it.
     virtual void deliver() = 0;
-    /// Called once after the last frame, also where that failed: lets go of the scene and the buffers, which
-    /// go soon. Does not throw.
+    /// Called once after the last frame, also after an error: releases the scene and the buffers, which are
+    /// destroyed afterwards. Does not throw.
     virtual void end() noexcept = 0;
 };
 
-/// Makes surfaces on the CPU and sends the vertices that changed.
+/// Creates a backend that computes surfaces on the CPU and uploads the changed vertices.
 std::unique_ptr<SurfaceBackend> cpu_backend();
 
-/// Makes surfaces where it is told to. A card writes them straight into the buffers that it draws from; one
-/// that does not draw sends them by way of the host, if it is asked for by name. Device::automatic takes the
-/// card that draws, where CUDA knows it. Where there is none, the CPU makes them, but Device::cuda throws
-/// DeviceError. Where the card fails, the CPU goes on, with a note.
+/// Creates a backend for the requested device. A GPU writes directly into the buffers from which it draws; a
+/// GPU that does not draw copies through the host, if it is requested explicitly. Device::automatic uses the
+/// GPU that draws, if CUDA supports it. Without such a GPU the CPU computes the surfaces, but Device::cuda
+/// throws DeviceError. After an error of the GPU the CPU continues, with a note.
 std::unique_ptr<SurfaceBackend> surface_backend(Device wanted);
 
 }  // namespace coppice

@@ -34,7 +34,7 @@ void main() {
 }
 )";
 
-// Light is added up as it is, and encoded as sRGB at the end, as pictures of render() are.
+// Light is summed linearly and encoded as sRGB at the end, as in the images of render().
 constexpr const char* kFragmentShader = R"(#version 330 core
 in vec3 shown_normal;
 in float shown_mark;
@@ -51,7 +51,7 @@ void main() {
     vec3 n = length_of_normal > 0.0 ? shown_normal / length_of_normal : to_camera;
     if (!gl_FrontFacing) n = -n;
     vec3 light = mix(ground, sky, 0.5 + 0.5 * n.z) + sun * max(dot(n, to_sun), 0.0);
-    // Edges turn dark: branches stand out before those behind them.
+    // Darkens edges, so that branches contrast with those behind them.
     float facing = clamp(dot(n, to_camera), 0.0, 1.0);
     vec3 linear = min(mix(wood, fresh_wood, shown_mark) * light * (0.55 + 0.45 * sqrt(facing)), vec3(1.0));
     vec3 low = 12.92 * linear, high = 1.055 * pow(linear, vec3(1.0 / 2.4)) - 0.055;
@@ -62,7 +62,7 @@ void main() {
 constexpr std::array<float, 3> kBackground{0.925f, 0.94f, 0.955f};  // sRGB
 constexpr double kSunAzimuth = -0.9, kSunElevation = 0.85;          // [rad] from the camera, as in render()
 
-// [m] How far before the camera things are.
+// [m] Range of depths in front of the camera.
 struct DepthRange {
     double near = std::numeric_limits<double>::infinity(), far = 0;
 
@@ -73,7 +73,7 @@ struct DepthRange {
             far = std::max(far, d);
         }
     }
-    // A little wider, and never behind the camera.
+    // With a margin, and never behind the camera.
     DepthRange widened() const {
         const double slack = 0.02 * std::max(far - near, 1e-3 * far);
         return {std::max(near - slack, 1e-4 * far), far + slack};
@@ -122,7 +122,7 @@ void write_vertices(const VertexBuffers& buffers, std::span<const Vec3> position
     write(buffers.normals, normals);
 }
 
-// Members go in the reverse order: the context last.
+// Members are destroyed in reverse order: the context last.
 struct SurfaceView::State {
     OffscreenContext context;
     Canvas canvas;
@@ -148,7 +148,8 @@ SurfaceView::SurfaceView(const DrawnSurface& surface, const SketchView& camera, 
     COPPICE_ASSERT(surface.normals.size() == surface.positions.size());
     COPPICE_ASSERT(surface.marked.empty() || surface.marked.size() == surface.positions.size());
     if (surface.triangles.size() > std::numeric_limits<GLsizei>::max() / 3)
-        throw Unsupported("the surface has more than 715 million triangles, too many to be drawn at once");
+        throw Unsupported(
+            "the surface has more than 715 million triangles, which is too many to draw at once");
     state_ = std::make_unique<State>(surface, options);
     DepthRange range;
     range.add(camera, surface.positions);

@@ -21,7 +21,7 @@ TEST_F(DeviceFieldOnCard, HasTheSamplesOfTheCpu) {
             field.set_regions(std::span<const Box3>(&all, 1));
             std::vector<Vec3> points;
             for (const NodeId n : nodes(tree)) {
-                // Not in a node itself, where gradients jump and rounding says to which side.
+                // Not exactly at a node, where gradients are discontinuous and rounding determines the side.
                 for (int k = 1; k <= 20; ++k) {
                     const auto a = static_cast<float>(k);
                     points.push_back(tree.position(n) +

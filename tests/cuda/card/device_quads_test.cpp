@@ -30,7 +30,7 @@ TEST_F(DeviceQuadsOnCard, MakeTheSurfacesOfTheCpuForTheWholeZoo) {
             SCOPED_TRACE(name + ", level " + std::to_string(levels));
             const QuadCase c(skeleton, levels);
             const Surface cpu = on_cpu(c, {}, kNoUnfolding), card = on_card(device, c);
-            // Children in line have whole sides in planes of symmetry.
+            // Collinear children have whole sides in planes of symmetry.
             expect_same(cpu, card, 0.3, 0.2);
             apart += differing(cpu, card);
             all += cpu.positions.size();
@@ -45,7 +45,7 @@ TEST_F(DeviceQuadsOnCard, MakeTheSurfacesOfTheCpuOfRandomTrees) {
         for (const bool hard : {false, true}) {
             SCOPED_TRACE(testing::Message() << segments << (hard ? " hard" : ""));
             const QuadCase c(random_tree(segments, 2, hard), 2);
-            // Hard ones are full of folds, where rays end by rounding.
+            // Hard skeletons have many folds, where rounding determines the ends of rays.
             expect_same(on_cpu(c, {}, kNoUnfolding), on_card(device, c), hard ? 0.01 : 1e-4);
             const UntangleReport cpu = on_cpu(c, {}, {}).untangled, card = on_card(device, c, {}).untangled;
             EXPECT_TRUE(near(cpu.bad_before, card.bad_before, 0.02))
@@ -129,7 +129,7 @@ TEST_F(DeviceQuadsOnCard, TakeTheMemoryThatTheyAreSaidToTake) {
         on_card(device, c, {});
         device.repeat();
         const std::uint64_t entries =
-            c.field.own_lists().segments.size() + c.field.rival_lists().segments.size();
+            c.field.own_lists().segments.size() + c.field.competitor_lists().segments.size();
         EXPECT_LE(device.bytes_used(), bytes_of(c.job({}, {}), c.field.segments().size(), entries));
     }
 }

@@ -4,7 +4,7 @@
 #include "coppice/skeleton/random_tree.h"
 #include "zoo.h"
 
-// Whole surfaces, from skeletons.
+// Tests of whole surfaces created from skeletons.
 
 namespace coppice::cuda {
 namespace {

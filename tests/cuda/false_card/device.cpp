@@ -8,7 +8,7 @@ bool has_cuda() { return true; }
 
 DeviceSearch find_device(int) {
     DeviceInfo card;
-    card.name = "false card";
+    card.name = "fake device";
     card.compute = 90;
     card.multiprocessors = 1;
     card.memory = card.free = cuda::kFalseMemory;

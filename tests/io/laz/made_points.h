@@ -4,8 +4,8 @@
 
 namespace made {
 
-/// A point of the files in this folder; `make_laz.cpp` wrote them, and the tests hold what is read against
-/// it.
+/// A point of the files in this folder, which `make_laz.cpp` wrote; the tests compare the points read with
+/// these.
 struct Point {
     std::int32_t x = 0, y = 0, z = 0;  ///< [mm]
     std::uint16_t intensity = 0;
@@ -18,7 +18,7 @@ struct Point {
 inline constexpr std::uint32_t kCount = 200, kChunk = 64;
 inline constexpr double kOffset[3] = {1e6, 2e6, 100};  ///< [m]
 
-/// The first chunks have this many points where they vary.
+/// Numbers of points of the first chunks if they vary.
 inline constexpr std::uint32_t kVarying[] = {1, 70, 2, 90, 37};
 
 inline std::uint32_t scatter(std::uint32_t i, std::uint32_t salt) {
@@ -28,14 +28,14 @@ inline std::uint32_t scatter(std::uint32_t i, std::uint32_t salt) {
     return h ^ h >> 16;
 }
 
-/// The `i`-th point of a file of `format`; `channels` of the scanner take turns.
+/// Returns the `i`-th point of a file of `format`; the scanner's `channels` alternate.
 inline Point point(int format, std::uint32_t i, std::uint32_t channels = 1) {
     const bool recent = format >= 6;
     Point p;
     p.x = static_cast<std::int32_t>(i * 3 + scatter(i, 1) % 4000) - 1000;
     p.y = static_cast<std::int32_t>(i * 5 + scatter(i, 2) % 300) - 70000;
     p.z = static_cast<std::int32_t>(scatter(i / 4, 3) % 20000);
-    if (i % 61 == 60) p.x = -20000000 + static_cast<std::int32_t>(i);  // a great leap
+    if (i % 61 == 60) p.x = -20000000 + static_cast<std::int32_t>(i);  // a large step
     p.intensity = static_cast<std::uint16_t>(i % 3 == 0 ? 700 : scatter(i, 4));
     p.return_count = static_cast<std::uint8_t>(1 + scatter(i / 3, 5) % (recent ? 15 : 5));
     p.return_number = static_cast<std::uint8_t>(1 + i % p.return_count);

@@ -1,5 +1,5 @@
-// Writes the .laz files of this folder by LASzip 3.5.0, with points of `made_points.h`. Not part of the
-// build: it is compiled with LASzip's sources arithmetic*, integercompressor, lasreaditem*, laswriteitem*,
+// Writes the .laz files of this folder with LASzip 3.5.0, from the points of `made_points.h`. Not part of the
+// build: compile it with LASzip's sources arithmetic*, integercompressor, lasreaditem*, laswriteitem*,
 // laswritepoint, laszip and mydefs, and its folders src and include/laszip as include folders.
 
 #include <cstring>
@@ -21,8 +21,8 @@ struct Kind {
     const char* name;
     int format;
     std::uint16_t own_bytes = 0;
-    std::uint16_t version = 0;     // 0 = LASzip's choice
-    std::uint16_t compressor = 0;  // 0 = the format's
+    std::uint16_t version = 0;     // 0: default of LASzip
+    std::uint16_t compressor = 0;  // 0: that of the format
     std::uint32_t channels = 1;
     bool varying = false;
 };

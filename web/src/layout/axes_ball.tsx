@@ -1,10 +1,10 @@
-// The axes of the scene in the corner of the picture; a click on an end looks from there.
+// The axes of the scene in the corner of the view; a click on an end looks from there.
 import type { VNode } from "preact";
 import type { Studio } from "../studio";
 import { useValue } from "../use";
 
 const kFacing = 0.999;
-const kReach = 30; // [px] of the axes from the middle
+const kReach = 30; // [px] from the centre to the end of an axis
 const kEnds = [
     { name: "X", sides: ["right", "left"] },
     { name: "Y", sides: ["back", "front"] },
@@ -14,12 +14,12 @@ const kEnds = [
 interface End {
     axis: number;
     sign: 1 | -1;
-    x: number; // [px] from the middle
+    x: number; // [px] from the centre
     y: number;
-    near: number; // towards the eye
+    near: number; // towards the camera
 }
 
-/** For the pointer only: the buttons and keys of the views do the same. */
+/** For the pointer only: the buttons and keys of the views have the same function. */
 export function AxesBall({ studio }: { studio: Studio }): VNode | null {
     const axes = useValue(studio.view.display.axes);
     if (axes.length === 0) {
@@ -32,7 +32,7 @@ export function AxesBall({ studio }: { studio: Studio }): VNode | null {
         <div class="axes-ball" aria-hidden="true">
             {ends.map(({ axis, sign, x, y, near }) => {
                 const { name, sides } = kEnds[axis];
-                // Who looks from there already means the end behind it.
+                // If the view is already from this side, a click selects the opposite side.
                 const side = sides[(sign > 0) === (near < kFacing) ? 0 : 1];
                 const line = { width: `${Math.hypot(x, y)}px`, transform: `rotate(${Math.atan2(y, x)}rad)` };
                 return [

@@ -1,4 +1,4 @@
-// Columns of panels beside the picture and tabs below it: each can be folded, each column made wider or narrower.
+// Columns of panels at the sides of the view and tabs below it: each can be folded, and the width of each column can be changed.
 import { computed, type Signal } from "@preact/signals-core";
 import type { ComponentChildren, VNode } from "preact";
 import { useMemo } from "preact/hooks";
@@ -7,20 +7,20 @@ import { setting } from "../settings";
 import type { Studio } from "../studio";
 import { useValue } from "../use";
 
-const kLeast = 180; // [px]
-const kMost = 640;
+const kMin = 180; // [px]
+const kMax = 640;
 const kKeyStep = 16;
 
 interface SplitterProps {
     label: string;
-    size: Signal<number>; // [px] of what it makes larger; 0: folded
-    away: 1 | -1; // whether a move to the right or down makes it larger
-    horizontal?: boolean; // a bar between above and below
+    size: Signal<number>; // [px] size of the resized element; 0: folded
+    away: 1 | -1; // whether a move to the right or down enlarges it
+    horizontal?: boolean; // a horizontal bar
     controls: string;
 }
 
 function limit(size: number): number {
-    return size < kLeast / 2 ? 0 : Math.min(Math.max(size, kLeast), kMost);
+    return size < kMin / 2 ? 0 : Math.min(Math.max(size, kMin), kMax);
 }
 
 function Splitter({ label, size, away, horizontal, controls }: SplitterProps): VNode {
@@ -40,7 +40,7 @@ function Splitter({ label, size, away, horizontal, controls }: SplitterProps): V
         const [less, more] = horizontal ? ["ArrowUp", "ArrowDown"] : ["ArrowLeft", "ArrowRight"];
         const step = event.key === more ? kKeyStep * away : event.key === less ? -kKeyStep * away : 0;
         if (step !== 0) {
-            size.value = size.peek() === 0 && step > 0 ? kLeast : limit(size.peek() + step < kLeast ? 0 : size.peek() + step);
+            size.value = size.peek() === 0 && step > 0 ? kMin : limit(size.peek() + step < kMin ? 0 : size.peek() + step);
             event.preventDefault();
         } else if (event.key === "Enter") {
             size.value = size.peek() === 0 ? 280 : 0;
@@ -57,7 +57,7 @@ function Splitter({ label, size, away, horizontal, controls }: SplitterProps): V
             aria-controls={controls}
             aria-valuenow={now}
             aria-valuemin={0}
-            aria-valuemax={kMost}
+            aria-valuemax={kMax}
             onPointerDown={drag}
             onKeyDown={key}
             onDblClick={() => {
@@ -67,7 +67,7 @@ function Splitter({ label, size, away, horizontal, controls }: SplitterProps): V
     );
 }
 
-type Folding = "" | "open" | "folded"; // as the user said; empty: by what suits
+type Folding = "" | "open" | "folded"; // choice of the user; empty: automatic
 
 const kFoldings = new Map<string, Signal<Folding>>();
 
@@ -77,7 +77,7 @@ function foldingOf(id: string): Signal<Folding> {
     return folding;
 }
 
-/** A panel with its title, which folds it. A choice against what suits is kept. */
+/** A panel with a title that folds it. A choice that differs from the automatic state is kept. */
 function Section({ studio, panel }: { studio: Studio; panel: Panel }): VNode {
     const { id, title } = panel;
     const folding = foldingOf(id);
@@ -108,13 +108,13 @@ function Section({ studio, panel }: { studio: Studio; panel: Panel }): VNode {
     );
 }
 
-/** Brings a panel beside the picture into sight. */
+/** Shows a panel at the side of the view. */
 export function showPanel(id: string): void {
     foldingOf(id).value = "open";
     reveal(id);
 }
 
-// The column may be longer than the window: what is unfolded at its end would stay below that.
+// The column may be longer than the window: an unfolded panel at its end would be below the visible range.
 function reveal(id: string): void {
     requestAnimationFrame(() => document.getElementById(`title-${id}`)?.closest(".panel")?.scrollIntoView({ block: "nearest" }));
 }
@@ -145,7 +145,7 @@ export function SidePanels({ studio, side, panels, children }: SideProps): VNode
 const kHeight = setting("height.bottom", 220);
 const kTab = setting<string>("tab.bottom", "");
 
-/** Brings a panel below the picture into sight. */
+/** Shows a panel below the view. */
 export function showBottom(id: string): void {
     kTab.value = id;
     if (kHeight.peek() === 0) {
@@ -163,7 +163,7 @@ function TabList({ panels, chosen }: { panels: Panel[]; chosen: string }): VNode
         }
     };
     return (
-        <div class="tabs" role="tablist" aria-label="Panels below the picture">
+        <div class="tabs" role="tablist" aria-label="Panels below the view">
             {panels.map((panel, at) => (
                 <button
                     key={panel.id}
@@ -194,7 +194,7 @@ export function BottomPanels({ studio, panels }: { studio: Studio; panels: Panel
     }
     return (
         <>
-            <Splitter label="Height of the panels below the picture" size={kHeight} away={-1} horizontal controls="bottom" />
+            <Splitter label="Height of the panels below the view" size={kHeight} away={-1} horizontal controls="bottom" />
             <div class="bottom" id="bottom" style={{ height: `${height}px` }} hidden={height === 0}>
                 <TabList panels={panels} chosen={chosen.id} />
                 <div class="bottom-body" id="bottom-body" role="tabpanel" aria-labelledby={`tab-${chosen.id}`} key={chosen.id}>

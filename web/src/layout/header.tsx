@@ -1,11 +1,11 @@
-// Menu bar, undo and redo, the name of the document, what the connection does.
+// Menu bar, undo and redo, the name of the document, state of the connection.
 import type { VNode } from "preact";
 import { FileWork } from "../panels/files/work";
 import { MenuBar } from "../panels/menu/bar";
 import type { Studio } from "../studio";
 import { useValue } from "../use";
 
-const kConnection = { connecting: "Connecting…", ready: "", lost: "Connection lost; trying again. Edits wait until it is back.", refused: "Not connected any more" };
+const kConnection = { connecting: "Connecting…", ready: "", lost: "Connection lost; trying again. Edits wait until it is back.", refused: "No longer connected" };
 
 function UndoButtons({ studio }: { studio: Studio }): VNode {
     const state = useValue(studio.store.state);

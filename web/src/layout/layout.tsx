@@ -1,4 +1,4 @@
-// The page: header, panels left and right of the picture, panels below it, status line.
+// The page: header, panels left and right of the view, panels below it, status line.
 import type { VNode } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import type { Panel } from "../app";

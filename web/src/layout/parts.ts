@@ -1,4 +1,4 @@
-// The parts of the page, between which a key goes.
+// The parts of the page between which a key moves the focus.
 const kParts = [".menu-bar", ".side.left", ".picture-frame", ".tool-bar", ".bottom", ".side.right"];
 const kTakesFocus = "canvas, button, input, select, textarea, summary, [tabindex], [contenteditable=true]";
 
@@ -6,7 +6,10 @@ function canTakeFocus(element: HTMLElement): boolean {
     return element.tabIndex >= 0 && !element.matches(":disabled, [hidden] *") && element.getClientRects().length > 0;
 }
 
-/** Brings the focus to the next part of the page, or the one before: to the picture, to what had it there last, or to what comes first. */
+/**
+ * Moves the focus to the next or previous part of the page: to the view, to the element that had the focus last, or to the first
+ * one.
+ */
 export class Parts {
     private readonly last = new WeakMap<Element, HTMLElement>();
 

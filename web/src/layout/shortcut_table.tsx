@@ -17,7 +17,7 @@ export function ShortcutTable({ studio }: { studio: Studio }): VNode {
             <div class="dialog-body" tabIndex={0} role="region" aria-labelledby="shortcuts-title">
                 <table>
                     <thead>
-                        <tr><th scope="col">Keys</th><th scope="col">What they do</th></tr>
+                        <tr><th scope="col">Keys</th><th scope="col">Function</th></tr>
                     </thead>
                     <tbody>
                         {rows.map((row) => (

@@ -1,4 +1,4 @@
-// What the tool says, what lies under the pointer, how far a command is.
+// Status of the tool, object under the pointer, progress of a command.
 import type { VNode } from "preact";
 import type { Studio } from "../studio";
 import { Tracked, useValue } from "../use";

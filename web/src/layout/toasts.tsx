@@ -1,14 +1,14 @@
-// Messages, which leave again by themselves unless they are errors. They never take the focus.
+// Messages, which disappear automatically unless they are errors. They never receive the focus.
 import type { VNode } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Message, Store } from "../app";
 import { useValue } from "../use";
 
-const kLeastSeconds = 6;
+const kMinSeconds = 6;
 const kSecondsALetter = 0.06;
-const kMostShown = 3; // of errors, and of others
+const kMaxShown = 3; // of errors, and of others
 
-// Messages are equal where their texts are, but each is one of its own.
+// Messages are equal if their texts are, but each has its own identity.
 const kNumbers = new WeakMap<Message, number>();
 let kLast = 0;
 
@@ -24,17 +24,17 @@ function alike(a: Message, b: Message): boolean {
 
 interface ToastProps {
     message: Message;
-    times: number; // that it was said
+    times: number; // number of repetitions
     close(): void;
 }
 
 function Toast({ message, times, close }: ToastProps): VNode {
-    const [held, setHeld] = useState(false); // read, or about to be closed by hand
+    const [held, setHeld] = useState(false); // being read, or about to be closed
     useEffect(() => {
         if (message.level === "error" || held) {
             return undefined;
         }
-        const seconds = Math.max(kLeastSeconds, message.text.length * kSecondsALetter);
+        const seconds = Math.max(kMinSeconds, message.text.length * kSecondsALetter);
         const timer = setTimeout(close, seconds * 1000);
         return () => clearTimeout(timer);
     }, [message, held]);
@@ -60,7 +60,7 @@ export function Toasts({ store }: { store: Store }): VNode {
         const hadFocus = lists.current?.contains(document.activeElement);
         setClosed((before) => new Set([...before, ...messages.filter((one) => alike(one, message))]));
         if (hadFocus) {
-            document.querySelector<HTMLElement>(".picture-canvas canvas")?.focus(); // else it would be nowhere
+            document.querySelector<HTMLElement>(".picture-canvas canvas")?.focus(); // otherwise no element would have the focus
         }
     };
     const open = messages.filter((message) => !closed.has(message));
@@ -68,7 +68,7 @@ export function Toasts({ store }: { store: Store }): VNode {
         const newest = shown.filter((message, at) => !shown.slice(at + 1).some((later) => alike(later, message)));
         return (
             <ul>
-                {newest.slice(-kMostShown).map((message) => (
+                {newest.slice(-kMaxShown).map((message) => (
                     <Toast
                         key={numberOf(message)}
                         message={message}

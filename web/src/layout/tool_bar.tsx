@@ -1,4 +1,4 @@
-// Buttons of the tools, and the parameters of the one in hand. The groups that suit the selection are open.
+// Buttons of the tools, and the parameters of the active tool. The groups that suit the selection are open.
 import type { VNode } from "preact";
 import { useState } from "preact/hooks";
 import type { Tool } from "../app";
@@ -27,7 +27,7 @@ const kSuits: Record<Kind | "nothing", Group[]> = {
 };
 
 function ToolButton({ studio, tool, held }: { studio: Studio; tool: Tool; held: boolean }): VNode {
-    useValue(studio.store.selection); // what is enabled depends on it
+    useValue(studio.store.selection); // the enabled state depends on it
     useValue(studio.store.state);
     const enabled = held || !tool.enabled || tool.enabled(studio);
     return (
@@ -52,7 +52,7 @@ interface GroupProps {
 }
 
 function ToolGroup({ studio, group, held, suits }: GroupProps): VNode | null {
-    const [chosen, choose] = useState<boolean | null>(null); // by hand, against what suits
+    const [chosen, choose] = useState<boolean | null>(null); // choice of the user against the automatic state
     const tools = studio.tools.filter((tool) => tool.group === group);
     if (tools.length === 0) {
         return null;
@@ -74,19 +74,19 @@ export function ToolBar({ studio }: { studio: Studio }): VNode {
     return (
         <div class="tool-bar" role="toolbar" aria-label="Tools">
             {(Object.keys(kGroups) as Group[]).map((group) => (
-                // Another kind of selection forgets what was opened by hand.
+                // Another kind of selection resets groups that were opened by the user.
                 <ToolGroup key={`${group} ${kind}`} studio={studio} group={group} held={held} suits={group === "view" || kSuits[kind].includes(group)} />
             ))}
         </div>
     );
 }
 
-// Enter in a field does what it does in the picture.
+// Enter in a field acts like Enter in the view.
 function ends({ key, target }: KeyboardEvent): boolean {
     return key === "Enter" && target instanceof HTMLInputElement && (target.type === "number" || target.type === "text");
 }
 
-/** The parameters of the tool in hand, where it has some. */
+/** The parameters of the active tool, if it has any. */
 export function ToolPanel({ studio }: { studio: Studio }): VNode | null {
     const run = useValue(studio.hand.run);
     const held = useValue(studio.store.tool);

@@ -1,4 +1,4 @@
-// What lies over the picture: views from the sides as buttons, what colours stand for, and how long a metre is.
+// Elements over the view: buttons for standard views, the legend of colours, and a scale bar.
 import type { VNode } from "preact";
 import { Legends } from "../panels/display/legends";
 import type { Studio } from "../studio";
@@ -8,7 +8,7 @@ const kButtons: [string, string, string][] = [
     ["look-front", "Front", "Look from the front (Numpad 1, Alt+1)"],
     ["look-right", "Side", "Look from the right (Numpad 3, Alt+3)"],
     ["look-top", "Top", "Look from above (Numpad 7, Alt+7)"],
-    ["frame", "Frame", "Frame what is selected, or everything (F)"],
+    ["frame", "Frame", "Frame the selection, or everything (F)"],
 ];
 
 export function ViewButtons({ studio }: { studio: Studio }): VNode {

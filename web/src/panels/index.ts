@@ -1,4 +1,4 @@
-// Every panel of the studio.
+// All panels of the studio.
 import type { Panel } from "../app";
 import { displayPanels } from "./display/index";
 import { filesPanels } from "./files/index";

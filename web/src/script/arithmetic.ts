@@ -1,4 +1,4 @@
-// Numbers as they are typed into fields: "1.5", "2*3", "(1+2)/4".
+// Numbers as typed into fields: "1.5", "2*3", "(1+2)/4".
 
 export interface NumberLimits {
     low?: number;
@@ -6,11 +6,11 @@ export interface NumberLimits {
     whole?: boolean;
 }
 
-/** A number, or one sentence on why the text is none. */
+/** A number, or one sentence that says why the text is not a number. */
 export type NumberRead = { value: number } | { trouble: string };
 
-const kMaxShown = 24; // letters of what was typed in a message
-const kMaxDepth = 100; // of brackets and signs within each other
+const kMaxShown = 24; // maximum number of characters of the typed text in a message
+const kMaxDepth = 100; // maximum depth of nested brackets and signs
 const kToken = /\s*(?:((?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)|([-+*/^()]))\s*/y;
 
 class SyntaxTrouble extends Error {}
@@ -28,7 +28,7 @@ function tokensOf(text: string): (number | string)[] {
     return tokens;
 }
 
-/** Recursive descent: sum, product, sign, power, number or brackets. */
+/** Recursive descent parser: sum, product, sign, power, number or brackets. */
 class Parser {
     private at = 0;
     private depth = 0;
@@ -100,12 +100,12 @@ class Parser {
     }
 }
 
-/** The value of an arithmetic expression; null where the text is none. It may be infinite or NaN. */
+/** Returns the value of an arithmetic expression; null if the text is not an expression. The value may be infinite or NaN. */
 export function computed(text: string): number | null {
     try {
         const tokens = tokensOf(text);
         const value = new Parser(tokens).whole();
-        return tokens.length === 1 ? value : Number(value.toPrecision(15)); // 0.1+0.2 is 0.3
+        return tokens.length === 1 ? value : Number(value.toPrecision(15)); // so that 0.1+0.2 is 0.3
     } catch (error) {
         if (error instanceof SyntaxTrouble) {
             return null;
@@ -122,7 +122,7 @@ function rangeText({ low, high, whole }: NumberLimits): string {
     return low !== undefined ? `${what} of at least ${low}` : high !== undefined ? `${what} of at most ${high}` : what;
 }
 
-/** Reads what was typed into a field for a number. */
+/** Reads a number that was typed into a field. */
 export function readNumber(text: string, limits: NumberLimits = {}): NumberRead {
     const typed = text.trim();
     const shown = `"${typed.length > kMaxShown ? `${typed.slice(0, kMaxShown)}…` : typed}"`;
@@ -138,5 +138,5 @@ export function readNumber(text: string, limits: NumberLimits = {}): NumberRead 
     }
     const { low = -Infinity, high = Infinity, whole } = limits;
     const fits = value >= low && value <= high && (!whole || Number.isInteger(value));
-    return fits ? { value } : { trouble: `This takes ${rangeText(limits)}, not ${shown}.` };
+    return fits ? { value } : { trouble: `Enter ${rangeText(limits)}, not ${shown}.` };
 }

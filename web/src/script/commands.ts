@@ -1,18 +1,18 @@
-// Which command a line is, and which of its arguments each word is: as the engine binds them.
+// Finds the command of a line and the argument of each word, with the rules of the engine.
 import type { Argument, Command, Kind } from "../protocol";
 import type { Word } from "./words";
 
-/** Lines of the language itself, which the schema does not have. */
+/** Statements of the language itself, which are not in the schema. */
 export const kLanguage: readonly { name: string; usage: string; help: string }[] = [
-    { name: "let", usage: "let NAME = EXPRESSION", help: "gives a variable a value, which ${NAME} puts into the lines after it" },
-    { name: "for", usage: "for NAME in FIRST..LAST [step STEP]", help: "runs the lines down to its end for each number" },
-    { name: "repeat", usage: "repeat COUNT", help: "runs the lines down to its end so many times" },
-    { name: "if", usage: "if CONDITION", help: "runs the lines down to its else or end where the condition is not 0" },
-    { name: "else", usage: "else", help: "begins what runs where the condition of the if above is 0" },
-    { name: "end", usage: "end", help: "closes the for, repeat or if above" },
+    { name: "let", usage: "let NAME = EXPRESSION", help: "Set a variable, which ${NAME} inserts into the following lines" },
+    { name: "for", usage: "for NAME in FIRST..LAST [step STEP]", help: "Run the lines up to the end for each number from the first to the last, which is stored in a variable" },
+    { name: "repeat", usage: "repeat COUNT", help: "Run the lines up to the end a number of times" },
+    { name: "if", usage: "if CONDITION", help: "Run the lines up to the else or end if the condition is not 0" },
+    { name: "else", usage: "else", help: "Begin the lines that run if the condition of the if above is 0" },
+    { name: "end", usage: "end", help: "Close the for, repeat or if above" },
 ];
 
-/** The command that words begin with, and how many of them are its name. */
+/** Finds the command at the start of the words, and the number of words in its name. */
 export function findCommand(schema: readonly Command[], words: readonly Word[]): { command: Command; used: number } | null {
     const called = (name: string) => schema.find((command) => command.name === name || command.aliases.includes(name));
     const [first, second] = words;
@@ -29,12 +29,12 @@ export function findCommand(schema: readonly Command[], words: readonly Word[]):
 
 export interface Bound {
     argument: Argument;
-    words: Word[]; // one; several where a point stands as one word for each number
+    words: Word[]; // usually one; several if a point is given as one word for each number
 }
 
 const kNumber = /^[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?$/;
 
-/** How many numbers a word holds; 0 where it is none. */
+/** Returns the number of numbers in a word; 0 if it contains other text. */
 export function numbersIn(text: string): number {
     const parts = text.split(",");
     return parts.every((part) => kNumber.test(part)) ? parts.length : text.includes("${") ? 1 : 0;
@@ -54,7 +54,7 @@ function pointLength(argument: Argument, words: readonly Word[]): number {
     return Math.max(count, 1);
 }
 
-/** Gives the words behind a command's name to its arguments. `unknown` are those that fit none. */
+/** Assigns the words after the name of a command to its arguments. `unknown` contains the words that match no argument. */
 export function bind(command: Command, words: readonly Word[]): { bound: Bound[]; unknown: Word[] } {
     const bound: Bound[] = [];
     const unknown: Word[] = [];
@@ -90,7 +90,7 @@ export function bind(command: Command, words: readonly Word[]): { bound: Bound[]
 
 const kKinds: readonly Kind[] = ["solid", "path", "profile", "points", "skeleton", "mesh"];
 
-/** The kinds of objects that an argument takes, the likeliest first. */
+/** The kinds of objects that an argument accepts, the most probable first. */
 export function kindsOf(argument: Argument): readonly Kind[] {
     if (argument.type === "section") {
         return ["profile"];
@@ -102,7 +102,7 @@ export function kindsOf(argument: Argument): readonly Kind[] {
     return kind && kKinds.includes(kind) ? [kind, ...(argument.also ?? [])] : kKinds;
 }
 
-/** What people call an argument: "branching angle". */
+/** The name of an argument in plain words: "Branching angle". */
 export function spoken(name: string): string {
     const words = name.replaceAll("_", " ");
     return words.charAt(0).toUpperCase() + words.slice(1);
@@ -110,7 +110,12 @@ export function spoken(name: string): string {
 
 const kUnits: Record<string, string> = { metre: "m", degree: "°", radius: "radii", second: "s" };
 
-/** The unit as it stands behind a number. */
+/** A help text as a sentence, with a capital letter and a full stop. */
+export function sentence(help: string): string {
+    return help === "" ? "" : `${help[0].toUpperCase()}${help.slice(1).replace(/\.$/, "")}.`;
+}
+
+/** The unit as printed after a number. */
 export function shortUnit(argument: Argument): string {
     return argument.unit ? (kUnits[argument.unit] ?? argument.unit) : "";
 }
@@ -119,7 +124,7 @@ function numberText(value: number): string {
     return String(Number(value.toPrecision(4)));
 }
 
-/** What an argument takes, in short: "number of m from 0 to 10, else 1". */
+/** Describes the values that an argument accepts: "a number from 0 to 10 [m]". */
 export function takes(argument: Argument): string {
     const range = argument.low !== undefined && argument.high !== undefined
         ? ` from ${numberText(argument.low)} to ${numberText(argument.high)}`
@@ -140,10 +145,10 @@ export function takes(argument: Argument): string {
         output_file: "a file to write",
         properties: "a file of options",
     };
-    return what[argument.type] + (argument.repeats ? "; may stand several times" : "");
+    return what[argument.type] + (argument.repeats ? "; can be repeated" : "");
 }
 
-/** What an argument is where it is not given: "1", "that of solid"; empty where there is no such thing. */
+/** Describes the default of an argument: "1", "that of solid"; empty if there is no default. */
 export function defaultText(argument: Argument): string {
     return argument.default?.startsWith("@") ? `that of ${argument.default.slice(1)}` : (argument.default ?? "");
 }

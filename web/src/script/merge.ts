@@ -1,19 +1,19 @@
-// Two changes of one text put together, line by line.
+// Merges two changes of the same text, line by line.
 
 interface Hunk {
     from: number; // lines of the old text
     to: number;
-    lines: string[]; // that stand there now
+    lines: string[]; // new lines at this position
 }
 
-const kMostCells = 4_000_000; // of the table of common lines; beyond, all between the ends that are alike counts as changed
+const kMaxCells = 4_000_000; // maximum size of the table of common lines; above it, everything between the common prefix and suffix counts as changed
 
 function hunksBetween(a: readonly string[], b: readonly string[], offset: number): Hunk[] {
     const width = b.length + 1;
-    if (a.length === 0 || b.length === 0 || (a.length + 1) * width > kMostCells) {
+    if (a.length === 0 || b.length === 0 || (a.length + 1) * width > kMaxCells) {
         return [{ from: offset, to: offset + a.length, lines: [...b] }];
     }
-    const common = new Uint32Array((a.length + 1) * width); // lines in common of what follows
+    const common = new Uint32Array((a.length + 1) * width); // number of common lines in the remaining text
     for (let i = a.length - 1; i >= 0; --i) {
         for (let j = b.length - 1; j >= 0; --j) {
             const right = common[i * width + j + 1];
@@ -45,7 +45,7 @@ function hunksBetween(a: readonly string[], b: readonly string[], offset: number
     return hunks;
 }
 
-/** What of `a` is otherwise in `b`. */
+/** Returns the hunks of `a` that differ in `b`. */
 export function difference(a: readonly string[], b: readonly string[]): Hunk[] {
     let first = 0;
     while (first < a.length && first < b.length && a[first] === b[first]) {
@@ -61,7 +61,7 @@ export function difference(a: readonly string[], b: readonly string[]): Hunk[] {
     return hunksBetween(a.slice(first, a.length - last), b.slice(first, b.length - last), first);
 }
 
-/** Whether they change the same lines, or are the same change. */
+/** Returns whether two hunks change the same lines, or are the same change. */
 function overlap(a: Hunk, b: Hunk): boolean {
     const same = a.from === b.from && a.to === b.to && a.lines.join("\n") === b.lines.join("\n");
     return same || (a.from < b.to && b.from < a.to);
@@ -77,7 +77,7 @@ function applied(base: readonly string[], hunks: readonly Hunk[], from: number, 
     return [...out, ...base.slice(at, to)];
 }
 
-/** Both changes of `base`; null where they change the same lines and none is preferred. */
+/** Applies both changes to `base`; null if they change the same lines and neither is preferred. */
 export function merged(base: string, mine: string, theirs: string, prefer?: "mine" | "theirs"): string | null {
     const old = base.split("\n");
     const own = difference(old, mine.split("\n"));
@@ -87,7 +87,7 @@ export function merged(base: string, mine: string, theirs: string, prefer?: "min
     let i = 0;
     let j = 0;
     while (i < own.length || j < other.length) {
-        // Where both put lines at one place, theirs come first: they are in the document already.
+        // If both insert lines at the same position, theirs come first, because they are already in the document.
         const otherFirst = j < other.length && (i >= own.length || other[j].from <= own[i].from);
         const group = otherFirst ? { own: [] as Hunk[], other: [other[j++]] } : { own: [own[i++]], other: [] as Hunk[] };
         for (let more = true; more;) {

@@ -1,21 +1,21 @@
-// Objects that statements make, change and use, by their names in the text.
+// Finds the names of objects that statements create, change and use.
 import type { Argument, Command, Kind, ObjectName } from "../protocol";
 import { type Bound, bind, findCommand, kindsOf } from "./commands";
 import { linesOf, piecesOf } from "./pieces";
 import { isComputed, readLine, type Word } from "./words";
 
 interface Place {
-    from: number; // of the name in the statement
+    from: number; // position of the name in the statement
     to: number;
     name: string;
-    kinds: readonly Kind[]; // that may be meant; empty: any
+    kinds: readonly Kind[]; // allowed kinds of the object; empty: any
     role: "makes" | "changes" | "uses";
 }
 
-// Commands that name objects and leave them as they are.
+// Commands that name objects without changing them.
 const kOnlyLook = new Set(["describe", "delete", "edit select", "save", "save pointset", "render", "slice", "pointset quality"]);
 
-/** The kind of what a name is given to, as far as it is told; empty where not. */
+/** The kind of the object that a new name refers to, if it is known; empty otherwise. */
 export function newKind(argument: Argument): readonly Kind[] {
     const kind = /\bnew (solid|path|profile|points|skeleton|mesh)\b/.exec(argument.help)?.[1];
     return kind ? [kind as Kind] : [];
@@ -26,7 +26,7 @@ function narrowed(kinds: readonly Kind[], bound: readonly Bound[]): readonly Kin
     return said && kinds.includes(said as Kind) ? [said as Kind] : kinds;
 }
 
-/** solid(crown): what lies in it. */
+/** solid(crown): the nodes inside the solid. */
 function placesInSelection(line: string, word: Word): Place[] {
     return [...line.slice(word.value, word.to).matchAll(/\bsolid\(\s*([A-Za-z_][\w.-]*)/g)].map((match) => {
         const to = word.value + match.index + match[0].length;
@@ -34,7 +34,7 @@ function placesInSelection(line: string, word: Word): Place[] {
     });
 }
 
-/** The argument whose object a command changes; none of commands that make something or only look. */
+/** The argument that names the object a command changes; undefined for commands that create or only inspect objects. */
 export function changedBy(command: Command): Argument | undefined {
     const makes = command.arguments.some(({ type }) => type === "new_name");
     return makes || kOnlyLook.has(command.name)
@@ -66,7 +66,7 @@ function span(word: Word): { from: number; to: number } {
     return { from: word.value, to: word.to };
 }
 
-/** Names that are not written: "that of SOLID". */
+/** Implied names: "that of SOLID". */
 function impliedNames(command: Command, bound: readonly Bound[]): Place[] {
     return command.arguments
         .filter((argument) => argument.type === "new_name" && argument.default?.startsWith("@"))
@@ -100,13 +100,13 @@ function means(place: Place, object: ObjectName): boolean {
     return place.name === object.name && (place.kinds.length === 0 || place.kinds.includes(object.kind));
 }
 
-const kMostKnown = 50_000; // statements
+const kMaxKnown = 50_000; // number of cached statements
 const kKnown = new WeakMap<readonly Command[], Map<string, readonly Place[]>>();
 
-/** The names of objects in a statement and where they stand, in the order of the text. Known ones are not read again. */
+/** The names of objects in a statement and their positions, in the order of the text. Results are cached. */
 export function placesIn(schema: readonly Command[], statement: string): readonly Place[] {
     let known = kKnown.get(schema);
-    if (!known || known.size > kMostKnown) {
+    if (!known || known.size > kMaxKnown) {
         known = new Map();
         kKnown.set(schema, known);
     }
@@ -115,7 +115,7 @@ export function placesIn(schema: readonly Command[], statement: string): readonl
     return places;
 }
 
-/** The numbers of the statements that made an object what it is, the last one included: `last` is known. */
+/** The numbers of the statements that created and changed an object, up to and including `last`. */
 export function stepsOf(schema: readonly Command[], statements: readonly { text: string }[], object: ObjectName, last: number): number[] {
     const steps: number[] = [];
     for (let i = Math.min(last, statements.length - 1); i >= 0; --i) {
@@ -124,13 +124,13 @@ export function stepsOf(schema: readonly Command[], statements: readonly { text:
             steps.unshift(i);
         }
         if (mine.some(({ role }) => role === "makes")) {
-            break; // what it was before does not matter
+            break; // earlier states of the object have no influence
         }
     }
     return steps;
 }
 
-/** The skeleton that the mesh of this name was made from by this statement; null where the statement does not say so. */
+/** The skeleton from which this statement creates the mesh; null if the statement does not name it. */
 export function meshSource(schema: readonly Command[], statement: string, mesh: string): string | null {
     const places = placesIn(schema, statement);
     const isMade = places.some((place) => place.role === "makes" && means(place, { kind: "mesh", name: mesh }));
@@ -138,7 +138,7 @@ export function meshSource(schema: readonly Command[], statement: string, mesh: 
     return isMade && used.size === 1 ? [...used][0] : null;
 }
 
-/** The text with all objects of a name called otherwise, and how often the name stood there. */
+/** Renames all objects of a name in the text, and counts the occurrences. */
 export function renamed(schema: readonly Command[], text: string, name: string, to: string): { text: string; lines: Set<number> } {
     let out = "";
     let done = 0;
@@ -155,7 +155,7 @@ export function renamed(schema: readonly Command[], text: string, name: string, 
     return { text: out + text.slice(done), lines };
 }
 
-/** What objects may be called: letters, digits, _, - and . after a letter or _. */
+/** Returns whether a text is a valid name of an object: letters, digits, _, - and . after a letter or _. */
 export function isObjectName(name: string): boolean {
     return /^[A-Za-z_][A-Za-z0-9_.-]{0,63}$/.test(name);
 }

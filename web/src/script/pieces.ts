@@ -1,10 +1,10 @@
-// Statements of a scene's text: a line with those that it goes on in, or a whole block, as the engine divides it.
+// Statements in the text of a scene: a line with its continuation lines, or a whole block, with the rules of the engine.
 
 export interface Piece {
-    text: string; // as it stands, without the last line end
-    line: number; // of its first line, from 1
-    from: number; // in the whole text
-    open: boolean; // whether a block or a line that goes on has no end
+    text: string; // source text without the last line end
+    line: number; // number of its first line, from 1
+    from: number; // offset in the whole text
+    open: boolean; // whether a block or a continued line has no end
 }
 
 const kOpens = new Set(["for", "repeat", "if"]);
@@ -13,7 +13,7 @@ function firstWord(line: string): string {
     return /^[ \t\r]*([a-z]+)(?=[ \t\r]|$)/.exec(line)?.[1] ?? "";
 }
 
-/** The text in statements; joined by line ends they are the text again, but for an end behind the last. */
+/** Splits the text into statements; joined by line ends they are the same text, except for a line end after the last. */
 export function piecesOf(text: string): Piece[] {
     const pieces: Piece[] = [];
     const lines = text.split("\n");
@@ -42,7 +42,7 @@ export function piecesOf(text: string): Piece[] {
     return pieces;
 }
 
-/** The number of the statement that a line (from 1) belongs to; that of the last one for lines behind it. */
+/** Index of the statement that contains a line (from 1); the last statement for lines after it. */
 export function pieceAt(pieces: readonly { line: number }[], line: number): number {
     let low = 0;
     let high = pieces.length;
@@ -57,7 +57,7 @@ export function pieceAt(pieces: readonly { line: number }[], line: number): numb
     return low - 1;
 }
 
-/** The commands of a statement, each as one line and where it begins in the statement: several in a block. */
+/** The commands of a statement, each as one line with its offset in the statement: several in a block. */
 export function linesOf(statement: string): { text: string; from: number }[] {
     const lines: { text: string; from: number }[] = [];
     const pattern = /(?:[^\n]*\\\r?\n)*[^\n]*(?:\n|$)/y;
@@ -73,7 +73,7 @@ export function linesOf(statement: string): { text: string; from: number }[] {
     return lines;
 }
 
-/** The text of a document of statements. */
+/** The text of a document from its statements. */
 export function textOf(statements: readonly { text: string }[]): string {
     return statements.map(({ text }) => `${text}\n`).join("");
 }

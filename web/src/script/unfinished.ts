@@ -1,4 +1,4 @@
-// Whether a line is still being typed, so that it is no error yet.
+// Detects lines that are still being typed, so that they are not reported as errors.
 import type { Command } from "../protocol";
 import { type Bound, bind, findCommand, kLanguage, numbersIn } from "./commands";
 import { isComputed, readLine } from "./words";
@@ -17,7 +17,7 @@ function isHalf({ argument, words }: Bound, line: string): boolean {
     return isEmpty || !fits;
 }
 
-/** Whether the line cannot be meant as it stands; what only the engine can judge counts as finished. */
+/** Returns whether the line is incomplete; a line that only the engine can check counts as complete. */
 export function unfinished(schema: readonly Command[], line: string): boolean {
     const { words, comment, open } = readLine(line);
     if (words.length === 0) {

@@ -1,10 +1,10 @@
-// What a statement says, as a list of words for each argument, and the line that says so again.
+// Converts a statement to a list of words for each argument, and back to a line.
 import type { Argument, Command } from "../protocol";
 import { quoted } from "../tools/kit/words";
 import { bind, findCommand, numbersIn } from "./commands";
 import { isComputed, joined, readLine } from "./words";
 
-/** Words as they are typed, by argument; none where the default holds. */
+/** Words as typed, by argument; arguments with their default have no entry. */
 export type Values = Readonly<Record<string, readonly string[]>>;
 
 export interface Call {
@@ -13,13 +13,13 @@ export interface Call {
     comment: string; // with its #
 }
 
-/** The choice that a word means: its beginning is enough where only one begins so. */
+/** The choice for a word: a unique prefix is sufficient. */
 function spelledOut({ choices = [] }: Argument, word: string): string {
     const begun = choices.filter((choice) => choice.startsWith(word));
     return choices.includes(word) || begun.length !== 1 ? word : begun[0];
 }
 
-/** What a statement says; null for blocks, statements of the language itself, and what no command knows. */
+/** The values of a statement; null for blocks, statements of the language itself, and unknown commands. */
 export function readCall(schema: readonly Command[], statement: string): Call | null {
     const text = joined(statement);
     const { words, comment, open } = readLine(text);
@@ -36,7 +36,7 @@ export function readCall(schema: readonly Command[], statement: string): Call | 
     return unknown.length > 0 || twice ? null : { command: found.command, values, comment: text.slice(comment) };
 }
 
-/** A word as it stands in a line; expressions stay expressions. */
+/** Writes a word for a line; expressions are preserved. */
 export function written(text: string): string {
     return quoted(text).replaceAll("$${", "${");
 }
@@ -46,11 +46,11 @@ function swallows(argument: Argument, word: string): boolean {
     return argument.type === "tuple" && !argument.repeats && (isComputed(word) || numbersIn(word) < most);
 }
 
-/** The line that says what the values are. Arguments without a value are left out. */
+/** The line with these values. Arguments without a value are omitted. */
 export function lineOf(command: Command, values: Values, comment = ""): string {
     const words = [command.name];
     const options: string[] = [];
-    let inOrder = true; // an argument behind one that is left out needs its name
+    let inOrder = true; // an argument after an omitted one requires its name
     for (const argument of command.arguments) {
         const mine = values[argument.name] ?? [];
         if (argument.positional && inOrder) {
@@ -63,13 +63,13 @@ export function lineOf(command: Command, values: Values, comment = ""): string {
     return [...words, ...options, ...(comment ? [comment] : [])].join(" ");
 }
 
-/** What an argument is where nothing is given: as typed; empty where there is no such thing. */
+/** The default of an argument, as typed; empty if there is no default. */
 export function defaultWord(argument: Argument, values: Values): string {
     const word = argument.default ?? "";
     return word.startsWith("@") ? (values[word.slice(1)]?.[0] ?? "") : word;
 }
 
-/** The first word given for an argument, else its default. */
+/** The first word of an argument, or its default. */
 export function wordOf(argument: Argument, values: Values): string {
     return values[argument.name]?.[0] ?? defaultWord(argument, values);
 }
@@ -85,7 +85,7 @@ function same(argument: Argument, word: string, other: string): boolean {
     return a.length === b.length && a.every((part, i) => part.trim() !== "" && Number(part) === Number(b[i]));
 }
 
-/** The values with another one; what is the default is left out. A seed is not: `set seed` gives another default. */
+/** Replaces a value; a value equal to the default is omitted, except for a seed, because `set seed` changes its default. */
 export function withValue(argument: Argument, values: Values, words: readonly string[]): Values {
     const kept = words.filter((word) => word !== "");
     const { [argument.name]: _, ...rest } = values;
@@ -93,7 +93,7 @@ export function withValue(argument: Argument, values: Values, words: readonly st
     return kept.length === 0 || (isDefault && !argument.required) ? rest : { ...rest, [argument.name]: kept };
 }
 
-/** The arguments that have to be given and are not. */
+/** The required arguments that have no value. */
 export function missing(command: Command, values: Values): Argument[] {
     return command.arguments.filter(({ required, name }) => required && (values[name] ?? []).length === 0);
 }

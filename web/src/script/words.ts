@@ -1,22 +1,22 @@
-// Words of a line of a scene and where they stand, as the engine reads them.
+// The words of a line of a scene and their positions, with the rules of the engine.
 
 export interface Word {
-    key: string; // of name=value; empty where it stands in order
+    key: string; // name in name=value; empty for a positional word
     text: string; // the value, without quotes
-    from: number; // of the whole word in the line
-    value: number; // where its value begins, with the quote
+    from: number; // offset of the whole word in the line
+    value: number; // offset of its value, including the quote
     to: number;
 }
 
 export interface Line {
     words: Word[];
-    comment: number; // where one begins; the length of the line where there is none
+    comment: number; // offset of the comment; the length of the line if there is no comment
     open: boolean; // whether a quote is not closed
 }
 
 const kBlank = /[ \t\r\n]/;
 
-/** A statement as one line, of the same length: lines that go on in the next are joined. */
+/** A statement as one line of the same length: continued lines are joined. */
 export function joined(text: string): string {
     return text.replace(/\\\r?\n/g, (end) => " ".repeat(end.length));
 }
@@ -73,7 +73,7 @@ export function readLine(line: string): Line {
     return { words, comment: line.length, open };
 }
 
-/** Whether a text has a value that a scene works out. */
+/** Returns whether a text contains an expression that the scene evaluates. */
 export function isComputed(text: string): boolean {
     return text.replaceAll("$${", "").includes("${");
 }

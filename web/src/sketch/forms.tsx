@@ -1,4 +1,4 @@
-// The forms beside the panes: views and their cameras, branches, height, and what is done with the sketch.
+// Forms next to the panes: views and their cameras, branches, height, and commands for the sketch.
 import type { TargetedEvent, VNode } from "preact";
 import { useState } from "preact/hooks";
 import { FieldTrouble, useNumber } from "../number_field";
@@ -29,7 +29,7 @@ export function kindOf(view: SketchView): KindOfView {
               : "drawing";
 }
 
-/** A view of another kind, with its name, picture and size. */
+/** Returns a view of another kind with the same name, image and size. */
 export function ofKind(view: SketchView, kind: KindOfView): SketchView {
     const { name, image } = view;
     const [width, height] = [view.width ?? 800, view.height ?? 800];
@@ -67,7 +67,7 @@ export function ofKind(view: SketchView, kind: KindOfView): SketchView {
     }
 }
 
-/** Rows of numbers as text, "1 0 0; 0 1 0; 0 0 1", and back; null where they are no numbers. */
+/** Converts rows of numbers to text, "1 0 0; 0 1 0; 0 0 1", and back; null if the text is invalid. */
 export const rowsText = (rows: readonly (readonly number[])[]): string => rows.map((row) => row.join(" ")).join("; ");
 export function rowsOf(text: string): number[][] | null {
     const rows = text.split(";").map((row) =>
@@ -85,7 +85,10 @@ interface FieldProps<T> {
     set(value: T): void;
 }
 
-/** What a field has while it is typed in, so that a form that is drawn again takes nothing of it away; `commit` gets it once that is done. */
+/**
+ * The text of a field during typing, so that a redraw of the form does not change it; `commit` receives the text when typing is
+ * finished.
+ */
 function useDraft(value: string, commit: (text: string) => void) {
     const [draft, setDraft] = useState<string | null>(null);
     return {
@@ -146,7 +149,7 @@ function CameraFields({ view, set }: { view: SketchView; set(view: SketchView): 
                         set={(side) => set({ ...view, orthographic: side as Side })}
                     />
                     <Amount
-                        label="Pixels per metre, 0 = by height"
+                        label="Pixels per metre, 0 = from the height"
                         value={view.pixels_per_metre ?? 0}
                         set={(scale) => {
                             const { pixels_per_metre: _, origin, ...rest } = view;
@@ -223,7 +226,7 @@ function CameraFields({ view, set }: { view: SketchView; set(view: SketchView): 
                         set={(phenomenal) => set({ ...view, phenomenal })}
                     />
                     <Line label="Camera" value={view.camera ?? ""} set={(camera) => set({ ...view, camera })} />
-                    <Amount label="Turned by [°]" value={view.angle ?? 0} set={(angle) => set({ ...view, angle })} />
+                    <Amount label="Rotation [°]" value={view.angle ?? 0} set={(angle) => set({ ...view, angle })} />
                 </>
             );
     }
@@ -248,7 +251,7 @@ const ViewForm = tracked(({ work, index }: { work: SketchWork; index: number }) 
             <Choice label="Kind" value={kindOf(view)} choices={kKinds} set={(kind) => set(ofKind(view, kind as KindOfView))} />
             <CameraFields view={view} set={set} />
             <Choice
-                label="Picture"
+                label="Image"
                 value={view.image ?? ""}
                 choices={[["", "none"], ...pictures.map((name) => [name, name] as const)]}
                 set={(image) => {
@@ -257,11 +260,11 @@ const ViewForm = tracked(({ work, index }: { work: SketchWork; index: number }) 
                 }}
             />
             <label class="tool-field">
-                <span>Another picture</span>
+                <span>Replace the image</span>
                 <input
                     type="file"
                     accept="image/png,image/jpeg"
-                    aria-label={`Picture of view ${view.name} from elsewhere`}
+                    aria-label={`Replace the image of view ${view.name}`}
                     onChange={(event) => {
                         const file = event.currentTarget.files?.[0];
                         if (file) {
@@ -302,7 +305,7 @@ const BranchForm = tracked(({ work }: { work: SketchWork }) => {
             <Choice
                 label="Branch"
                 value={chosen ?? ""}
-                choices={[["", "a new one"], ...branches.map(({ name }) => [name, name] as const)]}
+                choices={[["", "a new branch"], ...branches.map(({ name }) => [name, name] as const)]}
                 set={(name) => {
                     work.chosen.value = name === "" ? null : name;
                     work.point.value = -1;
@@ -321,7 +324,7 @@ const BranchForm = tracked(({ work }: { work: SketchWork }) => {
                         }}
                     />
                     <Choice
-                        label="Grows from"
+                        label="Parent branch"
                         value={branch.parent ?? ""}
                         choices={parents}
                         set={(parent) => edit(setParent(work.sketch.peek(), branch.name, parent === "" ? null : parent))}
@@ -340,7 +343,7 @@ const BranchForm = tracked(({ work }: { work: SketchWork }) => {
 
 interface Props {
     work: SketchWork;
-    done(): void; // the sketch is in the scene
+    done(): void; // called when the sketch has been added to the scene
     leave(): void;
 }
 
@@ -363,7 +366,7 @@ export const SketchForms = tracked(({ work, done, leave }: Props) => {
                 }}
             />
             <Amount
-                label="Height of the tree [m], 0 = by scale"
+                label="Height of the tree [m], 0 = from the scale"
                 value={sketch.height ?? 0}
                 set={(height) => {
                     const { height: _, ...rest } = work.sketch.peek();
@@ -385,7 +388,7 @@ export const SketchForms = tracked(({ work, done, leave }: Props) => {
                     Add a view
                 </button>
                 <button type="button" disabled={!sketch.views.every(({ image }) => image)} onClick={() => void work.trace()}>
-                    Trace the pictures
+                    Trace the images
                 </button>
                 <button type="button" disabled={!work.canUndo.value} onClick={() => work.undo()}>
                     Undo stroke
@@ -416,9 +419,9 @@ export const SketchForms = tracked(({ work, done, leave }: Props) => {
                     disabled={sketch.branches.length === 0}
                     onClick={async () => (await work.commit()) && done()}
                 >
-                    Put it into the scene
+                    Add to the scene
                 </button>
-                <button type="button" onClick={leave}>Put it aside</button>
+                <button type="button" onClick={leave}>Close the sketch</button>
             </div>
         </>
     );

@@ -1,4 +1,4 @@
-// A sketch as docs/user/sketching.md has it, and what hands do to it. Values are never changed: each edit gives a new one.
+// A sketch as described in docs/user/sketching.md, and its edits. Values are immutable: each edit returns a new one.
 import { simplified, toSegment } from "../tools/kit/vector";
 
 export type Pixel = readonly [number, number];
@@ -28,7 +28,7 @@ export interface SketchView {
 
 export interface Stroke {
     points: readonly Pixel[];
-    widths?: readonly number[]; // [px] across the branch, at every point or at both ends
+    widths?: readonly number[]; // [px] diameter of the branch, at every point or at both ends
 }
 
 export interface Branch {
@@ -36,7 +36,7 @@ export interface Branch {
     parent?: string;
     attach?: number;
     diameters?: readonly number[];
-    strokes: Readonly<Record<string, Stroke>>; // by the name of the view
+    strokes: Readonly<Record<string, Stroke>>; // by name of the view
 }
 
 export interface Sketch {
@@ -48,7 +48,7 @@ export interface Sketch {
     branches: readonly Branch[];
 }
 
-const kNearParent = 40; // [px] from an axis where a stroke still grows from it
+const kNearParent = 40; // [px] maximum distance from an axis at which a stroke starts as a child of it
 
 export function emptySketch(): Sketch {
     const view = (name: string, side: Side): SketchView => ({
@@ -62,7 +62,7 @@ export function emptySketch(): Sketch {
     return { format: "coppice-sketch", version: 1, views: [view("front", "front"), view("side", "side")], branches: [] };
 }
 
-/** Throws where the text is no sketch. */
+/** Throws if the text is not a sketch. */
 export function readSketch(text: string): Sketch {
     const read = JSON.parse(text) as Partial<Sketch> | null;
     if (read?.format !== "coppice-sketch" || !Array.isArray(read.views)) {
@@ -71,7 +71,9 @@ export function readSketch(text: string): Sketch {
     return { ...(read as Sketch), branches: read.branches ?? [] };
 }
 
-/** As the engine reads it: branches without strokes are left out, and all that grow from them by name alone. */
+/**
+ * Converts the sketch to the form that the engine reads: without branches that have no strokes, and without references to them.
+ */
 export function writtenSketch(sketch: Sketch): Sketch {
     const branches = sketch.branches.filter(({ strokes }) => Object.keys(strokes).length > 0);
     const names = new Set(branches.map(({ name }) => name));
@@ -80,12 +82,12 @@ export function writtenSketch(sketch: Sketch): Sketch {
     return kept.length > 0 ? { ...head, branches: kept } : (head as Sketch);
 }
 
-/** Whether there is a branch that two views show. */
+/** Returns whether a branch has strokes in two views. */
 export function canReconstruct(sketch: Sketch): boolean {
     return sketch.branches.some(({ strokes }) => Object.keys(strokes).length >= 2);
 }
 
-/** Whether all views show a branch. */
+/** Returns whether a branch has strokes in all views. */
 export function isComplete(sketch: Sketch, name: string): boolean {
     const strokes = branchCalled(sketch, name)?.strokes ?? {};
     return sketch.views.every((view) => strokes[view.name]);
@@ -105,7 +107,7 @@ export function freeBranch(sketch: Sketch): string {
     return `branch ${n}`;
 }
 
-/** The width of a stroke at one of its points. */
+/** Returns the width of a stroke at one of its points. */
 export function widthAt(stroke: Stroke, i: number): number {
     const { widths, points } = stroke;
     if (!widths || widths.length === 0) {
@@ -118,7 +120,7 @@ export function widthAt(stroke: Stroke, i: number): number {
     return widths[0] + (widths[widths.length - 1] - widths[0]) * share;
 }
 
-/** The branch of a view whose axis is nearest to a pixel, and the piece of it. */
+/** The branch of a view with the axis closest to a pixel, and the segment of the axis. */
 export function branchAt(
     sketch: Sketch,
     view: string,
@@ -142,7 +144,7 @@ function withBranch(sketch: Sketch, name: string, change: (branch: Branch) => Br
     return { ...sketch, branches: sketch.branches.map((branch) => (branch.name === name ? change(branch) : branch)) };
 }
 
-/** A drawn line as a stroke: no more points than it needs. `widths` belong to the points. */
+/** Simplifies a drawn line to a stroke. `widths` belong to the points. */
 export function drawnStroke(line: readonly Pixel[], widths: readonly number[], most: number): Stroke | null {
     const kept = simplified(
         line.map(([x, y], i) => [x, y, widths[i]] as const),
@@ -157,8 +159,8 @@ export function drawnStroke(line: readonly Pixel[], widths: readonly number[], m
 }
 
 /**
- * A stroke that was drawn in a view: of the chosen branch where that has none there yet, else of a new one, which grows
- * from the branch that its start is near.
+ * Adds a stroke in a view: to the chosen branch if it has no stroke there, otherwise as a new branch, with the branch near its
+ * start as parent.
  */
 export function addStroke(sketch: Sketch, view: string, stroke: Stroke, chosen: string | null): { sketch: Sketch; name: string } {
     const branch = chosen ? branchCalled(sketch, chosen) : undefined;
@@ -191,7 +193,7 @@ export function setWidth(stroke: Stroke, i: number, width: number): Stroke {
     return { ...stroke, widths: fullWidths(stroke).map((old, k) => (k === i ? Math.max(width, 0.1) : old)) };
 }
 
-/** Before the point of index `i`. */
+/** Inserts before the point with index `i`. */
 export function insertPoint(stroke: Stroke, i: number, at: Pixel): Stroke {
     const widths = fullWidths(stroke);
     const width = (widths[i - 1] + widths[Math.min(i, widths.length - 1)]) / 2;
@@ -201,13 +203,13 @@ export function insertPoint(stroke: Stroke, i: number, at: Pixel): Stroke {
     };
 }
 
-/** Null where fewer than two would be left. */
+/** Null if fewer than two points would remain. */
 export function removePoint(stroke: Stroke, i: number): Stroke | null {
     const keep = (_: unknown, k: number) => k !== i;
     return stroke.points.length > 2 ? { points: stroke.points.filter(keep), widths: fullWidths(stroke).filter(keep) } : null;
 }
 
-/** What grew from it grows from its parent then. */
+/** Its children become children of its parent. */
 export function removeBranch(sketch: Sketch, name: string): Sketch {
     const parent = branchCalled(sketch, name)?.parent;
     const branches = sketch.branches
@@ -222,7 +224,7 @@ export function removeBranch(sketch: Sketch, name: string): Sketch {
     return { ...sketch, branches };
 }
 
-/** Unchanged where another branch has that name, or none would be left. */
+/** Returns the sketch unchanged if another branch has that name, or if the name is empty. */
 export function renameBranch(sketch: Sketch, name: string, to: string): Sketch {
     if (to.trim() === "" || branchCalled(sketch, to)) {
         return sketch;
@@ -235,7 +237,7 @@ export function renameBranch(sketch: Sketch, name: string, to: string): Sketch {
     return { ...sketch, branches };
 }
 
-/** Unchanged where a branch would grow from itself, however far round. */
+/** Returns the sketch unchanged if the branch would become its own ancestor. */
 export function setParent(sketch: Sketch, name: string, parent: string | null): Sketch {
     for (let at = parent; at !== null; at = branchCalled(sketch, at)?.parent ?? null) {
         if (at === name) {
@@ -245,13 +247,13 @@ export function setParent(sketch: Sketch, name: string, parent: string | null): 
     return withBranch(sketch, name, ({ parent: _, attach: __, ...rest }) => (parent !== null ? { ...rest, parent } : rest));
 }
 
-/** A view with a picture under its strokes. Files of cameras tell the size themselves. */
+/** A view with an image under its strokes. Camera files contain the size. */
 export function withPicture(view: SketchView, image: string, { width, height }: { width: number; height: number }): SketchView {
     const hasFile = view.colmap !== undefined || view.phenomenal !== undefined;
     return hasFile ? { ...view, image } : { ...view, image, width, height };
 }
 
-/** Strokes go with their view. */
+/** The strokes of a view are kept or removed together with the view. */
 export function changeView(sketch: Sketch, index: number, view: SketchView): Sketch {
     const before = sketch.views[index]?.name;
     const branches =
@@ -275,7 +277,7 @@ export function removeView(sketch: Sketch, index: number): Sketch {
     return { ...sketch, views: sketch.views.filter((_, i) => i !== index), branches };
 }
 
-/** The height that a pixel of one drawing to scale has in another; null where they are no such drawings. */
+/** The height that a pixel of one scale drawing has in another; null for other kinds of views. */
 export function levelIn(from: SketchView, other: SketchView, at: Pixel): number | null {
     const drawings = [from, other].every(
         (view) => view.orthographic && view.orthographic !== "top" && view.origin && view.pixels_per_metre,

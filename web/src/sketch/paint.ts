@@ -9,11 +9,11 @@ export interface Painted {
     screen: Screen;
     picture: ImageBitmap | null;
     chosen: string | null;
-    point: number; // of the chosen stroke
+    point: number; // index in the chosen stroke
     refused: ReadonlySet<string>;
-    line: readonly Pixel[]; // epipolar, of what the pointer shows in another view
+    line: readonly Pixel[]; // epipolar line of the pointer position in another view
     drawing: Stroke | null;
-    cursor: Pixel | null; // of the keyboard
+    cursor: Pixel | null; // position of the keyboard cursor
 }
 
 const kColors = { stroke: "#2f9e5b", chosen: "#ffb000", refused: "#e5484d", line: "#2f81f7", cursor: "#d6409f" };

@@ -1,4 +1,4 @@
-// One view of the sketch: strokes are drawn and edited over its picture.
+// One view of the sketch: strokes are drawn and edited over its image.
 import { effect, signal } from "@preact/signals-core";
 import type { VNode } from "preact";
 import { useLayoutEffect, useRef } from "preact/hooks";
@@ -22,19 +22,19 @@ import { fitted, gripAt, type Grip, type Screen, toPicture, widthByEdge, zoomedA
 import type { SketchWork } from "./work";
 
 const kNear = 10; // [px] of the screen
-const kFirstStep = 10; // [px] of an arrow key
-const kThin = 0.7; // [px of the screen] that a stroke's line may be off what was drawn
+const kFirstStep = 10; // [px] step of an arrow key
+const kThin = 0.7; // [px of the screen] tolerance of the simplified stroke
 
 type Doing = "nothing" | "draw" | "grip" | "pan";
 
-/** What happens in one pane, by mouse, pen, finger and keys. */
+/** Input in one pane by mouse, pen, touch and keys. */
 class PaneHand {
     readonly screen = signal<Screen>({ scale: 1, x: 0, y: 0 });
     readonly drawing = signal<Stroke | null>(null);
     readonly cursor = signal<Pixel | null>(null);
     private doing: Doing = "nothing";
     private grip: Grip | null = null;
-    private isMoved = false; // what is held
+    private isMoved = false; // the dragged element
     private line: Pixel[] = [];
     private widths: number[] = [];
     private last: Pixel = [0, 0];
@@ -108,7 +108,7 @@ class PaneHand {
         }
     }
 
-    /** A point more where a stroke is clicked twice. */
+    /** Inserts a point at the position of a double click. */
     twice(event: MouseEvent): void {
         const at = this.picture([event.offsetX, event.offsetY]);
         const { name } = this.view();
@@ -130,7 +130,7 @@ class PaneHand {
         }
     }
 
-    /** By keys alone: arrows move a cross, the blank adds a point of a stroke there, Enter ends it. */
+    /** Keyboard operation: arrows move a cross, the space bar adds a point of a stroke at its position, Enter ends the stroke. */
     private cursorKey(event: KeyboardEvent): boolean {
         const far = kFirstStep * (event.shiftKey ? 0.1 : 1) * (event.altKey ? 10 : 1);
         const steps: Record<string, Pixel> = {
@@ -205,7 +205,7 @@ class PaneHand {
         return this.work.sketch.peek().branches.find((branch) => branch.name === name)?.strokes[this.view().name];
     }
 
-    // A pen presses; a mouse reports half.
+    // A pen reports pressure; a mouse always reports half.
     private penWidth(event: PointerEvent): number {
         const pressed = event.pointerType === "pen" && event.pressure > 0 ? 2 * event.pressure : 1;
         return this.work.width.peek() * pressed;
@@ -260,7 +260,7 @@ class PaneHand {
         }
         const { sketch, name } = addStroke(this.work.sketch.peek(), this.view().name, tapered(stroke), this.work.chosen.peek());
         this.work.set(sketch);
-        // One that all views show is put down: the next begins on it, where its points would be taken hold of.
+        // A branch that all views show is deselected: otherwise the start of the next stroke could grab one of its points.
         this.work.chosen.value = isComplete(sketch, name) ? null : name;
         this.work.point.value = -1;
         void this.work.rebuild();
@@ -275,7 +275,7 @@ class PaneHand {
     }
 }
 
-/** What a mouse draws in one width becomes half as wide at its tip; a pen's widths stay. */
+/** A stroke of constant width, drawn with a mouse, is tapered to half the width at its tip; the widths of a pen are kept. */
 export function tapered(stroke: Stroke): Stroke {
     const first = widthAt(stroke, 0);
     const even = stroke.points.every((_, i) => Math.abs(widthAt(stroke, i) - first) < 0.01 * first);
@@ -291,7 +291,7 @@ export function Pane({ work, index }: { work: SketchWork; index: number }): VNod
         () => canvas.current as HTMLCanvasElement,
     );
     const own = hand.current;
-    // Not useEffect, which cleans up only after the pictures were closed.
+    // Not useEffect: its clean-up would run after the images were closed.
     useLayoutEffect(() => {
         const element = canvas.current;
         const context = element?.getContext("2d");
@@ -347,7 +347,7 @@ export function Pane({ work, index }: { work: SketchWork; index: number }): VNod
             class="sketch-canvas"
             tabIndex={0}
             role="application"
-            aria-label={`View ${own.view().name}: arrows move a cross, the blank adds a point, Enter ends the stroke`}
+            aria-label={`View ${own.view().name}: arrows move a cross, the space bar adds a point, Enter ends the stroke`}
             onPointerDown={(event) => own.down(event)}
             onPointerMove={(event) => own.move(event)}
             onPointerUp={(event) => own.up(event)}

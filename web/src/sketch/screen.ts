@@ -1,7 +1,7 @@
-// A picture in its pane: zoom, pan, and what lies under the pointer.
+// An image in its pane: zoom, pan and hit tests.
 import { type Pixel, type Stroke, widthAt } from "./model";
 
-/** Where the picture's upper left corner lies in the pane, and how large its pixels are there. */
+/** The position of the upper left corner of the image in the pane, and the size of its pixels. */
 export interface Screen {
     scale: number;
     x: number;
@@ -22,7 +22,7 @@ export function fitted(width: number, height: number, paneWidth: number, paneHei
     return { scale, x: (paneWidth - width * scale) / 2, y: (paneHeight - height * scale) / 2 };
 }
 
-/** The direction across a stroke at a point, of length 1. */
+/** Unit vector across a stroke at a point. */
 export function acrossAt(points: readonly Pixel[], i: number): Pixel {
     const a = points[Math.max(i - 1, 0)];
     const b = points[Math.min(i + 1, points.length - 1)];
@@ -30,7 +30,7 @@ export function acrossAt(points: readonly Pixel[], i: number): Pixel {
     return [-(b[1] - a[1]) / size, (b[0] - a[0]) / size];
 }
 
-/** Both edges of a stroke at a point, in pixels of the picture. */
+/** Both edges of a stroke at a point, in pixels of the image. */
 export function edgesAt(stroke: Stroke, i: number): [Pixel, Pixel] {
     const [nx, ny] = acrossAt(stroke.points, i);
     const [x, y] = stroke.points[i];
@@ -43,7 +43,7 @@ export function edgesAt(stroke: Stroke, i: number): [Pixel, Pixel] {
 
 export type Grip = { part: "point" | "edge"; index: number };
 
-/** What of a stroke is under the pointer: a point, or an edge of one. */
+/** The element of a stroke under the pointer: a point, or an edge at a point. */
 export function gripAt(stroke: Stroke, screen: Screen, sx: number, sy: number, most: number): Grip | null {
     let best: (Grip & { far: number }) | null = null;
     const offer = (part: Grip["part"], index: number, at: Pixel, handicap: number) => {
@@ -55,12 +55,12 @@ export function gripAt(stroke: Stroke, screen: Screen, sx: number, sy: number, m
     };
     stroke.points.forEach((point, i) => {
         offer("point", i, point, 0);
-        edgesAt(stroke, i).forEach((edge) => offer("edge", i, edge, 2)); // of thin strokes the point is meant
+        edgesAt(stroke, i).forEach((edge) => offer("edge", i, edge, 2)); // for thin strokes the point has priority
     });
     return best;
 }
 
-/** The width that a drag of an edge gives: twice how far the pointer is off the axis. */
+/** The width after a drag of an edge: twice the distance of the pointer from the axis. */
 export function widthByEdge(stroke: Stroke, i: number, at: Pixel): number {
     const [nx, ny] = acrossAt(stroke.points, i);
     const [x, y] = stroke.points[i];

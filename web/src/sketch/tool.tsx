@@ -1,4 +1,4 @@
-// The sketch as a tool: panes with the pictures on the left, the tree beside them in the view.
+// The sketch as a tool: panes with the images on the left, the tree in the view.
 import type { VNode } from "preact";
 import type { App, Tool, ToolRun } from "../app";
 import { Beside } from "../tools/kit/beside";
@@ -9,10 +9,10 @@ import type { Sketch } from "./model";
 import "./sketch.css";
 import { SketchWork } from "./work";
 
-// What was drawn stays when another tool is taken, until it is in the scene.
+// Strokes are kept when another tool is selected, until the sketch is added to the scene.
 let kept: Sketch | null = null;
 
-/** Takes the tool with a sketch that comes from elsewhere. */
+/** Activates the tool with a given sketch. */
 export function layOutSketch(app: App, sketch: Sketch): void {
     app.take("select");
     kept = sketch;
@@ -38,7 +38,7 @@ class SketchRun implements ToolRun {
         this.work.stop();
     }
 
-    // Letters that are shortcuts elsewhere would put the sketch aside.
+    // Letters that are shortcuts of other tools would close the sketch.
     key(event: KeyboardEvent): boolean {
         return this.beside.element.contains(document.activeElement) && event.key.length === 1 && !event.ctrlKey && !event.metaKey;
     }
@@ -78,7 +78,7 @@ export const sketchTools: Tool[] = [
         id: "sketch",
         label: "Sketch",
         group: "branch",
-        help: "Draws a tree into two pictures of it or more: each branch in both, and the tree stands beside them at once.",
+        help: "Draws a tree in two or more images: each branch in both; the tree is shown at once.",
         start: (app) => new SketchRun(app),
     },
 ];

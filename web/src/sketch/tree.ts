@@ -1,4 +1,4 @@
-// The tree that a sketch becomes, in the 3D view beside it.
+// The tree of a sketch in its 3D view.
 import * as THREE from "three";
 import type { App, Geometry } from "../app";
 import { Skeleton } from "../tools/kit/skeleton";
@@ -10,7 +10,7 @@ export class SketchTree {
     private readonly material = new THREE.MeshStandardMaterial({ roughness: 0.85 });
     private mesh: THREE.InstancedMesh | null = null;
     private framed = false;
-    private reach = 0; // [m] of what was framed
+    private reach = 0; // [m] size of the framed scene
 
     constructor(private readonly app: App) {}
 
@@ -39,7 +39,7 @@ export class SketchTree {
         this.app.view.requestDraw();
     }
 
-    // Where the eye was not moved by hand it follows the tree that becomes larger.
+    // Unless the user has moved the camera, it follows the growing tree.
     private look(skeleton: Skeleton): void {
         const around = new THREE.Box3();
         skeleton.all().forEach((n) => around.expandByPoint(new THREE.Vector3(...skeleton.at(n))));

@@ -1,4 +1,4 @@
-// The sketch that is worked on: its history, what the engine makes of it, and how it becomes a part of the scene.
+// The edited sketch: its history, the reconstruction by the engine, and the command that adds it to the scene.
 import { type Signal, signal } from "@preact/signals-core";
 import type { App } from "../app";
 import { runLine } from "../tools/kit/gesture";
@@ -19,19 +19,19 @@ import { SketchTree } from "./tree";
 
 export interface Fit {
     name: string;
-    refused: string; // why; empty where the branch was found
+    refused: string; // reason; empty if the branch was reconstructed
     length_m: number;
     matched: number;
 }
 
-/** What the pointer is at, and where that is looked for. */
+/** The position of the pointer, and the view in which the corresponding line is computed. */
 interface Looked {
     view: SketchView;
     other: SketchView;
     at: Pixel;
 }
 
-const kMostSteps = 500;
+const kMaxSteps = 500;
 
 export class SketchWork {
     readonly sketch: Signal<Sketch> = signal(emptySketch());
@@ -40,10 +40,10 @@ export class SketchWork {
     readonly fits: Signal<readonly Fit[]> = signal([]);
     readonly trouble = signal("");
     readonly name = signal("tree");
-    readonly width = signal(12); // [px] of a new stroke
+    readonly width = signal(12); // [px] width of a new stroke
     readonly line: Signal<{ view: string; points: readonly Pixel[] } | null> = signal(null);
     readonly pictures: Signal<ReadonlyMap<string, ImageBitmap>> = signal(new Map());
-    readonly files: Signal<readonly string[]> = signal([]); // of the folder
+    readonly files: Signal<readonly string[]> = signal([]); // files of the folder
     readonly canUndo = signal(false);
     readonly canRedo = signal(false);
     private before: Sketch[] = [];
@@ -65,7 +65,7 @@ export class SketchWork {
             const { files } = await this.app.engine.request<{ files: { name: string }[] }>("files", {});
             this.files.value = files.map(({ name }) => name);
         } catch {
-            // then there is nothing to choose from
+            // then the list of files is empty
         }
     }
 
@@ -76,7 +76,7 @@ export class SketchWork {
         this.pictures.peek().forEach((picture) => picture.close());
     }
 
-    /** Another sketch, which can be taken back; the same step while a drag goes on, where `step` is false. */
+    /** Replaces the sketch, with a step of undo; `step` is false while a drag continues the same step. */
     set(next: Sketch, step = true): void {
         if (next === this.sketch.peek()) {
             return;
@@ -88,7 +88,7 @@ export class SketchWork {
     }
 
     private keep(): void {
-        this.before = [...this.before, this.sketch.peek()].slice(-kMostSteps);
+        this.before = [...this.before, this.sketch.peek()].slice(-kMaxSteps);
         this.after = [];
         this.marks();
     }
@@ -118,7 +118,7 @@ export class SketchWork {
         this.canRedo.value = this.after.length > 0;
     }
 
-    /** Asks for the tree; while that is under way, the newest sketch waits. */
+    /** Requests the tree; during a request, the newest sketch waits. */
     async rebuild(): Promise<void> {
         const mine = ++this.asked;
         if (this.asking) {
@@ -155,7 +155,7 @@ export class SketchWork {
         }
     }
 
-    /** Where things that a view shows at a pixel lie in another. */
+    /** Shows in another view where objects at a pixel of this view can be. */
     lookAlong(view: SketchView, at: Pixel): void {
         const other = this.sketch.peek().views.find(({ name }) => name !== view.name);
         if (!other) {
@@ -174,13 +174,13 @@ export class SketchWork {
         this.line.value = { view: other.name, points };
     }
 
-    /** The pointer left. */
+    /** The pointer has left the pane. */
     lookAway(): void {
         this.looked = null;
         this.line.value = null;
     }
 
-    // One at a time: where the pointer went meanwhile is asked for next.
+    // One at a time: the newest position of the pointer is requested afterwards.
     private async askLine(): Promise<void> {
         if (this.askingLine) {
             return;
@@ -201,11 +201,11 @@ export class SketchWork {
             const { line } = await this.app.engine.request<{ line: Pixel[] }>("epipolar", fields);
             return { view: other.name, points: line };
         } catch {
-            return null; // cameras that are not yet complete; the sketch itself says so
+            return null; // incomplete cameras; the sketch reports them itself
         }
     }
 
-    /** Strokes proposed by the silhouettes in the pictures. */
+    /** Requests strokes from the silhouettes in the images. */
     async trace(): Promise<void> {
         try {
             const { sketch } = await this.app.engine.request<{ sketch: Sketch }>("trace", {
@@ -227,12 +227,12 @@ export class SketchWork {
             this.pictures.value = new Map([...this.pictures.peek(), [image, picture]]);
             return picture;
         } catch (error) {
-            this.app.store.say(`The picture ${image} cannot be shown: ${(error as Error).message}`, "error");
+            this.app.store.say(`The image ${image} cannot be shown: ${(error as Error).message}`, "error");
             return null;
         }
     }
 
-    /** Puts a picture of the folder under the strokes of a view. */
+    /** Sets an image of the folder as the background of a view. */
     async setPicture(index: number, image: string): Promise<void> {
         const picture = await this.loadPicture(image);
         if (picture) {
@@ -241,7 +241,7 @@ export class SketchWork {
         }
     }
 
-    /** A picture from elsewhere: it goes into the folder. */
+    /** Copies an image into the folder and uses it. */
     async addPicture(index: number, file: File): Promise<void> {
         try {
             await this.list();
@@ -255,7 +255,7 @@ export class SketchWork {
         }
     }
 
-    /** Shows another sketch with its pictures. */
+    /** Shows another sketch with its images. */
     async layOut(sketch: Sketch): Promise<void> {
         this.set(sketch);
         this.chosen.value = null;
@@ -273,7 +273,7 @@ export class SketchWork {
         }
     }
 
-    /** Writes the sketch and runs it; where the scene has it already, it is run again. */
+    /** Writes the sketch file and runs its command; if the scene already contains it, the command is run again. */
     async commit(): Promise<boolean> {
         const { engine, store } = this.app;
         const name = this.name.peek();

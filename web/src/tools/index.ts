@@ -1,4 +1,4 @@
-// Every tool of the studio, in the order in which the toolbar has them.
+// All tools of the studio, in the order of the toolbar.
 import type { Tool } from "../app";
 import { sketchTools } from "../sketch/tool";
 import { bendTools } from "./branch/bend";

@@ -1,4 +1,4 @@
-// Distances, angles, heights and radii of what is picked or typed.
+// Distances, angles, heights and radii of picked or typed points.
 import { signal } from "@preact/signals-core";
 import type { VNode } from "preact";
 import type { App, Label, Tool, ToolPointer, ToolRun } from "../app";
@@ -8,19 +8,19 @@ import { Drawn, kColors } from "./kit/drawn";
 import { Button, CheckField, PointField, pointSignals } from "./kit/fields";
 import { skeletonOf } from "./kit/skeleton";
 import { distance, mix } from "./kit/vector";
-import { angleAt, degreesText, kMostSpots, type Measure, measureText, radiusBeside, type Spot, spotText } from "./measure_text";
+import { angleAt, degreesText, kMaxSpots, type Measure, measureText, radiusBeside, type Spot, spotText } from "./measure_text";
 
-const kStill = 4; // [px] that a click may move
-const kSnap = 14; // [px] from a node that counts as it
+const kStill = 4; // [px] maximum movement of a click
+const kSnap = 14; // [px] maximum distance for snapping to a node
 const kOwner = "measure";
 
-const measures = signal<readonly Measure[]>([]); // the last is under way while it has less than three points
+const measures = signal<readonly Measure[]>([]); // the last one is unfinished while it has fewer than three points
 const chosen = signal(-1);
-const ended = signal(true); // whether the next point begins another
+const ended = signal(true); // whether the next point begins another measure
 const snaps = signal(true);
 const typedPoint = pointSignals([0, 0, 0]);
 
-/** What lies under a point of the picture, as a place to measure from. */
+/** The point under the pointer, as an end of a measure. */
 function spotAt(app: App, x: number, y: number): Spot | null {
     const pick = app.view.pick(x, y);
     if (!pick) {
@@ -52,7 +52,7 @@ function addSpot(spot: Spot): void {
     measures.value = ended.peek() || !last ? [...before, [spot]] : [...before.slice(0, -1), [...last, spot]];
     const now = measures.peek();
     chosen.value = now.length - 1;
-    ended.value = now[now.length - 1].length === kMostSpots;
+    ended.value = now[now.length - 1].length === kMaxSpots;
 }
 
 function remove(at: number): void {
@@ -63,7 +63,7 @@ function remove(at: number): void {
     }
 }
 
-/** Words at the places of a measure. */
+/** Labels at the points of a measure. */
 function labelsOf(measure: Measure, isChosen: boolean): Label[] {
     const [a, b, c] = measure;
     const style = isChosen ? "strong" : undefined;
@@ -117,7 +117,7 @@ class MeasureRun implements ToolRun {
             }
             this.pressed = null;
         }
-        return false; // a drag turns the view
+        return false; // a drag rotates the view
     }
 
     key(event: KeyboardEvent): boolean {
@@ -154,7 +154,7 @@ class MeasureRun implements ToolRun {
                 <CheckField label="Snap to nodes" value={snaps} />
                 <PointField label="Point" value={typedPoint} />
                 <div class="tool-row">
-                    <Button label={ended.value ? "Begin with this point" : "Add this point"} run={() => this.addTyped()} />
+                    <Button label={ended.value ? "Start with this point" : "Add this point"} run={() => this.addTyped()} />
                     <Button label="End here" disabled={ended.value} run={() => this.change(() => void (ended.value = true))} />
                 </div>
                 {list.length > 0 && (
@@ -200,7 +200,7 @@ class MeasureRun implements ToolRun {
         this.show();
     }
 
-    // Forgets the points of the measure that is under way.
+    // Discards the points of the unfinished measure.
     private leave(): void {
         remove(measures.peek().length - 1);
     }
@@ -236,7 +236,7 @@ export const measureTools: Tool[] = [
         label: "Measure",
         group: "view",
         shortcut: "M",
-        help: "Measures distances between points, an angle by a third, and shows radius and height of what is under the pointer.",
+        help: "Measures distances between points, an angle with a third point, and shows radius and height at the pointer.",
         start: (app) => new MeasureRun(app),
     },
 ];

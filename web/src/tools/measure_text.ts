@@ -1,4 +1,4 @@
-// What points that were picked measure: distances, an angle, heights, and the branch at one of them.
+// Measures of picked points: distances, an angle, heights, and the radius of the branch.
 import type { Point } from "../protocol";
 import { angleBetween, distance, subtract } from "./kit/vector";
 import { lengthText, shortNumber } from "../view/lengths";
@@ -6,13 +6,13 @@ import { lengthText, shortNumber } from "../view/lengths";
 export interface Spot {
     at: Point;
     radius?: number; // [m] of the branch there
-    of?: string; // what it lies on: "node 12 of tree"
+    of?: string; // the object at the point: "node 12 of tree"
 }
 
 /** Up to three points: two have a distance, three also the angle at the second. */
 export type Measure = readonly Spot[];
 
-export const kMostSpots = 3;
+export const kMaxSpots = 3;
 
 export const angleAt = ([a, b, c]: Measure): number => angleBetween(subtract(a.at, b.at), subtract(c.at, b.at));
 
@@ -24,13 +24,13 @@ export function branchText(radius: number): string {
     return `radius ${lengthText(radius)}, diameter ${lengthText(2 * radius)}`;
 }
 
-/** What is there: "node 12 of tree: radius 3 cm, diameter 6 cm; 1.2 m above the ground". */
+/** Description of a point: "node 12 of tree: radius 3 cm, diameter 6 cm; 1.2 m above the ground". */
 export function spotText({ at, radius, of }: Spot): string {
     const height = at[2] < 0 ? `${lengthText(-at[2])} below the ground` : `${lengthText(at[2])} above the ground`;
     return `${of ? `${of}: ` : ""}${radius === undefined ? "" : `${branchText(radius)}; `}${height}`;
 }
 
-/** Everything that a measure says, for a list and to be copied. */
+/** All texts of a measure, for a list and to be copied. */
 export function measureText(measure: Measure): string[] {
     const [a, b, c] = measure;
     if (!b) {
@@ -42,7 +42,7 @@ export function measureText(measure: Measure): string[] {
     return c ? [...first, `distance ${lengthText(distance(b.at, c.at), 4)}`, `angle ${degreesText(angleAt(measure))}`] : first;
 }
 
-/** The radius of a segment between two nodes where a place lies beside it; its parent's end first. */
+/** The radius of a segment between two nodes at the closest point to a position; the end of the parent is first. */
 export function radiusBeside(at: Point, from: Point, to: Point, radii: readonly [number, number]): number {
     const [along, off] = [subtract(to, from), subtract(at, from)];
     const size = along[0] ** 2 + along[1] ** 2 + along[2] ** 2;

@@ -1,4 +1,4 @@
-// What the hand does when it holds no tool: hovers, picks objects and branches, and walks along them by keys.
+// The default tool: hovers, picks objects and branches, and moves along them by keys.
 import { type Signal, signal } from "@preact/signals-core";
 import type { VNode } from "preact";
 import type { App, Pick, Tool, ToolPointer, ToolRun } from "../app";
@@ -7,12 +7,12 @@ import { deleteSelected } from "./branch/cut";
 import { ChoiceField } from "./kit/fields";
 import { type Extent, fetchSkeleton, kExtents, type Skeleton, skeletonOf } from "./kit/skeleton";
 
-const kStill = 4; // [px] that a click may move
+const kStill = 4; // [px] maximum movement of a click
 
 const kExtentLabels: readonly (readonly [Extent, string])[] = [
     ["node", "Node (1)"],
     ["branch", "Branch (2)"],
-    ["subtree", "Branch and all on it (3)"],
+    ["subtree", "Branch and its subtree (3)"],
     ["tree", "Tree (4)"],
     ["connected", "From fork to fork (5)"],
 ];
@@ -24,7 +24,7 @@ export function setExtent(app: App, extent: Extent): void {
     app.store.selection.value = { ...app.store.selection.peek(), extent };
 }
 
-/** Selects what was picked; with `more` it is added to what is selected, or taken out. */
+/** Selects the picked object or node; with `more` it is added to the selection, or removed from it. */
 export function choose(app: App, pick: Pick | null, more: boolean): void {
     const { selection } = app.store;
     const now = selection.peek();
@@ -51,7 +51,7 @@ export function choose(app: App, pick: Pick | null, more: boolean): void {
 
 type Step = "parent" | "child" | "before" | "after";
 
-/** The node that a step along the skeleton leads to; the same where there is none. */
+/** The node after a step along the skeleton; the same node if there is no next one. */
 export function stepped(skeleton: Skeleton, n: number, step: Step): number {
     if (step === "parent") {
         return skeleton.parent(n) < 0 ? n : skeleton.parent(n);
@@ -96,7 +96,7 @@ class SelectRun implements ToolRun {
             }
             this.pressed = null;
         }
-        return false; // a drag turns the view
+        return false; // a drag rotates the view
     }
 
     key(event: KeyboardEvent): boolean {
@@ -128,7 +128,7 @@ class SelectRun implements ToolRun {
     status(): string {
         const { object, nodes, extent } = this.app.store.selection.value;
         if (!object) {
-            return "Click what you want to work on.";
+            return "Click an object to select it.";
         }
         const skeleton = object.kind === "skeleton" ? skeletonOf(this.app, object.name) : null;
         const count = skeleton && nodes.length > 0 ? skeleton.selected(nodes, extent).length : 0;
@@ -187,7 +187,7 @@ class SelectRun implements ToolRun {
     }
 }
 
-/** The nodes that lie in a box of the picture. */
+/** The nodes inside a box of the view. */
 export function nodesInBox(
     skeleton: Skeleton,
     box: readonly [number, number, number, number],
@@ -220,7 +220,7 @@ class BoxRun implements ToolRun {
     }
 
     status(): string {
-        return "Drag a box around nodes; with Shift they are added to those selected.";
+        return "Drag a box around nodes; with Shift they are added to the selection.";
     }
 
     pointer(event: ToolPointer): boolean {
@@ -262,7 +262,7 @@ class BoxRun implements ToolRun {
         const chosen = now.object?.kind === "skeleton" ? now.object : first;
         const skeleton = chosen && (await fetchSkeleton(this.app, chosen.name));
         if (!chosen || !skeleton) {
-            this.app.store.say("There is no skeleton whose nodes a box could hold.", "warning");
+            this.app.store.say("There is no skeleton with nodes to select.", "warning");
             return;
         }
         const toPixels = (point: Point) => this.app.view.toPixels(point);
@@ -279,7 +279,7 @@ export const selectTools: Tool[] = [
         label: "Select",
         group: "view",
         shortcut: "V",
-        help: "Picks objects, and nodes, branches or trees of skeletons; keys 1 to 5 say how much, + and - grow and shrink it.",
+        help: "Picks objects, and nodes, branches or trees of skeletons; keys 1 to 5 set the extent, + and - grow and shrink the selection.",
         start: (app) => new SelectRun(app),
     },
     {
@@ -287,7 +287,7 @@ export const selectTools: Tool[] = [
         label: "Box",
         group: "view",
         shortcut: "B",
-        help: "Selects the nodes of a skeleton that lie in a box of the picture.",
+        help: "Selects the nodes of a skeleton inside a box of the view.",
         enabled: (app) => app.store.state.peek().objects.some(({ kind }) => kind === "skeleton"),
         start: (app) => new BoxRun(app),
     },

@@ -1,4 +1,4 @@
-// Move, turn, size: by handles, by dragging, by following the pointer after a key, or by typed numbers.
+// Move, rotate and scale: by handles, by dragging, by following the pointer after a key, or by typed numbers.
 import { effect, type Signal, signal, untracked } from "@preact/signals-core";
 import type { VNode } from "preact";
 import type { App, Tool, ToolPointer, ToolRun } from "../app";
@@ -26,7 +26,7 @@ import { add, kAxes, onLine, roundStep, scaled, subtract } from "./kit/vector";
 const kNone: Dragged = { by: [0, 0, 0], turn: 0, factor: 1 };
 const kPrecise = 0.1; // of a drag with Shift
 const kNudge = 10; // [px] of an arrow key
-const kExact = 1e-6; // of numbers that were typed
+const kExact = 1e-6; // resolution of typed numbers
 
 class TransformRun implements ToolRun {
     private readonly aimed: Signal<Target | null> = signal(null);
@@ -105,7 +105,7 @@ class TransformRun implements ToolRun {
     }
 
     wheel(): boolean {
-        return this.from !== null; // no zoom in the middle of a drag
+        return this.from !== null; // no zoom during a drag
     }
 
     key(event: KeyboardEvent): boolean {
@@ -142,7 +142,7 @@ class TransformRun implements ToolRun {
         const text = changeText(this.change(), this.step());
         const constraint = this.mode === "turn" ? this.typed.constraint().replace("along", "about") : this.typed.constraint();
         const parts = [this.target.label, text, constraint].filter((part) => part !== "");
-        return `${parts.join(" ")}. Type numbers, X, Y or Z; Enter ends, Esc takes back, Ctrl snaps.`;
+        return `${parts.join(" ")}. Type numbers, X, Y or Z; Enter ends, Esc discards, Ctrl snaps.`;
     }
 
     panel(): VNode {
@@ -186,7 +186,7 @@ class TransformRun implements ToolRun {
         });
     }
 
-    /** The fields follow what the hand does. */
+    /** Updates the fields to the change. */
     private fill(change: Change): void {
         const values = change.mode === "move" ? change.by : change.mode === "turn" ? [change.degrees] : change.factors;
         values.forEach((value, i) => {
@@ -230,14 +230,14 @@ class TransformRun implements ToolRun {
             return under;
         }
         if (this.following && this.from) {
-            this.end(); // a click ends what a key began
+            this.end(); // a click ends a gesture that a key began
             return true;
         }
         this.following = false;
         const handle = this.gizmo.at(this.mode, this.target.pivot, event.x, event.y, this.target.evenly);
         const pick = handle ? null : this.app.view.pick(event.x, event.y, [this.target.about.kind]);
         if (!handle && pick?.object.name !== this.target.about.name) {
-            return false; // beside it: the view turns
+            return false; // away from the handles: the view rotates
         }
         this.handle = handle;
         if (handle) {
@@ -274,7 +274,7 @@ class TransformRun implements ToolRun {
         return turnAbout(axis, pivot, from, to, into, kRing * view.pixelSize(pivot));
     }
 
-    /** How far the pointer went: along the axis in hand, in its plane, or across the line of sight. */
+    /** The movement of the pointer: along the active axis, in its plane, or across the line of sight. */
     private shift(event: ToolPointer): Dragged["by"] {
         const { view } = this.app;
         if (!this.target || !this.from) {
@@ -382,7 +382,7 @@ export const transformTools: Tool[] = [
         label: "Move",
         group: "view",
         shortcut: "G",
-        help: "Moves the selected solid, skeleton or branches: drag a handle, or type how far along x, y and z.",
+        help: "Moves the selected solid, skeleton or branches: drag a handle, or type the distances along x, y and z.",
         enabled,
         start: (app) => new TransformRun(app, "move"),
     },
@@ -391,7 +391,7 @@ export const transformTools: Tool[] = [
         label: "Turn",
         group: "view",
         shortcut: "R",
-        help: "Turns what is selected about its middle, or branches about their joints: drag a ring, or type degrees.",
+        help: "Rotates the selection about its centre, or branches about their joints: drag a ring, or type degrees.",
         enabled,
         start: (app) => new TransformRun(app, "turn"),
     },
@@ -400,7 +400,7 @@ export const transformTools: Tool[] = [
         label: "Size",
         group: "view",
         shortcut: "S",
-        help: "Makes what is selected larger or smaller, along one axis or all: drag a handle, or type a factor.",
+        help: "Scales the selection along one axis or all: drag a handle, or type a factor.",
         enabled,
         start: (app) => new TransformRun(app, "size"),
     },

@@ -1,6 +1,6 @@
-// Colours that stand for numbers.
+// Colour maps for numbers.
 
-// Viridis at nine places: even to the eye, and for those who see few colours.
+// Viridis at nine samples: perceptually uniform, and suitable for colour-blind users.
 const kViridis = [
     [68, 1, 84],
     [71, 44, 122],
@@ -13,7 +13,7 @@ const kViridis = [
     [253, 231, 37],
 ];
 
-// Blue below the middle and red above it, told apart by all eyes.
+// Blue below the middle and red above it, suitable for colour-blind users.
 const kDiverging = [
     [33, 102, 172],
     [67, 147, 195],
@@ -30,7 +30,7 @@ export type ColorMap = "even" | "diverging";
 
 const kMaps: Record<ColorMap, number[][]> = { even: kViridis, diverging: kDiverging };
 
-/** Red, green and blue in [0, 255] of a number in [0, 1]; what lies outside has the colour of the end. */
+/** Red, green and blue in [0, 255] for a number in [0, 1]; numbers outside are clamped. */
 export function colorOf(t: number, map: ColorMap = "even"): [number, number, number] {
     const stops = kMaps[map];
     const at = Math.min(Math.max(Number.isFinite(t) ? t : 0, 0), 1) * (stops.length - 1);
@@ -54,7 +54,7 @@ const asIs = (byte: number): number => byte;
 const kLinear = { even: table("even", linear), diverging: table("diverging", linear) };
 const kScreen = { even: table("even", asIs), diverging: table("diverging", asIs) };
 
-/** Numbers that the ends of a map stand for. */
+/** Numbers at the ends of a map. */
 export interface Range {
     low: number;
     high: number;
@@ -74,12 +74,12 @@ function fill(values: Float32Array, { low, high }: Range, shades: Uint8Array): U
     return colors;
 }
 
-/** Colours for vertices, as light adds (linear) and four bytes each. */
+/** Colours for vertices, linear, four bytes each. */
 export function paint(values: Float32Array, range: Range, map: ColorMap = "even"): Uint8Array<ArrayBuffer> {
     return fill(values, range, kLinear[map]);
 }
 
-/** Colours for the texels of a picture, as screens have them. */
+/** Colours for the texels of an image, in sRGB. */
 export function paintTexels(values: Float32Array, range: Range, map: ColorMap = "even"): Uint8Array<ArrayBuffer> {
     return fill(values, range, kScreen[map]);
 }

@@ -1,4 +1,4 @@
-// Where surfaces cross themselves.
+// Marks at self-intersections of surfaces.
 import * as THREE from "three";
 import type { Point } from "../protocol";
 import type { Crossing } from "./display";

@@ -1,4 +1,4 @@
-// How the view draws what there is: settings of the user, kept by the browser where they suit every scene.
+// Display settings of the view; those that suit every scene are stored in the browser.
 import { signal, type Signal } from "@preact/signals-core";
 import type { Point } from "../protocol";
 import { setting } from "../settings";
@@ -15,7 +15,7 @@ export const kSolidForms: readonly SolidForm[] = ["auto", "opaque", "glass"];
 
 export type Axis = "x" | "y" | "z";
 
-/** A plane that cuts away what lies on its positive side. */
+/** A plane that hides everything on its positive side. */
 export interface Section {
     on: boolean;
     axis: Axis;
@@ -23,27 +23,27 @@ export interface Section {
     flipped: boolean;
 }
 
-/** A plane on which the field of a solid is seen. */
+/** A plane that shows the field of a solid. */
 export interface Slice {
     on: boolean;
-    solid: string; // its name; empty: none
+    solid: string; // name of the solid; empty: no slice
     axis: Axis;
     at: number; // [m] along the axis
-    lines: number; // about so many lines of equal value, besides that of the surface
+    lines: number; // approximate number of isolines, in addition to the surface line
 }
 
-/** What colours stand for at the moment. */
+/** The current meaning of the colours. */
 export interface Legend extends Range {
     title: string;
     unit: string;
     map: ColorMap;
-    mark?: { value: number; label: string }; // a number that has a line of its own
+    mark?: { value: number; label: string }; // a value with its own line
 }
 
-/** A place where a surface crosses itself. */
+/** A self-intersection of a surface. */
 export interface Crossing {
     at: Point;
-    radius: number; // [m] that the faces reach from there
+    radius: number; // [m] distance to which the intersecting faces extend
 }
 
 export interface Display {
@@ -58,17 +58,17 @@ export interface Display {
     pointSize: Signal<number>; // [px]
     grid: Signal<boolean>;
     shadow: Signal<boolean>;
-    hour: Signal<number>; // of the sun, in [5, 19]
-    north: Signal<number>; // [degree] by which the sky is turned
+    hour: Signal<number>; // hour of the sun, in [5, 19]
+    north: Signal<number>; // [degree] rotation of the sky
     parallel: Signal<boolean>;
     section: Signal<Section>;
     slice: Signal<Slice>;
-    crossings: Signal<readonly Crossing[]>; // seen with the colour of that name
-    crossing: Signal<number>; // the one that is looked at; -1: none
+    crossings: Signal<readonly Crossing[]>; // visible when colours show crossings
+    crossing: Signal<number>; // index of the crossing in focus; -1: no crossing
     legend: Signal<Legend | null>;
     sliceLegend: Signal<Legend | null>;
-    scale: Signal<{ pixels: number; metres: number }>; // of the bar in the corner
-    axes: Signal<readonly Point[]>; // where x, y and z point: right, up and towards the eye, each in [-1, 1]
+    scale: Signal<{ pixels: number; metres: number }>; // of the scale bar in the corner
+    axes: Signal<readonly Point[]>; // directions of x, y and z: right, up and towards the camera, each in [-1, 1]
 }
 
 export function createDisplay(): Display {

@@ -1,14 +1,14 @@
-// Which nodes of a skeleton belong to a picked one.
+// Finds the nodes of a skeleton that belong to a picked one.
 import type { Geometry, Selection } from "../app";
 
 const kNone = 0xffffffff;
 
-/** A skeleton by places in its arrays; built once for each geometry. */
+/** A skeleton with array indices as node numbers; built once for each geometry. */
 export interface Tree {
     parent: Uint32Array;
     radius: Float32Array;
-    leader: Uint32Array; // the child of greatest radius, the first of equal ones; none: 0xffffffff
-    place: Map<number, number>; // of a stable id
+    leader: Uint32Array; // the child of maximum radius, the first of equal ones; no child: 0xffffffff
+    place: Map<number, number>; // index of a stable id
     id: Uint32Array;
 }
 
@@ -39,7 +39,7 @@ function buildTree(geometry: Geometry): Tree {
     return { parent, radius, leader, place, id };
 }
 
-/** The radius at the inner end of a node's segment: of laterals that of the node, so that they do not flare. */
+/** The radius at the inner end of the segment of a node: for laterals the radius of the node, so that they do not flare. */
 export function innerRadius({ parent, radius, leader }: Tree, node: number): number {
     const p = parent[node];
     return p !== kNone && leader[p] === node ? radius[p] : radius[node];
@@ -57,7 +57,7 @@ function branchOf(tree: Tree, node: number): number[] {
     return nodes;
 }
 
-// Parents precede children, so that one pass finds all that hang from a node.
+// Parents precede children, so that one pass finds all descendants of a node.
 function subtreeOf(tree: Tree, node: number): number[] {
     const inside = new Uint8Array(tree.parent.length);
     inside[node] = 1;
@@ -79,9 +79,9 @@ function rootOf(tree: Tree, node: number): number {
     return root;
 }
 
-// What runs on without a fork on either side, from the first node behind a fork to the next fork or tip.
+// The unforked chain around a node, from the first node after a fork to the next fork or tip.
 function chainOf(tree: Tree, node: number): number[] {
-    const forks = new Uint8Array(tree.parent.length); // children counted up to two
+    const forks = new Uint8Array(tree.parent.length); // number of children, at most two
     for (const p of tree.parent) {
         if (p !== kNone && forks[p] < 2) {
             ++forks[p];
@@ -99,7 +99,7 @@ function chainOf(tree: Tree, node: number): number[] {
     return nodes;
 }
 
-/** Places of the nodes that an extent around the node with this stable id has; empty where there is no such node. */
+/** Indices of the nodes in an extent around the node with this stable id; empty if the node does not exist. */
 export function extentOf(tree: Tree, id: number, extent: Selection["extent"]): number[] {
     const node = tree.place.get(id);
     if (node === undefined) {

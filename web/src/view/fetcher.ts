@@ -1,14 +1,14 @@
-// Asks the engine for geometry, what is wanted first at first, and never the same twice at once.
+// Requests geometry from the engine, the most important first, and never the same one twice at a time.
 import type { Engine, Geometry } from "../app";
 import { EngineError } from "../app";
 
 const kAtOnce = 2;
 
 export interface Order {
-    slot: string; // a newer order for it replaces this one
-    urgent: boolean; // others wait until hands rest
-    fields: Record<string, unknown>; // of `show`
-    done(geometry: Geometry | null): void; // null: what is drawn is the newest
+    slot: string; // a newer order for the slot replaces this one
+    urgent: boolean; // other orders wait until the user pauses
+    fields: Record<string, unknown>; // fields of the `show` request
+    done(geometry: Geometry | null): void; // null: the drawn geometry is current
     failed(error: Error): void;
 }
 
@@ -29,7 +29,7 @@ export class Fetcher {
         this.next();
     }
 
-    /** Forgets what was ordered for slots that begin so. */
+    /** Removes the orders with slots of this prefix. */
     drop(prefix: string): void {
         for (const [slot] of [...this.waiting].filter(([name]) => name.startsWith(prefix))) {
             this.waiting.delete(slot);
@@ -40,7 +40,7 @@ export class Fetcher {
         }
     }
 
-    /** Whether hands rest, so that what is not urgent may be asked for. */
+    /** Whether the user pauses, so that orders that are not urgent may be sent. */
     setResting(resting: boolean): void {
         this.resting = resting;
         this.next();

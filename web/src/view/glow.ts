@@ -1,4 +1,4 @@
-// What glows: objects and nodes that are selected or lie under the pointer.
+// Glow of objects and nodes that are selected or under the pointer.
 import * as THREE from "three";
 import type { Geometry, Store } from "../app";
 import type { ObjectName } from "../protocol";
@@ -27,7 +27,7 @@ export class Glow {
         this.selected.clip(planes);
     }
 
-    /** Whether anything glows otherwise than before. */
+    /** Returns whether the glow has changed. */
     update(shown: readonly Shown[]): boolean {
         const hover = this.store.hover.peek();
         const { object, nodes, extent } = this.store.selection.peek();

@@ -1,4 +1,4 @@
-// What growth has so far, while it runs.
+// Intermediate result of a running growth.
 import * as THREE from "three";
 import type { Engine, Geometry } from "../app";
 import { treeOf } from "./extent";
@@ -6,9 +6,12 @@ import type { Theme } from "./theme";
 import { kManySegments, TubeModel } from "./tubes";
 
 const kNone = 0xffffffff;
-const kPipe = 2.5; // as `radii` has it
+const kPipe = 2.5; // the same as in `radii`
 
-/** Growth gives every node the radius of a tip. Pipes that add up from the tips down let the trunk be seen. Parents come first. */
+/**
+ * Growth gives every node the radius of a tip. The pipe model sums radii from the tips down, so that the trunk is visible.
+ * Parents come first.
+ */
 export function pipeRadii(parent: Uint32Array, radius: Float32Array): Float32Array {
     const tips = new Float64Array(parent.length);
     for (let n = parent.length - 1; n >= 0; --n) {
@@ -23,9 +26,9 @@ export function pipeRadii(parent: Uint32Array, radius: Float32Array): Float32Arr
 export class Grown {
     readonly group = new THREE.Group();
     private model: TubeModel | null = null;
-    private wanted: string | null = null; // newer than what is on its way
+    private wanted: string | null = null; // newer than the current request
     private isFetching = false;
-    private round = 0; // of growth: what comes of an older one is not shown
+    private round = 0; // number of the growth: results of an older one are not shown
 
     constructor(
         private readonly engine: Engine,
@@ -33,7 +36,7 @@ export class Grown {
         private readonly turn = () => new Promise((next) => requestAnimationFrame(next)),
     ) {}
 
-    /** Shows the newest; those that come while another is on its way are passed over, since growth may be faster than they are. */
+    /** Shows the newest result; results that arrive during a request are skipped, since growth may be faster. */
     show(key: string, theme: Theme): void {
         this.wanted = key;
         if (!this.isFetching) {
@@ -50,10 +53,10 @@ export class Grown {
     private async fetch(theme: Theme): Promise<void> {
         this.isFetching = true;
         while (this.wanted !== null) {
-            await this.turn(); // newer ones that wait already come first
+            await this.turn(); // newer waiting results have priority
             const { wanted, round } = this;
             this.wanted = null;
-            const geometry = wanted && (await this.engine.blob(wanted).catch(() => null)); // null: it is empty, since another growth has begun
+            const geometry = wanted && (await this.engine.blob(wanted).catch(() => null)); // null: empty, since another growth has begun
             if (geometry && round === this.round) {
                 this.draw(geometry, theme);
             }

@@ -1,4 +1,4 @@
-// What lies under the pointer and what is selected, drawn over the surfaces of skeletons.
+// Nodes under the pointer and selected nodes, drawn over the surfaces of skeletons.
 import * as THREE from "three";
 import type { Geometry, Selection } from "../app";
 import { extentOf, treeOf } from "./extent";
@@ -20,7 +20,7 @@ function tubeMaterial(): THREE.MeshBasicMaterial {
 export class Highlight {
     readonly group = new THREE.Group();
     private readonly material = tubeMaterial();
-    // Where capsules overlap the glow would be drawn twice; so their depth is drawn first, and then only what is in front.
+    // Overlapping capsules would draw the glow twice; so their depth is drawn first, and then only the front.
     private readonly depth = tubeMaterial();
     private geometry: THREE.BufferGeometry = new THREE.InstancedBufferGeometry();
     private readonly meshes: THREE.Mesh[];
@@ -28,7 +28,7 @@ export class Highlight {
 
     constructor(opacity: number) {
         this.depth.colorWrite = false;
-        this.depth.transparent = true; // drawn after what is opaque
+        this.depth.transparent = true; // drawn after opaque objects
         Object.assign(this.material, { transparent: true, opacity, depthWrite: false, depthFunc: THREE.EqualDepth });
         this.meshes = [this.depth, this.material].map((material, i) => {
             const mesh = new THREE.Mesh(this.geometry, material);
@@ -49,10 +49,10 @@ export class Highlight {
         this.depth.clippingPlanes = planes;
     }
 
-    /** Whether anything else is drawn than before. */
+    /** Returns whether the drawn nodes have changed. */
     show(geometry: Geometry | undefined, ids: number[], extent: Selection["extent"]): boolean {
         const before = this.shown;
-        // What one node selects begins at the same node for every node in it.
+        // An extent around a node begins at the same node for all of its nodes.
         const first = geometry && ids.length === 1 ? extentOf(treeOf(geometry), ids[0], extent)[0] : undefined;
         const isSame = ids === before.ids || (first !== undefined && first === before.first) || (ids.length === 0 && before.ids?.length === 0);
         if (geometry === before.geometry && extent === before.extent && isSame) {

@@ -1,13 +1,13 @@
-// Lines of equal value through a picture of a field.
+// Isolines of a sampled field.
 import { ticks } from "./lengths";
 
 export interface Samples {
-    value: Float32Array; // rows from the corner on
+    value: Float32Array; // rows from the corner
     width: number;
     height: number;
 }
 
-/** Ends of the pieces along which the field has a value; both coordinates in [0, 1], from the corner on. */
+/** End points of the segments on which the field has a value; both coordinates in [0, 1], from the corner. */
 export function isolines({ value, width, height }: Samples, level: number): number[] {
     const ends: number[] = [];
     const cut = (ax: number, ay: number, a: number, bx: number, by: number, b: number) => {
@@ -22,7 +22,7 @@ export function isolines({ value, width, height }: Samples, level: number): numb
             if (sides.length === 0) {
                 continue;
             }
-            // Where two corners that are not neighbours lie above, the middle tells whether they join.
+            // If two opposite corners are above the value, the centre decides whether they are connected.
             const middle = (values[0] + values[1] + values[2] + values[3]) / 4 > level;
             const ordered = sides.length === 4 && middle === values[0] > level ? [0, 1, 2, 3] : sides.length === 4 ? [3, 0, 1, 2] : sides;
             for (const k of ordered) {
@@ -34,7 +34,7 @@ export function isolines({ value, width, height }: Samples, level: number): numb
     return ends;
 }
 
-/** Round values between the least and the greatest, without that of the surface, which has its own line. */
+/** Round values between minimum and maximum, without the value of the surface, which has its own line. */
 export function isoLevels(low: number, high: number, level: number, count: number): number[] {
     return count < 1 ? [] : ticks(low, high, count).filter((value) => value > low && value < high && Math.abs(value - level) > 1e-9);
 }

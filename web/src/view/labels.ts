@@ -1,4 +1,4 @@
-// Words at places of the scene, as elements over the picture.
+// Text labels at positions of the scene, as elements over the view.
 import type { Label } from "../app";
 import type { Point } from "../protocol";
 
@@ -8,10 +8,10 @@ export class Labels {
 
     constructor() {
         this.element.className = "view-labels";
-        this.element.setAttribute("aria-hidden", "true"); // who puts them there says the same in a panel
+        this.element.setAttribute("aria-hidden", "true"); // the same text is in a panel
     }
 
-    /** Puts the labels of one owner in place of those that it had. */
+    /** Replaces the labels of an owner. */
     set(owner: string, labels: readonly Label[]): void {
         this.owned.get(owner)?.forEach(({ element }) => element.remove());
         this.owned.delete(owner);

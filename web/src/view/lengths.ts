@@ -1,9 +1,9 @@
-// Numbers and lengths for people, and round numbers between two others.
+// Text for numbers and lengths, and round numbers in an interval.
 import { roundStep } from "../tools/kit/vector";
 
 const kUnits: [number, string][] = [[1000, "km"], [1, "m"], [0.01, "cm"], [0.001, "mm"], [1e-6, "µm"], [1e-9, "nm"]];
 
-/** At most so many digits that tell something, without zeros at the end. */
+/** The number with a maximum of significant digits, without trailing zeros. */
 export function shortNumber(value: number, digits = 3): string {
     if (!Number.isFinite(value)) {
         return "–";
@@ -16,14 +16,14 @@ export function shortNumber(value: number, digits = 3): string {
     return value.toFixed(places).replace(/(\.\d*?)0+$/, "$1").replace(/\.$/, "").replace(/^-(?=0$)/, "").replace("-", "−");
 }
 
-/** A length in the unit that suits it: "3.21 m", "4.5 cm". */
+/** A length in a suitable unit: "3.21 m", "4.5 cm". */
 export function lengthText(metres: number, digits = 3): string {
     const size = Math.abs(metres);
     const [unit, name] = kUnits.find(([one]) => size >= one * 0.9999) ?? (size === 0 ? [1, "m"] : kUnits[kUnits.length - 1]);
     return `${shortNumber(metres / unit, digits)} ${name}`;
 }
 
-/** Round numbers from `low` to `high`, `most` at most. */
+/** Round numbers from `low` to `high`, at most `most`. */
 export function ticks(low: number, high: number, most: number): number[] {
     if (!(high > low)) {
         return [];
@@ -34,7 +34,7 @@ export function ticks(low: number, high: number, most: number): number[] {
     return Array.from({ length: last - first + 1 }, (_, i) => (first + i) * step).map((value) => Number(value.toPrecision(12)));
 }
 
-/** The longest round length below `most`: 1, 2 or 5 times a power of ten. */
+/** The largest round length below `most`: 1, 2 or 5 times a power of ten. */
 export function roundBelow(most: number): number {
     const power = 10 ** Math.floor(Math.log10(most));
     const part = most / power;

@@ -8,7 +8,7 @@ import type { Tree } from "./extent";
 
 const kNone = 0xffffffff;
 
-// Points as discs; squares look like noise.
+// Points as discs, because squares look like noise.
 function asDiscs(material: THREE.PointsMaterial): THREE.PointsMaterial {
     material.onBeforeCompile = (shader) => {
         shader.fragmentShader = shader.fragmentShader.replace(
@@ -24,12 +24,12 @@ export function discs(color: THREE.ColorRepresentation, size: number, over = fal
     const material = new THREE.PointsMaterial({ color, size: size * Math.min(devicePixelRatio, 2), sizeAttenuation: false });
     if (over) {
         material.depthTest = false;
-        material.transparent = true; // drawn after what is opaque
+        material.transparent = true; // drawn after opaque objects
     }
     return asDiscs(material);
 }
 
-/** What can be drawn and thrown away. */
+/** An object that can be drawn and disposed. */
 export interface Drawn {
     object: THREE.Object3D;
     dispose(): void;
@@ -78,7 +78,7 @@ export function drawCurve(geometry: Geometry, color: THREE.ColorRepresentation, 
     return drawn(group, line, material, corners, dots);
 }
 
-/** The segments of a skeleton as lines over everything, and its nodes as dots. */
+/** The segments of a skeleton as lines in front of everything, and its nodes as dots. */
 export function drawBones(geometry: Geometry, tree: Tree, color: THREE.ColorRepresentation): Drawn {
     const made = new THREE.BufferGeometry();
     made.setAttribute("position", new THREE.BufferAttribute(geometry.arrays.position as Float32Array, 3));
@@ -103,7 +103,7 @@ export function drawBones(geometry: Geometry, tree: Tree, color: THREE.ColorRepr
     return drawn(group, made, material, dots);
 }
 
-/** The edges of a cage's faces. */
+/** The edges of the faces of a cage. */
 export function drawCage(geometry: Geometry, lines: Uint32Array, color: THREE.ColorRepresentation): Drawn {
     const made = new THREE.BufferGeometry();
     made.setAttribute("position", new THREE.BufferAttribute(geometry.arrays.position as Float32Array, 3));

@@ -1,4 +1,4 @@
-// The objects of the document in the picture: fetches what changed, draws what previews bring.
+// The objects of the document in the view: fetches changed geometry and draws previews.
 import * as THREE from "three";
 import type { Engine, Geometry, Store } from "../app";
 import { EngineError } from "../app";
@@ -10,8 +10,8 @@ import { keyOf, type Look, Shown, type Slot } from "./shown";
 import { meshSources } from "./sources";
 import { colorAsked, union } from "./values";
 
-const kStaleWait = 200; // [ms] that a surface may lag behind its skeleton before capsules stand for it
-const kMostFollowed = 3000; // nodes of a skeleton whose surface follows every preview
+const kStaleWait = 200; // [ms] maximum delay of a surface after its skeleton before capsules replace it
+const kMaxFollowed = 3000; // maximum number of nodes of a skeleton with a surface that follows every preview
 
 const kSlotOf: Record<GeometryHeader["kind"], Slot> = {
     surface: "surface",
@@ -32,8 +32,8 @@ const kSlotOfKind: Record<Kind, Slot> = {
 
 interface Entry {
     shown: Shown;
-    asked: Map<Slot, string>; // what was asked for last, and came or is on its way
-    surfaceOf: number; // version of the object whose surface is drawn
+    asked: Map<Slot, string>; // last request for each slot, received or pending
+    surfaceOf: number; // version of the object that the drawn surface shows
     timer: ReturnType<typeof setTimeout> | undefined;
 }
 
@@ -41,7 +41,7 @@ interface Order {
     entry: Entry;
     object: SceneObject;
     slot: Slot;
-    fields: Record<string, unknown>; // of `show`
+    fields: Record<string, unknown>; // fields of the `show` request
     urgent: boolean;
     then?(): void;
 }
@@ -50,8 +50,8 @@ export class Objects {
     readonly group = new THREE.Group();
     private readonly entries = new Map<string, Entry>();
     private readonly fetcher: Fetcher;
-    private readonly held = new Set<string>(); // shown as previews want them
-    private readonly said = new Set<string>(); // complaints
+    private readonly held = new Set<string>(); // slots with the geometry of a preview
+    private readonly said = new Set<string>(); // errors that were already reported
 
     constructor(
         private readonly store: Store,
@@ -71,13 +71,13 @@ export class Objects {
         return [...this.entries.values()].map((entry) => entry.shown);
     }
 
-    /** How far the numbers reach that the colours stand for, of all objects together. */
+    /** The common range of the coloured values of all objects. */
     range(): Range | null {
         const color = this.display.color.peek();
         return this.all().reduce<Range | null>((range, shown) => union(range, shown.range(color)), null);
     }
 
-    /** Brings the picture to what the document has. */
+    /** Updates the view to the state of the document. */
     sync(): void {
         const hidden = this.store.hidden.peek();
         const wanted = this.store.state.peek().objects.filter((object) => !hidden.has(keyOf(object)));
@@ -96,7 +96,7 @@ export class Objects {
         this.changed();
     }
 
-    /** What previews showed is over; the document tells what there is. */
+    /** Ends the previews; the document has the current state. */
     settle(): void {
         this.held.clear();
         this.sync();
@@ -110,7 +110,7 @@ export class Objects {
         return this.fetcher.busy;
     }
 
-    /** Geometry that came by itself, by a preview or its end. */
+    /** Receives geometry of a preview or of its end. */
     receive(geometry: Geometry): void {
         const { object, kind, seq } = geometry.header;
         const key = keyOf(object);
@@ -129,7 +129,7 @@ export class Objects {
         if (kind !== "patch") {
             entry.shown.put(slot, geometry, this.look());
         } else if (!entry.shown.patch(geometry, this.look())) {
-            entry.asked.delete("surface"); // of a state that the page has not
+            entry.asked.delete("surface"); // based on a state that the page does not have
             return;
         }
         if (slot === "surface" && object.kind === "skeleton") {
@@ -140,18 +140,18 @@ export class Objects {
         }
     }
 
-    /** What a preview about an object shall bring. */
+    /** Fields of a preview about an object. */
     follows(about?: ObjectName): Record<string, unknown> {
         const entry = about && this.entries.get(keyOf(about));
         const nodes = entry?.shown.geometries.get("axes")?.arrays.parent.length ?? Infinity;
-        if (about?.kind !== "skeleton" || this.display.skeletons.peek() !== "surface" || nodes > kMostFollowed) {
+        if (about?.kind !== "skeleton" || this.display.skeletons.peek() !== "surface" || nodes > kMaxFollowed) {
             return {};
         }
         const { surface } = entry?.shown ?? {};
         return surface?.color === "plain" ? { surface: {}, have: surface.version } : { surface: {} };
     }
 
-    /** After a change of the settings. */
+    /** Redraws after a change of the settings. */
     redraw(): void {
         for (const { shown } of this.entries.values()) {
             shown.redraw(this.look());
@@ -193,8 +193,8 @@ export class Objects {
             this.order(entry, object, slot, { form: "coarse" }, true, () => this.order(entry, object, slot, { form: "fine" }, false));
         } else if (object.kind === "skeleton") {
             this.order(entry, object, slot, { form: "axes", color: colorAsked(color, "axes") }, true);
-            if (object.count > kMostFollowed && this.hasMesh(object)) {
-                this.forget(entry, "surface"); // previews would not bring it either
+            if (object.count > kMaxFollowed && this.hasMesh(object)) {
+                this.forget(entry, "surface"); // previews could not show it either
             } else {
                 this.wantSurface(entry, object);
             }
@@ -227,7 +227,7 @@ export class Objects {
         }
     }
 
-    /** Whether a mesh that was made from a skeleton can be seen in its place. */
+    /** Whether the mesh of a skeleton can be shown in its place. */
     private hasMesh(skeleton: SceneObject): boolean {
         const hidden = this.store.hidden.peek();
         return this.isPlain() && [...meshSources(this.store)].some(([mesh, source]) => source === skeleton.name && !hidden.has(`mesh:${mesh}`));
@@ -237,7 +237,7 @@ export class Objects {
         return colorAsked(this.display.color.peek(), "surface") === "plain" && this.display.skeletons.peek() === "surface";
     }
 
-    // A skeleton and the mesh that was made from it are the same tree: only one of them is drawn.
+    // A skeleton and its mesh are the same tree: only one of them is drawn.
     private cover(): void {
         const look = this.look();
         const sources = meshSources(this.store);
@@ -259,7 +259,7 @@ export class Objects {
         }
     }
 
-    // The mesh is drawn, unless it lags behind the skeleton or is too slow to be moved.
+    // The mesh is drawn unless it is older than the skeleton or too slow to move.
     private replaces(mesh: Entry, skeleton: Entry, look: Look): boolean {
         const isNew = mesh.surfaceOf === this.store.find("mesh", mesh.shown.object.name)?.version && !this.held.has(keyOf(skeleton.shown.object));
         return this.isPlain() && isNew && !mesh.shown.isTooSlow(look);
@@ -305,7 +305,7 @@ export class Objects {
 
     private arrived(entry: Entry, object: SceneObject, slot: Slot, geometry: Geometry | null): void {
         if (geometry?.header.kind === "patch" && !entry.shown.patch(geometry, this.look())) {
-            entry.shown.drop("surface"); // another state than that which was named; ask for the whole
+            entry.shown.drop("surface"); // the state differs from the one in the request; request the whole surface
             entry.asked.delete(slot);
             this.wantSurface(entry, object);
             return;
@@ -326,16 +326,16 @@ export class Objects {
         const now = this.store.find(object.kind, object.name);
         const isPassing = error instanceof EngineError && ["busy", "cancelled", "files"].includes(error.kind);
         if (now?.version !== object.version || isPassing) {
-            entry.asked.delete(slot); // the next state asks again
+            entry.asked.delete(slot); // the next state repeats the request
             return;
         }
-        const complaint = `The ${object.kind} ${object.name} cannot be shown as wished: ${error.message}`;
+        const complaint = `The ${object.kind} ${object.name} cannot be shown with these settings: ${error.message}`;
         if (!this.said.has(complaint)) {
             this.said.add(complaint);
             this.store.say(complaint, "warning");
         }
         if ((fields.color ?? "plain") !== "plain") {
-            this.fetch({ ...order, fields: { ...fields, color: "plain" } }); // better without colours than not at all
+            this.fetch({ ...order, fields: { ...fields, color: "plain" } }); // the fallback is a view without colours
         }
     }
 
@@ -345,7 +345,7 @@ export class Objects {
         entry.shown.setStale(false, this.look());
     }
 
-    // Capsules stand for the surface where that does not come soon.
+    // Capsules replace a surface that does not arrive soon.
     private lag(entry: Entry, wait: number): void {
         if (entry.shown.surface && entry.timer === undefined) {
             entry.timer = setTimeout(() => {

@@ -1,13 +1,13 @@
-// A plane that cuts the picture open: what it clips, its handle, and the outline of what it cuts.
+// A section plane: clipping, its handle, and the outline of the cut.
 import * as THREE from "three";
 import type { Section } from "./display";
 import type { Theme } from "./theme";
 
 const kAxes = { x: new THREE.Vector3(1, 0, 0), y: new THREE.Vector3(0, 1, 0), z: new THREE.Vector3(0, 0, 1) };
-const kReach = 14; // [px] of the handle around its middle
-const kMargin = 0.04; // of the frame, in sizes of what there is
+const kReach = 14; // [px] of the handle around its centre
+const kMargin = 0.04; // margin of the frame, relative to the size of the scene
 
-/** Where a plane cuts triangles: ends of lines, in the frame of the vertices. */
+/** Intersects triangles with a plane: end points of lines, in the frame of the vertices. */
 export function cutTriangles(position: Float32Array, index: ArrayLike<number>, normal: THREE.Vector3, constant: number): Float32Array {
     const ends: number[] = [];
     const height = (v: number) =>
@@ -61,7 +61,7 @@ export class SectionPlane {
         this.handle.material.color.set(theme.cut);
     }
 
-    /** Whether a point is cut away. */
+    /** Returns whether a point is hidden by the section. */
     hides(point: THREE.Vector3): boolean {
         return this.section.on && this.plane.distanceToPoint(point) < 0;
     }
@@ -75,7 +75,7 @@ export class SectionPlane {
         for (const part of [this.frame, this.handle]) {
             part.position.copy(middle);
         }
-        // The frame reaches a little beyond what there is. It is turned so that its x and y lie along two of the axes.
+        // The frame extends slightly beyond the scene. Its x and y are along two of the axes.
         const size = around.getSize(new THREE.Vector3());
         const margin = Math.max(size.length() * kMargin, 1e-3);
         const [across, up] = { x: [size.z, size.y], y: [size.x, size.z], z: [size.x, size.y] }[section.axis];
@@ -83,7 +83,7 @@ export class SectionPlane {
         this.frame.scale.set(across / 2 + margin, up / 2 + margin, 1);
     }
 
-    /** The outline of what the plane cuts. */
+    /** Draws the outline of the cut. */
     trace(meshes: THREE.Mesh[]): void {
         const parts = meshes.map((mesh) => {
             const { position, index } = { position: mesh.geometry.getAttribute("position"), index: mesh.geometry.index };
@@ -121,14 +121,14 @@ export class SectionPlane {
         return this.section.on && Math.hypot(at[0] - x, at[1] - y) <= kReach;
     }
 
-    /** The section moved so that its middle lies nearest to a ray. */
+    /** The section moved so that its centre is closest to a ray. */
     dragged(origin: THREE.Vector3, direction: THREE.Vector3): Section {
         const axis = kAxes[this.section.axis];
         const offset = origin.clone().sub(this.middle);
         const across = axis.dot(direction);
         const span = 1 - across * across;
         if (span < 1e-6) {
-            return this.section; // looked at along the axis, no movement shows
+            return this.section; // a view along the axis shows no movement
         }
         const along = (axis.dot(offset) - across * direction.dot(offset)) / span;
         return { ...this.section, at: this.section.at + along };

@@ -1,4 +1,4 @@
-// One object of the document in the picture.
+// One object of the document in the view.
 import * as THREE from "three";
 import type { Geometry } from "../app";
 import type { ObjectName } from "../protocol";
@@ -15,20 +15,20 @@ import { kMeanings, rangeOf, union, valuesOf } from "./values";
 
 export type Slot = "surface" | "axes" | "points" | "curve" | "cage";
 
-const kGlass = 0.3; // how much of a solid that lets through is seen
-const kFaintGlass = 0.12; // the same around colours that stand for something
-const kManyTriangles = 150000; // beyond, capsules stand for surfaces while the picture moves
+const kGlass = 0.3; // opacity of a transparent solid
+const kFaintGlass = 0.12; // the same around objects with meaningful colours
+const kManyTriangles = 150000; // surfaces with more triangles are replaced by capsules while the view moves
 
-/** What the drawing of every object depends on. */
+/** Settings that affect the drawing of every object. */
 export interface Look {
     display: Display;
     theme: Theme;
-    glass: boolean; // solids let through what is in them
-    moving: boolean; // of a picture too slow to move whole
+    glass: boolean; // solids are transparent
+    moving: boolean; // of a view that is too slow to move completely
     clip: THREE.Plane[];
-    range: Range | null; // that the colours of all objects stand for
+    range: Range | null; // common range of the colours of all objects
     wire: THREE.LineBasicMaterial;
-    faintWire: THREE.LineBasicMaterial; // of glass, whose lines are all seen at once
+    faintWire: THREE.LineBasicMaterial; // of transparent solids, where all lines are visible at once
 }
 
 export function keyOf(object: ObjectName): string {
@@ -37,10 +37,10 @@ export function keyOf(object: ObjectName): string {
 
 export class Shown {
     readonly group = new THREE.Group();
-    readonly geometries = new Map<Slot, Geometry>(); // as last received
+    readonly geometries = new Map<Slot, Geometry>(); // last received geometry
     surface: SurfaceModel | null = null;
-    isWood: boolean; // and not plaster
-    source: Shown | null = null; // of a mesh: the skeleton that it was made from; its branches are picked on the mesh
+    isWood: boolean; // bark material instead of plaster
+    source: Shown | null = null; // of a mesh: its source skeleton; its branches are picked on the mesh
     private tubes: TubeModel | null = null;
     private tubesRange: Range | null = null;
     private bones: Drawn | null = null;
@@ -58,7 +58,7 @@ export class Shown {
     put(slot: Slot, geometry: Geometry, look: Look): void {
         const { kind } = geometry.header;
         if (kind === "patch") {
-            return; // patches go to `patch`
+            return; // patches are handled by `patch`
         }
         if (slot === "surface") {
             this.geometries.set(slot, geometry);
@@ -80,7 +80,7 @@ export class Shown {
         this.apply(look);
     }
 
-    /** Whether what is drawn is what the patch is of; then it is changed in place. */
+    /** Applies a patch to the drawn surface if it fits. Returns whether it does. */
     patch(geometry: Geometry, look: Look): boolean {
         if (!this.surface?.patch(geometry)) {
             return false;
@@ -100,7 +100,7 @@ export class Shown {
         this.marks.delete(slot);
     }
 
-    /** Whether the surface lags behind the skeleton, so that capsules tell better where it is. */
+    /** Whether the surface is older than the skeleton, so that capsules are more accurate. */
     setStale(stale: boolean, look: Look): void {
         if (stale !== this.isStale) {
             this.isStale = stale;
@@ -108,7 +108,7 @@ export class Shown {
         }
     }
 
-    /** Whether its surface is too large for a picture that moves. */
+    /** Whether its surface is too large for a moving view. */
     isTooSlow(look: Look): boolean {
         return look.moving && (this.surface?.triangleCount ?? 0) > kManyTriangles;
     }
@@ -121,7 +121,7 @@ export class Shown {
         }
     }
 
-    /** Whether it had another tint. */
+    /** Returns whether the tint has changed. */
     setTint(tint: THREE.ColorRepresentation | null): boolean {
         const before = this.tint;
         this.tint = tint;
@@ -134,7 +134,7 @@ export class Shown {
         return tint !== before;
     }
 
-    /** Draws as the settings say. */
+    /** Draws with the settings. */
     apply(look: Look): void {
         this.look = look;
         const { display, theme } = look;
@@ -180,14 +180,14 @@ export class Shown {
         this.changed();
     }
 
-    /** How far the numbers reach that the colours of this object stand for. */
+    /** The range of the coloured values of this object. */
     range(color: Coloring): Range | null {
         return (["surface", "axes"] as const)
             .map((slot) => this.geometries.get(slot))
             .reduce<Range | null>((all, geometry) => union(all, geometry ? rangeOf(geometry, color) : null), null);
     }
 
-    /** Forgets how marks look, so that they are drawn anew. */
+    /** Discards the marks, so that they are redrawn. */
     redraw(look: Look): void {
         for (const [, drawn] of this.marks) {
             drawn.object.removeFromParent();
@@ -218,7 +218,7 @@ export class Shown {
         return look.display.skeletons.peek() === "tubes" || !this.surface || this.isStale || this.isTooSlow(look);
     }
 
-    // What moves, or lags behind, has to be quick before it is beautiful.
+    // Objects that move or are out of date are drawn in the fast form.
     private wantsLight(look: Look): boolean {
         const segments = this.geometries.get("axes")?.arrays.parent.length ?? 0;
         return segments > kManySegments && (look.moving || this.isStale);
@@ -273,7 +273,7 @@ export class Shown {
             mesh.castShadow = !isGlass;
             mesh.renderOrder = isGlass ? 1 : 0;
         }
-        material.polygonOffset = look.display.wireframe.peek(); // leaves room for the lines
+        material.polygonOffset = look.display.wireframe.peek(); // offset for the lines
         material.polygonOffsetFactor = 1;
         material.polygonOffsetUnits = 1;
     }
@@ -283,7 +283,7 @@ export class Shown {
         if (kind === "solid") {
             return theme.solid;
         }
-        return this.isWood && display.color.peek() !== "crossings" ? theme.bark : theme.mesh; // marks are seen best on grey
+        return this.isWood && display.color.peek() !== "crossings" ? theme.bark : theme.mesh; // marks are most visible on grey
     }
 
     private makeTubes(look: Look): void {
@@ -329,7 +329,7 @@ function clip(part: THREE.Object3D, planes: THREE.Plane[]): void {
     }
 }
 
-// The inside of a closed surface that is cut open is seen flat, as if it were full.
+// The inside of a closed surface that is cut open is drawn flat, as if the solid were full.
 function cutShader(theme: Theme): THREE.MeshStandardMaterial {
     const material = new THREE.MeshStandardMaterial({ roughness: kRoughness });
     const cut = new THREE.Color(theme.cut);

@@ -1,4 +1,4 @@
-// The field of a solid on a plane through it: colours, lines of equal value, and that of the surface.
+// The field of a solid on a plane: colours, isolines and the line of the surface.
 import { effect } from "@preact/signals-core";
 import * as THREE from "three";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
@@ -13,7 +13,7 @@ import { isolines, isoLevels, type Samples } from "./isolines";
 import { shortNumber } from "./lengths";
 import type { Theme } from "./theme";
 
-const kFaintest = 0.12; // how much is seen of the least values
+const kFaintest = 0.12; // opacity of the minimum values
 const kFade = 4;
 
 export class FieldSlice {
@@ -23,7 +23,7 @@ export class FieldSlice {
     private readonly thick = new LineMaterial({ linewidth: 3, toneMapped: false });
     private shown: Geometry | null = null;
     private underWay = false;
-    private wanted = ""; // what shall be drawn; empty: nothing
+    private wanted = ""; // key of the requested slice; empty: no slice
     private drawn = "";
 
     constructor(
@@ -32,7 +32,7 @@ export class FieldSlice {
         private readonly display: Display,
         private readonly changed: () => void,
     ) {
-        this.plane.polygonOffset = true; // leaves room for the lines
+        this.plane.polygonOffset = true; // offset for the lines
         this.plane.polygonOffsetFactor = 1;
         this.plane.polygonOffsetUnits = 2;
         effect(() => this.follow(display.slice.value, store.state.value.objects));
@@ -54,7 +54,7 @@ export class FieldSlice {
         }
     }
 
-    // One at a time: what moved meanwhile is asked for when the answer is here.
+    // One at a time: a newer position is requested after the answer.
     private async ask(): Promise<void> {
         if (this.underWay || this.wanted === this.drawn || this.wanted === "") {
             return;
@@ -71,7 +71,7 @@ export class FieldSlice {
                 this.draw();
             }
         } catch (error) {
-            this.drawn = asked; // it would fail again
+            this.drawn = asked; // a repeated request would fail again
             if (!(error instanceof EngineError && ["busy", "cancelled"].includes(error.kind))) {
                 this.store.say(`The field of ${solid} cannot be shown: ${(error as Error).message}`, "warning");
             }
@@ -127,7 +127,7 @@ export class FieldSlice {
         const colors = paintTexels(value, range);
         const scale = 1 / (range.high - range.low || 1);
         value.forEach((v, i) => {
-            colors[4 * i + 3] = 255 * Math.min(kFaintest + kFade * (v - range.low) * scale, 1); // where there is no field the scene is seen
+            colors[4 * i + 3] = 255 * Math.min(kFaintest + kFade * (v - range.low) * scale, 1); // the scene is visible where there is no field
         });
         const texture = new THREE.DataTexture(colors, width, height);
         texture.colorSpace = THREE.SRGBColorSpace;
@@ -139,7 +139,7 @@ export class FieldSlice {
         }
         this.plane.map = texture;
         const made = new THREE.BufferGeometry().setAttribute("position", new THREE.BufferAttribute(place([0, 0, 1, 0, 1, 1, 0, 1]), 3));
-        // Samples lie in the middles of texels, the outermost ones on the border of the plane.
+        // Samples are at the centres of texels, the outermost ones on the border of the plane.
         const [u, v] = [0.5 / width, 0.5 / height];
         made.setAttribute("uv", new THREE.BufferAttribute(new Float32Array([u, v, 1 - u, v, 1 - u, 1 - v, u, 1 - v]), 2));
         made.setIndex([0, 1, 2, 0, 2, 3]);
@@ -149,7 +149,7 @@ export class FieldSlice {
 
 type Place = (uv: readonly number[]) => Float32Array<ArrayBuffer>;
 
-/** From places on the plane, both coordinates in [0, 1], to places in the scene, from its origin. */
+/** Converts plane coordinates in [0, 1] to positions in the scene, relative to its origin. */
 function placeOf({ corner, along, up }: SliceHeader): Place {
     return (uv) => {
         const out = new Float32Array((uv.length / 2) * 3);

@@ -1,11 +1,11 @@
-// The skeletons that meshes were made from.
+// The source skeletons of meshes.
 import type { Store } from "../app";
 import type { State } from "../protocol";
 import { meshSource } from "../script/names";
 
 const kKnown = new WeakMap<State, ReadonlyMap<string, string>>();
 
-/** The skeleton that each mesh is the surface of, by names: of meshes that were made from a skeleton, where neither has changed since. */
+/** The skeleton of each mesh, by name: for meshes that were created from a skeleton, if neither has changed since. */
 export function meshSources(store: Store): ReadonlyMap<string, string> {
     const state = store.state.peek();
     const schema = store.schema.peek();

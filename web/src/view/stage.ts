@@ -2,9 +2,9 @@
 import * as THREE from "three";
 import { skyTexture, type Theme } from "./theme";
 
-const kGridReach = 60; // grid lines on each side of what is looked at
+const kGridReach = 60; // grid lines on each side of the target
 
-// Lines of a grid at two steps, one ten times the other, which fade away from the middle.
+// A grid with two spacings, one ten times the other, that fades with the distance from its centre.
 const kGridVertex = `
     varying vec2 place;
     void main() {
@@ -41,7 +41,7 @@ const kGridFragment = `
         #include <colorspace_fragment>
     }`;
 
-/** [degree] height of the sun and where it stands, clockwise from north (+Y), at an hour of a long day. */
+/** [degree] height and azimuth of the sun, clockwise from north (+Y), at an hour of a long day. */
 export function sunAt(hour: number, north: number): { height: number; azimuth: number } {
     const day = Math.min(Math.max((hour - 5) / 14, 0), 1);
     return { height: 3 + 57 * Math.sin(Math.PI * day), azimuth: (70 + 220 * day + north + 360) % 360 };
@@ -53,7 +53,7 @@ function sunDirection(hour: number, north: number): THREE.Vector3 {
     return new THREE.Vector3(Math.sin(a) * Math.cos(h), Math.cos(a) * Math.cos(h), Math.sin(h));
 }
 
-/** The step of a grid, a power of ten in metres, that suits an eye at this distance. */
+/** The spacing of a grid, a power of ten in metres, for a camera at this distance. */
 export function gridStep(distance: number): number {
     return 10 ** Math.floor(Math.log10(Math.max(distance, 1e-4) / 5));
 }
@@ -87,7 +87,7 @@ export class Stage {
         this.sky.position.set(0, 0, 1); // Z is up
         this.sun.castShadow = true;
         this.sun.shadow.mapSize.set(2048, 2048);
-        this.sun.shadow.radius = 1.2; // wider, its grain is seen
+        this.sun.shadow.radius = 1.2; // a larger value makes the noise visible
         this.floor.receiveShadow = true;
         this.floor.renderOrder = -2;
         this.grid.renderOrder = -1;
@@ -106,7 +106,7 @@ export class Stage {
         this.floor.material.opacity = theme.shadow;
     }
 
-    /** Turns the sun to an hour; its shadows reach over the sphere, which lies on the ground at `bottom`. */
+    /** Sets the sun to an hour; its shadows cover the sphere, which touches the ground at `bottom`. */
     light(hour: number, north: number, shadow: boolean, around: THREE.Sphere): void {
         const direction = sunDirection(hour, north);
         const radius = Math.max(around.radius, 0.01);
@@ -120,11 +120,11 @@ export class Stage {
         camera.left = camera.bottom = -radius * 1.15;
         camera.right = camera.top = radius * 1.15;
         camera.near = radius * 0.5;
-        camera.far = radius * 12; // low suns throw long shadows
+        camera.far = radius * 12; // a low sun makes long shadows
         camera.updateProjectionMatrix();
         this.sun.shadow.normalBias = (radius / 2048) * 3;
         this.sun.shadow.bias = -0.0004;
-        // The floor is no larger than the shadow of the sphere: to look for shadows costs, where graphics cards are none.
+        // The floor is not larger than the shadow of the sphere, because shadow tests are slow without a GPU.
         const { x, y, z } = direction;
         const rise = around.center.z / z;
         this.floor.position.set(around.center.x - x * rise, around.center.y - y * rise, 0);
@@ -132,7 +132,7 @@ export class Stage {
         this.floor.scale.set((2.1 * radius) / z, 2.1 * radius, 1);
     }
 
-    /** Puts the grid below what is looked at. */
+    /** Places the grid below the target. */
     ground(distance: number, middle: THREE.Vector3, isShown: boolean): void {
         const step = gridStep(distance);
         const reach = Math.max(step * kGridReach, distance * 4);

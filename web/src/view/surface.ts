@@ -1,11 +1,11 @@
-// A surface on the graphics card, which patches change in place.
+// A surface on the GPU, which patches change in place.
 import * as THREE from "three";
 import type { Geometry } from "../app";
 import { type ColorMap, paint, type Range } from "./colors";
 import { TriangleTree } from "./picking/triangle_tree";
 import { edgeLines, fillTriangles } from "./picking/triangles";
 
-const kSlack = 1.3; // room for what patches add
+const kSlack = 1.3; // factor of capacity for elements that patches add
 
 function grown<T extends Float32Array | Int8Array | Uint32Array | Uint8Array>(array: T, length: number): T {
     const larger = new (array.constructor as new (length: number) => T)(length);
@@ -24,11 +24,11 @@ export class SurfaceModel {
     private index: Uint32Array;
     private vertexCount: number;
     private quadCount: number;
-    private values: Float32Array | undefined; // that colours stand for
+    private values: Float32Array | undefined; // values for the colours
     private painted: Range | null = null;
     private tree: TriangleTree | null = null; // for picking
 
-    /** `index`: triangles of the quads, where a worker has made them already. */
+    /** `index`: triangles of the quads, if a worker has already computed them. */
     constructor(private header: Geometry["header"], arrays: Geometry["arrays"], material: THREE.MeshStandardMaterial, index?: Uint32Array) {
         this.position = arrays.position as Float32Array;
         this.normal = arrays.normal as Int8Array;
@@ -47,12 +47,12 @@ export class SurfaceModel {
         this.values = arrays.value as Float32Array | undefined;
     }
 
-    /** What its numbers stand for; "plain": it has none. */
+    /** The quantity of its values; "plain": no values. */
     get color(): string {
         return this.values ? (this.header.color ?? "plain") : "plain";
     }
 
-    /** Colours it by its numbers; null: by none. Whether colours came or went. */
+    /** Colours it by its values; null: without colours. Returns whether the vertex colours were added or removed. */
     paint(range: Range | null, map: ColorMap): boolean {
         const wanted = this.values ? range : null;
         const before = this.painted;
@@ -69,7 +69,7 @@ export class SurfaceModel {
         } else if (colors) {
             geometry.setAttribute("color", new THREE.BufferAttribute(colors, 4, true));
         } else {
-            geometry.dispose(); // else the card would keep the attribute's buffer
+            geometry.dispose(); // otherwise the GPU would keep the buffer of the attribute
             geometry.deleteAttribute("color");
         }
         return (wanted === null) !== (before === null);
@@ -83,13 +83,13 @@ export class SurfaceModel {
         return this.quadCount * 2 + this.triangles.length / 3;
     }
 
-    /** Its triangles for rays, from the origin of the surface; made when first asked for. */
+    /** Its triangles for ray tests, relative to the origin of the surface; built on the first call. */
     triangleTree(): TriangleTree {
         this.tree ??= new TriangleTree(this.position, this.index.subarray(0, this.triangles.length + 6 * this.quadCount));
         return this.tree;
     }
 
-    /** What is drawn, as views of the arrays that patches change. */
+    /** The drawn geometry, as views of the arrays that patches change. */
     geometry(): Geometry {
         return {
             header: this.header,
@@ -102,7 +102,7 @@ export class SurfaceModel {
         };
     }
 
-    /** Whether the patch is one of what is drawn; then it is drawn from now on. */
+    /** Applies a patch of the drawn surface. Returns whether the patch fits. */
     patch(patch: Geometry): boolean {
         const { base, ranges, vertices, quads, version } = patch.header;
         if (base !== this.header.version || !ranges || vertices === undefined || quads === undefined) {
@@ -170,10 +170,10 @@ export class SurfaceModel {
             attribute.needsUpdate = true;
             from += count;
         }
-        this.dropLines(); // the edges are others now; the next setting makes them again
+        this.dropLines(); // the edges have changed; the next setting recreates the lines
     }
 
-    // The triangles stand before those of the quads, whose number changes.
+    // The triangles precede those of the quads, because the number of quads changes.
     private makeIndex(): Uint32Array {
         const index = new Uint32Array(this.triangles.length + (this.quads.length / 4) * 6);
         index.set(this.triangles);
@@ -220,7 +220,7 @@ export class SurfaceModel {
     private dropLines(): void {
         if (this.lines) {
             this.lines.removeFromParent();
-            this.lines.geometry.deleteAttribute("position"); // it is the mesh's
+            this.lines.geometry.deleteAttribute("position"); // the attribute belongs to the mesh
             this.lines.geometry.dispose();
             this.lines = null;
         }

@@ -1,4 +1,4 @@
-// Colours of the picture, by the scheme that the user's system asks for.
+// Colours of the view for the colour scheme of the system.
 import * as THREE from "three";
 
 export interface Theme {
@@ -16,7 +16,7 @@ export interface Theme {
     hover: string;
     selected: string;
     cut: string;
-    shadow: number; // how dark
+    shadow: number; // opacity
 }
 
 export const kDark: Theme = {
@@ -55,7 +55,7 @@ export const kLight: Theme = {
     shadow: 0.3,
 };
 
-/** A gradient from top to bottom, for the background. */
+/** A vertical gradient for the background. */
 export function skyTexture([above, below]: [string, string]): THREE.Texture {
     const canvas = document.createElement("canvas");
     canvas.width = 2;

@@ -5,7 +5,7 @@ import { innerRadius, type Tree } from "./extent";
 
 const kNone = 0xffffffff;
 
-/** What the shader of a material needs to draw capsules. Give it to onBeforeCompile. */
+/** Extends the shader of a material to draw capsules; for onBeforeCompile. */
 export function asTubes(material: THREE.Material): void {
     material.onBeforeCompile = (shader) => {
         shader.vertexShader = shader.vertexShader
@@ -36,7 +36,7 @@ interface Capsule {
     index: THREE.Uint16BufferAttribute;
 }
 
-// Rings of a capsule along its axis: how far out, how far along, at which end.
+// Rings of a capsule along its axis: distance from the axis, position along it, and its end.
 const kRound: [number, number, number][] = [[0, -1, 0], [0.71, -0.71, 0], [1, 0, 0], [1, 0, 1], [0.71, 0.71, 1], [0, 1, 1]];
 const kPlain: [number, number, number][] = [[0, -1, 0], [1, 0, 0], [1, 0, 1], [0, 1, 1]];
 
@@ -66,14 +66,14 @@ function capsule(rings: [number, number, number][], sides: number): Capsule {
 
 const kPipe = capsule(kPlain.slice(1, 3), 6);
 
-// By how many segments there are: graphics cards that are none spend their time on corners.
+// By the number of segments, because vertices are slow without a GPU.
 const kLevels: [number, Capsule][] = [
     [1500, capsule(kRound, 10)],
     [8000, capsule(kPlain, 6)],
     [Infinity, capsule(kPlain.slice(1, 3), 4)],
 ];
 
-/** Capsules for nodes of a skeleton, all or some; `colors` by node, four bytes each. */
+/** Capsules for all or some nodes of a skeleton; `colors` by node, four bytes each. */
 export function tubeGeometry(
     geometry: Geometry,
     tree: Tree,
@@ -112,12 +112,12 @@ export function tubeGeometry(
     return made;
 }
 
-/** Beyond, a skeleton that has to be quick to draw is drawn lightly. */
+/** Skeletons with more segments are simplified if they have to be drawn quickly. */
 export const kManySegments = 6000;
-const kMostPipes = 3000; // of such a one
+const kMaxPipes = 3000; // maximum number of capsules of a simplified skeleton
 const kTwigShade = 0.75; // lines have no shaded side
 
-/** Nodes of the thickest segments, and ends of the lines that stand for the others. */
+/** Nodes of the thickest segments, and end points of the lines that represent the others. */
 export function thickest(tree: Tree, most: number): { thick: number[]; lines: Uint32Array } {
     const { radius, parent } = tree;
     const least = radius.length > most ? radius.slice().sort()[radius.length - most] : 0;
@@ -138,12 +138,12 @@ export function thickest(tree: Tree, most: number): { thick: number[]; lines: Ui
     return { thick, lines: lines.subarray(0, at) };
 }
 
-/** How rough bark, leaves and plaster are. */
+/** Roughness of bark, leaves and plaster. */
 export const kRoughness = 0.82;
 
 export type ShadedMaterial = THREE.MeshStandardMaterial | THREE.MeshLambertMaterial;
 
-/** A skeleton as capsules; where `light`, the thickest of many segments only, and lines for the others. */
+/** A skeleton as capsules; if `light`, only for the thickest segments, and lines for the others. */
 export class TubeModel {
     readonly group = new THREE.Group();
     readonly mesh: THREE.Mesh<THREE.InstancedBufferGeometry, ShadedMaterial>;
@@ -158,7 +158,7 @@ export class TubeModel {
         const material = isLight ? new THREE.MeshLambertMaterial() : new THREE.MeshStandardMaterial({ roughness: kRoughness });
         asTubes(material);
         material.vertexColors = colors !== undefined;
-        const { thick, lines } = isLight ? thickest(tree, kMostPipes) : { thick: undefined, lines: undefined };
+        const { thick, lines } = isLight ? thickest(tree, kMaxPipes) : { thick: undefined, lines: undefined };
         this.mesh = new THREE.Mesh(tubeGeometry(geometry, tree, thick, colors, isLight ? kPipe : undefined), material);
         this.group.position.set(...geometry.header.origin);
         this.mesh.frustumCulled = false;
@@ -172,7 +172,7 @@ export class TubeModel {
         }
     }
 
-    /** Lines look as the material of the capsules does. */
+    /** Updates the lines to the material of the capsules. */
     follow(): void {
         if (this.twigs) {
             const { color, clippingPlanes } = this.mesh.material;

@@ -1,4 +1,4 @@
-// What colours stand for: the numbers of a geometry, and how far they reach.
+// The values for the colours of a geometry, and their range.
 import type { Geometry } from "../app";
 import type { ColorMap, Range } from "./colors";
 import type { Coloring } from "./display";
@@ -9,7 +9,7 @@ interface Meaning {
     map: ColorMap;
 }
 
-/** Of the colourings that paint numbers. */
+/** For the colourings that show numbers. */
 export const kMeanings: Partial<Record<Coloring, Meaning>> = {
     radius: { title: "Radius", unit: "m", map: "even" },
     order: { title: "Order of branching", unit: "", map: "even" },
@@ -17,7 +17,7 @@ export const kMeanings: Partial<Record<Coloring, Meaning>> = {
     evidence: { title: "Measured share of the radius", unit: "", map: "even" },
 };
 
-/** What the engine has to send for a colouring; of the others the page knows the numbers, or none are needed. */
+/** The colouring that the engine has to send; for the others the page has the numbers, or needs no numbers. */
 export function colorAsked(color: Coloring, form: "axes" | "surface"): Coloring {
     return color === "crossings" || (form === "axes" && color === "deviation") ? "plain" : color;
 }
@@ -34,7 +34,7 @@ export function valuesOf(geometry: Geometry, color: Coloring): Float32Array | nu
     return known ? Float32Array.from(known) : null;
 }
 
-const kMostShare = 0.98; // of the vertices' deviations that the colours tell apart
+const kMaxShare = 0.98; // share of the vertices with deviations inside the colour range
 const kSample = 20000;
 
 function rangeOfValues(values: Float32Array, color: Coloring): Range {
@@ -44,7 +44,7 @@ function rangeOfValues(values: Float32Array, color: Coloring): Range {
     if (color === "deviation") {
         const step = Math.ceil(values.length / kSample) || 1;
         const sizes = values.filter((_, i) => i % step === 0).map(Math.abs).sort();
-        const high = sizes[Math.floor((sizes.length - 1) * kMostShare)] || 1e-6;
+        const high = sizes[Math.floor((sizes.length - 1) * kMaxShare)] || 1e-6;
         return { low: -high, high };
     }
     return {
@@ -55,7 +55,7 @@ function rangeOfValues(values: Float32Array, color: Coloring): Range {
 
 const known = new WeakMap<Geometry, Map<Coloring, Range | null>>();
 
-/** How far the numbers of a geometry reach; null where it has none. */
+/** The range of the values of a geometry; null if it has no values. */
 export function rangeOf(geometry: Geometry, color: Coloring): Range | null {
     const ranges = known.get(geometry) ?? new Map<Coloring, Range | null>();
     known.set(geometry, ranges);
@@ -68,7 +68,7 @@ export function rangeOf(geometry: Geometry, color: Coloring): Range | null {
     return range;
 }
 
-/** What holds both. */
+/** The range that contains both. */
 export function union(a: Range | null, b: Range | null): Range | null {
     return a && b ? { low: Math.min(a.low, b.low), high: Math.max(a.high, b.high) } : (a ?? b);
 }

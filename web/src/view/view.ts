@@ -1,4 +1,4 @@
-// The 3D view: draws on demand what the document has.
+// The 3D view: draws the objects of the document on demand.
 import { effect } from "@preact/signals-core";
 import * as THREE from "three";
 import type { Geometry, Label, Pick, Ray, Store, ToolPointer, View } from "../app";
@@ -23,11 +23,11 @@ import { Stage } from "./stage";
 import { kDark, kLight, type Theme } from "./theme";
 import { kMeanings } from "./values";
 
-const kRest = 250; // [ms] without movement after which what was put off is done
-const kLongRest = 500; // [ms] the same where that takes long
-const kGlide = 220; // [ms] from one view to another
-const kSlow = 45; // [ms] that a frame waits for those before it: then a picture that moves is drawn plainer
-const kScaleBar = 150; // [px] at most
+const kRest = 250; // [ms] time without movement after which deferred work is done
+const kLongRest = 500; // [ms] the same for slow work
+const kGlide = 220; // [ms] duration of a camera transition
+const kSlow = 45; // [ms] delay of a frame above which a moving view is drawn in a simpler form
+const kScaleBar = 150; // [px] maximum length
 
 export class View3D implements View {
     readonly overlay = new THREE.Group();
@@ -46,29 +46,29 @@ export class View3D implements View {
     private readonly slice: FieldSlice;
     private readonly crossings = new CrossingMarks();
     private readonly labels = new Labels();
-    private readonly lost = document.createElement("p"); // says that there is no picture
+    private readonly lost = document.createElement("p"); // message shown when the WebGL context is lost
     private readonly navigation: Navigation;
-    private readonly box = new THREE.Box3(); // of all objects that are shown
+    private readonly box = new THREE.Box3(); // of all visible objects
     private readonly around = new THREE.Sphere(new THREE.Vector3(0, 0, 2), 5); // of the same
     private hand: Hand | null = null;
     private theme: Theme = kDark;
     private asked = false;
     private isPlainer = false;
-    private isTurning = false; // the eye moves, or did so just now
+    private isTurning = false; // the camera is moving or moved very recently
     private restTimer: ReturnType<typeof setTimeout> | undefined;
     private hoverAt: [number, number] | null = null;
-    private slowWith = Infinity; // triangles that were too many to be moved whole
-    private isClear = true; // solids are glass
+    private slowWith = Infinity; // number of triangles that was too slow to move completely
+    private isClear = true; // solids are transparent
     private isFramed = false;
-    private isChosen = false; // the eye was moved by hand: it stays where it is
+    private isChosen = false; // the user has moved the camera: it keeps its position
     private isTraced = false;
-    /** Pictures drawn so far; for tests. */
+    /** Counts the drawn frames; for tests. */
     readonly drawn = { frames: 0 };
 
     constructor(private readonly store: Store, engine: Transport) {
         this.canvas.tabIndex = 0;
         this.canvas.setAttribute("role", "application");
-        this.canvas.setAttribute("aria-label", "Picture of the scene. Arrow keys turn it, with Shift they move it; plus and minus zoom.");
+        this.canvas.setAttribute("aria-label", "View of the scene. Arrow keys rotate it, with Shift they move it; plus and minus zoom.");
         this.renderer.toneMapping = THREE.NeutralToneMapping;
         this.renderer.localClippingEnabled = true;
         this.renderer.shadowMap.enabled = true;
@@ -103,7 +103,7 @@ export class View3D implements View {
         return this.objects.follows(about);
     }
 
-    /** Previews are over: what the document has is drawn, once its next state is here. */
+    /** Ends the previews: the document is drawn when its next state arrives. */
     settle(): void {
         setTimeout(() => this.objects.settle(), 30);
     }
@@ -189,12 +189,12 @@ export class View3D implements View {
         return this.canvas;
     }
 
-    /** Whether everything asked for has come and been drawn. */
+    /** Whether all requested geometry has been received and drawn. */
     get idle(): boolean {
         return !this.asked && !this.objects.busy;
     }
 
-    /** What the renderer holds on the graphics card; for tests of leaks. */
+    /** GPU resources of the renderer; for tests of leaks. */
     get memory(): { geometries: number; textures: number } {
         return this.renderer.info.memory;
     }
@@ -248,7 +248,7 @@ export class View3D implements View {
             this.measureScene();
             if (this.isClear !== this.isGlass()) {
                 this.isClear = !this.isClear;
-                this.objects.apply(); // the first points in a crown let it be seen through
+                this.objects.apply(); // the first points in a crown make it transparent
             }
             if (running === null && !store.keepsGrown.value) {
                 this.grown.clear();
@@ -279,14 +279,14 @@ export class View3D implements View {
         });
     }
 
-    // The renderer restores what it needs when the browser restores the context; the picture has to be drawn again.
+    // When the browser restores the context, the renderer restores its resources; the view has to be drawn again.
     private followContext(): void {
         this.lost.className = "picture-lost";
         this.lost.setAttribute("role", "alert");
         this.lost.hidden = true;
         this.canvas.addEventListener("webglcontextlost", () => {
             this.lost.hidden = false;
-            this.lost.textContent = "The browser has lost the graphics card. The picture comes back as soon as it is available again; if it does not, reload the page: the scene is kept.";
+            this.lost.textContent = "The browser has lost the GPU. The view returns as soon as the GPU is available again; otherwise reload the page: the scene is kept.";
         });
         this.canvas.addEventListener("webglcontextrestored", () => {
             this.lost.hidden = true;
@@ -294,7 +294,7 @@ export class View3D implements View {
         });
     }
 
-    // Whether solids let through what is in them.
+    // Whether solids are transparent.
     private isGlass(): boolean {
         const solids = this.display.solids.peek();
         const { objects, running } = this.store.state.peek();
@@ -317,7 +317,7 @@ export class View3D implements View {
         };
     }
 
-    // Something is drawn otherwise than before: shadows, outlines and legend follow.
+    // The drawing has changed: update shadows, outlines and legend.
     private changed(): void {
         this.renderer.shadowMap.needsUpdate = true;
         this.isTraced = false;
@@ -351,10 +351,10 @@ export class View3D implements View {
         const { objects } = this.store.state.peek();
         const hidden = this.store.hidden.peek();
         const isSeen = this.rig.sees(this.around);
-        const isDrawn = isSeen && this.store.tool.peek() !== "select"; // by hand, where the eye looks: it stays
+        const isDrawn = isSeen && this.store.tool.peek() !== "select"; // created by hand where the camera looks: the camera does not move
         const isLost = (!this.isFramed && !isDrawn) || (!this.isChosen && !isSeen);
         if (isLost && objects.some((object) => !hidden.has(keyOf(object)))) {
-            this.rig.pose = this.rig.framing(this.around); // what is made first is seen, and what grows beyond the picture
+            this.rig.pose = this.rig.framing(this.around); // the first object is framed, and so is one that grows beyond the view
         }
         this.isFramed = objects.length > 0;
     }
@@ -376,16 +376,16 @@ export class View3D implements View {
 
     private rest(): void {
         this.objects.setResting(true);
-        if (!this.navigation.isMoving) { // a hand that holds still goes on soon
+        if (!this.navigation.isMoving) { // a pause during a drag is short
             this.isTurning = false;
             if (this.isPlainer) {
                 this.setPlainer(false);
-                this.requestDraw(); // another size of its pixels empties the canvas
+                this.requestDraw(); // a change of the pixel ratio clears the canvas
             }
         }
     }
 
-    // Shadows stay those of what is drawn at rest.
+    // The shadows of the resting view are kept.
     private setPlainer(plainer: boolean): void {
         const { shadowMap } = this.renderer;
         const { needsUpdate } = shadowMap;
@@ -395,7 +395,8 @@ export class View3D implements View {
         shadowMap.needsUpdate = needsUpdate;
     }
 
-    // Where so much was too slow before, it is not tried again; a new machine may be quicker, so pages begin without prejudice.
+    // A number of triangles that was too slow is not tried again. The value is not stored, because the next computer may be
+    // faster.
     private noteSpeed(waited: number): void {
         if (this.isTurning && !this.isPlainer) {
             const { triangles } = this.renderer.info.render;
@@ -436,7 +437,7 @@ export class View3D implements View {
         return true;
     }
 
-    // Pictures are drawn only where what glows changes.
+    // A frame is drawn only if the glow changes.
     private hover(x: number, y: number): void {
         if (!this.hoverAt) {
             requestAnimationFrame(() => this.updateHover());
@@ -457,7 +458,7 @@ export class View3D implements View {
         }
     }
 
-    // The legend tells what the colours stand for; where that changed they are painted anew.
+    // The legend shows the meaning of the colours; if it changes, objects are coloured again.
     private updateLegend(): void {
         const meaning = kMeanings[this.display.color.peek()];
         const range: Range | null = meaning ? this.objects.range() : null;

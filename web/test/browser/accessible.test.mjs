@@ -1,4 +1,4 @@
-// Whether everybody can use the page: axe-core on all that it shows, dark and light; the focus; less motion; magnified pages.
+// Accessibility of the page: axe-core on all of its content, dark and light; focus; reduced motion; magnified pages.
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { createRequire } from "node:module";
@@ -29,7 +29,7 @@ withStudio(async (begun) => {
     await page.evaluate(() => (globalThis.coppice.view.display.shadow.value = false));
 });
 
-/** Fails with what axe finds within parts of the page: by all its rules, and in the light scheme again for contrast. */
+/** Fails with the findings of axe in regions of the page: with all rules, and in the light scheme again for contrast. */
 async function judgePart(what, parts = ["body"], on = page) {
     const runOnly = scheme === "light" ? ["color-contrast"] : undefined;
     const found = await on.evaluate(async ([selectors, rules]) => {
@@ -58,7 +58,7 @@ for (const colorScheme of ["dark", "light"]) {
         test("the page at first, and an error in its scene", async () => {
             await judgePart("the empty page");
             await typeAtEnd(page, "sphere crown\nscale crwn 2\nsphere other\n");
-            await until(page, "the error is told", () => document.querySelector(".cm-said-error"));
+            await until(page, "the error is reported", () => document.querySelector(".cm-said-error"));
             await page.evaluate(() => globalThis.coppice.store.say("This is wrong.", "error"));
             await page.evaluate(() => globalThis.coppice.store.say("This may be wrong.", "warning"));
             await judgePart("an error in the scene, and messages");
@@ -84,7 +84,7 @@ for (const colorScheme of ["dark", "light"]) {
             await page.keyboard.press("Escape");
         });
 
-        const whole = colorScheme === "dark" ? test : test.skip; // colours have names that stand for both schemes: what follows has none of its own
+        const whole = colorScheme === "dark" ? test : test.skip; // named colours cover both schemes: the following tests have no colours of their own
         whole("every tool", async () => {
             const node = await page.evaluate(() => globalThis.coppice.view.geometry({ kind: "skeleton", name: "tree" }, "skeleton").arrays.id[4]);
             const selections = [["skeleton", "tree", [node]], ["solid", "crown", []], ["points", "crown", []], ["mesh", "tree", []], ["solid", "", []]];
@@ -99,7 +99,7 @@ for (const colorScheme of ["dark", "light"]) {
                     await page.evaluate(() => globalThis.coppice.take("select"));
                 }
             }
-            assert.deepEqual([...left], ["loft"], "tools that nothing selected here is for"); // it needs profiles
+            assert.deepEqual([...left], ["loft"], "tools that require another selection"); // it requires profiles
         });
 
         whole("every dialog", async () => {
@@ -110,11 +110,11 @@ for (const colorScheme of ["dark", "light"]) {
             };
             const leave = async () => {
                 await page.keyboard.press("Escape");
-                await until(page, "the dialog is gone", () => !document.querySelector("dialog[open]"));
+                await until(page, "the dialog is closed", () => !document.querySelector("dialog[open]"));
             };
             await studio.write("a.coppice", "sphere a\n");
             await select("skeleton", "tree");
-            for (const [id, title] of [["save-as", "Save the scene"], ["open", "Open a scene"], ["shortcuts", "Keyboard shortcuts"], ["menu-file", "The menu is a text file"], ["rename", "Rename skeleton tree"], ["picture", "Picture by the path tracer"]]) {
+            for (const [id, title] of [["save-as", "Save the scene"], ["open", "Open a scene"], ["shortcuts", "Keyboard shortcuts"], ["menu-file", "The menu is a text file"], ["rename", "Rename skeleton tree"], ["picture", "Image by the path tracer"]]) {
                 await command(id);
                 await judgeDialog(title);
                 await leave();
@@ -131,13 +131,13 @@ for (const colorScheme of ["dark", "light"]) {
             await dialog(page, "Replace the file?").waitFor({ state: "hidden" });
             await leave();
             await command("picture");
-            await dialog(page, "Picture by the path tracer").getByLabel("Width").fill("32");
-            await dialog(page, "Picture by the path tracer").getByLabel("Height").fill("32");
+            await dialog(page, "Image by the path tracer").getByLabel("Width").fill("32");
+            await dialog(page, "Image by the path tracer").getByLabel("Height").fill("32");
             await page.keyboard.press("Enter");
             await judgeDialog("picture.png");
             await leave();
             await drop(page, { name: "cloud.xyz", bytes: Buffer.from("0 0 0\n1 0 0\n0 1 0\n") });
-            await judgeDialog("What shall become of cloud.xyz?");
+            await judgeDialog("How should cloud.xyz be imported?");
             await leave();
             await page.getByRole("tab", { name: "Animation" }).click();
             await page.getByRole("button", { name: "Export…" }).click();
@@ -174,7 +174,7 @@ for (const colorScheme of ["dark", "light"]) {
         });
 
         test("forms of commands", async () => {
-            const search = page.getByRole("combobox", { name: "Search a command" });
+            const search = page.getByRole("combobox", { name: "Search commands" });
             for (const command of colorScheme === "dark" ? ["grow", "union", "edit bend", "polygonize", "extract"] : ["edit bend"]) {
                 await search.fill(command);
                 await page.keyboard.press("Enter");
@@ -188,14 +188,14 @@ for (const colorScheme of ["dark", "light"]) {
     });
 }
 
-/** What has the focus, and where in the page. */
+/** The focused element, and its location in the page. */
 const focused = () => page.evaluate(() => {
     const element = document.activeElement;
     const part = [".header", ".side.left", ".picture-frame", ".tool-bar", ".bottom", ".side.right"].find((one) => element.closest(one)) ?? "";
     return { part, tag: element.outerHTML.slice(0, 120), isBody: element === document.body };
 });
 
-/** Whether it is seen that something has the focus. */
+/** Whether the focus is visible. */
 const isFocusSeen = () => {
     const element = document.activeElement;
     const { width, height } = element.getBoundingClientRect();
@@ -216,14 +216,14 @@ test("Tab goes through the page in its order, is never held, and what has the fo
         if (now.isBody || (now.part === ".header" && parts.length > 1)) {
             break;
         }
-        await until(page, `it is seen that this has the focus: ${now.tag}`, isFocusSeen, undefined, 3000);
+        await until(page, `the focus is visible: ${now.tag}`, isFocusSeen, undefined, 3000);
         seen.add(now.tag);
         if (now.part !== "" && parts.at(-1) !== now.part) {
             parts.push(now.part);
         }
     }
     assert.deepEqual(parts, [".header", ".side.left", ".picture-frame", ".tool-bar", ".bottom", ".side.right"]);
-    assert.ok(seen.size > 30, `Tab came to ${seen.size} places`);
+    assert.ok(seen.size > 30, `Tab reached ${seen.size} elements`);
 });
 
 test("where less motion is wished, nothing glides", async () => {
@@ -231,7 +231,7 @@ test("where less motion is wished, nothing glides", async () => {
         globalThis.coppice.command("look-top");
         return globalThis.coppice.view.rig.pose.pitch;
     });
-    assert.ok(Math.abs(pitch - Math.PI / 2) < 1e-9, "the view from above is there at once");
+    assert.ok(Math.abs(pitch - Math.PI / 2) < 1e-9, "the view from above is shown at once");
     const moving = await page.evaluate(() => [...document.querySelectorAll("*")].filter((one) => {
         const { transitionDuration, animationName } = getComputedStyle(one);
         return /[1-9]/.test(transitionDuration) || animationName !== "none";
@@ -243,11 +243,11 @@ test("a page magnified to 200 % has everything, and nothing to be scrolled sidew
     await emptyScene(page);
     await runLines(page, "sphere crown");
     scheme = "dark";
-    const small = await openPage(studio, { viewport: { width: 640, height: 400 }, colorScheme: "dark" }); // as 1280 x 800 looks then
+    const small = await openPage(studio, { viewport: { width: 640, height: 400 }, colorScheme: "dark" }); // equivalent to 1280 x 800 magnified
     await small.evaluate(axe);
     assert.equal(await small.evaluate(() => document.documentElement.scrollWidth), 640);
     const picture = await small.locator(".picture-canvas canvas").boundingBox();
-    assert.ok(picture.width > 600 && picture.height >= 180 && picture.y + picture.height < 330, `the picture is seen at first: ${JSON.stringify(picture)}`);
+    assert.ok(picture.width > 600 && picture.height >= 180 && picture.y + picture.height < 330, `the view is visible at first: ${JSON.stringify(picture)}`);
     await judgePart("the magnified page", ["body"], small);
     for (const title of ["Objects", "History", "Growth", "Command", "Library", "Composition", "Check", "Display"]) {
         const heading = small.locator(".panel-title button", { hasText: new RegExp(`^${title}$`) });
@@ -256,7 +256,7 @@ test("a page magnified to 200 % has everything, and nothing to be scrolled sidew
         assert.ok(x >= 0 && x + width <= 640 && y >= 0 && y + height <= 400, `${title} can be reached`);
     }
     await small.locator(".menu-title", { hasText: "Crown" }).click();
-    await small.getByRole("menuitem", { name: "Box", exact: true }).click(); // of a menu longer than the window
+    await small.getByRole("menuitem", { name: "Box", exact: true }).click(); // in a menu longer than the window
     await untilObject(small, "solid", "crown2");
     await small.getByRole("treeitem", { name: /^crown2/ }).click();
     await small.keyboard.press("Control+e");

@@ -1,4 +1,5 @@
-// Branches by hand: picked, bent, moved, turned, sized, drawn, thickened, pruned, cut, detached and joined, mirrored.
+// Interactive editing of branches: picked, bent, moved, rotated, scaled, drawn, thickened, pruned, cut, detached, joined,
+// mirrored.
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { test } from "node:test";
@@ -90,15 +91,15 @@ test("on the surface that was made of a tree its branches are picked, bent and p
 
     for (let steps = 3; steps > 0; --steps) {
         await page.keyboard.press("Control+z");
-        await until(page, `${steps} steps are left`, (left) => globalThis.coppice.store.state.peek().statements.length === left, 2 + steps);
+        await until(page, `${steps} steps remain`, (left) => globalThis.coppice.store.state.peek().statements.length === left, 2 + steps);
     }
     await surface(false);
     assert.deepEqual(await lines(page), kTree);
     assert.deepEqual(await hidden(), []);
-    assert.deepEqual(await eye(), before, "the eye stays where it is");
+    assert.deepEqual(await eye(), before, "the camera does not move");
     await take(page, "View", "Select");
     await select(page, "skeleton", "none");
-    assert.ok(differing(await picture(page), plain) < 50, "the picture is as before");
+    assert.ok(differing(await picture(page), plain) < 50, "the image equals the earlier one");
 
     await runLines(page, "mesh tree skin");
     await page.evaluate(() => (globalThis.coppice.store.hidden.value = new Set(["skeleton:tree"])));
@@ -114,18 +115,18 @@ test("a branch bends to the hand, its surface with it, and back by undo", async 
     await begin(page, ...kTree);
     const straight = await picture(page);
     await take(page, "Branches", "Bend");
-    await dragIn(page, [kOnRight, [0.9, 0, 1.32]], { during: () => untilFollows(page, "skeleton", "tree", "the surface of the tree follows the hand") });
+    await dragIn(page, [kOnRight, [0.9, 0, 1.32]], { during: () => untilFollows(page, "skeleton", "tree", "the surface of the tree follows the pointer") });
     const line = await lastLine(page, /^edit bend tree at\(/);
     near(numbers(line, "towards"), [0, 0, -1], 0.05, line);
-    near((await node(20)).at, [1, 0, 1.4], 0.2, "what was held is where it was let go");
-    assert.deepEqual((await selection(page)).nodes, [20], "what is dragged is selected");
-    assertDiffer(await picture(page), straight, "the branch is elsewhere");
+    near((await node(20)).at, [1, 0, 1.4], 0.2, "the dragged point is at the position of the release");
+    assert.deepEqual((await selection(page)).nodes, [20], "the dragged branch is selected");
+    assertDiffer(await picture(page), straight, "the branch has moved");
     await page.keyboard.press("Control+z");
     await until(page, "undo", () => globalThis.coppice.store.state.peek().statements.length === 3);
     await settled(page);
-    near((await node(20)).at, [1, 0, 1.8], 1e-4, "undo brings it back");
+    near((await node(20)).at, [1, 0, 1.8], 1e-4, "undo restores it");
     await page.keyboard.press("Control+y");
-    assert.equal(await lastLine(page, /^edit bend/), line, "redo is the same line");
+    assert.equal(await lastLine(page, /^edit bend/), line, "redo runs the same line");
 
     await field(page, "Angle [°]").fill("20");
     await page.locator(".tool-panel").getByRole("button", { name: "Z", exact: true }).click();
@@ -138,7 +139,7 @@ test("a node moves, and as much of its axis follows as the wheel says", async ()
     await begin(page, ...kTree);
     await take(page, "Branches", "Reshape");
     await dragIn(page, [kOnRight, [0.9, 0, 2.12]], { during: () => untilFollows(page, "skeleton", "tree") });
-    near(numbers(await lastLine(page, /^edit move tree /), "by"), [0, 0, 0.4], 0.02, "the node went with the hand");
+    near(numbers(await lastLine(page, /^edit move tree /), "by"), [0, 0, 0.4], 0.02, "the node followed the pointer");
     await page.mouse.wheel(0, -100);
     const [from, to] = [(await node(19)).at, (await node(20)).at];
     const on = to.map((value, k) => from[k] + 0.8 * (value - from[k]));
@@ -190,7 +191,7 @@ test("the wheel and a drag sideways make branches thicker and thinner", async ()
     await untilFollows(page, "skeleton", "tree");
     const factor = numbers(await lastLine(page, /^edit thicken tree axis\(/), 4)[0];
     assert.ok(factor > 1.05, `a turn up is thicker: ${factor}`);
-    near([(await node(20)).radius], [before * factor], before * 0.01, "as thick as it says");
+    near([(await node(20)).radius], [before * factor], before * 0.01, "thickness equals the reported one");
     await dragIn(page, [kOnRight, [0.6, 0, 1.72]]);
     assert.ok(numbers(await lastLine(page, /^edit thicken tree axis\(\S+\) 0\./), 4)[0] < 1, "to the left is thinner");
     await assertCalm(page);
@@ -201,11 +202,11 @@ test("a branch is drawn from the axis under the pen; beside trees a stem of its 
     const before = await picture(page);
     await take(page, "Branches", "Draw");
     await dragIn(page, [[0, 0, 2.5], [0.3, 0, 2.8], [0.7, 0, 2.9]], { during: () => untilFollows(page, "skeleton", "tree") });
-    const line = await lastLine(page, /^edit draw tree (?!0,0,2 )/); // and not the last of the lines that it begins with
+    const line = await lastLine(page, /^edit draw tree (?!0,0,2 )/); // and not the last of the initial lines
     near(numbers(line, 3), [0, 0, 2.5], 0.05, "it begins on the stem");
     const points = line.split(" ").slice(3).map((word) => word.split(",").map(Number));
     near(points.at(-1), [0.7, 0, 2.9], 0.1, "and ends where the pen was lifted, at the depth of the branches around");
-    assertDiffer(await picture(page), before, "a branch more is drawn");
+    assertDiffer(await picture(page), before, "one more branch is drawn");
     await dragIn(page, [[1.4, 0, 0.1], [1.4, 0, 0.5], [1.5, 0, 1]]);
     assert.match(await lastLine(page, /^limb /), /^limb tree2 /);
     await assertCalm(page);
@@ -214,7 +215,7 @@ test("a branch is drawn from the axis under the pen; beside trees a stem of its 
 test("strokes that end before it is known where they begin become branches, each of them", async () => {
     await begin(page, ...kTree);
     await take(page, "Branches", "Draw");
-    await page.evaluate(() => (globalThis.coppice.store.hidden.value = new Set(["skeleton:tree"]))); // so that its axes have to be asked for
+    await page.evaluate(() => (globalThis.coppice.store.hidden.value = new Set(["skeleton:tree"]))); // so that its axes have to be requested
     let release;
     const released = new Promise((resolve) => (release = resolve));
     await page.route("**/blob/**", async (route) => {
@@ -225,7 +226,7 @@ test("strokes that end before it is known where they begin become branches, each
         await page.evaluate(() => globalThis.coppice.engine.run("edit move tree 24 by=0,0,0.1"));
         await dragIn(page, [[0, 0, 2.5], [0.3, 0, 2.8], [0.7, 0, 2.9]]);
         await dragIn(page, [[0, 0, 1.5], [-0.3, 0, 1.8], [-0.7, 0, 1.9]]);
-        await page.evaluate(() => globalThis.coppice.engine.run("edit move tree 24 by=0,0,0.1")); // what was asked for is old now
+        await page.evaluate(() => globalThis.coppice.engine.run("edit move tree 24 by=0,0,0.1")); // the requested data is out of date now
         assert.equal((await lines(page)).length, 5, "both wait");
     } finally {
         release();
@@ -244,8 +245,8 @@ test("the prune brush takes the tips that it passes", async () => {
     await take(page, "Branches", "Prune");
     await dragIn(page, [[1.5, 0, 2.3], [1.5, 0, 1.8]], { during: () => untilFollows(page, "skeleton", "tree"), steps: 1 });
     await lastLine(page, /^edit delete tree at\(/);
-    assert.equal(await node(21), undefined, "the tip is gone");
-    assert.equal((await nodesOf("tree")).length, 24, "and nothing else");
+    assert.equal(await node(21), undefined, "the tip is removed");
+    assert.equal((await nodesOf("tree")).length, 24, "and no other node");
     assertDiffer(await picture(page), whole, "the branch is shorter", 10);
     await assertCalm(page);
 });
@@ -255,11 +256,11 @@ test("branches are cut off, detached and moved away, and joined again", async ()
     await take(page, "Branches", "Cut");
     const whole = await picture(page);
     await moveTo(page, [-0.4, 0, 2.24]);
-    await until(page, "what would go is told", () => globalThis.coppice.hand.run.value.status().includes("will be cut off"));
+    await until(page, "the cut is announced", () => globalThis.coppice.hand.run.value.status().includes("will be cut off"));
     await clickAt(page, [-0.4, 0, 2.24]);
     await lastLine(page, /^edit delete tree /);
     assert.equal(await node(24), undefined);
-    assertDiffer(await picture(page), whole, "the branch is gone");
+    assertDiffer(await picture(page), whole, "the branch is removed");
 
     await take(page, "Branches", "Detach");
     await clickAt(page, [0.4, 0, 1.32]);
@@ -270,8 +271,8 @@ test("branches are cut off, detached and moved away, and joined again", async ()
     await page.keyboard.type("0.3,0,0");
     await page.keyboard.press("Enter");
     await lastLine(page, /^edit translate tree /);
-    near((await node(18)).at, [0, 0, 3], 1e-4, "the stem stays");
-    near((await node(21)).at, [1.8, 0, 2], 1e-3, "the branch went");
+    near((await node(18)).at, [0, 0, 3], 1e-4, "the stem remains");
+    near((await node(21)).at, [1.8, 0, 2], 1e-3, "the branch has moved");
 
     await take(page, "Branches", "Graft");
     await dragIn(page, [[0.8, 0, 1.4], [0, 0, 2.5]]);
@@ -307,7 +308,7 @@ test("branches are mirrored, straightened and smoothed; undo and redo lead throu
     assert.deepEqual(await lines(page), all);
     await settled(page);
     const again = await picture(page);
-    assert.ok(Buffer.compare(final.data, again.data) === 0, "the picture is the same, bit for bit");
+    assert.ok(Buffer.compare(final.data, again.data) === 0, "the image is bit-identical");
     await assertCalm(page);
 });
 
@@ -318,7 +319,7 @@ test("a tree of others is worked on like one's own", async () => {
     await settled(page);
     const before = await picture(page);
     await take(page, "Branches", "Bend");
-    // A branch that nothing hides: the one that is picked where one of its nodes lies in the picture.
+    // A branch that is not occluded: the picked branch at the position of one of its nodes in the view.
     const found = await page.evaluate(() => {
         const { view } = globalThis.coppice;
         const { arrays, header } = view.geometry({ kind: "skeleton", name: "tree" }, "skeleton");
@@ -331,7 +332,7 @@ test("a tree of others is worked on like one's own", async () => {
         }
         return null;
     });
-    assert.ok(found, "some branch is seen");
+    assert.ok(found, "some branch is visible");
     const { x, y } = await placeOf(page, found);
     await drag(page, [{ x, y }, { x: x + 20, y: y + 40 }], 5);
     await lastLine(page, /^edit bend tree at\(/);

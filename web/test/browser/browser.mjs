@@ -1,4 +1,4 @@
-// A studio and a browser on it, for the tests in this folder: COPPICE names the program.
+// A studio and a browser for the tests in this folder: COPPICE names the program.
 import { spawn } from "node:child_process";
 import { existsSync } from "node:fs";
 import { mkdir, mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
@@ -10,24 +10,27 @@ import { chromium } from "playwright-core";
 const kPrograms = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
 const kArguments = [
     "--no-sandbox",
-    "--use-angle=gl-egl", // Mesa's own rasterizer: three times as fast as SwiftShader
+    "--use-angle=gl-egl", // Mesa's rasterizer: three times as fast as SwiftShader
     "--ignore-gpu-blocklist",
-    "--disable-gpu-compositing", // the page around it is drawn without: a fifth of the time less
+    "--disable-gpu-compositing", // the rest of the page is composited by the CPU: a fifth less time
     "--disable-quic",
-    "--webgl-antialiasing-mode=none", // as its cost
+    "--webgl-antialiasing-mode=none", // because of its cost
     "--no-first-run",
     "--disable-background-networking",
     "--disable-component-update",
     "--disable-sync",
 ];
 
-/** The program of `coppice studio` on a folder of its own, or on a file in it, as a child of the test; with `before`, where one that was killed had its state. */
+/**
+ * Starts `coppice studio` on a temporary folder, or on a file in it, as a child of the test; with `before`, in the state
+ * directory of a killed one.
+ */
 export async function startStudio(options = [], folder = undefined, before = undefined, file = "") {
     const home = before?.home ?? (await mkdtemp(join(tmpdir(), "coppice studio ")));
     const work = folder ?? join(home, "work");
     await mkdir(work, { recursive: true });
     const env = { ...process.env, XDG_STATE_HOME: home, XDG_RUNTIME_DIR: home, XDG_CONFIG_HOME: join(home, "config") };
-    const page = process.env.COPPICE_PAGE ? ["--page", process.env.COPPICE_PAGE] : []; // instead of the one in the program
+    const page = process.env.COPPICE_PAGE ? ["--page", process.env.COPPICE_PAGE] : []; // instead of the page in the program
     const child = spawn(process.env.COPPICE, ["studio", join(work, file), "--no-browser", ...page, ...options], { env, stdio: ["ignore", "pipe", "inherit"] });
     const line = await new Promise((resolve, reject) => {
         let text = "";
@@ -48,7 +51,7 @@ export async function startStudio(options = [], folder = undefined, before = und
         child,
         write: (name, bytes) => writeFile(join(work, name), bytes),
         read: (name) => readFile(join(work, name)),
-        /** As nothing but a crash ends it; its state stays. */
+        /** Kills the process like a crash; its state remains. */
         async kill() {
             const ended = new Promise((resolve) => child.once("exit", resolve));
             child.kill("SIGKILL");
@@ -70,7 +73,7 @@ let browser;
 export async function startBrowser() {
     const executablePath = kPrograms.find((path) => existsSync(path));
     if (!executablePath && !process.env.CI) {
-        console.log("There is no browser here (Debian's chromium); these tests are left out.");
+        console.log("There is no browser here (Debian's chromium); these tests are skipped.");
         process.exit(0);
     }
     process.env.LIBGL_ALWAYS_SOFTWARE = "1";
@@ -82,7 +85,7 @@ export async function endBrowser() {
     await browser?.close();
 }
 
-/** A studio for all tests of a file, and the browser to look at it with. */
+/** A studio for all tests of a file, and a browser. */
 export function withStudio(begin) {
     let studio;
     before(async () => {
@@ -96,7 +99,7 @@ export function withStudio(begin) {
     });
 }
 
-/** A tab with the studio's page, connected and drawn; what it complains of fails the test that looks at `complaints`. */
+/** A tab with the page of the studio, connected and drawn; its errors fail the test that checks `complaints`. */
 export async function openPage(studio, options = {}) {
     const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, deviceScaleFactor: 1, ...options });
     const page = await context.newPage();
@@ -112,7 +115,7 @@ export async function openPage(studio, options = {}) {
     return Object.assign(page, { complaints });
 }
 
-/** Waits until the engine has done what was asked, and everything that was asked for is drawn. */
+/** Waits until the engine has finished all requests, and all results are drawn. */
 export async function settled(page) {
     await page.evaluate(() => globalThis.coppice.engine.request("ping"));
     await page.waitForFunction(() => globalThis.coppice.view.idle && globalThis.coppice.engine.idle, undefined, { timeout: 60_000 });
@@ -121,7 +124,7 @@ export async function settled(page) {
 /** The lines of the document. */
 export const lines = (page) => page.evaluate(() => globalThis.coppice.store.state.value.statements.map((statement) => statement.text));
 
-/** Runs lines as a panel would, for what a test begins with. */
+/** Runs lines like a panel, as the initial state of a test. */
 export async function runLines(page, ...all) {
     for (const line of all) {
         await page.evaluate((text) => globalThis.coppice.engine.run(text), line);
@@ -129,7 +132,7 @@ export async function runLines(page, ...all) {
     await settled(page);
 }
 
-/** Where a point of the scene is in the page. */
+/** Position of a point of the scene in the page. */
 export async function placeOf(page, point) {
     return page.evaluate((at) => {
         const { view } = globalThis.coppice;
@@ -139,7 +142,7 @@ export async function placeOf(page, point) {
     }, point);
 }
 
-/** Moves the mouse with its button down along places of the page. */
+/** Moves the mouse with its button pressed along positions of the page. */
 export async function drag(page, places, steps = 6) {
     await page.mouse.move(places[0].x, places[0].y);
     await page.mouse.down();
@@ -149,7 +152,7 @@ export async function drag(page, places, steps = 6) {
     await page.mouse.up();
 }
 
-/** Unfolds a panel beside the picture by its title, where it is not open. */
+/** Unfolds a panel at the side of the view by its title, if it is folded. */
 export async function openPanel(page, title) {
     const heading = page.locator(".panel-title button", { hasText: new RegExp(`^${title}$`) });
     if ((await heading.getAttribute("aria-expanded")) === "false") {

@@ -1,4 +1,4 @@
-// Crowns by hand: primitives, gizmo, combinations, warps, profiles, curves, and solids made of them.
+// Interactive crown tools: primitives, gizmo, combinations, warps, profiles, curves, and solids from them.
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
 import { lines, placeOf, settled, withStudio } from "./browser.mjs";
@@ -45,7 +45,7 @@ test("every primitive is placed by a drag, and by its fields", async () => {
     for (const [label, value] of [["X", "1.5"], ["Y", "0"], ["Z", "2.25"], ["Radius [m]", "0.75"]]) {
         await field(page, label).fill(value);
     }
-    await untilFollows(page, "solid", "ball2", "fields show what they would make");
+    await untilFollows(page, "solid", "ball2", "fields show a preview");
     await field(page, "Radius [m]").press("Enter");
     assert.equal(await lastLine(page, /^sphere /), "sphere ball2 center=1.5,0,2.25 radius=0.75");
     await untilSelected(page, "solid", "ball2");
@@ -53,7 +53,7 @@ test("every primitive is placed by a drag, and by its fields", async () => {
 });
 
 const names = (page) => page.evaluate(() => globalThis.coppice.store.state.peek().objects.map(({ name }) => name).sort());
-const untilBalls = (page, count) => until(page, `${count} balls are there`, (wanted) => {
+const untilBalls = (page, count) => until(page, `${count} balls exist`, (wanted) => {
     const { objects, statements, running } = globalThis.coppice.store.state.peek();
     return running === null && statements.length >= wanted && objects.filter(({ name }) => name.startsWith("ball")).length === wanted;
 }, count);
@@ -75,19 +75,19 @@ test("each click with Place makes one object, however fast the clicks come and w
     await untilBalls(page, 5);
     assert.deepEqual(await names(page), ["ball", "ball2", "ball3", "ball4", "ball5"]);
     assert.equal((await lines(page)).length, 5);
-    assert.deepEqual(await eye(), before, "a double click with a tool in hand moves nothing");
+    assert.deepEqual(await eye(), before, "a double click with an active tool moves no object");
     assert.equal(await field(page, "Name").inputValue(), "ball6");
 
     const long = page.evaluate(() => globalThis.coppice.engine.run("pointset generate ball uniform count=400000").then(() => true));
     await until(page, "the long line runs", () => {
         const { running, ran } = globalThis.coppice.store.state.peek();
-        return running !== null || ran > 5; // however fast this machine is
+        return running !== null || ran > 5; // independent of the speed of this machine
     });
     for (const x of [-0.2, 0.2, 0.6]) {
         await clickAt(page, [x, -0.8, 0]);
     }
     assert.ok(await long);
-    await untilBalls(page, 9); // the points are called as their ball
+    await untilBalls(page, 9); // the points have the name of their ball
     assert.equal((await lines(page)).length, 9);
     await assertCalm(page);
 });
@@ -113,11 +113,11 @@ test("handles move, turn and size solids; numbers may be typed, Ctrl snaps, Esca
     await select(page, "solid", "a");
     const start = await picture(page);
     await take(page, "View", "Move");
-    const reach = await page.evaluate(() => 70 * globalThis.coppice.view.pixelSize([0, 0, 1.5])); // of an arrow's shaft
+    const reach = await page.evaluate(() => 70 * globalThis.coppice.view.pixelSize([0, 0, 1.5])); // on the shaft of an arrow
     const onArrow = [0, 0, 1.5 + reach];
     await dragIn(page, [onArrow, [0.4, 0, 1.5 + reach + 0.6]], { during: () => untilFollows(page, "solid", "a") });
     near((await lastLine(page, /^translate a /)).split(" ").slice(2).map(Number), [0, 0, 0.6], 0.03, "only along the arrow");
-    assertDiffer(await picture(page), start, "the ball is elsewhere");
+    assertDiffer(await picture(page), start, "the ball has moved");
 
     await dragIn(page, [[0, 0, 2.1], [0.43, 0, 2.1]], { keys: ["Control"] });
     const [x] = (await lastLine(page, /^translate a (?!0 0 )/)).split(" ").slice(2).map(Number);
@@ -162,10 +162,10 @@ test("a stroke across two solids picks them, and a list says what becomes of the
         const hidden = await page.evaluate(() => [...globalThis.coppice.store.hidden.value]);
         assert.deepEqual(hidden.sort(), ["solid:a", "solid:b"], "operands are in the result");
         if (command === "diff") {
-            assertDiffer(await picture(page), apart, "b is taken out of a");
+            assertDiffer(await picture(page), apart, "b is subtracted from a");
         }
         await page.keyboard.press("Control+z");
-        await until(page, "the operation is taken back", () => globalThis.coppice.store.state.peek().statements.length === 2);
+        await until(page, "the operation is undone", () => globalThis.coppice.store.state.peek().statements.length === 2);
         await page.evaluate(() => globalThis.coppice.command("show-all"));
         await until(page, "both operands are drawn again", () => ["a", "b"].every((name) => globalThis.coppice.view.geometry({ kind: "solid", name })));
     }
@@ -182,7 +182,7 @@ test("handles at their end bend, twist and taper solids", async () => {
         await dragIn(page, [[0, 0, 3], [way, 0, 3]], { during: () => untilFollows(page, "solid", "tower") });
         const line = await lastLine(page, new RegExp(`^${command} tower `));
         if (command === "bend") {
-            // The chord from the foot to the end turns by atan(0.5 / 3) = 9.46 degrees, the end by twice that.
+            // The chord from the base to the end rotates by atan(0.5 / 3) = 9.46 degrees, the end by twice that angle.
             near(numbers(line, 2), [18.9], 0.6, line);
             near(numbers(line, "side"), [1, 0, 0], 0.01, line);
         } else if (command === "taper") {
@@ -190,7 +190,7 @@ test("handles at their end bend, twist and taper solids", async () => {
         } else {
             assert.ok(numbers(line, 2)[0] > 5, `to the right is counter-clockwise: ${line}`);
         }
-        assertDiffer(await picture(page), upright, `${command} changes the picture`);
+        assertDiffer(await picture(page), upright, `${command} changes the image`);
     }
     await assertCalm(page);
 });
@@ -214,7 +214,7 @@ test("a profile is drawn in its plane and revolved; its points are dragged, and 
 
     await select(page, "profile", "outline");
     await take(page, "Crown", "Profile");
-    await until(page, "the points of the profile are there", () => document.querySelectorAll(".plane circle").length === 5);
+    await until(page, "the points of the profile exist", () => document.querySelectorAll(".plane circle").length === 5);
     const wide = numbers((await lines(page))[0], 4)[0];
     const handle = await plane.locator("circle").nth(2).boundingBox();
     await page.mouse.move(handle.x + 7, handle.y + 7);
@@ -233,7 +233,7 @@ test("a profile is drawn in its plane and revolved; its points are dragged, and 
     await until(page, "arrow keys move a point", (text) => globalThis.coppice.store.state.peek().statements[0].text !== text, written);
     await settled(page);
     await page.keyboard.press("Control+z");
-    await until(page, "one undo takes the five steps back", (text) => globalThis.coppice.store.state.peek().statements[0].text === text, written);
+    await until(page, "one undo reverts the five steps", (text) => globalThis.coppice.store.state.peek().statements[0].text === text, written);
     await button(page, "Done").click();
     await assertCalm(page);
 });
@@ -250,8 +250,8 @@ test("a curve is drawn point by point, typed and edited; a sweep and a skin run 
     await page.keyboard.press("Enter");
     const drawn = await lastLine(page, /^path path /);
     assert.equal(drawn.split(" ").length, 2 + 4);
-    near(numbers(drawn, 3), [0.3, 0, 1.2], 0.02, "where it was clicked");
-    assert.deepEqual(numbers(drawn, 5), [0.5, 0, 2.5], "as it was typed");
+    near(numbers(drawn, 3), [0.3, 0, 1.2], 0.02, "at the clicked position");
+    assert.deepEqual(numbers(drawn, 5), [0.5, 0, 2.5], "at the typed position");
 
     await dragIn(page, [[0.3, 0, 1.2], [0.6, 0, 1.2]], { during: () => untilFollows(page, "path", "path") });
     await until(page, "the point is where it was dragged", () => Math.abs(Number(globalThis.coppice.store.state.peek().statements[2].text.split(" ")[3].split(",")[0]) - 0.6) < 0.02);
@@ -280,5 +280,5 @@ test("what was placed elsewhere is where hands point", async () => {
     await page.mouse.click(x, y);
     assert.deepEqual((await selection(page)).object, { kind: "solid", name: "far" });
     await page.mouse.click(x, y + 150);
-    assert.equal((await selection(page)).object, null, "a click beside everything selects nothing");
+    assert.equal((await selection(page)).object, null, "a click away from all objects selects nothing");
 });

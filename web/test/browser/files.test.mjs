@@ -1,4 +1,4 @@
-// Files: scenes, imports, exports, pictures, films, and the menu that is a file.
+// Files: scenes, imports, exports, images, films, and the menu file.
 import assert from "node:assert/strict";
 import { existsSync } from "node:fs";
 import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
@@ -11,7 +11,7 @@ import { endBrowser, lines, openPage, runLines, settled, startBrowser, startStud
 import { chooseItem, coppice, dialog, drop, emptyScene, judge, typeAtEnd, until, untilLines, untilObject, untilSaid } from "./user.mjs";
 
 const kRoot = fileURLToPath(new URL("../../../", import.meta.url));
-const kData = join(kRoot, "../shared/data"); // files of other programs, where they lie
+const kData = join(kRoot, "../shared/data"); // files of other programs, if available
 const kMenu = `
 [Mine]
 Ball of mine = line sphere \${new ball} radius=\${ask Its radius, 2}
@@ -88,16 +88,16 @@ test("a scene takes the place of another file only where that is wished", async 
     await page.keyboard.press("Enter");
     const question = dialog(page, "Replace the file?");
     await question.waitFor();
-    await page.keyboard.press("Enter"); // by itself it does not say yes
+    await page.keyboard.press("Enter"); // Enter alone does not confirm
     await question.waitFor({ state: "detached" });
     assert.equal(String(await studio.read("there.coppice")), "sphere there\n");
     await page.keyboard.press("Enter");
-    await question.getByRole("button", { name: "Replace it" }).click();
+    await question.getByRole("button", { name: "Replace" }).click();
     await untilNamed("there.coppice");
     assert.equal(String(await studio.read("there.coppice")).trim(), "sphere mine");
 });
 
-// Kind and name of what becomes of each.
+// Kind and name of the object from each file.
 const kImports = {
     "swc/modulartree_small.swc": ["skeleton", "modulartree_small"],
     "qsm/itsme_tree_1_qsm.mat": ["skeleton", "itsme_tree_1_qsm"],
@@ -123,14 +123,14 @@ test("files of other programs become what they hold when they are dropped", asyn
     const names = Object.keys(kImports);
     const files = await Promise.all(names.map(async (name) => ({ name: basename(name), bytes: await readFile(join(kData, name)) })));
     await drop(page, ...files);
-    const question = dialog(page, "What shall become of these files?"); // of meshes and points, which may hold a tree
+    const question = dialog(page, "How should these files be imported?"); // of meshes and points, which may contain a tree
     await question.waitFor();
     assert.equal(await question.getByRole("group").count(), 8);
     await question.getByRole("button", { name: "Import" }).click();
     for (const [kind, name] of Object.values(kImports)) {
         await untilObject(page, kind, name);
     }
-    await until(page, "imports are over", () => document.querySelector(".import-status").hidden);
+    await until(page, "imports are finished", () => document.querySelector(".import-status").hidden);
     const found = await page.evaluate(() => globalThis.coppice.store.messages.peek().filter(({ level }) => level === "error"));
     assert.deepEqual(found, []);
 });
@@ -158,11 +158,11 @@ test("a file that is dropped again is made again, where its bytes are others", a
     await drop(page, longer);
     const question = dialog(page, "Replace the file?");
     assert.match(await question.textContent(), /The scene uses it/);
-    await question.getByRole("button", { name: "Replace it" }).click();
+    await question.getByRole("button", { name: "Replace" }).click();
     await untilSaid(page, "again.swc was replaced");
-    await until(page, "the tree is that of the new file", () => globalThis.coppice.store.find("skeleton", "again")?.count === 3);
+    await until(page, "the tree comes from the new file", () => globalThis.coppice.store.find("skeleton", "again")?.count === 3);
     await untilLines(page, ["loadtree again again.swc", "radii again tip_radius=0.02"]);
-    await drop(page, longer); // alike: a second tree of it, and no question
+    await drop(page, longer); // same content: a second tree from it, without a question
     await untilObject(page, "skeleton", "again2");
     await drop(page, { name: "again.swc", bytes: Buffer.from("1 1 0 0 0 0.1 -1\n2 1 0 0 3 0.1 1\n") });
     await question.getByRole("button", { name: "Keep both" }).click();
@@ -171,17 +171,17 @@ test("a file that is dropped again is made again, where its bytes are others", a
 
 test("what cannot be read says why", async () => {
     await drop(page, { name: "trees.zip", bytes: Buffer.from("PK") }, { name: "empty.swc", bytes: Buffer.alloc(0) }, { name: "film.mov", bytes: Buffer.from("x") });
-    await untilSaid(page, "trees.zip is packed; unpack it first.");
+    await untilSaid(page, "trees.zip is compressed; unpack it first.");
     await untilSaid(page, "empty.swc is empty.");
-    await untilSaid(page, "film.mov is of no kind that Coppice reads.");
+    await untilSaid(page, "film.mov is not in a supported format.");
     assert.deepEqual(await lines(page), []);
 });
 
 test("a skeleton is found in a mesh that is dropped", async () => {
     await coppice("mesh", join(kRoot, "examples/fork.swc"), "-o", join(own, "wood.ply"), "--quiet");
     await drop(page, { name: "wood.ply", bytes: await readFile(join(own, "wood.ply")) });
-    const question = dialog(page, "What shall become of wood.ply?");
-    await question.getByLabel("Find the tree's skeleton in it").check();
+    const question = dialog(page, "How should wood.ply be imported?");
+    await question.getByLabel("Extract the skeleton of the tree").check();
     await page.keyboard.press("Enter");
     await untilObject(page, "skeleton", "wood");
     assert.deepEqual(await lines(page), ["extract wood wood.ply"]);
@@ -206,8 +206,8 @@ test("objects are written in every format, and what is written is sound", async 
     await page.keyboard.press("Control+e");
     for (const ending of [".glb", ".ply", ".obj", ".stl", ".usda"]) {
         const done = await exportAs(`surface${ending}`, `timber${ending}`);
-        assert.match(await done.locator(".verdict.good").textContent(), /\w{4}/, "the check says how the surface is");
-        if (ending !== ".usda") { // the check reads none
+        assert.match(await done.locator(".verdict.good").textContent(), /\w{4}/, "the check reports the quality of the surface");
+        if (ending !== ".usda") { // the check does not read this format
             await judge(studio, `timber${ending}`);
         }
         await done.getByRole("button", { name: "Export more" }).click();
@@ -235,7 +235,7 @@ test("objects are written in every format, and what is written is sound", async 
     await done.getByRole("button", { name: "Export more" }).click();
     await dialog(page, "Export").getByLabel("File in the folder").fill("timber");
     await page.keyboard.press("Enter");
-    await dialog(page, "Replace the file?").getByRole("button", { name: "Replace it" }).click();
+    await dialog(page, "Replace the file?").getByRole("button", { name: "Replace" }).click();
     await done.waitFor();
     await judge(studio, "timber.glb");
     const [download] = await Promise.all([page.waitForEvent("download"), done.getByRole("button", { name: "Download timber.glb" }).click()]);
@@ -249,7 +249,7 @@ test("the path tracer draws what is seen in the view", async () => {
     await studio.write("fork.swc", (await example("fork.swc")).bytes);
     await runLines(page, "loadtree fork fork.swc");
     await chooseItem(page, "File", "Picture…");
-    const form = dialog(page, "Picture by the path tracer");
+    const form = dialog(page, "Image by the path tracer");
     await form.getByLabel("Width").fill("160");
     await form.getByLabel("Height").fill("120");
     await form.getByLabel("Rays for each pixel").fill("1");
@@ -259,7 +259,7 @@ test("the path tracer draws what is seen in the view", async () => {
     await page.keyboard.press("Escape");
     const { width, height, data } = PNG.sync.read(await studio.read("picture.png"));
     assert.deepEqual([width, height], [160, 120]);
-    assert.ok(new Set(data.filter((_, at) => at % 4 === 0)).size > 20, "the picture has many shades");
+    assert.ok(new Set(data.filter((_, at) => at % 4 === 0)).size > 20, "the image has many shades");
 });
 
 test("a tree is moved by keys, looked at and written as a film", async () => {
@@ -269,14 +269,14 @@ test("a tree is moved by keys, looked at and written as a film", async () => {
     const panel = page.getByRole("tabpanel", { name: "Animation" });
     await panel.getByLabel("Lasts [s]").fill("1");
     await panel.getByLabel("Frames/s").fill("4");
-    await panel.getByRole("button", { name: "Add a key here" }).click(); // at rest, in the beginning
-    await panel.getByRole("slider", { name: "Moment of the film" }).focus();
+    await panel.getByRole("button", { name: "Add a key here" }).click(); // at rest, at the start
+    await panel.getByRole("slider", { name: "Time in the film" }).focus();
     await page.keyboard.press("End");
-    await panel.getByRole("button", { name: "Turn the last edit into a key" }).click();
+    await panel.getByRole("button", { name: "Convert the last edit to a key" }).click();
     await untilLines(page, ["loadtree fork fork.swc"]);
     assert.match(await panel.getByLabel("Edits").inputValue(), /^rotate tips 25$/);
     await panel.getByRole("button", { name: "Play" }).click();
-    await until(page, "all frames are here", () => /^(\d+) of \1$/.test(document.querySelector(".frames-here")?.textContent));
+    await until(page, "all frames are available", () => /^(\d+) of \1$/.test(document.querySelector(".frames-here")?.textContent));
     await panel.getByRole("button", { name: "Pause" }).click();
     await panel.getByRole("button", { name: "At rest" }).click();
     await panel.getByRole("button", { name: "Export…" }).click();
@@ -290,13 +290,13 @@ test("a tree is moved by keys, looked at and written as a film", async () => {
     await page.keyboard.press("Escape");
     const film = await studio.read("fork.gif");
     assert.equal(film.subarray(0, 6).toString("latin1"), "GIF89a");
-    const frames = film.toString("latin1").split("\x21\xf9\x04").length - 1; // one control block before each picture
-    assert.ok(frames >= 4, `the film has ${frames} pictures`);
+    const frames = film.toString("latin1").split("\x21\xf9\x04").length - 1; // one control block before each frame
+    assert.ok(frames >= 4, `the film has ${frames} frames`);
     await page.getByRole("tab", { name: "Scene" }).click();
 });
 
 test("the user's own menu runs lines, starts programs after asking, and sets what forms begin with", async () => {
-    await untilSaid(page, "mine.menu:6"); // a line of it is none, and left out
+    await untilSaid(page, "mine.menu:6"); // an invalid line is skipped
     await chooseItem(page, "Mine", "Ball of mine");
     await dialog(page, "Ball of mine").getByLabel("Its radius").fill("1.5");
     await page.keyboard.press("Enter");

@@ -1,4 +1,4 @@
-// Fingers on a touch screen, as the browser gets them from the system.
+// Touch input for the browser, like events of the system.
 const kSessions = new WeakMap();
 
 async function send(page, type, places) {
@@ -15,14 +15,14 @@ export const up = (page, ...left) => send(page, "touchEnd", left);
 
 const between = (a, b, share) => ({ x: a.x + (b.x - a.x) * share, y: a.y + (b.y - a.y) * share });
 
-/** Leads fingers that are down from places to others, in steps. */
+/** Moves pressed fingers from positions to others, in steps. */
 export async function lead(page, from, to, steps = 6) {
     for (let n = 1; n <= steps; ++n) {
         await move(page, ...from.map((place, finger) => between(place, to[finger], n / steps)));
     }
 }
 
-/** Draws with one finger along places of the page; `during` is called before it is lifted. */
+/** Draws with one finger along positions of the page; `during` is called before it is lifted. */
 export async function drag(page, places, { during, steps = 5 } = {}) {
     await down(page, places[0]);
     for (const [n, place] of places.slice(1).entries()) {
@@ -32,7 +32,7 @@ export async function drag(page, places, { during, steps = 5 } = {}) {
     await up(page);
 }
 
-/** Two fingers that go from two places to two others. */
+/** Two fingers that move from two positions to two others. */
 export async function pinch(page, from, to) {
     await down(page, from[0]);
     await down(page, ...from);

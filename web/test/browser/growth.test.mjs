@@ -1,4 +1,5 @@
-// Points and growth by hand: from a crown to a tree that is seen while it grows; and trees composed of the branches of others.
+// Interactive points and growth: from a crown to a tree that is visible while it grows; and trees composed from branches of
+// others.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { lines, openPanel, placeOf, runLines, settled, withStudio } from "./browser.mjs";
@@ -18,14 +19,14 @@ const untilCounted = (count) => until(page, `${count} points are counted and sho
     const shown = globalThis.coppice.view.geometry({ kind: "points", name: "crown" })?.arrays.position.length / 3;
     return document.querySelector("#step-points .count")?.textContent === text && shown === number;
 }, [`${count.toLocaleString("en")} points`, count]);
-/** The balls in the picture: [x, y, z, radius]. */
+/** The balls in the view: [x, y, z, radius]. */
 const balls = () => page.evaluate(() => {
     const all = globalThis.coppice.view.overlay.children.flatMap((group) => group.children).filter(({ geometry }) => geometry.type === "SphereGeometry");
     return all.map(({ position, geometry }) => [...position.toArray(), geometry.parameters.radius]);
 });
-/** The first line of the statement of a command, once it has run. */
+/** The first line of the statement of a command, after it has run. */
 async function lineOf(command, pattern = /^/) {
-    await until(page, `there is a ${command} as ${pattern}, and nothing runs`, ([word, source]) => {
+    await until(page, `${command} exists as ${pattern}, and no command runs`, ([word, source]) => {
         const { statements, running, ran } = globalThis.coppice.store.state.peek();
         const all = statements.map(({ text }) => text.split("\n")[0]);
         return running === null && ran === statements.length && all.some((line) => line.startsWith(`${word} `) && new RegExp(source).test(line));
@@ -33,7 +34,7 @@ async function lineOf(command, pattern = /^/) {
     await settled(page);
     return (await lines(page)).find((line) => line.startsWith(`${command} `)).split("\n")[0];
 }
-const hide = (...keys) => page.evaluate((all) => (globalThis.coppice.store.hidden.value = new Set(all)), keys); // what is slow to draw
+const hide = (...keys) => page.evaluate((all) => (globalThis.coppice.store.hidden.value = new Set(all)), keys); // objects that are slow to draw
 
 async function unfold(name) {
     await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))); // a selection may have unfolded another
@@ -43,7 +44,7 @@ async function unfold(name) {
     }
 }
 
-/** Drags a slider through parts of its length; the button stays down. */
+/** Drags a slider through fractions of its length; the button remains pressed. */
 async function slide(slider, parts) {
     await slider.scrollIntoViewIfNeeded();
     const box = await slider.boundingBox();
@@ -62,7 +63,7 @@ test("a crown is filled with points, which follow their settings before these ar
     const points = step("points");
     await points.getByLabel("Count", { exact: true }).fill("500");
     await untilCounted(500);
-    assert.deepEqual(await lines(page), [kCrown], "it is only looked at");
+    assert.deepEqual(await lines(page), [kCrown], "it is only a preview");
     await points.getByRole("button", { name: "Fill crown with points" }).click();
     await untilLines(page, [kCrown, "pointset generate crown count=500"]);
 
@@ -71,11 +72,11 @@ test("a crown is filled with points, which follow their settings before these ar
     await unfold("points");
     const before = await picture(page);
     await slide(points.getByRole("slider", { name: "Count, slider" }), [0.55, 0.6, 0.65]);
-    await until(page, "more points are seen, and their count", () => {
+    await until(page, "more points are visible, and their count", () => {
         const shown = globalThis.coppice.view.geometry({ kind: "points", name: "crown" })?.arrays.position.length / 3;
         return shown > 700 && document.querySelector("#step-points .count").textContent === `${shown.toLocaleString("en")} points`;
     });
-    assertDiffer(await picture(page), before, "there are more points in the picture");
+    assertDiffer(await picture(page), before, "there are more points in the view");
     assert.deepEqual(await lines(page), [kCrown, "pointset generate crown count=500"]);
     await page.mouse.up();
     const line = await lastLine(page, /^pointset generate crown count=(?!500$)\d+$/);
@@ -101,7 +102,7 @@ test("points are made in other ways: other patterns and seeds, over a mesh, thin
     await points.getByRole("button", { name: "Next seed" }).click();
     await untilLines(page, [kCrown, "pointset generate crown clustered count=400 seed=1"]);
     await settled(page);
-    assert.notEqual(await placesOf(), clustered, "another seed makes others");
+    assert.notEqual(await placesOf(), clustered, "another seed creates others");
 
     await points.getByRole("button", { name: "Thin" }).click();
     await points.getByLabel("Percent", { exact: true }).fill("25");
@@ -123,7 +124,7 @@ test("points are made in other ways: other patterns and seeds, over a mesh, thin
     await assertCalm(page);
 });
 
-test("a ball takes points away or adds some; a tree stands where it is clicked", async () => {
+test("a ball removes points or adds some; a tree stands where it is clicked", async () => {
     await begin(page, kCrown, "pointset generate crown count=800");
     await hide("solid:crown");
     await select(page, "points", "crown");
@@ -132,15 +133,15 @@ test("a ball takes points away or adds some; a tree stands where it is clicked",
     const at = await page.evaluate(() => {
         const { arrays, header } = globalThis.coppice.view.geometry({ kind: "points", name: "crown" });
         const all = Array.from({ length: arrays.position.length / 3 }, (_, n) => [0, 1, 2].map((k) => arrays.position[3 * n + k] + header.origin[k]));
-        return all.filter(([x, , z]) => Math.hypot(x, z - 2) < 0.3).sort((a, b) => a[1] - b[1])[0]; // the nearest to the eye
+        return all.filter(([x, , z]) => Math.hypot(x, z - 2) < 0.3).sort((a, b) => a[1] - b[1])[0]; // the closest to the camera
     });
-    await dragIn(page, [at, [at[0] + 0.4, at[1], at[2]]], { during: async () => assert.ok(await page.evaluate(() => globalThis.coppice.view.overlay.children.some(({ children }) => children.length > 0)), "the ball is seen") });
+    await dragIn(page, [at, [at[0] + 0.4, at[1], at[2]]], { during: async () => assert.ok(await page.evaluate(() => globalThis.coppice.view.overlay.children.some(({ children }) => children.length > 0)), "the ball is visible") });
     assert.match(await lastLine(page, /^repeat 1\n {2}sphere dab [^\n]*\n {2}pointset thin crown dab 100\n {2}delete dab kind=solid\nend$/), /radius=0\.4\d*/);
     const left = await page.evaluate(() => globalThis.coppice.store.find("points", "crown").count);
-    assert.ok(left < 800, `${left} points are left`);
+    assert.ok(left < 800, `${left} points remain`);
     await field(page, "The ball").selectOption("densify");
     await field(page, "How many").fill("70");
-    await button(page, "Do it there").click();
+    await button(page, "Apply there").click();
     await until(page, "70 points are added", (count) => globalThis.coppice.store.find("points", "crown").count === count, left + 70);
 
     await take(page, "Points", "Root");
@@ -163,7 +164,7 @@ test("radii are seen as balls, and how many points they hold is told", async () 
     assert.deepEqual(await balls(), []);
     const plain = await picture(page);
     await tree.getByLabel("Influence radius [m]", { exact: true }).fill("0.7");
-    await until(page, "balls of that radius are seen", () => {
+    await until(page, "balls of that radius are visible", () => {
         const { children } = globalThis.coppice.view.overlay;
         return children.flatMap((group) => group.children).some(({ geometry }) => geometry.parameters?.radius === 0.7);
     });
@@ -182,11 +183,11 @@ test("radii are seen as balls, and how many points they hold is told", async () 
         return Array.from({ length: arrays.position.length / 3 }, (_, n) => arrays.position.slice(3 * n, 3 * n + 3)).filter((p) => Math.hypot(p[0] + a - x, p[1] + b - y, p[2] + c - z) < most).length;
     }, [...at, radius]);
     const kill = Number(await tree.getByLabel("Kill radius [m]", { exact: true }).inputValue());
-    assert.equal(await tree.locator(".count").textContent(), `At the pointer ${await within(0.7)} of 600 points pull, ${await within(kill)} are spent.`);
+    assert.equal(await tree.locator(".count").textContent(), `At the pointer ${await within(0.7)} of 600 points attract, ${await within(kill)} are removed.`);
     await tree.getByLabel("Kill radius [m]", { exact: true }).focus();
     await until(page, "the balls are those of the kill radius", (radius) => globalThis.coppice.view.overlay.children.flatMap((group) => group.children).some(({ geometry }) => geometry.parameters?.radius === radius), kill);
     await tree.getByLabel("Tropism weight", { exact: true }).focus();
-    await until(page, "the balls are gone", () => !globalThis.coppice.view.overlay.children.some((group) => group.children.some(({ geometry }) => geometry.type === "SphereGeometry")));
+    await until(page, "the balls are removed", () => !globalThis.coppice.view.overlay.children.some((group) => group.children.some(({ geometry }) => geometry.type === "SphereGeometry")));
     await assertCalm(page);
 });
 
@@ -196,17 +197,17 @@ test("parameters say what they take, and take nothing else", async () => {
     const tree = step("tree");
     const kill = tree.getByLabel("Kill radius [m]", { exact: true });
     const help = await kill.evaluate((input) => document.getElementById(input.getAttribute("aria-describedby")).textContent);
-    assert.match(help, /^Distance within which attractors are spent\. Takes a number \[m\] from 0\.000001 to 1000000\.$/);
+    assert.match(help, /^Distance within which attractors are spent\. Accepts a number \[m\] from 0\.000001 to 1000000\.$/);
     const before = await tree.locator("code.line").textContent();
     await kill.fill("-1");
     assert.equal(await kill.getAttribute("aria-invalid"), "true");
-    assert.equal(await tree.locator("code.line").textContent(), before, "it is not taken");
+    assert.equal(await tree.locator("code.line").textContent(), before, "it is refused");
     await kill.fill("0.3");
     await kill.press("Enter");
     assert.equal(await kill.getAttribute("aria-invalid"), null);
     assert.match(await tree.locator("code.line").textContent(), /kill_radius=0\.3/);
     const refused = tree.locator(".field-trouble");
-    for (const [typed, why] of [["1,5", "has a comma"], ["1e999", "is too large"], ["abc", "is not a number"], ["-2*3", "This takes a number from"]]) {
+    for (const [typed, why] of [["1,5", "has a comma"], ["1e999", "is too large"], ["abc", "is not a number"], ["-2*3", "Enter a number from"]]) {
         await kill.fill("");
         await kill.pressSequentially(typed);
         await kill.press("Enter");
@@ -239,18 +240,18 @@ test("a tree grows, and changes with its seed and its radii", async () => {
     assert.match(radii, /^radii tree tip_radius=/);
     assert.equal(tidy, "tidy tree");
     const pointsHidden = () => page.evaluate(() => globalThis.coppice.store.hidden.value.has("points:crown"));
-    assert.ok(await pointsHidden(), "points make room");
+    assert.ok(await pointsHidden(), "points are hidden");
     await unfold("tree");
     const tree = step("tree");
     await tree.getByRole("button", { name: "Next seed" }).click();
     assert.match(await lineOf("grow", / seed=1$/), /jitter=0\.1/);
-    await tree.getByRole("button", { name: "A seed by chance" }).click();
+    await tree.getByRole("button", { name: "Random seed" }).click();
     await lineOf("grow", / seed=(?!1$)\d+$/);
     const before = await page.evaluate(() => globalThis.coppice.store.find("skeleton", "tree").count);
     const held = await lineOf("grow");
     await slide(tree.getByRole("slider", { name: "Kill radius, slider" }), [0.6, 0.7]);
     await until(page, "the tree follows the slider", () => globalThis.coppice.view.geometry({ kind: "skeleton", name: "tree" }, "skeleton").header.seq !== undefined);
-    assert.equal(await lineOf("grow"), held, "it is only looked at");
+    assert.equal(await lineOf("grow"), held, "it is only a preview");
     await page.mouse.up();
     await until(page, "the tree has other nodes", (nodes) => globalThis.coppice.store.find("skeleton", "tree").count < nodes, before);
     assert.equal((await lines(page)).filter((line) => line.startsWith("grow")).length, 1, "it is one tree");
@@ -265,7 +266,7 @@ test("a tree grows, and changes with its seed and its radii", async () => {
         await page.evaluate(() => globalThis.coppice.engine.request("undo"));
         await settled(page);
     }
-    assert.ok(!(await pointsHidden()), "and are seen again when the tree is taken back");
+    assert.ok(!(await pointsHidden()), "and are visible again after undo");
     await assertCalm(page);
 });
 
@@ -279,23 +280,23 @@ test("what grows is seen meanwhile; it is stopped, thrown away or kept as far as
     const tree = step("tree");
     await tree.getByRole("button", { name: "Into points" }).click();
     for (const [label, value] of [["Influence radius [m]", "3"], ["Kill radius [m]", "0.01"], ["Step [m]", "0.005"]]) {
-        await tree.getByLabel(label, { exact: true }).fill(value); // it grows for so long that who looks is not too late
+        await tree.getByLabel(label, { exact: true }).fill(value); // it grows long enough for the test to observe it
     }
     const growing = page.getByRole("group", { name: "Growth", exact: true });
     const stopped = page.getByRole("group", { name: "Growth that was stopped" });
-    const untilGrown = () => until(page, "it is told and seen that something has grown", () => {
+    const untilGrown = () => until(page, "the growth is reported and visible", () => {
         const { grown } = globalThis.coppice.view;
         const nodes = /^([\d,]+) nodes so far$/.exec(document.querySelector(".growing [role=status]")?.textContent)?.[1].replace(/,/g, "");
         return Number(nodes) >= 500 && grown.group.children.length > 0;
     });
     await tree.getByRole("button", { name: "Grow a tree" }).click();
     await untilGrown();
-    assertDiffer(await pictureNow(page), empty, "what grows is seen");
-    assert.deepEqual(await lines(page), all, "it is no tree yet");
+    assertDiffer(await pictureNow(page), empty, "the growing tree is visible");
+    assert.deepEqual(await lines(page), all, "it is not a tree yet");
     await growing.getByRole("button", { name: "Stop" }).click();
-    await stopped.getByRole("button", { name: "Throw it away" }).click();
+    await stopped.getByRole("button", { name: "Discard it" }).click();
     await stopped.waitFor({ state: "detached" });
-    await until(page, "nothing of it is seen", () => globalThis.coppice.view.grown.group.children.length === 0);
+    await until(page, "its result is not visible", () => globalThis.coppice.view.grown.group.children.length === 0);
     assert.deepEqual(await lines(page), all);
 
     await tree.getByRole("button", { name: "Grow a tree" }).click();
@@ -303,31 +304,31 @@ test("what grows is seen meanwhile; it is stopped, thrown away or kept as far as
     await growing.getByRole("button", { name: "Stop" }).click();
     await stopped.waitFor();
     const nodes = Number(/Stopped with ([\d,]+) nodes/.exec(await stopped.textContent())[1].replace(/,/g, ""));
-    assertDiffer(await picture(page), empty, "it stays in the picture");
+    assertDiffer(await picture(page), empty, "it remains in the view");
     await stopped.getByRole("button", { name: "Keep it" }).click();
     await untilObject(page, "skeleton", "tree");
     const line = await lineOf("grow");
     assert.match(line, / max_iterations=\d+/);
     const rounds = numbers(line, "max_iterations")[0];
     const kept = await page.evaluate(() => globalThis.coppice.store.find("skeleton", "tree").count);
-    near([kept], [nodes], nodes / 50, "what is kept is what had grown");
+    near([kept], [nodes], nodes / 50, "the kept tree equals the intermediate result");
 
     await tree.getByText(`It was stopped after ${rounds} steps.`).waitFor();
-    await tree.getByRole("button", { name: "Let it grow on" }).click();
+    await tree.getByRole("button", { name: "Continue the growth" }).click();
     await growing.getByText("nodes so far").waitFor();
     await growing.getByRole("button", { name: "Stop" }).click();
-    await stopped.getByRole("button", { name: "Throw it away" }).click();
+    await stopped.getByRole("button", { name: "Discard it" }).click();
     await stopped.waitFor({ state: "detached" });
-    assert.equal(await lineOf("grow"), line, "the tree that was kept is there again");
+    assert.equal(await lineOf("grow"), line, "the kept tree exists again");
     await assertCalm(page);
 });
 
 const branches = () => page.getByRole("listbox", { name: "Branches of the library" }).getByRole("option");
-const untilPictures = (within, count) => until(page, `${count} branches have pictures`, ([selector, wanted]) => {
+const untilPictures = (within, count) => until(page, `${count} branches have images`, ([selector, wanted]) => {
     return document.querySelectorAll(`${selector} svg.silhouette`).length === wanted && [...document.querySelectorAll(`${selector} svg.silhouette`)].every((svg) => svg.querySelector("path"));
 }, [within, count]);
 
-/** Drags a branch of the library to a place of the scene. */
+/** Drags a branch of the library to a position of the scene. */
 async function dragOut(number, point, during) {
     const cell = page.locator(`#branch-${number}`);
     await cell.scrollIntoViewIfNeeded();
@@ -349,21 +350,21 @@ test("branches are kept in a library with their pictures, and grafted by drag an
     await page.getByRole("button", { name: "All of the tree" }).click();
     await lastLine(page, /^library add oaks\.branches tree tag=oak$/);
     await branches().first().waitFor();
-    assert.equal(await branches().count(), 4); // the two on the stem, and what of the stem is above each
-    await branches().last().scrollIntoViewIfNeeded(); // pictures are made of those that are in sight
+    assert.equal(await branches().count(), 4); // the two on the stem, and the segments of the stem above each
+    await branches().last().scrollIntoViewIfNeeded(); // only visible images are made
     await untilPictures(".branches", 4);
     assert.match(await branches().first().textContent(), /oak/);
 
     const all = await lines(page);
     const nodes = Number(/(\d+) nodes/.exec(await page.locator("#branch-1").getAttribute("title"))[1]);
     const onStem = [0, 0, 2.6];
-    await dragOut(1, onStem, () => untilFollows(page, "skeleton", "tree", "the branch is seen on the tree"));
-    await lastLine(page, /^library graft tree oaks\.branches 1 /); // behind what filled the library
-    await until(page, "the branch has been put on", (count) => globalThis.coppice.store.find("skeleton", "tree").count === count, 25 + nodes);
-    await until(page, "the tool is put down", () => globalThis.coppice.store.tool.value === "select");
+    await dragOut(1, onStem, () => untilFollows(page, "skeleton", "tree", "the branch is shown on the tree"));
+    await lastLine(page, /^library graft tree oaks\.branches 1 /); // after the statement that filled the library
+    await until(page, "the branch has been grafted", (count) => globalThis.coppice.store.find("skeleton", "tree").count === count, 25 + nodes);
+    await until(page, "the tool is inactive", () => globalThis.coppice.store.tool.value === "select");
     await page.keyboard.press("Control+z");
     await untilLines(page, all);
-    await dragOut(1, [2.5, 0, 0.5]); // beside the tree
+    await dragOut(1, [2.5, 0, 0.5]); // away from the tree
     await settled(page);
     assert.deepEqual(await lines(page), all);
 
@@ -371,7 +372,7 @@ test("branches are kept in a library with their pictures, and grafted by drag an
     await branches().first().focus();
     await page.keyboard.press("ArrowRight");
     await page.keyboard.press("Enter");
-    await until(page, "it is seen on the node", () => globalThis.coppice.hand.run.value.status().includes("on node 12 of tree"));
+    await until(page, "it is shown on the node", () => globalThis.coppice.hand.run.value.status().includes("on node 12 of tree"));
     await page.keyboard.press("ArrowUp");
     await page.keyboard.press("Enter");
     assert.match(await lastLine(page, /^library graft tree oaks\.branches /), /scale=1\.1$/);
@@ -387,21 +388,21 @@ test("other trees are composed of branches: seeds are chosen by their pictures, 
     await begin(page, ...kTree, "edit draw tree 0,0,2.5 0.4,0,2.8 0.8,0,2.9 radius=0.04");
     await select(page, "skeleton", "tree");
     await openPanel(page, "Composition");
-    const seeds = page.getByRole("group", { name: "Seeds: each makes another tree" });
+    const seeds = page.getByRole("group", { name: "Seeds: each creates another tree" });
     const seed = (n) => seeds.getByRole("button", { name: `Seed ${n}`, exact: true });
     await seed(8).scrollIntoViewIfNeeded();
     await untilPictures(".seeds", 8);
     const shapes = () => seeds.locator("svg.silhouette").evaluateAll((all) => new Set(all.map((svg) => svg.innerHTML)).size);
-    assert.ok((await shapes()) > 4, "seeds make different trees");
-    assert.equal((await lines(page)).length, 4, "they are only looked at");
+    assert.ok((await shapes()) > 4, "seeds create different trees");
+    assert.equal((await lines(page)).length, 4, "they are only previews");
 
     await seed(3).click();
     await lineOf("compose", /^compose composed tree .*seed=3$/);
     assert.equal(await seed(3).getAttribute("aria-pressed"), "true");
-    assert.ok(await page.evaluate(() => globalThis.coppice.store.hidden.value.has("skeleton:tree")), "the template makes room");
+    assert.ok(await page.evaluate(() => globalThis.coppice.store.hidden.value.has("skeleton:tree")), "the template is hidden");
     await seed(5).click();
     await lineOf("compose", /seed=5\b/);
-    assert.equal((await lines(page)).filter((line) => line.startsWith("compose")).length, 1, "one takes the place of the other");
+    assert.equal((await lines(page)).filter((line) => line.startsWith("compose")).length, 1, "one replaces the other");
 
     const options = page.locator("#body-compose");
     await options.getByLabel("Probability", { exact: true }).fill("0");

@@ -1,17 +1,20 @@
-// Hands in the 3D view: what tests of the tools do with the mouse, with fingers and by keys, and what they look at.
+// Interaction with the 3D view: mouse, touch and keyboard actions of the tests of the tools, and the state that they check.
 import assert from "node:assert/strict";
 import { PNG } from "pngjs";
 import { openPage, placeOf, runLines, settled } from "./browser.mjs";
 import { until } from "./user.mjs";
 
-/** A tree in the plane y = 0, so that from the front every place of it is seen: a stem of 3 m (nodes 0 to 18), a branch to the right (19 to 21) and one to the left (22 to 24). */
+/**
+ * A tree in the plane y = 0, so that every point is visible from the front: a stem of 3 m (nodes 0 to 18), a branch to the right
+ * (19 to 21) and one to the left (22 to 24).
+ */
 export const kTree = [
     "limb tree 0,0,0 0,0,1 0,0,2 0,0,3 radius=0.12 tip_radius=0.05",
     "edit draw tree 0,0,1 0.5,0,1.4 1,0,1.8 1.5,0,2 radius=0.06",
     "edit draw tree 0,0,2 -0.5,0,2.3 -1,0,2.6 -1.4,0,2.8 radius=0.05",
 ];
 
-/** A tab that looks from the front without perspective, moves nothing by itself and draws few pixels, since graphics cards are none here. */
+/** A tab with a parallel front view, without animations and with few pixels, since there is no GPU. */
 export async function openFront(studio, options = {}) {
     const page = await openPage(studio, { viewport: { width: 1600, height: 900 }, deviceScaleFactor: 0.5, reducedMotion: "reduce", ...options });
     await look(page);
@@ -24,12 +27,12 @@ async function look(page, reach = 2.2) {
         view.display.shadow.value = false;
         view.display.parallel.value = true;
         view.look("front");
-        view.frameAround([-1.1, 0, 1.5], radius); // what is about x = 0 stands right of the tools
+        view.frameAround([-1.1, 0, 1.5], radius); // objects near x = 0 are to the right of the tools
     }, reach);
     await settled(page);
 }
 
-/** An empty document that these lines have been run in. */
+/** An empty document in which these lines have been run. */
 export async function begin(page, ...lines) {
     await page.evaluate(async () => {
         const { store, engine, take } = globalThis.coppice;
@@ -50,7 +53,7 @@ export async function select(page, kind, name, nodes = [], extent = "branch") {
     }, [kind, name, nodes, extent]);
 }
 
-/** Takes a tool by its button, whose group is unfolded where it has to be. */
+/** Selects a tool by its button, and unfolds its group if necessary. */
 export async function take(page, group, label) {
     const heading = page.locator(".tool-heading", { hasText: group });
     if ((await heading.getAttribute("aria-expanded")) === "false") {
@@ -58,11 +61,11 @@ export async function take(page, group, label) {
     }
     await page.getByRole("group", { name: group, exact: true }).getByRole("button", { name: label, exact: true }).click();
     if (group === "Branches") {
-        await settled(page); // its tools know the skeletons then
+        await settled(page); // its tools have received the skeletons then
     }
 }
 
-/** Takes what there is out of the picture: solids have so many triangles that they are slow to draw without a graphics card. */
+/** Hides all objects: solids have many triangles and are slow to draw without a GPU. */
 export async function hideAll(page) {
     await page.evaluate(() => {
         const { hidden, state } = globalThis.coppice.store;
@@ -77,17 +80,17 @@ export const field = (page, label) => page.locator(".tool-panel label").filter({
 export const button = (page, label) => page.locator(".tool-panel").getByRole("button", { name: label, exact: true });
 export const chooseIn = (page, label, value) => field(page, label).selectOption(value);
 
-/** Waits until the last line of the document fits, and gives it. */
+/** Waits until the last line of the document matches, and returns it. */
 export async function lastLine(page, pattern) {
     const fits = ([source]) => {
         const { statements, ran, running } = globalThis.coppice.store.state.peek();
         return running === null && ran === statements.length && new RegExp(source).test(statements.at(-1)?.text ?? "");
     };
-    await until(page, `the last line is as ${pattern}`, fits, [pattern.source]);
+    await until(page, `the last line matches ${pattern}`, fits, [pattern.source]);
     return page.evaluate(() => globalThis.coppice.store.state.peek().statements.at(-1).text);
 }
 
-/** The numbers of an option, or of a word in order. */
+/** The numbers of an option, or of a positional word. */
 export function numbers(line, word) {
     const text = typeof word === "number" ? line.split(" ")[word] : new RegExp(`\\b${word}=(\\S+)`).exec(line)?.[1];
     assert.ok(text, `${line} has no ${word}`);
@@ -99,8 +102,8 @@ export function near(found, wanted, most, what) {
     assert.ok(off <= most, `${what}: ${found} is not within ${most} of ${wanted}`);
 }
 
-/** Waits until the picture shows an object as a preview has it, and not as the document does. */
-export async function untilFollows(page, kind, name, what = "the surface follows the hand") {
+/** Waits until the view shows the preview of an object, and not its state in the document. */
+export async function untilFollows(page, kind, name, what = "the surface follows the pointer") {
     const follows = ([wanted, called]) => {
         const { view } = globalThis.coppice;
         return ["surface", "curve"].some((form) => view.geometry({ kind: wanted, name: called }, form)?.header.seq !== undefined);
@@ -108,7 +111,7 @@ export async function untilFollows(page, kind, name, what = "the surface follows
     await until(page, what, follows, [kind, name]);
 }
 
-/** Presses at one place of the scene and moves on to others, then calls `during` before the button is let go. */
+/** Presses at one position of the scene and moves to others, then calls `during` before the button is released. */
 export async function dragIn(page, points, { during, keys = [], steps = 5 } = {}) {
     const places = [];
     for (const point of points) {
@@ -140,24 +143,24 @@ export async function moveTo(page, point) {
     await page.mouse.move(x, y);
 }
 
-/** The middle of the 3D view as a picture, without what lies over its edges. */
+/** Image of the centre of the 3D view, without the elements at its edges. */
 export async function picture(page) {
-    // While it turns on a slow machine it has fewer pixels.
+    // While it moves on a slow machine it has fewer pixels.
     await page.waitForFunction(() => !globalThis.coppice.view.isPlainer);
     await settled(page);
-    // What has been drawn is on the screen a frame later.
+    // A drawn frame is on the screen one frame later.
     await page.evaluate(() => new Promise((next) => requestAnimationFrame(() => requestAnimationFrame(next))));
     return pictureNow(page);
 }
 
-/** The same while something runs. */
+/** The same while a command is running. */
 export async function pictureNow(page) {
     const box = await page.locator(".picture-canvas canvas").boundingBox();
     const clip = { x: box.x + box.width * 0.45, y: box.y + 40, width: box.width * 0.5, height: box.height - 90 };
     return PNG.sync.read(await page.screenshot({ clip }));
 }
 
-/** How many pixels of two pictures differ for an eye. */
+/** Number of visibly different pixels of two images. */
 export function differing(a, b) {
     let count = 0;
     for (let i = 0; i < a.data.length; i += 4) {
@@ -168,12 +171,12 @@ export function differing(a, b) {
 
 export function assertDiffer(a, b, what, least = 50) {
     const count = differing(a, b);
-    assert.ok(count >= least, `${what}: only ${count} pixels of the picture changed`);
+    assert.ok(count >= least, `${what}: only ${count} pixels of the image changed`);
 }
 
-/** What is to be so at the end of every test. */
+/** Conditions at the end of every test. */
 export async function assertCalm(page) {
-    assert.deepEqual(page.complaints, [], "the page complains");
+    assert.deepEqual(page.complaints, [], "the page reports errors");
     const errors = await page.evaluate(() => globalThis.coppice.store.messages.value.filter(({ level }) => level === "error"));
-    assert.deepEqual(errors, [], "the studio says that something failed");
+    assert.deepEqual(errors, [], "the studio reports an error");
 }

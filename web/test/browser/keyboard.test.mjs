@@ -1,4 +1,4 @@
-// From an empty scene to an exported surface by keys alone: nothing here moves or presses a pointer.
+// From an empty scene to an exported surface with the keyboard only: no pointer events.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { lines, openPage, settled, withStudio } from "./browser.mjs";
@@ -24,7 +24,7 @@ const press = async (...keys) => {
     }
 };
 
-/** What the element that has the focus is called, and what it is. */
+/** Name and role of the focused element. */
 const focused = () => page.evaluate(() => {
     const element = document.activeElement;
     const label = element.getAttribute("aria-label") ?? element.labels?.[0]?.querySelector("span")?.textContent ?? element.labels?.[0]?.textContent;
@@ -32,7 +32,7 @@ const focused = () => page.evaluate(() => {
     return (label ?? text).trim().slice(0, 60);
 });
 
-/** Presses a key until what has the focus is called so. */
+/** Presses a key until the focused element has this name. */
 async function goTo(name, key = "Tab", most = 150) {
     const seen = [];
     for (let n = 0; n < most; ++n) {
@@ -59,7 +59,7 @@ const untilLast = (line) => until(page, `the last line is "${line}"`, (wanted) =
     return running === null && error === null && ran === statements.length && statements.at(-1)?.text === wanted;
 }, line);
 
-const goToPicture = () => goTo(/^Picture of the scene/, "F6", 8);
+const goToPicture = () => goTo(/^View of the scene/, "F6", 8);
 
 test("a crown is made by the menu, moved and sized by typed numbers", async () => {
     await chooseByKeys("Crown", "Ball of 2 m");
@@ -138,7 +138,7 @@ test("a form makes the surface", async () => {
     await press("F6");
     await goTo("Command");
     await press("Enter");
-    await goTo("Search a command");
+    await goTo("Search commands");
     await page.keyboard.type("mesh");
     await press("Enter");
     await goTo("Levels");
@@ -158,7 +158,7 @@ test("the surface is exported, and is sound", async () => {
     await until(page, "it is written and checked", () => document.querySelector("dialog[open] .verdict.good"));
     assert.equal(await focused(), "Close");
     await press("Enter");
-    await until(page, "the dialog is gone", () => !document.querySelector("dialog[open]"));
+    await until(page, "the dialog is closed", () => !document.querySelector("dialog[open]"));
     await judge(studio, "oak.glb");
     await press("Control+s");
     await goTo("Name in the folder");

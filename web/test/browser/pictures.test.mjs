@@ -1,5 +1,5 @@
-// What the view draws, by its pixels: against geometry, against the path tracer, and against itself. No pictures are kept,
-// since each driver draws a little otherwise.
+// Pixel tests of the view: against geometry, against the path tracer, and against itself. No reference images are stored, since
+// drivers differ slightly.
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
 import { PNG } from "pngjs";
@@ -9,13 +9,13 @@ import { chooseItem, dialog, until } from "./user.mjs";
 
 const kCenter = [0.2, 0, 1.5];
 const kBall = "sphere ball radius=0.8 center=0.2,0,1.5";
-// A stem that becomes thinner, a branch on it and a twig on that, all in the plane y = 0, so that from the front each place is seen.
+// A tapering stem, a branch on it and a twig on the branch, all in the plane y = 0, so that each point is visible from the front.
 const kTree = [
     "limb tree 0,0,0 0,0,1 0,0,2 0,0,3 radius=0.2 tip_radius=0.04",
     "edit draw tree 0,0,1 0.5,0,1.3 1,0,1.6 1.4,0,1.8 radius=0.1 tip_radius=0.05",
     "edit draw tree 1,0,1.6 1.1,0,2 1.1,0,2.4 1.1,0,2.8 radius=0.05 tip_radius=0.03",
 ];
-const kSeen = 24; // [of 255] by which a pixel has to differ to be another one
+const kSeen = 24; // [of 255] minimum difference of a changed pixel
 
 let studio, page;
 
@@ -39,7 +39,7 @@ beforeEach(async () => {
     });
 });
 
-/** Sets signals of the display, and waits until it is so drawn. */
+/** Sets signals of the display, and waits until they are drawn. */
 async function display(settings) {
     await page.evaluate((given) => {
         for (const [name, value] of Object.entries(given)) {
@@ -49,19 +49,19 @@ async function display(settings) {
     await settled(page);
 }
 
-/** The picture as the view draws it, without what the page lays over it. */
+/** The image drawn by the view, without the elements over it. */
 async function drawn() {
     await settled(page);
-    await until(page, "the eye rests", () => !globalThis.coppice.view.isTurning); // what moves may be drawn plainer
+    await until(page, "the camera is at rest", () => !globalThis.coppice.view.isTurning); // a moving view may be drawn in a simpler form
     const url = await page.evaluate(() => {
         const { view } = globalThis.coppice;
-        view.draw(0); // what was drawn before is on the screen and gone from the canvas
+        view.draw(0); // the previous frame is on the screen and no longer in the canvas
         return view.element().toDataURL();
     });
     return PNG.sync.read(Buffer.from(url.split(",")[1], "base64"));
 }
 
-/** The picture without any object. */
+/** The image without any object. */
 async function drawnEmpty() {
     await hide((object) => object);
     const empty = await drawn();
@@ -76,7 +76,7 @@ async function hide(which) {
     }, all.map(which).filter(Boolean));
 }
 
-/** Which pixels of two pictures differ: a byte for each. */
+/** Mask of the pixels that differ between two images: a byte for each. */
 function changes(a, b, least = kSeen) {
     const out = new Uint8Array(a.width * a.height);
     for (let i = 0; i < out.length; ++i) {
@@ -88,7 +88,7 @@ function changes(a, b, least = kSeen) {
 const count = (mask) => mask.reduce((sum, value) => sum + value, 0);
 const toPixels = (points) => page.evaluate((all) => all.map((point) => globalThis.coppice.view.toPixels(point)), points);
 
-/** The box around pixels: left, top, right and bottom, the last two beyond them. */
+/** The bounding box of pixels: left, top, right and bottom, the last two exclusive. */
 function boxOf(mask) {
     const box = [Infinity, Infinity, -Infinity, -Infinity];
     mask.forEach((value, i) => {
@@ -114,7 +114,10 @@ const anyNear = (mask, x, y, reach) => {
     return false;
 };
 
-/** Every pixel of a mask lies at a line or point of these (pixels), and they are seen along `share` of their length at least. */
+/**
+ * Every pixel of a mask is close to one of these lines or points (pixels), and the lines are visible along at least `share` of
+ * their length.
+ */
 function assertAlong(mask, lines, { reach, share, what }) {
     assert.ok(count(mask) > 50, `${what}: only ${count(mask)} pixels are drawn`);
     const expected = Object.assign(new Uint8Array(mask.length), { width: mask.width, height: mask.height });
@@ -135,7 +138,7 @@ function assertAlong(mask, lines, { reach, share, what }) {
             }
         }
     }
-    assert.ok(seen >= share * all, `${what}: only ${seen} of ${all} places are drawn`);
+    assert.ok(seen >= share * all, `${what}: only ${seen} of ${all} points are drawn`);
     const astray = mask.reduce((sum, value, i) => sum + (value && !expected[i] ? 1 : 0), 0);
     assert.ok(astray <= 0.005 * count(mask), `${what}: ${astray} pixels of ${count(mask)} are drawn elsewhere`);
 }
@@ -150,25 +153,25 @@ test("the silhouette of a ball is a disc, as large and where it should be, with 
             const { view } = globalThis.coppice;
             const flat = 0.8 / view.pixelSize(center);
             const far = Math.hypot(...view.rig.pose.eye.toArray().map((value, k) => value - center[k]));
-            return isParallel ? flat : flat / Math.sqrt(1 - (0.8 / far) ** 2); // of a ball that is near more than half the width is hidden
+            return isParallel ? flat : flat / Math.sqrt(1 - (0.8 / far) ** 2); // of a close ball more than half the width is hidden
         }, [kCenter, parallel]);
         const box = boxOf(mask);
         [x - radius, y - radius, x + radius, y + radius].forEach((wanted, k) => {
-            assert.ok(Math.abs(box[k] - wanted) < 2, `it reaches from ${box} in place of ${wanted}`);
+            assert.ok(Math.abs(box[k] - wanted) < 2, `it extends over ${box} instead of ${wanted}`);
         });
         const area = Math.PI * radius ** 2;
-        assert.ok(Math.abs(count(mask) / area - 1) < 0.02, `${count(mask)} pixels are no disc of ${area}`);
+        assert.ok(Math.abs(count(mask) / area - 1) < 0.02, `${count(mask)} pixels are not a disc of ${area}`);
     }
     await assertCalm(page);
 });
 
-/** The colours of the legend as users see them, from its low end to its high one. */
+/** The visible colours of the legend, from its low to its high end. */
 async function legend() {
     await page.locator(".legend-bar").waitFor();
     const { low, high } = await page.evaluate(() => globalThis.coppice.view.display.legend.value);
     const css = await page.locator(".legend-bar").evaluate((bar) => getComputedStyle(bar).backgroundImage);
     const stops = [...css.matchAll(/rgb\((\d+), (\d+), (\d+)\)/g)].map((match) => match.slice(1).map(Number));
-    assert.ok(stops.length > 2, `${css} is no legend`);
+    assert.ok(stops.length > 2, `${css} is not a legend`);
     return (value) => {
         const at = Math.min(Math.max((value - low) / (high - low), 0), 1) * (stops.length - 1);
         const k = Math.min(Math.floor(at), stops.length - 2);
@@ -176,13 +179,13 @@ async function legend() {
     };
 }
 
-/** The angle [degree] between two colours: light and shade change it little. */
+/** The angle [degree] between two colours: shading changes it little. */
 function apart(a, b) {
     const dot = a.reduce((sum, part, c) => sum + part * b[c], 0);
     return (Math.acos(Math.min(dot / (Math.hypot(...a) * Math.hypot(...b) || 1), 1)) * 180) / Math.PI;
 }
 
-/** Places of a surface that turn to the eye, with the numbers that colours stand for; nothing hides them. */
+/** Points of a surface that face the camera and are not occluded, with their coloured values. */
 async function valuesSeen(kind) {
     return page.evaluate((wanted) => {
         const { view } = globalThis.coppice;
@@ -190,7 +193,7 @@ async function valuesSeen(kind) {
         const out = [];
         for (let v = 0; v < arrays.value.length; ++v) {
             const [x, y] = view.toPixels([0, 1, 2].map((k) => arrays.position[3 * v + k] + header.origin[k]));
-            if (arrays.normal[4 * v + 1] < -100) { // towards the eye, which looks along +Y
+            if (arrays.normal[4 * v + 1] < -100) { // towards the camera, which looks along +Y
                 out.push({ x, y, value: arrays.value[v] });
             }
         }
@@ -205,7 +208,7 @@ test("colours by radius, order and deviation are those of the legend", async () 
         const png = await drawn();
         const colorOf = await legend();
         const seen = await valuesSeen("skeleton");
-        assert.ok(seen.length > 20, `${color}: ${seen.length} places are seen`);
+        assert.ok(seen.length > 20, `${color}: ${seen.length} points are visible`);
         const values = seen.map(({ value }) => value);
         assert.ok(Math.min(...values) <= lowest + 1e-6 && Math.max(...values) >= highest, `${color}: from ${Math.min(...values)} to ${Math.max(...values)}`);
         const off = seen.map(({ x, y, value }) => {
@@ -213,12 +216,12 @@ test("colours by radius, order and deviation are those of the legend", async () 
             return apart([...png.data.subarray(at, at + 3)], colorOf(value));
         });
         const usual = off.sort((a, b) => a - b)[Math.floor(0.9 * off.length)];
-        assert.ok(usual < most, `${color}: places have other colours than the legend says, ${usual} degrees off`);
+        assert.ok(usual < most, `${color}: points have other colours than in the legend, ${usual} degrees off`);
     }
     await assertCalm(page);
 });
 
-/** The edges of what is drawn in a form, or the segments of a skeleton, in pixels of the picture. */
+/** The edges of an object drawn in a form, or the segments of a skeleton, in pixels of the image. */
 async function edgesOf(kind, name, slot) {
     const edges = await page.evaluate(([wanted, called, form]) => {
         const { view } = globalThis.coppice;
@@ -234,7 +237,7 @@ async function edgesOf(kind, name, slot) {
 }
 
 test("wireframe, cage, bones and points are drawn where they lie and nowhere else", async () => {
-    // A square of three by three faces, whose edges are all seen.
+    // A square of three by three faces with all edges visible.
     const corners = Array.from({ length: 16 }, (_, i) => `v ${i % 4} 0 ${Math.floor(i / 4)}`);
     const faces = Array.from({ length: 9 }, (_, i) => i + Math.floor(i / 3) + 1).map((a) => `f ${a} ${a + 1} ${a + 5} ${a + 4}`);
     await studio.write("square.obj", [...corners, ...faces, ""].join("\n"));
@@ -251,7 +254,7 @@ test("wireframe, cage, bones and points are drawn where they lie and nowhere els
     await display({ bones: true });
     assertAlong(changes(await drawn(), bare), await edgesOf("skeleton", "tree", "axes"), { reach: 3, share: 0.95, what: "bones" });
     await display({ bones: false, cage: true });
-    await until(page, "the cage is there", () => globalThis.coppice.view.objects.shown({ kind: "skeleton", name: "tree" }).geometries.has("cage"));
+    await until(page, "the cage exists", () => globalThis.coppice.view.objects.shown({ kind: "skeleton", name: "tree" }).geometries.has("cage"));
     assertAlong(changes(await drawn(), bare), await edgesOf("skeleton", "tree", "cage"), { reach: 2, share: 0.4, what: "cage" });
     await display({ cage: false });
 
@@ -276,10 +279,10 @@ test("the field of a ball lies in its plane, and its surface is the circle in it
     await hide((name) => name);
     const empty = await drawn();
     await display({ slice: { on: true, solid: "ball", axis: "y", at: 0, lines: 8 } });
-    await until(page, "the field is there", () => globalThis.coppice.view.display.sliceLegend.value !== null);
+    await until(page, "the field exists", () => globalThis.coppice.view.display.sliceLegend.value !== null);
     const png = await drawn();
     const field = changes(png, empty, 6);
-    assert.ok(count(field) > 1000, "something is drawn");
+    assert.ok(count(field) > 1000, "some pixels are drawn");
     const [middle, right] = await toPixels([kCenter, [1, 0, 1.5]]);
     const radius = right[0] - middle[0];
     const angles = new Set();
@@ -292,13 +295,13 @@ test("the field of a ball lies in its plane, and its surface is the circle in it
             astray += Math.abs(Math.hypot(x, y) - radius) > 3 ? 1 : 0;
         }
     });
-    assert.ok(angles.size >= 36, `the circle is closed: ${angles.size} of its 36 parts are seen`);
-    assert.equal(astray, 0, "and nothing of it lies elsewhere");
+    assert.ok(angles.size >= 36, `the circle is closed: ${angles.size} of its 36 parts are visible`);
+    assert.equal(astray, 0, "and no part of it is elsewhere");
     await display({ slice: { on: true, solid: "ball", axis: "x", at: 0.2, lines: 8 } });
     await settled(page);
     await until(page, "the other plane is drawn", () => globalThis.coppice.view.slice.drawn.endsWith("x 0.2"));
     const edge = boxOf(changes(await drawn(), empty, 6));
-    assert.ok(edge[2] - edge[0] <= 4 && Math.abs((edge[0] + edge[2]) / 2 - middle[0]) <= 2, `of a plane seen from its edge a line is left, not ${edge}`);
+    assert.ok(edge[2] - edge[0] <= 4 && Math.abs((edge[0] + edge[2]) / 2 - middle[0]) <= 2, `a plane seen edge-on is a line, not ${edge}`);
     await display({ slice: { on: false, solid: "", axis: "y", at: 0, lines: 8 } });
     await assertCalm(page);
 });
@@ -311,14 +314,14 @@ test("a section takes away what lies on its one side, and nothing on the other",
     const cut = await drawn();
     const [[x]] = await toPixels([kCenter]);
     const sides = (mask, keep) => mask.reduce((sum, value, i) => sum + (value && keep((i % mask.width) + 0.5) ? 1 : 0), 0);
-    assert.ok(sides(changes(whole, empty), (at) => at > x + 12) > 1000, "there was something");
-    assert.equal(sides(changes(cut, empty), (at) => at > x + 12), 0, "right of the plane nothing is left");
-    assert.equal(sides(changes(cut, whole), (at) => at < x - 12), 0, "left of it all is as before");
+    assert.ok(sides(changes(whole, empty), (at) => at > x + 12) > 1000, "some pixels were drawn");
+    assert.equal(sides(changes(cut, empty), (at) => at > x + 12), 0, "right of the plane all pixels are removed");
+    assert.equal(sides(changes(cut, whole), (at) => at < x - 12), 0, "left of it all pixels are unchanged");
     await display({ section: { on: true, axis: "x", at: 0.2, flipped: true } });
     const flipped = await drawn();
-    assert.equal(sides(changes(flipped, empty), (at) => at < x - 12), 0, "and flipped it is the other way round");
+    assert.equal(sides(changes(flipped, empty), (at) => at < x - 12), 0, "and flipped it is reversed");
     assert.equal(sides(changes(flipped, whole), (at) => at > x + 12), 0);
-    // Seen along its normal the cut is a disc with the outline in the colour of what is selected.
+    // Seen along its normal the cut is a disc with an outline in the selection colour.
     await display({ section: { on: true, axis: "y", at: 0, flipped: true } });
     const open = changes(await drawn(), empty, 10);
     const box = boxOf(changes(whole, empty, 10));
@@ -336,28 +339,28 @@ test("the path tracer and the view cover the same pixels with a mesh", async () 
         await display({ parallel });
         await page.evaluate(() => {
             const { view } = globalThis.coppice;
-            view.rig.orbit(0.5, 0.3, view.rig.target()); // askew, so that nothing fits by chance
+            view.rig.orbit(0.5, 0.3, view.rig.target()); // an oblique view, to avoid accidental matches
             view.requestDraw();
         });
         const file = `seen${parallel}.png`;
         await chooseItem(page, "File", "Picture…");
-        const asked = dialog(page, "Picture by the path tracer");
+        const asked = dialog(page, "Image by the path tracer");
         await asked.getByLabel("File in the folder").fill(file);
         for (const [label, value] of [["Width", width], ["Height", height], ["Rays for each pixel", 4]]) {
             await asked.getByLabel(label).fill(String(value));
         }
         await asked.getByLabel("Ground with shadow").setChecked(false);
-        await asked.getByLabel("Without background").setChecked(true);
+        await asked.getByLabel("Transparent background").setChecked(true);
         await asked.getByRole("button", { name: "Draw", exact: true }).click();
         await dialog(page, file).getByRole("button", { name: "Close" }).click();
         const traced = PNG.sync.read(await studio.read(file));
         assert.deepEqual([traced.width, traced.height], [width, height]);
         const seen = changes(await drawn(), await withoutMesh(), 10);
         const truth = Object.assign(Uint8Array.from({ length: seen.length }, (_, i) => (traced.data[4 * i + 3] > 127 ? 1 : 0)), { width, height });
-        assert.ok(count(truth) > 3000, "the path tracer drew something");
+        assert.ok(count(truth) > 3000, "the path tracer drew some pixels");
         const differ = seen.reduce((sum, value, i) => sum + (value !== truth[i] ? 1 : 0), 0);
         const rim = truth.reduce((sum, value, i) => sum + (value && (!truth[i - 1] || !truth[i + 1] || !truth[i - width] || !truth[i + width]) ? 1 : 0), 0);
-        assert.ok(differ <= 0.5 * rim, `${differ} pixels differ, of ${count(truth)} with ${rim} along their rim`);
+        assert.ok(differ <= 0.5 * rim, `${differ} pixels differ, of ${count(truth)} with ${rim} along their outline`);
     }
     await assertCalm(page);
 });
@@ -385,26 +388,26 @@ test("dark and light themes draw the same things before another sky", async () =
     assert.ok(skies[1] > skies[0] + 60, `the sky is brighter by day: ${skies}`);
     const both = masks[0].reduce((sum, value, i) => sum + (value && masks[1][i] ? 1 : 0), 0);
     assert.ok(both > 3000, "the tree is drawn");
-    assert.ok(both > 0.97 * Math.max(count(masks[0]), count(masks[1])), `${masks.map(count)} pixels, of which ${both} are the same`);
+    assert.ok(both > 0.97 * Math.max(count(masks[0]), count(masks[1])), `${masks.map(count)} pixels, of which ${both} are common`);
     await assertCalm(page);
 });
 
 test("a picture that the graphics card has lost is told of, and drawn again when it is back", async () => {
     await runLines(page, ...kTree);
     const before = await drawn();
-    const lost = page.getByRole("alert").filter({ hasText: "has lost the graphics card" });
+    const lost = page.getByRole("alert").filter({ hasText: "has lost the GPU" });
     await page.evaluate(() => {
         globalThis.losing = globalThis.coppice.view.element().getContext("webgl2").getExtension("WEBGL_lose_context");
         globalThis.losing.loseContext();
     });
     await lost.waitFor();
-    await runLines(page, "sphere ball radius=0.15 center=0.6,0,0.6"); // what comes meanwhile is drawn as well
+    await runLines(page, "sphere ball radius=0.15 center=0.6,0,0.6"); // objects added in between are drawn as well
     await page.evaluate(() => globalThis.losing.restoreContext());
     await lost.waitFor({ state: "hidden" });
     await hide((key) => (key === "solid:ball" ? key : null));
-    assert.equal(count(changes(await drawn(), before)), 0, "the picture is as it was");
+    assert.equal(count(changes(await drawn(), before)), 0, "the image equals the earlier one");
     await hide(() => null);
-    assert.ok(count(changes(await drawn(), before)) > 300, "and the ball is there");
+    assert.ok(count(changes(await drawn(), before)) > 300, "and the ball is drawn");
     await assertCalm(page);
 });
 
@@ -426,13 +429,13 @@ test("a mesh too slow to be moved is drawn when its skeleton is hidden meanwhile
     assert.ok(await isMeshSeen());
     await page.evaluate(() => {
         const { view, store } = globalThis.coppice;
-        view.setPlainer(true); // as after a frame that took too long while the picture was turned
+        view.setPlainer(true); // like after a slow frame during a rotation
         store.selection.value = { ...store.selection.peek(), object: { kind: "skeleton", name: "tree" } };
     });
-    assert.ok(!(await isMeshSeen()), "capsules are drawn in its place");
+    assert.ok(!(await isMeshSeen()), "capsules replace it");
     await page.keyboard.press("h");
     assert.ok(await page.evaluate(() => globalThis.coppice.store.hidden.value.has("skeleton:tree")), "H hides the skeleton");
-    assert.ok(await isMeshSeen(), "the mesh is drawn, since nothing else is");
+    assert.ok(await isMeshSeen(), "the mesh is drawn, since its skeleton is hidden");
     await page.evaluate(() => globalThis.coppice.view.setPlainer(false));
     assert.ok(await isMeshSeen());
     await assertCalm(page);

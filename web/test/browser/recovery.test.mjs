@@ -1,4 +1,4 @@
-// What goes wrong beside the work: studios that are killed, tabs that crash, connections that are cut. Nothing is lost, and nothing is done twice.
+// Failures: killed studios, crashed tabs and cut connections. No data is lost, and no command is run twice.
 import assert from "node:assert/strict";
 import { mkdtemp, rm, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
@@ -10,7 +10,7 @@ import { dialog, editorText, emptyScene, typeAtEnd, until, untilLines, untilSaid
 let studio;
 let page;
 
-/** Another tab, on its own, which draws as little as it can. */
+/** A separate tab that draws as little as possible. */
 async function openTab(from = studio, options = {}) {
     const on = await openPage(from, { viewport: { width: 1000, height: 700 }, deviceScaleFactor: 0.25, reducedMotion: "reduce", ...options });
     await on.evaluate(() => (globalThis.coppice.view.display.shadow.value = false));
@@ -32,7 +32,7 @@ const untilConnected = (on) => until(on, "the page is connected", () => globalTh
 const untilTold = (on, text) => on.locator(".connection", { hasText: text }).waitFor();
 const isDrawn = (on, name) => until(on, `${name} is drawn`, (called) => globalThis.coppice.view.geometry({ kind: "solid", name: called })?.arrays.position.length > 0, name);
 
-/** A page whose connection can be cut: `cable.eats` says which messages get lost before that. */
+/** A page with a connection that can be cut: `cable.eats` selects the messages that are lost before that. */
 async function openOnCable(context) {
     const on = await context.newPage();
     const cable = { isCut: false, eats: () => false, ends: [], sent: [] };
@@ -60,14 +60,14 @@ async function openOnCable(context) {
     return { on, cable };
 }
 
-/** Runs a line without waiting for it; `answer` does. */
+/** Runs a line without waiting for it; `answer` waits. */
 const ask = (on, line) => on.evaluate((text) => {
     globalThis.answer = null;
     globalThis.coppice.engine.run(text).then(() => "done", (error) => error.message).then((answer) => (globalThis.answer = answer));
 }, line);
 
 async function answer(on) {
-    await until(on, "what was asked is answered", () => globalThis.answer !== null);
+    await until(on, "the request is answered", () => globalThis.answer !== null);
     return on.evaluate(() => globalThis.answer);
 }
 
@@ -89,10 +89,10 @@ test("the file that the studio is started on is taken in once", async () => {
     await first.reload();
     await untilConnected(first);
     await settled(first);
-    assert.deepEqual(await lines(first), [], "a tab that is loaded again begins with nothing");
+    assert.deepEqual(await lines(first), [], "a reloaded tab begins without the address parameters");
     const token = begun.address.replace(/&import=.*/, "");
     const other = await openTab(begun, { address: `${token}&import=film.mov` });
-    await untilSaid(other, "film.mov is of no kind that Coppice reads.");
+    await untilSaid(other, "film.mov is not in a supported format.");
     await other.goto("about:blank");
     await other.goto(`${token}&import=gone.ply`);
     await untilSaid(other, "gone.ply");
@@ -105,17 +105,17 @@ test("a studio that is killed has everything again when it starts anew", async (
     await emptyScene(page);
     await typeAtEnd(page, "sphere crown\nscale crown 2\n");
     await untilLines(page, ["sphere crown", "scale crown 2"]);
-    await page.keyboard.type("sphere oth"); // half a line
+    await page.keyboard.type("sphere oth"); // an incomplete line
     const { home, folder } = studio;
     const port = new URL(studio.address).port;
     await studio.kill();
     await untilTold(page, "Connection lost");
     await page.keyboard.type("er");
-    assert.equal(await editorText(page), "sphere crown\nscale crown 2\nsphere oth", "what cannot be kept is not taken");
+    assert.equal(await editorText(page), "sphere crown\nscale crown 2\nsphere oth", "state that cannot be stored is refused");
 
     studio = await startStudio(["--port", port], folder, { home });
     await untilSaid(page, "open it again from the terminal");
-    await untilTold(page, "Not connected any more");
+    await untilTold(page, "No longer connected");
     const next = await openTab();
     await untilLines(next, ["sphere crown", "scale crown 2"]);
     await isDrawn(next, "crown");
@@ -123,7 +123,7 @@ test("a studio that is killed has everything again when it starts anew", async (
     await notice.getByText("was ended before this scene was saved").waitFor();
     assert.match(await next.locator(".document").textContent(), /not saved/);
 
-    await notice.getByRole("button", { name: "Begin with an empty scene" }).click();
+    await notice.getByRole("button", { name: "Start with an empty scene" }).click();
     await untilLines(next, []);
     await notice.waitFor({ state: "detached" });
     await next.keyboard.press("Control+z");
@@ -137,7 +137,7 @@ test("a studio that is killed has everything again when it starts anew", async (
     studio = await startStudio(["--port", port], folder, { home });
     const last = await openTab();
     await settled(last);
-    assert.deepEqual(await lines(last), [], "what was saved is in its file");
+    assert.deepEqual(await lines(last), [], "the saved state is in its file");
     assert.equal(await last.getByRole("complementary", { name: "Recovered scene" }).count(), 0);
     for (const one of [page, next]) {
         await one.context().close();
@@ -166,11 +166,11 @@ test("a tab that crashes, and one that is closed, find all as it was", async () 
     await untilLines(page, ["sphere crown", "scale crown 2"]);
     await typeAtEnd(page, "translate cr");
     page.once("dialog", (dialog) => dialog.accept()); // "leave the page?"
-    await page.reload(); // the token is in no address any more
+    await page.reload(); // the token is no longer in the address
     await untilConnected(page);
     await untilLines(page, ["sphere crown", "scale crown 2"]);
     await isDrawn(page, "crown");
-    assert.match(await editorText(page), /^translate cr$/m, "half a line that was typed is there again");
+    assert.match(await editorText(page), /^translate cr$/m, "an incomplete typed line is restored");
 });
 
 test("what was asked while a connection went is done once", async () => {
@@ -183,7 +183,7 @@ test("what was asked while a connection went is done once", async () => {
         assert.equal(await answer(on), "done");
     };
 
-    cable.eats = ({ re, statement }) => re !== undefined && statement !== undefined; // the answer does not come
+    cable.eats = ({ re, statement }) => re !== undefined && statement !== undefined; // the response does not arrive
     await ask(on, "translate crown 1 0 0");
     await untilLines(page, ["sphere crown", "translate crown 1 0 0"]);
     await cut(cable);
@@ -199,7 +199,7 @@ test("what was asked while a connection went is done once", async () => {
     await untilLines(on, ["sphere crown", "translate crown 1 0 0", "sphere meanwhile center=4,0,0"]);
     await isDrawn(on, "meanwhile");
 
-    cable.eats = ({ type }) => type === "run"; // the question does not arrive
+    cable.eats = ({ type }) => type === "run"; // the request does not arrive
     await ask(on, "scale crown 2");
     while (cable.sent.at(-1)?.line !== "scale crown 2") {
         await settled(page);
@@ -208,7 +208,7 @@ test("what was asked while a connection went is done once", async () => {
     await back();
     const all = ["sphere crown", "translate crown 1 0 0", "scale crown 2", "sphere meanwhile center=4,0,0"];
     assert.deepEqual((await lines(on)).toSorted(), all.toSorted());
-    assert.equal(cable.sent.filter(({ line }) => line === "translate crown 1 0 0").length, 2, "it was asked twice, and done once");
+    assert.equal(cable.sent.filter(({ line }) => line === "translate crown 1 0 0").length, 2, "it was requested twice, and run once");
     await on.close();
 });
 
@@ -237,7 +237,7 @@ test("two tabs see the same scene, and each may take back what the other did", a
     await untilLines(other, ["sphere mine", "scale mine 2"]);
     await isDrawn(other, "mine");
     await other.getByRole("treeitem", { name: /^mine/ }).click();
-    assert.equal(await page.evaluate(() => globalThis.coppice.store.selection.peek().object), null, "each has a selection of its own");
+    assert.equal(await page.evaluate(() => globalThis.coppice.store.selection.peek().object), null, "each has its own selection");
 
     const button = other.getByRole("button", { name: "Undo", exact: true });
     assert.match(await button.getAttribute("title"), /scale mine 2/);
@@ -246,7 +246,7 @@ test("two tabs see the same scene, and each may take back what the other did", a
     await page.getByRole("button", { name: "Redo", exact: true }).click();
     await untilLines(other, ["sphere mine", "scale mine 2"]);
     await runLines(other, "delete mine");
-    await until(page, "it is gone here too", () => globalThis.coppice.view.geometry({ kind: "solid", name: "mine" }) === undefined);
+    await until(page, "it is removed here too", () => globalThis.coppice.view.geometry({ kind: "solid", name: "mine" }) === undefined);
     await page.keyboard.press("Control+z");
     await isDrawn(other, "mine");
     const boundsOf = (on) => on.evaluate(() => globalThis.coppice.store.find("solid", "mine").bounds);

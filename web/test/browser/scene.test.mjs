@@ -1,4 +1,4 @@
-// The scene's text, its objects, history and parameters, as a user meets them.
+// The text of the scene, its objects, history and parameters, from the view of a user.
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
 import { lines, openPage, placeOf, settled, withStudio } from "./browser.mjs";
@@ -32,7 +32,7 @@ test("lines that are typed run when the hands rest; what they make is listed and
     assert.deepEqual(page.complaints, []);
 });
 
-// The editor takes keys right after an offer appeared for typing that went on.
+// The editor accepts a completion only some time after it appeared during typing.
 async function takeOffer() {
     await page.evaluate(() => new Promise((done) => setTimeout(done, 100)));
     await page.keyboard.press("Enter");
@@ -67,13 +67,13 @@ test("what is wrong is said at its line, and is gone when it is mended", async (
     await page.keyboard.type("scale crown 2");
     await page.keyboard.press("Control+Shift+Enter");
     await untilLines(page, ["sphere crown", "scale crown 2", "sphere other"]);
-    await until(page, "the error is gone", () => globalThis.coppice.store.state.peek().error === null && !document.querySelector(".cm-said-error"));
+    await until(page, "the error is removed", () => globalThis.coppice.store.state.peek().error === null && !document.querySelector(".cm-said-error"));
 });
 
 test("a block that fails says so at the line within it", async () => {
     await typeAtEnd(page, "for i in 1..3\nsphere ball${i} center=${i},0,0\nscale bal${i} 2\nend\n");
     await until(page, "line 3 fails", () => globalThis.coppice.store.state.peek().error?.line === 3);
-    await until(page, "it is said there", () => /^ *scale bal.*bal1/.test(document.querySelector(".cm-line:has(.cm-said-error)")?.textContent ?? ""));
+    await until(page, "it is reported there", () => /^ *scale bal.*bal1/.test(document.querySelector(".cm-line:has(.cm-said-error)")?.textContent ?? ""));
 });
 
 test("the scene goes back to the line of the cursor, and forth again", async () => {
@@ -151,13 +151,13 @@ test("another name goes through the whole scene", async () => {
     await page.keyboard.press("F2");
     const name = page.getByRole("dialog", { name: "Rename points crown" }).getByLabel("Name");
     await name.fill("2x");
-    assert.ok(await page.getByRole("button", { name: "Rename" }).isDisabled(), "a name that is none is not taken");
+    assert.ok(await page.getByRole("button", { name: "Rename" }).isDisabled(), "an invalid name is refused");
     await name.fill("leaves");
     await page.keyboard.press("Enter");
     await untilLines(page, ["sphere leaves", "scale leaves 2", "pointset generate leaves count=100", "delete leaves kind=solid", "# crown is gone"]);
     await untilSelected(page, "points", "leaves");
     await page.keyboard.press("Control+z");
-    await until(page, "undo brings the name back", () => globalThis.coppice.store.state.peek().statements[0].text === "sphere crown");
+    await until(page, "undo restores the name", () => globalThis.coppice.store.state.peek().statements[0].text === "sphere crown");
 });
 
 test("undo, redo and the history go to where the scene was", async () => {
@@ -177,13 +177,13 @@ test("undo, redo and the history go to where the scene was", async () => {
     await page.keyboard.press("Control+Shift+z");
     await untilLines(page, ["sphere a", "sphere b center=3,0,0"]);
     await page.evaluate(() => globalThis.coppice.engine.run("sphere d"));
-    await until(page, "a new change ends what could be done again", () => document.querySelector("[aria-label=Redo]").disabled);
+    await until(page, "a new change ends redo", () => document.querySelector("[aria-label=Redo]").disabled);
 });
 
 test("two tabs that write in different lines both have all of it", async () => {
     await write("sphere crown", "scale crown 2");
     const other = await openPage(studio);
-    await typeAtEnd(page, " ".repeat(1)); // somebody is at it here, too
+    await typeAtEnd(page, " ".repeat(1)); // a user is typing in this tab, too
     await page.keyboard.press("Backspace");
     await other.locator(".cm-line").nth(0).click();
     await other.keyboard.press("End");
@@ -201,7 +201,7 @@ test("two tabs that write in the same line are asked whose it shall be", async (
     const other = await openPage(studio);
     await page.locator(".cm-line").nth(0).click();
     await page.keyboard.press("End");
-    await page.keyboard.type(" center="); // half a line, which is not applied yet
+    await page.keyboard.type(" center="); // an incomplete line, which is not applied yet
     await other.locator(".cm-line").nth(0).click();
     await other.keyboard.press("End");
     await other.keyboard.type(" radius=3");
@@ -210,11 +210,11 @@ test("two tabs that write in the same line are asked whose it shall be", async (
     const conflict = page.getByRole("alert").filter({ hasText: "changed elsewhere" });
     await conflict.waitFor();
     assert.equal(await conflict.locator("pre").textContent(), "sphere crown radius=3");
-    assert.match(await editorText(page), /^sphere crown center=\n/, "what was typed is kept");
+    assert.match(await editorText(page), /^sphere crown center=\n/, "typed text is kept");
     await page.locator(".cm-line").nth(0).click();
     await page.keyboard.press("End");
     await page.keyboard.type("0,0,7");
-    await page.getByRole("button", { name: "Keep what I typed" }).click();
+    await page.getByRole("button", { name: "Keep my text" }).click();
     await untilLines(other, ["sphere crown center=0,0,7", "scale crown 2"]);
     await conflict.waitFor({ state: "detached" });
     await other.context().close();

@@ -1,4 +1,4 @@
-// Sketches by hand: a known fork, photographed twice, is drawn over its pictures and stands in space again.
+// Interactive sketches: a known fork, photographed twice, is drawn over its images and reconstructed.
 import assert from "node:assert/strict";
 import { join } from "node:path";
 import { test } from "node:test";
@@ -7,14 +7,14 @@ import { drag, lines, runLines, settled, withStudio } from "./browser.mjs";
 import { assertCalm, assertDiffer, begin, button, field, lastLine, near, openFront, picture, take } from "./hands.mjs";
 import { coppice, until } from "./user.mjs";
 
-const kWide = 360, kHigh = 480; // [px] of the pictures
-const kAngle = 45; // [degree] over the height of them
+const kWide = 360, kHigh = 480; // [px] size of the images
+const kAngle = 45; // [degree] vertical field of view
 const kFocal = (0.5 * kHigh) / Math.tan((kAngle * Math.PI) / 360);
 const kFork = { // [m]: axes, and the radii at their ends
     stem: { points: [[0, 0, 0], [0.06, -0.05, 1.2], [0, 0, 2.6]], radii: [0.1, 0.04] },
     lateral: { points: [[0.06, -0.05, 1.2], [0.4, 0.25, 1.7], [0.55, 0.5, 2.2]], radii: [0.06, 0.025] },
 };
-// As OpenCV has cameras: both stand level, 4 m and 4.5 m from the stem, 1.3 m above its foot.
+// Cameras in the convention of OpenCV: both level, 4 m and 4.5 m from the stem, 1.3 m above its base.
 const kCameras = {
     front: { R: [[1, 0, 0], [0, 0, -1], [0, 1, 0]], t: [0, 1.3, 4] },
     side: { R: [[0, 1, 0], [0, 0, -1], [-1, 0, 0]], t: [0, 1.3, 4.5] },
@@ -31,14 +31,14 @@ withStudio(async (begun) => {
     }
 });
 
-/** Where a view shows a point of space, and how many of its pixels a metre has there. */
+/** The pixel of a point in a view, and the number of pixels per metre there. */
 function seen(view, point) {
     const { R, t } = kCameras[view];
     const [x, y, depth] = R.map((row, k) => row.reduce((sum, value, i) => sum + value * point[i], t[k]));
     return { at: [kWide / 2 + (kFocal * x) / depth, kHigh / 2 + (kFocal * y) / depth], scale: kFocal / depth };
 }
 
-/** Many places along an axis of the fork, with radii. */
+/** Many points along an axis of the fork, with radii. */
 function along({ points, radii }, pieces = 60) {
     const parts = points.slice(1).map((to, i) => [points[i], to]);
     return parts.flatMap(([from, to], i) => Array.from({ length: pieces + 1 }, (_, k) => {
@@ -47,7 +47,7 @@ function along({ points, radii }, pieces = 60) {
     }));
 }
 
-/** A picture of the fork before a bright sky. */
+/** An image of the fork in front of a bright sky. */
 function photograph(view) {
     const png = new PNG({ width: kWide, height: kHigh });
     png.data.fill(235);
@@ -69,14 +69,14 @@ function photograph(view) {
 
 const pane = (view) => page.locator(".sketch-pane").filter({ hasText: view }).locator("canvas");
 
-/** Where a pixel of a view's picture is in the page: pictures are as large as their panes let them be. */
+/** The position in the page of a pixel of an image: images fill their panes. */
 async function onPage(view, [x, y]) {
     const box = await pane(view).boundingBox();
     const scale = Math.min(box.width / kWide, box.height / kHigh);
     return { x: box.x + (box.width - kWide * scale) / 2 + x * scale, y: box.y + (box.height - kHigh * scale) / 2 + y * scale, scale };
 }
 
-/** Draws an axis of the fork in a view, as wide as it is there. */
+/** Draws an axis of the fork in a view, with its width. */
 async function draw(view, axis) {
     const wide = page.getByLabel("Width of strokes [px]");
     await wide.fill(String(Math.round(2 * axis.radii[0] * seen(view, axis.points[0]).scale)));
@@ -95,7 +95,7 @@ async function openView(view) {
 
 const least = (point, others) => Math.min(...others.map((other) => Math.hypot(...point.map((value, k) => value - other[k]))));
 
-/** Places along all segments. */
+/** Points along all segments. */
 function between(nodes) {
     return nodes.flatMap(({ at, parent }) => {
         const from = parent < 0 ? at : nodes[parent].at;
@@ -103,7 +103,7 @@ function between(nodes) {
     });
 }
 
-/** The tree is where the fork stood, all of it and nothing else, and as thick. */
+/** The tree equals the fork in position, extent and thickness. */
 function assertFork(nodes, most) {
     const truth = Object.values(kFork).flatMap((axis) => along(axis, 20));
     const axes = truth.map(({ at }) => at);
@@ -111,13 +111,13 @@ function assertFork(nodes, most) {
     const missed = Math.max(...axes.map((at) => least(at, found)));
     const astray = Math.max(...found.map((at) => least(at, axes)));
     assert.ok(missed <= most, `${missed} m of the fork are missing`);
-    assert.ok(astray <= most, `the tree is ${astray} m off the fork`);
+    assert.ok(astray <= most, `the tree is ${astray} m away from the fork`);
     for (const { points, radii } of Object.values(kFork)) {
         const tip = nodes.find(({ at }) => least(at, [points.at(-1)]) <= most);
         assert.ok(tip && Math.abs(tip.radius - radii[1]) < 0.5 * radii[1], `the tip is ${tip?.radius} m thick, not ${radii[1]}`);
     }
     const foot = nodes.find(({ parent }) => parent < 0);
-    assert.ok(Math.abs(foot.radius - kFork.stem.radii[0]) < 0.15 * kFork.stem.radii[0], `the foot is ${foot.radius} m thick`);
+    assert.ok(Math.abs(foot.radius - kFork.stem.radii[0]) < 0.15 * kFork.stem.radii[0], `the base is ${foot.radius} m thick`);
 }
 
 async function nodesOf(name) {
@@ -130,7 +130,7 @@ async function nodesOf(name) {
     }, name);
 }
 
-/** Waits until a tree whose highest place is there stands beside the pictures, before the scene has it. */
+/** Waits until a tree with this maximum height is shown with the images, before it is in the scene. */
 const untilStands = (height, what) => until(page, what, ([wanted]) => {
     const tree = globalThis.coppice.view.overlay.children.find((one) => one.isInstancedMesh);
     const all = tree?.instanceMatrix.array ?? [];
@@ -143,7 +143,7 @@ async function pixelsOf(view) {
     return PNG.sync.read(await pane(view).screenshot({ scale: "css" }));
 }
 
-/** How many pixels within `reach` of a place in a pane's picture have the blue of lines of sight. */
+/** Number of pixels within `reach` of a position in the image of a pane that have the blue of lines of sight. */
 function blueAround(png, [x, y], reach) {
     let count = 0;
     for (let row = Math.max(y - reach, 0); row <= Math.min(y + reach, png.height - 1); ++row) {
@@ -162,8 +162,8 @@ async function takeSketch() {
 }
 
 async function putIntoScene() {
-    await button(page, "Put it into the scene").click();
-    await until(page, "the sketch is put down", () => globalThis.coppice.store.tool.peek() === "select");
+    await button(page, "Add to the scene").click();
+    await until(page, "the sketch is closed", () => globalThis.coppice.store.tool.peek() === "select");
     assert.equal(await page.locator(".sketch-pane").count(), 0);
 }
 
@@ -175,39 +175,39 @@ test("a fork is drawn over two photographs and stands beside them at once", asyn
         await at("Taken from").selectOption(view);
         await at("Field of view [°]").fill(String(kAngle));
         await at("Field of view [°]").press("Tab");
-        await at("Picture").selectOption(`${view}.png`);
+        await at("Image").selectOption(`${view}.png`);
     }
-    await field(page, "Height of the tree [m], 0 = by scale").fill("2.6");
+    await field(page, "Height of the tree [m], 0 = from the scale").fill("2.6");
     const empty = await picture(page);
     for (const [name, axis] of Object.entries(kFork)) {
         for (const view of kViews) {
             await draw(view, axis);
         }
-        await untilStands(2.6, `the ${name} stands beside its pictures`);
+        await untilStands(2.6, `the ${name} is shown with its images`);
     }
     assertDiffer(await picture(page), empty, "the tree is drawn");
-    assert.deepEqual(await lines(page), [], "the scene has nothing of it before it is put there");
+    assert.deepEqual(await lines(page), [], "the scene does not contain it before it is added");
     await button(page, "Undo stroke").click();
     await button(page, "Undo stroke").click();
     await button(page, "Undo stroke").click();
-    await untilStands(null, "a stem in one view is no tree");
+    await untilStands(null, "a stem in one view is not a tree");
     await button(page, "Redo stroke").click();
     await button(page, "Redo stroke").click();
     await button(page, "Redo stroke").click();
-    await untilStands(2.6, "it is back");
+    await untilStands(2.6, "it is restored");
 
     await field(page, "Tree").fill("fork");
     await putIntoScene();
     assert.equal(await lastLine(page, /^sketch /), "sketch fork fork.sketch.json");
     assertFork(await nodesOf("fork"), 0.015);
 
-    // The scene makes the same tree without the page.
+    // The scene creates the same tree without the page.
     await runLines(page, "save fork studio.swc");
     await studio.write("fork.coppice", (await lines(page))[0]);
     const again = join(studio.folder, "again.swc");
     const { code, text } = await coppice("run", join(studio.folder, "fork.coppice"), "-o", again);
     assert.equal(code, 0, text);
-    assert.deepEqual(await studio.read("again.swc"), await studio.read("studio.swc"), "bit for bit");
+    assert.deepEqual(await studio.read("again.swc"), await studio.read("studio.swc"), "bit-identical");
     await assertCalm(page);
 });
 
@@ -226,7 +226,7 @@ test("a stroke of a tree that is in the scene is changed, and what was made of i
     }
     await settled(page);
     await putIntoScene();
-    assert.deepEqual(await lines(page), ["sketch fork fork.sketch.json", "save fork studio.swc"], "no line more");
+    assert.deepEqual(await lines(page), ["sketch fork fork.sketch.json", "save fork studio.swc"], "no additional line");
     await until(page, "the tip is higher", ([x, y]) => {
         const { view, store } = globalThis.coppice;
         const found = view.geometry({ kind: "skeleton", name: "fork" }, "skeleton");
@@ -240,7 +240,7 @@ test("calibrated cameras show where a point of one picture lies in the other, an
     await takeSketch();
     for (const view of kViews) {
         const at = await openView(view);
-        await at("Picture").selectOption(`${view}.png`);
+        await at("Image").selectOption(`${view}.png`);
         await at("Kind").selectOption({ label: "Calibrated camera" });
         const { R, t } = kCameras[view];
         await at("K, rows with ;").fill(`${kFocal} 0 ${kWide / 2}; 0 ${kFocal} ${kHigh / 2}; 0 0 1`);
@@ -261,12 +261,12 @@ test("calibrated cameras show where a point of one picture lies in the other, an
             found = blueAround(await pixelsOf("side"), at, 8);
         }
         assert.ok(found > 0, "the line leads through the point");
-        assert.equal(blueAround(await pixelsOf("side"), [at[0], at[1] + 60], 20), 0, "and not beside it");
+        assert.equal(blueAround(await pixelsOf("side"), [at[0], at[1] + 60], 20), 0, "and not next to it");
     }
     await page.mouse.move(5, 5);
 
-    await button(page, "Trace the pictures").click();
-    await untilStands(2.6, "strokes are proposed, and the tree of them stands there");
+    await button(page, "Trace the images").click();
+    await untilStands(2.6, "strokes are proposed, and their tree is shown");
     await field(page, "Tree").fill("traced");
     await putIntoScene();
     assert.equal(await lastLine(page, /^sketch /), "sketch traced traced.sketch.json");
@@ -278,7 +278,7 @@ test("strokes are drawn by keys as well", async () => {
     await takeSketch();
     for (const view of kViews) {
         await pane(view).focus();
-        await page.keyboard.press("ArrowDown"); // the cross is in the middle of 800 pixels
+        await page.keyboard.press("ArrowDown"); // the cross is in the centre of 800 pixels
         for (let n = 0; n < 3; ++n) {
             await page.keyboard.press("Alt+ArrowDown"); // at the origin, with steps of a metre
         }
@@ -290,7 +290,7 @@ test("strokes are drawn by keys as well", async () => {
         await page.keyboard.press("Alt+ArrowUp");
         await page.keyboard.press("Enter");
     }
-    await untilStands(2, "the stem stands there");
+    await untilStands(2, "the stem is shown");
     await putIntoScene();
     const nodes = await nodesOf("tree");
     near(nodes[0].at, [0, 0, 0], 0.02, "its foot");

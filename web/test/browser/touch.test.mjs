@@ -1,4 +1,4 @@
-// By fingers: the picture is turned, moved and neared, things are picked, placed, bent and drawn.
+// Touch: the view is rotated, moved and zoomed, objects are picked, placed, bent and drawn.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { lines, placeOf, settled, withStudio } from "./browser.mjs";
@@ -30,7 +30,7 @@ const pose = () => page.evaluate(() => {
     return { yaw, pitch, distance };
 });
 
-/** Takes a tool by taps. */
+/** Selects a tool by taps. */
 async function take(group, label) {
     const heading = page.locator(".tool-heading", { hasText: group });
     if ((await heading.getAttribute("aria-expanded")) === "false") {
@@ -39,7 +39,7 @@ async function take(group, label) {
     const tool = page.getByRole("group", { name: group, exact: true }).getByRole("button", { name: label, exact: true });
     await tool.tap();
     try {
-        await tool.and(page.locator("[aria-pressed=true]")).waitFor(); // browsers make a click of a tap in their own time
+        await tool.and(page.locator("[aria-pressed=true]")).waitFor(); // browsers convert a tap to a click with a delay
     } catch (error) {
         error.message += `\nThe last events: ${await page.evaluate(() => globalThis.touches.slice(-8).join(", "))}`;
         throw error;
@@ -54,33 +54,33 @@ function nearPlace(found, wanted, what) {
 test("one finger turns the picture, two move and near it", async () => {
     await begin(page, ...kTree);
     const before = await pose();
-    const { x, y } = await placeOf(page, [0.5, 0, 0.6]); // beside the tree
+    const { x, y } = await placeOf(page, [0.5, 0, 0.6]); // away from the tree
     await drag(page, [{ x, y }, { x: x + 100, y: y + 30 }]);
     const turned = await pose();
     assert.ok(Math.abs(turned.yaw - before.yaw) > 0.3 && turned.pitch > before.pitch + 0.1, `it turned: ${JSON.stringify([before, turned])}`);
-    assert.equal(turned.distance, before.distance, "and came no nearer");
+    assert.equal(turned.distance, before.distance, "and did not zoom");
 
     await begin(page, ...kTree);
     const [low, high] = await places([0.6, 0, 0.9], [0.6, 0, 2.1]);
     const aside = ({ x, y }) => ({ x: x - 60, y: y + 40 });
     const [tip] = await places([1.5, 0, 2]);
     await pinch(page, [low, high], [aside(low), aside(high)]);
-    nearPlace(await placeOf(page, [1.5, 0, 2]), aside(tip), "what is seen goes with the fingers");
-    assert.deepEqual(await pose(), before, "the eye only moves");
+    nearPlace(await placeOf(page, [1.5, 0, 2]), aside(tip), "the view follows the fingers");
+    assert.deepEqual(await pose(), before, "the camera only moves");
 
     await begin(page, ...kTree);
     const nearer = await picture(page);
     const middle = { x: (low.x + high.x) / 2, y: (low.y + high.y) / 2 };
     const apart = (share) => [low, high].map(({ x, y }) => ({ x: middle.x + (x - middle.x) * share, y: middle.y + (y - middle.y) * share }));
     await pinch(page, [low, high], apart(1.6));
-    nearPlace(await placeOf(page, [0.6, 0, 1.5]), middle, "what lies between the fingers stays there");
+    nearPlace(await placeOf(page, [0.6, 0, 1.5]), middle, "the point between the fingers stays there");
     for (const [n, point] of [[0.6, 0, 0.9], [0.6, 0, 2.1]].entries()) {
-        nearPlace(await placeOf(page, point), apart(1.6)[n], "and what lies under them goes with them");
+        nearPlace(await placeOf(page, point), apart(1.6)[n], "and the points under them follow them");
     }
     assertDiffer(await picture(page), nearer, "the tree is larger");
     await pinch(page, apart(1.6), [low, high]);
     near([(await pose()).distance], [before.distance], before.distance * 0.02, "and back");
-    assert.deepEqual(await lines(page), kTree, "nothing was done to the tree");
+    assert.deepEqual(await lines(page), kTree, "the tree is unchanged");
     await assertCalm(page);
 });
 
@@ -91,7 +91,7 @@ test("a tap picks, a long press shows what is there, and a tap beside everything
     await tapIn([-1.6, 0, 1]);
     assert.equal((await selection(page)).object, null);
     await down(page, await placeOf(page, [-0.9, 0, 2.54]));
-    await until(page, "the finger that rests finds node 23", () => globalThis.coppice.store.hover.value?.node === 23);
+    await until(page, "the resting finger finds node 23", () => globalThis.coppice.store.hover.value?.node === 23);
     await up(page);
     assert.equal((await selection(page)).object, null, "looking is not picking");
     await assertCalm(page);
@@ -146,9 +146,9 @@ test("branches are bent and drawn by a finger; a second one moves the picture in
     await lead(page, [{ x: from[0].x, y: from[0].y - 40 }, from[1]], to);
     await up(page);
     await settled(page);
-    assert.deepEqual(await lines(page), all, "what the first finger had begun is taken back");
-    assert.ok((await pose()).distance < before.distance * 0.8, "the picture came nearer");
-    assert.equal(await held(page), "draw", "and the tool is still in hand");
+    assert.deepEqual(await lines(page), all, "the operation of the first finger is undone");
+    assert.ok((await pose()).distance < before.distance * 0.8, "the view was zoomed");
+    assert.equal(await held(page), "draw", "and the tool is still active");
     await assertCalm(page);
 });
 
@@ -166,7 +166,7 @@ test("handles of a section, menus and lists work by taps", async () => {
     await settled(page);
     const handle = await page.evaluate(() => globalThis.coppice.view.section.middle.toArray());
     await dragIn([handle, [handle[0] + 0.4, handle[1], handle[2]]]);
-    near([await page.evaluate(() => globalThis.coppice.view.display.section.value.at)], [0.4], 0.03, "the section went with the finger");
+    near([await page.evaluate(() => globalThis.coppice.view.display.section.value.at)], [0.4], 0.03, "the section followed the finger");
     await page.evaluate(() => {
         const { section } = globalThis.coppice.view.display;
         section.value = { ...section.value, on: false };

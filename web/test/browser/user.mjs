@@ -1,12 +1,12 @@
-// What users do at the page, what they wait for, and who judges the files that they get.
+// Actions of users on the page, conditions to wait for, and checks of exported files.
 import assert from "node:assert/strict";
 import { execFile } from "node:child_process";
 import { readFile } from "node:fs/promises";
 import { join } from "node:path";
 
-const kPatience = 30_000; // [ms]: machines may be slow; nothing is waited for longer than it takes
+const kTimeout = 30_000; // [ms]: machines may be slow; waiting ends as soon as the condition is satisfied
 
-/** What the document is, for messages. */
+/** State of the document, for messages. */
 async function told(page) {
     return page.evaluate(() => {
         const { state, messages, connection } = globalThis.coppice.store;
@@ -16,16 +16,16 @@ async function told(page) {
     });
 }
 
-/** Waits until something is so in the page, and says what was waited for where it never is. */
-export async function until(page, what, isSo, argument, timeout = kPatience) {
+/** Waits until a condition is satisfied in the page, and reports the condition on a timeout. */
+export async function until(page, what, isSo, argument, timeout = kTimeout) {
     try {
         await page.waitForFunction(isSo, argument, { timeout });
     } catch (error) {
-        throw new Error(`Waited in vain until ${what}. The page has ${await told(page)} (${error.message.split("\n", 1)[0]})`);
+        throw new Error(`Timeout, waited until ${what}. The page has ${await told(page)} (${error.message.split("\n", 1)[0]})`);
     }
 }
 
-/** Waits until the document has these lines, and they have run as far as they can. */
+/** Waits until the document has these lines, and they have run as far as possible. */
 export async function untilLines(page, lines) {
     const isSo = (wanted) => {
         const { statements, ran, running, error } = globalThis.coppice.store.state.peek();
@@ -35,7 +35,7 @@ export async function untilLines(page, lines) {
     await until(page, `the scene is ${JSON.stringify(lines)}`, isSo, lines);
 }
 
-/** Begins anew, whatever a test before left behind. */
+/** Resets the scene, independent of the previous test. */
 export async function emptyScene(page) {
     while ((await page.locator("dialog[open]").count()) > 0) {
         await page.keyboard.press("Escape");
@@ -44,7 +44,7 @@ export async function emptyScene(page) {
     await untilLines(page, []);
 }
 
-/** Waits until an object of that name is there, and nothing runs. */
+/** Waits until an object of that name exists, and no command is running. */
 export async function untilObject(page, kind, name) {
     const isSo = ([wanted, called]) => {
         const { objects, running } = globalThis.coppice.store.state.peek();
@@ -53,7 +53,7 @@ export async function untilObject(page, kind, name) {
     await until(page, `there is a ${kind} ${name}`, isSo, [kind, name]);
 }
 
-/** Waits until an object is what is selected. */
+/** Waits until an object is selected. */
 export async function untilSelected(page, kind, name) {
     const isSelected = ([wanted, called]) => {
         const { object } = globalThis.coppice.store.selection.peek();
@@ -62,12 +62,12 @@ export async function untilSelected(page, kind, name) {
     await until(page, `the ${kind} ${name} is selected`, isSelected, [kind, name]);
 }
 
-/** Waits until the page says something that holds this text. */
+/** Waits until the page shows a message that contains this text. */
 export async function untilSaid(page, text) {
     await until(page, `a message says "${text}"`, (wanted) => globalThis.coppice.store.messages.peek().some((one) => one.text.includes(wanted)), text);
 }
 
-/** The text in the editor, without what lines said. */
+/** The text in the editor, without the output of lines. */
 export async function editorText(page) {
     return page.evaluate(() => {
         const lines = [...document.querySelectorAll(".cm-line")].map((line) => {
@@ -79,7 +79,7 @@ export async function editorText(page) {
     });
 }
 
-/** Types at the end of the scene's text. */
+/** Types at the end of the text of the scene. */
 export async function typeAtEnd(page, text) {
     await page.locator(".cm-content").click();
     await page.keyboard.press("Control+End");
@@ -107,19 +107,22 @@ export async function chooseItem(page, menu, item) {
     await page.locator(".menu-item > span:first-child", { hasText: item }).and(page.getByText(item, { exact: true })).click();
 }
 
-/** The dialog that is open, by its title. */
+/** The open dialog, by its title. */
 export function dialog(page, title) {
     return page.getByRole("dialog", { name: title, exact: true });
 }
 
-/** What `coppice WORD...` answers. */
+/** The output of `coppice WORD...`. */
 export function coppice(...words) {
     return new Promise((resolve) => {
         execFile(process.env.COPPICE, words, (error, stdout, stderr) => resolve({ code: error?.code ?? 0, text: stdout + stderr }));
     });
 }
 
-/** Fails where `coppice check` finds something wrong with a mesh of the studio's folder, or its file is a GLB that the Khronos validator does not pass. */
+/**
+ * Fails if `coppice check` finds an error in a mesh of the folder of the studio, or if the Khronos validator rejects its GLB
+ * file.
+ */
 export async function judge(studio, file) {
     const path = join(studio.folder, file);
     const { code, text } = await coppice("check", path);

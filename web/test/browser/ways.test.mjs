@@ -1,4 +1,4 @@
-// From an empty scene to an exported surface by mouse alone, and by fingers alone; keyboard.test.mjs goes there by keys.
+// From an empty scene to an exported surface with the mouse only, and with touch only; keyboard.test.mjs uses the keyboard.
 import assert from "node:assert/strict";
 import { after, afterEach, before, beforeEach, test } from "node:test";
 import { endBrowser, openPage, placeOf, settled, startBrowser, startStudio } from "./browser.mjs";
@@ -32,7 +32,7 @@ const kMouse = {
 };
 const kTouch = { options: { hasTouch: true }, press: (locator, options) => locator.tap(options), drag };
 
-/** The tip of a branch that nothing hides, in the page. */
+/** The position in the page of the tip of a branch that is not occluded. */
 async function openTip(page, name) {
     await settled(page);
     const found = await page.evaluate((tree) => {
@@ -43,14 +43,14 @@ async function openTip(page, name) {
             const at = [0, 1, 2].map((k) => arrays.position[3 * n + k] + header.origin[k]);
             const [x, y] = view.toPixels(at);
             const { left, top } = view.element().getBoundingClientRect();
-            const isOpen = document.elementFromPoint(left + x, top + y) === view.element(); // tools lie over a part of the picture
+            const isOpen = document.elementFromPoint(left + x, top + y) === view.element(); // tools cover a part of the view
             if (isOpen && !parents.has(n) && view.pick(x, y)?.node === arrays.id[n]) {
                 return at;
             }
         }
         return null;
     }, name);
-    assert.ok(found, "some branch is seen");
+    assert.ok(found, "some branch is visible");
     return placeOf(page, found);
 }
 

@@ -1,4 +1,4 @@
-// What is typed on its way into the document, while others change that too.
+// Applies typed text to the document while others change it.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { type App, EngineError } from "../../src/app";
@@ -7,17 +7,17 @@ import { textOf } from "../../src/script/pieces";
 import { createStore } from "../../src/store";
 import { stateOf } from "./schema";
 
-globalThis.setTimeout = (() => 0) as unknown as typeof setTimeout; // nothing happens by waiting
+globalThis.setTimeout = (() => 0) as unknown as typeof setTimeout; // timers are disabled
 
-/** A document that takes texts as the engine does, and a hand that types. */
+/** A document that accepts texts like the engine, and a user who types. */
 class Desk {
     readonly store = createStore();
     readonly asked: Record<string, unknown>[] = [];
     cancelled = 0;
     typed = "";
     refuse: EngineError | null = null;
-    before: (() => void) | null = null; // what happens before a text arrives
-    hold: Promise<void> | null = null; // until when a text runs
+    before: (() => void) | null = null; // called before a text arrives
+    hold: Promise<void> | null = null; // time until which a text runs
     readonly applying: Applying;
 
     constructor(text: string) {
@@ -78,7 +78,7 @@ test("what was typed is there again when the page is loaded anew, and takes in w
     assert.equal(after.kind, "typed");
     after.typed = "sphere a radius=2\nsphere b\n";
     after.applying.typed();
-    assert.equal(new Desk("sphere b\n").typed, "sphere b\n", "what was taken back is not kept");
+    assert.equal(new Desk("sphere b\n").typed, "sphere b\n", "undone text is not kept");
     assert.equal(kept.size, 0);
     Object.assign(globalThis, { sessionStorage: undefined });
 });
@@ -93,7 +93,7 @@ test("what is typed becomes the document, once", async () => {
     await desk.applying.apply();
     assert.deepEqual(desk.asked, [{ text: "sphere a\nsphere b\n", revision: 1, count: undefined, name: "change in line 2", joins: true }]);
     assert.equal(desk.document, "sphere a\nsphere b\n");
-    assert.equal(desk.typed, "sphere a\nsphere b"); // the cursor's line stays as it is
+    assert.equal(desk.typed, "sphere a\nsphere b"); // the line of the cursor is unchanged
     assert.equal(desk.kind, "same");
 });
 

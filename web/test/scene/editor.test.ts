@@ -1,4 +1,4 @@
-// The scene's text beside the document: conflicts, marks, colours, help and completion.
+// The text of the scene and the document: conflicts, marks, colours, help and completion.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { CompletionContext } from "@codemirror/autocomplete";
@@ -95,7 +95,7 @@ test("changes of a text are found and made again", () => {
 });
 
 test("cursors in lines that stay are where they were", () => {
-    const before = "sphere a\nscale a 2 center=\nsphere b"; // no end behind the last line
+    const before = "sphere a\nscale a 2 center=\nsphere b"; // no line end after the last line
     const after = "sphere a radius=2\nscale a 2 center=\nsphere b\n";
     const at = before.indexOf("=") + 1;
     const state = EditorState.create({ doc: before, selection: { anchor: at } }).update({ changes: changesBetween(before, after) }).state;
@@ -176,9 +176,9 @@ test("help is about the word at the place", () => {
     assert.equal(helpAt(schema, "sphere a radius=2", 3)?.title, "sphere NAME [OPTION=VALUE...]");
     const radius = helpAt(schema, "sphere a radius=2", 12);
     assert.deepEqual([radius?.title, radius?.from, radius?.to], ["radius=", 9, 17]);
-    assert.equal(radius?.text, "What radius is. Takes a number [m] from 0.00001 to 100000. Else 1.");
+    assert.equal(radius?.text, "What radius is. Accepts a number [m] from 0.00001 to 100000. Default: 1.");
     assert.equal(helpAt(schema, "mesh t", 99), null);
-    assert.equal(helpAt(schema, "mesh t u", 8)?.text, "Name of the new mesh. Takes a new name. Else that of tree.");
+    assert.equal(helpAt(schema, "mesh t u", 8)?.text, "Name of the new mesh. Accepts a new name. Default: that of tree.");
     assert.equal(helpAt(schema, "repeat 3", 2)?.title, "repeat COUNT");
     assert.equal(helpAt(schema, "# sphere", 4), null);
     assert.equal(helpAt(schema, "spere a", 2), null);
@@ -216,7 +216,7 @@ test("names are asked of the engine, for the state above the line", async () => 
     const { app, asked, context } = completing("sphere a\nsphere b\n  union a b", ["b", "bough"]);
     const result = await completions(app, (line) => line - 1)(context);
     assert.deepEqual(asked, [{ line: "union a b", count: 2 }]);
-    assert.deepEqual(result?.options.map(({ label }) => label), ["bough"]); // what stands there already is no offer
+    assert.deepEqual(result?.options.map(({ label }) => label), ["bough"]); // existing text is not offered
     assert.equal(result?.from, "sphere a\nsphere b\n  union a ".length);
 });
 
@@ -229,7 +229,7 @@ test("commands and variables are known without the engine", async () => {
     const names = await completions(variables.app, () => 0)(variables.context);
     assert.equal(names?.options[0].label, "height");
     const blank = completing("sphere a ", ["radius="]);
-    assert.equal(await completions(blank.app, () => 0)(blank.context), null); // Enter has to stay a new line
+    assert.equal(await completions(blank.app, () => 0)(blank.context), null); // Enter has to insert a new line
 });
 
 function edited(doc: string, command: (view: EditorView) => boolean, at = doc.length): string {

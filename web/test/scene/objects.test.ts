@@ -1,4 +1,4 @@
-// The tree of objects, the history, and what forms begin with.
+// The tree of objects, the history, and initial values of forms.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { App } from "../../src/app";
@@ -52,7 +52,7 @@ test("names that are taken or are none are refused", () => {
     const app = { store } as App;
     assert.equal(refusal(app, "a", "a"), "");
     assert.equal(refusal(app, "a", "top"), "");
-    assert.match(refusal(app, "a", "crown"), /called crown already/);
+    assert.match(refusal(app, "a", "crown"), /the name crown already/);
     assert.match(refusal(app, "a", "2a"), /letter/);
     assert.match(refusal(app, "a", "a b"), /letter/);
 });
@@ -63,7 +63,7 @@ test("the history goes back and forth by counts", () => {
     ]);
     assert.deepEqual(changesOf({ undo: [], redo: ["one"] }).map(({ when }) => when), ["now", "undone"]);
     const many = Array.from({ length: 100 }, (_, i) => `line ${i}`);
-    assert.equal(changesOf({ undo: many, redo: [] })[0].name, "line 0"); // what was before is not known
+    assert.equal(changesOf({ undo: many, redo: [] })[0].name, "line 0"); // earlier changes are unknown
 });
 
 test("commands are found by name first", () => {
@@ -119,7 +119,7 @@ test("a form begins with what is likely and ends as a line", async () => {
     assert.equal(form.line, "translate c 0,0,2");
     assert.equal(await form.run(), true);
     const about = { kind: "solid", name: "c" };
-    assert.deepEqual(app.store.selection.peek().object, { kind: "solid", name: "a" }); // what the statement made, as the engine tells
+    assert.deepEqual(app.store.selection.peek().object, { kind: "solid", name: "a" }); // the object that the statement created, as reported by the engine
     assert.deepEqual(asked, [{ type: "preview", line: "translate c 0,0,2", about }, { type: "run", line: "translate c 0,0,2", about }]);
     form.begin(called("sphere"));
     assert.equal(form.line, "sphere sphere");
@@ -161,10 +161,10 @@ test("parameters of a statement are written into the text", async () => {
     assert.deepEqual(asked[1], {
         type: "text", text: text.replace("sphere a", "sphere a radius=2 # one"), revision: 7, name: "parameters of a", joins: true,
     });
-    // What the text was changed to meanwhile is not overwritten.
+    // A text that was changed in between is not overwritten.
     app.store.state.value = stateOf(text.replace("sphere a", "sphere a law=soft"), []);
     form.set("radius", ["3"], false);
     assert.equal(await form.run(), false);
-    assert.match(form.trouble.value, /changed meanwhile/);
+    assert.match(form.trouble.value, /changed in between/);
     assert.equal(asked.filter(({ type }) => type === "text").length, 1);
 });

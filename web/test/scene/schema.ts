@@ -1,4 +1,4 @@
-// Some commands of scenes as the engine's schema has them, with every kind of argument.
+// Some commands of the schema of the engine, with every kind of argument.
 import type { Argument, Command, State } from "../../src/protocol";
 import { piecesOf } from "../../src/script/pieces";
 import { kEmptyState } from "../../src/store";
@@ -95,7 +95,7 @@ export function called(name: string): Command {
     return found;
 }
 
-/** A state whose statements have all run. */
+/** A state in which all statements have run. */
 export function stateOf(text: string, objects: readonly [string, number][] = []): State {
     const statements = piecesOf(text).map(({ text: one, line }) => ({ text: one, line, says: "" }));
     return {

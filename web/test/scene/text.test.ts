@@ -144,7 +144,7 @@ test("what is the default is left out, and what is needed is missed", () => {
     assert.deepEqual(values, { name: ["s"] });
     assert.deepEqual(missing(called("sphere"), withValue(name, values, [""])), [name]);
     const seed = called("pointset generate").arguments[5];
-    assert.deepEqual(withValue(seed, {}, ["0"]), { seed: ["0"] }); // set seed may have given another
+    assert.deepEqual(withValue(seed, {}, ["0"]), { seed: ["0"] }); // set seed may have changed the default
     const points = called("pointset generate").arguments[6];
     assert.equal(defaultWord(points, { solid: ["crown"] }), "crown");
     assert.deepEqual(withValue(points, { solid: ["crown"] }, ["crown"]), { solid: ["crown"] });

@@ -1,4 +1,4 @@
-// What mouse and fingers do in the picture, with events that a test makes.
+// Mouse and touch in the view, with synthetic events.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import * as THREE from "three";
@@ -90,7 +90,7 @@ test("two fingers zoom by their distance, and move the picture by their middle",
     assert.ok(navigation.isMoving);
     finger("move", 250, 300, 1);
     finger("move", 450, 300, 2);
-    assert.ok(Math.abs(rig.pose.distance / before - 0.5) < 1e-9); // twice as far apart: half as far away
+    assert.ok(Math.abs(rig.pose.distance / before - 0.5) < 1e-9); // twice the separation: half the distance
     const eye = rig.pose.eye.clone();
     finger("move", 250, 340, 1);
     finger("move", 450, 340, 2);

@@ -1,4 +1,4 @@
-// Where the eye goes: turning, nearing, framing; and what lies where in the picture.
+// Camera: rotation, zoom and framing, and positions of points in the view.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import * as THREE from "three";
@@ -11,7 +11,7 @@ function rig(): Rig {
     return made;
 }
 
-/** Where a point is in the picture, both coordinates in [-1, 1]. */
+/** The position of a point in the view, both coordinates in [-1, 1]. */
 function seen(of: Rig, point: THREE.Vector3): THREE.Vector3 {
     of.apply(new THREE.Sphere(new THREE.Vector3(), 100));
     return point.clone().project(of.camera);
@@ -63,7 +63,7 @@ test("a sphere that is framed just fits, from every side and in narrow pictures"
         const middle = seen(one, sphere.center);
         near(middle.x, 0);
         near(middle.y, 0);
-        // From the eye the sphere looks as wide as the narrower side: its outline lies where sin(angle) = radius / distance.
+        // From the camera the sphere fills the shorter side: its outline is at sin(angle) = radius / distance.
         const distance = one.pose.eye.distanceTo(sphere.center);
         const half = Math.atan(Math.tan((20 * Math.PI) / 180) * Math.min(1, width / height));
         near(Math.sin(half), sphere.radius / distance);

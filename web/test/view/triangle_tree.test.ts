@@ -1,10 +1,10 @@
-// Rays against triangles in a tree: the same as against all of them.
+// Ray tests in a tree of triangles: the same results as for all triangles.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Point } from "../../src/protocol";
 import { TriangleTree } from "../../src/view/picking/triangle_tree";
 
-// Numbers that look random and are the same each time.
+// Pseudo-random numbers that are the same each time.
 function numbers(): () => number {
     let state = 7;
     return () => {

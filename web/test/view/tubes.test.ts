@@ -1,4 +1,4 @@
-// Large trees while they move: the thickest segments stay round, the others become lines.
+// Large trees during movements: the thickest segments remain capsules, the others become lines.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Geometry } from "../../src/app";
@@ -19,7 +19,7 @@ function chain(radius: number[]): Geometry {
 
 test("every segment is either round or a line, and the thick ones are round", () => {
     const { thick, lines } = thickest(treeOf(chain([9, 8, 1, 7, 2, 6])), 3);
-    assert.deepEqual(thick, [1, 3]); // the root, 9, is the third, and no segment
+    assert.deepEqual(thick, [1, 3]); // the root, 9, is the third, and has no segment
     assert.deepEqual([...lines], [1, 2, 3, 4, 4, 5]);
 });
 

@@ -8,9 +8,9 @@
 
 namespace coppice::kernel {
 
-/// Returns how many items, at the front, fulfil `is_before`; none behind the first that does not may. For
-/// kernels, where std::lower_bound and std::upper_bound are compiled wrongly: nvcc 13.0 drops the steps of
-/// std::advance by a distance that is only known at run time. O(log n).
+/// Returns the number of items at the front that satisfy `is_before`; no item after the first that does not
+/// may satisfy it. For kernels, in which std::lower_bound and std::upper_bound are compiled incorrectly:
+/// nvcc 13.0 drops the steps of std::advance by a distance that is only known at run time. O(log n).
 template <class T, class Test>
 COPPICE_HOST_DEVICE std::uint32_t partition_point(std::span<const T> items, const Test& is_before) {
     std::uint32_t begin = 0;

@@ -1,5 +1,5 @@
-// Included by sources of Highway, once for every instruction set, after <hwy/highway.h>: a function can only
-// be inlined into code of its own instruction set.
+// Included by Highway sources, once for every instruction set, after <hwy/highway.h>: a function can only be
+// inlined into code of the same instruction set.
 #if defined(HIGHWAY_HWY_HIGHWAY_H_) || defined(HWY_NAMESPACE)
 
 #include <cstddef>
@@ -15,7 +15,7 @@ using Tag = hn::ScalableTag<float>;
 using IntTag = hn::RebindToSigned<Tag>;
 constexpr std::size_t kLanes = hn::MaxLanes(Tag());
 
-/// One truth per lane.
+/// One boolean per lane.
 struct LaneMask {
     hn::Mask<Tag> m;
 };
@@ -23,7 +23,7 @@ HWY_INLINE LaneMask operator&(LaneMask a, LaneMask b) { return {hn::And(a.m, b.m
 HWY_INLINE LaneMask operator|(LaneMask a, LaneMask b) { return {hn::Or(a.m, b.m)}; }
 HWY_INLINE LaneMask operator!(LaneMask a) { return {hn::Not(a.m)}; }
 
-/// As many numbers as an instruction takes: what the formulas in *_kernel.h are given in place of a float.
+/// A SIMD vector of floats, which the formulas in *_kernel.h use in place of a float.
 struct Lane {
     hn::Vec<Tag> v;
 

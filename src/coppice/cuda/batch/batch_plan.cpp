@@ -8,7 +8,7 @@
 namespace coppice::cuda {
 namespace {
 
-// Pieces of one job, of at most so many quads.
+// Adds tiles of one job, each with at most `most` quads.
 void add_pieces(std::vector<BatchRound>& out, IndexRange job, const QuadJob& of, std::size_t most) {
     const std::size_t all = of.cage.face_count();
     for (std::size_t begin = 0; begin < all;) {
@@ -22,8 +22,8 @@ void add_pieces(std::vector<BatchRound>& out, IndexRange job, const QuadJob& of,
 
 std::vector<BatchRound> plan_batch(std::span<const QuadJob> jobs, std::span<const JobBytes> bytes,
                                    std::uint64_t room) {
-    // Vertices are numbered with 31 bits, of which those of a quad take a hundredth.
-    constexpr std::uint64_t kMostVertices = std::uint64_t{1} << 31;
+    // Vertices are numbered with 31 bits; those of one quad are a hundredth of the total.
+    constexpr std::uint64_t kMaxVertices = std::uint64_t{1} << 31;
     std::vector<BatchRound> out;
     const std::uint64_t free = room > kSlackBytes ? room - kSlackBytes : 0;
     std::uint64_t taken = 0, vertices = 0;
@@ -31,15 +31,15 @@ std::vector<BatchRound> plan_batch(std::span<const QuadJob> jobs, std::span<cons
     for (std::size_t i = 0; i < jobs.size(); ++i) {
         const std::uint64_t here = refined_counts(jobs[i].cage, jobs[i].levels).vertices;
         if (bytes[i].sum() > free) {
-            // What lies around the pieces takes more: a fifth, of pieces that are not small.
+            // The quads around the tiles require more memory: about a fifth, unless tiles are small.
             require_room(room, kSlackBytes + bytes[i].field);
-            constexpr std::size_t kLeast = 16;
+            constexpr std::size_t kMin = 16;
             const double share =
                 static_cast<double>(free - bytes[i].field) / (1.2 * static_cast<double>(bytes[i].job));
             const auto most = static_cast<std::size_t>(share * jobs[i].cage.face_count());
-            add_pieces(out, {i, i + 1}, jobs[i], std::max(most, kLeast));
+            add_pieces(out, {i, i + 1}, jobs[i], std::max(most, kMin));
             may_join = false;
-        } else if (may_join && taken + bytes[i].sum() <= free && vertices + here < kMostVertices) {
+        } else if (may_join && taken + bytes[i].sum() <= free && vertices + here < kMaxVertices) {
             out.back().jobs.end = i + 1;
             taken += bytes[i].sum();
             vertices += here;

@@ -9,7 +9,7 @@
 
 namespace coppice::cuda {
 
-/// What a job refers to, of a job that is made from others.
+/// Storage for the data to which a derived job refers.
 struct JobArrays {
     /// See CageView.
     /// @{
@@ -26,7 +26,7 @@ struct JobArrays {
     std::vector<ClipPlane> clips;
     /// @}
 
-    /// Lets a job refer to these, which then must stay as they are.
+    /// Makes a job refer to these arrays, which must not change afterwards.
     void lend(QuadJob& job) const {
         job.cage.quads = quads;
         job.cage.side = side;

@@ -3,13 +3,14 @@
 #include <algorithm>
 
 #include "coppice/base/error.h"
+#include "coppice/base/id.h"
 #include "coppice/cuda/device.h"
 
 namespace coppice::cuda {
 namespace {
 
 std::uint32_t shifted(std::uint32_t index, std::uint32_t by) {
-    return index == CageView::kNone ? index : index + by;
+    return index == kNoIndex ? index : index + by;
 }
 
 template <class T>
@@ -17,16 +18,16 @@ void append(std::vector<T>& to, std::span<const T> values) {
     to.insert(to.end(), values.begin(), values.end());
 }
 
-// Throws before anything of that size is made.
+// Throws before arrays of that size are allocated.
 void check_size(std::span<const QuadJob> jobs) {
-    constexpr std::uint64_t kMost = std::uint64_t{1} << 31;
+    constexpr std::uint64_t kMax = std::uint64_t{1} << 31;
     std::uint64_t vertices = 0, quads = 0;
     for (const QuadJob& job : jobs) {
         const QuadCounts counts = refined_counts(job.cage, job.levels);
         vertices += counts.vertices;
         quads += counts.quads;
     }
-    if (vertices > kMost || quads > kMost)
+    if (vertices > kMax || quads > kMax)
         throw DeviceError("the surfaces have too many vertices for one batch");
 }
 

@@ -10,7 +10,7 @@
 
 namespace coppice::cuda {
 
-/// Where what belongs to one of several jobs begins in what all of them are joined to.
+/// Offsets of the elements of one job in the joined job.
 struct JobOffsets {
     std::uint32_t vertices = 0;  ///< of the cage
     std::uint32_t edges = 0;     ///< of the cage
@@ -18,24 +18,25 @@ struct JobOffsets {
     std::uint32_t regions = 0;   ///< of the field
 };
 
-/// Several jobs as one, each a part of it: their cages lie side by side and have nothing in common, so that
-/// every number comes out as from the job alone. A single job is itself. O(n).
+/// Several jobs as one: their cages are separate components, so that every result equals that of the
+/// individual job. A single job is passed through. O(n).
 class JoinedJobs {
   public:
-    /// Jobs with the same levels and options, one at least, which have to outlive it; `regions` has the
-    /// number of regions of each one's field. Throws DeviceError when there are too many vertices to index.
+    /// Requires at least one job; jobs must have the same levels and options, and must outlive this object.
+    /// `regions` contains the number of regions of each field. Throws DeviceError if there are too many
+    /// vertices to index.
     JoinedJobs(std::span<const QuadJob> jobs, std::span<const std::uint32_t> regions);
     JoinedJobs(const JoinedJobs&) = delete;
     JoinedJobs& operator=(const JoinedJobs&) = delete;
 
-    const QuadJob& job() const { return job_; }               ///< all of them; refers to this object
+    const QuadJob& job() const { return job_; }               ///< the joined job; refers to this object
     std::size_t size() const { return offsets_.size() - 1; }  ///< number of jobs
-    /// Where each one begins, and where the last one ends.
+    /// Start of each job, and end of the last one.
     std::span<const JobOffsets> offsets() const { return offsets_; }
 
-    /// Number of refined vertices of one of them.
+    /// Returns the number of refined vertices of one job.
     std::uint32_t vertex_count(std::size_t job) const;
-    /// Copies what belongs to one of them out of an array over all refined vertices.
+    /// Copies the elements of one job from an array over all refined vertices.
     void copy_part(std::size_t job, std::span<const Vec3> all, std::span<Vec3> out) const;
 
   private:

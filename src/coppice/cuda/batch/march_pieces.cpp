@@ -10,11 +10,11 @@
 namespace coppice::cuda {
 namespace {
 
-// Vertices of hard trees are put back in so many at most, as far as is known.
+// Maximum number of rounds that move vertices back, as observed on difficult trees.
 constexpr int kUsualRounds = 6;
 constexpr unsigned kKeyBits = 51;
 
-/// A vertex of the surface of several pieces.
+/// A vertex of the surface of several tiles.
 struct KeyedVertex {
     std::uint64_t key;
     Vec3 position;
@@ -49,7 +49,7 @@ const TetraPiece* MarchPieces::next() {
     return &*piece_;
 }
 
-std::size_t MarchPieces::middle_of(IndexRange regions) const {
+std::size_t MarchPieces::compute_middle(IndexRange regions) const {
     const auto& first = whole_.coarse().first;
     const std::uint32_t middle = first[regions.begin] + (first[regions.end] - first[regions.begin]) / 2;
     const auto begin = first.begin() + static_cast<std::ptrdiff_t>(regions.begin);
@@ -58,18 +58,18 @@ std::size_t MarchPieces::middle_of(IndexRange regions) const {
 }
 
 bool MarchPieces::split() {
-    // A card is some ten times as fast as the CPU.
-    constexpr std::size_t kMostAround = 10;
+    // A GPU is about ten times as fast as the CPU.
+    constexpr std::size_t kMaxAround = 10;
     const IndexRange regions = pieces_[at_].regions;
-    if (regions.size() < 2 || piece_->mesh().tetra.size() > kMostAround * piece_->own().size()) return false;
-    const std::size_t middle = std::clamp(middle_of(regions), regions.begin + 1, regions.end - 1);
+    if (regions.size() < 2 || piece_->mesh().tetra.size() > kMaxAround * piece_->own().size()) return false;
+    const std::size_t middle = std::clamp(compute_middle(regions), regions.begin + 1, regions.end - 1);
     pieces_[at_] = {{regions.begin, middle}};
     pieces_.insert(pieces_.begin() + static_cast<std::ptrdiff_t>(at_) + 1, Piece{{middle, regions.end}});
     return true;
 }
 
-// Keys are in the order in which march() numbers the vertices: those in fine vertices first, each by the
-// coarse part that it lies in.
+// Keys follow the order in which march() numbers the vertices: those at fine vertices first, then by the
+// coarse element that contains them.
 std::uint64_t MarchPieces::key_of(const SurfacePlace& place, bool is_cut) const {
     constexpr unsigned kIndexBits = 16, kPartBits = 32, kKindBits = 2;
     static_assert(kIndexBits + kPartBits + kKindBits + 1 == kKeyBits);
@@ -139,7 +139,7 @@ MarchResult MarchPieces::join(bool about_axes, const Context& ctx) {
         out.open.insert(out.open.end(), open.begin(), open.end());
         places.insert(places.end(), piece.march.places.begin(), piece.march.places.end());
     }
-    // Where the surface leaves the tetrahedra, no more is said of it.
+    // The report is empty where the surface leaves the tetrahedra.
     if (!out.open.empty()) out.report = {.inside = out.report.inside};
     out.report.tetra = whole_.tetra_count();
     out.report.vertices = whole_.vertex_count();

@@ -13,41 +13,41 @@
 #include "coppice/cuda/tetra/march_input.h"
 #include "coppice/cuda/tetra/march_stages.h"
 
-// march() in tetrahedra that are too many for a card: a piece after the other, whose surfaces are joined.
+// march() on meshes with too many tetrahedra for a GPU: processes tiles in sequence and joins their surfaces.
 
 namespace coppice::cuda {
 
-/// What a piece adds to a surface, on the host. Tetrahedra are numbered as in the piece.
+/// Contribution of a tile to a surface, in host memory. Tetrahedra are numbered as in the tile.
 struct PieceMarch {
-    MarchResult made;                    ///< in its own tetrahedra
-    std::vector<SurfacePlace> vertices;  ///< where those of the mesh lie
-    std::uint32_t moved = 0;             ///< so many of them lie in fine vertices, and the others in edges
+    MarchResult made;                    ///< in the tile's own tetrahedra
+    std::vector<SurfacePlace> vertices;  ///< positions of the mesh vertices in the tetrahedra
+    std::uint32_t moved = 0;             ///< number of vertices at fine vertices; the others are on edges
     std::vector<Vec3> places;            ///< see DeviceMarch
     int rounds = 0;                      ///< see DeviceMarch
 };
 
-/// Cuts tetrahedra into pieces, and joins what was made in each of them to what march() makes in all.
+/// Divides tetrahedra into tiles, and joins the results to the result of march() on all of them.
 class MarchPieces {
   public:
-    /// About so many pieces, of a region at least; the mesh has to outlive this. Throws what TetraRefinement
-    /// throws.
+    /// Creates about `count` tiles of at least one region each; the mesh must outlive this object. Throws the
+    /// exceptions of TetraRefinement.
     MarchPieces(const TetraMesh& mesh, int levels, std::uint64_t count, const Context& ctx = {});
 
-    /// A piece that has to be marched now, until the next call; null when all are done. Some come twice,
-    /// where vertices were put back in more rounds than was thought.
+    /// Returns the next tile to march, valid until the next call; null if all are done. A tile is repeated if
+    /// vertices were moved back in more rounds than assumed.
     const TetraPiece* next();
-    /// Takes the last piece for too large; false where smaller ones would be little but what lies around
-    /// them.
+    /// Divides the last tile because it is too large; returns false if smaller tiles would consist mainly of
+    /// surrounding tetrahedra.
     bool split();
-    /// Takes what the last piece adds.
+    /// Stores the result of the last tile.
     void put(PieceMarch march);
-    /// All of it. Parts without an axis are dropped if there are axes. O(n log n).
+    /// Returns the whole surface. Components without an axis are removed if there are axes. O(n log n).
     MarchResult join(bool about_axes, const Context& ctx = {});
 
   private:
     struct Piece {
         IndexRange regions;
-        int rings = -1;                        // it was marched with; none at first
+        int rings = -1;                        // rings of the last march; -1 at first
         bool is_closed = false;                // see TetraPiece
         std::vector<std::uint64_t> keys = {};  // of its vertices: see key_of()
         PieceMarch march = {};
@@ -55,25 +55,25 @@ class MarchPieces {
 
     int rings() const { return TetraPiece::rings_for(rounds_, whole_.levels()); }
     bool is_done(const Piece& piece) const;
-    std::size_t middle_of(IndexRange regions) const;
+    std::size_t compute_middle(IndexRange regions) const;
     std::uint64_t key_of(const SurfacePlace& place, bool is_cut) const;
     TriMesh join_meshes(const Context& ctx);
 
     TetraRefinement whole_;
-    std::vector<Piece> pieces_;  // by region
-    int rounds_;                 // the most of all pieces, or what is usual
-    std::size_t at_ = 0;         // the last piece
+    std::vector<Piece> pieces_;  // sorted by region
+    int rounds_;                 // maximum over all tiles, at least the usual number
+    std::size_t at_ = 0;         // index of the last tile
     std::optional<TetraPiece> piece_;
 };
 
-/// What marching a piece made, copied to the host. Waits.
+/// Returns the result of marching a tile, copied to the host. Waits.
 template <class Exec>
 PieceMarch downloaded_piece(Exec& exec, const DeviceRefinement& refinement, const DeviceMarch& made) {
     return {downloaded(exec, made), name_vertices(exec, refinement, made.vertices), made.vertices.moved.count,
             made.places, made.rounds};
 }
 
-/// Marches in one piece; `boxes` are those of the whole's regions. Takes all of the executor. Waits.
+/// Marches in one tile; `boxes` are those of the regions of the whole mesh. Resets the executor. Waits.
 template <class Exec>
 PieceMarch march_piece(Exec& exec, const TetraPiece& piece, const MarchInput& in, std::span<const Box3> boxes,
                        const Context& ctx) {
@@ -97,8 +97,8 @@ PieceMarch march_piece(Exec& exec, const TetraPiece& piece, const MarchInput& in
     return out;
 }
 
-/// march() in pieces as large as the executor has room for: the same bits as in one. Throws DeviceFull where
-/// that would be slower than the CPU. Takes all of the executor. Waits.
+/// Executes march() in tiles as large as the memory of the executor allows; the result is bit-identical to
+/// that of march(). Throws DeviceFull if this would be slower than the CPU. Resets the executor. Waits.
 template <class Exec>
 MarchResult march_in_pieces(Exec& exec, const MarchInput& in, const Context& ctx = {}) {
     check(in.options);

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
+#include "coppice/base/id.h"
+
 namespace coppice::cuda {
 namespace {
 
-constexpr std::uint32_t kNone = CageView::kNone;
-
-// Copies values to where a row of as many begins.
+// Copies values to the start of `to`.
 void put_row(std::span<const Vec3> row, std::span<Vec3> to) { std::copy(row.begin(), row.end(), to.begin()); }
 
 }  // namespace
@@ -60,7 +60,7 @@ ChosenNumbers QuadPiece::vertices_of_faces() const {
     for (const std::uint32_t f : faces_) {
         for (const std::uint32_t v : whole_.cage.quads[f]) chosen.add(v);
     }
-    // Those without quads go with the first piece.
+    // Vertices without quads belong to the first tile.
     for (std::uint32_t v = 0; own_.begin == 0 && v < whole_.cage.vertex_count(); ++v) {
         if (whole_.cage.fan(v).empty()) chosen.add(v);
     }
@@ -89,7 +89,7 @@ void QuadPiece::take_faces() {
 }
 
 std::uint32_t QuadPiece::local_half(std::uint32_t half) const {
-    return half == kNone || !faces_.has(half >> 2) ? kNone : 4 * faces_.place(half >> 2) + (half & 3);
+    return half == kNoIndex || !faces_.has(half >> 2) ? kNoIndex : 4 * faces_.place(half >> 2) + (half & 3);
 }
 
 void QuadPiece::take_vertices() {
@@ -98,21 +98,22 @@ void QuadPiece::take_vertices() {
         arrays_.anchors.push_back(whole_.anchors[v]);
         arrays_.fan_first.push_back(static_cast<std::uint32_t>(arrays_.fan_half.size()));
         for (const std::uint32_t half : whole_.cage.fan(v)) {
-            if (const std::uint32_t here = local_half(half); here != kNone) arrays_.fan_half.push_back(here);
+            if (const std::uint32_t here = local_half(half); here != kNoIndex)
+                arrays_.fan_half.push_back(here);
         }
     }
     arrays_.fan_first.push_back(static_cast<std::uint32_t>(arrays_.fan_half.size()));
 }
 
-// Where quads are missing there is a boundary.
+// Edges with a missing quad are on the boundary.
 void QuadPiece::take_edges() {
     arrays_.on_boundary.resize(vertices_.size(), 0);
     for (const std::uint32_t e : edges_) {
         const std::uint32_t forward = local_half(whole_.cage.edge_half[e][0]);
         const std::uint32_t backward = local_half(whole_.cage.edge_half[e][1]);
         arrays_.edge_half.push_back({forward, backward});
-        if (forward != kNone && backward != kNone) continue;
-        const std::uint32_t half = forward != kNone ? forward : backward;
+        if (forward != kNoIndex && backward != kNoIndex) continue;
+        const std::uint32_t half = forward != kNoIndex ? forward : backward;
         const Quad& quad = arrays_.quads[half >> 2];
         arrays_.on_boundary[quad[half & 3]] = arrays_.on_boundary[quad[(half + 1) & 3]] = 1;
     }

@@ -12,30 +12,31 @@
 
 namespace coppice::cuda {
 
-/// A piece of a job that is too large for a card: some consecutive quads of its cage, and as many around them
-/// as it takes for every vertex of theirs to be subdivided and moved as in the whole, to the bit. What is
-/// around them comes out wrong, and is not looked at.
+/// A tile of a job that is too large for a GPU: some consecutive quads of its cage, and enough quads around
+/// them that every vertex of its own quads is subdivided and moved bit-identically to the whole. The results
+/// of the surrounding quads are invalid and unused.
 ///
-/// Subdivision of a quad looks at the quads about its corners; a relaxation at the quads around, and where
-/// one of these is of a flat end at all of that: so there are as many rings of quads around as there are
-/// relaxations, and one more, and no flat end is cut. Unfolding spreads as far as there are folds: it has to
-/// be done on the whole.
+/// Subdivision of a quad depends on the quads around its corners; a relaxation depends on the adjacent quads,
+/// and for quads of a flat end on the whole end. The tile therefore contains one ring of quads more than
+/// there are relaxations, and no flat end is divided. Unfolding has no limited range and must be done on the
+/// whole.
 class QuadPiece {
   public:
-    /// Quads of a whole that outlives it, which cut no flat end: see cut(). O(whole), a bit for each quad and
-    /// two numbers for each vertex and edge; then O(piece).
+    /// Selects the quads `own` of a whole job, which must outlive this object; they must not divide a flat
+    /// end: see cut(). O(whole), with one bit for each quad and two numbers for each vertex and edge; then
+    /// O(tile).
     QuadPiece(const QuadJob& whole, IndexRange own);
     QuadPiece(const QuadPiece&) = delete;
     QuadPiece& operator=(const QuadPiece&) = delete;
 
-    const QuadJob& job() const { return job_; }  ///< the piece; refers to this object
-    IndexRange own() const { return own_; }      ///< its quads
-    /// Copies what belongs to its quads from an array over the vertices of the refined piece to one over
-    /// those of the refined whole. All pieces together write each place once.
+    const QuadJob& job() const { return job_; }  ///< the tile; refers to this object
+    IndexRange own() const { return own_; }      ///< quads of the tile itself
+    /// Copies the values of its own quads from an array over the vertices of the refined tile to one over
+    /// those of the refined whole. All tiles together write each element once.
     void put(std::span<const Vec3> of_piece, std::span<Vec3> of_whole) const;
 
-    /// A number of quads near `wanted` at which the quads of a job can be cut, in (begin, end) if there is
-    /// one; else `end`.
+    /// Returns a number of quads near `wanted` at which the quads of a job can be divided, in (begin, end) if
+    /// there is one; otherwise `end`.
     static std::size_t cut(std::span<const ClipPlane> clips, IndexRange quads, std::size_t wanted);
 
   private:

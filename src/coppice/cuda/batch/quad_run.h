@@ -19,25 +19,25 @@
 
 namespace coppice::cuda {
 
-/// Jobs on an executor from beginning to end: all of them as one where there is room, else in rounds of as
-/// many as fit, and a job that does not fit by itself in pieces. Whatever the rounds are, positions are the
-/// same to the bit, but that jobs in pieces are not unfolded: see QuadReport.
+/// Executes jobs completely: all of them as one if they fit into memory, otherwise in rounds of as many as
+/// fit, and a job that does not fit by itself in tiles. Positions are bit-identical for any rounds, except
+/// that jobs in tiles are not unfolded: see QuadReport.
 template <class Exec>
 class QuadRun {
   public:
-    /// The executor must outlive it.
+    /// The executor must outlive this object.
     explicit QuadRun(Exec& exec, const Context& ctx = {}) : exec_(exec), ctx_(ctx) {}
 
-    /// Sends jobs, or the first round of them, and begins with it. Jobs and fields must outlive finish();
-    /// they have the same levels and options, and their fields the same options. Throws DeviceError where the
-    /// executor has too little memory, as do the others.
+    /// Uploads the jobs, or the first round of them, and starts the work. Jobs and fields must outlive
+    /// finish(); they must have the same levels and options, and their fields the same options. Throws
+    /// DeviceError if the executor has too little memory; the other functions do as well.
     void begin(std::span<const QuadTask> tasks) {
         clear();
         std::vector<JobBytes> bytes;
         for (const QuadTask& task : tasks) {
             const ConvolutionField& field = *task.field;
             const std::uint64_t entries =
-                field.own_lists().segments.size() + field.rival_lists().segments.size();
+                field.own_lists().segments.size() + field.competitor_lists().segments.size();
             jobs_.push_back(task.job);
             fields_.push_back(&field);
             region_counts_.push_back(field.region_count());
@@ -47,9 +47,9 @@ class QuadRun {
         if (!tasks.empty()) kernel_ = fields_.front()->kernel();
         if (!rounds_.empty()) start();
     }
-    /// The same with fields without regions: what counts in each is found first, which waits. One of
-    /// `contacts` for each job. False where that has to be done on the CPU: where lists are too long, or
-    /// there is not room for all jobs at once.
+    /// Starts jobs with fields without regions: first finds the active segments of each region, which waits.
+    /// `contacts` has one element for each job. Returns false if this must be done on the CPU because lists
+    /// are too long or not all jobs fit at once.
     bool begin(std::span<const QuadJob> jobs, std::span<const ContactInput> contacts) {
         COPPICE_ASSERT(jobs.size() == contacts.size());
         clear();
@@ -73,7 +73,7 @@ class QuadRun {
         return true;
     }
 
-    /// Does all that is left to do, and copies back what came out: one of `out` for each job.
+    /// Completes the remaining work and copies the results; `out` has one element for each job.
     std::vector<QuadReport> finish(std::span<const QuadPlaces> out) {
         COPPICE_ASSERT(out.size() == jobs_.size());
         std::vector<QuadReport> reports(jobs_.size());
@@ -95,8 +95,9 @@ class QuadRun {
         return reports;
     }
 
-    /// The work of begin() and finish() once more from what lies with the executor, for measuring: with
-    /// normals and quads, but without copying them back. Waits. After finish(), of jobs that were one round.
+    /// Repeats the work of begin() and finish() with the data on the executor, for measurements: including
+    /// normals and quads, but without copying results. Waits. Requires that finish() was called and the jobs
+    /// took one round.
     void repeat() {
         COPPICE_ASSERT(stages_.has_value() && round_count_ == 1);
         stages_->make_room();
@@ -120,13 +121,13 @@ class QuadRun {
         exec_.rewind(before);
     }
 
-    std::size_t round_count() const { return round_count_; }  ///< that the jobs took, so far
+    std::size_t round_count() const { return round_count_; }  ///< number of rounds of the jobs so far
 
-    /// The stages of the last round.
+    /// Returns the stages of the last round.
     QuadStages<Exec>& stages() { return *stages_; }
 
   private:
-    // What the lists of a field are made of, where the executor makes them.
+    // Data from which the lists of a field are computed, if the executor computes them.
     struct Contacts {
         ContactTables tables;
         ContactGeometry geometry;
@@ -156,7 +157,7 @@ class QuadRun {
         for (const BatchRound& round : rounds) {
             std::uint64_t sum = kSlackBytes;
             for (std::size_t i = round.jobs.begin; i < round.jobs.end; ++i) sum += bytes[i].sum();
-            // Pieces take what there is: one may be larger than the one before.
+            // Tiles use all available memory: one may be larger than the previous one.
             reserved_ = std::max(reserved_, round.is_piece ? room : sum);
         }
     }
@@ -165,15 +166,16 @@ class QuadRun {
         const ConvolutionField& field = inputs.front().field;
         const ContactTables tables = upload_contacts(exec_, contact_topology(inputs));
         const ContactGeometry geometry = upload_geometry(exec_, inputs);
-        const std::span<const std::uint32_t> order = rival_order(exec_, tables, geometry);
+        const std::span<const std::uint32_t> order = competitor_order(exec_, tables, geometry);
         const ContactsFound found =
             find_contacts(exec_, tables, geometry, order, usual_room(tables.tubes.size()));
         contacts_ = {tables, geometry, order, found.arrays};
-        field_ = {geometry.segments, found.lists.own, found.lists.rivals, field.blend(), field.contact()};
+        field_ = {geometry.segments, found.lists.own, found.lists.competitors, field.blend(),
+                  field.contact()};
         return !found.state.is_cut;
     }
 
-    // Begins with the first of the rounds that are left.
+    // Starts the first of the remaining rounds.
     void start() {
         send_fields(rounds_.front().jobs);
         const QuadJob& job = rounds_.front().is_piece ? next_piece() : next_jobs();
@@ -258,13 +260,13 @@ class QuadRun {
     Exec& exec_;
     Context ctx_;
     std::vector<QuadJob> jobs_;
-    std::vector<const ConvolutionField*> fields_;  // of the jobs, unless the executor makes the lists
+    std::vector<const ConvolutionField*> fields_;  // of the jobs, unless the executor computes the lists
     std::vector<std::uint32_t> region_counts_;     // of the fields of the jobs
     std::vector<JobBytes> bytes_;                  // of the jobs
-    std::deque<BatchRound> rounds_;                // that are left, the one begun first
+    std::deque<BatchRound> rounds_;                // remaining rounds, the started one first
     std::size_t round_count_ = 0;
     std::uint64_t reserved_ = 0;
-    IndexRange sent_;  // the jobs whose fields lie with the executor
+    IndexRange sent_;  // the jobs with fields on the executor
     typename Exec::Mark after_field_{};
     KernelConstants kernel_;
     FieldArrays field_;

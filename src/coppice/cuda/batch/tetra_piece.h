@@ -11,33 +11,37 @@
 
 namespace coppice::cuda {
 
-/// A piece of tetrahedra that are too many for a card: those of some consecutive regions, which are its own,
-/// and rings of others around them. Vertices, tetrahedra and regions keep their order, so that coarse parts
-/// are numbered in the same order and cut in the same way as in the whole.
+/// A tile of a tetrahedral mesh that is too large for a GPU: the tetrahedra of some consecutive regions,
+/// which are its own, and rings of others around them. Vertices, tetrahedra and regions keep their order, so
+/// that coarse elements are numbered in the same order and subdivided in the same way as in the whole mesh.
 ///
-/// What march() finds at a fine vertex depends on the tetrahedra that have it, but for what was put back:
-/// that goes by one fine edge with each round. So all of it is right inside, as far as rings_for() says.
+/// The result of march() at a fine vertex depends on the tetrahedra that contain it, except for vertices that
+/// are moved back: that effect spreads by one fine edge in each round. The interior is therefore correct as
+/// far as rings_for() states.
 class TetraPiece {
   public:
-    /// How many rings there have to be around a piece for its own part of the surface to come out as in the
-    /// whole, to the bit, where vertices are put back in so many rounds.
+    /// Returns the number of rings around a tile that makes its own portion of the surface bit-identical to
+    /// that of the whole mesh, if vertices are moved back in `rounds` rounds.
     ///
-    /// Tetrahedra of all rings but the last have all others about them, so that their vertices begin right.
-    /// Call a coarse vertex as far as the number of the first ring that has it, and own ones 0: as a linear
-    /// function in each tetrahedron this changes by 2 / 2^levels at most along a fine edge, by 1 where levels
-    /// is 0. Each round, and looking at the last one's outcome, takes one such edge.
+    /// Tetrahedra of all rings except the last have all their neighbours, so that their vertices are
+    /// initially correct. Define the distance of a coarse vertex as the number of the first ring that
+    /// contains it, and 0 for own vertices: as a linear function in each tetrahedron it changes by at most 2
+    /// / 2^levels along a fine edge, and by 1 if levels is 0. Each round, and the evaluation of the last one,
+    /// spreads by one such edge.
     static int rings_for(int rounds, int levels);
 
-    /// Of a whole that outlives this. O(piece), and a bit for each coarse vertex and tetrahedron.
+    /// Selects regions of a whole mesh, which must outlive this object. O(tile), and one bit for each coarse
+    /// vertex and tetrahedron.
     TetraPiece(const TetraRefinement& whole, IndexRange regions, int rings);
 
-    const TetraMesh& mesh() const { return mesh_; }  ///< the piece
-    IndexRange own() const { return own_; }          ///< its own tetrahedra, in the piece
-    /// Whether it is all that hangs together with its own tetrahedra, so that nothing in it is wrong.
+    const TetraMesh& mesh() const { return mesh_; }  ///< the tile
+    IndexRange own() const { return own_; }          ///< its own tetrahedra, numbered in the tile
+    /// Returns whether the tile is the whole connected component of its own tetrahedra, so that all of its
+    /// results are correct.
     bool is_closed() const { return is_closed_; }
-    std::uint32_t tetra(std::uint32_t i) const { return tetra_[i]; }     ///< the number in the whole
-    std::span<const std::uint32_t> regions() const { return regions_; }  ///< their numbers in the whole
-    /// Those of some rows, one for each region of the whole or none at all, that belong to its regions.
+    std::uint32_t tetra(std::uint32_t i) const { return tetra_[i]; }     ///< number in the whole mesh
+    std::span<const std::uint32_t> regions() const { return regions_; }  ///< numbers in the whole mesh
+    /// Returns the rows of its regions, given one row for each region of the whole mesh, or no rows.
     CompressedRows<std::uint32_t> rows(const CompressedRows<std::uint32_t>& of_whole) const;
 
   private:

@@ -13,7 +13,7 @@ namespace {
 using cuda::CudaExecutor;
 using cuda::DrawnVertices;
 
-// Memory that frames take, about.
+// Returns the approximate memory for frames.
 std::uint64_t bytes_of(const cuda::DragJob& job) {
     return cuda::kSlackBytes + cuda::bytes_of_job(job.quads) +
            cuda::bytes_of_contacts(job.contacts.field.segments().size(),
@@ -32,7 +32,7 @@ struct DeviceDrag::Impl {
     CudaExecutor exec;
     std::optional<cuda::SharedBuffers> shared;
     std::optional<cuda::DragStages<CudaExecutor>> stages;
-    DrawnVertices own;  // where there are no buffers
+    DrawnVertices own;  // used without shared buffers
     KernelConstants kernel;
 
     Impl(int number, const Context& ctx) : device(number), name(require_device(number).name), exec(ctx) {}

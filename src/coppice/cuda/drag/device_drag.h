@@ -11,39 +11,40 @@
 
 namespace coppice {
 
-/// Buffers of OpenGL that a surface is drawn from, three floats for each vertex.
+/// OpenGL buffers from which a surface is drawn, with three floats per vertex.
 struct DrawnBuffers {
     std::uint32_t positions = 0;  ///< name of a buffer object
     std::uint32_t normals = 0;    ///< name of a buffer object
 };
 
-/// The card that draws in the OpenGL context that is current, as CUDA counts them; -1 where it knows of none.
+/// Returns the CUDA number of the GPU that draws in the current OpenGL context; -1 if CUDA does not know one.
 int drawing_device();
 
-/// Makes the frames of a surface of which a part moves on a card, and writes them straight into the buffers
-/// that it is drawn from. Topology is the same as on the CPU, positions agree within 1e-4 of the local
-/// radius. Memory is taken once, but where the field's lists grow.
+/// Computes the frames of a partially moving surface on a GPU, and writes them directly into the buffers from
+/// which it is drawn. Topology is the same as on the CPU, positions agree within 1e-4 of the local radius.
+/// Memory is allocated once, except if the lists of the field grow.
 class DeviceDrag {
   public:
-    /// Of the card that CUDA gives this number. Throws DeviceError where there is none, or this build has no
-    /// kernels.
+    /// Uses the GPU with this CUDA number. Throws DeviceError if there is no such GPU, or this build contains
+    /// no kernels.
     explicit DeviceDrag(int device, const Context& ctx = {});
-    ~DeviceDrag();  ///< gives buffers and memory back; the context of the buffers is current
-    DeviceDrag(const DeviceDrag&) = delete;             ///< it holds what is on the card
-    DeviceDrag& operator=(const DeviceDrag&) = delete;  ///< it holds what is on the card
+    ~DeviceDrag();  ///< releases buffers and memory; the OpenGL context of the buffers must be current
+    DeviceDrag(const DeviceDrag&) = delete;             ///< owns device memory
+    DeviceDrag& operator=(const DeviceDrag&) = delete;  ///< owns device memory
 
-    const std::string& name() const;  ///< of the card, as its maker calls it
+    const std::string& name() const;  ///< name of the GPU as reported by the driver
 
-    /// From now on frames are written into these buffers, of which all that frames do not write stays. Their
-    /// context is current here and in make(). Throws DeviceError where the card does not draw from them.
+    /// Writes later frames into these buffers; elements that frames do not write are preserved. The OpenGL
+    /// context of the buffers must be current here and in make(). Throws DeviceError if the GPU does not draw
+    /// from them.
     void attach(const DrawnBuffers& buffers);
-    /// Copies all that stays the same, and makes the frame at rest. The job must outlive this. Throws
-    /// DeviceError where the card has too little memory or cannot make the field's lists.
+    /// Copies all constant data and computes the frame at rest. The job must outlive this object. Throws
+    /// DeviceError if the GPU has too little memory or cannot compute the lists of the field.
     void begin(const cuda::DragJob& job, const cuda::DragMoves& rest);
-    /// Makes a frame, and waits for it. Throws DeviceError when the card failed.
+    /// Computes a frame and waits for it. Throws DeviceError if the GPU failed.
     void make(const cuda::DragMoves& moves);
-    /// Copies back what the last frame wrote: the first positions and normals, as many as there are places.
-    /// Only without buffers.
+    /// Copies the first positions.size() positions and normals.size() normals of the last frame. Only without
+    /// shared buffers.
     void download(std::span<Vec3> positions, std::span<Vec3> normals);
 
   private:

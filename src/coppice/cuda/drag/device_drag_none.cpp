@@ -11,7 +11,7 @@ struct DeviceDrag::Impl {
 DeviceDrag::DeviceDrag(int device, const Context&) { require_device(device); }
 DeviceDrag::~DeviceDrag() = default;
 
-// Without a card there is no object to call these of.
+// Without a GPU the constructor throws, so these are never called.
 const std::string& DeviceDrag::name() const { return impl_->name; }
 void DeviceDrag::attach(const DrawnBuffers&) {}
 void DeviceDrag::begin(const cuda::DragJob&, const cuda::DragMoves&) {}

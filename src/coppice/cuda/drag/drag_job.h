@@ -11,34 +11,35 @@
 
 namespace coppice::cuda {
 
-/// A surface of which a part is made anew in every frame, and all that stays the same meanwhile. What it
-/// refers to has to outlive what it is given to.
+/// A surface with a portion that is recomputed in every frame, and all data that remains constant. Referenced
+/// data must outlive the object that uses the job.
 struct DragJob {
-    QuadJob quads;          ///< the cage of the part at rest; folds are left alone
-    ContactInput contacts;  ///< the whole skeleton at rest with its tubes, and the part as control mesh
+    QuadJob quads;  ///< the cage of the moving portion at rest; without unfolding
+    ContactInput
+        contacts;  ///< the whole skeleton at rest with its tubes, and the moving portion as control mesh
 
-    /// What moves, ascending.
+    /// Moving elements, ascending.
     /// @{
-    std::span<const std::uint32_t> nodes;       ///< of the skeleton, each with all that hangs on it
+    std::span<const std::uint32_t> nodes;       ///< of the skeleton, each with all its descendants
     std::span<const std::uint32_t> tube_nodes;  ///< of the tubes
-    std::span<const std::uint32_t> vertices;    ///< of the part's cage
+    std::span<const std::uint32_t> vertices;    ///< of the cage of the portion
     /// @}
 
     /// Vertices as they are drawn: first those that are written, then others that are shaded, then the rest.
     /// @{
     std::span<const Vec3> drawn;               ///< [m] all of them, at rest
-    std::span<const std::uint32_t> from;       ///< per written one: the refined vertex of the part
-    std::span<const std::uint32_t> fan_first;  ///< per shaded one, and one more: where its fan begins
-    std::span<const std::uint32_t> fan_quads;  ///< fan by fan
+    std::span<const std::uint32_t> from;       ///< per written vertex: the refined vertex of the portion
+    std::span<const std::uint32_t> fan_first;  ///< per shaded vertex, plus one: start of its fan
+    std::span<const std::uint32_t> fan_quads;  ///< concatenated fans
     std::span<const Quad> quads_about;         ///< the quads of the fans, by drawn vertices
-    std::size_t written() const { return from.size(); }          ///< how many drawn vertices move
-    std::size_t shaded() const { return fan_first.size() - 1; }  ///< how many have another normal
+    std::size_t written() const { return from.size(); }          ///< number of drawn vertices that move
+    std::size_t shaded() const { return fan_first.size() - 1; }  ///< number of vertices with changing normals
     /// @}
 };
 
-/// A node that moved, and the segment that ends there, as a card reads them.
+/// A node that moved, and the segment that ends there, in the layout of the GPU.
 struct alignas(16) MovedNode {
-    kernel::SegmentConstants<float> segment;  ///< as it is now
+    kernel::SegmentConstants<float> segment;  ///< its current constants
     Vec3 position;                            ///< [m]
 };
 static_assert(sizeof(MovedNode) == 64);
@@ -49,15 +50,15 @@ struct MovedVertex {
     Vec3 anchor;    ///< [m]
 };
 
-/// Where everything is that moves, in the order of the job's lists.
+/// Positions of all moving elements, in the order of the lists of the job.
 struct DragMoves {
     std::span<const MovedNode> nodes;       ///< of DragJob::nodes
     std::span<const Vec3> tube_nodes;       ///< [m] of DragJob::tube_nodes
     std::span<const MovedVertex> vertices;  ///< of DragJob::vertices
-    std::span<const ClipPlane> clips;       ///< all flat ends of the part
+    std::span<const ClipPlane> clips;       ///< all flat ends of the portion
 };
 
-/// Where vertices are drawn from, in the memory of an executor.
+/// Vertices from which a surface is drawn, in the memory of an executor.
 struct DrawnVertices {
     std::span<Vec3> positions;  ///< [m] all of them; those that are not written are at rest
     std::span<Vec3> normals;    ///< at least those that are shaded

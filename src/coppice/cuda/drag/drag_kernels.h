@@ -11,7 +11,7 @@
 
 namespace coppice::cuda {
 
-/// Puts nodes and their segments where they moved to.
+/// Writes the new positions of nodes and their segments.
 struct PlaceNodes {
     std::span<const std::uint32_t> which;
     std::span<const MovedNode> moved;
@@ -23,7 +23,7 @@ struct PlaceNodes {
     }
 };
 
-/// Puts nodes of tubes where they moved to.
+/// Writes the new positions of nodes of tubes.
 struct PlaceTubes {
     std::span<const std::uint32_t> which;
     std::span<const Vec3> moved;
@@ -31,7 +31,7 @@ struct PlaceTubes {
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const { nodes[which[i]] = moved[i]; }
 };
 
-/// Puts vertices of a cage and their anchors where they moved to.
+/// Writes the new positions of vertices of a cage and their anchors.
 struct PlaceVertices {
     std::span<const std::uint32_t> which;
     std::span<const MovedVertex> moved;
@@ -42,7 +42,7 @@ struct PlaceVertices {
     }
 };
 
-/// Puts refined vertices where they are drawn from.
+/// Copies refined vertices to the drawn vertices.
 struct WriteDrawn {
     std::span<const std::uint32_t> from;
     std::span<const Vec3> refined;
@@ -50,7 +50,7 @@ struct WriteDrawn {
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const { drawn[i] = refined[from[i]]; }
 };
 
-/// The normals of drawn vertices.
+/// Computes the normals of drawn vertices.
 struct ShadeDrawn {
     std::span<const std::uint32_t> first, fans;
     std::span<const Quad> quads;

@@ -12,17 +12,17 @@
 
 namespace coppice::cuda {
 
-/// The stages of a frame in which a part of a surface is made anew, in the memory of an executor: what moved
-/// is put into place, the lists of the field are found, the cage of the part is refined, moved onto the
-/// field, written to where it is drawn from, and shaded. All that stays is copied once.
+/// The stages of a frame that recomputes a portion of a surface, in the memory of an executor: writes moved
+/// elements, finds the lists of the field, refines the cage of the portion, moves it onto the field, copies
+/// it to the drawn vertices, and shades it. Constant data is copied once.
 ///
 /// Topology is that of PatchRefinement, positions agree with project() to 1e-4 of the local radius.
 template <class Exec>
 class DragStages {
   public:
-    /// Everything is at rest. The executor must outlive it and is used by nobody else; so must what the job
-    /// refers to. `room` is for the field's lists, which have more where they need it; the usual one where it
-    /// is left out.
+    /// Starts at rest. The executor must outlive this object and must not be used otherwise; the data of the
+    /// job must outlive it as well. `room` is the initial room for the lists of the field, by default the
+    /// usual one; it grows as required.
     DragStages(Exec& exec, const DragJob& job, const std::optional<ListRoom>& room = {})
         : exec_(exec),
           counts_{job.quads.clips.size(), job.written(), job.shaded()},
@@ -31,8 +31,8 @@ class DragStages {
           segments_(copied<DeviceSegment>(device_segments(job.contacts.field))),
           nodes_(copied<Vec3>(job.contacts.skeleton.positions())),
           tube_nodes_(copied<Vec3>(job.contacts.tubes.tree.positions())),
-          geometry_(geometry_of(job.contacts)),
-          order_(rival_order(exec, tables_, geometry_)),
+          geometry_(compute_geometry(job.contacts)),
+          order_(competitor_order(exec, tables_, geometry_)),
           room_(room.value_or(usual_room(tables_.tubes.size()))),
           blend_(job.contacts.field.blend()),
           contact_(job.contacts.field.contact()),
@@ -43,8 +43,8 @@ class DragStages {
         before_ = exec.mark();
     }
 
-    /// Begins a frame, and does not wait for it. `project(quads, field)` moves refined
-    /// vertices onto a field: see QuadStages::project. What it writes is of use once has_room().
+    /// Begins a frame, and does not wait for it. `project(quads, field)` moves refined vertices onto a field:
+    /// see QuadStages::project. The result is valid if has_room() returns true.
     template <class Project>
     void begin(const DragMoves& moves, const DrawnVertices& drawn, const Project& project) {
         exec_.rewind(before_);
@@ -54,24 +54,25 @@ class DragStages {
         exec_.replay(launches_, [&] {
             lists_ = begin_contacts(exec_, tables_, geometry_, order_, room_);
             quads_.refine();
-            project(quads_, FieldArrays{segments_, lists_.own, lists_.rivals, blend_, contact_});
+            project(quads_, FieldArrays{segments_, lists_.own, lists_.competitors, blend_, contact_});
             exec_.each("write drawn", counts_.written,
                        WriteDrawn{from_, quads_.positions(), shade_.drawn.positions});
             exec_.each("shade drawn", counts_.shaded, shade_);
         });
     }
 
-    /// Waits for the frame. False where the field's lists had too little room: they have more the next time,
-    /// and the frame has to be begun again. Throws DeviceError where the CPU has to make the lists.
+    /// Waits for the frame. Returns false if the lists of the field had too little room: the room is then
+    /// increased, and the frame must be started again. Throws DeviceError if the CPU has to compute the
+    /// lists.
     bool has_room() {
         const ListState state = state_of(exec_, lists_);
         if (state.is_cut)
-            throw DeviceError("more branches meet at one place than lists on the device can hold");
+            throw DeviceError("more branches meet at one place than the lists on the device can store");
         if (state.fits(room_)) return true;
-        // A little more than is asked for now, since branches go on moving.
+        // Slightly more than currently required, because branches continue to move.
         constexpr std::uint32_t kShare = 8;
         room_ = grown(room_, state);
-        room_ = {room_.own + room_.own / kShare, room_.rivals + room_.rivals / kShare};
+        room_ = {room_.own + room_.own / kShare, room_.competitors + room_.competitors / kShare};
         launches_.clear();
         return false;
     }
@@ -94,7 +95,7 @@ class DragStages {
         exec_.write(values, out);
         return out;
     }
-    ContactGeometry geometry_of(const ContactInput& input) {
+    ContactGeometry compute_geometry(const ContactInput& input) {
         const PointPair cage = quads_.cage_points();
         return {segments_,
                 input.field.reach(),
@@ -132,7 +133,7 @@ class DragStages {
     std::span<const std::uint32_t> from_;
     ShadeDrawn shade_;
     typename Exec::Mark before_{};
-    typename Exec::Recording launches_;  // of all frames alike
+    typename Exec::Recording launches_;  // of all frames with equal buffers
     DeviceLists lists_;
 };
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// The header of the interoperation includes that of OpenGL, for the name of a type.
+// The header of the interoperation includes the header of OpenGL, for the name of a type.
 #include <cuda_gl_interop.h>
 
 #include <array>
@@ -13,21 +13,21 @@
 
 namespace coppice::cuda {
 
-/// Buffers of OpenGL that CUDA knows.
+/// OpenGL buffers that are registered with CUDA.
 class SharedBuffers {
   public:
-    /// see coppice::drawing_device()
+    /// See coppice::drawing_device().
     static int drawing_device() {
         unsigned count = 0;
         int device = -1;
         if (cudaGLGetDevices(&count, &device, 1, cudaGLDeviceListAll) == cudaSuccess && count > 0)
             return device;
-        cudaGetLastError();  // it is told by what is returned
+        cudaGetLastError();  // the return value reports the error
         return -1;
     }
-    /// Throws DeviceError where the card does not draw from them.
+    /// Throws DeviceError if the GPU does not draw from them.
     explicit SharedBuffers(const DrawnBuffers& names) {
-        // What a frame does not write has to stay: not to be discarded.
+        // Elements that a frame does not write must be preserved, so the contents may not be discarded.
         constexpr unsigned kKeep = cudaGraphicsRegisterFlagsNone;
         check(cudaGraphicsGLRegisterBuffer(&buffers_[0], names.positions, kKeep), "share a buffer of OpenGL");
         const cudaError_t second = cudaGraphicsGLRegisterBuffer(&buffers_[1], names.normals, kKeep);
@@ -40,8 +40,8 @@ class SharedBuffers {
     SharedBuffers(const SharedBuffers&) = delete;
     SharedBuffers& operator=(const SharedBuffers&) = delete;
 
-    /// Calls write(vertices) while the buffers are the card's: what OpenGL was told before comes before what
-    /// the executor is told by it, and what OpenGL is told later comes after.
+    /// Calls write(vertices) while the buffers are mapped: earlier OpenGL commands finish before work that
+    /// `write` starts on the executor, and later ones run after it.
     template <class Write>
     void lend(CudaExecutor& exec, const Write& write) {
         Mapped mapped(buffers_, exec.stream());
@@ -53,11 +53,11 @@ class SharedBuffers {
     using Pair = std::array<cudaGraphicsResource_t, 2>;  // positions, normals
     static constexpr int kCount = 2;
 
-    // Gives them back also where something throws.
+    // Unmaps the buffers also after an exception.
     class Mapped {
       public:
         Mapped(Pair& buffers, cudaStream_t stream) : buffers_(buffers), stream_(stream) {
-            check(cudaGraphicsMapResources(kCount, buffers_.data(), stream_), "take over buffers of OpenGL");
+            check(cudaGraphicsMapResources(kCount, buffers_.data(), stream_), "map buffers of OpenGL");
         }
         ~Mapped() {
             if (is_mapped_) cudaGraphicsUnmapResources(kCount, buffers_.data(), stream_);
@@ -67,8 +67,7 @@ class SharedBuffers {
 
         void give_back() {
             is_mapped_ = false;
-            check(cudaGraphicsUnmapResources(kCount, buffers_.data(), stream_),
-                  "give back buffers of OpenGL");
+            check(cudaGraphicsUnmapResources(kCount, buffers_.data(), stream_), "unmap buffers of OpenGL");
         }
 
       private:
@@ -80,7 +79,7 @@ class SharedBuffers {
     static std::span<Vec3> vertices_of(cudaGraphicsResource_t buffer) {
         void* begin = nullptr;
         std::size_t bytes = 0;
-        check(cudaGraphicsResourceGetMappedPointer(&begin, &bytes, buffer), "reach a buffer of OpenGL");
+        check(cudaGraphicsResourceGetMappedPointer(&begin, &bytes, buffer), "access a buffer of OpenGL");
         return {static_cast<Vec3*>(begin), bytes / sizeof(Vec3)};
     }
 

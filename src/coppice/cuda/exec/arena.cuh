@@ -8,8 +8,8 @@
 
 namespace coppice::cuda {
 
-/// Memory of one kind that is handed out from the front and given back from the end. What a first round took
-/// in several pieces is one piece after reset(), so that rounds alike allocate nothing.
+/// Stack allocator for one kind of memory. After reset(), memory that the first round took in several blocks
+/// is a single block, so that later equal rounds allocate no memory.
 template <class Kind>
 class Arena {
   public:
@@ -18,13 +18,13 @@ class Arena {
     Arena& operator=(const Arena&) = delete;
     ~Arena() { release_all(); }
 
-    /// How much was taken; see rewind().
+    /// Amount of memory taken; see rewind().
     struct Mark {
         std::size_t piece = 0, used = 0, total = 0;
         friend bool operator==(const Mark&, const Mark&) = default;
     };
 
-    /// Memory that begins at a multiple of 256 bytes.
+    /// Returns memory aligned to 256 bytes.
     std::byte* take(std::size_t bytes) {
         bytes = (bytes + kAlignment - 1) / kAlignment * kAlignment;
         while (at_.piece < pieces_.size() && pieces_[at_.piece].size - at_.used < bytes)
@@ -37,10 +37,9 @@ class Arena {
         return out;
     }
     Mark mark() const { return at_; }
-    /// Gives back what was taken since the mark; or takes again what had been taken when a later one was
-    /// made.
+    /// Releases memory taken since the mark; or, with a later mark, reserves the same memory again.
     void rewind(const Mark& mark) { at_ = mark; }
-    /// Gives back everything.
+    /// Releases everything.
     void reset() {
         if (pieces_.size() > 1) {
             release_all();
@@ -49,7 +48,7 @@ class Arena {
         at_ = {};
         greatest_ = 0;
     }
-    /// Makes the one piece of an arena that nothing is taken of at least so large.
+    /// Ensures that the single block of an unused arena has at least this size.
     void reserve(std::size_t bytes) {
         if (size() >= bytes) return;
         release_all();
@@ -60,11 +59,13 @@ class Arena {
         for (const Piece& piece : pieces_) sum += piece.size;
         return sum;
     }
-    std::size_t greatest() const { return greatest_; }  ///< [bytes] taken at once since the last reset
+    std::size_t greatest() const {
+        return greatest_;
+    }  ///< [bytes] maximum taken at once since the last reset
 
   private:
     static constexpr std::size_t kAlignment = 256;
-    static constexpr std::size_t kLeast = std::size_t{1} << 20;
+    static constexpr std::size_t kMin = std::size_t{1} << 20;
 
     struct Piece {
         std::byte* begin;
@@ -76,7 +77,7 @@ class Arena {
         at_ = {};
     }
     void add_piece(std::size_t bytes) {
-        const std::size_t size = std::max(bytes, kLeast);
+        const std::size_t size = std::max(bytes, kMin);
         pieces_.push_back({Kind::allocate(size), size});
         at_ = {pieces_.size() - 1, 0, at_.total};
     }
@@ -95,7 +96,7 @@ struct DeviceMemory {
     static void release(std::byte* p) { cudaFree(p); }
 };
 
-/// Of the host, that the card reads and writes at the full speed of the bus, while kernels run.
+/// Host memory that the GPU can access at the full speed of the bus while kernels run.
 struct PinnedMemory {
     static std::byte* allocate(std::size_t bytes) {
         void* p = nullptr;

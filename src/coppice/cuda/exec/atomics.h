@@ -7,8 +7,8 @@
 
 namespace coppice::cuda {
 
-/// Adds to a number that others add to as well, and returns what it was before: a place of one's own, where
-/// places are counted. Whole numbers only: of these the sum does not depend on the order.
+/// Atomically adds to a number and returns its previous value, for example to reserve a unique index.
+/// Integers only, so that the sum does not depend on the order.
 template <class T>
 COPPICE_HOST_DEVICE T add_to(T& sum, T value) {
 #ifdef __CUDA_ARCH__
@@ -18,7 +18,7 @@ COPPICE_HOST_DEVICE T add_to(T& sum, T value) {
 #endif
 }
 
-/// Makes a number that others raise as well at least `value`.
+/// Atomically raises a number to at least `value`.
 template <class T>
 COPPICE_HOST_DEVICE void raise_to(T& greatest, T value) {
 #ifdef __CUDA_ARCH__
@@ -31,7 +31,7 @@ COPPICE_HOST_DEVICE void raise_to(T& greatest, T value) {
 #endif
 }
 
-/// Makes a number that others lower as well at most `value`.
+/// Atomically lowers a number to at most `value`.
 template <class T>
 COPPICE_HOST_DEVICE void lower_to(T& least, T value) {
 #ifdef __CUDA_ARCH__
@@ -49,7 +49,7 @@ COPPICE_HOST_DEVICE void lower_to(T& least, T value) {
 #endif
 }
 
-/// Replaces a number where it is as expected; returns what it was.
+/// Atomically replaces a number if it equals `expected`; returns its previous value.
 COPPICE_HOST_DEVICE inline std::uint32_t replace(std::uint32_t& number, std::uint32_t expected,
                                                  std::uint32_t value) {
 #ifdef __CUDA_ARCH__
@@ -60,7 +60,7 @@ COPPICE_HOST_DEVICE inline std::uint32_t replace(std::uint32_t& number, std::uin
 #endif
 }
 
-/// A number that others change meanwhile, as it is or was.
+/// Returns the current or an earlier value of a number that other threads change.
 COPPICE_HOST_DEVICE inline std::uint32_t peek(const std::uint32_t& number) {
 #ifdef __CUDA_ARCH__
     return *static_cast<const volatile std::uint32_t*>(&number);
@@ -69,7 +69,7 @@ COPPICE_HOST_DEVICE inline std::uint32_t peek(const std::uint32_t& number) {
 #endif
 }
 
-/// Sets bits of a word in which others set some as well.
+/// Atomically sets bits of a word.
 COPPICE_HOST_DEVICE inline void set_bits(std::uint64_t& word, std::uint64_t bits) {
 #ifdef __CUDA_ARCH__
     static_assert(sizeof(unsigned long long) == sizeof word);
@@ -79,7 +79,7 @@ COPPICE_HOST_DEVICE inline void set_bits(std::uint64_t& word, std::uint64_t bits
 #endif
 }
 
-/// The same of a word of 32 bits; returns what it was.
+/// Atomically sets bits of a 32-bit word; returns its previous value.
 COPPICE_HOST_DEVICE inline std::uint32_t set_bits(std::uint32_t& word, std::uint32_t bits) {
 #ifdef __CUDA_ARCH__
     return atomicOr(&word, bits);
@@ -88,7 +88,7 @@ COPPICE_HOST_DEVICE inline std::uint32_t set_bits(std::uint32_t& word, std::uint
 #endif
 }
 
-/// Takes bits away from a word from which others take some as well.
+/// Atomically clears bits of a word.
 COPPICE_HOST_DEVICE inline void reset_bits(std::uint64_t& word, std::uint64_t bits) {
 #ifdef __CUDA_ARCH__
     atomicAnd(reinterpret_cast<unsigned long long*>(&word), static_cast<unsigned long long>(~bits));

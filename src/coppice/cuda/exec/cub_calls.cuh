@@ -7,22 +7,22 @@
 
 namespace coppice::cuda {
 
-// CUB's calls, for 32 and 64 bits, compiled once: reading its headers takes longer than all of ours. Each
-// wants scratch memory, and without any (nullptr) only tells how many bytes.
+// Wrappers of CUB for 32 and 64 bits, compiled once, because compiling its headers takes longer than all of
+// our code. Each requires scratch memory; with nullptr it only computes the number of bytes.
 
-/// What stands before each number, summed up; `in` and `out` may be the same.
+/// Computes the sum of all numbers before each number; `in` and `out` may be the same.
 template <class T>
 cudaError_t exclusive_sum(void* scratch, std::size_t& bytes, const T* in, T* out, int count,
                           cudaStream_t stream);
 
-/// An array and a second one, between which what is sorted goes to and fro.
+/// An array and a second one of equal size, for sorting in alternation.
 template <class T>
 struct TwoArrays {
     T* current;
     T* other;
 };
 
-/// Sorts stably by the lowest `bits` of the keys; what is sorted is `current` then.
+/// Sorts stably by the lowest `bits` of the keys; the result is in `current`.
 template <class Key>
 cudaError_t radix_sort(void* scratch, std::size_t& bytes, TwoArrays<Key>& keys,
                        TwoArrays<std::uint32_t>& values, int count, int bits, cudaStream_t stream);

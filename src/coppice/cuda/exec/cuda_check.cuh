@@ -8,12 +8,12 @@
 
 namespace coppice::cuda {
 
-/// Throws DeviceError that says what failed, and why; DeviceFull where it is for want of memory.
-inline void check(cudaError_t error, const char* what) {
+/// Throws DeviceError with the failed action and the reason; DeviceFull if there is not enough memory.
+inline void check(cudaError_t error, const char* action) {
     if (error == cudaSuccess) return;
-    cudaGetLastError();  // it is told of once
+    cudaGetLastError();  // clears the error, which is reported here
     const std::string said =
-        std::string("the CUDA device failed to ") + what + ": " + cudaGetErrorString(error);
+        std::string("the CUDA device failed to ") + action + ": " + cudaGetErrorString(error);
     if (error == cudaErrorMemoryAllocation) throw DeviceFull(said);
     throw DeviceError(said);
 }

@@ -18,8 +18,8 @@
 
 namespace coppice::cuda {
 
-inline constexpr std::uint32_t kThreads = 128;  ///< of a block
-/// Of one whose kernel says so by kIsWide.
+inline constexpr std::uint32_t kThreads = 128;  ///< per block
+/// Threads per block of a kernel that defines kIsWide.
 inline constexpr std::uint32_t kWideThreads = 512;
 
 template <class Kernel>
@@ -28,7 +28,7 @@ constexpr std::uint32_t threads_of() {
     return kThreads;
 }
 
-/// See HostGroup. Its members are marked for the host as well since kernels are, but do nothing there.
+/// See HostGroup. Its members are also marked for the host because kernels are, but are empty there.
 class CudaGroup {
   public:
     template <class Body>
@@ -64,8 +64,8 @@ class CudaGroup {
     }
 };
 
-// A kernel is read where it was passed: where a thread indexes an array in it by what it computes, the
-// compiler may else give each thread a copy in local memory.
+// Kernels are grid constants: if a thread indexes an array in the kernel by a computed value, the compiler
+// could otherwise create a copy in local memory for each thread.
 template <class Kernel>
 __global__ void __launch_bounds__(kThreads)
     run_each(std::uint32_t count, const __grid_constant__ Kernel kernel) {
@@ -78,14 +78,13 @@ __global__ void __launch_bounds__(threads_of<Kernel>()) run_groups(const __grid_
     kernel(blockIdx.x, CudaGroup());
 }
 
-/// Runs kernels on a card, in one stream: see HostExecutor for the members. Arrays come from one piece of
-/// memory that is kept from round to round; copies go through pinned memory and do not wait. Throws
-/// DeviceError.
+/// Runs kernels on a GPU, in one stream: see HostExecutor for the members. Arrays are parts of one block of
+/// memory that is kept between rounds; copies use pinned memory and are asynchronous. Throws DeviceError.
 class CudaExecutor {
   public:
     static constexpr bool kIsDevice = true;
 
-    /// What was taken so far; see rewind().
+    /// Memory taken so far; see rewind().
     struct Mark {
         Arena<DeviceMemory>::Mark device;
         Arena<PinnedMemory>::Mark pinned;
@@ -103,11 +102,11 @@ class CudaExecutor {
       private:
         friend CudaExecutor;
         Graph graph_;
-        int times_ = 0;  // that the work was done without it
+        int times_ = 0;  // number of calls without the recording
         Mark begin_, end_;
     };
 
-    /// Arrays may take `most` bytes of the card.
+    /// Arrays may use up to `most` bytes of the GPU.
     explicit CudaExecutor(const Context& ctx = {}, std::size_t most = std::numeric_limits<std::size_t>::max())
         : ctx_(ctx), most_(most), stream_(new_stream()), staging_(stream_) {}
     CudaExecutor(const CudaExecutor&) = delete;
@@ -121,16 +120,16 @@ class CudaExecutor {
         cudaStreamDestroy(stream_);
     }
 
-    /// What this thread does from now on is done by the card that CUDA gives this number.
-    static void choose(int device) { check(cudaSetDevice(device), "be chosen"); }
+    /// Selects the GPU with this CUDA number for this thread.
+    static void choose(int device) { check(cudaSetDevice(device), "be selected"); }
 
     std::size_t room() const {
         std::size_t free = 0, all = 0;
-        check(cudaMemGetInfo(&free, &all), "tell its memory");
-        return std::min(most_, free - free / 32 + device_.size());  // the driver wants some of it
+        check(cudaMemGetInfo(&free, &all), "report its memory");
+        return std::min(most_, free - free / 32 + device_.size());  // the driver requires some of it
     }
-    /// Makes sure of so much memory at once; throws when the card has less. What is taken beyond it comes in
-    /// further pieces.
+    /// Ensures that this amount of memory is available as one block; throws if the GPU has less. Memory
+    /// beyond it is allocated in further blocks.
     void reserve(std::size_t bytes) {
         require_room(room(), bytes);
         device_.reserve(bytes);
@@ -161,7 +160,7 @@ class CudaExecutor {
     std::span<const T> fetch(std::span<const T> from) {
         T* const to = reinterpret_cast<T*>(pinned_.take(from.size_bytes()));
         check(cudaMemcpyAsync(to, from.data(), from.size_bytes(), cudaMemcpyDeviceToHost, stream_),
-              "give data back");
+              "copy data to the host");
         return {to, from.size()};
     }
     template <class T>
@@ -170,7 +169,7 @@ class CudaExecutor {
         check(cudaMemsetAsync(values.data(), 0, values.size_bytes(), stream_), "clear memory");
     }
     Mark mark() const { return {device_.mark(), pinned_.mark()}; }
-    /// Does not wait: what takes the same memory next comes later in the stream.
+    /// Does not wait: later users of the same memory come later in the stream.
     void rewind(const Mark& mark) {
         device_.rewind(mark.device);
         pinned_.rewind(mark.pinned);
@@ -183,7 +182,7 @@ class CudaExecutor {
 
     template <class Kernel>
     void each(const char* name, std::size_t count, const Kernel& kernel) {
-        static_assert(sizeof(Kernel) <= kMostOfKernel);
+        static_assert(sizeof(Kernel) <= kMaxOfKernel);
         if (count == 0) return;
         const auto threads = checked<std::uint32_t>(count);
         launch(name, [&] {
@@ -193,7 +192,7 @@ class CudaExecutor {
     }
     template <class Kernel>
     void groups(const char* name, std::size_t count, const Kernel& kernel) {
-        static_assert(sizeof(Kernel) <= kMostOfKernel);
+        static_assert(sizeof(Kernel) <= kMaxOfKernel);
         if (count == 0) return;
         const auto blocks = static_cast<std::uint32_t>(checked<int>(count));
         launch(name, [&] { run_groups<<<blocks, threads_of<Kernel>(), 0, stream_>>>(kernel); });
@@ -224,13 +223,13 @@ class CudaExecutor {
     }
     template <class Work>
     void replay(Recording& recording, const Work& work) {
-        if (measures_) return work();  // launch by launch
+        if (measures_) return work();  // one launch at a time
         const Mark begin = mark();
         if (recording.graph_.has_launches() && recording.begin_ == begin) {
             recording.graph_.launch(stream_);
             return rewind(recording.end_);
         }
-        // The first time takes memory and loads kernels, which cannot be recorded.
+        // The first call allocates memory and loads kernels, which cannot be recorded.
         if (recording.times_++ != 1 || !recording.graph_.record(stream_, work)) {
             rewind(begin);
             return work();
@@ -242,17 +241,19 @@ class CudaExecutor {
     void wait() { check(cudaStreamSynchronize(stream_), "finish"); }
 
     cudaStream_t stream() const { return stream_; }
-    std::size_t bytes_used() const { return device_.greatest(); }  ///< of the card, since the last reset
+    std::size_t bytes_used() const {
+        return device_.greatest();
+    }  ///< memory of the GPU, since the last reset
 
-    /// From now on the time of every launch is noted.
+    /// Enables recording of the time of every launch.
     void measure() { measures_ = true; }
-    /// What was noted since it was asked for the last time, launch by launch.
+    /// Returns the times recorded since the last call, one per launch.
     std::vector<KernelTime> take_times() {
         wait();
         std::vector<KernelTime> out;
         for (const Timed& t : timed_) {
             float milliseconds = 0;
-            check(cudaEventElapsedTime(&milliseconds, t.begin, t.end), "tell the time");
+            check(cudaEventElapsedTime(&milliseconds, t.begin, t.end), "report the time");
             out.push_back({t.name, 1e-3 * milliseconds});
             cudaEventDestroy(t.begin);
             cudaEventDestroy(t.end);
@@ -262,15 +263,15 @@ class CudaExecutor {
     }
 
   private:
-    // [bytes] That cards of capability 7.5 and drivers of CUDA 12.0 take.
-    static constexpr std::size_t kMostOfKernel = 4000;
+    // [bytes] maximum kernel arguments for capability 7.5 and CUDA 12.0.
+    static constexpr std::size_t kMaxOfKernel = 4000;
     template <class T>
     static const std::byte* bytes_of(std::span<const T> values) {
         return reinterpret_cast<const std::byte*>(values.data());
     }
     static cudaStream_t new_stream() {
         cudaStream_t stream = nullptr;
-        check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), "begin a stream");
+        check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), "create a stream");
         return stream;
     }
 
@@ -282,14 +283,14 @@ class CudaExecutor {
     template <class Int>
     static Int checked(std::size_t count) {
         if (count > static_cast<std::size_t>(std::numeric_limits<Int>::max()))
-            throw DeviceFull("there is more than a CUDA device takes at once");
+            throw DeviceFull("the work exceeds the limits of a CUDA device");
         return static_cast<Int>(count);
     }
 
     cudaEvent_t note_time() {
         cudaEvent_t event = nullptr;
-        check(cudaEventCreate(&event), "make an event");
-        check(cudaEventRecord(event, stream_), "note the time");
+        check(cudaEventCreate(&event), "create an event");
+        check(cudaEventRecord(event, stream_), "record the time");
         return event;
     }
     template <class Begin>
@@ -303,7 +304,7 @@ class CudaExecutor {
     template <class Call>
     void with_scratch(const Call& call) {
         std::size_t bytes = 0;
-        check(call(nullptr, bytes), "size its scratch memory");
+        check(call(nullptr, bytes), "compute the size of its scratch memory");
         check(call(array<std::byte>(bytes).data(), bytes), "run");
     }
     template <class T>

@@ -2,10 +2,10 @@
 
 namespace coppice::cuda {
 
-/// How long one launch took on the card.
+/// Duration of one launch on the GPU.
 struct KernelTime {
     const char* name;    ///< of the kernel
-    double seconds = 0;  ///< between its beginning and its end
+    double seconds = 0;  ///< between its start and its end
 };
 
 }  // namespace coppice::cuda

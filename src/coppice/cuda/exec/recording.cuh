@@ -4,7 +4,7 @@
 
 namespace coppice::cuda {
 
-/// Launches that a card was told of once, to do them all at one word: a CUDA graph.
+/// A CUDA graph: launches that were recorded once and can be repeated with a single call.
 class Graph {
   public:
     Graph() = default;
@@ -12,18 +12,19 @@ class Graph {
     Graph& operator=(const Graph&) = delete;
     ~Graph() { clear(); }
 
-    /// Forgets them. None may still be running.
+    /// Removes the launches, which must not be running.
     void clear() {
         if (graph_ != nullptr) cudaGraphExecDestroy(graph_);
         graph_ = nullptr;
     }
-    /// Whether there is something to launch.
+    /// Returns whether there are launches.
     bool has_launches() const { return graph_ != nullptr; }
     void launch(cudaStream_t stream) const {
-        check(cudaGraphLaunch(graph_, stream), "run again what it ran");
+        check(cudaGraphLaunch(graph_, stream), "launch a recorded graph");
     }
 
-    /// Notes what work() begins in the stream, which does not run now. False where that cannot be.
+    /// Records the launches that work() starts in the stream, without running them. Returns false if they
+    /// cannot be recorded.
     template <class Work>
     bool record(cudaStream_t stream, const Work& work) {
         clear();
@@ -40,7 +41,7 @@ class Graph {
     }
 
   private:
-    // Ends with its scope, whatever is thrown there.
+    // Ends with its scope, also after an exception.
     struct Capture {
         cudaStream_t stream;
         cudaGraph_t graph = nullptr;
@@ -53,11 +54,11 @@ class Graph {
         ~Capture() {
             if (!has_ended) end();
             if (graph != nullptr) cudaGraphDestroy(graph);
-            cudaGetLastError();  // of an end that came too early
+            cudaGetLastError();  // of a premature end
         }
     };
     bool failed() {
-        cudaGetLastError();  // it can all be done without
+        cudaGetLastError();  // the work can be done without a recording
         graph_ = nullptr;
         return false;
     }

@@ -8,18 +8,18 @@
 
 namespace coppice::cuda {
 
-/// A partition of numbers into sets that threads join side by side; see ConcurrentDisjointSets. The least
-/// member stands for its set, so that nothing depends on the order of the joins.
+/// A partition of numbers into disjoint sets that threads join concurrently; see ConcurrentDisjointSets. The
+/// smallest member represents its set, so that the result does not depend on the order of the joins.
 struct DeviceSets {
-    std::span<std::uint32_t> parent;  ///< at first, that of each number is itself
+    std::span<std::uint32_t> parent;  ///< initially the number itself
 
-    /// The member that stands for the set of a number, or some lesser one while others join.
+    /// Returns the representative of the set of a number, or a smaller member while other threads join sets.
     COPPICE_HOST_DEVICE std::uint32_t find(std::uint32_t i) const {
-        // What was read may be out of date, but then leads to the same member on a longer way.
+        // A value that was read may be outdated, but then leads to the same member on a longer path.
         for (std::uint32_t next = peek(parent[i]); next != i; next = peek(parent[i])) i = next;
         return i;
     }
-    /// Makes two sets one.
+    /// Joins two sets.
     COPPICE_HOST_DEVICE void join(std::uint32_t a, std::uint32_t b) const {
         a = find_and_shorten(a);
         b = find_and_shorten(b);
@@ -37,7 +37,7 @@ struct DeviceSets {
     }
 
   private:
-    /// The same as find(); every number on the way leads twice as far from now on.
+    /// Finds the representative and halves the path to it.
     COPPICE_HOST_DEVICE std::uint32_t find_and_shorten(std::uint32_t i) const {
         for (std::uint32_t next = peek(parent[i]); next != i;) {
             const std::uint32_t after = peek(parent[next]);
@@ -49,17 +49,17 @@ struct DeviceSets {
     }
 };
 
-/// Every number is a set of its own.
+/// Makes every number a set of its own.
 struct BeginSets {
     DeviceSets sets;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const { sets.parent[i] = i; }
 };
 
-/// Shortens the ways: what has to be looked at by many.
+/// Shortens all paths, for sets that are queried often.
 struct FlattenSets {
     DeviceSets sets;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
-        // Others look on meanwhile, and find the same member by either way.
+        // Other threads read at the same time, and find the same member on either path.
         const std::uint32_t root = sets.find(i), parent = peek(sets.parent[i]);
         if (root != parent) replace(sets.parent[i], parent, root);
     }

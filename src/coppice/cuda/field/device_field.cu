@@ -9,7 +9,7 @@
 namespace coppice {
 namespace {
 
-/// Calls use(executor, out) after every one of `repeat` rounds.
+/// Samples once and then `repeat` times with time measurement; calls use(executor, out) at the end.
 template <class Use>
 void sample_repeatedly(const ConvolutionField& field, std::span<const Vec3> points, int repeat,
                        const Use& use) {

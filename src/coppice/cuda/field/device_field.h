@@ -8,11 +8,11 @@
 
 namespace coppice {
 
-/// Samples a field at points of its region 0 on the card. Throws DeviceError.
+/// Samples a field at points of its region 0 on the GPU. Throws DeviceError.
 void sample_on_device(const ConvolutionField& field, std::span<const Vec3> points,
                       std::span<FieldSample> out);
 
-/// [s] How long the card takes for that, without copies, `repeat` times. Throws DeviceError.
+/// [s] Returns the times of `repeat` samplings on the GPU, without copies. Throws DeviceError.
 std::vector<double> time_field(const ConvolutionField& field, std::span<const Vec3> points, int repeat);
 
 }  // namespace coppice

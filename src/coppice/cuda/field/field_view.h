@@ -10,42 +10,43 @@
 
 namespace coppice::cuda {
 
-/// A segment as a card reads it: in four loads of 16 bytes.
+/// A segment in the layout of the GPU: four loads of 16 bytes.
 struct alignas(16) DeviceSegment {
-    kernel::SegmentConstants<float> constants;  ///< what the kernels see of it
+    kernel::SegmentConstants<float> constants;  ///< constants of the segment for the kernels
     std::uint32_t axis = 0;                     ///< see ConvolutionField::axes
 };
 static_assert(sizeof(DeviceSegment) == 64);
 
-/// Which segments count in each region: region r has entries first[r] .. first[r + 1].
+/// Active segments of each region: region r has entries first[r] .. first[r + 1].
 struct RegionLists {
-    std::span<const std::uint32_t> first;     ///< one more than there are regions
-    std::span<const std::uint32_t> segments;  ///< by lower node, axis by axis
+    std::span<const std::uint32_t> first;     ///< size is the number of regions plus one
+    std::span<const std::uint32_t> segments;  ///< by lower node, sorted by axis
 };
 
-/// What a convolution field is made of, but for its kernel.
+/// Data of a convolution field, except its kernel.
 struct FieldArrays {
     std::span<const DeviceSegment> segments;  ///< by lower node
-    RegionLists own;                          ///< what a region's value is summed of
-    RegionLists rivals;                       ///< what pushes back; empty lists where nothing does
+    RegionLists own;                          ///< segments that contribute to the value of a region
+    RegionLists competitors;                  ///< competing segments in contact; empty lists without contact
     int blend = 4;                            ///< see FieldOptions
     float contact = 0;                        ///< see FieldOptions
 };
 
-/// A ConvolutionField of one kernel, as kernels sample it: a thread takes a point. Level 1.
+/// A ConvolutionField of one kernel for sampling on the device, one point per thread. Iso value 1.
 template <class Formula>
 class FieldView {
   public:
-    /// The arrays must outlive it.
+    /// The arrays must outlive this object.
     FieldView(const Formula& formula, const FieldArrays& arrays) : formula_(formula), arrays_(arrays) {}
 
-    const FieldArrays& arrays() const { return arrays_; }  ///< what it samples
+    const FieldArrays& arrays() const { return arrays_; }  ///< the sampled arrays
 
-    /// Value and gradient at a point of a region: see ConvolutionField::sample.
+    /// Returns value and gradient at a point of a region: see ConvolutionField::sample.
     COPPICE_HOST_DEVICE FieldSample sample(std::uint32_t region, Vec3 p) const {
         FieldSample own = sum(arrays_.own, region, p);
-        const std::uint32_t* const rivals = arrays_.rivals.first.data() + region;
-        if (rivals[0] != rivals[1]) press(sum(arrays_.rivals, region, p), arrays_.contact, own);
+        const std::uint32_t* const competitors = arrays_.competitors.first.data() + region;
+        if (competitors[0] != competitors[1])
+            press(sum(arrays_.competitors, region, p), arrays_.contact, own);
         return own;
     }
 
@@ -57,10 +58,10 @@ class FieldView {
         const kernel::Point<float> point{p.x, p.y, p.z};
         Sum total{0, 0, 0, 0}, axis{0, 0, 0, 0};
         if (begin == end) return {};
-        const auto axis_of = [&](std::uint32_t k) { return arrays_.segments[lists.segments[k]].axis; };
-        // A single axis is its own norm: it takes the plain sum.
-        const bool blends = arrays_.blend > 1 && axis_of(begin) != axis_of(end - 1);
-        std::uint32_t current = axis_of(begin);
+        const auto find_axis = [&](std::uint32_t k) { return arrays_.segments[lists.segments[k]].axis; };
+        // The norm of a single axis is its plain sum.
+        const bool blends = arrays_.blend > 1 && find_axis(begin) != find_axis(end - 1);
+        std::uint32_t current = find_axis(begin);
         for (std::uint32_t k = begin; k < end; ++k) {
             const DeviceSegment& s = arrays_.segments[lists.segments[k]];
             if (blends && s.axis != current) {

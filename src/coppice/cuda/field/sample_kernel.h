@@ -8,12 +8,12 @@
 
 namespace coppice::cuda {
 
-/// A field at points of one region.
+/// Samples a field at points of one region.
 template <class Field>
 struct SamplePoints {
-    Field field;                   ///< what is sampled
-    std::uint32_t region;          ///< of it
-    std::span<const Vec3> points;  ///< [m] where
+    Field field;                   ///< sampled field
+    std::uint32_t region;          ///< region of the points
+    std::span<const Vec3> points;  ///< [m] sample points
     std::span<FieldSample> out;    ///< one per point
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const { out[i] = field.sample(region, points[i]); }
 };

@@ -8,7 +8,7 @@
 namespace coppice::cuda {
 namespace {
 
-// Appends lists of segments that are numbered from `segments` on.
+// Appends lists of segments with numbers offset by `segments`.
 void append(const CandidateLists& lists, std::uint32_t segments, std::vector<std::uint32_t>& first,
             std::vector<std::uint32_t>& items) {
     const std::size_t base = items.size();
@@ -27,13 +27,14 @@ std::vector<DeviceSegment> device_segments(const ConvolutionField& field, std::u
     return out;
 }
 
-JoinedFields::JoinedFields(std::span<const ConvolutionField* const> fields) : own_first{0}, rival_first{0} {
+JoinedFields::JoinedFields(std::span<const ConvolutionField* const> fields)
+    : own_first{0}, competitor_first{0} {
     for (const ConvolutionField* const field : fields) {
         COPPICE_ASSERT(field->kernel().kernel == fields.front()->kernel().kernel &&
                        field->blend() == fields.front()->blend());
         const auto base = static_cast<std::uint32_t>(segments.size());
         append(field->own_lists(), base, own_first, own);
-        append(field->rival_lists(), base, rival_first, rivals);
+        append(field->competitor_lists(), base, competitor_first, competitors);
         const std::vector<DeviceSegment> more = device_segments(*field, base);
         segments.insert(segments.end(), more.begin(), more.end());
     }

@@ -13,7 +13,7 @@
 
 namespace coppice::cuda {
 
-/// Calls use(formula) with the kernel of a field in single precision.
+/// Calls use(formula) with the kernel function of a field in single precision.
 template <class Use>
 void with_formula(const KernelConstants& constants, const Use& use) {
     switch (constants.kernel) {
@@ -28,20 +28,21 @@ void with_formula(const KernelConstants& constants, const Use& use) {
     }
 }
 
-/// The segments of a field as a card reads them, behind so many of others.
+/// Returns the segments of a field in the layout of the GPU, with axes offset by the number of preceding
+/// segments.
 std::vector<DeviceSegment> device_segments(const ConvolutionField& field, std::uint32_t others = 0);
 
-/// Several fields as one: the segments and the regions of each follow those of the one before. They have the
-/// same kernel, blend and contact.
+/// Several fields as one: the segments and the regions of each follow those of the previous one. They must
+/// have the same kernel, blend and contact.
 struct JoinedFields {
     /// See FieldArrays.
     /// @{
     std::vector<DeviceSegment> segments;
     std::vector<std::uint32_t> own_first, own;
-    std::vector<std::uint32_t> rival_first, rivals;
+    std::vector<std::uint32_t> competitor_first, competitors;
     /// @}
 
-    /// One field at least. Throws DeviceError when there are more than 2^32 entries.
+    /// Requires at least one field. Throws DeviceError if there are more than 2^32 entries.
     explicit JoinedFields(std::span<const ConvolutionField* const> fields);
 };
 
@@ -54,12 +55,12 @@ FieldArrays upload_fields(Exec& exec, std::span<const ConvolutionField* const> f
     };
     return {upload(all.segments),
             {upload(all.own_first), upload(all.own)},
-            {upload(all.rival_first), upload(all.rivals)},
+            {upload(all.competitor_first), upload(all.competitors)},
             fields.front()->blend(),
             fields.front()->contact()};
 }
 
-/// The same of one field.
+/// Copies a single field.
 template <class Exec>
 FieldArrays upload_field(Exec& exec, const ConvolutionField& field) {
     const ConvolutionField* const one = &field;

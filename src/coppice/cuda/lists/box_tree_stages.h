@@ -13,28 +13,29 @@
 
 namespace coppice::cuda {
 
-/// The row that an item of rows is in: see CompressedRows.
+/// Returns the row of an item of compressed rows: see CompressedRows.
 COPPICE_HOST_DEVICE inline std::uint32_t row_of(std::span<const std::uint32_t> first, std::uint32_t item) {
     return kernel::partition_point(first, [&](std::uint32_t f) { return f <= item; }) - 1;
 }
 
-/// Places in the order of a tree.
+/// A range of indices in the order of a tree.
 struct PlaceRange {
     std::uint32_t begin, end;  ///< the first, and one past the last
 };
 
-/// A BoxTree in the memory of an executor: the same order and the same boxes. Eight boxes that one box of the
-/// level above bounds are a group.
+/// A BoxTree in the memory of an executor, with the same order and the same boxes. A group is eight boxes
+/// that are bounded by one box of the level above.
 class DeviceBoxTree {
   public:
-    static constexpr std::uint32_t kWidth = BoxGroup::kWidth;  ///< boxes of a group
-    static constexpr std::uint32_t kMostLevels = 8;            ///< that a query can keep track of
-    static constexpr std::uint32_t kMostItems = 1u << 24;      ///< in that many levels
+    static constexpr std::uint32_t kWidth = BoxGroup::kWidth;  ///< number of boxes in a group
+    static constexpr std::uint32_t kMaxLevels = 8;  ///< maximum number of levels that a query supports
+    static constexpr std::uint32_t kMaxItems = 1u
+                                               << 24;  ///< maximum number of items for that number of levels
 
-    /// A tree of the items in this order, whose groups are still to be filled. At least one item.
+    /// Creates a tree of the items in this order with uninitialised groups. Requires at least one item.
     template <class Exec>
     DeviceBoxTree(Exec& exec, std::span<const std::uint32_t> order) : item_(order) {
-        if (order.size() > kMostItems) throw DeviceError("more boxes than a tree on the device can hold");
+        if (order.size() > kMaxItems) throw DeviceError("more boxes than a tree on the device can store");
         auto count = static_cast<std::uint32_t>(order.size());
         do {
             count = (count + kWidth - 1) / kWidth;
@@ -44,25 +45,28 @@ class DeviceBoxTree {
         groups_ = exec.template array<BoxGroup>(first_[level_count_]);
     }
 
-    /// the index of what lies at a place of level 0, by place
+    /// item by index in level 0
     COPPICE_HOST_DEVICE std::span<const std::uint32_t> items() const { return item_; }
-    COPPICE_HOST_DEVICE std::uint32_t level_count() const { return level_count_; }  ///< of groups
-    /// Level 0 holds the items' boxes by place; group i of a level lies in box i of the level above.
+    COPPICE_HOST_DEVICE std::uint32_t level_count() const {
+        return level_count_;
+    }  ///< number of levels of groups
+    /// Level 0 contains the boxes of the items in order; group i of a level is inside box i of the level
+    /// above.
     COPPICE_HOST_DEVICE std::span<BoxGroup> level(std::uint32_t l) const {
         return groups_.subspan(first_[l], first_[l + 1] - first_[l]);
     }
 
-    /// Calls visit(item) for all items whose boxes overlap the given one, in the order of BoxTree; touching
-    /// counts. A visit that returns false ends the search.
+    /// Calls visit(item) for all items with boxes that overlap or touch the given one, in the order of
+    /// BoxTree, until visit returns false.
     template <class Visit>
     COPPICE_HOST_DEVICE void visit_overlapping(const Box3& box, const Visit& visit) const {
         visit_overlapping(box, {0, static_cast<std::uint32_t>(item_.size())}, visit);
     }
-    /// The same of what lies at some places only.
+    /// Visits only items in a range of indices.
     template <class Visit>
     COPPICE_HOST_DEVICE void visit_overlapping(const Box3& box, PlaceRange places, const Visit& visit) const {
         if (places.begin == places.end) return;
-        // Byte l: the boxes still to be visited of the group of level l where the search has come to.
+        // Byte l: the boxes of the current group of level l that remain to be visited.
         std::uint64_t pending = hits_of(level_count_ - 1, 0, box, places);
         const std::uint32_t top = level_count_ - 1;
         pending <<= 8 * top;
@@ -74,7 +78,7 @@ class DeviceBoxTree {
                 continue;
             }
             const std::uint32_t i = kWidth * group + lowest_bit(hits);
-            pending &= pending - 1;  // levels below are done, so that the lowest bit is of this one
+            pending &= pending - 1;  // levels below are done, so the lowest bit belongs to this level
             if (l > 0) {
                 group = i;
                 --l;
@@ -86,7 +90,8 @@ class DeviceBoxTree {
     }
 
   private:
-    /// The boxes of a group that overlap one and have some of the places beneath them; the group has some.
+    /// Returns the boxes of a group that overlap `box` and contain indices of the range; at least one index
+    /// must be below the group.
     COPPICE_HOST_DEVICE std::uint32_t hits_of(std::uint32_t l, std::uint32_t group, const Box3& box,
                                               PlaceRange places) const {
         const std::uint32_t begin = kWidth * group;
@@ -104,12 +109,12 @@ class DeviceBoxTree {
     }
 
     std::span<const std::uint32_t> item_;
-    std::span<BoxGroup> groups_;  ///< level by level
-    std::array<std::uint32_t, kMostLevels + 1> first_{};
+    std::span<BoxGroup> groups_;  ///< sorted by level
+    std::array<std::uint32_t, kMaxLevels + 1> first_{};
     std::uint32_t level_count_ = 0;
 };
 
-/// out[i] bounds every out.size()-th box from i on.
+/// Computes in out[i] the bounding box of every out.size()-th box starting at i.
 struct BoundBoxes {
     std::span<const Box3> boxes;
     std::span<Box3> out;
@@ -120,10 +125,10 @@ struct BoundBoxes {
     }
 };
 
-/// What the boxes are sorted by.
+/// Computes the sorting keys of boxes.
 struct EncodeBoxes {
     std::span<const Box3> boxes;
-    std::span<const Box3> all;  ///< one box that holds them
+    std::span<const Box3> all;  ///< one box that contains them
     std::span<std::uint64_t> code;
     std::span<std::uint32_t> item;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
@@ -132,15 +137,15 @@ struct EncodeBoxes {
     }
 };
 
-/// What comes first where items of several surfaces are in one order: see sort_by_surface().
+/// Computes the surface of each item for a common order of several surfaces: see sort_by_surface().
 struct KeySurfaces {
-    std::span<const std::uint32_t> first;  ///< item of each surface, and one more
+    std::span<const std::uint32_t> first;  ///< first item of each surface, plus the end
     std::span<const std::uint32_t> item;
     std::span<std::uint32_t> key;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const { key[i] = row_of(first, item[i]); }
 };
 
-/// Group by group, the boxes of the items.
+/// Fills groups with the boxes of the items.
 struct GroupItems {
     std::span<const Box3> boxes;
     std::span<const std::uint32_t> item;
@@ -155,7 +160,7 @@ struct GroupItems {
     }
 };
 
-/// Group by group, the boxes about the groups of the level below.
+/// Fills groups with the bounding boxes of the groups of the level below.
 struct GroupGroups {
     std::span<const BoxGroup> below;
     std::span<BoxGroup> groups;
@@ -169,7 +174,7 @@ struct GroupGroups {
     }
 };
 
-/// The upper levels in one launch: they are small.
+/// Fills the upper levels in one launch, because they are small.
 struct GroupTop {
     static constexpr bool kIsWide = true;
 
@@ -184,11 +189,11 @@ struct GroupTop {
     }
 };
 
-/// The order of boxes along a Morton curve, one number for each: that of a BoxTree. They must be finite and
-/// not empty.
+/// Computes the order of boxes along a Morton curve, one number for each: the order of a BoxTree. Boxes must
+/// be finite and not empty.
 template <class Exec>
 void order_boxes(Exec& exec, std::span<const Box3> boxes, std::span<std::uint32_t> order) {
-    constexpr std::size_t kShare = 64;  // boxes that one thread bounds
+    constexpr std::size_t kShare = 64;  // boxes per thread
     const auto before = exec.mark();
     std::span<const Box3> all = boxes;
     do {
@@ -202,8 +207,8 @@ void order_boxes(Exec& exec, std::span<const Box3> boxes, std::span<std::uint32_
     exec.rewind(before);
 }
 
-/// Puts the items of each surface, whose numbers follow those of the one before, one after the other: then
-/// they have the same places as numbers. Otherwise the order stays.
+/// Sorts the order by surface, so that items of one surface occupy the indices equal to their range of
+/// numbers. The order within a surface is preserved.
 template <class Exec>
 void sort_by_surface(Exec& exec, std::span<const std::uint32_t> first, std::span<std::uint32_t> order) {
     const auto before = exec.mark();
@@ -213,7 +218,7 @@ void sort_by_surface(Exec& exec, std::span<const std::uint32_t> first, std::span
     exec.rewind(before);
 }
 
-/// The same as order_boxes() in an array of its own.
+/// Computes order_boxes() in a new array.
 template <class Exec>
 std::span<const std::uint32_t> box_order(Exec& exec, std::span<const Box3> boxes) {
     const auto order = exec.template array<std::uint32_t>(boxes.size());
@@ -221,11 +226,11 @@ std::span<const std::uint32_t> box_order(Exec& exec, std::span<const Box3> boxes
     return order;
 }
 
-/// The tree of boxes that lie in a given order: that of box_order(), or of where they were before they moved,
-/// which makes queries slower but not wrong.
+/// Creates the tree of boxes in a given order: that of box_order(), or of earlier positions of the boxes,
+/// which makes queries slower but not incorrect.
 template <class Exec>
 DeviceBoxTree box_tree(Exec& exec, std::span<const Box3> boxes, std::span<const std::uint32_t> order) {
-    constexpr std::size_t kTop = 1024;  // groups of a level that one block fills in no time
+    constexpr std::size_t kTop = 1024;  // groups of a level that one block fills quickly
     const DeviceBoxTree tree(exec, order);
     exec.each("group items", tree.level(0).size(), GroupItems{boxes, order, tree.level(0)});
     std::uint32_t l = 1;

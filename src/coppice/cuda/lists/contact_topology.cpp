@@ -3,12 +3,13 @@
 #include <numeric>
 
 #include "coppice/base/error.h"
+#include "coppice/base/id.h"
 #include "coppice/cuda/field/upload_field.h"
 
 namespace coppice::cuda {
 namespace {
 
-// Segments axis by axis, ascending in each; without blend ascending.
+// Returns segments sorted by axis, ascending within each; without blend only ascending.
 Buffer<std::uint32_t> ordered_segments(const ConvolutionField& field) {
     const std::size_t count = field.axes().size();
     if (field.blend() > 1) return group_by(field.axes(), count).items;
@@ -25,8 +26,8 @@ std::vector<SegmentLink> segment_links(const Skeleton& skeleton, std::span<const
         const NodeId p = skeleton.is_root(n) ? n : skeleton.parent(n);
         link.start = p.index();
         link.thick = skeleton.leader(p) == n ? p.index() : n.index();
-        // A root is a segment of its own only where it is all there is.
-        if (!skeleton.is_root(n) || skeleton.is_tip(n)) link.rival_of = tube[n.index()];
+        // A root is a segment of its own only if the tree has no other node.
+        if (!skeleton.is_root(n) || skeleton.is_tip(n)) link.competitor_of = tube[n.index()];
     }
     for (std::uint32_t rank = 0; rank < in_order.size(); ++rank) links[in_order[rank]].rank = rank;
     return links;
@@ -53,7 +54,7 @@ std::vector<std::uint32_t> indices(std::span<const NodeId> ids) {
     return out;
 }
 
-// Appends rows whose items are numbered from `base` on.
+// Appends rows with items offset by `base`.
 void append(const CompressedRows<std::uint32_t>& rows, std::uint32_t base,
             CompressedRows<std::uint32_t>& to) {
     const auto items = static_cast<std::uint32_t>(to.items.size());
@@ -63,13 +64,13 @@ void append(const CompressedRows<std::uint32_t>& rows, std::uint32_t base,
 
 NodeId shifted(NodeId id, std::uint32_t by) { return id ? NodeId(id.index() + by) : id; }
 
-// Appends one surface behind the others, which have so many quads.
+// Appends one surface after others that have `quads` quads in total.
 void append(const ContactTopology& one, std::uint32_t quads, ContactTopology& to) {
     const auto segments = static_cast<std::uint32_t>(to.segments.size());
     const auto tubes = static_cast<std::uint32_t>(to.tubes.size());
     for (const SegmentLink& s : one.segments)
         to.segments.push_back(
-            {s.start + segments, s.thick + segments, shifted(s.rival_of, tubes), s.rank + segments});
+            {s.start + segments, s.thick + segments, shifted(s.competitor_of, tubes), s.rank + segments});
     for (const std::uint32_t s : one.in_order) to.in_order.push_back(s + segments);
     for (const TubeLink& t : one.tubes)
         to.tubes.push_back({shifted(t.parent, tubes), t.end + tubes, t.seed + tubes, t.source + segments});
@@ -118,9 +119,9 @@ ContactTopology contact_topology(const ContactInput& input) {
     const Skeleton& tubes = input.tubes.tree;
     COPPICE_ASSERT(input.control.region_node.size() == tubes.size());
     COPPICE_ASSERT(input.tubes.tube.size() == input.skeleton.size());
-    COPPICE_ASSERT(input.field.contact() > 0);  // else tubes do not count
+    COPPICE_ASSERT(input.field.contact() > 0);  // otherwise tubes have no effect
     COPPICE_ASSERT(input.field.axes().size() == input.skeleton.size());
-    static_assert(NodeId::none().index() == kNoRow);
+    static_assert(NodeId::none().index() == kNoIndex);
     ContactTopology out;
     out.in_order = ordered_segments(input.field);
     out.segments = segment_links(input.skeleton, input.tubes.tube, out.in_order);

@@ -14,51 +14,51 @@
 
 namespace coppice::cuda {
 
-/// What a search knows of a segment, named by its child node.
+/// Properties of a segment for a search, identified by its child node.
 struct alignas(16) SegmentLink {
-    std::uint32_t start;  ///< the node where it begins; a root is its own
-    std::uint32_t thick;  ///< the node whose radius it begins with
-    NodeId rival_of;      ///< the tube that wraps it; none where it is no one's rival
-    std::uint32_t rank;   ///< its place in a list of all segments
+    std::uint32_t start;   ///< start node; a root is its own
+    std::uint32_t thick;   ///< node that determines the start radius
+    NodeId competitor_of;  ///< tube that wraps it; invalid if it competes with no region
+    std::uint32_t rank;    ///< index in a list of all segments
 };
 
-/// What a search knows of a tube, and of the region about it.
+/// Properties of a tube, and of the region around it, for a search.
 struct alignas(16) TubeLink {
-    NodeId parent;         ///< none for the first of a tree
+    NodeId parent;         ///< invalid for the first tube of a tree
     std::uint32_t end;     ///< one past the last tube of its subtree
-    std::uint32_t seed;    ///< the tube with which the flood of the region begins
-    std::uint32_t source;  ///< the node of the skeleton that the region is named by
+    std::uint32_t seed;    ///< tube at which the flood of the region starts
+    std::uint32_t source;  ///< node of the skeleton that identifies the region
 };
 
-/// How the segments, tubes and quads of a surface hang together: all that its lists are made of, but for
-/// places and radii.
+/// Connectivity of the segments, tubes and quads of a surface: all input of its lists except positions and
+/// radii.
 struct ContactTopology {
     std::vector<SegmentLink> segments;       ///< by child node
-    Buffer<std::uint32_t> in_order;          ///< segments by rank: axis by axis, or ascending without blend
-    std::vector<TubeLink> tubes;             ///< by tube, which is by region
+    Buffer<std::uint32_t> in_order;          ///< segments by rank: sorted by axis, or ascending without blend
+    std::vector<TubeLink> tubes;             ///< by tube, which equals the region
     CompressedRows<std::uint32_t> contents;  ///< the segments that each tube wraps
     CompressedRows<std::uint32_t> quads;     ///< the cage quads of each region
-    /// Of several surfaces: the first segment of each, and one more. Empty: there is one.
+    /// For several surfaces: the first segment of each, plus the end. Empty for one surface.
     std::vector<std::uint32_t> first_segment;
 };
 
-/// What a surface is made of: `tubes` wrap the segments of `skeleton`, of which `field` was made, and have
-/// the quads of `control`.
+/// Input of a surface: `tubes` wrap the segments of `skeleton`, from which `field` was made, and own the
+/// quads of `control`.
 struct ContactInput {
-    const Skeleton& skeleton;       ///< that of the field
+    const Skeleton& skeleton;       ///< skeleton of the field
     TubeTree tubes;                 ///< one for each region; depth-first order
     const ConvolutionField& field;  ///< its contact must be above 0; needs no regions
-    const ControlMesh& control;     ///< the cage about the tubes
+    const ControlMesh& control;     ///< the cage around the tubes
 };
 
-/// Stays valid while nodes move and until radii change so that another child is the thickest. O(n).
+/// Remains valid while nodes move, as long as radii do not change the thickest child. O(n).
 ContactTopology contact_topology(const ContactInput& input);
 
-/// The same of several surfaces as one: segments, tubes and quads of each follow those of the one before.
-/// None is a rival of another's.
+/// Creates the topology of several surfaces as one: segments, tubes and quads of each follow those of the
+/// previous one. Segments of different surfaces never compete.
 ContactTopology contact_topology(std::span<const ContactInput> inputs);
 
-/// A ContactTopology in the arrays of an executor, by the same names.
+/// A ContactTopology in the arrays of an executor, with the same names.
 struct ContactTables {
     /// See there.
     /// @{
@@ -71,7 +71,8 @@ struct ContactTables {
     /// @}
 };
 
-/// Places and radii of several surfaces as one: see contact_topology(). Their fields have the same options.
+/// Positions and radii of several surfaces as one: see contact_topology(). Their fields must have the same
+/// options.
 struct ContactPlaces {
     /// See ContactGeometry.
     /// @{
@@ -82,11 +83,11 @@ struct ContactPlaces {
     std::vector<Quad> quads;
     /// @}
 
-    /// One surface at least. O(n).
+    /// Requires at least one surface. O(n).
     explicit ContactPlaces(std::span<const ContactInput> inputs);
 };
 
-/// Places and radii, in the arrays of an executor: those that other stages read too.
+/// Positions and radii in the arrays of an executor, which other stages also read.
 struct ContactGeometry {
     std::span<const DeviceSegment> segments;  ///< of the field
     float reach = 0;                          ///< of the field
@@ -99,7 +100,7 @@ struct ContactGeometry {
     std::span<const Vec3> anchors;            ///< [m] one for each vertex of the cage
 };
 
-/// Copies a topology: once for each surface.
+/// Copies a topology; required once for each surface.
 template <class Exec>
 ContactTables upload_contacts(Exec& exec, const ContactTopology& t) {
     const auto upload = [&]<class T>(const T& values) {

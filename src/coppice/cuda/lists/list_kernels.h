@@ -12,13 +12,13 @@
 
 namespace coppice::cuda {
 
-/// A support as a card reads it: in four loads of 16 bytes.
+/// A support in the layout of the GPU: four loads of 16 bytes.
 struct alignas(16) DeviceSupport {
     SegmentSupport capsule;
 };
 static_assert(sizeof(DeviceSupport) == 64);
 
-/// The boxes of the regions.
+/// Computes the boxes of the regions.
 struct BoundRegions {
     ContactTables tables;
     ContactGeometry geometry;
@@ -36,7 +36,7 @@ struct BoundRegions {
     }
 };
 
-/// Where segments have influence.
+/// Computes the supports of segments.
 struct SupportSegments {
     ContactGeometry geometry;
     std::span<DeviceSupport> out;
@@ -45,7 +45,7 @@ struct SupportSegments {
     }
 };
 
-/// Where tubes have influence.
+/// Computes the supports of tubes.
 struct SupportTubes {
     struct Capsules {
         std::span<const DeviceSupport> of;
@@ -69,25 +69,25 @@ struct SupportTubes {
     }
 };
 
-/// Where segments are rivals.
-struct SupportRivals {
+/// Computes the supports within which segments compete.
+struct SupportCompetitors {
     ContactTables tables;
     ContactGeometry geometry;
     std::span<DeviceSupport> out;
     std::span<Box3> boxes;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t s) const {
         const SegmentLink link = tables.segments[s];
-        const SegmentSupport capsule = rival_capsule(
+        const SegmentSupport capsule = competitor_capsule(
             {geometry.nodes[link.start], geometry.nodes[s], geometry.radii[link.thick], geometry.radii[s]});
         out[s].capsule = capsule;
         boxes[s] = capsule.box;
     }
 };
 
-/// The box of a region, with what it is tested by.
+/// The box of a region with derived data for overlap tests.
 struct RegionProbe {
     Box3 box;
-    Vec3 center;  // not a number where the box is empty: nothing overlaps that
+    Vec3 center;  // NaN if the box is empty, so that no support overlaps it
     float half_diagonal;
     COPPICE_HOST_DEVICE explicit RegionProbe(const Box3& b)
         : box(b), center(b.center()), half_diagonal(0.5f * b.diagonal()) {}
@@ -110,16 +110,16 @@ COPPICE_HOST_DEVICE inline void sort_ranks(std::uint32_t* list, std::uint32_t co
     }
 }
 
-/// Finds what the CPU's find_contacts() finds for `own`: by the subtree that the region's tube is connected
-/// in, which in depth-first order is a range with gaps.
+/// Finds the same `own` lists as find_contacts() on the CPU, using the connected subtree of the region's
+/// tube, which in depth-first order is a range with gaps.
 struct OwnSearch {
     ContactTables tables;
     std::span<const Box3> boxes;              ///< of regions
-    std::span<const DeviceSupport> segments;  ///< where they have influence
-    std::span<const DeviceSupport> tubes;     ///< where they have influence
-    std::span<std::uint32_t> cut;             ///< one number: 1 where the order of a flood decides
+    std::span<const DeviceSupport> segments;  ///< supports of segments
+    std::span<const DeviceSupport> tubes;     ///< supports of tubes
+    std::span<std::uint32_t> cut;             ///< one number: 1 if the result depends on the order of a flood
 
-    /// Calls visit(segment), for at most kLongestList of them.
+    /// Calls visit(segment), for at most kLongestList segments.
     template <class Visit>
     COPPICE_HOST_DEVICE void run(std::uint32_t region, const Visit& visit) const {
         const RegionProbe probe(boxes[region]);
@@ -141,16 +141,16 @@ struct OwnSearch {
     }
 
   private:
-    COPPICE_HOST_DEVICE TubeKin kin(std::uint32_t t) const {
+    COPPICE_HOST_DEVICE TubeRelation kin(std::uint32_t t) const {
         return {t, tables.tubes[t].end, tables.tubes[t].parent};
     }
-    /// Calls visit(tube), ascending, for the seed and all relatives of the region's tube that are connected
-    /// with it through others that touch the box, until it returns false. Between relatives there are none
-    /// but relatives.
+    /// Calls visit(tube), ascending, for the seed and all related tubes of the region's tube that are
+    /// connected with it through others that touch the box, until it returns false. All tubes between related
+    /// tubes are related.
     template <class Visit>
     COPPICE_HOST_DEVICE void visit_connected(std::uint32_t region, const RegionProbe& probe,
                                              const Visit& visit) const {
-        const TubeKin own = kin(region);
+        const TubeRelation own = kin(region);
         const std::uint32_t seed = tables.tubes[region].seed;
         NodeId top = tables.tubes[seed].parent;
         if (!top) {
@@ -173,7 +173,7 @@ struct OwnSearch {
     }
 };
 
-/// counts[r] = length of the own list of region r, and 0 after the last.
+/// Computes counts[r] = length of the own list of region r, and 0 after the last.
 struct CountOwn {
     OwnSearch search;
     std::span<std::uint32_t> counts;
@@ -184,7 +184,7 @@ struct CountOwn {
     }
 };
 
-/// Ranks of the own segments of each region, ascending; nothing where there is no room.
+/// Writes the ranks of the own segments of each region, ascending, unless there is too little room.
 struct FillOwn {
     OwnSearch search;
     std::span<const std::uint32_t> first;
@@ -198,31 +198,32 @@ struct FillOwn {
     }
 };
 
-/// Finds what the CPU's find_contacts() finds for `rivals`.
-struct RivalSearch {
+/// Finds the same `competitors` lists as find_contacts() on the CPU.
+struct CompetitorSearch {
     ContactTables tables;
     std::span<const Box3> boxes;               ///< of regions
-    std::span<const DeviceSupport> capsules;   ///< where segments are rivals
-    DeviceBoxTree tree;                        ///< of their boxes
+    std::span<const DeviceSupport> capsules;   ///< supports within which segments compete
+    DeviceBoxTree tree;                        ///< tree of their boxes
     std::span<const std::uint32_t> own_first;  ///< of regions
     std::span<const std::uint32_t> own;        ///< ranks
-    std::span<std::uint32_t> rows;             ///< kMostRivals ranks for each region, in any order
-    std::span<std::uint32_t> counts;           ///< how many there are, and 0 after the last region
-    std::span<std::uint32_t> crowded_count;    ///< one number, 0 at first: how many regions are in ...
-    std::span<std::uint32_t> crowded;          ///< ... this list of those that take too long for one thread
+    std::span<std::uint32_t> rows;             ///< kMaxCompetitors ranks for each region, in any order
+    std::span<std::uint32_t> counts;           ///< number of competing segments, and 0 after the last region
+    std::span<std::uint32_t> crowded_count;    ///< one number, initially 0: number of entries of ...
+    std::span<std::uint32_t> crowded;          ///< ... this list of regions that take too long for one thread
 
-    /// Calls visit(segment, is_rival) for segments near a region, at some places, until it returns false.
+    /// Calls visit(segment, is_competitor) for segments near a region, within a range of indices, until it
+    /// returns false.
     template <class Visit>
     COPPICE_HOST_DEVICE void visit_near(std::uint32_t region, const RegionProbe& probe, PlaceRange places,
                                         const Visit& visit) const {
         tree.visit_overlapping(probe.box, places, [&](std::uint32_t s) {
             const SegmentLink link = tables.segments[s];
-            if (!link.rival_of) return true;
+            if (!link.competitor_of) return true;
             return visit(s, probe.touches(capsules[s]) && !is_own(region, link.rank));
         });
     }
-    /// Where the tree has the segments of the region's surface.
-    COPPICE_HOST_DEVICE PlaceRange places_of(std::uint32_t r) const {
+    /// Returns the indices in the tree of the segments of the region's surface.
+    COPPICE_HOST_DEVICE PlaceRange find_places(std::uint32_t r) const {
         const auto first = tables.first_segment;
         if (first.empty()) return {0, static_cast<std::uint32_t>(tree.items().size())};
         const std::uint32_t surface = row_of(first, tables.tubes[r].source);
@@ -232,7 +233,7 @@ struct RivalSearch {
         return !boxes[region].empty() && own_first[region + 1] <= own.size();
     }
     COPPICE_HOST_DEVICE std::uint32_t* row(std::uint32_t region) const {
-        return rows.data() + std::size_t{region} * kMostRivals;
+        return rows.data() + std::size_t{region} * kMaxCompetitors;
     }
 
   private:
@@ -244,11 +245,11 @@ struct RivalSearch {
     }
 };
 
-/// Ranks of the rivals of each region that is not crowded.
-struct FindRivals {
-    static constexpr std::uint32_t kFew = 64;  ///< segments that one thread looks at
+/// Finds the ranks of the competing segments of each region that is not crowded.
+struct FindCompetitors {
+    static constexpr std::uint32_t kFew = 64;  ///< maximum number of segments that one thread tests
 
-    RivalSearch search;
+    CompetitorSearch search;
 
     COPPICE_HOST_DEVICE void operator()(std::uint32_t r) const {
         std::uint32_t count = 0;
@@ -261,25 +262,25 @@ struct FindRivals {
         const RegionProbe probe(search.boxes[r]);
         std::uint32_t* const row = search.row(r);
         std::uint32_t count = 0, looked = 0;
-        search.visit_near(r, probe, search.places_of(r), [&](std::uint32_t s, bool is_rival) {
-            if (++looked > kFew || (is_rival && count == kMostRivals)) {
+        search.visit_near(r, probe, search.find_places(r), [&](std::uint32_t s, bool is_competitor) {
+            if (++looked > kFew || (is_competitor && count == kMaxCompetitors)) {
                 search.crowded[add_to(search.crowded_count[0], 1u)] = r;
                 count = 0;
                 return false;
             }
-            if (is_rival) row[count++] = search.tables.segments[s].rank;
+            if (is_competitor) row[count++] = search.tables.segments[s].rank;
             return true;
         });
         return count;
     }
 };
 
-/// The same for the crowded ones, each by a group of threads; how many there are is not known when `groups`
-/// of them are launched. Of more than kMostRivals the nearest are taken, of the first kMostNear that are
-/// looked at, slice by slice.
-struct FindCrowdedRivals {
-    static constexpr std::uint32_t kSlices = 128;  ///< of a region's search, side by side
-    static constexpr std::uint32_t kBlock = 64;    ///< places that belong to the same slice
+/// Finds the competing segments of crowded regions, each with a group of threads; their number is not known
+/// when `groups` groups are launched. If there are more than kMaxCompetitors, the closest among the first
+/// kMaxNear tested segments are kept, slice by slice.
+struct FindCrowdedCompetitors {
+    static constexpr std::uint32_t kSlices = 128;  ///< number of parallel slices of the search of a region
+    static constexpr std::uint32_t kBlock = 64;    ///< number of consecutive indices of one slice
 
     struct Near {
         std::uint32_t segment;
@@ -288,13 +289,13 @@ struct FindCrowdedRivals {
             return away < o.away || (away == o.away && segment < o.segment);
         }
     };
-    /// Of one group, in the memory of the executor.
+    /// Memory of one group, in the executor.
     struct Room {
         std::array<std::uint32_t, kSlices> looked, found;  ///< by slice
-        std::array<Near, kMostNear> near;
+        std::array<Near, kMaxNear> near;
     };
 
-    RivalSearch search;
+    CompetitorSearch search;
     std::uint32_t groups;
     std::span<Room> rooms;
 
@@ -310,14 +311,15 @@ struct FindCrowdedRivals {
         const RegionProbe probe(search.boxes[region]);
         group.each(kSlices, [&](std::uint32_t slice) {
             std::uint32_t looked = 0;
-            visit_slice(region, probe, slice, [&](std::uint32_t, bool) { return ++looked < kMostNear; });
+            visit_slice(region, probe, slice, [&](std::uint32_t, bool) { return ++looked < kMaxNear; });
             room.looked[slice] = looked;
         });
-        // Each slice looks at what those before it leave of kMostNear, and each has a place for all of it.
+        // Each slice tests the share of kMaxNear that the previous slices leave, and has room for all
+        // results.
         group.each(1, [&](std::uint32_t) {
             std::uint32_t before = 0;
             for (std::uint32_t slice = 0; slice < kSlices; ++slice) {
-                const auto most = static_cast<std::uint32_t>(kMostNear);
+                const auto most = static_cast<std::uint32_t>(kMaxNear);
                 const std::uint32_t looked = kernel::smaller(room.looked[slice], most - before);
                 room.looked[slice] = before;
                 room.found[slice] = looked;
@@ -328,8 +330,8 @@ struct FindCrowdedRivals {
             const std::uint32_t begin = room.looked[slice], most = room.found[slice];
             std::uint32_t looked = 0, found = 0;
             if (most > 0) {
-                visit_slice(region, probe, slice, [&](std::uint32_t s, bool is_rival) {
-                    if (is_rival)
+                visit_slice(region, probe, slice, [&](std::uint32_t s, bool is_competitor) {
+                    if (is_competitor)
                         room.near[begin + found++] = {s, clearance(search.capsules[s].capsule, probe.center)};
                     return ++looked < most;
                 });
@@ -349,45 +351,46 @@ struct FindCrowdedRivals {
         group.each(count, [&](std::uint32_t k) {
             const Near here = room.near[k];
             std::uint32_t place = 0;
-            for (std::uint32_t other = 0; other < count && place < kMostRivals; ++other)
+            for (std::uint32_t other = 0; other < count && place < kMaxCompetitors; ++other)
                 place += room.near[other].before(here) ? 1 : 0;
-            if (place < kMostRivals) search.row(region)[place] = search.tables.segments[here.segment].rank;
+            if (place < kMaxCompetitors)
+                search.row(region)[place] = search.tables.segments[here.segment].rank;
         });
         group.each(1, [&](std::uint32_t) {
-            search.counts[region] = kernel::smaller(count, static_cast<std::uint32_t>(kMostRivals));
+            search.counts[region] = kernel::smaller(count, static_cast<std::uint32_t>(kMaxCompetitors));
         });
     }
-    /// The same as visit_near() at the places of every kSlices-th block of places.
+    /// Calls visit_near() for every kSlices-th block of indices.
     template <class Visit>
     COPPICE_HOST_DEVICE void visit_slice(std::uint32_t region, const RegionProbe& probe, std::uint32_t slice,
                                          const Visit& visit) const {
-        const PlaceRange all = search.places_of(region);
+        const PlaceRange all = search.find_places(region);
         bool goes_on = true;
         for (std::uint32_t block = all.begin / kBlock + slice; goes_on && block * kBlock < all.end;
              block += kSlices) {
             const PlaceRange places{kernel::larger(all.begin, block * kBlock),
                                     kernel::smaller(all.end, (block + 1) * kBlock)};
-            search.visit_near(region, probe, places,
-                              [&](std::uint32_t s, bool is_rival) { return goes_on = visit(s, is_rival); });
+            search.visit_near(region, probe, places, [&](std::uint32_t s, bool is_competitor) {
+                return goes_on = visit(s, is_competitor);
+            });
         }
     }
 };
 
-/// Puts the rivals found one after the other, and names the segments of both lists by what they are rather
-/// than by their ranks.
-struct FillRivals {
+/// Concatenates the competing segments, and replaces ranks by segment numbers in both lists.
+struct FillCompetitors {
     std::span<const std::uint32_t> in_order;  ///< segments by rank
-    std::span<const std::uint32_t> rows;      ///< see RivalSearch
+    std::span<const std::uint32_t> rows;      ///< see CompetitorSearch
     std::span<const std::uint32_t> first;     ///< of regions
-    std::span<std::uint32_t> rivals;
+    std::span<std::uint32_t> competitors;
     std::span<const std::uint32_t> own_first;  ///< of regions
     std::span<std::uint32_t> own;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t r) const {
         if (own_first[r + 1] <= own.size()) name(own.data() + own_first[r], own_first[r + 1] - own_first[r]);
         const std::uint32_t count = first[r + 1] - first[r];
-        if (first[r + 1] > rivals.size() || count == 0) return;
-        std::uint32_t* const list = rivals.data() + first[r];
-        for (std::uint32_t k = 0; k < count; ++k) list[k] = rows[std::size_t{r} * kMostRivals + k];
+        if (first[r + 1] > competitors.size() || count == 0) return;
+        std::uint32_t* const list = competitors.data() + first[r];
+        for (std::uint32_t k = 0; k < count; ++k) list[k] = rows[std::size_t{r} * kMaxCompetitors + k];
         sort_ranks(list, count);
         name(list, count);
     }
@@ -398,25 +401,24 @@ struct FillRivals {
     }
 };
 
-/// What is known once all lists are counted, in one place.
+/// Stores the sizes of all lists after counting.
 struct SumUp {
-    std::span<const std::uint32_t> own_first, rival_first;
-    std::span<std::uint32_t> state;  ///< entries of own and of rivals; 1 where a list was cut
+    std::span<const std::uint32_t> own_first, competitor_first;
+    std::span<std::uint32_t> state;  ///< entries of own and of competing lists; 1 if a list was truncated
     COPPICE_HOST_DEVICE void operator()(std::uint32_t) const {
         state[0] = own_first[own_first.size() - 1];
-        state[1] = rival_first[rival_first.size() - 1];
+        state[1] = competitor_first[competitor_first.size() - 1];
     }
 };
 
-/// Empties all lists where some had too little room, so that whoever reads them before that is known reads
-/// nothing that was not written.
+/// Empties all lists if some had too little room, so that earlier readers never access uninitialised memory.
 struct EmptyUnfit {
     std::span<const std::uint32_t> state;  ///< see SumUp
-    std::size_t own_room, rival_room;
-    std::span<std::uint32_t> own_first, rival_first;
+    std::size_t own_room, competitor_room;
+    std::span<std::uint32_t> own_first, competitor_first;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t r) const {
-        if (state[0] <= own_room && state[1] <= rival_room) return;
-        own_first[r] = rival_first[r] = 0;
+        if (state[0] <= own_room && state[1] <= competitor_room) return;
+        own_first[r] = competitor_first[r] = 0;
     }
 };
 

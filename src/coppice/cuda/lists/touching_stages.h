@@ -10,7 +10,7 @@
 
 namespace coppice::cuda {
 
-/// Where segments have influence; those of no weight have none.
+/// Computes the supports of segments; segments without weight have no support.
 struct SupportTouching {
     std::span<const DeviceSegment> segments;
     float reach;  ///< see ConvolutionField
@@ -24,7 +24,7 @@ struct SupportTouching {
     }
 };
 
-/// What segments of a list are sorted by.
+/// Computes the sorting keys of segments.
 struct KeyByAxis {
     std::span<const DeviceSegment> segments;
     bool by_axis;  ///< otherwise by number
@@ -35,18 +35,18 @@ struct KeyByAxis {
     }
 };
 
-/// The place of every segment among all of them.
+/// Computes the rank of every segment.
 struct RankSegments {
     std::span<const std::uint32_t> in_order;
     std::span<std::uint32_t> rank;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const { rank[in_order[i]] = i; }
 };
 
-/// Finds all segments whose support touches the box of a region.
+/// Finds all segments with a support that touches the box of a region.
 struct TouchingSearch {
     std::span<const Box3> boxes;  ///< of regions
     std::span<const DeviceSupport> capsules;
-    DeviceBoxTree tree;  ///< of their boxes
+    DeviceBoxTree tree;  ///< tree of their boxes
 
     /// Calls visit(segment).
     template <class Visit>
@@ -59,12 +59,12 @@ struct TouchingSearch {
     }
 };
 
-/// Counts them.
+/// Counts the segments of each region.
 struct CountTouching {
     TouchingSearch search;
     std::uint32_t limit;
     std::span<std::uint32_t> count;
-    std::span<std::uint32_t> cut;  ///< one number: 1 where there are more than the limit
+    std::span<std::uint32_t> cut;  ///< one number: 1 if there are more than the limit
     COPPICE_HOST_DEVICE void operator()(std::uint32_t r) const {
         std::uint32_t found = 0;
         search.run(r, [&](std::uint32_t) { ++found; });
@@ -73,11 +73,11 @@ struct CountTouching {
     }
 };
 
-/// Lists them in order.
+/// Lists the segments of each region in order.
 struct FillTouching {
     TouchingSearch search;
     std::span<const std::uint32_t> rank, in_order;  ///< of segments
-    std::span<const std::uint32_t> first;           ///< of every region, and one more
+    std::span<const std::uint32_t> first;           ///< of every region, plus the end
     std::span<std::uint32_t> segments;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t r) const {
         std::uint32_t* const list = segments.data() + first[r];
@@ -88,7 +88,7 @@ struct FillTouching {
     }
 };
 
-/// The segments of a field on an executor, before it has regions.
+/// The segments of a field on an executor, without regions.
 struct DeviceSegments {
     std::span<const DeviceSegment> segments;  ///< by lower node
     float reach = 0;                          ///< see ConvolutionField
@@ -96,14 +96,14 @@ struct DeviceSegments {
     float contact = 0;                        ///< see FieldOptions
 };
 
-/// Copies them.
+/// Copies the segments of a field.
 template <class Exec>
 DeviceSegments upload_segments(Exec& exec, const ConvolutionField& field) {
     return {exec.upload(std::span<const DeviceSegment>(device_segments(field))), field.reach(), field.blend(),
             field.contact()};
 }
 
-/// Segments in the order of lists, and the place of each.
+/// Segments in the order of lists, and the rank of each.
 struct SegmentOrder {
     std::span<const std::uint32_t> in_order, rank;
 };
@@ -119,10 +119,10 @@ SegmentOrder order_segments(Exec& exec, const DeviceSegments& field) {
     return {in_order, rank};
 }
 
-/// The field in these regions, whose boxes lie on the executor: the lists that set_regions() makes, but that
-/// cards round otherwise, so that a segment that only just touches a box may be in one and not in the other.
-/// Throws DeviceError where a list has more than `longest` segments: see longest_list(). O((segments +
-/// regions) log n + lists). Waits.
+/// Creates the field with these regions, with boxes on the executor: the same lists as set_regions(), except
+/// that GPUs round differently, so that a segment that barely touches a box may be in only one of them.
+/// Throws DeviceError if a list has more than `longest` segments: see longest_list(). O((segments + regions)
+/// log n + lists). Waits.
 template <class Exec>
 FieldArrays set_regions(Exec& exec, const DeviceSegments& field, std::span<const Box3> boxes,
                         std::size_t longest) {
@@ -147,9 +147,9 @@ FieldArrays set_regions(Exec& exec, const DeviceSegments& field, std::span<const
     if (is_cut != 0) throw DeviceError("too many segments meet in one place for a device");
     const auto own = exec.template array<std::uint32_t>(entries);
     exec.each("fill touching", regions, FillTouching{search, order.rank, order.in_order, first, own});
-    const auto no_rivals = exec.template array<std::uint32_t>(regions + 1);
-    exec.clear(no_rivals);
-    return {field.segments, {first, own}, {no_rivals, {}}, field.blend, field.contact};
+    const auto no_competitors = exec.template array<std::uint32_t>(regions + 1);
+    exec.clear(no_competitors);
+    return {field.segments, {first, own}, {no_competitors, {}}, field.blend, field.contact};
 }
 
 }  // namespace coppice::cuda

@@ -14,29 +14,30 @@
 
 namespace coppice {
 
-/// Makes quads of closed cages on a card as [Zhu2015] prints it (see PrintedQuadStages), to be compared with
-/// DeviceQuads. Keeps the memory that a job took for the next one. One job at a time.
+/// Creates quads of closed cages on a GPU as published in [Zhu2015] (see PrintedQuadStages), for comparison
+/// with DeviceQuads. Reuses the memory of a job for the next one. One job at a time.
 class DevicePrintedQuads {
   public:
-    /// Throws DeviceError where there is no card, or this build has no kernels.
+    /// Throws DeviceError if there is no GPU, or this build contains no kernels.
     explicit DevicePrintedQuads(const Context& ctx = {});
-    ~DevicePrintedQuads();                                         ///< gives the memory back
-    DevicePrintedQuads(DevicePrintedQuads&&) noexcept;             ///< leaves the other one empty
-    DevicePrintedQuads& operator=(DevicePrintedQuads&&) noexcept;  ///< leaves the other one empty
+    ~DevicePrintedQuads();                                         ///< releases the memory
+    DevicePrintedQuads(DevicePrintedQuads&&) noexcept;             ///< leaves the source empty
+    DevicePrintedQuads& operator=(DevicePrintedQuads&&) noexcept;  ///< leaves the source empty
 
-    /// Subdivides a job's cage, moves it onto a field with its regions, and copies it back. Throws
-    /// InvalidInput for a cage with a boundary, and DeviceError when the card fails or has too little memory.
+    /// Subdivides the cage of a job, moves it onto a field with its regions, and copies the result to the
+    /// host. Throws InvalidInput for a cage with a boundary, and DeviceError if the GPU fails or has too
+    /// little memory.
     QuadMesh make(const cuda::QuadJob& job, const ConvolutionField& field, const cuda::Evolution& how = {});
 
-    /// The work of the last make() once more from what lies on the card, for measuring: without copying it
-    /// back. Waits.
+    /// Repeats the work of the last make() with the data on the GPU, for measurements: without copying the
+    /// result. Waits.
     void repeat();
 
-    /// From now on the time of every kernel is noted.
+    /// Enables recording of the time of every kernel.
     void measure();
-    /// What was noted since it was asked for the last time.
+    /// Returns the times recorded since the last call.
     std::vector<cuda::KernelTime> take_times();
-    std::uint64_t bytes_used() const;  ///< of the card, by the last job
+    std::uint64_t bytes_used() const;  ///< of the GPU, by the last job
 
   private:
     struct Impl;

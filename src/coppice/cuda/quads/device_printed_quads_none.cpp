@@ -9,7 +9,7 @@ DevicePrintedQuads::~DevicePrintedQuads() = default;
 DevicePrintedQuads::DevicePrintedQuads(DevicePrintedQuads&&) noexcept = default;
 DevicePrintedQuads& DevicePrintedQuads::operator=(DevicePrintedQuads&&) noexcept = default;
 
-// Without a card there is no object to call these of.
+// Without a GPU the constructor throws, so these are never called.
 QuadMesh DevicePrintedQuads::make(const cuda::QuadJob&, const ConvolutionField&, const cuda::Evolution&) {
     return {};
 }

@@ -17,56 +17,54 @@
 
 namespace coppice {
 
-/// Makes quads of cages on a card: what PatchRefinement::refine, project and untangle do, with the same
-/// topology and positions within 1e-4 of the local radius. Keeps the memory that a job took for the next one.
-/// One job at a time, or several as one: see cuda::QuadRun. What has no room on the card as a whole is done
-/// in rounds.
+/// Creates quads of cages on a GPU: executes PatchRefinement::refine, project and untangle with the same
+/// topology and positions within 1e-4 of the local radius. Reuses the memory of a job for the next one. One
+/// job at a time, or several as one: see cuda::QuadRun. Work that does not fit on the GPU is done in rounds.
 class DeviceQuads {
   public:
-    /// Takes `most` bytes of the card at most. Throws DeviceError where there is no card, or this build has
-    /// no kernels.
+    /// Uses at most `most` bytes of the GPU. Throws DeviceError if there is no GPU, or this build contains no
+    /// kernels.
     explicit DeviceQuads(const Context& ctx = {}, std::size_t most = std::numeric_limits<std::size_t>::max());
-    ~DeviceQuads();                                  ///< gives the memory back
-    DeviceQuads(DeviceQuads&&) noexcept;             ///< leaves the other one empty
-    DeviceQuads& operator=(DeviceQuads&&) noexcept;  ///< leaves the other one empty
+    ~DeviceQuads();                                  ///< releases the memory
+    DeviceQuads(DeviceQuads&&) noexcept;             ///< leaves the source empty
+    DeviceQuads& operator=(DeviceQuads&&) noexcept;  ///< leaves the source empty
 
-    /// Sends a job and the field with its regions, and begins with it: returns before it is done. What it
-    /// refers to has to outlive finish(). Throws DeviceError when the card has too little memory even for a
-    /// small piece of it.
+    /// Uploads a job and the field with its regions, and starts the work without waiting. Referenced data
+    /// must outlive finish(). Throws DeviceError if the GPU has too little memory even for a small tile.
     void begin(const cuda::QuadJob& job, const ConvolutionField& field);
-    /// The same of several jobs at once, each with a field of its own: of the same levels and options.
+    /// Starts several jobs at once, each with its own field. They must have the same levels and options.
     void begin(std::span<const cuda::QuadTask> tasks);
-    /// The same of a field without regions: the card finds what counts in each. False where lists are so long
-    /// that they have to be made on the CPU.
+    /// Starts a job with a field without regions: the GPU finds the active segments of each region. Returns
+    /// false if lists are so long that they must be computed on the CPU.
     bool begin(const cuda::QuadJob& job, const cuda::ContactInput& contacts);
-    /// The same of several jobs at once: one of `contacts` for each. False also where the card has not room
-    /// for all of them.
+    /// Starts several jobs at once, with one element of `contacts` for each. Also returns false if they do
+    /// not all fit on the GPU.
     bool begin(std::span<const cuda::QuadJob> jobs, std::span<const cuda::ContactInput> contacts);
-    /// Waits, unfolds what was folded, and copies back the refined positions, and where it is asked for the
-    /// refined anchors. Throws DeviceError when the card failed. A job that was done in pieces is not
-    /// unfolded.
+    /// Waits, unfolds folded quads, and copies the refined positions, and with `anchors` the refined anchors.
+    /// Throws DeviceError if the GPU failed. A job that was done in tiles is not unfolded.
     cuda::QuadReport finish(Buffer<Vec3>& positions, Buffer<Vec3>* anchors = nullptr);
-    /// The same of several jobs: one of `out` for each.
+    /// Completes several jobs, with one element of `out` for each.
     std::vector<cuda::QuadReport> finish(std::span<const cuda::QuadPlaces> out);
 
-    /// The work of begin() and finish() once more from what lies on the card, for measuring: with normals and
-    /// quads, but without copying them back. Waits. After finish(), of jobs that were one round.
+    /// Repeats the work of begin() and finish() with the data on the GPU, for measurements: including normals
+    /// and quads, but without copying results. Waits. Requires that finish() was called and the jobs took one
+    /// round.
     void repeat();
-    std::size_t rounds() const;  ///< that the jobs begun last took so far; 1 where all had room at once
+    std::size_t rounds() const;  ///< number of rounds of the last jobs so far; 1 if all fitted at once
 
-    /// From now on the time of every kernel is noted.
+    /// Enables recording of the time of every kernel.
     void measure();
-    /// What was noted since it was asked for the last time.
+    /// Returns the times recorded since the last call.
     std::vector<cuda::KernelTime> take_times();
-    std::uint64_t bytes_used() const;  ///< of the card, by the job begun last
+    std::uint64_t bytes_used() const;  ///< of the GPU, by the last job
 
   private:
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };
 
-/// Memory of the card that a job takes, if not more than a fiftieth of its quads is folded, about a field of
-/// so many segments whose lists have so many entries.
+/// Returns the memory of the GPU that a job requires, if at most a fiftieth of its quads is folded, with a
+/// field of this number of segments and list entries.
 std::uint64_t bytes_of(const cuda::QuadJob& job, std::uint64_t segments, std::uint64_t entries);
 
 }  // namespace coppice

@@ -9,7 +9,7 @@ DeviceQuads::~DeviceQuads() = default;
 DeviceQuads::DeviceQuads(DeviceQuads&&) noexcept = default;
 DeviceQuads& DeviceQuads::operator=(DeviceQuads&&) noexcept = default;
 
-// Without a card there is no object to call these of.
+// Without a GPU the constructor throws, so these are never called.
 void DeviceQuads::begin(const cuda::QuadJob&, const ConvolutionField&) {}
 void DeviceQuads::begin(std::span<const cuda::QuadTask>) {}
 bool DeviceQuads::begin(const cuda::QuadJob&, const cuda::ContactInput&) { return false; }

@@ -3,25 +3,26 @@
 #include <cstdint>
 #include <span>
 
+#include "coppice/base/id.h"
 #include "coppice/base/kernel/partition_point.h"
 #include "coppice/cuda/exec/atomics.h"
 #include "coppice/cuda/exec/sets_kernel.h"
 #include "coppice/subdivision/kernel/face_kernel.h"
 #include "coppice/subdivision/kernel/patch_index.h"
 
-// Finds bad quads, and the clusters of FoldClusters about them.
+// Kernels that find bad quads, and the clusters of FoldClusters around them.
 
 namespace coppice::cuda {
 
-/// Finds the bad quads of one run of kRun each: a group of threads for each run.
+/// Finds the bad quads of runs of kRun quads, with one group of threads for each run.
 struct FindBad {
     static constexpr std::uint32_t kRun = 256;
 
     PatchStars stars;
     FaceLimits limits;
     std::span<const Vec3> positions, anchors;
-    std::span<std::uint32_t> found;  ///< the bad ones of run r from r kRun on, as places in their run
-    std::span<std::uint32_t> count;  ///< per run, and one more, which is left alone
+    std::span<std::uint32_t> found;  ///< the bad quads of run r from index r kRun on, as indices in their run
+    std::span<std::uint32_t> count;  ///< per run, plus an unused last element
 
     template <class Group>
     COPPICE_HOST_DEVICE void operator()(std::uint32_t run, const Group& group) const {
@@ -35,11 +36,12 @@ struct FindBad {
     }
 };
 
-/// Brings them together, ascending, as far as there is room, behind their count: a group for each run.
+/// Concatenates the bad quads, ascending, as far as there is room, after their count, with one group for each
+/// run.
 struct GatherBad {
     std::span<const std::uint32_t> found;
-    std::span<const std::uint32_t> first;  ///< per run, and one more
-    std::span<std::uint32_t> out;          ///< the count, and then the bad quads
+    std::span<const std::uint32_t> first;  ///< per run, plus the end
+    std::span<std::uint32_t> out;          ///< the count, followed by the bad quads
 
     template <class Group>
     COPPICE_HOST_DEVICE void operator()(std::uint32_t run, const Group& group) const {
@@ -51,19 +53,17 @@ struct GatherBad {
     }
 };
 
-inline constexpr std::uint32_t kNoEntry = 0xffffffffu;  ///< greater than all others
-
-/// Faces, their corners and rings around them, while they are collected: each once, in no order.
+/// Faces, their corners and rings around them during collection: unique, in any order.
 struct Surroundings {
     PatchStars stars;
     std::span<std::uint32_t> seen_vertices, seen_faces;  ///< a bit for each of the surface
     std::span<std::uint32_t> vertices, faces;            ///< as far as there is room
-    std::span<std::uint32_t> vertex_count, face_count;   ///< one number each, also of those without room
+    std::span<std::uint32_t> vertex_count, face_count;   ///< one number each, includes elements without room
 
     COPPICE_HOST_DEVICE void add_vertex(std::uint32_t v) const {
         if (is_new(seen_vertices, v)) append(vertices, vertex_count, v);
     }
-    /// False where it is there already.
+    /// Returns false if the face is already present.
     COPPICE_HOST_DEVICE bool add_face(std::uint32_t face) const {
         if (!is_new(seen_faces, face)) return false;
         append(faces, face_count, face);
@@ -86,14 +86,14 @@ struct Surroundings {
     }
 };
 
-/// Begins with faces.
+/// Adds the initial faces.
 struct CollectFaces {
     Surroundings around;
     std::span<const std::uint32_t> faces;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t k) const { around.add_corners(faces[k]); }
 };
 
-/// Notes how many vertices there are before a ring is added.
+/// Stores the number of vertices before a ring is added.
 struct NoteRing {
     Surroundings around;
     std::span<std::uint32_t> end;
@@ -102,8 +102,8 @@ struct NoteRing {
     }
 };
 
-/// Adds the faces about the vertices that were new when the last ring was noted, and their corners. How many
-/// they are is not known when it is launched: each of `threads` takes some.
+/// Adds the faces around the vertices of the last ring, and their corners. Their number is not known at the
+/// launch: they are distributed over `threads` threads.
 struct AddRing {
     Surroundings around;
     std::span<const std::uint32_t> begin, end;  ///< see NoteRing
@@ -118,30 +118,31 @@ struct AddRing {
     }
 };
 
-/// Drops the vertices on boundaries, which may not move: kNoEntry.
+/// Replaces vertices on boundaries, which may not move, by kNoIndex.
 struct DropBoundary {
     PatchStars stars;
     std::span<std::uint32_t> vertices;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t k) const {
-        if (stars.on_boundary(vertices[k])) vertices[k] = kNoEntry;
+        if (stars.on_boundary(vertices[k])) vertices[k] = kNoIndex;
     }
 };
 
-/// Finds where the corners of faces are among the vertices, which ascend, and makes those of a face one set.
+/// Finds the indices of the corners of faces in the ascending list of vertices, and joins the corners of each
+/// face into one set.
 struct JoinCorners {
     PatchStars stars;
     std::span<const std::uint32_t> vertices, faces;
-    std::span<Quad> corners;  ///< kNoEntry of those that may not move
+    std::span<Quad> corners;  ///< kNoIndex for corners that may not move
     DeviceSets sets;          ///< of vertices
     COPPICE_HOST_DEVICE void operator()(std::uint32_t f) const {
         Quad places = stars.quad(faces[f]);
-        std::uint32_t first = kNoEntry;
+        std::uint32_t first = kNoIndex;
         for (std::uint32_t& place : places) {
             const std::uint32_t v = place;
             place = kernel::partition_point(vertices, [&](std::uint32_t other) { return other < v; });
             if (place == vertices.size() || vertices[place] != v) {
-                place = kNoEntry;
-            } else if (first == kNoEntry) {
+                place = kNoIndex;
+            } else if (first == kNoIndex) {
                 first = place;
             } else {
                 sets.join(first, place);
@@ -151,17 +152,17 @@ struct JoinCorners {
     }
 };
 
-/// Marks the vertices that stand for a cluster.
+/// Marks the representative vertices of clusters.
 struct MarkClusters {
     std::span<const std::uint32_t> vertices;
     DeviceSets sets;
     std::span<std::uint32_t> mark;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t k) const {
-        mark[k] = vertices[k] != kNoEntry && sets.find(k) == k ? 1 : 0;
+        mark[k] = vertices[k] != kNoIndex && sets.find(k) == k ? 1 : 0;
     }
 };
 
-/// What entries are sorted by: the number of their cluster, and kNoEntry of those that have none.
+/// Compute sorting keys of entries: the number of their cluster, or kNoIndex without a cluster.
 /// @{
 struct KeyVertices {
     std::span<const std::uint32_t> vertices;
@@ -169,7 +170,7 @@ struct KeyVertices {
     std::span<const std::uint32_t> number;
     std::span<std::uint32_t> key, entry;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t k) const {
-        key[k] = vertices[k] == kNoEntry ? kNoEntry : number[sets.find(k)];
+        key[k] = vertices[k] == kNoIndex ? kNoIndex : number[sets.find(k)];
         entry[k] = k;
     }
 };
@@ -179,30 +180,30 @@ struct KeyFaces {
     std::span<const std::uint32_t> number;
     std::span<std::uint32_t> key, entry;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t f) const {
-        std::uint32_t first = kNoEntry;
+        std::uint32_t first = kNoIndex;
         for (const std::uint32_t c : corners[f]) first = kernel::smaller(first, c);
-        key[f] = first == kNoEntry ? kNoEntry : number[sets.find(first)];
+        key[f] = first == kNoIndex ? kNoIndex : number[sets.find(first)];
         entry[f] = f;
     }
 };
 /// @}
 
-/// Where the entries of each cluster begin, and one more, for entries in the order of their keys.
+/// Computes the start of the entries of each cluster, and the end, for entries sorted by key.
 struct BoundRows {
     std::span<const std::uint32_t> key;
     std::span<std::uint32_t> first;
-    std::span<std::uint32_t> count;  ///< one number: clusters; 0 at first
+    std::span<std::uint32_t> count;  ///< one number: number of clusters; initially 0
     COPPICE_HOST_DEVICE void operator()(std::uint32_t k) const {
         const std::uint32_t row = key[k];
-        if (row == kNoEntry) return;
+        if (row == kNoIndex) return;
         if (k == 0 || key[k - 1] != row) first[row] = k;
-        if (k + 1 < key.size() && key[k + 1] != kNoEntry) return;
+        if (k + 1 < key.size() && key[k + 1] != kNoIndex) return;
         first[row + 1] = k + 1;
         count[0] = row + 1;
     }
 };
 
-/// The vertices in that order, and where each came to lie.
+/// Copies the vertices in sorted order, and stores the new index of each.
 struct TakeVertices {
     std::span<const std::uint32_t> vertices, entry;
     std::span<std::uint32_t> out, place;
@@ -211,7 +212,7 @@ struct TakeVertices {
         place[entry[k]] = k;
     }
 };
-/// The same of faces, with where their corners came to lie.
+/// Copies the faces in sorted order, with the new indices of their corners.
 struct TakeFaces {
     std::span<const std::uint32_t> faces, entry;
     std::span<const Quad> corners;
@@ -221,7 +222,7 @@ struct TakeFaces {
     COPPICE_HOST_DEVICE void operator()(std::uint32_t k) const {
         out[k] = faces[entry[k]];
         Quad to = corners[entry[k]];
-        for (std::uint32_t& c : to) c = c == kNoEntry ? kNoEntry : place[c];
+        for (std::uint32_t& c : to) c = c == kNoIndex ? kNoIndex : place[c];
         corners_out[k] = to;
     }
 };

@@ -5,22 +5,24 @@
 #include <cstdint>
 #include <span>
 
+#include "coppice/base/id.h"
 #include "coppice/cuda/quads/fold_kernels.h"
 
 namespace coppice::cuda {
 
-/// Clusters of bad quads: see FoldClusters. Of vertices and faces, those of one cluster follow each other,
-/// ascending.
+/// Clusters of bad quads: see FoldClusters. Vertices and faces are sorted by cluster, and ascending within
+/// each.
 struct DeviceClusters {
-    std::span<const std::uint32_t> count;                     ///< one number: clusters
-    std::span<const std::uint32_t> first_vertex, first_face;  ///< per cluster, and one more
-    std::span<const std::uint32_t> vertices, faces;           ///< kNoEntry behind the last cluster
-    std::span<const Quad> corners;  ///< by face: places of its vertices, kNoEntry of those that may not move
+    std::span<const std::uint32_t> count;                     ///< one number: number of clusters
+    std::span<const std::uint32_t> first_vertex, first_face;  ///< per cluster, plus the end
+    std::span<const std::uint32_t> vertices, faces;           ///< kNoIndex after the last cluster
+    std::span<const Quad>
+        corners;  ///< by face: indices of its vertices, kNoIndex for those that may not move
 };
 
-/// Collects `bad` quads, rings of faces around them, and all that touches these. Waits.
+/// Collects `bad` quads, rings of faces around them, and all faces that touch these. Waits.
 template <class Exec>
-Surroundings surroundings_of(Exec& exec, const PatchStars& stars, std::span<const std::uint32_t> bad) {
+Surroundings compute_surroundings(Exec& exec, const PatchStars& stars, std::span<const std::uint32_t> bad) {
     constexpr std::uint32_t kRings = 4;  // see FoldClusters
     constexpr std::size_t kUsual = 64, kThreads = std::size_t{1} << 16;
     const auto numbers = [&](std::size_t count) { return exec.template array<std::uint32_t>(count); };
@@ -57,7 +59,7 @@ Surroundings surroundings_of(Exec& exec, const PatchStars& stars, std::span<cons
     }
 }
 
-/// Sorts numbers below `end`, or kNoEntry, which comes last.
+/// Sorts numbers below `end`, or kNoIndex, which comes last.
 template <class Exec>
 void sort_numbers(Exec& exec, std::span<std::uint32_t> numbers, std::uint32_t end) {
     const auto before = exec.mark();
@@ -67,14 +69,14 @@ void sort_numbers(Exec& exec, std::span<std::uint32_t> numbers, std::uint32_t en
     exec.rewind(before);
 }
 
-/// Finds the clusters of bad quads, which ascend. Waits once. O(n log n) of what lies around them, and a bit
-/// for each vertex and face.
+/// Finds the clusters of bad quads, which must be ascending. Waits once. O(n log n) in the number of elements
+/// around them, and one bit for each vertex and face.
 template <class Exec>
 DeviceClusters fold_clusters(Exec& exec, const PatchStars& stars, std::span<const std::uint32_t> bad) {
-    const Surroundings around = surroundings_of(exec, stars, bad);
+    const Surroundings around = compute_surroundings(exec, stars, bad);
     const std::span<std::uint32_t> vertices = around.vertices, faces = around.faces;
     const auto numbers = [&](std::size_t count) { return exec.template array<std::uint32_t>(count); };
-    const auto most = static_cast<std::uint32_t>(bad.size());  // clusters
+    const auto most = static_cast<std::uint32_t>(bad.size());  // number of clusters
     const auto count = numbers(1), first_vertex = numbers(most + 1), first_face = numbers(most + 1);
     const auto vertices_out = numbers(vertices.size()), faces_out = numbers(faces.size());
     const auto corners_out = exec.template array<Quad>(faces.size());

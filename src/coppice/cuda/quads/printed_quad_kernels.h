@@ -11,18 +11,18 @@
 #include "coppice/implicit/field_ref.h"
 #include "coppice/subdivision/kernel/cage_view.h"
 
-// Catmull-Clark and the evolution as [Zhu2015] prints them: vertices, edges and faces that are written down
-// level by level. Each thread gathers what the paper adds to accumulators, so that sums do not depend on the
-// order of threads.
+// Catmull-Clark subdivision and the evolution as published in [Zhu2015], with explicit vertices, edges and
+// faces on every level. Each thread gathers the values that the paper adds to accumulators, so that sums do
+// not depend on the order of threads.
 //
-// Everything is numbered in closed form. Of V vertices, E edges and F quads of a closed mesh come: vertex v
-// where it was, V + e on edge e, V + E + f in quad f; quad 4 f + k at corner k; edges 2 e and 2 e + 1 from
-// the lower and the higher end of edge e, 2 E + 4 f + k from the middle of side k to that of quad f. Edges
-// run forward from their lower vertex, as in CageTopology, but are numbered in another order.
+// All elements are numbered in closed form. With V vertices, E edges and F quads of a closed mesh: vertex v
+// stays v, V + e is on edge e, V + E + f in quad f; quad 4 f + k is at corner k; edges 2 e and 2 e + 1 start
+// at the lower and the higher end of edge e, 2 E + 4 f + k connects the midpoint of side k with that of quad
+// f. Edges point forward from their lower vertex, as in CageTopology, but are numbered in another order.
 
 namespace coppice::cuda {
 
-/// Quads that are written down, with their edges and fans: a CageView that kernels write.
+/// Explicit quads with their edges and fans: a writable CageView.
 struct ExplicitQuads {
     std::span<Vec3> positions;  ///< [m]
     /// See CageTopology.
@@ -44,7 +44,7 @@ struct QuadStep {
     COPPICE_HOST_DEVICE std::uint32_t face_point(std::uint32_t f) const {
         return coarse.vertex_count() + coarse.edge_count() + f;
     }
-    /// Where the fans of the points on edges and of those in faces begin: four half-edges each.
+    /// Start of the fans of the points on edges and of those in faces: four half-edges each.
     /// @{
     COPPICE_HOST_DEVICE std::uint32_t edge_fan(std::uint32_t e) const {
         return 4 * (coarse.face_count() + e);
@@ -55,7 +55,7 @@ struct QuadStep {
     /// @}
 };
 
-/// The mean of a face's corners, and its four parts; thread per face.
+/// Computes the mean of a face's corners, and its four subfaces; one thread per face.
 struct FacePoints {
     QuadStep step;
 
@@ -73,7 +73,7 @@ struct FacePoints {
             const std::uint32_t part = 4 * f + k, next = 4 * f + ((k + 1) & 3), last = (k + 3) & 3;
             const std::uint32_t after = side[k], before = side[last];
             fine.quads[part] = {quad[k], step.edge_point(after >> 1), middle, step.edge_point(before >> 1)};
-            // The half of an edge that a side begins with has the number of the side, 2 e or 2 e + 1.
+            // The half of an edge at the start of a side has the number of the side, 2 e or 2 e + 1.
             fine.side[part] = {2 * after, 2 * (inner + k), 2 * (inner + last) + 1, 2 * (before ^ 1) + 1};
             fine.edge_half[inner + k] = {4 * part + 1, 4 * next + 2};
             fine.fan_half[step.face_fan(f) + k] = 4 * part + 2;
@@ -81,8 +81,8 @@ struct FacePoints {
     }
 };
 
-/// The mean of an edge's ends and of the points in its two faces, and its halves; thread per edge, after
-/// FacePoints.
+/// Computes the mean of an edge's ends and of the points in its two faces, and its halves; one thread per
+/// edge, after FacePoints.
 struct EdgePoints {
     QuadStep step;
 
@@ -104,7 +104,7 @@ struct EdgePoints {
     }
 
   private:
-    /// The half-edges from the middle of a half-edge to its end, and into its face.
+    /// Half-edges from the midpoint of a half-edge to its end, and into its face.
     /// @{
     COPPICE_HOST_DEVICE static std::uint32_t to_end(std::uint32_t half) {
         return 4 * CageTopology::next(half) + 3;
@@ -117,8 +117,8 @@ struct EdgePoints {
     }
 };
 
-/// Moves vertices; thread per vertex, after FacePoints. `out`, as printed, holds the points in the faces
-/// about a vertex and twice the middles of its edges. Vertices without faces stay.
+/// Moves vertices; one thread per vertex, after FacePoints. As in the paper, `out` is the sum of the points
+/// in the faces around a vertex and twice the midpoints of its edges. Vertices without faces stay.
 struct VertexPoints {
     QuadStep step;
 
@@ -139,19 +139,19 @@ struct VertexPoints {
     }
 };
 
-/// How vertices are moved onto the field.
+/// Parameters of the movement of vertices onto the field.
 struct Evolution {
-    float sigma = 0.95f;  ///< part of Newton's step that is gone
-    int steps = 6;        ///< 5 to 7 are printed to be enough
+    float sigma = 0.95f;  ///< fraction of Newton's step
+    int steps = 6;        ///< 5 to 7 are sufficient according to the paper
 };
 
-/// v <- v - sigma (F - T) grad F / |grad F|^2, with T = 1, again and again; thread per vertex. Equation 5 has
-/// the other sign, which is right for a field that grows outward. The field is asked in the region of the
-/// control face that a vertex comes from; without a gradient it stays.
+/// Iterates v <- v - sigma (F - T) grad F / |grad F|^2, with T = 1; one thread per vertex. Equation 5 has the
+/// opposite sign, which is correct for a field that increases outward. The field is sampled in the region of
+/// the control face of the vertex; a vertex without gradient stays.
 template <class Field>
 struct EvolveVertices {
     CageView mesh;
-    int levels;                             ///< times that it was subdivided
+    int levels;                             ///< number of subdivisions
     std::span<const std::uint32_t> region;  ///< per control face
     Field field;
     Evolution how;

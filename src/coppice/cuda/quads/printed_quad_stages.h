@@ -13,19 +13,20 @@
 
 namespace coppice::cuda {
 
-/// The stages from a closed cage to quads as [Zhu2015] prints them, in the memory of an executor, each as
-/// often as it is asked for: to be compared with QuadStages. There are two copies of vertices, edges and
-/// faces, of which one is read and the other one written, in turns; as counts are known beforehand (V' = V +
-/// E + F, E' = 2 E + 4 F, F' = 4 F), all is allocated once. Nothing is unfolded, and flat ends become round.
+/// The stages from a closed cage to quads as published in [Zhu2015], in the memory of an executor, for
+/// comparison with QuadStages. Each stage may be repeated. There are two copies of vertices, edges and faces,
+/// which are alternately read and written; as counts are known in advance (V' = V + E + F, E' = 2 E + 4 F, F'
+/// = 4 F), all memory is allocated once. Quads are not unfolded, and flat ends become round.
 ///
-/// Memory: some 75 bytes per quad of the last level, and a quarter of that for the level before.
+/// Memory: about 75 bytes per quad of the last level, and a quarter of that for the previous level.
 template <class Exec>
 class PrintedQuadStages {
   public:
-    /// Of the job the cage, its levels, positions and regions count. The executor must outlive it. Throws
-    /// InvalidInput for a cage with a boundary, and DeviceError for more quads than can be numbered.
+    /// Uses only the cage, its levels, positions and regions of the job. The executor must outlive this
+    /// object. Throws InvalidInput for a cage with a boundary, and DeviceError if there are more quads than
+    /// can be numbered.
     PrintedQuadStages(Exec& exec, const QuadJob& job) : exec_(exec), levels_(job.levels) {
-        if (!job.cage.closed()) throw InvalidInput("cage: it must be closed to be subdivided as printed");
+        if (!job.cage.closed()) throw InvalidInput("cage: it must be closed for the published subdivision");
         // Half-edges of the last level have numbers of 32 bits.
         const std::uint64_t quads = std::uint64_t{job.cage.face_count()} << (2 * levels_);
         if (quads > std::numeric_limits<std::uint32_t>::max() / 4)
@@ -39,7 +40,7 @@ class PrintedQuadStages {
         evolved_ = exec.template array<Vec3>(size_at(levels_).vertices);
     }
 
-    /// Catmull-Clark steps from the cage on.
+    /// Executes Catmull-Clark steps from the cage.
     void refine() {
         mesh_ = cage_;
         refined_ = positions_;
@@ -54,7 +55,7 @@ class PrintedQuadStages {
         }
     }
 
-    /// Moves the refined vertices towards where a field is 1.
+    /// Moves the refined vertices towards iso value 1 of a field.
     template <class Field>
     void evolve(const Field& field, const Evolution& how = {}) {
         exec_.each("evolve", refined_.size(),
@@ -84,10 +85,10 @@ class PrintedQuadStages {
                                 exec_.template array<std::array<std::uint32_t, 2>>(size.edges),
                                 exec_.template array<std::uint32_t>(size.vertices + 1),
                                 exec_.template array<std::uint32_t>(4 * size.faces)};
-        exec_.clear(out.fan_first.first(1));  // kernels write where fans end
+        exec_.clear(out.fan_first.first(1));  // kernels write the ends of fans
         return out;
     }
-    /// As much of a copy as a level of that size takes.
+    /// Returns the part of a copy that a level of that size requires.
     static ExplicitQuads part_of(const ExplicitQuads& copy, const Size& size) {
         return {copy.positions.first(size.vertices),
                 copy.quads.first(size.faces),
@@ -108,7 +109,7 @@ class PrintedQuadStages {
 
     Exec& exec_;
     int levels_;
-    CageView cage_, mesh_;  // of the executor, as all that follows
+    CageView cage_, mesh_;  // all members from here on are in the executor
     std::span<const std::uint32_t> region_;
     std::span<const Vec3> positions_, refined_;
     std::array<ExplicitQuads, 2> copies_;

@@ -5,7 +5,7 @@
 
 namespace coppice::cuda {
 
-/// Compiled in one place, since these are the kernels that take the longest: device_quads.cu.
+/// Compiled only in device_quads.cu, since these kernels take the longest to compile.
 /// @{
 extern template void project<CudaExecutor>(QuadStages<CudaExecutor>& stages, const KernelConstants& kernel,
                                            const FieldArrays& field);

@@ -9,7 +9,7 @@
 
 namespace coppice::cuda {
 
-/// The stages that look at a field, of whatever kernel: see QuadStages.
+/// The stages that sample a field, for any kernel: see QuadStages.
 /// @{
 template <class Exec>
 void project(QuadStages<Exec>& stages, const KernelConstants& kernel, const FieldArrays& field) {

@@ -25,7 +25,7 @@ std::uint64_t bytes_of_job(const QuadJob& job) {
         bytes += 2 * sizeof(Vec3) * std::uint64_t{refined_counts(job.cage, level).vertices};
     bytes += sizeof(ProjectionStatus) * std::uint64_t{out.vertices};
     if (job.project.relax_passes > 0) bytes += sizeof(Vec3) * std::uint64_t{out.vertices};
-    bytes += sizeof(std::uint32_t) * std::uint64_t{out.quads};          // where folds are
+    bytes += sizeof(std::uint32_t) * std::uint64_t{out.quads};          // for the search for folds
     bytes += (sizeof(Quad) + sizeof(Vec3)) * std::uint64_t{out.quads};  // quads and normals
     bytes += out.quads / kQuadsPerFold * kBytesPerFold;
     bytes += 2 * sizeof(Quad) * std::uint64_t{job.cage.face_count()} +
@@ -39,8 +39,9 @@ std::uint64_t bytes_of_field(std::uint64_t segments, std::uint64_t entries) {
 }
 
 std::uint64_t bytes_of_contacts(std::uint64_t segments, std::uint64_t regions) {
-    constexpr std::uint64_t kTableSegments = 4;       // a segment with all that its lists are made of
-    constexpr std::uint64_t kEntriesPerRegion = 100;  // with what finding them takes
+    constexpr std::uint64_t kTableSegments =
+        4;  // segments with the data from which their lists are computed, in units of a segment
+    constexpr std::uint64_t kEntriesPerRegion = 100;  // including memory for the search
     return bytes_of_field(kTableSegments * segments, kEntriesPerRegion * regions);
 }
 

@@ -13,22 +13,22 @@ class ConvolutionField;
 
 namespace coppice::cuda {
 
-/// A cage that is to be subdivided and moved onto a field: what PatchRefinement, project and untangle are
-/// given. All has to outlive what it is given to.
+/// A cage to subdivide and move onto a field: the input of PatchRefinement, project and untangle. Referenced
+/// data must outlive the object that uses the job.
 struct QuadJob {
     CageView cage;                          ///< its topology
-    int levels = 2;                         ///< times that it is refined
+    int levels = 2;                         ///< number of subdivisions
     std::span<const Vec3> positions;        ///< [m] one per cage vertex
     std::span<const Vec3> anchors;          ///< [m] one per cage vertex
-    std::span<const std::uint32_t> region;  ///< per cage quad: of the field
+    std::span<const std::uint32_t> region;  ///< per cage quad: region of the field
     std::span<const ClipPlane> clips;       ///< one per flat end, by first quad
     ProjectOptions project;                 ///< as for project()
     UntangleOptions untangle;               ///< as for untangle()
-    /// Per cage quad: which of several reports tells of it. Empty: there is one, of all.
+    /// Per cage quad: index of the report that includes it. Empty: one report for all quads.
     std::span<const std::uint32_t> part = {};
-    std::uint32_t parts = 1;  ///< reports; quads of no lower part are in none of them
+    std::uint32_t parts = 1;  ///< number of reports; quads with a higher index are in no report
 
-    /// Which report tells of a refined quad.
+    /// Returns the index of the report that includes a refined quad.
     std::uint32_t part_of_quad(std::uint32_t refined) const {
         return part.empty() ? 0 : part[refined >> (2 * levels)];
     }
@@ -36,46 +36,46 @@ struct QuadJob {
 
 /// A job with the field that it is moved onto.
 struct QuadTask {
-    QuadJob job;                              ///< all but `part`
+    QuadJob job;                              ///< except `part`
     const ConvolutionField* field = nullptr;  ///< with its regions
 };
 
-/// Where the results of a job are copied to: buffers that are resized.
+/// Output buffers of a job, which are resized.
 struct QuadPlaces {
     Buffer<Vec3>* positions = nullptr;  ///< [m] per refined vertex
-    Buffer<Vec3>* anchors = nullptr;    ///< [m] the same; none: they are not copied
+    Buffer<Vec3>* anchors = nullptr;    ///< [m] per refined vertex; null: not copied
 };
 
-/// What was done to a job.
+/// Results of a job other than its points.
 struct QuadReport {
     ProjectReport projected;   ///< as from project()
     UntangleReport untangled;  ///< as from untangle()
-    /// False where the card had no room for the job as a whole, and did it in pieces: then what is folded is
-    /// left to untangle().
+    /// False if the job did not fit on the GPU and was done in tiles: folds are then left to untangle().
     bool is_whole = true;
 };
 
-/// What comes out of a job.
+/// Size of the output of a job.
 struct QuadCounts {
     std::uint32_t vertices;  ///< refined
     std::uint32_t quads;     ///< refined
 };
 
-/// Of a cage of so many vertices, edges and quads that is refined so many times.
+/// Returns the counts of a cage of this number of vertices, edges and quads, refined `levels` times.
 QuadCounts refined_counts(std::uint32_t vertices, std::uint32_t edges, std::uint32_t quads, int levels);
-/// The same of a cage. It must be one that PatchRefinement takes.
+/// Returns the counts of a cage that must be valid for PatchRefinement.
 QuadCounts refined_counts(const CageView& cage, int levels);
 
-/// [bytes] Of a card that a job takes, if not more than a fiftieth of its quads is folded.
+/// [bytes] Returns the memory of a GPU that a job requires, if at most a fiftieth of its quads is folded.
 std::uint64_t bytes_of_job(const QuadJob& job);
 
-/// [bytes] Of a card that a field of so many segments takes, whose lists have so many entries.
+/// [bytes] Returns the memory of a GPU that a field of this number of segments and list entries requires.
 std::uint64_t bytes_of_field(std::uint64_t segments, std::uint64_t entries);
 
-/// [bytes] The same of a field of so many segments in so many regions, with all that finding its lists takes.
+/// [bytes] Returns the memory for a field of this number of segments and regions, including the search for
+/// its lists.
 std::uint64_t bytes_of_contacts(std::uint64_t segments, std::uint64_t regions);
 
-/// [bytes] What arrays are rounded up by, and what is small.
+/// [bytes] Allowance for rounding of array sizes, and for small arrays.
 inline constexpr std::uint64_t kSlackBytes = std::uint64_t{16} << 20;
 
 }  // namespace coppice::cuda

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <span>
 
+#include "coppice/base/id.h"
 #include "coppice/cuda/exec/atomics.h"
 #include "coppice/subdivision/kernel/face_kernel.h"
 #include "coppice/subdivision/kernel/flat_ends.h"
@@ -11,13 +12,13 @@
 
 namespace coppice::cuda {
 
-/// What is subdivided alike.
+/// Points that are subdivided in the same way.
 struct PointPair {
     std::span<Vec3> positions;  ///< [m] one per vertex
     std::span<Vec3> anchors;    ///< [m] one per vertex
 };
 
-/// One Catmull-Clark step from patches of N x N quads: a thread for every vertex inside a cage quad, for
+/// One Catmull-Clark step from patches of N x N quads: one thread for every vertex inside a cage quad, for
 /// every cage edge, and for every cage vertex.
 template <int N>
 struct RefineLevel {
@@ -52,37 +53,37 @@ struct RefineLevel {
     }
 };
 
-/// The refined quads.
+/// Writes the refined quads.
 struct WriteQuads {
     PatchStars stars;
     std::span<Quad> out;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t q) const { out[q] = stars.quad(q); }
 };
 
-/// How a vertex was projected: see ProjectReport.
+/// Outcome of the projection of a vertex: see ProjectReport.
 struct ProjectionStatus {
     std::uint8_t evaluations = 0;  ///< of the field
-    std::uint8_t most = 0;         ///< of these, along the ray or along the gradient
+    std::uint8_t most = 0;         ///< maximum along the ray or along the gradient
     bool not_converged = false;    ///< left at its best point so far
     bool anchor_outside = false;   ///< no surface between anchor and start
 };
 
-/// How vertices are projected.
+/// Parameters of the projection of vertices.
 struct ProjectionRule {
     kernel::RayLimits<float> ray;  ///< along rays
     WalkRule walk;                 ///< along the gradient
-    int max_evaluations;           ///< each way
-    bool along_rays;               ///< at first
+    int max_evaluations;           ///< for each of the two methods
+    bool along_rays;               ///< along rays first
 };
 
-/// Moves single vertices onto a field.
+/// Moves individual vertices onto a field.
 template <class Field>
 class Projector {
   public:
     COPPICE_HOST_DEVICE Projector(const Field& field, const ProjectionRule& rule)
         : field_(field), rule_(rule) {}
 
-    /// Along the ray of project(), and where that meets no surface along the gradient.
+    /// Moves along the ray of project(), and along the gradient if the ray meets no surface.
     COPPICE_HOST_DEVICE Vec3 project(std::uint32_t region, Vec3 anchor, Vec3 start,
                                      ProjectionStatus& status) const {
         if (!rule_.along_rays) return along_gradient(region, anchor, start, status);
@@ -98,7 +99,7 @@ class Projector {
         return last;
     }
 
-    /// Along the ray alone; `found` is false where it meets no surface.
+    /// Moves only along the ray; `found` is false if it meets no surface.
     COPPICE_HOST_DEVICE Vec3 along_ray(std::uint32_t region, Vec3 anchor, Vec3 start,
                                        ProjectionStatus& status, bool& found) const {
         const AnchorRay way(anchor, start);
@@ -123,7 +124,7 @@ class Projector {
             }
             if (verdict.converged) return point;
         }
-        // Out of evaluations.
+        // The maximum number of evaluations is reached.
         status.not_converged = true;
         found = ray.inside > 0;
         status.anchor_outside = !found;
@@ -152,17 +153,17 @@ class Projector {
     ProjectionRule rule_;
 };
 
-/// Refined vertices and what they belong to.
+/// Refined vertices and the data on which their projection depends.
 struct SurfaceView {
-    PatchStars stars;                       ///< how they hang together
-    int levels;                             ///< of refinement
+    PatchStars stars;                       ///< connectivity
+    int levels;                             ///< number of subdivisions
     std::span<const std::uint32_t> region;  ///< of the field, per cage quad
     std::span<const ClipPlane> clips;       ///< of flat ends, by first quad
-    PointPair points;                       ///< refined ones
+    PointPair points;                       ///< refined points
     std::span<ProjectionStatus> status;     ///< per refined vertex
 };
 
-/// Moves every vertex that has a quad and is not of a flat end.
+/// Moves every vertex that has a quad and is not on a flat end.
 template <class Field>
 struct ProjectVertices {
     SurfaceView surface;
@@ -172,8 +173,8 @@ struct ProjectVertices {
         ProjectionStatus status;
         const std::uint32_t owner = surface.stars.owner(v);
         const FlatEnds ends(surface.clips);
-        const bool moves = owner != CageView::kNone &&
-                           ends.of_vertex(surface.stars, surface.levels, v).end == FlatEnds::kNone;
+        const bool moves =
+            owner != kNoIndex && ends.of_vertex(surface.stars, surface.levels, v).end == kNoIndex;
         if (moves) {
             Vec3& p = surface.points.positions[v];
             p = projector.project(surface.region[owner], surface.points.anchors[v], p, status);
@@ -185,12 +186,13 @@ struct ProjectVertices {
 /// The vertices of flat ends: see FlatVertices.
 struct FlatView {
     std::span<const std::uint32_t> first, vertex;
-    std::span<const std::uint32_t> end;  ///< per vertex: of which end it is
+    std::span<const std::uint32_t> end;  ///< per vertex: index of its end
     std::span<const std::uint8_t> on_rim;
-    std::span<float> change;  ///< of the distance from the anchor, on the rim; infinite where there was none
+    std::span<float>
+        change;  ///< ratio of the distances from the anchor, on the rim; infinite for a distance of 0
 };
 
-/// Drops the vertices of flat ends onto their planes, and moves the rim along rays within them.
+/// Projects the vertices of flat ends onto their planes, and moves the rim along rays within them.
 template <class Field>
 struct ProjectFlat {
     SurfaceView surface;
@@ -213,14 +215,14 @@ struct ProjectFlat {
     }
 };
 
-/// Where the rim of an end is, and by how much it went inward most.
+/// Center of the rim of an end, and its minimum scale.
 struct RimChange {
     Vec3 center;
     float scale;
     bool has_rim;
 };
 
-/// Of one end each.
+/// Computes the change of each rim.
 struct MeasureRim {
     SurfaceView surface;
     FlatView flat;
@@ -241,7 +243,7 @@ struct MeasureRim {
     }
 };
 
-/// What is inside a flat end shrinks or grows with its rim.
+/// Scales the interior of a flat end with its rim.
 struct FollowRim {
     SurfaceView surface;
     FlatView flat;
@@ -255,31 +257,32 @@ struct FollowRim {
     }
 };
 
-/// Of the vertices of one part: see ProjectReport.
+/// Sums over the vertices of one report: see ProjectReport.
 struct ProjectionSums {
     unsigned long long vertices, evaluations, not_converged, anchors_outside;
     unsigned int most;
 };
 
-/// Sums up kPerThread vertices, part by part.
+/// Sums up kPerThread vertices, by report.
 struct SumStatus {
     static constexpr std::uint32_t kPerThread = 64;
 
     PatchStars stars;
     std::span<const std::uint32_t> part;  ///< see QuadJob
     std::span<const ProjectionStatus> status;
-    std::span<ProjectionSums> sums;  ///< per part, 0 at first
+    std::span<ProjectionSums> sums;  ///< per report, initially 0
 
     static std::size_t thread_count(std::size_t vertices) { return (vertices + kRun - 1) / kRun * kLanes; }
 
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
         ProjectionSums sum{};
         auto current = static_cast<std::uint32_t>(sums.size());
-        // Neighbouring threads read neighbours, and each one what lies near, which is of one part mostly.
+        // Adjacent threads read adjacent elements, and each thread reads nearby ones, which usually belong to
+        // one report.
         std::uint32_t v = i / kLanes * kRun + i % kLanes;
         for (std::uint32_t k = 0; k < kPerThread && v < status.size(); ++k, v += kLanes) {
             const std::uint32_t owner = stars.owner(v);
-            if (owner == CageView::kNone) continue;
+            if (owner == kNoIndex) continue;
             const std::uint32_t here = part.empty() ? 0 : part[owner];
             if (here != current) {
                 add(current, sum);
@@ -309,7 +312,7 @@ struct SumStatus {
     }
 };
 
-/// A tangential step: see TangentialRelaxation.
+/// Executes a tangential step: see TangentialRelaxation.
 struct RelaxVertices {
     PatchStars stars;
     float weight;
@@ -334,7 +337,7 @@ struct RelaxVertices {
     }
 };
 
-/// The normals of vertices: the directions of the sums of their corners' areas.
+/// Computes the normals of vertices: the directions of the sums of their corners' areas.
 struct VertexNormals {
     PatchStars stars;
     std::span<const Vec3> positions;

@@ -12,14 +12,14 @@
 namespace coppice::cuda {
 
 /// The stages from a cage to quads, in the memory of an executor: subdivision, projection, unfolding and
-/// normals, each as often as it is asked for. What does not change between frames is copied once.
+/// normals. Each stage may be repeated. Data that does not change between frames is copied once.
 ///
 /// Topology is that of PatchRefinement, positions agree with project() and untangle() to 1e-4 of the local
-/// radius. Memory: some 70 bytes per refined quad.
+/// radius. Memory: about 70 bytes per refined quad.
 template <class Exec>
 class QuadStages {
   public:
-    /// The executor and the job must outlive it.
+    /// The executor and the job must outlive this object.
     QuadStages(Exec& exec, const QuadJob& job)
         : exec_(exec), job_(job), counts_(refined_counts(job.cage, job.levels)), flat_(flat_of(job)) {
         cage_ = upload_cage(exec, job.cage);
@@ -36,18 +36,18 @@ class QuadStages {
         write_points(job.positions, job.anchors);
     }
 
-    /// Gives the cage other points.
+    /// Replaces the points of the cage.
     void write_points(std::span<const Vec3> positions, std::span<const Vec3> anchors) {
         exec_.write(positions, points_[0].positions);
         exec_.write(anchors, points_[0].anchors);
     }
 
-    /// The same for those who write them by kernels.
+    /// Returns the points of the cage, for kernels that write them.
     PointPair cage_points() const { return points_.front(); }
-    /// Gives the flat ends other planes; quads stay.
+    /// Replaces the planes of the flat ends; their quads stay.
     void write_clips(std::span<const ClipPlane> clips) { exec_.write(clips, clips_); }
 
-    /// Catmull-Clark steps from the cage on.
+    /// Executes Catmull-Clark steps from the cage.
     void refine() {
         for (int level = 0; level < job_.levels; ++level) {
             with_grid_size(level, [&]<int N>() {
@@ -74,17 +74,17 @@ class QuadStages {
         }
     }
 
-    /// Numbers that are on their way from the executor.
+    /// Counts that are being copied from the executor.
     struct ProjectionCounts {
-        std::span<const ProjectionSums> sums;  ///< pass by pass, those of all parts
+        std::span<const ProjectionSums> sums;  ///< by pass, then by report
     };
-    /// Begins to count how projection went.
+    /// Starts to count the results of projection.
     ProjectionCounts count_projected() {
         if (job_.project.method == ProjectionMethod::none) return {};
         sum_up(job_.project.relax_passes);
         return {exec_.fetch(std::span<const ProjectionSums>(sums_))};
     }
-    /// How it went, part by part, once the executor was waited for.
+    /// Returns the projection reports, after waiting for the executor.
     std::vector<ProjectReport> reports_of(const ProjectionCounts& counts) const {
         std::vector<ProjectReport> out(job_.parts);
         if (counts.sums.empty()) return out;
@@ -105,7 +105,7 @@ class QuadStages {
         return out;
     }
 
-    /// How projection went. Waits for it.
+    /// Returns the result of projection. Waits.
     ProjectReport projected() {
         const auto before = exec_.mark();
         const ProjectionCounts counts = count_projected();
@@ -115,7 +115,7 @@ class QuadStages {
         return report;
     }
 
-    /// Memory for what projection leaves, so that what is taken later on can be given back.
+    /// Allocates memory for the results of projection, so that later allocations can be released.
     void make_projection_room() {
         if (sums_.empty())
             sums_ = exec_.template array<ProjectionSums>(
@@ -124,25 +124,25 @@ class QuadStages {
             relaxed_ = exec_.template array<Vec3>(counts_.vertices);
     }
 
-    /// Folds that are being looked for.
+    /// A search for folds in progress.
     struct FoldSearch {
-        bool is_needed = false;                       ///< else nothing is looked for
-        typename Exec::Mark before{};                 ///< what had been taken when it began
+        bool is_needed = false;                       ///< otherwise there is no search
+        typename Exec::Mark before{};                 ///< state of the memory at the start
         std::span<const std::uint32_t> found, first;  ///< see FindBad
         std::span<const std::uint32_t> there,
-            bad;  ///< of the executor, and once it was waited for: see GatherBad
+            bad;  ///< on the executor, and on the host after waiting: see GatherBad
     };
-    /// Begins to look for folds. What is taken from now on is given back by unfold().
+    /// Starts to search for folds. Memory allocated from here on is released by unfold().
     FoldSearch find_folds() {
         FoldSearch out;
         out.is_needed = job_.untangle.passes > 0 && job_.project.method != ProjectionMethod::none &&
                         job_.levels > 0 && counts_.quads > 0;
         if (!out.is_needed) return out;
-        // Most surfaces have fewer, which then are on the host as soon as their count is.
-        constexpr std::uint32_t kUsualShare = 64, kLeastRoom = 1024;
+        // Most surfaces have fewer, which are then on the host as soon as their count is.
+        constexpr std::uint32_t kUsualShare = 64, kMinRoom = 1024;
         out.before = exec_.mark();
         const std::uint32_t runs = fold_runs();
-        const auto bad = exec_.template array<std::uint32_t>(kLeastRoom + counts_.quads / kUsualShare);
+        const auto bad = exec_.template array<std::uint32_t>(kMinRoom + counts_.quads / kUsualShare);
         const auto found = exec_.template array<std::uint32_t>(std::size_t{runs} * FindBad::kRun);
         const auto first = exec_.template array<std::uint32_t>(runs + 1);
         exec_.clear(bad);  // all of it is fetched
@@ -158,7 +158,8 @@ class QuadStages {
         out.bad = exec_.fetch(out.there);
         return out;
     }
-    /// Unfolds them: see coppice::untangle; one report for each part. Waits, once if there are none.
+    /// Unfolds the folds of a search: see coppice::untangle; returns one report for each index. Waits, only
+    /// once if there are no folds.
     template <class Field>
     std::vector<UntangleReport> unfold(FoldSearch search, const Field& field) {
         std::vector<UntangleReport> reports(job_.parts);
@@ -172,42 +173,42 @@ class QuadStages {
         return reports;
     }
 
-    /// Unfolds what projection has folded. Waits for it.
+    /// Unfolds folds that projection created. Waits.
     template <class Field>
     UntangleReport untangle(const Field& field) {
         return unfold(find_folds(), field).front();
     }
 
-    /// Memory for all that the stages leave, so that what is taken later on can be given back.
+    /// Allocates memory for all results of the stages, so that later allocations can be released.
     void make_room() {
         if (normals_.empty()) normals_ = exec_.template array<Vec3>(counts_.vertices);
         if (quads_.empty()) quads_ = exec_.template array<Quad>(counts_.quads);
         make_projection_room();
     }
 
-    /// The normals of the vertices as they are now.
+    /// Computes the normals of the vertices at their current positions.
     void make_normals() {
         if (normals_.empty()) normals_ = exec_.template array<Vec3>(counts_.vertices);
         make_normals(points().positions, normals_);
     }
-    /// The same of other positions, into another array.
+    /// Computes the normals of other positions into another array.
     void make_normals(std::span<const Vec3> positions, std::span<Vec3> normals) {
         exec_.each("normals", counts_.vertices, VertexNormals{stars(), positions, normals});
     }
 
-    /// The refined quads.
+    /// Writes the refined quads.
     void make_quads() {
         if (quads_.empty()) quads_ = exec_.template array<Quad>(counts_.quads);
         exec_.each("quads", counts_.quads, WriteQuads{stars(), quads_});
     }
 
-    /// From now on the refined points lie there: one place per refined vertex.
+    /// Replaces the arrays of the refined points: one element per refined vertex.
     void put_points(const PointPair& points) { points_.back() = points; }
 
-    const CageView& cage() const { return cage_; }                                ///< of the executor
-    QuadCounts counts() const { return counts_; }                                 ///< of what comes out
-    std::span<const Vec3> positions() const { return points_.back().positions; }  ///< [m] of the executor
-    std::span<const Vec3> anchors() const { return points_.back().anchors; }      ///< [m] of the executor
+    const CageView& cage() const { return cage_; }                                ///< in the executor
+    QuadCounts counts() const { return counts_; }                                 ///< of the output
+    std::span<const Vec3> positions() const { return points_.back().positions; }  ///< [m] in the executor
+    std::span<const Vec3> anchors() const { return points_.back().anchors; }      ///< [m] in the executor
     std::span<const Vec3> normals() const { return normals_; }                    ///< after make_normals()
     std::span<const Quad> quads() const { return quads_; }                        ///< after make_quads()
 
@@ -257,7 +258,7 @@ class QuadStages {
 
     template <class Field>
     void project_flat(const Field& field) {
-        // The edge of a cut is found along rays whatever the method.
+        // The edge of a cut is found along rays for any method.
         ProjectionRule along_rays = rule();
         along_rays.along_rays = true;
         const std::size_t count = flat_.vertex.size();
@@ -269,7 +270,7 @@ class QuadStages {
 
     std::uint32_t fold_runs() const { return (counts_.quads + FindBad::kRun - 1) / FindBad::kRun; }
 
-    /// Fetches the bad quads that a search had no room for. May wait.
+    /// Fetches the bad quads that did not fit into the room of the search. May wait.
     void fetch_all(FoldSearch& search) {
         const std::size_t count = std::size_t{1} + search.bad[0];
         if (count > search.bad.size()) {
@@ -306,12 +307,12 @@ class QuadStages {
     void unfold_clusters(std::span<const std::uint32_t> bad, const Field& field,
                          std::vector<UntangleReport>& reports) {
         const auto numbers = [&](std::size_t n) { return exec_.template array<std::uint32_t>(n); };
-        // What the host wants to know lies in one piece.
+        // All numbers that the host reads are contiguous.
         const std::size_t parts = reports.size();
-        const auto told = numbers(1 + 2 * parts + bad.size());
-        exec_.clear(told);
-        const UnfoldOutcome outcome{told.first(1), told.last(bad.size()), told.subspan(1, parts),
-                                    told.subspan(1 + parts, parts)};
+        const auto reported = numbers(1 + 2 * parts + bad.size());
+        exec_.clear(reported);
+        const UnfoldOutcome outcome{reported.first(1), reported.last(bad.size()), reported.subspan(1, parts),
+                                    reported.subspan(1 + parts, parts)};
         const DeviceClusters clusters = fold_clusters(exec_, stars(), bad);
         const std::size_t vertices = clusters.vertices.size(), faces = clusters.faces.size();
         const auto points = [&] { return exec_.template array<Vec3>(vertices); };
@@ -321,7 +322,7 @@ class QuadStages {
                      UnfoldCluster<Field>{surface(), clusters, room, outcome, part_, field,
                                           FaceLimits(job_.untangle.quality), job_.untangle.passes,
                                           job_.untangle.projected_passes});
-        const std::span<const std::uint32_t> said = exec_.fetch(std::span<const std::uint32_t>(told));
+        const std::span<const std::uint32_t> said = exec_.fetch(std::span<const std::uint32_t>(reported));
         exec_.wait();
         for (std::size_t p = 0; p < parts; ++p) {
             reports[p].passes = said[1 + p];
@@ -335,13 +336,13 @@ class QuadStages {
     QuadJob job_;
     QuadCounts counts_;
     FlatVertices flat_;
-    CageView cage_;  // of the executor, as all that follows
+    CageView cage_;  // all members from here on are in the executor
     std::span<const std::uint32_t> region_, part_;
     std::span<ClipPlane> clips_;
     std::vector<PointPair> points_;  // by level
-    std::span<Vec3> relaxed_;        // what the next relaxation is written to
+    std::span<Vec3> relaxed_;        // output of the next relaxation
     std::span<ProjectionStatus> status_;
-    std::span<ProjectionSums> sums_;  // by pass, those of all parts
+    std::span<ProjectionSums> sums_;  // by pass, then by report
     FlatView flat_view_;
     std::span<RimChange> rims_;
     std::span<Vec3> normals_;

@@ -3,31 +3,33 @@
 #include <cstdint>
 #include <span>
 
+#include "coppice/base/id.h"
 #include "coppice/cuda/quads/fold_stages.h"
 #include "coppice/cuda/quads/quad_kernels.h"
 #include "coppice/subdivision/kernel/unfold_kernel.h"
 
 namespace coppice::cuda {
 
-/// Room to work on clusters: an entry for each vertex or face of theirs.
+/// Working memory for clusters: one entry for each of their vertices or faces.
 struct ClusterRoom {
-    std::span<std::uint32_t> ring;       ///< by vertex: the ring that brought it into this pass, or kNoEntry
-    std::span<std::uint32_t> active;     ///< by vertex: which ones move in this pass
+    std::span<std::uint32_t>
+        ring;  ///< by vertex: the ring with which it became part of this pass, or kNoIndex
+    std::span<std::uint32_t> active;     ///< by vertex: indices of those that move in this pass
     std::span<Vec3> moved, first, best;  ///< by vertex
-    std::span<std::uint32_t> now_bad;    ///< by face: which ones are bad
-    std::span<std::uint32_t> least_bad;  ///< the same when they were fewest
+    std::span<std::uint32_t> now_bad;    ///< by face: indices of bad faces
+    std::span<std::uint32_t> min_bad;    ///< indices of bad faces when they were fewest
 };
 
-/// What came of all clusters.
+/// Results of all clusters.
 struct UnfoldOutcome {
-    std::span<std::uint32_t> bad_count;  ///< one number, 0 at first
-    std::span<std::uint32_t> bad;        ///< quads that are still bad, in no order
-    std::span<std::uint32_t> passes;     ///< by part, 0 at first: of the cluster that took most
-    std::span<std::uint32_t> moved;      ///< by part, 0 at first: vertices that lie elsewhere in the end
+    std::span<std::uint32_t> bad_count;  ///< one number, initially 0
+    std::span<std::uint32_t> bad;        ///< quads that are still bad, in any order
+    std::span<std::uint32_t> passes;     ///< by report, initially 0: maximum over clusters
+    std::span<std::uint32_t> moved;      ///< by report, initially 0: vertices with a changed position
 };
 
-/// Unfolds one cluster by the passes of untangle(): a group of threads for each; of more groups than there
-/// are clusters, the last do nothing.
+/// Unfolds one cluster by the passes of untangle(), with one group of threads for each; groups beyond the
+/// number of clusters do no work.
 template <class Field>
 struct UnfoldCluster {
     static constexpr bool kIsWide = true;  // some clusters are large
@@ -55,7 +57,7 @@ struct UnfoldCluster {
             bad = find_bad(at, group);
             if (!schedule.end_pass(moving, bad)) continue;
             least = bad;
-            group.each(bad, [&](std::uint32_t k) { at.room.least_bad[k] = at.room.now_bad[k]; });
+            group.each(bad, [&](std::uint32_t k) { at.room.min_bad[k] = at.room.now_bad[k]; });
             group.each(count, [&](std::uint32_t k) { at.room.best[k] = positions[at.vertices[k]]; });
         }
         group.each(count, [&](std::uint32_t k) { positions[at.vertices[k]] = at.room.best[k]; });
@@ -63,7 +65,7 @@ struct UnfoldCluster {
             count, [&](std::uint32_t k) { return at.room.best[k] != at.room.first[k]; },
             at.room.active.data());
         group.each(least, [&](std::uint32_t k) {
-            outcome.bad[add_to(outcome.bad_count[0], 1u)] = at.faces[at.room.least_bad[k]];
+            outcome.bad[add_to(outcome.bad_count[0], 1u)] = at.faces[at.room.min_bad[k]];
         });
         group.each(1, [&](std::uint32_t) {
             const std::uint32_t p = part.empty() ? 0 : part[at.faces[0] >> (2 * surface.levels)];
@@ -73,7 +75,7 @@ struct UnfoldCluster {
     }
 
   private:
-    /// One cluster: its vertices and faces, both ascending, and its room.
+    /// One cluster: its vertices and faces, both ascending, and its working memory.
     struct At {
         std::span<const std::uint32_t> vertices, faces;
         std::span<const Quad> corners;
@@ -88,29 +90,29 @@ struct UnfoldCluster {
             vertices = all.vertices.subspan(v, vertex_count);
             faces = all.faces.subspan(f, face_count);
             corners = all.corners.subspan(f, face_count);
-            room = {r.ring.subspan(v, vertex_count),   r.active.subspan(v, vertex_count),
-                    r.moved.subspan(v, vertex_count),  r.first.subspan(v, vertex_count),
-                    r.best.subspan(v, vertex_count),   r.now_bad.subspan(f, face_count),
-                    r.least_bad.subspan(f, face_count)};
+            room = {r.ring.subspan(v, vertex_count),  r.active.subspan(v, vertex_count),
+                    r.moved.subspan(v, vertex_count), r.first.subspan(v, vertex_count),
+                    r.best.subspan(v, vertex_count),  r.now_bad.subspan(f, face_count),
+                    r.min_bad.subspan(f, face_count)};
         }
         COPPICE_HOST_DEVICE std::uint32_t face_count() const {
             return static_cast<std::uint32_t>(faces.size());
         }
-        /// The ring of a face's corner.
+        /// Returns the ring of a face's corner.
         COPPICE_HOST_DEVICE std::uint32_t ring_of(std::uint32_t corner) const {
-            return corner == kNoEntry ? kNoEntry : room.ring[corner - first_vertex];
+            return corner == kNoIndex ? kNoIndex : room.ring[corner - first_vertex];
         }
-        /// Brings the corners of a face into a ring that are in none.
+        /// Adds the corners of a face that are in no ring to a ring.
         COPPICE_HOST_DEVICE void take_corners(const Quad& face, std::uint32_t into) const {
             for (const std::uint32_t c : face) {
-                if (c == kNoEntry) continue;
+                if (c == kNoIndex) continue;
                 std::uint32_t& ring = room.ring[c - first_vertex];
-                if (ring == kNoEntry) ring = into;
+                if (ring == kNoIndex) ring = into;
             }
         }
     };
 
-    /// Returns how many faces are bad at first.
+    /// Returns the initial number of bad faces.
     template <class Group>
     COPPICE_HOST_DEVICE std::uint32_t begin(const At& at, const Group& group) const {
         group.each(static_cast<std::uint32_t>(at.vertices.size()), [&](std::uint32_t k) {
@@ -118,29 +120,29 @@ struct UnfoldCluster {
         });
         const auto is_bad = [&](std::uint32_t k) { return is_bad_now(at.faces[k]); };
         const std::uint32_t bad = group.select(at.face_count(), is_bad, at.room.now_bad.data());
-        group.each(bad, [&](std::uint32_t k) { at.room.least_bad[k] = at.room.now_bad[k]; });
+        group.each(bad, [&](std::uint32_t k) { at.room.min_bad[k] = at.room.now_bad[k]; });
         return bad;
     }
 
-    /// Marks the corners of the bad faces and of so many rings around them, and lists them.
+    /// Marks the corners of the bad faces and of `rings` rings around them, and lists them.
     template <class Group>
     COPPICE_HOST_DEVICE std::uint32_t find_active(const At& at, std::uint32_t bad, int rings,
                                                   const Group& group) const {
         const auto count = static_cast<std::uint32_t>(at.vertices.size());
-        group.each(count, [&](std::uint32_t k) { at.room.ring[k] = kNoEntry; });
+        group.each(count, [&](std::uint32_t k) { at.room.ring[k] = kNoIndex; });
         group.each(bad, [&](std::uint32_t k) { at.take_corners(at.corners[at.room.now_bad[k]], 0); });
         for (int r = 1; r <= rings; ++r) {
             const auto limit = static_cast<std::uint32_t>(r);
-            // Several write the same, and what they write is not below the limit: nobody sees a difference.
+            // Several threads write the same value, which is not below the limit, so the order has no effect.
             group.each(at.face_count(), [&](std::uint32_t k) {
                 const Quad face = at.corners[k];
-                std::uint32_t least = kNoEntry;
+                std::uint32_t least = kNoIndex;
                 for (const std::uint32_t c : face) least = kernel::smaller(least, at.ring_of(c));
                 if (least < limit) at.take_corners(face, limit);
             });
         }
         return group.select(
-            count, [&](std::uint32_t k) { return at.room.ring[k] != kNoEntry; }, at.room.active.data());
+            count, [&](std::uint32_t k) { return at.room.ring[k] != kNoIndex; }, at.room.active.data());
     }
 
     template <class Group>
@@ -172,12 +174,12 @@ struct UnfoldCluster {
         return is_bad_face(surface.stars.quad(face), surface.points.positions, surface.points.anchors,
                            limits);
     }
-    /// Lists the bad faces of those that have a vertex that has moved; returns how many.
+    /// Lists the bad faces among those with moved vertices; returns their number.
     template <class Group>
     COPPICE_HOST_DEVICE std::uint32_t find_bad(const At& at, const Group& group) const {
         const auto is_bad = [&](std::uint32_t k) {
             bool has_moved = false;
-            for (const std::uint32_t c : at.corners[k]) has_moved = has_moved || at.ring_of(c) != kNoEntry;
+            for (const std::uint32_t c : at.corners[k]) has_moved = has_moved || at.ring_of(c) != kNoIndex;
             return has_moved && is_bad_now(at.faces[k]);
         };
         return group.select(at.face_count(), is_bad, at.room.now_bad.data());

@@ -13,25 +13,26 @@
 #include "coppice/skeleton/skeleton.h"
 #include "coppice/tetra/march/kernel/axis_kernel.h"
 
-// The kernels that find which fine vertices hold axes together: see HeldVertices.
+// Kernels that find the fine vertices that hold axes: see HeldVertices.
 
 namespace coppice::cuda {
 
-/// An axis, and a fine vertex that it needs.
+/// An axis, and a fine vertex that holds it.
 struct HeldBy {
-    std::uint32_t vertex;   ///< a fine one
+    std::uint32_t vertex;   ///< fine vertex
     std::uint32_t segment;  ///< of the axes
-    std::uint64_t away;     ///< [m^2] from the vertex, as bits, which have the order of such numbers
+    std::uint64_t away;     ///< [m^2] squared distance from the vertex, as bits, which sort like the number
 };
 
 /// Axes in the regions that they pass through.
 struct PassingAxes {
     std::array<tetra_kernel::FineLine, 3> lines;  ///< by diagonal
     std::span<const Segment> segments;            ///< [m]
-    std::span<const std::uint32_t> region;        ///< of every passing
-    std::span<const std::uint32_t> segment;       ///< of every passing
+    std::span<const std::uint32_t> region;        ///< of every passing axis
+    std::span<const std::uint32_t> segment;       ///< of every passing axis
 
-    /// Calls use(tetrahedron, vertex there, axis) for what an axis needs of a region's tetrahedra.
+    /// Calls use(tetrahedron, local vertex, axis) for the vertices that hold an axis in a region's
+    /// tetrahedra.
     template <class Use>
     COPPICE_HOST_DEVICE void visit(const DeviceRefinement& refinement, std::uint32_t passing,
                                    const Use& use) const {
@@ -49,7 +50,7 @@ struct PassingAxes {
     }
 };
 
-/// Counts what each passing needs; some of it more than once.
+/// Counts the vertices for each passing axis, with repetitions.
 struct CountHeld {
     DeviceRefinement refinement;
     PassingAxes axes;
@@ -61,7 +62,7 @@ struct CountHeld {
     }
 };
 
-/// Lists it, and marks the vertices.
+/// Lists the vertices and marks them.
 struct ListHeld {
     DeviceRefinement refinement;
     PassingAxes axes;
@@ -80,7 +81,7 @@ struct ListHeld {
     }
 };
 
-/// Finds how far the nearest axis is from each held vertex.
+/// Finds the distance of the closest axis from each held vertex.
 struct FindLeastAway {
     std::span<const HeldBy> list;
     tetra_kernel::RankedView held;
@@ -90,7 +91,7 @@ struct FindLeastAway {
     }
 };
 
-/// Finds which it is; of several that are as near the first.
+/// Finds the closest axis; the first of equally close ones.
 struct FindNearestAxis {
     std::span<const HeldBy> list;
     tetra_kernel::RankedView held;
@@ -113,19 +114,19 @@ struct JoinAxes {
     }
 };
 
-/// Finds the first vertex of each set of axes that a wanted tetrahedron is the first of.
+/// Finds, for each set of axes, the first vertex that a requested tetrahedron owns.
 struct FindFirstOfSet {
     DeviceRefinement refinement;
     std::span<const std::uint32_t> vertex;   ///< by rank
     std::span<const std::uint32_t> segment;  ///< by rank
     DeviceSets sets;
-    std::span<std::uint32_t> first;  ///< rank, by the segment that stands for the set
+    std::span<std::uint32_t> first;  ///< rank, by the representative segment of the set
     COPPICE_HOST_DEVICE void operator()(std::uint32_t rank) const {
         if (refinement.owns(vertex[rank])) lower_to(first[sets.find(segment[rank])], rank);
     }
 };
 
-/// Marks these.
+/// Marks these vertices.
 struct MarkFirstOfSet {
     FindFirstOfSet found;
     std::span<std::uint64_t> marks;  ///< a bit by rank

@@ -8,16 +8,16 @@
 
 namespace coppice::cuda {
 
-/// The fine vertices that hold axes together, on an executor: see HeldVertices.
+/// The fine vertices that hold axes, on an executor: see HeldVertices.
 struct DeviceHeld {
     CountedBits bits;                        ///< of fine vertices; ranks are by these
     std::span<const std::uint32_t> vertex;   ///< by rank
-    std::span<const std::uint32_t> segment;  ///< by rank: of the axes it holds, the nearest
+    std::span<const std::uint32_t> segment;  ///< by rank: the closest of the axes that it holds
     std::span<const Segment> segments;       ///< [m] the axes
-    DeviceSets sets;                         ///< of axes that they join
+    DeviceSets sets;                         ///< sets of connected axes
 };
 
-/// Copies axes, and which of them pass through the regions of a coarse mesh that is there.
+/// Copies axes, and the lists of the regions through which they pass, for an uploaded coarse mesh.
 template <class Exec>
 PassingAxes upload_axes(Exec& exec, const InsideAxes& axes, const DeviceRefinement& refinement) {
     PassingAxes out;
@@ -37,7 +37,7 @@ PassingAxes upload_axes(Exec& exec, const InsideAxes& axes, const DeviceRefineme
     return out;
 }
 
-/// Finds the nearest axis of every held vertex, and the sets of axes that they join.
+/// Finds the closest axis of every held vertex, and the sets of axes that the vertices connect.
 template <class Exec>
 void find_sets(Exec& exec, std::span<const HeldBy> list, DeviceHeld& out) {
     const tetra_kernel::RankedView& held = out.bits.view;
@@ -55,8 +55,8 @@ void find_sets(Exec& exec, std::span<const HeldBy> list, DeviceHeld& out) {
     exec.each("flatten sets", out.segments.size(), FlattenSets{out.sets});
 }
 
-/// Of each set of axes that held vertices join, the first of those that wanted tetrahedra are the first of,
-/// as ranks. Waits.
+/// Returns the ranks of one held vertex of each set of connected axes: the first vertex that requested
+/// tetrahedra own. Waits.
 template <class Exec>
 std::span<const std::uint32_t> first_of_sets(Exec& exec, const DeviceHeld& held,
                                              const DeviceRefinement& refinement) {
@@ -69,8 +69,8 @@ std::span<const std::uint32_t> first_of_sets(Exec& exec, const DeviceHeld& held,
     return list_bits(exec, marks);
 }
 
-/// The vertices that hold axes: those of hold_axes() on the CPU. O(passing axes times tetrahedra of a
-/// region), which are few. Waits.
+/// Returns the vertices that hold axes, equal to those of hold_axes() on the CPU. O(passing axes times
+/// tetrahedra of a region), which are few. Waits.
 template <class Exec>
 DeviceHeld hold_axes(Exec& exec, const PassingAxes& axes, const DeviceRefinement& refinement) {
     DeviceHeld out;

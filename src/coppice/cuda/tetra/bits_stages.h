@@ -34,10 +34,10 @@ struct CountBits {
     }
 };
 
-/// Lists the items whose bits are set.
+/// Lists the items with set bits.
 struct ListBits {
     std::span<const std::uint64_t> words;
-    std::span<const std::uint32_t> before;  ///< every word
+    std::span<const std::uint32_t> before;  ///< number of bits before every word
     std::span<std::uint32_t> list;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t w) const {
         std::uint32_t at = before[w];
@@ -46,7 +46,7 @@ struct ListBits {
     }
 };
 
-/// Bits of no item.
+/// Allocates cleared bits for `count` items.
 template <class Exec>
 std::span<std::uint64_t> no_bits(Exec& exec, std::size_t count) {
     const auto words = exec.template array<std::uint64_t>(count / 64 + 1);
@@ -54,7 +54,8 @@ std::span<std::uint64_t> no_bits(Exec& exec, std::size_t count) {
     return words;
 }
 
-/// Replaces all counts but the last by the sum of those before, and the last by the sum of all; returns it.
+/// Replaces all counts except the last by the sum of those before, and the last by the total; returns the
+/// total.
 template <class Exec, class T>
 T place_counts(Exec& exec, std::span<T> counts) {
     exec.clear(counts.last(1));
@@ -67,7 +68,7 @@ T place_counts(Exec& exec, std::span<T> counts) {
 /// Bits and their ranks.
 struct CountedBits {
     tetra_kernel::RankedView view;  ///< on the executor
-    std::uint32_t count = 0;        ///< of those that are set
+    std::uint32_t count = 0;        ///< number of set bits
 };
 
 /// Counts bits. Waits.
@@ -79,7 +80,7 @@ CountedBits rank_bits(Exec& exec, std::span<const std::uint64_t> words) {
     return {{words, before}, count};
 }
 
-/// The items whose bits are set, ascending.
+/// Returns the items with set bits, ascending.
 template <class Exec>
 std::span<const std::uint32_t> list_bits(Exec& exec, const CountedBits& bits) {
     const auto list = exec.template array<std::uint32_t>(bits.count);
@@ -87,7 +88,7 @@ std::span<const std::uint32_t> list_bits(Exec& exec, const CountedBits& bits) {
         exec.each("list bits", bits.view.words.size(), ListBits{bits.view.words, bits.view.before, list});
     return list;
 }
-/// The same, of bits that were not counted. Waits.
+/// Lists bits that were not counted. Waits.
 template <class Exec>
 std::span<const std::uint32_t> list_bits(Exec& exec, std::span<const std::uint64_t> words) {
     return list_bits(exec, rank_bits(exec, words));

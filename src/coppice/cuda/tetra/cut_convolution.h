@@ -12,19 +12,19 @@
 
 namespace coppice {
 
-/// Where trees end flat, and in which regions of the field that is felt.
+/// Flat ends of trees, and the regions of the field that they affect.
 struct EndCuts {
-    std::vector<tetra_kernel::EndCut> cuts;   ///< all of them
-    CompressedRows<std::uint32_t> of_region;  ///< places in `cuts`; no rows when there are none at all
+    std::vector<tetra_kernel::EndCut> cuts;   ///< all ends
+    CompressedRows<std::uint32_t> of_region;  ///< indices in `cuts`; no rows if there are no cuts
 };
 
-/// A convolution field cut off at flat ends, which a card can sample.
+/// A convolution field truncated at flat ends, which a GPU can sample.
 struct CutConvolution {
-    const ConvolutionField& field;  ///< what is cut off
-    const EndCuts& ends;            ///< where
+    const ConvolutionField& field;  ///< field before truncation
+    const EndCuts& ends;            ///< flat ends
 
-    float level() const { return field.level(); }  ///< on the surface
-    /// Value and gradient at points of a region. Thread safe.
+    float level() const { return field.level(); }  ///< iso value of the surface
+    /// Computes values and gradients at points of a region. Thread safe.
     void sample(std::uint32_t region, std::span<const Vec3> points, std::span<FieldSample> out) const {
         field.sample(region, points, out);
         if (ends.cuts.empty()) return;
@@ -37,10 +37,10 @@ struct CutConvolution {
 
 namespace cuda {
 
-/// The same as kernels sample it, in arrays that lie anywhere.
+/// A truncated field for kernels, in arrays in any memory.
 template <class Field>
 struct CutFieldView {
-    Field field;                                 ///< what is cut off
+    Field field;                                 ///< field before truncation
     std::span<const tetra_kernel::EndCut> cuts;  ///< see EndCuts
     /// The rows of EndCuts::of_region.
     /// @{
@@ -48,7 +48,7 @@ struct CutFieldView {
     /// @}
     float level;  ///< of the field
 
-    /// Value and gradient at a point of a region.
+    /// Returns value and gradient at a point of a region.
     COPPICE_HOST_DEVICE FieldSample sample(std::uint32_t region, Vec3 p) const {
         FieldSample s = field.sample(region, p);
         if (cuts.empty()) return s;
@@ -58,7 +58,7 @@ struct CutFieldView {
     }
 };
 
-/// Copies flat ends to an executor, about a field that lies there.
+/// Copies flat ends to an executor, for a field that is already there.
 template <class Exec, class Field>
 CutFieldView<Field> upload_cuts(Exec& exec, const Field& field, const EndCuts& ends, float level) {
     return {field, exec.upload(std::span<const tetra_kernel::EndCut>(ends.cuts)),

@@ -10,17 +10,17 @@
 #include "coppice/mesh/mesh.h"
 #include "coppice/tetra/march/kernel/cut_kernel.h"
 
-// The kernels of extract_stages.h.
+// Kernels of extract_stages.h.
 
 namespace coppice::cuda {
 
-/// Where a vertex of a surface lies: inside the part of a group of the first coarse tetrahedron that has it,
-/// number `index` of the fine vertices there, or of the fine edges.
+/// Position of a surface vertex: number `index` of the fine vertices, or fine edges, inside the element of a
+/// group of the coarse tetrahedron that owns it.
 struct SurfacePlace {
     std::uint32_t tetra, group, index;
 };
 
-/// A fine edge as a coarse tetrahedron sees it.
+/// A fine edge in a coarse tetrahedron.
 struct FineEdge {
     std::uint32_t tetra;
     std::array<std::uint16_t, 2> local;
@@ -35,8 +35,7 @@ COPPICE_HOST_DEVICE inline FineEdge fine_edge(const DeviceRefinement& r, std::ui
     return {owner.tetra, ends, r.view.vertex(owner.tetra, ends[0]), r.view.vertex(owner.tetra, ends[1])};
 }
 
-/// Marks what polygons of the surface have for their corners: fine vertices moved onto it, and fine edges
-/// that it cuts.
+/// Marks the corners of surface polygons: fine vertices moved onto the surface, and fine edges that it cuts.
 struct MarkCorners {
     FineCrossings crossings;
     std::span<const std::uint32_t> crossed;  ///< fine tetrahedra
@@ -58,7 +57,7 @@ struct MarkCorners {
     }
 };
 
-/// Puts the vertex of a cut edge onto the surface.
+/// Computes the vertex of a cut edge.
 template <class Field>
 struct PlaceCut {
     DeviceRefinement refinement;
@@ -67,7 +66,7 @@ struct PlaceCut {
     tetra_kernel::SamplesView samples;
     int refinements;
     std::span<const std::uint32_t> cuts;  ///< fine edges
-    std::span<Vec3> position;             ///< of each
+    std::span<Vec3> position;             ///< position of each
 
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
         const FineEdge at = fine_edge(refinement, cuts[i]);
@@ -87,13 +86,13 @@ struct PlaceCut {
 struct PlaceMoved {
     tetra_kernel::SamplesView samples;
     std::span<const std::uint32_t> moved;  ///< fine vertices
-    std::span<Vec3> position;              ///< of each
+    std::span<Vec3> position;              ///< position of each
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
         position[i] = samples.place[samples.placed.rank(moved[i])];
     }
 };
 
-/// Names the vertices of a surface by where they lie.
+/// Writes the position of each surface vertex in the refined mesh.
 struct NameVertices {
     DeviceRefinement refinement;
     std::span<const std::uint32_t> moved;  ///< fine vertices, which come first
@@ -108,7 +107,7 @@ struct NameVertices {
     }
 };
 
-/// Counts the triangles in those that it crosses.
+/// Counts the triangles in crossed tetrahedra.
 struct CountTriangles {
     FineCrossings crossings;
     std::span<const std::uint32_t> crossed;
@@ -121,7 +120,7 @@ struct CountTriangles {
 struct WriteTriangles {
     FineCrossings crossings;
     std::span<const std::uint32_t> crossed;  ///< fine tetrahedra
-    std::span<const std::uint32_t> first;    ///< of each its first triangle
+    std::span<const std::uint32_t> first;    ///< first triangle of each
     tetra_kernel::RankedView moved, cuts;    ///< see MarkCorners
     std::uint32_t moved_count;
     std::span<const Vec3> position;

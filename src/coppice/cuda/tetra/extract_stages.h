@@ -16,16 +16,16 @@ struct DeviceSurface {
     std::span<const Triangle> triangles;  ///< counter-clockwise seen from outside
 };
 
-/// The vertices of a surface: those that were moved onto it first, then those of cut edges.
+/// The vertices of a surface: first those that were moved onto it, then those of cut edges.
 struct SurfaceVertices {
     CountedBits moved;                          ///< of fine vertices
     CountedBits cuts;                           ///< of fine edges
-    std::span<const std::uint32_t> moved_list;  ///< the same
-    std::span<const std::uint32_t> cut_list;    ///< the same
-    std::span<const Vec3> position;             ///< [m] of all
+    std::span<const std::uint32_t> moved_list;  ///< list of these vertices
+    std::span<const std::uint32_t> cut_list;    ///< list of these edges
+    std::span<const Vec3> position;             ///< [m] of all vertices
 };
 
-/// Numbers and places the vertices of the surface in these fine tetrahedra, in the order of FineNumbers.
+/// Numbers and positions the vertices of the surface in these fine tetrahedra, in the order of FineNumbers.
 /// Waits.
 template <class Exec, class Field>
 SurfaceVertices place_vertices(Exec& exec, const FineCrossings& crossings,
@@ -48,7 +48,7 @@ SurfaceVertices place_vertices(Exec& exec, const FineCrossings& crossings,
     return out;
 }
 
-/// The surface in these fine tetrahedra, which come one after the other. Waits.
+/// Creates the surface in these fine tetrahedra, in their order. Waits.
 template <class Exec>
 DeviceSurface write_triangles(Exec& exec, const FineCrossings& crossings,
                               std::span<const std::uint32_t> crossed, const SurfaceVertices& vertices) {
@@ -61,7 +61,7 @@ DeviceSurface write_triangles(Exec& exec, const FineCrossings& crossings,
     return {vertices.position, triangles};
 }
 
-/// Where the vertices of a surface lie. Waits.
+/// Returns the positions of the vertices of a surface in the refined mesh. Waits.
 template <class Exec>
 std::vector<SurfacePlace> name_vertices(Exec& exec, const DeviceRefinement& refinement,
                                         const SurfaceVertices& vertices) {

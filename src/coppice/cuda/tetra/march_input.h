@@ -8,17 +8,17 @@
 
 namespace coppice::cuda {
 
-/// What march() makes a surface of, where the field is one that a card can sample. Refers to its parts.
+/// Input of march() with a field that a GPU can sample. Refers to its members.
 struct MarchInput {
-    const TetraMesh& mesh;        ///< that encloses the surface
-    const CutConvolution& field;  ///< whatever regions it has
+    const TetraMesh& mesh;        ///< encloses the surface
+    const CutConvolution& field;  ///< its regions are not used
     const InsideAxes& axes;       ///< by the regions of the mesh
-    const MarchOptions& options;  ///< how fine
+    const MarchOptions& options;  ///< resolution
 };
 
-/// [bytes] That marching takes on a card, about, but for the surface and the field: some 20 for each fine
-/// vertex, of which there is one for every 5 fine tetrahedra, 1.5 bits for each fine edge and fine
-/// tetrahedron, and 400 for each coarse one.
+/// [bytes] Returns the approximate memory for marching on a GPU, except the surface and the field: about 20
+/// for each fine vertex, one for every 5 fine tetrahedra; 1.5 bits for each fine edge and fine tetrahedron;
+/// and 400 for each coarse tetrahedron.
 constexpr std::uint64_t bytes_of_march(std::uint64_t coarse, int levels) {
     const std::uint64_t fine = coarse << (3 * levels);
     return 400 * coarse + 20 * (fine / 5) + fine / 2;

@@ -17,22 +17,22 @@
 #include "coppice/tetra/march/march.h"
 
 // march() of coppice/tetra on an executor, for any field that kernels can sample. The coarse mesh and the
-// axes go there, and nothing but counts comes back until the triangles do.
+// axes are uploaded, and only counts are downloaded until the triangles are.
 
 namespace coppice::cuda {
 
-/// What marching makes on an executor.
+/// Result of marching on an executor.
 struct DeviceMarch {
-    DeviceSurface surface;        ///< nothing where it leaves the mesh
-    SurfaceVertices vertices;     ///< its vertices, until parts are dropped
+    DeviceSurface surface;        ///< empty if it leaves the mesh
+    SurfaceVertices vertices;     ///< its vertices, until components are removed
     std::vector<TetraFace> open;  ///< see MarchResult
-    std::vector<Vec3> places;     ///< [m] inside, for each set of axes: see held_places()
-    MarchReport report;           ///< what was done
+    std::vector<Vec3> places;     ///< [m] a point inside for each set of axes: see held_places()
+    MarchReport report;           ///< counts
     int rounds = 0;               ///< see Unsnapped
 };
 
-/// march() but for the parts of the surface that are to be dropped; of a piece what its own tetrahedra add to
-/// all that. Waits.
+/// Marches without removing components of the surface; for a tile only the contribution of its own
+/// tetrahedra. Waits.
 template <class Exec, class Field>
 DeviceMarch march_own(Exec& exec, const DeviceRefinement& refinement, const PassingAxes& axes,
                       const SnapField<Field>& at, int refinements) {
@@ -61,9 +61,9 @@ DeviceMarch march_own(Exec& exec, const DeviceRefinement& refinement, const Pass
     return out;
 }
 
-/// The surface that a field makes in a refined mesh about axes: see march(). The arrays of the field lie on
-/// the executor. What comes out has the same bits where the field gives the same samples. Throws DeviceError.
-/// Memory of the executor: see bytes_of_march(), and what the surface takes; it is not reset. Waits.
+/// Creates the surface of a field in a refined mesh around axes: see march(). The arrays of the field are on
+/// the executor. The result is bit-identical for identical samples of the field. Throws DeviceError. Memory
+/// of the executor: see bytes_of_march(), plus the surface; it is not reset. Waits.
 template <class Exec, class Field>
 DeviceMarch march(Exec& exec, const DeviceRefinement& refinement, const PassingAxes& axes,
                   const SnapField<Field>& at, int refinements, const Context& ctx = {}) {
@@ -73,19 +73,19 @@ DeviceMarch march(Exec& exec, const DeviceRefinement& refinement, const PassingA
     return out;
 }
 
-/// All that the surface of a field of segments is made of, on an executor.
+/// All input of the surface of a field of segments, on an executor.
 struct MarchJob {
-    DeviceRefinement coarse;  ///< what upload_coarse() knows of it
+    DeviceRefinement coarse;  ///< as returned by upload_coarse()
     PassingAxes axes;
     DeviceSegments segments;
     KernelConstants kernel;
-    CutFieldView<DeviceSegments> ends;  ///< where it is cut off
-    std::span<const Box3> boxes;        ///< of the regions; nothing where they are those of the tetrahedra
-    std::size_t longest;                ///< of the field's lists
+    CutFieldView<DeviceSegments> ends;  ///< flat ends that truncate it
+    std::span<const Box3> boxes;        ///< of the regions; empty: those of the tetrahedra
+    std::size_t longest;                ///< maximum length of the lists of the field
     MarchOptions options;
 };
 
-/// Copies it there. Throws what march() throws of what is seen at once.
+/// Copies the input to the executor. Throws the exceptions of march() for errors that are found immediately.
 template <class Exec>
 MarchJob upload_march(Exec& exec, const MarchInput& in, const Context& ctx = {}) {
     check(in.options);
@@ -101,8 +101,8 @@ MarchJob upload_march(Exec& exec, const MarchInput& in, const Context& ctx = {})
             in.options};
 }
 
-/// Calls use(refinement, field) with what a job makes of its mesh; false where TetraRefinement would refuse
-/// it. Waits.
+/// Calls use(refinement, field) with the refined mesh and the field of a job; returns false if
+/// TetraRefinement would reject the mesh. Waits.
 template <class Exec, class Use>
 bool with_march_field(Exec& exec, const MarchJob& job, const Use& use) {
     DeviceRefinement refinement = job.coarse;
@@ -118,7 +118,7 @@ bool with_march_field(Exec& exec, const MarchJob& job, const Use& use) {
     return true;
 }
 
-/// March from there; nothing where TetraRefinement would refuse the mesh. Waits.
+/// Marches a job; returns no value if TetraRefinement would reject the mesh. Waits.
 template <class Exec>
 std::optional<DeviceMarch> march(Exec& exec, const MarchJob& job, const Context& ctx = {}) {
     std::optional<DeviceMarch> out;
@@ -128,7 +128,7 @@ std::optional<DeviceMarch> march(Exec& exec, const MarchJob& job, const Context&
     return out;
 }
 
-/// Copies what marching made back. Waits.
+/// Copies the result of marching to the host. Waits.
 template <class Exec>
 MarchResult downloaded(Exec& exec, const DeviceMarch& made) {
     MarchResult out;

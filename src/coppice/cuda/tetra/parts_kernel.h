@@ -11,7 +11,7 @@
 #include "coppice/cuda/tetra/refinement_stages.h"
 #include "coppice/mesh/mesh.h"
 
-// The kernels that take a surface apart into those pieces that hang together, and leave some out.
+// Kernels that separate a surface into connected components, and remove some of them.
 
 namespace coppice::cuda {
 
@@ -26,32 +26,32 @@ struct JoinTriangles {
     }
 };
 
-/// Marks the vertices that stand for parts.
+/// Marks the representative vertices of components.
 struct MarkParts {
     DeviceSets sets;
     std::span<std::uint32_t> count;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t v) const { count[v] = sets.parent[v] == v ? 1 : 0; }
 };
 
-/// The part of every triangle.
+/// Computes the component of every triangle.
 struct PartOfTriangle {
     std::span<const Triangle> triangles;
     DeviceSets sets;
-    std::span<const std::uint32_t> number;  ///< of the part, by the vertex that stands for it
+    std::span<const std::uint32_t> number;  ///< of the component, by its representative vertex
 
     COPPICE_HOST_DEVICE std::uint32_t part(std::uint32_t i) const {
         return number[sets.parent[triangles[i][0]]];
     }
 };
 
-/// Counts the triangles of every part.
+/// Counts the triangles of every component.
 struct CountPart {
     PartOfTriangle of;
     std::span<std::uint32_t> size;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const { add_to(size[of.part(i)], 1u); }
 };
 
-/// Marks triangles of all parts but one.
+/// Marks the triangles of all components except one.
 struct MarkOthers {
     PartOfTriangle of;
     std::uint32_t part;
@@ -61,13 +61,13 @@ struct MarkOthers {
     }
 };
 
-/// A triangle by its corners, and its part.
+/// The corners of a triangle, and its component.
 struct PartTriangle {
     std::array<Vec3, 3> corners;  ///< [m]
     std::uint32_t part;
 };
 
-/// Gathers these.
+/// Gathers these triangles.
 struct GatherOthers {
     PartOfTriangle of;
     std::span<const Vec3> position;
@@ -79,10 +79,10 @@ struct GatherOthers {
     }
 };
 
-/// Marks triangles of parts that stay.
+/// Marks the triangles of components that are kept.
 struct MarkKept {
     PartOfTriangle of;
-    std::span<const std::uint8_t> kept;  ///< by part
+    std::span<const std::uint8_t> kept;  ///< by component
     std::span<std::uint32_t> count;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const { count[i] = kept[of.part(i)] != 0 ? 1 : 0; }
 };
@@ -91,16 +91,16 @@ struct MarkKept {
 struct MarkKeptVertices {
     DeviceSets sets;
     std::span<const std::uint32_t> number;  ///< see PartOfTriangle
-    std::span<const std::uint8_t> kept;     ///< by part
+    std::span<const std::uint8_t> kept;     ///< by component
     std::span<std::uint32_t> count;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t v) const {
         count[v] = kept[number[sets.parent[v]]] != 0 ? 1 : 0;
     }
 };
 
-/// Moves the vertices that stay together.
+/// Compacts the kept vertices.
 struct MoveKept {
-    std::span<const std::uint32_t> number;  ///< and one more
+    std::span<const std::uint32_t> number;  ///< with one additional element
     std::span<const Vec3> from;
     std::span<Vec3> to;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t v) const {
@@ -108,9 +108,9 @@ struct MoveKept {
     }
 };
 
-/// Moves the triangles that stay together.
+/// Compacts the kept triangles.
 struct KeepTriangles {
-    std::span<const std::uint32_t> place;   ///< and one more
+    std::span<const std::uint32_t> place;   ///< with one additional element
     std::span<const std::uint32_t> number;  ///< of vertices
     std::span<const Triangle> from;
     std::span<Triangle> to;
@@ -121,7 +121,7 @@ struct KeepTriangles {
     }
 };
 
-/// [m] Where the vertex for each set of axes is.
+/// [m] Computes the position of the vertex for each set of axes.
 struct GatherHeld {
     std::span<const std::uint32_t> held;         ///< fine vertices, by rank
     std::span<const std::uint32_t> of_each_set;  ///< ranks

@@ -13,13 +13,13 @@
 
 namespace coppice::cuda {
 
-/// A surface taken apart.
+/// The connected components of a surface.
 struct DeviceParts {
     PartOfTriangle of;        ///< of every triangle
-    std::uint32_t count = 0;  ///< of parts
+    std::uint32_t count = 0;  ///< number of components
 };
 
-/// Finds the parts of a surface. Waits.
+/// Finds the components of a surface. Waits.
 template <class Exec>
 DeviceParts take_apart(Exec& exec, const DeviceSurface& surface) {
     const std::size_t vertices = surface.positions.size();
@@ -33,7 +33,8 @@ DeviceParts take_apart(Exec& exec, const DeviceSurface& surface) {
     return {{surface.triangles, sets, number}, count};
 }
 
-/// The triangles of all parts but one, as a mesh without shared vertices, and their parts. Waits.
+/// The triangles of all components except one, as a mesh without shared vertices, and their components.
+/// Waits.
 struct OtherTriangles {
     TriMesh mesh;
     std::vector<std::uint32_t> part_of;
@@ -58,8 +59,8 @@ OtherTriangles others_of(Exec& exec, const DeviceSurface& surface, const DeviceP
     return out;
 }
 
-/// Which parts stay: 1 by part. The largest one mostly does: since every place is enclosed by some part, it
-/// is only looked at where another one encloses some. Waits.
+/// Returns for each component whether it is kept (1) or not (0). The largest one usually is: since every
+/// point is enclosed by some component, it is only tested if another one encloses some points. Waits.
 template <class Exec>
 std::vector<std::uint8_t> kept_parts(Exec& exec, const DeviceSurface& surface, const DeviceParts& parts,
                                      std::span<const Vec3> places, const Context& ctx) {
@@ -81,13 +82,13 @@ std::vector<std::uint8_t> kept_parts(Exec& exec, const DeviceSurface& surface, c
     return {};
 }
 
-/// Leaves out closed parts of a surface that enclose none of these places, and hollows: see drop_parts().
-/// Returns how many. Waits.
+/// Removes closed components of a surface that enclose none of these points, and hollows: see drop_parts().
+/// Returns the number of removed components. Waits.
 template <class Exec>
 std::uint64_t drop_parts(Exec& exec, DeviceSurface& surface, std::span<const Vec3> places,
                          const Context& ctx) {
     const DeviceParts parts = take_apart(exec, surface);
-    // A surface that encloses all axes has one part at least, which is not a hollow.
+    // A surface that encloses all axes has at least one component that is not a hollow.
     if (parts.count <= 1) return 0;
     const std::vector<std::uint8_t> kept = kept_parts(exec, surface, parts, places, ctx);
     const auto dropped = static_cast<std::uint64_t>(std::ranges::count(kept, 0));
@@ -107,8 +108,8 @@ std::uint64_t drop_parts(Exec& exec, DeviceSurface& surface, std::span<const Vec
     return dropped;
 }
 
-/// [m] Where a held vertex of each set of axes is: see held_places(); of sets that have one that wanted
-/// tetrahedra are the first of. Waits.
+/// [m] Returns the position of one held vertex of each set of axes: see held_places(); only for sets with a
+/// vertex that requested tetrahedra own. Waits.
 template <class Exec>
 std::vector<Vec3> held_places(Exec& exec, const DeviceHeld& held, const DeviceRefinement& refinement,
                               const tetra_kernel::SamplesView& samples) {

@@ -13,17 +13,16 @@
 #include "coppice/tetra/march/kernel/cut_kernel.h"
 #include "coppice/tetra/march/samples_view.h"
 
-// The kernels of [Zhu2013], by the names they have there: tetrahedra that are written down level by level,
-// and marched without snapping.
+// The kernels of [Zhu2013], with the names of the paper: explicit tetrahedra on every level, marched without
+// snapping.
 //
-// Everything is numbered in closed form. Of what edge e is cut into: 2 e at its first vertex, 2 e + 1 at its
-// second. Within face f of F: edge 2 E + 3 f + k beside corner k; faces 4 f + k at corner k, 4 f + 3 in the
+// All elements are numbered in closed form. Edge e is divided into 2 e at its first vertex and 2 e + 1 at its
+// second. Within face f of F: edge 2 E + 3 f + k cuts off corner k; faces 4 f + k at corner k, 4 f + 3 in the
 // middle. Within tetrahedron t: the diagonal is edge 2 E + 3 F + t; faces 4 F + 8 t + i.
 
 namespace coppice::cuda {
 
-/// Tetrahedra that are written down, with their edges and faces, and the regions of the field that these lie
-/// in.
+/// Explicit tetrahedra with their edges and faces, and the regions of the field that contain these.
 struct ExplicitTetra {
     /// A triangle, and the edge opposite each of its vertices.
     struct Face {
@@ -35,7 +34,7 @@ struct ExplicitTetra {
         std::uint32_t region;
     };
     struct Cell {
-        Tetra vertices;                      ///< oriented
+        Tetra vertices;                      ///< positively oriented
         std::array<std::uint32_t, 6> edges;  ///< 01, 02, 03, 12, 13, 23
         std::array<std::uint32_t, 4> faces;  ///< opposite 0, 1, 2, 3
         std::uint32_t region;
@@ -47,7 +46,8 @@ struct ExplicitTetra {
     std::span<Cell> tetra;
 };
 
-/// Vertices of the coarse mesh; thread per vertex. Those of no tetrahedron are in the first region.
+/// Copies vertices of the coarse mesh; one thread per vertex. Vertices without tetrahedra are in the first
+/// region.
 struct WriteVertices {
     std::span<const Vec3> from;
     ExplicitTetra to;
@@ -57,7 +57,7 @@ struct WriteVertices {
     }
 };
 
-/// The coarse mesh, from a refinement of no levels; thread per tetrahedron.
+/// Writes the coarse mesh, from a refinement with 0 levels; one thread per tetrahedron.
 struct WriteCoarse {
     DeviceRefinement from;
     ExplicitTetra to;
@@ -98,7 +98,7 @@ struct WriteCoarse {
     }
 };
 
-/// The midpoint of every edge, and its two halves; thread per edge.
+/// Computes the midpoint of every edge, and its two halves; one thread per edge.
 struct CalcEdgePoints {
     ExplicitTetra coarse, fine;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t e) const {
@@ -111,7 +111,7 @@ struct CalcEdgePoints {
     }
 };
 
-/// Vertices stay as they are; thread per vertex.
+/// Copies vertices; one thread per vertex.
 struct KeepVertices {
     ExplicitTetra coarse, fine;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t v) const {
@@ -120,13 +120,13 @@ struct KeepVertices {
     }
 };
 
-/// The four parts of every face, and the three edges between them; thread per face.
+/// Creates the four parts of every face, and the three edges between them; one thread per face.
 struct SubdivideFaces {
     ExplicitTetra coarse, fine;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t f) const {
         const ExplicitTetra::Face face = coarse.faces[f];
         const auto vertices = static_cast<std::uint32_t>(coarse.positions.size());
-        const std::uint32_t beside = 2 * static_cast<std::uint32_t>(coarse.edges.size()) + 3 * f;
+        const std::uint32_t adjacent = 2 * static_cast<std::uint32_t>(coarse.edges.size()) + 3 * f;
         const auto middle = [&](std::uint32_t k) { return vertices + face.edges[k]; };
         const auto half = [&](std::uint32_t opposite, std::uint32_t corner) {
             const std::uint32_t e = face.edges[opposite];
@@ -134,23 +134,24 @@ struct SubdivideFaces {
         };
         for (std::uint32_t k = 0; k < 3; ++k) {
             const std::uint32_t l = (k + 1) % 3, m = (k + 2) % 3;
-            fine.edges[beside + k] = {{middle(l), middle(m)}, face.region};
+            fine.edges[adjacent + k] = {{middle(l), middle(m)}, face.region};
             if (fine.faces.empty()) continue;
-            fine.faces[4 * f + k] = {
-                {face.vertices[k], middle(m), middle(l)}, {beside + k, half(l, k), half(m, k)}, face.region};
+            fine.faces[4 * f + k] = {{face.vertices[k], middle(m), middle(l)},
+                                     {adjacent + k, half(l, k), half(m, k)},
+                                     face.region};
         }
         if (!fine.faces.empty())
             fine.faces[4 * f + 3] = {
-                {middle(0), middle(1), middle(2)}, {beside, beside + 1, beside + 2}, face.region};
+                {middle(0), middle(1), middle(2)}, {adjacent, adjacent + 1, adjacent + 2}, face.region};
     }
 };
 
-/// The eight parts of a tetrahedron: four at its corners, and four of the octahedron between them, cut along
-/// the shortest of its diagonals; thread per part, where the paper has one per tetrahedron, so that
-/// neighbouring threads write neighbours. The parts are the printed ones, but that all are oriented as the
-/// whole.
+/// Creates the eight parts of a tetrahedron: four at its corners, and four of the octahedron between them,
+/// cut along the shortest of its diagonals. One thread per part, unlike the paper's one per tetrahedron, so
+/// that adjacent threads write adjacent elements. The parts are those of the paper, except that all have the
+/// orientation of the tetrahedron.
 ///
-/// A vertex of a part is named by the corners that it lies between, as bits: one for a corner, two for a
+/// A vertex of a part is identified by the corners between which it is, as bits: one for a corner, two for a
 /// midpoint.
 struct SubdivideTetrahedra {
     static constexpr std::uint32_t kParts = 8;
@@ -160,7 +161,7 @@ struct SubdivideTetrahedra {
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
         const std::uint32_t t = i / kParts, number = i % kParts;
         const ExplicitTetra::Cell cell = coarse.tetra[t];
-        const auto d = diagonal_of(cell);
+        const auto d = compute_diagonal(cell);
         // The ring of midpoints around the diagonal.
         const Masks ring{bit(d[0]) | bit(d[2]), bit(d[1]) | bit(d[2]), bit(d[1]) | bit(d[3]),
                          bit(d[0]) | bit(d[3])};
@@ -186,11 +187,11 @@ struct SubdivideTetrahedra {
     using Masks = std::array<std::uint32_t, 4>;
 
     COPPICE_HOST_DEVICE static std::uint32_t bit(std::uint32_t corner) { return 1u << corner; }
-    /// The number of the one corner that is set.
+    /// Returns the number of the only corner in the mask.
     COPPICE_HOST_DEVICE static std::uint32_t corner_of(std::uint32_t mask) {
         return mask == 1 ? 0 : mask == 2 ? 1 : mask == 4 ? 2 : 3;
     }
-    /// The number of the edge between the two corners that are set.
+    /// Returns the number of the edge between the two corners in the mask.
     COPPICE_HOST_DEVICE static std::uint32_t edge_of(std::uint32_t mask) {
         return mask == 3 ? 0 : mask == 5 ? 1 : mask == 9 ? 2 : mask == 6 ? 3 : mask == 10 ? 4 : 5;
     }
@@ -198,8 +199,8 @@ struct SubdivideTetrahedra {
         return static_cast<std::uint32_t>(2 * coarse.edges.size() + 3 * coarse.faces.size()) + t;
     }
 
-    /// The corners of the shortest diagonal: see kTetraDiagonals.
-    COPPICE_HOST_DEVICE std::array<std::uint32_t, 4> diagonal_of(const ExplicitTetra::Cell& cell) const {
+    /// Returns the corners of the shortest diagonal: see kTetraDiagonals.
+    COPPICE_HOST_DEVICE std::array<std::uint32_t, 4> compute_diagonal(const ExplicitTetra::Cell& cell) const {
         std::array<std::uint32_t, 4> best{};
         float least = 0;
         for (std::uint32_t k = 0; k < 3; ++k) {
@@ -217,7 +218,7 @@ struct SubdivideTetrahedra {
         if ((mask & (mask - 1)) == 0) return cell.vertices[corner_of(mask)];
         return static_cast<std::uint32_t>(coarse.positions.size()) + cell.edges[edge_of(mask)];
     }
-    /// Of a face of the whole, the corner that is set.
+    /// Returns the index, in a face of the tetrahedron, of the corner in the mask.
     COPPICE_HOST_DEVICE std::uint32_t place_in_face(const ExplicitTetra::Cell& cell, std::uint32_t face,
                                                     std::uint32_t mask) const {
         const std::uint32_t v = cell.vertices[corner_of(mask)];
@@ -277,7 +278,7 @@ struct SubdivideTetrahedra {
     }
 };
 
-/// Samples the field; thread per vertex.
+/// Samples the field; one thread per vertex.
 template <class Field>
 struct CalcFields {
     ExplicitTetra mesh;
@@ -288,7 +289,7 @@ struct CalcFields {
     }
 };
 
-/// Where the surface crosses, by the straight line between two values.
+/// Crossings of the surface, by linear interpolation between two values.
 struct IsoSurface {
     ExplicitTetra mesh;
     std::span<const float> value;
@@ -303,7 +304,7 @@ struct IsoSurface {
     }
 };
 
-/// The 4-bit index of every tetrahedron, and how many triangles that makes; thread per tetrahedron.
+/// Computes the 4-bit index of every tetrahedron, and its number of triangles; one thread per tetrahedron.
 struct CalcTetrahedralIndice {
     IsoSurface surface;
     std::span<std::uint8_t> index;
@@ -320,7 +321,7 @@ struct CalcTetrahedralIndice {
     }
 };
 
-/// Calls use(triangle, edges) for the triangles of a tetrahedron, numbered from `first` on.
+/// Calls use(triangle, edges) for the triangles of a tetrahedron, numbered from `first`.
 template <class Use>
 COPPICE_HOST_DEVICE void for_each_iso_triangle(const IsoSurface& surface, std::uint32_t t,
                                                std::uint32_t index, std::uint32_t first, const Use& use) {
@@ -330,7 +331,7 @@ COPPICE_HOST_DEVICE void for_each_iso_triangle(const IsoSurface& surface, std::u
         use(first + k - 2, Triangle{edges[cut.corners[0]], edges[cut.corners[k - 1]], edges[cut.corners[k]]});
 }
 
-/// Writes every triangle with corners of its own; thread per tetrahedron.
+/// Writes every triangle with its own corners; one thread per tetrahedron.
 struct ExtractIsoTriangles {
     IsoSurface surface;
     std::span<const std::uint8_t> index;
@@ -343,7 +344,7 @@ struct ExtractIsoTriangles {
     }
 };
 
-/// Marks the edges that the surface crosses; thread per edge.
+/// Marks the edges that the surface crosses; one thread per edge.
 struct MarkCutEdges {
     IsoSurface surface;
     std::span<std::uint32_t> count;
@@ -353,17 +354,17 @@ struct MarkCutEdges {
     }
 };
 
-/// Writes the vertex of every such edge, once; thread per edge.
+/// Writes the vertex of every such edge once; one thread per edge.
 struct WeldVertices {
     IsoSurface surface;
-    std::span<const std::uint32_t> first;  ///< by edge, and one more
+    std::span<const std::uint32_t> first;  ///< by edge, plus the end
     std::span<Vec3> out;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t e) const {
         if (first[e] != first[e + 1]) out[first[e]] = surface.point(e);
     }
 };
 
-/// Writes triangles between these vertices; thread per tetrahedron.
+/// Writes triangles between these vertices; one thread per tetrahedron.
 struct WeldTriangles {
     IsoSurface surface;
     std::span<const std::uint8_t> index;

@@ -7,32 +7,32 @@
 #include "coppice/cuda/tetra/extract_stages.h"
 #include "coppice/cuda/tetra/printed_kernel.h"
 
-// Marching tetrahedra as [Zhu2013] prints it, on an executor, for any field that kernels can sample.
+// Marching tetrahedra as published in [Zhu2013], on an executor, for any field that kernels can sample.
 
 namespace coppice::cuda {
 
-/// Tetrahedra and the triangles that a field makes in them. The arrays lie on the executor.
+/// Tetrahedra and the triangles of a field in them. The arrays are on the executor.
 struct PrintedSurface {
     ExplicitTetra mesh;                              ///< of the last level
-    std::span<const std::array<Vec3, 3>> triangles;  ///< corners of each: what the paper draws
-    std::span<const Vec3> positions;                 ///< of the same, welded; empty if not asked for
-    std::span<const Triangle> welded;                ///< counter-clockwise seen from outside
+    std::span<const std::array<Vec3, 3>> triangles;  ///< corners of each, as drawn in the paper
+    std::span<const Vec3> positions;   ///< of the same triangles, welded; empty if not requested
+    std::span<const Triangle> welded;  ///< counter-clockwise seen from outside
 };
 
 template <class Exec>
 ExplicitTetra make_explicit(Exec& exec, std::uint64_t vertices, std::uint64_t edges, std::uint64_t faces,
                             std::uint64_t tetra) {
-    // A scan counts in 31 bits.
-    constexpr std::uint64_t kMost = std::numeric_limits<std::int32_t>::max() - 1;
-    if (edges > kMost || faces > kMost || tetra > kMost)
+    // A scan uses 31 bits.
+    constexpr std::uint64_t kMax = std::numeric_limits<std::int32_t>::max() - 1;
+    if (edges > kMax || faces > kMax || tetra > kMax)
         throw DeviceError("there are too many tetrahedra for a device");
     return {exec.template array<Vec3>(vertices), exec.template array<std::uint32_t>(vertices),
             exec.template array<ExplicitTetra::Edge>(edges), exec.template array<ExplicitTetra::Face>(faces),
             exec.template array<ExplicitTetra::Cell>(tetra)};
 }
 
-/// Every tetrahedron into eight: V' = V + E, E' = 2 E + 3 F + T, F' = 4 F + 8 T, T' = 8 T. Faces are not
-/// written where it is the last time.
+/// Divides every tetrahedron into eight: V' = V + E, E' = 2 E + 3 F + T, F' = 4 F + 8 T, T' = 8 T. Faces are
+/// not written on the last level.
 template <class Exec>
 ExplicitTetra subdivide(Exec& exec, const ExplicitTetra& coarse, bool last = false) {
     const std::uint64_t v = coarse.positions.size(), e = coarse.edges.size(), f = coarse.faces.size(),
@@ -45,7 +45,7 @@ ExplicitTetra subdivide(Exec& exec, const ExplicitTetra& coarse, bool last = fal
     return fine;
 }
 
-/// The coarse mesh, its edges and its faces. Throws what TetraRefinement throws.
+/// Uploads the coarse mesh with its edges and faces. Throws the exceptions of TetraRefinement.
 template <class Exec>
 ExplicitTetra upload_explicit(Exec& exec, const TetraMesh& mesh, const Context& ctx = {}) {
     const DeviceRefinement from = refine(exec, mesh, 0, ctx);
@@ -56,7 +56,7 @@ ExplicitTetra upload_explicit(Exec& exec, const TetraMesh& mesh, const Context& 
     return out;
 }
 
-/// The surface value = `level` of a field in tetrahedra that are cut into eight `levels` times.
+/// Extracts the surface value = `level` of a field in tetrahedra that are divided into eight `levels` times.
 template <class Exec, class Field>
 PrintedSurface march_as_printed(Exec& exec, const ExplicitTetra& coarse, int levels, const Field& field,
                                 float level, bool weld) {

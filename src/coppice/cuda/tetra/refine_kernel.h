@@ -12,39 +12,39 @@
 #include "coppice/tetra/lattice/shape_kernel.h"
 #include "coppice/tetra/march/samples_view.h"
 
-// The kernels that find the edges and faces of a coarse mesh, and number them as TetraRefinement does: by
-// their least vertex, those of one by the first tetrahedron that names them, and then by group.
+// Kernels that find the edges and faces of a coarse mesh, and number them as TetraRefinement does: by their
+// smallest vertex, then by the first tetrahedron that lists them, then by group.
 
 namespace coppice::cuda {
 
-/// The corners that a group of a pattern has, as bits.
+/// Returns the corners of a group of a pattern, as bits.
 COPPICE_HOST_DEVICE constexpr std::uint32_t group_corners(std::uint32_t group) {
     if (group < 4) return 1u << group;
     if (group >= 10) return 15u ^ 1u << (group - 10);
     const std::uint32_t a = group < 7 ? 0 : group < 9 ? 1 : 2, b = group - 3 - a - (a > 0 ? 1 : 0);
     return 1u << a | 1u << b;
 }
-/// The group that has these corners: one, two or three.
+/// Returns the group with these one, two or three corners.
 COPPICE_HOST_DEVICE constexpr std::uint32_t group_of_corners(std::uint32_t corners) {
     std::uint32_t group = 0;
     while (group_corners(group) != corners) ++group;
     return group;
 }
-/// The least of them.
-COPPICE_HOST_DEVICE constexpr std::uint32_t least_corner(std::uint32_t group) {
+/// Returns the smallest corner of a group.
+COPPICE_HOST_DEVICE constexpr std::uint32_t lowest_corner(std::uint32_t group) {
     const std::uint32_t corners = group_corners(group);
     return (corners & 1) != 0 ? 0 : (corners & 2) != 0 ? 1 : (corners & 4) != 0 ? 2 : 3;
 }
 
-/// The tetrahedra around each coarse vertex, ascending: each as four times its number, and which of its
-/// corners the vertex is.
+/// The tetrahedra around each coarse vertex, ascending: each as four times its number plus the corner at the
+/// vertex.
 struct VertexStars {
-    std::span<const std::uint32_t> first;    ///< of every vertex, and one more
-    std::span<const std::uint32_t> corners;  ///< row by row
-    std::span<const std::uint32_t> vertex;   ///< whose row each of them is in
+    std::span<const std::uint32_t> first;    ///< of every vertex, plus the end
+    std::span<const std::uint32_t> corners;  ///< concatenated rows
+    std::span<const std::uint32_t> vertex;   ///< vertex of the row of each corner
 };
 
-/// Describes every coarse tetrahedron, and names its corners.
+/// Describes every coarse tetrahedron, and lists its corners.
 struct DescribeTetra {
     std::span<const Vec3> positions;
     std::span<const Tetra> tetra;
@@ -53,7 +53,7 @@ struct DescribeTetra {
     std::span<TetraTraits> traits;
     std::span<std::uint32_t> vertex;  ///< of every corner
     std::span<std::uint32_t> corner;  ///< 0, 1, 2 ...
-    std::span<std::uint32_t> faulty;  ///< becomes 1 where one of them is not as it should be
+    std::span<std::uint32_t> faulty;  ///< set to 1 if a tetrahedron is invalid
 
     COPPICE_HOST_DEVICE void operator()(std::uint32_t t) const {
         const Tetra& own = tetra[t];
@@ -69,10 +69,10 @@ struct DescribeTetra {
     }
 };
 
-/// Where the row of every vertex begins, of corners that are sorted by their vertex.
+/// Finds the start of the row of every vertex in corners sorted by vertex.
 struct FindRows {
     std::span<const std::uint32_t> vertex;  ///< of every corner, ascending
-    std::span<std::uint32_t> first;         ///< of every vertex, and one more
+    std::span<std::uint32_t> first;         ///< of every vertex, plus the end
     COPPICE_HOST_DEVICE void operator()(std::uint32_t v) const {
         std::uint32_t low = 0, high = static_cast<std::uint32_t>(vertex.size());
         while (low < high) {
@@ -87,30 +87,33 @@ struct FindRows {
     }
 };
 
-/// What the corners of tetrahedra own: bits by group of the parts whose least vertex it is, and whose first
-/// tetrahedron; and from kHull on, bits by the opposite corner of those faces that no other one has.
+/// Elements owned by the corners of tetrahedra: bits by group of the elements that have the corner as their
+/// smallest vertex and this as their first tetrahedron; and from kHull, bits by opposite corner of the faces
+/// that no other tetrahedron has.
 struct OwnedByCorner {
     static constexpr std::uint32_t kHull = 16;
     static constexpr std::uint32_t kEdges = 0x3f0;   ///< groups
     static constexpr std::uint32_t kFaces = 0x3c00;  ///< groups
     std::span<std::uint32_t> bits;                   ///< of every corner
 
-    /// The faces of a tetrahedron on the hull, by their opposite corners.
+    /// Returns the faces of a tetrahedron on the hull, by their opposite corners.
     COPPICE_HOST_DEVICE std::uint32_t hull(std::uint32_t tetra) const {
         return (bits[4 * tetra] | bits[4 * tetra + 1]) >> kHull;
     }
 };
 
-/// Which vertices above one that two tetrahedra have in common.
+/// Common vertices of two tetrahedra, starting at one vertex.
 struct SharedAbove {
-    std::uint32_t here = 0;   ///< corners of the one, as bits
-    std::uint32_t there = 0;  ///< for each of these, four bits: the corner of the other one, as a bit
+    std::uint32_t here = 0;  ///< corners of the first tetrahedron, as bits
+    std::uint32_t there =
+        0;  ///< for each of these, four bits: the corner of the second tetrahedron, as a bit
 
-    /// Of the vertex that is corner `c` of the one, and corner `d` of the other.
+    /// Finds the common vertices from the vertex that is corner `c` of the first, and corner `d` of the
+    /// second.
     COPPICE_HOST_DEVICE static SharedAbove find(const TetraParts& one, std::uint32_t c,
                                                 const TetraParts& other, std::uint32_t d) {
         SharedAbove out{1u << c, 1u << (4 * c + d)};
-        // Corners ascend.
+        // Corners are ascending.
         for (std::uint32_t i = c + 1; i < 4; ++i) {
             for (std::uint32_t j = d + 1; j < 4; ++j) {
                 if (one[i] != other[j]) continue;
@@ -120,7 +123,8 @@ struct SharedAbove {
         }
         return out;
     }
-    /// The corners of the other one that are those of a group of the one, as bits; 0 when it lacks some.
+    /// Returns the corners of the second tetrahedron that equal those of a group of the first, as bits; 0 if
+    /// some are missing.
     COPPICE_HOST_DEVICE std::uint32_t corners_there(std::uint32_t group) const {
         const std::uint32_t corners = group_corners(group);
         if ((here & corners) != corners) return 0;
@@ -130,26 +134,26 @@ struct SharedAbove {
     }
 };
 
-/// The groups whose least corner this is, as bits.
+/// Returns the groups with this smallest corner, as bits.
 COPPICE_HOST_DEVICE constexpr std::uint32_t groups_above(std::uint32_t corner) {
     std::uint32_t out = 0;
-    for (std::uint32_t g = 0; g < TetraPattern::kInside; ++g) out |= least_corner(g) == corner ? 1u << g : 0;
+    for (std::uint32_t g = 0; g < TetraPattern::kInside; ++g) out |= lowest_corner(g) == corner ? 1u << g : 0;
     return out;
 }
 
-/// Finds what each corner owns; by place in the rows.
+/// Finds the elements that each corner owns; indexed by position in the rows.
 struct FindOwned {
     VertexStars stars;
     std::span<const TetraParts> parts;
     OwnedByCorner owned;
-    std::span<std::uint64_t> count;   ///< of edges, and 2^32 times that of faces
-    std::span<std::uint32_t> faulty;  ///< becomes 1 where a face has a third tetrahedron
+    std::span<std::uint64_t> count;   ///< number of edges, plus 2^32 times the number of faces
+    std::span<std::uint32_t> faulty;  ///< set to 1 if a face has a third tetrahedron
 
     COPPICE_HOST_DEVICE void operator()(std::uint32_t s) const {
         const std::uint32_t at = stars.corners[s], c = at % 4, first = stars.first[stars.vertex[s]];
         const std::uint32_t above = groups_above(c);
         std::uint32_t named = s > first ? 1u << c : 0, shared_faces = 0;
-        // Nothing lies above the last corner.
+        // The last corner has no elements above it.
         for (std::uint32_t q = first; c < 3 && q < stars.first[stars.vertex[s] + 1]; ++q) {
             if (q == s) continue;
             const std::uint32_t has = groups_shared(at, stars.corners[q]) & above;
@@ -166,7 +170,7 @@ struct FindOwned {
     }
 
   private:
-    /// The groups of one tetrahedron that another one around the same vertex has as well, as bits.
+    /// Returns the groups of one tetrahedron that another one around the same vertex shares, as bits.
     COPPICE_HOST_DEVICE std::uint32_t groups_shared(std::uint32_t one, std::uint32_t other) const {
         const std::uint32_t shared =
             SharedAbove::find(parts[one / 4], one % 4, parts[other / 4], other % 4).here;
@@ -177,12 +181,13 @@ struct FindOwned {
     }
 };
 
-/// Numbers the edges and faces whose least vertex each corner is; by place in the rows.
+/// Numbers the edges and faces that have each corner as their smallest vertex; indexed by position in the
+/// rows.
 struct NumberParts {
     VertexStars stars;
     OwnedByCorner owned;
-    std::span<const std::uint64_t> first;  ///< edges and faces owned before, by place
-    std::span<TetraParts> parts;           ///< vertices are there
+    std::span<const std::uint64_t> first;  ///< number of edges and faces owned before, by position
+    std::span<TetraParts> parts;           ///< vertices are already set
 
     COPPICE_HOST_DEVICE void operator()(std::uint32_t s) const {
         const std::uint32_t at = stars.corners[s], c = at % 4;
@@ -205,7 +210,7 @@ struct NumberParts {
     }
 };
 
-/// No edge lies about a vertex of no tetrahedron.
+/// Initialises vertices, which may have no tetrahedra and so no edges.
 struct BeginShortest {
     std::span<float> shortest_at;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t v) const {
@@ -213,8 +218,8 @@ struct BeginShortest {
     }
 };
 
-/// Finds the shortest fine edge about each part that a corner owns, or that it lies on the hull; by place in
-/// the rows.
+/// Finds the shortest fine edge around each element that a corner owns, or 0 on the hull; indexed by position
+/// in the rows.
 struct FindShortest {
     VertexStars stars;
     OwnedByCorner owned;
@@ -246,7 +251,7 @@ struct FindShortest {
     }
 };
 
-/// Gives every tetrahedron what its corners own.
+/// Combines the elements that the corners of each tetrahedron own.
 struct NoteOwned {
     OwnedByCorner owned;
     std::span<TetraTraits> traits;

@@ -17,33 +17,34 @@
 
 namespace coppice::cuda {
 
-/// A coarse part, as the first tetrahedron that has it sees it.
+/// A coarse element in the tetrahedron that owns it.
 struct OwnedPart {
-    std::uint32_t tetra;  ///< a coarse one
+    std::uint32_t tetra;  ///< coarse tetrahedron
     std::uint32_t group;  ///< see TetraPattern
 };
 
 /// Coarse vertices, edges and faces.
 using OwnedParts = std::array<std::span<const OwnedPart>, 3>;
 
-/// A refinement on a device, with what a thread per fine vertex or per fine edge needs besides.
+/// A refinement on a device, with additional data for kernels with one thread per fine vertex or per fine
+/// edge.
 struct DeviceRefinement {
     RefinementView view;                    ///< its arrays
     VertexStars stars;                      ///< of the coarse vertices
-    std::span<const Tetra> tetra;           ///< coarse ones, as the mesh has them
+    std::span<const Tetra> tetra;           ///< coarse tetrahedra in the order of vertices of the mesh
     std::span<const std::uint32_t> region;  ///< of every coarse tetrahedron
-    std::span<const std::uint32_t> first;   ///< tetrahedron of every region, and one more
-    OwnedParts of;                          ///< by number; nothing for vertices of no tetrahedron
-    /// In the order of their tetrahedra. Threads that follow each other should take fine vertices by this
-    /// order: by number, some 32 of them lie in 13 regions of the field, by this order in 3.
+    std::span<const std::uint32_t> first;   ///< first tetrahedron of every region, plus the end
+    OwnedParts of;                          ///< by number; unset for vertices without tetrahedra
+    /// In the order of their tetrahedra. Consecutive threads should process fine vertices in this order: 32
+    /// consecutive vertices are in about 13 regions of the field by number, and in 3 by this order.
     OwnedParts in_order;
-    FineNumbers ordered;              ///< numbers the fine vertices in that order
-    std::uint32_t ordered_count = 0;  ///< but for those of no tetrahedron
-    std::uint32_t vertex_count = 0;   ///< fine ones
-    std::uint32_t edge_count = 0;     ///< fine ones
-    std::uint32_t tetra_count = 0;    ///< fine ones
+    FineNumbers ordered;              ///< numbering of the fine vertices in that order
+    std::uint32_t ordered_count = 0;  ///< without vertices that have no tetrahedra
+    std::uint32_t vertex_count = 0;   ///< fine
+    std::uint32_t edge_count = 0;     ///< fine
+    std::uint32_t tetra_count = 0;    ///< fine
     float clearance = 0;              ///< see TetraMesh
-    /// The coarse tetrahedra whose part of a surface is wanted: all, or those of a TetraPiece.
+    /// The coarse tetrahedra for which a portion of a surface is requested: all, or those of a TetraPiece.
     /// @{
     std::uint32_t own_begin = 0, own_end = ~0u;
     bool is_piece() const { return own_begin > 0 || own_end != ~0u; }
@@ -52,7 +53,8 @@ struct DeviceRefinement {
     }
     /// @}
 
-    /// Of a fine tetrahedron the coarse one, and its number there: those of a coarse one follow each other.
+    /// Conversion between the number of a fine tetrahedron and its coarse tetrahedron and local number: those
+    /// of one coarse tetrahedron are consecutive.
     /// @{
     COPPICE_HOST_DEVICE std::uint32_t tetra_of(std::uint32_t i) const { return i >> (3 * view.levels); }
     COPPICE_HOST_DEVICE std::uint32_t fine_of(std::uint32_t i) const {
@@ -63,22 +65,22 @@ struct DeviceRefinement {
     }
     /// @}
 
-    /// The first coarse tetrahedron that has the part in which a fine vertex, or edge, lies.
+    /// Returns the coarse tetrahedron that owns the element that contains a fine vertex or edge.
     COPPICE_HOST_DEVICE OwnedPart owner(const FinePlace& place) const {
         if (place.kind == TetraPartKind::inside) return {place.part, TetraPattern::kInside};
         return of[static_cast<std::uint32_t>(place.kind)][place.part];
     }
-    /// Whether a wanted tetrahedron is the first that has a fine vertex.
+    /// Returns whether a requested tetrahedron owns a fine vertex.
     COPPICE_HOST_DEVICE bool owns(std::uint32_t vertex) const {
         return is_own(owner(view.vertices.place(vertex)).tetra);
     }
 };
 
-/// Leaves of some fine vertices those that wanted tetrahedra are the first of.
+/// Keeps the fine vertices that requested tetrahedra own.
 struct KeepOwnVertices {
     DeviceRefinement refinement;
     std::span<const std::uint64_t> from;  ///< a bit for each fine vertex
-    std::span<std::uint64_t> to;          ///< the same
+    std::span<std::uint64_t> to;          ///< a bit for each fine vertex
     COPPICE_HOST_DEVICE void operator()(std::uint32_t w) const {
         std::uint64_t kept = 0;
         for (std::uint32_t i = 0; i < 64; ++i) {
@@ -89,7 +91,7 @@ struct KeepOwnVertices {
     }
 };
 
-/// Counts these. Waits.
+/// Counts these vertices. Waits.
 template <class Exec>
 std::uint32_t count_own(Exec& exec, const DeviceRefinement& refinement,
                         std::span<const std::uint64_t> vertices) {
@@ -102,10 +104,10 @@ std::uint32_t count_own(Exec& exec, const DeviceRefinement& refinement,
     return count;
 }
 
-/// Leaves of some fine tetrahedra those in wanted ones.
+/// Keeps the fine tetrahedra in requested ones.
 struct KeepOwnTetra {
     DeviceRefinement refinement;
-    std::span<std::uint64_t> marks;  ///< a bit for each fine one
+    std::span<std::uint64_t> marks;  ///< a bit for each fine tetrahedron
     COPPICE_HOST_DEVICE void operator()(std::uint32_t w) const {
         std::uint64_t kept = 0;
         for (std::uint32_t i = 0; i < 64; ++i) {
@@ -115,7 +117,7 @@ struct KeepOwnTetra {
     }
 };
 
-/// Counts the parts that each coarse tetrahedron is the first of.
+/// Counts the elements that each coarse tetrahedron owns.
 struct CountOwned {
     std::span<const TetraTraits> traits;            ///< of every coarse tetrahedron
     std::array<std::span<std::uint32_t>, 3> count;  ///< of every coarse tetrahedron, by kind
@@ -126,11 +128,11 @@ struct CountOwned {
     }
 };
 
-/// Lists these parts, and notes them by their numbers.
+/// Lists these elements, and stores their owners by number.
 struct NoteOwners {
     std::span<const TetraParts> parts;                    ///< of every coarse tetrahedron
     std::span<const TetraTraits> traits;                  ///< of every coarse tetrahedron
-    std::array<std::span<const std::uint32_t>, 3> first;  ///< of every coarse tetrahedron, in order
+    std::array<std::span<const std::uint32_t>, 3> first;  ///< of every coarse tetrahedron, by kind
     std::array<std::span<OwnedPart>, 3> of, in_order;     ///< see DeviceRefinement
     COPPICE_HOST_DEVICE void operator()(std::uint32_t t) const {
         std::array<std::uint32_t, 3> next{first[0][t], first[1][t], first[2][t]};
@@ -143,16 +145,16 @@ struct NoteOwners {
     }
 };
 
-/// Each row names itself to its items.
+/// Writes the number of each row to its items.
 struct NoteRows {
-    std::span<const std::uint32_t> first;  ///< of every row, and one more
+    std::span<const std::uint32_t> first;  ///< of every row, plus the end
     std::span<std::uint32_t> row;          ///< of every item
     COPPICE_HOST_DEVICE void operator()(std::uint32_t r) const {
         for (std::uint32_t i = first[r]; i < first[r + 1]; ++i) row[i] = r;
     }
 };
 
-/// Finds the owners of all parts of a refinement, whose other arrays are there.
+/// Finds the owners of all elements of a refinement with complete other arrays.
 template <class Exec>
 void find_owners(Exec& exec, const std::array<std::size_t, 3>& parts, DeviceRefinement& out) {
     const std::size_t tetra = out.view.parts.size();
@@ -192,13 +194,13 @@ PatternView upload_pattern(Exec& exec, const PatternView& p) {
     return out;
 }
 
-/// Leaves it to the CPU to say what is wrong with a mesh that was found faulty here.
+/// Creates a TetraRefinement, which throws with the reason why the mesh is invalid.
 [[noreturn]] inline void refuse_mesh(const TetraMesh& mesh, int levels, const Context& ctx) {
     [[maybe_unused]] const TetraRefinement refusing(mesh, levels, ctx);
     throw DeviceError("the tetrahedra are too flat for a device");
 }
 
-/// Describes the coarse tetrahedra, and finds those around each vertex. False where some are faulty.
+/// Describes the coarse tetrahedra, and finds those around each vertex. Returns false if some are invalid.
 template <class Exec>
 bool describe_coarse(Exec& exec, std::span<TetraParts> parts, std::span<TetraTraits> traits,
                      DeviceRefinement& out) {
@@ -219,8 +221,8 @@ bool describe_coarse(Exec& exec, std::span<TetraParts> parts, std::span<TetraTra
     return found == 0;
 }
 
-/// Finds and numbers the edges and faces of the coarse mesh; returns how many edges, and 2^32 times how many
-/// faces there are, or nothing where some face has more than two tetrahedra.
+/// Finds and numbers the edges and faces of the coarse mesh. Returns the number of edges plus 2^32 times the
+/// number of faces, or no value if a face has more than two tetrahedra.
 template <class Exec>
 std::optional<std::uint64_t> find_parts(Exec& exec, std::span<TetraParts> parts,
                                         std::span<TetraTraits> traits, DeviceRefinement& out) {
@@ -247,11 +249,11 @@ std::optional<std::uint64_t> find_parts(Exec& exec, std::span<TetraParts> parts,
     return counts;
 }
 
-/// Copies a coarse mesh to an executor, and how its tetrahedra are cut. Throws what TetraRefinement throws of
-/// what is seen at once.
+/// Copies a coarse mesh to an executor, with the subdivision patterns of its tetrahedra. Throws the
+/// exceptions of TetraRefinement for errors that are found immediately.
 template <class Exec>
 DeviceRefinement upload_coarse(Exec& exec, const TetraMesh& mesh, int levels, const Context& ctx = {}) {
-    if (levels < 0 || levels > TetraPattern::kMostLevels || mesh.tetra.size() >= (1u << 29) ||
+    if (levels < 0 || levels > TetraPattern::kMaxLevels || mesh.tetra.size() >= (1u << 29) ||
         mesh.positions.size() >= (1u << 30) || mesh.first.empty() || mesh.first.front() != 0 ||
         mesh.first.back() != mesh.tetra.size() || !std::ranges::is_sorted(mesh.first))
         refuse_mesh(mesh, levels, ctx);
@@ -270,16 +272,17 @@ DeviceRefinement upload_coarse(Exec& exec, const TetraMesh& mesh, int levels, co
     return out;
 }
 
-/// Numbers all that is fine, where the coarse mesh has so many vertices, edges, faces and tetrahedra. False
-/// where that is too much for TetraRefinement; throws DeviceError where it is too much for a device.
+/// Numbers all fine elements for a coarse mesh with these numbers of vertices, edges, faces and tetrahedra.
+/// Returns false if that exceeds the limit of TetraRefinement; throws DeviceError if it exceeds the limit of
+/// a device.
 inline bool number_fine(const std::array<std::uint64_t, 4>& parts, DeviceRefinement& out) {
     const std::uint64_t vertices = out.view.vertices.begin_kinds(parts);
     const std::uint64_t tetra = parts[3] << 3 * out.view.levels;
     out.view.edge_count = out.view.edges.begin_kinds(parts);
-    if (vertices > TetraRefinement::kMostVertices) return false;
-    // A scan counts in 31 bits.
-    constexpr std::uint64_t kMost = std::numeric_limits<std::int32_t>::max() - 1;
-    if (out.view.edge_count > kMost || tetra > kMost)
+    if (vertices > TetraRefinement::kMaxVertices) return false;
+    // A scan uses 31 bits.
+    constexpr std::uint64_t kMax = std::numeric_limits<std::int32_t>::max() - 1;
+    if (out.view.edge_count > kMax || tetra > kMax)
         throw DeviceFull("there are too many tetrahedra for a device");
     out.vertex_count = static_cast<std::uint32_t>(vertices);
     out.edge_count = static_cast<std::uint32_t>(out.view.edge_count);
@@ -287,8 +290,8 @@ inline bool number_fine(const std::array<std::uint64_t, 4>& parts, DeviceRefinem
     return true;
 }
 
-/// Refines a coarse mesh that was uploaded: the same numbers as TetraRefinement has. Some 250 bytes per
-/// coarse tetrahedron. False where that would refuse it. Waits.
+/// Refines an uploaded coarse mesh, with the same numbering as TetraRefinement. About 250 bytes per coarse
+/// tetrahedron. Returns false if TetraRefinement would reject the mesh. Waits.
 template <class Exec>
 bool refine(Exec& exec, DeviceRefinement& out) {
     const std::size_t tetra = out.tetra.size(), vertices = out.view.positions.size();
@@ -308,8 +311,8 @@ bool refine(Exec& exec, DeviceRefinement& out) {
     return true;
 }
 
-/// The same of a mesh of the CPU. Throws what TetraRefinement throws, and DeviceError when it has more than
-/// 2^31 fine edges or tetrahedra.
+/// Refines a mesh in host memory. Throws the exceptions of TetraRefinement, and DeviceError if it has more
+/// than 2^31 fine edges or tetrahedra.
 template <class Exec>
 DeviceRefinement refine(Exec& exec, const TetraMesh& mesh, int levels, const Context& ctx = {}) {
     DeviceRefinement out = upload_coarse(exec, mesh, levels, ctx);
@@ -317,7 +320,7 @@ DeviceRefinement refine(Exec& exec, const TetraMesh& mesh, int levels, const Con
     return out;
 }
 
-/// The box about the tetrahedra of every region.
+/// Computes the bounding box of the tetrahedra of every region.
 struct BoundTetra {
     DeviceRefinement refinement;
     std::span<Box3> out;
@@ -330,7 +333,7 @@ struct BoundTetra {
     }
 };
 
-/// The boxes of the regions.
+/// Returns the boxes of the regions.
 template <class Exec>
 std::span<const Box3> region_boxes(Exec& exec, const DeviceRefinement& refinement) {
     const auto boxes = exec.template array<Box3>(refinement.first.size() - 1);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include "coppice/base/id.h"
 #include "coppice/base/kernel/host_device.h"
 #include "coppice/cuda/tetra/axes_stages.h"
 #include "coppice/cuda/tetra/bits_stages.h"
@@ -13,19 +14,18 @@
 #include "coppice/tetra/march/kernel/snap_kernel.h"
 #include "coppice/tetra/march/samples_view.h"
 
-// The kernels of samples_stages.h. A Field has a member FieldSample sample(std::uint32_t region, Vec3 p)
-// const.
+// Kernels of samples_stages.h. A Field has a member FieldSample sample(std::uint32_t region, Vec3 p) const.
 
 namespace coppice::cuda {
 
-/// A fine vertex as the first coarse tetrahedron that has it sees it.
+/// A fine vertex in the coarse tetrahedron that owns it.
 struct FineVertex {
     std::uint32_t number, region;
-    float edge;  ///< [m] of the shortest fine edge about it; 0 on the hull
+    float edge;  ///< [m] length of the shortest fine edge around it; 0 on the hull
     Vec3 position;
 };
 
-/// The i-th in order: see DeviceRefinement.
+/// Returns the i-th fine vertex in order: see DeviceRefinement.
 COPPICE_HOST_DEVICE inline FineVertex fine_vertex(const DeviceRefinement& r, std::uint32_t i) {
     const FinePlace place = r.ordered.place(i);
     const OwnedPart owner = place.kind == TetraPartKind::inside
@@ -37,7 +37,7 @@ COPPICE_HOST_DEVICE inline FineVertex fine_vertex(const DeviceRefinement& r, std
             r.view.position(t, r.view.pattern(t).first_vertex[owner.group] + place.index)};
 }
 
-/// A field as vertices are moved by it.
+/// A field with the parameters for moving vertices.
 template <class Field>
 struct SnapField {
     Field field;
@@ -45,17 +45,17 @@ struct SnapField {
     float snap;  ///< see MarchOptions
 };
 
-/// Samples a fine vertex, and makes the first step to the surface where it is near.
+/// Samples a fine vertex, and computes the first step to the surface if it is near.
 template <class Field>
 struct SampleFine {
     DeviceRefinement refinement;
     SnapField<Field> at;
     tetra_kernel::BitsView held;
     std::span<float> height;           ///< by number
-    std::span<std::uint64_t> above;    ///< a bit where the height is above 0
-    std::span<std::uint64_t> shallow;  ///< a bit where a held vertex is near or not inside
-    std::span<Vec3> target;            ///< in order; set where the vertex is near
-    std::span<std::uint64_t> near;     ///< in order: a bit where the vertex is near
+    std::span<std::uint64_t> above;    ///< a bit if the height is above 0
+    std::span<std::uint64_t> shallow;  ///< a bit if a held vertex is near the surface or outside
+    std::span<Vec3> target;            ///< in order; set if the vertex is near
+    std::span<std::uint64_t> near;     ///< in order: a bit if the vertex is near
 
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
         const FineVertex v = fine_vertex(refinement, i);
@@ -76,25 +76,24 @@ struct SampleFine {
 
 /// A fine vertex that may be moved.
 struct SnappedVertex {
-    static constexpr std::uint32_t kNone = 0xffffffffu;
-    std::uint32_t vertex;           ///< fine; kNone when it stays
-    tetra_kernel::SnapPlace place;  ///< where to
+    std::uint32_t vertex;           ///< fine; kNoIndex if it stays
+    tetra_kernel::SnapPlace place;  ///< target
 };
 
-/// Makes the second step to the surface.
+/// Computes the second step to the surface.
 template <class Field>
 struct FindPlace {
     DeviceRefinement refinement;
     SnapField<Field> at;
-    std::span<const std::uint32_t> near;  ///< places in the order
+    std::span<const std::uint32_t> near;  ///< indices in the order
     std::span<const Vec3> target;         ///< in order
-    std::span<SnappedVertex> moved;       ///< of those that are near
-    std::span<std::uint64_t> placed;      ///< a bit for each that moves
+    std::span<SnappedVertex> moved;       ///< of near vertices
+    std::span<std::uint64_t> placed;      ///< a bit for each vertex that moves
 
     COPPICE_HOST_DEVICE void operator()(std::uint32_t k) const {
         const FineVertex v = fine_vertex(refinement, near[k]);
         const Vec3 end = target[near[k]];
-        SnappedVertex out{SnappedVertex::kNone, {}};
+        SnappedVertex out{kNoIndex, {}};
         if (tetra_kernel::second_step(at.profile, at.field.sample(v.region, end), v.position, end,
                                       at.snap * v.edge, out.place)) {
             out.vertex = v.number;
@@ -104,8 +103,8 @@ struct FindPlace {
     }
 };
 
-/// Moves shallow vertices, each on the way to the nearest point of the axis it holds, unless the field is
-/// less there. By rank among the held ones.
+/// Moves shallow vertices towards the closest point of the axis that they hold, unless the field is smaller
+/// there. Indexed by rank among the held vertices.
 template <class Field>
 struct MoveShallow {
     DeviceRefinement refinement;
@@ -114,13 +113,13 @@ struct MoveShallow {
     tetra_kernel::BitsView shallow;
     std::span<const float> height;
     std::span<tetra_kernel::WeakVertex> weak;
-    std::span<std::uint32_t> count;   ///< 1 where it is shallow
-    std::span<SnappedVertex> moved;   ///< of all held ones
-    std::span<std::uint64_t> placed;  ///< a bit for each that moves
+    std::span<std::uint32_t> count;   ///< 1 if it is shallow
+    std::span<SnappedVertex> moved;   ///< of all held vertices
+    std::span<std::uint64_t> placed;  ///< a bit for each vertex that moves
 
     COPPICE_HOST_DEVICE void operator()(std::uint32_t rank) const {
         const std::uint32_t v = held.vertex[rank];
-        SnappedVertex out{SnappedVertex::kNone, {}};
+        SnappedVertex out{kNoIndex, {}};
         count[rank] = shallow.test(v) ? 1 : 0;
         if (count[rank] == 1) {
             const FinePlace part = refinement.view.vertices.place(v);
@@ -143,9 +142,9 @@ struct MoveShallow {
     }
 };
 
-/// Moves what a scan of counts of 0 and 1 gives a place together.
+/// Compacts elements according to a scan of counts of 0 and 1.
 struct ListWeak {
-    std::span<const std::uint32_t> first;  ///< and one more
+    std::span<const std::uint32_t> first;  ///< with one additional element
     std::span<const tetra_kernel::WeakVertex> from;
     std::span<tetra_kernel::WeakVertex> to;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
@@ -153,21 +152,21 @@ struct ListWeak {
     }
 };
 
-/// Notes where vertices were moved, by rank.
+/// Stores the targets of moved vertices, by rank.
 struct NotePlaces {
     std::span<const SnappedVertex> moved;
     tetra_kernel::RankedView placed;
     std::span<Vec3> place;
     std::span<float> way;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
-        if (moved[i].vertex == SnappedVertex::kNone) return;
+        if (moved[i].vertex == kNoIndex) return;
         const std::uint32_t rank = placed.rank(moved[i].vertex);
         place[rank] = moved[i].place.position;
         way[rank] = moved[i].place.way;
     }
 };
 
-/// The sides of all vertices, word by word of the bits.
+/// Computes the sides of all vertices, one word of bits at a time.
 struct NoteSides {
     tetra_kernel::BitsView above, held, placed;
     std::span<std::uint64_t> inside, on, moved;
@@ -182,7 +181,7 @@ struct NoteSides {
 struct MarkOpenFaces {
     DeviceRefinement refinement;
     tetra_kernel::BitsView inside;
-    std::span<std::uint64_t> open;  ///< a bit for each face, by the opposite vertex in the mesh's order
+    std::span<std::uint64_t> open;  ///< a bit for each face, by the opposite vertex in the order of the mesh
 
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
         const RefinementView& view = refinement.view;

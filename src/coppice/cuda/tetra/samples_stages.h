@@ -9,18 +9,18 @@
 
 namespace coppice::cuda {
 
-/// What is known of every fine vertex, on an executor, and what of it changes when vertices are put back.
+/// Properties of every fine vertex, on an executor, and the data that changes when vertices are moved back.
 struct DeviceSamples {
     tetra_kernel::SamplesView view;
-    tetra_kernel::BitsView above;  ///< those whose height is above 0
+    tetra_kernel::BitsView above;  ///< vertices with a height above 0
     /// Words of the bits in `view`.
     /// @{
     std::span<std::uint64_t> inside, on, moved;
     /// @}
-    std::uint32_t placed_count = 0;  ///< of vertices in `placed`
+    std::uint32_t placed_count = 0;  ///< number of vertices in `placed`
 };
 
-/// Vertices that are to be moved onto the surface.
+/// Returns the vertices to move onto the surface.
 template <class Exec, class Field>
 std::span<const SnappedVertex> find_near(Exec& exec, const DeviceRefinement& refinement,
                                          const SnapField<Field>& at, tetra_kernel::BitsView held,
@@ -36,14 +36,14 @@ std::span<const SnappedVertex> find_near(Exec& exec, const DeviceRefinement& ref
     return moved;
 }
 
-/// Samples all fine vertices, and moves those near the surface onto it and held ones towards their axes:
-/// what sample_vertices() finds on the CPU. Waits.
+/// Samples all fine vertices, and moves those near the surface onto it and held ones towards their axes, as
+/// sample_vertices() does on the CPU. Waits.
 template <class Exec, class Field>
 DeviceSamples sample_vertices(Exec& exec, const DeviceRefinement& refinement, const SnapField<Field>& at,
                               const DeviceHeld& held) {
     const std::size_t count = refinement.vertex_count;
     const auto height = exec.template array<float>(count);
-    // Vertices of no tetrahedron, which nobody samples.
+    // Vertices without tetrahedra are not sampled.
     exec.each("heights", refinement.view.positions.size(), Fill<float>{height, -1.0f});
     const auto above = no_bits(exec, count), shallow = no_bits(exec, count), placed = no_bits(exec, count);
     const tetra_kernel::BitsView is_held{held.bits.view.words};
@@ -77,7 +77,7 @@ DeviceSamples sample_vertices(Exec& exec, const DeviceRefinement& refinement, co
     return out;
 }
 
-/// Faces of the hull with vertices on both sides, ascending, of wanted tetrahedra. Waits.
+/// Returns faces of the hull with vertices on both sides, ascending, of requested tetrahedra. Waits.
 template <class Exec>
 std::vector<TetraFace> open_faces(Exec& exec, const DeviceRefinement& refinement,
                                   const DeviceSamples& samples) {

@@ -15,7 +15,7 @@ using cuda::CudaExecutor;
 struct DeviceMarcher::Impl {
     Impl(const Context& ctx, std::size_t most) : exec(ctx, most) {}
 
-    /// Calls use(view) with the field as kernels of this card sample it.
+    /// Calls use(view) with the field for kernels on this GPU.
     template <class Use>
     void with_field(const CutConvolution& field, const Use& use) {
         again = {};
@@ -26,7 +26,7 @@ struct DeviceMarcher::Impl {
         });
     }
 
-    /// All at once.
+    /// Marches without tiles.
     MarchResult march_whole(const cuda::MarchInput& in, const Context& ctx) {
         again = {};
         exec.reset();
@@ -42,7 +42,7 @@ struct DeviceMarcher::Impl {
     }
 
     CudaExecutor exec;
-    std::function<void()> again;  ///< see repeat(); refers to what lies in the memory of `exec`
+    std::function<void()> again;  ///< see repeat(); refers to data in the memory of `exec`
 };
 
 DeviceMarcher::DeviceMarcher(const Context& ctx, std::size_t most) {
@@ -88,7 +88,7 @@ PrintedMarch DeviceMarcher::march_as_printed(const TetraMesh& mesh, int levels, 
 }
 
 void DeviceMarcher::repeat() {
-    if (!impl_->again) throw DeviceError("nothing was marched at once that could be repeated");
+    if (!impl_->again) throw DeviceError("there is no march without tiles that could be repeated");
     impl_->again();
 }
 

@@ -13,11 +13,11 @@
 #include "coppice/tetra/march/kernel/fold_kernel.h"
 #include "coppice/tetra/march/samples_view.h"
 
-// The kernels that put vertices back that cannot stay on the surface.
+// Kernels that move vertices back which cannot stay on the surface.
 
 namespace coppice::cuda {
 
-/// How the surface crosses fine tetrahedra, by their number.
+/// Intersections of the surface with fine tetrahedra, by their number.
 struct FineCrossings {
     DeviceRefinement refinement;
     tetra_kernel::SamplesView samples;
@@ -47,11 +47,11 @@ struct MarkCrossed {
     }
 };
 
-/// Marks those in some coarse tetrahedra anew.
+/// Marks the fine tetrahedra in some coarse ones again.
 struct MarkCrossedIn {
     FineCrossings crossings;
-    std::span<const std::uint32_t> tetra;  ///< coarse ones
-    std::span<std::uint64_t> marks;        ///< a bit for each fine one
+    std::span<const std::uint32_t> tetra;  ///< coarse tetrahedra
+    std::span<std::uint64_t> marks;        ///< a bit for each fine tetrahedron
     COPPICE_HOST_DEVICE void operator()(std::uint32_t k) const {
         const std::uint32_t i = crossings.refinement.fine_tetra(tetra[crossings.tetra(k)], crossings.fine(k));
         if (crossings.cut(i).size > 0) {
@@ -62,7 +62,7 @@ struct MarkCrossedIn {
     }
 };
 
-/// Marks of a fine tetrahedron that has turned over, or become too flat, the vertex that moved farthest.
+/// Marks the vertex that moved farthest of a fine tetrahedron that was inverted or became too flat.
 struct FindFold {
     DeviceRefinement refinement;
     tetra_kernel::SamplesView samples;
@@ -92,30 +92,31 @@ struct FindFold {
     }
 };
 
-/// The same of those in some coarse tetrahedra.
+/// Checks only the fine tetrahedra in some coarse ones.
 struct FindFoldIn {
     FindFold find;
-    std::span<const std::uint32_t> tetra;  ///< coarse ones
+    std::span<const std::uint32_t> tetra;  ///< coarse tetrahedra
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
         const DeviceRefinement& r = find.refinement;
         find(r.fine_tetra(tetra[r.tetra_of(i)], r.fine_of(i)));
     }
 };
 
-/// Lists the triangle of a fine tetrahedron with those vertices of it that lie on the surface. They come in
-/// any order, on which nothing depends.
+/// Adds the triangle of a fine tetrahedron to the fans of its vertices on the surface. Their order is
+/// arbitrary and has no effect.
 struct ListFans {
     FineCrossings crossings;
     std::span<const std::uint32_t> crossed;   ///< fine tetrahedra
     std::span<std::uint32_t> size;            ///< of each fan, by rank
-    std::span<tetra_kernel::ListedFan> fans;  ///< the first so many of each
+    std::span<tetra_kernel::ListedFan> fans;  ///< the first kMax triangles of each
 
     COPPICE_HOST_DEVICE void operator()(std::uint32_t listed) const {
         using tetra_kernel::ListedFan;
         const std::uint32_t i = crossed[listed];
         const tetra_kernel::Cut& cut = crossings.cut(i);
         const auto is_vertex = [&](std::uint32_t k) { return cut.corners[k] >= tetra_kernel::kCutVertex; };
-        // Only those of three corners have some in vertices: one inside and the others are cut off.
+        // Only cuts with three corners have corners at vertices: one corner is inside and the others are cut
+        // off.
         if (cut.size != 3 || !(is_vertex(0) || is_vertex(1) || is_vertex(2))) return;
         const RefinementView& view = crossings.refinement.view;
         const std::uint32_t t = crossings.tetra(i);
@@ -137,7 +138,7 @@ struct ListFans {
             if (!is_vertex(k)) continue;
             const std::uint32_t rank = crossings.samples.placed.rank(vertex[k]);
             const std::uint32_t at = add_to(size[rank], 1u);
-            if (at >= ListedFan::kMost) continue;
+            if (at >= ListedFan::kMax) continue;
             const auto next = key[(k + 1) % 3], last = key[(k + 2) % 3];
             if (view.traits[t].mirrored) {
                 fans[rank].segments[at] = {last, next};
@@ -148,7 +149,7 @@ struct ListFans {
     }
 };
 
-/// Judges every fan.
+/// Determines the configuration of every fan.
 struct JudgeFan {
     std::span<const std::uint32_t> size;
     std::span<const tetra_kernel::ListedFan> fans;
@@ -156,7 +157,7 @@ struct JudgeFan {
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const { out[i] = fans[i].judge(size[i]); }
 };
 
-/// Calls use(coarse tetrahedron, vertex there) for those that have a fine vertex, ascending.
+/// Calls use(coarse tetrahedron, local vertex) for those that contain a fine vertex, ascending.
 template <class Use>
 COPPICE_HOST_DEVICE void visit_coarse_around(const DeviceRefinement& refinement, std::uint32_t vertex,
                                              const Use& use) {
@@ -168,7 +169,7 @@ COPPICE_HOST_DEVICE void visit_coarse_around(const DeviceRefinement& refinement,
         return;
     }
     const TetraParts& parts = view.parts[owner.tetra];
-    const std::uint32_t least = least_corner(owner.group), v = parts[least];
+    const std::uint32_t least = lowest_corner(owner.group), v = parts[least];
     const VertexStars& stars = refinement.stars;
     for (std::uint32_t q = stars.first[v]; q < stars.first[v + 1]; ++q) {
         const std::uint32_t t = stars.corners[q] / 4;
@@ -178,7 +179,8 @@ COPPICE_HOST_DEVICE void visit_coarse_around(const DeviceRefinement& refinement,
     }
 }
 
-/// Calls use(coarse tetrahedron, fine one there, vertex there) for the fine ones that have a fine vertex.
+/// Calls use(coarse tetrahedron, local fine tetrahedron, local vertex) for the fine tetrahedra that contain a
+/// fine vertex.
 template <class Use>
 COPPICE_HOST_DEVICE void visit_fine_around(const DeviceRefinement& refinement, std::uint32_t vertex,
                                            const Use& use) {
@@ -189,13 +191,13 @@ COPPICE_HOST_DEVICE void visit_fine_around(const DeviceRefinement& refinement, s
     });
 }
 
-/// The triangles around vertices on the surface, named without fail.
+/// The triangles around vertices on the surface, with unique keys.
 struct ExactFans {
     using Key = std::uint64_t;
     using Segment = tetra_kernel::LinkSegment<Key>;
     FineCrossings crossings;
 
-    /// Calls use(segment) for each.
+    /// Calls use(segment) for each triangle.
     template <class Use>
     COPPICE_HOST_DEVICE void visit(std::uint32_t vertex, const Use& use) const {
         const RefinementView& view = crossings.refinement.view;
@@ -206,7 +208,8 @@ struct ExactFans {
             for (std::uint32_t k = 0; k < cut.size; ++k) {
                 const std::uint32_t c = cut.corners[k];
                 if (c < tetra_kernel::kCutVertex || corners[c - tetra_kernel::kCutVertex] != local) continue;
-                // A cut with a corner in a vertex has three corners: one inside and the others are cut off.
+                // A cut polygon with a corner at a vertex is a triangle: one corner is inside and the others
+                // are cut off.
                 const Key next = key(t, fine, cut.corners[(k + 1) % 3]);
                 const Key last = key(t, fine, cut.corners[(k + 2) % 3]);
                 use(view.traits[t].mirrored ? Segment{last, next} : Segment{next, last});
@@ -230,7 +233,7 @@ struct ExactFans {
     }
 };
 
-/// Counts them.
+/// Counts the triangles.
 struct CountFan {
     ExactFans fans;
     std::span<const std::uint32_t> vertex;
@@ -242,12 +245,12 @@ struct CountFan {
     }
 };
 
-/// Judges the fan of a vertex, and marks it where it cannot stay.
+/// Determines the fan of a vertex, and marks it if it cannot stay.
 struct SettleFan {
     ExactFans fans;
     std::span<const std::uint32_t> vertex;
     std::span<const std::uint32_t> first;
-    std::span<ExactFans::Segment> segments;  ///< room for all
+    std::span<ExactFans::Segment> segments;  ///< memory for all triangles
     std::span<tetra_kernel::Fan> fan;        ///< by rank
     std::span<std::uint64_t> marks;          ///< a bit for each fine vertex
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
@@ -260,17 +263,17 @@ struct SettleFan {
     }
 };
 
-/// Marks vertices whose fans are unknown.
+/// Marks vertices with unknown fans.
 struct MarkUnknown {
     std::span<const tetra_kernel::Fan> fan;  ///< by rank
-    std::span<const std::uint32_t> vertex;   ///< the same
+    std::span<const std::uint32_t> vertex;   ///< by rank
     std::span<std::uint64_t> marks;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t rank) const {
         if (fan[rank] == tetra_kernel::Fan::unknown) set_bit(marks, vertex[rank]);
     }
 };
 
-/// Puts a vertex back to where it was.
+/// Moves a vertex back to its original position.
 struct PutBack {
     std::span<const std::uint32_t> vertex;
     tetra_kernel::BitsView above, held;
@@ -284,7 +287,7 @@ struct PutBack {
     }
 };
 
-/// Forgets the fans of vertices that were put back.
+/// Clears the fans of vertices that were moved back.
 struct ForgetFan {
     std::span<const std::uint32_t> vertex;
     tetra_kernel::RankedView placed;

@@ -6,19 +6,19 @@
 #include "coppice/cuda/tetra/samples_stages.h"
 #include "coppice/cuda/tetra/unsnap_kernel.h"
 
-// Puts vertices back in the rounds of unsnap_vertices() on the CPU: what a round puts back depends on the
-// round before alone, not on an order.
+// Moves vertices back in the same rounds as unsnap_vertices() on the CPU: the vertices of a round depend only
+// on the previous round, not on an order.
 
 namespace coppice::cuda {
 
-/// Puts vertices back to where they were.
+/// Moves vertices back to their original positions.
 template <class Exec>
 void put_back(Exec& exec, std::span<const std::uint32_t> vertices, const DeviceSamples& samples) {
     exec.each("put back", vertices.size(),
               PutBack{vertices, samples.above, samples.view.held, samples.inside, samples.on, samples.moved});
 }
 
-/// The coarse tetrahedra around vertices, ascending. Waits.
+/// Returns the coarse tetrahedra around vertices, ascending. Waits.
 template <class Exec>
 std::span<const std::uint32_t> tetra_around(Exec& exec, const DeviceRefinement& refinement,
                                             std::span<const std::uint32_t> vertices) {
@@ -34,7 +34,7 @@ void each_fine(Exec& exec, const char* name, const DeviceRefinement& refinement,
     exec.each(name, tetra.size() << 3 * refinement.view.levels, kernel);
 }
 
-/// Puts vertices back until no fine tetrahedron is turned over or flat; returns in how many rounds. Waits.
+/// Moves vertices back until no fine tetrahedron is inverted or flat; returns the number of rounds. Waits.
 template <class Exec>
 int unfold(Exec& exec, const DeviceRefinement& refinement, const DeviceSamples& samples) {
     const auto marks = no_bits(exec, refinement.vertex_count);
@@ -52,14 +52,14 @@ int unfold(Exec& exec, const DeviceRefinement& refinement, const DeviceSamples& 
     }
 }
 
-/// What vertices that were put back leave.
+/// Result of moving vertices back.
 struct Unsnapped {
     std::span<tetra_kernel::Fan> fans;  ///< by rank in `placed`
     std::span<std::uint64_t> crossed;   ///< a bit for each fine tetrahedron that the surface crosses
-    int rounds = 0;                     ///< in which some were put back, each about those of the one before
+    int rounds = 0;  ///< number of rounds that moved vertices back, each near those of the previous one
 };
 
-/// What the triangles around vertices on the surface make, as far as ListedFan tells, by rank. Waits.
+/// Determines the fans of vertices on the surface as far as ListedFan can, by rank. Waits.
 template <class Exec>
 void find_fans(Exec& exec, const FineCrossings& crossings, const Unsnapped& out) {
     const auto mark = exec.mark();
@@ -72,7 +72,7 @@ void find_fans(Exec& exec, const FineCrossings& crossings, const Unsnapped& out)
     exec.rewind(mark);
 }
 
-/// Marks the crossed tetrahedra, and finds the fans of vertices as far as ListedFan tells. Waits.
+/// Marks the crossed tetrahedra, and determines the fans of vertices as far as ListedFan can. Waits.
 template <class Exec>
 Unsnapped begin_fans(Exec& exec, const FineCrossings& crossings, std::size_t placed_count) {
     const std::uint32_t tetra = crossings.refinement.tetra_count;
@@ -82,7 +82,7 @@ Unsnapped begin_fans(Exec& exec, const FineCrossings& crossings, std::size_t pla
     return out;
 }
 
-/// Looks at the fans of vertices, and marks those that cannot stay. Waits.
+/// Determines the exact fans of vertices, and marks those that cannot stay. Waits.
 template <class Exec>
 void settle(Exec& exec, const ExactFans& exact, std::span<const std::uint32_t> vertices,
             std::span<tetra_kernel::Fan> fans, std::span<std::uint64_t> marks) {
@@ -92,8 +92,8 @@ void settle(Exec& exec, const ExactFans& exact, std::span<const std::uint32_t> v
     exec.each("settle fans", vertices.size(), SettleFan{exact, vertices, first, segments, fans, marks});
 }
 
-/// Puts vertices back until no fine tetrahedron is turned over or flat, and the triangles around each vertex
-/// on the surface are one closed fan, or none. Waits.
+/// Moves vertices back until no fine tetrahedron is inverted or flat, and the triangles around each vertex on
+/// the surface form one closed fan, or there are no triangles. Waits.
 template <class Exec>
 Unsnapped unsnap(Exec& exec, const FineCrossings& crossings, const DeviceSamples& samples) {
     const DeviceRefinement& refinement = crossings.refinement;
@@ -109,7 +109,8 @@ Unsnapped unsnap(Exec& exec, const FineCrossings& crossings, const DeviceSamples
         const std::span<const std::uint32_t> vertices = list_bits(exec, back);
         if (vertices.empty()) return out;
         put_back(exec, vertices, samples);
-        // What is put back may change the fans of its neighbours alone, and fold what is about it.
+        // Vertices that are moved back can only change the fans of their neighbours, and invert tetrahedra
+        // around them.
         exec.each("forget fans", vertices.size(), ForgetFan{vertices, samples.view.placed, out.fans});
         exec.clear(open);
         exec.clear(back);

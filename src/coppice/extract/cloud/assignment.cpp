@@ -3,11 +3,12 @@
 #include <limits>
 
 #include "coppice/base/compressed_rows.h"
+#include "coppice/base/id.h"
 #include "coppice/base/kernel/round_cone.h"
 #include "coppice/base/median.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/progress.h"
-#include "coppice/extract/cloud/draft_internal.h"
+#include "coppice/extract/cloud/initial_tree_internal.h"
 #include "coppice/extract/cloud/tree_internal.h"
 #include "coppice/extract/prior/evidence_internal.h"
 #include "coppice/extract/stem/stem_axis_internal.h"
@@ -16,49 +17,50 @@
 namespace coppice::extract_internal {
 namespace {
 
-constexpr double kLook = 1;           // [spacing] beyond a surface, up to which distances are known
-constexpr double kSigmas = 4;         // [noise] off a surface that is still on it
-constexpr double kOnRadius = 0.2;     // [radius] the same, of points that show the noise
-constexpr double kThick = 1;          // [spacing] least radius of a segment that shows the noise
-constexpr std::size_t kEnough = 100;  // points that tell how much noise there is
+constexpr double kLook = 1;           // [spacing] distance from a surface up to which distances are computed
+constexpr double kSigmas = 4;         // [noise] maximum distance of points on a surface
+constexpr double kOnRadius = 0.2;     // [radius] maximum distance of points used to estimate the noise
+constexpr double kThick = 1;          // [spacing] minimum radius of a segment used to estimate the noise
+constexpr std::size_t kEnough = 100;  // minimum number of points to estimate the noise
 
-constexpr double kSearchReach = 2;  // [spacing] beyond a surface, up to which it may explain a point
+constexpr double kSearchReach = 2;  // [spacing] maximum distance of a surface that may explain a point
 constexpr double kSecondSpacing =
-    0.5;  // [spacing] off another surface, from which on it does not explain a point
-constexpr double kSecondRadius = 0.8;  // [radius] of that, the same
-constexpr double kOwnRadius = 2;       // [radius] of its own branch, more than which is never asked for
-constexpr double kLeastGain = 1.5;     // points that a branch must explain
-constexpr double kLeastShare = 0.45;   // of its points, which it must explain
-constexpr double kThin = 0.08;         // [spacing] thinner branches within reach of others are not believed
+    0.5;  // [spacing] minimum distance at which another surface does not explain a point
+constexpr double kSecondRadius = 0.8;  // [radius of the other branch] the same limit
+constexpr double kOwnRadius = 2;       // [radius of its own branch] maximum of that limit
+constexpr double kMinGain = 1.5;       // minimum number of points that a branch must explain
+constexpr double kMinShare = 0.45;     // minimum share of its points that a branch must explain
+constexpr double kThin = 0.08;         // [spacing] minimum radius of a branch within reach of others
 constexpr std::size_t kAssignmentGrain = 4096;
 
-/// All segments of a tree, found by place.
+/// Spatial index of all segments of a tree.
 class Cones {
   public:
-    /// Boxes hold what lies up to `beyond` [radius] outside.
-    Cones(const DraftTree& tree, const DraftLinks& links, double beyond, const Context& ctx)
-        : cones_(cones_of(tree, links)), boxes_(boxes_of(cones_, beyond)), index_(boxes_, ctx) {}
+    /// Boxes include the space up to `beyond` [radius] outside the surface.
+    Cones(const InitialTree& tree, const DraftLinks& links, double beyond, const Context& ctx)
+        : cones_(compute_cones(tree, links)), boxes_(compute_boxes(cones_, beyond)), index_(boxes_, ctx) {}
     const RoundCone& operator[](std::uint32_t n) const { return cones_[n]; }
-    /// Calls visit(i, segments) for every point, with those whose surface may be within reach(i) [m] of it.
+    /// Calls visit(i, segments) for every point with the segments that have a surface possibly within
+    /// reach(i) [m] of it.
     template <class Reach, class Visit>
     void visit(std::span<const Vec3> points, const Reach& reach, const Context& ctx,
                const Visit& visit) const {
         parallel_for_ranges(ctx, points.size(), kAssignmentGrain, [&](IndexRange range) {
             OverlapQueries queries(index_, boxes_);
-            const auto box_of = [&](std::size_t i) {
+            const auto compute_box = [&](std::size_t i) {
                 return Box3{points[i], points[i]}.inflated(static_cast<float>(reach(i)));
             };
-            queries.visit(range, box_of, visit);
+            queries.visit(range, compute_box, visit);
         });
     }
 
   private:
-    static std::vector<RoundCone> cones_of(const DraftTree& tree, const DraftLinks& links) {
+    static std::vector<RoundCone> compute_cones(const InitialTree& tree, const DraftLinks& links) {
         std::vector<RoundCone> cones;
         for (std::uint32_t n = 0; n < tree.size(); ++n) cones.push_back(surface_cone(tree, links, n));
         return cones;
     }
-    static std::vector<Box3> boxes_of(std::span<const RoundCone> cones, double beyond) {
+    static std::vector<Box3> compute_boxes(std::span<const RoundCone> cones, double beyond) {
         std::vector<Box3> boxes;
         for (const RoundCone& c : cones) {
             const auto r = static_cast<float>((1.0001 + beyond) * std::max(c.radius_a, c.radius_b()));
@@ -71,9 +73,9 @@ class Cones {
     BoxTree index_;
 };
 
-/// The standard deviation of the points about segments that are thick against their spacing.
-double noise_of(std::span<const float> distance, std::span<const float> radius,
-                std::span<const float> spacing) {
+/// Returns the standard deviation of the points about segments that are thick relative to their spacing.
+double compute_noise(std::span<const float> distance, std::span<const float> radius,
+                     std::span<const float> spacing) {
     std::vector<float> off;
     for (std::size_t i = 0; i < distance.size(); ++i) {
         if (radius[i] > kThick * spacing[i] && std::abs(distance[i]) < kOnRadius * radius[i])
@@ -83,14 +85,15 @@ double noise_of(std::span<const float> distance, std::span<const float> radius,
     return 1.4826 * median_in_place(off);
 }
 
-/// What explains a point, what would without that, and what the first is worth: from 0 to 1.
+/// Segment that explains a point, the next best one of another branch, and the gain of the first: from 0
+/// to 1.
 struct NearestBranches {
-    std::uint32_t first = kNone, second = kNone;
+    std::uint32_t first = kNoIndex, second = kNoIndex;
     float gain = 0;
 };
 
-/// Of the segments near a point; `branch` names the branch of each, `margin` [m] is how far off it points lie
-/// by chance.
+/// Selects from the segments near a point; `branch` is the branch of each, `margin` [m] the distance at which
+/// its points may be by chance.
 NearestBranches nearest_branches(const Cones& cones, std::span<const std::uint32_t> near,
                                  std::span<const std::uint32_t> branch, std::span<const double> margin,
                                  Vec3 point, double spacing) {
@@ -102,7 +105,7 @@ NearestBranches nearest_branches(const Cones& cones, std::span<const std::uint32
         const RoundCone::Foot foot = cones[n].foot(p);
         const double d = foot.signed_distance(), r = foot.radius;
         if (d < best) {
-            if (out.first != kNone && branch[out.first] != branch[n]) {
+            if (out.first != kNoIndex && branch[out.first] != branch[n]) {
                 next = best;
                 next_radius = best_radius;
                 out.second = out.first;
@@ -116,8 +119,8 @@ NearestBranches nearest_branches(const Cones& cones, std::span<const std::uint32
             out.second = n;
         }
     }
-    if (out.first == kNone) return out;
-    if (out.second == kNone) {
+    if (out.first == kNoIndex) return out;
+    if (out.second == kNoIndex) {
         out.gain = 1;
         return out;
     }
@@ -128,8 +131,8 @@ NearestBranches nearest_branches(const Cones& cones, std::span<const std::uint32
     return out;
 }
 
-/// The branch of every node: a run of segments between forks, named by its last node.
-std::vector<std::uint32_t> branches_of(const DraftTree& tree, const DraftLinks& links) {
+/// Returns the branch of every node: a sequence of segments between forks, identified by its last node.
+std::vector<std::uint32_t> find_branches(const InitialTree& tree, const DraftLinks& links) {
     std::vector<std::uint32_t> branch(tree.size());
     for (std::uint32_t n = tree.size(); n-- > 0;) {
         const auto children = links.children(n);
@@ -138,29 +141,29 @@ std::vector<std::uint32_t> branches_of(const DraftTree& tree, const DraftLinks& 
     return branch;
 }
 
-/// A terminal branch, and for how many points it is needed.
+/// Terminal branch and the number of points that require it.
 struct Candidate {
     double gain;
     std::uint32_t tip;
 };
 
-/// The terminal branches, those least needed first.
-std::vector<Candidate> candidates_of(const DraftTree& tree, const DraftLinks& links,
-                                     std::span<const NearestBranches> nearest,
-                                     const CompressedRows<std::uint32_t>& members,
-                                     std::span<const float> spacing) {
+/// Returns the terminal branches, the least required first.
+std::vector<Candidate> find_candidates(const InitialTree& tree, const DraftLinks& links,
+                                       std::span<const NearestBranches> nearest,
+                                       const CompressedRows<std::uint32_t>& members,
+                                       std::span<const float> spacing) {
     std::vector<Candidate> order;
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
-        if (!links.is_tip(n) || tree.parent[n] == kNone) continue;
+        if (!links.is_tip(n) || tree.parent[n] == kNoIndex) continue;
         Candidate c{0, n};
         bool near_others = true;
         double about = 0;
         for (const std::uint32_t i : members[n]) {
             c.gain += nearest[i].gain;
             about += spacing[i];
-            near_others = near_others && nearest[i].second != kNone;
+            near_others = near_others && nearest[i].second != kNoIndex;
         }
-        // A branch without points explains nothing as it is.
+        // A branch without points has no gain.
         const auto points = static_cast<double>(std::max<std::size_t>(members[n].size(), 1));
         if (near_others && tree.radius[n] < kThin * about / points) c.gain = 0;
         order.push_back(c);
@@ -169,20 +172,20 @@ std::vector<Candidate> candidates_of(const DraftTree& tree, const DraftLinks& li
     return order;
 }
 
-/// The same once branches that are gone explain nothing any more.
+/// Returns the gain of a candidate after the removal of other branches.
 double gain_now(const Candidate& c, std::span<const std::uint32_t> members,
                 std::span<const NearestBranches> nearest, std::span<const char> gone) {
     double gain = 0;
     for (const std::uint32_t i : members) {
         if (c.gain > 0)
-            gain += nearest[i].second != kNone && gone[nearest[i].second] ? 1.0 : double{nearest[i].gain};
+            gain += nearest[i].second != kNoIndex && gone[nearest[i].second] ? 1.0 : double{nearest[i].gain};
     }
     return gain;
 }
 
 }  // namespace
 
-PointDistances assign_points(const DraftTree& tree, FitSamples& samples, std::span<const float> spacing,
+PointDistances assign_points(const InitialTree& tree, FitSamples& samples, std::span<const float> spacing,
                              const Context& ctx, const Tolerance& tolerance) {
     const std::size_t count = samples.positions.size();
     const DraftLinks links(tree);
@@ -194,9 +197,9 @@ PointDistances assign_points(const DraftTree& tree, FitSamples& samples, std::sp
     distances.distance.assign(count, std::numeric_limits<float>::infinity());
     Buffer<float> radius;
     radius.assign(count, 0);
-    samples.node.assign(count, kNone);
-    // A thin branch may be nearer than the thick one that a point is on.
-    std::vector<std::uint32_t> on(count, kNone);
+    samples.node.assign(count, kNoIndex);
+    // A thin branch may be closer than the thick one that a point is on.
+    std::vector<std::uint32_t> on(count, kNoIndex);
     const auto look = [&](std::size_t i) { return std::max(reach(i), kLook * double{spacing[i]}); };
     cones.visit(samples.positions, look, ctx, [&](std::size_t i, std::span<const std::uint32_t> near_point) {
         double best = std::numeric_limits<double>::infinity(), least = 0;
@@ -218,7 +221,7 @@ PointDistances assign_points(const DraftTree& tree, FitSamples& samples, std::sp
         }
         distances.distance[i] = static_cast<float>(best);
     });
-    distances.noise = noise_of(distances.distance, radius, spacing);
+    distances.noise = compute_noise(distances.distance, radius, spacing);
     for (std::size_t i = 0; i < count; ++i) {
         const double off =
             std::max({kSigmas * distances.noise, tolerance.radii * double{radius[i]}, reach(i)});
@@ -227,30 +230,30 @@ PointDistances assign_points(const DraftTree& tree, FitSamples& samples, std::sp
     return distances;
 }
 
-std::uint32_t prune_redundant(DraftTree& tree, FitSamples& samples, std::span<const float> spacing,
+std::uint32_t prune_redundant(InitialTree& tree, FitSamples& samples, std::span<const float> spacing,
                               double noise, const Context& ctx) {
     const DraftLinks links(tree);
     const Cones cones(tree, links, 0, ctx);
-    const auto branch = branches_of(tree, links);
+    const auto branch = find_branches(tree, links);
     std::vector<double> margin;
     for (const NodeEvidence& e : gather_evidence(tree, samples, spacing, ctx))
         margin.push_back(std::max(kSigmas * noise, e.margin()));
     std::vector<NearestBranches> nearest(samples.positions.size());
-    std::vector<std::uint32_t> key(nearest.size(), kNone);
+    std::vector<std::uint32_t> key(nearest.size(), kNoIndex);
     const auto reach = [&](std::size_t i) { return kSearchReach * double{spacing[i]}; };
     cones.visit(samples.positions, reach, ctx, [&](std::size_t i, std::span<const std::uint32_t> near) {
         nearest[i] = nearest_branches(cones, near, branch, margin, samples.positions[i], spacing[i]);
-        if (nearest[i].first != kNone) key[i] = branch[nearest[i].first];
+        if (nearest[i].first != kNoIndex) key[i] = branch[nearest[i].first];
     });
     const auto members = group_by(key, tree.size());
     std::vector<char> gone(tree.size(), 0);
     std::uint32_t count = 0;
-    for (const Candidate& c : candidates_of(tree, links, nearest, members, spacing)) {
+    for (const Candidate& c : find_candidates(tree, links, nearest, members, spacing)) {
         const auto points = members[c.tip];
         if (gain_now(c, points, nearest, gone) >=
-            std::max(kLeastGain, kLeastShare * static_cast<double>(points.size())))
+            std::max(kMinGain, kMinShare * static_cast<double>(points.size())))
             continue;
-        for (std::uint32_t n = c.tip; tree.parent[n] != kNone && branch[n] == c.tip; n = tree.parent[n])
+        for (std::uint32_t n = c.tip; tree.parent[n] != kNoIndex && branch[n] == c.tip; n = tree.parent[n])
             gone[n] = 1;
         for (const std::uint32_t i : points) nearest[i].first = nearest[i].second;
         ++count;
@@ -258,7 +261,7 @@ std::uint32_t prune_redundant(DraftTree& tree, FitSamples& samples, std::span<co
     const auto new_of_old = sort_parents_first(tree, gone);
     for (std::size_t i = 0; i < nearest.size(); ++i) {
         const std::uint32_t n = nearest[i].first;
-        samples.node[i] = n != kNone && samples.node[i] != kNone && !gone[n] ? new_of_old[n] : kNone;
+        samples.node[i] = n != kNoIndex && samples.node[i] != kNoIndex && !gone[n] ? new_of_old[n] : kNoIndex;
     }
     return count;
 }

@@ -2,49 +2,50 @@
 #include <cmath>
 
 #include "coppice/base/compressed_rows.h"
+#include "coppice/base/id.h"
 #include "coppice/extract/cloud/centerline_internal.h"
-#include "coppice/extract/cloud/draft_internal.h"
+#include "coppice/extract/cloud/initial_tree_internal.h"
 #include "coppice/extract/cloud/tree_internal.h"
 
 namespace coppice::extract_internal {
 namespace {
 
 constexpr double kWide = 0.9;       // share of the points of a stem base within the radius of the root
-constexpr double kStraight = 3;     // [radius] over gaps no wider than that, and
-constexpr double kStraightGap = 2;  // [spacing] two spacings, tubes are attached straight
-constexpr double kNearEnd = 4;      // [radius + spacing] from its end, where a tube is still attached by that
-constexpr double kOfSpacing =
-    0.6;  // [spacing] that a tube may be thicker still, before it is a bundle of twigs
+constexpr double kStraight = 3;     // [radius] maximum gap across which tubes are attached straight
+constexpr double kStraightGap = 2;  // [spacing] added to this gap
+constexpr double kNearEnd =
+    4;  // [radius + spacing] maximum distance from an end at which a tube is attached by that end
+constexpr double kOfSpacing = 0.6;  // [spacing] additional radius of a tube that is not a bundle of twigs
 
-/// The loose tubes, each named by its first node. Roots and branches come after their nodes.
+/// Loose tubes, each identified by its first node. Roots and branches are added after their nodes.
 struct Tubes {
-    std::uint32_t count;                         // nodes of tubes
-    std::vector<std::uint32_t> of_node;          // the tube
+    std::uint32_t count;                         // number of nodes of tubes
+    std::vector<std::uint32_t> of_node;          // tube of each node
     CompressedRows<std::uint32_t> ends, points;  // of each tube
     std::vector<double> length;                  // [m] of each tube
 };
 
-Tubes tubes_of(const DraftTree& tree, const FitSamples& samples) {
+Tubes tubes_of(const InitialTree& tree, const FitSamples& samples) {
     Tubes tubes{
         tree.size(), std::vector<std::uint32_t>(tree.size()), {}, {}, std::vector<double>(tree.size(), 0)};
     const DraftLinks links(tree);
-    std::vector<std::uint32_t> tube_of_end(tree.size(), kNone);
+    std::vector<std::uint32_t> tube_of_end(tree.size(), kNoIndex);
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
-        tubes.of_node[n] = tree.parent[n] == kNone ? n : tubes.of_node[tree.parent[n]];
-        if (links.children(n).size() + (tree.parent[n] != kNone) <= 1) tube_of_end[n] = tubes.of_node[n];
-        if (tree.parent[n] != kNone)
+        tubes.of_node[n] = tree.parent[n] == kNoIndex ? n : tubes.of_node[tree.parent[n]];
+        if (links.children(n).size() + (tree.parent[n] != kNoIndex) <= 1) tube_of_end[n] = tubes.of_node[n];
+        if (tree.parent[n] != kNoIndex)
             tubes.length[tubes.of_node[n]] += distance(tree.position[n], tree.position[tree.parent[n]]);
     }
     tubes.ends = group_by(tube_of_end, tree.size());
-    std::vector<std::uint32_t> tube_of_point(samples.node.size(), kNone);
+    std::vector<std::uint32_t> tube_of_point(samples.node.size(), kNoIndex);
     for (std::size_t p = 0; p < samples.node.size(); ++p)
-        if (samples.node[p] != kNone) tube_of_point[p] = tubes.of_node[samples.node[p]];
+        if (samples.node[p] != kNoIndex) tube_of_point[p] = tubes.of_node[samples.node[p]];
     tubes.points = group_by(tube_of_point, tree.size());
     return tubes;
 }
 
-/// Adds a root in the middle of a stem base, whose points become its own.
-void add_root(DraftTree& tree, FitSamples& samples, std::span<const std::uint32_t> base,
+/// Adds a root in the middle of a stem base and assigns the points of the base to it.
+void add_root(InitialTree& tree, FitSamples& samples, std::span<const std::uint32_t> base,
               std::span<const float> spacing) {
     Vec3d middle;
     for (const std::uint32_t p : base) middle += Vec3d(samples.positions[p]);
@@ -54,17 +55,17 @@ void add_root(DraftTree& tree, FitSamples& samples, std::span<const std::uint32_
         off.push_back(std::hypot(samples.positions[p].x - middle.x, samples.positions[p].y - middle.y));
     std::ranges::sort(off);
     const double wide = off[static_cast<std::size_t>(kWide * static_cast<double>(off.size() - 1))];
-    const std::uint32_t root = tree.add(kNone, middle, std::max(wide, 0.1 * double{spacing[base[0]]}));
+    const std::uint32_t root = tree.add(kNoIndex, middle, std::max(wide, 0.1 * double{spacing[base[0]]}));
     for (const std::uint32_t p : base) samples.node[p] = root;
 }
 
-/// The end of a tube that its point is near to, or else the node that is.
-std::uint32_t end_near(const DraftTree& tree, const FitSamples& samples, const Tubes& tubes,
+/// Returns the end of a tube close to the point; otherwise the closest node of its segment.
+std::uint32_t end_near(const InitialTree& tree, const FitSamples& samples, const Tubes& tubes,
                        std::uint32_t point, double spacing) {
     const Vec3d p(samples.positions[point]);
     std::uint32_t best = samples.node[point];
     const std::uint32_t parent = tree.parent[best];
-    if (parent != kNone && distance(tree.position[parent], p) < distance(tree.position[best], p))
+    if (parent != kNoIndex && distance(tree.position[parent], p) < distance(tree.position[best], p))
         best = parent;
     double nearest = kNearEnd * (tree.radius[best] + spacing);
     for (const std::uint32_t e : tubes.ends[tubes.of_node[samples.node[point]]]) {
@@ -76,8 +77,8 @@ std::uint32_t end_near(const DraftTree& tree, const FitSamples& samples, const T
     return best;
 }
 
-/// Moves a root to the axis of the tube that stands on it, of which `end` is the root now.
-void align_root(DraftTree& tree, std::uint32_t root, std::uint32_t end) {
+/// Moves a root onto the axis of the tube above it, which has the root `end`.
+void align_root(InitialTree& tree, std::uint32_t root, std::uint32_t end) {
     const auto child = std::ranges::find(tree.parent, end) - tree.parent.begin();
     if (child == tree.size()) return;
     const Vec3d down = normalized(tree.position[end] - tree.position[static_cast<std::size_t>(child)], {});
@@ -86,18 +87,18 @@ void align_root(DraftTree& tree, std::uint32_t root, std::uint32_t end) {
     tree.radius[root] = tree.radius[end];
 }
 
-/// Whether a tube of this radius and length is so much thicker than what it would be attached to that it is
-/// no branch of that, but a bundle of twigs.
-bool is_bundle(const DraftTree& tree, std::uint32_t owner, double radius, double tube_length,
+/// Returns whether a tube of this radius and length is so much thicker than its parent branch that it is a
+/// bundle of twigs.
+bool is_bundle(const InitialTree& tree, std::uint32_t owner, double radius, double tube_length,
                double spacing) {
-    if (tree.parent[owner] == kNone) return false;
+    if (tree.parent[owner] == kNoIndex) return false;
     return radius > kThickerThanBearer * tree.radius[owner] + kOfSpacing * spacing &&
            tube_length < kStout * radius;
 }
 
-/// Attaches the tube of point `entry` to what the path from there meets, or takes its points from it, and
-/// returns false.
-bool attach_tube(DraftTree& tree, FitSamples& samples, const Tubes& tubes, BranchPoints& points,
+/// Attaches the tube of point `entry` to the end of the path from there; for a bundle, unassigns its points
+/// and returns false.
+bool attach_tube(InitialTree& tree, FitSamples& samples, const Tubes& tubes, BranchPoints& points,
                  std::uint32_t entry, const Paths& paths) {
     const double spacing = double{points.spacing[entry]};
     const std::uint32_t tube = tubes.of_node[samples.node[entry]];
@@ -106,7 +107,7 @@ bool attach_tube(DraftTree& tree, FitSamples& samples, const Tubes& tubes, Branc
     const std::uint32_t start = trace_path(branch, points, paths.parent[entry], paths);
     const std::uint32_t owner = samples.node[start];
     if (is_bundle(tree, owner, tree.radius[end], tubes.length[tube], spacing)) {
-        for (const std::uint32_t p : tubes.points[tube]) samples.node[p] = kNone;
+        for (const std::uint32_t p : tubes.points[tube]) samples.node[p] = kNoIndex;
         return false;
     }
     reroot(tree, end);
@@ -114,7 +115,7 @@ bool attach_tube(DraftTree& tree, FitSamples& samples, const Tubes& tubes, Branc
     const double gap =
         line_length(branch) + distance(Vec3d(samples.positions[last]), Vec3d(samples.positions[entry]));
     if (branch.path.empty() || gap < kStraight * tree.radius[end] + kStraightGap * branch.spacing) {
-        if (owner >= tubes.count && tree.parent[owner] == kNone) align_root(tree, owner, end);
+        if (owner >= tubes.count && tree.parent[owner] == kNoIndex) align_root(tree, owner, end);
         tree.parent[end] = owner;
         return true;
     }
@@ -123,7 +124,7 @@ bool attach_tube(DraftTree& tree, FitSamples& samples, const Tubes& tubes, Branc
     return true;
 }
 
-/// The first point of every tube that paths come to, in their order.
+/// Returns the first point of every tube reached by paths, in their order.
 std::vector<std::uint32_t> entries_of(const FitSamples& samples, const Tubes& tubes, const Paths& paths) {
     std::vector<std::uint32_t> entries;
     std::vector<char> entered(tubes.count, 0);
@@ -138,14 +139,14 @@ std::vector<std::uint32_t> entries_of(const FitSamples& samples, const Tubes& tu
 
 }  // namespace
 
-std::uint64_t attach_tubes(DraftTree& tree, FitSamples& samples, const DraftCloud& cloud,
+std::uint64_t attach_tubes(InitialTree& tree, FitSamples& samples, const CloudInput& cloud,
                            std::span<const std::uint32_t> standing, bool add_roots, const Context& ctx) {
     std::vector<std::uint32_t> sources;
     const auto is_linked = [&](std::uint32_t p) { return cloud.graph.first[p] < cloud.graph.first[p + 1]; };
     for (std::uint32_t p = 0; p < samples.node.size(); ++p)
-        if (samples.node[p] != kNone && tree.fixed[samples.node[p]] && is_linked(p)) sources.push_back(p);
+        if (samples.node[p] != kNoIndex && tree.fixed[samples.node[p]] && is_linked(p)) sources.push_back(p);
     for (const auto& base : cloud.bases) sources.insert(sources.end(), base.begin(), base.end());
-    const std::vector<std::uint32_t> taken(samples.node.size(), kNone);
+    const std::vector<std::uint32_t> taken(samples.node.size(), kNoIndex);
     const Paths paths = shortest_paths(cloud.graph, sources, taken, cloud.cost(samples.positions), ctx);
     const Tubes tubes = tubes_of(tree, samples);
     if (add_roots)
@@ -160,12 +161,12 @@ std::uint64_t attach_tubes(DraftTree& tree, FitSamples& samples, const DraftClou
         if (attached[tube]) continue;
         attached[tube] = attach_tube(tree, samples, tubes, points, p, paths);
     }
-    // Tubes without a point of their own lie inside of others.
+    // Tubes without own points are inside others.
     std::vector<char> gone(tree.size(), 0);
     for (std::uint32_t n = 0; n < tubes.count; ++n) gone[n] = !attached[tubes.of_node[n]];
     const auto new_of_old = sort_parents_first(tree, gone);
     for (std::uint32_t& n : samples.node)
-        if (n != kNone) n = new_of_old[n];
+        if (n != kNoIndex) n = new_of_old[n];
     return paths.order.size();
 }
 

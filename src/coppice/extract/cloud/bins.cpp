@@ -3,15 +3,16 @@
 
 #include "coppice/base/compressed_rows.h"
 #include "coppice/base/disjoint_sets.h"
+#include "coppice/base/id.h"
 #include "coppice/base/progress.h"
 #include "coppice/extract/cloud/bins_internal.h"
 
 namespace coppice::extract_internal {
 namespace {
 
-std::uint32_t most_frequent(std::vector<std::uint32_t>& values) {
+std::uint32_t find_mode(std::vector<std::uint32_t>& values) {
     std::ranges::sort(values);
-    std::uint32_t best = kNone;
+    std::uint32_t best = kNoIndex;
     std::size_t most = 0;
     for (std::size_t i = 0, j = 0; i < values.size(); i = j) {
         while (j < values.size() && values[j] == values[i]) ++j;
@@ -23,9 +24,9 @@ std::uint32_t most_frequent(std::vector<std::uint32_t>& values) {
     return best;
 }
 
-/// The bin of every point on a path: its cost in steps.
+/// Returns the bin of every point on a path: its cost in steps.
 std::vector<std::uint32_t> bins_of(const Paths& paths, double step) {
-    std::vector<std::uint32_t> bin(paths.distance.size(), kNone);
+    std::vector<std::uint32_t> bin(paths.distance.size(), kNoIndex);
     for (const std::uint32_t p : paths.order)
         bin[p] = static_cast<std::uint32_t>(std::min(double{paths.distance[p]} / step, 4e9));
     return bin;
@@ -51,7 +52,7 @@ DisjointSets connected_in_bins(std::span<const std::uint32_t> bin, const Graph& 
     return sets;
 }
 
-/// The set of every point on a path, numbered by bins, so that parents come first; returns their number.
+/// Numbers the sets of the points on paths by bins, so that parents precede; returns their number.
 std::size_t number_sets(DisjointSets& sets, std::span<const std::uint32_t> bin, const Paths& paths,
                         std::vector<std::uint32_t>& set_of) {
     std::vector<std::uint32_t> heads;
@@ -59,9 +60,9 @@ std::size_t number_sets(DisjointSets& sets, std::span<const std::uint32_t> bin, 
         if (sets.find(p) == p) heads.push_back(p);
     }
     std::ranges::stable_sort(heads, {}, [&](std::uint32_t p) { return bin[p]; });
-    std::vector<std::uint32_t> number(bin.size(), kNone);
+    std::vector<std::uint32_t> number(bin.size(), kNoIndex);
     for (std::uint32_t i = 0; i < heads.size(); ++i) number[heads[i]] = i;
-    set_of.assign(bin.size(), kNone);
+    set_of.assign(bin.size(), kNoIndex);
     for (const std::uint32_t p : paths.order) set_of[p] = number[sets.find(p)];
     return heads.size();
 }
@@ -84,12 +85,12 @@ void bin_paths(CloudTree& tree, std::span<const Vec3> points, const Graph& graph
         Vec3d sum;
         for (const std::uint32_t p : members[i]) {
             sum += Vec3d(points[p]);
-            if (paths.parent[p] == kNone) continue;
+            if (paths.parent[p] == kNoIndex) continue;
             const std::uint32_t from = tree.node_of_point[paths.parent[p]];
             if (from != first + i) parents.push_back(from);
         }
         const auto size = static_cast<double>(members[i].size());
-        const std::uint32_t n = tree.add(most_frequent(parents), sum / size);
+        const std::uint32_t n = tree.add(find_mode(parents), sum / size);
         double squared = 0;
         for (const std::uint32_t p : members[i])
             squared += length_squared(Vec3d(points[p]) - tree.position[n]);

@@ -4,23 +4,25 @@
 #include <cmath>
 #include <limits>
 
+#include "coppice/base/id.h"
 #include "coppice/base/kernel/segment_distance.h"
 
 namespace coppice::extract_internal {
 namespace {
 
-constexpr double kFirstReach = 0.75;  // [spacing] from the path, where points are gathered at first
-constexpr double kWiden = 1.5;        // times the reach, as long as the branch goes on beyond it
-constexpr double kMostReach = 4;      // [spacing]
-constexpr double kGrowth = 1.25;      // times the mean distance: a branch that goes on beyond the reach
-constexpr double kOfOwner = 2.3;      // [radius] of what the branch leaves, less
-constexpr double kLess = 0.6;         // [spacing]: no branch is much thicker
-constexpr double kNarrowest = 0.05, kNarrow = 0.3;  // [spacing] radius of branches that are to be narrow
-constexpr double kStep = 0.8;                       // [radius] between nodes, at least
-constexpr double kMostNodes = 1e6;
-constexpr double kWindow = 1.5;  // [step] along the line, from which a node takes its points
+constexpr double kFirstReach =
+    0.75;                         // [spacing] initial distance from the path within which points are gathered
+constexpr double kWiden = 1.5;    // factor of the reach as long as the branch continues beyond it
+constexpr double kMaxReach = 4;   // [spacing] maximum reach
+constexpr double kGrowth = 1.25;  // factor of the mean distance at which a branch continues beyond the reach
+constexpr double kOfOwner = 2.3;  // [radius of the parent] maximum radius of a branch, reduced by
+constexpr double kLess = 0.6;     // [spacing] this
+constexpr double kNarrowest = 0.05, kNarrow = 0.3;  // [spacing] range of the radius of narrow branches
+constexpr double kStep = 0.8;                       // [radius] minimum distance between nodes
+constexpr double kMaxNodes = 1e6;
+constexpr double kWindow = 1.5;  // [step] half-width of the window along the line for the points of a node
 
-/// Draws a line to the middle of itself; its ends stay.
+/// Smooths a line; its ends are fixed.
 void smooth(std::vector<Vec3d>& line) {
     constexpr int kPasses = 3;
     std::vector<Vec3d> moved = line;
@@ -31,7 +33,7 @@ void smooth(std::vector<Vec3d>& line) {
     }
 }
 
-/// Where a point p lies on a line, sought from index `from` on.
+/// Returns the closest point on a line to p, searched from index `from` on.
 BranchPoint closest_on_line(std::span<const Vec3d> line, std::uint32_t point, Vec3d p, double from) {
     constexpr std::size_t kAside = 4;
     const std::size_t most = line.size() - 2;
@@ -53,7 +55,7 @@ BranchPoint closest_on_line(std::span<const Vec3d> line, std::uint32_t point, Ve
     return best;
 }
 
-/// Takes the points within reach for the members; returns their mean distance from the line [m].
+/// Makes the points within reach the members; returns their mean distance from the line [m].
 double gather_members(Centerline& branch, BranchPoints& points, double reach) {
     branch.members = points_about(branch, points, reach);
     double sum = 0;
@@ -61,7 +63,7 @@ double gather_members(Centerline& branch, BranchPoints& points, double reach) {
     return sum / static_cast<double>(branch.members.size());
 }
 
-/// Moments of the points near a node of the line, in steps along it.
+/// Moments of the points near a node of the line, as a function of the steps along it.
 struct Moments {
     double w = 0, x = 0, xx = 0;
     Vec3d p, xp;
@@ -73,15 +75,16 @@ struct Moments {
         p += weight * at;
         xp += (weight * along) * at;
     }
-    /// Of the line fitted to the points the place at the node; their mean where they have no length.
+    /// Returns the position at the node on the line fitted to the points; their mean if they have no extent
+    /// along it.
     Vec3d middle() const {
         const double spread = xx * w - x * x;
         return spread > 0.05 * w * w ? (p * xx - xp * x) / spread : p / w;
     }
 };
 
-/// The moments about `count` + 1 nodes `h` [m] apart, where `way` [m] is the length up to each point of the
-/// line.
+/// Returns the moments about `count` + 1 nodes at intervals of `h` [m], where `way` [m] is the length up to
+/// each point of the line.
 std::vector<Moments> moments_along(const Centerline& branch, const BranchPoints& points,
                                    std::span<const double> way, std::size_t count, double h) {
     std::vector<Moments> moments(count + 1);
@@ -98,14 +101,15 @@ std::vector<Moments> moments_along(const Centerline& branch, const BranchPoints&
     return moments;
 }
 
-/// Replaces the line by one through the middle of its members, with nodes a step or most of a radius apart.
+/// Replaces the line by one through the middle of its members, with nodes at intervals of a step or most of a
+/// radius.
 void recentre(Centerline& branch, const BranchPoints& points) {
     const auto& line = branch.line;
     std::vector<double> way(line.size(), 0);
     for (std::size_t i = 1; i < line.size(); ++i) way[i] = way[i - 1] + distance(line[i], line[i - 1]);
     const double whole = way.back();
     const double wanted = whole / std::max(points.step * branch.spacing, kStep * branch.radius);
-    const auto count = static_cast<std::size_t>(std::clamp(wanted, 1.0, kMostNodes));
+    const auto count = static_cast<std::size_t>(std::clamp(wanted, 1.0, kMaxNodes));
     const double h = whole / static_cast<double>(count);
     if (!(h > 0)) return;
     const std::vector<Moments> moments = moments_along(branch, points, way, count, h);
@@ -139,7 +143,7 @@ std::vector<BranchPoint> points_about(const Centerline& branch, BranchPoints& po
         const BranchPoint from = found[i];
         for (std::uint32_t e = graph.first[from.point]; e < graph.first[from.point + 1]; ++e) {
             const std::uint32_t q = graph.to[e];
-            if (points.seen[q] == round || points.node[q] != kNone) continue;
+            if (points.seen[q] == round || points.node[q] != kNoIndex) continue;
             points.seen[q] = round;
             const BranchPoint near = closest(q, from.t);
             if (near.squared <= reach * reach) found.push_back(near);
@@ -154,7 +158,7 @@ std::uint32_t trace_path(Centerline& branch, const BranchPoints& points, std::ui
     branch.line.clear();
     std::uint32_t p = start;
     double sum = 0;
-    for (; points.node[p] == kNone; p = paths.parent[p]) {
+    for (; points.node[p] == kNoIndex; p = paths.parent[p]) {
         branch.path.push_back(p);
         sum += points.spacing[p];
     }
@@ -183,7 +187,7 @@ void fit_centerline(Centerline& branch, BranchPoints& points, double thickest) {
         branch.radius = std::clamp(branch.radius, kNarrowest * branch.spacing, kNarrow * branch.spacing);
         return;
     }
-    const double most = std::min(kMostReach * branch.spacing, kOfOwner * thickest - kLess * branch.spacing);
+    const double most = std::min(kMaxReach * branch.spacing, kOfOwner * thickest - kLess * branch.spacing);
     for (; kWiden * reach <= most; reach *= kWiden) {
         const std::vector<Vec3d> line = branch.line;
         const std::vector<BranchPoint> members = branch.members;
@@ -198,7 +202,7 @@ void fit_centerline(Centerline& branch, BranchPoints& points, double thickest) {
     }
 }
 
-std::uint32_t add_branch(const Centerline& branch, DraftTree& tree, std::vector<std::uint32_t>& node,
+std::uint32_t add_branch(const Centerline& branch, InitialTree& tree, std::vector<std::uint32_t>& node,
                          std::uint32_t owner) {
     const std::uint32_t first = tree.size();
     const double radius = std::min(branch.radius, tree.radius[owner]);

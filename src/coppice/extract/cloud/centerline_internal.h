@@ -4,58 +4,60 @@
 #include <span>
 #include <vector>
 
+#include "coppice/base/id.h"
 #include "coppice/extract/points/graph_internal.h"
-#include "coppice/extract/tree/draft_tree.h"
+#include "coppice/extract/tree/initial_tree.h"
 
 namespace coppice::extract_internal {
 
-/// The points that branches are traced through, one after the other.
+/// Points through which branches are traced, one after the other.
 struct BranchPoints {
     std::span<const Vec3> position;  ///< [m]
     const Graph& graph;
     std::span<const float> spacing;       ///< [m]
-    std::span<const std::uint32_t> node;  ///< of each point, kNone for free ones
-    double step;                          ///< [spacing] between nodes
-    bool narrow = false;                  ///< branches follow their paths, however far their points spread
-    /// Per point the last round that looked at it, so that no round has to clear what another one left.
+    std::span<const std::uint32_t> node;  ///< node of each point, kNoIndex for free points
+    double step;                          ///< [spacing] distance between nodes
+    bool narrow = false;  ///< whether branches follow their paths regardless of the scatter of their points
+    /// Last round that visited each point; rounds need not clear it.
     std::vector<std::uint32_t> seen = std::vector<std::uint32_t>(position.size(), 0);
     std::uint32_t round = 0;
 };
 
-/// A point of a branch.
+/// Point of a branch.
 struct BranchPoint {
     std::uint32_t point;
-    double t;        ///< where on the line it is: index + fraction
+    double t;        ///< position on the line: index + fraction
     double squared;  ///< [m^2] distance from the line
 };
 
-/// One branch: a path over the points of its surface, which becomes a line through its middle.
+/// Branch: a path over points of its surface, converted to a line through its middle.
 struct Centerline {
-    std::vector<std::uint32_t> path;   ///< free points, from the base outward
-    std::vector<Vec3d> line;           ///< [m] first from the point that the path ends at, then through it
-    std::vector<BranchPoint> members;  ///< the points of the branch; after `fit_centerline`
-    double spacing = 0;                ///< [m] mean on the path
-    double radius = 0;                 ///< [m] mean distance of the members; after `fit_centerline`
+    std::vector<std::uint32_t> path;  ///< free points, from the base outward
+    std::vector<Vec3d>
+        line;  ///< [m] initially along the path, from the point at its end; later the centreline
+    std::vector<BranchPoint> members;  ///< points of the branch; set by `fit_centerline`
+    double spacing = 0;                ///< [m] mean spacing of the path
+    double radius = 0;                 ///< [m] mean distance of the members; set by `fit_centerline`
 };
 
-/// Takes the path of free points from `start` to the first point that has a node, and returns that point.
-/// `start` may have a node itself: then the path is empty.
+/// Stores the path of free points from `start` to the first point with a node, and returns that point. If
+/// `start` has a node, the path is empty.
 std::uint32_t trace_path(Centerline& branch, const BranchPoints& points, std::uint32_t start,
                          const Paths& paths);
 
-/// [m] of the line.
+/// Returns the length [m] of the line.
 double line_length(const Centerline& branch);
 
-/// Gathers the free points of the branch about its path, which must not be empty, as wide as it takes, and
-/// moves the line to their middle: lines fitted to those near each of its nodes. `thickest` [m] is the radius
-/// of what it leaves.
+/// Gathers the free points of the branch about its path, which must not be empty, with an increasing reach,
+/// and moves the line to their middle: to lines fitted to the points near each of its nodes. `thickest` [m]
+/// is the radius of the parent branch.
 void fit_centerline(Centerline& branch, BranchPoints& points, double thickest);
 
-/// The free points within `reach` [m] of the line that are connected to its path.
+/// Returns the free points within `reach` [m] of the line that are connected to its path.
 std::vector<BranchPoint> points_about(const Centerline& branch, BranchPoints& points, double reach);
 
-/// Adds the line as children of `owner`, and says of its points that they are its own. Returns the last node.
-std::uint32_t add_branch(const Centerline& branch, DraftTree& tree, std::vector<std::uint32_t>& node,
+/// Adds the line as descendants of `owner` and assigns its points to the new nodes. Returns the last node.
+std::uint32_t add_branch(const Centerline& branch, InitialTree& tree, std::vector<std::uint32_t>& node,
                          std::uint32_t owner);
 
 }  // namespace coppice::extract_internal

@@ -1,27 +1,29 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coppice/base/id.h"
 #include "coppice/base/kernel/round_cone.h"
 #include "coppice/extract/cloud/centerline_internal.h"
-#include "coppice/extract/cloud/draft_internal.h"
+#include "coppice/extract/cloud/initial_tree_internal.h"
 #include "coppice/extract/prior/evidence_internal.h"
 
 namespace coppice::extract_internal {
 namespace {
 
-constexpr std::size_t kFewest = 3;   // points of a branch
-constexpr double kHigh = 0.5;        // [radius] of what it leaves, above which a tip is no bark
-constexpr double kHighSpacings = 4;  // [spacing] above which it is none either
-constexpr double kSteep = 0.85;      // of its length, which bark does not rise
+constexpr std::size_t kMin = 3;      // minimum number of points of a branch
+constexpr double kHigh = 0.5;        // [radius of the parent] sufficient height of a tip above its bark
+constexpr double kHighSpacings = 4;  // [spacing] sufficient height as well
+constexpr double kSteep =
+    0.85;  // [length] sufficient height as well, because bark does not rise this steeply
 
-/// Height of a point above what is there: above all that `distances` knows, and the few segments towards the
-/// root from where its path ends.
-double rise_of(const DraftTree& tree, const PointDistances& distances, std::uint32_t point, Vec3d p,
-               std::uint32_t owner) {
+/// Returns the height of a point above the existing surface: above all segments in `distances` and the few
+/// segments towards the root from the end of its path.
+double compute_rise(const InitialTree& tree, const PointDistances& distances, std::uint32_t point, Vec3d p,
+                    std::uint32_t owner) {
     constexpr int kSegments = 3;
     double rise = distances.distance[point];
     std::uint32_t n = owner;
-    for (int k = 0; n != kNone && k < kSegments; n = tree.parent[n], ++k) {
+    for (int k = 0; n != kNoIndex && k < kSegments; n = tree.parent[n], ++k) {
         const RoundCone cone = axis_cone(tree, n);
         rise = std::min(rise, cone.foot(p).distance() - std::min(cone.radius_a, cone.radius_b()));
     }
@@ -31,27 +33,27 @@ double rise_of(const DraftTree& tree, const PointDistances& distances, std::uint
 std::vector<std::uint32_t> points_with_nodes(const FitSamples& samples) {
     std::vector<std::uint32_t> out;
     for (std::uint32_t p = 0; p < samples.node.size(); ++p)
-        if (samples.node[p] != kNone) out.push_back(p);
+        if (samples.node[p] != kNoIndex) out.push_back(p);
     return out;
 }
 
-/// [m] How far a tip rises at least above the branch that it leaves.
-double least_rise(const Centerline& branch, const DraftOptions& options, double radius, double margin) {
+/// Returns the minimum height [m] of a tip above its parent branch.
+double min_rise(const Centerline& branch, const DraftOptions& options, double radius, double margin) {
     const double above_bark =
         std::min({kHigh * radius, kHighSpacings * branch.spacing, kSteep * line_length(branch)});
     return std::max({options.reach * branch.spacing, above_bark, margin});
 }
 
-/// [m] How far off a new branch its points may lie by chance.
+/// Returns the distance [m] from a new branch at which its points may be by chance.
 double margin_of_branch(const Centerline& branch) {
     const auto count = static_cast<double>(branch.members.size());
     double squared = 0;
     for (const BranchPoint& m : branch.members) squared += m.squared / count;
-    return margin_of(count, std::sqrt(std::max(0.0, squared - branch.radius * branch.radius)));
+    return compute_margin(count, std::sqrt(std::max(0.0, squared - branch.radius * branch.radius)));
 }
 
-/// Marks the points about a narrow branch that need none of their own.
-void mark_covered(const Centerline& branch, BranchPoints& points, const DraftCloud& cloud,
+/// Marks the points about a narrow branch that need no branch of their own.
+void mark_covered(const Centerline& branch, BranchPoints& points, const CloudInput& cloud,
                   std::vector<std::uint8_t>& dead) {
     const double own = cloud.options.cover * branch.spacing;
     const double reach = cloud.leaf.empty() ? own : std::max(own, cloud.options.detail);
@@ -60,7 +62,7 @@ void mark_covered(const Centerline& branch, BranchPoints& points, const DraftClo
 
 }  // namespace
 
-void grow_chains(DraftTree& tree, FitSamples& samples, const DraftCloud& cloud,
+void grow_chains(InitialTree& tree, FitSamples& samples, const CloudInput& cloud,
                  const PointDistances& distances, const Context& ctx) {
     const Paths paths = shortest_paths(cloud.graph, points_with_nodes(samples), samples.node,
                                        cloud.cost(samples.positions), ctx);
@@ -70,17 +72,17 @@ void grow_chains(DraftTree& tree, FitSamples& samples, const DraftCloud& cloud,
     for (const NodeEvidence& e : gather_evidence(tree, samples, cloud.spacing, ctx))
         margin.push_back(e.margin());
     Centerline branch;
-    std::vector<std::uint8_t> dead(samples.node.size(), 0);  // no branch starts there
+    std::vector<std::uint8_t> dead(samples.node.size(), 0);  // whether branches may not start at a point
     for (std::size_t i = paths.order.size(); i-- > 0;) {
         const std::uint32_t tip = paths.order[i];
-        if (dead[tip] || samples.node[tip] != kNone) continue;
+        if (dead[tip] || samples.node[tip] != kNoIndex) continue;
         ctx.throw_if_cancelled();
         const std::uint32_t owner = samples.node[trace_path(branch, points, tip, paths)];
-        const double least = least_rise(branch, cloud.options, tree.radius[owner], margin[owner]);
-        bool good = rise_of(tree, distances, tip, Vec3d(samples.positions[tip]), owner) >= least;
+        const double least = min_rise(branch, cloud.options, tree.radius[owner], margin[owner]);
+        bool good = compute_rise(tree, distances, tip, Vec3d(samples.positions[tip]), owner) >= least;
         if (good) {
             fit_centerline(branch, points, tree.radius[owner]);
-            good = branch.members.size() >= kFewest;
+            good = branch.members.size() >= kMin;
         }
         if (good) {
             if (cloud.options.narrow) mark_covered(branch, points, cloud, dead);

@@ -11,9 +11,9 @@
 namespace coppice::extract_internal {
 namespace {
 
-constexpr std::size_t kFewestPoints = 20;
+constexpr std::size_t kMinPoints = 20;
 
-/// Removes points of the ground; returns what it is where it was looked for.
+/// Removes points of the ground; returns the terrain if it was searched and found.
 Terrain erase_ground(Buffer<Vec3>& points, Vec3d origin, const CloudOptions& options, const Context& ctx) {
     if (options.ground == GroundRule::height) {
         const double height = double{options.ground_height} - origin.z;
@@ -28,10 +28,10 @@ Terrain erase_ground(Buffer<Vec3>& points, Vec3d origin, const CloudOptions& opt
 
 }  // namespace
 
-void check_point_count(std::size_t count, std::string_view what) {
-    if (count >= kFewestPoints) return;
+void check_point_count(std::size_t count, std::string_view subject) {
+    if (count >= kMinPoints) return;
     throw InvalidInput(fmt::format("extract: {} points are left {}, but a skeleton needs at least {}", count,
-                                   what, kFewestPoints));
+                                   subject, kMinPoints));
 }
 
 CleanCloud clean_cloud(const PointSet& set, const CloudOptions& options, CloudReport& report,

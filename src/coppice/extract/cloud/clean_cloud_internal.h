@@ -10,17 +10,17 @@
 
 namespace coppice::extract_internal {
 
-/// Throws InvalidInput where fewer points are left than a skeleton needs; `what` says where.
-void check_point_count(std::size_t count, std::string_view what);
+/// Throws InvalidInput if fewer points are left than a skeleton needs; `subject` completes the message.
+void check_point_count(std::size_t count, std::string_view subject);
 
-/// The points of a cloud that can be wood, sorted in space, and the ground under them.
+/// Points of a cloud that can be wood, spatially sorted, and the ground under them.
 struct CleanCloud {
     Buffer<Vec3> points;
-    Terrain terrain;  ///< `is_ground` where points of the ground were removed
+    Terrain terrain;  ///< `is_ground` if ground points were removed
 };
 
-/// Removes duplicates, downsamples as the options ask, and removes the ground. Counts in `report` what is
-/// left out.
+/// Removes duplicates, downsamples according to the options, and removes the ground. Counts the removed
+/// points in `report`.
 CleanCloud clean_cloud(const PointSet& set, const CloudOptions& options, CloudReport& report,
                        const Context& ctx);
 

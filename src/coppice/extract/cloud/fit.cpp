@@ -4,29 +4,30 @@
 #include <cmath>
 
 #include "coppice/base/compressed_rows.h"
+#include "coppice/base/id.h"
 #include "coppice/base/progress.h"
 #include "coppice/extract/tree/circle_fit_internal.h"
-#include "coppice/extract/tree/draft_edit_internal.h"
+#include "coppice/extract/tree/tree_edit_internal.h"
 
 namespace coppice::extract_internal {
 namespace {
 
-constexpr std::size_t kEnough = 30;  // points for a circle
-constexpr int kFarthest = 12;        // nodes of an axis on either side that a fit may ask
-constexpr double kReach = 0.75;      // [radius] of a fit on either side at least
+constexpr std::size_t kEnough = 30;  // number of points for a circle
+constexpr int kFarthest = 12;        // maximum number of nodes of an axis on either side used by a fit
+constexpr double kReach = 0.75;      // [radius] minimum length of a fit on either side
 
-/// A tree with its axes and the points of its nodes.
+/// Tree with its axes and the points of its nodes.
 struct Axes {
     const CloudTree& tree;
     std::span<const Vec3> points;
-    std::vector<std::uint32_t> next;        // per node, on its axis; kNone at the end
-    std::vector<Vec3d> direction;           // unit, away from the root
+    std::vector<std::uint32_t> next;        // per node, the next one on its axis; kNoIndex at the end
+    std::vector<Vec3d> direction;           // unit vectors, away from the root
     CompressedRows<std::uint32_t> members;  // points of each node
 
-    /// The node before on the same axis.
+    /// Returns the previous node on the same axis.
     std::uint32_t previous(std::uint32_t n) const {
         const std::uint32_t parent = tree.parent[n];
-        return parent != kNone && next[parent] == n ? parent : kNone;
+        return parent != kNoIndex && next[parent] == n ? parent : kNoIndex;
     }
 };
 
@@ -34,23 +35,24 @@ std::vector<Vec3d> axis_directions(const CloudTree& tree, std::span<const std::u
     std::vector<Vec3d> direction(tree.size());
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
         const std::uint32_t parent = tree.parent[n];
-        // A lateral's first node lies beside its parent: the way there is not its direction.
-        const bool starts = parent == kNone || next[parent] != n;
-        const std::uint32_t from = starts && next[n] != kNone ? n : parent;
-        const std::uint32_t to = next[n] == kNone ? n : next[n];
-        const Vec3d back = from == kNone ? tree.position[n] : tree.position[from];
+        // The first node of a lateral is offset from its parent: the vector between them is not its
+        // direction.
+        const bool starts = parent == kNoIndex || next[parent] != n;
+        const std::uint32_t from = starts && next[n] != kNoIndex ? n : parent;
+        const std::uint32_t to = next[n] == kNoIndex ? n : next[n];
+        const Vec3d back = from == kNoIndex ? tree.position[n] : tree.position[from];
         direction[n] = normalized(tree.position[to] - back);
     }
     return direction;
 }
 
-Axes axes_of(const CloudTree& tree, std::span<const Vec3> points) {
+Axes find_axes(const CloudTree& tree, std::span<const Vec3> points) {
     std::vector<std::uint32_t> next = axis_children(tree);
     std::vector<Vec3d> direction = axis_directions(tree, next);
     return {tree, points, std::move(next), std::move(direction), group_by(tree.node_of_point, tree.size())};
 }
 
-/// Adds the points of one node as seen along the axis at `eye`.
+/// Adds the points of one node, projected along the axis at `eye`.
 void project_points(const Axes& axes, std::uint32_t node, std::uint32_t eye, double weight,
                     std::vector<PlanePoint>& plane) {
     const Vec3d u = perpendicular(axes.direction[eye]), v = cross(axes.direction[eye], u);
@@ -62,7 +64,7 @@ void project_points(const Axes& axes, std::uint32_t node, std::uint32_t eye, dou
     }
 }
 
-/// The points of a node and of its neighbours along the axis, as many as it takes, on a plane across it.
+/// Projects the points of a node and of as many neighbours along the axis as needed onto a plane across it.
 void gather_points(const Axes& axes, std::uint32_t n, std::vector<PlanePoint>& plane) {
     const CloudTree& tree = axes.tree;
     plane.clear();
@@ -74,14 +76,15 @@ void gather_points(const Axes& axes, std::uint32_t n, std::vector<PlanePoint>& p
         const double reach = kReach * tree.radius[n];
         const double weight = 1.0 / (1.0 + 0.25 * step);
         bool grown = false;
-        if (tipward != kNone && (!enough || way_tipward < reach) && (tipward = axes.next[tipward]) != kNone) {
+        if (tipward != kNoIndex && (!enough || way_tipward < reach) &&
+            (tipward = axes.next[tipward]) != kNoIndex) {
             way_tipward += distance(tree.position[tipward], tree.position[tree.parent[tipward]]);
             project_points(axes, tipward, n, weight, plane);
             grown = true;
         }
-        if (rootward != kNone && (!enough || way_rootward < reach)) {
+        if (rootward != kNoIndex && (!enough || way_rootward < reach)) {
             const std::uint32_t before = axes.previous(rootward);
-            if (before != kNone) {
+            if (before != kNoIndex) {
                 way_rootward += distance(tree.position[before], tree.position[rootward]);
                 project_points(axes, before, n, weight, plane);
                 grown = true;
@@ -98,7 +101,7 @@ struct Measured {
     float weight, residual;
 };
 
-/// Fits a circle about a node; where none fits, takes the mean of the points and their mean distance from it.
+/// Fits a circle about a node; if this fails, uses the mean of the points and their mean distance from it.
 Measured measure(const Axes& axes, std::uint32_t n, std::vector<PlanePoint>& plane) {
     gather_points(axes, n, plane);
     Measured out{axes.tree.position[n], axes.tree.radius[n], 0, 0};
@@ -128,13 +131,14 @@ Measured measure(const Axes& axes, std::uint32_t n, std::vector<PlanePoint>& pla
     return out;
 }
 
-/// The positions drawn to the middle of their neighbours along the axis, those with poor fits farther.
+/// Returns the positions, moved towards the middle of their neighbours along the axis; those with poor fits
+/// move farther.
 std::vector<Vec3d> smoothed(const Axes& axes, std::uint32_t first) {
     const CloudTree& tree = axes.tree;
     std::vector<Vec3d> moved = tree.position;
     for (std::uint32_t n = first; n < tree.size(); ++n) {
         const std::uint32_t a = axes.previous(n), b = axes.next[n];
-        if (a == kNone || b == kNone) continue;
+        if (a == kNoIndex || b == kNoIndex) continue;
         const double trust = tree.weight[n] / (tree.weight[n] + 10.0);
         const Vec3d middle = 0.5 * (tree.position[a] + tree.position[b]);
         moved[n] = lerp(tree.position[n], middle, 0.5 * (1 - trust) + 0.1);
@@ -147,7 +151,7 @@ std::vector<Vec3d> smoothed(const Axes& axes, std::uint32_t first) {
 void fit_axes(CloudTree& tree, std::uint32_t first, std::span<const Vec3> points, int passes,
               const Context& ctx) {
     for (int pass = 0; pass < passes; ++pass) {
-        const Axes axes = axes_of(tree, points);
+        const Axes axes = find_axes(tree, points);
         std::vector<Measured> measured(tree.size());
         parallel_for_ranges(ctx, tree.size(), 64, [&](IndexRange range) {
             std::vector<PlanePoint> plane;

@@ -6,10 +6,10 @@
 
 namespace coppice::extract_internal {
 
-/// Moves every node from `first` on to the middle of the wood about it, and measures that: `passes` times,
-/// circles are fitted to the points along the axis within reach, seen in the direction of the axis, with
-/// outliers left out; then axes are smoothed as far as the fits leave them free. Where points do not tell,
-/// the node follows their mean and its weight is 0.
+/// Centres every node from `first` on in the branch about it and measures its radius: fits circles `passes`
+/// times to the points along the axis within reach, projected along the axis, without outliers; then smooths
+/// the axes within the uncertainty of the fits. A node without a good fit moves to the mean of its points and
+/// its weight is 0.
 void fit_axes(CloudTree& tree, std::uint32_t first, std::span<const Vec3> points, int passes,
               const Context& ctx);
 

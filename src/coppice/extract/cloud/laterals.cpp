@@ -3,22 +3,24 @@
 #include <limits>
 #include <numeric>
 
+#include "coppice/base/id.h"
 #include "coppice/base/kernel/round_cone.h"
-#include "coppice/extract/cloud/draft_internal.h"
-#include "coppice/extract/tree/draft_edit_internal.h"
+#include "coppice/extract/cloud/initial_tree_internal.h"
+#include "coppice/extract/tree/tree_edit_internal.h"
 
 namespace coppice::extract_internal {
 namespace {
 
-constexpr double kBend = 2;       // how much a detour by bending counts, against length
-constexpr double kReach = 3;      // [radius] of what it leaves, how far from its fork a lateral may start
-constexpr double kDirection = 5;  // [radius] over which the direction of a lateral is taken
-constexpr int kPlaces = 8;        // on a segment, that a lateral may start from
+constexpr double kBend = 2;  // weight of the detour of a bend, relative to the length
+constexpr double kReach =
+    3;  // [radius of the parent] maximum distance of the start of a lateral from its fork
+constexpr double kDirection = 5;  // [radius] length over which the direction of a lateral is measured
+constexpr int kPlaces = 8;        // number of possible starts on a segment
 
-/// A place on the segment that ends at `node`.
+/// Position on the segment that ends at `node`.
 struct Place {
-    std::uint32_t node = kNone;
-    double t = 1;  ///< from the parent, 0, to the node, 1
+    std::uint32_t node = kNoIndex;
+    double t = 1;  ///< from 0 at the parent to 1 at the node
     Vec3d at;
     double radius = 0;
     double cost = std::numeric_limits<double>::infinity();
@@ -29,36 +31,36 @@ struct Move {
     Place to;
 };
 
-/// What laterals are moved on: the tree with its axes, and the nodes that go.
+/// State of the move of laterals: the tree with its axes, and the nodes to remove.
 struct Laterals {
-    DraftTree& tree;
-    std::vector<std::uint32_t> next;  ///< per node, on its axis
+    InitialTree& tree;
+    std::vector<std::uint32_t> next;  ///< per node, the next one on its axis
     DraftLinks links;
     std::vector<char> gone;
-    std::vector<std::uint32_t> stands_for;  ///< per node: itself, or the next one tipward where it goes
+    std::vector<std::uint32_t> stands_for;  ///< per node: itself, or the next one tipward if it is removed
 };
 
-/// Visits the segments of the axis that a fork lies on, as far as a lateral from p may start.
+/// Visits the segments of the axis through a fork on which a lateral from p may start.
 template <class Visit>
 void visit_host(const Laterals& l, std::uint32_t fork, Vec3d p, const Visit& visit) {
-    const DraftTree& tree = l.tree;
+    const InitialTree& tree = l.tree;
     const double reach = kReach * tree.radius[fork] + distance(p, tree.position[fork]);
     double way = 0;
-    for (std::uint32_t q = fork; tree.parent[q] != kNone && way < reach; q = tree.parent[q]) {
+    for (std::uint32_t q = fork; tree.parent[q] != kNoIndex && way < reach; q = tree.parent[q]) {
         visit(q);
         way += distance(tree.position[q], tree.position[tree.parent[q]]);
     }
     way = 0;
-    for (std::uint32_t q = l.next[fork]; q != kNone && way < reach; q = l.next[q]) {
+    for (std::uint32_t q = l.next[fork]; q != kNoIndex && way < reach; q = l.next[q]) {
         visit(q);
         way += distance(tree.position[q], tree.position[tree.parent[q]]);
     }
 }
 
-/// The first node of a lateral that lies outside of what it leaves; those before it are marked as gone.
+/// Returns the first node of a lateral outside its parent branch; marks the previous ones as removed.
 std::uint32_t outer_node(Laterals& l, std::uint32_t lateral, std::uint32_t fork) {
     std::uint32_t n = lateral;
-    for (; l.next[n] != kNone && l.links.children(n).size() == 1; n = l.next[n]) {
+    for (; l.next[n] != kNoIndex && l.links.children(n).size() == 1; n = l.next[n]) {
         const Vec3d p = l.tree.position[n];
         bool inside = false;
         visit_host(l, fork, p, [&](std::uint32_t q) {
@@ -71,24 +73,25 @@ std::uint32_t outer_node(Laterals& l, std::uint32_t lateral, std::uint32_t fork)
     return n;
 }
 
-/// Where a lateral points to, as seen over some radii.
-Vec3d direction_of(const Laterals& l, std::uint32_t n) {
-    const DraftTree& tree = l.tree;
+/// Returns the direction of a lateral over some radii.
+Vec3d compute_direction(const Laterals& l, std::uint32_t n) {
+    const InitialTree& tree = l.tree;
     std::uint32_t m = n;
-    while (l.next[m] != kNone && distance(tree.position[m], tree.position[n]) < kDirection * tree.radius[n])
+    while (l.next[m] != kNoIndex &&
+           distance(tree.position[m], tree.position[n]) < kDirection * tree.radius[n])
         m = l.next[m];
     return normalized(tree.position[m] - tree.position[n], {});
 }
 
-/// The place from which the way to a lateral is short and leads on as the lateral does.
+/// Returns the start from which the connection to a lateral is short and continues its direction.
 Place best_place(const Laterals& l, std::uint32_t lateral, std::uint32_t fork) {
-    const Vec3d start = l.tree.position[lateral], direction = direction_of(l, lateral);
+    const Vec3d start = l.tree.position[lateral], direction = compute_direction(l, lateral);
     Place best;
     visit_host(l, fork, start, [&](std::uint32_t q) {
         const std::uint32_t parent = l.tree.parent[q];
         if (l.gone[q] || l.gone[parent]) return;
         const RoundCone cone = axis_cone(l.tree, q);
-        // The first segment of another lateral is about to move: only its end will do.
+        // The first segment of another lateral will be moved: only its end is possible.
         for (int k = l.next[parent] == q ? 0 : kPlaces; k <= kPlaces; ++k) {
             const double t = static_cast<double>(k) / kPlaces;
             const Vec3d at = cone.point(t), way = start - at;
@@ -100,8 +103,9 @@ Place best_place(const Laterals& l, std::uint32_t lateral, std::uint32_t fork) {
     return best;
 }
 
-/// Attaches the laterals where they belong. Of several on one segment the new nodes follow one another.
-void carry_out(DraftTree& tree, std::vector<Move>& moves) {
+/// Attaches the laterals at their new starts. The new nodes of several laterals on one segment are connected
+/// in order.
+void carry_out(InitialTree& tree, std::vector<Move>& moves) {
     std::ranges::stable_sort(moves, [](const Move& a, const Move& b) {
         return a.to.node != b.to.node ? a.to.node < b.to.node : a.to.t < b.to.t;
     });
@@ -123,7 +127,7 @@ void carry_out(DraftTree& tree, std::vector<Move>& moves) {
 
 }  // namespace
 
-void reattach_laterals(DraftTree& tree, FitSamples& samples, const Context& ctx) {
+void reattach_laterals(InitialTree& tree, FitSamples& samples, const Context& ctx) {
     const std::uint32_t size = tree.size();
     Laterals l{tree, axis_children(tree), DraftLinks(tree), std::vector<char>(size, 0),
                std::vector<std::uint32_t>(size)};
@@ -131,11 +135,11 @@ void reattach_laterals(DraftTree& tree, FitSamples& samples, const Context& ctx)
     std::vector<Move> moves;
     for (std::uint32_t n = 0; n < size; ++n) {
         const std::uint32_t fork = tree.parent[n];
-        if (fork == kNone || l.next[fork] == n) continue;
+        if (fork == kNoIndex || l.next[fork] == n) continue;
         ctx.throw_if_cancelled();
         const std::uint32_t outer = outer_node(l, n, fork);
         const Place place = best_place(l, outer, fork);
-        if (place.node != kNone) {
+        if (place.node != kNoIndex) {
             moves.push_back({outer, place});
         } else {
             tree.parent[outer] = fork;
@@ -145,7 +149,7 @@ void reattach_laterals(DraftTree& tree, FitSamples& samples, const Context& ctx)
     l.gone.resize(tree.size(), 0);
     const auto new_of_old = sort_parents_first(tree, l.gone);
     for (std::uint32_t& n : samples.node) {
-        if (n == kNone) continue;
+        if (n == kNoIndex) continue;
         while (l.stands_for[n] != n) n = l.stands_for[n];
         n = new_of_old[n];
     }

@@ -5,28 +5,29 @@
 #include <vector>
 
 #include "coppice/base/column.h"
+#include "coppice/base/id.h"
 #include "coppice/base/vec.h"
 #include "coppice/extract/points/graph_internal.h"
-#include "coppice/extract/tree/draft_tree.h"
+#include "coppice/extract/tree/initial_tree.h"
 
 namespace coppice::extract_internal {
 
-/// A skeleton in the making, and which points belong to which node. A radius of 0 is not known yet.
-struct CloudTree : DraftTree {
-    std::vector<float> weight;            ///< trust in the radius: points of the fit, 0 = none
-    std::vector<float> residual;          ///< [m] root mean square of the fit
-    Buffer<std::uint32_t> node_of_point;  ///< kNone = left out
+/// Tree during the extraction, with the node of each point. A radius of 0 is not known yet.
+struct CloudTree : InitialTree {
+    std::vector<float> weight;            ///< weight of the radius: number of points of the fit, 0 = none
+    std::vector<float> residual;          ///< [m] root mean square residual of the fit
+    Buffer<std::uint32_t> node_of_point;  ///< kNoIndex = unassigned
 
     std::uint32_t add(std::uint32_t from, Vec3d at, double r = 0, bool is_fixed = false) {
         weight.push_back(0);
         residual.push_back(0);
-        return DraftTree::add(from, at, r, is_fixed);
+        return InitialTree::add(from, at, r, is_fixed);
     }
 };
 
-/// Leaves out the nodes that `kept` does not mark, which must hold all their descendants; points go to the
-/// nearest ancestor that stays where `hand_down`, else nowhere. Nodes between others may go too: their
-/// children join their parents.
+/// Removes the nodes that `kept` does not mark; if a node remains without its parent, it becomes a child of
+/// the next kept ancestor. Points of removed nodes are assigned to that ancestor if `hand_down`, otherwise to
+/// no node.
 void keep_nodes(CloudTree& tree, std::span<const std::uint8_t> kept, bool hand_down);
 
 }  // namespace coppice::extract_internal

@@ -6,7 +6,7 @@
 
 namespace coppice::extract_internal {
 
-/// The upper half in the new order.
+/// Returns the upper triangle of the reordered matrix.
 SparseCholesky::Matrix SparseCholesky::permuted(const Matrix& a) const {
     Matrix out(a.rows(), a.cols());
     out.selfadjointView<Eigen::Upper>() = a.selfadjointView<Eigen::Lower>().twistedBy(order_);
@@ -42,8 +42,9 @@ void SparseCholesky::analyze(const Matrix& a) {
 bool SparseCholesky::factorize(const Matrix& a, const Context& ctx) {
     const Matrix upper = permuted(a);
     const std::size_t n = parent_.size();
-    std::vector<double> y(n, 0);                  // row k of L, as far as it is not solved for yet
-    std::vector<std::size_t> pattern(n), end(n);  // of row k; of the entries that each column has by now
+    std::vector<double> y(n, 0);  // row k of L before the forward substitution
+    std::vector<std::size_t> pattern(n),
+        end(n);  // column indices of row k; end of the entries of each column so far
     std::vector<Index> mark(n, -1);
     for (std::size_t k = 0; k < n; ++k) {
         ctx.throw_if_cancelled();

@@ -8,17 +8,17 @@
 
 namespace coppice::extract_internal {
 
-/// Factors sparse symmetric positive definite matrices of one pattern, A = L L^T, so that a stop is heeded
-/// between the rows of L: `Eigen::SimplicialLLT` looks at no token for as long as a factorisation takes.
+/// Factorizes sparse symmetric positive definite matrices of one pattern, A = L L^T. Checks for cancellation
+/// between the rows of L, which `Eigen::SimplicialLLT` does not do during a factorization.
 class SparseCholesky {
   public:
     using Matrix = Eigen::SparseMatrix<double>;
     using Columns = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 
-    /// Orders the rows for little fill (approximate minimum degree) and finds the pattern of L.
+    /// Orders the rows for low fill-in (approximate minimum degree) and computes the pattern of L.
     void analyze(const Matrix& a);
-    /// Up-looking, row by row; `a` has the pattern that was analyzed, and both halves. False where it is not
-    /// positive definite. Throws Cancelled.
+    /// Computes L by the up-looking algorithm, row by row. `a` has the pattern passed to `analyze` and
+    /// contains both triangles. Returns false if it is not positive definite. Throws Cancelled.
     bool factorize(const Matrix& a, const Context& ctx);
     Columns solve(const Columns& right) const;
 
@@ -26,9 +26,9 @@ class SparseCholesky {
     using Index = Eigen::Index;
     Matrix permuted(const Matrix& a) const;
 
-    Eigen::PermutationMatrix<Eigen::Dynamic> order_;  // row of `a` to row of L
+    Eigen::PermutationMatrix<Eigen::Dynamic> order_;  // maps rows of `a` to rows of L
     std::vector<Index> parent_;                       // elimination tree; -1 for a root
-    std::vector<Index> first_;                        // of each column of L; its diagonal entry
+    std::vector<Index> first_;                        // index of the diagonal entry of each column of L
     std::vector<int> row_;
     std::vector<double> value_;
 };

@@ -5,15 +5,16 @@
 #include <cmath>
 #include <queue>
 
+#include "coppice/base/id.h"
 #include "coppice/base/progress.h"
 #include "coppice/base/sort.h"
 
 namespace coppice::extract_internal {
 namespace {
 
-constexpr double kSampling = 0.1;  // weight of lengths against the shape [Au2008]
+constexpr double kSampling = 0.1;  // weight of the edge lengths relative to the shape cost [Au2008]
 
-/// The squared distance to a set of lines, as a quadratic form: p A p + 2 b p + c.
+/// Squared distance to a set of lines as a quadratic form: p A p + 2 b p + c.
 struct Quadric {
     double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
     Vec3d b;
@@ -42,7 +43,7 @@ struct Quadric {
 struct Move {
     double cost;
     std::uint32_t from, to;
-    std::uint32_t stamp;  // of `from`: a later change makes the move stale
+    std::uint32_t stamp;  // stamp of `from`; a later change invalidates the move
 };
 struct Dearer {
     bool operator()(const Move& a, const Move& b) const {
@@ -51,14 +52,14 @@ struct Dearer {
     }
 };
 
-/// What is left of a surface while its edges collapse.
+/// State of a surface during the edge collapses.
 struct Remainder {
     std::span<const Vec3d> at;
     std::vector<std::vector<std::uint32_t>> neighbours;  // sorted
-    std::vector<std::vector<std::uint32_t>> faces;       // per vertex, live ones
+    std::vector<std::vector<std::uint32_t>> faces;       // remaining faces of each vertex
     std::vector<Triangle> triangles;
     std::vector<Quadric> quadric;
-    std::vector<std::uint32_t> into;  // what a vertex became part of; itself while it is there
+    std::vector<std::uint32_t> into;  // vertex that each vertex was merged into; itself if it remains
     std::vector<std::uint32_t> stamp;
     std::priority_queue<Move, std::vector<Move>, Dearer> queue;
 
@@ -102,22 +103,22 @@ Remainder whole_of(const Surface& s, std::span<const Vec3d> at) {
     return r;
 }
 
-/// The cheapest move of i onto a vertex that it shares a triangle with.
+/// Adds the cheapest move of i onto a vertex of an adjacent triangle to the queue.
 void offer(Remainder& r, std::uint32_t i) {
     double lengths = 0;
     for (const std::uint32_t k : r.neighbours[i]) lengths += distance(r.at[i], r.at[k]);
-    Move best{0, i, kNone, r.stamp[i]};
+    Move best{0, i, kNoIndex, r.stamp[i]};
     for (const std::uint32_t t : r.faces[i]) {
         for (const std::uint32_t j : r.triangles[t]) {
             if (j == i) continue;
             const double c = r.quadric[i].at(r.at[j]) + r.quadric[j].at(r.at[j]) +
                              kSampling * distance(r.at[i], r.at[j]) * lengths;
-            if (best.to != kNone && (c > best.cost || (c == best.cost && j >= best.to))) continue;
+            if (best.to != kNoIndex && (c > best.cost || (c == best.cost && j >= best.to))) continue;
             best.cost = c;
             best.to = j;
         }
     }
-    if (best.to != kNone) r.queue.push(best);
+    if (best.to != kNoIndex) r.queue.push(best);
 }
 
 void collapse(Remainder& r, std::uint32_t i, std::uint32_t j) {
@@ -173,7 +174,7 @@ void collapse_all(Remainder& r, const Context& ctx) {
         if (r.into[move.from] != move.from || r.stamp[move.from] != move.stamp) continue;
         collapse(r, move.from, move.to);
         ++collapsed;
-        // Every neighbour of the place has a new cost.
+        // The costs of all neighbours of the target have changed.
         std::vector<std::uint32_t> changed = r.neighbours[move.to];
         changed.push_back(move.to);
         for (const std::uint32_t v : changed) {
@@ -185,17 +186,17 @@ void collapse_all(Remainder& r, const Context& ctx) {
 
 Contraction graph_of(const Surface& s, const Remainder& r) {
     Contraction out;
-    std::vector<std::uint32_t> lowest(s.component_count, kNone), node(s.size(), kNone), queue;
+    std::vector<std::uint32_t> lowest(s.component_count, kNoIndex), node(s.size(), kNoIndex), queue;
     for (std::uint32_t v = 0; v < s.size(); ++v) {
         std::uint32_t& best = lowest[s.component[v]];
-        if (best == kNone || s.positions[v].z < s.positions[best].z) best = v;
+        if (best == kNoIndex || s.positions[v].z < s.positions[best].z) best = v;
     }
     for (const std::uint32_t low : lowest) {
         queue.assign(1, r.find(low));
-        node[queue[0]] = out.tree.add(DraftTree::kNoParent, r.at[queue[0]], 1);
+        node[queue[0]] = out.tree.add(kNoIndex, r.at[queue[0]], 1);
         for (std::size_t k = 0; k < queue.size(); ++k) {
             for (const std::uint32_t w : r.neighbours[queue[k]]) {
-                if (node[w] != kNone) continue;
+                if (node[w] != kNoIndex) continue;
                 node[w] = out.tree.add(node[queue[k]], r.at[w], 1);
                 queue.push_back(w);
             }

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "coppice/base/error.h"
+#include "coppice/base/id.h"
 #include "coppice/base/kernel/segment_distance.h"
 #include "coppice/base/median.h"
 #include "coppice/base/parallel.h"
@@ -15,20 +16,20 @@
 namespace coppice::extract_internal {
 namespace {
 
-constexpr double kFirstStep = 0.25;                // [mean triangle area] of time
-constexpr double kGrowth = 2;                      // of the step, per iteration
-constexpr double kLongestStep = 1.0 / 16;          // [square of the extent]
-constexpr double kThin = 0.1;                      // [area at first] what is left around a vertex that rests
-constexpr double kRest = 1e-4;                     // [step in which a vertex came to rest]
-constexpr float kSmoothingShare = 0.9f;            // of the time
-constexpr double kLeastCot = 0.05, kMostCot = 20;  // slivers have no useful cotangents
+constexpr double kFirstStep = 0.25;        // [mean triangle area] initial time step
+constexpr double kGrowth = 2;              // factor of the time step per iteration
+constexpr double kLongestStep = 1.0 / 16;  // [squared extent] maximum time step
+constexpr double kThin = 0.1;              // [initial area] one-ring area at which a vertex stops moving
+constexpr double kRest = 1e-4;  // [time step at which the vertex stopped] time step of stopped vertices
+constexpr float kSmoothingShare = 0.9f;         // share of the progress used by smoothing
+constexpr double kMinCot = 0.05, kMaxCot = 20;  // clamps the cotangents of degenerate triangles
 
 using Matrix = SparseCholesky::Matrix;
 using Points = SparseCholesky::Columns;
 
 Vec3d point(const Points& p, std::uint32_t v) { return {p(v, 0), p(v, 1), p(v, 2)}; }
 
-/// The area around every vertex, a third of its triangles.
+/// Returns the area of every vertex, a third of the area of its triangles.
 std::vector<double> one_ring_areas(const Surface& s, const Points& at) {
     std::vector<double> area(s.size(), 0);
     for (const Triangle& t : s.triangles) {
@@ -39,7 +40,8 @@ std::vector<double> one_ring_areas(const Surface& s, const Points& at) {
     return area;
 }
 
-/// Off the diagonal the sum of the clamped cotangents across each edge; rows sum to zero.
+/// Returns the Laplacian matrix: off-diagonal entries are the sums of the clamped cotangents across each
+/// edge; rows sum to zero.
 Matrix laplacian(const Surface& s, const Points& at) {
     std::vector<Eigen::Triplet<double>> entries;
     entries.reserve(12 * s.triangles.size());
@@ -48,7 +50,7 @@ Matrix laplacian(const Surface& s, const Points& at) {
             const std::uint32_t i = t[(k + 1) % 3], j = t[(k + 2) % 3];
             const Vec3d u = point(at, i) - point(at, t[k]), v = point(at, j) - point(at, t[k]);
             const double sine = length(cross(u, v));
-            const double w = std::clamp(sine > 0 ? dot(u, v) / sine : kMostCot, kLeastCot, kMostCot);
+            const double w = std::clamp(sine > 0 ? dot(u, v) / sine : kMaxCot, kMinCot, kMaxCot);
             for (const auto& [a, b] : {std::pair{i, j}, std::pair{j, i}}) {
                 entries.emplace_back(a, b, w);
                 entries.emplace_back(a, a, -w);
@@ -60,11 +62,12 @@ Matrix laplacian(const Surface& s, const Points& at) {
     return l;
 }
 
-/// The vertices after implicit smoothing in growing steps, each of them for as long as it takes until the
-/// surface around it is a line. The Laplacian stays that of the surface at first [Kazhdan2012]: made anew, as
-/// in [Au2008], it degenerates with the triangles, which thin twigs do long before thick wood, and then
-/// shortens them and opens webs in forks. With positive weights every vertex moves to a mean of vertices, so
-/// nothing leaves the hull of the surface.
+/// Returns the vertices after implicit smoothing with increasing time steps; each vertex stops when the
+/// surface around it has become a line. The Laplacian of the initial surface is used throughout
+/// [Kazhdan2012]. A Laplacian that is recomputed in each step, as in [Au2008], degenerates with the
+/// triangles, in thin twigs long before thick branches; it then shortens the twigs and opens webs at forks.
+/// With positive weights every vertex moves to a mean of vertices, so that the result is inside the convex
+/// hull of the surface.
 Points smoothed(const Surface& s, const Context& ctx) {
     Points at(s.size(), 3);
     for (std::uint32_t v = 0; v < s.size(); ++v)
@@ -77,7 +80,7 @@ Points smoothed(const Surface& s, const Context& ctx) {
     const double first_step = kFirstStep * whole / static_cast<double>(s.triangles.size());
     const double longest = kLongestStep * extent * extent;
     const Matrix pull = -laplacian(s, at);
-    std::vector<double> rested(s.size(), 0);  // the step in which a vertex came to rest
+    std::vector<double> rested(s.size(), 0);  // time step at which each vertex stopped; 0 while it moves
     SparseCholesky solver;
     for (double step = first_step; step <= std::max(first_step, longest); step *= kGrowth) {
         ctx.throw_if_cancelled();
@@ -101,7 +104,7 @@ Points smoothed(const Surface& s, const Context& ctx) {
     return at;
 }
 
-/// The middle of the vertices that became a node, by the area that they stand for.
+/// Moves each node to the area-weighted mean of the vertices that were merged into it.
 void center_nodes(const Surface& s, Contraction& c) {
     std::vector<double> weight(c.tree.size(), 0);
     std::vector<Vec3d> sum(c.tree.size());
@@ -118,9 +121,9 @@ void center_nodes(const Surface& s, Contraction& c) {
     for (std::uint32_t n = 0; n < c.tree.size(); ++n) c.tree.position[n] = sum[n] / weight[n];
 }
 
-/// The distances of those vertices from the segments that meet in the node: their median, or their mean.
+/// Sets the radius of each node to the median or mean distance of its vertices from the adjacent segments.
 void measure_radii(const Surface& s, Thickness thickness, const Context& ctx, Contraction& c) {
-    const DraftTree& t = c.tree;
+    const InitialTree& t = c.tree;
     const DraftLinks links(t);
     std::vector<std::vector<double>> distances(t.size());
     for (std::uint32_t v = 0; v < s.size(); ++v) {
@@ -132,7 +135,7 @@ void measure_radii(const Surface& s, Thickness thickness, const Context& ctx, Co
             const double k = closest_parameter(p, t.position[n], d);
             best = std::min(best, distance(p, t.position[n] + d * k));
         };
-        if (t.parent[n] != DraftTree::kNoParent) look(t.parent[n]);
+        if (t.parent[n] != kNoIndex) look(t.parent[n]);
         for (const std::uint32_t m : links.children(n)) look(m);
         distances[n].push_back(best);
     }
@@ -147,15 +150,16 @@ void measure_radii(const Surface& s, Thickness thickness, const Context& ctx, Co
     for (double& r : c.tree.radius) r = std::max(r, least);
 }
 
-/// Whenever a neighbour of a vertex collapses, all its neighbours are looked at.
+/// Throws InvalidInput if the sum of squared valences is too large: each collapse visits all neighbours of
+/// the neighbours.
 void check_valences(const Surface& s) {
-    constexpr double kMostLooks = 200;  // per vertex; some 36 on a regular mesh
+    constexpr double kMaxLooks = 200;  // maximum visits per vertex; a regular mesh needs about 36
     double looks = 0;
     for (std::uint32_t v = 0; v < s.size(); ++v) {
         const auto n = static_cast<double>(s.outgoing(v).size());
         looks += n * n;
     }
-    if (looks > kMostLooks * s.size() + 1e6)
+    if (looks > kMaxLooks * s.size() + 1e6)
         throw InvalidInput(
             "vertices of the mesh have too many neighbours to be contracted; use the method rings");
 }

@@ -8,8 +8,8 @@
 namespace coppice::extract_internal {
 namespace {
 
-/// The time at which a plane front that passes a at time ta and b at tb reaches c, where its way lies within
-/// the triangle; else the time along the edges.
+/// Returns the time at which a plane front that passes a at time ta and b at time tb reaches c, if its path
+/// is inside the triangle; otherwise the arrival time along the edges.
 double arrival(Vec3d c, Vec3d a, double ta, Vec3d b, double tb) {
     if (ta > tb) {
         std::swap(ta, tb);
@@ -27,7 +27,8 @@ double arrival(Vec3d c, Vec3d a, double ta, Vec3d b, double tb) {
     if (!(qa > 0) || root < 0) return along;
     const double t = (-qb + std::sqrt(root)) / (2 * qa);
     if (!(t > u) || cosine <= 0) return along;
-    const double crossing = lb * (t - u) / t;  // of the front with the edge to b, from c
+    const double crossing =
+        lb * (t - u) / t;  // distance from c of the intersection of the front with the edge to b
     if (!(crossing > la * cosine) || !(crossing < la / cosine)) return along;
     return std::min(along, ta + t);
 }

@@ -8,9 +8,9 @@
 
 namespace coppice::extract_internal {
 
-/// Per vertex the length of the shortest way along the surface from the nearest source, by fast marching over
-/// the triangles [Kimmel1998]; infinite where there is none. Every vertex but the sources has a neighbour
-/// that is nearer. O(n log n).
+/// Returns for each vertex the length of the shortest path along the surface from the closest source,
+/// computed by fast marching over the triangles [Kimmel1998]; infinity without a connected source. Every
+/// vertex except the sources has a neighbour with a smaller distance. O(n log n).
 std::vector<double> march_distances(const Surface& surface, std::span<const std::uint32_t> sources,
                                     const Context& ctx);
 

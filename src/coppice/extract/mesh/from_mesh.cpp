@@ -5,38 +5,40 @@
 #include <cmath>
 
 #include "coppice/base/check_fields.h"
+#include "coppice/base/id.h"
 #include "coppice/base/progress.h"
 #include "coppice/extract/mesh/contraction_internal.h"
 #include "coppice/extract/mesh/distance_internal.h"
 #include "coppice/extract/mesh/ring_tree_internal.h"
-#include "coppice/extract/tree/draft_edit_internal.h"
 #include "coppice/extract/tree/simplify_internal.h"
+#include "coppice/extract/tree/tree_edit_internal.h"
 
 namespace coppice {
 namespace {
 
 using namespace extract_internal;
 
-constexpr int kFirstFit = 10, kLastFit = 10;   // iterations
-constexpr float kMarchShare = 0.3f;            // of the time of a draft from rings
-constexpr double kWide = 0.3, kNarrow = 0.15;  // [radius] of the robust weight: first the shape, then the fit
+constexpr int kFirstFit = 10, kLastFit = 10;  // iterations
+constexpr float kMarchShare = 0.3f;  // share of the progress of `draft_from_rings` used by fast marching
+constexpr double kWide = 0.3;
+constexpr double kNarrow = 0.15;  // [radius] scale of the robust weight in the first and in the last fit
 
-/// A mesh on its way to a skeleton.
-struct Draft {
+/// Intermediate state of the extraction: a mesh and its initial tree.
+struct MeshTree {
     Surface surface;
     Vec3d origin;
     std::vector<Vec3> normals;
-    DraftTree tree;
+    InitialTree tree;
     FitSamples samples = {};
 };
 
-/// Keeps the times of stages, and tells how far they are.
+/// Records the durations of the stages and reports progress.
 class Stages {
   public:
     Stages(std::vector<std::pair<std::string_view, double>>& times, const Context& ctx)
         : times_(times), ctx_(ctx) {}
 
-    /// Runs work(context), which takes the whole work up to the fraction `done`.
+    /// Runs work(context); its end corresponds to the progress `done`.
     template <class Work>
     void run(std::string_view name, float done, const Work& work) {
         ctx_.throw_if_cancelled();
@@ -53,8 +55,8 @@ class Stages {
     float done_ = 0;
 };
 
-/// The surface of a mesh, with every vertex a sample; reports repairs.
-void clean(Draft& draft, const PolygonMesh& mesh, const CleanMeshOptions& options, FromMeshResult& out,
+/// Cleans the mesh and makes every vertex a sample; reports the repairs.
+void clean(MeshTree& draft, const PolygonMesh& mesh, const CleanMeshOptions& options, FromMeshResult& out,
            const Context& ctx) {
     CleanMeshResult cleaned = clean_mesh(mesh, options, ctx);
     out.repairs = cleaned.repairs;
@@ -65,27 +67,28 @@ void clean(Draft& draft, const PolygonMesh& mesh, const CleanMeshOptions& option
     draft.normals = vertex_normals(draft.surface, ctx);
     draft.samples.positions = draft.surface.positions;
     draft.samples.normals = draft.normals;
-    draft.samples.node.assign(draft.surface.size(), kNone);
+    draft.samples.node.assign(draft.surface.size(), kNoIndex);
     out.report.samples = draft.surface.size();
     out.report.components = draft.surface.component_count;
 }
 
-/// Where distances start, per piece: at the lowest vertex, or the one nearest to the wanted root, with all of
-/// the border that it lies on; of an open tube at its wider end, where rings are true sections at once.
+/// Sources of the distances per component: the lowest vertex, or the one closest to the specified root, with
+/// its complete border loop if it has one; of an open tube, the border of the wider end, where rings are
+/// cross-sections from the start.
 struct Sources {
     std::vector<std::uint32_t> vertices;
-    std::vector<char> from_border;  // per piece
+    std::vector<char> from_border;  // per component
 };
-Sources sources_of(const Surface& s, int up, const std::optional<Vec3d>& root) {
+Sources find_sources(const Surface& s, int up, const std::optional<Vec3d>& root) {
     constexpr std::uint32_t kTubeEnds = 2;
-    std::vector<std::uint32_t> first(s.component_count, kNone), loop_count(s.component_count, 0);
+    std::vector<std::uint32_t> first(s.component_count, kNoIndex), loop_count(s.component_count, 0);
     const auto key = [&](std::uint32_t v) {
         const Vec3d p(s.positions[v]);
         return root ? length_squared(p - *root) : p[up];
     };
     for (std::uint32_t v = 0; v < s.size(); ++v) {
         std::uint32_t& best = first[s.component[v]];
-        if (best == kNone || key(v) < key(best)) best = v;
+        if (best == kNoIndex || key(v) < key(best)) best = v;
     }
     const auto loops = border_loops(s);
     std::vector<const std::vector<std::uint32_t>*> loop_of(s.component_count, nullptr);
@@ -113,36 +116,37 @@ Sources sources_of(const Surface& s, int up, const std::optional<Vec3d>& root) {
     return out;
 }
 
-/// Where the user wants a root, in the coordinates of the draft.
+/// Returns the root specified by the user, in the coordinates of the initial tree.
 std::optional<Vec3d> wanted_root(const FromMeshOptions& options, Vec3d origin) {
     if (!options.root) return {};
     return *options.root - origin;
 }
 
-/// Gives samples the new numbers of their nodes.
+/// Maps the node indices of the samples to the new ones.
 void renumber(FitSamples& samples, std::span<const std::uint32_t> new_of_old) {
     for (std::uint32_t& n : samples.node)
-        if (n != kNone) n = new_of_old[n];
+        if (n != kNoIndex) n = new_of_old[n];
 }
 
-/// Fills the tree and the nodes of the samples; returns the number of loops.
-std::size_t draft_from_rings(Draft& draft, const FromMeshOptions& options, const Context& ctx) {
+/// Fills the tree and the nodes of the samples from rings; returns the number of loops.
+std::size_t draft_from_rings(MeshTree& draft, const FromMeshOptions& options, const Context& ctx) {
     const Surface& s = draft.surface;
-    const Sources sources = sources_of(s, static_cast<int>(options.up), wanted_root(options, draft.origin));
+    const Sources sources = find_sources(s, static_cast<int>(options.up), wanted_root(options, draft.origin));
     const std::vector<double> distance = march_distances(s, sources.vertices, ctx);
     const RingForest forest = follow_chains(s, distance, sources.from_border, part_of(ctx, kMarchShare, 1));
     if (forest.chains.empty())
-        throw InvalidInput("no piece of the mesh is long enough to have an axis; a skeleton needs a branch");
+        throw InvalidInput(
+            "no component of the mesh is long enough to have an axis; a skeleton needs a branch");
     RingTree rings = connect_rings(s, forest);
     draft.tree = std::move(rings.tree);
     for (std::uint32_t v = 0; v < s.size(); ++v)
-        if (forest.claim[v] != kNone) draft.samples.node[v] = rings.node_of_ring[forest.claim[v]];
+        if (forest.claim[v] != kNoIndex) draft.samples.node[v] = rings.node_of_ring[forest.claim[v]];
     renumber(draft.samples, cut_loops(draft.tree, rings.loops, options.keep_loops));
     return rings.loops.size();
 }
 
-/// The same by contraction.
-std::size_t draft_from_contraction(Draft& draft, const FromMeshOptions& options, const Context& ctx) {
+/// Fills the tree and the nodes of the samples by contraction; returns the number of loops.
+std::size_t draft_from_contraction(MeshTree& draft, const FromMeshOptions& options, const Context& ctx) {
     Contraction contracted = contract(draft.surface, options.thickness, ctx);
     draft.tree = std::move(contracted.tree);
     draft.samples.node = std::move(contracted.node);
@@ -150,15 +154,15 @@ std::size_t draft_from_contraction(Draft& draft, const FromMeshOptions& options,
     return contracted.loops.size();
 }
 
-/// Vertices without a node get that of a neighbour, spreading.
+/// Assigns each vertex without a node that of a neighbour, breadth first.
 void assign_rest(const Surface& surface, std::span<std::uint32_t> node) {
     std::vector<std::uint32_t> front;
     for (std::uint32_t v = 0; v < surface.size(); ++v)
-        if (node[v] != kNone) front.push_back(v);
+        if (node[v] != kNoIndex) front.push_back(v);
     for (std::size_t i = 0; i < front.size(); ++i) {
         for (const std::uint32_t h : surface.outgoing(front[i])) {
             for (const std::uint32_t w : {surface.to(h), surface.from(Surface::previous(h))}) {
-                if (node[w] != kNone) continue;
+                if (node[w] != kNoIndex) continue;
                 node[w] = node[front[i]];
                 front.push_back(w);
             }
@@ -166,8 +170,8 @@ void assign_rest(const Surface& surface, std::span<std::uint32_t> node) {
     }
 }
 
-/// Attaches pieces and chooses roots; returns the number of pieces attached.
-std::uint32_t join_and_root(Draft& draft, const FromMeshOptions& options, const Context& ctx) {
+/// Attaches components and chooses roots; returns the number of attached components.
+std::uint32_t join_and_root(MeshTree& draft, const FromMeshOptions& options, const Context& ctx) {
     const std::uint32_t joined = join_trees(draft.tree, options.join, ctx);
     renumber(draft.samples, sort_parents_first(draft.tree));
     choose_roots(draft.tree, static_cast<int>(options.up), wanted_root(options, draft.origin));
@@ -181,11 +185,11 @@ FromMeshResult extract_from_mesh(const PolygonMesh& mesh, const FromMeshOptions&
                                  const Context& ctx) {
     check_fields(options, "extract");
     FromMeshResult out{{Skeleton({NodeId()}, {Vec3()}, {1.0f}), {}, {}}, {}, {}, {}, {}};
-    Draft draft;
-    DraftTree& tree = draft.tree;
+    MeshTree draft;
+    InitialTree& tree = draft.tree;
     FitSamples& samples = draft.samples;
     const bool rings = options.method == MeshSkeletonMethod::rings;
-    // The share of the time that stages take on large meshes; contraction takes nearly all of it.
+    // Progress at the end of each stage on large meshes; contraction uses nearly all of the time.
     const auto done = [&](float by_rings, float by_contraction) { return rings ? by_rings : by_contraction; };
     const auto fit = [&](int iterations, double robust, const Context& stage) {
         fit_capsules(tree, samples, {.iterations = options.fit ? iterations : 0, .robust = robust}, stage);
@@ -212,7 +216,7 @@ FromMeshResult extract_from_mesh(const PolygonMesh& mesh, const FromMeshOptions&
     });
     stages.run("join", 1.0f, [&](const Context& stage) {
         out.report.joined = join_and_root(draft, options, stage);
-        fit(0, kNarrow, stage);  // what each sample belongs to now
+        fit(0, kNarrow, stage);  // only reassigns the samples to segments
         out.skeleton = to_skeleton(tree, draft.origin);
         out.confidence = rate_nodes(tree, samples, out.report.residual, stage);
         out.report.trees = out.skeleton.tree_count();

@@ -13,7 +13,7 @@
 
 namespace coppice {
 
-/// How a surface becomes axes.
+/// Method that computes the axes of a surface.
 enum class MeshSkeletonMethod {
     rings,        ///< rings of equal distance from the root along the surface, one chain per branch
     contraction,  ///< Laplacian contraction and edge collapses [Au2008]
@@ -24,10 +24,10 @@ struct EnumNames<MeshSkeletonMethod> {
     static constexpr std::array<std::string_view, 2> names{"rings", "contraction"};
 };
 
-/// What the thickness of a contracted node is, of the distances of the vertices that became part of it.
+/// Statistic that computes the radius of a contracted node from the distances of the vertices merged into it.
 enum class Thickness {
-    median,  ///< does not heed the few that lie far off, at forks
-    mean     ///< as [Zhu2015 3.1] has it
+    median,  ///< ignores the few distant vertices at forks
+    mean     ///< as in [Zhu2015 3.1]
 };
 
 template <>
@@ -35,7 +35,7 @@ struct EnumNames<Thickness> {
     static constexpr std::array<std::string_view, 2> names{"median", "mean"};
 };
 
-/// The axis of the mesh that points up.
+/// Axis of the mesh that points up.
 enum class UpAxis { x, y, z };
 
 template <>
@@ -43,73 +43,83 @@ struct EnumNames<UpAxis> {
     static constexpr std::array<std::string_view, 3> names{"x", "y", "z"};
 };
 
-/// How a skeleton is read off a mesh.
+/// Options of `extract_from_mesh`.
 struct FromMeshOptions {
-    MeshSkeletonMethod method = MeshSkeletonMethod::rings;  ///< rings are faster
-    Thickness thickness = Thickness::median;  ///< of contraction, which the fit then goes on from
+    MeshSkeletonMethod method = MeshSkeletonMethod::rings;  ///< method; rings is faster
+    Thickness thickness = Thickness::median;  ///< radius statistic of contraction; initial value of the fit
     bool fit = true;                          ///< fit the segments to the vertices by least squares
-    float prune = 0.3f;  ///< [radius of the fork] ends that rise less above their fork go; in [0, 10]
-    float join = 1.2f;   ///< [radius] pieces whose end is nearer to another's axis are attached; 0 = none
-    float tolerance = 0.02f;    ///< [radius] how far the surface may move by leaving out nodes; in [0, 1]
-    bool keep_loops = false;    ///< lead an end cut off a loop on to where it was cut off
-    UpAxis up = UpAxis::z;      ///< which way is up in the mesh: roots are lowest ends; nothing is turned
-    CleanMeshOptions clean;     ///< how the mesh is cleaned first
-    std::optional<Vec3d> root;  ///< [m] world: the end nearest to it is a root; else roots are lowest ends
+    float prune = 0.3f;  ///< [radius of the fork] minimum height of an end above its fork; lower ends are
+                         ///< removed; in [0, 10]
+    float join = 1.2f;   ///< [radius] maximum distance of an end from the axis of another component for
+                         ///< attaching it; 0 disables this
+    float tolerance = 0.02f;    ///< [radius] maximum change of the surface by removing nodes; in [0, 1]
+    bool keep_loops = false;    ///< extend an end that was cut off a loop to the place of the cut
+    UpAxis up = UpAxis::z;      ///< up axis of the mesh: roots are the lowest ends; the mesh is not rotated
+    CleanMeshOptions clean;     ///< options of the cleaning of the mesh
+    std::optional<Vec3d> root;  ///< [m] world: the end closest to this point becomes a root; without it,
+                                ///< roots are the lowest ends
 };
 
 template <class Self, class Visitor>
 requires SameOptions<Self, FromMeshOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"method", "how the skeleton is read off a mesh"}, o.method);
+    visit(Field{"method", "Method that computes the axes from the mesh."}, o.method);
     visit(Field{"thickness",
-                "contraction: the radius of a node, from the distances of the vertices that became part of "
-                "it; the fit goes on from there"},
+                "Statistic of contraction that computes the radius of a node from the distances of the "
+                "vertices merged into it; initial value of the fit."},
           o.thickness);
-    visit(Field{"fit", "fit the segments to the vertices by least squares"}, o.fit);
-    visit(common_field("prune", "Minimum height of a branch above its fork; shorter ends are removed",
+    visit(Field{"fit", "Fit the segments to the vertices by least squares."}, o.fit);
+    visit(common_field("prune", "Minimum height of a branch above its fork; shorter ends are removed.",
                        Unit::radius, 0, 10),
           o.prune);
-    visit(Field{"join", "pieces whose end is nearer to another's axis are attached to it; 0 = none",
+    visit(Field{"join",
+                "Maximum distance of an end from the axis of another component for attaching it; 0 disables "
+                "this.",
                 Unit::radius, 0, 10},
           o.join);
-    visit(Field{"tolerance", "how far the surface may move by leaving out nodes", Unit::radius, 0, 1},
+    visit(Field{"tolerance", "Maximum change of the surface by removing nodes.", Unit::radius, 0, 1},
           o.tolerance);
-    visit(Field{"keep_loops", "lead an end cut off a loop on to where it was cut off"}, o.keep_loops);
-    visit(Field{"up", "axis that points up in the mesh: roots are the lowest ends"}, o.up);
-    visit(common_field("wood",
-                       "Read only faces whose group or material has this text in its name; may be repeated"),
+    visit(Field{"keep_loops", "Extend an end that was cut off a loop to the place of the cut."},
+          o.keep_loops);
+    visit(Field{"up", "Axis of the mesh that points up; roots are the lowest ends."}, o.up);
+    visit(common_field(
+              "wood",
+              "Read only the faces of groups or materials with this text in their name; may be repeated."),
           o.clean.wood);
-    visit(Field{"cards", "leave out flat pieces, as leaves are drawn"}, o.clean.cards);
-    visit(Field{"weld", "share of the mesh's size to which places are told apart", Unit::none, 0, 0.01},
+    visit(Field{"cards", "Remove flat components, which are usually leaves."}, o.clean.cards);
+    visit(Field{"weld", "Maximum distance of vertices that are merged, as a share of the size of the mesh.",
+                Unit::none, 0, 0.01},
           o.clean.weld);
-    visit(Field{"root", "the root is where the tree is nearest to this place; else it is the lowest end",
+    visit(Field{"root", "Point closest to the root of the tree; by default the root is the lowest end.",
                 Unit::metre},
           o.root);
 }
 
-/// A skeleton, and what had to be repaired in the mesh.
+/// Skeleton and the repairs of the mesh.
 struct FromMeshResult : ExtractResult {
-    MeshRepairs repairs;               ///< of the mesh
-    PointSet vertices;                 ///< of the mesh once cleaned, in the frame of the input
+    MeshRepairs repairs;               ///< counts of the repairs of the mesh
+    PointSet vertices;                 ///< vertices of the cleaned mesh, in the coordinate frame of the input
     std::vector<std::uint32_t> nodes;  ///< per vertex: the node that it is mapped to [Zhu2015, figure 1 (b)]
-    std::vector<std::pair<std::string_view, double>> stages;  ///< name, seconds
+    std::vector<std::pair<std::string_view, double>> stages;  ///< names and durations [s] of the stages
 };
 
-/// Reads a skeleton with radii off the surface of a tree, or of anything else that branches.
+/// Extracts a skeleton with radii from the surface of a tree or of any other branching shape.
 ///
-/// The mesh is cleaned (`clean_mesh`). `rings` takes distances along the surface from the lowest vertex of
-/// every piece, and follows them down from each farthest place: rings 0.4 radii apart, up to where the
-/// surface belongs to another branch. Each branch begins where its axis meets the one it leaves.
-/// `contraction` shrinks the surface to its axis by implicit smoothing and collapses edges until no triangles
-/// are left; the radius is that of the vertices that became a node (`thickness`).
+/// The mesh is cleaned (`clean_mesh`). The method `rings` computes distances along the surface from the
+/// lowest vertex of every component and follows them down from each local maximum; it places rings at
+/// intervals of 0.4 radii, up to where the surface belongs to another branch. Each branch begins where its
+/// axis meets that of its parent branch. The method `contraction` shrinks the surface to its axes by implicit
+/// smoothing and collapses edges until no triangles are left; the radius is computed from the vertices merged
+/// into a node (`thickness`).
 ///
-/// Then, with either: ways round are cut where they are thinnest, stubs pruned, ends moved to where the
-/// surface ends, less their radius (flat ends: to the face), and all segments fitted to the vertices by least
-/// squares, with nodes that nothing needs left out between. Pieces whose ends lie within another one, as
-/// tubes that overlap, are joined. The result is a forest: several trees give several roots.
+/// Both methods then cut loops at their thinnest place, prune stubs, move ends to the end of the surface
+/// minus their radius (flat ends: to the face), fit all segments to the vertices by least squares and remove
+/// redundant nodes. Components with an end inside another one, such as overlapping tubes, are joined. The
+/// result is a forest: several trees have several roots.
 ///
-/// Throws InvalidInput: what `clean_mesh` throws, or when no piece is long enough to have an axis;
-/// and Cancelled. Deterministic for any number of threads. O(n log n); about 250 bytes per vertex.
+/// Throws InvalidInput under the conditions of `clean_mesh` or if no component is long enough to have an
+/// axis; throws Cancelled. The result does not depend on the number of threads. O(n log n); about 250 bytes
+/// per vertex.
 FromMeshResult extract_from_mesh(const PolygonMesh& mesh, const FromMeshOptions& options = {},
                                  const Context& ctx = {});
 

@@ -12,6 +12,7 @@
 
 #include "coppice/base/ascii.h"
 #include "coppice/base/error.h"
+#include "coppice/base/id.h"
 #include "coppice/base/random.h"
 #include "coppice/base/sort.h"
 #include "coppice/extract/mesh/surface_internal.h"
@@ -21,13 +22,13 @@
 namespace coppice {
 namespace {
 
-using extract_internal::kNone;
 using extract_internal::Surface;
 
 constexpr double kFinestWeld = 0x1p-52;
-constexpr double kFlatShare = 0.8;  // a tube's normals share 0.5 and 0.5, those of a folded leaf 0.7 and 0.3
+constexpr double kFlatShare =
+    0.8;  // a tube has shares of 0.5 and 0.5 of its normals, a folded leaf 0.7 and 0.3
 
-/// Which groups are wood; all where no names are given.
+/// Returns for each group whether it is wood; true for all if no names are specified.
 std::vector<char> wooden_groups(const PolygonMesh& mesh, const CleanMeshOptions& options) {
     std::vector<char> wooden(mesh.group_names.size(), options.wood.empty());
     bool any = options.wood.empty();
@@ -40,7 +41,7 @@ std::vector<char> wooden_groups(const PolygonMesh& mesh, const CleanMeshOptions&
     }
     if (any) return wooden;
     if (mesh.group_names.empty())
-        throw InvalidInput(fmt::format("no group is named {}: the mesh names none; leave wood out",
+        throw InvalidInput(fmt::format("no group is named {}: the mesh has no named groups; omit wood",
                                        fmt::join(options.wood, " or ")));
     throw InvalidInput(fmt::format("no group is named {}; there are {}", fmt::join(options.wood, " or "),
                                    fmt::join(mesh.group_names, ", ")));
@@ -61,7 +62,7 @@ std::vector<Triangle> wooden_triangles(const PolygonMesh& mesh, const CleanMeshO
     return out;
 }
 
-/// Per vertex the first one at the same place, where places are told apart to `weld` of the size.
+/// Returns for each vertex the first vertex in the same grid cell of size `weld` times the size of the mesh.
 std::vector<std::uint32_t> same_place(std::span<const Vec3> positions, double weld, const Context& ctx) {
     struct Place {
         std::uint64_t hash;
@@ -69,9 +70,9 @@ std::vector<std::uint32_t> same_place(std::span<const Vec3> positions, double we
     };
     Box3 box;
     for (const Vec3 p : positions) box.extend(p);
-    // Finer cells than the numbers of a double would run over: then places are told apart exactly.
+    // Cells below the precision of a double would overflow: positions are then compared exactly.
     const double cell = weld < kFinestWeld ? 0 : weld * box.diagonal();
-    const auto cell_of = [&](Vec3 p) {
+    const auto compute_cell = [&](Vec3 p) {
         std::array<std::int64_t, 3> c{};
         for (int k = 0; k < 3; ++k)
             c[static_cast<std::size_t>(k)] =
@@ -81,7 +82,7 @@ std::vector<std::uint32_t> same_place(std::span<const Vec3> positions, double we
     };
     Buffer<Place> places(positions.size());
     parallel_for(ctx, positions.size(), 8192, [&](std::size_t v) {
-        const auto c = cell_of(positions[v]);
+        const auto c = compute_cell(positions[v]);
         std::uint64_t hash = 0;
         for (const std::int64_t k : c) hash = mix_bits(hash ^ static_cast<std::uint64_t>(k));
         places[v] = {hash >> 20, static_cast<std::uint32_t>(v)};
@@ -93,10 +94,11 @@ std::vector<std::uint32_t> same_place(std::span<const Vec3> positions, double we
         std::size_t end = i + 1;
         while (end < places.size() && places[end].hash == places[i].hash) ++end;
         for (std::size_t k = i + 1; k < end; ++k) {
-            // Different places rarely share a hash: compare with the few before.
+            // Different cells rarely share a hash: compare with the few preceding ones.
             for (std::size_t j = i; j < k; ++j) {
                 if (first[places[j].vertex] != places[j].vertex) continue;
-                if (cell_of(positions[places[j].vertex]) != cell_of(positions[places[k].vertex])) continue;
+                if (compute_cell(positions[places[j].vertex]) != compute_cell(positions[places[k].vertex]))
+                    continue;
                 first[places[k].vertex] = places[j].vertex;
                 break;
             }
@@ -106,7 +108,7 @@ std::vector<std::uint32_t> same_place(std::span<const Vec3> positions, double we
     return first;
 }
 
-/// Renames corners, and drops what has no area by its indices, or is there already.
+/// Removes triangles with repeated corner indices and duplicates.
 void drop_bad_triangles(std::vector<Triangle>& triangles, MeshRepairs& repairs) {
     repairs.degenerate += static_cast<std::uint32_t>(std::erase_if(
         triangles, [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }));
@@ -132,14 +134,14 @@ void drop_bad_triangles(std::vector<Triangle>& triangles, MeshRepairs& repairs) 
     triangles.resize(kept);
 }
 
-/// Keeps the vertices that triangles use, in order.
+/// Removes unused vertices; keeps the order of the others.
 void drop_unused(Surface& s) {
-    std::vector<std::uint32_t> index(s.size(), kNone);
+    std::vector<std::uint32_t> index(s.size(), kNoIndex);
     for (const Triangle& t : s.triangles)
         for (const std::uint32_t v : t) index[v] = 0;
     std::uint32_t count = 0;
     for (std::uint32_t v = 0; v < s.size(); ++v) {
-        if (index[v] == kNone) continue;
+        if (index[v] == kNoIndex) continue;
         s.positions[count] = s.positions[v];
         index[v] = count++;
     }
@@ -148,7 +150,7 @@ void drop_unused(Surface& s) {
         for (std::uint32_t& v : t) v = index[v];
 }
 
-/// Per piece, whether it is flat: most of its area faces one way or the other.
+/// Returns for each component whether it is flat: most of its area has one normal direction or its opposite.
 std::vector<char> flat_pieces(const Surface& s) {
     struct Spread {
         Eigen::Matrix3d normals = Eigen::Matrix3d::Zero();
@@ -177,7 +179,8 @@ void drop_cards(Surface& s, MeshRepairs& repairs) {
     const auto count = static_cast<std::uint32_t>(std::count(flat.begin(), flat.end(), 1));
     if (count == 0) return;
     if (count == s.component_count)
-        throw InvalidInput("every piece of the mesh is flat, like leaves or ground: there is no wood in it");
+        throw InvalidInput(
+            "every component of the mesh is flat, like leaves or ground: there is no wood in it");
     repairs.cards = count;
     repairs.card_faces = static_cast<std::uint32_t>(
         std::erase_if(s.triangles, [&](const Triangle& t) { return flat[s.component[t[0]]] != 0; }));

@@ -9,18 +9,18 @@
 
 namespace coppice {
 
-/// What had to be repaired in a mesh before a skeleton could be read off it, counted.
+/// Counts of the repairs of a mesh before the extraction of a skeleton.
 struct MeshRepairs {
-    std::uint32_t other_material = 0;      ///< faces left out because their group is not wood
-    std::uint32_t welded = 0;              ///< vertices at the place of another one
-    std::uint32_t degenerate = 0;          ///< triangles with two corners in one place
-    std::uint32_t duplicates = 0;          ///< triangles on the same three corners as another one
-    std::uint32_t open_edges = 0;          ///< edges of one triangle; left as they are
-    std::uint32_t non_manifold_edges = 0;  ///< edges of more than two triangles: taken apart
-    std::uint32_t flipped = 0;             ///< triangles that faced inward
-    std::uint32_t cards = 0;               ///< flat pieces, taken for leaves
-    std::uint32_t card_faces = 0;          ///< their triangles
-    friend bool operator==(const MeshRepairs&, const MeshRepairs&) = default;  ///< member by member
+    std::uint32_t other_material = 0;      ///< number of faces removed because their group is not wood
+    std::uint32_t welded = 0;              ///< number of vertices merged with one at the same position
+    std::uint32_t degenerate = 0;          ///< number of triangles with two equal corners
+    std::uint32_t duplicates = 0;          ///< number of triangles with the same three corners as another one
+    std::uint32_t open_edges = 0;          ///< number of edges of one triangle; they remain
+    std::uint32_t non_manifold_edges = 0;  ///< number of edges of more than two triangles; they are separated
+    std::uint32_t flipped = 0;             ///< number of triangles that faced inward
+    std::uint32_t cards = 0;               ///< number of flat components, considered as leaves
+    std::uint32_t card_faces = 0;          ///< number of triangles of the flat components
+    friend bool operator==(const MeshRepairs&, const MeshRepairs&) = default;  ///< compares all members
 };
 
 /// Calls visit(name, number) for every member, in order.
@@ -37,28 +37,29 @@ void visit_figures(const MeshRepairs& r, Visitor&& visit) {
     visit("card_faces", r.card_faces);
 }
 
-/// What of a mesh is kept.
+/// Options of `clean_mesh`.
 struct CleanMeshOptions {
-    float weld = 1e-6f;  ///< [size of the mesh] vertices that agree to this are one; in [0, 0.01]
-    bool cards = true;   ///< leave out flat pieces, as leaves are drawn
-    /// Names of groups or materials that are wood; a face counts when the name of its group contains one of
-    /// them, upper or lower case. Empty = every face.
+    float weld = 1e-6f;  ///< [size of the mesh] maximum distance of vertices that are merged; in [0, 0.01]
+    bool cards = true;   ///< remove flat components, which are usually leaves
+    /// Names of groups or materials of wood; a face is kept if the name of its group contains one of them,
+    /// regardless of case. Empty = every face is kept.
     std::vector<std::string> wood;
 };
 
-/// A mesh to walk on, and what had to be repaired.
+/// Cleaned mesh and counts of its repairs.
 struct CleanMeshResult {
-    TriMesh mesh;         ///< every vertex is used; neighbours agree, pieces face outward
-    MeshRepairs repairs;  ///< what was done
+    TriMesh mesh;  ///< every vertex is used; adjacent triangles are oriented consistently, components face
+                   ///< outward
+    MeshRepairs repairs;  ///< counts of the repairs
 };
 
-/// Makes triangles of a mesh as files hold it that a surface algorithm can walk on: faces of other materials
-/// left out, split vertices welded, degenerate and double triangles dropped, flat pieces left out, inward
-/// faces turned. Open ends stay open; edges of more than two triangles stay too, and are told in the repairs.
-/// A piece is flat when four fifths of its area face one way, or the opposite one.
+/// Converts a mesh as read from a file into triangles that surface algorithms can traverse: removes faces of
+/// other materials, welds split vertices, removes degenerate and duplicate triangles and flat components, and
+/// flips inward faces. Open ends stay open; edges of more than two triangles also stay and are counted in the
+/// repairs. A component is flat if four fifths of its area have one normal direction or the opposite one.
 ///
-/// Throws InvalidInput: an index out of range or a coordinate that is not finite (`validate`), no face of the
-/// wanted material (naming those there are), nothing left. O(n log n).
+/// Throws InvalidInput if an index is out of range, a coordinate is not finite (`validate`), no face has the
+/// specified material (the message lists the existing ones), or no face remains. O(n log n).
 CleanMeshResult clean_mesh(const PolygonMesh& mesh, const CleanMeshOptions& options = {},
                            const Context& ctx = {});
 

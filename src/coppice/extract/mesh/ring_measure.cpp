@@ -11,8 +11,8 @@ struct Circle {
     double radius = 0;
 };
 
-/// The circle of least algebraic distance from points of the plane through `middle` across `axis` [Kasa1976];
-/// radius 0 where they lie on a line.
+/// Returns the circle of least algebraic distance from the points, projected onto the plane through `middle`
+/// normal to `axis` [Kasa1976]; radius 0 if they are collinear.
 Circle fit_circle(std::span<const Vec3d> points, Vec3d middle, Vec3d axis) {
     const Vec3d e = perpendicular(axis), g = cross(axis, e);
     double xx = 0, xy = 0, yy = 0, xz = 0, yz = 0, zz = 0, sx = 0, sy = 0;
@@ -49,7 +49,7 @@ Ring measure_ring(std::span<const Vec3d> points, bool closed) {
     const Vec3d axis = normalized(area, {});
     if (!closed) {
         const Circle circle = fit_circle(points, ring.center, axis);
-        // An arc that hardly bends tells nothing of its circle.
+        // A nearly straight arc does not determine its circle.
         if (circle.radius > 0 && circle.radius < total) ring.center = circle.center;
     }
     double r = 0, r2 = 0;

@@ -3,23 +3,24 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coppice/base/id.h"
 #include "coppice/base/kernel/round_cone.h"
 #include "coppice/base/median.h"
 
 namespace coppice::extract_internal {
 namespace {
 
-constexpr double kRound = 0.15;      // spread up to which a ring counts as a circle
-constexpr double kLeastRound = 1.8;  // in medians of its chain
-constexpr double kReach = 3;         // [radius] how far from the fork's ring a chain may start
-constexpr double kSame = 0.3;        // [radius] nodes nearer than this are one
+constexpr double kRound = 0.15;    // maximum spread of a ring that is considered circular
+constexpr double kMinRound = 1.8;  // [median spread of the chain] the limit is at least this
+constexpr double kReach = 3;   // [radius] maximum distance of the start of a chain from the ring of the fork
+constexpr double kSame = 0.3;  // [radius] nodes closer than this are merged
 
-/// The axis of one chain from its base outward.
+/// Axis of one chain from its base outward.
 struct Branch {
-    std::vector<std::uint32_t> rings;  // the kept ones, from the base outward; at least one
-    std::uint32_t parent = kNone;      // the branch that it leaves; kNone for one that begins at a source
-    double start = 0;                  // where on the parent's points: index + fraction
-    std::vector<Vec3d> points;         // the place of the start first, where there is a parent
+    std::vector<std::uint32_t> rings;  // kept rings, from the base outward; at least one
+    std::uint32_t parent = kNoIndex;   // parent branch; kNoIndex for a branch that begins at a source
+    double start = 0;                  // position of the start on the points of the parent: index + fraction
+    std::vector<Vec3d> points;         // the first one is the start position if there is a parent
     std::vector<double> radii;
 
     std::uint32_t last() const { return static_cast<std::uint32_t>(points.size()) - 1; }
@@ -33,19 +34,19 @@ struct Branch {
     }
 };
 
-/// The branches of a forest of rings, one per chain, and where the rings lie on them.
+/// Branches of a ring forest, one per chain, and the positions of the rings on them.
 struct Branches {
     std::vector<Branch> of_chain;
-    std::vector<std::uint32_t> of_ring;  // its branch
-    std::vector<std::uint32_t>
-        point;  // per ring: its point there, or the next one outward where it is left out
+    std::vector<std::uint32_t> of_ring;  // branch of each ring
+    std::vector<std::uint32_t> point;    // per ring: index of its point in the branch, or of the next point
+                                         // outward if the ring was removed
 };
 
-/// The rings of a chain that are round, from the base outward; the outermost in any case.
+/// Returns the circular rings of a chain, from the base outward; always includes the outermost ring.
 std::vector<std::uint32_t> round_rings(const RingForest& forest, const RingChain& chain) {
     std::vector<double> spreads;
     for (std::uint32_t i = chain.first; i < chain.end; ++i) spreads.push_back(forest.rings[i].spread);
-    const double limit = std::max(kRound, kLeastRound * median_in_place(spreads));
+    const double limit = std::max(kRound, kMinRound * median_in_place(spreads));
     std::vector<std::uint32_t> kept;
     for (std::uint32_t i = chain.end; i-- > chain.first;) {
         if (forest.rings[i].spread <= limit || i == chain.first) kept.push_back(i);
@@ -53,11 +54,11 @@ std::vector<std::uint32_t> round_rings(const RingForest& forest, const RingChain
     return kept;
 }
 
-struct Window {  // of a parent's points
+struct Window {  // range of the points of a parent
     std::uint32_t begin, end;
 };
 
-/// The points of a parent within reach of the ring that the chain ran into, which is its point `at`.
+/// Returns the points of a parent within reach of the ring that the chain ran into, which is its point `at`.
 Window window_about(const Branch& parent, const Ring& ring, std::uint32_t at) {
     Window w{std::min(at, parent.last()), 0};
     w.end = std::min(w.begin + 1, parent.last() + 1);
@@ -69,7 +70,8 @@ Window window_about(const Branch& parent, const Ring& ring, std::uint32_t at) {
     return w;
 }
 
-/// A lateral's rings within the parent's surface are cut by it, and no sections of the lateral.
+/// Removes the rings of a lateral inside the surface of its parent: they are not cross-sections of the
+/// lateral.
 void drop_rings_inside(std::vector<std::uint32_t>& rings, const RingForest& forest, const Branch& parent,
                        Window w) {
     const auto inside = [&](Vec3d p) {
@@ -86,10 +88,11 @@ void drop_rings_inside(std::vector<std::uint32_t>& rings, const RingForest& fore
     rings.erase(rings.begin(), rings.begin() + static_cast<std::ptrdiff_t>(skip));
 }
 
-/// Where the axis through p, extended against `outward`, comes nearest to the parent's: index + fraction.
+/// Returns where the axis through p, extended against `outward`, is closest to that of the parent: index +
+/// fraction.
 double attachment_point(Vec3d p, Vec3d outward, const Branch& parent, Window w) {
     constexpr int kSteps = 8;
-    constexpr double kNearer = 0.8;  // of two places equally far off the line the nearer one is right
+    constexpr double kNearer = 0.8;  // prefers the closer of two points at equal distance from the line
     const Vec3d dir = normalized(p - outward, {});
     double best = std::numeric_limits<double>::infinity(), where = w.begin;
     for (std::uint32_t k = w.begin; k < w.end; ++k) {
@@ -106,7 +109,7 @@ double attachment_point(Vec3d p, Vec3d outward, const Branch& parent, Window w) 
     return std::min<double>(where, parent.last());
 }
 
-/// Attaches a lateral to the branch of ring `to`, into which its chain ran.
+/// Attaches a lateral to the branch of ring `to`, which its chain ran into.
 void attach(Branch& branch, const RingForest& forest, const Branches& branches, std::uint32_t to, Vec3d tip) {
     branch.parent = branches.of_ring[to];
     const Branch& parent = branches.of_chain[branch.parent];
@@ -120,12 +123,12 @@ void attach(Branch& branch, const RingForest& forest, const Branches& branches, 
     branch.radii.push_back(parent.radius_at(branch.start));
 }
 
-/// Makes the branch of a chain, after that of its parent.
+/// Adds the branch of a chain; requires that of its parent.
 void add_branch(Branches& branches, const Surface& surface, const RingForest& forest, std::uint32_t c) {
     const RingChain& chain = forest.chains[c];
     const Vec3d tip(surface.positions[chain.tip]);
     Branch branch{round_rings(forest, chain)};
-    if (const std::uint32_t to = forest.rings[chain.end - 1].parent; to != kNone)
+    if (const std::uint32_t to = forest.rings[chain.end - 1].parent; to != kNoIndex)
         attach(branch, forest, branches, to, tip);
     auto next = static_cast<std::uint32_t>(branch.points.size());
     std::size_t kept = 0;
@@ -137,18 +140,18 @@ void add_branch(Branches& branches, const Surface& surface, const RingForest& fo
         branch.radii.push_back(forest.rings[i].radius);
         if (++kept < branch.rings.size()) ++next;
     }
-    if (branch.points.size() == 1) {  // a lone ring has no axis: the tip gives it one
+    if (branch.points.size() == 1) {  // a single ring has no axis: use the direction to the tip
         branch.points.push_back(lerp(branch.points[0], tip, 0.5));
         branch.radii.push_back(branch.radii[0]);
     }
     branches.of_chain.push_back(std::move(branch));
 }
 
-/// The laterals of every branch, in order of where they start.
-std::vector<std::vector<std::uint32_t>> laterals_of(std::span<const Branch> branches) {
+/// Returns the laterals of every branch, sorted by their start.
+std::vector<std::vector<std::uint32_t>> find_laterals(std::span<const Branch> branches) {
     std::vector<std::vector<std::uint32_t>> laterals(branches.size());
     for (std::uint32_t c = 0; c < branches.size(); ++c)
-        if (branches[c].parent != kNone) laterals[branches[c].parent].push_back(c);
+        if (branches[c].parent != kNoIndex) laterals[branches[c].parent].push_back(c);
     for (auto& list : laterals) {
         std::sort(list.begin(), list.end(), [&](std::uint32_t a, std::uint32_t b) {
             const double x = branches[a].start, y = branches[b].start;
@@ -158,18 +161,18 @@ std::vector<std::vector<std::uint32_t>> laterals_of(std::span<const Branch> bran
     return laterals;
 }
 
-/// Adds the nodes of a branch, those where laterals start among them, and tells these in `first_node`.
+/// Adds the nodes of a branch, including those at the starts of laterals, which it stores in `first_node`.
 /// Returns the node of every point.
-std::vector<std::uint32_t> add_nodes(DraftTree& tree, std::span<Branch> branches, std::uint32_t c,
+std::vector<std::uint32_t> add_nodes(InitialTree& tree, std::span<Branch> branches, std::uint32_t c,
                                      std::span<const std::uint32_t> laterals,
                                      std::span<std::uint32_t> first_node) {
     const Branch& branch = branches[c];
     std::vector<std::uint32_t> node;
-    std::uint32_t last = kNone;
+    std::uint32_t last = kNoIndex;
     std::size_t l = 0;
     for (std::uint32_t k = 0; k <= branch.last(); ++k) {
-        last = k == 0 && first_node[c] != kNone ? first_node[c]
-                                                : tree.add(last, branch.points[k], branch.radii[k]);
+        last = k == 0 && first_node[c] != kNoIndex ? first_node[c]
+                                                   : tree.add(last, branch.points[k], branch.radii[k]);
         node.push_back(last);
         for (; l < laterals.size() && (k == branch.last() || branches[laterals[l]].start < k + 1); ++l) {
             double& start = branches[laterals[l]].start;
@@ -193,16 +196,16 @@ RingTree connect_rings(const Surface& surface, const RingForest& forest) {
     const std::size_t chains = forest.chains.size(), rings = forest.rings.size();
     Branches branches{{}, std::vector<std::uint32_t>(rings), std::vector<std::uint32_t>(rings)};
     for (std::uint32_t c = 0; c < chains; ++c) add_branch(branches, surface, forest, c);
-    const auto laterals = laterals_of(branches.of_chain);
+    const auto laterals = find_laterals(branches.of_chain);
     RingTree out;
-    std::vector<std::uint32_t> first_node(chains, kNone);
+    std::vector<std::uint32_t> first_node(chains, kNoIndex);
     std::vector<std::vector<std::uint32_t>> node(chains);
     for (std::uint32_t c = 0; c < chains; ++c)
         node[c] = add_nodes(out.tree, branches.of_chain, c, laterals[c], first_node);
     for (std::size_t r = 0; r < rings; ++r)
         out.node_of_ring.push_back(node[branches.of_ring[r]][branches.point[r]]);
     for (const RingChain& chain : forest.chains)
-        if (chain.touched != kNone)
+        if (chain.touched != kNoIndex)
             out.loops.push_back({out.node_of_ring[chain.first], out.node_of_ring[chain.touched]});
     return out;
 }

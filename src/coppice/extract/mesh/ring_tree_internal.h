@@ -4,18 +4,18 @@
 #include <vector>
 
 #include "coppice/extract/mesh/rings_internal.h"
-#include "coppice/extract/tree/draft_tree.h"
+#include "coppice/extract/tree/initial_tree.h"
 
 namespace coppice::extract_internal {
 
 struct RingTree {
-    DraftTree tree;
-    std::vector<std::uint32_t> node_of_ring;                     ///< of rings left out: the next one outward
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> loops;  ///< tips, and the nodes that they touch
+    InitialTree tree;
+    std::vector<std::uint32_t> node_of_ring;  ///< of removed rings: the node of the next one outward
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> loops;  ///< tips and the nodes that they touch
 };
 
-/// Connects the rings to axes: those that a fork has spoilt are left out, and each chain begins on the axis
-/// of the one it leaves, where its own axis meets that. O(rings), for a bounded number of chains per ring.
+/// Connects the rings to axes. Rings distorted by a fork are removed, and each chain begins where its axis
+/// meets the axis of its parent. O(rings) for a bounded number of chains per ring.
 RingTree connect_rings(const Surface& surface, const RingForest& forest);
 
 }  // namespace coppice::extract_internal

@@ -4,18 +4,24 @@
 #include <cmath>
 #include <utility>
 
+#include "coppice/base/id.h"
 #include "coppice/extract/mesh/ring_measure_internal.h"
 
 namespace coppice::extract_internal {
 namespace {
 
-constexpr double kSpacing = 0.4;       // [radius] between rings
-constexpr double kCap = 1.5;           // [radius] a ball's ring reaches its radius at pi / 2 from the pole
-constexpr double kSourceCap = 2.2;     // [radius] from the rim of a flat end the far side is two radii off
-constexpr double kSlimmest = 1.25;     // a flat bump is about as long as it is wide
-constexpr double kPathShare = 0.3;     // of the way between two vertices: rings closer tell nothing new
-constexpr double kLeastRadius = 0.01;  // [mean edge] thinner rings are folds without an inside
-constexpr std::size_t kBudget = 32;    // steps per triangle before rings move apart
+constexpr double kSpacing = 0.4;  // [radius] distance between rings
+constexpr double kCap = 1.5;  // [radius] length of the cap at an end; the ring of a ball reaches the radius
+                              // at pi / 2 from the pole
+constexpr double kSourceCap = 2.2;  // [radius] length of the cap at a source; at the rim of a flat end the
+                                    // opposite side is two radii away
+constexpr double kSlimmest =
+    1.25;  // [radius] minimum length of a branch without rings; a flat bump is about as long as wide
+constexpr double kPathShare = 0.3;  // [distance between two vertices] minimum distance of rings; closer rings
+                                    // contain no new information
+constexpr double kMinRadius = 0.01;  // [mean edge] minimum radius; thinner rings are degenerate folds
+constexpr std::size_t kBudget =
+    32;  // number of steps per triangle after which the distance of rings increases
 
 double mean_edge(const Surface& s) {
     double sum = 0;
@@ -24,23 +30,23 @@ double mean_edge(const Surface& s) {
     return sum / static_cast<double>(s.twin.size());
 }
 
-/// The surface that chains are followed on, what has been found on it, and the ring at hand.
+/// State of the traversal: the surface, the rings found so far and the current ring.
 struct Walk {
     const Surface& surface;
-    std::span<const double> distance;   // [m] from the source, per vertex
+    std::span<const double> distance;   // [m] distance from the source per vertex
     std::span<const char> from_border;  // per component
-    double least_radius;                // [m]
+    double min_radius;                  // [m]
     RingForest out;
-    std::vector<std::uint32_t> path;        // where chains have gone: the next vertex, per vertex
-    std::vector<Vec3d> points = {};         // the ring at hand
-    std::vector<std::uint32_t> upper = {};  // upper ends of the edges that it crosses
-    std::uint32_t met = kNone;              // a vertex of another chain's path that it crosses
+    std::vector<std::uint32_t> path;        // next vertex on the path of a chain, per vertex
+    std::vector<Vec3d> points = {};         // points of the current ring
+    std::vector<std::uint32_t> upper = {};  // upper ends of the edges that the current ring crosses
+    std::uint32_t met = kNoIndex;  // a vertex on the path of another chain that the current ring crosses
     bool closed = false;
-    std::size_t steps = 0;  // crossings so far, of all rings
+    std::size_t steps = 0;  // number of crossings of all rings so far
     std::vector<std::uint32_t> stack = {};
 };
 
-/// Whether a is nearer to the source.
+/// Returns whether a is closer to the source.
 bool nearer(const Walk& walk, std::uint32_t a, std::uint32_t b) {
     return walk.distance[a] != walk.distance[b] ? walk.distance[a] < walk.distance[b] : a < b;
 }
@@ -53,7 +59,7 @@ void for_neighbours(const Surface& s, std::uint32_t v, const Visit& visit) {
     }
 }
 
-/// The neighbour in the direction of steepest descent; v itself at a source.
+/// Returns the neighbour in the direction of steepest descent; v itself at a source.
 std::uint32_t descend(const Walk& walk, std::uint32_t v) {
     std::uint32_t best = v;
     double slope = 0;
@@ -69,9 +75,10 @@ std::uint32_t descend(const Walk& walk, std::uint32_t v) {
     return best;
 }
 
-/// From a ring on towards the source as far as rings lie above a level: edges may span many rings.
+/// Returns the last ring towards the source with at least the given level; edges may span many rings.
 std::uint32_t ring_at(std::span<const Ring> rings, std::uint32_t ring, double level) {
-    while (rings[ring].parent != kNone && rings[rings[ring].parent].level >= level) ring = rings[ring].parent;
+    while (rings[ring].parent != kNoIndex && rings[rings[ring].parent].level >= level)
+        ring = rings[ring].parent;
     return ring;
 }
 
@@ -80,7 +87,7 @@ std::uint32_t half_edge(const Surface& s, std::uint32_t v, std::uint32_t w) {
         if (s.to(h) == w) return h;
         if (s.from(Surface::previous(h)) == w) return Surface::previous(h);
     }
-    return kNone;
+    return kNoIndex;
 }
 
 /// Adds the point where the ring crosses an edge.
@@ -94,7 +101,8 @@ void cross_edge(Walk& walk, std::uint32_t h, double level) {
     ++walk.steps;
 }
 
-/// Adds the crossings from h on, triangle by triangle; true when it comes back to h, false at a border.
+/// Adds the crossings from h on, triangle by triangle; returns true if it arrives at h again, false at a
+/// border.
 bool cross_triangles(Walk& walk, std::uint32_t start, double level) {
     std::uint32_t h = start;
     for (std::size_t guard = 0; guard <= walk.surface.triangles.size(); ++guard) {
@@ -103,7 +111,7 @@ bool cross_triangles(Walk& walk, std::uint32_t start, double level) {
         const bool same = next_is_upper == (walk.distance[walk.surface.to(h)] >= level);
         const std::uint32_t exit = same ? Surface::previous(h) : Surface::next(h);
         h = walk.surface.twin[exit];
-        if (h == kNone) {
+        if (h == kNoIndex) {
             cross_edge(walk, exit, level);
             return false;
         }
@@ -112,22 +120,22 @@ bool cross_triangles(Walk& walk, std::uint32_t start, double level) {
     return true;
 }
 
-/// The whole ring through the half-edge `start`.
+/// Traces the complete ring through the half-edge `start`.
 void trace_ring(Walk& walk, std::uint32_t start, double level) {
     walk.points.clear();
     walk.upper.clear();
-    walk.met = kNone;
+    walk.met = kNoIndex;
     walk.closed = cross_triangles(walk, start, level);
-    if (walk.closed || walk.surface.twin[start] == kNone) return;
+    if (walk.closed || walk.surface.twin[start] == kNoIndex) return;
     std::reverse(walk.points.begin(), walk.points.end());
     walk.points.pop_back();
     cross_triangles(walk, walk.surface.twin[start], level);
 }
 
-/// Claims what lies between the ring just traced and the level `top`.
+/// Claims the vertices between the ring just traced and the level `top`.
 void flood(Walk& walk, std::uint32_t ring, double level, double top) {
     const auto claim = [&](std::uint32_t v) {
-        if (walk.out.claim[v] != kNone || walk.distance[v] < level || walk.distance[v] >= top) return;
+        if (walk.out.claim[v] != kNoIndex || walk.distance[v] < level || walk.distance[v] >= top) return;
         walk.out.claim[v] = ring;
         walk.stack.push_back(v);
     };
@@ -139,7 +147,7 @@ void flood(Walk& walk, std::uint32_t ring, double level, double top) {
     }
 }
 
-/// Adds the ring just traced to the chain whose rings begin at `first`.
+/// Adds the ring just traced to the chain that begins with ring `first`.
 void add_ring(Walk& walk, Ring ring, double top, std::uint32_t first) {
     const auto id = static_cast<std::uint32_t>(walk.out.rings.size());
     if (id > first) walk.out.rings.back().parent = id;
@@ -147,15 +155,15 @@ void add_ring(Walk& walk, Ring ring, double top, std::uint32_t first) {
     flood(walk, id, ring.level, top);
 }
 
-/// Closes a chain that ran into ring `end`, or into the source. Without a ring of its own it becomes part of
-/// what it ran into.
+/// Closes a chain that ran into ring `end` or into the source. A chain without rings is merged into the one
+/// that it ran into.
 void close_chain(Walk& walk, RingChain chain, std::span<const std::uint32_t> path, std::uint32_t last,
                  std::uint32_t end) {
     const bool own = chain.end > chain.first;
     const std::uint32_t owner = own ? chain.end - 1 : end;
-    if (owner == kNone) return;
+    if (owner == kNoIndex) return;
     for (const std::uint32_t u : path)
-        if (walk.out.claim[u] == kNone) walk.out.claim[u] = owner;
+        if (walk.out.claim[u] == kNoIndex) walk.out.claim[u] = owner;
     if (!own) return;
     for (std::size_t k = 0; k < path.size(); ++k)
         walk.path[path[k]] = k + 1 < path.size() ? path[k + 1] : last;
@@ -163,30 +171,31 @@ void close_chain(Walk& walk, RingChain chain, std::span<const std::uint32_t> pat
     walk.out.chains.push_back(chain);
 }
 
-/// How far a ring lies from the ends of its chain, in radii: of a cap less than of a section.
-double slimness_of(const Walk& walk, const Ring& ring, std::uint32_t tip) {
-    if (!(ring.radius > walk.least_radius)) return 0;
+/// Returns the distance of a ring from the ends of its chain, in radii: smaller for a ring of a cap than for
+/// a cross-section.
+double compute_slimness(const Walk& walk, const Ring& ring, std::uint32_t tip) {
+    if (!(ring.radius > walk.min_radius)) return 0;
     const double from_tip = walk.distance[tip] - ring.level;
     const bool open_base = walk.from_border[walk.surface.component[tip]] != 0;
     return (open_base ? from_tip : std::min(from_tip, ring.level * kCap / kSourceCap)) / ring.radius;
 }
 
-/// How far the next ring lies below one between two vertices whose distances differ by `drop`. Rings move
-/// apart when following them has taken more than the budget.
+/// Returns the distance to the next ring, between two vertices with distances that differ by `drop`. It
+/// increases when the traversal has used more than its budget.
 double ring_spacing(const Walk& walk, const Ring& ring, double drop) {
     const std::size_t over = walk.steps / kBudget;
     const double strain = 1 + static_cast<double>(over) / static_cast<double>(walk.surface.triangles.size());
-    return strain * strain * std::max({kSpacing * ring.radius, kPathShare * drop, walk.least_radius});
+    return strain * strain * std::max({kSpacing * ring.radius, kPathShare * drop, walk.min_radius});
 }
 
-/// A chain from a vertex that nothing has claimed yet.
+/// Follows a chain from an unclaimed vertex.
 void follow_chain(Walk& walk, std::uint32_t tip) {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    RingChain chain{static_cast<std::uint32_t>(walk.out.rings.size()), 0, tip, kNone};
+    RingChain chain{static_cast<std::uint32_t>(walk.out.rings.size()), 0, tip, kNoIndex};
     for_neighbours(walk.surface, tip, [&](std::uint32_t x) {
-        if (nearer(walk, tip, x) && walk.out.claim[x] != kNone) chain.touched = walk.out.claim[x];
+        if (nearer(walk, tip, x) && walk.out.claim[x] != kNoIndex) chain.touched = walk.out.claim[x];
     });
-    std::uint32_t v = tip, w = descend(walk, tip), end = kNone;
+    std::uint32_t v = tip, w = descend(walk, tip), end = kNoIndex;
     std::vector<std::uint32_t> path{tip};
     double level = walk.distance[v] - 0.25 * (walk.distance[v] - walk.distance[w]), top = kInfinity,
            slimness = 0;
@@ -195,7 +204,7 @@ void follow_chain(Walk& walk, std::uint32_t tip) {
         if (!(walk.distance[w] < level)) {
             v = w;
             w = descend(walk, v);
-            if (walk.path[v] != kNone) {
+            if (walk.path[v] != kNoIndex) {
                 end = ring_at(walk.out.rings, walk.out.claim[v], level);
                 break;
             }
@@ -203,30 +212,31 @@ void follow_chain(Walk& walk, std::uint32_t tip) {
             continue;
         }
         trace_ring(walk, half_edge(walk.surface, v, w), level);
-        if (walk.met != kNone) {
+        if (walk.met != kNoIndex) {
             end = ring_at(walk.out.rings, walk.out.claim[walk.met], level);
             break;
         }
         Ring ring = measure_ring(walk.points, walk.closed);
         ring.level = level;
-        const double slim = slimness_of(walk, ring, tip);
+        const double slim = compute_slimness(walk, ring, tip);
         if (slim > slimness) {
             slimness = slim;
             slimmest = ring;
         }
-        // Rings of the caps at either end are no sections.
+        // Rings of the caps at both ends are not cross-sections.
         if (slim >= kCap) {
             add_ring(walk, ring, top, chain.first);
             top = level;
         }
         level -= ring_spacing(walk, ring, walk.distance[v] - walk.distance[w]);
     }
-    if (walk.out.rings.size() == chain.first && (slimness >= kSlimmest || (end == kNone && slimness > 0))) {
+    if (walk.out.rings.size() == chain.first &&
+        (slimness >= kSlimmest || (end == kNoIndex && slimness > 0))) {
         walk.upper.assign(1, tip);
         add_ring(walk, slimmest, kInfinity, chain.first);
     }
     chain.end = static_cast<std::uint32_t>(walk.out.rings.size());
-    if (chain.end == chain.first && end != kNone) {
+    if (chain.end == chain.first && end != kNoIndex) {
         walk.upper.assign(1, tip);
         flood(walk, end, std::max(level, 0.0), kInfinity);
     }
@@ -243,12 +253,12 @@ RingForest follow_chains(const Surface& s, std::span<const double> f, std::span<
     std::sort(order.begin(), order.end(),
               [&](std::uint32_t a, std::uint32_t b) { return f[a] != f[b] ? f[a] > f[b] : a > b; });
     Walk walk{
-        s, f, from_border, kLeastRadius * mean_edge(s), {}, std::vector<std::uint32_t>(s.size(), kNone)};
-    walk.out.claim.resize(s.size(), kNone);
+        s, f, from_border, kMinRadius * mean_edge(s), {}, std::vector<std::uint32_t>(s.size(), kNoIndex)};
+    walk.out.claim.resize(s.size(), kNoIndex);
     std::size_t passed = 0;
     for (const std::uint32_t v : order) {
         ++passed;
-        if (walk.out.claim[v] != kNone) continue;
+        if (walk.out.claim[v] != kNoIndex) continue;
         ctx.throw_if_cancelled();
         ctx.report(static_cast<float>(passed) / static_cast<float>(order.size()));
         follow_chain(walk, v);

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "coppice/base/compressed_rows.h"
+#include "coppice/base/id.h"
 #include "coppice/base/parallel.h"
 #include "coppice/extract/mesh/surface_internal.h"
 
@@ -13,15 +14,15 @@ Vec3d area_normal(const Surface& s, std::uint32_t t) {
     return cross(Vec3d(s.positions[b]) - p, Vec3d(s.positions[c]) - p);
 }
 
-/// The half-edges that leave each vertex, and how often its edges are used in either direction.
+/// Lists the half-edges that leave each vertex.
 void list_outgoing(Surface& s) {
     s.out = compress_rows<std::uint32_t>(s.size(), [&](const auto& put) {
         for (std::uint32_t h = 0; h < 3 * s.triangles.size(); ++h) put(s.from(h), h);
     });
 }
 
-/// Of the half-edges of one edge with more than two triangles, pairs the two that continue each other best:
-/// run through in opposite directions and with normals that agree.
+/// Returns the two half-edges of a non-manifold edge that continue each other best: with opposite directions
+/// and the most similar normals.
 std::array<std::uint32_t, 2> best_pair(const Surface& s, std::span<const std::uint32_t> edges) {
     std::array<std::uint32_t, 2> best{edges[0], edges[1]};
     double best_score = -3;
@@ -43,10 +44,11 @@ SurfaceFindings pair_edges(Surface& s) {
     struct Edge {
         std::uint32_t other, half_edge;
     };
-    constexpr std::size_t kMostCompared = 16;  // beyond, an edge is no surface: any pair will do
+    constexpr std::size_t kMaxCompared =
+        16;  // with more half-edges the edge is degenerate: any pair is accepted
     SurfaceFindings found;
     std::vector<std::uint32_t> group;
-    s.twin.assign(3 * s.triangles.size(), kNone);
+    s.twin.assign(3 * s.triangles.size(), kNoIndex);
     auto edges = compress_rows<Edge>(s.size(), [&](const auto& put) {
         for (std::uint32_t h = 0; h < s.twin.size(); ++h)
             put(std::min(s.from(h), s.to(h)), Edge{std::max(s.from(h), s.to(h)), h});
@@ -65,7 +67,7 @@ SurfaceFindings pair_edges(Surface& s) {
                 continue;
             }
             if (group.size() > 2) ++found.non_manifold_edges;
-            const auto few = std::span(group).first(std::min(group.size(), kMostCompared));
+            const auto few = std::span(group).first(std::min(group.size(), kMaxCompared));
             const auto [a, b] = group.size() == 2 ? std::array{group[0], group[1]} : best_pair(s, few);
             s.twin[a] = b;
             s.twin[b] = a;
@@ -75,11 +77,11 @@ SurfaceFindings pair_edges(Surface& s) {
 }
 
 void find_components(Surface& s) {
-    s.component.assign(s.size(), kNone);
+    s.component.assign(s.size(), kNoIndex);
     s.component_count = 0;
     std::vector<std::uint32_t> stack;
     for (std::uint32_t seed = 0; seed < s.size(); ++seed) {
-        if (s.component[seed] != kNone) continue;
+        if (s.component[seed] != kNoIndex) continue;
         s.component[seed] = s.component_count;
         stack.push_back(seed);
         while (!stack.empty()) {
@@ -87,7 +89,7 @@ void find_components(Surface& s) {
             stack.pop_back();
             for (const std::uint32_t h : s.outgoing(v)) {
                 for (const std::uint32_t w : {s.to(h), s.from(Surface::previous(h))}) {
-                    if (s.component[w] != kNone) continue;
+                    if (s.component[w] != kNoIndex) continue;
                     s.component[w] = s.component_count;
                     stack.push_back(w);
                 }
@@ -97,14 +99,14 @@ void find_components(Surface& s) {
     }
 }
 
-/// Mirrors triangle t, and the numbers of its half-edges with it.
+/// Reverses the orientation of triangle t and renumbers its half-edges.
 void flip(Surface& s, std::uint32_t t) {
     std::swap(s.triangles[t][1], s.triangles[t][2]);
-    // Corners a b c became a c b: edge ab is now the third, ca the first, bc stays second.
+    // The corners a b c became a c b: edge ab is now the third, ca the first, bc remains the second.
     std::swap(s.twin[3 * t], s.twin[3 * t + 2]);
     for (std::uint32_t k : {0u, 2u}) {
         const std::uint32_t other = s.twin[3 * t + k];
-        if (other != kNone) s.twin[other] = 3 * t + k;
+        if (other != kNoIndex) s.twin[other] = 3 * t + k;
     }
 }
 
@@ -129,7 +131,7 @@ std::uint32_t orient(Surface& s) {
         for (std::size_t i = 0; i < piece.size(); ++i) {
             for (std::uint32_t h = 3 * piece[i]; h < 3 * piece[i] + 3; ++h) {
                 const std::uint32_t w = s.twin[h];
-                if (w == kNone || seen[w / 3]) continue;
+                if (w == kNoIndex || seen[w / 3]) continue;
                 seen[w / 3] = 1;
                 piece.push_back(w / 3);
                 if (s.from(w) != s.from(h)) continue;
@@ -137,7 +139,8 @@ std::uint32_t orient(Surface& s) {
                 ++flips;
             }
         }
-        // About a point on the piece, so that an open tube's sign is that of its lateral surface.
+        // The reference point is on the component, so that the sign of an open tube is that of its lateral
+        // surface.
         const Vec3d origin(s.positions[s.triangles[seed][0]]);
         double volume = 0;
         for (const std::uint32_t t : piece)
@@ -157,8 +160,8 @@ std::vector<std::vector<std::uint32_t>> border_loops(const Surface& s) {
     std::vector<char> seen(s.size(), 0);
     const auto visit_border = [&](std::uint32_t v, const auto& visit) {
         for (const std::uint32_t h : s.outgoing(v)) {
-            if (s.twin[h] == kNone) visit(s.to(h));
-            if (s.twin[Surface::previous(h)] == kNone) visit(s.from(Surface::previous(h)));
+            if (s.twin[h] == kNoIndex) visit(s.to(h));
+            if (s.twin[Surface::previous(h)] == kNoIndex) visit(s.from(Surface::previous(h)));
         }
     };
     for (std::uint32_t v = 0; v < s.size(); ++v) {

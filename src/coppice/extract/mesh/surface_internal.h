@@ -7,20 +7,21 @@
 
 #include "coppice/base/compressed_rows.h"
 #include "coppice/base/context.h"
-#include "coppice/extract/none_internal.h"
+#include "coppice/base/id.h"
 #include "coppice/mesh/mesh.h"
 
 namespace coppice::extract_internal {
 
-/// Triangles with the neighbours that walks over a surface need. Half-edge 3 t + k runs from corner k of
-/// triangle t to the next. Edges of more than two triangles are taken apart: at most two of them are
-/// neighbours, the others end there; their vertices stay common.
+/// Triangles with adjacency for traversal. Half-edge 3 t + k is directed from corner k of triangle t to the
+/// next corner. Edges of more than two triangles are separated: at most two of the triangles are adjacent,
+/// the others end there; their vertices remain shared.
 struct Surface {
-    Buffer<Vec3> positions;                ///< [m] every one is used by a triangle
-    std::vector<Triangle> triangles;       ///< three different corners each
-    std::vector<std::uint32_t> twin;       ///< per half-edge: that of the neighbour, kNone at a border
-    CompressedRows<std::uint32_t> out;     ///< per vertex: the half-edges that leave it
-    std::vector<std::uint32_t> component;  ///< per vertex: pieces joined by common vertices, from 0
+    Buffer<Vec3> positions;             ///< [m] each one is used by a triangle
+    std::vector<Triangle> triangles;    ///< three different corners each
+    std::vector<std::uint32_t> twin;    ///< per half-edge: the opposite one, kNoIndex at a border
+    CompressedRows<std::uint32_t> out;  ///< per vertex: the half-edges that leave it
+    std::vector<std::uint32_t>
+        component;  ///< per vertex: its component, connected by common vertices, from 0
     std::uint32_t component_count = 0;
 
     std::uint32_t size() const { return static_cast<std::uint32_t>(positions.size()); }
@@ -31,7 +32,7 @@ struct Surface {
     std::span<const std::uint32_t> outgoing(std::uint32_t v) const { return out[v]; }
 };
 
-/// What taking a mesh's edges apart came upon.
+/// Counts of special edges found by `connect`.
 struct SurfaceFindings {
     std::uint32_t open_edges = 0;
     std::uint32_t non_manifold_edges = 0;  ///< edges of more than two triangles
@@ -40,14 +41,15 @@ struct SurfaceFindings {
 /// Fills twin, out and component from positions and triangles. O(n log n).
 SurfaceFindings connect(Surface& surface);
 
-/// Flips triangles so that neighbours agree, and each closed piece faces outward. Returns the number flipped.
-/// O(n).
+/// Flips triangles so that adjacent ones are oriented consistently and each closed component faces outward.
+/// Returns the number of flipped triangles. O(n).
 std::uint32_t orient(Surface& surface);
 
-/// The borders of a surface: for each the vertices along it, in order as far as it is one curve. O(n).
+/// Returns the border loops of a surface: for each the vertices along it, in order if it is a simple curve.
+/// O(n).
 std::vector<std::vector<std::uint32_t>> border_loops(const Surface& surface);
 
-/// Per vertex: the area-weighted unit normal; zero where the faces cancel.
+/// Returns the area-weighted unit normal of each vertex; zero where the normals of the faces cancel.
 std::vector<Vec3> vertex_normals(const Surface& surface, const Context& ctx);
 
 }  // namespace coppice::extract_internal

@@ -14,9 +14,9 @@
 namespace coppice {
 namespace {
 
-constexpr double kLargeBranch = 0.1;  // of the height of the tree
+constexpr double kLargeBranch = 0.1;  // [height of the tree] minimum length of a large branch
 
-/// [m] Per node the longest path below it, with the segment to its parent.
+/// Returns per node the length [m] of the longest path beyond it, including the segment to its parent.
 std::vector<double> longest_paths(const Skeleton& s) {
     std::vector<double> longest(s.size(), 0.0);
     for (std::uint32_t i = s.size(); i-- > 0;) {
@@ -40,12 +40,13 @@ double crown_base(const Skeleton& s, std::span<const NodeId> axis, std::span<con
     return form.height;
 }
 
-/// Twice the area of the triangle, positive where it turns left.
+/// Returns twice the signed area of the triangle, positive for a left turn.
 double turn(Vec3d a, Vec3d b, Vec3d c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
 
 double distance_seen_from_above(Vec3d a, Vec3d b) { return std::hypot(a.x - b.x, a.y - b.y); }
 
-/// The convex hull seen from above, by Andrew's monotone chain: the lower half, then the upper one back.
+/// Returns the convex hull in plan view by Andrew's monotone chain: the lower half, then the upper half
+/// backwards.
 std::vector<Vec3d> outline_of(std::span<const Vec3> points) {
     std::vector<Vec3d> plan;
     for (const Vec3 p : points) plan.emplace_back(p);
@@ -59,20 +60,20 @@ std::vector<Vec3d> outline_of(std::span<const Vec3> points) {
     for (const Vec3d p : plan) add(p, 0);
     const std::size_t lower = hull.size() - 1;
     for (auto p = plan.rbegin() + 1; p != plan.rend(); ++p) add(*p, lower);
-    hull.pop_back();  // the first one again
+    hull.pop_back();  // same as the first one
     if (hull.size() < 3) hull.clear();
     return hull;
 }
 
-double area_of(std::span<const Vec3d> outline) {
+double compute_area(std::span<const Vec3d> outline) {
     double twice = 0;
     for (std::size_t i = 1; i + 1 < outline.size(); ++i)
         twice += turn(outline[0], outline[i], outline[i + 1]);
     return 0.5 * twice;
 }
 
-/// The greatest distance of two corners, by going round with an edge and the corner farthest from it.
-double greatest_width(std::span<const Vec3d> outline) {
+/// Returns the maximum distance of two corners by rotating calipers: an edge and the corner farthest from it.
+double max_width(std::span<const Vec3d> outline) {
     const auto after = [&](std::size_t i) { return (i + 1) % outline.size(); };
     double width = 0;
     std::size_t far = 1;
@@ -112,8 +113,8 @@ Crown measure_crown(const PointSet& points, double above, const Context& ctx) {
     for (const Vec3 p : points.positions)
         if (points.origin.z + double{p.z} >= above) part.push_back(p);
     Crown out{.outline = outline_of(part), .hull = convex_hull(part, ctx)};
-    out.area = area_of(out.outline);
-    out.greatest_width = greatest_width(out.outline);
+    out.area = compute_area(out.outline);
+    out.max_width = max_width(out.outline);
     for (Vec3d& corner : out.outline)
         corner = {points.origin.x + corner.x, points.origin.y + corner.y, above};
     out.hull.origin = points.origin;

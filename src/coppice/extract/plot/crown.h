@@ -11,30 +11,30 @@
 
 namespace coppice {
 
-/// [m] For each form, which are those of the first trees in the order of their roots, the height above the
-/// foot at which the lowest large branch leaves the main axis: one that is longer than a tenth of the height
-/// of the tree. The height of the tree where there is none. O(n).
+/// Returns for each form the height [m] above the foot at which the lowest large branch leaves the main axis:
+/// one longer than a tenth of the height of the tree. Forms are those of the first trees in the order of
+/// their roots. Returns the height of the tree if there is no such branch. O(n).
 std::vector<double> crown_bases(const Skeleton& skeleton, std::span<const StemForm> forms);
 
-/// The convex hull of a crown, seen from above and in space.
+/// Convex hull of a crown, in plan view and in space.
 struct Crown {
-    std::vector<Vec3d> outline;  ///< [m] corners seen from above, counter-clockwise, in the frame of the
-                                 ///< file, at the height of its base
-    double area = 0;             ///< [m^2] within the outline
-    double greatest_width = 0;   ///< [m] between the two corners of the outline that are farthest apart
-    TriMesh hull;                ///< closed; without faces where the points lie in one plane
-    double hull_area = 0;        ///< [m^2]
-    double hull_volume = 0;      ///< [m^3]
+    std::vector<Vec3d> outline;  ///< [m] corners in plan view, counter-clockwise, in the coordinate frame of
+                                 ///< the file, at the height of the crown base
+    double area = 0;             ///< [m^2] area of the outline
+    double max_width = 0;        ///< [m] maximum distance of two corners of the outline
+    TriMesh hull;                ///< closed; without faces if the points are coplanar
+    double hull_area = 0;        ///< [m^2] area of the hull
+    double hull_volume = 0;      ///< [m^3] volume of the hull
 
-    /// [m] of the circle that has the area of the outline
+    /// Returns the diameter [m] of the circle with the area of the outline.
     double diameter() const;
 };
 
-/// Measures the points above a height [m] (z in the frame of the file). Fewer than three of them, or points
-/// above each other, have no outline. Expected O(n log n). Throws Cancelled.
+/// Measures the points above a height [m] (z in the coordinate frame of the file). The outline is empty for
+/// fewer than three points, or if all are on a vertical plane. Expected O(n log n). Throws Cancelled.
 Crown measure_crown(const PointSet& points, double above, const Context& ctx = {});
 
-/// The same of the nodes of each tree of a skeleton, in the order of the roots, above a height for each.
+/// Measures the nodes of each tree of a skeleton, in the order of the roots, above the height of each.
 std::vector<Crown> measure_crowns(const Skeleton& skeleton, std::span<const double> above,
                                   const Context& ctx = {});
 

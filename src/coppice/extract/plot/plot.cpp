@@ -23,39 +23,42 @@ using namespace extract_internal;
 
 static_assert(kPointOfGround == kGroundPoint && kPointOfNoTree == kNoTree);
 
-constexpr std::size_t kFewestPoints = 20;
-constexpr double kMostVoxels = 1.5e6;
-constexpr double kFinest = 0.02;    // [m] voxels
-constexpr double kLeastHeight = 2;  // [m] of a tree
-constexpr std::size_t kFewestOfTree = 50;
-constexpr double kFewerCoverage = 0.35, kMostDeviation = 0.05;  // of a diameter that is worth a look
-constexpr float kGroundFound = 0.06f, kStemsFound = 0.25f, kPointsGiven = 0.95f;  // shares of segment_plot
-constexpr float kSegmented = 0.3f;                                                // of extract_plot
+constexpr std::size_t kMinPoints = 20;
+constexpr double kMaxVoxels = 1.5e6;
+constexpr double kFinest = 0.02;  // [m] minimum edge of voxels
+constexpr double kMinHeight = 2;  // [m] minimum height of a tree
+constexpr std::size_t kMinOfTree = 50;
+constexpr double kFewerCoverage = 0.35,
+                 kMaxDeviation =
+                     0.05;  // minimum coverage, maximum relative deviation of a diameter without a warning
+constexpr float kGroundFound = 0.06f, kStemsFound = 0.25f;
+constexpr float kPointsGiven = 0.95f;  // progress of segment_plot after each stage
+constexpr float kSegmented = 0.3f;     // progress of extract_plot after the segmentation
 
 void check_points(const PointSet& set) {
-    if (set.size() < kFewestPoints)
+    if (set.size() < kMinPoints)
         throw InvalidInput(
             fmt::format("extract: {} points are left in the cloud, but a plot needs at least {}", set.size(),
-                        kFewestPoints));
+                        kMinPoints));
     if (set.size() > std::numeric_limits<std::uint32_t>::max() / 2)
         throw InvalidInput(
             fmt::format("extract: {} points are too many; downsample the cloud to 2^31 first", set.size()));
 }
 
-/// [m] The edge at which there are few enough voxels: points lie on surfaces, so their number falls with its
-/// square.
-double resolution_of(const PointSet& set, const PlotOptions& options, const Context& ctx) {
+/// Returns the edge [m] at which the number of voxels is below the limit: points are on surfaces, so that the
+/// number decreases with the square of the edge.
+double compute_resolution(const PointSet& set, const PlotOptions& options, const Context& ctx) {
     if (options.resolution > 0) return options.resolution;
     const double spacing = median_spacing(set, ctx);
-    const double share = static_cast<double>(set.size()) / kMostVoxels;
+    const double share = static_cast<double>(set.size()) / kMaxVoxels;
     return std::clamp(std::max(2 * spacing, spacing * std::sqrt(std::max(share, 1.0)) * 2), kFinest, 0.5);
 }
 
-/// Stems by the points above the ground near to it.
+/// Finds stems in the points near the ground.
 std::vector<TreeStems> find_trees(std::span<const Vec3> points, std::span<const float> height,
                                   const Terrain& terrain, const PlotOptions& options, double noise,
                                   const Context& ctx) {
-    constexpr float kHighest = 4;  // [m] that find_stems looks at
+    constexpr float kHighest = 4;  // [m] maximum height used by find_stems
     std::vector<Vec3> low;
     std::vector<float> above;
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -63,13 +66,13 @@ std::vector<TreeStems> find_trees(std::span<const Vec3> points, std::span<const 
         low.push_back(points[i]);
         above.push_back(height[i]);
     }
-    const StemSearch search{.least_radius = 0.4 * double{options.least_diameter},
-                            .greatest_radius = 0.5 * double{options.greatest_diameter},
+    const StemSearch search{.min_radius = 0.4 * double{options.min_diameter},
+                            .max_radius = 0.5 * double{options.max_diameter},
                             .noise = noise};
     return trees_of_stems(find_stems(low, above, search, ctx));
 }
 
-/// The points of every tree, in their order.
+/// Returns the points of every tree, in their order.
 std::vector<Buffer<Vec3>> points_of_trees(std::span<const Vec3> points,
                                           std::span<const std::uint32_t> tree_of, std::size_t trees) {
     std::vector<std::size_t> count(trees, 0);
@@ -82,24 +85,25 @@ std::vector<Buffer<Vec3>> points_of_trees(std::span<const Vec3> points,
     return out;
 }
 
-/// Thinner than asked for, too low or of too few points: no tree.
+/// Returns whether the tree is thick enough, high enough and has enough points.
 bool is_tree(const StemForm& form, std::size_t points, const PlotOptions& options) {
-    const bool thick = form.breast.diameter == 0 || form.breast.diameter >= double{options.least_diameter};
-    return points >= kFewestOfTree && form.height >= kLeastHeight && thick;
+    const bool thick = form.breast.diameter == 0 || form.breast.diameter >= double{options.min_diameter};
+    return points >= kMinOfTree && form.height >= kMinHeight && thick;
 }
 
-/// The form of each tree from its own points; trees that are none go, and their points to no tree.
+/// Measures the form of each tree from its own points; removes trees that do not qualify and assigns their
+/// points to no tree.
 void measure_trees(const PointSet& set, const std::vector<TreeStems>& trees, const PlotOptions& options,
                    double noise, PlotSegments& out, const Context& ctx) {
     const auto points = points_of_trees(set.positions, out.tree_of, trees.size());
     std::vector<StemForm> forms(trees.size());
     parallel_for(ctx, trees.size(), 1, [&](std::size_t t) {
-        if (points[t].size() < kFewestOfTree) return;
+        if (points[t].size() < kMinOfTree) return;
         StemTrack track = trees[t].stems.front();
         const Vec3d foot = track.at(0);
         const HeightOrder order(points[t], {.threads = 1, .stop = ctx.stop, .progress = {}});
         TraceOptions trace{.foot = out.terrain.height(foot.x, foot.y), .noise = noise, .spacing = 0.01};
-        trace.top = highest_of(order);
+        trace.top = compute_max_height(order);
         track.raise(trace.foot);
         if (!out.terrain.is_ground) {
             const double above = trace.foot;
@@ -120,7 +124,7 @@ void measure_trees(const PointSet& set, const std::vector<TreeStems>& trees, con
         if (t < number.size()) t = number[t];
 }
 
-/// A skeleton that starts on the ground: its root moves down along the axis.
+/// Extends a skeleton to the ground: adds a root below the current one along the axis.
 void stand_on_ground(ExtractResult& result, Vec3d foot) {
     const Skeleton& s = result.skeleton;
     const NodeId root(0);
@@ -149,7 +153,7 @@ void add_warnings(PlotTree& tree) {
             found.push_back(
                 fmt::format("only {:.0f} % of the stem is seen at breast height", 100 * breast.coverage));
         }
-        if (breast.deviation > kMostDeviation * breast.diameter)
+        if (breast.deviation > kMaxDeviation * breast.diameter)
             found.emplace_back("the diameter at breast height is uncertain");
         if (tree.form.stems > 1) {
             found.push_back(fmt::format("{} stems; the diameter is that of the thickest", tree.form.stems));
@@ -192,7 +196,7 @@ PlotSegments segment_plot(const PointSet& set, const PlotOptions& options, const
         height[i] = static_cast<float>(double{points[i].z} - out.terrain.height(points[i].x, points[i].y));
     });
     ctx.report(kGroundFound);
-    const double edge = resolution_of(set, options, ctx);
+    const double edge = compute_resolution(set, options, ctx);
     const double noise = stem_noise(0.5 * edge);
     const auto trees =
         find_trees(points, height, out.terrain, options, noise, part_of(ctx, kGroundFound, kStemsFound));
@@ -224,7 +228,7 @@ PlotSegments segment_plot_by_ids(const PointSet& set, std::span<const std::uint3
     }
     std::map<std::uint32_t, std::uint32_t> number;
     for (const auto& [id, points] : count) {
-        if (points < kFewestOfTree) continue;
+        if (points < kMinOfTree) continue;
         number[id] = static_cast<std::uint32_t>(out.ids.size());
         out.ids.push_back(id);
     }
@@ -263,7 +267,7 @@ PlotExtraction extract_trees(const PointSet& set, PlotSegments segments, const C
 
 PlotExtraction extract_plot(const PointSet& set, const PlotOptions& options, const CloudOptions& tree,
                             const Context& ctx) {
-    check_fields(tree, "extract");  // before the points are looked at
+    check_fields(tree, "extract");  // before any work on the points
     return extract_trees(set, segment_plot(set, options, part_of(ctx, 0, kSegmented)), tree,
                          part_of(ctx, kSegmented, 1));
 }

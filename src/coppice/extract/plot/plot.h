@@ -18,96 +18,97 @@
 
 namespace coppice {
 
-/// How trees are told apart.
+/// Options of the segmentation of a plot.
 struct PlotOptions {
-    float least_diameter = 0.05f;  ///< [m] at breast height; thinner stems are understorey; in [0.01, 1]
-    float greatest_diameter = 2;   ///< [m] of a stem; in [0.05, 20]
+    float min_diameter = 0.05f;  ///< [m] minimum diameter at breast height of a tree; in [0.01, 1]
+    float max_diameter = 2;      ///< [m] maximum diameter of a stem; in [0.05, 20]
     float resolution =
-        0;  ///< [m] edge of voxels within which all points go to one tree; 0 = from their number
-    float widest_gap = 0.5f;  ///< [m] between points of one tree; in [0.01, 10]
+        0;  ///< [m] edge of voxels with points of one tree; 0 = computed from the number of points
+    float widest_gap = 0.5f;  ///< [m] maximum gap between points of one tree; in [0.01, 10]
 };
 
 template <class Self, class Visitor>
 requires SameOptions<Self, PlotOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(common_field("least_diameter",
-                       "Minimum diameter at breast height of a tree; thinner stems are understorey",
+    visit(common_field("min_diameter",
+                       "Minimum diameter at breast height of a tree; thinner stems are understorey.",
                        Unit::metre, 0.01, 1),
-          o.least_diameter);
-    visit(Field{"greatest_diameter", "Diameter above which nothing is a stem", Unit::metre, 0.05, 20},
-          o.greatest_diameter);
-    visit(Field{"resolution", "Edge of the voxels within which all points go to one tree; 0 chooses it",
+          o.min_diameter);
+    visit(Field{"max_diameter", "Maximum diameter of a stem.", Unit::metre, 0.05, 20}, o.max_diameter);
+    visit(Field{"resolution",
+                "Edge length of the voxels in which all points belong to one tree; 0 computes it from the "
+                "number of points.",
                 Unit::metre, 0, 1},
           o.resolution);
-    visit(Field{"widest_gap", "Widest gap between points of one tree", Unit::metre, 0.01, 10}, o.widest_gap);
+    visit(Field{"widest_gap", "Maximum gap between points of one tree.", Unit::metre, 0.01, 10},
+          o.widest_gap);
 }
 
-/// In place of the index of a tree: the point lies on the ground.
+/// Replaces the index of a tree for a point of the ground.
 inline constexpr std::uint32_t kPointOfGround = std::numeric_limits<std::uint32_t>::max();
-/// In place of the index of a tree: the point hangs on no stem.
+/// Replaces the index of a tree for a point that is not connected to any stem.
 inline constexpr std::uint32_t kPointOfNoTree = kPointOfGround - 1;
 
-/// The trees of a plot, and whose each point is.
+/// Trees of a plot, and the tree of each point.
 struct PlotSegments {
-    Terrain terrain;              ///< relative to the origin of the points
-    std::vector<StemForm> trees;  ///< their stems and heights, the thickest stem first
-    std::vector<std::uint32_t>
-        tree_of;  ///< of every point: index of its tree, kPointOfGround, kPointOfNoTree
-    std::vector<std::uint32_t> ids = {};  ///< of the trees, where their points had them
+    Terrain terrain;                      ///< relative to the origin of the points
+    std::vector<StemForm> trees;          ///< stems and heights, thickest stem first
+    std::vector<std::uint32_t> tree_of;   ///< per point: index of its tree, kPointOfGround or kPointOfNoTree
+    std::vector<std::uint32_t> ids = {};  ///< ids of the trees, if their points had ids
 };
 
-/// Finds the ground, stems and, for every point, the tree that it belongs to.
+/// Finds the ground, the stems and, for every point, its tree.
 ///
-/// Ground as find_terrain() has it. Stems are circles in slices from 0.3 to 3.9 m above it that lie above
-/// each other (see stem_form()); those that meet above the ground belong to one tree. From all stems at once
-/// shortest paths grow through the points, from one to its neighbours, so that a point goes to the tree that
-/// it hangs on by the shortest way. A way counts by its length over the cube root of the diameter, as thick
-/// trees reach farther (after [Tao2015]); jumps over gaps count more, and bends some metres, so that branches
-/// that cross go straight on. What grows on the ground beside the stems is understorey, and goes to no tree,
-/// as does what is joined to none.
+/// The ground is that of find_terrain(). Stems are circles in slices from 0.3 to 3.9 m above it that form a
+/// stack (see stem_form()); stems that meet above the ground belong to one tree. Shortest paths grow from all
+/// stems at once through neighbouring points, so that each point belongs to the tree with the shortest path
+/// to it. The length of a path is divided by the cube root of the diameter of the stem, because thick trees
+/// reach farther (after [Tao2015]); jumps over gaps have a higher cost, and bends cost some metres, so that
+/// branches that cross continue straight on. Plants on the ground near the stems are understorey and belong
+/// to no tree, like points that are not connected to any.
 ///
-/// O(n log n). Memory: some 60 bytes per point and 400 for each of at most 1.5 million voxels. The same bits
-/// for any number of threads. Throws InvalidInput for options out of range and for fewer than 20 points, or
-/// more than 2^31; Cancelled.
+/// O(n log n). Memory: some 60 bytes per point and 400 for each of at most 1.5 million voxels. The result
+/// does not depend on the number of threads. Throws InvalidInput for options out of range and for fewer than
+/// 20 points, or more than 2^31; Cancelled.
 PlotSegments segment_plot(const PointSet& points, const PlotOptions& options = {}, const Context& ctx = {});
 
-/// The same where trees are known: all points of an id are a tree, but those that lie on the ground. Trees
-/// come in the order of their ids; what has id 0 and is no ground belongs to no tree, as do the points of
-/// ids that fewer than 50 points have.
+/// Segments a plot with known trees: all points with the same id form a tree, except those on the ground.
+/// Trees are sorted by id; points with id 0 that are not ground belong to no tree, like points with an id of
+/// fewer than 50 points.
 ///
-/// O(n log n), some 60 bytes per point. Throws InvalidInput for options out of range, ids that are not as
-/// many as there are points, and for fewer than 20 points; Cancelled.
+/// O(n log n), some 60 bytes per point. Throws InvalidInput for options out of range, if the number of ids
+/// differs from the number of points, and for fewer than 20 points; Cancelled.
 PlotSegments segment_plot_by_ids(const PointSet& points, std::span<const std::uint32_t> tree_ids,
                                  const Context& ctx = {});
 
-/// A tree of a plot.
+/// Tree of a plot.
 struct PlotTree {
     StemForm form;                          ///< position, height, diameters
-    std::uint64_t points = 0;               ///< that belong to it
-    std::optional<CloudExtraction> result;  ///< its skeleton; none where `warnings` say why
-    TreeFigures figures;                    ///< of the skeleton; its doubts are among the warnings
-    Crown crown;                            ///< of its points above crown_base
-    double crown_base = 0;  ///< [m] above the ground, where the lowest large branch leaves the stem
-    std::vector<std::string> warnings;  ///< what to look at
+    std::uint64_t points = 0;               ///< number of its points
+    std::optional<CloudExtraction> result;  ///< its skeleton; empty after a failure, see `warnings`
+    TreeFigures figures;                    ///< figures of the skeleton; its doubts are among the warnings
+    Crown crown;                            ///< crown of its points above crown_base
+    double crown_base = 0;  ///< [m] height above the ground at which the lowest large branch leaves the stem
+    std::vector<std::string> warnings;  ///< properties to check
 };
 
-/// The skeletons of all trees of a plot.
+/// Skeletons of all trees of a plot.
 struct PlotExtraction {
-    PlotSegments segments;        ///< ground, stems, and whose each point is
+    PlotSegments segments;        ///< ground, stems, and the tree of each point
     std::vector<PlotTree> trees;  ///< as in `segments`
 };
 
-/// Extracts each tree of a plot by extract_from_cloud(), from the foot of its stem up, with
-/// `tree` for options; those for ground and the root do not count. The skeleton starts on the ground. A tree
-/// that fails has no skeleton and says why in its warnings; the others come out as ever.
+/// Extracts each tree of a plot by extract_from_cloud(), from the foot of its stem up, with the options
+/// `tree`; those for the ground and the root are ignored. The skeleton starts on the ground. A tree that
+/// fails has no skeleton and a warning with the reason; the other trees are not affected.
 ///
-/// Time and memory are those of extract_from_cloud() for each tree; as many trees are worked on at once as
-/// there are threads. The same bits for any number of threads. Throws InvalidInput for options out of range;
-/// Cancelled.
+/// Time and memory are those of extract_from_cloud() for each tree; as many trees are processed at once as
+/// there are threads. The result does not depend on the number of threads. Throws InvalidInput for options
+/// out of range; Cancelled.
 PlotExtraction extract_trees(const PointSet& points, PlotSegments segments, const CloudOptions& tree = {},
                              const Context& ctx = {});
 
-/// The trees that segment_plot() finds, extracted. Throws as these do.
+/// Segments a plot by segment_plot() and extracts its trees by extract_trees(). Throws the same exceptions.
 PlotExtraction extract_plot(const PointSet& points, const PlotOptions& options = {},
                             const CloudOptions& tree = {}, const Context& ctx = {});
 

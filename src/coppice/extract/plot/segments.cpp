@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "coppice/base/disjoint_sets.h"
+#include "coppice/base/id.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/progress.h"
 #include "coppice/extract/plot/segments_internal.h"
@@ -19,23 +20,25 @@ namespace coppice::extract_internal {
 namespace {
 
 constexpr std::uint32_t kNeighbours = 10;
-constexpr double kStemReach = 1.3;      // [radius] points so near to the axis of a stem are its own
-constexpr double kFootReach = 3;        // [radius] within it nothing grows but the tree, besides kFootRoom
+constexpr double kStemReach = 1.3;  // [radius] maximum distance from the axis of a stem of its own points
+constexpr double kFootReach =
+    3;  // [radius] radius about a stem without understorey, in addition to kFootRoom
 constexpr double kFootRoom = 0.3;       // [m]
-constexpr double kFloor = 0.3;          // [m] above the ground, where understorey stands
-constexpr double kUnderstorey = 0.005;  // [m] its thickness, in the place of a diameter at breast height
-constexpr double kScaling = 1.0 / 3;    // exponent of the diameter that makes ways in trees alike
-constexpr double kCourse = 0.2;         // [m] of a path, or so many voxels, over which its course is taken
+constexpr double kFloor = 0.3;          // [m] maximum height of understorey above the ground
+constexpr double kUnderstorey = 0.005;  // [m] diameter at breast height assumed for understorey
+constexpr double kScaling = 1.0 / 3;    // exponent of the diameter that normalizes path lengths in trees
+constexpr double kCourse =
+    0.2;  // [m] minimum length of a path over which its direction is measured; also in voxels
 constexpr double kCourseVoxels = 4;
-constexpr double kTurn = 4;        // [m/rad] that a bend counts
-constexpr double kFreeTurn = 0.3;  // [rad] by which courses stray of themselves
-constexpr double kMeet = 1.1;      // of the sum of two radii: stems so near are one below
+constexpr double kTurn = 4;        // [m/rad] cost of a bend
+constexpr double kFreeTurn = 0.3;  // [rad] bend without cost
+constexpr double kMeet = 1.1;      // [sum of two radii] maximum distance of stems that meet below
 constexpr double kBreast = 1.3;    // [m]
 
-/// The voxels that hold points, along the Morton curve, and the one of each point.
+/// Non-empty voxels along the Morton curve, and the voxel of each point.
 struct Voxels {
     Buffer<Vec3> centroid;
-    Buffer<float> height;  ///< [m] above the ground, mean
+    Buffer<float> height;  ///< [m] mean height above the ground
     Buffer<std::uint32_t> of_point;
 };
 
@@ -45,7 +48,7 @@ Voxels make_voxels(std::span<const Vec3> points, std::span<const float> height,
     for (std::size_t i = 0; i < used.size(); ++i) place[i] = points[used[i]];
     const Buffer<MortonPlace> order = morton_order(place, edge, ctx);
     Voxels out;
-    out.of_point.assign(points.size(), kNone);
+    out.of_point.assign(points.size(), kNoIndex);
     for (std::size_t first = 0, turn = 0; first < order.size();) {
         poll_stop(ctx, turn++);
         std::size_t last = first;
@@ -65,8 +68,7 @@ Voxels make_voxels(std::span<const Vec3> points, std::span<const float> height,
     return out;
 }
 
-/// Columns of 10 cm in which something stands higher than what lies on the floor: roots that rise to a stem,
-/// not litter about its foot.
+/// Columns of 10 cm with points above the floor: roots that rise to a stem, not litter about its foot.
 class RisingColumns {
   public:
     explicit RisingColumns(const Voxels& voxels) {
@@ -86,16 +88,17 @@ class RisingColumns {
     std::vector<std::pair<std::int64_t, std::int64_t>> keys_;
 };
 
-/// Where paths start: the tree of a voxel that lies on a stem, `trees.size()` for understorey, else kNone.
+/// Returns the sources of paths: the tree of a voxel on a stem, `trees.size()` for understorey, otherwise
+/// kNoIndex.
 std::vector<std::uint32_t> find_sources(const Voxels& voxels, std::span<const TreeStems> trees,
                                         const SegmentOptions& options, const Context& ctx) {
     const auto understorey = static_cast<std::uint32_t>(trees.size());
-    std::vector<std::uint32_t> source(voxels.centroid.size(), kNone);
+    std::vector<std::uint32_t> source(voxels.centroid.size(), kNoIndex);
     const RisingColumns rising(voxels);
     parallel_for(ctx, source.size(), 4096, [&](std::size_t v) {
         const Vec3 p = voxels.centroid[v];
         const double h = voxels.height[v];
-        double nearest = 1;  // distance over what a stem reaches
+        double nearest = 1;  // distance divided by the reach of a stem
         bool at_foot = false;
         for (std::uint32_t t = 0; t < trees.size(); ++t) {
             for (const StemTrack& stem : trees[t].stems) {
@@ -111,24 +114,24 @@ std::vector<std::uint32_t> find_sources(const Voxels& voxels, std::span<const Tr
                 at_foot = at_foot || off < kFootReach * stem.radius + kFootRoom;
             }
         }
-        if (source[v] == kNone && h < kFloor && !(at_foot && rising.holds(p))) source[v] = understorey;
+        if (source[v] == kNoIndex && h < kFloor && !(at_foot && rising.holds(p))) source[v] = understorey;
     });
     return source;
 }
 
-/// The end of a path, and how it runs there.
+/// End of a path, and its direction.
 struct PathEnd {
     double cost = std::numeric_limits<double>::infinity();
-    std::uint32_t tree = kNone;  ///< that it comes from
-    Vec3 from;                   ///< [m] where its course was last taken
-    Vec3 along;                  ///< that course, of length 1
-    float since = 0;             ///< [m] of path since then
+    std::uint32_t tree = kNoIndex;  ///< tree of its source
+    Vec3 from;                      ///< [m] position at which its direction was last measured
+    Vec3 along;                     ///< this direction, a unit vector
+    float since = 0;                ///< [m] length of the path since then
 };
 
-/// Grows all sources at once along shortest paths. The way through a tree counts less the thicker its stem is
-/// at breast height, jumps over gaps count more than twice their length, and so do bends: where branches of
-/// two trees cross, each goes straight on. For that the paths of two trees may lead through a voxel, which
-/// belongs to the nearer one.
+/// Grows all sources at once along shortest paths. The cost of a path through a tree decreases with the
+/// diameter of the stem at breast height; jumps over gaps cost more than twice their length, and bends have a
+/// cost: where branches of two trees cross, each continues straight on. For this, paths of two trees may pass
+/// through a voxel, which belongs to the closer one.
 class PathGrowth {
   public:
     PathGrowth(std::span<const Vec3> place, const Graph& graph, std::span<const double> scale, double edge)
@@ -139,10 +142,10 @@ class PathGrowth {
           stretch_(std::max(kCourse, kCourseVoxels * edge)),
           ends_(graph.size()) {}
 
-    /// The tree of each voxel, kNone where no path leads.
+    /// Returns the tree of each voxel, kNoIndex if no path reaches it.
     std::vector<std::uint32_t> run(std::span<const std::uint32_t> source, const Context& ctx) {
         for (std::uint32_t v = 0; v < graph_.size(); ++v)
-            if (source[v] != kNone) arrive(v, {0, source[v], place_[v], {0, 0, 1}, 0});
+            if (source[v] != kNoIndex) arrive(v, {0, source[v], place_[v], {0, 0, 1}, 0});
         for (std::size_t turn = 0; !open_.empty(); ++turn) {
             const Entry next = open_.top();
             open_.pop();
@@ -184,7 +187,7 @@ class PathGrowth {
         }
     }
 
-    /// Keeps the end where it is the shortest of its tree there, and one of the two shortest in all.
+    /// Stores the end if it is the shortest of its tree at v, and one of the two shortest of all trees.
     void arrive(std::uint32_t v, const PathEnd& end) {
         auto& [a, b] = ends_[v];
         PathEnd* slot = a.tree == end.tree ? &a : b.tree == end.tree ? &b : a.cost > b.cost ? &a : &b;
@@ -201,7 +204,7 @@ class PathGrowth {
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open_;
 };
 
-/// Whether one stem leaves the other above the ground.
+/// Returns whether two stems meet above the ground.
 bool meet(const StemTrack& a, const StemTrack& b) {
     const double top = std::min(a.sections.front().center.z, b.sections.front().center.z) + 0.2;
     for (double z = 0; z <= top; z += 0.05) {

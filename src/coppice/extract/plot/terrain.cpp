@@ -10,32 +10,32 @@
 namespace coppice {
 namespace {
 
-constexpr double kFineCell = 0.25;       // [m] of which the lowest point is looked at
-constexpr double kFinest = 0.5;          // [m] cells of the last raster
-constexpr std::size_t kMostCells = 500;  // along an axis
-constexpr double kSlope = 0.15;          // by which a cell may differ from the raster before, besides kRough
-constexpr double kRough = 0.06;          // [m]
-constexpr double kLowShare = 0.15;       // of the lowest points of a cell, below which strays may lie
-constexpr double kTie = 0.7;             // of a cell to each neighbour, beside its own weight of 1
+constexpr double kFineCell = 0.25;      // [m] edge of the cells of which the lowest point is used
+constexpr double kFinest = 0.5;         // [m] edge of the cells of the last raster
+constexpr std::size_t kMaxCells = 500;  // maximum number of cells along an axis
+constexpr double kSlope = 0.15;         // maximum slope of a correction, in addition to kRough
+constexpr double kRough = 0.06;         // [m]
+constexpr double kLowShare = 0.15;      // share of the lowest points of a cell that may be outliers
+constexpr double kTie = 0.7;  // weight of each neighbour of a cell; its own points have a weight of at most 1
 constexpr int kRounds = 4, kSweeps = 40;
 constexpr double kGroundShare = 0.5;
-constexpr std::size_t kFewestCells = 12;
-constexpr double kLeastRise = 0.5;  // [m] of the cloud above ground
+constexpr std::size_t kMinCells = 12;
+constexpr double kMinRise = 0.5;  // [m] minimum height of the cloud above the ground
 
 struct Low {
     double x, y, z;
-    double off = 0;  // [m] above the surface so far
+    double off = 0;  // [m] height above the current surface
 };
 
-/// Weight of a low that lies `off` above a surface: what stands above it is no ground, what lies far below it
-/// a stray.
-double weight_of(double off, double tolerance) {
+/// Returns the weight of a low `off` above a surface: points above it are not ground, points far below it are
+/// outliers.
+double compute_weight(double off, double tolerance) {
     const double t = off > 0 ? off / tolerance : off / (4 * tolerance);
     return 1 / (1 + t * t * t * t);
 }
 
-/// The lowest point of every fine cell that holds any.
-std::vector<Low> lows_of(std::span<const Vec3> points, const Box3& box, double edge, const Context& ctx) {
+/// Returns the lowest point of every non-empty fine cell.
+std::vector<Low> find_lows(std::span<const Vec3> points, const Box3& box, double edge, const Context& ctx) {
     const auto cells = [&](float size) { return static_cast<std::size_t>(double{size} / edge) + 1; };
     const std::size_t nx = cells(box.size().x), ny = cells(box.size().y);
     constexpr auto kEmpty = std::numeric_limits<std::uint32_t>::max();
@@ -56,8 +56,8 @@ std::vector<Low> lows_of(std::span<const Vec3> points, const Box3& box, double e
     return found;
 }
 
-/// The box of the points without a few strays, which would make the cells coarse.
-Box3 plan_of(std::span<const Vec3> points) {
+/// Returns the box of the points without a few outliers, which would make the cells coarse.
+Box3 make_plan(std::span<const Vec3> points) {
     constexpr std::size_t kSample = 100'000;
     constexpr double kStrays = 0.0005, kRoom = 0.1;
     Box3 box;
@@ -77,7 +77,7 @@ Box3 plan_of(std::span<const Vec3> points) {
     return box;
 }
 
-/// A raster over the box with places at the middles of its cells.
+/// Raster over the box, with heights at the centres of its cells.
 struct Raster {
     double x0, y0, cell;
     std::size_t columns, rows;
@@ -99,7 +99,8 @@ struct Raster {
     Terrain terrain() const { return {x0, y0, cell, columns, height}; }
 };
 
-/// A plane below the lowest points of coarse cells, by least squares in which what stands above it fades.
+/// Fits a plane to the lowest points of coarse cells by least squares with decreasing weights of the points
+/// above it.
 Eigen::Vector3d plane_below(const std::vector<Low>& lows, Vec3d middle, double wide) {
     Eigen::Vector3d plane = Eigen::Vector3d::Zero();
     std::vector<double> heights;
@@ -114,7 +115,7 @@ Eigen::Vector3d plane_below(const std::vector<Low>& lows, Vec3d middle, double w
         b(0) = 1e-6 * least;
         for (const Low& p : lows) {
             const Eigen::Vector3d row(1, p.x - middle.x, p.y - middle.y);
-            const double w = weight_of(p.z - row.dot(plane), tolerance);
+            const double w = compute_weight(p.z - row.dot(plane), tolerance);
             a += w * row * row.transpose();
             b += w * p.z * row;
         }
@@ -124,8 +125,8 @@ Eigen::Vector3d plane_below(const std::vector<Low>& lows, Vec3d middle, double w
     return plane;
 }
 
-/// A plane that a hundredth of the lows lie below, by their absolute distances: where there is no ground, the
-/// feet of stems are the lowest places, and few.
+/// Fits a plane above a hundredth of the lows, by absolute distances (quantile regression): without ground,
+/// the bases of stems are the lowest points, and few.
 Eigen::Vector3d plane_of_feet(const std::vector<Low>& lows, Vec3d middle) {
     constexpr double kBelow = 0.01, kSmooth = 0.02;  // [m]
     double least = lows.front().z;
@@ -147,7 +148,8 @@ Eigen::Vector3d plane_of_feet(const std::vector<Low>& lows, Vec3d middle) {
     return plane;
 }
 
-/// What the lows of each cell say of the height of the surface above the one before; not a number: nothing.
+/// Returns the height of the surface above the previous one according to the lows of each cell; NaN without
+/// lows.
 std::vector<double> offs_of_cells(const std::vector<Low>& lows, const Raster& raster) {
     std::vector<std::pair<std::size_t, double>> of;
     of.reserve(lows.size());
@@ -164,7 +166,8 @@ std::vector<double> offs_of_cells(const std::vector<Low>& lows, const Raster& ra
     return offs;
 }
 
-/// The correction of one raster: each cell is drawn to what its lows say and to its neighbours.
+/// Computes the correction of one raster: each cell is a weighted mean of the height of its lows and of its
+/// neighbours.
 void bend(Raster& raster, const std::vector<Low>& lows, const Context& ctx) {
     const std::vector<double> offs = offs_of_cells(lows, raster);
     const double tolerance = kSlope * raster.cell + kRough;
@@ -173,7 +176,7 @@ void bend(Raster& raster, const std::vector<Low>& lows, const Context& ctx) {
     for (int round = 0; round < kRounds; ++round) {
         ctx.throw_if_cancelled();
         for (std::size_t i = 0; i < u.size(); ++i) {
-            if (!std::isnan(offs[i])) weight[i] = weight_of(offs[i] - u[i], tolerance);
+            if (!std::isnan(offs[i])) weight[i] = compute_weight(offs[i] - u[i], tolerance);
         }
         for (int sweep = 0; sweep < kSweeps; ++sweep) {
             for (std::size_t j = 0; j < raster.rows; ++j) {
@@ -195,7 +198,7 @@ void bend(Raster& raster, const std::vector<Low>& lows, const Context& ctx) {
     }
 }
 
-/// Says whether it is ground, and how thick that is.
+/// Determines whether the terrain is ground, and its thickness.
 void judge(Terrain& terrain, const std::vector<Low>& lows, double top) {
     std::vector<double> near;
     const double tolerance = kSlope * kFinest + kRough;
@@ -204,18 +207,18 @@ void judge(Terrain& terrain, const std::vector<Low>& lows, double top) {
         if (off < tolerance) near.push_back(off);
     }
     terrain.share = static_cast<double>(near.size()) / static_cast<double>(lows.size());
-    terrain.is_ground = near.size() >= kFewestCells && terrain.share >= kGroundShare && top >= kLeastRise;
+    terrain.is_ground = near.size() >= kMinCells && terrain.share >= kGroundShare && top >= kMinRise;
     if (!near.empty()) terrain.clearance = std::clamp(4 * median_in_place(near), 0.08, 0.25);
 }
 
 }  // namespace
 
 Terrain find_terrain(std::span<const Vec3> points, const Context& ctx) {
-    const Box3 box = plan_of(points);
+    const Box3 box = make_plan(points);
     if (box.empty()) return {};
     const double wide = std::max({double{box.size().x}, double{box.size().y}, 1e-3});
-    const double fine = std::max(kFineCell, wide / (2.0 * kMostCells));
-    std::vector<Low> lows = lows_of(points, box, fine, ctx);
+    const double fine = std::max(kFineCell, wide / (2.0 * kMaxCells));
+    std::vector<Low> lows = find_lows(points, box, fine, ctx);
     const Vec3d middle(box.center());
     const Eigen::Vector3d plane = plane_below(lows, middle, wide);
     const auto plane_at = [&](double x, double y) {

@@ -11,16 +11,17 @@
 
 namespace coppice {
 
-/// The ground under trees, as a raster of heights. Beyond its rim the nearest height on it holds.
+/// Ground under trees, as a raster of heights. Beyond its boundary the height is that of the closest point on
+/// it.
 class Terrain {
   public:
     Terrain() = default;  ///< flat, at height 0
-    /// Heights [m] row by row, `columns` in each, the first at (x0, y0) [m], `cell` > 0 [m] apart; all
-    /// finite.
+    /// Creates a raster of heights [m], stored by rows of `columns` values, the first at (x0, y0) [m], at a
+    /// distance of `cell` > 0 [m]; all are finite.
     Terrain(double x0, double y0, double cell, std::size_t columns, std::vector<double> heights)
         : x0_(x0), y0_(y0), cell_(cell), columns_(columns), heights_(std::move(heights)) {}
 
-    /// [m] of the ground below or above a place: bilinear between the heights around it.
+    /// Returns the height [m] of the ground at a position by bilinear interpolation.
     double height(double x, double y) const {
         if (heights_.empty()) return 0;
         const std::size_t rows = heights_.size() / columns_;
@@ -36,9 +37,9 @@ class Terrain {
         return std::lerp(std::lerp(at(i, j), at(i1, j), s), std::lerp(at(i, j1), at(i1, j1), s), t);
     }
 
-    bool is_ground = false;  ///< there are points of ground; else it is a plane below nearly all points
-    double share = 0;        ///< of the cells with points whose lowest point lies on it
-    double clearance = 0;    ///< [m] above it, up to which points belong to the ground
+    bool is_ground = false;  ///< whether there are ground points; otherwise a plane below nearly all points
+    double share = 0;        ///< share of the non-empty cells with their lowest point on the ground
+    double clearance = 0;    ///< [m] thickness above it of the points that belong to the ground
 
   private:
     double x0_ = 0, y0_ = 0, cell_ = 1;
@@ -46,15 +47,14 @@ class Terrain {
     std::vector<double> heights_;
 };
 
-/// The ground of a cloud, on slopes and hummocks too.
+/// Computes the ground of a cloud, including slopes and hummocks.
 ///
-/// A plane is laid below the lowest points, and bent in rasters of ever smaller cells, down to half a metre
-/// or 1/500 of the extent, each a correction to the one before it. A cell takes part with what its lowest
-/// points say and is tied to its neighbours; what stands above the surface hardly counts, so that a cell
-/// full of branches takes the height of the ground around it, and a stray point below it counts little.
-/// It is ground where half of the cells with points have their lowest point on it, and the cloud rises
-/// above it. Else it is a plane that a hundredth of the cells' lowest points lie below, near the feet of
-/// trees. O(n). Throws Cancelled.
+/// A plane is fitted below the lowest points and corrected in rasters of decreasing cells, down to half a
+/// metre or 1/500 of the extent. A cell is the weighted mean of the height of its lowest points and of its
+/// neighbours; points above the surface have little weight, so that a cell full of branches gets the height
+/// of the surrounding ground, and an outlier below it has little influence. The surface is ground if half of
+/// the non-empty cells have their lowest point on it and the cloud rises above it. Otherwise it is a plane
+/// above a hundredth of the cells' lowest points, near the bases of trees. O(n). Throws Cancelled.
 Terrain find_terrain(std::span<const Vec3> points, const Context& ctx = {});
 
 }  // namespace coppice

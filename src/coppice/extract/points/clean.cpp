@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t kCleanGrain = 16384;
 
-Box3 bounds_of(std::span<const Vec3> points) {
+Box3 compute_bounds(std::span<const Vec3> points) {
     Box3 box;
     for (const Vec3 p : points) box.extend(p);
     return box;
@@ -34,7 +34,7 @@ bool before(Vec3 a, Vec3 b) { return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y <
 }  // namespace
 
 Buffer<MortonPlace> morton_order(std::span<const Vec3> points, double edge, const Context& ctx) {
-    const Box3 box = bounds_of(points);
+    const Box3 box = compute_bounds(points);
     constexpr double kLast = kMortonCells - 1;
     edge = std::max(edge, widest(box) / kLast);
     Buffer<MortonPlace> place(points.size());
@@ -87,8 +87,8 @@ Buffer<Vec3> voxel_downsample(std::span<const Vec3> points, double edge, const C
 Buffer<Vec3> downsample_to(Buffer<Vec3> points, std::size_t limit, const Context& ctx) {
     if (points.size() <= limit) return points;
     Buffer<Vec3> kept;
-    // Points lie on surfaces, of which voxels of the widest extent / sqrt(limit) leave about `limit`.
-    double edge = widest(bounds_of(points)) / std::sqrt(static_cast<double>(limit)) / 4;
+    // Points are on surfaces: voxels of the maximum extent / sqrt(limit) leave about `limit` of them.
+    double edge = widest(compute_bounds(points)) / std::sqrt(static_cast<double>(limit)) / 4;
     for (bool enough = false; !enough; edge *= 1.25) {
         kept = voxel_downsample(points, edge, ctx);
         enough = kept.size() <= limit;

@@ -8,6 +8,7 @@
 
 #include "coppice/base/compressed_rows.h"
 #include "coppice/base/disjoint_sets.h"
+#include "coppice/base/id.h"
 #include "coppice/base/median.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/progress.h"
@@ -17,15 +18,19 @@
 namespace coppice::extract_internal {
 namespace {
 
-constexpr std::uint32_t kVoxelNeighbours = 10, kVoxelRank = 4;  // of voxels; whose distance is the spacing
-constexpr double kOfExtent = 0.3, kOfExtentAligned = 0.5;  // of a component, as wide as gaps to it may be
-constexpr double kUnseen = 3;  // times what the way over an aligned gap would cost with points on it
+constexpr std::uint32_t
+    kVoxelNeighbours = 10,
+    kVoxelRank = 4;  // number of neighbours of a voxel; rank of the neighbour that defines the spacing
+constexpr double kOfExtent = 0.3, kOfExtentAligned = 0.5;  // [extent of a component] maximum gap to it
+constexpr double kUnseen =
+    3;  // cost factor of an aligned gap, relative to a path of the same length over points
 
-/// Nearest points of other components, by a tree of boxes that knows which boxes belong to one part alone.
+/// Finds the closest points of other components in a hierarchy of boxes; skips boxes with points of one
+/// component only.
 class NearestOther {
   public:
     NearestOther(std::span<const Vec3> points, std::span<const std::uint8_t> ignored, const Context& ctx)
-        : points_(points), tree_(boxes_of(points, ignored, used_), ctx) {
+        : points_(points), tree_(compute_boxes(points, ignored, used_), ctx) {
         for (std::uint32_t l = 0; l < tree_.level_count(); ++l) part_.emplace_back(tree_.level(l).size());
     }
 
@@ -41,13 +46,13 @@ class NearestOther {
                                                          static_cast<std::uint32_t>(part_[l - 1].size()));
                 part_[l][i] = part_[l - 1][begin];
                 for (std::uint32_t c = begin; c < end; ++c) {
-                    if (part_[l - 1][c] != part_[l][i]) part_[l][i] = kNone;
+                    if (part_[l - 1][c] != part_[l][i]) part_[l][i] = kNoIndex;
                 }
             }
         }
     }
 
-    /// Lowers `squared` and sets `found` where a point of another part is nearer.
+    /// Reduces `squared` and sets `found` if a point of another component is closer.
     void search(std::uint32_t point, double& squared, std::uint32_t& found) const {
         const Vec3d p(points_[point]);
         const std::uint32_t own = part_of_[point];
@@ -64,8 +69,9 @@ class NearestOther {
     }
 
   private:
-    static std::vector<Box3> boxes_of(std::span<const Vec3> points, std::span<const std::uint8_t> ignored,
-                                      std::vector<std::uint32_t>& used) {
+    static std::vector<Box3> compute_boxes(std::span<const Vec3> points,
+                                           std::span<const std::uint8_t> ignored,
+                                           std::vector<std::uint32_t>& used) {
         std::vector<Box3> boxes;
         for (std::uint32_t i = 0; i < points.size(); ++i) {
             if (ignored[i]) continue;
@@ -79,21 +85,22 @@ class NearestOther {
     std::span<const std::uint32_t> part_of_;
     std::vector<std::uint32_t> used_;
     BoxTree tree_;
-    std::vector<std::vector<std::uint32_t>> part_;  ///< of each box of a level; kNone = several
+    std::vector<std::vector<std::uint32_t>> part_;  ///< component of each box of a level; kNoIndex = several
 };
 
-/// The end of a limb: a place that has all points about it on one side, in a line.
+/// End of a limb: a voxel with all surrounding points on one side, in a line.
 struct LimbEnd {
     std::uint32_t place;
-    Vec3d outward;  ///< of length 1
+    Vec3d outward;  ///< unit vector
 };
 
-/// The end of a limb at a place, as voxels of this edge [m] show it.
+/// Returns the end of a limb at a voxel, if any; `edge` [m] is the edge of the voxels.
 std::optional<LimbEnd> limb_end_at(std::span<const Vec3> at, const Neighbours& near, std::uint32_t v,
                                    double edge) {
-    constexpr double kReach = 5, kBeside = 0.4;  // [edge] about a place; beyond it
-    constexpr double kLinear = 0.8;              // of the variance along the first axis, that no other has
-    constexpr int kFewest = 3;
+    constexpr double kReach = 5, kAdjacent = 0.4;  // [edge] radius about the voxel; maximum extent beyond it
+    constexpr double kLinear =
+        0.8;  // minimum share of the variance along the first axis in excess of the others
+    constexpr int kMin = 3;
     Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
     Vec3d mean;
     int count = 0;
@@ -103,7 +110,7 @@ std::optional<LimbEnd> limb_end_at(std::span<const Vec3> at, const Neighbours& n
         sum += e * e.transpose();
         mean += off;
     }
-    if (count < kFewest) return {};
+    if (count < kMin) return {};
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
     solver.computeDirect(sum);
     const auto& spread = solver.eigenvalues();
@@ -113,24 +120,24 @@ std::optional<LimbEnd> limb_end_at(std::span<const Vec3> at, const Neighbours& n
     if (dot(outward, mean) > 0) outward = outward * -1;
     for (int k = 0; k < count; ++k) {
         const Vec3d off = Vec3d(at[near.of(v)[static_cast<std::size_t>(k)]]) - Vec3d(at[v]);
-        if (dot(off, outward) > kBeside * edge) return {};
+        if (dot(off, outward) > kAdjacent * edge) return {};
     }
     return LimbEnd{v, outward};
 }
 
-/// The points that stand for the voxels of one size.
+/// Representative points of the voxels of one size.
 struct VoxelPoints {
-    std::vector<std::uint32_t> point;  ///< of each voxel that holds any, the one closest to their mean
-    Buffer<Vec3> at;                   ///< [m] of these
+    std::vector<std::uint32_t> point;  ///< per non-empty voxel, the point closest to the mean
+    Buffer<Vec3> at;                   ///< [m] positions of these points
 };
 
-/// Links of at most `limit` [m] between ends of limbs of different components that point at each other: each
-/// end to the one that it leads to best.
+/// Adds links of at most `limit` [m] between ends of limbs of different components that point at each other:
+/// of each end to the best other one.
 void link_ends(const VoxelPoints& voxels, const Neighbours& near, const Components& parts, double edge,
                double limit, std::vector<Link>& links, const Context& ctx) {
-    constexpr std::uint32_t kOthers = 32;  // ends about an end, that are looked at
-    constexpr double kAligned = 0.87;      // cosine between both ends and the way from one to the other
-    constexpr double kBend = 4;            // times (1 - cosine) of both bends, added to the length
+    constexpr std::uint32_t kOthers = 32;  // number of adjacent ends considered per end
+    constexpr double kAligned = 0.87;      // minimum cosine between both ends and the line between them
+    constexpr double kBend = 4;            // weight of (1 - cosine) of both bends, relative to the length
     std::vector<std::optional<LimbEnd>> found(voxels.at.size());
     parallel_for(ctx, found.size(), 1024, [&](std::size_t v) {
         found[v] = limb_end_at(voxels.at, near, static_cast<std::uint32_t>(v), edge);
@@ -146,7 +153,7 @@ void link_ends(const VoxelPoints& voxels, const Neighbours& near, const Componen
     const Neighbours others = nearest_neighbours(place, kOthers, ctx);
     for (std::uint32_t e = 0; e < ends.size(); ++e) {
         const std::uint32_t from = voxels.point[ends[e].place];
-        Link best{kNone, kNone, 0};
+        Link best{kNoIndex, kNoIndex, 0};
         double least = std::numeric_limits<double>::infinity();
         for (std::uint32_t k = 0; k < others.count; ++k) {
             const LimbEnd& other = ends[others.of(e)[k]];
@@ -160,14 +167,14 @@ void link_ends(const VoxelPoints& voxels, const Neighbours& near, const Componen
             least = cost;
             best = {from, to, static_cast<float>(length)};
         }
-        if (best.from != kNone) links.push_back(best);
+        if (best.from != kNoIndex) links.push_back(best);
     }
 }
 
-/// The points that stand for voxels of this edge [m].
+/// Merges representative points into those of voxels of this edge [m].
 VoxelPoints merge_voxels(const VoxelPoints& from, double edge, const Context& ctx) {
     const VoxelGrid grid = voxel_grid(from.at, edge, ctx);
-    std::vector<std::uint32_t> best(grid.centroid.size(), kNone);
+    std::vector<std::uint32_t> best(grid.centroid.size(), kNoIndex);
     std::vector<float> off(best.size(), std::numeric_limits<float>::infinity());
     for (std::uint32_t i = 0; i < from.at.size(); ++i) {
         const std::uint32_t v = grid.of_point[i];
@@ -184,14 +191,13 @@ VoxelPoints merge_voxels(const VoxelPoints& from, double edge, const Context& ct
     return out;
 }
 
-/// Links between the components of points over gaps.
+/// Links across gaps between components.
 struct GapLinks {
-    std::vector<Link>
-        close;  ///< between points that stand for ever larger voxels, each to the closest others
-    std::vector<Link> aligned;  ///< between ends of limbs that lead on to each other
+    std::vector<Link> close;    ///< between the closest representative points of increasing voxels
+    std::vector<Link> aligned;  ///< between ends of limbs that continue each other
 };
 
-/// Of at most `limit` [m]; `spacing` [m] is the median one of the points.
+/// Returns links of at most `limit` [m]; `spacing` [m] is the median spacing of the points.
 GapLinks find_gap_links(std::span<const Vec3> points, std::span<const std::uint8_t> ignored,
                         const Components& parts, double limit, double spacing, const Context& ctx) {
     VoxelPoints voxels;
@@ -218,16 +224,16 @@ GapLinks find_gap_links(std::span<const Vec3> points, std::span<const std::uint8
     return links;
 }
 
-/// How wide a gap may be that a component is joined over [m]: no wider than a share of what it holds beyond.
+/// Returns the maximum gap [m] to each component: a share of its extent.
 std::vector<double> reach_of_parts(std::span<const Vec3> points, std::span<const std::uint8_t> ignored,
                                    const Components& parts, const GapRule& gap, double share) {
-    constexpr std::uint32_t kFewest = 20;  // points
+    constexpr std::uint32_t kMin = 20;  // minimum number of points
     std::vector<Box3> box(parts.size.size());
     for (std::uint32_t p = 0; p < points.size(); ++p)
         if (!ignored[p]) box[parts.of[p]].extend(points[p]);
     std::vector<double> out(box.size(), 0);
     for (std::size_t i = 0; i < box.size(); ++i)
-        if (parts.size[i] >= kFewest)
+        if (parts.size[i] >= kMin)
             out[i] = std::clamp(share * double{box[i].diagonal()}, gap.usual, gap.widest);
     return out;
 }
@@ -247,26 +253,26 @@ std::vector<Link> bridge_gaps(std::span<const Vec3> points, std::span<const std:
     for (bool joined = true; joined;) {
         for (std::uint32_t i = 0; i < part_of.size(); ++i) part_of[i] = sets.find(parts.of[i]);
         nearest.set_parts(part_of);
-        std::vector<Link> best(parts.size.size(), {kNone, kNone, 0});
+        std::vector<Link> best(parts.size.size(), {kNoIndex, kNoIndex, 0});
         parallel_for(ctx, parts.size.size(), 16, [&](std::size_t part) {
             double squared = limit * limit;
             for (const std::uint32_t p : members[part]) {
-                if (ctx.stop.stop_requested()) return;  // one part may hold nearly all points
-                std::uint32_t found = kNone;
+                if (ctx.stop.stop_requested()) return;  // one component may contain nearly all points
+                std::uint32_t found = kNoIndex;
                 nearest.search(p, squared, found);
-                if (found != kNone) best[part] = {p, found, static_cast<float>(std::sqrt(squared))};
+                if (found != kNoIndex) best[part] = {p, found, static_cast<float>(std::sqrt(squared))};
             }
         });
-        // Of the parts that are one already only the shortest way out counts; ties go to the lower number.
-        std::vector<Link> chosen(parts.size.size(), {kNone, kNone, 0});
+        // Of components that are already joined only the shortest link counts; ties use the smaller index.
+        std::vector<Link> chosen(parts.size.size(), {kNoIndex, kNoIndex, 0});
         for (std::uint32_t part = 0; part < best.size(); ++part) {
             Link& out = chosen[sets.find(part)];
-            if (best[part].from != kNone && (out.from == kNone || best[part].length < out.length))
+            if (best[part].from != kNoIndex && (out.from == kNoIndex || best[part].length < out.length))
                 out = best[part];
         }
         joined = false;
         for (const Link& link : chosen) {
-            if (link.from == kNone || !sets.join(parts.of[link.from], parts.of[link.to])) continue;
+            if (link.from == kNoIndex || !sets.join(parts.of[link.from], parts.of[link.to])) continue;
             bridges.push_back(link);
             joined = true;
         }

@@ -11,25 +11,26 @@
 
 namespace coppice::extract_internal {
 
-/// The shortest links that join what lies nearer together than `limit` [m] into one component, as a minimal
-/// spanning tree does: Boruvka's rounds over a hierarchy of boxes. O(n log n) per round.
+/// Returns the shortest links that join components closer than `limit` [m], as in a minimum spanning tree:
+/// Boruvka's rounds over a hierarchy of boxes. O(n log n) per round.
 std::vector<Link> bridge_gaps(std::span<const Vec3> points, std::span<const std::uint8_t> ignored,
                               const Components& parts, double limit, const Context& ctx);
 
-/// Gaps that are bridged.
+/// Maximum widths of bridged gaps.
 struct GapRule {
-    double usual = 0;   ///< [m] between anything
-    double widest = 0;  ///< [m] between large components, as far as a third of their extent
+    double usual = 0;   ///< [m] between any components
+    double widest = 0;  ///< [m] between large components, up to a third of their extent
 };
 
-/// The points joined to their neighbours, with gaps between components bridged by the shortest links, and by
-/// those between the closest of ever larger voxels: paths choose among them. Where the ends of two limbs lead
-/// on to each other, a link counts as three times the way that points would have shown.
+/// Graph of the points and their neighbours, with gaps between components bridged by the shortest links and
+/// by links between the closest representative points of increasing voxels, from which paths select. A link
+/// between two ends of limbs that continue each other costs three times as much as a path of the same length
+/// over points.
 struct ConnectedGraph {
     Graph graph;
     Components components;
-    std::vector<Link> bridges;  ///< the shortest ones over the usual gaps
-    std::uint32_t wide = 0;     ///< gaps wider than usual that were bridged
+    std::vector<Link> bridges;  ///< shortest links across usual gaps
+    std::uint32_t wide = 0;     ///< number of bridged gaps that are wider than usual
 };
 ConnectedGraph connect_points(std::span<const Vec3> points, const Neighbours& neighbours,
                               std::span<const std::uint8_t> ignored, const GapRule& gap, const Context& ctx);

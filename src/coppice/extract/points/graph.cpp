@@ -7,6 +7,7 @@
 
 #include "coppice/base/compressed_rows.h"
 #include "coppice/base/disjoint_sets.h"
+#include "coppice/base/id.h"
 #include "coppice/base/median.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/progress.h"
@@ -15,9 +16,9 @@
 namespace coppice::extract_internal {
 namespace {
 
-constexpr double kTurn = 4;     // times (1 - cosine) of a turn, added to what a link costs
-constexpr double kInward = 8;   // times (1 - cosine)^2 against how branches grow, the same
-constexpr double kHeading = 3;  // [spacing] over which a path forgets how it went on
+constexpr double kTurn = 4;     // weight of (1 - cosine) of a turn, added to the relative cost of a link
+constexpr double kInward = 8;   // weight of (1 - cosine)^2 against the direction of growth
+constexpr double kHeading = 3;  // [spacing] decay length of the direction of a path
 
 /// Calls visit(i, j, length) once for every link.
 template <class Visit>
@@ -36,7 +37,7 @@ void for_each_link(const Neighbours& neighbours, std::span<const std::uint8_t> i
     for (const Link& link : more) visit(link.from, link.to, link.length);
 }
 
-/// Times the cost of a link that goes on straight and outward.
+/// Returns the cost of a link relative to a link straight on and outward.
 double detour(const PathCost& rule, std::span<const Vec3> heading, std::uint32_t p, std::uint32_t q,
               Vec3 along) {
     double factor = 1;
@@ -47,7 +48,7 @@ double detour(const PathCost& rule, std::span<const Vec3> heading, std::uint32_t
     return factor * (1 + kInward * off * off);
 }
 
-/// The sets as components, in the order of their least members.
+/// Converts the sets to components, sorted by their first members.
 Components numbered_sets(DisjointSets& sets, std::size_t count) {
     Components parts;
     parts.of.resize(count);
@@ -63,7 +64,7 @@ Components numbered_sets(DisjointSets& sets, std::size_t count) {
     return parts;
 }
 
-/// Dijkstra's algorithm.
+/// State of Dijkstra's algorithm.
 struct PathSearch {
     PathSearch(const Graph& of, std::span<const std::uint32_t> taken_points, const PathCost& cost_rule)
         : graph(of),
@@ -75,20 +76,20 @@ struct PathSearch {
         const float most = median(rule.spacing);
         for (float& s : spacing) s = std::min(s, most);
         for (std::uint32_t p = 0; p < graph.size(); ++p)
-            if (taken[p] != kNone) cost[p] = kNever;
-        paths.parent.assign(graph.size(), kNone);
+            if (taken[p] != kNoIndex) cost[p] = kNever;
+        paths.parent.assign(graph.size(), kNoIndex);
         paths.distance.assign(graph.size(), std::numeric_limits<float>::infinity());
     }
 
-    /// Ends the path to a point, of this cost, and leads on to what is not yet reached as cheaply.
+    /// Finalizes the path to a point with this cost and relaxes its links.
     void settle(std::uint32_t p, double at) {
-        if (taken[p] == kNone) {
+        if (taken[p] == kNoIndex) {
             paths.order.push_back(p);
             paths.distance[p] = static_cast<float>(at);
         }
         for (std::uint32_t e = graph.first[p]; e < graph.first[p + 1]; ++e) {
             const std::uint32_t q = graph.to[e];
-            if (cost[q] <= at) continue;  // settled, or taken
+            if (cost[q] <= at) continue;  // finalized, or taken
             const double share = double{graph.length[e]} / (0.5 * (double{spacing[p]} + double{spacing[q]}));
             if (at + kMinDetour * (share * share) >= cost[q]) continue;
             Vec3 along;
@@ -105,25 +106,25 @@ struct PathSearch {
         }
     }
 
-    static constexpr double kNever = -1;       // the cost of what is taken: no path is cheaper
-    static constexpr double kMinDetour = 0.9;  // less than any, with rounding
+    static constexpr double kNever = -1;       // cost of taken points: no path is cheaper
+    static constexpr double kMinDetour = 0.9;  // lower bound of the relative cost, including rounding
 
     const Graph& graph;
     std::span<const std::uint32_t> taken;
     const PathCost& rule;
     Buffer<double> cost;
-    Buffer<float> spacing;  // [m] no more than the median one
-    Buffer<Vec3> heading;   // of the path at each point; empty where turns cost nothing
+    Buffer<float> spacing;  // [m] limited to the median
+    Buffer<Vec3> heading;   // direction of the path at each point; empty if turns have no cost
     RadixHeap open;
     Paths paths;
 };
 
-/// Unmarks starts that are taken and have none but taken points about them: no path leaves them.
+/// Unmarks taken sources with only taken neighbours: no path leaves them.
 void drop_enclosed(const Graph& graph, std::span<const std::uint32_t> taken,
                    std::vector<std::uint8_t>& starts) {
     std::vector<std::uint8_t> enclosed(graph.size(), 1);
     for (std::uint32_t p = 0; p < graph.size(); ++p) {
-        if (taken[p] != kNone) continue;
+        if (taken[p] != kNoIndex) continue;
         enclosed[p] = 0;
         for (std::uint32_t e = graph.first[p]; e < graph.first[p + 1]; ++e) enclosed[graph.to[e]] = 0;
     }
@@ -185,7 +186,7 @@ Paths shortest_paths(const Graph& graph, std::span<const std::uint32_t> sources,
     std::vector<std::uint8_t> starts(graph.size(), 0);
     for (const std::uint32_t p : sources) {
         starts[p] = 1;
-        if (taken[p] == kNone) search.cost[p] = 0;
+        if (taken[p] == kNoIndex) search.cost[p] = 0;
     }
     if (2 * sources.size() > graph.size()) drop_enclosed(graph, taken, starts);
     std::size_t turn = 0;

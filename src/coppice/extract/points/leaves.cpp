@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "coppice/base/box.h"
+#include "coppice/base/id.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/progress.h"
 #include "coppice/extract/points/gaps_internal.h"
@@ -15,18 +16,19 @@ namespace coppice::extract_internal {
 namespace {
 
 constexpr std::size_t kLeavesGrain = 4096;
-constexpr double kCoarsest = 0.025;         // [height] spacing; beyond either, crowns of twigs look like
-constexpr double kWidest = 0.1;             // [m] leaves
-constexpr double kLeafyShare = 0.25;        // least share of places of high dispersion that tells of leaves
-constexpr double kLeafyMean = 0.175;        // least mean above the threshold that tells of leaves
-constexpr double kSmoothMean = 0.09;        // greatest mean below it; more is noise
-constexpr std::size_t kFewestPlaces = 100;  // of a scale
-constexpr int kSmoothPasses = 2;            // of the dispersion of points
-constexpr double kBeyond = 10;              // [spacing] wood is longer, or leads to what is farther
-constexpr float kSlender = 35;              // [radius] length that a branch bears at most
-constexpr int kReachPasses = 24;            // each reaches over about two spacings
+constexpr double kCoarsest =
+    0.025;  // [height] maximum spacing of a scale; at coarser scales crowns of twigs look like leaves
+constexpr double kWidest = 0.1;       // [m] maximum spacing of a scale
+constexpr double kLeafyShare = 0.25;  // minimum share of points of high dispersion in a cloud with leaves
+constexpr double kLeafyMean = 0.175;  // minimum mean dispersion above the threshold in a cloud with leaves
+constexpr double kSmoothMean = 0.09;  // maximum mean dispersion below the threshold; larger values are noise
+constexpr std::size_t kMinPlaces = 100;  // minimum number of points of a scale
+constexpr int kSmoothPasses = 2;         // smoothing passes of the dispersion
+constexpr double kBeyond = 10;           // [spacing] minimum length of wood, or of the path beyond it
+constexpr float kSlender = 35;           // [radius] maximum length that a branch supports
+constexpr int kReachPasses = 24;         // each pass covers about two spacings
 
-/// A cloud as it is seen from afar; at the finest scale the points themselves, which it does not own.
+/// Cloud at one resolution; at the finest scale the points themselves, by reference.
 struct Scale {
     std::span<const Vec3> points;
     const Neighbours* point_rows;
@@ -47,17 +49,17 @@ Scale finest_scale(std::span<const Vec3> points, const Neighbours& near, const C
     return {points, &near, {}, {}, normal_dispersion(points, near, ctx)};
 }
 
-/// Nothing where voxels no longer change anything, or too little is left.
+/// Returns nullopt if the voxels have no effect, or if too few points are left.
 std::optional<Scale> coarser_scale(const Scale& fine, double edge, const Context& ctx) {
     Scale scale{fine.points, fine.point_rows, voxel_grid(fine.points, edge, ctx), {}, {}, true};
-    if (scale.voxels.centroid.size() < kFewestPlaces) return {};
+    if (scale.voxels.centroid.size() < kMinPlaces) return {};
     scale.rows = nearest_neighbours(scale.voxels.centroid, kDispersionNeighbours, ctx);
     scale.dispersion = normal_dispersion(scale.voxels.centroid, scale.rows, ctx);
     if (!(scale.dispersion.spacing > fine.dispersion.spacing)) return {};
     return scale;
 }
 
-/// The finest scale at which leaves show, and true; else the coarsest, and false.
+/// Returns the finest scale with leaves, and true; otherwise the coarsest one, and false.
 std::pair<Scale, bool> find_scale(std::span<const Vec3> points, const Neighbours& near, const Context& ctx) {
     Box3 box;
     for (const Vec3 p : points) box.extend(p);
@@ -66,7 +68,7 @@ std::pair<Scale, bool> find_scale(std::span<const Vec3> points, const Neighbours
     for (double edge = 2 * here.dispersion.spacing; here.dispersion.spacing <= coarsest; edge *= 2) {
         std::optional<Scale> next = coarser_scale(here, edge, ctx);
         if (!next) break;
-        // Noise gives wood a high dispersion too, but not at the next scale.
+        // Noise also increases the dispersion of wood, but not at the next scale.
         if (here.leafy() && next->leafy() && here.dispersion.low_mean <= kSmoothMean)
             return {std::move(here), true};
         if (next->dispersion.spacing > coarsest) break;
@@ -75,7 +77,7 @@ std::pair<Scale, bool> find_scale(std::span<const Vec3> points, const Neighbours
     return {std::move(here), false};
 }
 
-/// The dispersion of the places of points, averaged over neighbours.
+/// Returns the dispersion at the points, averaged over neighbours.
 Buffer<float> smoothed(const Scale& scale, const Context& ctx) {
     const Neighbours& near = *scale.point_rows;
     const std::uint32_t count = std::min(kDispersionNeighbours, near.count);
@@ -92,14 +94,14 @@ Buffer<float> smoothed(const Scale& scale, const Context& ctx) {
     return value;
 }
 
-/// Marks the places all points of which are marked.
+/// Marks the voxels in which all points are marked.
 std::vector<std::uint8_t> marked_voxels(const Scale& scale, std::span<const std::uint8_t> marked) {
     std::vector<std::uint8_t> all(scale.at().size(), 1);
     for (std::size_t i = 0; i < marked.size(); ++i) all[scale.of(i)] &= marked[i];
     return all;
 }
 
-/// How far the shortest paths from the roots go on beyond every place [m].
+/// Returns how far the shortest paths from the roots continue beyond every point [m].
 Buffer<float> length_beyond(const Scale& scale, std::span<const std::uint8_t> ignored,
                             const LeafOptions& options, const Context& ctx) {
     const auto at = scale.at();
@@ -110,21 +112,22 @@ Buffer<float> length_beyond(const Scale& scale, std::span<const std::uint8_t> ig
          find_roots(at, near, joined.components, {scale.dispersion.spacing, options.root}, ctx)) {
         sources.insert(sources.end(), base.begin(), base.end());
     }
-    // One spacing for all: leaves are no sparser than wood.
+    // Uses one spacing for all: leaves are at least as dense as wood.
     const Buffer<float> spacing(at.size(), static_cast<float>(scale.dispersion.spacing));
-    const std::vector<std::uint32_t> free(at.size(), kNone);
+    const std::vector<std::uint32_t> free(at.size(), kNoIndex);
     const Paths paths = shortest_paths(joined.graph, sources, free, {spacing}, ctx);
     Buffer<float> beyond(at.size(), 0);
     for (std::size_t k = paths.order.size(); k-- > 0;) {
         const std::uint32_t p = paths.order[k], q = paths.parent[p];
-        if (q == kNone) continue;
+        if (q == kNoIndex) continue;
         beyond[q] = std::max(beyond[q], beyond[p] + length(at[p] - at[q]));
     }
     return beyond;
 }
 
-/// How far about every place there may be wood that bears what lies beyond [m], negative where there is none:
-/// paths lead along the surface of a branch, the rest of which is as far from them as it is thick.
+/// Returns the distance [m] around every point within which there may be wood that supports the path beyond,
+/// negative without wood: paths follow the surface of a branch, and the rest of the branch is within its
+/// thickness.
 Buffer<float> wood_reach(const Buffer<float>& beyond, const Neighbours& near, double least,
                          const Context& ctx) {
     Buffer<float> reach(beyond.size()), scratch(beyond.size());
@@ -141,8 +144,7 @@ Buffer<float> wood_reach(const Buffer<float>& beyond, const Neighbours& near, do
     return reach;
 }
 
-/// Gives pieces of wood that are shorter than `least` [m] to the leaves around them. `out` are leaves and
-/// points that are ignored.
+/// Assigns components of wood shorter than `least` [m] to the leaves. `out` marks leaves and ignored points.
 void drop_small_wood(std::vector<std::uint8_t>& leaf, const Scale& scale, std::span<const std::uint8_t> out,
                      double least, const Context& ctx) {
     const Components parts = components(scale.near(), marked_voxels(scale, out), {}, ctx);
@@ -160,7 +162,7 @@ void drop_small_wood(std::vector<std::uint8_t>& leaf, const Scale& scale, std::s
 std::vector<std::uint8_t> find_leaves(std::span<const Vec3> points, const Neighbours& near,
                                       std::span<const std::uint8_t> ignored, const LeafOptions& options,
                                       const Context& ctx) {
-    // Other numbers of neighbours would shift all thresholds.
+    // A different number of neighbours would change all thresholds.
     if (near.count < kDispersionNeighbours && near.count + 1 < points.size()) {
         return find_leaves(points, nearest_neighbours(points, kDispersionNeighbours, ctx), ignored, options,
                            ctx);

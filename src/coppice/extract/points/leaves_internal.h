@@ -14,25 +14,26 @@
 namespace coppice::extract_internal {
 
 struct LeafOptions {
-    bool always = false;        ///< take some for leaves even where the cloud shows none
-    GapRule gap = {};           ///< that paths cross
-    std::optional<Vec3d> root;  ///< [m] where the one tree stands; else as find_roots() says
+    bool always = false;  ///< classify some points as leaves even if the cloud appears to have no leaves
+    GapRule gap = {};     ///< maximum widths of gaps that paths cross
+    std::optional<Vec3d> root;  ///< [m] position of the only tree; by default that of find_roots()
 };
 
-/// Marks the points of leaves (1), told from wood by coordinates alone; none where the cloud shows none.
+/// Marks the points of leaves (1), separated from wood by coordinates alone; none if the cloud has no leaves.
 ///
-/// Normals of wood lie in a plane, those of leaves point everywhere: `NormalDispersion`. It is measured at
+/// Normals of wood are in a plane, those of leaves have all directions: `NormalDispersion`. It is computed at
 /// scales from the points themselves on, each twice as coarse, up to a spacing of 10 cm or 2.5 % of the
-/// height. Leaves show where a quarter of the places has a high dispersion, the mean above the threshold is
-/// high, both hold at the next scale too, and the mean below it is low: noise differs in one of the last two.
+/// height. A cloud has leaves if a quarter of the points of a scale have a high dispersion, the mean above
+/// the threshold is high, both are also true at the next scale, and the mean below the threshold is low:
+/// noise violates one of the last two conditions.
 ///
-/// Points above the threshold there are leaves, unless shortest paths from the roots lead through or beside
-/// them to what lies ten spacings beyond: that is wood amid leaves, as in [Vicari2019]. Beside means within
-/// 1/35 of the length of what lies beyond, since branches are at least about so thick. Last, pieces of wood
-/// shorter than ten spacings become leaves.
+/// Points above the threshold at this scale are leaves, unless shortest paths from the roots pass through
+/// them or near them to points more than ten spacings beyond: these are wood among leaves, as in
+/// [Vicari2019]. Near means within 1/35 of the length beyond, because branches have at least about this
+/// thickness. Finally, components of wood shorter than ten spacings become leaves.
 ///
-/// `ignored` are points that count for nothing, and are not marked. O(n log n); about 300 bytes per point
-/// while it runs; the same bits for any number of threads. Throws Cancelled.
+/// `ignored` points have no influence and are not marked. O(n log n); about 300 bytes of additional memory
+/// per point. The result does not depend on the number of threads. Throws Cancelled.
 std::vector<std::uint8_t> find_leaves(std::span<const Vec3> points, const Neighbours& near,
                                       std::span<const std::uint8_t> ignored, const LeafOptions& options,
                                       const Context& ctx);

@@ -11,9 +11,9 @@
 
 namespace coppice::extract_internal {
 
-/// The nearest other points of every point, near to far, in rows of equal length.
+/// Closest other points of every point, sorted by distance, in rows of equal length.
 struct Neighbours {
-    std::uint32_t count = 0;  ///< in each row; less than asked for only where there are too few points
+    std::uint32_t count = 0;  ///< in each row; less than requested only if there are too few points
     Buffer<std::uint32_t> index;
     Buffer<float> distance;  ///< [m]
 
@@ -24,10 +24,11 @@ struct Neighbours {
     }
 };
 
-/// At least one point, at most 2^32 - 2. Points that are near in memory should be near in space. O(n log n).
+/// Finds the closest points of every point. Requires 1 to 2^32 - 2 points. Points close in space should be
+/// close in memory. O(n log n).
 Neighbours nearest_neighbours(std::span<const Vec3> points, std::uint32_t count, const Context& ctx);
 
-/// The distance to the `rank`-th neighbour of every point [m].
+/// Returns the distance [m] of every point to its `rank`-th neighbour.
 Buffer<float> local_spacing(const Neighbours& neighbours, std::uint32_t rank);
 
 }  // namespace coppice::extract_internal

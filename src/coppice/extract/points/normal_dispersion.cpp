@@ -14,12 +14,12 @@ namespace coppice::extract_internal {
 namespace {
 
 constexpr std::size_t kNormalDispersionGrain = 4096;
-constexpr std::uint32_t kNormalNeighbours = 8;  // of which a normal is made
-constexpr std::uint32_t kSpacingRank = 4;       // the neighbour whose distance is the spacing
-constexpr int kPasses = 8;                      // of averaging
-constexpr float kHigh = 0.15f;                  // beyond it a point counts for the share
+constexpr std::uint32_t kNormalNeighbours = 8;  // number of neighbours that determine a normal
+constexpr std::uint32_t kSpacingRank = 4;       // rank of the neighbour that defines the spacing
+constexpr int kPasses = 8;                      // number of averaging passes
+constexpr float kHigh = 0.15f;                  // minimum dispersion of the points counted in the share
 
-/// A symmetric matrix: xx, yy, zz, xy, xz, yz.
+/// Symmetric matrix: xx, yy, zz, xy, xz, yz.
 using Tensor = std::array<float, 6>;
 
 Tensor normal_squared(std::span<const Vec3> points, const Neighbours& near, std::size_t i) {
@@ -39,7 +39,7 @@ Tensor normal_squared(std::span<const Vec3> points, const Neighbours& near, std:
     return {n[0] * n[0], n[1] * n[1], n[2] * n[2], n[0] * n[1], n[0] * n[2], n[1] * n[2]};
 }
 
-float least_eigenvalue(const Tensor& t) {
+float min_eigenvalue(const Tensor& t) {
     Eigen::Matrix3f m;
     m << t[0], t[3], t[4], t[3], t[1], t[5], t[4], t[5], t[2];
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver;
@@ -62,10 +62,10 @@ void average(Buffer<Tensor>& tensor, Buffer<Tensor>& scratch, const Neighbours& 
 
 struct OtsuSplit {
     float threshold = 0;
-    double low_mean = 0, high_mean = 0;  // of the values on both sides
+    double low_mean = 0, high_mean = 0;  // means of the values on both sides
 };
 
-/// Divides values in [0, 1/3] such that the variance within both parts is least [Otsu1979].
+/// Returns the threshold that minimizes the variance within both classes of values in [0, 1/3] [Otsu1979].
 OtsuSplit otsu_threshold(std::span<const float> values) {
     constexpr std::size_t kBins = 256;
     constexpr double kWidth = 1.0 / (3 * kBins);
@@ -89,7 +89,7 @@ OtsuSplit otsu_threshold(std::span<const float> values) {
     return split;
 }
 
-/// For every point the first point in its voxel.
+/// Returns for each point the first point in its voxel.
 Buffer<std::uint32_t> first_in_voxel(std::span<const Vec3> points, double edge, const Context& ctx) {
     const Buffer<MortonPlace> sorted = morton_order(points, edge, ctx);
     Buffer<std::uint32_t> first(points.size());
@@ -113,7 +113,7 @@ NormalDispersion normal_dispersion(std::span<const Vec3> points, const Neighbour
     }
     out.value.resize(count);
     parallel_for(ctx, count, kNormalDispersionGrain,
-                 [&](std::size_t i) { out.value[i] = least_eigenvalue(tensor[i]); });
+                 [&](std::size_t i) { out.value[i] = min_eigenvalue(tensor[i]); });
     out.spacing = median(local_spacing(near, kSpacingRank));
     out.share = static_cast<double>(std::ranges::count_if(out.value, [](float v) { return v > kHigh; })) /
                 static_cast<double>(count);

@@ -3,23 +3,25 @@
 #include <functional>
 #include <limits>
 
+#include "coppice/base/id.h"
 #include "coppice/base/progress.h"
 #include "coppice/extract/points/graph_internal.h"
 
 namespace coppice::extract_internal {
 namespace {
 
-constexpr double kBand = 0.06;         // of a tree's height, where trunks are looked for
-constexpr double kTrunkShare = 0.4;    // of the points of the largest trunk, at least, for another one
-constexpr double kTreeShare = 0.1;     // of the points of the largest part, at least, for another tree
-constexpr std::uint32_t kFewest = 20;  // points of a tree
+constexpr double kBand = 0.06;       // [height of a tree] height of the band in which trunks are searched
+constexpr double kTrunkShare = 0.4;  // minimum number of points of another trunk, relative to the largest one
+constexpr double kTreeShare =
+    0.1;  // minimum number of points of another tree, relative to the largest component
+constexpr std::uint32_t kMin = 20;  // minimum number of points of a tree
 
 struct Slice {
     std::vector<std::uint32_t> points;
     float low = 0, high = 0;
 };
 
-/// The points of one component with z <= top, by connected pieces.
+/// Returns the points of one component with z <= top, by connected sections.
 std::vector<Slice> pieces_below(std::span<const Vec3> points, const Graph& graph,
                                 std::span<const std::uint32_t> members, float top,
                                 std::vector<std::uint8_t>& seen, const Context& ctx) {
@@ -49,7 +51,7 @@ std::vector<Slice> pieces_below(std::span<const Vec3> points, const Graph& graph
     return pieces;
 }
 
-/// The lowest slice of a trunk: wide enough to hold a ring of points.
+/// Returns the lowest slice of a trunk, high enough to contain a ring of points.
 std::vector<std::uint32_t> base_of(std::span<const Vec3> points, const Slice& trunk, double spacing) {
     std::vector<std::uint32_t> base;
     const double top = trunk.low + std::min(std::max(1.5 * spacing, 0.05 * (trunk.high - trunk.low)),
@@ -61,9 +63,9 @@ std::vector<std::uint32_t> base_of(std::span<const Vec3> points, const Slice& tr
     return base;
 }
 
-/// The point of the graph that is nearest to a place; kNone where the graph has no edge.
+/// Returns the point of the graph closest to a position; kNoIndex if the graph has no edge.
 std::uint32_t nearest_point(std::span<const Vec3> points, const Graph& graph, Vec3d place) {
-    std::uint32_t nearest = kNone;
+    std::uint32_t nearest = kNoIndex;
     double least = std::numeric_limits<double>::infinity();
     for (std::uint32_t i = 0; i < points.size(); ++i) {
         const double squared = length_squared(Vec3d(points[i]) - place);
@@ -74,27 +76,27 @@ std::uint32_t nearest_point(std::span<const Vec3> points, const Graph& graph, Ve
     return nearest;
 }
 
-/// The points of each component that is large enough for a tree; none of the others.
+/// Returns the points of each component that is large enough for a tree; empty for the others.
 std::vector<std::vector<std::uint32_t>> points_of_trees(const Components& parts) {
     const std::uint32_t largest = *std::ranges::max_element(parts.size);
     std::vector<std::vector<std::uint32_t>> members(parts.size.size());
     for (std::uint32_t i = 0; i < parts.of.size(); ++i) {
         const std::uint32_t part = parts.of[i];
-        if (parts.size[part] >= std::min(kFewest, largest) && parts.size[part] >= kTreeShare * largest)
+        if (parts.size[part] >= std::min(kMin, largest) && parts.size[part] >= kTreeShare * largest)
             members[part].push_back(i);
     }
     return members;
 }
 
 struct Stem {
-    std::size_t size;  // points of its lowest part
+    std::size_t size;  // number of points of its lowest section
     std::vector<std::uint32_t> base;
 };
 
-/// The stems of one component: the lowest places as thick as a trunk.
-std::vector<Stem> stems_of(std::span<const Vec3> points, const Graph& graph,
-                           std::span<const std::uint32_t> members, double spacing,
-                           std::vector<std::uint8_t>& seen, const Context& ctx) {
+/// Returns the stems of one component: the lowest sections as thick as a trunk.
+std::vector<Stem> find_stems(std::span<const Vec3> points, const Graph& graph,
+                             std::span<const std::uint32_t> members, double spacing,
+                             std::vector<std::uint8_t>& seen, const Context& ctx) {
     float low = points[members[0]].z, high = low;
     for (const std::uint32_t p : members) {
         low = std::min(low, points[p].z);
@@ -121,20 +123,20 @@ std::vector<std::vector<std::uint32_t>> find_roots(std::span<const Vec3> points,
                                                    const Context& ctx) {
     if (options.given) {
         const std::uint32_t nearest = nearest_point(points, graph, *options.given);
-        if (nearest == kNone) return {};
+        if (nearest == kNoIndex) return {};
         return {{nearest}};
     }
     std::vector<Stem> stems;
     std::vector<std::uint8_t> seen(points.size(), 0);
     for (const auto& members : points_of_trees(parts)) {
         if (members.empty()) continue;
-        for (Stem& stem : stems_of(points, graph, members, options.spacing, seen, ctx))
+        for (Stem& stem : find_stems(points, graph, members, options.spacing, seen, ctx))
             stems.push_back(std::move(stem));
     }
-    // Thickest first, so that a limit keeps the trees that matter.
+    // Thickest first, so that a limit keeps the most important trees.
     std::ranges::stable_sort(stems, std::ranges::greater{}, &Stem::size);
-    if (options.most_trees > 0 && stems.size() > static_cast<std::size_t>(options.most_trees))
-        stems.resize(static_cast<std::size_t>(options.most_trees));
+    if (options.max_trees > 0 && stems.size() > static_cast<std::size_t>(options.max_trees))
+        stems.resize(static_cast<std::size_t>(options.max_trees));
     std::vector<std::vector<std::uint32_t>> roots;
     for (Stem& stem : stems) roots.push_back(std::move(stem.base));
     return roots;

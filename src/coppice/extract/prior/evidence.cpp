@@ -4,24 +4,24 @@
 #include <cmath>
 
 #include "coppice/base/compressed_rows.h"
-#include "coppice/extract/none_internal.h"
-#include "coppice/extract/tree/draft_edit_internal.h"
+#include "coppice/base/id.h"
+#include "coppice/extract/tree/tree_edit_internal.h"
 
 namespace coppice::extract_internal {
 namespace {
 
-constexpr int kWindow = 3;             // nodes on either side that see the same branch
-constexpr double kBorrowed = 2;        // points of neighbours that count for each of its own
-constexpr double kFreedom = 3;         // places and radius that a fit chooses freely
-constexpr double kFilled = 0.33;       // [radius] scatter that is between a tube and a filled disc
-constexpr double kFewPoints = 3;       // so many points more, as scattered as a filled disc, are assumed
-constexpr double kDiscScatter = 0.35;  // [mean distance] of a filled disc
-constexpr double kOfSpacing = 0.12;    // [spacing] what one point leaves open of the radius
-constexpr double kLeastError = 0.02;   // of the logarithm of any radius
-constexpr double kFixedError = 0.003;  // of the logarithm of a radius that nothing changes
-constexpr double kLeastRadius = 0.1;   // of the radius before, that may come of it
+constexpr int kWindow = 3;        // number of nodes on either side that contribute points of the same branch
+constexpr double kBorrowed = 2;   // maximum number of points of neighbours per own point
+constexpr double kFreedom = 3;    // number of free parameters of a fit (position and radius)
+constexpr double kFilled = 0.33;  // [radius] scatter halfway between a tube and a filled disc
+constexpr double kFewPoints = 3;  // number of pseudo-points with the scatter of a filled disc
+constexpr double kDiscScatter = 0.35;  // [mean distance] scatter of a filled disc
+constexpr double kOfSpacing = 0.12;    // [spacing] error of the radius from a single point
+constexpr double kMinError = 0.02;     // minimum error of the logarithm of any radius
+constexpr double kFixedError = 0.003;  // error of the logarithm of a fixed radius
+constexpr double kMinRadius = 0.1;     // [previous radius] minimum estimate
 
-/// Sums over samples of their distance from the surface.
+/// Weighted sums over samples of their distance from the surface.
 struct Sums {
     double weight = 0, off = 0, squared = 0, spacing = 0;
 
@@ -40,7 +40,7 @@ struct Sums {
 };
 
 struct SegmentSums {
-    Sums upper, lower;  ///< of its parent, and of its own node
+    Sums upper, lower;  ///< sums of its parent and of its own node
 };
 
 SegmentSums sum_segment(const RoundCone& cone, bool tapers, std::span<const std::uint32_t> members,
@@ -55,8 +55,8 @@ SegmentSums sum_segment(const RoundCone& cone, bool tapers, std::span<const std:
     return out;
 }
 
-/// Of every node, from the halves of its segments that are nearer to it.
-std::vector<Sums> sums_of_nodes(const DraftTree& tree, const FitSamples& samples,
+/// Returns the sums of every node, from the adjacent halves of its segments.
+std::vector<Sums> sums_of_nodes(const InitialTree& tree, const FitSamples& samples,
                                 std::span<const float> spacing, const Context& ctx) {
     const DraftLinks links(tree);
     const auto members = group_by(samples.node, tree.size());
@@ -64,38 +64,38 @@ std::vector<Sums> sums_of_nodes(const DraftTree& tree, const FitSamples& samples
     parallel_for(ctx, tree.size(), 64, [&](std::size_t i) {
         const auto n = static_cast<std::uint32_t>(i);
         const std::uint32_t q = tree.parent[n];
-        if (q == kNone) return;  // what lies about a root is no tube
+        if (q == kNoIndex) return;  // the samples around a root do not form a tube
         const bool tapers = links.leader(q) == n;
         of_segment[n] = sum_segment(surface_cone(tree, links, n), tapers, members[n], samples, spacing);
     });
     std::vector<Sums> out(tree.size());
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
         out[n] = of_segment[n].lower;
-        if (links.leader(n) != kNone) out[n].add(of_segment[links.leader(n)].upper);
+        if (links.leader(n) != kNoIndex) out[n].add(of_segment[links.leader(n)].upper);
     }
     return out;
 }
 
-/// With those of the neighbours on the axis.
-Sums sums_about(const DraftTree& tree, std::span<const std::uint32_t> next, std::span<const Sums> of_node,
+/// Returns the sums of a node and its neighbours on the axis.
+Sums sums_about(const InitialTree& tree, std::span<const std::uint32_t> next, std::span<const Sums> of_node,
                 std::uint32_t n) {
     Sums out = of_node[n];
     std::uint32_t m = n;
-    for (int k = 0; k < kWindow && next[m] != kNone; ++k) out.add(of_node[m = next[m]]);
+    for (int k = 0; k < kWindow && next[m] != kNoIndex; ++k) out.add(of_node[m = next[m]]);
     m = n;
-    for (int k = 0; k < kWindow && tree.parent[m] != kNone && next[tree.parent[m]] == m; ++k)
+    for (int k = 0; k < kWindow && tree.parent[m] != kNoIndex && next[tree.parent[m]] == m; ++k)
         out.add(of_node[m = tree.parent[m]]);
     return out;
 }
 
-NodeEvidence evidence_of(const Sums& own, const Sums& about, double radius) {
+NodeEvidence compute_evidence(const Sums& own, const Sums& about, double radius) {
     if (!(about.weight > 0)) return {};
     const double mean = about.off / about.weight;
     const double free = std::max(about.weight - kFreedom, 0.0);
     const double squared = std::max(0.0, about.squared - about.off * mean);
-    // What its neighbours see says nothing of a node without points of its own, as on the way over a gap.
+    // Points of neighbours do not support a node without own points, for example one that bridges a gap.
     const double points = std::min(about.weight, kBorrowed * own.weight);
-    return {own.weight, points, std::max(radius + mean, kLeastRadius * radius),
+    return {own.weight, points, std::max(radius + mean, kMinRadius * radius),
             free > 0 ? std::sqrt(squared / free) : radius, about.spacing / about.weight};
 }
 
@@ -116,22 +116,22 @@ double NodeEvidence::precision() const {
     if (!(radius > 0) || !(free > 0)) return 0;
     const double error =
         (scatter * scatter + kOfSpacing * spacing * kOfSpacing * spacing) / (radius * radius);
-    return (1 - filled()) / (error / free + kLeastError * kLeastError);
+    return (1 - filled()) / (error / free + kMinError * kMinError);
 }
 
-std::vector<NodeEvidence> gather_evidence(const DraftTree& tree, const FitSamples& samples,
+std::vector<NodeEvidence> gather_evidence(const InitialTree& tree, const FitSamples& samples,
                                           std::span<const float> spacing, const Context& ctx) {
     const std::vector<Sums> of_node = sums_of_nodes(tree, samples, spacing, ctx);
     const std::vector<std::uint32_t> next = axis_children(tree);
     std::vector<NodeEvidence> out(tree.size());
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
-        out[n] = evidence_of(of_node[n], sums_about(tree, next, of_node, n), tree.radius[n]);
+        out[n] = compute_evidence(of_node[n], sums_about(tree, next, of_node, n), tree.radius[n]);
         if (!tree.fixed[n]) continue;
         out[n].fixed = true;
         out[n].radius = tree.radius[n];
     }
     for (std::uint32_t n = 0; n < tree.size(); ++n)
-        if (out[n].spacing == 0 && tree.parent[n] != kNone) out[n].spacing = out[tree.parent[n]].spacing;
+        if (out[n].spacing == 0 && tree.parent[n] != kNoIndex) out[n].spacing = out[tree.parent[n]].spacing;
     return out;
 }
 

@@ -2,28 +2,32 @@
 
 #include <utility>
 
-#include "coppice/extract/none_internal.h"
-#include "coppice/extract/tree/draft_tree.h"
+#include "coppice/base/id.h"
+#include "coppice/extract/tree/initial_tree.h"
 
 namespace coppice::extract_internal {
 namespace {
 
-/// Blocks of nodes that share a value, each named by its node nearest to the root, and below each block a
-/// heap of the blocks that hang on it, greatest mean first. Heaps are skew: they meld in O(log n) on average.
+/// Blocks of nodes that share a value, each identified by its node closest to the root, with a heap of its
+/// child blocks, largest mean first. The heaps are skew heaps, which meld in O(log n) on average.
 class Blocks {
   public:
     explicit Blocks(std::size_t count)
-        : sum_(count), weight_(count), left_(count, kNone), right_(count, kNone), below_(count, kNone) {}
+        : sum_(count),
+          weight_(count),
+          left_(count, kNoIndex),
+          right_(count, kNoIndex),
+          below_(count, kNoIndex) {}
 
     void make(std::uint32_t n, double value, double weight) {
         sum_[n] = value * weight;
         weight_[n] = weight;
     }
     double mean(std::uint32_t n) const { return sum_[n] / weight_[n]; }
-    std::uint32_t greatest_below(std::uint32_t n) const { return below_[n]; }
+    std::uint32_t max_below(std::uint32_t n) const { return below_[n]; }
     void hang(std::uint32_t n, std::uint32_t on) { below_[on] = meld(below_[on], n); }
 
-    /// Makes the greatest block below n part of it.
+    /// Merges the largest child block of n into it.
     void absorb_greatest(std::uint32_t n) {
         const std::uint32_t c = below_[n];
         sum_[n] += sum_[c];
@@ -37,21 +41,21 @@ class Blocks {
         return x > y || (x == y && a < b);
     }
     std::uint32_t meld(std::uint32_t a, std::uint32_t b) {
-        std::uint32_t top = kNone;
+        std::uint32_t top = kNoIndex;
         std::uint32_t* link = &top;
-        while (a != kNone && b != kNone) {
+        while (a != kNoIndex && b != kNoIndex) {
             if (before(b, a)) std::swap(a, b);
             *link = a;
             link = &left_[a];
             const std::uint32_t rest = std::exchange(right_[a], left_[a]);
             a = rest;
         }
-        *link = a != kNone ? a : b;
+        *link = a != kNoIndex ? a : b;
         return top;
     }
 
     std::vector<double> sum_, weight_;
-    std::vector<std::uint32_t> left_, right_;  ///< of each block in the heap that it is part of
+    std::vector<std::uint32_t> left_, right_;  ///< children of each block in the heap that contains it
     std::vector<std::uint32_t> below_;         ///< top of its own heap
 };
 
@@ -61,19 +65,19 @@ std::vector<double> isotonic_on_tree(std::span<const std::uint32_t> parent, std:
                                      std::span<const double> weight) {
     const auto size = static_cast<std::uint32_t>(parent.size());
     Blocks blocks(size);
-    std::vector<std::uint32_t> absorbed_by(size, kNone);
+    std::vector<std::uint32_t> absorbed_by(size, kNoIndex);
     for (std::uint32_t n = 0; n < size; ++n) blocks.make(n, value[n], weight[n]);
     for (std::uint32_t n = size; n-- > 0;) {
-        for (std::uint32_t c = blocks.greatest_below(n); c != kNone && blocks.mean(c) > blocks.mean(n);
-             c = blocks.greatest_below(n)) {
+        for (std::uint32_t c = blocks.max_below(n); c != kNoIndex && blocks.mean(c) > blocks.mean(n);
+             c = blocks.max_below(n)) {
             blocks.absorb_greatest(n);
             absorbed_by[c] = n;
         }
-        if (parent[n] != kNone) blocks.hang(n, parent[n]);
+        if (parent[n] != kNoIndex) blocks.hang(n, parent[n]);
     }
     std::vector<double> out(size);
     for (std::uint32_t n = 0; n < size; ++n)
-        out[n] = absorbed_by[n] == kNone ? blocks.mean(n) : out[absorbed_by[n]];
+        out[n] = absorbed_by[n] == kNoIndex ? blocks.mean(n) : out[absorbed_by[n]];
     return out;
 }
 

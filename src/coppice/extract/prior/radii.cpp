@@ -4,47 +4,50 @@
 #include <cmath>
 #include <limits>
 
-#include "coppice/extract/none_internal.h"
+#include "coppice/base/id.h"
 #include "coppice/extract/prior/isotonic_internal.h"
 
 namespace coppice::extract_internal {
 namespace {
 
-// Of radius against length beyond, through the foot: 0.3 to 0.5 on models of scanned trees of many kinds.
+// Exponent of the radius relative to the base as a function of the length beyond: 0.3 to 0.5 on models of
+// scanned trees of many species.
 constexpr double kUsualExponent = 0.42, kExponentError = 0.1;
-constexpr double kLeastExponent = 0.3, kMostExponent = 1;
-constexpr double kHeightPerRadius = 85, kFootError = 0.5;  // of a foot that nothing is seen of
-constexpr double kOfFoot = 0.8;                            // least share of a tree beyond its foot
-constexpr double kKindError = 0.2;                         // of the exponent that wood of one kind shows
-constexpr double kError = 0.5;                             // of the logarithm of a radius
-constexpr double kSeen = 4;                                // least precision of a radius that was seen
-constexpr double kTooThick = 1.5;        // [error] above the prior, from which on half are no branches
-constexpr double kConvincing = 40;       // points about a node: many do not lie like a tube by chance
-constexpr double kMinDeviation = 0.015;  // of the logarithm of any radius, by bark alone
-constexpr double kNineOfTen = 1.645;     // [standard deviation]
+constexpr double kMinExponent = 0.3, kMaxExponent = 1;
+constexpr double kHeightPerRadius = 85, kFootError = 0.5;  // prior of the radius at the base; its error
+constexpr double kOfFoot = 0.8;     // minimum share of the tree beyond a node that belongs to the base
+constexpr double kKindError = 0.2;  // error of the exponent that a class of branches shows
+constexpr double kError = 0.5;      // error of the logarithm of a radius
+constexpr double kSeen = 4;         // minimum precision of a measured radius
+constexpr double kTooThick =
+    1.5;  // [error] deviation above the prior at which half of the measurements are not branches
+constexpr double kConvincing = 40;       // number of points about a node that form a tube hardly by chance
+constexpr double kMinDeviation = 0.015;  // minimum error of the logarithm of any radius, caused by bark
+constexpr double kNineOfTen = 1.645;     // [standard deviation] 90 % interval
 
-/// [m] of wood beyond every node, its own radius included.
-std::vector<double> length_beyond(const DraftTree& tree) {
+/// Returns the length [m] of the branches beyond every node, including its own radius.
+std::vector<double> length_beyond(const InitialTree& tree) {
     std::vector<double> beyond(tree.radius.begin(), tree.radius.end()), sum(tree.size(), 0);
     for (std::uint32_t n = tree.size(); n-- > 0;) {
         beyond[n] += sum[n];
-        if (const std::uint32_t q = tree.parent[n]; q != kNone)
+        if (const std::uint32_t q = tree.parent[n]; q != kNoIndex)
             sum[q] += sum[n] + distance(tree.position[n], tree.position[q]);
     }
     return beyond;
 }
 
-/// [m] from every node to the farthest tip beyond it.
-std::vector<double> farthest_beyond(const DraftTree& tree) {
+/// Returns the distance [m] from every node to the farthest tip beyond it.
+std::vector<double> farthest_beyond(const InitialTree& tree) {
     std::vector<double> far(tree.size(), 0);
     for (std::uint32_t n = tree.size(); n-- > 0;) {
-        if (const std::uint32_t q = tree.parent[n]; q != kNone)
+        if (const std::uint32_t q = tree.parent[n]; q != kNoIndex)
             far[q] = std::max(far[q], far[n] + distance(tree.position[n], tree.position[q]));
     }
     return far;
 }
 
-/// The precision of a radius that was seen, less where it is far above what is usual and few points say so.
+/// Returns the precision of a measured radius, reduced if it is far above the prior and supported by few
+/// points.
 double doubted(const NodeEvidence& e, double errors_above) {
     const double seen = e.precision(), z = std::max(0.0, errors_above);
     if (e.fixed || !(seen > 0)) return seen;
@@ -52,14 +55,14 @@ double doubted(const NodeEvidence& e, double errors_above) {
     return seen / (1 + std::exp(doubt));
 }
 
-/// Fills in shares and feet.
-Allometry measure_feet(const DraftTree& tree, std::span<const NodeEvidence> evidence) {
+/// Computes the shares and the radii at the bases.
+Allometry measure_feet(const InitialTree& tree, std::span<const NodeEvidence> evidence) {
     const std::vector<double> beyond = length_beyond(tree), far = farthest_beyond(tree);
     std::vector<std::uint32_t> root(tree.size());
     std::vector<double> value(tree.size(), 0), weight(tree.size(), 0);
     Allometry out{std::vector<double>(tree.size()), std::vector<double>(tree.size())};
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
-        const std::uint32_t r = root[n] = tree.parent[n] == kNone ? n : root[tree.parent[n]];
+        const std::uint32_t r = root[n] = tree.parent[n] == kNoIndex ? n : root[tree.parent[n]];
         if (r == n) {
             weight[n] = 1 / (kFootError * kFootError);
             value[n] = weight[n] * std::log(std::max(far[n] / kHeightPerRadius, 1e-3 * tree.radius[n]));
@@ -76,19 +79,19 @@ Allometry measure_feet(const DraftTree& tree, std::span<const NodeEvidence> evid
     return out;
 }
 
-/// The cross-sections of trees by the way from the root.
+/// Cross-sections of trees as a function of the distance from the root.
 class CrossSections {
   public:
-    CrossSections(const DraftTree& tree, std::span<const double> log_radius)
+    CrossSections(const InitialTree& tree, std::span<const double> log_radius)
         : way_(tree.size(), 0), root_(tree.size()), far_(tree.size(), 0), area_(tree.size()) {
         for (std::uint32_t n = 0; n < tree.size(); ++n) {
             const std::uint32_t q = tree.parent[n];
-            root_[n] = q == kNone ? n : root_[q];
-            if (q != kNone) way_[n] = way_[q] + distance(tree.position[n], tree.position[q]);
+            root_[n] = q == kNoIndex ? n : root_[q];
+            if (q != kNoIndex) way_[n] = way_[q] + distance(tree.position[n], tree.position[q]);
             far_[root_[n]] = std::max(far_[root_[n]], way_[n]);
         }
         for (std::uint32_t n = 0; n < tree.size(); ++n) {
-            if (tree.parent[n] == kNone) continue;
+            if (tree.parent[n] == kNoIndex) continue;
             std::vector<double>& area = area_[root_[n]];
             area.resize(kSteps, 0);
             const double from = step(n, way_[tree.parent[n]]), to = step(n, way_[n]);
@@ -99,7 +102,8 @@ class CrossSections {
         }
     }
 
-    /// Of all branches as far from the root as a node, over the largest of the lowest eighth of its tree.
+    /// Returns the total cross-section of all branches as far from the root as node n, relative to the
+    /// largest one in the lowest eighth of its tree.
     double over_base(std::uint32_t n) const {
         const std::vector<double>& area = area_[root_[n]];
         if (area.empty()) return 1;
@@ -108,29 +112,30 @@ class CrossSections {
     }
 
   private:
-    static constexpr std::size_t kSteps = 64;  // of the longest way of a tree
+    static constexpr std::size_t kSteps = 64;  // number of steps along the longest path of a tree
 
     double step(std::uint32_t n, double way) const {
         const double far = far_[root_[n]];
         return far > 0 ? static_cast<double>(kSteps) * way / far : 0;
     }
 
-    std::vector<double> way_;  // [m] from the root
+    std::vector<double> way_;  // [m] distance from the root
     std::vector<std::uint32_t> root_;
     std::vector<double> far_;                // [m] per root
     std::vector<std::vector<double>> area_;  // [m2 / pi] per root and step
 };
 
-/// Lowers logarithms of radii to what measured stems can bear, but for what was measured as they were.
-std::vector<char> limit_to_stems(const DraftTree& tree, double area_limit, std::vector<double>& log_radius) {
+/// Reduces logarithms of radii to the maximum that measured stems can support, except fixed ones.
+std::vector<char> limit_to_stems(const InitialTree& tree, double area_limit,
+                                 std::vector<double>& log_radius) {
     std::vector<char> limited(tree.size(), 0);
     if (!(area_limit > 0)) return limited;
     const CrossSections sections(tree, log_radius);
-    std::vector<char> on_stem(tree.size(), 0);  // per node: its root was measured
+    std::vector<char> on_stem(tree.size(), 0);  // per node: whether its root was measured
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
         const std::uint32_t q = tree.parent[n];
-        on_stem[n] = q == kNone ? tree.fixed[n] : on_stem[q];
-        if (!on_stem[n] || tree.fixed[n] || q == kNone) continue;
+        on_stem[n] = q == kNoIndex ? tree.fixed[n] : on_stem[q];
+        if (!on_stem[n] || tree.fixed[n] || q == kNoIndex) continue;
         const double over = sections.over_base(n) / area_limit;
         limited[n] = over > 1;
         if (limited[n]) log_radius[n] -= 0.5 * std::log(over);
@@ -139,16 +144,16 @@ std::vector<char> limit_to_stems(const DraftTree& tree, double area_limit, std::
     return limited;
 }
 
-/// Wood with about the same share of its tree beyond.
+/// Class of branches with a similar share of their tree beyond.
 struct Kind {
     struct Piece {
-        double log_radius;  ///< against the foot; -infinity where it was not seen
+        double log_radius;  ///< relative to the base; -infinity if it was not measured
         double length;      ///< [m]
     };
     std::vector<Piece> pieces;
     double log_share = 0, length = 0;  ///< sums
 
-    /// The median radius by length, as far as it was seen.
+    /// Returns the median radius, weighted by length; -infinity if half of the length was not measured.
     double median_log_radius() {
         std::ranges::sort(pieces, {}, &Piece::log_radius);
         double sum = 0;
@@ -160,11 +165,11 @@ struct Kind {
     }
 };
 
-std::vector<Kind> kinds_of(const DraftTree& tree, std::span<const NodeEvidence> evidence,
+std::vector<Kind> kinds_of(const InitialTree& tree, std::span<const NodeEvidence> evidence,
                            const Allometry& allometry) {
     std::vector<Kind> kinds;
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
-        if (tree.parent[n] == kNone) continue;
+        if (tree.parent[n] == kNoIndex) continue;
         const auto k = static_cast<std::size_t>(std::max(0.0, -allometry.log_share[n]));
         if (k >= kinds.size()) kinds.resize(k + 1);
         const double length = distance(tree.position[n], tree.position[tree.parent[n]]);
@@ -180,7 +185,7 @@ std::vector<Kind> kinds_of(const DraftTree& tree, std::span<const NodeEvidence> 
 
 }  // namespace
 
-Allometry fit_allometry(const DraftTree& tree, std::span<const NodeEvidence> evidence) {
+Allometry fit_allometry(const InitialTree& tree, std::span<const NodeEvidence> evidence) {
     Allometry out = measure_feet(tree, evidence);
     double xx = 1 / (kExponentError * kExponentError), xy = xx * kUsualExponent;
     for (Kind& kind : kinds_of(tree, evidence, out)) {
@@ -190,18 +195,18 @@ Allometry fit_allometry(const DraftTree& tree, std::span<const NodeEvidence> evi
         xx += x * x / (error * error);
         xy += x * y / (error * error);
     }
-    out.exponent = std::clamp(xy / xx, kLeastExponent, kMostExponent);
+    out.exponent = std::clamp(xy / xx, kMinExponent, kMaxExponent);
     return out;
 }
 
-RadiusBelief believe_radii(DraftTree& tree, std::span<const NodeEvidence> evidence, double area_limit) {
+RadiusEstimate believe_radii(InitialTree& tree, std::span<const NodeEvidence> evidence, double area_limit) {
     const Allometry allometry = fit_allometry(tree, evidence);
     const double prior = 1 / (kError * kError);
     std::vector<double> value(tree.size()), weight(tree.size());
-    RadiusBelief out{std::vector<double>(tree.size()),
-                     std::vector<double>(tree.size()),
-                     std::vector<double>(tree.size()),
-                     {}};
+    RadiusEstimate out{std::vector<double>(tree.size()),
+                       std::vector<double>(tree.size()),
+                       std::vector<double>(tree.size()),
+                       {}};
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
         const double usual = allometry.log_radius(n);
         const double off = evidence[n].precision() > 0 ? std::log(evidence[n].radius) - usual : 0;

@@ -7,57 +7,59 @@
 #include <limits>
 #include <vector>
 
-#include "coppice/extract/none_internal.h"
-#include "coppice/extract/tree/draft_edit_internal.h"
+#include "coppice/base/id.h"
+#include "coppice/extract/tree/tree_edit_internal.h"
 
 namespace coppice::extract_internal {
 namespace {
 
-constexpr double kOfSpacing = 0.05;                   // [spacing] least error of any node
-constexpr double kBendPerLength = 0.8;                // [rad] that axes turn by over kBendLength
-constexpr double kBendLength = 20;                    // [radius]
-constexpr double kLeastBend = 0.05, kMostBend = 0.8;  // [rad] usual at one node
-constexpr double kSharp = 0.6;                        // [cos] of a turn that is bent open: 53 degrees
-// Of both arms of a turn, and of the radius: shorter arms hold no direction.
+constexpr double kOfSpacing = 0.05;     // [spacing] minimum error of any node
+constexpr double kBendPerLength = 0.8;  // [rad] usual change of direction of an axis over kBendLength
+constexpr double kBendLength = 20;      // [radius]
+constexpr double kMinBend = 0.05;
+constexpr double kMaxBend = 0.8;  // [rad] range of the usual change of direction at one node
+constexpr double kSharp = 0.6;    // [cos] turns sharper than this are straightened: 53 degrees
+// Minimum arm of a turn, relative to the sum of both and to the radius: shorter arms do not define a
+// direction.
 constexpr double kShortArm = 0.1, kShortest = 0.05;
-constexpr double kStiffer = 8;  // times as stiff, each time that a turn is still too sharp
-constexpr int kMostPasses = 8;
-constexpr double kFixedError = 1e-3;  // [radius] of the place of nodes that are fixed
+constexpr double kStiffer = 8;  // factor of the stiffness each time that a turn is still too sharp
+constexpr int kMaxPasses = 8;
+constexpr double kFixedError = 1e-3;  // [radius] error of the position of fixed nodes
 
-/// Three nodes in a row on one axis.
+/// Three consecutive nodes on one axis.
 struct Turn {
     std::uint32_t before, at, after;
     double stiffness;  ///< inverse variance of the change of direction [1/rad^2]
-    bool fork;         ///< where axes may turn sharply
+    bool fork;         ///< whether the axis may turn sharply here
 };
 
-double turn_cosine(const DraftTree& tree, const Turn& t) {
+double turn_cosine(const InitialTree& tree, const Turn& t) {
     const Vec3d a = tree.position[t.at] - tree.position[t.before];
     const Vec3d b = tree.position[t.after] - tree.position[t.at];
     const double l = length(a) * length(b);
     return l > 0 ? dot(a, b) / l : 1;
 }
 
-std::vector<Turn> turns_of(const DraftTree& tree) {
+std::vector<Turn> compute_turns(const InitialTree& tree) {
     const std::vector<std::uint32_t> next = axis_children(tree);
     const DraftLinks links(tree);
     std::vector<Turn> turns;
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
         const std::uint32_t q = tree.parent[n], c = next[n];
-        if (q == kNone || c == kNone) continue;
+        if (q == kNoIndex || c == kNoIndex) continue;
         const double way = 0.5 * (distance(tree.position[q], tree.position[n]) +
                                   distance(tree.position[n], tree.position[c]));
-        if (!(way > 0)) continue;  // all in one place
-        const double bend = std::clamp(kBendPerLength * std::sqrt(way / (kBendLength * tree.radius[n])),
-                                       kLeastBend, kMostBend);
+        if (!(way > 0)) continue;  // the nodes coincide
+        const double bend =
+            std::clamp(kBendPerLength * std::sqrt(way / (kBendLength * tree.radius[n])), kMinBend, kMaxBend);
         turns.push_back({q, n, c, 1 / (bend * bend), links.children(n).size() > 1});
     }
     return turns;
 }
 
-/// Inverse variance of the place of a node [1/m^2].
+/// Returns the inverse variance of the position of a node [1/m^2].
 double place_precision(const NodeEvidence& e, double radius) {
-    // Points that fill a branch do not tell of its middle, however many there are.
+    // Points that fill a branch do not determine its centre, regardless of their number.
     const double share = e.filled(), floor = kOfSpacing * e.spacing;
     const double spread = e.own > 0 ? std::max(e.scatter, share * e.radius) : radius + e.spacing;
     const double variance = spread * spread * ((1 - share) / std::max(e.own, 1.0) + share) + floor * floor;
@@ -67,11 +69,11 @@ double place_precision(const NodeEvidence& e, double radius) {
 using Matrix = Eigen::SparseMatrix<double>;
 using Solver = Eigen::SimplicialLDLT<Matrix, Eigen::Lower, Eigen::NaturalOrdering<int>>;
 
-/// Where nodes go, of the places that they should have and the turns that they should make.
-std::vector<Vec3d> solve(const DraftTree& tree, std::span<const Vec3d> place,
+/// Returns the positions of the nodes that balance their target places and the stiffness of the turns.
+std::vector<Vec3d> solve(const InitialTree& tree, std::span<const Vec3d> place,
                          std::span<const double> precision, std::span<const Turn> turns) {
     const auto size = static_cast<Eigen::Index>(tree.size());
-    // Nodes are eliminated from the tips on.
+    // Nodes are eliminated from the tips to the root.
     const auto row = [&](std::uint32_t n) { return static_cast<int>(tree.size() - 1 - n); };
     std::vector<Eigen::Triplet<double>> entries;
     entries.reserve(tree.size() + 6 * turns.size());
@@ -106,15 +108,15 @@ std::vector<Vec3d> solve(const DraftTree& tree, std::span<const Vec3d> place,
 
 }  // namespace
 
-void smooth_axes(DraftTree& tree, std::span<const NodeEvidence> evidence, const Context& ctx) {
-    std::vector<Turn> turns = turns_of(tree);
+void smooth_axes(InitialTree& tree, std::span<const NodeEvidence> evidence, const Context& ctx) {
+    std::vector<Turn> turns = compute_turns(tree);
     const std::vector<Vec3d> place = tree.position;
     std::vector<double> precision(tree.size());
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
         const double error = kFixedError * tree.radius[n];
         precision[n] = tree.fixed[n] ? 1 / (error * error) : place_precision(evidence[n], tree.radius[n]);
     }
-    for (int pass = 0; pass < kMostPasses; ++pass) {
+    for (int pass = 0; pass < kMaxPasses; ++pass) {
         ctx.throw_if_cancelled();
         tree.position = solve(tree, place, precision, turns);
         for (std::uint32_t n = 0; n < tree.size(); ++n)

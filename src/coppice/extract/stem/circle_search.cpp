@@ -16,16 +16,16 @@ namespace {
 
 constexpr std::uint64_t kDrawStage = 0x63697263;
 constexpr int kSectors = 36;
-constexpr std::size_t kFewest = 8;        // points of a circle
-constexpr std::size_t kMostScored = 400;  // points that a draw is held against
-constexpr int kLeastDraws = 150, kMostDraws = 900;
-constexpr double kLeastCoverage = 0.22;
+constexpr std::size_t kMin = 8;          // minimum number of points of a circle
+constexpr std::size_t kMaxScored = 400;  // maximum number of points for the score of a draw
+constexpr int kMinDraws = 150, kMaxDraws = 900;
+constexpr double kMinCoverage = 0.22;
 
 struct Circle {
     double x, y, r;
 };
 
-/// Through three points; of radius 0 where they lie on a line.
+/// Returns the circle through three points; radius 0 if they are collinear.
 Circle through(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c) {
     const double bx = b.x - a.x, by = b.y - a.y, cx = c.x - a.x, cy = c.y - a.y;
     const double d = 2 * (bx * cy - by * cx);
@@ -35,20 +35,20 @@ Circle through(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c) {
     return {a.x + ux, a.y + uy, std::hypot(ux, uy)};
 }
 
-std::size_t sector_of(double dx, double dy) {
+std::size_t compute_sector(double dx, double dy) {
     const float turn = fast_atan2(static_cast<float>(dy), static_cast<float>(dx));
     const double share = double{turn} / (2 * std::numbers::pi) + 0.5;
     return static_cast<std::size_t>(std::clamp(share * kSectors, 0.0, kSectors - 1.0));
 }
 
-/// How far off a circle of that radius points may lie that are on it.
-double tolerance_of(double radius, double noise) {
+/// Returns the maximum distance from a circle of this radius of points that are on it.
+double compute_tolerance(double radius, double noise) {
     return std::min(2 * noise + 0.03 * radius, 0.25 * radius);
 }
 
-/// The share of sectors with points on the circle, less a charge for points inside.
+/// Returns the share of sectors with points on the circle, reduced by a penalty for points inside.
 double score(std::span<const PlanePoint> points, std::size_t stride, const Circle& c, double noise) {
-    const double tolerance = tolerance_of(c.r, noise);
+    const double tolerance = compute_tolerance(c.r, noise);
     const double low = c.r - tolerance, high = c.r + tolerance, deep = std::max(c.r - 2.5 * tolerance, 0.0);
     std::uint64_t seen = 0;
     double on = 0, in = 0;
@@ -58,16 +58,16 @@ double score(std::span<const PlanePoint> points, std::size_t stride, const Circl
         if (dd < deep * deep) in += 1;
         if (dd < low * low) continue;
         on += 1;
-        seen |= std::uint64_t{1} << sector_of(dx, dy);
+        seen |= std::uint64_t{1} << compute_sector(dx, dy);
     }
     if (on < 4) return 0;
     return static_cast<double>(std::popcount(seen)) / kSectors * (on / (on + 3 * in));
 }
 
-/// Fills in residual, deviation, coverage and what is inside. Of a sector no more points count than what is
-/// usual among those that have some, as what one of them says of the bark its neighbours say too.
+/// Computes residual, deviation, coverage and the number of points inside. The number of points per sector is
+/// limited for the information, because adjacent points have correlated errors of the bark.
 void judge(std::span<const PlanePoint> points, double noise, FoundCircle& c) {
-    const double tolerance = tolerance_of(c.radius, std::max(noise, c.residual));
+    const double tolerance = compute_tolerance(c.radius, std::max(noise, c.residual));
     const double deep = std::max(c.radius - 2.5 * tolerance, 0.0);
     struct Sector {
         double count = 0, off = 0, squares = 0;
@@ -79,7 +79,7 @@ void judge(std::span<const PlanePoint> points, double noise, FoundCircle& c) {
         const double dx = p.x - c.x, dy = p.y - c.y, d = std::hypot(dx, dy), off = d - c.radius;
         if (d < deep) ++inside;
         if (std::abs(off) > tolerance) continue;
-        Sector& sector = sectors[sector_of(dx, dy)];
+        Sector& sector = sectors[compute_sector(dx, dy)];
         sector.count += 1;
         sector.off += off;
         squares += off * off;
@@ -114,13 +114,13 @@ std::vector<PlanePoint> near_circle(std::span<const PlanePoint> points, const Ci
     return near;
 }
 
-/// The best of circles through three points each; of radius 0 where none is any good.
+/// Returns the best of the circles through three random points each; radius 0 if no circle is acceptable.
 Circle draw_circles(std::span<const PlanePoint> points, const CircleSearch& search) {
     const CounterRandom random(search.seed, kDrawStage);
     const auto n = points.size();
-    const std::size_t stride = (n + kMostScored - 1) / kMostScored;
-    const int draws = std::clamp(static_cast<int>(n / 2), kLeastDraws, kMostDraws);
-    const double reach = 2 * search.greatest_radius;
+    const std::size_t stride = (n + kMaxScored - 1) / kMaxScored;
+    const int draws = std::clamp(static_cast<int>(n / 2), kMinDraws, kMaxDraws);
+    const double reach = 2 * search.max_radius;
     std::uint64_t next = 0;
     const auto draw = [&](std::size_t low, std::size_t high) {
         const double t = random.uniform(next++);
@@ -129,7 +129,7 @@ Circle draw_circles(std::span<const PlanePoint> points, const CircleSearch& sear
     Circle best{0, 0, 0};
     double most = 0;
     for (int k = 0; k < draws; ++k) {
-        // Half of the draws look near to the first point, as the points come in rows of x.
+        // The other two points are drawn within reach of the first one in x; the points are sorted by x.
         const std::size_t a = draw(0, n);
         const auto left = std::ranges::lower_bound(points, points[a].x - reach, {}, &PlanePoint::x);
         const auto right = std::ranges::upper_bound(points, points[a].x + reach, {}, &PlanePoint::x);
@@ -138,7 +138,7 @@ Circle draw_circles(std::span<const PlanePoint> points, const CircleSearch& sear
         const std::size_t b = draw(low, high), c = draw(low, high);
         if (a == b || b == c || a == c) continue;
         const Circle circle = through(points[a], points[b], points[c]);
-        if (circle.r < search.least_radius || circle.r > search.greatest_radius) continue;
+        if (circle.r < search.min_radius || circle.r > search.max_radius) continue;
         if (!search.anywhere && std::hypot(circle.x - search.x, circle.y - search.y) > search.reach) continue;
         const double value = score(points, stride, circle, search.noise);
         if (value <= most) continue;
@@ -152,35 +152,35 @@ Circle draw_circles(std::span<const PlanePoint> points, const CircleSearch& sear
 
 FoundCircle find_circle(std::span<const PlanePoint> points, const CircleSearch& search) {
     FoundCircle out;
-    if (points.size() < kFewest) return out;
+    if (points.size() < kMin) return out;
     std::vector<PlanePoint> sorted(points.begin(), points.end());
     std::ranges::sort(
         sorted, [](const PlanePoint& a, const PlanePoint& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
     Circle best = draw_circles(sorted, search);
     if (!(best.r > 0)) return out;
     for (int pass = 0; pass < 3; ++pass) {
-        const double tolerance = (pass == 0 ? 2.0 : 1.5) * tolerance_of(best.r, search.noise);
+        const double tolerance = (pass == 0 ? 2.0 : 1.5) * compute_tolerance(best.r, search.noise);
         const auto near = near_circle(sorted, best, tolerance);
-        const CircleFit fit = fit_circle(near, 1.25 * search.greatest_radius);
-        if (fit.used < kFewest || !(fit.radius > 0) || std::abs(fit.radius - best.r) > 0.5 * best.r) break;
+        const CircleFit fit = fit_circle(near, 1.25 * search.max_radius);
+        if (fit.used < kMin || !(fit.radius > 0) || std::abs(fit.radius - best.r) > 0.5 * best.r) break;
         best = {fit.x, fit.y, fit.radius};
         out.residual = fit.residual;
     }
-    if (best.r < search.least_radius || best.r > search.greatest_radius) return out;
+    if (best.r < search.min_radius || best.r > search.max_radius) return out;
     out.x = best.x, out.y = best.y, out.radius = best.r;
     judge(sorted, search.noise, out);
-    if (out.used < kFewest || out.coverage < kLeastCoverage) out.used = 0;
+    if (out.used < kMin || out.coverage < kMinCoverage) out.used = 0;
     return out;
 }
 
 double outline_radius(std::span<const PlanePoint> points, const FoundCircle& circle, double noise) {
-    constexpr double kNearest = 0.2, kLeastFilled = 0.8;
+    constexpr double kNearest = 0.2, kMinFilled = 0.8;
     std::array<std::vector<double>, kSectors> sectors;
     for (const PlanePoint& p : points) {
         const double dx = p.x - circle.x, dy = p.y - circle.y, d = std::hypot(dx, dy);
-        if (d > 0.5 * circle.radius && d < 1.6 * circle.radius) sectors[sector_of(dx, dy)].push_back(d);
+        if (d > 0.5 * circle.radius && d < 1.6 * circle.radius) sectors[compute_sector(dx, dy)].push_back(d);
     }
-    const double thick = 3 * tolerance_of(circle.radius, noise);
+    const double thick = 3 * compute_tolerance(circle.radius, noise);
     double squares = 0, filled = 0;
     for (auto& distances : sectors) {
         if (distances.empty()) continue;
@@ -192,7 +192,7 @@ double outline_radius(std::span<const PlanePoint> points, const FoundCircle& cir
         squares += middle * middle;
         filled += 1;
     }
-    return filled >= kLeastFilled * kSectors ? std::sqrt(squares / filled) : circle.radius;
+    return filled >= kMinFilled * kSectors ? std::sqrt(squares / filled) : circle.radius;
 }
 
 double circle_contrast(std::span<const PlanePoint> points, const FoundCircle& circle, double noise,
@@ -200,13 +200,13 @@ double circle_contrast(std::span<const PlanePoint> points, const FoundCircle& ci
     struct Region {
         double area, filled = 0;  // [squares]
         double share() const { return filled / area; }
-        /// Logarithm of the likelihood of what is filled, where a share of all squares is.
+        /// Returns the log-likelihood of the filled squares if a share p of all squares is filled.
         double log_likelihood(double p) const {
             const double empty = area - filled;
             return (filled > 0 ? filled * std::log(p) : 0) + (empty > 0 ? empty * std::log1p(-p) : 0);
         }
     };
-    const double tolerance = tolerance_of(circle.radius, noise), edge = 2 * tolerance;
+    const double tolerance = compute_tolerance(circle.radius, noise), edge = 2 * tolerance;
     const double low = circle.radius - tolerance, high = circle.radius + tolerance;
     const auto disc = [&](double r) { return std::numbers::pi * r * r / (edge * edge); };
     Region inside{disc(low)}, on{disc(high) - disc(low)}, outside{std::max(disc(reach) - disc(high), 1.0)};

@@ -11,14 +11,14 @@ namespace coppice {
 
 namespace {
 
-constexpr double kLong = 0.25;   // of the longest part's length
-constexpr double kSlope = 0.25;  // of the ground between two trees
+constexpr double kLong = 0.25;   // minimum length of a tree, relative to the longest component
+constexpr double kSlope = 0.25;  // maximum slope of the ground between two trees
 
-/// What a part reaches.
+/// Extent of a component.
 struct Part {
     NodeId root;
     double length = 0;
-    Vec3 foot;  // its lowest node
+    Vec3 foot;  // lowest node
     float top = 0;
 };
 
@@ -41,10 +41,10 @@ std::vector<Part> find_parts(const Skeleton& s) {
     return parts;
 }
 
-/// Says where the ground is, from the feet of trees.
+/// Estimates the height of the ground from the bases of trees.
 class Ground {
   public:
-    explicit Ground(const std::vector<Vec3>& feet) : feet_(feet), plan_(plan_of(feet)), tree_(plan_) {}
+    explicit Ground(const std::vector<Vec3>& feet) : feet_(feet), plan_(make_plan(feet)), tree_(plan_) {}
 
     bool bears(const Part& part) const {
         if (!(double{part.top} - double{part.foot.z} > kBreastHeight)) return false;
@@ -54,7 +54,7 @@ class Ground {
     }
 
   private:
-    static std::vector<Vec3> plan_of(std::vector<Vec3> feet) {
+    static std::vector<Vec3> make_plan(std::vector<Vec3> feet) {
         for (Vec3& p : feet) p.z = 0;
         return feet;
     }

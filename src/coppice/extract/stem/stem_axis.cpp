@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "coppice/base/id.h"
 #include "coppice/base/median.h"
 #include "coppice/base/parallel.h"
-#include "coppice/extract/none_internal.h"
 #include "coppice/extract/prior/isotonic_internal.h"
 #include "coppice/extract/stem/stem_form_internal.h"
 
@@ -15,20 +15,22 @@ namespace coppice::extract_internal {
 namespace {
 
 constexpr std::size_t kDirectionGrain = 4096;
-constexpr std::size_t kFewestSections = 4;
-constexpr std::array kWindows{4.0, 2.5, 1.6};  // [sections] on either side of a local line
-constexpr double kStraight = 0.04;             // [radius] that sections lie off a straight axis
-constexpr double kMinStep = 0.02;              // [m]
-constexpr int kPasses = 4;                     // of robust weights
-constexpr double kOutlier = 4.685 * 1.4826;    // [median deviation] of a section that does not count
-constexpr double kMinDeviation = 0.01;         // [radius] of any section
-constexpr double kBreastSections = 13;         // that the diameter at breast height is made of
-constexpr double kOther = 0.4;       // of the radius of the thickest stem, that another one has at least
-constexpr double kApart = 1.5;       // [sum of radii] between the feet of stems of different trees
-constexpr double kHanging = 0.3;     // [m] of a tree of ten metres: what ends so much higher than that hangs
-constexpr double kAsWellSeen = 0.5;  // of the evidence of the stem seen best, that another one has at least
-constexpr double kMaxInside = 0.15;  // points inside per point on the circles of another stem
-constexpr double kAtRoot = 2;        // [radius] from the axis, within which a given root belongs to it
+constexpr std::size_t kMinSections = 4;
+constexpr std::array kWindows{4.0, 2.5, 1.6};  // [sections] half-widths of the window of a local line
+constexpr double kStraight = 0.04;  // [radius] maximum median distance of sections from a straight axis
+constexpr double kMinStep = 0.02;   // [m]
+constexpr int kPasses = 4;          // number of iterations of the robust weights
+constexpr double kOutlier = 4.685 * 1.4826;  // [median deviation] distance from which a section has weight 0
+constexpr double kMinDeviation = 0.01;       // [radius] minimum deviation of a section
+constexpr double kBreastSections = 13;  // number of sections that determine the diameter at breast height
+constexpr double kOther = 0.4;          // minimum radius of another stem, relative to the thickest one
+constexpr double kApart = 1.5;  // [sum of radii] minimum distance of the bases of stems of different trees
+constexpr double kHanging =
+    0.3;  // [m] for a tree of ten metres: a stem with an end higher than this above the ground is not rooted
+constexpr double kAsWellSeen = 0.5;  // minimum evidence of another stem, relative to the best one
+constexpr double kMaxInside =
+    0.15;                      // maximum number of points inside per point on the circles of another stem
+constexpr double kAtRoot = 2;  // [radius] maximum distance of a specified root from the axis of its stem
 
 struct Section {
     double z;
@@ -36,7 +38,7 @@ struct Section {
     double radius, weight;
 };
 
-std::vector<Section> sections_of(const StemForm& form) {
+std::vector<Section> compute_sections(const StemForm& form) {
     std::vector<Section> out;
     const auto add = [&](const StemDiameter& d) {
         if (!(d.diameter > 0)) return;
@@ -50,15 +52,15 @@ std::vector<Section> sections_of(const StemForm& form) {
     return out;
 }
 
-/// What a straight line through sections says at a height: x, y and radius.
+/// Line through sections, evaluated at a height: x, y and radius.
 struct LocalLine {
     double value[3], slope[3];
-    double off;  ///< [m] median distance of the sections from the plain line, seen level
+    double off;  ///< [m] median horizontal distance of the sections from the unweighted line
 };
 
 double component(const Section& s, int k) { return k == 0 ? s.center.x : k == 1 ? s.center.y : s.radius; }
 
-/// The line of least squares with weights of the sections; `off` [m] are their residuals.
+/// Fits a line by weighted least squares; `off` [m] receives the absolute residuals.
 void fit_line(std::span<const Section> near, std::span<const double> weight, double z, int k, LocalLine& line,
               std::vector<double>& off) {
     double w = 0, wt = 0, wtt = 0, wv = 0, wtv = 0;
@@ -76,7 +78,7 @@ void fit_line(std::span<const Section> near, std::span<const double> weight, dou
         off.push_back(std::abs(component(s, k) - line.value[k] - line.slope[k] * (s.z - z)));
 }
 
-/// The line through the sections within a window [m], in which outlying ones hardly count.
+/// Returns the robust line through the sections within a window [m].
 LocalLine fit_local_line(std::span<const Section> near, double z, double window) {
     std::vector<double> base, weight, off;
     for (const Section& s : near) {
@@ -100,7 +102,8 @@ LocalLine fit_local_line(std::span<const Section> near, double z, double window)
     return line;
 }
 
-/// The line at a height over the widest window in which the axis is straight, or over few sections.
+/// Returns the line at a height over the widest window in which the axis is straight, or else over the
+/// smallest one.
 LocalLine find_local_line(std::span<const Section> sections, double z, double step) {
     std::vector<double> far;
     for (const Section& s : sections) far.push_back(std::abs(s.z - z));
@@ -116,14 +119,14 @@ LocalLine find_local_line(std::span<const Section> sections, double z, double st
     return line;
 }
 
-/// A place on an axis.
+/// Position on an axis.
 struct AxisPlace {
     Vec3d center;
     double radius;
-    bool inside;  ///< between both ends
+    bool inside;  ///< whether it is between both ends
 };
 
-/// The axis at a height; beyond its ends, they.
+/// Returns the axis at a height; beyond its ends, the end.
 AxisPlace place_at(const StemAxis& stem, double z) {
     const auto& at = stem.position;
     const auto above = std::ranges::upper_bound(at, z, {}, &Vec3d::z);
@@ -134,12 +137,13 @@ AxisPlace place_at(const StemAxis& stem, double z) {
     return {lerp(at[i - 1], at[i], t), std::lerp(stem.radius[i - 1], stem.radius[i], t), true};
 }
 
-/// How well a stem was seen: the sum of the coverage of its sections, and points inside per point on them.
+/// Quality of the detection of a stem: the sum of the coverage of its sections, and the mean number of points
+/// inside per point on them.
 struct Evidence {
     double seen = 0, inside = 0;
 };
 
-Evidence evidence_of(const StemTrack& track) {
+Evidence compute_evidence(const StemTrack& track) {
     Evidence out;
     for (const StemSection& s : track.sections) {
         out.seen += s.circle.coverage;
@@ -148,10 +152,10 @@ Evidence evidence_of(const StemTrack& track) {
     return out;
 }
 
-/// Radii that do not grow upward, nearest to those of the lines.
+/// Fits radii that do not increase upward to those of the lines.
 void make_monotone(std::vector<double>& radius, std::span<const double> weight) {
     std::vector<std::uint32_t> parent(radius.size());
-    for (std::uint32_t i = 0; i < parent.size(); ++i) parent[i] = i == 0 ? kNone : i - 1;
+    for (std::uint32_t i = 0; i < parent.size(); ++i) parent[i] = i == 0 ? kNoIndex : i - 1;
     radius = isotonic_on_tree(parent, radius, weight);
 }
 
@@ -195,9 +199,9 @@ Buffer<Vec3> growth_directions(std::span<const Vec3> points, std::span<const Ste
 }
 
 StemAxis make_stem_axis(const StemForm& form) {
-    const std::vector<Section> sections = sections_of(form);
+    const std::vector<Section> sections = compute_sections(form);
     StemAxis axis;
-    if (sections.size() < kFewestSections) return axis;
+    if (sections.size() < kMinSections) return axis;
     const double rise = sections.back().z - sections.front().z;
     const double step = std::max(rise / static_cast<double>(sections.size() - 1), kMinStep);
     std::vector<double> weight;
@@ -241,7 +245,7 @@ std::vector<StemAxis> find_stem_axes(std::span<const Vec3> points, const Terrain
             if (std::hypot(at.x - search.root->x, at.y - search.root->y) > kAtRoot * track.radius) continue;
             trace.foot = search.root->z;
         }
-        const Evidence evidence = evidence_of(track);
+        const Evidence evidence = compute_evidence(track);
         if (!found.empty() && (evidence.seen < kAsWellSeen * best || evidence.inside > kMaxInside ||
                                track.radius < kOther * found.front().radius))
             continue;

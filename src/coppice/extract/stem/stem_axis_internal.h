@@ -15,40 +15,42 @@
 
 namespace coppice::extract_internal {
 
-/// The axis of a stem from its foot upward, as far as circles show it.
+/// Axis of a stem from its base upward, as far as circles determine it.
 struct StemAxis {
-    std::vector<Vec3d> position;  ///< [m] upward; the first one on the ground
-    std::vector<double> radius;   ///< [m] never growing upward
-    StemDiameter breast;          ///< at breast height, as circles show it
-    StemTrack track;              ///< the circles by which it was found
+    std::vector<Vec3d> position;  ///< [m] upward; the first one is on the ground
+    std::vector<double> radius;   ///< [m] not increasing upward
+    StemDiameter breast;          ///< at breast height, as measured by circles
+    StemTrack track;              ///< circles by which it was found
 };
 
-/// [m] From the axis of a stem, up to which points are its own: bark, moss and what stands off it.
+/// Returns the distance [m] from the axis of a stem up to which points belong to it, including bark, moss and
+/// noise.
 inline double reach_of_stem(double radius, double spacing) {
     return radius + std::max(0.3 * radius, spacing);
 }
 
-/// Whether a point lies within reach of the axis of a stem, seen level. O(stems * log sections).
+/// Returns whether the horizontal distance of a point from the axis of a stem is within its reach. O(stems *
+/// log sections).
 bool is_on_stem(std::span<const StemAxis> stems, Vec3d p, double spacing);
 
-/// How branches grow at each point, of length 1: away from the place of the closest stem that is as much
-/// lower as it is far, or of the foot of a tree without a stem. O(points * (stems + bases)).
+/// Returns the unit direction of growth at each point: away from the point of the closest stem that is lower
+/// by the horizontal distance, or from the base of a tree without a stem. O(points * (stems + bases)).
 Buffer<Vec3> growth_directions(std::span<const Vec3> points, std::span<const StemAxis> stems, StemBases bases,
                                const Context& ctx);
 
-/// The axis through the sections of a stem: places and radii by local lines in which outlying sections do not
-/// count, radii made monotone. Empty where fewer than four sections were seen. O(sections).
+/// Computes the axis through the sections of a stem: positions and radii from robust local lines; radii are
+/// then made monotone. Empty if there are fewer than four sections. O(sections).
 StemAxis make_stem_axis(const StemForm& form);
 
-/// Where stems are looked for.
+/// Options of `find_stem_axes`.
 struct StemAxisSearch {
-    double spacing = 0.01;           ///< [m] of the points
-    std::optional<Vec3d> root = {};  ///< [m] there is one tree, which starts at this place of its stem
-    int max_trees = 0;               ///< the thickest so many; 0 = all
+    double spacing = 0.01;           ///< [m] spacing of the points
+    std::optional<Vec3d> root = {};  ///< [m] start of the only stem, if set
+    int max_trees = 0;               ///< maximum number of stems, thickest first; 0 = all
 };
 
-/// The axes of all stems that stand on the ground apart from each other, the thickest first; with a given
-/// root that of the stem there, if any. O(n). Throws Cancelled.
+/// Finds the axes of all separate stems on the ground, thickest first; with a specified root, that of the
+/// stem there, if any. O(n). Throws Cancelled.
 std::vector<StemAxis> find_stem_axes(std::span<const Vec3> points, const Terrain& terrain,
                                      const StemAxisSearch& search, const Context& ctx);
 

@@ -18,14 +18,16 @@ namespace {
 
 using namespace extract_internal;
 
-constexpr std::size_t kFewestPoints = 20;
-constexpr std::size_t kEnd = 2000;    // points at an end, among which strays are looked for
-constexpr std::size_t kTogether = 5;  // points near each other in height are no strays
-constexpr double kLeastStep = 0.1, kMostStep = 0.5, kSteps = 40;  // [m] between sections, of the height
-constexpr double kLow = 1.1, kHigh = 1.5;                         // [m] of a skeleton, about breast height
-constexpr double kSecondStem = 0.4;                               // of the radius of the first one
+constexpr std::size_t kMinPoints = 20;
+constexpr std::size_t kEnd = 2000;    // number of points at an end among which outliers are searched
+constexpr std::size_t kTogether = 5;  // maximum number of points close in height required to exclude outliers
+constexpr double kMinStep = 0.1, kMaxStep = 0.5;
+constexpr double kSteps = 40;  // [m] range of the distance of sections; number of sections over the height
+constexpr double kLow = 1.1;
+constexpr double kHigh = 1.5;  // [m] range about breast height in which the radii of a skeleton are averaged
+constexpr double kSecondStem = 0.4;  // minimum radius of a second stem, relative to the first one
 
-/// The first height with as many points close behind it that they are no strays; those given are in order.
+/// Returns the first height followed by enough close points to exclude an outlier; the heights are sorted.
 double first_dense(std::span<const double> z, const HeightOrder& points) {
     const double reach = 0.03 * (points.high() - points.low()) + 0.05;
     const std::size_t together = std::clamp<std::size_t>(points.all().size() / 1000, 2, kTogether);
@@ -34,8 +36,8 @@ double first_dense(std::span<const double> z, const HeightOrder& points) {
     return z.front();
 }
 
-/// [m] z of the lowest point that is no stray.
-double lowest_of(const HeightOrder& points) {
+/// Returns z [m] of the lowest point that is not an outlier.
+double compute_min_height(const HeightOrder& points) {
     const auto end = points.all().first(std::min(points.all().size(), kEnd));
     std::vector<double> z;
     for (const Vec3 p : points.between(points.low(), end.back().z)) z.push_back(p.z);
@@ -43,17 +45,19 @@ double lowest_of(const HeightOrder& points) {
     return first_dense(z, points);
 }
 
-/// Trees below ten metres have stems that are shorter, too.
-double scale_of(const HeightOrder& points, double foot) {
-    return points.all().empty() ? 1 : std::clamp((highest_of(points) - foot) / 10, 0.3, 1.0);
+/// Returns the scale of the search heights: it is smaller for trees below ten metres, which have shorter
+/// stems.
+double compute_scale(const HeightOrder& points, double foot) {
+    return points.all().empty() ? 1 : std::clamp((compute_max_height(points) - foot) / 10, 0.3, 1.0);
 }
 
-StemDiameter diameter_of(const StemSection& s, Vec3d origin) {
+StemDiameter compute_diameter(const StemSection& s, Vec3d origin) {
     return {s.height,          2 * s.radius(),    2 * s.circle.deviation,
             s.circle.residual, s.circle.coverage, s.center + origin};
 }
 
-/// The stem about a height by the sections within a metre of it; what was found first where there are few.
+/// Returns the stem about a height from the sections within a metre of it; the initial track if there are
+/// few.
 StemTrack about(const StemTrack& track, std::span<const StemSection> sections, double height) {
     constexpr double kNear = 1;  // [m]
     StemTrack out;
@@ -69,7 +73,8 @@ StemTrack about(const StemTrack& track, std::span<const StemSection> sections, d
     return out;
 }
 
-/// [m] Mean radius of an axis between two heights, by length; 0 where it does not reach there.
+/// Returns the mean radius [m] of an axis between two heights, weighted by length; 0 if it does not extend
+/// there.
 double mean_radius(const Skeleton& s, const std::vector<NodeId>& axis, double low, double high) {
     double sum = 0, total = 0;
     for (std::size_t i = 1; i < axis.size(); ++i) {
@@ -108,14 +113,17 @@ StemForm form_of(const Skeleton& s, NodeId root, std::span<const float> reach) {
     return out;
 }
 
-/// Whether a circle in a slice is surely a stem, though no other section tells so: it is round and hollow,
-/// and has points in the lower and in the upper third of the slice.
+/// Returns whether a single circle in a slice is certainly a stem: it is round and hollow, and has points in
+/// the lower and in the upper third of the slice.
 bool is_stem_in_slice(const PointSet& set, const Box3& box, const FoundCircle& c, double noise) {
-    constexpr double kLeastCoverage = 0.4, kMostResidual = 0.06;  // of the circumference, of the radius
-    constexpr double kWithin = 0.8, kMostWithin = 0.1;            // of the radius, per point on the circle
-    constexpr std::uint32_t kFewestOnCircle = 30;
-    if (c.used < kFewestOnCircle || c.coverage < kLeastCoverage ||
-        c.residual > std::max(kMostResidual * c.radius, noise))
+    constexpr double kMinCoverage = 0.4,
+                     kMaxResidual =
+                         0.06;  // minimum share of the circumference; maximum residual relative to the radius
+    constexpr double kWithin = 0.8, kMaxWithin = 0.1;  // relative radius of the core; maximum number of
+                                                       // points in it per point on the circle
+    constexpr std::uint32_t kMinOnCircle = 30;
+    if (c.used < kMinOnCircle || c.coverage < kMinCoverage ||
+        c.residual > std::max(kMaxResidual * c.radius, noise))
         return false;
     const float third = box.size().z / 3;
     std::size_t low = 0, high = 0, on = 0, within = 0;
@@ -127,11 +135,11 @@ bool is_stem_in_slice(const PointSet& set, const Box3& box, const FoundCircle& c
         low += p.z <= box.low.z + third;
         high += p.z >= box.high.z - third;
     }
-    return low > 0 && high > 0 && static_cast<double>(within) <= kMostWithin * static_cast<double>(on);
+    return low > 0 && high > 0 && static_cast<double>(within) <= kMaxWithin * static_cast<double>(on);
 }
 
-/// [m] The true diameter is this near in nine of ten cases.
-double margin_of(const StemDiameter& d) {
+/// Returns half of the width [m] of the 90 % interval of the diameter.
+double compute_margin(const StemDiameter& d) {
     constexpr double kOfModel = 0.025;  // [diameter] standard deviation of sections from circles on a line
     return kNineOfTen * std::hypot(d.deviation, kOfModel * d.diameter);
 }
@@ -139,12 +147,12 @@ double margin_of(const StemDiameter& d) {
 }  // namespace
 
 double height_margin(double spacing) {
-    constexpr double kLeast = 0.02, kSpacings = 2;
-    return kLeast + kSpacings * spacing;
+    constexpr double kMin = 0.02, kSpacings = 2;
+    return kMin + kSpacings * spacing;
 }
 
-double StemDiameter::low() const { return std::max(diameter - margin_of(*this), 0.0); }
-double StemDiameter::high() const { return diameter + margin_of(*this); }
+double StemDiameter::low() const { return std::max(diameter - compute_margin(*this), 0.0); }
+double StemDiameter::high() const { return diameter + compute_margin(*this); }
 
 namespace extract_internal {
 
@@ -160,7 +168,7 @@ std::vector<float> highest_below(const Skeleton& s) {
 }
 
 std::vector<NodeId> main_axis(const Skeleton& s, NodeId root, std::span<const float> reach) {
-    constexpr float kStemlike = 0.4f;  // of the thickest child's radius
+    constexpr float kStemlike = 0.4f;  // relative to the radius of the thickest child
     std::vector<NodeId> axis{root};
     while (!s.is_tip(axis.back())) {
         NodeId next = s.leader(axis.back());
@@ -180,9 +188,9 @@ StemForm measure_stem(const HeightOrder& points, const StemTrack& track, const T
     const Vec3d foot = track.at(trace.foot);
     out.foot = origin + foot;
     out.height = trace.top - trace.foot;
-    const double step = std::clamp(out.height / kSteps, kLeastStep, kMostStep);
+    const double step = std::clamp(out.height / kSteps, kMinStep, kMaxStep);
     const std::vector<StemSection> sections = trace_stem(points, track, step, trace);
-    for (const StemSection& s : sections) out.taper.push_back(diameter_of(s, origin));
+    for (const StemSection& s : sections) out.taper.push_back(compute_diameter(s, origin));
     const DiameterAt breast =
         diameter_at(points, about(track, sections, kBreastHeight), kBreastHeight, trace);
     out.breast = {kBreastHeight,   breast.diameter, breast.deviation,
@@ -201,7 +209,7 @@ double foot_of(const HeightOrder& points, const StemTrack& track) {
     return z.empty() ? track.middle().z : first_dense(z, points);
 }
 
-double highest_of(const HeightOrder& points) {
+double compute_max_height(const HeightOrder& points) {
     const auto end = points.all().last(std::min(points.all().size(), kEnd));
     std::vector<double> z;
     for (const Vec3 p : points.between(end.front().z, points.high())) z.push_back(p.z);
@@ -216,7 +224,7 @@ namespace extract_internal {
 StemScene find_stem_scene(std::span<const Vec3> points, const Terrain& terrain, double spacing,
                           const Context& ctx) {
     const HeightOrder order(points, ctx);
-    StemScene out{.lowest = points.empty() ? 0 : lowest_of(order)};
+    StemScene out{.lowest = points.empty() ? 0 : compute_min_height(order)};
     std::vector<float> height;
     std::vector<Vec3> above;
     for (const Vec3 p : order.all()) {
@@ -228,13 +236,12 @@ StemScene find_stem_scene(std::span<const Vec3> points, const Terrain& terrain, 
     const double noise = stem_noise(spacing);
     out.wood = HeightOrder(above, ctx);
     out.trace = {.foot = out.lowest,
-                 .top = above.empty() ? out.lowest : highest_of(out.wood),
+                 .top = above.empty() ? out.lowest : compute_max_height(out.wood),
                  .noise = noise,
                  .spacing = spacing};
-    out.scale = scale_of(out.wood, out.lowest);
-    out.tracks =
-        find_stems(above, height,
-                   {.least_radius = 0.008, .greatest_radius = 1.5, .noise = noise, .scale = out.scale}, ctx);
+    out.scale = compute_scale(out.wood, out.lowest);
+    out.tracks = find_stems(
+        above, height, {.min_radius = 0.008, .max_radius = 1.5, .noise = noise, .scale = out.scale}, ctx);
     for (StemTrack& track : out.tracks) track.raise(out.ground(terrain, track.middle()));
     return out;
 }
@@ -268,9 +275,9 @@ StemForm stem_form_on(const Terrain& terrain, const PointSet& set, const Context
 }  // namespace extract_internal
 
 StemForm stem_form(const PointSet& set, const Context& ctx) {
-    if (set.size() < kFewestPoints) {
+    if (set.size() < kMinPoints) {
         throw InvalidInput(fmt::format("forestry: the cloud has {} points, but a stem needs at least {}",
-                                       set.size(), kFewestPoints));
+                                       set.size(), kMinPoints));
     }
     return stem_form_on(find_terrain(set.positions, ctx), set, ctx);
 }
@@ -279,11 +286,11 @@ std::vector<StemForm> slice_forms(const PointSet& set, const Context& ctx) {
     constexpr float kThickest = 1;  // [m]
     const Box3 box = bounds(set);
     std::vector<StemForm> out;
-    if (set.size() < kFewestPoints || box.size().z > kThickest ||
+    if (set.size() < kMinPoints || box.size().z > kThickest ||
         2 * box.size().z > std::max(box.size().x, box.size().y))
         return out;
     const StemSearch search{
-        .least_radius = 0.02, .greatest_radius = 1.5, .noise = stem_noise(median_spacing(set, ctx))};
+        .min_radius = 0.02, .max_radius = 1.5, .noise = stem_noise(median_spacing(set, ctx))};
     for (const FoundCircle& c : circles_in_slice(set.positions, search, ctx)) {
         if (!is_stem_in_slice(set, box, c, search.noise)) continue;
         StemForm form;

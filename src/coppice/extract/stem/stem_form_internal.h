@@ -10,48 +10,49 @@
 
 namespace coppice::extract_internal {
 
-/// [m] The greatest z of each node and of all that it bears. O(n).
+/// Returns the maximum z [m] of each node and its descendants. O(n).
 std::vector<float> highest_below(const Skeleton& skeleton);
 
-/// The stem of one tree, from its root: it goes on with the child that leads highest, of those at least 0.4
-/// times as thick as the thickest. Buttresses and stubs may be thicker than what goes on.
+/// Returns the axis of the stem of one tree, from its root: it continues with the child that leads highest,
+/// of those at least 0.4 times as thick as the thickest one. Buttresses and stubs may be thicker than the
+/// continuation of the stem.
 std::vector<NodeId> main_axis(const Skeleton& skeleton, NodeId root, std::span<const float> reach);
 
-/// [m] How far points of that spacing lie off a stem, about: scans have some millimetres, bark included, and
-/// the means of voxels more.
+/// Returns the approximate distance [m] of points of this spacing from the surface of a stem: some
+/// millimetres for scans, bark included, and more for the means of voxels.
 double stem_noise(double spacing);
 
-/// The form of a stem that `track` (in world z) says of.
+/// Measures the form of the stem of `track` (in world z).
 StemForm measure_stem(const HeightOrder& points, const StemTrack& track, const TraceOptions& trace,
                       Vec3d origin);
 
-/// stem_form() on ground that is known; relative to the origin of the points.
+/// stem_form() for known ground; relative to the origin of the points.
 StemForm stem_form_on(const Terrain& terrain, const PointSet& points, const Context& ctx);
 
-/// The points of a cloud without its ground, and the stems that are seen in them.
+/// Points of a cloud without its ground, and the stems detected in them.
 struct StemScene {
-    double lowest = 0;                   ///< [m] z of the lowest point that is no stray
-    double scale = 1;                    ///< of heights, for trees of a few metres
+    double lowest = 0;                   ///< [m] z of the lowest point that is not an outlier
+    double scale = 1;                    ///< scale of the heights; smaller for trees of a few metres
     HeightOrder wood{{}};                ///< the points above the ground
-    TraceOptions trace;                  ///< how stems are followed
-    std::vector<StemTrack> tracks = {};  ///< in the frame of the points, those seen best first
+    TraceOptions trace;                  ///< options of the tracing of stems
+    std::vector<StemTrack> tracks = {};  ///< in the coordinate frame of the points, best coverage first
 
-    /// [m] z of the ground at a place, or else of the lowest end of the cloud.
+    /// Returns z [m] of the ground at a position, or of the lowest end of the cloud if there is no ground.
     double ground(const Terrain& terrain, Vec3d at) const {
         return terrain.is_ground ? terrain.height(at.x, at.y) : lowest;
     }
-    /// How this stem is followed, from its foot.
+    /// Returns the trace options of this stem, starting at its foot.
     TraceOptions trace_of(const Terrain& terrain, const StemTrack& track) const;
 };
 
-/// Looks for stems. O(n). Throws Cancelled.
+/// Detects stems. O(n). Throws Cancelled.
 StemScene find_stem_scene(std::span<const Vec3> points, const Terrain& terrain, double spacing,
                           const Context& ctx);
 
-/// [m] z of the lowest end of a stem in points without ground: of those about its axis.
+/// Returns z [m] of the lowest end of a stem in points without ground, from the points about its axis.
 double foot_of(const HeightOrder& points, const StemTrack& track);
 
-/// [m] z of the highest point that is no stray; at least one point.
-double highest_of(const HeightOrder& points);
+/// Returns z [m] of the highest point that is not an outlier; requires at least one point.
+double compute_max_height(const HeightOrder& points);
 
 }  // namespace coppice::extract_internal

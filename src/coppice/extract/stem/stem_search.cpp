@@ -14,23 +14,25 @@
 namespace coppice::extract_internal {
 namespace {
 
-constexpr double kLow = 0.3, kSlice = 0.2;  // [m] above the ground, and high
+constexpr double kLow = 0.3;
+constexpr double kSlice = 0.2;  // [m] height of the lowest slice above the ground; thickness of a slice
 constexpr std::size_t kSlices = 18;
 constexpr double kThickSlice = 3;
-constexpr std::size_t kFewPoints = 80;    // of a cluster, for which a thick slice is made
-constexpr double kThinSlice = 0.25;       // of a slice, for stems that lean
-constexpr double kThin = 0.01;            // [m] squares of which one point counts
-constexpr double kLink = 0.08;            // [m] squares that touch belong to one cluster
-constexpr std::size_t kFewestPoints = 8;  // of a cluster
-constexpr int kMostCircles = 12;          // in a cluster
-constexpr double kMostInside = 0.5;       // points inside of a circle per point on it
-constexpr double kShift = 0.06;           // [m] between sections, besides what a lean explains
-constexpr double kLean = 0.8;             // greatest shift of the axis per height
-constexpr double kRatio = 1.5;            // between the radii of sections
-constexpr std::size_t kFewestSections = 4;
-constexpr double kLeastSpan = 0.75;  // [m] between the lowest and the highest section
-constexpr double kSame = 0.95;       // of the sum of two radii: nearer axes are one stem's
-constexpr double kLowestEnd = 1.4;   // [m] a stem is seen below
+constexpr std::size_t kFewPoints =
+    80;                              // maximum number of points of a cluster for which a thick slice is used
+constexpr double kThinSlice = 0.25;  // [slice] thickness for leaning stems
+constexpr double kThin = 0.01;       // [m] edge of the squares in which one point is kept
+constexpr double kLink = 0.08;       // [m] edge of the squares of a cluster; adjacent squares are connected
+constexpr std::size_t kMinPoints = 8;  // minimum number of points of a cluster
+constexpr int kMaxCircles = 12;        // maximum number of circles in a cluster
+constexpr double kMaxInside = 0.5;     // maximum number of points inside a circle per point on it
+constexpr double kShift = 0.06;        // [m] maximum shift between sections, in addition to the lean
+constexpr double kLean = 0.8;          // maximum shift of the axis per height
+constexpr double kRatio = 1.5;         // maximum ratio of the radii of sections
+constexpr std::size_t kMinSections = 4;
+constexpr double kMinSpan = 0.75;   // [m] minimum distance of the lowest and the highest section
+constexpr double kSame = 0.95;      // [sum of two radii] closer axes belong to the same stem
+constexpr double kLowestEnd = 1.4;  // [m] maximum height of the lowest section
 
 struct Section {
     std::size_t slice;
@@ -38,8 +40,8 @@ struct Section {
     FoundCircle circle;
 };
 
-/// Clusters of points in a slice: squares that touch.
-std::vector<std::vector<PlanePoint>> clusters_of(const std::vector<PlanePoint>& points) {
+/// Returns the clusters of points in a slice: connected squares.
+std::vector<std::vector<PlanePoint>> find_clusters(const std::vector<PlanePoint>& points) {
     struct Place {
         std::int64_t i, j;
         std::uint32_t index;
@@ -64,20 +66,20 @@ std::vector<std::vector<PlanePoint>> clusters_of(const std::vector<PlanePoint>& 
     }
     std::vector<std::vector<PlanePoint>> clusters(points.size());
     for (std::uint32_t k = 0; k < points.size(); ++k) clusters[sets.find(k)].push_back(points[k]);
-    std::erase_if(clusters, [](const auto& c) { return c.size() < kFewestPoints; });
+    std::erase_if(clusters, [](const auto& c) { return c.size() < kMinPoints; });
     return clusters;
 }
 
 bool is_stem_like(const FoundCircle& c, double noise) {
-    return c.used >= kFewestPoints && c.inside <= kMostInside && c.residual <= 0.15 * c.radius + noise;
+    return c.used >= kMinPoints && c.inside <= kMaxInside && c.residual <= 0.15 * c.radius + noise;
 }
 
-/// The circles of one cluster, each after the points of the one before are gone.
+/// Adds the circles of one cluster; the points of each circle are removed before the next search.
 void add_circles(std::vector<PlanePoint> points, const StemSearch& search, std::uint64_t seed,
                  std::vector<FoundCircle>& out) {
-    for (int k = 0; k < kMostCircles && points.size() >= kFewestPoints; ++k) {
-        const FoundCircle c = find_circle(points, {.least_radius = search.least_radius,
-                                                   .greatest_radius = search.greatest_radius,
+    for (int k = 0; k < kMaxCircles && points.size() >= kMinPoints; ++k) {
+        const FoundCircle c = find_circle(points, {.min_radius = search.min_radius,
+                                                   .max_radius = search.max_radius,
                                                    .noise = search.noise,
                                                    .seed = seed + static_cast<std::uint64_t>(k)});
         if (c.used == 0) return;
@@ -90,9 +92,9 @@ void add_circles(std::vector<PlanePoint> points, const StemSearch& search, std::
     }
 }
 
-/// The circles of all clusters; fewer when a stop is asked for.
-std::vector<FoundCircle> circles_of(std::vector<std::vector<PlanePoint>> clusters, const StemSearch& search,
-                                    std::uint64_t seed, const Context& ctx) {
+/// Returns the circles of all clusters; incomplete after a cancellation request.
+std::vector<FoundCircle> find_circles(std::vector<std::vector<PlanePoint>> clusters, const StemSearch& search,
+                                      std::uint64_t seed, const Context& ctx) {
     std::vector<FoundCircle> circles;
     for (auto& cluster : clusters) {
         if (ctx.stop.stop_requested()) break;
@@ -101,8 +103,8 @@ std::vector<FoundCircle> circles_of(std::vector<std::vector<PlanePoint>> cluster
     return circles;
 }
 
-std::vector<Section> sections_of(std::span<const Vec3> points, std::span<const float> height,
-                                 const StemSearch& search, const Context& ctx) {
+std::vector<Section> compute_sections(std::span<const Vec3> points, std::span<const float> height,
+                                      const StemSearch& search, const Context& ctx) {
     std::vector<std::vector<std::uint32_t>> members(kSlices);
     for (std::uint32_t i = 0; i < points.size(); ++i) {
         const double slice = (double{height[i]} / search.scale - kLow) / kSlice;
@@ -112,20 +114,20 @@ std::vector<Section> sections_of(std::span<const Vec3> points, std::span<const f
     std::vector<std::vector<Section>> found(kSlices);
     parallel_for(ctx, kSlices, 1, [&](std::size_t s) {
         const double middle = (kLow + (static_cast<double>(s) + 0.5) * kSlice) * search.scale;
-        // The whole slice, a thin one where a stem leans, and a thick one where points are few.
+        // Uses the whole slice, a thin one for leaning stems, and a thick one if there are few points.
         for (const double share : {1.0, kThinSlice, kThickSlice}) {
             const double reach = 0.5 * share * kSlice * search.scale;
             std::vector<PlanePoint> plane;
-            const std::size_t beside = share > 1 ? 1 : 0;
-            for (std::size_t k = s - std::min(s, beside); k <= std::min(s + beside, kSlices - 1); ++k) {
+            const std::size_t adjacent = share > 1 ? 1 : 0;
+            for (std::size_t k = s - std::min(s, adjacent); k <= std::min(s + adjacent, kSlices - 1); ++k) {
                 for (const std::uint32_t i : members[k]) {
                     if (std::abs(double{height[i]} - middle) <= reach)
                         plane.push_back({points[i].x, points[i].y, 1});
                 }
             }
-            auto clusters = clusters_of(thin_plane(plane, kThin * search.scale));
+            auto clusters = find_clusters(thin_plane(plane, kThin * search.scale));
             if (share > 1) std::erase_if(clusters, [](const auto& c) { return c.size() > kFewPoints; });
-            const auto circles = circles_of(std::move(clusters), search, std::uint64_t{s} << 32, ctx);
+            const auto circles = find_circles(std::move(clusters), search, std::uint64_t{s} << 32, ctx);
             for (const FoundCircle& c : circles) found[s].push_back({s, c.x, c.y, middle, c});
         }
     });
@@ -135,13 +137,13 @@ std::vector<Section> sections_of(std::span<const Vec3> points, std::span<const f
     return all;
 }
 
-/// The sections above a first one that make a stem of it: of each slice the one nearest to where the axis
-/// points that is about as thick. Up to two slices may be missing. Several stacks may share a section, so
-/// that none is broken by another one; which of them is a stem is seen afterwards.
+/// Returns the sections above a first one that may form a stem with it: of each slice the section of similar
+/// thickness closest to the extrapolated axis. Up to two slices may be missing. Several stacks may share a
+/// section, so that they do not interrupt each other; the stems among them are selected later.
 std::vector<std::size_t> stack_from(std::size_t first, const std::vector<Section>& sections,
                                     const std::array<std::size_t, kSlices + 1>& slice, double scale) {
     std::vector<std::size_t> of{first};
-    double dx = 0, dy = 0;  // how the axis leans
+    double dx = 0, dy = 0;  // lean of the axis
     for (std::size_t s = sections[first].slice + 1; s < kSlices && s - sections[of.back()].slice <= 3; ++s) {
         const Section& end = sections[of.back()];
         const double rise = static_cast<double>(s - end.slice) * kSlice * scale;
@@ -176,7 +178,7 @@ std::vector<std::vector<std::size_t>> stack(const std::vector<Section>& sections
     return out;
 }
 
-/// Root mean square distance of sections from where those before and after them say.
+/// Returns the root mean square distance of sections from the line between the previous and the next one.
 double unevenness(const StemTrack& track) {
     double squares = 0, count = 0;
     for (std::size_t i = 1; i + 1 < track.sections.size(); ++i) {
@@ -189,21 +191,21 @@ double unevenness(const StemTrack& track) {
 }
 
 bool is_stem(const StemTrack& track, double scale) {
-    if (track.sections.size() < kFewestSections) return false;
+    if (track.sections.size() < kMinSections) return false;
     const double span = track.sections.back().height - track.sections.front().height;
-    if (span < kLeastSpan * scale || track.sections.front().height > kLowestEnd * scale) return false;
+    if (span < kMinSpan * scale || track.sections.front().height > kLowestEnd * scale) return false;
     double coverage = 0;
     for (const StemSection& s : track.sections) coverage += s.circle.coverage;
     coverage /= static_cast<double>(track.sections.size());
-    // Few sections need to be seen well; a long row of them speaks for itself.
+    // A few sections must have good coverage; many sections are sufficient on their own.
     const double evidence = coverage * static_cast<double>(track.sections.size());
     const Vec3d along = track.sections.back().center - track.sections.front().center;
     return evidence >= 2 && unevenness(track) <= 0.25 * track.radius + 0.02 &&
            std::hypot(along.x, along.y) <= kLean * along.z;
 }
 
-/// The straight line through the centres of some sections, by least squares, as its slope.
-Vec3d slope_of(std::span<const StemSection> sections) {
+/// Returns the slope of the least-squares line through the centres of the sections.
+Vec3d compute_slope(std::span<const StemSection> sections) {
     Vec3d middle;
     for (const StemSection& s : sections) middle += s.center / static_cast<double>(sections.size());
     double zz = 0;
@@ -216,7 +218,7 @@ Vec3d slope_of(std::span<const StemSection> sections) {
     return slope;
 }
 
-constexpr std::size_t kAbout = 5;  // sections that say how the axis runs
+constexpr std::size_t kAbout = 5;  // number of sections that determine the direction of the axis
 
 }  // namespace
 
@@ -226,7 +228,7 @@ Vec3d StemTrack::direction_at(double z) const {
     const auto place = static_cast<std::size_t>(after - sections.begin());
     const std::size_t count = std::min(kAbout, sections.size());
     const std::size_t first = std::min(place - std::min(place, (count + 1) / 2), sections.size() - count);
-    return normalized(slope_of(std::span(sections).subspan(first, count)));
+    return normalized(compute_slope(std::span(sections).subspan(first, count)));
 }
 
 Vec3d StemTrack::at(double z) const {
@@ -247,7 +249,7 @@ void StemTrack::raise(double by) {
 
 std::vector<StemTrack> find_stems(std::span<const Vec3> points, std::span<const float> height,
                                   const StemSearch& search, const Context& ctx) {
-    const std::vector<Section> sections = sections_of(points, height, search, ctx);
+    const std::vector<Section> sections = compute_sections(points, height, search, ctx);
     std::vector<StemTrack> stems;
     for (const auto& of : stack(sections, search.scale)) {
         StemTrack track;
@@ -266,7 +268,7 @@ std::vector<StemTrack> find_stems(std::span<const Vec3> points, std::span<const 
         for (const StemSection& s : t.sections) evidence += s.circle.coverage;
         return evidence;
     });
-    // One stem may have been followed twice, by thick slices and by thin ones.
+    // A stem may be found twice, in thick slices and in thin ones.
     std::vector<StemTrack> apart;
     for (StemTrack& stem : stems) {
         const auto is_same = [&](const StemTrack& other) {
@@ -282,7 +284,7 @@ std::vector<FoundCircle> circles_in_slice(std::span<const Vec3> points, const St
                                           const Context& ctx) {
     std::vector<PlanePoint> plane;
     for (const Vec3 p : points) plane.push_back({p.x, p.y, 1});
-    auto circles = circles_of(clusters_of(thin_plane(plane, kThin * search.scale)), search, 0, ctx);
+    auto circles = find_circles(find_clusters(thin_plane(plane, kThin * search.scale)), search, 0, ctx);
     ctx.throw_if_cancelled();
     std::ranges::stable_sort(circles, std::ranges::greater{}, &FoundCircle::radius);
     return circles;

@@ -10,43 +10,44 @@
 
 namespace coppice::extract_internal {
 
-/// A section across a stem.
+/// Cross-section of a stem.
 struct StemSection {
     Vec3d center;        ///< [m]
     double height = 0;   ///< [m] above the ground
-    FoundCircle circle;  ///< on the plane across the stem; its `x` and `y` are those of that plane
+    FoundCircle circle;  ///< on the plane across the stem; `x` and `y` are coordinates on that plane
     double radius() const { return circle.radius; }
 };
 
-/// What was found of a stem about breast height: sections, upward, at least two. Found, their z are heights
-/// above the ground.
+/// Sections of a stem about breast height, upward, at least two. Returned by find_stems with heights above
+/// the ground as z.
 struct StemTrack {
     std::vector<StemSection> sections;
-    double radius = 0;  ///< [m] usual among the sections
+    double radius = 0;  ///< [m] median of the sections
 
-    /// The axis at a height: between sections straight, beyond them on as it runs through the last few.
+    /// Returns the axis at a height: linear between sections, extrapolated from the last few sections beyond
+    /// them.
     Vec3d at(double z) const;
-    /// How it runs there, upward, of length 1.
+    /// Returns the unit direction of the axis at a height, upward.
     Vec3d direction_at(double z) const;
     Vec3d middle() const { return sections[sections.size() / 2].center; }
     void raise(double by);  ///< [m]
 };
 
 struct StemSearch {
-    double least_radius = 0.02, greatest_radius = 1;  ///< [m]
-    double noise = 0.006;                             ///< [m] of the points, about
-    double scale = 1;  ///< of the heights and widths below: less than 1 for trees of a few metres
+    double min_radius = 0.02, max_radius = 1;  ///< [m]
+    double noise = 0.006;                      ///< [m] approximate noise of the points
+    double scale = 1;  ///< scale of the search heights and widths: less than 1 for small trees
 };
 
-/// Stems by what stands at breast height: circles in slices of 20 cm from 0.3 to 3.9 m above the ground,
-/// stacked where they lie above each other and are about as thick. `height` is that of each point above the
-/// ground [m]. From thick to thin evidence: the more sections, the earlier. O(n) and some milliseconds for
-/// each cluster of points in a slice. Throws Cancelled.
+/// Finds stems at breast height: circles in slices of 20 cm from 0.3 to 3.9 m above the ground that are above
+/// each other and of similar thickness. `height` is the height [m] of each point above the ground. The result
+/// is sorted by decreasing evidence, the total coverage of the sections. O(n) and some milliseconds for each
+/// cluster of points in a slice. Throws Cancelled.
 std::vector<StemTrack> find_stems(std::span<const Vec3> points, std::span<const float> height,
                                   const StemSearch& search, const Context& ctx);
 
-/// Circles amid the points of one slice, seen from above, the thickest first. O(n) and some milliseconds for
-/// each cluster of points.
+/// Returns the circles in the points of one slice in plan view, thickest first. O(n) and some milliseconds
+/// for each cluster of points.
 std::vector<FoundCircle> circles_in_slice(std::span<const Vec3> points, const StemSearch& search,
                                           const Context& ctx);
 

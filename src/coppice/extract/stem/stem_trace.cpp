@@ -13,37 +13,38 @@ namespace coppice::extract_internal {
 namespace {
 
 constexpr double kSlab = 0.12;      // [m] thickness of a section
-constexpr double kThickSlab = 0.4;  // [m] where points are few
+constexpr double kThickSlab = 0.4;  // [m] thickness if there are few points
 constexpr std::size_t kFewSections = 4;
-constexpr double kAbout = 0.45;                    // [m] above and below a height, where its diameter is read
-constexpr double kAboutStep = 0.075;               // [m]
-constexpr std::size_t kOneSided = 20;              // times the points on one side of a section, than all
-constexpr double kHidden = 0.6, kHiddenSteps = 3;  // [m], [step] without sections, after which a stem is lost
-constexpr double kThin = 0.004;                    // [m] squares of which one point counts
-constexpr double kMaxGrowth = 1.5;                 // [radius] of a guess, of a section that is looked for
-constexpr double kUpward = 0.2;                    // weight of a section that is thicker than those below it
-constexpr double kChance = 0.01;                   // probability of a section where points are strewn evenly
+constexpr double kAbout = 0.45;        // [m] half-height of the range in which a diameter is measured
+constexpr double kAboutStep = 0.075;   // [m]
+constexpr std::size_t kOneSided = 20;  // maximum ratio of all points to those on one side of a section
+constexpr double kHidden = 0.6;
+constexpr double kHiddenSteps = 3;  // [m], [step] maximum length without sections before tracing stops
+constexpr double kThin = 0.004;     // [m] edge of the squares in which one point is kept
+constexpr double kMaxGrowth = 1.5;  // [radius of the guess] maximum radius of a section
+constexpr double kUpward = 0.2;     // weight of a section that is thicker than those below it
+constexpr double kChance = 0.01;    // probability of a false section in uniformly distributed points
 
-/// What the contrast of a circle must exceed: the circles of some thickness between which a search chooses
-/// are so many chances.
-double least_contrast(const CircleSearch& search, double thickness) {
+/// Returns the minimum contrast of a circle, from the number of distinct circles of this thickness in the
+/// search region.
+double min_contrast(const CircleSearch& search, double thickness) {
     const double places = search.reach / thickness;
-    const double radii = (search.greatest_radius - search.least_radius) / thickness;
+    const double radii = (search.max_radius - search.min_radius) / thickness;
     return std::log(std::max(1.0, std::numbers::pi * places * places * radii) / kChance);
 }
 
-/// What is known of a stem where a section is to be cut.
+/// Expected axis and radius of a stem at a section to be measured.
 struct Guess {
     Vec3d center, direction;
     double radius, max_radius;
 
-    /// As far as other sections say nothing of how the stem tapers.
+    /// Creates a guess without knowledge of the taper from other sections.
     static Guess at(Vec3d center, Vec3d direction, double radius) {
         return {center, direction, radius, kMaxGrowth * radius};
     }
 };
 
-/// A section about a guess; none where no circle is seen.
+/// Measures the section at a guess; returns nullopt if no circle is found.
 std::optional<StemSection> cut(const HeightOrder& points, const Guess& guess, double thickness,
                                const TraceOptions& options) {
     const Vec3d d = guess.direction, u = perpendicular(d), v = cross(d, u);
@@ -64,8 +65,8 @@ std::optional<StemSection> cut(const HeightOrder& points, const Guess& guess, do
     if (const std::size_t below = plane.size() - above; kOneSided * std::min(above, below) < plane.size())
         return {};
     plane = thin_plane(plane, kThin);
-    const CircleSearch search{.least_radius = 0.5 * guess.radius,
-                              .greatest_radius = guess.max_radius,
+    const CircleSearch search{.min_radius = 0.5 * guess.radius,
+                              .max_radius = guess.max_radius,
                               .noise = options.noise,
                               .seed = 1,
                               .anywhere = false,
@@ -73,19 +74,19 @@ std::optional<StemSection> cut(const HeightOrder& points, const Guess& guess, do
     const FoundCircle c = find_circle(plane, search);
     if (c.used == 0 || c.inside > 0.5 || c.residual > 0.2 * c.radius + options.noise) return {};
     if (std::hypot(c.x, c.y) > 0.8 * guess.radius + 0.03) return {};
-    if (circle_contrast(plane, c, options.noise, wide) < least_contrast(search, 2 * options.noise)) return {};
+    if (circle_contrast(plane, c, options.noise, wide) < min_contrast(search, 2 * options.noise)) return {};
     StemSection section{guess.center + u * c.x + v * c.y, 0, c};
     section.height = section.center.z - options.foot;
     section.circle.radius = outline_radius(plane, c, options.noise);
     return section;
 }
 
-/// One radius that others agree on, and how it runs with height.
+/// Robust radius at a height, and its slope.
 struct Line {
     double at = 0, slope = 0, deviation = 0;
 };
 
-/// A straight line through (t, value) by weights, in which what lies far off drops out.
+/// Returns a straight line through (t, value) by weighted least squares that ignores outliers.
 Line robust_line(std::span<const double> t, std::span<const double> value, std::span<const double> weight) {
     Line line{median(value), 0, 0};
     std::vector<double> off(value.size());
@@ -104,7 +105,7 @@ Line robust_line(std::span<const double> t, std::span<const double> value, std::
             squares += w * off[i] * off[i];
             used += 1;
         }
-        // A stem tapers by some centimetres per metre: a slope that few sections say is drawn to that.
+        // A stem tapers by some centimetres per metre: regularizes the slope if there are few sections.
         const double kStiff = 0.01 * s0;
         const double det = s0 * (s2 + kStiff) - s1 * s1;
         if (!(det > 0)) break;
@@ -116,7 +117,7 @@ Line robust_line(std::span<const double> t, std::span<const double> value, std::
     return line;
 }
 
-/// Sections within kAbout of a height.
+/// Returns the sections within kAbout of a height.
 std::vector<StemSection> sections_about(const HeightOrder& points, const StemTrack& track, double height,
                                         double thickness, const TraceOptions& options) {
     std::vector<StemSection> sections;
@@ -133,34 +134,34 @@ std::vector<StemSection> sections_about(const HeightOrder& points, const StemTra
 }  // namespace
 
 HeightOrder::HeightOrder(std::span<const Vec3> points, const Context& ctx) {
-    constexpr double kLayer = 0.02, kMostLayers = 1e5;  // [m]
+    constexpr double kLayer = 0.02, kMaxLayers = 1e5;  // [m]; maximum number of layers
     if (!points.empty()) {
         const auto [low, high] = std::ranges::minmax(points, {}, &Vec3::z);
         low_ = low.z;
         high_ = high.z;
     }
-    thick_ = std::max(kLayer, (high_ - low_) / kMostLayers);
-    first_.assign(layer_of(high_) + 2, 0);
+    thick_ = std::max(kLayer, (high_ - low_) / kMaxLayers);
+    first_.assign(find_layer(high_) + 2, 0);
     for (std::size_t i = 0; i < points.size(); ++i) {
         poll_stop(ctx, i);
-        ++first_[layer_of(points[i].z)];
+        ++first_[find_layer(points[i].z)];
     }
     exclusive_scan(std::span(first_));
     points_.resize(points.size());
     std::vector<std::uint32_t> next = first_;
     for (std::size_t i = 0; i < points.size(); ++i) {
         poll_stop(ctx, i);
-        points_[next[layer_of(points[i].z)]++] = points[i];
+        points_[next[find_layer(points[i].z)]++] = points[i];
     }
 }
 
-std::size_t HeightOrder::layer_of(double z) const {
+std::size_t HeightOrder::find_layer(double z) const {
     return static_cast<std::size_t>((std::clamp(z, low_, high_) - low_) / thick_);
 }
 
 std::span<const Vec3> HeightOrder::between(double low, double high) const {
     if (high < low_ || low > high_) return {};
-    const std::size_t first = first_[layer_of(low)], last = first_[layer_of(high) + 1];
+    const std::size_t first = first_[find_layer(low)], last = first_[find_layer(high) + 1];
     return all().subspan(first, last - first);
 }
 
@@ -169,7 +170,7 @@ std::vector<StemSection> trace_stem(const HeightOrder& points, const StemTrack& 
     std::vector<StemSection> sections;
     const double start = std::clamp(track.middle().z, options.foot + 0.5 * step, options.top);
     const double least = std::max(0.7 * options.spacing, 0.004);
-    // Down first, then up, each from breast height.
+    // Traces first down, then up, each from breast height.
     for (const double way : {-1.0, 1.0}) {
         Guess guess = Guess::at(track.at(start), track.direction_at(start), track.radius);
         std::vector<StemSection> found;
@@ -188,7 +189,7 @@ std::vector<StemSection> trace_stem(const HeightOrder& points, const StemTrack& 
             hidden = 0;
             if (way > 0 && section->radius() < least) break;
             found.push_back(*section);
-            // The axis through the last few sections, as steep as a stem can be.
+            // Direction of the axis through the last few sections, limited to the lean of stems.
             const std::size_t back = std::min<std::size_t>(found.size() - 1, 4);
             Vec3d along = found.back().center - found[found.size() - 1 - back].center;
             if (back >= 2) {
@@ -210,7 +211,7 @@ DiameterAt diameter_at(const HeightOrder& points, const StemTrack& track, double
                        const TraceOptions& options) {
     std::vector<StemSection> sections = sections_about(points, track, height, kSlab, options);
     if (sections.size() < kFewSections) sections = sections_about(points, track, height, kThickSlab, options);
-    // Hidden there: what was seen above and below it, as circles across the vertical.
+    // No section at this height: use the sections above and below, which are circles across the vertical.
     if (sections.empty()) sections = track.sections;
     DiameterAt out;
     out.sections = sections.size();

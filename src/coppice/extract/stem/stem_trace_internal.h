@@ -12,22 +12,22 @@
 
 namespace coppice::extract_internal {
 
-/// Points in layers of 2 cm or more, upward, so that those between two heights are found at once.
+/// Points in layers of 2 cm or more, sorted upward, for fast queries between two heights.
 class HeightOrder {
   public:
-    /// Copies them; O(n). Throws Cancelled.
+    /// Copies the points; O(n). Throws Cancelled.
     explicit HeightOrder(std::span<const Vec3> points, const Context& ctx = {});
-    /// Those with low <= z < high, and what else their layers hold.
+    /// Returns the points with low <= z < high, and the other points of their layers.
     std::span<const Vec3> between(double low, double high) const;
-    std::span<const Vec3> all() const { return points_; }  ///< upward layer by layer
-    double low() const { return low_; }                    ///< [m] least z
-    double high() const { return high_; }                  ///< [m] greatest z
+    std::span<const Vec3> all() const { return points_; }  ///< sorted upward by layer
+    double low() const { return low_; }                    ///< [m] minimum z
+    double high() const { return high_; }                  ///< [m] maximum z
 
   private:
-    std::size_t layer_of(double z) const;
+    std::size_t find_layer(double z) const;
 
     double low_ = 0, high_ = 0, thick_ = 1;
-    std::vector<std::uint32_t> first_;  ///< of each layer, and the number of points
+    std::vector<std::uint32_t> first_;  ///< first index of each layer, then the number of points
     Buffer<Vec3> points_;
 };
 
@@ -35,21 +35,21 @@ struct TraceOptions {
     double foot = 0;        ///< [m] z of the ground at the stem
     double top = 0;         ///< [m] z of the highest point
     double noise = 0.006;   ///< [m]
-    double spacing = 0.01;  ///< [m] of the points; stems thinner than about that are not followed
+    double spacing = 0.01;  ///< [m] spacing of the points; thinner stems are not traced
 };
 
-/// Sections across a stem up to where it can no longer be told from its branches, from what `track` says of
-/// breast height (in world z). They stand `step` apart, each across the axis. Where some are hidden the axis
-/// is followed straight on for a while. Upward.
+/// Returns sections across a stem up to where its branches can no longer be distinguished from it, starting
+/// from `track` about breast height (in world z). The sections are at intervals of `step`, each across the
+/// axis. Occluded sections are bridged over a limited length along the straight axis. Sorted upward.
 std::vector<StemSection> trace_stem(const HeightOrder& points, const StemTrack& track, double step,
                                     const TraceOptions& options);
 
-/// The diameter at a height by a straight line through the radii of sections about it.
+/// Diameter at a height, from a straight line through the radii of adjacent sections.
 struct DiameterAt {
-    double diameter = 0;   ///< [m] 0: there is no section about
+    double diameter = 0;   ///< [m] 0 if there is no section
     double deviation = 0;  ///< [m] standard deviation
-    double residual = 0;   ///< [m] of points about the circles, median
-    double coverage = 0;   ///< share of the circumference that has points, median
+    double residual = 0;   ///< [m] median residual of the circles
+    double coverage = 0;   ///< median share of the circumference with points
     std::size_t sections = 0;
     Vec3d center;  ///< [m]
 };

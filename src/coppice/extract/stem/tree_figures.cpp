@@ -12,24 +12,25 @@
 namespace coppice {
 namespace {
 
-constexpr double kInCommon = 0.5;  // of the errors of radii, to all branches
-constexpr double kOfCones = 0.03;  // [volume] standard deviation of what cones leave out
-constexpr double kMeasured = 0.5;  // evidence of a radius that was measured
-// Of the logarithm of the length, in nine of ten simulated scans: of any, and for what is inferred.
+constexpr double kInCommon = 0.5;  // share of the errors of radii common to all branches
+constexpr double kOfCones = 0.03;  // [volume] standard deviation of the approximation by cones
+constexpr double kMeasured = 0.5;  // minimum evidence of a measured radius
+// Errors of the logarithm of the length in 90 % of simulated scans: of every length, and additional ones for
+// inferred branches.
 constexpr double kOfLength = 0.03, kMissing = 0.3, kInvented = 0.35;
-constexpr double kDiameterOff = 0.05;  // between skeleton and points
+constexpr double kDiameterOff = 0.05;  // maximum difference between skeleton and points
 constexpr double kMinForm = 0.5, kMaxForm = 1.8;
 constexpr double kMaxInferred = 0.5;
-constexpr double kMinHeight = 2 * kBreastHeight;  // [m] of a tree that has a form
+constexpr double kMinHeight = 2 * kBreastHeight;  // [m] minimum height of a tree with a form
 
 /// Sums over the segments of one tree.
 struct Sums {
     double length = 0, volume = 0, inferred = 0, error = 0, squares = 0;
-    double presumed = 0;     ///< [m] of the length, by how much of the radius is inferred
-    double unsupported = 0;  ///< [m] of the length, without points
+    double inferred_length = 0;  ///< [m] length, weighted by the inferred share of the radius
+    double unsupported = 0;      ///< [m] length without points
     double area = 0, samples = 0;
 
-    /// [m] Of the points on the surface; 0: there are none.
+    /// Returns the spacing [m] of the points on the surface; 0 without points.
     double spacing() const { return samples > 0 ? std::sqrt(area / samples) : 0; }
 };
 
@@ -39,7 +40,7 @@ void add_segment(Sums& sums, const Segment& s, const NodeConfidence& c) {
     sums.length += l;
     sums.volume += volume;
     if (double{c.evidence} < kMeasured) sums.inferred += volume;
-    sums.presumed += l * (1 - double{c.evidence});
+    sums.inferred_length += l * (1 - double{c.evidence});
     if (c.samples == 0) sums.unsupported += l;
     sums.area += std::numbers::pi * l * (a + b);
     sums.samples += c.samples;
@@ -50,7 +51,7 @@ void add_segment(Sums& sums, const Segment& s, const NodeConfidence& c) {
     sums.squares += error * error;
 }
 
-/// Bounds as factors up and down: a volume or length is not negative.
+/// Computes bounds as factors, because a volume or length is not negative.
 void add_bounds(TreeFigures& t, const Sums& of, double seen_height) {
     if (of.volume > 0) {
         const double error = kNineOfTen * std::sqrt(kInCommon * kInCommon * of.error * of.error + of.squares +
@@ -59,9 +60,9 @@ void add_bounds(TreeFigures& t, const Sums& of, double seen_height) {
         t.volume_high = of.volume * std::exp(error / of.volume);
     }
     if (of.length > 0) {
-        const double presumed = of.presumed / of.length;
-        t.length_low = (of.length - of.unsupported) / std::exp(kOfLength + kInvented * presumed);
-        t.length_high = of.length * std::exp(kOfLength + kMissing * presumed);
+        const double inferred_length = of.inferred_length / of.length;
+        t.length_low = (of.length - of.unsupported) / std::exp(kOfLength + kInvented * inferred_length);
+        t.length_high = of.length * std::exp(kOfLength + kMissing * inferred_length);
     }
     if (of.samples > 0) {
         const double margin = height_margin(of.spacing());
@@ -70,7 +71,7 @@ void add_bounds(TreeFigures& t, const Sums& of, double seen_height) {
     }
 }
 
-/// The form of a tall tree from the diameter of the points, or else of the skeleton.
+/// Returns the form factor of a tall tree from the diameter of the points, or else of the skeleton.
 double form_of(const TreeFigures& t) {
     const double d = t.dbh_of_points > 0 ? t.dbh_of_points : t.dbh;
     if (!(d > 0) || !(t.height > kMinHeight)) return 0;
@@ -88,8 +89,8 @@ void add_doubts(TreeFigures& t, bool points_known) {
                         100 * t.dbh, 100 * t.dbh_of_points));
     }
     if (t.form > 0 && (t.form < kMinForm || t.form > kMaxForm)) {
-        t.doubts.push_back(
-            fmt::format("its volume is {:.2g} times what its diameter and height suggest", t.form));
+        t.doubts.push_back(fmt::format(
+            "its volume is {:.2g} times the volume that its diameter and height suggest", t.form));
     }
     if (t.inferred > kMaxInferred)
         t.doubts.push_back(fmt::format("{:.0f} % of its volume is inferred", 100 * t.inferred));
@@ -108,8 +109,8 @@ std::vector<Sums> sums_of_trees(const Skeleton& s, std::span<const NodeConfidenc
     return sums;
 }
 
-std::vector<TreeFigures> figures_of(const Skeleton& s, std::span<const NodeConfidence> confidence,
-                                    std::optional<std::span<const SeenStem>> stems) {
+std::vector<TreeFigures> compute_figures(const Skeleton& s, std::span<const NodeConfidence> confidence,
+                                         std::optional<std::span<const SeenStem>> stems) {
     const std::vector<StemForm> forms = stem_forms(s);
     const std::vector<Sums> sums = sums_of_trees(s, confidence);
     std::vector<TreeFigures> out;
@@ -141,11 +142,11 @@ std::vector<TreeFigures> figures_of(const Skeleton& s, std::span<const NodeConfi
 
 std::vector<TreeFigures> tree_figures(const Skeleton& s, std::span<const NodeConfidence> confidence,
                                       std::span<const SeenStem> stems) {
-    return figures_of(s, confidence, stems);
+    return compute_figures(s, confidence, stems);
 }
 
 std::vector<TreeFigures> tree_figures(const Skeleton& s, std::span<const NodeConfidence> confidence) {
-    return figures_of(s, confidence, std::nullopt);
+    return compute_figures(s, confidence, std::nullopt);
 }
 
 }  // namespace coppice

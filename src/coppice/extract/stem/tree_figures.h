@@ -12,27 +12,27 @@
 
 namespace coppice {
 
-/// A doubt, see `TreeFigures`.
+/// Text of a doubt, see `TreeFigures`.
 inline constexpr std::string_view kNoCircle = "no circle is seen at breast height";
 
-/// What foresters want to know of a tree that was extracted, and how sure it is.
+/// Forestry measurements of an extracted tree, and their uncertainty.
 struct TreeFigures {
     double height = 0;         ///< [m] from the root to the highest point of the tree
-    double height_low = 0;     ///< [m] with `height_high`: bounds of the true height in nine of ten cases
-    double height_high = 0;    ///< [m] 0 where no points are known
-    double dbh = 0;            ///< [m] diameter at breast height of the skeleton; 0: it is lower
-    double dbh_of_points = 0;  ///< [m] of circles through the points; 0: none was seen
-    double dbh_low = 0;        ///< [m] with `dbh_high`: bounds of the true diameter in nine of ten cases
-    double dbh_high = 0;       ///< [m] 0 where no circle was seen
-    double length = 0;         ///< [m] of the skeleton
-    double length_low = 0;     ///< [m] with `length_high`: bounds of the true length in nine of ten cases
-    double length_high = 0;    ///< [m] 0 where no points are known
-    double volume = 0;         ///< [m^3] of the cones between its nodes
-    double volume_low = 0;     ///< [m^3] with `volume_high`: the true volume lies between in nine of ten
-    double volume_high = 0;    ///< [m^3]
-    double inferred = 0;       ///< share of the volume whose radius is more what trees are like than measured
-    double form = 0;  ///< volume over half of the cylinder on breast height, as of a tall tree; 0: unknown
-    std::vector<std::string> doubts;  ///< what is not plausible, a sentence without a full stop each
+    double height_low = 0;     ///< [m] lower bound of the 90 % interval of the height
+    double height_high = 0;    ///< [m] upper bound of this interval; both are 0 without points
+    double dbh = 0;            ///< [m] diameter at breast height of the skeleton; 0 if the tree is lower
+    double dbh_of_points = 0;  ///< [m] diameter of circles fitted to the points; 0 if no circle was found
+    double dbh_low = 0;        ///< [m] lower bound of the 90 % interval of the diameter
+    double dbh_high = 0;       ///< [m] upper bound of this interval; both are 0 without a circle
+    double length = 0;         ///< [m] total length of the skeleton
+    double length_low = 0;     ///< [m] lower bound of the 90 % interval of the length
+    double length_high = 0;    ///< [m] upper bound of this interval; both are 0 without points
+    double volume = 0;         ///< [m^3] volume of the cones between its nodes
+    double volume_low = 0;     ///< [m^3] lower bound of the 90 % interval of the volume
+    double volume_high = 0;    ///< [m^3] upper bound of this interval
+    double inferred = 0;       ///< share of the volume with a radius that is inferred rather than measured
+    double form = 0;  ///< volume / half of the cylinder at breast height, for a tall tree; 0 if unknown
+    std::vector<std::string> doubts;  ///< implausible properties, each a sentence without a full stop
 };
 
 /// Calls visit(name, number) for every figure, in order.
@@ -55,31 +55,31 @@ void visit_figures(const TreeFigures& t, Visitor&& visit) {
     visit("form", t.form);
 }
 
-/// A stem as the points show it.
+/// Stem as measured in the points.
 struct SeenStem {
-    Vec3d foot;           ///< [m] in the frame of the skeleton's file: its root
-    StemDiameter breast;  ///< of the points
-    double height = 0;    ///< [m] of the highest point of its tree above the foot; 0: unknown
+    Vec3d foot;           ///< [m] root of the tree, in the coordinate frame of the skeleton's file
+    StemDiameter breast;  ///< diameter of the points
+    double height = 0;    ///< [m] height of the highest point of its tree above the foot; 0 if unknown
 };
 
-/// The figures of each tree of a skeleton, in the order of its roots. `confidence` is that of its nodes;
-/// stems belong to the tree whose root lies at their foot.
+/// Computes the figures of each tree of a skeleton, in the order of its roots. `confidence` is that of its
+/// nodes; a stem is assigned to the tree with its root at the foot of the stem.
 ///
-/// The interval of the volume takes the errors of radii for half in common to all branches, and three per
-/// cent for what cones leave out. That of the length is lopsided: where radii are inferred, twigs are
-/// missing, and needles and scatter may be taken for twigs, so that it widens upward and downward with the
-/// share of the length that is; what no point supports may not be there at all. The height is known to two
-/// spacings of the points (from their number on the surface) and two centimetres; a tree may reach as high as
-/// its points, which may be strays. These numbers are those that hold on simulated scans. The form is that of
-/// a tall tree: the volume over 0.5 pi / 4 d^2 h, times (1 - 1.3 / h)^2, since breast height is high up a
-/// small tree. Doubts: no circle was seen at breast height of a tree above 2.6 m, the diameters of skeleton
-/// and points differ by over 5 %, the form is not within 0.5 to 1.8, over half of the volume is inferred.
-/// O(nodes).
+/// The interval of the volume assumes that half of the errors of radii are common to all branches, and three
+/// per cent for the approximation by cones. The interval of the length is asymmetric: where radii are
+/// inferred, twigs are missing, and needles and noise may be mistaken for twigs, so that it widens in both
+/// directions with the inferred share of the length; the lower bound also excludes length without points. The
+/// error of the height is two spacings of the points (from their number on the surface) plus two centimetres;
+/// the upper bound includes the highest point of the tree, which may be an outlier. These values were
+/// calibrated on simulated scans. The form is that of a tall tree: the volume divided by 0.5 pi / 4 d^2 h,
+/// times (1 - 1.3 / h)^2, because breast height is relatively high on a small tree. Doubts: no circle was
+/// found at breast height of a tree above 2.6 m, the diameters of skeleton and points differ by more than 5
+/// %, the form is outside 0.5 to 1.8, more than half of the volume is inferred. O(nodes).
 std::vector<TreeFigures> tree_figures(const Skeleton& skeleton, std::span<const NodeConfidence> confidence,
                                       std::span<const SeenStem> stems);
 
-/// The same of a skeleton alone, without its points: that no circle was seen is no doubt. `confidence` may be
-/// empty; then nothing is inferred, and no bounds are known. O(nodes).
+/// Computes the figures of a skeleton without its points: a missing circle is not a doubt. `confidence` may
+/// be empty; then no volume is inferred, and no bounds are known. O(nodes).
 std::vector<TreeFigures> tree_figures(const Skeleton& skeleton, std::span<const NodeConfidence> confidence);
 
 }  // namespace coppice

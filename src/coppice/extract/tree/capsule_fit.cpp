@@ -6,38 +6,38 @@
 #include <span>
 
 #include "coppice/base/compressed_rows.h"
+#include "coppice/base/id.h"
 #include "coppice/base/kernel/round_cone.h"
 #include "coppice/base/progress.h"
-#include "coppice/extract/none_internal.h"
 
 namespace coppice {
 
-using extract_internal::kNone;
 
 namespace {
 
 constexpr std::size_t kCapsuleFitGrain = 4096;
-constexpr double kMostChange = 3;  // of a radius in one fit, up or down
+constexpr double kMaxChange = 3;  // maximum factor by which one fit changes a radius, up or down
 
 using Vec4 = std::array<double, 4>;
 using Mat4 = std::array<Vec4, 4>;
 
-/// The surface that is fitted, and what to.
+/// Fitted surface and its samples.
 struct Model {
-    const DraftTree& tree;
+    const InitialTree& tree;
     const DraftLinks& links;
     std::span<const Vec3> positions, normals;
-    std::vector<RoundCone> cones;  ///< of every node, as `update_cones` found the tree
+    std::vector<RoundCone> cones;  ///< one per node, computed by the last `update_cones`
 
     void update_cones() {
         cones.resize(tree.size());
         for (std::uint32_t n = 0; n < tree.size(); ++n) cones[n] = surface_cone(tree, links, n);
     }
-    /// Where sample i is against the segment that ends at node n.
+    /// Returns the closest point of sample i on the segment that ends at node n.
     RoundCone::Foot foot(std::uint32_t n, std::size_t i) const { return cones[n].foot(Vec3d(positions[i])); }
 };
 
-/// The depth in the segment; segments whose surface faces the other way count as far.
+/// Returns the signed distance from the segment; it is larger for segments with a surface that faces another
+/// way than the sample.
 double score(const Model& model, std::uint32_t n, std::size_t i) {
     const RoundCone::Foot f = model.foot(n, i);
     double depth = f.signed_distance();
@@ -48,11 +48,11 @@ double score(const Model& model, std::uint32_t n, std::size_t i) {
     return depth;
 }
 
-/// The segment in whose surface sample i is deepest, sought from `n` on among neighbours.
+/// Returns the segment with the smallest score of sample i, by a descent from `n` over adjacent segments.
 std::uint32_t deepest_segment(const Model& model, std::uint32_t n, std::size_t i) {
-    constexpr int kMostSteps = 64;
+    constexpr int kMaxSteps = 64;
     double best = score(model, n, i);
-    for (int step = 0; step < kMostSteps; ++step) {
+    for (int step = 0; step < kMaxSteps; ++step) {
         const std::uint32_t here = n;
         const auto look = [&](std::uint32_t m) {
             const double v = score(model, m, i);
@@ -62,7 +62,7 @@ std::uint32_t deepest_segment(const Model& model, std::uint32_t n, std::size_t i
             }
         };
         for (const std::uint32_t c : model.links.children(here)) look(c);
-        if (const std::uint32_t q = model.tree.parent[here]; q != kNone) {
+        if (const std::uint32_t q = model.tree.parent[here]; q != kNoIndex) {
             look(q);
             for (const std::uint32_t c : model.links.children(q))
                 if (c != here) look(c);
@@ -75,11 +75,11 @@ std::uint32_t deepest_segment(const Model& model, std::uint32_t n, std::size_t i
 void assign_samples(Model& model, std::span<std::uint32_t> node, const Context& ctx) {
     model.update_cones();
     parallel_for(ctx, node.size(), kCapsuleFitGrain, [&](std::size_t i) {
-        if (node[i] != kNone) node[i] = deepest_segment(model, node[i], i);
+        if (node[i] != kNoIndex) node[i] = deepest_segment(model, node[i], i);
     });
 }
 
-/// The normal equations of one segment: of its parent, its child, and between.
+/// Normal equations of one segment: blocks of its parent, of its child, and between both.
 struct Block {
     Mat4 pp{}, pc{}, cc{};
     Vec4 gp{}, gc{};
@@ -90,7 +90,7 @@ Block normal_equations(const Model& model, std::uint32_t n, std::span<const std:
                        double robust) {
     Block out;
     const std::uint32_t q = model.tree.parent[n];
-    const bool tapers = q != kNone && model.links.leader(q) == n;
+    const bool tapers = q != kNoIndex && model.links.leader(q) == n;
     for (const std::uint32_t i : samples) {
         const RoundCone::Foot f = model.foot(n, i);
         if (!(f.distance() > 0)) continue;
@@ -103,7 +103,7 @@ Block normal_equations(const Model& model, std::uint32_t n, std::span<const std:
             w *= facing * facing;
         }
         w /= f.radius * f.radius;
-        const double share = q == kNone ? 1 : f.t;
+        const double share = q == kNoIndex ? 1 : f.t;
         const Vec4 jc{-d.x * share, -d.y * share, -d.z * share, tapers ? -share : -1.0};
         const double other = 1 - share;
         const Vec4 jp{-d.x * other, -d.y * other, -d.z * other, tapers ? -other : 0.0};
@@ -121,10 +121,10 @@ Block normal_equations(const Model& model, std::uint32_t n, std::span<const std:
     return out;
 }
 
-/// Solves a x = b for the columns of b; a is symmetric and positive.
+/// Solves a x = b for the columns of b; a is symmetric positive definite.
 template <std::size_t N>
 void solve_spd(Mat4 a, std::array<Vec4, N>& columns) {
-    for (int j = 0; j < 4; ++j) {  // Cholesky in place
+    for (int j = 0; j < 4; ++j) {  // in-place Cholesky factorization
         for (int k = 0; k < j; ++k) a[j][j] -= a[j][k] * a[j][k];
         a[j][j] = std::sqrt(std::max(a[j][j], 1e-300));
         for (int i = j + 1; i < 4; ++i) {
@@ -144,13 +144,13 @@ void solve_spd(Mat4 a, std::array<Vec4, N>& columns) {
     }
 }
 
-/// Symmetric, with a block of four unknowns for every node and one for every edge: position and radius.
+/// Symmetric system with a block of four unknowns (position and radius) per node and a block per edge.
 struct TreeSystem {
     std::vector<Mat4> diagonal, across;  // across: rows of the parent, columns of the child
     std::vector<Vec4> right;
 };
 
-TreeSystem assemble(const DraftTree& tree, std::span<const Block> blocks, double stiffness) {
+TreeSystem assemble(const InitialTree& tree, std::span<const Block> blocks, double stiffness) {
     const std::uint32_t size = tree.size();
     TreeSystem system{std::vector<Mat4>(size), std::vector<Mat4>(size), std::vector<Vec4>(size)};
     auto& [diagonal, across, right] = system;
@@ -166,11 +166,11 @@ TreeSystem assemble(const DraftTree& tree, std::span<const Block> blocks, double
             for (int j = 0; j < 4; ++j) {
                 diagonal[n][i][j] += b.cc[i][j];
                 across[n][i][j] = b.pc[i][j];
-                if (q != kNone) diagonal[q][i][j] += b.pp[i][j];
+                if (q != kNoIndex) diagonal[q][i][j] += b.pp[i][j];
             }
-            diagonal[n][i][i] += hold + (q == kNone ? 0 : spring);
+            diagonal[n][i][i] += hold + (q == kNoIndex ? 0 : spring);
             right[n][i] += b.gc[i];
-            if (q == kNone) continue;
+            if (q == kNoIndex) continue;
             diagonal[q][i][i] += spring;
             across[n][i][i] -= spring;
             right[q][i] += b.gp[i];
@@ -179,15 +179,15 @@ TreeSystem assemble(const DraftTree& tree, std::span<const Block> blocks, double
     return system;
 }
 
-/// Eliminates the nodes from the tips to the root, and solves for them on the way back.
-std::vector<Vec4> solve(const DraftTree& tree, TreeSystem system, const Context& ctx) {
+/// Eliminates the nodes from the tips to the root, then back-substitutes.
+std::vector<Vec4> solve(const InitialTree& tree, TreeSystem system, const Context& ctx) {
     auto& diagonal = system.diagonal;
     auto& across = system.across;
     auto& right = system.right;
     for (std::uint32_t n = tree.size(); n-- > 0;) {
         poll_stop(ctx, n);
         const std::uint32_t q = tree.parent[n];
-        if (q == kNone || tree.fixed[n]) continue;
+        if (q == kNoIndex || tree.fixed[n]) continue;
         // Columns of diagonal^-1 across^T, and diagonal^-1 right.
         std::array<Vec4, 5> x;
         for (int j = 0; j < 4; ++j)
@@ -206,7 +206,7 @@ std::vector<Vec4> solve(const DraftTree& tree, TreeSystem system, const Context&
         if (tree.fixed[n]) continue;
         std::array<Vec4, 1> x{right[n]};
         const std::uint32_t q = tree.parent[n];
-        if (q != kNone)
+        if (q != kNoIndex)
             for (int i = 0; i < 4; ++i)
                 for (int k = 0; k < 4; ++k) x[0][i] -= across[n][k][i] * step[q][k];
         solve_spd(diagonal[n], x);
@@ -215,23 +215,23 @@ std::vector<Vec4> solve(const DraftTree& tree, TreeSystem system, const Context&
     return step;
 }
 
-/// Moves the nodes, each by at most `most` of its radii. A few samples on a plane would call for any radius:
-/// those stay within a range of what they were at first.
-void move_nodes(DraftTree& tree, std::span<const Vec4> step, std::span<const double> first_radius,
+/// Moves the nodes, each by at most `most` times its radius. A few coplanar samples do not determine a
+/// radius: radii stay within a factor of their initial value.
+void move_nodes(InitialTree& tree, std::span<const Vec4> step, std::span<const double> first_radius,
                 double most) {
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
         const Vec3d move(step[n][0], step[n][1], step[n][2]);
         const double farthest = most * tree.radius[n], l = length(move);
         if (!std::isfinite(l) || !std::isfinite(step[n][3])) continue;
         tree.position[n] += l > farthest ? move * (farthest / l) : move;
-        tree.radius[n] = std::clamp(tree.radius[n] + step[n][3], first_radius[n] / kMostChange,
-                                    first_radius[n] * kMostChange);
+        tree.radius[n] = std::clamp(tree.radius[n] + step[n][3], first_radius[n] / kMaxChange,
+                                    first_radius[n] * kMaxChange);
     }
 }
 
 }  // namespace
 
-void fit_capsules(DraftTree& tree, FitSamples& samples, const FitOptions& options, const Context& ctx) {
+void fit_capsules(InitialTree& tree, FitSamples& samples, const FitOptions& options, const Context& ctx) {
     DraftLinks links(tree);
     Model model{tree, links, samples.positions, samples.normals, {}};
     const std::vector<double> first_radius = tree.radius;
@@ -251,13 +251,13 @@ void fit_capsules(DraftTree& tree, FitSamples& samples, const FitOptions& option
     assign_samples(model, samples.node, ctx);
 }
 
-std::vector<float> fit_residuals(const DraftTree& tree, const FitSamples& samples, const Context& ctx) {
+std::vector<float> fit_residuals(const InitialTree& tree, const FitSamples& samples, const Context& ctx) {
     std::vector<float> out(samples.positions.size(), 0);
     const DraftLinks links(tree);
     Model model{tree, links, samples.positions, samples.normals, {}};
     model.update_cones();
     parallel_for(ctx, out.size(), kCapsuleFitGrain, [&](std::size_t i) {
-        if (samples.node[i] != kNone)
+        if (samples.node[i] != kNoIndex)
             out[i] = static_cast<float>(model.foot(samples.node[i], i).signed_distance());
     });
     return out;

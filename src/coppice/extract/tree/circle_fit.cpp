@@ -12,18 +12,19 @@
 namespace coppice::extract_internal {
 namespace {
 
-constexpr std::size_t kFewest = 6;
+constexpr std::size_t kMin = 6;
 constexpr int kSteps = 8;
-constexpr int kSectors = 12, kFewestSectors = 4;  // about the center; of them with points
+constexpr int kSectors = 12;
+constexpr int kMinSectors = 4;  // number of sectors about the centre; minimum number of them with points
 
-/// `std::hypot` without its care for overflow, which took an eighth of the time of an extraction.
+/// Replaces `std::hypot`: its protection from overflow used an eighth of the time of an extraction.
 double norm(double x, double y) { return std::sqrt(x * x + y * y); }
 
 struct Circle {
     double x, y, r;
 };
 
-/// Newton's method on the characteristic polynomial of Taubin's generalised eigenvalue problem.
+/// Applies Newton's method to the characteristic polynomial of Taubin's generalised eigenvalue problem.
 bool taubin(std::span<const PlanePoint> points, Circle& out) {
     double sum = 0, mx = 0, my = 0;
     for (const PlanePoint& p : points) {
@@ -65,8 +66,8 @@ bool taubin(std::span<const PlanePoint> points, Circle& out) {
     return std::isfinite(out.r);
 }
 
-/// One step of Gauss-Newton with Tukey's weights at `scale`, where `distance` is that of each point from the
-/// center; false where the points do not tell.
+/// Performs one Gauss-Newton step with Tukey's weights at `scale`, where `distance` is the distance of each
+/// point from the centre; returns false if the points do not determine a circle.
 bool improve(std::span<const PlanePoint> points, std::span<const double> distance, double scale, Circle& c) {
     std::array<double, 6> a{};  // xx xy xr yy yr rr
     std::array<double, 3> b{};
@@ -86,7 +87,7 @@ bool improve(std::span<const PlanePoint> points, std::span<const double> distanc
         b[1] += w * uy * off;
         b[2] += w * off;
     }
-    // A pull of a thousandth towards where it is keeps the circle still where an arc is short.
+    // A weak regularization towards the current position keeps the circle stable if an arc is short.
     for (const int i : {0, 3}) a[static_cast<std::size_t>(i)] += 1e-3 * a[5];
     const double c0 = a[3] * a[5] - a[4] * a[4], c1 = a[2] * a[4] - a[1] * a[5],
                  c2 = a[1] * a[4] - a[2] * a[3];
@@ -101,15 +102,15 @@ bool improve(std::span<const PlanePoint> points, std::span<const double> distanc
     return std::isfinite(c.x) && std::isfinite(c.y) && c.r > 0;
 }
 
-/// 4.685 standard deviations of the points about a circle, as read from the median; never so narrow that
-/// rounding decides.
-double scale_of(std::span<const double> distance, const Circle& c, std::vector<double>& scratch) {
+/// Returns 4.685 standard deviations of the distances from a circle, estimated from the median; with a lower
+/// bound above the rounding error.
+double compute_scale(std::span<const double> distance, const Circle& c, std::vector<double>& scratch) {
     scratch.resize(distance.size());
     for (std::size_t i = 0; i < distance.size(); ++i) scratch[i] = std::abs(distance[i] - c.r);
     return std::max(4.685 * 1.4826 * median_in_place(scratch), 0.02 * c.r);
 }
 
-/// Whether points near a circle are in enough sectors about its center.
+/// Returns whether points near a circle are in enough sectors about its centre.
 bool fills_sectors(std::span<const PlanePoint> points, const Circle& c, double scale) {
     unsigned seen = 0;
     for (const PlanePoint& p : points) {
@@ -117,23 +118,23 @@ bool fills_sectors(std::span<const PlanePoint> points, const Circle& c, double s
         if (std::abs(norm(dx, dy) - c.r) >= scale) continue;
         const double turn = (std::atan2(dy, dx) / (2 * std::numbers::pi) + 0.5) * kSectors;
         seen |= 1u << static_cast<unsigned>(std::clamp(turn, 0.0, kSectors - 1.0));
-        if (std::popcount(seen) >= kFewestSectors) return true;
+        if (std::popcount(seen) >= kMinSectors) return true;
     }
     return false;
 }
 
 }  // namespace
 
-CircleFit fit_circle(std::span<const PlanePoint> points, double greatest_radius) {
+CircleFit fit_circle(std::span<const PlanePoint> points, double max_radius) {
     CircleFit fit;
     Circle c{};
-    if (points.size() < kFewest || !taubin(points, c)) return fit;
+    if (points.size() < kMin || !taubin(points, c)) return fit;
     std::vector<double> distance(points.size()), scratch;
     double scale = 0;
     for (int step = 0; step < kSteps; ++step) {
         for (std::size_t i = 0; i < points.size(); ++i)
             distance[i] = norm(points[i].x - c.x, points[i].y - c.y);
-        scale = scale_of(distance, c, scratch);
+        scale = compute_scale(distance, c, scratch);
         if (!improve(points, distance, scale, c)) return fit;
     }
     double squares = 0, weights = 0;
@@ -148,7 +149,7 @@ CircleFit fit_circle(std::span<const PlanePoint> points, double greatest_radius)
     fit.y = c.y;
     fit.radius = c.r;
     fit.residual = weights > 0 ? std::sqrt(squares / weights) : 0;
-    fit.good = fit.used >= kFewest && 2 * fit.used >= points.size() && c.r <= greatest_radius &&
+    fit.good = fit.used >= kMin && 2 * fit.used >= points.size() && c.r <= max_radius &&
                fit.residual <= 0.35 * c.r && fills_sectors(points, c, scale);
     return fit;
 }

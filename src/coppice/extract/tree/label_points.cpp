@@ -5,18 +5,21 @@
 #include <limits>
 #include <vector>
 
+#include "coppice/base/id.h"
 #include "coppice/measure/capsule_tree.h"
 #include "coppice/skeleton/architecture.h"
 
 namespace coppice {
 namespace {
 
-constexpr double kOfRadius = 0.5, kSpacings = 0.5;  // wood reaches so far from its surface
+constexpr double kOfRadius = 0.5,
+                 kSpacings =
+                     0.5;  // maximum distance of a wood point from the surface, in radii and in spacings
 constexpr std::uint32_t kLastOrder = std::numeric_limits<std::uint8_t>::max();
 
 }  // namespace
 
-void label_points(PaintedPoints& scan, std::span<const std::uint32_t> which, const ExtractResult& tree,
+void label_points(PointCloud& scan, std::span<const std::uint32_t> which, const ExtractResult& tree,
                   double spacing, const Context& ctx) {
     const std::size_t all = scan.points.size();
     scan.distances.resize(all, std::numeric_limits<float>::quiet_NaN());
@@ -28,7 +31,7 @@ void label_points(PaintedPoints& scan, std::span<const std::uint32_t> which, con
     const auto place = [&](std::size_t k) { return Vec3d(scan.points.positions[which[k]]); };
     for_each_nearest(
         capsules, ctx, which.size(), place, [&](std::size_t k, const CapsuleTree::Nearest& nearest) {
-            if (nearest.capsule == CapsuleTree::kNone) return;
+            if (nearest.capsule == kNoIndex) return;
             const std::uint32_t p = which[k];
             const auto foot = capsules.cone(nearest.capsule).foot(place(k));
             const std::size_t node = capsules.node(nearest.capsule).index();

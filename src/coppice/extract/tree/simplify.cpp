@@ -3,23 +3,24 @@
 #include <algorithm>
 #include <utility>
 
-#include "coppice/extract/none_internal.h"
-#include "coppice/extract/tree/draft_edit_internal.h"
+#include "coppice/base/id.h"
+#include "coppice/extract/tree/tree_edit_internal.h"
 #include "coppice/skeleton/simplify_chain.h"
 
 namespace coppice::extract_internal {
 namespace {
 
-constexpr double kForkSpacing = 0.5;  // [radius] nearer forks are one, which the measure told apart by chance
-constexpr double kMinSpacing = 0.9;   // [radius] nodes nearer together have too few samples of their own
+constexpr double kForkSpacing = 0.5;  // [radius] closer forks are merged; they were separated by noise
+constexpr double kMinSpacing =
+    0.9;  // [radius] minimum distance of nodes; closer ones have too few samples of their own
 
-bool is_chain_node(const DraftTree& tree, const DraftLinks& links, std::uint32_t n) {
-    return tree.parent[n] != kNone && !tree.fixed[n] && links.children(n).size() == 1;
+bool is_chain_node(const InitialTree& tree, const DraftLinks& links, std::uint32_t n) {
+    return tree.parent[n] != kNoIndex && !tree.fixed[n] && links.children(n).size() == 1;
 }
 
-/// The nodes from `first`, the child of a root or fork, to the next fork or tip, after the node that it
-/// leaves.
-std::vector<ChainPoint> chain_from(const DraftTree& tree, const DraftLinks& links, std::uint32_t first) {
+/// Returns the nodes from `first`, the child of a root or fork, to the next fork or tip, preceded by their
+/// parent.
+std::vector<ChainPoint> chain_from(const InitialTree& tree, const DraftLinks& links, std::uint32_t first) {
     const std::uint32_t fork = tree.parent[first];
     const bool leads = links.leader(fork) == first;
     std::vector<ChainPoint> chain{{tree.position[fork], tree.radius[leads ? fork : first], fork}};
@@ -29,8 +30,8 @@ std::vector<ChainPoint> chain_from(const DraftTree& tree, const DraftLinks& link
     }
 }
 
-/// Marks the nodes that stay, and moves those that a jump in radius pushes apart.
-std::vector<char> choose_nodes(DraftTree& tree, const DraftLinks& links, double tolerance) {
+/// Marks the nodes to keep; moves those that a jump in radius pushes apart.
+std::vector<char> choose_nodes(InitialTree& tree, const DraftLinks& links, double tolerance) {
     std::vector<char> kept(tree.size(), 0);
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
         if (is_chain_node(tree, links, n)) continue;
@@ -49,8 +50,8 @@ std::vector<char> choose_nodes(DraftTree& tree, const DraftLinks& links, double 
     return kept;
 }
 
-/// Where leaving out nodes would make another child lead, the first nodes of all children stay.
-void keep_leaders(const DraftTree& tree, const DraftLinks& links, std::vector<char>& kept) {
+/// If the removal of nodes would change the leading child, keeps the first nodes of all children.
+void keep_leaders(const InitialTree& tree, const DraftLinks& links, std::vector<char>& kept) {
     const auto first_radius = [&](std::uint32_t n) {
         while (!kept[n]) n = links.children(n)[0];
         return tree.radius[n];
@@ -71,17 +72,17 @@ void keep_leaders(const DraftTree& tree, const DraftLinks& links, std::vector<ch
 
 }  // namespace
 
-void simplify(DraftTree& tree, FitSamples& samples, double tolerance) {
+void simplify(InitialTree& tree, FitSamples& samples, double tolerance) {
     remove_reversals(tree, samples);
     merge_forks(tree, samples, kForkSpacing);
     const DraftLinks links(tree);
     std::vector<char> kept = choose_nodes(tree, links, tolerance);
     keep_leaders(tree, links, kept);
-    // Only nodes with one child go, so what stands for one is the next that stays towards the tip.
-    std::vector<std::uint32_t> parent(tree.size()), image(tree.size(), kNone);
-    DraftTree out;
+    // Only nodes with one child are removed; each is represented by the next kept node towards the tip.
+    std::vector<std::uint32_t> parent(tree.size()), image(tree.size(), kNoIndex);
+    InitialTree out;
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
-        const std::uint32_t q = tree.parent[n] == kNone ? kNone : parent[tree.parent[n]];
+        const std::uint32_t q = tree.parent[n] == kNoIndex ? kNoIndex : parent[tree.parent[n]];
         parent[n] = kept[n] ? out.add(q, tree.position[n], tree.radius[n], tree.fixed[n]) : q;
         if (kept[n]) image[n] = parent[n];
     }
@@ -89,7 +90,7 @@ void simplify(DraftTree& tree, FitSamples& samples, double tolerance) {
         if (!kept[n]) image[n] = image[links.children(n)[0]];
     tree = std::move(out);
     for (std::uint32_t& n : samples.node)
-        if (n != kNone) n = image[n];
+        if (n != kNoIndex) n = image[n];
 }
 
 }  // namespace coppice::extract_internal

@@ -8,9 +8,10 @@
 namespace coppice {
 namespace {
 
-constexpr double kStep = 0.01;  // [radii] in which spacings are tried
+constexpr double kStep = 0.01;  // [radii] step between tested spacings
 
-// Where the value is 1 on a ray across an endless chain that begins this far from a ball.
+// Returns the distance at which the value is 1 on a ray perpendicular to an infinite chain, at this distance
+// from a ball.
 double radius_across(double support, double spacing, double from_ball) {
     const double weight = spacing * kernel::QuarticKernel<double>::line_weight(support);
     const auto reach = static_cast<int>(support / spacing) + 1;
@@ -33,16 +34,16 @@ double radius_across(double support, double spacing, double from_ball) {
 
 }  // namespace
 
-BallChain ball_chain_of(double support, double spacing) {
+BallChain compute_ball_chain(double support, double spacing) {
     return {spacing, radius_across(support, spacing, 0), radius_across(support, spacing, 0.5 * spacing)};
 }
 
 BallChain ball_chain(double support, double bulge) {
-    // The difference swings as the spacing grows: spacings that happen to have none count only where all
-    // closer ones are as good.
-    BallChain best = ball_chain_of(support, kStep);
+    // The difference oscillates as the spacing grows: a spacing is only valid if all smaller ones are valid
+    // too.
+    BallChain best = compute_ball_chain(support, kStep);
     for (int i = 2; i * kStep < 2 * support; ++i) {
-        const BallChain next = ball_chain_of(support, i * kStep);
+        const BallChain next = compute_ball_chain(support, i * kStep);
         if (std::abs(next.at_balls - next.between) > bulge) break;
         best = next;
     }

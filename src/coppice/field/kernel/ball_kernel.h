@@ -1,4 +1,4 @@
-// Included once for plain numbers, and again by field_simd.cpp for every instruction set: see kernel_math.h.
+// Included once for scalars, and again by field_simd.cpp for every instruction set: see kernel_math.h.
 #if !defined(COPPICE_FIELD_BALL_KERNEL_H) || defined(COPPICE_KERNEL_PER_TARGET)
 #define COPPICE_FIELD_BALL_KERNEL_H
 
@@ -8,20 +8,20 @@
 
 namespace coppice::COPPICE_KERNEL_NAMESPACE {
 
-/// Metaballs (1 - r^2/R^2)^2 along a segment instead of the integral over it, as [Ji2010] has them and
-/// [Zhu2015] compares with: R = `support` local radii. Balls stand evenly from end to end of the line, those
-/// at the ends count half, and each is weighed by its part of the line in local radii: the trapezoidal rule
-/// for the quartic kernel's integral, so that a long chain has the value 1 at its radius on average, and many
-/// balls are the same as the line.
+/// Metaballs (1 - r^2/R^2)^2 along a segment instead of the integral over it, as in [Ji2010], with which
+/// [Zhu2015] compares: R = `support` local radii. Balls are evenly spaced from end to end of the line, those
+/// at the ends have half weight, and each is weighted by its share of the line in local radii: the
+/// trapezoidal rule for the quartic kernel's integral, so that a long chain has the value 1 at its radius on
+/// average, and many balls converge to the line.
 template <class T>
 class BallKernel {
   public:
-    /// `weight` = line_weight(support) of the quartic kernel, kept by who makes many.
+    /// `weight` = line_weight(support) of the quartic kernel, to be computed once for many kernels.
     COPPICE_HOST_DEVICE BallKernel(double support, double weight)
         : support_(support), support2_(support * support), weight_(weight) {}
 
-    /// Adds the balls of one segment at p. Those out of reach of all points of a vector are left out: they
-    /// add 0.
+    /// Adds the balls of one segment at p. Balls out of reach of all points of a vector are skipped: they add
+    /// 0.
     COPPICE_HOST_DEVICE void add(const SegmentConstants<T>& s, Point<T> p, Sample<T>& sum) const {
         if (s.balls == 0) return;
         const T wx = p.x - s.ax, wy = p.y - s.ay, wz = p.z - s.az;
@@ -32,7 +32,7 @@ class BallKernel {
         const auto last_ball = static_cast<float>(s.balls);
         const auto from = static_cast<float>(least((t - reach - s.begin) * per_spacing));
         const auto to = static_cast<float>(greatest((t + reach - s.begin) * per_spacing));
-        // Numbers that are none take all balls.
+        // All balls are used for NaN.
         const int first = from > 0 ? static_cast<int>(std::min(from, last_ball)) : 0;
         const int last = to + 1 < last_ball ? static_cast<int>(std::max(to + 1, -1.0f)) : s.balls;
         for (int k = first; k <= last; ++k) {

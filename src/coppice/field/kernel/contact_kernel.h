@@ -5,13 +5,13 @@
 
 namespace coppice {
 
-/// Divides a field by that of its rivals where `contact` times theirs is above the level 1, so that the two
-/// meet at a wall with a gap: see ConvolutionField::set_regions.
-COPPICE_HOST_DEVICE inline void press(const FieldSample& rivals, float contact, FieldSample& own) {
-    const float against = contact * rivals.value;
+/// Divides a field by `contact` times the field of the competing segments where that is above the iso value
+/// 1, so that the two are separated by a gap: see ConvolutionField::set_regions.
+COPPICE_HOST_DEVICE inline void press(const FieldSample& competitors, float contact, FieldSample& own) {
+    const float against = contact * competitors.value;
     if (against <= 1) return;
     own.value /= against;
-    own.gradient = own.gradient / against - rivals.gradient * (own.value / rivals.value);
+    own.gradient = own.gradient / against - competitors.gradient * (own.value / competitors.value);
 }
 
 }  // namespace coppice

@@ -14,13 +14,14 @@ namespace {
 
 using kernel::SegmentConstants;
 
-constexpr double kFar = 1e4;           // [radii] stands for infinity along a line
-constexpr double kBallLength = 0.05;   // [radii]
-constexpr double kLeastRadius = 0.25;  // of a tapering extension, relative to the node's
-constexpr float kSteepest = 1e3f;      // a greater slope is a step: the segment gets its greater radius
+constexpr double kFar = 1e4;          // [radii] represents infinity along a line
+constexpr double kBallLength = 0.05;  // [radii] length of the line of a ball
+constexpr double kMinRadius = 0.25;   // minimum radius of a tapering extension, relative to the node's
+constexpr float kSteepest = 1e3f;     // a greater slope is a step: the segment gets its greater radius
 constexpr double kCalibrationSlope = 0.1;
-constexpr float kWidest = 32;  // ratio of radii of one segment up to which balls stand as close as asked for
-constexpr float kMostBalls = 1 << 20;  // of one segment: beyond, floats cannot tell where they are
+// Maximum ratio of radii of one segment for which the spacing of balls is as specified.
+constexpr float kWidest = 32;
+constexpr float kMaxBalls = 1 << 20;  // maximum number per segment, limited by the precision of float
 
 SegmentConstants<double> along_x(double begin, double end, double radius, double slope) {
     return {0, 0, 0, 1, 0, 0, begin, end, 0, radius, slope, 1, 1};
@@ -77,9 +78,9 @@ SegmentBuilder::SegmentBuilder(const FieldOptions& options)
 }
 
 double SegmentBuilder::calibrate_tip(double slope) const {
-    // Along the axis, 1 radius beyond a tip at the origin, the value grows with the length of the line.
+    // On the axis, 1 radius beyond a tip at the origin, the value increases with the length of the line.
     const double before = options_.kernel == Kernel::scalis ? 2.5 : kFar;
-    KernelConstants of_line = kernel_;  // many balls are a line
+    KernelConstants of_line = kernel_;  // many balls converge to a line
     if (of_line.kernel == Kernel::balls) of_line.kernel = Kernel::quartic;
     double low = -1, high = 4;
     for (int i = 0; i < 60; ++i) {
@@ -93,19 +94,20 @@ double SegmentBuilder::calibrate_tip(double slope) const {
 
 double SegmentBuilder::slope_weight(double slope) const {
     if (options_.kernel != Kernel::scalis) return 1;
-    // An infinite cone has the same value wherever its distance is the radius at the foot point.
+    // An infinite cone has the same value at all points with a distance equal to the radius at the closest
+    // point.
     const double reach = 0.9 / std::max(std::abs(slope), 1e-4);
     return 1 / sample_segment(kernel_, along_x(-reach, reach, 1, slope), {0, 1, 0}).value;
 }
 
 float SegmentBuilder::extension(float option, float radius, float slope_outward) const {
-    // A round end reaches one radius beyond, as it is before it is scaled.
+    // A round end extends one radius, without the scale, beyond the node.
     const double round = tip_extension_ - (1 - 1 / static_cast<double>(radius_scale_));
     if (options_.kernel != Kernel::scalis) {
         return radius * (option >= 0 ? option : static_cast<float>(round));
     }
     const double wanted = option >= 0 ? option : round + tip_extension_slope_ * slope_outward;
-    const double most = slope_outward < 0 ? (1 - kLeastRadius) / -slope_outward : wanted;
+    const double most = slope_outward < 0 ? (1 - kMinRadius) / -slope_outward : wanted;
     return radius * static_cast<float>(std::min(wanted, most));
 }
 
@@ -143,7 +145,7 @@ int SegmentBuilder::ball_count(const SegmentConstants<float>& s) const {
     const float other = s.radius + s.slope * s.length;
     const float thin = std::max(std::min(s.radius, other), std::max(s.radius, other) / kWidest);
     const float count = (s.end - s.begin) / (static_cast<float>(chain_.spacing) * thin);
-    return static_cast<int>(std::ceil(std::clamp(count, 1.0f, kMostBalls)));
+    return static_cast<int>(std::ceil(std::clamp(count, 1.0f, kMaxBalls)));
 }
 
 SegmentConstants<float> SegmentBuilder::build_ball(Vec3 center, float given_radius) const {

@@ -7,53 +7,54 @@
 
 namespace coppice {
 
-/// A kernel with its parameter, ready for use.
+/// A kernel with its parameter and weight.
 struct KernelConstants {
-    Kernel kernel = Kernel::quartic;  ///< which one
+    Kernel kernel = Kernel::quartic;  ///< the kernel
     double shape = 0;                 ///< support or width
     double weight = 0;                ///< line_weight of the kernel; unused for SCALIS
 };
 
-/// The kernel that the options name; they must be in range.
+/// Returns the kernel specified by the options, which must be in range.
 KernelConstants kernel_constants(const FieldOptions& options);
 
-/// One segment in double precision: what the constants are calibrated with, and the reference for the vector
-/// code.
+/// Evaluates one segment in double precision: for the calibration of constants, and as reference for the
+/// vector code.
 kernel::Sample<double> sample_segment(const KernelConstants& kernel,
                                       const kernel::SegmentConstants<double>& segment,
                                       kernel::Point<double> p);
 
-/// How a segment begins at a root.
+/// Shape of a segment's start at a root.
 enum class RootEnd {
-    none,  ///< it does not, or another one has this end
-    base,  ///< as FieldOptions::root_extension says
-    round  ///< as at tips: other segments leave the root as well
+    none,  ///< not at a root, or another segment has this end
+    base,  ///< as specified by FieldOptions::root_extension
+    round  ///< as at tips: other segments start at the root as well
 };
 
-/// Turns segments into constants, and knows how far a kernel's line has to go on beyond a tip.
+/// Converts segments into constants, and computes the extension of a kernel's line beyond a tip.
 class SegmentBuilder {
   public:
-    /// Throws InvalidInput naming an option out of range.
+    /// Throws InvalidInput that names an option out of range.
     explicit SegmentBuilder(const FieldOptions& options);
 
     const KernelConstants& kernel() const { return kernel_; }  ///< the same for all segments
 
-    /// [radii] Length of line beyond a tip of constant radius so that the surface ends 1 radius beyond it.
+    /// [radii] Returns the length of the line beyond a tip of constant radius for which the surface ends 1
+    /// radius beyond the tip.
     double tip_extension() const { return tip_extension_; }
 
-    /// How balls stand along the segments; unused for other kernels.
+    /// Returns the spacing of balls along the segments; unused for other kernels.
     const BallChain& chain() const { return chain_; }
 
-    /// [radii] How far from a segment its influence counts.
+    /// [radii] Returns the distance from a segment up to which it contributes.
     float reach() const { return reach_; }
 
-    /// `fallback` is the direction of a segment without length. Jumps in radius are made less steep where
-    /// SCALIS needs it: at most 0.4, held at the thin end.
+    /// Returns the constants of a segment. `fallback` is the direction of a segment without length. For
+    /// SCALIS the slope of the radius is limited to 0.4, keeping the radius of the thin end.
     kernel::SegmentConstants<float> build(const Segment& segment, Vec3 fallback, bool is_tip,
                                           RootEnd root) const;
 
-    /// A ball of its own, for a tree of one node: a line of a twentieth radius with the weight that makes the
-    /// value 1 at distance `radius`.
+    /// Returns the constants of a ball, for a tree of one node: a line of a twentieth radius with a weight
+    /// that makes the value 1 at distance `radius`.
     kernel::SegmentConstants<float> build_ball(Vec3 center, float radius) const;
 
   private:
@@ -66,7 +67,7 @@ class SegmentBuilder {
     float radius_scale_ = 1;
     KernelConstants kernel_;
     double tip_extension_ = 0;
-    double tip_extension_slope_ = 0;  ///< its change with the slope: SCALIS tapers on beyond the node
+    double tip_extension_slope_ = 0;  ///< its derivative by the slope: SCALIS tapers beyond the node
     float reach_ = 0;
     BallChain chain_;
 };

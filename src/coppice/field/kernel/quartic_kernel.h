@@ -1,4 +1,4 @@
-// Included once for plain numbers, and again by field_simd.cpp for every instruction set: see kernel_math.h.
+// Included once for scalars, and again by field_simd.cpp for every instruction set: see kernel_math.h.
 #if !defined(COPPICE_FIELD_QUARTIC_KERNEL_H) || defined(COPPICE_KERNEL_PER_TARGET)
 #define COPPICE_FIELD_QUARTIC_KERNEL_H
 
@@ -14,17 +14,17 @@ namespace coppice::COPPICE_KERNEL_NAMESPACE {
 template <class T>
 class QuarticKernel {
   public:
-    /// `weight` = line_weight(support), kept by who makes many.
+    /// `weight` = line_weight(support), to be computed once for many kernels.
     COPPICE_HOST_DEVICE QuarticKernel(double support, double weight)
         : support2_(support * support), weight_(weight), weight_d_h2_(-2 * weight) {}
 
-    /// The factor that gives an infinite line the value 1 at distance 1.
+    /// Returns the factor with which an infinite line has the value 1 at distance 1.
     COPPICE_HOST_DEVICE static double line_weight(double support) {
         const double b2 = support * support - 1;
         return 15 / (16 * b2 * b2 * std::sqrt(b2));
     }
 
-    /// The integral over a piece of a line, and its derivatives.
+    /// Returns the integral over a section of a line, and its derivatives.
     COPPICE_HOST_DEVICE NormalForm<T> operator()(T h2, T x0, T x1) const {
         const T b2 = larger(support2_ - h2, T(0));  // squared half length of the line inside the support
         const T b = square_root(b2);

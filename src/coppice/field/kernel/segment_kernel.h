@@ -1,4 +1,4 @@
-// Included once for plain numbers, and again by field_simd.cpp for every instruction set: see kernel_math.h.
+// Included once for scalars, and again by field_simd.cpp for every instruction set: see kernel_math.h.
 #if !defined(COPPICE_FIELD_SEGMENT_KERNEL_H) || defined(COPPICE_KERNEL_PER_TARGET)
 #define COPPICE_FIELD_SEGMENT_KERNEL_H
 
@@ -6,7 +6,7 @@
 
 namespace coppice::COPPICE_KERNEL_NAMESPACE {
 
-/// A segment as the kernels want it. Lengths along it are measured from its first node.
+/// A segment in the form used by the kernels. Lengths along it are measured from its first node.
 template <class T>
 struct SegmentConstants {
     /// [m] The first node.
@@ -17,16 +17,16 @@ struct SegmentConstants {
     /// @{
     T ux, uy, uz;
     /// @}
-    T begin;        ///< [m] <= 0: where the skeleton line starts, extension included
-    T end;          ///< [m] >= length: where it stops
+    T begin;        ///< [m] <= 0: start of the skeleton line, including its extension
+    T end;          ///< [m] >= length: end of the skeleton line
     T length;       ///< [m] >= 0, between the nodes
     T radius;       ///< [m] at the first node
     T slope;        ///< change of the radius per metre
-    T weight;       ///< factor of the whole
-    int balls = 0;  ///< that it is divided into by BallKernel, less one
+    T weight;       ///< factor on the contribution
+    int balls = 0;  ///< number of intervals between balls in BallKernel
 };
 
-/// Where a field is sampled.
+/// A sample point of a field.
 template <class T>
 struct Point {
     /// [m] Relative to the origin of the skeleton.
@@ -38,15 +38,16 @@ struct Point {
 /// Value of a field and its gradient.
 template <class T>
 struct Sample {
-    T value;  ///< in units of the level
+    T value;  ///< in units of the iso value
     /// [1/m] The gradient.
     /// @{
     T gx, gy, gz;
     /// @}
 };
 
-/// A kernel's integral along a piece of a line, in units of the local radius d, and its derivatives:
-/// `h2` squared distance from the line, `x0` <= `x1` ends of the piece measured from the foot point.
+/// The integral of a kernel along a section of a line, in units of the local radius d, and its derivatives:
+/// `h2` is the squared distance from the line, `x0` <= `x1` are the ends of the section relative to the
+/// closest point.
 template <class T>
 struct NormalForm {
     T value;  ///< the integral
@@ -56,10 +57,10 @@ struct NormalForm {
     /// @}
 };
 
-/// Adds what one segment contributes at p, for a kernel given by its normal form (quartic, Cauchy). The
-/// radius d is that of the foot point, held at the ends: a cone of small slope gets the value of a cylinder
-/// of its local radius, and the pieces of a split cylinder sum up to it exactly. The gradient has the term of
-/// d.
+/// Adds the contribution of one segment at p, for a kernel given by its normal form (quartic, Cauchy). The
+/// radius d is the radius at the closest point, clamped at the ends: a cone of small slope has the value of a
+/// cylinder of its local radius, and the sections of a split cylinder add up to it exactly. The gradient
+/// includes the derivative of d.
 template <class T, class Kernel>
 COPPICE_HOST_DEVICE inline void add_segment(const Kernel& kernel, const SegmentConstants<T>& s, Point<T> p,
                                             Sample<T>& sum) {
@@ -67,7 +68,8 @@ COPPICE_HOST_DEVICE inline void add_segment(const Kernel& kernel, const SegmentC
     const T t = wx * s.ux + wy * s.uy + wz * s.uz;
     const T d = s.radius + s.slope * larger(smaller(t, s.length), T(0));
     const T inv = T(1) / d;
-    // Distance from the line by its vector, not by |w|^2 - t^2, which cancels far from the first node.
+    // Computes the distance from the line by its vector, not by |w|^2 - t^2, which cancels far from the first
+    // node.
     const T qx = (wx - t * s.ux) * inv, qy = (wy - t * s.uy) * inv, qz = (wz - t * s.uz) * inv;
     const T h2 = qx * qx + qy * qy + qz * qz;
     const T x0 = (s.begin - t) * inv, x1 = (s.end - t) * inv;

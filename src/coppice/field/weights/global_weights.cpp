@@ -14,17 +14,17 @@
 namespace coppice {
 namespace {
 
-constexpr std::uint64_t kMostPairs = std::uint64_t{1} << 28;
+constexpr std::uint64_t kMaxPairs = std::uint64_t{1} << 28;
 constexpr std::size_t kGlobalWeightsGrain = 64;
-constexpr double kSeen = 0.01;  // of the level: the length of a column that can be told from nothing
+constexpr double kSeen = 0.01;  // relative to the iso value: minimum norm of a column that is fitted
 
-/// Where the field is asked: the constraints of one segment.
+/// The constraints of one segment.
 struct Site {
     NodeId segment;
     std::size_t begin, end;
 };
 
-std::vector<Site> sites_of(std::span<const WeightConstraint> constraints) {
+std::vector<Site> find_sites(std::span<const WeightConstraint> constraints) {
     std::vector<Site> sites;
     for (std::size_t j = 0; j < constraints.size(); ++j) {
         if (sites.empty() || sites.back().segment != constraints[j].segment)
@@ -50,7 +50,7 @@ kernel::SegmentConstants<double> widened(const kernel::SegmentConstants<float>& 
             s.end, s.length, s.radius, s.slope, s.weight, s.balls};
 }
 
-/// What every segment contributes with its local weight at every constraint; entries may be 0.
+/// Returns the contribution of every segment with its local weight at every constraint; entries may be 0.
 SparseRows contributions(const ConvolutionField& field, std::span<const WeightConstraint> constraints,
                          std::span<const Site> sites, const Context& ctx) {
     SparseRows f;
@@ -59,8 +59,8 @@ SparseRows contributions(const ConvolutionField& field, std::span<const WeightCo
     for (std::uint32_t r = 0; r < sites.size(); ++r)
         for (std::size_t j = sites[r].begin; j < sites[r].end; ++j)
             f.first.push_back(f.first.back() + field.candidates(r).size());
-    if (f.first.back() > kMostPairs)
-        throw Unsupported("weights: too many segments overlap to be weighed together; set weights to local");
+    if (f.first.back() > kMaxPairs)
+        throw Unsupported("weights: the segments overlap too much for a global fit; set weights to local");
     f.column.resize(f.first.back());
     f.value.resize(f.first.back());
     parallel_for(ctx, sites.size(), kGlobalWeightsGrain, [&](std::size_t r) {
@@ -77,7 +77,7 @@ SparseRows contributions(const ConvolutionField& field, std::span<const WeightCo
     return f;
 }
 
-/// Of every column, whether it can be told from nothing.
+/// Returns for every column whether it is fitted.
 std::vector<std::uint8_t> seen_columns(const SparseRows& f) {
     std::vector<double> squares(f.columns, 0.0);
     for (std::size_t e = 0; e < f.entries(); ++e) squares[f.column[e]] += f.value[e] * f.value[e];
@@ -86,7 +86,7 @@ std::vector<std::uint8_t> seen_columns(const SparseRows& f) {
     return seen;
 }
 
-/// The entries of seen columns that are not 0.
+/// Returns the entries of fitted columns that are not 0.
 SparseRows only_seen(const SparseRows& f, std::span<const std::uint8_t> seen) {
     SparseRows out;
     out.columns = f.columns;
@@ -112,7 +112,7 @@ WeightResidual residual(const SparseRows& f, std::span<const double> x, const Co
     return out;
 }
 
-/// What is left of the level once the unseen segments have added their little.
+/// Returns the iso value minus the contributions of the unseen segments.
 std::vector<double> right_side(const SparseRows& f, std::span<const std::uint8_t> seen, const Context& ctx) {
     std::vector<double> unseen(f.columns);
     for (std::size_t i = 0; i < unseen.size(); ++i) unseen[i] = seen[i] ? 0 : 1;
@@ -121,9 +121,9 @@ std::vector<double> right_side(const SparseRows& f, std::span<const std::uint8_t
     return b;
 }
 
-/// The weights, each the mean of its own and of those of the segments that share a node with it.
+/// Returns the weights, each averaged with the weights of the segments that share a node with it.
 std::vector<double> averaged(const Skeleton& s, const std::vector<double>& x) {
-    // Of the segments that meet in a node: the one that leads to it, and those that go on from it.
+    // Of the segments at a node: the segment that ends there, and those that start there.
     std::vector<double> sum(s.size(), 0);
     std::vector<std::uint32_t> count(s.size(), 0);
     for (const NodeId n : nodes(s)) {
@@ -153,12 +153,12 @@ GlobalWeights global_weights(const Skeleton& skeleton, const FieldOptions& optio
     const std::vector<WeightConstraint> constraints = points.empty()
                                                           ? surface_constraints(skeleton, options, ctx)
                                                           : attached_constraints(skeleton, points, ctx);
-    const std::vector<Site> sites = sites_of(constraints);
+    const std::vector<Site> sites = find_sites(constraints);
     set_regions(field, constraints, sites, ctx);
     const SparseRows f = contributions(field, constraints, sites, ctx);
     const std::vector<std::uint8_t> seen = seen_columns(f);
     if (std::find(seen.begin(), seen.end(), 1) == seen.end())
-        throw InvalidInput("weights: no constraint lies near the skeleton; give points on its surface");
+        throw InvalidInput("weights: no constraint is near the skeleton; provide points on its surface");
 
     const SparseRows fitted = only_seen(f, seen);
     const NnlsResult solved = nnls(fitted, right_side(f, seen, ctx), {}, ctx);

@@ -10,58 +10,58 @@
 
 namespace coppice {
 
-/// How far values of the field at the constraints are from the level, in units of the level.
+/// Deviation of the field from the iso value at the constraints, in units of the iso value.
 struct WeightResidual {
-    double rms = 0;       ///< root of the mean square
-    double greatest = 0;  ///< the greatest absolute value
+    double rms = 0;       ///< root mean square
+    double greatest = 0;  ///< maximum absolute value
 };
 
-/// A point that the surface is to go through.
+/// A point that the surface should pass through.
 struct WeightConstraint {
     Vec3 position;   ///< [m] in the frame of the skeleton
-    NodeId segment;  ///< the one it belongs to, by child node; the node itself in a tree of one node
+    NodeId segment;  ///< the segment of the point, by child node; the node itself in a tree of one node
 };
 
-/// Points spread over the surface that the skeleton says: on circles of the local radius about the segments,
-/// options.constraint_density points per segment on average, in proportion to length over radius, so that
-/// thick and thin branches get as many for their shape; four at least on each segment. Points deeper than
-/// 2 % of the radius inside another segment's rounded cone are left out. By segment, ascending. O(n log n).
-/// Throws InvalidInput when there would be more than 2^28.
+/// Returns points distributed over the surface defined by the skeleton: on circles of the local radius around
+/// the segments, options.constraint_density points per segment on average, in proportion to length over
+/// radius, so that thick and thin branches have the same number for their shape; at least four on each
+/// segment. Points deeper than 2 % of the radius inside another segment's rounded cone are omitted. Sorted by
+/// segment. O(n log n). Throws InvalidInput for more than 2^28 points.
 std::vector<WeightConstraint> surface_constraints(const Skeleton& skeleton, const FieldOptions& options,
                                                   const Context& ctx = {});
 
-/// Factors of all segments, and how well they fit.
+/// Factors of all segments, and the quality of the fit.
 struct GlobalWeights {
-    std::vector<float> factors;     ///< of the local weights, by child node: for scale_weights
-    std::uint64_t constraints = 0;  ///< points that were fitted
-    std::uint64_t entries = 0;      ///< pairs of a point and a segment that it sees
-    std::uint64_t zero = 0;         ///< segments that got no weight: they are not in the surface any more
-    std::uint64_t unseen = 0;       ///< segments that no constraint sees: they keep their local weight
-    WeightResidual local;           ///< of the plain sum, before
-    WeightResidual global;          ///< and after
-    int pivots = 0;                 ///< see nnls
-    int sweeps = 0;                 ///< see nnls
-    bool converged = false;         ///< false: better than local, but not the best
+    std::vector<float> factors;     ///< relative to the local weights, by child node: for scale_weights
+    std::uint64_t constraints = 0;  ///< number of fitted points
+    std::uint64_t entries = 0;      ///< number of pairs of a point and a segment near it
+    std::uint64_t zero = 0;    ///< number of segments with weight 0, which are not in the surface any more
+    std::uint64_t unseen = 0;  ///< number of segments not near any constraint, which keep their local weight
+    WeightResidual local;      ///< of the plain sum, with local weights
+    WeightResidual global;     ///< of the plain sum, with the fitted weights
+    int pivots = 0;            ///< see nnls
+    int sweeps = 0;            ///< see nnls
+    bool converged = false;    ///< false: better than local, but not optimal
 };
 
-/// Weights of all segments at once, >= 0, such that the plain sum comes nearest to the level at given points
-/// by least squares [Zhu2013, eq. 6] [Zhu2015, eq. 2]. Without `constraints` those of surface_constraints are
-/// taken; given ones belong to the segment whose surface is nearest, and are all used.
+/// Computes the weights of all segments at once, >= 0, such that the plain sum is closest to the iso value at
+/// given points by least squares [Zhu2013, eq. 6] [Zhu2015, eq. 2]. Without `constraints` the points of
+/// surface_constraints are used; given points belong to the segment with the nearest surface, and are all
+/// used.
 ///
-/// A constraint sees the segments that matter in the region of its segment (see find_candidates): those that
-/// ConvolutionField sums there. A segment whose values at all constraints together are below 0.01 of the
-/// level is unseen. options.blend is taken for 1, options.contact for 0.
+/// A constraint sees the relevant segments in the region of its segment (see find_candidates): those that
+/// ConvolutionField sums there. A segment with values below 0.01 of the iso value at all constraints together
+/// is unseen. options.blend is set to 1, options.contact to 0.
 ///
-/// options.weight_averaging smooths what was fitted, as [Zhu2015, figure 12 (g)] does: each weight, in units
-/// of the local one, becomes the mean of its own and of those of the segments that share a node with it. O(n)
-/// each time.
+/// options.weight_averaging smooths the fitted weights, as in [Zhu2015, figure 12 (g)]: each weight, in units
+/// of the local one, is averaged with the weights of the segments that share a node with it. O(n) per pass.
 ///
-/// It fits mean residuals: near forks, where the sum is too great, branches become thinner than they should
-/// be, and others thicker in turn (docs/user/comparison.md has figures). It is here for comparison.
+/// The fit minimizes mean residuals: near forks, where the sum is too great, branches become too thin, and
+/// others in turn too thick (see docs/user/comparison.md for figures). It is provided for comparison.
 ///
-/// Compact kernels: 300 segments take a few milliseconds. Throws InvalidInput naming an option out of range,
-/// for constraints that are not finite or of which none lies near the skeleton, and Unsupported where so many
-/// segments overlap that more than 2^28 pairs of point and segment would have to be stored.
+/// Compact kernels: 300 segments take a few milliseconds. Throws InvalidInput that names an option out of
+/// range, for constraints that are not finite or are all far from the skeleton, and Unsupported if the
+/// segments overlap so much that more than 2^28 pairs of point and segment would be stored.
 GlobalWeights global_weights(const Skeleton& skeleton, const FieldOptions& options,
                              std::span<const Vec3> constraints = {}, const Context& ctx = {});
 

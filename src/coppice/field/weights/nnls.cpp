@@ -15,17 +15,18 @@ namespace coppice {
 namespace {
 
 constexpr std::size_t kNnlsGrain = 1024;
-constexpr double kTiny = 1e-11;     // below this a number of the wrong sign is rounding
-constexpr double kOptimal = 1e-8;   // of the violation
-constexpr double kSettled = 1e-13;  // of the descent's steps, relative to the greatest unknown
+constexpr double kTiny = 1e-11;    // relative magnitude below which a wrong sign is a rounding error
+constexpr double kOptimal = 1e-8;  // maximum violation at convergence
+// Maximum step of the descent at convergence, relative to the largest unknown.
+constexpr double kSettled = 1e-13;
 
 void check(const SparseRows& a, std::span<const double> b, const NnlsOptions& options) {
     check_fields(options, "nnls");
     if (b.size() != a.rows())
-        throw InvalidInput(fmt::format("nnls: the matrix has {} rows, but there are {} numbers on the right",
+        throw InvalidInput(fmt::format("nnls: the matrix has {} rows, but the right-hand side has {} numbers",
                                        a.rows(), b.size()));
     COPPICE_ASSERT(a.first.back() == a.value.size() && a.column.size() == a.value.size());
-    std::vector<std::uint64_t> last_row(a.columns, 0);  // from 1
+    std::vector<std::uint64_t> last_row(a.columns, 0);  // row index + 1
     for (std::size_t j = 0; j < a.rows(); ++j) {
         for (std::uint64_t e = a.first[j]; e < a.first[j + 1]; ++e) {
             COPPICE_ASSERT(a.column[e] < a.columns && last_row[a.column[e]] != j + 1);
@@ -35,18 +36,18 @@ void check(const SparseRows& a, std::span<const double> b, const NnlsOptions& op
         }
     }
     for (const double v : b)
-        if (!std::isfinite(v)) throw InvalidInput("nnls: a number on the right is not finite");
+        if (!std::isfinite(v)) throw InvalidInput("nnls: a number of the right-hand side is not finite");
 }
 
 double norm(std::span<const double> v) {
-    double greatest = 0, sum = 0;  // scaled, so that no square overflows
+    double greatest = 0, sum = 0;  // scaled, so that squares do not overflow
     for (const double x : v) greatest = std::max(greatest, std::abs(x));
     if (greatest == 0) return 0;
     for (const double x : v) sum += (x / greatest) * (x / greatest);
     return greatest * std::sqrt(sum);
 }
 
-/// The columns, each brought to length 1; one without length stays 0.
+/// Returns the columns, scaled to length 1; columns of length 0 remain 0.
 ScaledColumns scaled_columns(const SparseRows& a, const Context& ctx) {
     ScaledColumns s;
     s.rows = a.rows();
@@ -108,18 +109,17 @@ double violation(const ScaledColumns& a, std::span<const double> z, std::span<co
         [](double x, double y) { return std::max(x, y); });
 }
 
-/// Looks for the set of unknowns whose solution meets all conditions, starting with all of them: weights of a
-/// tree are nearly all positive. Leaves in z what it came to.
-void pivot(NormalEquations& system, std::vector<double>& z, int most_pivots, int& pivots,
-           const Context& ctx) {
-    constexpr int kPatience = 3;
+/// Searches for the set of unknowns with a solution that satisfies all conditions, starting with all of them,
+/// because the weights of a tree are almost all positive. Stores the final solution in z.
+void pivot(NormalEquations& system, std::vector<double>& z, int max_pivots, int& pivots, const Context& ctx) {
+    constexpr int kMaxStalledSweeps = 3;
     const std::size_t n = z.size();
     std::vector<std::uint8_t> passive(n, 1);
     std::vector<double> gradient(n);
     std::vector<std::uint32_t> wrong;
     std::size_t fewest = n + 1;
-    int patience = kPatience;
-    while (pivots < most_pivots) {
+    int stalled_sweeps_left = kMaxStalledSweeps;
+    while (pivots < max_pivots) {
         ctx.throw_if_cancelled();
         ++pivots;
         if (!system.solve(passive, z, gradient)) return;
@@ -131,20 +131,21 @@ void pivot(NormalEquations& system, std::vector<double>& z, int most_pivots, int
         if (wrong.empty()) return;
         if (wrong.size() < fewest) {
             fewest = wrong.size();
-            patience = kPatience;
-        } else if (patience-- <= 0) {
-            // One at a time, and always the last: this cannot come back to a set it has left.
+            stalled_sweeps_left = kMaxStalledSweeps;
+        } else if (stalled_sweeps_left-- <= 0) {
+            // One at a time, always the last one: this cannot return to a previous set.
             wrong.erase(wrong.begin(), wrong.end() - 1);
         }
         for (const std::uint32_t i : wrong) passive[i] ^= 1;
     }
 }
 
-/// Unknown by unknown to its best value [Franc2005]: never leaves x >= 0, and never does harm.
-int descend(const ScaledColumns& a, std::span<double> z, std::span<const double> b, int most_sweeps,
+/// Sets one unknown at a time to its optimal value [Franc2005]: keeps x >= 0, and never increases the
+/// residual.
+int descend(const ScaledColumns& a, std::span<double> z, std::span<const double> b, int max_sweeps,
             const Context& ctx) {
     std::vector<double> r = residual(a, z, b);
-    for (int sweep = 0; sweep < most_sweeps; ++sweep) {
+    for (int sweep = 0; sweep < max_sweeps; ++sweep) {
         ctx.throw_if_cancelled();
         double greatest = 0, step = 0;
         for (std::size_t i = 0; i < z.size(); ++i) {
@@ -157,7 +158,7 @@ int descend(const ScaledColumns& a, std::span<double> z, std::span<const double>
         }
         if (step <= kSettled * greatest) return sweep + 1;
     }
-    return most_sweeps;
+    return max_sweeps;
 }
 
 }  // namespace
@@ -188,15 +189,15 @@ NnlsResult nnls(const SparseRows& a, std::span<const double> b, const NnlsOption
     const ScaledColumns columns = scaled_columns(a, ctx);
 
     std::vector<double> z(a.columns, 0.0);
-    if (options.most_pivots > 0) {
+    if (options.max_pivots > 0) {
         if (const auto system = normal_equations(a, columns, unit, ctx)) {
-            pivot(*system, z, options.most_pivots, out.pivots, ctx);
+            pivot(*system, z, options.max_pivots, out.pivots, ctx);
             for (double& v : z) v = std::isfinite(v) ? std::max(v, 0.0) : 0.0;
         }
     }
     out.violation = violation(columns, z, unit, ctx);
     if (!(out.violation <= kOptimal)) {
-        out.sweeps = descend(columns, z, unit, options.most_sweeps, ctx);
+        out.sweeps = descend(columns, z, unit, options.max_sweeps, ctx);
         out.violation = violation(columns, z, unit, ctx);
     }
     out.converged = out.violation <= kOptimal;

@@ -11,60 +11,62 @@
 
 namespace coppice {
 
-/// A matrix by rows: row j has the entries [first[j], first[j + 1]) of `column` and `value`, none of a row in
-/// the same column. A dense matrix is one with all its entries.
+/// A matrix by rows: row j has the entries [first[j], first[j + 1]) of `column` and `value`, each in a
+/// different column. A dense matrix stores all its entries.
 struct SparseRows {
-    std::uint32_t columns = 0;            ///< unknowns
-    std::vector<std::uint64_t> first{0};  ///< one more than there are rows
+    std::uint32_t columns = 0;            ///< number of unknowns
+    std::vector<std::uint64_t> first{0};  ///< number of rows + 1 offsets
     Buffer<std::uint32_t> column;         ///< < columns
     Buffer<double> value;                 ///< finite
 
-    std::size_t rows() const { return first.size() - 1; }  ///< equations
-    std::size_t entries() const { return value.size(); }   ///< numbers stored
+    std::size_t rows() const { return first.size() - 1; }  ///< number of equations
+    std::size_t entries() const { return value.size(); }   ///< number of stored values
 };
 
-/// A x, row by row. O(entries).
+/// Returns A x. O(entries).
 std::vector<double> product(const SparseRows& a, std::span<const double> x, const Context& ctx = {});
 
-/// When to stop.
+/// Termination criteria of nnls().
 struct NnlsOptions {
-    int most_pivots = 200;  ///< exchanges of sets before descent takes over; 0: descent alone
-    int most_sweeps = 500;  ///< of the descent
+    int max_pivots = 200;  ///< maximum number of exchanges before coordinate descent; 0: descent only
+    int max_sweeps = 500;  ///< maximum number of sweeps of coordinate descent
 };
 
 template <class Self, class Visitor>
 requires SameOptions<Self, NnlsOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"most_pivots", "exchanges of sets before descent takes over", Unit::none, 0, 1e6},
-          o.most_pivots);
-    visit(Field{"most_sweeps", "of the descent", Unit::none, 0, 1e6}, o.most_sweeps);
+    visit(Field{"max_pivots", "Maximum number of exchanges of sets before coordinate descent starts.",
+                Unit::none, 0, 1e6},
+          o.max_pivots);
+    visit(Field{"max_sweeps", "Maximum number of sweeps of coordinate descent.", Unit::none, 0, 1e6},
+          o.max_sweeps);
 }
 
-/// A solution, and how good it is.
+/// A solution and its quality.
 struct NnlsResult {
-    std::vector<double> x;   ///< >= 0, whether converged or not
-    int pivots = 0;          ///< systems solved
-    int sweeps = 0;          ///< of the descent; 0 where pivoting settled
+    std::vector<double> x;   ///< >= 0, converged or not
+    int pivots = 0;          ///< number of solved systems
+    int sweeps = 0;          ///< number of sweeps of the descent; 0 if pivoting converged
     bool converged = false;  ///< violation <= 1e-8
-    /// How far x is from optimal: the greatest, over columns a, of |cos| of the angle between a and the
+    /// Distance of x from the optimum: the maximum, over columns a, of |cos| of the angle between a and the
     /// residual A x - b where x > 0, or of -cos where x = 0, times |A x - b| / |b|. 0 at the optimum.
     double violation = 0;
 };
 
-/// Least squares |A x - b| with x >= 0 [Lawson1974]: at the optimum the gradient A^T (A x - b) is 0 where
-/// x > 0, and >= 0 where x = 0.
+/// Minimizes |A x - b| subject to x >= 0 [Lawson1974]: at the optimum the gradient A^T (A x - b) is 0 if
+/// x > 0, and >= 0 if x = 0.
 ///
-/// Block principal pivoting on the normal equations [Portugal1994] [Kim2011]: all unknowns that break a
-/// condition change sides at once, and only one when that does not help for a while. A dense Cholesky
-/// factorization where most pairs of columns share a row, else a sparse one in minimum-degree order. Columns
-/// that depend on each other to about 1e-5 share what is theirs: of all solutions nearly the shortest in
-/// units of the columns' lengths. A zero column gets 0. Where pivoting has not settled, and where the
-/// factors would be too large (more than 2^26 numbers or 2^32 products), coordinate descent takes over, which
-/// needs no memory to speak of but may stop before the optimum: see `converged`. It always ends.
+/// Block principal pivoting on the normal equations [Portugal1994] [Kim2011]: all unknowns that violate a
+/// condition change sets at once, and only one of them if that does not help for several steps. Uses a dense
+/// Cholesky factorization if most pairs of columns share a row, otherwise a sparse one in minimum-degree
+/// order. Columns that are linearly dependent to about 1e-5 share their contribution: of all solutions nearly
+/// the shortest in units of the columns' lengths is returned. A zero column gets 0. If pivoting does not
+/// converge, or the factors would be too large (more than 2^26 numbers or 2^32 products), coordinate descent
+/// is used, which needs little memory but may stop before the optimum: see `converged`. It always terminates.
 ///
 /// 300 unknowns and 1,548 dense rows take 20 ms of one core; 30,000 unknowns of a tree a few tenths of a
-/// second. The same bits for any number of threads. Throws InvalidInput when b has not one number per row, or
-/// anything is not finite.
+/// second. The result does not depend on the number of threads (bit-identical). Throws InvalidInput if b does
+/// not have one number per row, or a number is not finite.
 NnlsResult nnls(const SparseRows& a, std::span<const double> b, const NnlsOptions& options = {},
                 const Context& ctx = {});
 

@@ -13,16 +13,16 @@ using Eigen::Index;
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
 constexpr std::size_t kColumnGrain = 64;
-constexpr std::size_t kMostDense = 4096;                        // unknowns: 134 MB
-constexpr double kDenseEnough = 0.25;                           // of all pairs of columns
-constexpr double kMostProducts = 4.3e9;                         // of a factorization
-constexpr double kMostGramProducts = 1e11;                      // of a dense matrix, once
-constexpr std::uint64_t kMostPairs = std::uint64_t{1} << 30;    // entries of a row, two by two
-constexpr std::uint64_t kMostEntries = std::uint64_t{1} << 25;  // of the sparse G
-constexpr std::uint64_t kMostFill = std::uint64_t{1} << 26;     // of its factors
+constexpr std::size_t kMaxDense = 4096;    // maximum number of unknowns: 134 MB
+constexpr double kDenseEnough = 0.25;      // minimum share of all pairs of columns for a dense matrix
+constexpr double kMaxProducts = 4.3e9;     // maximum number for a factorization
+constexpr double kMaxGramProducts = 1e11;  // maximum number for a dense matrix, computed once
+constexpr std::uint64_t kMaxPairs = std::uint64_t{1} << 30;    // pairs of entries in a row
+constexpr std::uint64_t kMaxEntries = std::uint64_t{1} << 25;  // maximum number of entries of the sparse G
+constexpr std::uint64_t kMaxFill = std::uint64_t{1} << 26;     // maximum number of entries of its factors
 
-// G has a diagonal of 1. This much on top makes it definite whatever the columns, and kRounds of correcting
-// the solution with what is left of the right-hand side take it out again where columns are independent.
+// G has a diagonal of 1. This additional diagonal makes it definite for all columns, and kRounds of iterative
+// refinement with the residual of the right-hand side remove its effect if columns are independent.
 constexpr double kDamping = 1e-10;
 constexpr int kRounds = 3;
 
@@ -83,17 +83,17 @@ class DenseEquations final : public NormalEquations {
     Eigen::VectorXd h_;
 };
 
-/// Products of pairs in the same row; an upper bound for the entries of G.
+/// Returns the number of products of pairs in the same row; an upper bound for the entries of G.
 std::uint64_t pair_count(const SparseRows& a) {
     std::uint64_t sum = 0;
-    for (std::size_t j = 0; j < a.rows() && sum <= kMostPairs; ++j) {
-        const std::uint64_t k = std::min(a.first[j + 1] - a.first[j], kMostPairs);
+    for (std::size_t j = 0; j < a.rows() && sum <= kMaxPairs; ++j) {
+        const std::uint64_t k = std::min(a.first[j + 1] - a.first[j], kMaxPairs);
         sum += k * k;
     }
     return sum;
 }
 
-/// Calls visit(i, k, a_ji, a_jk scaled) for column i and all entries of the rows it is in.
+/// Calls visit(k, a_ji scaled, a_jk) for column i and all entries of the rows that contain it.
 template <class Visit>
 void for_each_pair(const SparseRows& rows, const ScaledColumns& a, std::size_t i, const Visit& visit) {
     for (std::uint64_t e = a.first[i]; e < a.first[i + 1]; ++e) {
@@ -103,7 +103,7 @@ void for_each_pair(const SparseRows& rows, const ScaledColumns& a, std::size_t i
     }
 }
 
-/// Marks of columns seen, one set per range, so that ranges share nothing.
+/// Marks of visited columns, one set per range, so that ranges share no data.
 class Marks {
   public:
     explicit Marks(std::size_t n) : mark_(n, std::numeric_limits<std::uint32_t>::max()) {}
@@ -119,7 +119,7 @@ class Marks {
 
 std::size_t gram_grain(std::size_t n) { return std::max<std::size_t>(256, n / 16); }
 
-/// Entries of G by column, then their places: first[n] is their number.
+/// Computes the number of entries of G by column, then their offsets: first[n] is the total.
 std::vector<std::uint64_t> gram_places(const SparseRows& rows, const ScaledColumns& a, const Context& ctx) {
     const std::size_t n = a.columns();
     std::vector<std::uint64_t> first(n + 1, 0);
@@ -164,8 +164,8 @@ SparseMatrix gram(const SparseRows& rows, const ScaledColumns& a, std::span<cons
     return g;
 }
 
-/// Whether the factors of a matrix, given by its upper triangle, stay within bounds. Follows the elimination
-/// tree [Liu1990] without storing them.
+/// Returns whether the factors of a matrix, given by its upper triangle, are within the limits. Follows the
+/// elimination tree [Liu1990] without storing the factors.
 bool factors_fit(const SparseMatrix& upper) {
     const auto n = static_cast<std::size_t>(upper.cols());
     std::vector<std::size_t> parent(n, n), seen(n), count(n, 1);
@@ -177,16 +177,16 @@ bool factors_fit(const SparseMatrix& upper) {
                 if (parent[i] == n) parent[i] = k;
                 seen[i] = k;
                 ++count[i];
-                if (++total > kMostFill) return false;
+                if (++total > kMaxFill) return false;
             }
         }
     }
     double products = 0;
     for (const std::size_t c : count) products += static_cast<double>(c) * static_cast<double>(c);
-    return products <= kMostProducts;
+    return products <= kMaxProducts;
 }
 
-/// Unknowns in minimum-degree order.
+/// Sparse equations in minimum-degree order.
 class SparseEquations final : public NormalEquations {
   public:
     SparseEquations(const SparseMatrix& g, const Eigen::VectorXd& h) {
@@ -195,7 +195,7 @@ class SparseEquations final : public NormalEquations {
         order_ = inverse.inverse();
         upper_.resize(g.rows(), g.cols());
         upper_.selfadjointView<Eigen::Upper>() = g.selfadjointView<Eigen::Upper>().twistedBy(order_);
-        // Products with half a matrix want its columns sorted, which twisting leaves undone.
+        // Products with half a matrix require sorted columns, which twistedBy() does not provide.
         upper_ = SparseMatrix(SparseMatrix(upper_.transpose()).transpose());
         h_ = order_ * h;
     }
@@ -230,7 +230,7 @@ class SparseEquations final : public NormalEquations {
     }
 
   private:
-    /// Rows and columns of what is held at 0 become those of the identity; the pattern stays.
+    /// Replaces rows and columns of unknowns fixed at 0 by those of the identity; the pattern is unchanged.
     void mask(std::span<const std::uint8_t> passive) {
         free_.assign(passive.size(), 0);
         for (std::size_t i = 0; i < passive.size(); ++i)
@@ -260,7 +260,7 @@ class SparseEquations final : public NormalEquations {
 std::unique_ptr<NormalEquations> dense_equations(const ScaledColumns& a, std::span<const double> b,
                                                  const Context& ctx) {
     const auto n = static_cast<double>(a.columns());
-    if (a.columns() > kMostDense || n * n * static_cast<double>(a.rows) > kMostGramProducts) return nullptr;
+    if (a.columns() > kMaxDense || n * n * static_cast<double>(a.rows) > kMaxGramProducts) return nullptr;
     return std::make_unique<DenseEquations>(a, b, ctx);
 }
 
@@ -271,11 +271,11 @@ std::unique_ptr<NormalEquations> normal_equations(const SparseRows& rows, const 
     const auto n = static_cast<double>(columns.columns());
     const double all = n * static_cast<double>(columns.rows);
     if (static_cast<double>(rows.entries()) > kDenseEnough * all) return dense_equations(columns, b, ctx);
-    if (columns.columns() > kMostEntries || pair_count(rows) > kMostPairs) return nullptr;
+    if (columns.columns() > kMaxEntries || pair_count(rows) > kMaxPairs) return nullptr;
     const std::vector<std::uint64_t> first = gram_places(rows, columns, ctx);
-    if (static_cast<double>(first.back()) > kDenseEnough * n * n && columns.columns() <= kMostDense)
+    if (static_cast<double>(first.back()) > kDenseEnough * n * n && columns.columns() <= kMaxDense)
         return dense_equations(columns, b, ctx);
-    if (first.back() > kMostEntries) return nullptr;
+    if (first.back() > kMaxEntries) return nullptr;
     auto sparse = std::make_unique<SparseEquations>(gram(rows, columns, first, ctx), right_side(columns, b));
     if (!sparse->fits()) return nullptr;
     sparse->analyze();

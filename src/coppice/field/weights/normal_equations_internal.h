@@ -12,7 +12,7 @@
 
 namespace coppice {
 
-/// A matrix by columns, each of length 1 or 0; `length` is what they had.
+/// A matrix by columns, each of length 1 or 0; `length` is the original length.
 struct ScaledColumns {
     std::size_t rows = 0;
     std::vector<std::uint64_t> first;
@@ -28,14 +28,14 @@ class NormalEquations {
   public:
     virtual ~NormalEquations() = default;
 
-    /// Solves for the passive unknowns while the others are 0; `gradient` = G z - h, 0 where passive. False
-    /// where rounding makes that impossible.
+    /// Solves for the passive unknowns while the others are 0; `gradient` = G z - h, 0 where passive. Returns
+    /// false if rounding prevents it.
     virtual bool solve(std::span<const std::uint8_t> passive, std::span<double> z,
                        std::span<double> gradient) = 0;
 };
 
-/// Null where the factors would take too much memory or time. `rows` has the same entries as `columns`, but
-/// not scaled.
+/// Returns null if the factors would need too much memory or time. `rows` has the same entries as `columns`,
+/// without scaling.
 std::unique_ptr<NormalEquations> normal_equations(const SparseRows& rows, const ScaledColumns& columns,
                                                   std::span<const double> b, const Context& ctx);
 

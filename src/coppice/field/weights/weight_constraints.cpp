@@ -16,12 +16,12 @@ namespace coppice {
 namespace {
 
 constexpr std::size_t kWeightConstraintsGrain = 256;
-constexpr std::uint32_t kAround = 4;  // points of a circle
-constexpr std::uint64_t kMostConstraints = std::uint64_t{1} << 28;
-// A tapering branch lies a little inside the balls at its own nodes: points of the surface may, too.
+constexpr std::uint32_t kAround = 4;  // number of points per circle
+constexpr std::uint64_t kMaxConstraints = std::uint64_t{1} << 28;
+// A tapering branch is slightly inside the balls at its own nodes, so points of the surface may be, too.
 constexpr double kInside = 0.98;
 
-/// All segments, and single nodes as segments without length.
+/// Returns all segments, and single nodes as segments without length.
 std::vector<NodeId> segment_names(const Skeleton& skeleton) {
     std::vector<NodeId> names;
     for (const NodeId n : nodes(skeleton))
@@ -29,7 +29,8 @@ std::vector<NodeId> segment_names(const Skeleton& skeleton) {
     return names;
 }
 
-/// A step in radius at one place counts by its greater side, as in the field.
+/// Returns the segment of a node; a step of the radius at one place counts with its greater radius, as in the
+/// field.
 Segment segment_of(const Skeleton& skeleton, NodeId n) {
     const Vec3 p = skeleton.position(n);
     Segment s =
@@ -38,13 +39,13 @@ Segment segment_of(const Skeleton& skeleton, NodeId n) {
     return s;
 }
 
-/// Segments found by their rounded cones.
+/// A box tree of the rounded cones of segments.
 class Cones {
   public:
     Cones(const Skeleton& skeleton, std::span<const NodeId> names, const Context& ctx)
         : skeleton_(skeleton), names_(names), boxes_(boxes(skeleton, names), ctx) {}
 
-    /// Whether another segment's cone holds p below the part `kInside` of its radius.
+    /// Returns whether another segment's cone contains p within the share `kInside` of its radius.
     bool hold(Vec3 p, NodeId except) const {
         bool held = false;
         boxes_.visit_overlapping(capsule_box(p, p, 0), [&](std::uint32_t i) {
@@ -55,13 +56,13 @@ class Cones {
         return held;
     }
 
-    /// The segment whose surface is nearest; inside, the one p is deepest in.
+    /// Returns the segment with the nearest surface; inside, the one in which p is deepest.
     NodeId nearest(Vec3 p) const {
         double best = std::numeric_limits<double>::infinity();
         std::uint32_t name = 0;
         const auto bound = [&](std::uint32_t level, std::uint32_t i) {
             const double d = distance_squared(boxes_.level(level)[i], Vec3d(p));
-            // A box that holds p may hold a segment that p is deep inside of.
+            // A box that contains p may contain a segment in which p is deep.
             return d > 0 ? std::sqrt(d) * (1 - 1e-6) : -std::numeric_limits<double>::infinity();
         };
         boxes_.search(bound, best, [&](std::uint32_t i) {
@@ -92,7 +93,7 @@ class Cones {
     BoxTree boxes_;
 };
 
-/// Circles on every segment: one, and more in proportion to length over radius.
+/// Returns the number of circles of every segment: at least one, in proportion to length over radius.
 std::vector<std::uint64_t> circle_counts(const Skeleton& skeleton, std::span<const NodeId> names,
                                          int density) {
     std::vector<double> slenderness(names.size());
@@ -111,7 +112,8 @@ std::vector<std::uint64_t> circle_counts(const Skeleton& skeleton, std::span<con
     return counts;
 }
 
-/// The points of one segment, each circle turned against the last by half the angle between points.
+/// Places the points of one segment, each circle rotated relative to the previous one by half the angle
+/// between points.
 void place_circles(const Segment& s, NodeId name, std::span<WeightConstraint> out) {
     const RoundCone cone = round_cone(s);
     const Vec3d u = normalized(cone.axis);
@@ -137,9 +139,9 @@ std::vector<WeightConstraint> surface_constraints(const Skeleton& skeleton, cons
     const std::vector<NodeId> names = segment_names(skeleton);
     std::vector<std::uint64_t> first = circle_counts(skeleton, names, options.constraint_density);
     const std::uint64_t total = kAround * exclusive_scan(std::span(first));
-    if (total > kMostConstraints)
+    if (total > kMaxConstraints)
         throw InvalidInput(fmt::format(
-            "field: {} constraints are too many; lower constraint_density, or take local weights", total));
+            "field: {} constraints are too many; reduce constraint_density, or use local weights", total));
     std::vector<WeightConstraint> all(total);
     std::vector<std::uint8_t> hidden(total);
     const Cones cones(skeleton, names, ctx);
@@ -159,7 +161,7 @@ std::vector<WeightConstraint> attached_constraints(const Skeleton& skeleton, std
                                                    const Context& ctx) {
     for (std::size_t j = 0; j < points.size(); ++j)
         if (!is_finite(points[j]))
-            throw InvalidInput(fmt::format("weights: constraint {} is not finite; leave it out", j + 1));
+            throw InvalidInput(fmt::format("weights: constraint {} is not finite; remove it", j + 1));
     const std::vector<NodeId> names = segment_names(skeleton);
     const Cones cones(skeleton, names, ctx);
     std::vector<WeightConstraint> all(points.size());

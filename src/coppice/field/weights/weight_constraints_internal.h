@@ -9,8 +9,8 @@
 
 namespace coppice {
 
-/// Given points, each with the segment whose surface is nearest; by segment, ascending, in the order given.
-/// Throws InvalidInput for a point that is not finite. O(m log n).
+/// Assigns each point to the segment with the nearest surface; sorted by segment, otherwise in the given
+/// order. Throws InvalidInput for a point that is not finite. O(m log n).
 std::vector<WeightConstraint> attached_constraints(const Skeleton& skeleton, std::span<const Vec3> points,
                                                    const Context& ctx);
 

@@ -23,7 +23,7 @@ Box3 BlockLattice::box(std::size_t block) const {
 }
 
 std::array<std::array<std::uint32_t, 3>, 2> BlockLattice::blocks_touching(const Box3& box) const {
-    constexpr double kHair = 1e-3;  // [cells] more than rounding moves a node
+    constexpr double kRoundingMargin = 1e-3;  // [cells] greater than the rounding of a node
     std::array<std::array<std::uint32_t, 3>, 2> range{};
     if (box.empty()) return range;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -32,14 +32,14 @@ std::array<std::array<std::uint32_t, 3>, 2> BlockLattice::blocks_touching(const 
             const double cells = (x - origin[axis]) / cell + hair;
             return std::clamp(std::floor(cells / kCells), -1.0, double(blocks[i]));
         };
-        range[0][i] = static_cast<std::uint32_t>(std::max(place(box.low[axis], -kHair), 0.0));
+        range[0][i] = static_cast<std::uint32_t>(std::max(place(box.low[axis], -kRoundingMargin), 0.0));
         range[1][i] = static_cast<std::uint32_t>(
-            std::min(place(box.high[axis], kHair) + 1, static_cast<double>(blocks[i])));
+            std::min(place(box.high[axis], kRoundingMargin) + 1, static_cast<double>(blocks[i])));
     }
     return range;
 }
 
-void BlockLattice::nodes_of(std::size_t block, std::span<Vec3> out) const {
+void BlockLattice::find_nodes(std::size_t block, std::span<Vec3> out) const {
     const auto [bx, by, bz] = place(block);
     std::size_t i = 0;
     for (std::uint32_t z = 0; z < kNodes; ++z) {
@@ -51,19 +51,20 @@ void BlockLattice::nodes_of(std::size_t block, std::span<Vec3> out) const {
     }
 }
 
-BlockLattice cover(const Box3& box, float cell, std::string_view what, std::size_t most_blocks) {
+BlockLattice cover(const Box3& box, float cell, std::string_view subject, std::size_t max_blocks) {
     if (box.empty()) return {{}, 1, {0, 0, 0}};
     if (!is_finite(box.low) || !is_finite(box.high)) {
-        throw InvalidInput(fmt::format("{}: the box must be finite", what));
+        throw InvalidInput(fmt::format("{}: the box must be finite", subject));
     }
     const Vec3d low(box.low), size = Vec3d(box.high) - low;
     const double longest = std::max({size.x, size.y, size.z, 1e-6});
     if (!(cell == 0 || (cell > 0 && cell <= 1e9f))) {
-        throw InvalidInput(fmt::format("{}: cell must be 0 or a length up to 1e9 m, but is {}", what, cell));
+        throw InvalidInput(
+            fmt::format("{}: cell must be 0 or a length up to 1e9 m, but is {}", subject, cell));
     }
     BlockLattice lattice;
     lattice.cell = cell > 0 ? double(cell) : longest / 64;
-    // One cell more on every side: the surface never touches the sides.
+    // One additional cell on every side, so that the surface never touches the sides.
     lattice.origin = low - Vec3d{1, 1, 1} * lattice.cell;
     double count = 1;
     std::array<double, 3> blocks;
@@ -71,12 +72,12 @@ BlockLattice cover(const Box3& box, float cell, std::string_view what, std::size
         blocks[static_cast<std::size_t>(i)] = std::ceil((size[i] / lattice.cell + 2) / BlockLattice::kCells);
         count *= blocks[static_cast<std::size_t>(i)];
     }
-    if (!(count <= static_cast<double>(most_blocks))) {
+    if (!(count <= static_cast<double>(max_blocks))) {
         throw InvalidInput(
-            fmt::format("{}: cells of {} m would make {:.3g} cells, of {:.3g} at most; make cell at "
-                        "least {:.3g} m",
-                        what, lattice.cell, 512 * count, 512 * double(most_blocks),
-                        longest / (6 * std::cbrt(double(most_blocks)))));
+            fmt::format("{}: cells of {} m would make {:.3g} cells, but the maximum is {:.3g}; set cell to "
+                        "at least {:.3g} m",
+                        subject, lattice.cell, 512 * count, 512 * double(max_blocks),
+                        longest / (6 * std::cbrt(double(max_blocks)))));
     }
     for (std::size_t i = 0; i < 3; ++i) lattice.blocks[i] = static_cast<std::uint32_t>(blocks[i]);
     return lattice;

@@ -14,14 +14,14 @@
 
 namespace coppice {
 
-/// Values of a field, nothing else.
+/// Evaluates the values of a field, without gradients.
 using ValueFunction = std::function<void(std::span<const Vec3>, std::span<float>)>;
 ValueFunction values_of(FieldRef field, std::uint32_t region = 0);
 
-/// Cubic cells in blocks of 8 x 8 x 8; blocks are numbered x fastest.
+/// Cubic cells in blocks of 8 x 8 x 8; blocks are numbered with x fastest.
 struct BlockLattice {
-    static constexpr std::uint32_t kCells = 8;           ///< along a side of a block
-    static constexpr std::uint32_t kNodes = kCells + 1;  ///< corners of cells, those on the sides included
+    static constexpr std::uint32_t kCells = 8;           ///< number of cells along a side of a block
+    static constexpr std::uint32_t kNodes = kCells + 1;  ///< number of corners of cells along a side
     static constexpr std::size_t kBlockNodes = kNodes * kNodes * kNodes;
 
     Vec3d origin;
@@ -37,23 +37,24 @@ struct BlockLattice {
     std::size_t block_at(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
         return (std::size_t{z} * blocks[1] + y) * blocks[0] + x;
     }
-    /// The same bits from whichever block a node is seen.
+    /// The result does not depend on the block (bit-identical).
     Vec3 node(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
         return Vec3(origin + Vec3d{double(x), double(y), double(z)} * cell);
     }
     Box3 box(std::size_t block) const;
-    /// Along each axis, the first block that touches the box and the one behind the last; touching counts,
-    /// and a hair more.
+    /// Returns, along each axis, the first block that touches the box and the one after the last; touching
+    /// counts, with a small tolerance.
     std::array<std::array<std::uint32_t, 3>, 2> blocks_touching(const Box3& box) const;
-    /// Its corners of cells, x fastest.
-    void nodes_of(std::size_t block, std::span<Vec3> out) const;
+    /// Writes the corners of its cells, x fastest.
+    void find_nodes(std::size_t block, std::span<Vec3> out) const;
 };
 
-/// Covers the box; a `cell` of 0 is 1/64 of its longest side. Throws InvalidInput in the name of `what` for a
-/// box that is not finite, a cell that is no length, and more than `most_blocks` blocks.
-BlockLattice cover(const Box3& box, float cell, std::string_view what, std::size_t most_blocks);
+/// Returns the lattice that covers the box; a `cell` of 0 is 1/64 of its longest side. Throws InvalidInput,
+/// with the prefix `subject`, for a box that is not finite, an invalid cell, and more than `max_blocks`
+/// blocks.
+BlockLattice cover(const Box3& box, float cell, std::string_view subject, std::size_t max_blocks);
 
-/// Bounds of the values in every block.
+/// Returns bounds of the values in every block.
 std::vector<ValueRange> block_ranges(const BlockLattice& lattice, const SolidField& field,
                                      const Context& ctx);
 

@@ -15,13 +15,13 @@ namespace coppice {
 namespace {
 
 constexpr std::uint32_t kConstant = std::numeric_limits<std::uint32_t>::max();
-constexpr std::size_t kMostBlocks = 2000000;
-constexpr float kRanged = 0.3f;  // of the time when it is known which blocks come near the level
-constexpr std::size_t kMostStored = 500000;
+constexpr std::size_t kMaxBlocks = 2000000;
+constexpr float kRanged = 0.3f;  // progress after the search for blocks near the iso value
+constexpr std::size_t kMaxStored = 500000;
 constexpr std::size_t kNodes = BlockLattice::kNodes;
 constexpr std::size_t kBlockNodes = BlockLattice::kBlockNodes;
 
-/// The values at a cell's corners, and where a point lies between them, in [0, 1].
+/// The values at a cell's corners, and the relative position of a point in the cell, in [0, 1].
 struct Corners {
     const float* first;
     float x, y, z;
@@ -37,7 +37,7 @@ struct Corners {
         }
         return r;
     }
-    /// Along x at one of the four edges.
+    /// Interpolates along x at one of the four edges.
     float along(std::size_t dy, std::size_t dz) const {
         return at(0, dy, dz) + x * (at(1, dy, dz) - at(0, dy, dz));
     }
@@ -46,7 +46,7 @@ struct Corners {
         const float high = along(0, 1) + y * (along(1, 1) - along(0, 1));
         return low + z * (high - low);
     }
-    /// Per cell.
+    /// Returns the gradient per cell.
     Vec3 gradient() const {
         const auto slope = [&](std::size_t dy, std::size_t dz) { return at(1, dy, dz) - at(0, dy, dz); };
         const auto mix = [](float a, float b, float t) { return a + t * (b - a); };
@@ -56,7 +56,7 @@ struct Corners {
     }
 };
 
-/// The range of a field in every block, as far as the corners of cells tell.
+/// Returns the range of a field in every block, from the values at the corners of cells.
 std::vector<ValueRange> sampled_ranges(const BlockLattice& lattice, const ValueFunction& field,
                                        const Context& ctx) {
     std::vector<ValueRange> out(lattice.block_count());
@@ -64,7 +64,7 @@ std::vector<ValueRange> sampled_ranges(const BlockLattice& lattice, const ValueF
         const std::size_t b = range.begin;
         std::array<Vec3, kBlockNodes> nodes;
         std::array<float, kBlockNodes> values;
-        lattice.nodes_of(b, nodes);
+        lattice.find_nodes(b, nodes);
         field(nodes, values);
         const auto [low, high] = std::minmax_element(values.begin(), values.end());
         out[b] = {*low, *high};
@@ -76,7 +76,7 @@ std::vector<ValueRange> sampled_ranges(const BlockLattice& lattice, const ValueF
 
 struct CachedField::Place {
     std::size_t block;
-    Corners corners;  ///< first is null where the value is constant
+    Corners corners;  ///< first is null if the value is constant
 };
 
 struct CachedField::Builder {
@@ -114,19 +114,19 @@ struct CachedField::Builder {
             out.stored_[b] = static_cast<std::uint32_t>(out.boxes_.size());
             out.boxes_.push_back(lattice.box(b));
         }
-        if (out.boxes_.size() > kMostStored) {
+        if (out.boxes_.size() > kMaxStored) {
             throw InvalidInput(
-                fmt::format("cache: {} blocks of 512 cells lie near the surface, of {} at most; make "
-                            "cell greater than {} m or band smaller",
-                            out.boxes_.size(), kMostStored, lattice.cell));
+                fmt::format("cache: {} blocks of 512 cells are near the surface, but the maximum is {}; "
+                            "increase cell above {} m or reduce band",
+                            out.boxes_.size(), kMaxStored, lattice.cell));
         }
     }
 
-    /// The values at the corners; returns the greatest difference at the centres of some cells.
+    /// Stores the values at the corners; returns the maximum difference at the centres of some cells.
     float fill(std::size_t i, std::size_t block) const {
         const std::span values = std::span(out.values_).subspan(i * kBlockNodes, kBlockNodes);
         std::array<Vec3, kBlockNodes> nodes;
-        lattice.nodes_of(block, nodes);
+        lattice.find_nodes(block, nodes);
         field(nodes, values);
 
         std::array<Vec3, 64> centers;
@@ -149,7 +149,7 @@ CachedField::CachedField(const SolidField& field, const CacheOptions& options, c
     : level_(field.level()) {
     check_fields(options, "cache");
     const Box3 box = field.bounds_at(std::max(level_ - options.band, 0.0f));
-    const BlockLattice lattice = cover(box, options.cell, "cache", kMostBlocks);
+    const BlockLattice lattice = cover(box, options.cell, "cache", kMaxBlocks);
     const ValueFunction values = [&](std::span<const Vec3> p, std::span<float> out) { field.values(p, out); };
     Builder{*this, lattice, values, ctx}.build(block_ranges(lattice, field, ctx), options.band);
 }
@@ -157,17 +157,17 @@ CachedField::CachedField(const SolidField& field, const CacheOptions& options, c
 CachedField::CachedField(FieldRef field, const Box3& box, const CacheOptions& options, const Context& ctx)
     : level_(field.level()) {
     check_fields(options, "cache");
-    const BlockLattice lattice = cover(box, options.cell, "cache", kMostBlocks);
+    const BlockLattice lattice = cover(box, options.cell, "cache", kMaxBlocks);
     const ValueFunction values = values_of(field);
     Builder{*this, lattice, values, ctx}.build(sampled_ranges(lattice, values, ctx), options.band);
 }
 
-/// False outside the grid.
+/// Returns false outside the grid.
 bool CachedField::locate(Vec3 p, Place& place) const {
     const double gx = (p.x - origin_.x) * per_cell_, gy = (p.y - origin_.y) * per_cell_,
                  gz = (p.z - origin_.z) * per_cell_;
     constexpr auto kCells = BlockLattice::kCells;
-    // Written so that what is not a number lies outside.
+    // Written so that NaN is outside.
     const bool inside = gx >= 0 && gy >= 0 && gz >= 0 && gx < double(kCells) * blocks_x_ &&
                         gy < double(kCells) * blocks_y_ && gz < double(kCells) * blocks_z_;
     if (!inside) return false;

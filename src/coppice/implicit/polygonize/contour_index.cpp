@@ -8,11 +8,11 @@
 namespace coppice {
 namespace {
 
-constexpr std::uint32_t kShortEnough = 6;  // squares with such lists are not cut further
-constexpr std::uint32_t kTooLong = 24;     // the tree takes less time than longer lists
-constexpr int kLeastCuts = 4;
-constexpr int kMostCuts = 9;
-constexpr double kMostWork = 2e7;
+constexpr std::uint32_t kShortEnough = 6;  // maximum length of lists in squares that are not subdivided
+constexpr std::uint32_t kTooLong = 24;     // minimum length of lists for which the tree is faster
+constexpr int kMinCuts = 4;
+constexpr int kMaxCuts = 9;
+constexpr double kMaxWork = 2e7;
 constexpr double kMargin = 1.0;  // [size] of the squares around the contours
 
 double dot(Vec2d a, Vec2d b) { return a.x * b.x + a.y * b.y; }
@@ -27,17 +27,17 @@ double squared_distance(const PlaneSegment& s, Vec2d p) {
     return dot(v, v);
 }
 
-/// Four squares in one, by the signs of x and y.
+/// Returns the centre of one of four quadrants, given by the signs of x and y.
 Vec2d child_center(Vec2d center, double half, unsigned child) {
     const double q = 0.5 * half;
     return {center.x + (child & 1 ? q : -q), center.y + (child & 2 ? q : -q)};
 }
 
-/// A part of the plane, and the segments that may be nearest to points in it.
+/// A square of the plane, and the segments that may be nearest to points in it.
 struct Square {
     std::uint32_t cell;
     int cuts;
-    double budget;  // distances that may be taken in it
+    double budget;  // maximum number of distance computations
     Vec2d center;
     double half;
     std::vector<std::uint32_t> list;
@@ -45,11 +45,11 @@ struct Square {
     double reach() const { return std::numbers::sqrt2 * half; }
 };
 
-/// Leaves out segments that are farther than the one nearest to the centre, all over the square; that one
-/// becomes the first. Returns its distance.
+/// Removes segments that are farther than the segment nearest to the centre, anywhere in the square; moves
+/// that segment to the front. Returns its distance.
 ///
-/// The difference of two distances changes at most like the difference of their gradients, unit vectors away
-/// from the segments; and these turn, over the square, by at most reach / (distance - reach).
+/// The difference of two distances changes at most by the difference of their gradients, which are unit
+/// vectors away from the segments; and these turn, within the square, by at most reach / (distance - reach).
 double keep_what_may_be_nearest(std::span<const PlaneSegment> segments, Square& square) {
     const Vec2d c = square.center;
     std::size_t nearest = 0;
@@ -106,14 +106,14 @@ ContourIndex::ContourIndex(std::vector<PlaneSegment> segments, bool closed)
     build_cells();
 }
 
-/// Squares get at most as small as would give 16 for each segment, were they all cut.
+/// The minimum size of squares corresponds to 16 squares per segment if all were subdivided.
 void ContourIndex::build_cells() {
-    int most_cuts = kLeastCuts;
-    while (most_cuts < kMostCuts && (std::size_t{4} << (2 * most_cuts)) <= 16 * segments_.size()) ++most_cuts;
+    int max_cuts = kMinCuts;
+    while (max_cuts < kMaxCuts && (std::size_t{4} << (2 * max_cuts)) <= 16 * segments_.size()) ++max_cuts;
     std::vector<std::uint32_t> all(segments_.size());
     for (std::uint32_t i = 0; i < all.size(); ++i) all[i] = i;
     cells_.resize(1);
-    std::vector<Square> open{{0, 0, std::min(2e3 * static_cast<double>(segments_.size()), kMostWork), center_,
+    std::vector<Square> open{{0, 0, std::min(2e3 * static_cast<double>(segments_.size()), kMaxWork), center_,
                               half_, std::move(all)}};
     while (!open.empty()) {
         Square square = std::move(open.back());
@@ -121,10 +121,10 @@ void ContourIndex::build_cells() {
         const double share = 0.25 * (square.budget - static_cast<double>(square.list.size()));
         const double least = keep_what_may_be_nearest(segments_, square);
         const std::size_t kept = square.list.size();
-        // Squares that the contour does not cross are inside or outside as a whole.
+        // Squares that the contour does not intersect are completely inside or outside.
         const bool crossed = closed_ && least <= square.reach() * (1 + 1e-12);
         const bool worth_it = kept > kShortEnough || crossed;
-        if (worth_it && square.cuts < most_cuts && static_cast<double>(kept) <= share) {
+        if (worth_it && square.cuts < max_cuts && static_cast<double>(kept) <= share) {
             const auto first = static_cast<std::uint32_t>(cells_.size());
             cells_[square.cell].first = first;
             cells_.resize(first + 4);
@@ -143,7 +143,7 @@ void ContourIndex::build_cells() {
     }
 }
 
-/// As many stripes as segments, or fewer where long segments would be in too many.
+/// Creates as many stripes as segments, or fewer if long segments would be in too many.
 void ContourIndex::build_rows() {
     const double height = high_.y - low_.y;
     std::size_t rows = std::min<std::size_t>(segments_.size(), 1 << 16), total = 0;
@@ -165,7 +165,7 @@ void ContourIndex::build_rows() {
         for (std::uint32_t r = first; r <= last; ++r) ++row_first_[r];
     }
     std::uint32_t sum = 0;
-    for (std::uint32_t& f : row_first_) f = sum += f;  // ends now, firsts once filled from behind
+    for (std::uint32_t& f : row_first_) f = sum += f;  // ends here; starts after filling from the end
     row_list_.resize(total);
     for (std::size_t i = segments_.size(); i-- > 0;) {
         const auto [first, last] = span_of(segments_[i]);
@@ -185,7 +185,7 @@ bool ContourIndex::inside(Vec2d p) const {
     bool odd = false;
     for (std::uint32_t k = row_first_[r]; k < row_first_[r + 1]; ++k) {
         const auto& [a, b] = segments_[row_list_[k]];
-        if ((a.y > p.y) == (b.y > p.y)) continue;  // an end on the ray counts with the segment above it
+        if ((a.y > p.y) == (b.y > p.y)) continue;  // an end on the ray belongs to the segment above it
         if (p.x < a.x + (b.x - a.x) * ((p.y - a.y) / (b.y - a.y))) odd = !odd;
     }
     return odd;

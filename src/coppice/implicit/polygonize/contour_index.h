@@ -11,62 +11,62 @@ namespace coppice {
 /// A point or direction in a plane [m].
 struct Vec2d {
     double x = 0;  ///< along the first axis
-    double y = 0;  ///< along the second
+    double y = 0;  ///< along the second axis
 
-    /// Coordinate by coordinate.
+    /// Component-wise.
     friend constexpr Vec2d operator+(Vec2d a, Vec2d b) { return {a.x + b.x, a.y + b.y}; }
-    /// Coordinate by coordinate.
+    /// Component-wise.
     friend constexpr Vec2d operator-(Vec2d a, Vec2d b) { return {a.x - b.x, a.y - b.y}; }
-    /// Coordinate by coordinate.
+    /// Component-wise.
     friend constexpr Vec2d operator*(Vec2d a, double s) { return {a.x * s, a.y * s}; }
-    /// Coordinate by coordinate.
+    /// Component-wise.
     friend constexpr bool operator==(Vec2d, Vec2d) = default;
 };
 
 /// Distance to a profile and its gradient, at a point of the profile's plane.
 struct PlaneSample {
     double value = 0;  ///< [m] negative inside
-    Vec2d gradient;    ///< away from the profile
+    Vec2d gradient;    ///< points away from the profile
 };
 
-/// A line between two points in a plane.
+/// A line segment in a plane.
 struct PlaneSegment {
-    Vec2d a;  ///< one end
-    Vec2d b;  ///< the other
+    Vec2d a;  ///< start
+    Vec2d b;  ///< end
 };
 
-/// [m^2] Of the polygon; positive when it turns counterclockwise.
+/// [m^2] Returns the area of the polygon; positive if it is counter-clockwise.
 double contour_area(std::span<const Vec2d> corners);
 
-inline constexpr double kLeastContourArea = 1e-9;  ///< [size squared] less is no area
+inline constexpr double kMinContourArea = 1e-9;  ///< [size squared] minimum area of a valid contour
 
-/// Finds the nearest of many segments in a plane, and whether a point is inside the contours that they make:
-/// the line from there to infinity crosses them an odd number of times.
+/// Finds the nearest of many segments in a plane, and determines whether a point is inside the contours that
+/// they form: a ray from the point to infinity intersects them an odd number of times.
 ///
-/// Squares around the segments, cut in four again and again, list what can be nearest in them; lists are
-/// short but close to where many segments are equally far. O(n log n) to make; memory O(n).
+/// A quadtree around the segments lists the segments that can be nearest in each square; lists are short
+/// except where many segments are equally far. O(n log n) construction; memory O(n).
 class ContourIndex {
   public:
     ContourIndex() : boxes_({}, Context{.threads = 1}) {}
 
-    /// There must be a segment, and all must have a length; contours must be closed if `closed`, which makes
-    /// the distance signed.
+    /// There must be at least one segment, and all must have a length; contours must be closed if `closed`,
+    /// which makes the distance signed.
     ContourIndex(std::vector<PlaneSegment> segments, bool closed);
 
-    Vec2d low() const { return low_; }    ///< least corner of the box about all segments
-    Vec2d high() const { return high_; }  ///< greatest corner
+    Vec2d low() const { return low_; }    ///< minimum corner of the box of all segments
+    Vec2d high() const { return high_; }  ///< maximum corner
 
-    /// Infinite for a point that is not a number.
+    /// Returns the distance; infinite for NaN.
     PlaneSample distance(Vec2d p) const;
-    bool inside(Vec2d p) const;  ///< Whether p lies within an odd number of contours.
+    bool inside(Vec2d p) const;  ///< Returns whether p is inside an odd number of contours.
 
   private:
     enum class Side : std::uint8_t { unknown, inside, outside };
     struct Cell {
-        std::uint32_t first = 0;  ///< of its list, or of its four children
+        std::uint32_t first = 0;  ///< first index of its list, or of its four children
         std::uint32_t count = 0;
         bool is_leaf = false;
-        bool is_complete = false;  ///< else the list is just the segment nearest to the centre
+        bool is_complete = false;  ///< otherwise the list only contains the segment nearest to the centre
         Side side = Side::unknown;
     };
 
@@ -84,7 +84,7 @@ class ContourIndex {
     std::vector<std::uint32_t> list_;
     double rows_per_metre_ = 0;
     std::vector<std::uint32_t> row_first_, row_list_;  ///< segments by stripes of y, for `inside`
-    BoxTree boxes_;                                    ///< for points beyond the squares
+    BoxTree boxes_;                                    ///< for points outside the squares
 };
 
 }  // namespace coppice

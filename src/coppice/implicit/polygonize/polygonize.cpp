@@ -8,25 +8,26 @@
 #include <numeric>
 
 #include "coppice/base/check_fields.h"
+#include "coppice/base/id.h"
 #include "coppice/base/progress.h"
 #include "coppice/implicit/polygonize/block_lattice_internal.h"
 
 namespace coppice {
 namespace {
 
-constexpr float kRanged = 0.1f;  // of the time when it is known which blocks may hold the surface
-constexpr std::size_t kMostBlocks = 2000000;
-constexpr std::size_t kMostSparseBlocks = 64000000;  // of which most are not sampled
+constexpr float kRanged = 0.1f;  // progress after the search for blocks that may contain the surface
+constexpr std::size_t kMaxBlocks = 2000000;
+constexpr std::size_t kMaxSparseBlocks = 64000000;  // most of them are not sampled
 constexpr std::uint32_t kCells = BlockLattice::kCells;
 constexpr std::uint32_t kNodes = BlockLattice::kNodes;
 constexpr std::size_t kBlockNodes = BlockLattice::kBlockNodes;
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-constexpr std::uint32_t kEmpty = kNone - 1;
-/// Vertices stay this share of an edge away from its ends, so that no triangle is degenerate.
+constexpr std::uint32_t kEmpty = kNoIndex - 1;
+/// Minimum distance of vertices from the ends of an edge, relative to its length, so that no triangle is
+/// degenerate.
 constexpr float kEndShare = 0.01f;
 
-/// Corner c of a cell lies at (c & 1, c >> 1 & 1, c >> 2); an edge leads from a node in direction 1 to 7,
-/// read the same way. Its key in a block is 8 node + direction.
+/// Corner c of a cell is at (c & 1, c >> 1 & 1, c >> 2); an edge goes from a node in direction 1 to 7, with
+/// the same encoding. Its key in a block is 8 node + direction.
 std::uint32_t local_node(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
     return x + kNodes * (y + kNodes * z);
 }
@@ -36,8 +37,8 @@ std::uint32_t step_to(std::uint32_t corner) { return local_node(corner & 1, corn
 constexpr std::array<std::array<std::uint32_t, 4>, 6> kTetrahedra{
     {{0, 1, 3, 7}, {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 3, 2, 7}, {0, 6, 4, 7}, {0, 5, 1, 7}}};
 
-/// Even orders of the corners of a tetrahedron, by which are inside: those first that are fewer (for two: the
-/// inner ones).
+/// Even permutations of the corners of a tetrahedron, indexed by the inside mask: the smaller group is first
+/// (for two: the inner corners).
 constexpr std::array<std::array<std::uint32_t, 4>, 16> kOrder{{{0, 1, 2, 3},
                                                                {0, 1, 2, 3},
                                                                {1, 0, 3, 2},
@@ -55,25 +56,25 @@ constexpr std::array<std::array<std::uint32_t, 4>, 16> kOrder{{{0, 1, 2, 3},
                                                                {0, 1, 2, 3},
                                                                {0, 1, 2, 3}}};
 
-/// What one block contributes. Edges on its sides are shared with other blocks.
+/// The surface in one block. Edges on its sides are shared with other blocks.
 struct BlockSurface {
     std::size_t block = 0;
-    std::vector<std::uint32_t> keys;                      ///< of crossed edges, ascending
+    std::vector<std::uint32_t> keys;                      ///< of intersected edges, sorted
     std::vector<Vec3> positions;                          ///< by key
-    std::vector<std::array<std::uint32_t, 3>> triangles;  ///< of places in `keys`
-    std::vector<std::uint32_t> ids;                       ///< vertex of the whole surface, by key
+    std::vector<std::array<std::uint32_t, 3>> triangles;  ///< indices of `keys`
+    std::vector<std::uint32_t> ids;                       ///< vertices of the whole surface, by key
     std::uint32_t owned = 0;
 };
 
-/// Values of a field in a region of it.
+/// Evaluates the values of a field in one of its regions.
 using RegionValues = std::function<void(std::uint32_t, std::span<const Vec3>, std::span<float>)>;
 
-/// Where a field is cut, and how finely.
+/// The field to polygonize and the parameters.
 struct Cut {
     const BlockLattice& lattice;
     const RegionValues& field;
     float level;
-    Box3 box;  ///< nothing lies beyond it
+    Box3 box;  ///< the solid is clipped to it
     int refinements;
 };
 
@@ -103,17 +104,17 @@ class BlockCutter {
     }
 
   private:
-    /// The part of an edge, from its node, that the surface crosses, and the values at its ends.
+    /// The interval of an edge, from its node, that the surface crosses, and the values at its ends.
     struct Bracket {
         float low, high;
-        float at_low, at_high;  ///< less the level
-        int last = 0;           ///< the end moved last: -1 low, 1 high
+        float at_low, at_high;  ///< minus the iso value
+        int last = 0;           ///< the end moved by the latest step: -1 low, 1 high
     };
 
     bool inside(std::uint32_t node) const { return values_[node] > level_; }
 
     void sample_nodes(std::size_t block) {
-        lattice_.nodes_of(block, nodes_);
+        lattice_.find_nodes(block, nodes_);
         field_(region_, nodes_, values_);
         for (std::size_t i = 0; i < kBlockNodes; ++i) {
             const Vec3 p = nodes_[i];
@@ -124,7 +125,7 @@ class BlockCutter {
     }
 
     void find_edges(BlockSurface& out) {
-        vertex_.fill(kNone);
+        vertex_.fill(kNoIndex);
         for (std::uint32_t z = 0; z < kNodes; ++z) {
             for (std::uint32_t y = 0; y < kNodes; ++y) {
                 for (std::uint32_t x = 0; x < kNodes; ++x) find_edges_at(x, y, z, out);
@@ -166,7 +167,7 @@ class BlockCutter {
         }
     }
 
-    /// Regula falsi; an end that stays for the second time loses half its weight (the Illinois rule).
+    /// Regula falsi; an end that is kept a second time loses half its weight (the Illinois rule).
     void narrow(Bracket& b, float share, float value) const {
         if (!std::isfinite(value)) return;
         const bool moves_low = (value > level_) == (b.at_low > 0);
@@ -196,7 +197,7 @@ class BlockCutter {
         std::array<std::uint32_t, 4> c;
         for (std::size_t i = 0; i < 4; ++i) c[i] = corners[kOrder[mask][i]];
         const auto vertex = [&](std::size_t i, std::size_t j) {
-            // One corner's bits are among the other's; the edge starts at the lesser.
+            // The bits of one corner are a subset of the other's; the edge starts at the smaller one.
             const std::uint32_t low = std::min(c[i], c[j]), way = c[i] ^ c[j];
             return vertex_[8 * (node + step_to(low)) + way];
         };
@@ -232,15 +233,13 @@ class BlockCutter {
     std::array<std::uint32_t, 8 * kBlockNodes> vertex_;
 };
 
-/// Makes one surface of what the blocks contribute. Every vertex is owned by the first of the blocks around
-/// its edge.
+/// Joins the surfaces of the blocks. Every vertex is owned by the first of the blocks around its edge.
 class Joiner {
   public:
-    /// `sampled` lists all blocks that were looked at, `blocks` those of them that hold a part of the
-    /// surface.
+    /// `sampled` lists all sampled blocks, `blocks` those that contain a portion of the surface.
     Joiner(const BlockLattice& lattice, std::span<const std::size_t> sampled,
            std::vector<BlockSurface>& blocks, const Context& ctx)
-        : lattice_(lattice), blocks_(blocks), ctx_(ctx), index_(lattice.block_count(), kNone) {
+        : lattice_(lattice), blocks_(blocks), ctx_(ctx), index_(lattice.block_count(), kNoIndex) {
         for (const std::size_t block : sampled) index_[block] = kEmpty;
         for (std::size_t i = 0; i < blocks.size(); ++i)
             index_[blocks[i].block] = static_cast<std::uint32_t>(i);
@@ -256,7 +255,7 @@ class Joiner {
         }
         TriMesh out;
         const std::size_t vertices = exclusive_scan(std::span(first_vertex));
-        if (vertices >= kEmpty) throw InvalidInput("polygonize: more than 2^32 vertices; make cell greater");
+        if (vertices >= kEmpty) throw InvalidInput("polygonize: more than 2^32 vertices; increase cell");
         out.positions.resize(vertices);
         out.triangles.resize(exclusive_scan(std::span(first_triangle)));
         parallel_for(ctx_, blocks_.size(), 16, [&](std::size_t i) { number_owned(i, first_vertex[i], out); });
@@ -267,10 +266,10 @@ class Joiner {
 
   private:
     struct Owner {
-        std::uint32_t block;  ///< of blocks_
-        std::uint32_t key;    ///< of the edge, there
+        std::uint32_t block;  ///< index of blocks_
+        std::uint32_t key;    ///< of the edge in that block
     };
-    /// An edge as a block sees it.
+    /// An edge as seen from a block.
     struct Edge {
         std::array<std::uint32_t, 3> block, node;
         std::uint32_t way;
@@ -289,8 +288,8 @@ class Joiner {
         return index_[lattice_.block_at(e.block[0], e.block[1], e.block[2])];
     }
 
-    /// Blocks that share an edge have both sampled its ends, and must have found the same there: else the
-    /// surface would have a crack. Throws where the field has given two answers for one point.
+    /// Blocks that share an edge have both sampled its ends, and must agree there: otherwise the surface
+    /// would have a crack. Throws InvalidInput if the field has returned two values for one point.
     void check_sides() const {
         const int differing = parallel_reduce(
             ctx_, blocks_.size(), 16, 0,
@@ -303,9 +302,8 @@ class Joiner {
             [](int a, int b) { return a | b; });
         if (differing == 0) return;
         throw InvalidInput(
-            "polygonize: the field gives different values for the same point in different calls; make what "
-            "it "
-            "says of a point depend on that point alone");
+            "polygonize: the field returns different values for the same point in different calls; its "
+            "values must depend on the point only");
     }
 
     bool sides_agree(std::uint32_t i) const {
@@ -329,14 +327,14 @@ class Joiner {
         return true;
     }
 
-    /// Whether a block has found an edge; a block that was not sampled is not asked.
+    /// Returns whether a block has found an edge; true for a block that was not sampled.
     bool holds(std::uint32_t block, std::uint32_t key) const {
-        if (block == kNone) return true;
+        if (block == kNoIndex) return true;
         return block != kEmpty && std::ranges::binary_search(blocks_[block].keys, key);
     }
 
-    /// An edge lies also in the blocks below along the axes on whose lower side it lies, and in those above.
-    /// All of them have found it; the lowest one owns it.
+    /// An edge on a side of a block is also in the neighbouring blocks across that side. All of them have
+    /// found it; the lowest one owns it.
     Owner owner(std::uint32_t i, std::uint32_t key) const {
         Edge edge = edge_of(i, key);
         for (std::uint32_t axis = 0; axis < 3; ++axis) {
@@ -345,7 +343,7 @@ class Joiner {
             edge.node[axis] = kCells;
         }
         const std::uint32_t block = index_of(edge);
-        if (block >= kEmpty) return {i, key};  // only if a shape is steeper than it says
+        if (block >= kEmpty) return {i, key};  // only if a shape is steeper than its steepness()
         return {block, edge.key()};
     }
 
@@ -358,7 +356,7 @@ class Joiner {
     void number_owned(std::size_t i, std::size_t first, TriMesh& out) {
         const auto self = static_cast<std::uint32_t>(i);
         BlockSurface& b = blocks_[i];
-        b.ids.assign(b.keys.size(), kNone);
+        b.ids.assign(b.keys.size(), kNoIndex);
         auto id = static_cast<std::uint32_t>(first);
         for (std::size_t k = 0; k < b.keys.size(); ++k) {
             if (owner(self, b.keys[k]).block != self) continue;
@@ -369,7 +367,7 @@ class Joiner {
 
     std::uint32_t id_of(std::uint32_t i, std::uint32_t place) const {
         const BlockSurface& b = blocks_[i];
-        if (b.ids[place] != kNone) return b.ids[place];
+        if (b.ids[place] != kNoIndex) return b.ids[place];
         const Owner o = owner(i, b.keys[place]);
         const BlockSurface& other = blocks_[o.block];
         const auto found = std::ranges::lower_bound(other.keys, o.key);
@@ -386,11 +384,11 @@ class Joiner {
     const BlockLattice& lattice_;
     std::vector<BlockSurface>& blocks_;
     const Context& ctx_;
-    std::vector<std::uint32_t>
-        index_;  ///< by block of the lattice: of blocks_, kEmpty, or kNone: not sampled
+    /// By block of the lattice: index of blocks_, kEmpty, or kNoIndex: not sampled.
+    std::vector<std::uint32_t> index_;
 };
 
-/// Cuts the given blocks, each as the region of its place, and joins what they hold.
+/// Polygonizes the given blocks, each with its index as region, and joins the results.
 TriMesh cut_blocks(const Cut& cut, std::span<const std::size_t> candidates, const Context& ctx) {
     constexpr std::size_t kGrain = 8;
     std::vector<std::vector<BlockSurface>> found((candidates.size() + kGrain - 1) / kGrain);
@@ -413,7 +411,7 @@ TriMesh cut_blocks(const Cut& cut, std::span<const std::size_t> candidates, cons
 
 TriMesh polygonize(FieldRef field, const Box3& box, const PolygonizeOptions& options, const Context& ctx) {
     check_fields(options, "polygonize");
-    const BlockLattice lattice = cover(box, options.cell, "polygonize", kMostBlocks);
+    const BlockLattice lattice = cover(box, options.cell, "polygonize", kMaxBlocks);
     std::vector<std::size_t> all(lattice.block_count());
     std::iota(all.begin(), all.end(), std::size_t{0});
     const RegionValues values = [&, of = values_of(field)](std::uint32_t, auto points, auto out) {
@@ -425,7 +423,7 @@ TriMesh polygonize(FieldRef field, const Box3& box, const PolygonizeOptions& opt
 PolygonizeRegions regions_touching(const Box3& box, std::span<const Box3> near,
                                    const PolygonizeOptions& options, const Context& ctx) {
     check_fields(options, "polygonize");
-    const BlockLattice lattice = cover(box, options.cell, "polygonize", kMostSparseBlocks);
+    const BlockLattice lattice = cover(box, options.cell, "polygonize", kMaxSparseBlocks);
     std::vector<std::uint8_t> touched(lattice.block_count(), 0);
     for (const Box3& b : near) {
         const auto [low, high] = lattice.blocks_touching(b);
@@ -447,9 +445,9 @@ PolygonizeRegions regions_touching(const Box3& box, std::span<const Box3> near,
 TriMesh polygonize(FieldRef field, const Box3& box, const PolygonizeRegions& regions,
                    const PolygonizeOptions& options, const Context& ctx) {
     check_fields(options, "polygonize");
-    const BlockLattice lattice = cover(box, options.cell, "polygonize", kMostSparseBlocks);
+    const BlockLattice lattice = cover(box, options.cell, "polygonize", kMaxSparseBlocks);
     if (!regions.block.empty() && regions.block.back() >= lattice.block_count()) {
-        throw InvalidInput("polygonize: the regions must be those of the same box and cell");
+        throw InvalidInput("polygonize: the regions must belong to the same box and cell");
     }
     const RegionValues values = [&](std::uint32_t region, auto points, auto out) {
         values_of(field, region)(points, out);
@@ -459,7 +457,7 @@ TriMesh polygonize(FieldRef field, const Box3& box, const PolygonizeRegions& reg
 
 TriMesh polygonize(const SolidField& field, const PolygonizeOptions& options, const Context& ctx) {
     check_fields(options, "polygonize");
-    const BlockLattice lattice = cover(field.surface_bounds(), options.cell, "polygonize", kMostBlocks);
+    const BlockLattice lattice = cover(field.surface_bounds(), options.cell, "polygonize", kMaxBlocks);
     const auto ranges = block_ranges(lattice, field, ctx);
     std::vector<std::size_t> near;
     for (std::size_t b = 0; b < ranges.size(); ++b) {

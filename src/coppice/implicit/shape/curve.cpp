@@ -15,26 +15,26 @@ namespace {
 
 using Piece = std::array<Vec3d, 4>;
 
-constexpr std::size_t kMostPoints = 1000000;
-constexpr int kMostArcs = 16;         // of one piece
-constexpr double kDeviation = 0.01;   // [piece lengths] of an arc from its chord
-constexpr double kCoincident = 1e-9;  // [size of the curve]
+constexpr std::size_t kMaxPoints = 1000000;
+constexpr int kMaxArcs = 16;          // maximum number per section
+constexpr double kDeviation = 0.01;   // [section lengths] maximum deviation of an arc from its chord
+constexpr double kCoincident = 1e-9;  // [size of the curve] minimum distance of consecutive points
 
 void check_points(std::span<const Vec3> points, bool closed) {
     const std::size_t least = closed ? 3 : 2, n = points.size();
-    if (n < least || n > kMostPoints)
+    if (n < least || n > kMaxPoints)
         throw InvalidInput(fmt::format("curve: {} curve needs {} to {} points, but has {}",
-                                       closed ? "a closed" : "an open", least, kMostPoints, n));
+                                       closed ? "a closed" : "an open", least, kMaxPoints, n));
     Box3 box;
     for (std::size_t i = 0; i < n; ++i) {
         for (int axis = 0; axis < 3; ++axis) check_coordinate(points[i][axis], "curve", "point", i);
         box.extend(points[i]);
     }
-    const double least_step = kCoincident * box.diagonal();
+    const double min_step = kCoincident * box.diagonal();
     for (std::size_t i = 0; i + 1 < n + (closed ? 1 : 0); ++i) {
         const std::size_t j = (i + 1) % n;
-        if (!(distance(Vec3d(points[i]), Vec3d(points[j])) > least_step))
-            throw InvalidInput(fmt::format("curve: points {} and {} coincide; leave one out", i + 1, j + 1));
+        if (!(distance(Vec3d(points[i]), Vec3d(points[j])) > min_step))
+            throw InvalidInput(fmt::format("curve: points {} and {} coincide; remove one", i + 1, j + 1));
     }
 }
 
@@ -42,8 +42,8 @@ Piece hermite(Vec3d p, Vec3d q, Vec3d tangent_p, Vec3d tangent_q) {
     return {p, tangent_p, (q - p) * 3.0 - tangent_p * 2.0 - tangent_q, (p - q) * 2.0 + tangent_p + tangent_q};
 }
 
-/// Points and the spaces of parameter between them: square roots of the distances, which keeps splines
-/// through unevenly spaced points from looping.
+/// Points and the parameter intervals between them: square roots of the distances, which prevents loops in
+/// splines through unevenly spaced points.
 struct Knots {
     std::vector<Vec3d> point;
     std::vector<double> space;
@@ -58,7 +58,8 @@ struct Knots {
     Vec3d slope(std::size_t i) const { return (next(i) - point[i]) / space[i]; }
 };
 
-/// Derivatives at the knots so that the parabola through each knot and its neighbours has them.
+/// Returns the derivatives at the points such that the parabola through each point and its neighbours has
+/// them.
 std::vector<Vec3d> local_tangents(const Knots& k) {
     const std::size_t n = k.point.size();
     std::vector<Vec3d> m(n);
@@ -75,7 +76,7 @@ std::vector<Vec3d> local_tangents(const Knots& k) {
     return m;
 }
 
-/// Solves a tridiagonal system that is dominated by its diagonal; overwrites `right`.
+/// Solves a diagonally dominant tridiagonal system; overwrites `right`.
 void solve(std::span<const double> below, std::vector<double> diagonal, std::span<const double> above,
            std::span<Vec3d> right) {
     const std::size_t n = right.size();
@@ -88,7 +89,7 @@ void solve(std::span<const double> below, std::vector<double> diagonal, std::spa
     for (std::size_t i = n - 1; i-- > 0;) right[i] = (right[i] - right[i + 1] * above[i]) / diagonal[i];
 }
 
-/// Derivatives at the knots of the cubic spline with continuous second derivatives.
+/// Returns the derivatives at the points of the cubic spline with continuous second derivatives.
 std::vector<Vec3d> spline_tangents(const Knots& k) {
     const std::size_t n = k.point.size();
     std::vector<double> below(n), diagonal(n), above(n);
@@ -110,7 +111,7 @@ std::vector<Vec3d> spline_tangents(const Knots& k) {
         solve(below, diagonal, above, m);
         return m;
     }
-    // The two corner entries, both c, are a matrix of rank one beyond a tridiagonal one (Sherman, Morrison).
+    // The two corner entries, both c, are a rank-one update of a tridiagonal matrix (Sherman, Morrison).
     const double c = below[0], g = -diagonal[0];
     diagonal[0] -= g;
     diagonal[n - 1] -= c * c / g;
@@ -125,7 +126,7 @@ std::vector<Vec3d> spline_tangents(const Knots& k) {
     return m;
 }
 
-std::vector<Piece> pieces_of(const Knots& k, CurveKind kind) {
+std::vector<Piece> find_pieces(const Knots& k, CurveKind kind) {
     std::vector<Vec3d> m;
     if (kind == CurveKind::catmull_rom) m = local_tangents(k);
     if (kind == CurveKind::natural) m = spline_tangents(k);
@@ -138,17 +139,17 @@ std::vector<Piece> pieces_of(const Knots& k, CurveKind kind) {
     return pieces;
 }
 
-/// The part of a piece from t = a on, h long, as a cubic of its own.
+/// Returns the portion of a section from t = a, of length h, as a cubic.
 Piece part_of(const Piece& c, double a, double h) {
     return {c[0] + (c[1] + (c[2] + c[3] * a) * a) * a, (c[1] + (c[2] * 2.0 + c[3] * (3.0 * a)) * a) * h,
             (c[2] + c[3] * (3.0 * a)) * (h * h), c[3] * (h * h * h)};
 }
 
-double greatest_second(const Piece& c) {
+double max_second(const Piece& c) {
     return std::max(length(c[2] * 2.0), length(c[2] * 2.0 + c[3] * 6.0));  // it is linear in t
 }
 
-/// Length of the arc up to t: Gauss's rule with 5 points.
+/// Returns the length of the arc up to t: Gauss quadrature with 5 points.
 double length_to(const CurveArc& arc, double t) {
     constexpr std::array<double, 5> node{-0.9061798459386640, -0.5384693101056831, 0, 0.5384693101056831,
                                          0.9061798459386640};
@@ -164,7 +165,7 @@ Vec3d carried(const CurveArc& arc, Vec3d normal, double t) {
     return carried(normal, arc.c[0], arc.tangent(0), arc.position(t), arc.tangent(t));
 }
 
-std::vector<Box3> boxes_of(std::span<const CurveArc> arcs) {
+std::vector<Box3> compute_boxes(std::span<const CurveArc> arcs) {
     std::vector<Box3> boxes(arcs.size());
     for (std::size_t i = 0; i < arcs.size(); ++i) {
         const double s = arcs[i].slack;
@@ -181,7 +182,7 @@ double distance_to_chord_squared(const CurveArc& arc, Vec3d p) {
     return length_squared(a + d * t - p);
 }
 
-/// The nearest place of an arc.
+/// Returns the nearest parameter of an arc.
 double nearest_on(const CurveArc& arc, Vec3d p) {
     const double g0 = distance_slope(arc, p, 0), g1 = distance_slope(arc, p, 1);
     const double t = local_foot(arc, p, g0, g1);
@@ -210,7 +211,7 @@ double local_foot(const CurveArc& arc, Vec3d p, double g0, double g1) {
 Curve::Curve(std::span<const Vec3> points, const CurveOptions& options)
     : closed_(options.closed), boxes_({}, Context{.threads = 1}) {
     check_points(points, closed_);
-    cut(pieces_of(Knots(points, closed_), options.kind));
+    cut(find_pieces(Knots(points, closed_), options.kind));
     measure();
     carry_frames();
 }
@@ -218,17 +219,17 @@ Curve::Curve(std::span<const Vec3> points, const CurveOptions& options)
 void Curve::cut(std::span<const std::array<Vec3d, 4>> pieces) {
     for (const Piece& piece : pieces) {
         first_arc_.push_back(static_cast<std::uint32_t>(arcs_.size()));
-        const double chord = coppice::length(piece[1] + piece[2] + piece[3]), bend = greatest_second(piece);
+        const double chord = coppice::length(piece[1] + piece[2] + piece[3]), bend = max_second(piece);
         const int n =
-            std::clamp(static_cast<int>(std::ceil(std::sqrt(bend / (8 * kDeviation * chord)))), 1, kMostArcs);
+            std::clamp(static_cast<int>(std::ceil(std::sqrt(bend / (8 * kDeviation * chord)))), 1, kMaxArcs);
         for (int i = 0; i < n; ++i) {
             CurveArc arc{.c = part_of(piece, static_cast<double>(i) / n, 1.0 / n)};
-            arc.slack = greatest_second(arc.c) / 8;
+            arc.slack = max_second(arc.c) / 8;
             arcs_.push_back(arc);
         }
     }
     first_arc_.push_back(static_cast<std::uint32_t>(arcs_.size()));
-    const std::vector<Box3> boxes = boxes_of(arcs_);
+    const std::vector<Box3> boxes = compute_boxes(arcs_);
     for (const Box3& b : boxes) bounds_.extend(b);
     boxes_ = BoxTree(boxes, Context{.threads = 1});
 }
@@ -295,7 +296,7 @@ CurveFrame Curve::frame(CurvePlace place) const {
 }
 
 CurvePlace Curve::closest(Vec3d p, CurvePlace hint) const {
-    // A little above what the hint reaches, so that ties fall out as they would without it.
+    // Slightly greater than the distance to the hint, so that ties are resolved as without it.
     double limit = length_squared(position(hint) - p) * (1 + 1e-9) + 1e-30;
     double best = std::numeric_limits<double>::infinity();
     CurvePlace nearest = hint;

@@ -15,7 +15,7 @@ PathFoot foot_in_arc(const Curve& path, CurvePlace place, Vec3d p) {
     foot.offset = p - foot.frame.position;
     const Vec3d first = arc.first(place.t);
     const double speed = length_squared(first);
-    // The fraction changes ever faster towards the centre of curvature; there it has no gradient.
+    // The fraction changes increasingly fast towards the centre of curvature; there it has no gradient.
     const double slope = std::max(speed - dot(foot.offset, arc.second(place.t)), 0.02 * speed);
     foot.by_point = foot.frame.tangent * (speed / (slope * path.length()));
     return foot;
@@ -52,7 +52,7 @@ void check_path(const Curve& path, const PathTurn& turn, std::string_view source
             const Vec3d at = arcs[i].position(1);
             throw InvalidInput(
                 fmt::format("{}: the path turns back on itself at ({:.6g}, {:.6g}, {:.6g}); round the turn "
-                            "with more points",
+                            "with additional points",
                             source, at.x, at.y, at.z));
         }
     }

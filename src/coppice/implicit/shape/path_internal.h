@@ -9,7 +9,8 @@
 
 namespace coppice {
 
-/// Value, and derivatives by the coordinates in the plane across the path and by the fraction of its length.
+/// Value, and derivatives by the coordinates in the plane perpendicular to the path and by the fraction of
+/// its length.
 struct PathSample {
     double value = 0;
     Vec2d gradient;
@@ -20,30 +21,33 @@ struct PathTurn {
     double roll = 0, twist = 0;  ///< [rad]
 };
 
-/// A place of the path whose plane across holds a point, or an end of the path that the point lies beyond.
+/// A place of the path with a perpendicular plane that contains a point, or an end of the path beyond which
+/// the point is.
 struct PathFoot {
     double fraction = 0;
     Vec3d offset;        ///< from the path to the point
-    CurveFrame frame;    ///< not yet rolled
+    CurveFrame frame;    ///< without the roll
     Vec3d by_point;      ///< [1/m] gradient of the fraction
-    double beyond = -1;  ///< [m] >= 0: beyond an end, along `outward`
+    double beyond = -1;  ///< [m] >= 0: distance beyond an end, along `outward`
     Vec3d outward;
 };
 
-/// Calls visit(foot) for all such places nearer than limit + reach, which visit may lower. There is always
-/// one.
+/// Calls visit(foot) for all such places nearer than limit + reach; visit may lower the limit. There is
+/// always at least one.
 template <class Visit>
 void visit_feet(const Curve& path, Vec3d p, double reach, const double& limit, const Visit& visit);
 
-/// Throws InvalidInput when the path turns back on itself at a corner, or a closed one gets part of a turn.
+/// Throws InvalidInput if the path turns back on itself at a corner, or the twist of a closed one is not a
+/// whole number of turns.
 void check_path(const Curve& path, const PathTurn& turn, std::string_view source);
 
-/// The box of profiles between low and high, scaled by scale(fraction) and carried along the path.
+/// Returns the box of profiles between low and high, scaled by scale(fraction) and transported along the
+/// path.
 template <class Scale>
 Box3 swept_bounds(const Curve& path, const PathTurn& turn, Vec2d low, Vec2d high, const Scale& scale);
 
-/// The least over all feet of what `value`(fraction, coordinates in the plane) says, with flat caps at the
-/// ends of open paths; value must be at least the distance from the path minus `reach`.
+/// Returns the minimum of `value`(fraction, coordinates in the plane) over all visited places, with flat caps
+/// at the ends of open paths; value must be at least the distance from the path minus `reach`.
 template <class Value>
 FieldSample sample_along(const Curve& path, const PathTurn& turn, Vec3 point, double reach,
                          const Value& value);
@@ -63,8 +67,8 @@ inline RolledAxes rolled(const CurveFrame& frame, const PathTurn& turn, double f
 
 PathFoot foot_in_arc(const Curve& path, CurvePlace place, Vec3d p);
 PathFoot foot_at_end(const Curve& path, bool last, Vec3d p);
-/// At the start of an arc where the one before ends: across a corner the frame is turned until the point lies
-/// in its plane.
+/// At the start of an arc where the previous one ends: at a corner the frame is rotated until its plane
+/// contains the point.
 PathFoot foot_at_joint(const Curve& path, std::uint32_t before, std::uint32_t arc, Vec3d p);
 
 template <class Visit>
@@ -91,7 +95,8 @@ void visit_feet(const Curve& path, Vec3d p, double reach, const double& limit, c
     });
 }
 
-/// The part of an open path that is inside: what lies deeper than its nearest cap counts with the cap.
+/// Clips an open path at its caps: the cap determines the value of points that are deeper than their nearest
+/// cap.
 inline void cut_by_caps(const PathFoot& foot, double length, double& value, Vec3d& gradient) {
     const double before = -foot.fraction * length, after = -(1 - foot.fraction) * length;
     if (value >= before && value >= after) return;
@@ -147,7 +152,8 @@ Box3 swept_bounds(const Curve& path, const PathTurn& turn, Vec2d low, Vec2d high
     const double reach = std::max({std::abs(low.x), std::abs(high.x), std::abs(low.y), std::abs(high.y)});
     for (std::uint32_t i = 0; i < path.arcs().size(); ++i) {
         const CurveArc& arc = path.arcs()[i];
-        // Between steps a corner of the profile leaves the line by angle squared / 8 of its arm, at most.
+        // Between steps a corner of the profile deviates from the line by at most angle squared / 8 of its
+        // arm.
         const double bend = 2 * std::sqrt(std::max(0.0, 2 - 2 * dot(arc.tangent(0), arc.tangent(1))));
         const double angle = bend + std::abs(turn.twist + path.closing_roll()) * arc.length / path.length();
         const int steps = 1 + std::min(63, static_cast<int>(angle / 0.1));
@@ -157,7 +163,7 @@ Box3 swept_bounds(const Curve& path, const PathTurn& turn, Vec2d low, Vec2d high
         for (int k = 0; k <= steps; ++k) add({i, static_cast<double>(k) / steps}, slack);
         const std::uint32_t next = i + 1 < path.arcs().size() ? i + 1 : 0;
         if (next == 0 && !path.closed()) continue;
-        // Where a polyline has a corner the profile swings about the joint.
+        // At a corner of a polyline the profile rotates about the joint.
         if (dot(arc.tangent(1), path.arcs()[next].tangent(0)) < 1 - 1e-9) add({i, 1}, arm);
     }
     return box;

@@ -12,10 +12,10 @@
 namespace coppice {
 namespace {
 
-constexpr double kTolerance = 1e-4;  // [size of the contour]
-constexpr int kMostChords = 64;      // of one arc
+constexpr double kTolerance = 1e-4;  // [size of the contour] maximum deviation
+constexpr int kMaxChords = 64;       // maximum number per arc
 
-/// The curve as a polygon.
+/// Converts the curve to a polygon.
 std::vector<Vec2d> flattened(const Curve& curve) {
     const double tolerance = kTolerance * curve.bounds().diagonal();
     std::vector<Vec2d> corners;
@@ -24,7 +24,7 @@ std::vector<Vec2d> flattened(const Curve& curve) {
     };
     for (const CurveArc& arc : curve.arcs()) {
         const int n =
-            std::clamp(static_cast<int>(std::ceil(std::sqrt(arc.slack / tolerance))), 1, kMostChords);
+            std::clamp(static_cast<int>(std::ceil(std::sqrt(arc.slack / tolerance))), 1, kMaxChords);
         for (int i = 0; i < n; ++i) add(arc.position(static_cast<double>(i) / n));
     }
     if (!curve.closed()) add(curve.arcs().back().position(1));
@@ -39,7 +39,7 @@ Profile::Profile(std::span<const Vec2d> points, CurveKind kind, bool closed) : c
 }
 
 Profile::Profile(std::span<const std::vector<Vec2d>> contours, CurveKind kind) : closed_(true) {
-    if (contours.empty()) throw InvalidInput("profile: there is no contour; give at least one");
+    if (contours.empty()) throw InvalidInput("profile: there is no contour; specify at least one");
     for (const std::vector<Vec2d>& c : contours) add(c, kind);
     finish();
 }
@@ -55,9 +55,10 @@ void Profile::add(std::span<const Vec2d> points, CurveKind kind) {
     std::vector<Vec2d> corners =
         kind == CurveKind::polyline ? std::vector(points.begin(), points.end()) : flattened(curve);
     const float size = curve.bounds().diagonal();
-    if (closed_ && !(std::abs(contour_area(corners)) > kLeastContourArea * size * size))
-        throw InvalidInput(fmt::format("profile: contour {} bounds no area; move its points off one line",
-                                       contours_.size() + 1));
+    if (closed_ && !(std::abs(contour_area(corners)) > kMinContourArea * size * size))
+        throw InvalidInput(
+            fmt::format("profile: contour {} encloses no area; its points must not be on one line",
+                        contours_.size() + 1));
     contours_.push_back(std::move(corners));
 }
 

@@ -8,25 +8,27 @@
 
 namespace coppice {
 
-/// A line in a plane: closed contours that bound an area, or one open line. Spline contours become polygons
-/// that keep within 1e-4 of the profile's size.
+/// Planar line: closed contours that bound an area, or one open line. Spline contours are converted to
+/// polygons with a deviation of at most 1e-4 of the profile's size.
 class Profile {
   public:
-    /// One contour through the points. Throws InvalidInput for points that do not make a curve (see Curve),
-    /// and for a closed contour without area.
+    /// Creates one contour through the points. Throws InvalidInput for invalid curve points (see Curve), and
+    /// for a closed contour without area.
     explicit Profile(std::span<const Vec2d> points, CurveKind kind = CurveKind::polyline, bool closed = true);
 
-    /// Several closed contours: an area within an even number of them is a hole, within an odd number inside.
+    /// Creates several closed contours: the area inside an odd number of them is inside, the area inside an
+    /// even number is a hole.
     explicit Profile(std::span<const std::vector<Vec2d>> contours, CurveKind kind = CurveKind::polyline);
 
     bool closed() const { return closed_; }                                     ///< whether it bounds an area
     std::span<const std::vector<Vec2d>> contours() const { return contours_; }  ///< as polygons
-    Vec2d low() const { return index_.low(); }                                  ///< of the box around it
-    Vec2d high() const { return index_.high(); }                                ///< and its greatest corner
-    double reach() const;  ///< [m] greatest distance from the origin of the plane
+    Vec2d low() const { return index_.low(); }                                  ///< minimum corner of its box
+    Vec2d high() const { return index_.high(); }                                ///< maximum corner of its box
+    double reach() const;  ///< [m] maximum distance from the origin of the plane
 
-    /// [m] Negative inside a closed profile. The gradient has unit length; on the line it points outward.
-    /// Thread safe. Near the profile O(1) for most points, farther than its size O(log n).
+    /// [m] Returns the distance; negative inside a closed profile. The gradient has unit length; on the line
+    /// it points outwards. Thread safe. Near the profile O(1) for most points, farther than its size O(log
+    /// n).
     PlaneSample distance(Vec2d p) const { return index_.distance(p); }
     /// The same for many points.
     void distance(std::span<const Vec2d> points, std::span<PlaneSample> out) const;
@@ -40,7 +42,7 @@ class Profile {
     ContourIndex index_;
 };
 
-/// The polygon of n corners on a circle; n >= 64 looks round.
+/// Returns a regular polygon with `corners` corners on a circle; 64 or more look round.
 std::vector<Vec2d> circle_contour(Vec2d center, double radius, int corners = 64);
 
 }  // namespace coppice

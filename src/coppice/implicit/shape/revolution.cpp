@@ -11,8 +11,8 @@
 namespace coppice {
 namespace {
 
-/// An open profile and its mirror image, which make a closed contour: near points right of the axis, what is
-/// right of it is nearest.
+/// Combines an open profile and its mirror image to a closed contour: for points right of the axis, the
+/// segments right of it are nearest.
 std::vector<Vec2d> mirrored(std::span<const Vec2d> line) {
     std::vector<Vec2d> corners;
     const auto add = [&](Vec2d p) {
@@ -30,28 +30,30 @@ Revolution::Revolution(const Profile& profile, const Axis& axis)
     : origin_(axis.origin), direction_(axis.direction) {
     for (int i = 0; i < 3; ++i) check_coordinate(origin_[i], "revolution", "axis origin", 0);
     if (!is_finite(direction_) || !(length(direction_) > 1e-20))
-        throw InvalidInput("revolution: the axis has no direction; give a vector that is not zero");
+        throw InvalidInput("revolution: the axis has no direction; specify a non-zero vector");
     direction_ = normalized(direction_);
 
     std::vector<std::vector<Vec2d>> contours(profile.contours().begin(), profile.contours().end());
     double radius = 0;
-    const double slack = 1e-3 * profile.reach();  // splines swing a little beyond the axis that they end on
+    const double slack = 1e-3 * profile.reach();  // splines may slightly overshoot the axis at their ends
     for (std::vector<Vec2d>& c : contours) {
         for (Vec2d& p : c) {
             if (p.x < -slack)
                 throw InvalidInput(fmt::format(
-                    "revolution: the profile reaches x = {:.6g}, across the axis; move it to x >= 0", p.x));
+                    "revolution: the profile reaches x = {:.6g}, beyond the axis; move it to x >= 0", p.x));
             p.x = std::max(p.x, 0.0);
             radius = std::max(radius, p.x);
         }
     }
-    if (!(radius > 0)) throw InvalidInput("revolution: the profile lies on the axis; move points to x > 0");
+    if (!(radius > 0))
+        throw InvalidInput("revolution: all points of the profile are on the axis; move points to x > 0");
     if (!profile.closed()) contours = {mirrored(contours[0])};
     double area = 0;
     for (const std::vector<Vec2d>& c : contours) area = std::max(area, std::abs(contour_area(c)));
     const double size = std::max(radius, profile.reach());
-    if (!(area > kLeastContourArea * size * size))
-        throw InvalidInput("revolution: the profile encloses no volume; move its points off one height");
+    if (!(area > kMinContourArea * size * size))
+        throw InvalidInput(
+            "revolution: the profile encloses no volume; its points must not have the same height");
     std::vector<PlaneSegment> segments;
     for (const std::vector<Vec2d>& c : contours)
         for (std::size_t i = 0; i < c.size(); ++i)

@@ -4,19 +4,19 @@
 
 namespace coppice {
 
-/// A line in space that things turn about.
+/// An axis of rotation in space.
 struct Axis {
-    Vec3 origin{};            ///< [m] a point of it
-    Vec3 direction{0, 0, 1};  ///< of any length but zero
+    Vec3 origin{};            ///< [m] a point on the axis
+    Vec3 direction{0, 0, 1};  ///< of any length except zero
 };
 
-/// A profile turned about an axis: x of the profile is the distance from the axis, y runs along it from the
-/// origin. An open profile is closed by flat discs from its ends to the axis; a closed one makes a ring.
-/// Distances are exact.
+/// A profile rotated about an axis: x of the profile is the distance from the axis, y is the position along
+/// it from the origin. An open profile is closed by flat discs from its ends to the axis; a closed one makes
+/// a ring. Distances are exact.
 class Revolution final : public Shape {
   public:
-    /// Throws InvalidInput when the profile has an x below 0, when all of it lies on the axis
-    /// or at one height, or for an axis that is not finite or has no direction.
+    /// Throws InvalidInput if the profile has an x below 0, all its points are on the axis or at one height,
+    /// or the axis is not finite or has no direction.
     explicit Revolution(const Profile& profile, const Axis& axis = {});
 
     Box3 bounds() const override { return bounds_; }

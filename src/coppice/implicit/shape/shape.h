@@ -7,25 +7,25 @@
 
 namespace coppice {
 
-/// Anything that knows how far a point is from it: a curve, a profile turned about an axis, a closed mesh.
-/// `solid_of` makes a solid from it. A shape never changes after it was made.
+/// Any object with a distance function: a curve, a profile rotated about an axis, a closed mesh. `make_solid`
+/// makes a solid from it. A shape is immutable.
 class Shape {
   public:
     virtual ~Shape() = default;
 
-    /// Holds the skeleton, or the closed surface itself: finite, not empty.
+    /// Returns the box of the skeleton, or of the closed surface itself: finite, not empty.
     virtual Box3 bounds() const = 0;
 
-    /// value = distance to the shape [m], negative inside when the shape is closed; gradient = the gradient
-    /// of the distance: pointing away from the shape, of unit length where differentiable. Thread safe; does
-    /// not throw. What it says of a point does not depend on the other points of the call.
+    /// Evaluates value = distance to the shape [m], negative inside if the shape is closed, and its gradient:
+    /// pointing away from the shape, of unit length where differentiable. Thread safe; does not throw. The
+    /// value at a point does not depend on the other points of the call.
     virtual void distance(std::span<const Vec3> points, std::span<FieldSample> out) const = 0;
 
-    /// Whether the distance is signed.
+    /// Returns whether the distance is signed.
     virtual bool is_closed() const = 0;
 
-    /// The gradient is nowhere longer than this; infinity where no bound is known. Whoever skips parts of
-    /// space far from the surface relies on it: 1 for a true distance.
+    /// Returns an upper bound of the length of the gradient; infinity if no bound is known. Required for
+    /// skipping regions of space far from the surface: 1 for a true distance.
     virtual float steepness() const { return 1.0f; }
 };
 

@@ -10,13 +10,13 @@
 namespace coppice {
 namespace {
 
-constexpr double kOnePlace = 1e-6;  // [fraction] sections nearer than this are at one place
-constexpr std::size_t kMostSections = 10000;
+constexpr double kOnePlace = 1e-6;  // [fraction] maximum distance of sections at one place
+constexpr std::size_t kMaxSections = 10000;
 
 void check_sections(std::span<const SkinSection> sections) {
-    if (sections.empty() || sections.size() > kMostSections)
+    if (sections.empty() || sections.size() > kMaxSections)
         throw InvalidInput(
-            fmt::format("skin: needs 1 to {} sections, but has {}", kMostSections, sections.size()));
+            fmt::format("skin: needs 1 to {} sections, but has {}", kMaxSections, sections.size()));
     for (std::size_t i = 0; i < sections.size(); ++i) {
         if (!(sections[i].fraction >= 0 && sections[i].fraction <= 1))
             throw InvalidInput(fmt::format(
@@ -27,7 +27,7 @@ void check_sections(std::span<const SkinSection> sections) {
     }
 }
 
-/// Share of the second of two sections at u in [0, 1], and its derivative.
+/// Weight of the second of two sections at u in [0, 1], and its derivative.
 struct Share {
     double value, slope;
 };
@@ -36,7 +36,7 @@ Share quadratic_share(double u) {
     return u < 0.5 ? Share{2 * u * u, 4 * u} : Share{1 - 2 * (1 - u) * (1 - u), 4 * (1 - u)};
 }
 
-/// Three pieces of the B-spline over a, a, a, b, b, b.
+/// Three sections of the B-spline over a, a, a, b, b, b.
 Share cubic_share(double u) {
     const double v = 3 * u;
     if (v < 1) return {v * v * v / 6, 1.5 * v * v};
@@ -47,7 +47,8 @@ Share cubic_share(double u) {
 
 }  // namespace
 
-/// Stations that count at a place, their weights, and the derivatives of these by the fraction.
+/// The stations that contribute at a place, with their weights and the derivatives of the weights by the
+/// fraction.
 struct Skin::Weights {
     struct One {
         std::size_t station;
@@ -92,10 +93,10 @@ Skin::Skin(Curve path, std::vector<SkinSection> sections, const SkinOptions& opt
     }
     station_first_.push_back(sections_.size());
 
-    // Weights of `smooth` are below 0 in part; their sizes add up to less than 1.6.
+    // Some weights of `smooth` are negative; their absolute values add up to less than 1.6.
     const double swing = options.blend == SkinBlend::smooth ? 1.6 : 1.0;
     reach_ = swing * most;
-    // A blend of fields may be inside where no section is, but nowhere farther from the path than `reach`.
+    // A blend of fields may be inside where no section is, but only within `reach` of the path.
     const bool may_swell = options.blend == SkinBlend::smooth && station_count() > 2;
     if (may_swell) low = {-reach_, -reach_}, high = {reach_, reach_};
     bounds_ = swept_bounds(path_, turn, low, high, [](double) { return 1.0; });
@@ -111,7 +112,7 @@ Skin::Weights Skin::weights(double fraction) const {
         w.add(next == 0 ? 0 : n - 1, 1, 0);
         return w;
     }
-    // Stations by number, also around a closed path: place(-1) is the last one, a turn earlier.
+    // Stations by index, cyclic on a closed path: place(-1) is the last one, a turn earlier.
     const auto station = [&](std::ptrdiff_t i) {
         const auto m = static_cast<std::ptrdiff_t>(n);
         return wraps ? static_cast<std::size_t>((i + m) % m)
@@ -131,7 +132,7 @@ Skin::Weights Skin::weights(double fraction) const {
         w.add(station(j), s.value, s.slope / width);
         return w;
     }
-    // Hermite's cubic; the tangent at a station is the slope between its neighbours.
+    // Cubic Hermite interpolation; the tangent at a station is the slope between its neighbours.
     const double v = 1 - u, rise = u * u * (3 - 2 * u), rise_slope = 6 * u * v / width;
     w.add(station(i), 1 - rise, -rise_slope);
     w.add(station(j), rise, rise_slope);

@@ -8,12 +8,12 @@
 
 namespace coppice {
 
-/// How the distance fields of sections go over into each other. All surfaces pass through every section.
+/// Interpolation of the distance fields of sections. All surfaces pass through every section.
 enum class SkinBlend {
-    linear,     ///< straight from section to section
-    quadratic,  ///< two parabolas: leaves every section along the path, without a crease
-    cubic,      ///< the cubic B-spline over sections taken three times each: stays longer with them
-    smooth      ///< cubic through four sections in a row: flows through sections; may swing beyond them
+    linear,     ///< linear between sections
+    quadratic,  ///< two parabolas: starts from every section along the path, without a crease
+    cubic,      ///< cubic B-spline over triple sections: stays close to them longer
+    smooth      ///< cubic through four consecutive sections: smooth at sections; may overshoot them
 };
 
 template <>
@@ -21,45 +21,45 @@ struct EnumNames<SkinBlend> {
     static constexpr std::array<std::string_view, 4> names{"linear", "quadratic", "cubic", "smooth"};
 };
 
-/// How sections go over into each other.
+/// Options of Skin.
 struct SkinOptions {
-    SkinBlend blend = SkinBlend::linear;  ///< how smoothly
-    float roll = 0;                       ///< [rad] turns all sections about the path; right-handed
-    float twist =
-        0;  ///< [rad] turns them on, evenly over the length; whole turns only when the path is closed
+    SkinBlend blend = SkinBlend::linear;  ///< interpolation between sections
+    float roll = 0;                       ///< [rad] rotates all sections about the path; right-handed
+    float twist = 0;  ///< [rad] additional rotation, distributed evenly over the length; only whole turns if
+                      ///< the path is closed
 };
 
 template <class Self, class Visitor>
 requires SameOptions<Self, SkinOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"blend", "how sections go over into each other"}, o.blend);
-    visit(Field{"roll", "angle by which the sections are turned about the path", Unit::radian, -1e3, 1e3},
+    visit(Field{"blend", "Interpolation between consecutive sections."}, o.blend);
+    visit(Field{"roll", "Angle by which the sections are rotated about the path.", Unit::radian, -1e3, 1e3},
           o.roll);
-    visit(Field{"twist", "angle by which they turn on from the path's start to its end", Unit::radian, -1e3,
-                1e3},
+    visit(Field{"twist", "Additional angle by which they rotate from the path's start to its end.",
+                Unit::radian, -1e3, 1e3},
           o.twist);
 }
 
-/// A closed profile tied to a place of the path. It may have several contours; sections at one place are
-/// united, such as the four legs of a table whose top is one section at the other end.
+/// A closed profile at a place of the path. It may have several contours; sections at one place are united,
+/// for example the four legs of a table with a top that is one section at the other end.
 struct SkinSection {
     float fraction = 0;  ///< of the path's length, in [0, 1]
     Profile profile;     ///< closed
 };
 
-/// The surface through planar sections along a path: at a point, the plane across the path's nearest place
-/// gives the point's coordinates in every section (x along the normal of the curve's frame, y along the
-/// binormal), and the distances to the neighbouring sections are blended by their place along the path. So
-/// sections need not match in shape or in number of contours.
+/// The surface through planar sections along a path: for a point, the plane perpendicular to the nearest
+/// place of the path defines the point's coordinates in every section (x along the normal of the curve's
+/// frame, y along the binormal), and the distances to the neighbouring sections are interpolated by their
+/// place along the path. So sections need not match in shape or in number of contours.
 ///
-/// Before the first section and after the last the nearest one goes on; open paths end in flat caps; on a
-/// closed path the last section goes over into the first. Where several places of a winding path have the
-/// point in their plane, the least distance counts. The value is a blend of distances: its gradient is exact,
-/// and longer than 1 where sections change fast along the path.
+/// Before the first section and after the last the nearest one continues; open paths end in flat caps; on a
+/// closed path the last section is interpolated with the first. If the perpendicular planes of several places
+/// of a winding path contain the point, the smallest distance is used. The value is a blend of distances: its
+/// gradient is exact, and longer than 1 where sections change fast along the path.
 class Skin final : public Shape {
   public:
-    /// Throws InvalidInput when there is no section or one is open, for fractions and options out of range,
-    /// and for a polyline that turns back on itself.
+    /// Throws InvalidInput if there is no section or one is open, for fractions and options out of range, and
+    /// for a polyline that turns back on itself.
     Skin(Curve path, std::vector<SkinSection> sections, const SkinOptions& options = {});
 
     Box3 bounds() const override { return bounds_; }
@@ -68,7 +68,8 @@ class Skin final : public Shape {
     /// Not a true distance everywhere: no bound is known.
     float steepness() const override { return Box3::kInfinity; }
 
-    std::size_t station_count() const { return station_fraction_.size(); }  ///< places that have sections
+    /// Number of places with sections.
+    std::size_t station_count() const { return station_fraction_.size(); }
 
   private:
     struct Weights;

@@ -12,9 +12,9 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kMostNormals = 1000;
-constexpr double kCoincident = 1e-6;  // [size]
-constexpr int kMostHalvings = 12;
+constexpr std::size_t kMaxNormals = 1000;
+constexpr double kCoincident = 1e-6;  // [size] minimum distance of points
+constexpr int kMaxHalvings = 12;
 
 struct Constraint {
     Vec3d position;
@@ -35,38 +35,38 @@ Neighbour nearest(std::span<const Constraint> points, Vec3d p, std::size_t besid
     return best;
 }
 
-/// Points on the surface, and some beside it: so near to their own points that no other is nearer.
+/// Returns points on the surface, and some next to it: so near to their own points that no other is nearer.
 std::vector<Constraint> constraints(std::vector<Constraint> points, std::span<const Vec3> normals,
-                                    double offset, const char* what, const Context& ctx) {
-    const std::size_t n = points.size(), normal_count = std::min(n, kMostNormals);
+                                    double offset, const char* subject, const Context& ctx) {
+    const std::size_t n = points.size(), normal_count = std::min(n, kMaxNormals);
     std::vector<Neighbour> neighbour(n);
     parallel_for(ctx, n, 64, [&](std::size_t i) { neighbour[i] = nearest(points, points[i].position, i); });
     for (std::size_t i = 0; i < n; ++i)
         if (neighbour[i].distance < kCoincident)
-            throw InvalidInput(fmt::format("{}: points {} and {} coincide; leave one out", what,
+            throw InvalidInput(fmt::format("{}: points {} and {} coincide; remove one", subject,
                                            std::min(i, neighbour[i].index) + 1,
                                            std::max(i, neighbour[i].index) + 1));
-    std::vector<Constraint> beside(normal_count);
+    std::vector<Constraint> adjacent(normal_count);
     parallel_for(ctx, normal_count, 64, [&](std::size_t k) {
         const std::size_t i = k * n / normal_count;
         const Vec3d normal = normalized(Vec3d(normals[i]));
         double d = offset;
-        for (int halvings = 0; halvings < kMostHalvings; ++halvings, d *= 0.5)
+        for (int halvings = 0; halvings < kMaxHalvings; ++halvings, d *= 0.5)
             if (nearest(points, points[i].position + normal * d, i).distance > d) break;
-        beside[k] = {points[i].position + normal * d, d};
+        adjacent[k] = {points[i].position + normal * d, d};
     });
-    points.insert(points.end(), beside.begin(), beside.end());
+    points.insert(points.end(), adjacent.begin(), adjacent.end());
     return points;
 }
 
-[[noreturn]] void refuse_dense_points(const char* what) {
-    throw InvalidInput(
-        fmt::format("{}: the points lie too close together for a smooth surface; give fewer of them", what));
+[[noreturn]] void refuse_dense_points(const char* subject) {
+    throw InvalidInput(fmt::format(
+        "{}: the points are too close together for a smooth surface; use fewer of them", subject));
 }
 
 /// Solves a x = b for a symmetric, positive definite a, which becomes its Cholesky factor: by blocks, with a
-/// look at the stop token before each.
-Eigen::VectorXd solve_positive(Eigen::Ref<Eigen::MatrixXd> a, Eigen::VectorXd b, const char* what,
+/// check of the stop token before each.
+Eigen::VectorXd solve_positive(Eigen::Ref<Eigen::MatrixXd> a, Eigen::VectorXd b, const char* subject,
                                const Context& ctx) {
     constexpr Eigen::Index kBlock = 64;
     const Eigen::Index n = a.rows();
@@ -77,7 +77,7 @@ Eigen::VectorXd solve_positive(Eigen::Ref<Eigen::MatrixXd> a, Eigen::VectorXd b,
         ctx.report(1 - left * left * left);
         auto corner = a.block(k, k, size, size), below = a.block(k + size, k, rest, size);
         const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(corner);
-        if (factor.info() != Eigen::Success) refuse_dense_points(what);
+        if (factor.info() != Eigen::Success) refuse_dense_points(subject);
         if (rest == 0) break;
         factor.matrixU().solveInPlace<Eigen::OnTheRight>(below);
         a.bottomRightCorner(rest, rest).selfadjointView<Eigen::Lower>().rankUpdate(below, -1);
@@ -87,9 +87,9 @@ Eigen::VectorXd solve_positive(Eigen::Ref<Eigen::MatrixXd> a, Eigen::VectorXd b,
     return b;
 }
 
-/// Weights have no part in the linear functions: Q of these = Q R turns the system into one for the
-/// remaining unknowns that is positive definite, and is solved in place.
-SmoothestFunction solve(std::span<const Constraint> points, Bending bending, const char* what,
+/// Weights are orthogonal to the linear functions: Q of the factorization Q R of these turns the system into
+/// one for the remaining unknowns that is positive definite, and is solved in place.
+SmoothestFunction solve(std::span<const Constraint> points, Bending bending, const char* subject,
                         const Context& ctx) {
     const auto n = static_cast<Eigen::Index>(points.size());
     const Eigen::Index terms = bending == Bending::in_space ? 4 : 3;  // 1, x, y and in space z
@@ -109,13 +109,12 @@ SmoothestFunction solve(std::span<const Constraint> points, Bending bending, con
     const Eigen::HouseholderQR<Eigen::MatrixXd> qr(linear);
     const auto top = qr.matrixQR().topRows(terms);
     if (!(top.diagonal().cwiseAbs().minCoeff() > 1e-6 * std::sqrt(static_cast<double>(n)))) {
-        throw InvalidInput(bending == Bending::in_space
-                               ? fmt::format("{}: all points and normals lie in one plane; give points "
-                                             "around the solid",
-                                             what)
-                               : fmt::format("{}: all points and normals lie on one line; give points "
-                                             "around the area",
-                                             what));
+        throw InvalidInput(
+            bending == Bending::in_space
+                ? fmt::format("{}: all points and normals are in one plane; use points around the solid",
+                              subject)
+                : fmt::format("{}: all points and normals are on one line; use points around the area",
+                              subject));
     }
     ctx.throw_if_cancelled();
     a.applyOnTheLeft(qr.householderQ().adjoint());
@@ -125,11 +124,11 @@ SmoothestFunction solve(std::span<const Constraint> points, Bending bending, con
 
     const Eigen::Index rest = n - terms;
     Eigen::VectorXd y = Eigen::VectorXd::Zero(n);
-    y.tail(rest) = solve_positive(a.bottomRightCorner(rest, rest), f.tail(rest), what, ctx);
+    y.tail(rest) = solve_positive(a.bottomRightCorner(rest, rest), f.tail(rest), subject, ctx);
     const Eigen::VectorXd constant_and_slopes = top.triangularView<Eigen::Upper>().solve(
         f.head(terms) - a.topRightCorner(terms, rest) * y.tail(rest));
     y.applyOnTheLeft(qr.householderQ());
-    if (!y.allFinite() || !constant_and_slopes.allFinite()) refuse_dense_points(what);
+    if (!y.allFinite() || !constant_and_slopes.allFinite()) refuse_dense_points(subject);
     SmoothestFunction out;
     for (const Constraint& c : points) out.centers.push_back(c.position);
     out.weight.assign(y.begin(), y.end());
@@ -146,10 +145,11 @@ double bending_kernel(Bending bending, double squared) {
 }
 
 SmoothestFunction smoothest_function(std::span<const Vec3d> points, std::span<const Vec3> normals,
-                                     double offset, Bending bending, const char* what, const Context& ctx) {
+                                     double offset, Bending bending, const char* subject,
+                                     const Context& ctx) {
     std::vector<Constraint> surface;
     for (const Vec3d p : points) surface.push_back({p, 0});
-    return solve(constraints(std::move(surface), normals, offset, what, ctx), bending, what, ctx);
+    return solve(constraints(std::move(surface), normals, offset, subject, ctx), bending, subject, ctx);
 }
 
 }  // namespace coppice

@@ -8,7 +8,7 @@
 
 namespace coppice {
 
-/// What a function through points is to have the least of.
+/// The bending energy that a function through points minimizes.
 enum class Bending {
     in_space,  ///< third derivatives in space: kernel r^3
     in_plane   ///< second derivatives in the plane z = 0: kernel r^2 log r, the thin plate
@@ -17,20 +17,20 @@ enum class Bending {
 /// f(p) = sum of weight k(|p - center|) + linear . p + constant, with the kernel k of its bending.
 struct SmoothestFunction {
     std::vector<Vec3d> centers;
-    std::vector<double> weight;  ///< one for each center
+    std::vector<double> weight;  ///< one for each centre
     Vec3d linear;
     double constant = 0;
 };
 
-/// The kernel of a bending at a squared distance.
+/// Returns the kernel of a bending at a squared distance.
 double bending_kernel(Bending bending, double squared);
 
-/// Of all functions that are 0 at the points, and the offset at points shifted along their normals by it
-/// (less where that would come nearer to another point), the one that bends least [Turk2002]. Points lie
-/// within a box of size 1; normals have a length; beyond a thousand they count at a thousand points. `what`
-/// begins messages. O(n^3). Throws InvalidInput for points that coincide, or that leave a linear function
-/// free.
+/// Returns the function with the smallest bending energy [Turk2002] of all functions that are 0 at the
+/// points, and equal to the offset at points shifted along their normals by it (less if another point would
+/// be nearer). Points must be within a box of size 1; normals must have a length; of more than a thousand
+/// normals, those at a thousand points are used. `subject` is the prefix of messages. O(n^3). Throws
+/// InvalidInput for points that coincide, or that do not determine a linear function.
 SmoothestFunction smoothest_function(std::span<const Vec3d> points, std::span<const Vec3> normals,
-                                     double offset, Bending bending, const char* what, const Context& ctx);
+                                     double offset, Bending bending, const char* subject, const Context& ctx);
 
 }  // namespace coppice

@@ -10,15 +10,16 @@
 namespace coppice {
 namespace {
 
-constexpr float kGreatestScale = 1e3f;
+constexpr float kMaxScale = 1e3f;
 
 void check_scales(std::span<const ScaleAt> scales, bool closed) {
     for (std::size_t i = 0; i < scales.size(); ++i) {
         const auto [fraction, scale] = scales[i];
         if (!(fraction >= 0 && fraction <= 1) || (i > 0 && !(fraction > scales[i - 1].fraction)))
-            throw InvalidInput(fmt::format(
-                "sweep: fractions of scales must rise from 0 to 1, but scale {} is at {}", i + 1, fraction));
-        if (!(scale > 0 && scale <= kGreatestScale))
+            throw InvalidInput(
+                fmt::format("sweep: fractions of scales must increase from 0 to 1, but scale {} is at {}",
+                            i + 1, fraction));
+        if (!(scale > 0 && scale <= kMaxScale))
             throw InvalidInput(
                 fmt::format("sweep: scale {} must be above 0 and at most 1000, but is {}", i + 1, scale));
     }
@@ -56,7 +57,7 @@ Sweep::Sweep(Curve path, Profile profile, std::span<const ScaleAt> scales, const
     double most = scales_.empty() ? 1 : 0;
     for (const ScaleAt& s : scales_) most = std::max<double>(most, s.scale);
     reach_ = most * profile_.reach();
-    // Scales may peak between the places that are looked at, so that the greatest stands for all.
+    // Scales may have a maximum between the evaluated places, so that the maximum is used for all.
     bounds_ = swept_bounds(path_, turn, profile_.low(), profile_.high(), [&](double) { return most; });
 }
 

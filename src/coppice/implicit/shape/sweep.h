@@ -7,19 +7,20 @@
 
 namespace coppice {
 
-/// How the profile turns about the path.
+/// Options of Sweep.
 struct SweepOptions {
-    float roll = 0;   ///< [rad] turns the profile about the path, everywhere; right-handed
-    float twist = 0;  ///< [rad] turns it on, evenly over the length; whole turns only when the path is closed
+    float roll = 0;   ///< [rad] rotates the profile about the path by a constant angle; right-handed
+    float twist = 0;  ///< [rad] additional rotation, distributed evenly over the length; only whole turns if
+                      ///< the path is closed
 };
 
 template <class Self, class Visitor>
 requires SameOptions<Self, SweepOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"roll", "angle by which the profile is turned about the path", Unit::radian, -1e3, 1e3},
+    visit(Field{"roll", "Angle by which the profile is rotated about the path.", Unit::radian, -1e3, 1e3},
           o.roll);
-    visit(Field{"twist", "angle by which it turns on from the path's start to its end", Unit::radian, -1e3,
-                1e3},
+    visit(Field{"twist", "Additional angle by which it rotates from the path's start to its end.",
+                Unit::radian, -1e3, 1e3},
           o.twist);
 }
 
@@ -29,13 +30,13 @@ struct ScaleAt {
     float scale = 1;     ///< > 0, at most 1e3
 };
 
-/// A closed profile carried along a path, across it, in the frames of the curve: x of the profile along the
-/// normal, y along the binormal. Open paths end in flat caps. Distances are exact where profile and path make
-/// them so: scale and twist constant, no tight bend of the path within reach. At outer corners of polylines
-/// the profile turns with the corner.
+/// A closed profile moved along a path, perpendicular to it, in the frames of the curve: x of the profile
+/// along the normal, y along the binormal. Open paths end in flat caps. Distances are exact if scale and
+/// twist are constant and the path has no tight bend within reach. At outer corners of polylines the profile
+/// rotates with the corner.
 ///
-/// Where several places of a winding path have the point in their plane, the least distance counts: the solid
-/// is all that the profile sweeps over.
+/// If the perpendicular planes of several places of a winding path contain the point, the smallest distance
+/// is used: the solid is the whole volume swept by the profile.
 class Sweep final : public Shape {
   public:
     /// Throws InvalidInput for an open profile, a polyline that turns back on itself, scales out of range or
@@ -54,7 +55,7 @@ class Sweep final : public Shape {
     Profile profile_;
     std::vector<ScaleAt> scales_;
     SweepOptions options_;
-    double reach_ = 0;  ///< [m] how far the surface may be from the path
+    double reach_ = 0;  ///< [m] maximum distance of the surface from the path
     Box3 bounds_;
 };
 

@@ -15,18 +15,18 @@ namespace {
 
 void check_input(std::span<const Vec3> points, std::span<const Vec3> normals) {
     const std::size_t n = points.size();
-    if (n < 4 || n > Variational::kMostPoints)
+    if (n < 4 || n > Variational::kMaxPoints)
         throw InvalidInput(fmt::format(
             "variational: needs 4 to {} points, but has {}; give fewer, or a triangle mesh instead",
-            Variational::kMostPoints, n));
+            Variational::kMaxPoints, n));
     if (normals.size() != n)
         throw InvalidInput(fmt::format("variational: each of the {} points needs a normal, but there are {}",
                                        n, normals.size()));
     for (std::size_t i = 0; i < n; ++i) {
         for (int axis = 0; axis < 3; ++axis) check_coordinate(points[i][axis], "variational", "point", i);
         if (!is_finite(normals[i]) || !(length(Vec3d(normals[i])) > 1e-20))
-            throw InvalidInput(fmt::format(
-                "variational: normal {} has no direction; give a vector that is not zero", i + 1));
+            throw InvalidInput(
+                fmt::format("variational: normal {} has no direction; specify a non-zero vector", i + 1));
     }
 }
 
@@ -62,7 +62,7 @@ Variational::Variational(std::span<const Vec3> points, std::span<const Vec3> nor
     for (const Vec3 p : points) box_.extend(p);
     center_ = Vec3d(box_.center());
     size_ = box_.diagonal();
-    if (!(size_ > 0)) throw InvalidInput("variational: all points coincide; give points around the solid");
+    if (!(size_ > 0)) throw InvalidInput("variational: all points coincide; use points around the solid");
     box_ = box_.inflated(static_cast<float>(options.margin * size_));
 
     std::vector<Vec3d> scaled;
@@ -95,7 +95,7 @@ void Variational::distance(std::span<const Vec3> points, std::span<FieldSample> 
         const CubeSums s = sum_cubes(centers, p);
         const double f = s.value + dot(linear_, p) + constant_;
         const Vec3d g = s.gradient + linear_;
-        // f squared keeps the quotient below the size of the box where f has an extremum.
+        // f squared limits the quotient to the size of the box where f has an extremum.
         const double squared = std::max(length_squared(g) + f * f, 1e-300), root = std::sqrt(squared);
         const Vec3d hg{s.xx * g.x + s.xy * g.y + s.xz * g.z, s.xy * g.x + s.yy * g.y + s.yz * g.z,
                        s.xz * g.x + s.yz * g.y + s.zz * g.z};

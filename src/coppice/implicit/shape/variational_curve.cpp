@@ -16,27 +16,27 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kMostPoints = 1000;
-constexpr std::uint32_t kCells = 192;  // along the longest side of the box
-constexpr double kNearest = 1e-3;      // [cells] between corners of a contour
-constexpr int kMostSteps = 60;         // towards where the curve crosses an edge
+constexpr std::size_t kMaxPoints = 1000;
+constexpr std::uint32_t kCells = 192;  // number along the longest side of the box
+constexpr double kNearest = 1e-3;      // [cells] minimum distance between corners of a contour
+constexpr int kMaxSteps = 60;          // maximum number towards the intersection of the curve and an edge
 
 void check_points(std::span<const OrientedPoint> points) {
-    if (points.size() < 3 || points.size() > kMostPoints)
-        throw InvalidInput(fmt::format("contour: needs 3 to {} points, but has {}; give fewer or more",
-                                       kMostPoints, points.size()));
+    if (points.size() < 3 || points.size() > kMaxPoints)
+        throw InvalidInput(fmt::format("contour: needs 3 to {} points, but has {}; use fewer or more",
+                                       kMaxPoints, points.size()));
     for (std::size_t i = 0; i < points.size(); ++i) {
         check_coordinate(points[i].position.x, "contour", "point", i);
         check_coordinate(points[i].position.y, "contour", "point", i);
         const double l = std::hypot(points[i].normal.x, points[i].normal.y);
         if (!std::isfinite(l) || !(l > 1e-20))
             throw InvalidInput(
-                fmt::format("contour: normal {} has no direction; give a vector that is not zero", i + 1));
+                fmt::format("contour: normal {} has no direction; specify a non-zero vector", i + 1));
     }
 }
 
-/// The function whose zeros are traced, in coordinates where the points' box has the size 1 and its middle is
-/// the origin: negative inside, positive outside and beyond the margin.
+/// The function with the traced zeros, in coordinates where the points' box has size 1 and its centre is the
+/// origin: negative inside, positive outside and beyond the margin.
 class Plate {
   public:
     Plate(std::span<const Vec3d> points, std::span<const Vec3> normals, const VariationalOptions& options,
@@ -49,7 +49,7 @@ class Plate {
         half_ = half_ + Vec2d{1, 1} * static_cast<double>(options.margin);
     }
 
-    Vec2d half() const { return half_; }  ///< sides of the box that the area ends at
+    Vec2d half() const { return half_; }  ///< half sides of the box at which the area ends
 
     double operator()(Vec2d p) const {
         const double beyond = std::max(std::abs(p.x) - half_.x, std::abs(p.y) - half_.y);
@@ -65,14 +65,14 @@ class Plate {
     Vec2d half_{0, 0};
 };
 
-/// Marching squares: where a function changes its sign along the edges of a lattice, and how these places
-/// follow each other, the inside on the left.
+/// Marching squares: finds the sign changes of a function along the edges of a lattice, and their order, with
+/// the inside on the left.
 class Tracer {
   public:
     Tracer(const Plate& plate, const Context& ctx) : plate_(plate) {
         const Vec2d half = plate.half();
         cell_ = 2 * std::max(half.x, half.y) / kCells;
-        // One cell more on each side, where all is outside.
+        // One additional cell on each side, which is outside.
         columns_ = static_cast<std::uint32_t>(std::ceil(2 * half.x / cell_)) + 3;
         rows_ = static_cast<std::uint32_t>(std::ceil(2 * half.y / cell_)) + 3;
         low_ = Vec2d{-0.5 * (columns_ - 1), -0.5 * (rows_ - 1)} * cell_;
@@ -108,12 +108,12 @@ class Tracer {
     bool inside(std::uint32_t x, std::uint32_t y) const { return values_[std::size_t{y} * columns_ + x] < 0; }
     bool is_apart(Vec2d a, Vec2d b) const { return std::hypot(a.x - b.x, a.y - b.y) > kNearest * cell_; }
 
-    /// An edge from a node along x (0) or y (1).
+    /// Returns the index of an edge from a node along x (0) or y (1).
     std::uint64_t edge(std::uint32_t x, std::uint32_t y, std::uint32_t axis) const {
         return 2 * (std::uint64_t{y} * columns_ + x) + axis;
     }
 
-    /// Each edge that is crossed is left by one of its two cells and entered by the other.
+    /// Each intersected edge is left by one of its two cells and entered by the other.
     std::uint64_t follow(Links::iterator at) {
         const std::uint64_t to = at->second;
         next_.erase(at);
@@ -125,14 +125,14 @@ class Tracer {
         starts_.push_back(from);
     }
 
-    /// Goes round the cell against the clock: a contour enters where that leaves the inside, and leaves the
-    /// cell at the edge before where the inside began. With two parts inside the middle says whether they are
-    /// one.
+    /// Traverses the cell counter-clockwise: a contour enters on the edge where that leaves the inside, and
+    /// leaves the cell on the previous edge where the inside began. If two corners are inside on a diagonal,
+    /// the centre decides whether they are connected.
     void link_cell(std::uint32_t x, std::uint32_t y) {
         const std::array<bool, 4> in{inside(x, y), inside(x + 1, y), inside(x + 1, y + 1), inside(x, y + 1)};
         const std::array<std::uint64_t, 4> side{edge(x, y, 0), edge(x + 1, y, 1), edge(x, y + 1, 0),
                                                 edge(x, y, 1)};
-        std::vector<std::size_t> out, back;  // sides on which the way round leaves and enters the inside
+        std::vector<std::size_t> out, back;  // sides on which the traversal leaves and enters the inside
         for (std::size_t k = 0; k < 4; ++k) {
             if (in[k] && !in[(k + 1) % 4]) out.push_back(k);
             if (!in[k] && in[(k + 1) % 4]) back.push_back(k);
@@ -143,7 +143,7 @@ class Tracer {
         for (const std::size_t k : out) link(side[k], side[(k + (joined ? 1 : 3)) % 4]);
     }
 
-    /// Where the function is 0 on an edge.
+    /// Returns the zero of the function on an edge.
     Vec2d crossing(std::uint64_t number) const {
         const auto y = static_cast<std::uint32_t>(number / 2 / columns_),
                    x = static_cast<std::uint32_t>(number / 2 % columns_);
@@ -151,8 +151,8 @@ class Tracer {
         Vec2d in = node(x, y), out = along_y ? node(x, y + 1) : node(x + 1, y);
         if (!inside(x, y)) std::swap(in, out);
         double low = plate_(in), high = plate_(out);
-        for (int i = 0; i < kMostSteps && is_apart_far(in, out); ++i) {
-            // Turns of regula falsi and halving: neither end stays for good.
+        for (int i = 0; i < kMaxSteps && is_apart_far(in, out); ++i) {
+            // Alternates regula falsi and bisection, so that neither end is kept forever.
             const double t = i % 2 == 0 ? low / (low - high) : 0.5;
             const Vec2d p = in + (out - in) * t;
             const double v = plate_(p);
@@ -185,7 +185,7 @@ Profile variational_profile(std::span<const OrientedPoint> points, const Variati
     }
     const Vec2d middle = (low + high) * 0.5;
     const double size = std::hypot(high.x - low.x, high.y - low.y);
-    if (!(size > 0)) throw InvalidInput("contour: all points coincide; give points around the area");
+    if (!(size > 0)) throw InvalidInput("contour: all points coincide; use points around the area");
     std::vector<Vec3d> scaled;
     std::vector<Vec3> normals;
     for (const OrientedPoint& p : points) {
@@ -197,7 +197,7 @@ Profile variational_profile(std::span<const OrientedPoint> points, const Variati
     const Plate plate(scaled, normals, options, ctx);
     auto contours = Tracer(plate, ctx).contours();
     if (contours.empty())
-        throw InvalidInput("contour: the normals enclose nothing; they must point out of the area");
+        throw InvalidInput("contour: the normals enclose no area; they must point out of the area");
     for (auto& contour : contours)
         for (Vec2d& p : contour) p = middle + p * size;
     return Profile(contours);
@@ -213,7 +213,7 @@ std::vector<OrientedPoint> with_normals(std::span<const Vec2d> points) {
                     after = points[(i + 1) % points.size()], chord = after - before;
         if (!(std::hypot(chord.x, chord.y) > 0))
             throw InvalidInput(fmt::format(
-                "contour: the neighbours of point {} coincide; give normals, as x,y,nx,ny", i + 1));
+                "contour: the neighbours of point {} coincide; specify normals, as x,y,nx,ny", i + 1));
         out.push_back({points[i], Vec2d{chord.y, -chord.x} * turn});
     }
     return out;

@@ -13,12 +13,12 @@ struct CubeSums {
     double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
 };
 
-/// Columns are of equal length.
+/// The spans have equal lengths.
 struct CubeCenters {
     std::span<const double> x, y, z, weight;
 };
 
-/// With the widest vectors of this machine.
+/// Computes the sums with the widest vectors of this machine.
 CubeSums sum_cubes(const CubeCenters& centers, Vec3d p);
 
 }  // namespace coppice

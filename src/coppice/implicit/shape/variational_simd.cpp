@@ -3,7 +3,7 @@
 
 #include "coppice/implicit/shape/variational_internal.h"
 
-// Vectors of a size known only at run time cannot be in arrays; these machines use NEON or plain code.
+// Vectors with a size known only at run time cannot be in arrays; such machines use NEON or scalar code.
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "coppice/implicit/shape/variational_simd.cpp"
@@ -23,7 +23,7 @@ CubeSums sum_cubes_here(const CubeCenters& centers, const Vec3d& p) {
     auto value = hn::Zero(d), gx = value, gy = value, gz = value, trace = value;
     auto xx = value, xy = value, xz = value, yy = value, yz = value, zz = value;
     for (std::size_t i = 0; i < n; i += lanes) {
-        // Beyond the last center weights read as zero.
+        // Weights beyond the last centre are read as zero.
         const std::size_t left = n - i;
         const auto load = [&](std::span<const double> column) HWY_ATTR {
             return left >= lanes ? hn::LoadU(d, &column[i])

@@ -13,11 +13,12 @@ struct Affine {
     Vec3d z{0, 0, 1};  ///< image of the third
     Vec3d origin{};    ///< [m] image of the origin
 
-    Vec3d direction(Vec3d d) const { return x * d.x + y * d.y + z * d.z; }  ///< without the shift
-    Vec3d point(Vec3d p) const { return direction(p) + origin; }            ///< with the shift
-    double determinant() const { return dot(x, cross(y, z)); }  ///< volumes grow by it; negative mirrors
+    Vec3d direction(Vec3d d) const { return x * d.x + y * d.y + z * d.z; }  ///< without the translation
+    Vec3d point(Vec3d p) const { return direction(p) + origin; }            ///< with the translation
+    /// Factor of volumes; negative for a reflection.
+    double determinant() const { return dot(x, cross(y, z)); }
 
-    /// The map that takes back what this one does; of a map with determinant 0, not finite.
+    /// Returns the inverse map; not finite if the determinant is 0.
     Affine inverse() const {
         const double k = 1 / determinant();
         const Vec3d r0 = cross(y, z) * k, r1 = cross(z, x) * k, r2 = cross(x, y) * k;
@@ -26,17 +27,17 @@ struct Affine {
         return out;
     }
 
-    /// First b, then a.
+    /// Returns the composition: first b, then a.
     friend Affine operator*(const Affine& a, const Affine& b) {
         return {a.direction(b.x), a.direction(b.y), a.direction(b.z), a.point(b.origin)};
     }
 
-    /// Shifts by a vector [m].
+    /// Translates by a vector [m].
     static Affine translation(Vec3d by) { return {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, by}; }
-    /// Stretches along the axes about the origin.
+    /// Scales along the axes about the origin.
     static Affine scaling(Vec3d by) { return {{by.x, 0, 0}, {0, by.y, 0}, {0, 0, by.z}, {}}; }
 
-    /// By `angle` [rad] about the line through the origin along the unit vector `axis`, right-handed.
+    /// Rotates by `angle` [rad] about the line through the origin along the unit vector `axis`, right-handed.
     static Affine rotation(Vec3d axis, double angle) {
         const double c = std::cos(angle), s = std::sin(angle);
         const auto turned = [&](Vec3d v) {
@@ -45,7 +46,7 @@ struct Affine {
         return {turned({1, 0, 0}), turned({0, 1, 0}), turned({0, 0, 1}), {}};
     }
 
-    /// The rigid map that takes the z axis to the line through `origin` along the unit vector `axis`.
+    /// Returns the rigid map from the z axis to the line through `origin` along the unit vector `axis`.
     static Affine frame(Vec3d origin, Vec3d axis) {
         const Vec3d u = perpendicular(axis);
         return {u, cross(axis, u), axis, origin};

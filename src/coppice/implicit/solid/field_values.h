@@ -8,8 +8,8 @@
 
 namespace coppice {
 
-/// The values of a field at many places, by all threads. Places that lie close together should stand so.
-/// Throws Cancelled.
+/// Returns the values of a field at many points, computed by all threads. Fastest if consecutive points are
+/// close together. Throws Cancelled.
 std::vector<float> values_at(const SolidField& field, std::span<const Vec3> places, const Context& ctx);
 
 }  // namespace coppice

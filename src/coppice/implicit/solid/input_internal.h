@@ -9,14 +9,14 @@
 
 namespace coppice {
 
-inline constexpr double kFarthest =
-    1e9;  ///< [m] squares of it and sums of them are safe also in single precision
+/// [m] squares of it and sums of squares are valid also in single precision.
+inline constexpr double kFarthest = 1e9;
 
-/// Throws InvalidInput, naming what it is, unless |value| <= 1e9.
-inline void check_coordinate(double value, std::string_view source, std::string_view what, std::size_t i) {
+/// Throws InvalidInput that names the value, unless |value| <= 1e9.
+inline void check_coordinate(double value, std::string_view source, std::string_view subject, std::size_t i) {
     if (std::abs(value) <= kFarthest) return;
-    throw InvalidInput(fmt::format("{}: {} {} must lie within 1e9 m of the origin, but has a coordinate {}",
-                                   source, what, i + 1, value));
+    throw InvalidInput(fmt::format("{}: {} {} must be within 1e9 m of the origin, but has a coordinate {}",
+                                   source, subject, i + 1, value));
 }
 
 }  // namespace coppice

@@ -16,11 +16,11 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kMostTriangles = 100'000'000;
+constexpr std::size_t kMaxTriangles = 100'000'000;
 constexpr std::size_t kGrain = 1 << 13;
-constexpr double kFar = 2.5;  // [radii] from here on a part of the mesh counts as a dipole
+constexpr double kFar = 2.5;  // [radii] distance from which a portion of the mesh is approximated by a dipole
 
-/// The point of a triangle nearest to p: by the regions of its corners and edges [Ericson2005].
+/// Returns the point of a triangle nearest to p: by the regions of its corners and edges [Ericson2005].
 Vec3d nearest_on(Vec3d p, Vec3d a, Vec3d b, Vec3d c) {
     const Vec3d ab = b - a, ac = c - a, ap = p - a;
     const double d1 = dot(ab, ap), d2 = dot(ac, ap);
@@ -42,8 +42,8 @@ Vec3d nearest_on(Vec3d p, Vec3d a, Vec3d b, Vec3d c) {
 }
 
 /// Sums half the solid angles of triangles seen from the origin, each the angle of a complex number
-/// [VanOosterom1983]. Numbers are multiplied as long as the angle of the product cannot pass pi: far fewer
-/// arc tangents.
+/// [VanOosterom1983]. Numbers are multiplied as long as the angle of the product cannot exceed pi, which
+/// saves most arc tangents.
 class HalfAngles {
   public:
     void add(Vec3d a, Vec3d b, Vec3d c) {
@@ -80,7 +80,7 @@ class HalfAngles {
 
 Vec3d area_vector(Vec3d a, Vec3d b, Vec3d c) { return cross(b - a, c - a) * 0.5; }
 
-/// Whether every edge runs as often one way as the other, so that the mesh has no border.
+/// Returns whether every edge occurs equally often in both directions, so that the mesh has no border.
 bool has_no_border(std::span<const MeshSolid::Triangle> triangles, std::span<const std::uint32_t> number,
                    const Context& ctx) {
     struct Edge {
@@ -103,11 +103,11 @@ bool has_no_border(std::span<const MeshSolid::Triangle> triangles, std::span<con
     return true;
 }
 
-/// Numbers of positions so that equal positions have equal numbers.
+/// Returns indices of positions such that equal positions have equal indices.
 std::vector<std::uint32_t> welded(std::span<const Vec3> positions, const Context& ctx) {
     Buffer<std::uint32_t> order(positions.size());
     for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
-    // Any order does that brings equal ones together; + 0.0f, since -0 and 0 are equal.
+    // Any order that makes equal positions consecutive is sufficient; + 0.0f, because -0 and 0 are equal.
     for (int axis = 0; axis < 3; ++axis) {
         radix_sort(ctx, order, 32,
                    [&](std::uint32_t i) { return std::bit_cast<std::uint32_t>(positions[i][axis] + 0.0f); });
@@ -124,9 +124,9 @@ void check_mesh(std::span<const Vec3> positions, std::span<const MeshSolid::Tria
     for (std::size_t i = 0; i < positions.size(); ++i)
         for (int axis = 0; axis < 3; ++axis)
             check_coordinate(positions[i][axis], "mesh solid", "position", i);
-    if (triangles.size() > kMostTriangles)
-        throw InvalidInput(fmt::format("mesh solid: {} triangles are more than {}; simplify the mesh",
-                                       triangles.size(), kMostTriangles));
+    if (triangles.size() > kMaxTriangles)
+        throw InvalidInput(fmt::format("mesh solid: {} triangles exceed the maximum of {}; simplify the mesh",
+                                       triangles.size(), kMaxTriangles));
     for (std::size_t i = 0; i < triangles.size(); ++i)
         for (const std::uint32_t v : triangles[i])
             if (v >= positions.size())
@@ -159,12 +159,12 @@ MeshSolid::MeshSolid(std::span<const Vec3> positions, std::span<const Triangle> 
     }
     if (!(std::abs(volume) > 1e-9 * area * bounds_.diagonal()))
         throw InvalidInput(
-            "mesh solid: the triangles enclose nothing; give a closed mesh whose triangles all turn the same "
-            "way");
+            "mesh solid: the triangles enclose nothing; use a closed mesh with consistently oriented "
+            "triangles");
     orientation_ = volume < 0 ? -1 : 1;
     watertight_ = has_no_border(triangles, welded(positions, ctx), ctx);
 
-    // Once in the order of the tree, triangles that are looked at together lie together.
+    // In the order of the tree, triangles that are visited together are adjacent in memory.
     const BoxTree tree(boxes, ctx);
     triangles_.resize(corners.size());
     std::vector<Box3> sorted(corners.size());
@@ -254,7 +254,7 @@ MeshSolid::Nearest MeshSolid::nearest(Vec3d p, std::uint32_t hint) const {
     const auto point_of = [&](std::uint32_t i) {
         return nearest_on(p, Vec3d(triangles_[i].a), Vec3d(triangles_[i].b), Vec3d(triangles_[i].c));
     };
-    // A little above what the hint reaches, so that ties fall out as they would without it.
+    // Slightly greater than the distance to the hint, so that ties are resolved as without it.
     double limit = length_squared(point_of(hint) - p) * (1 + 1e-9) + 1e-30;
     Nearest best{hint, std::numeric_limits<double>::infinity(), {}};
     boxes_.search([&](std::uint32_t l, std::uint32_t i) { return distance_squared(boxes_.level(l)[i], p); },
@@ -271,7 +271,7 @@ MeshSolid::Nearest MeshSolid::nearest(Vec3d p, std::uint32_t hint) const {
 
 void MeshSolid::distance(std::span<const Vec3> points, std::span<FieldSample> out) const {
     std::uint32_t hint = 0;
-    // No point nearer to `center` than the surface is on another side of it: the mesh has no border.
+    // Points closer to `center` than the surface are on the same side, because the mesh has no border.
     struct {
         Vec3d center;
         double radius = -1;

@@ -11,37 +11,37 @@
 
 namespace coppice {
 
-/// A triangle mesh as a solid. The distance is exact; inside is where the mesh winds around a point by more
-/// than half a turn [Jacobson2013], found in O(log n) by taking far parts of the mesh for one dipole each
-/// [Barill2018]. So small holes, overlaps and parts within parts do no harm: a hole is closed by an invisible
-/// patch, across which the distance changes its sign.
+/// A triangle mesh as a solid. The distance is exact; points with a winding number above one half
+/// [Jacobson2013] are inside, computed in O(log n) by approximating distant portions of the mesh by one
+/// dipole each [Barill2018]. Small holes, overlaps and nested components are therefore permitted: a hole is
+/// closed by an invisible patch, across which the distance changes its sign.
 class MeshSolid final : public Shape {
   public:
-    using Triangle = std::array<std::uint32_t, 3>;  ///< numbers of three positions
+    using Triangle = std::array<std::uint32_t, 3>;  ///< indices of three positions
 
-    /// The mesh is copied. Triangles turn counterclockwise seen from outside; a mesh that is inside out is
-    /// turned. Triangles without area are left out. Throws InvalidInput for positions that are not numbers or
-    /// beyond 1e9 m, numbers of positions that do not exist, more than 100 million triangles, and meshes that
-    /// enclose nothing. O(n); about 100 bytes a triangle.
+    /// The mesh is copied. Triangles must be counter-clockwise seen from outside; a mesh that is inside out
+    /// is reversed. Triangles without area are ignored. Throws InvalidInput for positions that are NaN or
+    /// beyond 1e9 m, invalid indices of positions, more than 100 million triangles, and meshes that enclose
+    /// nothing. O(n); about 100 bytes per triangle.
     MeshSolid(std::span<const Vec3> positions, std::span<const Triangle> triangles, const Context& ctx = {});
 
     Box3 bounds() const override { return bounds_; }
 
-    /// O(log n) a point near the surface; fastest when neighbours in the batch are neighbours in space.
+    /// O(log n) per point near the surface; fastest if consecutive points are close in space.
     void distance(std::span<const Vec3> points, std::span<FieldSample> out) const override;
     bool is_closed() const override { return true; }
 
-    /// How often the mesh winds around p: 1 inside and 0 outside a closed mesh, within 0.05.
+    /// Returns the winding number of the mesh around p: 1 inside and 0 outside a closed mesh, within 0.05.
     double winding(Vec3d p) const;
 
-    /// Whether every edge is run along as often one way as the other; equal positions count as one.
+    /// Returns whether every edge occurs equally often in both directions; equal positions are identified.
     bool is_watertight() const { return watertight_; }
 
   private:
     struct Corners {
         Vec3 a, b, c;
     };
-    /// What a part of the mesh looks like from afar.
+    /// Approximation of a distant portion of the mesh.
     struct Dipole {
         Vec3 center;
         float radius = 0;
@@ -58,9 +58,9 @@ class MeshSolid final : public Shape {
     double winding_below(std::uint32_t level, std::uint32_t parent, Vec3d p) const;
     Nearest nearest(Vec3d p, std::uint32_t hint) const;
 
-    std::vector<Corners> triangles_;  ///< by place in the tree
+    std::vector<Corners> triangles_;  ///< by index in the tree
     BoxTree boxes_;
-    std::vector<std::vector<Dipole>> dipoles_;  ///< by level; level 0 is left out
+    std::vector<std::vector<Dipole>> dipoles_;  ///< by level; level 0 is omitted
     Box3 bounds_;
     double orientation_ = 1;
     bool watertight_ = false;

@@ -14,31 +14,31 @@ namespace coppice {
 namespace {
 
 constexpr double kFarthest = 1e6;  // [m]
-constexpr double kLeast = 1e-6;    // [m] of a length
+constexpr double kMin = 1e-6;      // [m] minimum of a length
 
-/// The law is 0.5 at this share of the influence.
+/// Returns the share of the influence at which the law is 0.5.
 double surface_share(FieldLaw law) { return law == FieldLaw::soft ? 0.5 : std::sqrt(1 - std::cbrt(0.5)); }
 
-void check_point(std::string_view what, Vec3 p) {
+void check_point(std::string_view subject, Vec3 p) {
     if (is_finite(p) && std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= kFarthest) return;
     throw InvalidInput(fmt::format("{}: the point ({} {} {}) must be finite and within 1e6 m of the origin",
-                                   what, p.x, p.y, p.z));
+                                   subject, p.x, p.y, p.z));
 }
 
-void check_length(std::string_view what, std::string_view name, double value) {
-    if (value >= kLeast && value <= kFarthest) return;
-    throw InvalidInput(fmt::format("{}: {} must lie between 1e-6 and 1e6 m, but is {}", what, name, value));
+void check_length(std::string_view subject, std::string_view name, double value) {
+    if (value >= kMin && value <= kFarthest) return;
+    throw InvalidInput(fmt::format("{}: {} must be between 1e-6 and 1e6 m, but is {}", subject, name, value));
 }
 
-Vec3d checked_direction(std::string_view what, std::string_view name, Vec3 direction) {
+Vec3d checked_direction(std::string_view subject, std::string_view name, Vec3 direction) {
     const double l = length(Vec3d(direction));
     if (std::isfinite(l) && l > 1e-12) return Vec3d(direction) / l;
     throw InvalidInput(fmt::format("{}: {} must be a finite direction that is not zero, but is ({} {} {})",
-                                   what, name, direction.x, direction.y, direction.z));
+                                   subject, name, direction.x, direction.y, direction.z));
 }
 
-SolidNode primitive(std::string_view what, SolidKind kind, const PrimitiveOptions& options) {
-    check_fields(options, what);
+SolidNode primitive(std::string_view subject, SolidKind kind, const PrimitiveOptions& options) {
+    check_fields(options, subject);
     SolidNode node;
     node.kind = kind;
     node.law = options.law;
@@ -48,10 +48,10 @@ SolidNode primitive(std::string_view what, SolidKind kind, const PrimitiveOption
         return node;
     }
     node.influence = options.influence;
-    // Radii as the command line gives them, 0.1 and 0.11, have no exact ratio.
+    // Decimal radii of the command line, such as 0.1 and 0.11, have no exact ratio.
     if (!(node.influence >= 1.0999 * radius && node.influence <= 20.001 * radius)) {
         throw InvalidInput(fmt::format("{}: influence must be 0 or 1.1 to 20 radii of {} m, but is {} m",
-                                       what, options.radius, options.influence));
+                                       subject, options.radius, options.influence));
     }
     const double s = radius / node.influence;
     node.weight = 0.5 / law_value(options.law, s * s);
@@ -63,36 +63,36 @@ Solid made(SolidNode node) {
     return Solid(std::make_shared<const SolidNode>(std::move(node)));
 }
 
-/// Frame with z from a towards b, and |b - a| as size.z.
-void lay_along(SolidNode& node, std::string_view what, Vec3 a, Vec3 b) {
-    check_point(what, a);
-    check_point(what, b);
+/// Sets the frame, with z from a towards b, and |b - a| as size.z.
+void lay_along(SolidNode& node, std::string_view subject, Vec3 a, Vec3 b) {
+    check_point(subject, a);
+    check_point(subject, b);
     const double l = length(Vec3d(b) - Vec3d(a));
-    if (l < kLeast)
-        throw InvalidInput(fmt::format("{}: the two ends coincide; give two different points", what));
+    if (l < kMin)
+        throw InvalidInput(fmt::format("{}: the two ends coincide; specify two different points", subject));
     node.map = Affine::frame(Vec3d(a), (Vec3d(b) - Vec3d(a)) / l);
     node.size.z = l;
 }
 
-/// The points without neighbours that coincide.
-std::vector<Vec3d> distinct(std::string_view what, std::span<const Vec3> points, bool closed) {
+/// Returns the points without consecutive ones that coincide.
+std::vector<Vec3d> distinct(std::string_view subject, std::span<const Vec3> points, bool closed) {
     std::vector<Vec3d> out;
     for (const Vec3 p : points) {
-        check_point(what, p);
+        check_point(subject, p);
         const Vec3d q(p);
-        if (out.empty() || length(q - out.back()) >= kLeast) out.push_back(q);
+        if (out.empty() || length(q - out.back()) >= kMin) out.push_back(q);
     }
-    while (closed && out.size() > 1 && length(out.front() - out.back()) < kLeast) out.pop_back();
+    while (closed && out.size() > 1 && length(out.front() - out.back()) < kMin) out.pop_back();
     return out;
 }
 
-void check_count(std::string_view what, std::size_t count, std::size_t least, std::size_t most) {
+void check_count(std::string_view subject, std::size_t count, std::size_t least, std::size_t most) {
     if (count >= least && count <= most) return;
     throw InvalidInput(
-        fmt::format("{}: needs {} to {} different points, but has {}", what, least, most, count));
+        fmt::format("{}: needs {} to {} different points, but has {}", subject, least, most, count));
 }
 
-/// Twice the area of a polygon, along its normal.
+/// Returns twice the area of a polygon, along its normal.
 Vec3d area_vector(std::span<const Vec3d> corners) {
     Vec3d sum{};
     for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -101,13 +101,13 @@ Vec3d area_vector(std::span<const Vec3d> corners) {
     return sum;
 }
 
-/// A circle or disc.
-Solid round_flat(const std::string& what, SolidKind kind, Vec3 center, Vec3 axis, float radius,
+/// Creates a circle or disc.
+Solid round_flat(const std::string& subject, SolidKind kind, Vec3 center, Vec3 axis, float radius,
                  const PrimitiveOptions& options) {
-    SolidNode node = primitive(what, kind, options);
-    check_point(what, center);
-    check_length(what, what + "_radius", radius);
-    node.map = Affine::frame(Vec3d(center), checked_direction(what, "axis", axis));
+    SolidNode node = primitive(subject, kind, options);
+    check_point(subject, center);
+    check_length(subject, subject + "_radius", radius);
+    node.map = Affine::frame(Vec3d(center), checked_direction(subject, "axis", axis));
     node.size = {radius, 0, 0};
     return made(std::move(node));
 }
@@ -141,7 +141,7 @@ Solid box(const Box3& skeleton, const PrimitiveOptions& options) {
     check_point("box", skeleton.high);
     const Vec3d low(skeleton.low), high(skeleton.high);
     for (int axis = 0; axis < 3; ++axis) {
-        if (high[axis] - low[axis] >= kLeast) continue;
+        if (high[axis] - low[axis] >= kMin) continue;
         throw InvalidInput(fmt::format("box: the sides must be at least 1e-6 m long, but side {} is {}",
                                        "xyz"[axis], high[axis] - low[axis]));
     }
@@ -161,7 +161,7 @@ Solid cylinder(Vec3 a, Vec3 b, float cylinder_radius, const PrimitiveOptions& op
 Solid cone(Vec3 a, Vec3 b, float a_radius, float b_radius, const PrimitiveOptions& options) {
     SolidNode node = primitive("cone", SolidKind::cone, options);
     lay_along(node, "cone", a, b);
-    // One sharp end makes a cone; with two it would be a line.
+    // One sharp end makes a cone; two would make a line.
     if (a_radius != 0 || b_radius == 0) check_length("cone", "a_radius", a_radius);
     if (b_radius != 0) check_length("cone", "b_radius", b_radius);
     node.size.x = a_radius;
@@ -191,7 +191,7 @@ Solid polygon(std::span<const Vec3> corners, const PrimitiveOptions& options) {
     for (const Vec3d p : node.points) size = std::max(size, length(p - center));
     const Vec3d area = area_vector(node.points);
     if (!(length(area) > 1e-6 * size * size)) {
-        throw InvalidInput("polygon: the corners enclose no area; give corners that do not lie on a line");
+        throw InvalidInput("polygon: the corners enclose no area; use corners that are not on one line");
     }
     node.map = Affine::frame(center, area / length(area));
     const Affine to_plane = node.map.inverse();
@@ -199,14 +199,15 @@ Solid polygon(std::span<const Vec3> corners, const PrimitiveOptions& options) {
         p = to_plane.point(p);
         if (std::abs(p.z) > 0.01 * size) {
             throw InvalidInput(fmt::format(
-                "polygon: a corner lies {} m off the plane of the others; it must be plane", p.z));
+                "polygon: a corner is {} m off the plane of the others; all corners must be in one plane",
+                p.z));
         }
         p.z = 0;
     }
     return made(std::move(node));
 }
 
-Solid solid_of(std::shared_ptr<const Shape> shape, const PrimitiveOptions& options) {
+Solid make_solid(std::shared_ptr<const Shape> shape, const PrimitiveOptions& options) {
     COPPICE_ASSERT(shape != nullptr);
     const Box3 bounds = shape->bounds();
     check_point("shape", bounds.low);
@@ -238,6 +239,6 @@ std::string_view Solid::kind() const {
 std::span<const Solid> Solid::parts() const { return node_->parts; }
 std::uint32_t Solid::part_count() const { return node_->part_count; }
 std::uint32_t Solid::depth() const { return node_->depth; }
-Box3 Solid::bounds_at(float value) const { return box_of(*this, Affine{}, value); }
+Box3 Solid::bounds_at(float value) const { return compute_box(*this, Affine{}, value); }
 
 }  // namespace coppice

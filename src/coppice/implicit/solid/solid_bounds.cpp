@@ -8,8 +8,8 @@
 namespace coppice {
 namespace {
 
-/// Boxes are wider than exact arithmetic asks for by this share of size and coordinates, so that what single
-/// precision makes of a point just outside is 0 too.
+/// Boxes are enlarged by this share of size and coordinates, so that the field in single precision is 0
+/// outside them too.
 constexpr double kSlack = 4e-6;
 
 struct Extent {
@@ -32,9 +32,9 @@ struct Extent {
     }
 };
 
-Extent extent_of(const Solid& solid, const Affine& map, double value);
+Extent compute_extent(const Solid& solid, const Affine& map, double value);
 
-/// How far the image of the unit ball (or of the unit disc across z) reaches along each axis.
+/// Returns the extent of the image of the unit ball (or of the unit disc perpendicular to z) along each axis.
 Vec3d ball_reach(const Affine& m) {
     return {std::hypot(m.x.x, m.y.x, m.z.x), std::hypot(m.x.y, m.y.y, m.z.y),
             std::hypot(m.x.z, m.y.z, m.z.z)};
@@ -68,7 +68,7 @@ Extent primitive_extent(const SolidNode& node, const Affine& m, double value) {
         case SolidKind::polygon:
             for (const Vec3d p : node.points) add(p);
             break;
-        default:  // round about z: sphere, line, circle, disc, cylinder, cone
+        default:  // rotationally symmetric about z: sphere, line, circle, disc, cylinder, cone
             extend_disc(out, m, 0, node.size.x, margin);
             extend_disc(out, m, node.size.z, node.kind == SolidKind::cone ? node.size.y : node.size.x,
                         margin);
@@ -89,13 +89,14 @@ Box3 to_box(const Extent& e) {
     return box;
 }
 
-/// Of each part, how many parts (itself among them) could add to it somewhere; of very many, all of them.
+/// Returns for each part the number of parts (including itself) that could add to it somewhere; the total
+/// number if there are very many.
 std::vector<double> overlap_counts(const SolidNode& node, const Affine& map) {
     constexpr std::size_t kMany = 4096;
     if (node.parts.size() > kMany) return std::vector<double>(node.parts.size(), double(node.parts.size()));
     std::vector<Box3> boxes;
     for (const Solid& part : node.parts) {
-        const Box3 support = to_box(extent_of(part, map, 0));
+        const Box3 support = to_box(compute_extent(part, map, 0));
         boxes.push_back(support.empty() ? Box3{{}, {}} : support);
     }
     const BoxTree tree(boxes, {.threads = 1});
@@ -106,13 +107,13 @@ std::vector<double> overlap_counts(const SolidNode& node, const Affine& map) {
     return count;
 }
 
-/// Where n parts add up to `value`, one of them has a share of 1 / n or more of it (n-th roots for Ricci).
+/// Where n parts add up to `value`, one of them is at least 1 / n of it (n-th roots for Ricci).
 Extent sum_extent(const SolidNode& node, const Affine& map, double value) {
     Extent out;
     const double exponent = node.kind == SolidKind::ricci ? node.size.x : 1;
     const auto count = value > 0 ? overlap_counts(node, map) : std::vector<double>(node.parts.size(), 1.0);
     for (std::size_t i = 0; i < node.parts.size(); ++i) {
-        const Extent part = extent_of(node.parts[i], map, value / std::pow(count[i], 1 / exponent));
+        const Extent part = compute_extent(node.parts[i], map, value / std::pow(count[i], 1 / exponent));
         if (part.empty()) continue;
         out.extend(part.low);
         out.extend(part.high);
@@ -123,7 +124,7 @@ Extent sum_extent(const SolidNode& node, const Affine& map, double value) {
 Extent union_extent(const SolidNode& node, const Affine& map, double value) {
     Extent out;
     for (const Solid& solid : node.parts) {
-        const Extent part = extent_of(solid, map, value);
+        const Extent part = compute_extent(solid, map, value);
         if (part.empty()) continue;
         out.extend(part.low);
         out.extend(part.high);
@@ -132,9 +133,9 @@ Extent union_extent(const SolidNode& node, const Affine& map, double value) {
 }
 
 Extent common_extent(const SolidNode& node, const Affine& map, double value) {
-    Extent out = extent_of(node.parts.front(), map, value);
+    Extent out = compute_extent(node.parts.front(), map, value);
     for (const Solid& solid : node.parts) {
-        const Extent part = extent_of(solid, map, value);
+        const Extent part = compute_extent(solid, map, value);
         for (int i = 0; i < 3; ++i) {
             out.low[i] = std::max(out.low[i], part.low[i]);
             out.high[i] = std::min(out.high[i], part.high[i]);
@@ -144,7 +145,7 @@ Extent common_extent(const SolidNode& node, const Affine& map, double value) {
     return out;
 }
 
-/// A twist keeps the height and the distance from the axis.
+/// A twist preserves the height and the distance from the axis.
 Extent twisted_extent(const Extent& straight, const Affine& m) {
     double radius = 0;
     straight.visit_corners([&](Vec3d p) { radius = std::max(radius, std::hypot(p.x, p.y)); });
@@ -163,7 +164,8 @@ Extent tapered_extent(const SolidNode& node, const Extent& straight, const Affin
     return out;
 }
 
-/// The three pieces of a bend: the straight one before, the arc, the straight one after.
+/// Returns the extent of the three sections of a bend: the straight one before, the arc, the straight one
+/// after.
 Extent bent_extent(const SolidNode& node, const Extent& straight, const Affine& m) {
     const double height = node.size.x, angle = node.size.y, arc_radius = height / angle;
     const double low = straight.low.z, high = straight.high.z;
@@ -179,7 +181,7 @@ Extent bent_extent(const SolidNode& node, const Extent& straight, const Affine& 
     for (const double x : {straight.low.x, straight.high.x}) {
         add(x, low);
         add(x, high);
-        // Where the pieces meet, and where the arc is highest and farthest to the side.
+        // Where the sections meet, and where the arc is highest and farthest to the side.
         for (const double z :
              {0.0, height, arc_radius * std::numbers::pi / 2, arc_radius * std::numbers::pi}) {
             if (z > low && z < high && z <= height) add(x, z);
@@ -191,7 +193,7 @@ Extent bent_extent(const SolidNode& node, const Extent& straight, const Affine& 
 }
 
 Extent warped_extent(const SolidNode& node, const Affine& map, double value) {
-    const Extent straight = extent_of(node.parts.front(), node.map.inverse(), value);
+    const Extent straight = compute_extent(node.parts.front(), node.map.inverse(), value);
     if (straight.empty()) return {};
     const Affine m = map * node.map;
     if (node.kind == SolidKind::twist) return twisted_extent(straight, m);
@@ -199,7 +201,7 @@ Extent warped_extent(const SolidNode& node, const Affine& map, double value) {
     return bent_extent(node, straight, m);
 }
 
-Extent extent_of(const Solid& solid, const Affine& map, double value) {
+Extent compute_extent(const Solid& solid, const Affine& map, double value) {
     const SolidNode& node = solid.node();
     switch (node.kind) {
         case SolidKind::unite:
@@ -207,12 +209,12 @@ Extent extent_of(const Solid& solid, const Affine& map, double value) {
         case SolidKind::intersect:
             return common_extent(node, map, value);
         case SolidKind::subtract:
-            return extent_of(node.parts.front(), map, value);
+            return compute_extent(node.parts.front(), map, value);
         case SolidKind::blend:
         case SolidKind::ricci:
             return sum_extent(node, map, value);
         case SolidKind::transform:
-            return extent_of(node.parts.front(), map * node.map, value);
+            return compute_extent(node.parts.front(), map * node.map, value);
         case SolidKind::twist:
         case SolidKind::taper:
         case SolidKind::bend:
@@ -222,7 +224,8 @@ Extent extent_of(const Solid& solid, const Affine& map, double value) {
     }
 }
 
-/// Where the law soft has a value in (0, 1], as a share of the influence: not less than the true one.
+/// Returns an upper bound of the distance at which the law soft has a value in (0, 1], as a share of the
+/// influence.
 double soft_distance(double value) {
     constexpr int kHalvings = 50;
     double low = 0, high = 1;
@@ -246,13 +249,13 @@ double distance_of_value(const SolidNode& primitive, double value) {
         const double x = soft_distance(value / primitive.weight);
         return most * (closed ? std::max(0.0, 2 * x - 1) : x);
     }
-    // Outside, a closed shape's field is convex: it lies below its chord.
+    // Outside, a closed shape's field is convex: it is below its chord.
     if (closed) return most * std::max(0.0, 1 - 2 * value);
     return most * std::sqrt(std::max(0.0, 1 - std::cbrt(value / primitive.weight)));
 }
 
-Box3 box_of(const Solid& solid, const Affine& map, double value) {
-    return to_box(extent_of(solid, map, value));
+Box3 compute_box(const Solid& solid, const Affine& map, double value) {
+    return to_box(compute_extent(solid, map, value));
 }
 
 }  // namespace coppice

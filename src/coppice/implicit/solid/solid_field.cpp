@@ -11,7 +11,7 @@
 namespace coppice {
 namespace {
 
-/// Parts of a union or sum beyond this number are grouped by place, so that whole groups can be skipped.
+/// Parts of a union or sum beyond this number are grouped by position, so that whole groups can be skipped.
 constexpr std::size_t kGroup = 8;
 
 Rows rows_of(const Affine& m, double scale = 1) {
@@ -60,12 +60,12 @@ class Compiler {
   public:
     explicit Compiler(SolidProgram& program) : program_(program) {}
 
-    /// Appends the solid, seen through `map` in the coordinates of the nearest warp above, unless its support
-    /// is empty.
+    /// Appends the solid, transformed by `map` to the coordinates of the nearest enclosing warp, unless its
+    /// support is empty.
     void add(const Solid& solid, const Affine& map) {
         const SolidNode& node = solid.node();
         if (node.kind == SolidKind::transform) return add(node.parts.front(), map * node.map);
-        const Box3 support = box_of(solid, map, 0);
+        const Box3 support = compute_box(solid, map, 0);
         if (support.empty()) return;
         switch (node.kind) {
             case SolidKind::unite:
@@ -126,7 +126,7 @@ class Compiler {
 
     void collect(const SolidNode& node, const Affine& map, std::vector<Placed>& out) {
         for (const Solid& part : node.parts) {
-            const Box3 support = box_of(part, map, 0);
+            const Box3 support = compute_box(part, map, 0);
             if (!support.empty()) out.push_back({&part, support});
         }
     }
@@ -198,7 +198,7 @@ class Compiler {
     }
 
     void add_edges(PrimitiveStep& p, std::span<const Vec3d> points, bool closed, double scale) {
-        // Groups of edges never straddle two primitives.
+        // Groups of edges belong to one primitive.
         program_.edges.resize((program_.edges.size() + kEdgeGroup - 1) / kEdgeGroup * kEdgeGroup);
         program_.edge_boxes.resize(program_.edges.size() / kEdgeGroup);
         p.first = static_cast<std::uint32_t>(program_.edges.size());
@@ -206,7 +206,7 @@ class Compiler {
         for (std::size_t i = 0; i < p.count; ++i) {
             const Vec3 a(points[i] * scale), b(points[(i + 1) % points.size()] * scale);
             const Vec3d d = Vec3d(b) - Vec3d(a);
-            // Exact ends, so that edges which meet, meet without a gap.
+            // Exact ends, so that adjacent edges meet without a gap.
             program_.edges.push_back({a.x, a.y, a.z, static_cast<float>(d.x), static_cast<float>(d.y),
                                       static_cast<float>(d.z),
                                       static_cast<float>(1 / std::max(length_squared(d), 1e-30))});

@@ -31,30 +31,30 @@ enum class StepKind : std::uint8_t {
     bend
 };
 
-/// One node of a solid in prefix order: what lies below it follows it, up to `end`.
+/// One node of a solid in prefix order: its descendants follow it, up to `end`.
 struct SolidStep {
     StepKind kind = StepKind::point;
     std::uint32_t end = 0;
-    std::uint32_t data = 0;  ///< of primitives and warps: which
+    std::uint32_t data = 0;  ///< of primitives and warps: index
     float exponent = 1;      ///< ricci
-    Box3 support;            ///< in the coordinates of the nearest warp above, else of space
+    Box3 support;            ///< in the coordinates of the nearest enclosing warp, otherwise of space
 };
 
 /// Row-major 3 x 4 matrix.
 using Rows = std::array<float, 12>;
 
-/// A skeleton in coordinates in which its influence ends at distance 1 (shapes keep their own).
+/// A skeleton in coordinates in which its influence ends at distance 1 (shapes keep their own coordinates).
 struct PrimitiveStep {
-    Rows rows;  ///< from the coordinates of the nearest warp above
+    Rows rows;  ///< from the coordinates of the nearest enclosing warp
     float weight;
-    float share = 0;                     ///< of the law, see law_share
+    float share = 0;                     ///< parameter of the law, see law_share
     float a = 0, b = 0, c = 0;           ///< as SolidNode::size, scaled
     std::uint32_t first = 0, count = 0;  ///< of `edges`
     const Shape* shape = nullptr;
     float influence = 1;  ///< shapes [m]
 };
 
-/// From the coordinates above to those of the warp's frame, and the warp's parameters.
+/// The map from the outer coordinates to the warp's frame, and the warp's parameters.
 struct WarpStep {
     Rows rows;
     float height = 0,
@@ -69,20 +69,20 @@ struct EdgeStep {
 };
 
 struct SolidProgram {
-    std::vector<SolidStep> steps;  ///< empty when the field is 0 everywhere
+    std::vector<SolidStep> steps;  ///< empty if the field is 0 everywhere
     std::vector<PrimitiveStep> primitives;
     std::vector<WarpStep> warps;
     std::vector<EdgeStep> edges;
-    std::vector<Box3> edge_boxes;  ///< of every kEdgeGroup edges of a polyline, widened by the influence; by
+    std::vector<Box3> edge_boxes;  ///< of every kEdgeGroup edges of a polyline, enlarged by the influence; by
                                    ///< first / kEdgeGroup
-    std::vector<std::shared_ptr<const Shape>> shapes;  ///< keeps them alive
-    std::size_t scratch = 0;  ///< [rows of kBlock floats] that the deepest path needs
+    std::vector<std::shared_ptr<const Shape>> shapes;  ///< keeps the shapes alive
+    std::size_t scratch = 0;  ///< [rows of kBlock floats] required by the deepest path
 };
 
-constexpr std::size_t kSolidBlock = 64;  ///< points that are evaluated together
+constexpr std::size_t kSolidBlock = 64;  ///< number of points that are evaluated together
 constexpr std::uint32_t kEdgeGroup = 16;
 
-/// Rows of scratch that a step holds while what is below it runs.
+/// Rows of scratch memory that a step uses while its descendants run.
 constexpr std::size_t kCombineRows = 4;
 constexpr std::size_t kWarpRows = 6;
 constexpr std::size_t kShapeRows = 7;

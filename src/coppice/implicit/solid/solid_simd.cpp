@@ -4,13 +4,13 @@
 
 #include "coppice/implicit/solid/solid_program_internal.h"
 
-// Vectors of a size known only at run time cannot be members of a struct; these machines use NEON or plain
-// code. The rest are left out because they run this code no faster than their predecessors, and cost time to
-// compile.
+// Vectors with a size known only at run time cannot be members of a struct; such machines use NEON or scalar
+// code. The other targets are disabled because they run this code no faster than their predecessors, and
+// increase the compile time.
 #define HWY_DISABLED_TARGETS \
     (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV | HWY_SSSE3 | HWY_AVX3_DL)
-// Plain numbers where there are no vectors; their emulation takes clang minutes to compile, and gcc 12 not at
-// all.
+// Scalar code if there are no vectors; their emulation takes clang minutes to compile, and gcc 12 cannot
+// compile it.
 #define HWY_BROKEN_EMU128 1
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "coppice/implicit/solid/solid_simd.cpp"
@@ -25,7 +25,7 @@ HWY_BEFORE_NAMESPACE();
 
 namespace coppice::HWY_NAMESPACE {
 
-/// What is asked of the points of a block, and how many rows of kSolidBlock numbers the answer has.
+/// Requested results for the points of a block; the value is the number of rows of kSolidBlock numbers.
 enum class Want : std::size_t { value = 1, range = 2, sample = 4 };
 
 template <Want W>
@@ -35,7 +35,7 @@ class Evaluator {
 
     explicit Evaluator(const SolidProgram& program) : program_(program) {}
 
-    /// Writes the field of step i to `out`; false, with nothing written, when it is 0 at all points.
+    /// Writes the field of step i to `out`; returns false, without writing, if it is 0 at all points.
     bool run(std::uint32_t i, const Block& at, float* HWY_RESTRICT out, float* HWY_RESTRICT scratch) const {
         const SolidStep& step = program_.steps[i];
         if (!step.support.overlaps(at.box)) return false;
@@ -89,7 +89,7 @@ class Evaluator {
                   float* HWY_RESTRICT scratch) const {
         const SolidStep& step = program_.steps[i];
         if (!run(i + 1, at, out, scratch)) return false;
-        // Also where nothing is taken away, the value is cut off at 1.
+        // The value is limited to 1 even if no part is subtracted.
         clear(scratch);
         combine(step, out, scratch);
         for (std::uint32_t child = program_.steps[i + 1].end; child < step.end;
@@ -174,7 +174,7 @@ class Evaluator {
                 store_sample(a, out, k);
             } else if constexpr (W == Want::range) {
                 const V low = load(other, k), high = load(other + kSolidBlock, k);
-                // A difference falls where what is taken away rises.
+                // A difference decreases if the subtracted value increases.
                 store(rule.value(load(out, k), Rule::kFalls ? high : low), out, k);
                 store(rule.value(load(out + kSolidBlock, k), Rule::kFalls ? low : high), out + kSolidBlock,
                       k);
@@ -217,7 +217,7 @@ class Evaluator {
         }
     }
 
-    /// Only the groups of edges near the block.
+    /// Evaluates only the groups of edges near the block.
     HWY_NOINLINE void polyline(const PrimitiveStep& p, const Block& at, float* HWY_RESTRICT out) const {
         Box3 near;
         for (std::size_t k = 0; k < kSolidBlock; k += kLanes) {
@@ -241,7 +241,7 @@ class Evaluator {
         }
     }
 
-    /// The field of the squared distance, and its gradient.
+    /// Writes the field of the squared distance, and its gradient.
     HWY_INLINE void write(const PrimitiveStep& p, const Block& at, std::size_t k, const Nearest& n,
                           float* HWY_RESTRICT out) const {
         const Falloff law(p);
@@ -277,7 +277,7 @@ class Evaluator {
         for (std::size_t k = 0; k < kSolidBlock; k += kLanes) write_shape(p, at, k, support, scratch, out);
     }
 
-    /// From points and distances in `scratch`.
+    /// Writes the field of a shape from points and distances in `scratch`.
     HWY_INLINE void write_shape(const PrimitiveStep& p, const Block& at, std::size_t k, const Box3& support,
                                 const float* HWY_RESTRICT scratch, float* HWY_RESTRICT out) const {
         const bool closed = p.shape->is_closed();
@@ -294,7 +294,7 @@ class Evaluator {
             store_range(shape_falloff(closed, p, hn::Add(d, reach)),
                         shape_falloff(closed, p, hn::Sub(d, reach)), out, k);
         } else {
-            // The field ends at the support's box even where the distance is not a true one.
+            // The field ends at the support's box even if the distance is not a true one.
             const auto inside = hn::And(contains(support, q), hn::Lt(d, splat(1.0f)));
             store(hn::IfThenElseZero(inside, shape_falloff(closed, p, d)), out, k);
             if constexpr (W == Want::sample) {
@@ -328,8 +328,8 @@ class BlockRows {
 constexpr std::size_t kPointRows = 6;
 constexpr std::size_t kOutRows = 4;
 
-/// Points to rows; the last one fills up the block. What is not finite or absurdly far is moved to where all
-/// fields are 0.
+/// Converts points to rows; the last one fills up the block. Points that are not finite or extremely far are
+/// moved to where all fields are 0.
 HWY_INLINE void load_block(std::span<const Vec3> points, Block& at) {
     const std::size_t count = points.size();
     Vec3 padded[kSolidBlock];
@@ -385,7 +385,7 @@ void values_of(const SolidProgram& program, std::span<const Vec3> points, std::s
     }
 }
 
-void ranges_of(const SolidProgram& program, std::span<const Box3> boxes, std::span<ValueRange> out) {
+void compute_ranges(const SolidProgram& program, std::span<const Box3> boxes, std::span<ValueRange> out) {
     BlockRows rows(kPointRows + kOutRows + program.scratch);
     const Evaluator<Want::range> evaluator(program);
     for (std::size_t i = 0; i < boxes.size(); i += kSolidBlock) {
@@ -395,7 +395,7 @@ void ranges_of(const SolidProgram& program, std::span<const Box3> boxes, std::sp
             const Box3& b = boxes[i + std::min(k, count - 1)];
             const Vec3 center = b.center();
             for (int axis = 0; axis < 3; ++axis) {
-                // The centre is rounded; the box must still hold both ends.
+                // The centre is rounded; the box must still contain both ends.
                 const float half = std::max(b.high[axis] - center[axis], center[axis] - b.low[axis]);
                 rows.row(static_cast<std::size_t>(axis))[k] = std::clamp(center[axis], -kFar, kFar);
                 rows.row(static_cast<std::size_t>(axis) + 3)[k] = std::min(1.000001f * half, kFar);
@@ -421,7 +421,7 @@ namespace coppice {
 
 HWY_EXPORT(samples_of);
 HWY_EXPORT(values_of);
-HWY_EXPORT(ranges_of);
+HWY_EXPORT(compute_ranges);
 
 void run_samples(const SolidProgram& program, std::span<const Vec3> points, std::span<FieldSample> out) {
     if (program.steps.empty()) return std::fill(out.begin(), out.end(), FieldSample{});
@@ -435,7 +435,7 @@ void run_values(const SolidProgram& program, std::span<const Vec3> points, std::
 
 void run_ranges(const SolidProgram& program, std::span<const Box3> boxes, std::span<ValueRange> out) {
     if (program.steps.empty()) return std::fill(out.begin(), out.end(), ValueRange{0, 0});
-    HWY_DYNAMIC_DISPATCH(ranges_of)(program, boxes, out);
+    HWY_DYNAMIC_DISPATCH(compute_ranges)(program, boxes, out);
 }
 
 }  // namespace coppice

@@ -1,4 +1,4 @@
-// Squared distances from skeletons. Included by solid_simd.cpp alone, once for every instruction set.
+// Squared distances from skeletons. Included only by solid_simd.cpp, once for every instruction set.
 #if defined(COPPICE_SOLID_SKELETONS_INTERNAL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef COPPICE_SOLID_SKELETONS_INTERNAL_H
 #undef COPPICE_SOLID_SKELETONS_INTERNAL_H
@@ -12,7 +12,8 @@ HWY_BEFORE_NAMESPACE();
 
 namespace coppice::HWY_NAMESPACE {
 
-/// Squared distance from a skeleton, and the way from its nearest point: half the gradient of the former.
+/// Squared distance from a skeleton, and the vector from its nearest point: half the gradient of the squared
+/// distance.
 struct Nearest {
     V squared;
     Point away;
@@ -21,7 +22,7 @@ struct Nearest {
 HWY_INLINE V clamp(V x, float low, float high) { return hn::Min(hn::Max(x, splat(low)), splat(high)); }
 HWY_INLINE Nearest nearest_by(Point away) { return {squared_length(away), away}; }
 
-/// From a way in the half plane through the axis, outward `e` and up `dz`.
+/// Converts a vector in the half plane through the axis, outward `e` and up `dz`.
 HWY_INLINE Nearest nearest_around(Point q, V rho, V e, V dz) {
     const V per_rho = hn::Div(e, hn::Max(rho, splat(1e-30f)));
     return {hn::MulAdd(e, e, hn::Mul(dz, dz)), {hn::Mul(per_rho, q.x), hn::Mul(per_rho, q.y), dz}};
@@ -31,7 +32,7 @@ struct PointSkeleton {
     HWY_INLINE Nearest operator()(Point q) const { return nearest_by(q); }
 };
 
-/// From the origin up to height c.
+/// A line from the origin up to height c.
 class SegmentSkeleton {
   public:
     explicit SegmentSkeleton(const PrimitiveStep& p) : height_(p.c) {}
@@ -43,7 +44,7 @@ class SegmentSkeleton {
     float height_;
 };
 
-/// Of radius a about z.
+/// A circle of radius a about z.
 class CircleSkeleton {
   public:
     explicit CircleSkeleton(const PrimitiveStep& p) : radius_(p.a) {}
@@ -56,7 +57,7 @@ class CircleSkeleton {
     float radius_;
 };
 
-/// Solid, of radius a, from z = 0 to c; a disc when c is 0.
+/// A solid cylinder of radius a, from z = 0 to c; a disc if c is 0.
 class CylinderSkeleton {
   public:
     explicit CylinderSkeleton(const PrimitiveStep& p) : radius_(p.a), height_(p.c) {}
@@ -70,7 +71,7 @@ class CylinderSkeleton {
     float radius_, height_;
 };
 
-/// Solid, with half sides a, b, c.
+/// A solid box with half sides a, b, c.
 class BoxSkeleton {
   public:
     explicit BoxSkeleton(const PrimitiveStep& p) : a_(p.a), b_(p.b), c_(p.c) {}
@@ -83,7 +84,7 @@ class BoxSkeleton {
     float a_, b_, c_;
 };
 
-/// Solid, of radius a at z = 0 and b at z = c.
+/// A solid cone of radius a at z = 0 and b at z = c.
 class ConeSkeleton {
   public:
     explicit ConeSkeleton(const PrimitiveStep& p)
@@ -95,7 +96,8 @@ class ConeSkeleton {
 
     HWY_INLINE Nearest operator()(Point q) const {
         const V rho = hypotenuse(q.x, q.y);
-        // Below, above, beside: the least of the three, unless inside.
+        // Distances to the lower disc, the upper disc and the lateral surface: the minimum of the three,
+        // unless inside.
         V e = hn::Max(hn::Sub(rho, splat(low_)), zero()), dz = q.z;
         V best = hn::MulAdd(e, e, hn::Mul(dz, dz));
         const V above = hn::Sub(q.z, splat(height_));
@@ -137,7 +139,7 @@ HWY_INLINE void take_nearer(const EdgeStep& e, Point q, Nearest& nearest) {
          hn::IfThenElse(nearer, away.z, nearest.away.z)}};
 }
 
-/// Plane, in z = 0: inside when a ray along x crosses an odd number of edges.
+/// A planar polygon in z = 0: inside if a ray along x crosses an odd number of edges.
 class PolygonSkeleton {
   public:
     PolygonSkeleton(const PrimitiveStep& p, const EdgeStep* edges)
@@ -155,10 +157,10 @@ class PolygonSkeleton {
     }
 
   private:
-    /// 1 where the ray crosses the edge, else 0.
+    /// Returns 1 where the ray crosses the edge, otherwise 0.
     HWY_INLINE V crossed(std::uint32_t i, Point q) const {
         const EdgeStep& e = edges_[i];
-        // The end as the next edge has it, so that a corner is never crossed twice or not at all.
+        // Uses the end as stored in the next edge, so that a corner is crossed exactly once.
         const float end_y = edges_[i + 1 < first_ + count_ ? i + 1 : first_].ay;
         const auto starts_above = hn::Gt(splat(e.ay), q.y), ends_above = hn::Gt(splat(end_y), q.y);
         const auto spans = hn::Xor(starts_above, ends_above);

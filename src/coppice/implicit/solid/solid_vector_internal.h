@@ -1,4 +1,4 @@
-// Rows of numbers as vectors, maps, falloffs and combinations. Included by solid_simd.cpp alone, once for
+// Rows of numbers as vectors, maps, falloffs and combinations. Included only by solid_simd.cpp, once for
 // every instruction set.
 #if defined(COPPICE_SOLID_VECTOR_INTERNAL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef COPPICE_SOLID_VECTOR_INTERNAL_H
@@ -53,7 +53,7 @@ HWY_INLINE void store_sample(Sample s, float* HWY_RESTRICT rows, std::size_t k) 
     store_point(s.gradient, rows + kSolidBlock, k);
 }
 
-/// A range whose ends rounding cannot have moved past the true ones.
+/// Stores a range, enlarged so that it contains the exact range in spite of rounding.
 HWY_INLINE void store_range(V low, V high, float* HWY_RESTRICT rows, std::size_t k) {
     const V relative = splat(1e-4f), absolute = splat(1e-5f);
     store(hn::Max(hn::Sub(hn::NegMulAdd(low, relative, low), absolute), zero()), rows, k);
@@ -71,22 +71,22 @@ HWY_INLINE Point through(const Rows& m, Point p) {
     return {hn::Add(row_times(m.data(), p), splat(m[3])), hn::Add(row_times(m.data() + 4, p), splat(m[7])),
             hn::Add(row_times(m.data() + 8, p), splat(m[11]))};
 }
-/// A gradient in the coordinates behind the map, seen before it: times the transpose.
+/// Transforms a gradient to the coordinates before the map: multiplies by the transpose.
 HWY_INLINE Point back_through(const Rows& m, Point g) {
     const float x[3] = {m[0], m[4], m[8]}, y[3] = {m[1], m[5], m[9]}, z[3] = {m[2], m[6], m[10]};
     return {row_times(x, g), row_times(y, g), row_times(z, g)};
 }
-/// Half the sides of the box around the image of a box with half sides h.
+/// Returns half the sides of the box around the image of a box with half sides h.
 HWY_INLINE Point reach_through(const Rows& m, Point h) {
     const float x[3] = {std::abs(m[0]), std::abs(m[1]), std::abs(m[2])};
     const float y[3] = {std::abs(m[4]), std::abs(m[5]), std::abs(m[6])};
     const float z[3] = {std::abs(m[8]), std::abs(m[9]), std::abs(m[10])};
     return {row_times(x, h), row_times(y, h), row_times(z, h)};
 }
-/// The radius of a ball around the image of a box with half sides h.
+/// Returns the radius of a ball around the image of a box with half sides h.
 HWY_INLINE V ball_through(const Rows& m, Point h) { return hn::Sqrt(squared_length(reach_through(m, h))); }
 
-/// Up to kSolidBlock points, as rows of x, y and z; for ranges of boxes also of their half sides.
+/// Up to kSolidBlock points, as rows of x, y and z; for ranges of boxes also their half sides.
 struct Block {
     float* rows;
     Box3 box;
@@ -123,7 +123,7 @@ HWY_INLINE hn::Mask<Tag> contains(const Box3& b, Point p) {
     return hn::And(x, hn::And(y, z));
 }
 
-/// weight (1 - s)^2 (1 - s + share s) where the squared distance s is below 1: what a law of fields is.
+/// weight (1 - s)^2 (1 - s + share s) where the squared distance s is below 1: the laws of fields.
 class Falloff {
   public:
     Falloff(float weight, float share) : weight_(weight), share_(share) {}
@@ -133,7 +133,7 @@ class Falloff {
         const V s = hn::Min(squared, splat(1.0f)), t = hn::Sub(splat(1.0f), s);
         return hn::Mul(hn::Mul(splat(weight_), t), hn::Mul(t, hn::MulAdd(splat(share_), s, t)));
     }
-    /// The derivative by the distance, over the distance.
+    /// Returns the derivative by the distance, divided by the distance.
     HWY_INLINE V slope(V squared) const {
         const V s = hn::Min(squared, splat(1.0f)), t = hn::Sub(splat(1.0f), s);
         const V u = hn::MulAdd(splat(share_), hn::Sub(s, splat(1.0f / 3)), t);
@@ -144,12 +144,12 @@ class Falloff {
     float weight_, share_;
 };
 
-/// From the surface of a closed shape at -1 to 1, the distance from a skeleton that lies 1 below it, in units
-/// of where the law soft ends.
+/// Converts the distance d in [-1, 1] from the surface of a closed shape to the distance from a skeleton at
+/// depth 1 below it, in units of the end of the law soft.
 HWY_INLINE V from_depth(V d) { return hn::MulAdd(splat(0.5f), d, splat(0.5f)); }
 
-/// The field of a shape at distance d, in influences. A closed one falls from 1 at -1 to 0 at 1 as
-/// 1/2 - d (15 - 10 d^2 + 3 d^4) / 16, twice differentiable everywhere, or by the law soft.
+/// Returns the field of a shape at distance d, in influences. A closed one decreases from 1 at -1 to 0 at 1
+/// as 1/2 - d (15 - 10 d^2 + 3 d^4) / 16, twice differentiable everywhere, or by the law soft.
 HWY_INLINE V shape_falloff(bool closed, const PrimitiveStep& primitive, V d) {
     const Falloff law(primitive);
     if (!closed) {
@@ -178,9 +178,9 @@ HWY_INLINE V shape_slope(bool closed, const PrimitiveStep& primitive, V d) {
     return hn::Mul(splat(-15.0f / 16), hn::Mul(t, t));
 }
 
-// How two values become one: value(a, b), and sample(a, b) into a, with gradients. A value of 0 changes
-// nothing (of Least, gives 0), to the bit: what is skipped is not missed. All but Difference rise with both
-// values.
+// Combinations of two values: value(a, b), and sample(a, b) into a, with gradients. A value of 0 changes
+// nothing (for Least, the result is 0; bit-identical), so that skipped parts have no effect. All but
+// Difference are increasing in both values.
 struct Greatest {
     static constexpr bool kFalls = false;
     HWY_INLINE V value(V a, V b) const { return hn::Max(a, b); }
@@ -210,7 +210,7 @@ struct Least {
     }
 };
 
-/// min(a, 1 - b), not below 0.
+/// min(a, 1 - b), at least 0.
 struct Difference {
     static constexpr bool kFalls = true;
     HWY_INLINE V value(V a, V b) const { return hn::Max(hn::Min(a, hn::Sub(splat(1.0f), b)), zero()); }
@@ -231,8 +231,8 @@ struct Sum {
     }
 };
 
-/// (a^n + b^n)^(1/n) as h (1 + t^n)^(1/n) with h the greater and t <= 1 the lesser by the greater: no power
-/// leaves the range of numbers. Three values may be taken two at a time.
+/// (a^n + b^n)^(1/n) as h (1 + t^n)^(1/n) with h the greater value and t <= 1 the ratio of the smaller to the
+/// greater: no power overflows. Three values may be combined in pairs.
 class Ricci {
   public:
     static constexpr bool kFalls = false;
@@ -246,7 +246,7 @@ class Ricci {
         const V high = hn::Max(a.value, b.value), low = hn::Min(a.value, b.value);
         const V t = ratio(low, high), p = power(t), s = swell(p);
         const auto both = hn::Gt(low, zero());
-        // Of the greater value s / (1 + t^n), of the lesser t^(n-1) times that.
+        // The derivative by the greater value is s / (1 + t^n), by the smaller one t^(n-1) times that.
         const V of_high = hn::IfThenElse(both, hn::Div(s, hn::Add(splat(1.0f), p)), splat(1.0f));
         const V of_low = hn::IfThenElseZero(both, hn::Mul(of_high, hn::Div(p, t)));
         const auto swapped = hn::Gt(b.value, a.value);

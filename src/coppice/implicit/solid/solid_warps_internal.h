@@ -1,5 +1,5 @@
-// Warps: where a point was before it was twisted, tapered or bent. Included by solid_simd.cpp alone, once for
-// every instruction set.
+// Warps: the position of a point before it was twisted, tapered or bent. Included only by solid_simd.cpp,
+// once for every instruction set.
 #if defined(COPPICE_SOLID_WARPS_INTERNAL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef COPPICE_SOLID_WARPS_INTERNAL_H
 #undef COPPICE_SOLID_WARPS_INTERNAL_H
@@ -14,8 +14,9 @@ HWY_BEFORE_NAMESPACE();
 namespace coppice::HWY_NAMESPACE {
 
 // Every warp has three functions for the lanes at k of a block: points(at, before, k) writes the points to
-// rows 0 to 2 of `before` and what pull_back needs to rows 3 to 5; pull_back(before, k, g) takes the gradient
-// at those points to the frame; ranges(at, before, k) maps boxes to boxes, with half sides in rows 3 to 5.
+// rows 0 to 2 of `before` and the data of pull_back to rows 3 to 5; pull_back(before, k, g) transforms the
+// gradient at those points to the frame; ranges(at, before, k) maps boxes to boxes, with half sides in rows 3
+// to 5.
 
 class Twist {
   public:
@@ -40,8 +41,8 @@ class Twist {
         Point c, trig;
         turn(through(w_.rows, load_point(at.rows, k)), c, trig);
         const V half = hypotenuse(h.x, h.y), out = hn::Add(hypotenuse(c.x, c.y), half);
-        // Turned by up to |rate| h.z, a point moves by as much times its distance from the axis, or across at
-        // most.
+        // Rotated by at most |rate| h.z, a point moves by that angle times its distance from the axis, or
+        // across the axis at most.
         const V turned = hn::Mul(out, hn::Min(hn::Mul(splat(std::abs(w_.rate)), h.z), splat(2.0f)));
         const V across = hn::Add(half, turned);
         store_point(c, before.rows, k);
@@ -101,7 +102,7 @@ class Taper {
     const WarpStep& w_;
 };
 
-/// The arc lies in the plane of x and z, about (1 / curvature, 0).
+/// The arc is in the plane of x and z, about (1 / curvature, 0).
 class Bend {
   public:
     explicit Bend(const WarpStep& w) : w_(w) {}
@@ -141,16 +142,16 @@ class Bend {
     }
 
   private:
-    /// turn: cosine and sine of the angle by which the place is turned, and how much lengths along the arc
-    /// grow; r: the distance from the centre of the arc.
+    /// turn: cosine and sine of the local rotation angle, and the growth of lengths along the arc; r: the
+    /// distance from the centre of the arc.
     HWY_INLINE void unbend(Point p, Point& straight, Point& turn, V& r) const {
         const V arc_radius = splat(1 / w_.rate);
         const V u = hn::Sub(arc_radius, p.x);
         r = hn::Max(hypotenuse(u, p.z), hn::Mul(splat(1e-6f), arc_radius));
-        const V angle = angle_of(p.z, u);
+        const V angle = compute_angle(p.z, u);
         const auto before = hn::Lt(angle, zero()), after = hn::Gt(angle, splat(w_.angle));
         const V per_r = hn::Div(splat(1.0f), r);
-        // arc radius - r, without the difference of near numbers.
+        // arc radius - r, without the difference of almost equal numbers.
         const V twice = hn::Add(arc_radius, arc_radius);
         const V inward = hn::Sub(hn::Mul(p.x, hn::Sub(twice, p.x)), hn::Mul(p.z, p.z));
         const V arc_x = hn::Div(inward, hn::Add(arc_radius, r)), arc_z = hn::Mul(angle, arc_radius);
@@ -167,9 +168,9 @@ class Bend {
         return hn::IfThenElse(before, start, hn::IfThenElse(after, end, arc));
     }
 
-    /// Angle about the centre from where the arc begins; what lies opposite its middle belongs half to the
-    /// start and half to the end.
-    HWY_INLINE V angle_of(V z, V u) const {
+    /// Returns the angle about the centre from the start of the arc; the region opposite its middle belongs
+    /// half to the start and half to the end.
+    HWY_INLINE V compute_angle(V z, V u) const {
         constexpr float kPi = 3.14159265f;
         const V a = hn::Abs(z), b = hn::Abs(u);
         const V high = hn::Max(a, b), low = hn::Min(a, b);
@@ -181,7 +182,7 @@ class Bend {
         return hn::IfThenElse(behind, hn::Add(angle, splat(2 * kPi)), angle);
     }
 
-    /// Distance from the half line where start and end meet.
+    /// Returns the distance from the half line where start and end meet.
     HWY_INLINE V cut_distance(Point p, V r) const {
         const V u = hn::Sub(splat(1 / w_.rate), p.x);
         const float c = -std::cos(w_.angle / 2), s = -std::sin(w_.angle / 2);

@@ -6,19 +6,19 @@
 #include <thread>
 #include <utility>
 
-#include "coppice/io/file.h"
 #include "coppice/io/library/database_internal.h"
+#include "coppice/system/file.h"
 
 namespace coppice::io_internal {
 namespace {
 
-constexpr int kMostWaits = 1200;  // of 50 ms: a minute
+constexpr int kMaxWaits = 1200;  // waits of 50 ms: one minute
 constexpr std::chrono::milliseconds kWait{50};
 constexpr int kLargestValue = 1 << 28;  // [bytes]
-constexpr int kStepsPerPoll = 10'000;   // of SQLite's machine
+constexpr int kStepsPerPoll = 10'000;   // virtual machine instructions of SQLite between two polls
 
 int waits_on(void* context, int waits) {
-    if (waits >= kMostWaits || static_cast<const Context*>(context)->stop.stop_requested()) return 0;
+    if (waits >= kMaxWaits || static_cast<const Context*>(context)->stop.stop_requested()) return 0;
     std::this_thread::sleep_for(kWait);
     return 1;
 }
@@ -28,15 +28,15 @@ int stops(void* context) { return static_cast<const Context*>(context)->stop.sto
 std::string_view reason(int code) {
     switch (code & 0xff) {
         case SQLITE_NOTADB:
-            return "this is no library of trees";
+            return "this is not a library of trees";
         case SQLITE_CORRUPT:
-            return "the library is damaged; make it anew from its trees";
+            return "the library is damaged; create a new one from its trees";
         case SQLITE_BUSY:
         case SQLITE_LOCKED:
-            return "another program has been writing it for a minute; try again later";
+            return "another program has been writing to it for a minute; try again later";
         case SQLITE_READONLY:
         case SQLITE_PERM:
-            return "the library cannot be written; look at its permissions and its folder's";
+            return "the library is not writable; check its permissions and those of its folder";
         case SQLITE_FULL:
             return "the disk is full";
         case SQLITE_CANTOPEN:
@@ -57,7 +57,7 @@ Sqlite::Sqlite(std::filesystem::path path, int flags, const Context& ctx)
         throw IoError(fmt::format("{}: {}", path_.string(), reason(SQLITE_CANTOPEN)));
     }
     sqlite3_limit(handle_, SQLITE_LIMIT_LENGTH, kLargestValue);
-    // A library may come from anybody: views and triggers in it must not do more than look at it.
+    // Libraries are untrusted: views and triggers in them must not have side effects.
     sqlite3_db_config(handle_, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
     sqlite3_db_config(handle_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
     void* context = const_cast<Context*>(&ctx_);
@@ -72,7 +72,7 @@ void Sqlite::execute(const char* sql) const {
 }
 
 void Sqlite::fail(int code) const {
-    const int error = errno;  // of the system call, where it was one
+    const int error = errno;  // errno of the failed system call, if any
     ctx_.throw_if_cancelled();
     if ((code & 0xff) == SQLITE_NOMEM) throw std::bad_alloc();
     const std::string_view known = reason(code);
@@ -80,7 +80,9 @@ void Sqlite::fail(int code) const {
     fail(code == SQLITE_IOERR_WRITE ? file_error_text(error) : std::string(sqlite3_errmsg(handle_)));
 }
 
-void Sqlite::fail(std::string_view what) const { throw IoError(fmt::format("{}: {}", path_.string(), what)); }
+void Sqlite::fail(std::string_view subject) const {
+    throw IoError(fmt::format("{}: {}", path_.string(), subject));
+}
 
 Statement::Statement(const Sqlite& database, std::string_view sql) : database_(database) {
     const int code = sqlite3_prepare_v2(database_.handle(), sql.data(), static_cast<int>(sql.size()),

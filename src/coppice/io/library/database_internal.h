@@ -14,10 +14,10 @@
 
 namespace coppice::io_internal {
 
-/// A connection to an SQLite file. What goes wrong is an IoError that names the file and the mend.
+/// A connection to an SQLite file. Errors are IoErrors that name the file and the repair.
 class Sqlite {
   public:
-    /// `flags` as for sqlite3_open_v2.
+    /// `flags` are those of sqlite3_open_v2.
     Sqlite(std::filesystem::path path, int flags, const Context& ctx);
     ~Sqlite();
     Sqlite(const Sqlite&) = delete;
@@ -26,7 +26,7 @@ class Sqlite {
     sqlite3* handle() const { return handle_; }
     void execute(const char* sql) const;
     [[noreturn]] void fail(int code) const;
-    [[noreturn]] void fail(std::string_view what) const;
+    [[noreturn]] void fail(std::string_view subject) const;
     void throw_if_cancelled() const { ctx_.throw_if_cancelled(); }
     const std::filesystem::path& path() const { return path_; }
 
@@ -36,7 +36,7 @@ class Sqlite {
     sqlite3* handle_ = nullptr;
 };
 
-/// A prepared statement. Columns count from 0, parameters from 1.
+/// A prepared statement. Columns are numbered from 0, parameters from 1.
 class Statement {
   public:
     Statement(const Sqlite& database, std::string_view sql);
@@ -46,19 +46,20 @@ class Statement {
 
     void bind(int parameter, std::int64_t value);
     void bind(int parameter, double value);
-    /// Has to live until the next step.
+    /// The text must remain valid until the next step.
     void bind(int parameter, std::string_view text);
     void bind(int parameter, std::span<const std::byte> blob);
     void bind_null(int parameter);
 
-    /// Whether there is a row.
+    /// Executes the statement up to the next row; returns whether there is one.
     bool step();
-    /// Makes it ready to run again, with the same parameters.
+    /// Resets the statement for another execution; keeps the parameters.
     void reset();
-    /// Runs it where no rows are expected, and makes it ready again.
+    /// Executes a statement that returns no rows, and resets it.
     void run();
 
-    /// SQLITE_INTEGER, SQLITE_FLOAT, SQLITE_TEXT, SQLITE_BLOB or SQLITE_NULL, whatever the table declares.
+    /// Returns SQLITE_INTEGER, SQLITE_FLOAT, SQLITE_TEXT, SQLITE_BLOB or SQLITE_NULL, independent of the
+    /// declared type.
     int type(int column) const { return sqlite3_column_type(statement_, column); }
     std::int64_t integer(int column) const { return sqlite3_column_int64(statement_, column); }
     double real(int column) const { return sqlite3_column_double(statement_, column); }
@@ -70,7 +71,7 @@ class Statement {
     sqlite3_stmt* statement_ = nullptr;
 };
 
-/// All or nothing: what was not committed is undone.
+/// A transaction that is rolled back on destruction unless it was committed.
 class Transaction {
   public:
     explicit Transaction(const Sqlite& database) : database_(database) {

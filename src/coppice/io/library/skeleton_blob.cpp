@@ -9,7 +9,7 @@
 namespace coppice::io_internal {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "numbers are copied as they are");
+static_assert(std::endian::native == std::endian::little, "numbers are copied without conversion");
 static_assert(sizeof(Vec3) == 12 && sizeof(NodeId) == 4);
 
 constexpr std::size_t kBytesPerNode = sizeof(NodeId) + sizeof(Vec3) + sizeof(float);

@@ -9,11 +9,11 @@
 
 namespace coppice::io_internal {
 
-/// A skeleton as little-endian numbers of 32 bits: how many nodes, then parents (2^32 - 1 of a root),
-/// positions and radii, column by column. The origin is left out. The same skeleton makes the same bytes.
+/// Encodes a skeleton as little-endian 32-bit numbers: the number of nodes, then the columns of parents (2^32
+/// - 1 for a root), positions and radii. The origin is omitted. Equal skeletons have equal encodings.
 std::vector<std::byte> encode_blob(const Skeleton& skeleton);
 
-/// The other way around; none where the bytes are not such.
+/// Decodes a skeleton; returns nullopt if the bytes are invalid.
 std::optional<Skeleton> decode_blob(std::span<const std::byte> bytes);
 
 }  // namespace coppice::io_internal

@@ -25,8 +25,9 @@ using namespace io_internal;
 
 constexpr std::int64_t kApplication = 0x436f7063;  // "Copc"
 constexpr std::int64_t kVersion = 1;
-constexpr std::string_view kNoLibrary = "this is no library of trees";
-// As they stand in the file, letter by letter: another text is no library.
+constexpr std::string_view kNoLibrary = "this is not a library of trees";
+// These texts are compared with those of the file character by character: a file with other texts is not a
+// library.
 constexpr std::string_view kTreeTable = R"(CREATE TABLE tree (
     id INTEGER PRIMARY KEY AUTOINCREMENT,
     hash INTEGER NOT NULL UNIQUE,
@@ -48,7 +49,7 @@ constexpr std::string_view kTagTable = R"(CREATE TABLE tag (
     name TEXT NOT NULL,
     PRIMARY KEY (tree, name)) WITHOUT ROWID)";
 
-std::int64_t hash_of(const ChildTree& tree, std::span<const std::byte> blob) {
+std::int64_t compute_hash(const ChildTree& tree, std::span<const std::byte> blob) {
     Hash hash;
     hash.add(blob).add(tree.host_radius).add(tree.inclination).add(std::uint32_t{tree.leads});
     return std::bit_cast<std::int64_t>(hash.value());
@@ -63,8 +64,8 @@ std::int64_t id_of(const std::string& word) {
     std::int64_t id = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), id);
     if (error != std::errc{} || end != word.data() + word.size()) {
-        throw InvalidInput(
-            fmt::format("{} is no number of a tree; 'coppice library list LIBRARY' shows them", quote(word)));
+        throw InvalidInput(fmt::format(
+            "{} is not the number of a tree; 'coppice library list LIBRARY' shows them", quote(word)));
     }
     return id;
 }
@@ -82,14 +83,14 @@ bool is_meant(const LibraryEntry& e, const LibraryFilter& f, std::span<const std
     return (ids.empty() || std::ranges::find(ids, e.id) != ids.end()) &&
            (f.from.empty() || has(f.from, e.source)) &&
            std::ranges::all_of(f.tags, [&](const std::string& t) { return has(e.tags, t); }) &&
-           within(m.length, double{f.least_length}, double{f.most_length}) &&
-           within(m.orders, f.least_orders, f.most_orders) && within(m.tips, f.least_tips, f.most_tips);
+           within(m.length, double{f.min_length}, double{f.max_length}) &&
+           within(m.orders, f.min_orders, f.max_orders) && within(m.tips, f.min_tips, f.max_tips);
 }
 
 void check_tags(std::span<const std::string> tags) {
     for (const std::string& tag : tags) {
         if (tag.empty() || tag.find_first_of(", \t\n") != std::string::npos)
-            throw InvalidInput(fmt::format("{} cannot be a tag; write one word without commas", quote(tag)));
+            throw InvalidInput(fmt::format("{} is not a valid tag; use one word without commas", quote(tag)));
     }
 }
 
@@ -99,7 +100,8 @@ class TreeLibrary::Database : public Sqlite {
   public:
     using Sqlite::Sqlite;
 
-    /// Removes a new file that nothing was added to, while no other program can be writing it.
+    /// Removes a new file that is still empty while the open transaction keeps other programs from writing to
+    /// it.
     ~Database() {
         std::error_code ignored;
         if (creation_ && was_empty_) std::filesystem::remove(path(), ignored);
@@ -107,7 +109,7 @@ class TreeLibrary::Database : public Sqlite {
     Database(const Database&) = delete;
     Database& operator=(const Database&) = delete;
 
-    /// Runs change() as one transaction: the one that made the tables of a new file, or one of its own.
+    /// Runs change() in a transaction: that in which the tables of a new file were created, or a new one.
     template <class Change>
     void change(const Change& change) {
         if (!creation_) {
@@ -121,7 +123,7 @@ class TreeLibrary::Database : public Sqlite {
         creation_.reset();
     }
 
-    /// Makes the tables of a new file; else looks whether it is a library that can be read.
+    /// Creates the tables of a new file; otherwise checks that it is a library of a supported version.
     void prepare(bool create) {
         execute("PRAGMA foreign_keys = ON");
         execute("PRAGMA trusted_schema = OFF");
@@ -130,14 +132,14 @@ class TreeLibrary::Database : public Sqlite {
         const std::int64_t version = number(*this, "PRAGMA user_version");
         if (version != kVersion) {
             fail(fmt::format(
-                "the library is of version {}, and this program knows version {}; use a newer program",
+                "the library has version {}, but this program supports version {}; use a newer program",
                 version, kVersion));
         }
         if (!has_our_tables()) fail(kNoLibrary);
     }
 
-    /// The trees meant, in order of their numbers. Throws InvalidInput for values that no tree has where they
-    /// are `checked`.
+    /// Returns the selected trees in order of their numbers. If `checked`, throws InvalidInput for values
+    /// that no tree can have.
     std::vector<LibraryEntry> entries(const LibraryFilter& filter, bool checked) const {
         std::vector<std::int64_t> ids;
         for (const std::string& word : filter.ids) ids.push_back(id_of(word));
@@ -177,7 +179,7 @@ class TreeLibrary::Database : public Sqlite {
         }
     }
 
-    /// Adds the trees that are not there yet, and gives the tags to all of them.
+    /// Adds the trees that the library does not contain yet, and adds the tags to all of them.
     void add(const Batch& batch, std::span<const std::string> tags, Added& out) const {
         Statement find(*this, "SELECT id FROM tree WHERE hash = ?1");
         Statement insert(
@@ -188,7 +190,7 @@ class TreeLibrary::Database : public Sqlite {
         for (const ChildTree& tree : batch.trees) {
             throw_if_cancelled();
             const std::vector<std::byte> blob = encode_blob(tree.skeleton);
-            const std::int64_t hash = hash_of(tree, blob);
+            const std::int64_t hash = compute_hash(tree, blob);
             find.bind(1, hash);
             std::int64_t id = find.step() ? find.integer(0) : 0;
             find.reset();
@@ -228,12 +230,12 @@ class TreeLibrary::Database : public Sqlite {
     }
 
   private:
-    /// Keeps the transaction open until something is added.
+    /// Keeps the transaction open until a tree is added.
     void make_tables() {
         creation_.emplace(*this);
         std::error_code missing;
         was_empty_ = std::filesystem::file_size(path(), missing) == 0;
-        if (missing) fail("it was removed meanwhile; try again");
+        if (missing) fail("it has been removed by another program; try again");
         if (!is_new()) return creation_.reset();
         Statement(*this, kTreeTable).run();
         Statement(*this, kTagTable).run();
@@ -246,7 +248,8 @@ class TreeLibrary::Database : public Sqlite {
                number(*this, "SELECT count(*) FROM sqlite_master") == 0;
     }
 
-    /// And nothing else, such as a view that never ends.
+    /// Returns whether the file contains the expected tables only, and no additional objects such as an
+    /// endless view.
     bool has_our_tables() const {
         Statement schema(*this,
                          "SELECT count(*), total(sql IN (?1, ?2)) FROM sqlite_master "
@@ -275,8 +278,8 @@ class TreeLibrary::Database : public Sqlite {
                          .source_node = count(2)}};
     }
 
-    /// Whether the row holds what `add` writes. Any program can have written the file, and SQLite keeps
-    /// values of any type in any column.
+    /// Returns whether the row contains values that `add` could have written. Any program may have written
+    /// the file, and SQLite stores values of any type in any column.
     static bool is_valid(const Statement& row) {
         const auto counts = [&](int column, std::int64_t low, std::int64_t high) {
             return row.type(column) == SQLITE_INTEGER && row.integer(column) >= low &&
@@ -311,20 +314,21 @@ class TreeLibrary::Database : public Sqlite {
                     fmt::format("{}: there is no tree {}; 'coppice library list {}' shows them",
                                 path().string(), id, path().string()));
         }
-        throw InvalidInput(fmt::format("{}: a tree is named twice", path().string()));
+        throw InvalidInput(fmt::format("{}: a tree is listed twice", path().string()));
     }
 
-    std::optional<Transaction> creation_;  ///< of a new file, until something is added
-    bool was_empty_ = false;               ///< the file, when that transaction began
+    std::optional<Transaction> creation_;  ///< transaction of a new file, open until a tree is added
+    bool was_empty_ = false;               ///< whether the file was empty when that transaction began
 };
 
 TreeLibrary::TreeLibrary(const std::filesystem::path& path, LibraryAccess access, const Context& ctx) {
     std::error_code ignored;
     if (std::filesystem::is_directory(path, ignored))
-        throw IoError(fmt::format("{}: this is a folder; name a file", path.string()));
+        throw IoError(fmt::format("{}: this is a folder; specify a file", path.string()));
     if (access != LibraryAccess::create && !std::filesystem::exists(path, ignored)) {
-        throw IoError(fmt::format("{}: there is no such file; 'coppice library add {} TREE' makes a library",
-                                  path.string(), path.string()));
+        throw IoError(
+            fmt::format("{}: there is no such file; 'coppice library add {} TREE' creates a library",
+                        path.string(), path.string()));
     }
     const int flags = access == LibraryAccess::read    ? SQLITE_OPEN_READONLY
                       : access == LibraryAccess::write ? SQLITE_OPEN_READWRITE
@@ -404,7 +408,7 @@ std::vector<ChildTree> read_child_trees(const std::filesystem::path& path, const
     return trees;
 }
 
-std::string table_of(std::span<const LibraryEntry> entries) {
+std::string make_table(std::span<const LibraryEntry> entries) {
     std::string text = fmt::format("{:>6} {:>10} {:>10} {:>9} {:>6} {:>6} {:>8} {:>8} {:>5} {:>5}  {}\n",
                                    "id", "length m", "volume l", "extent m", "nodes", "tips", "orders",
                                    "radius", "incl", "leads", "source, tags");

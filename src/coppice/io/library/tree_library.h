@@ -15,92 +15,98 @@ namespace coppice {
 
 /// A child tree in a library.
 struct LibraryEntry {
-    std::int64_t id = 0;            ///< > 0; never used again after it was removed
-    std::string source;             ///< the file that it is from
-    std::vector<std::string> tags;  ///< by the alphabet
-    ChildTreeMeasures measures;     ///< of the tree
-    ChildTree tree;  ///< without a skeleton's worth, one node, where only the list was asked for
+    std::int64_t id = 0;            ///< > 0; never reused after the tree was removed
+    std::string source;             ///< name of the source file
+    std::vector<std::string> tags;  ///< in alphabetical order
+    ChildTreeMeasures measures;     ///< measures of the tree
+    ChildTree tree;                 ///< only a single node if the entries were read without skeletons
 };
 
-/// Which trees of a library are meant: those that all of it holds for.
+/// Selects the trees of a library that satisfy all conditions.
 struct LibraryFilter {
-    std::vector<std::string> ids;   ///< any of these; empty = all
-    std::vector<std::string> tags;  ///< all of these
-    std::vector<std::string> from;  ///< any of these sources; empty = all
-    float least_length = 0;         ///< [m] of all segments
-    float most_length = 0;          ///< [m] 0 = any
-    int least_orders = 0;           ///< as in ChildTreeMeasures
-    int most_orders = 0;            ///< 0 = any
-    int least_tips = 0;             ///< number of tips
-    int most_tips = 0;              ///< 0 = any
+    std::vector<std::string> ids;   ///< any of these numbers; empty: all
+    std::vector<std::string> tags;  ///< all of these tags
+    std::vector<std::string> from;  ///< any of these sources; empty: all
+    float min_length = 0;           ///< [m] minimum total length of the segments
+    float max_length = 0;           ///< [m] maximum total length; 0: unlimited
+    int min_orders = 0;             ///< minimum number of branch orders, see ChildTreeMeasures
+    int max_orders = 0;             ///< maximum number of branch orders; 0: unlimited
+    int min_tips = 0;               ///< minimum number of tips
+    int max_tips = 0;               ///< maximum number of tips; 0: unlimited
 
-    friend bool operator==(const LibraryFilter&, const LibraryFilter&) = default;  ///< member by member
-    bool empty() const { return *this == LibraryFilter{}; }  ///< whether all trees are meant
+    friend bool operator==(const LibraryFilter&, const LibraryFilter&) = default;  ///< memberwise
+    bool empty() const { return *this == LibraryFilter{}; }  ///< whether all trees are selected
 };
 
 template <class Self, class Visitor>
 requires SameOptions<Self, LibraryFilter>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(common_field("ids", "Select the tree with this number; may be repeated"), o.ids);
-    visit(common_field("tags", "Select trees with this tag; if repeated, trees with all of the tags"),
+    visit(common_field("ids", "Select the tree with this number; may be repeated."), o.ids);
+    visit(common_field("tags", "Select trees with this tag; if repeated, trees with all of the tags."),
           o.tags);
-    visit(common_field("from", "Select trees from this source file, named as in the list; may be repeated"),
+    visit(common_field("from", "Select trees from this source file, named as in the list; may be repeated."),
           o.from);
-    visit(Field{"least_length", "trees whose segments are together as long as this", Unit::metre, 0, 1e9},
-          o.least_length);
-    visit(Field{"most_length", "trees that are no longer; 0 = any", Unit::metre, 0, 1e9}, o.most_length);
-    visit(
-        Field{"least_orders", "trees with as many orders of branches, 1 has no laterals", Unit::none, 0, 1e6},
-        o.least_orders);
-    visit(Field{"most_orders", "trees with no more orders; 0 = any", Unit::none, 0, 1e6}, o.most_orders);
-    visit(Field{"least_tips", "trees with as many tips", Unit::none, 0, 1e9}, o.least_tips);
-    visit(Field{"most_tips", "trees with no more tips; 0 = any", Unit::none, 0, 1e9}, o.most_tips);
+    visit(Field{"min_tree_length", "Minimum total length of the segments of a tree.", Unit::metre, 0, 1e9},
+          o.min_length);
+    visit(Field{"max_tree_length", "Maximum total length of the segments of a tree; 0 means unlimited.",
+                Unit::metre, 0, 1e9},
+          o.max_length);
+    visit(Field{"min_orders", "Minimum number of branch orders of a tree; 1 means a tree without laterals.",
+                Unit::none, 0, 1e6},
+          o.min_orders);
+    visit(Field{"max_orders", "Maximum number of branch orders of a tree; 0 means unlimited.", Unit::none, 0,
+                1e6},
+          o.max_orders);
+    visit(Field{"min_tips", "Minimum number of tips of a tree.", Unit::none, 0, 1e9}, o.min_tips);
+    visit(Field{"max_tips", "Maximum number of tips of a tree; 0 means unlimited.", Unit::none, 0, 1e9},
+          o.max_tips);
 }
 
-/// How a library file is opened.
+/// Access mode of a library file.
 enum class LibraryAccess {
-    read,   ///< it has to be there
-    write,  ///< the same, to change it
-    create  ///< the same, and made where it is missing; nothing stays of it where nothing is added
+    read,   ///< the file must exist
+    write,  ///< the file must exist and be writable
+    create  ///< writable, created if missing; a new file is removed again if no tree is added
 };
 
-/// A file of child trees: an SQLite database of two tables, `tree` and `tag`. Every change happens whole or
-/// not at all, and waits up to a minute for other writers, so that nobody's changes are lost.
+/// A file of child trees: an SQLite database with two tables, `tree` and `tag`. Changes are atomic; they wait
+/// up to a minute for other writers, so that no changes are lost.
 ///
-/// All functions throw IoError naming the file where it is missing, no library, damaged, of a later version,
-/// not writable or in use for too long; Cancelled.
+/// All functions throw IoError with the file name if it is missing, not a library, damaged, of a newer
+/// version, not writable or in use for too long; Cancelled.
 class TreeLibrary {
   public:
-    /// Context::stop ends waiting and reading.
+    /// Cancellation of the context ends waiting and reading.
     TreeLibrary(const std::filesystem::path& path, LibraryAccess access, const Context& ctx = {});
     ~TreeLibrary();
     TreeLibrary(const TreeLibrary&) = delete;
     TreeLibrary& operator=(const TreeLibrary&) = delete;
 
-    /// What `add` did.
+    /// Result of `add`.
     struct Added {
-        std::vector<std::int64_t> ids;  ///< of the new ones, in order
-        std::uint32_t known = 0;        ///< that were there already, bit by bit; they get the tags too
+        std::vector<std::int64_t> ids;  ///< numbers of the new trees, in order
+        std::uint32_t known =
+            0;  ///< number of trees that the library already contained, bit-identical; they get the tags too
     };
-    /// Trees that are from one file.
+    /// Trees from one file.
     struct Batch {
-        std::span<const ChildTree> trees;  ///< its branches
-        std::string source;                ///< the file
+        std::span<const ChildTree> trees;  ///< branches of the file
+        std::string source;                ///< name of the file
     };
-    /// Adds the trees of all batches, or none of them where it throws. O(n log library).
+    /// Adds the trees of all batches, or none if it throws. O(n log library).
     Added add(std::span<const Batch> batches, std::span<const std::string> tags);
-    /// The same for one batch.
+    /// Adds the trees of one batch.
     Added add(std::span<const ChildTree> trees, const std::string& source, std::span<const std::string> tags);
 
-    /// The trees meant, by their numbers, without their skeletons. Throws InvalidInput where an id is no
-    /// number or names none, and where the file holds values that no tree has.
+    /// Returns the selected trees, sorted by number, without their skeletons. Throws InvalidInput if an id is
+    /// not a number or there is no tree with it, and if the file contains values that no tree can have.
     std::vector<LibraryEntry> list(const LibraryFilter& filter) const;
-    /// The same with their skeletons.
+    /// Returns the selected trees with their skeletons.
     std::vector<LibraryEntry> read(const LibraryFilter& filter) const;
 
-    /// Removes trees; returns how many.
+    /// Removes the selected trees; returns their number.
     std::uint32_t remove(const LibraryFilter& filter);
-    /// Gives trees tags, and takes tags away; returns how many trees were meant.
+    /// Adds and removes tags of the selected trees; returns the number of these trees.
     std::uint32_t tag(const LibraryFilter& filter, std::span<const std::string> add,
                       std::span<const std::string> take);
 
@@ -109,12 +115,12 @@ class TreeLibrary {
     std::unique_ptr<Database> database_;
 };
 
-/// The trees of a library file that are meant, at least one. Throws as TreeLibrary does, and InvalidInput
-/// where there is none.
+/// Reads the selected trees of a library file, at least one. Throws like TreeLibrary, and InvalidInput if no
+/// tree is selected.
 std::vector<ChildTree> read_child_trees(const std::filesystem::path& path, const LibraryFilter& filter = {},
                                         const Context& ctx = {});
 
-/// What trees are like, as lines of columns under a heading: number, measures, source and tags.
-std::string table_of(std::span<const LibraryEntry> entries);
+/// Formats entries as a table with a header line: number, measures, source and tags.
+std::string make_table(std::span<const LibraryEntry> entries);
 
 }  // namespace coppice

@@ -17,7 +17,7 @@ struct ToJson {
     }
 };
 
-Json geometry_of(const MapFeature& feature, MapGeometry geometry) {
+Json compute_geometry(const MapFeature& feature, MapGeometry geometry) {
     if (geometry == MapGeometry::points) {
         const Vec3d p = feature.corners.front();
         return {{"type", "Point"}, {"coordinates", {p.x, p.y, p.z}}};
@@ -32,8 +32,9 @@ Json feature_of(const MapFeature& feature, const MapLayer& layer) {
     Json properties{{"layer", layer.name}};
     for (std::size_t c = 0; c < layer.columns.size(); ++c)
         properties[layer.columns[c]] = std::visit(ToJson(), feature.values[c]);
-    return {
-        {"type", "Feature"}, {"properties", properties}, {"geometry", geometry_of(feature, layer.geometry)}};
+    return {{"type", "Feature"},
+            {"properties", properties},
+            {"geometry", compute_geometry(feature, layer.geometry)}};
 }
 
 }  // namespace

@@ -12,9 +12,9 @@
 namespace coppice::io_internal {
 namespace {
 
-// Everything here is as OGC 12-128r17 (GeoPackage 1.3) has it.
+// Tables and constants follow OGC 12-128r17 (GeoPackage 1.3).
 constexpr int kUndefinedCartesian = -1;
-constexpr int kOwnSystem = 100'000;  // of well-known text without a number of EPSG
+constexpr int kOwnSystem = 100'000;  // id of a system given as well-known text without an EPSG code
 
 constexpr const char* kTables = R"(
 PRAGMA application_id = 0x47504B47;
@@ -39,7 +39,7 @@ INSERT INTO gpkg_spatial_ref_sys VALUES
     ('WGS 84 geodetic', 4326, 'EPSG', 4326, 'GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563,AUTHORITY["EPSG","7030"]],AUTHORITY["EPSG","6326"]],PRIMEM["Greenwich",0,AUTHORITY["EPSG","8901"]],UNIT["degree",0.0174532925199433,AUTHORITY["EPSG","9122"]],AUTHORITY["EPSG","4326"]]', 'longitude and latitude in degrees on the WGS 84 ellipsoid');
 )";
 
-/// The id of the system in the file, which has a row for it from now on.
+/// Inserts a row for the system, if needed, and returns its id in the file.
 int add_system(const Sqlite& database, const MapCrs& crs) {
     if (crs.undefined()) return kUndefinedCartesian;
     const int id = crs.epsg > 0 ? crs.epsg : kOwnSystem;
@@ -49,13 +49,13 @@ int add_system(const Sqlite& database, const MapCrs& crs) {
     insert.bind(2, std::int64_t{id});
     insert.bind(3, crs.epsg > 0 ? std::string_view("EPSG") : std::string_view("NONE"));
     insert.bind(4, std::int64_t{id});
-    // Programs look a number of EPSG up by themselves.
+    // Programs resolve EPSG codes themselves.
     insert.bind(5, crs.wkt.empty() ? std::string_view("undefined") : std::string_view(crs.wkt));
     insert.run();
     return id;
 }
 
-/// Little-endian bytes one after the other.
+/// A sequence of little-endian values.
 class Bytes {
   public:
     template <class Number>
@@ -71,8 +71,8 @@ class Bytes {
     std::string out_;
 };
 
-/// The header of a GeoPackage geometry without an envelope, and its well-known binary.
-Bytes geometry_of(const MapFeature& feature, MapGeometry geometry, int system) {
+/// Returns the header of a GeoPackage geometry without an envelope, followed by its well-known binary.
+Bytes compute_geometry(const MapFeature& feature, MapGeometry geometry, int system) {
     constexpr std::uint8_t kLittleEndian = 1;
     constexpr std::uint32_t kPointZ = 1001, kPolygon = 3;
     Bytes out;
@@ -101,7 +101,7 @@ std::string quoted(std::string name) {
     return fmt::format("\"{}\"", name);
 }
 
-/// That of the first value that is known.
+/// Returns the SQL type of the first value that is not null.
 std::string_view type_of(const MapLayer& layer, std::size_t column) {
     constexpr std::array<std::string_view, 4> kTypes{"TEXT", "INTEGER", "REAL", "TEXT"};
     for (const MapFeature& feature : layer.features)
@@ -121,7 +121,7 @@ void create_table(const Sqlite& database, const MapLayer& layer) {
     database.execute(fmt::format("{})", sql).c_str());
 }
 
-/// What programs look for first: which tables there are, and what is in them.
+/// Inserts the rows of the catalogue tables, which list the tables and their contents.
 void describe_table(const Sqlite& database, const MapLayer& layer, int system) {
     Vec3d low, high;
     bool any = false;
@@ -172,7 +172,7 @@ void fill_table(const Sqlite& database, const MapLayer& layer, int system) {
     Statement insert(database, sql + ")");
     for (const MapFeature& feature : layer.features) {
         database.throw_if_cancelled();
-        const Bytes geometry = geometry_of(feature, layer.geometry, system);
+        const Bytes geometry = compute_geometry(feature, layer.geometry, system);
         insert.bind(1, geometry.span());
         for (std::size_t c = 0; c < layer.columns.size(); ++c)
             std::visit(Bind{insert, static_cast<int>(c) + 2}, feature.values[c]);

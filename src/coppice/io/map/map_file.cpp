@@ -4,21 +4,21 @@
 
 #include "coppice/base/ascii.h"
 #include "coppice/base/error.h"
-#include "coppice/io/file.h"
 #include "coppice/io/map/map_writers_internal.h"
 #include "coppice/io/text_internal.h"
+#include "coppice/system/file.h"
 
 namespace coppice {
 
 MapCrs parse_crs(std::string_view text) {
     constexpr std::string_view kRegister = "EPSG:";
-    constexpr std::int64_t kGreatest = 999'999;
+    constexpr std::int64_t kMax = 999'999;
     if (text.size() > kRegister.size() && to_lower(text.substr(0, kRegister.size())) == "epsg:") {
         const auto number = parse_integer(text.substr(kRegister.size()));
-        if (number && *number > 0 && *number <= kGreatest) return {static_cast<int>(*number), {}};
+        if (number && *number > 0 && *number <= kMax) return {static_cast<int>(*number), {}};
     }
     throw InvalidInput(fmt::format(
-        "{} names no coordinate reference system; use a number of EPSG, as in EPSG:32632", in_quotes(text)));
+        "{} names no coordinate reference system; use an EPSG code, such as EPSG:32632", in_quotes(text)));
 }
 
 std::optional<MapFormat> map_format_of_name(const std::filesystem::path& path) {

@@ -8,7 +8,7 @@
 
 namespace coppice::io_internal {
 
-/// The bytes of the file.
+/// Returns the content of the file.
 std::string encode_geojson(std::span<const MapLayer> layers, const MapCrs& crs, const Context& ctx);
 std::string encode_geopackage(std::span<const MapLayer> layers, const MapCrs& crs, const Context& ctx);
 

@@ -19,7 +19,7 @@ std::string_view first_word(std::string_view text) {
     return text.substr(0, text.find_first_of(kBlanks));
 }
 
-/// 80 bytes, a count, and 50 bytes for each triangle: the length of the file confirms the count.
+/// Returns whether the size of the file fits an 80-byte header, a count and 50 bytes for each triangle.
 bool is_binary_stl(std::string_view bytes) {
     if (bytes.size() < 84) return false;
     std::uint32_t count = 0;

@@ -6,9 +6,9 @@
 
 namespace coppice {
 
-/// The mesh files that are known; see docs/user/meshes.md for what each keeps.
+/// Supported mesh formats; docs/user/meshes.md lists the data that each stores.
 enum class MeshFormat {
-    obj,   ///< text, faces of any size
+    obj,   ///< text; faces of any number of corners
     ply,   ///< written binary little endian; read in all three encodings
     off,   ///< text; read only
     stl,   ///< triangles without shared vertices; written binary, read in both encodings
@@ -16,10 +16,11 @@ enum class MeshFormat {
     usda,  ///< OpenUSD text; written only
 };
 
-/// By the last extension of the name, upper or lower case; nothing when it belongs to no mesh format.
+/// Returns the format by the extension of the name, case-insensitively; nullopt if it is not a mesh format.
 std::optional<MeshFormat> mesh_format_of_name(const std::filesystem::path& path);
 
-/// By the first bytes of a file; nothing when they do not tell (an OBJ file has no mark of its own).
+/// Returns the format by the first bytes of a file; nullopt if they are not sufficient (OBJ has no
+/// signature).
 std::optional<MeshFormat> mesh_format_of_content(std::string_view bytes);
 
 }  // namespace coppice

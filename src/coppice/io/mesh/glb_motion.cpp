@@ -6,13 +6,13 @@ namespace {
 
 using nlohmann::json;
 
-Box3 box_of(std::span<const Vec3> vectors) {
+Box3 compute_box(std::span<const Vec3> vectors) {
     Box3 box;
     for (const Vec3 v : vectors) box.extend(y_up(v));
     return box;
 }
 
-/// Runs of bytes one after the other, with what they hold.
+/// Lays out consecutive buffer views, with their accessors.
 class Layout {
   public:
     std::size_t add(std::uint64_t bytes, int target, int component, std::uint64_t count, const char* type) {
@@ -26,7 +26,7 @@ class Layout {
     }
     std::size_t add_vectors(std::span<const Vec3> bounded) {
         const std::size_t index = add_vectors(bounded.size());
-        const Box3 box = box_of(bounded);
+        const Box3 box = compute_box(bounded);
         accessors_[index]["min"] = array_of(Vec3d(box.low));
         accessors_[index]["max"] = array_of(Vec3d(box.high));
         return index;
@@ -41,7 +41,8 @@ class Layout {
     std::uint64_t bytes_ = 0;
 };
 
-/// Morph targets are differences from the mesh at rest, of which the animation shows one after the other.
+/// Writes a morph target for each frame, the differences from the rest shape; the animation shows them in
+/// sequence.
 class GlbMotion : public MotionWriter::Format {
   public:
     GlbMotion(const std::filesystem::path& path, const QuadMesh& rest, std::size_t frames, double rate)
@@ -139,7 +140,7 @@ class GlbMotion : public MotionWriter::Format {
     AtomicFile file_;
     const QuadMesh& rest_;
     double rate_;
-    std::vector<Buffer<Vec3>> moved_;  ///< by frame and vertex
+    std::vector<Buffer<Vec3>> moved_;  ///< displacements by frame and vertex
 };
 
 }  // namespace

@@ -28,7 +28,7 @@ void write_glb_head(AtomicFile& file, std::string text, std::uint64_t buffer_byt
     text.resize((text.size() + 3) / 4 * 4, ' ');
     const std::uint64_t whole = 12 + 8 + text.size() + 8 + buffer_bytes;
     if (whole > std::numeric_limits<std::uint32_t>::max()) {
-        throw Unsupported("a GLB file holds at most 4 GiB; write PLY or OBJ instead, or subdivide less");
+        throw Unsupported("a GLB file contains at most 4 GiB; write PLY or OBJ instead, or subdivide less");
     }
     const auto u32 = [](std::uint64_t value) { return static_cast<std::uint32_t>(value); };
     const auto words = [&](auto... values) {

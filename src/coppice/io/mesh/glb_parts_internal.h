@@ -7,7 +7,7 @@
 
 namespace coppice::io_internal {
 
-// Values of glTF 2.0, sections 3.6 and 5.11.
+// Constants of glTF 2.0, sections 3.6 and 5.11.
 inline constexpr int kFloat = 5126;
 inline constexpr int kUnsignedInt = 5125;
 inline constexpr int kArrayBuffer = 34962;
@@ -20,14 +20,15 @@ BasicVec3<T> y_up(BasicVec3<T> v) {
 
 inline nlohmann::json array_of(Vec3d v) { return nlohmann::json::array({v.x, v.y, v.z}); }
 
-/// A run of bytes of the one buffer; `target` 0: of no kind.
+/// Returns a view of a byte range of the single buffer; `target` 0: no target.
 nlohmann::json view(std::uint64_t offset, std::uint64_t length, int target);
-/// What a view holds.
+/// Returns an accessor that describes the contents of a view.
 nlohmann::json accessor(std::size_t view, int component, std::uint64_t count, const char* type);
-/// The plain brown of all trees.
+/// Returns the plain brown material of all trees.
 nlohmann::json bark_material();
 
-/// All that stands before the bytes of the buffer. Throws Unsupported when the file would be too large.
+/// Writes everything that precedes the bytes of the buffer. Throws Unsupported if the file would be too
+/// large.
 void write_glb_head(AtomicFile& file, std::string json, std::uint64_t buffer_bytes);
 
 void write_vectors(AtomicFile& file, std::span<const Vec3> vectors, ProgressPart part, const Context& ctx);

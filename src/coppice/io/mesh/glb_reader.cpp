@@ -1,6 +1,5 @@
-// The JSON is read with nlohmann-json and the buffers are checked here, not by tinygltf: that library opens
-// files which the JSON names, decodes pictures, and leaves every offset and count to be checked by its caller
-// all the same.
+// The JSON is read with nlohmann-json and the buffers are checked here. tinygltf is not used: it opens files
+// named by the JSON, decodes images, and still leaves the check of every offset and count to its caller.
 
 #include <fmt/format.h>
 
@@ -12,8 +11,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "coppice/io/file_progress.h"
 #include "coppice/io/mesh/read_internal.h"
+#include "coppice/system/file_progress.h"
 
 namespace coppice::io_internal {
 namespace {
@@ -22,7 +21,7 @@ using nlohmann::json;
 
 constexpr std::size_t kLargestJson = std::size_t{1} << 26;
 
-/// An affine map by its columns.
+/// An affine map, stored as columns.
 struct Affine {
     std::array<Vec3d, 4> column{Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}, Vec3d{}};
 
@@ -35,7 +34,7 @@ struct Affine {
     }
 };
 
-/// The rotation matrix of a quaternion (x, y, z, w) of any length but zero.
+/// Returns the rotation matrix of a quaternion (x, y, z, w) of any length except zero.
 Affine rotation(std::array<double, 4> q) {
     const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
     if (!(norm > 0)) return {};
@@ -66,7 +65,7 @@ double read_as(const char* from, bool normalized) {
     return number;
 }
 
-/// A checked accessor: every element lies inside the file.
+/// A checked accessor: all elements are within the file.
 struct Elements {
     const char* data = nullptr;
     std::size_t count = 0;
@@ -91,7 +90,7 @@ struct Elements {
                 return read_as<float>(at, normalized);
         }
     }
-    /// Zero for a type that glTF does not have.
+    /// Returns the size of a component in bytes; 0 for an unknown type.
     static std::size_t component_size(std::uint64_t type) {
         switch (type) {
             case 5120:
@@ -135,23 +134,24 @@ class GlbParser {
     }
 
   private:
-    /// 12 bytes of head, then chunks of length, type and data: the first is JSON, the second, if any, the
-    /// buffer.
+    /// Splits the file into a 12-byte header and chunks of length, type and data: the first is JSON, the
+    /// optional second is the buffer.
     void split(std::string_view bytes) {
-        if (bytes.size() < 20 || !bytes.starts_with("glTF")) fail("it is no GLB file, or cut");
+        if (bytes.size() < 20 || !bytes.starts_with("glTF")) fail("it is not a GLB file, or it is truncated");
         if (read_u32(bytes, 4) != 2)
             refuse(fmt::format("glTF {} is not read; export glTF 2.0", read_u32(bytes, 4)));
-        if (read_u32(bytes, 8) > bytes.size()) fail("the file is shorter than its head says; it is cut");
+        if (read_u32(bytes, 8) > bytes.size())
+            fail("the file is shorter than its header specifies; it is truncated");
         const std::size_t length = read_u32(bytes, 12);
         if (bytes.substr(16, 4) != "JSON" || length > bytes.size() - 20)
-            fail("the JSON part is missing or cut");
-        if (length > kLargestJson) refuse("its JSON part is larger than 64 MiB");
+            fail("the JSON chunk is missing or truncated");
+        if (length > kLargestJson) refuse("its JSON chunk is larger than 64 MiB");
         const std::string_view text = bytes.substr(20, length);
         document_ = json::parse(text.begin(), text.end(), nullptr, false);
-        if (!document_.is_object()) fail("its JSON part is damaged");
+        if (!document_.is_object()) fail("its JSON chunk is damaged");
         const std::string_view rest = bytes.substr(20 + length);
         if (rest.size() < 8 || rest.substr(4, 4) != std::string_view("BIN\0", 4)) return;
-        if (read_u32(rest, 0) > rest.size() - 8) fail("the buffer is cut");
+        if (read_u32(rest, 0) > rest.size() - 8) fail("the buffer is truncated");
         buffer_ = rest.substr(8, read_u32(rest, 0));
     }
 
@@ -170,7 +170,7 @@ class GlbParser {
         const auto it = object.find(key);
         return it == object.end() ? nullptr : &*it;
     }
-    /// An array; an empty one when it is missing.
+    /// Returns an array; an empty one if it is missing.
     const json& array(const json& object, const char* key) const {
         static const json kEmpty = json::array();
         const json* value = find(object, key);
@@ -185,7 +185,7 @@ class GlbParser {
     }
     std::uint64_t to_index(const json& value, const char* key) const {
         if (!value.is_number_unsigned() || value.get<std::uint64_t>() > 0xffffffffu) {
-            fail(fmt::format("'{}' is not a whole number of 32 bits", key));
+            fail(fmt::format("'{}' is not an unsigned 32-bit integer", key));
         }
         return value.get<std::uint64_t>();
     }
@@ -213,7 +213,7 @@ class GlbParser {
 
     // --- nodes ---
 
-    /// The nodes of the default scene; without scenes, all that are nobody's child.
+    /// Returns the nodes of the default scene; without scenes, all nodes without a parent.
     std::vector<std::uint64_t> roots() const {
         if (!array(document_, "scenes").empty()) {
             return indices(item("scenes", find_index(document_, "scene").value_or(0)), "nodes");
@@ -256,7 +256,7 @@ class GlbParser {
 
     void add_mesh(std::uint64_t index, const Affine& transform) {
         std::map<std::uint64_t, std::uint32_t>
-            placed;  // accessors whose positions are in the mesh: primitives share them
+            placed;  // accessors with positions already in the mesh: primitives share them
         for (const json& primitive : array(item("meshes", index), "primitives")) {
             const std::uint64_t mode = find_index(primitive, "mode").value_or(4);
             if (mode < 4) continue;  // points and lines
@@ -274,7 +274,7 @@ class GlbParser {
         }
     }
 
-    /// The names of the mesh and of the material, as far as there are any.
+    /// Returns the names of the mesh and of the material, as far as they exist.
     std::string group_name(const json& mesh, const json& primitive) const {
         std::string whole;
         const auto add = [&](const json& object) {
@@ -299,14 +299,14 @@ class GlbParser {
         }
     }
 
-    /// A transform that mirrors turns the triangles inside out; turning them back keeps the outside outside.
+    /// A mirroring transform inverts the orientation of triangles; reversing them preserves the outside.
     void add_triangles(const json& primitive, std::uint64_t mesh, std::uint32_t base, std::size_t vertices,
                        bool mirrored) {
         const auto accessor = find_index(primitive, "indices");
         const Elements listed = accessor ? elements(*accessor, "SCALAR", 1) : Elements{};
         const std::size_t corners = accessor ? listed.count : vertices;
         if (corners % 3 != 0)
-            fail(fmt::format("mesh {} has {} corners, which is no multiple of 3", mesh, corners));
+            fail(fmt::format("mesh {} has {} corners, which is not a multiple of 3", mesh, corners));
         take_from_allowed(corners);
         FileProgress progress(stop_, corners);
         for (std::size_t i = 0; i < corners; i += 3) {
@@ -325,8 +325,8 @@ class GlbParser {
         }
     }
 
-    /// Nodes and primitives may use the same data again and again, so that a small file could become any
-    /// size.
+    /// Limits the size of the mesh: nodes and primitives may reuse the same data, so that a small file could
+    /// produce a mesh of any size.
     void take_from_allowed(std::size_t count) {
         if (count > allowed_) {
             refuse("its nodes repeat the same meshes too often; export fewer instances");
@@ -355,20 +355,20 @@ class GlbParser {
         const std::size_t offset = find_index(accessor, "byteOffset").value_or(0);
         const std::size_t needed = out.count == 0 ? 0 : offset + (out.count - 1) * out.stride + size;
         if (out.stride < size || needed > bytes.size())
-            fail(fmt::format("accessor {} reaches beyond its buffer", index));
-        if (out.count > 0) out.data = bytes.data() + offset;  // an empty one may start anywhere
+            fail(fmt::format("accessor {} extends beyond its buffer", index));
+        if (out.count > 0) out.data = bytes.data() + offset;  // an empty one may begin at any offset
         return out;
     }
 
     std::string_view view_bytes(const json& view, std::uint64_t index) const {
         const std::uint64_t buffer = find_index(view, "buffer").value_or(0);
         if (buffer != 0 || find(item("buffers", 0), "uri") != nullptr) {
-            refuse("it keeps data in other files; export one .glb that holds everything");
+            refuse("it stores data in other files; export a single .glb that contains everything");
         }
         const std::size_t offset = find_index(view, "byteOffset").value_or(0);
         const std::size_t length = find_index(view, "byteLength").value_or(0);
         if (offset + length > buffer_.size())
-            fail(fmt::format("buffer view {} reaches beyond the file", index));
+            fail(fmt::format("buffer view {} extends beyond the file", index));
         return buffer_.substr(offset, length);
     }
 
@@ -381,11 +381,11 @@ class GlbParser {
     }
 
     MeshBuilder mesh_;
-    Context stop_;  ///< without progress: how many triangles there are shows only at the end
+    Context stop_;  ///< reports no progress: the number of triangles is unknown until the end
     json document_;
     std::string_view buffer_;
     std::vector<bool> visited_;
-    std::size_t allowed_;  ///< vertices and corners that may still be made
+    std::size_t allowed_;  ///< number of vertices and corners that may still be created
 };
 
 }  // namespace

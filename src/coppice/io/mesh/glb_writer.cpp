@@ -1,6 +1,6 @@
-// GLB is written by hand, not with tinygltf: that library holds the whole file in one vector and copies it
-// into a second stream before the first byte is written, which for some hundred megabytes costs more than the
-// rest of the work.
+// GLB is written without tinygltf: that library stores the whole file in one vector and copies it into a
+// second stream before writing the first byte, which for some hundred megabytes costs more than the rest of
+// the export.
 
 #include "coppice/io/mesh/glb_parts_internal.h"
 
@@ -10,7 +10,7 @@ namespace {
 using nlohmann::json;
 
 struct Sizes {
-    std::uint64_t vectors;  // bytes of the positions, and of the normals
+    std::uint64_t vectors;  // size of the positions and of the normals in bytes
     std::uint64_t indices;
     std::uint64_t total() const { return 2 * vectors + indices; }
 };

@@ -19,8 +19,8 @@ MotionWriter::MotionWriter(const std::filesystem::path& path, const QuadMesh& re
     } else if (format == MeshFormat::usda) {
         format_ = io_internal::usda_motion(path, rest, frames, rate);
     } else {
-        throw Unsupported(
-            fmt::format("cannot write {}: a mesh that moves ends in .glb or .usda", path.string()));
+        throw Unsupported(fmt::format(
+            "cannot write {}: an animated mesh must have the extension .glb or .usda", path.string()));
     }
     if (rest.quads.empty() || frames == 0)
         throw InvalidInput(fmt::format("cannot write {}: there are no faces, or no frames", path.string()));

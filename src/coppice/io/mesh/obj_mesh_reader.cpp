@@ -6,7 +6,7 @@
 namespace coppice::io_internal {
 namespace {
 
-/// Takes the next word off a line; empty at its end.
+/// Removes the next word from a line and returns it; empty at the end.
 std::string_view next_word(std::string_view& line) {
     std::size_t begin = 0;
     while (begin < line.size() && is_blank(line[begin])) ++begin;
@@ -32,14 +32,14 @@ class ObjParser {
             fail_at(mesh_.source(), largest_line_, refers_to(largest_ + 1));
         }
         if (mesh_.face_count() == 0 && mesh_.vertex_count() == 0) {
-            throw InvalidInput(fmt::format("{}: no mesh is found in it; OBJ, PLY, OFF, STL and GLB are read",
-                                           mesh_.source()));
+            throw InvalidInput(
+                fmt::format("{}: no mesh was found; OBJ, PLY, OFF, STL and GLB are read", mesh_.source()));
         }
         return mesh_.take();
     }
 
   private:
-    /// A line that ends in a backslash goes on in the next.
+    /// Joins a line that ends in a backslash with the next one.
     std::string_view joined() {
         joined_.assign(lines_.line());
         while (joined_.ends_with('\\')) {
@@ -61,7 +61,7 @@ class ObjParser {
         }
     }
 
-    /// A group is named by what of object, group and material the file tells.
+    /// Composes the name of a group from the object, group and material, as far as the file specifies them.
     void begin_group(std::string& part, std::string_view name) {
         while (!name.empty() && is_blank(name.front())) name.remove_prefix(1);
         while (!name.empty() && is_blank(name.back())) name.remove_suffix(1);
@@ -97,8 +97,8 @@ class ObjParser {
         mesh_.add_face(corners_);
     }
 
-    /// "7", "7/1/2", "7//2"; negative numbers count back from the last vertex. Vertices may also follow the
-    /// faces.
+    /// Parses "7", "7/1/2", "7//2"; negative numbers count back from the last vertex. Vertices may also
+    /// follow the faces.
     std::uint32_t corner(std::string_view word) {
         const auto number = parse_integer(word.substr(0, word.find('/')));
         if (!number) fail(fmt::format("{} is not a corner of a face", in_quotes(word)));

@@ -39,10 +39,10 @@ class OffParser {
         return faces;
     }
 
-    /// Leaves the line with the counts in `words_`. The keyword may be missing, or share the line of the
-    /// counts. What it announces (colours, normals, texture) follows the coordinates and is passed over.
+    /// Stores the line with the counts in `words_`. The keyword may be missing or on the line of the counts.
+    /// Data that it announces (colours, normals, texture) follow the coordinates and are skipped.
     void parse_head() {
-        if (!next_line()) fail("it holds no OFF data");
+        if (!next_line()) fail("it contains no OFF data");
         std::string_view keyword = words_[0];
         if (!keyword.ends_with("OFF")) return;
         keyword.remove_suffix(3);
@@ -52,24 +52,25 @@ class OffParser {
         if (words_.empty() && !next_line()) fail("the numbers of vertices and faces are missing");
     }
 
-    std::size_t count(std::size_t place, std::string_view what) const {
+    std::size_t count(std::size_t place, std::string_view subject) const {
         const auto number = place < words_.size() ? parse_integer(words_[place]) : std::nullopt;
         if (!number || *number < 0 || *number > 0xfffffffe)
-            fail(fmt::format("expected the number of {}", what));
+            fail(fmt::format("expected the number of {}", subject));
         return static_cast<std::size_t>(*number);
     }
 
     void parse_vertex(std::size_t i, std::size_t count) {
-        if (!next_line()) fail(fmt::format("the file ends after {} of {} vertices; it is cut", i, count));
+        if (!next_line())
+            fail(fmt::format("the file ends after {} of {} vertices; it is truncated", i, count));
         if (words_.size() < 3) fail("a vertex needs three coordinates");
         if (!mesh_.add_vertex({number(0), number(1), number(2)}))
             fail("a coordinate is not finite or beyond 1e30");
     }
 
     void parse_face(std::size_t i, std::size_t count) {
-        if (!next_line()) fail(fmt::format("the file ends after {} of {} faces; it is cut", i, count));
+        if (!next_line()) fail(fmt::format("the file ends after {} of {} faces; it is truncated", i, count));
         const auto size = parse_integer(words_[0]);
-        if (!size || *size < 3) fail("a face starts with the number of its corners, at least 3");
+        if (!size || *size < 3) fail("a face must begin with its number of corners, at least 3");
         if (static_cast<std::uint64_t>(*size) >= words_.size())
             fail(fmt::format("the face has fewer than {} corners", *size));
         corners_.clear();
@@ -100,9 +101,9 @@ class OffParser {
     }
 
     [[noreturn]] void fail(const std::string& text) const { fail_at(mesh_.source(), lines_.number(), text); }
-    [[noreturn]] void unsupported(std::string_view what) const {
+    [[noreturn]] void unsupported(std::string_view subject) const {
         throw Unsupported(
-            fmt::format("{}: {} is not read; save it as text OFF, PLY or OBJ", mesh_.source(), what));
+            fmt::format("{}: {} is not read; save it as text OFF, PLY or OBJ", mesh_.source(), subject));
     }
 
     LineReader lines_;

@@ -56,7 +56,7 @@ class PlyMeshParser {
             throw InvalidInput(fmt::format("{}: the faces lack a list vertex_indices", mesh_.source()));
         }
         if (mesh_.vertex_count() == 0 && element.count > 0) {
-            throw InvalidInput(fmt::format("{}: no vertices stand before the faces", mesh_.source()));
+            throw InvalidInput(fmt::format("{}: the faces are not preceded by vertices", mesh_.source()));
         }
         mesh_.reserve_faces(element.count);
         for (std::uint64_t i = 0; i < element.count; ++i) {
@@ -91,7 +91,8 @@ PolygonMesh parse_binary_stl(std::string_view bytes, const std::string& source, 
     if (bytes.size() >= kStlHead) std::memcpy(&count, bytes.data() + 80, sizeof count);
     if (bytes.size() < kStlHead || (bytes.size() - kStlHead) / kStlFacet < count) {
         throw InvalidInput(fmt::format(
-            "{}: the head claims {} triangles, for which the file is too short; it is cut", source, count));
+            "{}: the header specifies {} triangles, but the file is too short for them; it is truncated",
+            source, count));
     }
     MeshBuilder mesh(source);
     mesh.reserve_vertices(std::size_t{3} * count);
@@ -135,12 +136,12 @@ PolygonMesh parse_ascii_stl(std::string_view text, const std::string& source, co
             ended = words[0] == "endsolid";
         }
     }
-    if (!ended || corners != 0) fail("the file ends before 'endsolid'; it is cut");
+    if (!ended || corners != 0) fail("the file ends before 'endsolid'; it is truncated");
     mesh.weld(ctx);
     return mesh.take();
 }
 
-/// Many binary files start with "solid" too, but none of them goes on with "facet".
+/// Returns whether the file is text. Many binary files start with "solid" too, but "facet" does not follow.
 bool is_ascii_stl(std::string_view bytes) {
     const std::string_view start = trimmed(bytes.substr(0, 1024));
     return start.starts_with("solid") &&

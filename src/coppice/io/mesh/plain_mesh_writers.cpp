@@ -5,6 +5,7 @@
 #include <array>
 #include <limits>
 
+#include "coppice/base/id.h"
 #include "coppice/io/mesh/write_internal.h"
 
 namespace coppice::io_internal {
@@ -18,23 +19,22 @@ void put_obj_vector(Chunk& chunk, std::string_view word, BasicVec3<T> p) {
     chunk.put('\n');
 }
 
-/// The places on the texture as OBJ lists them: each once for every vertex that has it, and their numbers.
+/// Texture coordinates as listed in OBJ: once for every vertex that uses them, and their indices by corner.
 struct TextureTable {
     std::vector<TexturePoint> places;
     std::vector<std::uint32_t> of_corner;
 };
 
 TextureTable texture_table(const MeshView& mesh) {
-    constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
     TextureTable table;
     if (mesh.texture.empty()) return table;
     table.of_corner.resize(mesh.texture.size());
-    std::vector<std::uint32_t> first_of_vertex(mesh.positions.size(), kNone), next_of_place;
+    std::vector<std::uint32_t> first_of_vertex(mesh.positions.size(), kNoIndex), next_of_place;
     for (std::size_t i = 0; i < mesh.texture.size(); ++i) {
         std::uint32_t& first = first_of_vertex[mesh.corners[i]];
         std::uint32_t found = first;
-        while (found != kNone && table.places[found] != mesh.texture[i]) found = next_of_place[found];
-        if (found == kNone) {
+        while (found != kNoIndex && table.places[found] != mesh.texture[i]) found = next_of_place[found];
+        if (found == kNoIndex) {
             found = static_cast<std::uint32_t>(table.places.size());
             table.places.push_back(mesh.texture[i]);
             next_of_place.push_back(first);
@@ -54,7 +54,7 @@ std::size_t largest_face(const MeshView& mesh) {
 
 std::string ply_header(const MeshView& mesh, std::string_view size_type) {
     const std::string_view number = mesh.has_origin() ? "double" : "float";
-    // Many readers know signed indices only.
+    // Many readers support signed indices only.
     const std::string_view index =
         mesh.positions.size() <= std::numeric_limits<std::int32_t>::max() ? "int" : "uint";
     return fmt::format(

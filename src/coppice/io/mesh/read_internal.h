@@ -14,11 +14,12 @@
 
 namespace coppice::io_internal {
 
-/// See local_origin(); for positions far from zero a point near their centre. At least one position.
+/// See local_origin(); for positions far from zero, returns a point near their centre. Requires at least one
+/// position.
 Vec3d choose_origin(std::span<const Vec3d> positions);
-Vec3d choose_origin(Vec3d corner, Vec3d opposite);  ///< of the positions' box
+Vec3d choose_origin(Vec3d corner, Vec3d opposite);  ///< for the bounding box of the positions
 
-/// Faces and double precision positions as a reader collects them.
+/// Collects the faces and double-precision positions of a reader.
 class MeshBuilder {
   public:
     explicit MeshBuilder(std::string source) : source_(std::move(source)) {}
@@ -29,22 +30,24 @@ class MeshBuilder {
     void reserve_vertices(std::size_t count) { vertices_.reserve(count); }
     void reserve_faces(std::size_t count) { mesh_.first.reserve(count + 1); }
 
-    /// False when a coordinate is not finite or beyond 1e30, where floats end.
+    /// Returns false if a coordinate is not finite or exceeds 1e30, near the limit of float.
     [[nodiscard]] bool add_vertex(Vec3d p);
     void add_face(std::span<const std::uint32_t> corners) {
         mesh_.add_face(corners);
         if (!mesh_.group_names.empty()) mesh_.group.push_back(group_);
     }
-    /// Faces from here on belong to the group of this name; those before the first call to one without.
+    /// Assigns the following faces to the group of this name; faces before the first call belong to a group
+    /// without a name.
     void begin_group(const std::string& name);
-    /// As `add_vertex` and `add_face`, with numbers in the message instead of lines.
+    /// Like `add_vertex` and `add_face`, but errors name element numbers instead of lines.
     void add_numbered_vertex(Vec3d p);
     void add_numbered_face(std::span<const double> corners);
 
-    /// Equal positions become one vertex, named by the first of them.
+    /// Merges vertices with equal positions into the first of them.
     void weld(const Context& ctx);
 
-    /// Chooses the origin and rounds. Throws `InvalidInput` when there is no face.
+    /// Chooses the origin, rounds the positions to float and returns the mesh. Throws `InvalidInput` if there
+    /// is no face.
     PolygonMesh take();
     std::vector<Vec3d> take_vertices() { return std::move(vertices_); }
 
@@ -60,7 +63,7 @@ class MeshBuilder {
 PolygonMesh parse_obj(std::string_view text, const std::string& source, const Context& ctx);
 PolygonMesh parse_ply(std::string_view bytes, const std::string& source, const Context& ctx);
 PolygonMesh parse_off(std::string_view text, const std::string& source, const Context& ctx);
-/// The vertices of a file without faces; `InvalidInput` for others.
+/// Returns the vertices of a file without faces; throws `InvalidInput` for others.
 std::vector<Vec3d> parse_off_points(std::string_view text, const std::string& source, const Context& ctx);
 PolygonMesh parse_stl(std::string_view bytes, const std::string& source, const Context& ctx);
 PolygonMesh parse_glb(std::string_view bytes, const std::string& source, const Context& ctx);

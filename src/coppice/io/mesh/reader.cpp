@@ -9,10 +9,10 @@
 #include "coppice/base/local_origin.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/sort.h"
-#include "coppice/io/file.h"
-#include "coppice/io/file_progress.h"
 #include "coppice/io/mesh/read_internal.h"
 #include "coppice/io/text_internal.h"
+#include "coppice/system/file.h"
+#include "coppice/system/file_progress.h"
 
 namespace coppice {
 namespace io_internal {
@@ -87,7 +87,7 @@ struct KeyedVertex {
     std::uint32_t key = 0, vertex = 0;
 };
 
-/// The same for equal positions, zeros of both signs included; hardly ever for others.
+/// Returns a key that is equal for equal positions, including zeros of both signs, and rarely for others.
 std::uint32_t key_of(Vec3d p) {
     std::uint64_t key = 0;
     for (int axis = 0; axis < 3; ++axis) {
@@ -99,8 +99,8 @@ std::uint32_t key_of(Vec3d p) {
 
 }  // namespace
 
-/// By keys that are sorted, and positions that are sorted where keys are equal: an evil file could make all
-/// its positions collide in a hash table.
+/// Sorts by keys, and by positions among equal keys: in a hash table, a malicious file could make all
+/// positions collide.
 void MeshBuilder::weld(const Context& ctx) {
     constexpr std::size_t kGrain = std::size_t{1} << 14;
     const auto count = static_cast<std::uint32_t>(vertices_.size());
@@ -126,7 +126,7 @@ void MeshBuilder::weld(const Context& ctx) {
         }
     }
     std::uint32_t kept = 0;
-    for (std::uint32_t v = 0; v < count; ++v) {  // to[v] <= v, so what it names has its new number already
+    for (std::uint32_t v = 0; v < count; ++v) {  // to[v] <= v, so the entry of its target is final already
         if (to[v] == v) {
             vertices_[kept] = vertices_[v];
             to[v] = kept++;
@@ -140,7 +140,7 @@ void MeshBuilder::weld(const Context& ctx) {
 
 PolygonMesh MeshBuilder::take() {
     if (face_count() == 0) {
-        throw InvalidInput(fmt::format("{}: it holds no faces, so it is no surface", source_));
+        throw InvalidInput(fmt::format("{}: it contains no faces, so it is not a surface", source_));
     }
     mesh_.origin = choose_origin(vertices_);
     mesh_.positions.reserve(vertices_.size());
@@ -150,7 +150,7 @@ PolygonMesh MeshBuilder::take() {
 
 namespace {
 
-/// What people pass by mistake, so that the message can say what it is.
+/// Refuses file types that are often passed by mistake with a message that names the type.
 void refuse_other_kinds(std::string_view bytes, const std::string& source) {
     const auto refuse = [&](std::string_view kind, std::string_view remedy) {
         throw Unsupported(fmt::format("{}: {} is not read; {}", source, kind, remedy));
@@ -159,11 +159,11 @@ void refuse_other_kinds(std::string_view bytes, const std::string& source) {
     if (bytes.starts_with("PK\x03\x04"))
         refuse("a ZIP container (3MF, USDZ)", "export the mesh as GLB, PLY or OBJ");
     if (bytes.starts_with("\x1f\x8b")) refuse("a gzip file", "unpack it first");
-    if (bytes.starts_with("LASF")) refuse("a LAS point cloud", "a mesh is needed");
+    if (bytes.starts_with("LASF")) refuse("a LAS point cloud", "a mesh is required");
     if (bytes.starts_with("PXR-USDC")) refuse("binary USD", "export the mesh as GLB, PLY or OBJ");
     const std::string_view start = trimmed(bytes.substr(0, bytes.find('\n')));
     if (start.starts_with('{'))
-        refuse("JSON (such as .gltf)", "export the mesh as .glb, which holds its buffers");
+        refuse("JSON (such as .gltf)", "export the mesh as .glb, which contains its buffers");
     if (start.starts_with('<')) refuse("XML", "export the mesh as GLB, PLY or OBJ");
 }
 

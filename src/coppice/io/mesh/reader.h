@@ -10,26 +10,25 @@
 
 namespace coppice {
 
-/// Reads a surface from OBJ, PLY, OFF, STL or GLB. What the content says goes before the extension of the
-/// name.
+/// Reads a surface from OBJ, PLY, OFF, STL or GLB. The content of the file has precedence over its extension.
 ///
-/// Faces come as the file has them, in its order, with three or more corners each: not made closed, manifold
-/// or consistent, but every index is in range and every coordinate finite. Vertices come as the file has them
-/// too; only STL, which repeats them for each triangle, is welded: equal positions become one vertex. GLB:
-/// the triangles of the default scene under the transforms of its nodes, turned from Y up to Z up. Colours,
-/// normals, texture coordinates, lines and points are passed over. The groups of OBJ and GLB are named by
-/// what the file tells of object (mesh), group and material, as in "tree/bark".
+/// Faces are returned as in the file, in its order, with three or more corners each: they need not be closed,
+/// manifold or consistently oriented, but every index is in range and every coordinate finite. Vertices are
+/// returned as in the file too; only STL, which repeats them for each triangle, is welded: equal positions
+/// become one vertex. GLB: the triangles of the default scene, transformed by its nodes and rotated from Y up
+/// to Z up. Colours, normals, texture coordinates, lines and points are ignored. The groups of OBJ and GLB
+/// are named by object (mesh), group and material as far as the file specifies them, as in "tree/bark".
 ///
-/// Where coordinates are large against the size of the mesh, `origin` takes the offset in double precision,
-/// so that the float positions keep their digits; else it is zero.
+/// If coordinates are large relative to the size of the mesh, `origin` stores the offset in double precision,
+/// so that the float positions keep their accuracy; otherwise it is zero.
 ///
 /// Throws, each with one sentence that names the file and the line or face: `IoError` (see `read_file`),
-/// `InvalidInput` for damaged or cut files, `Unsupported` for what is not handled (compressed or external
-/// glTF buffers, binary OFF, other kinds of files); `Cancelled`. Cost: linear (STL: n log n); memory is
-/// bounded by a small multiple of the file.
+/// `InvalidInput` for damaged or truncated files, `Unsupported` for content that is not supported (compressed
+/// or external glTF buffers, binary OFF, other kinds of files); `Cancelled`. Cost: linear (STL: n log n);
+/// memory is bounded by a small multiple of the size of the file.
 PolygonMesh read_mesh(const std::filesystem::path& path, const Context& ctx = {});
 
-/// The same from memory; `source` names it in messages. USDA is `Unsupported`.
+/// Reads a surface from memory; `source` names it in messages. Throws `Unsupported` for USDA.
 PolygonMesh parse_mesh(std::string_view bytes, MeshFormat format, const std::string& source,
                        const Context& ctx = {});
 

@@ -12,7 +12,7 @@ using namespace io_internal;
 
 Vec3d world(const SolidMesh& solid, std::size_t v) { return solid.origin + Vec3d(solid.positions[v]); }
 
-/// Bytes as base64 in runs of three, so that runs can be joined.
+/// Encodes bytes as base64 in groups of three, so that encodings of whole groups can be concatenated.
 class Base64 {
   public:
     explicit Base64(Chunk& out) : out_(out) {}
@@ -47,7 +47,7 @@ class Base64 {
     std::size_t held_ = 0;
 };
 
-/// An array of VTU: its size in bytes, then the items, three of which are whole runs of base64.
+/// Writes a VTU array: its size in bytes, then the items; three items are a whole number of base64 groups.
 template <class Put>
 void write_array(AtomicFile& file, std::string_view attributes, std::size_t count, std::size_t item_bytes,
                  ProgressPart part, const Context& ctx, const Put& put) {
@@ -98,7 +98,7 @@ void put_ints(Chunk& chunk, Numbers... numbers) {
 void write_msh(AtomicFile& file, const SolidMesh& solid, const Context& ctx) {
     const std::size_t vertices = solid.positions.size(), cells = solid.tetra.size();
     if (std::max(vertices, cells) > 0x7fffffff)
-        throw Unsupported("Gmsh numbers 2^31 vertices or tetrahedra at most; choose a greater edge, or .vtu");
+        throw Unsupported("Gmsh supports at most 2^31 vertices or tetrahedra; use a longer edge or .vtu");
     const auto write_ints = [&](auto... numbers) {
         Chunk chunk;
         chunk.reserve(64);
@@ -135,8 +135,8 @@ std::optional<SolidFormat> solid_format_of_name(const std::filesystem::path& pat
 void write_solid(const std::filesystem::path& path, const SolidMesh& solid, const Context& ctx) {
     const std::optional<SolidFormat> format = solid_format_of_name(path);
     if (!format) {
-        throw Unsupported(
-            fmt::format("'{}' is no name of a file of tetrahedra; end it in .vtu or .msh", path.string()));
+        throw Unsupported(fmt::format(
+            "'{}' is not the name of a tetrahedra file; use the extension .vtu or .msh", path.string()));
     }
     if (solid.tetra.empty()) throw InvalidInput("there are no tetrahedra to write");
     AtomicFile file(path);

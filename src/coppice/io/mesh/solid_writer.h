@@ -8,21 +8,21 @@
 
 namespace coppice {
 
-/// What kind of file tetrahedra are written to.
+/// File format of tetrahedra.
 enum class SolidFormat {
-    vtu,  ///< VTK's unstructured grid as XML, binary; ParaView
+    vtu,  ///< VTK unstructured grid as XML, binary; ParaView
     msh,  ///< Gmsh 2.2, binary
 };
 
-/// The format of a name; none for another extension.
+/// Returns the format by the extension of the name; nullopt for other extensions.
 std::optional<SolidFormat> solid_format_of_name(const std::filesystem::path& path);
 
-/// Writes tetrahedra as the extension of the name says, coordinates as doubles with the origin added; the
-/// file appears whole or not at all (`AtomicFile`). VTU keeps the vertices' order; Gmsh numbers vertices and
+/// Writes tetrahedra in the format of the extension, with coordinates as doubles including the origin; the
+/// file is written atomically (`AtomicFile`). VTU keeps the order of the vertices; Gmsh numbers vertices and
 /// tetrahedra from 1, all in entity 1.
 ///
-/// Same bytes for any number of threads. Throws `IoError` for trouble with the file; `Unsupported` for a name
-/// of no known kind; `InvalidInput` without tetrahedra; `Cancelled`.
+/// The result does not depend on the number of threads. Throws `IoError` if the file cannot be written;
+/// `Unsupported` for an unknown extension; `InvalidInput` without tetrahedra; `Cancelled`.
 void write_solid(const std::filesystem::path& path, const SolidMesh& solid, const Context& ctx = {});
 
 }  // namespace coppice

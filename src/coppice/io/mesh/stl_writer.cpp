@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kGrain = std::size_t{1} << 14;
 
-/// STL has 32-bit numbers and nowhere to put an origin: refuses what rounding would visibly damage.
+/// STL stores 32-bit floats and no origin: refuses meshes that rounding would visibly damage.
 void check_stl_rounding(const MeshView& mesh) {
     if (!mesh.has_origin()) return;
     Box3 box;
@@ -30,13 +30,13 @@ void check_stl_rounding(const MeshView& mesh) {
 
 auto in_order(Vec3 p) { return std::tuple(p.x, p.y, p.z); }
 
-/// The places of vertices once the origin is added in single precision. Readers take equal places for one
-/// vertex, so those that lie apart are kept apart: where rounding makes them equal, all but one go to the
-/// next free place along x.
+/// Positions of the vertices including the origin, in single precision. Because readers merge equal positions
+/// into one vertex, different positions must remain different: if rounding makes them equal, all except one
+/// are moved to the next free position along x.
 class StlPlaces {
   public:
     StlPlaces(const MeshView& mesh, const Context& ctx) : mesh_(mesh) {
-        if (!mesh.has_origin()) return;  // nothing is rounded
+        if (!mesh.has_origin()) return;  // no rounding
         place_.resize(mesh.positions.size());
         parallel_for(ctx, place_.size(), kGrain, [&](std::size_t v) { place_[v] = rounded(v); });
         sort(ctx);
@@ -51,12 +51,12 @@ class StlPlaces {
 
   private:
     struct Entry {
-        std::uint64_t key;  ///< of equal places equal
+        std::uint64_t key;  ///< equal for equal positions
         std::uint32_t vertex;
     };
     static constexpr unsigned kKeyBits = 44;
 
-    /// Never -0, which readers take for 0.
+    /// Returns the rounded position; never -0, which readers treat as 0.
     Vec3 rounded(std::size_t v) const { return Vec3(mesh_.origin + Vec3d(mesh_.positions[v])); }
 
     static std::uint64_t key_of(Vec3 place) {
@@ -76,7 +76,7 @@ class StlPlaces {
         ctx.throw_if_cancelled();
     }
 
-    /// Of vertices with one key, and so mostly with one place.
+    /// Separates vertices with the same key, which mostly have the same position.
     void separate(std::span<Entry> same) {
         const auto at = [&](const Entry& e) {
             return std::tuple_cat(in_order(place_[e.vertex]), in_order(mesh_.positions[e.vertex]));
@@ -90,7 +90,7 @@ class StlPlaces {
             if (mesh_.positions[v] != mesh_.positions[before]) {
                 moves_.emplace_back(v, free_place(place_[v]));
             } else if (!moves_.empty() && moves_.back().first == before) {
-                moves_.emplace_back(v, moves_.back().second);  // one vertex before, and one after
+                moves_.emplace_back(v, moves_.back().second);  // equal vertices remain equal
             }
         }
     }
@@ -113,16 +113,16 @@ class StlPlaces {
 
     const MeshView& mesh_;
     Buffer<Vec3> place_;
-    Buffer<Entry> order_;                                ///< by key, so that equal places are neighbours
-    std::vector<std::pair<std::uint32_t, Vec3>> moves_;  ///< vertices and where they go
-    std::set<std::tuple<float, float, float>> given_;    ///< where vertices have gone
+    Buffer<Entry> order_;  ///< sorted by key, so that equal positions are adjacent
+    std::vector<std::pair<std::uint32_t, Vec3>> moves_;  ///< moved vertices and their new positions
+    std::set<std::tuple<float, float, float>> given_;    ///< positions occupied by moved vertices
 };
 
 }  // namespace
 
 void write_stl(AtomicFile& file, const MeshView& mesh, const Context& ctx) {
     if (mesh.triangle_count() > std::numeric_limits<std::uint32_t>::max()) {
-        throw Unsupported("STL holds at most 4294967295 triangles; write PLY or OBJ instead");
+        throw Unsupported("STL supports at most 4294967295 triangles; write PLY or OBJ instead");
     }
     check_stl_rounding(mesh);
     const StlPlaces place(mesh, ctx);

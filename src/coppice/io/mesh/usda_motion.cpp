@@ -31,7 +31,7 @@ void put_corners(AtomicFile& file, const MeshView& mesh, const Context& ctx) {
     });
 }
 
-/// `name`.timeSamples = { 0: ..., 1: ... }
+/// Writes `name`.timeSamples = { 0: ..., 1: ... }
 template <class Put>
 void write_samples(AtomicFile& file, std::string_view name, std::size_t frames, const Put& put) {
     file.write(fmt::format("        {}.timeSamples = {{\n", name));

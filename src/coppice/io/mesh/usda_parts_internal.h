@@ -9,7 +9,7 @@
 
 namespace coppice::io_internal {
 
-/// [item, item, ...] with a line break now and then, which USD's parser allows and editors need.
+/// Writes [item, item, ...] with regular line breaks, which the USD parser allows and editors need.
 template <class Put>
 void write_list(AtomicFile& file, std::size_t count, ProgressPart part, const Context& ctx, const Put& put) {
     file.write("[");
@@ -21,7 +21,7 @@ void write_list(AtomicFile& file, std::size_t count, ProgressPart part, const Co
     file.write("]");
 }
 
-/// name = [item, item, ...]
+/// Writes name = [item, item, ...]
 template <class Put>
 void write_array(AtomicFile& file, std::string_view name, std::size_t count, ProgressPart part,
                  const Context& ctx, const Put& put) {
@@ -31,13 +31,14 @@ void write_array(AtomicFile& file, std::string_view name, std::size_t count, Pro
 
 void put_tuple(Chunk& chunk, Vec3 v);
 
-/// What stands before the attributes of the mesh; `more` are further lines about the whole file.
+/// Writes everything that precedes the attributes of the mesh; `more` are additional lines of the layer
+/// metadata.
 void write_head(AtomicFile& file, const MeshView& mesh, std::string_view more = {});
 
-/// What stands behind the attributes of the mesh, and ends the file.
+/// Writes everything that follows the attributes of the mesh.
 void write_tail(AtomicFile& file, Subdivision subdivision);
 
-/// The least and the greatest corner of the box about the points.
+/// Returns the minimum and the maximum corner of the bounding box.
 std::string extent_text(std::span<const Vec3> positions);
 
 }  // namespace coppice::io_internal

@@ -11,18 +11,18 @@
 
 #include "coppice/base/context.h"
 #include "coppice/base/parallel.h"
-#include "coppice/io/file.h"
 #include "coppice/io/file_up.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/mesh/texture.h"
+#include "coppice/system/file.h"
 
 namespace coppice::io_internal {
 
 static_assert(std::endian::native == std::endian::little,
-              "the binary formats are written as memory holds them");
+              "the binary formats are written in the byte order of the memory");
 static_assert(sizeof(Vec3) == 3 * sizeof(float));
 
-/// Any of the mesh types, without a copy.
+/// A view of any of the mesh types, without a copy.
 struct MeshView {
     explicit MeshView(const QuadMesh& m)
         : positions(m.positions),
@@ -47,22 +47,23 @@ struct MeshView {
     std::span<const std::uint32_t> face(std::size_t f) const {
         return {corners + first_corner(f), first_corner(f + 1) - first_corner(f)};
     }
-    /// A face of n corners becomes n - 2 triangles, so the triangles before face f need no counting.
+    /// A face with n corners becomes n - 2 triangles, so the index of the first triangle of a face follows
+    /// from its first corner.
     std::size_t triangle_count() const { return first_corner(face_count) - 2 * face_count; }
     bool has_origin() const { return origin != Vec3d{}; }
 
     std::span<const Vec3> positions;
     Vec3d origin;
     const std::uint32_t* corners = nullptr;
-    const std::uint32_t* first = nullptr;  ///< for faces of several sizes
+    const std::uint32_t* first = nullptr;  ///< offsets of faces of different sizes; null otherwise
     std::size_t face_count = 0;
     std::size_t sides = 0;
-    std::span<const TexturePoint> texture;  ///< of every corner, or none
-    std::span<const Vec3> normals;          ///< of every vertex, for OBJ, or none
-    FileUp up = FileUp::z;                  ///< what the comments of OBJ and PLY say
+    std::span<const TexturePoint> texture;  ///< one for every corner; may be empty
+    std::span<const Vec3> normals;          ///< one for every vertex, for OBJ; may be empty
+    FileUp up = FileUp::z;                  ///< up axis named by the comments of OBJ and PLY
 };
 
-/// emit(a, b, c) for each triangle of face f: along the shorter diagonal of quads, else a fan.
+/// Calls emit(a, b, c) for each triangle of face f: along the shorter diagonal of quads, otherwise as a fan.
 template <class Emit>
 void for_each_triangle(const MeshView& mesh, std::size_t f, const Emit& emit) {
     const auto c = mesh.face(f);
@@ -75,10 +76,10 @@ void for_each_triangle(const MeshView& mesh, std::size_t f, const Emit& emit) {
     for (std::size_t k = 1; k + 1 < c.size(); ++k) emit(c[0], c[k], c[k + 1]);
 }
 
-/// Bytes that grow at their end, without clearing what is about to be written.
+/// A growing byte buffer that does not initialize memory.
 class Chunk {
   public:
-    /// Makes sure that `size` bytes fit; every put below counts against them.
+    /// Reserves space for `size` bytes; the following calls of put must not exceed it.
     void reserve(std::size_t size) {
         if (bytes_.size() - used_ < size) bytes_.resize(std::max(2 * bytes_.size(), used_ + size));
     }
@@ -116,14 +117,14 @@ class Chunk {
     std::size_t used_ = 0;
 };
 
-/// The part of the progress that one section of a file takes.
+/// Range of the progress that one section of a file covers.
 struct ProgressPart {
     float begin = 0;
     float end = 1;
 };
 
-/// Writes items 0 .. count: fill(i, chunk) appends item i. Fixed runs of items are formatted in parallel, a
-/// few at a time, and written in order.
+/// Writes items 0 .. count: fill(i, chunk) appends item i. Runs of items of a fixed size are formatted in
+/// parallel, a few at a time, and written in order.
 template <class Fill>
 void write_items(AtomicFile& file, std::size_t count, ProgressPart part, const Context& ctx,
                  const Fill& fill) {
@@ -144,8 +145,8 @@ void write_items(AtomicFile& file, std::size_t count, ProgressPart part, const C
     }
 }
 
-/// Unit normals per vertex, from the faces around it weighted by area; +Z where they cancel. The faces are
-/// added one after the other: sums in another order would have other bits.
+/// Returns unit normals of vertices, the area-weighted mean of the adjacent faces; +Z if they cancel. The
+/// faces are added sequentially, because another order would change the rounding.
 std::vector<Vec3> smooth_normals(const MeshView& mesh);
 
 enum class Subdivision { none, catmull_clark };

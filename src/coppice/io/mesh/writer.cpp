@@ -46,13 +46,14 @@ void check_mesh(const std::filesystem::path& path, const MeshView& mesh, const C
 MeshFormat format_for(const std::filesystem::path& path, const MeshWriteOptions& options) {
     const auto format = options.format ? options.format : mesh_format_of_name(path);
     if (!format || *format == MeshFormat::off) {
-        throw Unsupported(fmt::format("cannot write {}: a mesh file ends in .obj, .ply, .stl, .glb or .usda",
-                                      path.string()));
+        throw Unsupported(fmt::format(
+            "cannot write {}: a mesh file must have the extension .obj, .ply, .stl, .glb or .usda",
+            path.string()));
     }
     return *format;
 }
 
-/// `write(file)` with the limits of a format reported under the name of the file.
+/// Calls `write(file)` and adds the name of the file to errors about the limits of a format.
 template <class Write>
 void write_whole(const std::filesystem::path& path, const MeshView& mesh, const Context& ctx,
                  const Write& write) {
@@ -67,7 +68,7 @@ void write_whole(const std::filesystem::path& path, const MeshView& mesh, const 
     ctx.report(1);
 }
 
-/// Whether a file of this format leaves open which axis points up.
+/// Returns whether the format does not specify its up axis.
 bool has_no_up(MeshFormat format) {
     return format == MeshFormat::obj || format == MeshFormat::ply || format == MeshFormat::stl;
 }

@@ -16,11 +16,11 @@
 #include "coppice/base/vec.h"
 #include "coppice/io/points/read_internal.h"
 #include "coppice/io/points/reader.h"
-#include "coppice/points/painted_points.h"
+#include "coppice/points/point_cloud.h"
 
 namespace coppice::io_internal {
 
-/// Little-endian numbers at fixed places, for whatever machine.
+/// Returns the little-endian number at an offset, independent of the byte order of the machine.
 template <class T>
 T number_at(std::string_view bytes, std::size_t at) {
     std::uint64_t bits = 0;
@@ -36,61 +36,62 @@ T number_at(std::string_view bytes, std::size_t at) {
     }
 }
 
-inline constexpr std::size_t kOldLasHeader = 227, kNewLasHeader = 375;  // [bytes] up to LAS 1.2, and of 1.4
+inline constexpr std::size_t kOldLasHeader = 227;
+inline constexpr std::size_t kNewLasHeader = 375;  // [bytes] header size up to LAS 1.2 and of LAS 1.4
 
-/// A number that the records of a file have besides those of their format.
+/// An extra dimension: a number of the records in addition to those of their format.
 struct LasDimension {
     std::string name;
-    std::size_t at = 0;     ///< [bytes] from the first byte that the format does not have
-    std::uint8_t type = 0;  ///< as LAS numbers them, 1 to 10
+    std::size_t at = 0;     ///< [bytes] offset from the end of the fields of the format
+    std::uint8_t type = 0;  ///< type code of LAS, 1 to 10
     double scale = 1, offset = 0;
-    std::optional<double> no_data;  ///< stands for an unknown value, before scale and offset
+    std::optional<double> no_data;  ///< denotes an unknown value, before scale and offset
 
-    /// Nothing where it is unknown.
+    /// Returns the value of a record, given its extra bytes; nullopt if it is unknown.
     std::optional<double> value(std::string_view extra) const;
 };
 
-/// What is needed of the header of LAS and LAZ files; checked by `parse_las`.
+/// Required values of the header of LAS and LAZ files; checked by `parse_las`.
 struct LasHeader {
     int major = 1, minor = 0;
     std::uint64_t data = 0;    ///< offset of the first record
     std::uint8_t format = 0;   ///< 0 to 10
-    std::uint16_t record = 0;  ///< [bytes] not less than the format's
+    std::uint16_t record = 0;  ///< [bytes] size of a record, at least that of the format
     std::uint64_t count = 0;
     bool compressed = false;
     Vec3d scale, offset;
     std::vector<LasDimension> dimensions = {};
 
-    const LasDimension* tree_id() const;         ///< the dimension of the ids of trees; null where none is
-    bool recent() const { return format >= 6; }  ///< records as LAS 1.4 has them
-    std::size_t color() const;                   ///< [bytes] where in a record it begins; 0 = it has none
-    std::size_t extra() const;                   ///< [bytes] where in a record what the format has not begins
+    const LasDimension* tree_id() const;         ///< dimension of the tree ids; null if there is none
+    bool recent() const { return format >= 6; }  ///< whether records have the layout of LAS 1.4
+    std::size_t color() const;  ///< [bytes] offset in a record; 0 if the format has no colour
+    std::size_t extra() const;  ///< [bytes] offset of the extra bytes in a record
 };
 
 using Rgb16 = std::array<std::uint16_t, 3>;
 
-/// What is used of a record.
+/// Values of a record that are used.
 struct LasPoint {
-    std::array<std::int32_t, 3> place{};  ///< in steps of the header's scale
-    bool withheld = false;                ///< marked by whoever made the file as not to be used
+    std::array<std::int32_t, 3> place{};  ///< in multiples of the scale of the header
+    bool withheld = false;                ///< marked as withheld by the producer of the file
     std::uint16_t intensity = 0;
     std::uint8_t return_number = 0, return_count = 0, classification = 0;
     Rgb16 color{};
-    std::string_view extra = {};  ///< what the record has beyond its format, where it is wanted
+    std::string_view extra = {};  ///< extra bytes of the record, if requested
 };
 
-/// Points of a file in the making, in their order. Columns that are not wanted, or that the format has not,
-/// are empty.
+/// Points of a file in their order while it is read. Columns that are not requested or not in the format are
+/// empty.
 struct LasColumns {
     Buffer<std::array<std::int32_t, 3>> places;
     Buffer<std::uint16_t> intensities;
     Buffer<std::uint8_t> return_numbers, return_counts, classes;
     Buffer<Rgb16> colors;
     Buffer<std::uint32_t> tree_ids;
-    const LasDimension* tree_id = nullptr;  ///< where they are taken from
-    std::span<const LasDimension> ranged;   ///< of which the range is wanted
+    const LasDimension* tree_id = nullptr;  ///< source of `tree_ids`
+    std::span<const LasDimension> ranged;   ///< dimensions with a requested range
 
-    /// Whether anything is taken from what records have beyond their format.
+    /// Returns whether any extra bytes are used.
     bool need_extra() const { return tree_id != nullptr || !ranged.empty(); }
 
     void resize(std::uint64_t count, const PointColumns& wanted, const LasHeader& h) {
@@ -106,7 +107,7 @@ struct LasColumns {
     }
 };
 
-/// The least and the greatest of some numbers.
+/// Minimum and maximum of numbers.
 struct LasRange {
     double low = std::numeric_limits<double>::infinity(), high = -low;
 
@@ -120,7 +121,8 @@ struct LasRange {
     }
 };
 
-/// A run of records that is read by itself: it fills the columns from its first record on, without gaps.
+/// A range of records that is read independently: it fills the columns from its first record on, without
+/// gaps.
 struct LasPart {
     LasPart() = default;
     LasPart(LasColumns& to, std::uint64_t begin, std::uint64_t end)
@@ -128,9 +130,9 @@ struct LasPart {
 
     LasColumns* columns = nullptr;
     std::uint64_t first = 0;
-    std::uint64_t count = 0;       ///< of records
-    std::uint64_t kept = 0;        ///< of them, the first places from `first` on
-    std::vector<LasRange> ranges;  ///< of `ranged`
+    std::uint64_t count = 0;       ///< number of records
+    std::uint64_t kept = 0;        ///< number of kept records; they are stored from `first` on
+    std::vector<LasRange> ranges;  ///< one for each dimension of `ranged`
 
     void put(const LasPoint& p) {
         if (p.withheld) return;
@@ -148,45 +150,45 @@ struct LasPart {
     }
 };
 
-/// A variable length record: what else a file says.
+/// A variable length record with metadata.
 struct LasRecord {
-    std::string_view user;  ///< who defines what ids mean
+    std::string_view user;  ///< namespace of the id
     std::uint16_t id = 0;
     std::string_view data;
 };
 
 inline constexpr std::string_view kLasSpecification = "LASF_Spec", kLasProjection = "LASF_Projection";
-inline constexpr std::uint16_t kExtraBytes = 4, kWkt = CoordinateSystem::kWkt;  ///< ids of records
+inline constexpr std::uint16_t kExtraBytes = 4, kWkt = CoordinateSystem::kWkt;  ///< record ids
 inline constexpr std::size_t kVlrHeader = 54, kDimension = 192;                 ///< [bytes]
 
-/// The records before and after the points, as far as they lie within the file.
+/// Returns the records before and after the points that are within the file.
 std::vector<LasRecord> las_records(std::string_view bytes, const LasHeader& h);
 
-/// What the record about extra bytes says; those of other kinds than one number, or beyond the records of
-/// points, are passed over.
+/// Returns the dimensions of the record about extra bytes; ignores types other than a single number and
+/// dimensions beyond the size of a point record.
 std::vector<LasDimension> las_dimensions(std::span<const LasRecord> records, const LasHeader& h);
 CoordinateSystem coordinate_system(std::span<const LasRecord> records);
 
-/// Throws `InvalidInput` of `source`.
-[[noreturn]] void las_trouble(const std::string& source, const std::string& what);
+/// Throws `InvalidInput` that names `source`.
+[[noreturn]] void las_trouble(const std::string& source, const std::string& subject);
 
-/// Red, green and blue of a record that has them at `at`.
+/// Returns red, green and blue at offset `at` of a record.
 inline Rgb16 color_at(std::string_view record, std::size_t at) {
     return {number_at<std::uint16_t>(record, at), number_at<std::uint16_t>(record, at + 2),
             number_at<std::uint16_t>(record, at + 4)};
 }
 
-/// How records are read.
+/// Options for reading records.
 struct LasReading {
     PointColumns wanted;
     bool allow_truncated = false;
     const std::string& source;
 };
 
-/// Points of a file that says it has more than there are.
-[[noreturn]] void las_cut_off(const std::string& source, const std::string& what);
+/// Throws for a file that specifies more points than it contains.
+[[noreturn]] void las_cut_off(const std::string& source, const std::string& subject);
 
-/// The points of a LAZ file, with the columns that are wanted. Of one that is truncated the whole chunks.
+/// Reads the requested columns of a LAZ file; of a truncated file, the complete chunks.
 std::vector<LasPart> read_laz(std::string_view bytes, const LasHeader& h, const LasReading& reading,
                               LasColumns& columns, const Context& ctx);
 

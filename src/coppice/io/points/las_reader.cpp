@@ -15,10 +15,10 @@
 namespace coppice::io_internal {
 namespace {
 
-// Bytes of a record of each format, at least.
+// Minimum size of a record of each format in bytes.
 constexpr std::array<std::uint16_t, 11> kRecordBytes{20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
-constexpr std::uint64_t kPart = 65536;      // records that are read in one go
-constexpr std::uint8_t kCompressed = 0xc0;  // LASzip sets bit 7, older ones bit 6
+constexpr std::uint64_t kPart = 65536;      // records in a parallel task
+constexpr std::uint8_t kCompressed = 0xc0;  // LASzip sets bit 7, old versions bit 6
 
 LasHeader parse_header(std::string_view bytes, const std::string& source) {
     if (bytes.size() < kOldLasHeader) las_trouble(source, "the file ends within its LAS header");
@@ -75,15 +75,16 @@ LasPoint parse_record(std::string_view record, const LasHeader& h) {
     return p;
 }
 
-/// How many records there are: as many as the header names, unless the file is truncated.
+/// Returns the number of records: that of the header, unless the file is truncated.
 std::uint64_t count_of_records(std::string_view bytes, const LasHeader& h, const LasReading& reading) {
     const bool begins = h.data >= kOldLasHeader && h.data <= bytes.size();
     const std::uint64_t held = begins ? (bytes.size() - h.data) / h.record : 0;
     if (begins && h.count <= held) return h.count;
     if (reading.allow_truncated && held > 0) return held;
-    const std::string what = fmt::format("its header names {} points, but it holds {}", h.count, held);
-    if (held == 0) las_trouble(reading.source, fmt::format("the file is cut off or damaged: {}", what));
-    las_cut_off(reading.source, what);
+    const std::string subject =
+        fmt::format("its header specifies {} points, but it contains {}", h.count, held);
+    if (held == 0) las_trouble(reading.source, fmt::format("the file is cut off or damaged: {}", subject));
+    las_cut_off(reading.source, subject);
 }
 
 std::vector<LasPart> read_plain(std::string_view bytes, const LasHeader& h, const LasReading& reading,
@@ -106,7 +107,7 @@ Vec3d world(const Place& p, const LasHeader& h) {
     return {p[0] * h.scale.x + h.offset.x, p[1] * h.scale.y + h.offset.y, p[2] * h.scale.z + h.offset.z};
 }
 
-/// Two opposite corners of the box of the points, in the file's frame.
+/// Two opposite corners of the bounding box of the points, in the frame of the file.
 std::array<Vec3d, 2> corners(const LasColumns& columns, const std::vector<LasPart>& parts, const LasHeader& h,
                              const Context& ctx) {
     struct Range {
@@ -118,9 +119,9 @@ std::array<Vec3d, 2> corners(const LasColumns& columns, const std::vector<LasPar
             }
         }
     };
-    constexpr std::int32_t kLeast = std::numeric_limits<std::int32_t>::min();
-    constexpr std::int32_t kMost = std::numeric_limits<std::int32_t>::max();
-    const Range nothing{{kMost, kMost, kMost}, {kLeast, kLeast, kLeast}};
+    constexpr std::int32_t kMin = std::numeric_limits<std::int32_t>::min();
+    constexpr std::int32_t kMax = std::numeric_limits<std::int32_t>::max();
+    const Range nothing{{kMax, kMax, kMax}, {kMin, kMin, kMin}};
     const Range range = parallel_reduce(
         ctx, parts.size(), 1, nothing,
         [&](IndexRange r) {
@@ -137,7 +138,7 @@ std::array<Vec3d, 2> corners(const LasColumns& columns, const std::vector<LasPar
     return {world(range.low, h), world(range.high, h)};
 }
 
-/// What the parts kept, in their order.
+/// Concatenates the kept values of the parts in their order.
 class Gathering {
   public:
     Gathering(const std::vector<LasPart>& parts, const Context& ctx) : parts_(parts), ctx_(ctx) {
@@ -147,7 +148,7 @@ class Gathering {
     }
     std::uint64_t count() const { return count_; }
 
-    /// convert(value) of every value that was kept.
+    /// Stores convert(value) of every kept value.
     template <class From, class To, class Convert>
     void gather(const From& from, To& to, const Convert& convert) const {
         to.resize(count_);
@@ -156,15 +157,15 @@ class Gathering {
             for (std::uint64_t i = 0; i < part.kept; ++i) to[begin_[k] + i] = convert(from[part.first + i]);
         });
     }
-    /// The same; nothing where the column is empty or zero throughout, as writers leave what they do not
-    /// know.
+    /// Stores the kept values; nothing if the column is empty or zero throughout, which writers use for
+    /// unknown values.
     template <class From, class To>
     void gather_known(const From& from, std::vector<To>& to) const {
         if (from.empty()) return;
         gather(from, to, [](auto value) { return static_cast<To>(value); });
         if (std::ranges::all_of(to, [](To value) { return value == 0; })) to = {};
     }
-    /// Some writers put 8 bits where LAS has 16.
+    /// Converts colours to 8 bits; some writers store 8 bits in the 16 bits of LAS.
     void gather_colors(const Buffer<Rgb16>& from, std::vector<Rgb>& to) const {
         if (from.empty()) return;
         std::uint16_t most = 0;
@@ -187,14 +188,14 @@ class Gathering {
     std::uint64_t count_ = 0;
 };
 
-PaintedPoints points_of(const LasColumns& columns, const std::vector<LasPart>& parts, const LasHeader& h,
-                        const std::string& source, const Context& ctx) {
+PointCloud points_of(const LasColumns& columns, const std::vector<LasPart>& parts, const LasHeader& h,
+                     const std::string& source, const Context& ctx) {
     const Gathering kept(parts, ctx);
-    if (kept.count() == 0) throw InvalidInput(fmt::format("{}: it holds no points", source));
+    if (kept.count() == 0) throw InvalidInput(fmt::format("{}: it contains no points", source));
     const auto [a, b] = corners(columns, parts, h, ctx);
     if (!fits_points(a) || !fits_points(b))
         las_trouble(source, "the coordinates of its points are not finite or beyond 1e30");
-    PaintedPoints out;
+    PointCloud out;
     PointSet& set = out.points;
     set.origin = choose_origin(a, b);
     kept.gather(columns.places, set.positions,
@@ -226,12 +227,12 @@ std::string format_of(const LasHeader& h) {
 
 bool is_las(std::string_view bytes) { return bytes.starts_with("LASF"); }
 
-void las_trouble(const std::string& source, const std::string& what) {
-    throw InvalidInput(fmt::format("{}: {}", source, what));
+void las_trouble(const std::string& source, const std::string& subject) {
+    throw InvalidInput(fmt::format("{}: {}", source, subject));
 }
 
-void las_cut_off(const std::string& source, const std::string& what) {
-    throw TruncatedFile(fmt::format("{}: the file is cut off or damaged: {}", source, what));
+void las_cut_off(const std::string& source, const std::string& subject) {
+    throw TruncatedFile(fmt::format("{}: the file is cut off or damaged: {}", source, subject));
 }
 
 std::size_t LasHeader::color() const {
@@ -252,7 +253,7 @@ PointFile parse_las(std::string_view bytes, const PointColumns& wanted, const Re
                                                          : read_plain(bytes, header, reading, columns, ctx);
     std::uint64_t held = 0;
     for (const LasPart& part : parts) held += part.count;
-    return {.painted = points_of(columns, parts, header, source, ctx),
+    return {.point_cloud = points_of(columns, parts, header, source, ctx),
             .format = format_of(header),
             .missing = header.count - held,
             .dimensions = dimensions_of(columns, parts),

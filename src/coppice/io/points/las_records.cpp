@@ -1,4 +1,4 @@
-// What LAS files say besides their points: variable length records, extra dimensions, coordinate systems.
+// Metadata of LAS files: variable length records, extra dimensions, coordinate reference systems.
 
 #include <fmt/format.h>
 
@@ -13,11 +13,11 @@
 namespace coppice::io_internal {
 namespace {
 
-constexpr std::size_t kLongVlrHeader = 60;                    // [bytes] of those behind the points
-constexpr std::uint16_t kGeoKeys = 34735, kGeoAscii = 34737;  // ids of records
+constexpr std::size_t kLongVlrHeader = 60;                    // [bytes] of records behind the points
+constexpr std::uint16_t kGeoKeys = 34735, kGeoAscii = 34737;  // record ids
 constexpr std::array<std::size_t, 11> kBytesOfType{0, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
 
-/// Text of a fixed width, up to its first zero.
+/// Returns a text of fixed width up to its first zero.
 std::string_view fixed_text(std::string_view bytes, std::size_t at, std::size_t width) {
     const std::string_view text = bytes.substr(at, width);
     return text.substr(0, text.find('\0'));
@@ -28,7 +28,7 @@ LasRecord record_at(std::string_view bytes, std::uint64_t at, std::size_t header
             bytes.substr(at + header, size)};
 }
 
-/// A number of `type`, as it is stored.
+/// Returns a number of type `type` without scale and offset.
 double stored_number(std::string_view bytes, std::size_t at, std::uint8_t type) {
     switch (type) {
         case 1:
@@ -54,7 +54,7 @@ double stored_number(std::string_view bytes, std::size_t at, std::uint8_t type) 
     }
 }
 
-/// The value that stands for none; of whole numbers it is kept in 64 bits, of others in a double.
+/// Returns the value that denotes missing data; stored in 64 bits for integers and as a double otherwise.
 double no_data_of(std::string_view entry, std::uint8_t type) {
     constexpr std::size_t kNoData = 40;
     if (type >= 9) return number_at<double>(entry, kNoData);
@@ -63,7 +63,7 @@ double no_data_of(std::string_view entry, std::uint8_t type) {
                      : static_cast<double>(number_at<std::uint64_t>(entry, kNoData));
 }
 
-/// What a file calls something, for people: bytes that are no letters of ASCII become question marks.
+/// Returns a name for display: bytes that are not printable ASCII become question marks.
 std::string printable(std::string_view text) {
     std::string out(trimmed(text));
     std::ranges::replace_if(
@@ -71,14 +71,15 @@ std::string printable(std::string_view text) {
     return out;
 }
 
-/// The name between the first quotes of WKT, behind the word of the system: PROJCS["ETRS89 / UTM 32N", ...
+/// Returns the first quoted name of WKT after the keyword of the system: PROJCS["ETRS89 / UTM 32N", ...
 std::string_view name_in_wkt(std::string_view wkt) {
     const std::size_t begin = wkt.find('"');
     if (begin == wkt.npos) return {};
     return wkt.substr(begin + 1, wkt.find('"', begin + 1) - begin - 1);
 }
 
-/// "EPSG:25832" where the system as a whole ends with AUTHORITY["EPSG","25832"], or ID["EPSG",25832].
+/// Returns "EPSG:25832" if the definition of the whole system ends with AUTHORITY["EPSG","25832"] or
+/// ID["EPSG",25832].
 std::string code_in_wkt(std::string_view wkt) {
     constexpr std::string_view kAuthority = "[\"EPSG\",";
     const std::size_t at = wkt.rfind(kAuthority);
@@ -91,7 +92,7 @@ std::string code_in_wkt(std::string_view wkt) {
     return fmt::format("EPSG:{}", code.substr(0, digits));
 }
 
-/// The name by the keys of GeoTIFF: a code of EPSG, or the citation in the text that belongs to them.
+/// Returns the name by the GeoTIFF keys: an EPSG code, or the citation in their text.
 std::string name_by_keys(std::string_view keys, std::string_view ascii) {
     constexpr std::uint16_t kGeographic = 2048, kProjected = 3072, kUserDefined = 32767;
     constexpr std::array<std::uint16_t, 3> kCitations{3073, 1026, 2049};
@@ -163,7 +164,7 @@ std::vector<LasDimension> las_dimensions(std::span<const LasRecord> records, con
         d.type = number_at<std::uint8_t>(entry, 2);
         const auto options = number_at<std::uint8_t>(entry, 3);
         const bool is_scalar = d.type > 0 && d.type < kBytesOfType.size();
-        // Raw bytes say how many in place of options; those up to 30 are pairs and triples, given up since.
+        // For raw bytes the options are their number; types up to 30 are the deprecated pairs and triples.
         const std::size_t size = is_scalar     ? kBytesOfType[d.type]
                                  : d.type == 0 ? options
                                  : d.type <= 30
@@ -184,8 +185,8 @@ CoordinateSystem coordinate_system(std::span<const LasRecord> records) {
     CoordinateSystem out;
     for (const LasRecord& r : records) {
         const bool known = r.id == kWkt || (r.id >= kGeoKeys && r.id <= kGeoAscii);
-        constexpr std::size_t kMost = 65535;  // [bytes] of a record before the points
-        if (r.user == kLasProjection && known && r.data.size() <= kMost)
+        constexpr std::size_t kMax = 65535;  // [bytes] maximum size of a record before the points
+        if (r.user == kLasProjection && known && r.data.size() <= kMax)
             out.records.push_back({r.id, std::string(r.data)});
     }
     return out;

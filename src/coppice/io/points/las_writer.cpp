@@ -1,5 +1,5 @@
-// LAS 1.4 with point format 6, or 7 where there are colours, and extra dimensions for what LAS has no fields
-// of.
+// Writes LAS 1.4 with point format 6, or 7 with colours, and extra dimensions for columns without a LAS
+// field.
 
 #include <algorithm>
 #include <array>
@@ -29,15 +29,15 @@ void put_text(std::string& bytes, std::size_t at, std::string_view text) {
     bytes.replace(at, text.size(), text);
 }
 
-/// Coordinates as whole steps from an offset.
+/// Coordinates as integer multiples of a step from an offset.
 struct Grid {
     double step = 1e-4;  ///< [m]
     Vec3d offset;
 
-    /// As fine as 32 bits allow, from a tenth of a millimetre on; the offset is of whole metres, as far as
-    /// these are worth it.
+    /// Chooses the smallest step for which 32 bits suffice, at least 0.1 mm; the offset is a whole number of
+    /// metres near the centre.
     explicit Grid(const PointSet& points) {
-        constexpr double kMost = std::numeric_limits<std::int32_t>::max() - 1;
+        constexpr double kMax = std::numeric_limits<std::int32_t>::max() - 1;
         const Box3 box = bounds(points);
         if (box.empty()) return;
         const Vec3d low = points.origin + Vec3d(box.low), high = points.origin + Vec3d(box.high);
@@ -46,18 +46,18 @@ struct Grid {
             offset[axis] = std::floor(low[axis] + (high[axis] - low[axis]) / 2);
             reach = std::max({reach, high[axis] - offset[axis], offset[axis] - low[axis]});
         }
-        while (reach / step > kMost) step *= 10;
+        while (reach / step > kMax) step *= 10;
     }
     std::int32_t steps(double coordinate, int axis) const {
         return static_cast<std::int32_t>(std::llround((coordinate - offset[axis]) / step));
     }
 };
 
-/// Intensities as 16 bits: whole numbers as they are, others stretched over all.
+/// Intensities as 16 bits: integers in range unchanged, others scaled to the full range.
 class Intensities {
   public:
     explicit Intensities(std::span<const float> values) : values_(values) {
-        const auto fits = [](float v) { return v >= 0 && v <= kMost && v == std::floor(v); };
+        const auto fits = [](float v) { return v >= 0 && v <= kMax && v == std::floor(v); };
         if (std::ranges::all_of(values, fits)) return;
         float low = std::numeric_limits<float>::infinity(), high = -low;
         for (const float v : values) {
@@ -66,7 +66,7 @@ class Intensities {
             high = std::max(high, v);
         }
         low_ = low;
-        factor_ = high > low ? kMost / (double{high} - double{low}) : 0;
+        factor_ = high > low ? kMax / (double{high} - double{low}) : 0;
     }
     std::uint16_t operator[](std::size_t i) const {
         if (values_.empty() || !std::isfinite(values_[i])) return 0;
@@ -74,14 +74,14 @@ class Intensities {
     }
 
   private:
-    static constexpr float kMost = 65535;
+    static constexpr float kMax = 65535;
     std::span<const float> values_;
     double low_ = 0, factor_ = 1;
 };
 
-/// Calls visit(name, description, values) for every column that LAS has no field for.
+/// Calls visit(name, description, values) for every column without a LAS field.
 template <class Visitor>
-void visit_extra_dimensions(const PaintedPoints& known, const Visitor& visit) {
+void visit_extra_dimensions(const PointCloud& known, const Visitor& visit) {
     const auto column = [&](std::string_view name, std::string_view description, const auto& values) {
         if (!values.empty()) visit(name, description, values);
     };
@@ -96,12 +96,12 @@ constexpr std::uint8_t type_of(std::uint8_t) { return 1; }
 constexpr std::uint8_t type_of(std::uint32_t) { return 5; }
 constexpr std::uint8_t type_of(float) { return 9; }
 
-/// The extra dimensions, as the record about them has them, and the bytes that a point has of them.
+/// The extra dimensions: their descriptions in the record, and the extra bytes of a point.
 struct Dimensions {
     std::string entries;
     std::size_t bytes = 0;
 
-    explicit Dimensions(const PaintedPoints& known) {
+    explicit Dimensions(const PointCloud& known) {
         visit_extra_dimensions(known,
                                [&](std::string_view name, std::string_view description, const auto& values) {
                                    std::string entry(kDimension, '\0');
@@ -123,17 +123,17 @@ void append_record(std::string& bytes, std::string_view user, std::uint16_t id, 
     bytes += data;
 }
 
-/// Which return of how many, in a byte; the only one where nothing is known.
-std::uint8_t returns_of(const PaintedPoints& known, std::size_t i) {
-    constexpr std::uint8_t kOne = 1, kMost = 15;
+/// Returns the return number and the number of returns in one byte; 1 of 1 if unknown.
+std::uint8_t returns_of(const PointCloud& known, std::size_t i) {
+    constexpr std::uint8_t kOne = 1, kMax = 15;
     const auto of = [&](const std::vector<std::uint8_t>& column) {
-        return column.empty() ? kOne : std::clamp(column[i], kOne, kMost);
+        return column.empty() ? kOne : std::clamp(column[i], kOne, kMax);
     };
     return static_cast<std::uint8_t>(of(known.return_numbers) | of(known.return_counts) << 4);
 }
 
-/// Everything before the points.
-std::string head_of(const PointSet& points, const PaintedPoints& known, const Dimensions& dimensions,
+/// Returns everything that precedes the points.
+std::string head_of(const PointSet& points, const PointCloud& known, const Dimensions& dimensions,
                     const CoordinateSystem& system, const Grid& grid) {
     const bool colored = !known.colors.empty();
     std::string bytes(kNewLasHeader, '\0');
@@ -171,7 +171,7 @@ std::string head_of(const PointSet& points, const PaintedPoints& known, const Di
 
 }  // namespace
 
-void write_las(AtomicFile& file, const PointSet& points, const PaintedPoints& known,
+void write_las(AtomicFile& file, const PointSet& points, const PointCloud& known,
                const CoordinateSystem& system, const Context& ctx) {
     const Grid grid(points);
     const Intensities intensities(known.intensities);

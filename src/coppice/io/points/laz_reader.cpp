@@ -10,7 +10,7 @@
 namespace coppice::io_internal {
 namespace {
 
-constexpr std::uint64_t kMostPointsPerByte = 64;
+constexpr std::uint64_t kMaxPointsPerByte = 64;
 
 [[noreturn]] void damaged_chunk(const std::string& source, std::size_t chunk, std::size_t chunks) {
     las_trouble(source, fmt::format("its compressed points are damaged: chunk {} of {} cannot be unpacked",
@@ -23,8 +23,8 @@ std::optional<std::size_t> unpack(const LazChunk& chunk, const LazPacking& packi
                            : unpack_records(chunk, packing, out, ctx);
 }
 
-/// Where nothing says where chunks begin: each where the one before has ended. A file that may be truncated
-/// ends before the first chunk that is not whole.
+/// Decompresses chunks without a table sequentially: each begins at the end of the previous one. A file that
+/// may be truncated ends before the first incomplete chunk.
 void unpack_in_turn(std::vector<LazChunk>& chunks, const LazPacking& packing, std::vector<LasPart>& parts,
                     const LasReading& reading, const Context& ctx) {
     for (std::size_t i = 0; i < chunks.size(); ++i) {
@@ -45,10 +45,10 @@ std::vector<LasPart> read_laz(std::string_view bytes, const LasHeader& h, const 
                               LasColumns& columns, const Context& ctx) {
     const std::string& source = reading.source;
     const LazPacking packing = read_laz_packing(bytes, h, source);
-    if (h.count / kMostPointsPerByte > bytes.size()) {
+    if (h.count / kMaxPointsPerByte > bytes.size()) {
         las_trouble(
             source,
-            "its compressed points are damaged: the header names more of them than the file can hold");
+            "its compressed points are damaged: the header specifies more of them than the file can contain");
     }
     if (h.count == 0) return {};
     std::vector<LazChunk> chunks = find_laz_chunks(bytes, h, packing, reading);

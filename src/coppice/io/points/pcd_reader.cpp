@@ -8,9 +8,9 @@
 #include <optional>
 
 #include "coppice/base/error.h"
-#include "coppice/io/file_progress.h"
 #include "coppice/io/points/read_internal.h"
 #include "coppice/io/text_internal.h"
+#include "coppice/system/file_progress.h"
 
 namespace coppice::io_internal {
 namespace {
@@ -21,22 +21,22 @@ struct PcdField {
     std::string name;
     std::size_t size = 4, count = 1;
     char type = 'F';
-    std::size_t offset = 0;  ///< in a row [bytes]
-    std::size_t column = 0;  ///< in a line of text
+    std::size_t offset = 0;  ///< [bytes] offset in a row
+    std::size_t column = 0;  ///< index of its first value in a line of text
 };
 
 struct PcdHeader {
     std::vector<PcdField> fields;
     std::uint64_t points = 0;
-    std::size_t row = 0;    ///< [bytes] of a point
-    std::size_t cells = 0;  ///< of a line of text
+    std::size_t row = 0;    ///< [bytes] size of a point
+    std::size_t cells = 0;  ///< number of values in a line of text
     PcdData data = PcdData::ascii;
-    std::size_t begin = 0;  ///< of the data
+    std::size_t begin = 0;  ///< offset of the data
     std::uint32_t lines = 0;
     std::array<std::size_t, 3> axis{};  ///< the fields x, y and z
 };
 
-constexpr std::size_t kMostFields = 1000, kMostCount = 100'000;
+constexpr std::size_t kMaxFields = 1000, kMaxCount = 100'000;
 
 class HeaderReader {
   public:
@@ -75,9 +75,9 @@ class HeaderReader {
     }
 
     void take(const std::string& key) {
-        constexpr std::uint64_t kMost = std::uint64_t{1} << 40;
+        constexpr std::uint64_t kMax = std::uint64_t{1} << 40;
         if (key == "fields" || key == "columns") {
-            if (cells_.size() > kMostFields) fail(fmt::format("there are more than {} fields", kMostFields));
+            if (cells_.size() > kMaxFields) fail(fmt::format("there are more than {} fields", kMaxFields));
             header_.fields.resize(cells_.size());
             for (std::size_t i = 0; i < cells_.size(); ++i) header_.fields[i].name = plain_name(cells_[i]);
         } else if (key == "size" || key == "count" || key == "type") {
@@ -86,7 +86,7 @@ class HeaderReader {
             for (std::size_t i = 0; i < cells_.size(); ++i) take_of_field(key, cells_[i], header_.fields[i]);
         } else if (key == "width" || key == "height" || key == "points") {
             if (cells_.empty()) fail("a number is missing");
-            const std::uint64_t value = whole(cells_[0], kMost);
+            const std::uint64_t value = whole(cells_[0], kMax);
             (key == "width" ? width_ : key == "height" ? height_ : points_) = value;
         }
     }
@@ -94,14 +94,14 @@ class HeaderReader {
     void take_of_field(const std::string& key, std::string_view cell, PcdField& field) const {
         if (key == "type") {
             if (cell != "F" && cell != "I" && cell != "U")
-                fail(fmt::format("{} is no type of a field", in_quotes(cell)));
+                fail(fmt::format("{} is not a field type", in_quotes(cell)));
             field.type = cell[0];
         } else if (key == "size") {
             field.size = whole(cell, 8);
             if (!std::has_single_bit(field.size))
-                fail(fmt::format("{} is no size of a field", in_quotes(cell)));
+                fail(fmt::format("{} is not a field size", in_quotes(cell)));
         } else {
-            field.count = whole(cell, kMostCount);
+            field.count = whole(cell, kMaxCount);
         }
     }
 
@@ -139,7 +139,7 @@ class HeaderReader {
                 found[axis] = true;
                 header_.axis[axis] = i;
                 if (field.type == 'F' && field.size < 4)
-                    fail("the coordinates have a size that no number has");
+                    fail("the size of the coordinates is not that of a number");
             }
         }
         if (!found[0] || !found[1] || !found[2])
@@ -154,7 +154,7 @@ class HeaderReader {
     PcdHeader header_;
 };
 
-/// A little-endian number of a field.
+/// Returns a little-endian number of a field.
 double value_of(const PcdField& field, const char* at) {
     std::uint64_t bits = 0;
     for (std::size_t i = 0; i < field.size; ++i) {
@@ -169,7 +169,7 @@ double value_of(const PcdField& field, const char* at) {
     return static_cast<double>(static_cast<std::int64_t>(bits << unused) >> unused);
 }
 
-/// Adds a point unless it has no place; scanners mark pixels without echo so.
+/// Adds a point unless its coordinates are not numbers, which marks pixels without echo.
 void add_point(std::vector<Vec3d>& points, Vec3d p, const std::string& source, std::uint64_t i) {
     if (std::isnan(p.x) || std::isnan(p.y) || std::isnan(p.z)) return;
     if (!fits_points(p))
@@ -184,8 +184,9 @@ std::vector<Vec3d> read_ascii(std::string_view bytes, const PcdHeader& h, const 
     std::vector<std::string_view> cells;
     for (std::uint64_t i = 0; i < h.points;) {
         if (!lines.next()) {
-            throw InvalidInput(fmt::format(
-                "{}: the file is cut off: its header names {} points, but it holds {}", source, h.points, i));
+            throw InvalidInput(
+                fmt::format("{}: the file is cut off: its header specifies {} points, but it contains {}",
+                            source, h.points, i));
         }
         split_at_blanks(lines.line(), cells);
         if (cells.empty()) continue;
@@ -205,7 +206,7 @@ std::vector<Vec3d> read_ascii(std::string_view bytes, const PcdHeader& h, const 
     return points;
 }
 
-/// `stride` [bytes] between values of a field, each field's values starting at its `start`.
+/// `stride` is the number of bytes between values of a field; the values of each field begin at its `start`.
 std::vector<Vec3d> read_rows(std::string_view data, const PcdHeader& h, bool by_field,
                              const std::string& source, const Context& ctx) {
     std::vector<Vec3d> points;
@@ -225,8 +226,8 @@ std::vector<Vec3d> read_rows(std::string_view data, const PcdHeader& h, bool by_
     return points;
 }
 
-/// The compression of binary_compressed: runs of plain bytes, and copies from what was written before. Empty
-/// where the data are damaged.
+/// Decompresses binary_compressed: literal runs, and copies of previous output. Returns an empty text if the
+/// data are damaged.
 std::string expand(std::string_view packed, std::size_t size) {
     std::string out;
     out.reserve(size);
@@ -265,7 +266,7 @@ std::vector<Vec3d> read_compressed(std::string_view data, const PcdHeader& h, co
     const std::string damaged = fmt::format("{}: its compressed points are cut off or damaged", source);
     if (data.size() < 8) throw InvalidInput(damaged);
     const std::uint64_t packed = size_at(0), whole = size_at(4);
-    // Three bytes stand for 264 at the most.
+    // Three bytes encode at most 264.
     if (packed > data.size() - 8 || whole / 88 > packed || h.row == 0 || h.points > whole / h.row)
         throw InvalidInput(damaged);
     const std::string rows = expand(data.substr(8, packed), whole);
@@ -276,8 +277,9 @@ std::vector<Vec3d> read_compressed(std::string_view data, const PcdHeader& h, co
 std::vector<Vec3d> read_binary(std::string_view data, const PcdHeader& h, const std::string& source,
                                const Context& ctx) {
     if (h.row == 0 || h.points > data.size() / h.row) {
-        throw InvalidInput(fmt::format("{}: the file is cut off: its header names {} points, but it holds {}",
-                                       source, h.points, h.row == 0 ? 0 : data.size() / h.row));
+        throw InvalidInput(
+            fmt::format("{}: the file is cut off: its header specifies {} points, but it contains {}", source,
+                        h.points, h.row == 0 ? 0 : data.size() / h.row));
     }
     return read_rows(data, h, false, source, ctx);
 }

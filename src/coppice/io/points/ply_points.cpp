@@ -1,5 +1,4 @@
-// Points of PLY: the element `vertex`, with what is known of each; ray clouds, of which every vertex is the
-// end of a ray.
+// Points of PLY: the element `vertex` with its attributes; in ray clouds, every vertex is the end of a ray.
 
 #include <fmt/format.h>
 
@@ -20,7 +19,7 @@ namespace {
 using Property = std::optional<std::size_t>;
 using Properties = std::optional<std::array<std::size_t, 3>>;
 
-/// The properties of a vertex that are kept.
+/// The properties of a vertex that are stored.
 class Columns {
   public:
     Columns(const PlyElement& element, const std::string& source) : element_(element) {
@@ -49,7 +48,7 @@ class Columns {
     std::array<std::size_t, 3> place{};
     Property distance, classification, intensity, return_number, return_count, tree_id, alpha;
     Properties color;
-    Properties to_sensor;  ///< of what may be a ray cloud: it has `time` and `alpha` too
+    Properties to_sensor;  ///< of a possible ray cloud, which has `time` and `alpha` too
 
   private:
     Property scalar(std::initializer_list<std::string_view> names) const {
@@ -73,14 +72,14 @@ class Columns {
     const PlyElement& element_;
 };
 
-/// Tells ray clouds from other points that have time, normals and alpha, and leaves out rays without return.
+/// Distinguishes ray clouds from other points with time, normals and alpha, and removes rays without return.
 class RayFilter {
   public:
     explicit RayFilter(const Columns& columns) : columns_(columns) {}
 
     void add(const PlyRow& row) {
         if (!columns_.to_sensor) return;
-        constexpr double kRounding = 0.02;  // of normals that were written with few digits
+        constexpr double kRounding = 0.02;  // tolerance for normals written with few digits
         const auto [x, y, z] = *columns_.to_sensor;
         const Vec3d v{row.scalar(x), row.scalar(y), row.scalar(z)};
         const double square = length_squared(v);
@@ -112,7 +111,7 @@ FoundPoints read_vertices(PlyRows& rows, const PlyElement& element, const std::s
     RayFilter rays(columns);
     FoundPoints found{.format = "PLY"};
     found.places.reserve(element.count);
-    PaintedPoints& known = found.known;
+    PointCloud& known = found.known;
     PlyRow row;
     for (std::uint64_t i = 0; i < element.count; ++i) {
         rows.read(row);
@@ -122,12 +121,12 @@ FoundPoints read_vertices(PlyRows& rows, const PlyElement& element, const std::s
             throw InvalidInput(fmt::format("{}: point {} is not finite or beyond 1e30", source, i));
         }
         if (columns.distance) known.distances.push_back(static_cast<float>(row.scalar(*columns.distance)));
-        if (columns.classification) known.classes.push_back(byte_of(row.scalar(*columns.classification)));
+        if (columns.classification) known.classes.push_back(to_byte(row.scalar(*columns.classification)));
         if (columns.intensity)
             known.intensities.push_back(static_cast<float>(row.scalar(*columns.intensity)));
         if (columns.return_number)
-            known.return_numbers.push_back(byte_of(row.scalar(*columns.return_number)));
-        if (columns.return_count) known.return_counts.push_back(byte_of(row.scalar(*columns.return_count)));
+            known.return_numbers.push_back(to_byte(row.scalar(*columns.return_number)));
+        if (columns.return_count) known.return_counts.push_back(to_byte(row.scalar(*columns.return_count)));
         if (columns.tree_id) known.tree_ids.push_back(tree_id_of(row.scalar(*columns.tree_id)));
         rays.add(row);
         if (!columns.color) continue;

@@ -11,13 +11,13 @@
 
 #include "coppice/base/ascii.h"
 #include "coppice/base/error.h"
-#include "coppice/io/file.h"
 #include "coppice/io/mesh/format.h"
 #include "coppice/io/mesh/read_internal.h"
 #include "coppice/io/ply_header.h"
 #include "coppice/io/points/read_internal.h"
 #include "coppice/io/text_internal.h"
 #include "coppice/io/unread_format.h"
+#include "coppice/system/file.h"
 
 namespace coppice {
 namespace io_internal {
@@ -37,13 +37,13 @@ std::optional<Rgb> color_of(double red, double green, double blue) {
     return color;
 }
 
-std::uint8_t byte_of(double number) {
+std::uint8_t to_byte(double number) {
     return number >= 0 && number <= 255 ? static_cast<std::uint8_t>(number) : std::uint8_t{0};
 }
 
 std::uint32_t tree_id_of(double number) {
-    constexpr double kMost = 4294967295;
-    return number >= 1 && number <= kMost ? static_cast<std::uint32_t>(number) : 0;
+    constexpr double kMax = 4294967295;
+    return number >= 1 && number <= kMax ? static_cast<std::uint32_t>(number) : 0;
 }
 
 std::optional<std::size_t> find_tree_ids(std::span<const std::string> names) {
@@ -53,7 +53,7 @@ std::optional<std::size_t> find_tree_ids(std::span<const std::string> names) {
     std::vector<std::string> plain;
     for (const std::string& name : names) {
         plain.push_back(plain_name(name));
-        constexpr std::string_view kScalar = "scalar";  // CloudCompare writes it before names
+        constexpr std::string_view kScalar = "scalar";  // prefix of names written by CloudCompare
         if (plain.back().starts_with(kScalar)) plain.back().erase(0, kScalar.size());
     }
     for (const std::string_view known : kKnown) {
@@ -64,12 +64,12 @@ std::optional<std::size_t> find_tree_ids(std::span<const std::string> names) {
 }
 
 PointFile finish_points(FoundPoints found, const PointColumns& wanted, const std::string& source) {
-    if (found.places.empty()) throw InvalidInput(fmt::format("{}: it holds no points", source));
-    PointFile out{.painted = std::move(found.known),
+    if (found.places.empty()) throw InvalidInput(fmt::format("{}: it contains no points", source));
+    PointFile out{.point_cloud = std::move(found.known),
                   .format = std::move(found.format),
                   .without_return = found.without_return,
                   .system = std::move(found.system)};
-    PaintedPoints& known = out.painted;
+    PointCloud& known = out.point_cloud;
     PointSet& set = known.points;
     set.origin = choose_origin(found.places);
     set.positions.resize(found.places.size());
@@ -137,22 +137,22 @@ PointFile read_point_file(const std::filesystem::path& path, const PointColumns&
     return parse_point_file(read_file(path, kLargestFile, ctx), path.string(), columns, options, ctx);
 }
 
-PaintedPoints read_painted_points(const std::filesystem::path& path, const PointColumns& columns,
-                                  const Context& ctx) {
-    return read_point_file(path, columns, {}, ctx).painted;
+PointCloud read_point_cloud(const std::filesystem::path& path, const PointColumns& columns,
+                            const Context& ctx) {
+    return read_point_file(path, columns, {}, ctx).point_cloud;
 }
 
-PaintedPoints parse_painted_points(std::string_view bytes, const std::string& source,
-                                   const PointColumns& columns, const Context& ctx) {
-    return parse_point_file(bytes, source, columns, {}, ctx).painted;
+PointCloud parse_point_cloud(std::string_view bytes, const std::string& source, const PointColumns& columns,
+                             const Context& ctx) {
+    return parse_point_file(bytes, source, columns, {}, ctx).point_cloud;
 }
 
 PointSet parse_points(std::string_view bytes, const std::string& source, const Context& ctx) {
-    return parse_painted_points(bytes, source, kNoColumns, ctx).points;
+    return parse_point_cloud(bytes, source, kNoColumns, ctx).points;
 }
 
 PointSet read_points(const std::filesystem::path& path, const Context& ctx) {
-    return read_painted_points(path, kNoColumns, ctx).points;
+    return read_point_cloud(path, kNoColumns, ctx).points;
 }
 
 }  // namespace coppice

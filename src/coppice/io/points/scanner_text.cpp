@@ -1,4 +1,4 @@
-// Points as scanners' programs write them as text: PTS and PTX.
+// Text formats of scanner software: PTS and PTX.
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@
 namespace coppice::io_internal {
 namespace {
 
-/// The only number of a line, if it is whole.
+/// Returns the only number of a line, if it is an integer.
 std::optional<std::uint64_t> lone_count(const std::vector<std::string_view>& cells) {
     if (cells.size() != 1) return {};
     const auto number = parse_integer(cells[0]);
@@ -21,13 +21,13 @@ std::optional<std::uint64_t> lone_count(const std::vector<std::string_view>& cel
     return static_cast<std::uint64_t>(*number);
 }
 
-/// Rows of numbers: x y z, then an intensity, then red, green and blue from 0 to 255.
+/// Reads rows of numbers: x y z, then an intensity, then red, green and blue from 0 to 255.
 class RowReader {
   public:
     RowReader(std::string_view text, const std::string& source, const Context& ctx)
         : lines_(text, ctx), source_(source) {}
 
-    /// The next line that is not empty; false at the end.
+    /// Moves to the next line that is not empty; returns false at the end.
     bool next() {
         while (lines_.next()) {
             split_at_blanks(lines_.line(), cells_);
@@ -46,7 +46,7 @@ class RowReader {
         if (cells_.size() < 3) fail("a point needs three coordinates");
         return {number(0), number(1), number(2)};
     }
-    /// Keeps the point of this row, which lies at `p`.
+    /// Adds the point of the current row at `p`.
     void keep(Vec3d p) {
         if (!fits_points(p)) fail("a coordinate is not finite or beyond 1e30");
         found_.expect(lines_.remaining(), lines_.line().size());
@@ -57,7 +57,7 @@ class RowReader {
             if (color) found_.note(found_.known.colors, *color);
         }
     }
-    /// Counts a pulse that met nothing.
+    /// Counts a pulse without return.
     void pass_over() { ++found_.without_return; }
     FoundPoints take(std::string_view format) {
         found_.format = format;
@@ -65,7 +65,7 @@ class RowReader {
     }
     [[noreturn]] void fail(const std::string& text) const { fail_at(source_, lines_.number(), text); }
     [[noreturn]] void cut_off(std::uint64_t named, std::uint64_t held) const {
-        throw InvalidInput(fmt::format("{}: the file is cut off: it says that {} points follow, but {} do",
+        throw InvalidInput(fmt::format("{}: the file is cut off: it specifies {} points, but {} follow",
                                        source_, named, held));
     }
 
@@ -79,7 +79,7 @@ class RowReader {
 /// The numbers before the points of a scan in PTX.
 struct ScanHead {
     std::uint64_t rows = 0;
-    std::array<std::array<double, 4>, 4> transform{};  ///< of row vectors: the last row moves
+    std::array<std::array<double, 4>, 4> transform{};  ///< for row vectors: the last row is the translation
 
     Vec3d world(Vec3d p) const {
         Vec3d out;
@@ -92,22 +92,22 @@ struct ScanHead {
     }
 };
 
-/// The first line, which has the number of columns, was read.
+/// Reads the header after its first line, which has the number of columns.
 ScanHead read_scan_head(RowReader& rows) {
-    constexpr std::uint64_t kMost = std::uint64_t{1} << 31;
-    const auto expect = [&](std::size_t count, const char* what) {
+    constexpr std::uint64_t kMax = std::uint64_t{1} << 31;
+    const auto expect = [&](std::size_t count, const char* subject) {
         if (!rows.next() || rows.cells().size() < count)
-            rows.fail(fmt::format("{} numbers are missing: {}", count, what));
+            rows.fail(fmt::format("{} numbers are missing: {}", count, subject));
     };
     ScanHead head;
     const auto columns = lone_count(rows.cells());
-    expect(1, "how many rows the scan has");
+    expect(1, "the number of rows of the scan");
     const auto in_column = lone_count(rows.cells());
-    if (!columns || !in_column || *columns > kMost || *in_column > kMost)
+    if (!columns || !in_column || *columns > kMax || *in_column > kMax)
         rows.fail("the numbers of columns and of rows of a scan are expected");
     head.rows = *columns * *in_column;
-    // The scanner's place and its axes stand in the transformation once more.
-    for (int line = 0; line < 4; ++line) expect(3, "the place and the axes of the scanner");
+    // The transformation repeats the position and the axes of the scanner.
+    for (int line = 0; line < 4; ++line) expect(3, "the position and the axes of the scanner");
     for (auto& row : head.transform) {
         expect(4, "the transformation of the scan");
         for (std::size_t i = 0; i < 4; ++i) {

@@ -16,10 +16,10 @@ namespace {
 
 using io_internal::Chunk;
 
-/// Calls visit(names, type of PLY, values) for every column that there is; its values are numbers, or arrays
-/// of as many as there are names.
+/// Calls visit(names, PLY type, values) for every column that is not empty; its values are numbers, or arrays
+/// with one item for each name.
 template <class Visitor>
-void visit_named_columns(const PaintedPoints& known, const Visitor& visit) {
+void visit_named_columns(const PointCloud& known, const Visitor& visit) {
     const auto column = [&](std::initializer_list<std::string_view> names, std::string_view type,
                             const auto& values) {
         if (!values.empty()) visit(names, type, values);
@@ -36,7 +36,7 @@ void visit_named_columns(const PaintedPoints& known, const Visitor& visit) {
     column({"evidence"}, "float", known.evidence);
 }
 
-/// Bytes of a row besides the place, in the largest form.
+/// Returns the maximum number of bytes of a row without the position.
 constexpr std::size_t kColumns = 12;
 
 template <class T>
@@ -61,8 +61,8 @@ void put_value(Chunk& chunk, Number value, char separator) {
     chunk.put_number(value);
 }
 
-/// As floats, or as doubles where there is an origin to add.
-void write_text(AtomicFile& file, const PointSet& points, const PaintedPoints& known, char separator,
+/// Writes the positions as floats, or as doubles if there is an origin to add.
+void write_text(AtomicFile& file, const PointSet& points, const PointCloud& known, char separator,
                 const Context& ctx) {
     const bool far = points.origin != Vec3d{};
     std::string names;
@@ -80,7 +80,7 @@ void write_text(AtomicFile& file, const PointSet& points, const PaintedPoints& k
     });
 }
 
-void write_ply(AtomicFile& file, const PointSet& points, const PaintedPoints& known, std::string_view note,
+void write_ply(AtomicFile& file, const PointSet& points, const PointCloud& known, std::string_view note,
                const Context& ctx) {
     const bool far = points.origin != Vec3d{};
     std::string properties;
@@ -100,7 +100,7 @@ void write_ply(AtomicFile& file, const PointSet& points, const PaintedPoints& kn
     });
 }
 
-void check_points(const std::filesystem::path& path, const PointSet& points, const PaintedPoints& known) {
+void check_points(const std::filesystem::path& path, const PointSet& points, const PointCloud& known) {
     visit_columns(
         known, [&](const auto& column) { COPPICE_ASSERT(column.empty() || column.size() == points.size()); });
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -109,13 +109,13 @@ void check_points(const std::filesystem::path& path, const PointSet& points, con
     }
 }
 
-/// `points`, with the columns of `known`, whose own points do not count.
-void write(const std::filesystem::path& path, const PointSet& points, const PaintedPoints& known,
+/// Writes `points` with the columns of `known`; the points of `known` are ignored.
+void write(const std::filesystem::path& path, const PointSet& points, const PointCloud& known,
            const WritePointsOptions& options, const Context& ctx) {
     const auto format = point_format_of_name(path);
     if (!format)
-        throw Unsupported(fmt::format("cannot write {}: its ending is none of points; {}", path.string(),
-                                      remedy_for_points_name(path)));
+        throw Unsupported(fmt::format("cannot write {}: its extension is not that of a point format; {}",
+                                      path.string(), remedy_for_points_name(path)));
     check_points(path, points, known);
     AtomicFile file(path);
     const std::string extension = to_lower(path.extension().string());
@@ -124,8 +124,8 @@ void write(const std::filesystem::path& path, const PointSet& points, const Pain
     } else if (*format == PointFormat::ply) {
         write_ply(file, points, known, options.note, ctx);
     } else {
-        write_text(file, points, keeps_columns(path) ? known : PaintedPoints{},
-                   extension == ".csv" ? ',' : ' ', ctx);
+        write_text(file, points, keeps_columns(path) ? known : PointCloud{}, extension == ".csv" ? ',' : ' ',
+                   ctx);
     }
     file.commit();
     ctx.report(1);
@@ -147,9 +147,9 @@ void write_points(const std::filesystem::path& path, const PointSet& points, con
     write(path, points, {}, {}, ctx);
 }
 
-void write_painted_points(const std::filesystem::path& path, const PaintedPoints& painted,
-                          const WritePointsOptions& options, const Context& ctx) {
-    write(path, painted.points, painted, options, ctx);
+void write_point_cloud(const std::filesystem::path& path, const PointCloud& point_cloud,
+                       const WritePointsOptions& options, const Context& ctx) {
+    write(path, point_cloud.points, point_cloud, options, ctx);
 }
 
 }  // namespace coppice

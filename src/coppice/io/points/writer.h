@@ -6,40 +6,41 @@
 
 #include "coppice/base/context.h"
 #include "coppice/io/points/reader.h"
-#include "coppice/points/painted_points.h"
+#include "coppice/points/point_cloud.h"
 
 namespace coppice {
 
-/// What to name instead of a file whose ending is none of those that points are written with, as the end of
-/// a sentence: "use .las, .ply, ...".
+/// Returns advice for a file name that has no supported point extension, as the end of a sentence: "use .las,
+/// .ply, ...".
 std::string_view remedy_for_points_name(const std::filesystem::path& path);
 
-/// Whether a file of this name keeps what is known of points besides their places: .xyz does not.
+/// Returns whether the format of this name stores attributes of points in addition to positions: .xyz does
+/// not.
 bool keeps_columns(const std::filesystem::path& path);
 
-/// What is written besides the points.
+/// Metadata written in addition to the points.
 struct WritePointsOptions {
-    std::string note = {};         ///< a comment in the head of PLY, one line
-    CoordinateSystem system = {};  ///< kept in LAS alone
+    std::string note = {};         ///< a comment in the header of PLY, one line
+    CoordinateSystem system = {};  ///< stored in LAS only
 };
 
 /// Writes points as XYZ (.xyz, .txt, .csv with commas, .asc), PLY (.ply, binary little endian) or LAS 1.4
-/// (.las), as the name ends; the file appears whole or not at all (`AtomicFile`). Text holds the shortest
-/// digits that give back the same number; the origin is added in double precision, and PLY then holds
-/// doubles. LAS holds steps of 0.1 mm, or of the least power of ten of them that 32 bits can count. Same
-/// bytes for any number of threads.
+/// (.las), by the extension of the name; the file is written atomically (`AtomicFile`). Text contains the
+/// shortest digits that restore the same number; the origin is added in double precision, and PLY then stores
+/// doubles. LAS stores multiples of 0.1 mm, or of the smallest power of ten times that for which 32 bits
+/// suffice. The result does not depend on the number of threads.
 ///
-/// Throws `IoError` for trouble with the file, `Unsupported` for other names, `InvalidInput` for positions
-/// that are not finite, `Cancelled`.
+/// Throws `IoError` if the file cannot be written, `Unsupported` for other extensions, `InvalidInput` for
+/// positions that are not finite, `Cancelled`.
 void write_points(const std::filesystem::path& path, const PointSet& points, const Context& ctx = {});
 
-/// The same with what is known of the points. PLY gets properties `distance`, `red`, `green`, `blue` (8 bits
-/// each), `intensity`, `classification`, `return_number`, `number_of_returns` and `tree_id`; .txt, .csv and
-/// .asc columns of these names, which the first line says; .xyz keeps the places alone, as programs that read
-/// it expect. LAS has point format 6, or 7 for colours, which are brought to 16 bits, and extra dimensions
-/// `tree_id` and `distance`. Its intensities are whole numbers from 0 to 65535: others are stretched linearly
-/// from their least to their greatest.
-void write_painted_points(const std::filesystem::path& path, const PaintedPoints& painted,
-                          const WritePointsOptions& options = {}, const Context& ctx = {});
+/// Writes points with their attributes. PLY gets properties `distance`, `red`, `green`, `blue` (8 bits each),
+/// `intensity`, `classification`, `return_number`, `number_of_returns` and `tree_id`; .txt, .csv and .asc get
+/// columns of these names, listed in the first line; .xyz stores positions only, as programs that read it
+/// expect. LAS has point format 6, or 7 with colours, which are converted to 16 bits, and extra dimensions
+/// `tree_id` and `distance`. Its intensities are integers from 0 to 65535: others are scaled linearly from
+/// their minimum to their maximum.
+void write_point_cloud(const std::filesystem::path& path, const PointCloud& point_cloud,
+                       const WritePointsOptions& options = {}, const Context& ctx = {});
 
 }  // namespace coppice

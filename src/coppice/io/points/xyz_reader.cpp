@@ -1,4 +1,4 @@
-// Points as text: numbers in rows, with or without names of the columns.
+// Points as text: rows of numbers, with or without column names.
 
 #include <fmt/format.h>
 
@@ -18,7 +18,7 @@ using Cells = std::vector<std::string_view>;
 
 constexpr std::size_t kNameKinds = 4;
 
-/// What x, y and z are called, the surest names first.
+/// Names of x, y and z, most specific first.
 bool is_called(const std::string& name, std::size_t axis, std::size_t kind) {
     const std::string letter(1, static_cast<char>('x' + axis)), digit(1, static_cast<char>('0' + axis));
     const auto is_one_of = [&](std::initializer_list<std::string> names) {
@@ -48,20 +48,20 @@ std::optional<std::size_t> column_named(const Cells& names, std::initializer_lis
     return {};
 }
 
-/// Where the coordinates stand in a row, and what else is known of a point.
+/// Indices of the coordinates and of the other attributes in a row.
 struct XyzColumns {
     std::array<std::size_t, 3> axis{0, 1, 2};
     std::optional<std::size_t> classification, intensity, return_number, return_count, tree_id;
     std::optional<std::array<std::size_t, 3>> color;
-    std::size_t count = 0;   ///< of those with a name; 0 without names
-    bool row_names = false;  ///< R writes the names of rows as a first column that has no name
+    std::size_t count = 0;   ///< number of named columns; 0 without names
+    bool row_names = false;  ///< R writes row names as a first column without a name
 
     std::size_t needed() const { return *std::ranges::max_element(axis) + 1; }
     std::size_t shift(std::size_t cells) const { return row_names && cells == count + 1 ? 1 : 0; }
 };
 
-/// None where x, y and z are not among the names.
-std::optional<XyzColumns> columns_of(const Cells& names) {
+/// Returns nullopt if x, y and z are not among the names.
+std::optional<XyzColumns> find_columns(const Cells& names) {
     XyzColumns columns{.count = names.size()};
     for (std::size_t axis = 0; axis < 3; ++axis) {
         std::optional<std::size_t> found;
@@ -85,7 +85,7 @@ std::optional<XyzColumns> columns_of(const Cells& names) {
     return columns;
 }
 
-/// Words, none of which is a number; a damaged number is no word.
+/// Returns whether the cells are words, none of them a number; a damaged number is not a word.
 bool are_names(const Cells& cells) {
     const auto is_number = [](std::string_view cell) { return parse_number(cell).has_value(); };
     const auto is_word = [](std::string_view cell) {
@@ -96,11 +96,11 @@ bool are_names(const Cells& cells) {
 }
 
 std::string names_in_quotes(const Cells& names) {
-    constexpr std::size_t kMost = 12;
+    constexpr std::size_t kMax = 12;
     std::string text;
-    for (std::size_t i = 0; i < std::min(names.size(), kMost); ++i)
+    for (std::size_t i = 0; i < std::min(names.size(), kMax); ++i)
         text += fmt::format("{}{}", i == 0 ? "" : ", ", in_quotes(names[i]));
-    return text + (names.size() > kMost ? ", ..." : "");
+    return text + (names.size() > kMax ? ", ..." : "");
 }
 
 class XyzParser {
@@ -132,15 +132,16 @@ class XyzParser {
     }
 
   private:
-    /// CloudCompare writes the names behind //, others behind #; a comment may say anything else.
+    /// Reads column names from a comment: CloudCompare writes them after //, others after #; comments may
+    /// contain any other text too.
     void take_comment(std::string_view comment) {
         comment.remove_prefix(std::min(comment.find_first_not_of("#/"), comment.size()));
         split_row(comment, cells_);
-        if (const auto columns = columns_of(cells_); columns && are_names(cells_)) columns_ = *columns;
+        if (const auto columns = find_columns(cells_); columns && are_names(cells_)) columns_ = *columns;
     }
 
     void take_names(std::string_view line) {
-        const auto columns = columns_of(cells_);
+        const auto columns = find_columns(cells_);
         if (!columns) {
             fail(fmt::format("the columns are named {}, but x, y and z are not among them",
                              names_in_quotes(cells_)));
@@ -150,7 +151,7 @@ class XyzParser {
         columns_.row_names = text.starts_with('"') || text.starts_with('\'') || rows_count_up();
     }
 
-    /// Whether the next three rows have one cell more than there are names, and begin with 1, 2 and 3.
+    /// Returns whether the next three rows have one cell more than there are names and begin with 1, 2 and 3.
     bool rows_count_up() const {
         LineReader ahead = lines_;
         Cells cells;
@@ -185,7 +186,7 @@ class XyzParser {
         note_columns(shift);
     }
 
-    /// What is no number is unknown.
+    /// Stores the other attributes of a point; values that are not numbers are unknown.
     void note_columns(std::size_t shift) {
         const auto number = [&](std::size_t column) -> std::optional<double> {
             if (column + shift >= cells_.size()) return {};
@@ -193,7 +194,7 @@ class XyzParser {
         };
         const auto note_byte = [&](std::optional<std::size_t> column, std::vector<std::uint8_t>& to) {
             if (!column) return;
-            if (const auto c = number(*column)) found_.note(to, byte_of(*c));
+            if (const auto c = number(*column)) found_.note(to, to_byte(*c));
         };
         note_byte(columns_.classification, found_.known.classes);
         note_byte(columns_.return_number, found_.known.return_numbers);
@@ -203,7 +204,7 @@ class XyzParser {
             if (i) found_.note(found_.known.intensities, static_cast<float>(*i));
         }
         if (columns_.tree_id) {
-            const auto id = number(*columns_.tree_id);  // NA of R is a point of no tree
+            const auto id = number(*columns_.tree_id);  // NA of R means no tree
             found_.note(found_.known.tree_ids, tree_id_of(id.value_or(0)));
         }
         if (!columns_.color) return;

@@ -4,7 +4,7 @@
 
 namespace coppice {
 
-std::vector<SkeletonAxis> axes_of(const Skeleton& skeleton) {
+std::vector<SkeletonAxis> find_axes(const Skeleton& skeleton) {
     std::vector<SkeletonAxis> axes, open;
     for (std::uint32_t i = skeleton.size(); i-- > 0;) {
         if (skeleton.is_root(NodeId(i))) open.push_back({NodeId(i)});

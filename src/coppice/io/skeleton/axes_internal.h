@@ -7,18 +7,19 @@
 
 namespace coppice {
 
-/// A run of nodes from one that leads no parent along the leaders to a tip.
+/// An axis: the path from a node that does not continue its parent's axis along the leaders to a tip.
 struct SkeletonAxis {
-    NodeId first;             ///< a root, or a child that does not lead its parent
-    std::uint32_t order = 0;  ///< how many axes it stands on
-    std::uint32_t place = 0;  ///< which node of the axis it leaves bears it, from 0
+    NodeId first;             ///< a root, or a child that is not the leader of its parent
+    std::uint32_t order = 0;  ///< number of axes between this one and the root
+    std::uint32_t place = 0;  ///< index of the branching node in its parent axis, from 0
 };
 
-/// The axes of all trees: an axis comes before those that leave it, and these follow in the order in which
-/// they leave, each with all of its own. O(n), no recursion.
-std::vector<SkeletonAxis> axes_of(const Skeleton& skeleton);
+/// Returns the axes of all trees in depth-first order: an axis precedes its laterals, which follow in the
+/// order of their branching nodes, each with its own laterals. O(n), not recursive.
+std::vector<SkeletonAxis> find_axes(const Skeleton& skeleton);
 
-/// Whether going along the axes, as axes_of() has them, meets the nodes in the order of their ids.
+/// Returns whether traversing the axes in the order of find_axes() visits the nodes in the order of their
+/// ids.
 bool is_in_order_of_axes(const Skeleton& skeleton, const std::vector<SkeletonAxis>& axes);
 
 }  // namespace coppice

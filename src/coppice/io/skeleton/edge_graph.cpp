@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "coppice/base/error.h"
+#include "coppice/base/id.h"
 #include "coppice/io/skeleton/parsers_internal.h"
 
 namespace coppice {
@@ -14,7 +15,6 @@ namespace coppice {
 namespace {
 
 using Edge = std::array<std::uint32_t, 2>;
-constexpr std::uint32_t kNone = 0xffffffffu;
 
 void check_finite(const EdgeGraph& graph, const std::string& source) {
     for (std::size_t i = 0; i < graph.position.size(); ++i) {
@@ -24,7 +24,7 @@ void check_finite(const EdgeGraph& graph, const std::string& source) {
     }
 }
 
-/// For each vertex the first one at the same position.
+/// Returns for each vertex the first one at the same position.
 std::vector<std::uint32_t> first_at_position(const std::vector<Vec3d>& position) {
     std::vector<std::uint32_t> order(position.size());
     std::iota(order.begin(), order.end(), 0u);
@@ -43,7 +43,7 @@ std::vector<std::uint32_t> first_at_position(const std::vector<Vec3d>& position)
     return first;
 }
 
-/// The graph with welded vertices, each pair joined once, and neighbours by vertex.
+/// The graph with welded vertices, without duplicate edges, and the neighbours of each vertex.
 class Adjacency {
   public:
     explicit Adjacency(const EdgeGraph& graph)
@@ -62,7 +62,7 @@ class Adjacency {
     std::uint32_t representative(std::uint32_t v) const { return representative_[v]; }
     bool is_vertex(std::uint32_t v) const { return representative_[v] == v; }
     bool is_named(std::uint32_t v) const { return named_[v]; }
-    bool directed() const { return directed_; }  ///< no two edges join the same pair in both directions
+    bool directed() const { return directed_; }  ///< whether no pair of vertices is joined in both directions
     const std::vector<Edge>& edges() const { return edges_; }
 
     std::span<const std::uint32_t> neighbours(std::uint32_t v) const {
@@ -112,18 +112,19 @@ class Adjacency {
     std::vector<std::uint32_t> neighbour_;
 };
 
-/// Parents straight from directed edges; none when some node has two parents or edges run in a circle.
+/// Returns the parents given by directed edges; nullopt if a node has two parents or the edges contain a
+/// cycle.
 std::optional<std::vector<std::uint32_t>> directed_parents(const Adjacency& graph) {
     if (!graph.directed()) return std::nullopt;
-    std::vector<std::uint32_t> parent(graph.size(), kNone);
+    std::vector<std::uint32_t> parent(graph.size(), kNoIndex);
     for (const auto& [from, to] : graph.edges()) {
-        if (parent[to] != kNone) return std::nullopt;
+        if (parent[to] != kNoIndex) return std::nullopt;
         parent[to] = from;
     }
-    // Every node must hang from a root: walk down from the roots and count.
+    // Every node must be a descendant of a root: traverse from the roots and count.
     std::vector<std::uint32_t> reached;
     for (std::uint32_t v = 0; v < graph.size(); ++v) {
-        if (parent[v] == kNone) reached.push_back(v);
+        if (parent[v] == kNoIndex) reached.push_back(v);
     }
     for (std::size_t i = 0; i < reached.size(); ++i) {
         for (const std::uint32_t n : graph.neighbours(reached[i])) {
@@ -134,7 +135,7 @@ std::optional<std::vector<std::uint32_t>> directed_parents(const Adjacency& grap
     return parent;
 }
 
-/// Finds parents by breadth-first search from one root per connected part.
+/// Finds parents by breadth-first search from one root in each connected component.
 class RootedSearch {
   public:
     RootedSearch(const Adjacency& graph, const std::vector<Vec3d>& position,
@@ -143,7 +144,7 @@ class RootedSearch {
           position_(position),
           radius_(radius),
           seen_(graph.size()),
-          parent_(graph.size(), kNone) {}
+          parent_(graph.size(), kNoIndex) {}
 
     std::vector<std::uint32_t> parents() {
         std::vector<std::uint32_t> part;
@@ -151,7 +152,7 @@ class RootedSearch {
             if (seen_[v] != 0) continue;
             part.assign(1, v);
             search(part, 1);
-            part.assign(1, root_of(part));
+            part.assign(1, find_root(part));
             search(part, 2);
         }
         return std::move(parent_);
@@ -170,12 +171,12 @@ class RootedSearch {
         }
     }
 
-    /// An end of the part if it has any: the thickest, and of equal ones the lowest, and of equal ones the
-    /// first.
-    std::uint32_t root_of(const std::vector<std::uint32_t>& part) const {
-        std::uint32_t best = kNone;
+    /// Chooses the root of a component: preferably an end; then the thickest, then the lowest, then the first
+    /// vertex.
+    std::uint32_t find_root(const std::vector<std::uint32_t>& part) const {
+        std::uint32_t best = kNoIndex;
         for (const std::uint32_t v : part) {
-            if (best == kNone || is_better(v, best)) best = v;
+            if (best == kNoIndex || is_better(v, best)) best = v;
         }
         return best;
     }
@@ -206,7 +207,7 @@ std::vector<double> welded_radii(const EdgeGraph& graph, const Adjacency& adjace
 
 }  // namespace
 
-Forest forest_of(const EdgeGraph& graph, const std::string& source) {
+Forest make_forest(const EdgeGraph& graph, const std::string& source) {
     check_finite(graph, source);
     const Adjacency adjacency(graph);
     const std::vector<double> radius = welded_radii(graph, adjacency);
@@ -218,8 +219,8 @@ Forest forest_of(const EdgeGraph& graph, const std::string& source) {
     for (std::uint32_t v = 0; v < adjacency.size(); ++v) {
         if (!adjacency.is_vertex(v) || (graph.drop_isolated && !adjacency.is_named(v))) continue;
         const std::uint32_t up = (*parent)[v];
-        if (up != kNone) ++tree_edges;
-        forest.nodes.push_back({v, up == kNone ? -1 : static_cast<std::int64_t>(up), graph.position[v],
+        if (up != kNoIndex) ++tree_edges;
+        forest.nodes.push_back({v, up == kNoIndex ? -1 : static_cast<std::int64_t>(up), graph.position[v],
                                 radius.empty() ? 0.0 : radius[v], v + 1});
     }
     forest.loops_cut = static_cast<std::uint32_t>(adjacency.edges().size()) - tree_edges;

@@ -32,7 +32,7 @@ class EdgePlyParser {
         }
         if (!has_edges) {
             throw InvalidInput(fmt::format(
-                "{}: the PLY file has no element 'edge', so it holds a mesh or points, no skeleton",
+                "{}: the PLY file has no element 'edge', so it contains a mesh or points, not a skeleton",
                 source_));
         }
         check_indices();
@@ -58,14 +58,14 @@ class EdgePlyParser {
         const auto found = element.find({"radius", "Radius", "r"});
         const bool has_radii = found && !element.properties[*found].is_list();
         const std::size_t radius = found.value_or(0);
-        std::vector<std::size_t> columns;  // of the attributes
+        std::vector<std::size_t> columns;  // properties of the attributes
         for (std::size_t k = 0; k < element.properties.size(); ++k) {
             const PlyProperty& property = element.properties[k];
             if (property.is_list() || !is_attribute_name(property.name)) continue;
             columns.push_back(k);
             graph_.attributes.push_back({property.name, {}});
         }
-        if (element.count > kMostVertices) {
+        if (element.count > kMaxVertices) {
             throw Unsupported(
                 fmt::format("{}: {} vertices are more than a skeleton can have", source_, element.count));
         }
@@ -81,7 +81,7 @@ class EdgePlyParser {
         if (graph_.radius.size() != graph_.position.size()) graph_.radius.clear();
     }
 
-    /// The ends of an edge are a list, which may name a whole polyline, or two numbers.
+    /// Reads an edge: the vertices are a list, which may be a whole polyline, or two numbers.
     void read_edges(const PlyElement& element) {
         const auto list = element.find({"vertex_indices", "vertex_index"});
         const auto from = element.find({"vertex1"}), to = element.find({"vertex2"});
@@ -106,27 +106,27 @@ class EdgePlyParser {
     }
 
     std::uint32_t index(double value) const {
-        if (!(value >= 0) || value >= kMostVertices || value != std::trunc(value)) {
+        if (!(value >= 0) || value >= kMaxVertices || value != std::trunc(value)) {
             throw InvalidInput(
-                fmt::format("{}: an edge names vertex {}, which cannot exist", source_, value));
+                fmt::format("{}: an edge refers to vertex {}, which cannot exist", source_, value));
         }
         return static_cast<std::uint32_t>(value);
     }
 
-    /// The edges may stand before the vertices, so indices are checked at the end.
+    /// The edges may precede the vertices, so indices are checked at the end.
     void check_indices() const {
         for (const auto& edge : graph_.edges) {
             for (const std::uint32_t v : edge) {
                 if (v >= graph_.position.size()) {
                     throw InvalidInput(
-                        fmt::format("{}: an edge names vertex {}, but there are only {}, counted from 0",
+                        fmt::format("{}: an edge refers to vertex {}, but there are only {}, numbered from 0",
                                     source_, v, graph_.position.size()));
                 }
             }
         }
     }
 
-    static constexpr std::uint32_t kMostVertices = 0xfffffff0u;
+    static constexpr std::uint32_t kMaxVertices = 0xfffffff0u;
 
     const std::string& source_;
     PlyHeader header_;

@@ -8,12 +8,12 @@
 #include <fmt/compile.h>
 #include <fmt/format.h>
 
-#include "coppice/io/file_progress.h"
 #include "coppice/skeleton/skeleton.h"
+#include "coppice/system/file_progress.h"
 
 namespace coppice {
 
-/// Text of a skeleton: numbers in world space.
+/// Builds the text of a skeleton, with numbers in world space.
 class Encoder {
   public:
     Encoder(const Skeleton& skeleton, const Context& ctx)
@@ -25,7 +25,7 @@ class Encoder {
         fmt::format_to(std::back_inserter(text_), format, args...);
     }
 
-    /// x, y and z of a node with `separator` between them.
+    /// Adds x, y and z of a node separated by `separator`.
     void add_position(NodeId n, char separator) {
         add_coordinate(n, 0);
         for (int axis = 1; axis < 3; ++axis) {
@@ -34,7 +34,7 @@ class Encoder {
         }
     }
 
-    /// One of x, y and z of a node.
+    /// Adds one coordinate of a node.
     void add_coordinate(NodeId n, int axis) {
         const float local = skeleton_.position(n)[axis];
         if (is_local_) {

@@ -16,7 +16,7 @@ namespace coppice {
 
 namespace {
 
-/// Whether the first element of an XML file is rsml; comments may come before it.
+/// Returns whether the first element of an XML file is rsml; comments may precede it.
 bool is_rsml(std::string_view content) {
     if (content.starts_with("\xEF\xBB\xBF")) content.remove_prefix(3);
     const std::size_t first = content.find_first_not_of(" \t\r\n");
@@ -34,7 +34,7 @@ bool is_rsml(std::string_view content) {
     return name == "rsml" || name.ends_with(":rsml");
 }
 
-/// The numbers of a row; empty when it has anything else.
+/// Returns the numbers of a row; empty if it contains anything else.
 std::vector<double> numbers_of(std::string_view line, bool commas) {
     std::vector<std::string_view> words;
     split_at_blanks(line, words, commas);
@@ -47,8 +47,8 @@ std::vector<double> numbers_of(std::string_view line, bool commas) {
     return numbers;
 }
 
-/// Whether rows of seven numbers are nodes of SWC and not points with colours, say: whole numbers that differ
-/// come first, and most rows end with one of them or -1.
+/// Distinguishes rows of seven numbers that are nodes of SWC from other rows, such as points with colours:
+/// SWC rows begin with distinct integers, and at least half of them end with one of these or -1.
 class SwcRows {
   public:
     bool add(const std::vector<double>& row) {
@@ -71,7 +71,7 @@ class SwcRows {
     std::vector<double> parents_;
 };
 
-/// By the first rows of a text that are not comments; the first of them has seven numbers.
+/// Checks the first rows of a text that are not comments; the first of them has seven numbers.
 bool are_swc_rows(std::string_view content) {
     constexpr std::size_t kRows = 100;
     SwcRows rows;
@@ -80,7 +80,7 @@ bool are_swc_rows(std::string_view content) {
         const std::string_view line = trimmed(lines.line().substr(0, lines.line().find('#')));
         if (line.empty()) continue;
         const std::vector<double> row = numbers_of(line, false);
-        // The content may be cut off within a row, and bad ones are told by the parser.
+        // The content may be cut within a row; the parser reports invalid rows.
         if (count > 0 && row.size() != SwcRows::kColumns) break;
         if (!rows.add(row)) return false;
         ++count;
@@ -88,8 +88,8 @@ bool are_swc_rows(std::string_view content) {
     return rows.are_linked();
 }
 
-/// Whether a table of cylinders comes behind lines of something else, titles or another table, the first of
-/// which begins with a word.
+/// Returns whether a table of cylinders follows lines of other content, such as titles or another table, the
+/// first of which begins with a word.
 bool holds_cylinders(std::string_view content) {
     constexpr std::uint32_t kLines = 5000;
     LineReader lines(content);
@@ -98,8 +98,8 @@ bool holds_cylinders(std::string_view content) {
     return false;
 }
 
-/// The format of a text by its first line that is neither empty nor a comment, and those after it where it
-/// may be one of several.
+/// Returns the format of a text by its first line that is neither empty nor a comment, and by the following
+/// lines if it is ambiguous.
 std::optional<SkeletonFormat> format_of_lines(std::string_view line, std::string_view content) {
     std::vector<std::string_view> words;
     split_at_blanks(line, words);

@@ -9,19 +9,19 @@
 
 namespace coppice {
 
-/// The kinds of file that hold a skeleton; docs/user/formats.md describes each.
+/// Skeleton file formats; docs/user/formats.md describes each.
 enum class SkeletonFormat {
-    automatic,  ///< told by the name and the content
+    automatic,  ///< detected by name and content
     swc,        ///< SWC: id type x y z radius parent
     cylinders,  ///< a table of cylinders as text: TreeQSM, SimpleForest, aRchi, arbor, treegraph
-    mat,        ///< TreeQSM's MATLAB files; read only
-    raycloud,   ///< raycloudtools' tree file; read only
-    ply,        ///< PLY with vertices and edges, as AdTree writes it
-    gel,        ///< GEL's graph: nodes and connections without radii; read only
+    mat,        ///< MATLAB files of TreeQSM; read only
+    raycloud,   ///< tree file of raycloudtools; read only
+    ply,        ///< PLY with vertices and edges, as written by AdTree
+    gel,        ///< graph of GEL: nodes and connections without radii; read only
     obj,        ///< OBJ with line elements
-    json,       ///< Coppice's own; treegraph's is read
-    rsml,       ///< RSML: the root systems of RootSystemML
-    mtg         ///< MTG: OpenAlea's multi-scale tree graphs
+    json,       ///< format of Coppice; reads that of treegraph too
+    rsml,       ///< RSML: root systems of RootSystemML
+    mtg         ///< MTG: multi-scale tree graphs of OpenAlea
 };
 
 template <>
@@ -30,14 +30,13 @@ struct EnumNames<SkeletonFormat> {
         "automatic", "swc", "cylinders", "mat", "raycloud", "ply", "gel", "obj", "json", "rsml", "mtg"};
 };
 
-/// The format that the ending of a file's name stands for, in any case; none when it stands for none, or for
-/// several as
-/// ".txt" does. ".csv" is `cylinders`.
+/// Returns the format by the extension of the name, case-insensitively; nullopt if it is unknown or
+/// ambiguous, like ".txt". ".csv" is `cylinders`.
 std::optional<SkeletonFormat> format_of_extension(const std::filesystem::path& path);
 
-/// The format of a file by its first bytes and lines; none when they look like none. Rows of numbers without
-/// names are nodes of SWC, or cylinders, only where they are linked as those are: else they may be points.
-/// The content may be the beginning of the file.
+/// Returns the format by the first bytes and lines; nullopt if it is unknown. Rows of numbers without names
+/// are nodes of SWC, or cylinders, only if they are linked accordingly: otherwise they may be points. The
+/// content may be only the beginning of the file.
 std::optional<SkeletonFormat> format_of_content(std::string_view content);
 
 }  // namespace coppice

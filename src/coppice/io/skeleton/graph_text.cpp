@@ -25,7 +25,7 @@ Vec3d read_point(const std::vector<std::string_view>& cells, const std::string& 
     return p;
 }
 
-/// An edge as the file names it, kept until all vertices are known.
+/// An edge as in the file, stored until all vertices are known.
 struct PendingEdge {
     std::int64_t from, to;
     std::uint32_t line;
@@ -94,7 +94,7 @@ class ObjLinesParser {
         }
     }
 
-    /// "7", "7/3" for vertex and texture, or "-1" for the vertex read last.
+    /// Parses "7", "7/3" for vertex and texture, or "-1" for the last vertex.
     std::int64_t vertex(std::string_view cell) const {
         const std::optional<std::int64_t> value = parse_integer(cell.substr(0, cell.find('/')));
         if (!value || *value == 0) {
@@ -106,8 +106,9 @@ class ObjLinesParser {
 
     void finish() {
         if (pending_.empty()) {
-            throw InvalidInput(fmt::format("{}: there are no line elements ('l'), so this is no skeleton{}",
-                                           source_, has_faces_ ? " but a mesh" : ""));
+            throw InvalidInput(
+                fmt::format("{}: there are no line elements ('l'), so this is not a skeleton{}", source_,
+                            has_faces_ ? " but a mesh" : ""));
         }
         resolve(pending_, graph_, source_, 1);
         if (!has_radii_) graph_.radius.clear();
@@ -147,7 +148,7 @@ EdgeGraph parse_gel(std::string_view text, const std::string& source, const Cont
             pending.push_back({*from, *to, lines.number()});
         } else {
             fail_at(source, lines.number(),
-                    fmt::format("a line of a GEL graph starts with 'n' or 'c', not with {}",
+                    fmt::format("a line of a GEL graph must begin with 'n' or 'c', not with {}",
                                 in_quotes(cells[0])));
         }
     }

@@ -6,10 +6,10 @@
 #include <nlohmann/json.hpp>
 
 #include "coppice/base/error.h"
-#include "coppice/io/file_progress.h"
 #include "coppice/io/skeleton/node_attribute.h"
 #include "coppice/io/skeleton/parsers_internal.h"
 #include "coppice/io/text_internal.h"
+#include "coppice/system/file_progress.h"
 
 namespace coppice {
 
@@ -17,8 +17,8 @@ namespace {
 
 constexpr std::size_t kDeepest = 32;
 
-/// Takes the columns of a skeleton from the events of a JSON parser, so that nothing else of the file is
-/// kept.
+/// Collects the columns of a skeleton from the events of a JSON parser, so that nothing else of the file is
+/// stored.
 class Columns {
   public:
     using number_integer_t = nlohmann::json::number_integer_t;
@@ -92,7 +92,7 @@ class Columns {
     static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
     std::vector<RawNode> nodes() const {
-        if (!is_skeleton_) fail("this JSON is no skeleton: it needs \"format\": \"coppice-skeleton\"");
+        if (!is_skeleton_) fail("this JSON is not a skeleton: it needs \"format\": \"coppice-skeleton\"");
         if (version_ > 1) {
             throw Unsupported(fmt::format("{}: version {} of coppice-skeleton is newer than this program",
                                           source_, version_));
@@ -103,8 +103,8 @@ class Columns {
                              position_.size() / 3, radius_.size()));
         }
         if (!id_.empty() && id_.size() != count)
-            fail(fmt::format("there are {} ids for {} nodes; leave the ids out or give all", id_.size(),
-                             count));
+            fail(
+                fmt::format("there are {} ids for {} nodes; omit the ids or specify all", id_.size(), count));
         if (!origin_.empty() && origin_.size() != 3) fail("the origin must have three numbers");
         const Vec3d origin = origin_.empty() ? Vec3d{} : Vec3d{origin_[0], origin_[1], origin_[2]};
         std::vector<RawNode> nodes;
@@ -122,7 +122,7 @@ class Columns {
         return true;
     }
 
-    /// What is no plain array of numbers is no attribute.
+    /// Only a plain array of numbers is an attribute.
     void pass_over_nested() {
         if (column_ != Column::attribute) return;
         attributes_.pop_back();
@@ -156,7 +156,7 @@ class Columns {
     }
 
     bool enter() {
-        if (++depth_ > kDeepest) fail("the JSON is nested too deep");
+        if (++depth_ > kDeepest) fail("the JSON is nested too deeply");
         return true;
     }
     bool leave() {

@@ -14,7 +14,7 @@ namespace {
 
 bool is_part_of_number(char c) { return is_digit(c) || c == '.' || c == 'e' || c == '-'; }
 
-/// "Micrometers" -> "micrometre"
+/// Normalizes a word: "Micrometers" to "micrometre".
 std::string singular(std::string_view word) {
     std::string name = to_lower(word);
     if (name.size() > 2 && name.ends_with('s')) name.pop_back();
@@ -22,7 +22,7 @@ std::string singular(std::string_view word) {
     return name;
 }
 
-/// What follows "units" in a line: `: micrometre`, `": "1 nanometer"`.
+/// Parses the text after "units" in a line: `: micrometre`, `": "1 nanometer"`.
 std::optional<LengthUnit> unit_in_line(std::string_view line) {
     constexpr std::string_view kKey = "units";
     const std::size_t found = line.find(kKey);
@@ -66,7 +66,7 @@ std::optional<LengthUnit> length_unit_of_word(std::string_view word) {
     return std::nullopt;
 }
 
-double metres_of(LengthUnit unit) {
+double to_metres(LengthUnit unit) {
     switch (unit) {
         case LengthUnit::automatic:
         case LengthUnit::m:

@@ -8,10 +8,10 @@
 
 namespace coppice {
 
-/// What one unit of the coordinates and radii of a skeleton file is. Nothing is computed with it: it names
-/// figures, and stands in written files.
+/// Unit of the coordinates and radii of a skeleton file. It is not used for conversion: it labels figures and
+/// is stated in written files.
 enum class LengthUnit {
-    automatic,  ///< what the file says; micrometres for a large neuron; else metres
+    automatic,  ///< as stated by the file; otherwise micrometres for a large neuron, metres for others
     m,          ///< metre
     cm,         ///< centimetre
     mm,         ///< millimetre
@@ -27,16 +27,17 @@ struct EnumNames<LengthUnit> {
                                                            "um",        "nm", "inch", "ft"};
 };
 
-/// The unit that a word means: a name of LengthUnit but automatic, or that in words, as "Micrometers". None
-/// for others.
+/// Returns the unit for a word: a name of LengthUnit except automatic, or a written-out name such as
+/// "Micrometers"; nullopt for others.
 std::optional<LengthUnit> length_unit_of_word(std::string_view word);
 
-/// [m] How long it is; 1 for automatic.
-double metres_of(LengthUnit unit);
+/// Returns the length of the unit in metres; 1 for automatic.
+double to_metres(LengthUnit unit);
 
-/// The unit that a file states: the word after "units" in the comments (# or, in PLY, comment) at its
-/// beginning, or, in JSON, of that key: a name of LengthUnit or a word such as "micrometers". None for other
-/// words and where several make a unit, as "8 nm" of voxels. Looks at the first 64 KiB.
+/// Returns the unit that a file states: the word after "units" in the comments (# or, in PLY, comment) at its
+/// beginning or, in JSON, the value of that key: a name of LengthUnit or a word such as "micrometers".
+/// Returns nullopt for other words and for multiples of a unit, such as "8 nm" for voxels. Searches the first
+/// 64 KiB.
 std::optional<LengthUnit> stated_unit(std::string_view file);
 
 }  // namespace coppice

@@ -17,8 +17,8 @@ bool is_attribute_name(std::string_view name) {
            std::ranges::find(kTaken, name) == kTaken.end();
 }
 
-std::vector<NodeAttribute> carried_attributes(std::span<const NodeAttribute> attributes,
-                                              const Skeleton& before, const Skeleton& after) {
+std::vector<NodeAttribute> kept_attributes(std::span<const NodeAttribute> attributes, const Skeleton& before,
+                                           const Skeleton& after) {
     if (attributes.empty()) return {};
     std::unordered_map<std::uint32_t, NodeId> node_of_id;
     for (const NodeId n : nodes(before)) node_of_id.emplace(before.stable_id(n).index(), n);

@@ -9,19 +9,19 @@
 
 namespace coppice {
 
-/// A number for every node beside its place and radius: how well an extraction is sure of it, say.
+/// A number for every node in addition to its position and radius, such as the confidence of an extraction.
 struct NodeAttribute {
     std::string name;           ///< see is_attribute_name()
-    std::vector<float> values;  ///< one per node, finite
+    std::vector<float> values;  ///< one for each node, finite
 };
 
-/// Whether an attribute may have this name: small letters, digits and _, a letter first, and nothing that
-/// skeletons in files have themselves, such as radius or parent.
+/// Returns whether an attribute may have this name: lower case letters, digits and _, beginning with a
+/// letter, and not a standard property of skeleton files, such as radius or parent.
 bool is_attribute_name(std::string_view name);
 
-/// The attributes of `before` for what edits made of it: nodes that were there keep theirs, found by their
-/// stable ids, new ones have those of their parents, new roots 0. O(n log n).
-std::vector<NodeAttribute> carried_attributes(std::span<const NodeAttribute> attributes,
-                                              const Skeleton& before, const Skeleton& after);
+/// Returns the attributes of `after`, an edited version of `before`: existing nodes, identified by their
+/// stable ids, keep theirs, new nodes copy those of their parents, new roots get 0. O(n log n).
+std::vector<NodeAttribute> kept_attributes(std::span<const NodeAttribute> attributes, const Skeleton& before,
+                                           const Skeleton& after);
 
 }  // namespace coppice

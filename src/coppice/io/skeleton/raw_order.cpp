@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint32_t kFree = 0xffffffffu;
 
-/// By number, the index of the node that has it; none unless the numbers are those from 0, each once.
+/// Returns the index of the node with each number; empty unless the numbers are a permutation from 0.
 std::optional<std::vector<std::uint32_t>> nodes_by_number(const std::vector<double>& numbers) {
     std::vector<std::uint32_t> node(numbers.size(), kFree);
     for (std::uint32_t i = 0; i < numbers.size(); ++i) {

@@ -11,7 +11,7 @@ namespace coppice {
 
 namespace {
 
-/// What the header line says: some attributes of the tree, then groups of attributes of its segments.
+/// Content of the header line: attributes of the tree, then groups of attributes of its segments.
 struct Layout {
     std::size_t tree_columns = 0;
     std::size_t group_columns = 0;
@@ -41,7 +41,7 @@ class TreeLine {
         if (cells.size() < layout.tree_columns + layout.group_columns ||
             (cells.size() - layout.tree_columns) % layout.group_columns != 0) {
             fail_at(source, line,
-                    fmt::format("{} values do not make a tree: expected {} and then {} for each segment",
+                    fmt::format("{} values do not form a tree: expected {} and then {} for each segment",
                                 cells.size(), layout.tree_columns, layout.group_columns));
         }
         segments_ = (cells.size() - layout.tree_columns) / layout.group_columns;
@@ -64,7 +64,7 @@ class TreeLine {
     }
 
   private:
-    /// The first segment only marks the base: it has no volume, and its radius is not used.
+    /// The first segment only marks the base: it has no volume, and its radius is ignored.
     static void take_radius_of_children(std::vector<RawNode>& nodes, std::size_t root) {
         double radius = 0;
         for (std::size_t i = root + 1; i < nodes.size(); ++i) {
@@ -123,7 +123,7 @@ std::vector<RawNode> parse_raycloud(std::string_view text, const std::string& so
             layout = read_layout(line);
             if (!layout)
                 fail_at(source, lines.number(),
-                        "expected a header with 'x,y,z,radius', as raycloudtools writes it");
+                        "expected a header with 'x,y,z,radius', as written by raycloudtools");
             continue;
         }
         split_at(line, ',', cells);

@@ -12,10 +12,10 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
-#include "coppice/io/file.h"
 #include "coppice/io/skeleton/parsers_internal.h"
 #include "coppice/io/text_internal.h"
 #include "coppice/io/unread_format.h"
+#include "coppice/system/file.h"
 
 namespace coppice {
 
@@ -23,27 +23,28 @@ namespace {
 
 SkeletonFormat detect(std::string_view text, const std::string& source) {
     const auto by_content = format_of_content(text);
-    // These say what they are; the name of the file may be wrong.
+    // These contents are unambiguous; the extension of the file may be wrong.
     if (by_content == SkeletonFormat::ply || by_content == SkeletonFormat::mat) return *by_content;
     const auto by_extension = format_of_extension(source);
-    // MATLAB writes .mat as HDF5 too; its reader says how to save it.
+    // MATLAB writes .mat as HDF5 too; the reader of .mat explains how to save it.
     if (const auto unread = unread_format(text); unread && by_extension != SkeletonFormat::mat)
         throw Unsupported(fmt::format("{}: it is {}", source, *unread));
-    // Tables are called .csv by all programs that write comma-separated text.
+    // Programs use .csv for any comma-separated text.
     if (by_extension && !(by_extension == SkeletonFormat::cylinders && by_content)) return *by_extension;
     if (by_content) return *by_content;
     if (by_extension) return *by_extension;
     throw Unsupported(fmt::format(
-        "{}: this is no skeleton file that can be told from its name or first line; known are SWC, cylinder "
+        "{}: neither its name nor its first line is that of a skeleton file; supported are SWC, cylinder "
         "tables, TreeQSM .mat, raycloudtools trees, edge PLY, GEL graphs, OBJ lines, RSML, MTG and JSON",
         source));
 }
 
-/// The decimal number that was meant: 0.001f is not 0.001, and positions have the digits to show it.
+/// Returns the decimal number nearest to the float: 0.001f is not 0.001, and positions have enough digits for
+/// the difference to matter.
 double exact_scale(float scale) { return parse_number(fmt::format("{}", scale)).value_or(scale); }
 
-/// Whether types are those that SWC gives the parts of a neuron, a soma (1) with axons and dendrites (2 to
-/// 4), and no tree is as large, were these metres: trees are written with such types too.
+/// Returns whether the nodes have the SWC types of a neuron, a soma (1) with axons and dendrites (2 to 4),
+/// and the size would be too large for a tree in metres: trees are written with such types too.
 bool is_neuron(const RawSkeleton& raw) {
     constexpr double kTallestTree = 130;
     Vec3d low = raw.nodes.empty() ? Vec3d{} : raw.nodes.front().position, high = low;
@@ -65,7 +66,7 @@ bool is_neuron(const RawSkeleton& raw) {
     return soma && neurites;
 }
 
-/// The values of the nodes that the sources name, if all are finite.
+/// Returns the values of the source nodes if all are finite.
 std::optional<std::vector<float>> values_of(const RawAttribute& attribute,
                                             std::span<const std::uint32_t> sources) {
     std::vector<float> out;
@@ -77,7 +78,7 @@ std::optional<std::vector<float>> values_of(const RawAttribute& attribute,
     return out;
 }
 
-/// The first attribute of each name that every node has.
+/// Returns the first attribute of each name that every node has.
 std::vector<NodeAttribute> kept_attributes(std::span<const RawAttribute> attributes,
                                            std::span<const std::uint32_t> sources) {
     std::vector<NodeAttribute> kept;
@@ -92,8 +93,8 @@ std::vector<NodeAttribute> kept_attributes(std::span<const RawAttribute> attribu
     return kept;
 }
 
-/// The ids of the nodes in SWC; none where they are 1, 2, 3 and so on, as written files have them anyway, or
-/// where an attribute cannot hold them.
+/// Returns the SWC ids of the nodes; nullopt if they are 1, 2, 3 and so on, which written files have anyway,
+/// or if an attribute cannot represent them.
 std::optional<NodeAttribute> swc_ids(std::span<const RawNode> nodes, std::span<const std::uint32_t> sources) {
     NodeAttribute out{std::string(kSwcId), {}};
     out.values.reserve(sources.size());
@@ -107,7 +108,7 @@ std::optional<NodeAttribute> swc_ids(std::span<const RawNode> nodes, std::span<c
     return counted ? std::nullopt : std::optional(std::move(out));
 }
 
-CylinderTotals totals_of(const std::vector<RawCylinder>& cylinders) {
+CylinderTotals compute_totals(const std::vector<RawCylinder>& cylinders) {
     CylinderTotals sum;
     for (const RawCylinder& c : cylinders) {
         const double length = distance(c.start, c.end);
@@ -176,7 +177,7 @@ class Reading {
         RepairResult result = repaired(raw.cylinders);
         auto attributes = kept_attributes(raw.attributes, result.source);
         SkeletonFile file = file_of(std::move(result), std::move(attributes));
-        file.declared = totals_of(raw.cylinders);
+        file.declared = compute_totals(raw.cylinders);
         return file;
     }
 
@@ -195,28 +196,28 @@ class Reading {
     }
 
     SkeletonFile finish(EdgeGraph graph) {
-        // Roots may be the lowest ends.
+        // Roots may have been chosen as the lowest ends.
         for (Vec3d& p : graph.position) p = placed(p);
         for (double& radius : graph.radius) radius *= scale_;
-        Forest forest = forest_of(graph, source_);
+        Forest forest = make_forest(graph, source_);
         if (forest.loops_cut > 0) {
-            notes_.push_back(fmt::format("{} edges that closed loops were left out", forest.loops_cut));
+            notes_.push_back(fmt::format("{} edges that closed loops were omitted", forest.loops_cut));
         }
         fill_radii(forest.nodes);
         RepairResult result = repaired(forest.nodes);
-        std::vector<std::uint32_t> vertex;  // of each node
+        std::vector<std::uint32_t> vertex;  // by node
         for (const std::uint32_t i : result.source)
             vertex.push_back(static_cast<std::uint32_t>(forest.nodes[i].id));
         return file_of(std::move(result), kept_attributes(graph.attributes, vertex));
     }
 
-    /// SWC has micrometres, and trees in metres are written without types.
+    /// The unit of SWC is the micrometre, but trees in metres are written without types.
     void take_neuron_units(const RawSkeleton& raw) {
         if (units_ != LengthUnit::automatic || options_.scale != 1 || !is_neuron(raw)) return;
         units_ = LengthUnit::um;
         notes_.push_back(
-            "the types of its nodes are those of a neuron, and it is too large for a tree: lengths are taken "
-            "for um; set units to m where they are metres");
+            "the types of its nodes are those of a neuron, and it is too large for a tree: lengths are "
+            "assumed to be in um; set units to m if they are in metres");
     }
 
     void scale(std::vector<RawNode>& nodes) {
@@ -236,7 +237,7 @@ class Reading {
             for (Raw& item : items) item.radius = options_.default_radius;
         } else {
             notes_.push_back(
-                "the file has no radii: 1 % of its size was taken; set default_radius for another one");
+                "the file has no radii: 1 % of its size was used; set default_radius for another radius");
         }
     }
 
@@ -244,7 +245,7 @@ class Reading {
     RepairResult repaired(const std::vector<Raw>& items) const {
         if (options_.model > 1 && models_ == 1) {
             throw InvalidInput(
-                fmt::format("{}: there is no model {}; the file holds 1", source_, options_.model));
+                fmt::format("{}: there is no model {}; the file contains 1", source_, options_.model));
         }
         ctx_.throw_if_cancelled();
         return repair(items, source_);

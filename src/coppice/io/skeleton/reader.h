@@ -19,75 +19,76 @@
 
 namespace coppice {
 
-/// How a skeleton file is understood.
+/// Options for reading a skeleton file.
 struct ReadSkeletonOptions {
-    SkeletonFormat format = SkeletonFormat::automatic;  ///< what the file is taken for
-    float scale = 1;        ///< multiplies positions and radii: 1e-6 for a file in micrometres; > 0
-    FileUp up = FileUp::z;  ///< axis of the file that points up
-    LengthUnit units = LengthUnit::automatic;  ///< what a unit of length is, after scaling
-    int model = 0;  ///< which model of a file with several, from 1; 0 = the only one
+    SkeletonFormat format = SkeletonFormat::automatic;  ///< format of the file
+    float scale = 1;        ///< factor of positions and radii: 1e-6 for a file in micrometres; > 0
+    FileUp up = FileUp::z;  ///< up axis of the file
+    LengthUnit units = LengthUnit::automatic;  ///< unit of length after scaling
+    int model = 0;  ///< number of the model in a file with several, from 1; 0: the only one
     float default_radius =
-        0;  ///< [m] of every node when the file has no radii, after scaling; 0 = estimate it
+        0;  ///< [m] radius of every node after scaling if the file has no radii; 0: estimated
 };
 
 template <class Self, class Visitor>
 requires SameOptions<Self, ReadSkeletonOptions>
 constexpr void visit_fields(Self& options, Visitor&& visit) {
-    visit(Field{"format", "kind of the skeleton file"}, options.format);
-    visit(
-        common_field("scale", "Factor that converts positions and radii from the units of the file to metres",
-                     Unit::none, 1e-12, 1e12),
-        options.scale);
-    visit(common_field("up", "Axis of the file that points up; y for OBJ files from Blender and games"),
+    visit(Field{"format", "Format of the skeleton file."}, options.format);
+    visit(common_field("scale",
+                       "Factor that converts positions and radii from the units of the file to metres.",
+                       Unit::none, 1e-12, 1e12),
+          options.scale);
+    visit(common_field("up", "Axis of the file that points up; y for OBJ files from Blender and games."),
           options.up);
     visit(
         Field{"units",
-              "what a unit of length is, after scaling: figures and written files say so; automatic goes by "
-              "what the file says, takes large neurons to be in um, others in m"},
+              "Unit of length after scaling, which labels figures and is stated in written files; automatic "
+              "uses the unit stated in the file, otherwise um for large neurons and m for others."},
         options.units);
-    visit(Field{"model", "which model of a file with several, from 1; 0 takes the only one", Unit::none, 0,
-                1e6},
+    visit(Field{"model",
+                "Number of the model to read from a file with several, counted from 1; 0 reads the only one.",
+                Unit::none, 0, 1e6},
           options.model);
-    visit(Field{"default_radius", "radius when the file has none; 0 estimates it", Unit::metre, 0, 1e6},
+    visit(Field{"default_radius", "Radius of all nodes if the file has none; 0 estimates it.", Unit::metre, 0,
+                1e6},
           options.default_radius);
 }
 
-/// What the cylinders of a file add up to as they stand there, gaps and overlaps and all: the figures that
-/// the programs which made them state. In the units of the skeleton.
+/// Totals of the cylinders of a file before conversion, including gaps and overlaps: the figures that the
+/// programs which wrote them report. In the units of the skeleton.
 struct CylinderTotals {
-    std::size_t cylinders = 0;  ///< how many
-    double length = 0;          ///< of all
-    double area = 0;            ///< lateral, without the discs at the ends
-    double volume = 0;          ///< of all
+    std::size_t cylinders = 0;  ///< number of cylinders
+    double length = 0;          ///< total length
+    double area = 0;            ///< total lateral area, without the end discs
+    double volume = 0;          ///< total volume
 };
 
-/// A skeleton from a file, and what had to be repaired.
+/// A skeleton from a file, and the repairs that were needed.
 struct SkeletonFile {
     Skeleton skeleton;                 ///< in `units`
-    RepairReport report;               ///< what was repaired
-    std::string format;                ///< name of the SkeletonFormat it was read as
-    LengthUnit units = LengthUnit::m;  ///< what all lengths here are in; never automatic
-    std::vector<std::string> notes;    ///< what else the user should know, one sentence each
-    /// What JSON, PLY, RSML and MTG, SWC as `type`, and cylinders as `order`, `axis` and `tree`, say of each
-    /// node besides, where that is a finite number and well named (see is_attribute_name()). Of SWC also the
-    /// ids, as `id`, unless they are 1, 2, 3 and so on, or not all from 1 to 2^24.
+    RepairReport report;               ///< repairs
+    std::string format;                ///< name of the SkeletonFormat as which it was read
+    LengthUnit units = LengthUnit::m;  ///< unit of all lengths here; never automatic
+    std::vector<std::string> notes;    ///< further information for the user, one sentence each
+    /// Additional values of nodes in JSON, PLY, RSML and MTG, in SWC as `type`, and of cylinders as `order`,
+    /// `axis` and `tree`, if they are finite numbers and have a valid name (see is_attribute_name()). For SWC
+    /// also the ids, as `id`, unless they are 1, 2, 3 and so on, or not all from 1 to 2^24.
     std::vector<NodeAttribute> attributes;
-    std::optional<CylinderTotals> declared = std::nullopt;  ///< of files of cylinders
-    std::size_t models = 1;                                 ///< how many the file holds, this one included
+    std::optional<CylinderTotals> declared = std::nullopt;  ///< of cylinder files
+    std::size_t models = 1;  ///< number of models in the file, including this one
 
-    /// The values of an attribute, one per node; none where the file has no such attribute.
+    /// Returns the values of an attribute, one for each node; empty if the file has no such attribute.
     std::span<const float> attribute(std::string_view name) const;
 };
 
 /// Reads a skeleton of any SkeletonFormat and repairs it; cylinders become segments (see raw.h). The format
-/// follows from what the file says of itself, then from the ending of its name, then from its first line.
-/// Throws IoError when the file cannot be read, InvalidInput naming file and line when it is wrong,
-/// Unsupported when its kind is unknown; Cancelled. O(n log n).
+/// is detected by unambiguous content, then by the extension of the name, then by the first line. Throws
+/// IoError if the file cannot be read, InvalidInput with file and line if it is invalid, Unsupported if its
+/// format is unknown; Cancelled. O(n log n).
 SkeletonFile read_skeleton(const std::filesystem::path& path, const ReadSkeletonOptions& options = {},
                            const Context& ctx = {});
 
-/// The same for the bytes of a file in memory, `source` being what messages call it and whose ending helps to
-/// tell the format.
+/// Reads a skeleton from memory; `source` names it in messages, and its extension helps to detect the format.
 SkeletonFile parse_skeleton(std::string_view text, const std::string& source,
                             const ReadSkeletonOptions& options = {}, const Context& ctx = {});
 

@@ -11,10 +11,10 @@ namespace coppice {
 
 namespace {
 
-/// Counted from the least of them; none where they are not whole, or too great to be exact.
-std::vector<std::uint32_t> ranks_of(std::span<const float> values) {
-    constexpr float kMostExact = 1 << 24;
-    const auto is_exact = [](float v) { return std::abs(v) <= kMostExact && v == std::trunc(v); };
+/// Returns the numbers relative to their minimum; nullopt if they are not integers, or too large to be exact.
+std::vector<std::uint32_t> compute_ranks(std::span<const float> values) {
+    constexpr float kMaxExact = 1 << 24;
+    const auto is_exact = [](float v) { return std::abs(v) <= kMaxExact && v == std::trunc(v); };
     if (values.empty() || !std::ranges::all_of(values, is_exact)) return {};
     const float least = std::ranges::min(values);
     std::vector<std::uint32_t> out;
@@ -25,8 +25,8 @@ std::vector<std::uint32_t> ranks_of(std::span<const float> values) {
 
 }  // namespace
 
-NodeAxes axes_of(const SkeletonFile& file) {
-    NodeAxes out{ranks_of(file.attribute(kOrderOfNode)), ranks_of(file.attribute(kAxisOfNode))};
+NodeAxes find_axes(const SkeletonFile& file) {
+    NodeAxes out{compute_ranks(file.attribute(kOrderOfNode)), compute_ranks(file.attribute(kAxisOfNode))};
     if (out.order.empty() || std::ranges::max(out.order) >= file.skeleton.size()) {
         out.order = axis_orders(file.skeleton);
         out.axis = out.order;

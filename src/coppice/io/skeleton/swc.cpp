@@ -55,8 +55,8 @@ void make_roots_of_zero(std::vector<RawNode>& nodes) {
     }
 }
 
-/// Throws InvalidInput for a row that is no node of SWC; `columns` are the values of the first row. More than
-/// seven are allowed, because some programs append columns.
+/// Throws InvalidInput for a row that is not a node of SWC; `columns` is the number of values of the first
+/// row. More than seven are allowed, because some programs append columns.
 void check_row(std::string_view row, std::size_t values, std::size_t columns, const std::string& source,
                std::uint32_t line) {
     constexpr std::size_t kNeeded = kColumns.size();
@@ -64,26 +64,26 @@ void check_row(std::string_view row, std::size_t values, std::size_t columns, co
         fail_at(source, line, kDecimalCommas);
     if (values < kNeeded) {
         fail_at(source, line,
-                fmt::format("{} values where a node of SWC has 7: id type x y z radius parent", values));
+                fmt::format("{} values, but a node of SWC has 7: id type x y z radius parent", values));
     }
     if (values != columns) {
         fail_at(source, line,
-                fmt::format("{} values where the first row has {}; write notes behind a #", values, columns));
+                fmt::format("{} values, but the first row has {}; write notes after a #", values, columns));
     }
 }
 
-/// Checks a file with more columns than SWC has, as some programs append them. Throws InvalidInput where most
-/// parents are missing, because the columns are others then.
+/// Checks a file with more columns than SWC has, as some programs append them. Throws InvalidInput if most
+/// parents are missing, because then the columns have another meaning.
 void check_parents(const std::vector<RawNode>& nodes, std::size_t columns, const std::string& source) {
     std::unordered_set<std::int64_t> ids;
     for (const RawNode& node : nodes) ids.insert(node.id);
     const auto missing = std::ranges::count_if(
         nodes, [&](const RawNode& node) { return node.parent > 0 && !ids.contains(node.parent); });
     if (2 * static_cast<std::size_t>(missing) <= nodes.size()) return;
-    throw InvalidInput(fmt::format(
-        "{}: the rows have {} values, and the seventh, the parent, names no node in {} of {} rows; "
-        "the first seven columns of SWC are id type x y z radius parent",
-        source, columns, missing, nodes.size()));
+    throw InvalidInput(
+        fmt::format("{}: the rows have {} values, and the seventh, the parent, refers to no node in {} of {} "
+                    "rows; the first seven columns of SWC are id type x y z radius parent",
+                    source, columns, missing, nodes.size()));
 }
 
 }  // namespace

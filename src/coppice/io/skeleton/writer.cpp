@@ -10,27 +10,27 @@
 #include <fmt/format.h>
 
 #include "coppice/base/error.h"
-#include "coppice/io/file.h"
 #include "coppice/io/skeleton/encoder_internal.h"
 #include "coppice/io/skeleton/parsers_internal.h"
 #include "coppice/io/skeleton/writers_internal.h"
+#include "coppice/system/file.h"
 
 namespace coppice {
 
 namespace {
 
-/// An attribute whose values are all whole numbers from 0 on; else none.
+/// Returns an attribute if all of its values are integers from 0; otherwise an empty span.
 std::span<const float> whole_numbers(std::span<const NodeAttribute> attributes, std::string_view name) {
-    constexpr float kMostExact = 1 << 24;
+    constexpr float kMaxExact = 1 << 24;
     const auto found = std::ranges::find(attributes, name, &NodeAttribute::name);
     if (found == attributes.end()) return {};
-    const auto is_whole = [](float v) { return v >= 0 && v <= kMostExact && v == std::trunc(v); };
+    const auto is_whole = [](float v) { return v >= 0 && v <= kMaxExact && v == std::trunc(v); };
     return std::ranges::all_of(found->values, is_whole) ? std::span<const float>(found->values)
                                                         : std::span<const float>{};
 }
 
-/// The ids of the nodes for SWC: those of the attribute `id`, and from the largest of these on for nodes that
-/// have none, or one that an earlier node has; 1, 2, 3 and so on without the attribute.
+/// Returns the ids of the nodes for SWC: those of the attribute `id`; nodes that have none, or one of an
+/// earlier node, are numbered above the maximum. Without the attribute, 1, 2, 3 and so on.
 std::vector<std::uint32_t> swc_ids(const Skeleton& s, std::span<const NodeAttribute> attributes) {
     std::vector<std::uint32_t> ids(s.size(), 0);
     std::vector<bool> taken{true};
@@ -52,7 +52,7 @@ std::vector<std::uint32_t> swc_ids(const Skeleton& s, std::span<const NodeAttrib
     return ids;
 }
 
-/// The unit that files state.
+/// Returns the unit that files state.
 std::string_view unit_name(LengthUnit units) {
     return units == LengthUnit::automatic ? name_of(LengthUnit::m) : name_of(units);
 }
@@ -174,15 +174,16 @@ std::string encode_ply(const Skeleton& s, const WriteSkeletonOptions& options,
     return out.text();
 }
 
-/// What a cylinder list says of the place of a cylinder in its tree.
+/// Position of a cylinder in its tree, as written in a cylinder list.
 struct CylinderPlace {
-    std::int64_t id = -1;       ///< -1 for roots, which have no cylinder
-    std::uint32_t order = 0;    ///< of its axis; else how often the way from the root left the thickest child
-    std::int64_t branch = -1;   ///< axis of cylinders that follow the thickest child
-    std::int64_t segment = -1;  ///< run of cylinders between two forks
+    std::int64_t id = -1;     ///< -1 for roots, which have no cylinder
+    std::uint32_t order = 0;  ///< order of its axis; by default the number of nodes on the path from the root
+                              ///< that are not the thickest child
+    std::int64_t branch = -1;   ///< axis: cylinders that follow the thickest child
+    std::int64_t segment = -1;  ///< segment: cylinders between two forks
 };
 
-/// Orders and axes are those of the attributes `order` and `axis`, where all are whole numbers.
+/// Orders and axes are those of the attributes `order` and `axis` if all are integers.
 std::vector<CylinderPlace> cylinder_places(const Skeleton& s, std::span<const NodeAttribute> attributes) {
     const std::span<const float> orders = whole_numbers(attributes, kOrderOfNode);
     const std::span<const float> axes = whole_numbers(attributes, kAxisOfNode);
@@ -235,7 +236,7 @@ std::string encode_cylinders(const Skeleton& s, std::span<const NodeAttribute> a
     return out.text();
 }
 
-/// The skeleton as it lies in a file with another axis up.
+/// Returns the skeleton with the up axis of the file.
 Skeleton turned(const Skeleton& s, FileUp up) {
     std::vector<Vec3> positions;
     positions.reserve(s.size());
@@ -250,9 +251,9 @@ Skeleton turned(const Skeleton& s, FileUp up) {
 std::string encode_skeleton(const Skeleton& skeleton, const WriteSkeletonOptions& options,
                             std::span<const NodeAttribute> attributes, const Context& ctx) {
     if (options.up != FileUp::z) {
-        WriteSkeletonOptions as_it_lies = options;
-        as_it_lies.up = FileUp::z;
-        return encode_skeleton(turned(skeleton, options.up), as_it_lies, attributes, ctx);
+        WriteSkeletonOptions in_place = options;
+        in_place.up = FileUp::z;
+        return encode_skeleton(turned(skeleton, options.up), in_place, attributes, ctx);
     }
     for (const NodeAttribute& a : attributes) COPPICE_ASSERT(a.values.size() == skeleton.size());
     switch (options.format) {
@@ -289,8 +290,8 @@ void write_skeleton(const std::filesystem::path& path, const Skeleton& skeleton,
         const auto format = format_of_extension(path);
         if (!format) {
             throw Unsupported(
-                fmt::format("{}: the ending of the name tells no skeleton format; use .swc, .csv, .ply, "
-                            ".obj, .json, .rsml or .mtg",
+                fmt::format("{}: the extension is not that of a skeleton format; use .swc, .csv, .ply, .obj, "
+                            ".json, .rsml or .mtg",
                             path.string()));
         }
         chosen.format = *format;

@@ -15,49 +15,50 @@
 
 namespace coppice {
 
-/// What kind of skeleton file is written.
+/// Options for writing a skeleton file.
 struct WriteSkeletonOptions {
-    SkeletonFormat format = SkeletonFormat::automatic;  ///< automatic = by the ending of the name
-    bool binary = true;                                 ///< PLY as little-endian binary instead of ASCII
-    FileUp up = FileUp::z;                              ///< axis that points up in the file
+    SkeletonFormat format = SkeletonFormat::automatic;  ///< automatic: by the extension of the name
+    bool binary = true;     ///< writes PLY as little-endian binary instead of ASCII
+    FileUp up = FileUp::z;  ///< up axis of the file
     LengthUnit units =
-        LengthUnit::m;  ///< what lengths are in, which SWC, JSON, OBJ, PLY, RSML and MTG say; automatic = m
+        LengthUnit::m;  ///< unit of lengths, stated in SWC, JSON, OBJ, PLY, RSML and MTG; automatic: m
 };
 
 template <class Self, class Visitor>
 requires SameOptions<Self, WriteSkeletonOptions>
 constexpr void visit_fields(Self& options, Visitor&& visit) {
-    visit(Field{"format", "kind of the skeleton file; automatic goes by the ending of its name"},
+    visit(Field{"format", "Format of the skeleton file; automatic uses the extension of its name."},
           options.format);
-    visit(Field{"binary", "write PLY as binary instead of ASCII"}, options.binary);
-    visit(Field{"up", "axis that points up in the file"}, options.up);
+    visit(Field{"binary", "Write PLY as binary instead of ASCII."}, options.binary);
+    visit(Field{"up", "Axis that points up in the written file; .glb and .usda define their own."},
+          options.up);
     visit(Field{"units",
-                "what a unit of length is, which written SWC, JSON, OBJ, PLY, RSML and MTG say; nothing is "
-                "converted"},
+                "Unit of length, stated in written SWC, JSON, OBJ, PLY, RSML and MTG; lengths are not "
+                "converted."},
           options.units);
 }
 
-/// Writes a skeleton as swc, cylinders (.csv), ply, obj, json, rsml or mtg; the file appears whole or not at
-/// all. Positions are in world space: the origin is added back in double precision, and the digits are enough
-/// for a reader to find the same floats when the origin is zero (to 15 digits otherwise).
+/// Writes a skeleton as swc, cylinders (.csv), ply, obj, json, rsml or mtg; the file is written atomically.
+/// Positions are in world space: the origin is added in double precision, with enough digits to restore the
+/// same floats if the origin is zero (15 digits otherwise).
 ///
-/// All formats but `cylinders` keep every node and radius, coincident nodes included. A cylinder stands for a
-/// segment and has one radius, that of equal volume, so it loses taper and trees of a single node.
+/// All formats except `cylinders` store every node and radius, including coincident nodes. A cylinder
+/// represents a segment by a single radius with equal volume, so taper and trees of a single node are lost.
 ///
-/// Stable ids go into JSON where the skeleton has some, and are read again.
+/// JSON stores stable ids if the skeleton has them; the reader restores them.
 ///
-/// Attributes go into JSON, each an array of its own, PLY, as properties of the vertices, RSML, as functions,
-/// and MTG, as features; SWC has a place for `type` where that is a whole number from 0 to 2^24 everywhere,
-/// and for `id`, where a node has a whole number from 1 to 2^24 that no node before it has; the other formats
-/// have none. They are read again.
+/// JSON stores attributes as arrays, PLY as vertex properties, RSML as functions and MTG as features; SWC
+/// stores `type` if all values are integers from 0 to 2^24, and `id` for nodes with an integer from 1 to 2^24
+/// that no previous node has; the other formats store no attributes. The reader restores them.
 ///
-/// Throws IoError when the file cannot be written, Unsupported when the format cannot be: one that is read
-/// only, a name without a known ending, a list of cylinders of a skeleton without segments; Cancelled. O(n).
+/// Throws IoError if the file cannot be written, Unsupported if the format cannot be written: a read-only
+/// format, a name with an unknown extension, a list of cylinders of a skeleton without segments; Cancelled.
+/// O(n).
 void write_skeleton(const std::filesystem::path& path, const Skeleton& skeleton,
                     const WriteSkeletonOptions& options = {}, std::span<const NodeAttribute> attributes = {},
                     const Context& ctx = {});
 
-/// The bytes that `write_skeleton` writes; the format must not be automatic.
+/// Returns the bytes that `write_skeleton` writes; the format must not be automatic.
 std::string encode_skeleton(const Skeleton& skeleton, const WriteSkeletonOptions& options,
                             std::span<const NodeAttribute> attributes = {}, const Context& ctx = {});
 

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "coppice/base/error.h"
-#include "coppice/io/file.h"
 #include "coppice/io/sketch/colmap_internal.h"
 #include "coppice/io/text_internal.h"
+#include "coppice/system/file.h"
 
 namespace coppice {
 namespace {
@@ -18,15 +18,16 @@ using Words = std::vector<std::string_view>;
 double number_at(const Words& words, std::size_t i, const std::string& source, const LineReader& lines) {
     const auto number = i < words.size() ? parse_number(words[i]) : std::nullopt;
     if (number && std::isfinite(*number)) return *number;
-    fail_at(source, lines.number(),
-            i < words.size() ? fmt::format("{} is no number", in_quotes(words[i])) : "a number is missing");
+    fail_at(
+        source, lines.number(),
+        i < words.size() ? fmt::format("{} is not a number", in_quotes(words[i])) : "a number is missing");
 }
 
-/// Which parameter of a model is what: indices, or -1.
+/// Indices of the parameters of a camera model; -1: not in the model.
 struct Model {
     std::string_view name;
     int fx, fy, cx, cy, k1, k2, p1, p2, k3;
-    int count;  ///< parameters; those not named here have to be 0
+    int count;  ///< number of parameters; those without an index must be 0
 };
 constexpr Model kModels[] = {{"SIMPLE_PINHOLE", 0, 0, 1, 2, -1, -1, -1, -1, -1, 3},
                              {"PINHOLE", 0, 1, 2, 3, -1, -1, -1, -1, -1, 4},
@@ -35,12 +36,12 @@ constexpr Model kModels[] = {{"SIMPLE_PINHOLE", 0, 0, 1, 2, -1, -1, -1, -1, -1, 
                              {"OPENCV", 0, 1, 2, 3, 4, 5, 6, 7, -1, 8},
                              {"FULL_OPENCV", 0, 1, 2, 3, 4, 5, 6, 7, 8, 12}};
 
-/// Reads the intrinsic part: CAMERA_ID MODEL WIDTH HEIGHT PARAMS...
+/// Reads the intrinsic parameters: CAMERA_ID MODEL WIDTH HEIGHT PARAMS...
 void read_camera(const Words& words, const std::string& source, const LineReader& lines, SketchView& view) {
     const auto model = std::ranges::find(kModels, words.size() > 1 ? words[1] : "", &Model::name);
     if (model == std::end(kModels)) {
         throw Unsupported(fmt::format(
-            "{}:{}: the camera model {} is not read; undistort the pictures with COLMAP, which makes PINHOLE",
+            "{}:{}: the camera model {} is not read; undistort the images with COLMAP, which writes PINHOLE",
             source, lines.number(), in_quotes(words.size() > 1 ? words[1] : "")));
     }
     std::vector<double> p;
@@ -67,20 +68,20 @@ SketchView read_colmap_view(const std::filesystem::path& folder, const std::stri
     Words words;
     const std::string image_text = read_file(images);
     LineReader lines(image_text);
-    // Every picture has two lines; the second has the points that it shows, and may be empty.
+    // Every image has two lines; the second one contains its points, and may be empty.
     for (bool second = false; lines.next();) {
         if (!lines.line().empty() && lines.line().front() == '#') continue;
         if (std::exchange(second, !second)) continue;
         split_at_blanks(lines.line(), words);
         if (words.size() < 10 || words[9] != image) continue;
         const auto number = [&](std::size_t i) { return number_at(words, i, images.string(), lines); };
-        view.r = rotation_of(number(1), {number(2), number(3), number(4)});
+        view.r = compute_rotation(number(1), {number(2), number(3), number(4)});
         view.t = {number(5), number(6), number(7)};
         camera = words[8];
         break;
     }
     if (camera.empty())
-        throw InvalidInput(fmt::format("{}: no picture is named {}", images.string(), in_quotes(image)));
+        throw InvalidInput(fmt::format("{}: no image is named {}", images.string(), in_quotes(image)));
     const std::string camera_text = read_file(cameras);
     for (LineReader rows(camera_text); rows.next();) {
         split_at_blanks(rows.line(), words);

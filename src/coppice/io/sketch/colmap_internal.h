@@ -7,10 +7,10 @@
 
 namespace coppice {
 
-/// The camera of a picture, as COLMAP writes it: `cameras.txt` and `images.txt` in a folder (a model exported
-/// as text). The scale is the model's. Throws IoError for files that are missing, InvalidInput for a picture
-/// that is not among them and for lines that cannot be read, Unsupported for cameras with other distortions
-/// than OpenCV's first five.
+/// Reads the camera of an image from a COLMAP model exported as text: `cameras.txt` and `images.txt` in a
+/// folder. The scale is that of the model. Throws IoError for missing files, InvalidInput for an image that
+/// is not in the model and for lines that cannot be read, Unsupported for cameras with distortion parameters
+/// other than the first five of OpenCV.
 SketchView read_colmap_view(const std::filesystem::path& folder, const std::string& image);
 
 }  // namespace coppice

@@ -20,14 +20,14 @@ namespace coppice::io_internal {
 
 using Json = nlohmann::json;
 
-/// A value of a file, and what it is called: "tree.sketch.json: branches[3].strokes.front".
+/// A value of a file with its path for messages: "tree.sketch.json: branches[3].strokes.front".
 class Value {
   public:
     Value(const Json& json, std::string where) : json_(json), where_(std::move(where)) {}
 
-    [[noreturn]] void fail(const std::string& what) const { throw InvalidInput(where_ + " " + what); }
+    [[noreturn]] void fail(const std::string& subject) const { throw InvalidInput(where_ + " " + subject); }
 
-    /// Throws unless it is an object that has no other members than these.
+    /// Throws unless the value is an object with members of these names only.
     void expect_members(std::initializer_list<std::string_view> names) const {
         if (!json_.is_object()) fail("must be an object with named fields");
         for (const auto& [key, value] : json_.items()) {
@@ -113,7 +113,7 @@ class Value {
     std::string where_;
 };
 
-/// The values of a text. Throws InvalidInput naming the line.
+/// Parses a text. Throws InvalidInput with the line.
 inline Json parse_json(std::string_view text, const std::string& source) {
     try {
         return Json::parse(text);

@@ -1,7 +1,7 @@
 #include "coppice/io/sketch/phenomenal_internal.h"
 
-#include "coppice/io/file.h"
 #include "coppice/io/sketch/json_value_internal.h"
+#include "coppice/system/file.h"
 
 namespace coppice {
 
@@ -22,7 +22,8 @@ SketchView read_phenomenal_view(const std::filesystem::path& path, const std::st
     view.k = {{{number("_focal_length_x"), 0, 0.5 * view.width},
                {0, number("_focal_length_y"), 0.5 * view.height},
                {0, 0, 1}}};
-    // The camera's axes in the world are Rz Ry Rx; what the table turns clockwise turns the world under it.
+    // The axes of the camera in the world are Rz Ry Rx; a clockwise rotation of the table rotates the world
+    // with it.
     const bool clockwise = file.has("clockwise") && file.member("clockwise").truth();
     const double turn = angle * file.member("angle_factor").number() * (clockwise ? -1 : 1);
     const Matrix3 axes = rotation_about({0, 0, number("_rot_z")}) * rotation_about({0, number("_rot_y"), 0}) *

@@ -9,13 +9,13 @@
 #include <optional>
 
 #include "coppice/base/error.h"
-#include "coppice/io/file.h"
 #include "coppice/io/sketch/colmap_internal.h"
 #include "coppice/io/sketch/json_value_internal.h"
 #include "coppice/io/sketch/phenomenal_internal.h"
 #include "coppice/io/sketch/sketch_file.h"
 #include "coppice/io/text_internal.h"
 #include "coppice/sketch/snapshot.h"
+#include "coppice/system/file.h"
 
 namespace coppice {
 namespace {
@@ -24,7 +24,7 @@ using namespace io_internal;
 
 constexpr std::uint64_t kLargestSketch = std::uint64_t{256} << 20;
 
-/// A view as the file has it; of a snapshot the camera follows from the strokes.
+/// A view as in the file; the camera of a snapshot is computed from the strokes.
 struct ReadView {
     SketchView view;
     std::optional<Snapshot> snapshot;
@@ -52,16 +52,16 @@ ReadView drawing_of(const Value& value) {
 ReadView photograph_of(const Value& value) {
     value.expect_members({"name", "image", "width", "height", "photograph", "field_of_view"});
     const Value angle = value.member("field_of_view");
-    if (!(angle.number() > 0 && angle.number() < 180)) angle.fail("must lie between 0 and 180 degrees");
+    if (!(angle.number() > 0 && angle.number() < 180)) angle.fail("must be between 0 and 180 degrees");
     return {.view = {},
             .snapshot = Snapshot{.side = side_of(value.member("photograph")),
                                  .field_of_view = angle.number() * std::numbers::pi / 180}};
 }
 
-/// Where a file lies that a sketch names; throws where it may not be read.
+/// Returns the path of a file that a sketch names; throws if it may not be read.
 using FindFile = std::function<std::filesystem::path(const std::filesystem::path& name)>;
 
-FindFile beside(const std::filesystem::path& folder) {
+FindFile adjacent(const std::filesystem::path& folder) {
     return [folder](const std::filesystem::path& name) { return folder / name; };
 }
 
@@ -129,9 +129,9 @@ ReadView view_of(const Value& value, const FindFile& find) {
     return out;
 }
 
-/// The world that cameras were calibrated in, and ours: Z up, in metres.
+/// Transformation between the world in which cameras were calibrated and ours: Z up, in metres.
 struct World {
-    Matrix3 turn{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  ///< from ours to theirs
+    Matrix3 turn{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  ///< from our world to theirs
     double metres_per_unit = 1;
 };
 
@@ -142,8 +142,8 @@ World world_of(const Value& value) {
         const auto [x, y, z] = value.member("up").numbers_of<3>();
         const Vec3d up = normalized(Vec3d{x, y, z}, {0, 0, 0});
         if (up == Vec3d{}) value.member("up").fail("must have a direction");
-        // The shortest turn that brings z to up; where that points down, half a turn about x.
-        world.turn = up.z > -1 + 1e-9 ? rotation_of(1 + up.z, {-up.y, up.x, 0})
+        // The smallest rotation that maps z to up; half a turn about x if up points down.
+        world.turn = up.z > -1 + 1e-9 ? compute_rotation(1 + up.z, {-up.y, up.x, 0})
                                       : Matrix3{{{1, 0, 0}, {0, -1, 0}, {0, 0, -1}}};
     }
     if (value.has("metres_per_unit")) {
@@ -161,13 +161,13 @@ void bring_home(SketchView& view, const World& world) {
 
 using Names = std::map<std::string, std::uint32_t, std::less<>>;
 
-std::uint32_t index_of(const Names& names, const std::string& name, const Value& value, const char* what) {
+std::uint32_t index_of(const Names& names, const std::string& name, const Value& value, const char* subject) {
     const auto found = names.find(name);
-    if (found == names.end()) value.fail(fmt::format("names no {}: {}", what, in_quotes(name)));
+    if (found == names.end()) value.fail(fmt::format("names no {}: {}", subject, in_quotes(name)));
     return found->second;
 }
 
-Stroke stroke_of(const Value& value) {
+Stroke make_stroke(const Value& value) {
     value.expect_members({"points", "widths"});
     Stroke stroke;
     for (const Value& point : value.member("points").items()) {
@@ -178,7 +178,7 @@ Stroke stroke_of(const Value& value) {
     return stroke;
 }
 
-SketchBranch branch_of(const Value& value, const Names& views, const Names& branches) {
+SketchBranch find_branch(const Value& value, const Names& views, const Names& branches) {
     value.expect_members({"name", "parent", "attach", "strokes", "diameters"});
     SketchBranch branch;
     branch.name = value.member("name").text();
@@ -189,7 +189,7 @@ SketchBranch branch_of(const Value& value, const Names& views, const Names& bran
     if (value.has("attach")) branch.attach = value.member("attach").number();
     if (value.has("diameters")) branch.diameters = value.member("diameters").numbers_of<2>();
     for (const auto& [view, stroke] : value.member("strokes").members()) {
-        branch.strokes.push_back(stroke_of(stroke));
+        branch.strokes.push_back(make_stroke(stroke));
         branch.strokes.back().view = index_of(views, view, stroke, "view");
     }
     std::ranges::sort(branch.strokes, {}, &Stroke::view);
@@ -205,7 +205,7 @@ Names names_of(const std::vector<Value>& values) {
 
 void check_format(const Json& json, const Value& file, const std::string& source) {
     if (!json.is_object() || json.value("format", Json()) != "coppice-sketch")
-        throw InvalidInput(source + ": this JSON is no sketch: it needs \"format\": \"coppice-sketch\"");
+        throw InvalidInput(source + ": this JSON is not a sketch: it needs \"format\": \"coppice-sketch\"");
     file.expect_members({"format", "version", "height", "world", "views", "branches"});
     if (const double version = file.member("version").number(); version > 1)
         throw Unsupported(
@@ -230,7 +230,7 @@ SketchCameras cameras_of(const Value& file, const FindFile& find) {
     return out;
 }
 
-Sketch sketch_of(std::string_view text, const std::string& source, const FindFile& find) {
+Sketch make_sketch(std::string_view text, const std::string& source, const FindFile& find) {
     const Json json = parse_json(text, source);
     const Value file(json, source + ":");
     check_format(json, file, source);
@@ -240,7 +240,7 @@ Sketch sketch_of(std::string_view text, const std::string& source, const FindFil
     const std::vector<Value> branches = file.member("branches").items();
     const Names view_names = names_of(file.member("views").items()), branch_names = names_of(branches);
     for (const Value& branch : branches)
-        sketch.branches.push_back(branch_of(branch, view_names, branch_names));
+        sketch.branches.push_back(find_branch(branch, view_names, branch_names));
     for (std::uint32_t v = 0; v < cameras.snapshots.size(); ++v) {
         if (const auto& snapshot = cameras.snapshots[v])
             sketch.views[v] =
@@ -258,8 +258,8 @@ bool is_sketch_name(const std::filesystem::path& path) {
 
 namespace {
 
-template <class Beside>
-SketchCameras cameras_in(std::string_view text, const std::string& source, const Beside& files) {
+template <class Adjacent>
+SketchCameras cameras_in(std::string_view text, const std::string& source, const Adjacent& files) {
     const Json json = parse_json(text, source);
     const Value file(json, source + ":");
     check_format(json, file, source);
@@ -269,12 +269,12 @@ SketchCameras cameras_in(std::string_view text, const std::string& source, const
 }  // namespace
 
 SketchCameras read_cameras(const std::filesystem::path& path, const Context& ctx) {
-    return cameras_in(read_file(path, kLargestSketch, ctx), path.string(), beside(path.parent_path()));
+    return cameras_in(read_file(path, kLargestSketch, ctx), path.string(), adjacent(path.parent_path()));
 }
 
-SketchCameras parse_cameras(std::string_view text, const std::string& source, const Jail& jail) {
+SketchCameras parse_cameras(std::string_view text, const std::string& source, const FolderSandbox& sandbox) {
     return cameras_in(text, source,
-                      [&](const std::filesystem::path& name) { return jail.to_read(name.string()); });
+                      [&](const std::filesystem::path& name) { return sandbox.to_read(name.string()); });
 }
 
 TraceResult trace_views(const SketchCameras& cameras, std::span<const Mask> silhouettes,
@@ -284,7 +284,7 @@ TraceResult trace_views(const SketchCameras& cameras, std::span<const Mask> silh
     for (std::uint32_t v = 0; v < cameras.views.size(); ++v) {
         if (!cameras.snapshots[v]) continue;
         const std::string where = fmt::format("{}: views[{}]", source, v);
-        extent.branches[0].strokes.push_back(extent_of(silhouettes[v], where));
+        extent.branches[0].strokes.push_back(compute_extent(silhouettes[v], where));
         extent.branches[0].strokes.back().view = v;
         extent.views[v] = snapshot_view(extent, v, *cameras.snapshots[v], cameras.height, where);
     }
@@ -292,12 +292,12 @@ TraceResult trace_views(const SketchCameras& cameras, std::span<const Mask> silh
 }
 
 Sketch parse_sketch(std::string_view text, const std::string& source, const std::filesystem::path& folder) {
-    return sketch_of(text, source, beside(folder));
+    return make_sketch(text, source, adjacent(folder));
 }
 
-Sketch parse_sketch(std::string_view text, const std::string& source, const Jail& jail) {
-    return sketch_of(text, source,
-                     [&](const std::filesystem::path& name) { return jail.to_read(name.string()); });
+Sketch parse_sketch(std::string_view text, const std::string& source, const FolderSandbox& sandbox) {
+    return make_sketch(text, source,
+                       [&](const std::filesystem::path& name) { return sandbox.to_read(name.string()); });
 }
 
 Sketch read_sketch(const std::filesystem::path& path, const Context& ctx) {

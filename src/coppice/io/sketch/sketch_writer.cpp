@@ -1,7 +1,7 @@
 #include <nlohmann/json.hpp>
 
-#include "coppice/io/file.h"
 #include "coppice/io/sketch/sketch_file.h"
+#include "coppice/system/file.h"
 
 namespace coppice {
 namespace {
@@ -41,7 +41,7 @@ Json json_of(const Sketch& sketch, const SketchBranch& branch) {
     return out;
 }
 
-/// One line for each view and branch: people read and edit these files.
+/// Writes one line for each view and branch, because people read and edit these files.
 std::string lines_of(const std::vector<Json>& list) {
     std::string out = "[";
     for (std::size_t i = 0; i < list.size(); ++i) out += (i == 0 ? "\n" : ",\n") + list[i].dump();

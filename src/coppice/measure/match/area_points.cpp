@@ -40,7 +40,7 @@ double AreaPoints::area(const Triangle& t) const {
     return length(cross(b - a, c - a)) / 2;
 }
 
-/// Points of one triangle after each other fill it evenly.
+/// Returns a point of a triangle; the points of consecutive numbers fill a triangle evenly.
 Vec3d AreaPoints::spread(const Triangle& t, std::size_t i) const {
     constexpr double kPlastic = 1.324717957244746;  // x^3 = x + 1
     const auto part = [&](double step) {

@@ -8,16 +8,16 @@
 
 namespace coppice::measure_internal {
 
-/// Points spread evenly over a surface by area, numbered along its faces, so that those that follow each
-/// other lie near each other.
+/// Points distributed evenly over a surface by area, numbered along its faces, so that consecutive points are
+/// near each other.
 class AreaPoints {
   public:
-    /// `count` of them, none where the surface has no area. The mesh must outlive them. O(n).
+    /// Creates `count` points, or 0 if the surface has no area. The mesh must outlive the object. O(n).
     AreaPoints(const PolygonMesh& mesh, std::size_t count);
 
     std::size_t size() const { return count_; }
 
-    /// The middle of the strip of area that is number i, relative to the mesh's origin. O(log n).
+    /// Returns the middle of strip i of the area, relative to the mesh's origin. O(log n).
     Vec3d operator[](std::size_t i) const;
 
   private:
@@ -26,7 +26,7 @@ class AreaPoints {
 
     const PolygonMesh& mesh_;
     std::size_t count_;
-    std::vector<double> after_;  ///< [m^2] of all faces up to each
+    std::vector<double> after_;  ///< [m^2] cumulative area up to and including each face
 };
 
 }  // namespace coppice::measure_internal

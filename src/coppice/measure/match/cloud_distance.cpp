@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "coppice/base/check_fields.h"
+#include "coppice/base/id.h"
 #include "coppice/base/parallel.h"
 #include "coppice/measure/capsule_tree.h"
 #include "coppice/measure/forks_internal.h"
@@ -24,12 +25,12 @@ using measure_internal::AreaPoints;
 using measure_internal::Forks;
 
 constexpr std::size_t kCloudDistanceGrain = 256;
-constexpr std::size_t kBlock = 1 << 16;  // between two reports of progress
-constexpr double kSpacings = 3;          // of the cloud: surface is bare beyond
+constexpr std::size_t kBlock = 1 << 16;  // [points] between two reports of progress
+constexpr double kSpacings = 3;  // [median spacings of the cloud] distance beyond which the surface is bare
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
-constexpr std::size_t kLeastSamples = 10'000, kMostSamples = 1'000'000;
+constexpr std::size_t kMinSamples = 10'000, kMaxSamples = 1'000'000;
 
-/// Runs body(i) for all i < count, and reports progress from one share to the other.
+/// Runs body(i) for all i < count, and reports progress between the values `from` and `to`.
 template <class Body>
 void for_blocks(const Context& ctx, std::size_t count, float from, float to, const Body& body) {
     for (std::size_t begin = 0; begin < count; begin += kBlock) {
@@ -40,7 +41,7 @@ void for_blocks(const Context& ctx, std::size_t count, float from, float to, con
     }
 }
 
-/// What the skeleton tells about a place.
+/// Local properties of the skeleton.
 class Surroundings {
   public:
     Surroundings(const Skeleton& skeleton, Vec3d origin, double fork_reach, const Context& ctx)
@@ -48,10 +49,10 @@ class Surroundings {
 
     std::size_t fork_count() const { return forks_.size(); }
     bool is_at_fork(Vec3d p) const { return forks_.contain(p); }
-    /// [m] unknown where there is no segment
+    /// [m] NaN if there is no segment
     float radius(Vec3d p) const {
         const std::uint32_t nearest = capsules_.nearest(p).capsule;
-        if (nearest == CapsuleTree::kNone) return kUnknown;
+        if (nearest == kNoIndex) return kUnknown;
         return static_cast<float>(capsules_.cone(nearest).foot(p).radius);
     }
 
@@ -60,10 +61,10 @@ class Surroundings {
     Forks forks_;
 };
 
-/// What was found of every point of one side.
+/// The results for every point of one side.
 struct Found {
     std::vector<float> distance;  ///< [m]
-    std::vector<float> radius;    ///< [m] of the skeleton nearby; empty without one
+    std::vector<float> radius;    ///< [m] of the nearest segment; empty without a skeleton
     std::vector<char> at_fork;    ///< empty without a skeleton
 
     Found(std::size_t count, bool with_skeleton)
@@ -77,7 +78,7 @@ struct Found {
     }
 };
 
-/// Of the distances that use(i) takes, over the radius or not.
+/// Summarizes the distances for which use(i) is true, optionally in radii.
 template <class Use>
 DistanceSummary summary(const Found& found, bool in_radii, bool with_bias, const Use& use) {
     std::vector<float> sizes;
@@ -105,7 +106,7 @@ DistanceSummary summary(const Found& found, bool in_radii, bool with_bias, const
     return out;
 }
 
-/// Of the points that use(found, i) takes.
+/// Summarizes the points for which use(found, i) is true.
 template <class Use>
 CloudDistanceSummary summary(const Found& points, const Found& surface, const CloudDistanceReport& report,
                              const Use& use) {
@@ -126,7 +127,7 @@ CloudDistanceSummary summary(const Found& points, const Found& surface, const Cl
     return out;
 }
 
-/// Cloud and surface in the mesh's frame, found by place.
+/// Spatial indices of cloud and surface, in the mesh's frame.
 class Both {
   public:
     Both(const PolygonMesh& mesh, const PointSet& cloud, std::size_t samples, const Context& ctx)
@@ -170,35 +171,35 @@ Box3 bounds_of_faces(const PolygonMesh& mesh) {
     return box;
 }
 
-/// Refuses a cloud from elsewhere, from which every search would look at most of the surface.
+/// Rejects a cloud that is far away, for which every search would visit most of the surface.
 void check_place(const Box3d& mesh, const Box3d& cloud) {
     const double gap = mesh.gap(cloud);
     if (gap <= std::max(mesh.size(), cloud.size())) return;
     const Vec3d shift = 0.5 * (cloud.low + cloud.high - mesh.low - mesh.high);
-    const auto told = [&](double x) { return std::fabs(x) > 1e-3 * gap ? x : 0.0; };
-    throw InvalidInput(fmt::format(
-        "check: the cloud lies {:.4g} m away from the mesh; are both in one place and unit? Their "
-        "middles differ by ({:.4g}, {:.4g}, {:.4g}) m",
-        gap, told(shift.x), told(shift.y), told(shift.z)));
+    const auto reported = [&](double x) { return std::fabs(x) > 1e-3 * gap ? x : 0.0; };
+    throw InvalidInput(
+        fmt::format("check: the cloud is {:.4g} m away from the mesh; make sure that both are in the same "
+                    "place and unit. Their centres differ by ({:.4g}, {:.4g}, {:.4g}) m",
+                    gap, reported(shift.x), reported(shift.y), reported(shift.z)));
 }
 
-/// The median over at most a thousand of `count` points.
+/// Returns the median over at most a thousand of `count` points.
 template <class Distance>
 double median(std::size_t count, const Distance& of) {
-    constexpr std::size_t kMost = 1000;
-    const std::size_t n = std::min(count, kMost);
+    constexpr std::size_t kMax = 1000;
+    const std::size_t n = std::min(count, kMax);
     std::vector<double> distances;
     for (std::size_t k = 0; k < n; ++k) distances.push_back(std::fabs(of(k * count / n)));
     std::ranges::nth_element(distances, distances.begin() + static_cast<std::ptrdiff_t>(n / 2));
     return distances[n / 2];
 }
 
-/// Figures would not say what to do about files in different units.
+/// Rejects files in different units, because the figures alone do not show that cause.
 void check_units(const Both& both, std::size_t points, const Box3d& mesh, const Box3d& cloud,
                  const Context& ctx) {
-    constexpr double kHardly = 0.05, kAbout = 0.15;  // of the sizes, and in decimal logarithms
+    constexpr double kHardly = 0.05, kAbout = 0.15;  // share of the size, and tolerance in decimal logarithms
     const double ratio = cloud.size() / mesh.size(), power = std::round(std::log10(ratio));
-    if (ratio == 0) return;  // of points in one place nothing can be told
+    if (ratio == 0) return;  // the unit of points in one place is unknown
     if (!(std::fabs(power) >= 2) || std::fabs(std::log10(ratio) - power) > kAbout) return;
     ctx.throw_if_cancelled();
     if (median(points, [&](std::size_t i) { return both.to_surface(both.point(i)); }) <=
@@ -209,8 +210,8 @@ void check_units(const Both& both, std::size_t points, const Box3d& mesh, const 
         kHardly * mesh.size())
         return;
     throw InvalidInput(
-        fmt::format("check: the cloud is about {:g} times as large as the mesh and hardly meets it; are "
-                    "both in the same unit?",
+        fmt::format("check: the cloud is about {:g} times as large as the mesh and hardly overlaps it; make "
+                    "sure that both are in the same unit",
                     std::pow(10, power)));
 }
 
@@ -230,7 +231,7 @@ CloudDistances cloud_distances(const PolygonMesh& mesh, const PointSet& cloud, c
                 cloud_box = world_box(bounds(cloud), cloud.origin);
     check_place(mesh_box, cloud_box);
     const auto wanted = static_cast<std::size_t>(options.samples);
-    const std::size_t samples = wanted > 0 ? wanted : std::clamp(cloud.size(), kLeastSamples, kMostSamples);
+    const std::size_t samples = wanted > 0 ? wanted : std::clamp(cloud.size(), kMinSamples, kMaxSamples);
     const Both both(mesh, cloud, samples, ctx);
     check_units(both, cloud.size(), mesh_box, cloud_box, ctx);
     ctx.report(0.1f);

@@ -14,79 +14,86 @@
 
 namespace coppice {
 
-/// How a cloud is held against a surface.
+/// Options of cloud_distances().
 struct CloudDistanceOptions {
-    int samples = 0;    ///< points of the surface; 0 = as many as the cloud has, 10,000 to 1 million
-    float support = 0;  ///< [m] surface with no point nearer is bare; 0 = three median spacings of the cloud
-    float fork_reach = 2;  ///< [radius] of a fork's node, around it: what lies within is at the fork
+    int samples = 0;  ///< number of sample points on the surface; 0 = number of points of the cloud, limited
+                      ///< to 10,000 to 1 million
+    float support = 0;  ///< [m] maximum distance of surface to the nearest point, beyond which it is bare; 0
+                        ///< = three median spacings of the cloud
+    float fork_reach = 2;  ///< [radius] of a fork's node: radius of the ball that belongs to the fork
 };
 
 template <class Self, class Visitor>
 requires SameOptions<Self, CloudDistanceOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"samples",
-                "points of the surface that are looked up in the cloud; 0 takes as many as it has, 10,000 at "
-                "least and a million at most",
+                "Number of sample points on the surface that are compared with the cloud; 0 "
+                "uses the number of points of the cloud, limited to 10,000 to 1,000,000.",
                 Unit::none, 0, 1e8},
           o.samples);
     visit(Field{"support",
-                "surface with no point nearer than this is bare; 0 takes three times the median spacing",
+                "Distance to the nearest point beyond which the surface is bare; 0 uses three times the "
+                "median spacing of the cloud.",
                 Unit::metre, 0, 1e6},
           o.support);
-    visit(Field{"fork_reach", "what lies within so many radii of a fork's node is at the fork", Unit::radius,
-                0.1, 100},
+    visit(Field{"fork_reach", "Distance from the node of a fork within which points belong to the fork.",
+                Unit::radius, 0.1, 100},
           o.fork_reach);
 }
 
-/// Distances without their sign, but for the bias. Quantiles are members of the sample, as in Statistics.
+/// Statistics of unsigned distances, except for the bias. Quantiles are members of the sample, as in
+/// Statistics.
 struct DistanceSummary {
-    std::uint64_t n = 0;         ///< number of distances; the others are 0 without any
-    double mean = 0;             ///< their mean
-    double p50 = 0;              ///< the median
-    double p95 = 0;              ///< 5 % are greater
-    double max = 0;              ///< the greatest
-    std::optional<double> bias;  ///< mean with sign, negative inside; of points to a closed surface alone
+    std::uint64_t n = 0;         ///< number of distances; if it is 0, the others are 0
+    double mean = 0;             ///< mean
+    double p50 = 0;              ///< median
+    double p95 = 0;              ///< 95 % quantile
+    double max = 0;              ///< maximum
+    std::optional<double> bias;  ///< signed mean, negative inside; only of points to a closed surface
     friend bool operator==(const DistanceSummary&, const DistanceSummary&) = default;  ///< member by member
 };
 
-/// Both ways between points and surface, of one part of space.
+/// Distances in both directions between points and surface, of all points or of those at forks.
 struct CloudDistanceSummary {
-    DistanceSummary to_surface;         ///< [m] from the points of the cloud to the surface
-    DistanceSummary to_surface_radius;  ///< the same over the radius of the nearest segment at its foot
-    DistanceSummary to_cloud;           ///< [m] from points spread evenly over the surface to the cloud
-    DistanceSummary to_cloud_radius;    ///< the same over that radius
-    double bare_percent = 0;            ///< of the surface: farther from all points than `support`
+    DistanceSummary to_surface;  ///< [m] from the points of the cloud to the surface
+    /// The same, divided by the radius of the nearest segment at the closest point.
+    DistanceSummary to_surface_radius;
+    DistanceSummary to_cloud;         ///< [m] from points distributed evenly over the surface to the cloud
+    DistanceSummary to_cloud_radius;  ///< the same, divided by that radius
+    double bare_percent = 0;          ///< share of the surface that is farther from all points than `support`
     friend bool operator==(const CloudDistanceSummary&,
                            const CloudDistanceSummary&) = default;  ///< member by member
 };
 
-/// How far a cloud and a surface lie apart.
+/// Distances between a cloud and a surface.
 struct CloudDistanceReport {
-    bool closed = false;                 ///< the surface has an inside: watertight, with a positive volume
-    double support = 0;                  ///< [m] the one that was taken
-    CloudDistanceSummary whole;          ///< of everything
-    std::optional<std::uint64_t> forks;  ///< nodes with three neighbours or more; none without a skeleton
-    CloudDistanceSummary at_forks;       ///< of what is near them
+    bool closed = false;         ///< whether the surface has an inside: watertight, with a positive volume
+    double support = 0;          ///< [m] the value that was used
+    CloudDistanceSummary whole;  ///< of all points
+    /// Number of nodes with at least three neighbours; nullopt without a skeleton.
+    std::optional<std::uint64_t> forks;
+    CloudDistanceSummary at_forks;  ///< of the points near forks
     friend bool operator==(const CloudDistanceReport&,
                            const CloudDistanceReport&) = default;  ///< member by member
 };
 
-/// What `cloud_distances` returns.
+/// The result of cloud_distances().
 struct CloudDistances {
-    CloudDistanceReport report;    ///< of all of them
+    CloudDistanceReport report;    ///< summary of all distances
     std::vector<float> of_points;  ///< [m] of each point, negative behind the nearest face
 };
 
-/// Measures a cloud from a surface and back: what the surface misses, and what of it no point supports.
-/// `skeleton`, which may be null, tells where forks are and what radii there are. Each has its own origin.
+/// Measures the distances from a cloud to a surface and back: the points that the surface misses, and the
+/// surface that no point supports. `skeleton`, which may be null, provides forks and radii. Each input has
+/// its own origin.
 ///
-/// Every point looks for the nearest face, and as many points spread evenly over the surface look for the
-/// nearest point: O((n + m) log(n + m)) [n points, m faces] while both lie near each other; about 70 bytes
-/// per point and 90 per face. The same bits for any number of threads.
+/// Finds the nearest face of every point, and the nearest points of the same number of points distributed
+/// evenly over the surface: O((n + m) log(n + m)) [n points, m faces] while both are near each other; about
+/// 70 bytes per point and 90 per face. The result does not depend on the number of threads.
 ///
-/// Throws InvalidInput for a mesh that is not valid or has no area, a cloud without points, options out of
-/// their range, and before any long work where the two hardly meet: where they lie apart, or where one is a
-/// power of ten larger, as millimetres and metres differ. Cancelled within a fraction of a second.
+/// Throws InvalidInput for a mesh that is invalid or has no area, a cloud without points, options out of
+/// range, and before any long computation if the two hardly overlap: if they are far apart, or if one is
+/// larger by a power of ten, as with millimetres and metres. Throws Cancelled within a fraction of a second.
 CloudDistances cloud_distances(const PolygonMesh& mesh, const PointSet& cloud, const Skeleton* skeleton,
                                const CloudDistanceOptions& options = {}, const Context& ctx = {});
 
@@ -102,7 +109,7 @@ void visit_figures(const DistanceSummary& s, Visitor&& visit) {
     if (s.bias) visit("bias", *s.bias);
 }
 
-/// Calls visit(name, figure) for every figure, in order; those of forks begin with "fork_".
+/// Calls visit(name, figure) for every figure, in order; the names of figures at forks begin with "fork_".
 template <class Visitor>
 void visit_figures(const CloudDistanceReport& r, Visitor&& visit) {
     const auto visit_part = [&](const std::string& prefix, const CloudDistanceSummary& s) {

@@ -2,6 +2,7 @@
 #include <queue>
 #include <tuple>
 
+#include "coppice/base/id.h"
 #include "coppice/base/parallel.h"
 #include "coppice/measure/match/match_points_internal.h"
 #include "coppice/spatial/box_tree.h"
@@ -10,20 +11,22 @@ namespace coppice::measure_internal {
 namespace {
 
 constexpr std::size_t kMatchPointsGrain = 256;
-constexpr int kMostTries = 32;
+constexpr int kMaxTries = 32;
 
-std::vector<Box3> boxes_of(std::span<const Vec3d> points) {
+std::vector<Box3> compute_boxes(std::span<const Vec3d> points) {
     std::vector<Box3> boxes(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) extend_outward(boxes[i], points[i]);
     return boxes;
 }
 
-/// Points that can be taken away: boxes know how many are left in them, so that a search passes over what
-/// is gone.
+/// Points that can be removed: the boxes count the remaining points, so that a search skips empty boxes.
 class FreePoints {
   public:
     FreePoints(std::span<const Vec3d> points, const Context& ctx)
-        : points_(points), tree_(boxes_of(points), ctx), place_(points.size()), left_(tree_.level_count()) {
+        : points_(points),
+          tree_(compute_boxes(points), ctx),
+          place_(points.size()),
+          left_(tree_.level_count()) {
         for (std::uint32_t l = 0; l < tree_.level_count(); ++l) left_[l].resize(tree_.level(l).size());
         for (std::uint32_t place = 0; place < tree_.size(); ++place) {
             place_[tree_.item(place)] = place;
@@ -35,7 +38,7 @@ class FreePoints {
     void take(std::uint32_t point) { add(place_[point], -1); }
 
     struct Nearest {
-        std::uint32_t point = kNoMatch;
+        std::uint32_t point = kNoIndex;
         double distance_squared = 0;
     };
     Nearest nearest(Vec3d p, double reach) const {
@@ -49,7 +52,7 @@ class FreePoints {
             const double d2 = length_squared(points_[i] - p);
             if (!(d2 <= limit)) return;
             best = {i, d2};
-            limit = std::nextafter(d2, -1.0);  // equals do not better it, however many there are
+            limit = std::nextafter(d2, -1.0);  // equal distances are not better, however many there are
         });
         return best;
     }
@@ -89,10 +92,10 @@ std::vector<std::uint32_t> match_points(std::span<const Vec3d> a, std::span<cons
     ctx.throw_if_cancelled();
     std::priority_queue<Offer, std::vector<Offer>, std::greater<>> offers;
     const auto offer = [&](std::uint32_t i, const FreePoints::Nearest& nearest) {
-        if (nearest.point != kNoMatch) offers.push({nearest.distance_squared, i, nearest.point});
+        if (nearest.point != kNoIndex) offers.push({nearest.distance_squared, i, nearest.point});
     };
     for (std::uint32_t i = 0; i < a.size(); ++i) offer(i, first[i]);
-    std::vector<std::uint32_t> match(a.size(), kNoMatch);
+    std::vector<std::uint32_t> match(a.size(), kNoIndex);
     std::vector<int> tries(a.size());
     while (!offers.empty()) {
         ctx.throw_if_cancelled();
@@ -101,7 +104,7 @@ std::vector<std::uint32_t> match_points(std::span<const Vec3d> a, std::span<cons
         if (left.is_free(best.b)) {
             match[best.a] = best.b;
             left.take(best.b);
-        } else if (++tries[best.a] < kMostTries) {
+        } else if (++tries[best.a] < kMaxTries) {
             offer(best.a, left.nearest(a[best.a], reach[best.a]));
         }
     }

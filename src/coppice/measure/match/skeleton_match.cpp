@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "coppice/base/check_fields.h"
+#include "coppice/base/id.h"
 #include "coppice/base/parallel.h"
 #include "coppice/measure/capsule_tree.h"
 #include "coppice/measure/match/match_points_internal.h"
@@ -17,16 +18,16 @@ namespace coppice {
 namespace {
 
 constexpr std::size_t kSkeletonMatchGrain = 64;
-constexpr std::size_t kBlock = 1 << 13;  // [segments or samples] between two looks at the stop token
-// Samples of a skeleton: so many for each segment, and some more for skeletons of few segments.
+constexpr std::size_t kBlock = 1 << 13;  // [segments or samples] between two checks of the stop token
+// Number of samples of a skeleton: per segment, and additionally for skeletons of few segments.
 constexpr double kSamplesPerSegment = 64, kMoreSamples = 1 << 16;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double kFar = std::numeric_limits<double>::infinity();
 
-/// The parts of the work, for progress.
+/// Progress at the end of the stages.
 constexpr float kReferenceShare = 0.45f, kFoundShare = 0.9f;
 
-/// Runs body(i) for all i; looks at the stop token between blocks.
+/// Runs body(i) for all i; checks the stop token between blocks.
 template <class Body>
 void for_blocks(const Context& ctx, std::size_t count, const Body& body) {
     for (std::size_t begin = 0; begin < count; begin += kBlock) {
@@ -36,8 +37,8 @@ void for_blocks(const Context& ctx, std::size_t count, const Body& body) {
     }
 }
 
-/// The limit at which wanted numbers that are cut to it add up to `sum`; no limit where they do not exceed
-/// it.
+/// Returns the limit at which requested numbers, clamped to it, add up to `sum`; infinity if they do not
+/// exceed it.
 double largest_share(std::vector<double> wanted, double sum) {
     std::ranges::sort(wanted);
     for (std::size_t i = 0; i < wanted.size(); ++i) {
@@ -48,7 +49,7 @@ double largest_share(std::vector<double> wanted, double sum) {
     return kFar;
 }
 
-/// Points at even distances along every segment, none where a segment has no length.
+/// Points at even distances along every segment; a segment without length has 0 points.
 class Samples {
   public:
     Samples(const CapsuleTree& axes, double step) : first_(axes.size() + 1) {
@@ -66,7 +67,7 @@ class Samples {
     std::uint32_t size() const { return first_.back(); }
     std::uint32_t first(std::size_t segment) const { return first_[segment]; }
 
-    /// Calls visit(sample, parameter on the segment); ends early when a stop was asked for.
+    /// Calls visit(sample, parameter on the segment); ends early when a stop was requested.
     template <class Visit>
     void for_each(std::size_t segment, const Context& ctx, const Visit& visit) const {
         const std::uint32_t count = first_[segment + 1] - first_[segment];
@@ -76,7 +77,7 @@ class Samples {
         }
     }
 
-    /// Runs body(segment) for all segments; looks at the stop token and reports between blocks.
+    /// Runs body(segment) for all segments; checks the stop token and reports progress between blocks.
     template <class Body>
     void for_segments(const Context& ctx, float from, float to, const Body& body) const {
         const std::size_t count = first_.size() - 1;
@@ -90,7 +91,7 @@ class Samples {
             begin = end;
         }
     }
-    double share(std::size_t segment) const {  ///< of the segment's length, for each of its samples
+    double share(std::size_t segment) const {  ///< of the segment's length, per sample
         return 1.0 / (first_[segment + 1] - first_[segment]);
     }
 
@@ -98,13 +99,13 @@ class Samples {
     std::vector<std::uint32_t> first_;
 };
 
-/// The radius found beside a point of the reference; none when it is not covered.
-std::optional<double> radius_beside(const CapsuleTree& found, const RoundCone& reference, double t,
-                                    double within) {
+/// Returns the radius found near a point of the reference; nullopt if the point is not covered.
+std::optional<double> adjacent_radius(const CapsuleTree& found, const RoundCone& reference, double t,
+                                      double within) {
     const Vec3d p = reference.point(t), direction = normalized(reference.axis);
     const double r = reference.radius(t);
     double limit = within * r * within * r, least = kFar;
-    std::uint32_t best = CapsuleTree::kNone;
+    std::uint32_t best = kNoIndex;
     found.visit_near(p, limit, [&](std::uint32_t i, double d2) {
         const RoundCone& c = found.cone(i);
         const double along = dot(c.axis, direction), squared = length_squared(c.axis);
@@ -115,7 +116,7 @@ std::optional<double> radius_beside(const CapsuleTree& found, const RoundCone& r
         limit = std::min(limit, cost);
         best = i;
     });
-    if (best == CapsuleTree::kNone) return {};
+    if (best == kNoIndex) return {};
     const RoundCone& c = found.cone(best);
     return c.foot(p).radius;
 }
@@ -136,7 +137,7 @@ void judge_reference(const CapsuleTree& reference, const CapsuleTree& found, con
         const RoundCone& c = reference.cone(static_cast<std::uint32_t>(i));
         std::uint32_t hits = 0;
         samples.for_each(i, ctx, [&](std::uint32_t sample, double t) {
-            const auto radius = radius_beside(found, c, t, options.within);
+            const auto radius = adjacent_radius(found, c, t, options.within);
             if (!radius) return;
             ++hits;
             error[sample] = *radius / c.radius(t) - 1;
@@ -162,7 +163,7 @@ void judge_found(const CapsuleTree& reference, const CapsuleTree& found, const C
     std::vector<Part> parts(found.size());
     samples.for_segments(ctx, kReferenceShare, kFoundShare, [&](std::size_t i) {
         const RoundCone& c = found.cone(static_cast<std::uint32_t>(i));
-        std::uint32_t hint = CapsuleTree::kNone;
+        std::uint32_t hint = kNoIndex;
         samples.for_each(i, ctx, [&](std::uint32_t, double t) {
             const CapsuleTree::Nearest nearest = reference.nearest(c.point(t), hint);
             const double l = length(c.axis) * samples.share(i);
@@ -216,7 +217,7 @@ struct Points {
     }
 };
 
-/// What is matched node by node. Roots that are ends come last, behind the tips.
+/// The nodes that are matched. Roots that are ends follow the tips.
 struct Landmarks {
     Points ends, junctions;
     std::size_t tips = 0;
@@ -235,14 +236,14 @@ struct Landmarks {
     }
 };
 
-/// Pairs points of which the first `counted_a` and `counted_b` count; the others only take partners away.
+/// Pairs points; only the first `counted_a` and `counted_b` are counted, the others only occupy partners.
 NodeMatches match_nodes(const Points& a, std::size_t counted_a, double reach, const Points& b,
                         std::size_t counted_b, const Context& ctx) {
     const auto partner = measure_internal::match_points(a.position, a.reach(reach), b.position, ctx);
     NodeMatches m{.reference = counted_a};
-    std::uint64_t taken = 0;  // of the counted ones of b
+    std::uint64_t taken = 0;  // counted points of b that are matched
     for (std::size_t i = 0; i < partner.size(); ++i) {
-        if (partner[i] == measure_internal::kNoMatch) continue;
+        if (partner[i] == kNoIndex) continue;
         if (i < counted_a) ++m.matched;
         if (partner[i] < counted_b) ++taken;
     }
@@ -299,7 +300,7 @@ SkeletonMatch compare(const Skeleton& reference, const Skeleton& found, const Co
 }
 
 double unit_ratio(const SkeletonMatch& match, const Skeleton& reference, const Skeleton& found) {
-    constexpr double kHardly = 5, kAbout = 0.04;  // per cent, and a tenth in decimal logarithms
+    constexpr double kHardly = 5, kAbout = 0.04;  // [%], and tolerance in decimal logarithms
     if (std::min(match.covered_percent, match.true_percent) > kHardly) return 1;
     const double ratio = double{found.bounds().diagonal()} / reference.bounds().diagonal();
     const double power = std::round(std::log10(ratio));

@@ -10,43 +10,43 @@
 
 namespace coppice {
 
-/// How near is near. Every radius is the reference's at the place in question, so that a wrong radius of what
-/// is judged never makes it look better.
+/// Distances of compare(). All radii are the local radii of the reference, so that a wrong radius of the
+/// evaluated skeleton never improves its result.
 struct CompareOptions {
     float step = 0.25f;    ///< [radius] distance of the samples along an axis
-    float within = 1;      ///< [radius] from an axis: what lies nearer is covered
-    float tip_reach = 2;   ///< [radius] between tips that match
-    float fork_reach = 2;  ///< [radius] between junctions that match
+    float within = 1;      ///< [radius] maximum distance to an axis that covers a point
+    float tip_reach = 2;   ///< [radius] maximum distance between tips that match
+    float fork_reach = 2;  ///< [radius] maximum distance between junctions that match
 };
 
 template <class Self, class Visitor>
 requires SameOptions<Self, CompareOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"step", "distance of the samples along an axis", Unit::radius, 0.01, 100}, o.step);
-    visit(common_field("within", "Maximum distance from an axis at which it counts as covered", Unit::radius,
+    visit(Field{"step", "Distance of the samples along an axis.", Unit::radius, 0.01, 100}, o.step);
+    visit(common_field("within", "Maximum distance from an axis at which it counts as covered.", Unit::radius,
                        1e-3, 100),
           o.within);
-    visit(common_field("tip_reach", "Maximum distance between tips that match", Unit::radius, 1e-3, 100),
+    visit(common_field("tip_reach", "Maximum distance between tips that match.", Unit::radius, 1e-3, 100),
           o.tip_reach);
-    visit(Field{"fork_reach", "greatest distance of junctions that match", Unit::radius, 1e-3, 100},
+    visit(Field{"fork_reach", "Maximum distance between junctions that match.", Unit::radius, 1e-3, 100},
           o.fork_reach);
 }
 
 /// One quantity of both skeletons.
 struct Quantity {
     double reference = 0;  ///< of the reference
-    double found = 0;      ///< of what was found
-    /// 0 where the reference has none
+    double found = 0;      ///< of the evaluated skeleton
+    /// 0 if the value of the reference is 0
     double ratio() const { return reference > 0 ? found / reference : 0; }
     friend bool operator==(const Quantity&, const Quantity&) = default;  ///< member by member
 };
 
 /// Nodes of one kind, paired one to one, the nearest first.
 struct NodeMatches {
-    std::uint64_t reference = 0;  ///< nodes of the reference
-    std::uint64_t found = 0;      ///< nodes of what was found
-    std::uint64_t matched = 0;    ///< pairs
-    double percent() const {      ///< of the reference's; 100 where it has none
+    std::uint64_t reference = 0;  ///< number of nodes of the reference
+    std::uint64_t found = 0;      ///< number of nodes of the evaluated skeleton
+    std::uint64_t matched = 0;    ///< number of pairs
+    double percent() const {      ///< of the reference's nodes; 100 if it has no such nodes
         return reference > 0 ? 100.0 * static_cast<double>(matched) / static_cast<double>(reference) : 100;
     }
     /// nodes of the reference without a partner
@@ -55,40 +55,43 @@ struct NodeMatches {
     friend bool operator==(const NodeMatches&, const NodeMatches&) = default;  ///< member by member
 };
 
-/// A skeleton that was found, held against the reference. Shares are 0 where there is no length to share.
+/// Comparison of an evaluated skeleton with the reference. Shares are 0 if the total length is 0.
 struct SkeletonMatch {
-    Quantity length;               ///< [m]
-    Quantity volume;               ///< [m^3] of the segments; what overlaps counts twice
-    double covered_percent = 0;    ///< of the reference's length: an axis found lies within one radius
-    double true_percent = 0;       ///< of the length found: inside the reference, within one of its radii
-    double off_axis = 0;           ///< [radius] mean along what was found: least rho (see CapsuleTree)
-    Statistics reference_nodes_m;  ///< [m] from every node of the reference to the nearest axis found
+    Quantity length;  ///< [m]
+    Quantity volume;  ///< [m^3] of the segments; overlaps are counted twice
+    /// Of the reference's length: an axis of the evaluated skeleton is within one radius.
+    double covered_percent = 0;
+    double true_percent = 0;  ///< of the evaluated length: inside the reference, within one of its radii
+    double off_axis = 0;  ///< [radius] mean of the smallest rho (see CapsuleTree) along the evaluated axes
+    Statistics reference_nodes_m;  ///< [m] from every node of the reference to the nearest evaluated axis
     Statistics reference_nodes_r;  ///< [radius] the same in radii of the node
-    Statistics found_nodes_m;      ///< [m] from every node found to the nearest axis of the reference
-    Statistics found_nodes_r;      ///< the least rho of every node found
-    /// Ends other than roots. They match with any end, so that it does not matter which one the root is: what
-    /// was found counts where it matches, or is a tip that matches nothing.
+    Statistics found_nodes_m;      ///< [m] from every evaluated node to the nearest axis of the reference
+    Statistics found_nodes_r;      ///< the smallest rho of every evaluated node
+    /// Ends other than roots. They match any end, so that the choice of the root does not matter: an
+    /// evaluated end is counted if it is matched, or if it is an unmatched tip.
     NodeMatches tips;
-    double tips_reached = 0;  ///< per cent of the reference's tips that an axis found passes within tip_reach
-    NodeMatches junctions;    ///< nodes with three neighbours or more
-    /// |radius found / radius of the reference - 1| at the samples of the reference that are covered: against
-    /// the covering segment that is nearest, where turning by a right angle counts like one radius of way.
+    double tips_reached = 0;  ///< share [%] of the reference's tips within tip_reach of an evaluated axis
+    NodeMatches junctions;    ///< nodes with at least three neighbours
+    /// |evaluated radius / radius of the reference - 1| at the samples of the reference that are covered:
+    /// relative to the nearest covering segment, where a turn by a right angle counts as one radius of
+    /// distance.
     Statistics radius_error;
-    double radius_bias = 0;  ///< mean of the same with its sign
+    double radius_bias = 0;  ///< signed mean of the same
     friend bool operator==(const SkeletonMatch&, const SkeletonMatch&) = default;  ///< member by member
 };
 
-/// Holds `found` against `reference`. Both are brought into one frame; neither how densely nodes lie nor
-/// where the roots are matters to the shares and matches. Trees of a single node have no axis: they count as
-/// nodes and are otherwise not seen. A skeleton of n segments is sampled at 64 n + 65,536 places at most; the
-/// longest segments, in radii, more coarsely where it takes that. O(n log n) [n nodes and samples]; the same
-/// bits for any number of threads. Throws InvalidInput for an option out of its range, Cancelled.
+/// Compares `found` with `reference`. Both are transformed to one frame; shares and matches depend neither on
+/// the density of the nodes nor on the positions of the roots. Trees of a single node have no axis: they
+/// count as nodes and are otherwise ignored. A skeleton of n segments is sampled at 64 n + 65,536 points at
+/// most; if necessary, the longest segments, in radii, are sampled more coarsely. O(n log n) [n nodes and
+/// samples]. The result does not depend on the number of threads. Throws InvalidInput for an option out of
+/// range, Cancelled.
 SkeletonMatch compare(const Skeleton& reference, const Skeleton& found, const CompareOptions& options = {},
                       const Context& ctx = {});
 
-/// The power of ten, from 100 on or up to 1/100, by which `found` is larger than `reference` where both
-/// hardly match, as centimetres and metres differ; 1 where the units seem to agree. `match` is that of the
-/// two.
+/// Returns the power of ten, at least 100 or at most 1/100, by which `found` is larger than `reference` if
+/// both hardly match, as with centimetres and metres; 1 if the units seem to agree. `match` must be the
+/// comparison of the two.
 double unit_ratio(const SkeletonMatch& match, const Skeleton& reference, const Skeleton& found);
 
 /// Calls visit(name, number) for every figure, in order.
@@ -110,7 +113,7 @@ void visit_figures(const NodeMatches& m, Visitor&& visit) {
     visit("spurious", m.spurious());
 }
 
-/// Calls visit(name, figure) for every figure, in order; most are structs with figures of their own.
+/// Calls visit(name, figure) for every figure, in order; most are structs with their own figures.
 template <class Visitor>
 void visit_figures(const SkeletonMatch& m, Visitor&& visit) {
     visit("length_m", m.length);

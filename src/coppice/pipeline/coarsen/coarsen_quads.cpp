@@ -10,8 +10,8 @@
 #include "coppice/pipeline/coarsen/node_levels_internal.h"
 #include "coppice/pipeline/coarsen/selection_internal.h"
 #include "coppice/pipeline/end_shapes.h"
-#include "coppice/pipeline/knots/crossings_internal.h"
 #include "coppice/pipeline/quads/blunt_tips_internal.h"
+#include "coppice/pipeline/repair/crossings_internal.h"
 
 namespace coppice::pipeline_internal {
 namespace {
@@ -24,7 +24,7 @@ class Coarsening {
           options_(options),
           ctx_(ctx),
           grid_(surface, from),
-          slices_(grid_.slices()),
+          tube_rows_(grid_.tube_rows()),
           level_(node_levels(grid_, options.chord_error)) {}
 
     CoarsenReport run() {
@@ -41,26 +41,27 @@ class Coarsening {
 
     static bool any(const Flags& flags) { return std::ranges::find(flags, 1) != flags.end(); }
 
-    // The surface of the present levels, with more where its quads cross near nodes that are new.
+    // Returns the surface of the current levels, after raising levels where its quads cross near new nodes.
     QuadMesh without_crossings(Flags is_new, CoarsenReport& report) {
         for (;;) {
             const Selection chosen = select_quads(grid_, level_);
-            QuadMesh coarse = mesh_of(chosen);
+            QuadMesh coarse = make_mesh(chosen);
             is_new = raise_bad(coarse, chosen.cage_quad, is_new, report);
             if (!any(is_new)) return coarse;
         }
     }
 
-    int levels() const { return slices_.levels(); }
+    int levels() const { return tube_rows_.levels(); }
 
-    // What was made by remeshing follows what stayed.
+    // Remeshed quads follow the kept ones.
     std::span<const Quad> remeshed_quads() const {
         std::size_t made = 0;
-        for (const RemeshTrace::Piece& piece : from_.remeshed.pieces) made += piece.quads;
+        for (const RemeshTrace::RepairPatch& repair_patch : from_.remeshed.repair_patches)
+            made += repair_patch.quads;
         return std::span<const Quad>(surface_.mesh.quads).last(made);
     }
 
-    QuadMesh mesh_of(const Selection& chosen) const {
+    QuadMesh make_mesh(const Selection& chosen) const {
         const std::vector<Vec3> positions = moved_vertices(chosen);
         NumberSet used(positions.size());
         for (const Quad& q : chosen.quads) {
@@ -85,7 +86,7 @@ class Coarsening {
         return out;
     }
 
-    // All vertices of the mesh, where they belong in polygons of fewer sides.
+    // Returns all vertices of the mesh, at their positions in polygons of fewer sides.
     std::vector<Vec3> moved_vertices(const Selection& chosen) const {
         std::vector<Vec3> out(surface_.mesh.positions.begin(), surface_.mesh.positions.end());
         for (std::uint32_t v = 0; v < chosen.growth.size(); ++v) {
@@ -95,17 +96,17 @@ class Coarsening {
         }
         if (options_.control.tips == TipShape::round) {
             shape_blunt_tips(
-                surface_.cage, slices_.tubes(), [&](NodeId tip) { return level_[tip.index()] == 0; },
+                surface_.cage, tube_rows_.tubes(), [&](NodeId tip) { return level_[tip.index()] == 0; },
                 [&](std::uint32_t v) -> Vec3& { return out[grid_.number(v)]; });
         }
         return out;
     }
 
-    // Gives a level more to the nodes at which quads cross or are inverted, as far as these are near nodes
-    // that are new; returns which nodes got it.
+    // Raises the level of the nodes at which quads cross or are inverted, if these are near new nodes;
+    // returns the raised nodes.
     Flags raise_bad(const QuadMesh& mesh, std::span<const std::uint32_t> cage_quad, const Flags& is_new,
                     CoarsenReport& report) {
-        std::vector<std::uint32_t> faces;  // that are new
+        std::vector<std::uint32_t> faces;  // new faces
         for (std::uint32_t q = 0; q < cage_quad.size(); ++q) {
             for_each_node(cage_quad[q], [&](NodeId n) {
                 if (is_new[n.index()] != 0 && (faces.empty() || faces.back() != q)) faces.push_back(q);
@@ -119,7 +120,7 @@ class Coarsening {
         for (const std::uint32_t q : faces) {
             if (scaled_jacobian(mesh.quads[q], mesh.positions) <= 0) mark(q);
         }
-        for (const FacePair& p : crossings_of(mesh, faces)) {
+        for (const FacePair& p : find_crossings(mesh, faces)) {
             mark(p.first);
             mark(p.second);
         }
@@ -127,24 +128,24 @@ class Coarsening {
         return is_raised;
     }
 
-    // Gives a level more to the nodes between which an axis is severed or a tip is short; returns which.
+    // Raises the level of the nodes between which an axis is severed or a tip is short; returns them.
     Flags raise_faulty(const QuadMesh& mesh, CoarsenReport& report) {
-        if (options_.control.base == BaseShape::open) return {};  // what has a hole has no inside
+        if (options_.control.base == BaseShape::open) return {};  // a surface with a hole has no inside
         const Skeleton& skeleton = from_.map.skeleton;
         const EndShape tips = tip_end(options_.control);
         const ConeUnion solid(skeleton, mesh.origin, base_end(options_.control), tips, ctx_);
         Flags is_raised(level_.size(), 0);
         for (const NodeId n : judge_axes(mesh, skeleton, solid, tips, ctx_).faulty) {
             for (const NodeId tube : from_.map.wrapping[n.index()]) {
-                is_raised[slices_.node(tube, 0).index()] = 1;
-                is_raised[slices_.node(tube, 1).index()] = 1;
+                is_raised[tube_rows_.node(tube, 0).index()] = 1;
+                is_raised[tube_rows_.node(tube, 1).index()] = 1;
             }
         }
         raise(is_raised, report);
         return is_raised;
     }
 
-    // Gives some nodes a level more; those that have all levels are taken out of the flags.
+    // Raises the level of some nodes; those at the maximum are removed from the flags.
     void raise(Flags& nodes, CoarsenReport& report) {
         for (std::size_t n = 0; n < level_.size(); ++n) {
             nodes[n] = nodes[n] != 0 && level_[n] < levels() ? 1 : 0;
@@ -153,13 +154,13 @@ class Coarsening {
         }
     }
 
-    // The pairs of faces that cross, of which one is among some, or both are near these.
-    std::vector<FacePair> crossings_of(const QuadMesh& mesh, std::span<const std::uint32_t> faces) const {
+    // Returns the pairs of faces that cross, of which one is among the given faces, or both are near them.
+    std::vector<FacePair> find_crossings(const QuadMesh& mesh, std::span<const std::uint32_t> faces) const {
         const FaceView all(mesh);
         std::vector<Box3> boxes;
         for (const std::uint32_t q : faces) boxes.push_back(all.box(q));
         if (boxes.empty()) return {};
-        return crossings_among(all, faces_near(all, boxes, ctx_), kMostPairs, ctx_).pairs;
+        return crossings_among(all, faces_near(all, boxes, ctx_), kMaxPairs, ctx_).pairs;
     }
 
     template <class Visit>
@@ -170,8 +171,8 @@ class Coarsening {
             visit(region);
             return;
         }
-        if (!slices_.tubes().is_root(region)) visit(slices_.tubes().parent(region));
-        visit(slices_.end_node(region));
+        if (!tube_rows_.tubes().is_root(region)) visit(tube_rows_.tubes().parent(region));
+        visit(tube_rows_.end_node(region));
     }
 
     QuadSurface& surface_;
@@ -179,7 +180,7 @@ class Coarsening {
     const MeshOptions& options_;
     const Context& ctx_;
     RefinedGrid grid_;
-    const Slices& slices_;
+    const TubeRows& tube_rows_;
     std::vector<std::uint8_t> level_;  // per node
 };
 

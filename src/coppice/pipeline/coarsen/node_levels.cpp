@@ -11,12 +11,12 @@ namespace {
 class NodeLevels {
   public:
     NodeLevels(const RefinedGrid& grid, float chord_error)
-        : grid_(grid), slices_(grid.slices()), out_(node_levels_by_radius(slices_, chord_error)) {}
+        : grid_(grid), tube_rows_(grid.tube_rows()), out_(node_levels_by_radius(tube_rows_, chord_error)) {}
 
     std::vector<std::uint8_t> run() {
         keep_remeshed();
-        const ControlMesh& control = slices_.cage();
-        for (const NodeId tube : nodes(slices_.tubes())) {
+        const ControlMesh& control = tube_rows_.cage();
+        for (const NodeId tube : nodes(tube_rows_.tubes())) {
             const CageRun& side = grid_.faces(tube).side;
             if (side.count > 0 && grid_.is_whole(tube)) set_by_shape(tube, side);
         }
@@ -27,39 +27,39 @@ class NodeLevels {
     }
 
   private:
-    int levels() const { return slices_.levels(); }
+    int levels() const { return tube_rows_.levels(); }
 
     void raise(NodeId n, int level) {
         out_[n.index()] = std::max(out_[n.index()], static_cast<std::uint8_t>(level));
     }
 
     void keep_remeshed() {
-        for (const NodeId tube : nodes(slices_.tubes())) {
+        for (const NodeId tube : nodes(tube_rows_.tubes())) {
             if (grid_.is_whole(tube)) continue;
-            raise(slices_.end_node(tube), levels());
-            if (!slices_.tubes().is_root(tube)) raise(slices_.tubes().parent(tube), levels());
+            raise(tube_rows_.end_node(tube), levels());
+            if (!tube_rows_.tubes().is_root(tube)) raise(tube_rows_.tubes().parent(tube), levels());
         }
     }
 
-    // By the sections of a tube, each end by those of the nearer half.
+    // Sets levels from the sections of a tube, each end from those of the closer half.
     void set_by_shape(NodeId tube, const CageRun& side) {
-        const Segment s = slices_.tubes().segment(tube);
+        const Segment s = tube_rows_.tubes().segment(tube);
         const std::uint32_t n = grid_.size();
         for (std::uint32_t row = 0; row <= n; ++row) {
             const auto at = [&](std::uint32_t c) { return grid_.position(grid_.vertex(side, c, row)); };
             const auto t = static_cast<float>(row) / static_cast<float>(n);
             const float radius = s.radius_a + t * (s.radius_b - s.radius_a);
             const int level = level_for(grid_.columns(side), at, radius);
-            if (2 * row <= n) raise(slices_.node(tube, 0), level);
-            if (2 * row >= n) raise(slices_.node(tube, 1), level);
+            if (2 * row <= n) raise(tube_rows_.node(tube, 0), level);
+            if (2 * row >= n) raise(tube_rows_.node(tube, 1), level);
         }
     }
 
-    // By the lines of a cage quad at a branch node, along and across.
+    // Sets levels from the lines of a cage quad at a branch node, along and across.
     void set_by_shape(NodeId node, std::uint32_t f) {
         if (!grid_.has_patch(f)) return;
         const std::uint32_t n = grid_.size();
-        const float radius = slices_.tubes().radius(node);
+        const float radius = tube_rows_.tubes().radius(node);
         for (std::uint32_t line = 0; line <= n; ++line) {
             const auto along = [&](std::uint32_t i) { return grid_.position(grid_.vertex(f, i, line)); };
             const auto across = [&](std::uint32_t i) { return grid_.position(grid_.vertex(f, line, i)); };
@@ -67,15 +67,15 @@ class NodeLevels {
         }
     }
 
-    // The least level at which refined vertices 0 .. count of a line are near the chords between those that
-    // stay.
+    // Returns the minimum level at which refined vertices 0 .. count of a line are near the chords between
+    // the kept ones.
     template <class At>
     int level_for(std::uint32_t count, const At& at, float radius) const {
-        constexpr double kMaxDeviation = 3;  // of that of a circle
+        constexpr double kMaxDeviation = 3;  // multiple of the deviation of a circle
         int level = 0;
         for (; level < levels(); ++level) {
             const std::uint32_t step = grid_.size() >> level;
-            const double sides = std::ldexp(slices_.sides(), level);
+            const double sides = std::ldexp(tube_rows_.sides(), level);
             const auto limit = static_cast<float>(kMaxDeviation * sagitta(sides) * double{radius});
             if (are_near(count, step, at, limit)) break;
         }
@@ -96,7 +96,7 @@ class NodeLevels {
     }
 
     const RefinedGrid& grid_;
-    const Slices& slices_;
+    const TubeRows& tube_rows_;
     std::vector<std::uint8_t> out_;
 };
 
@@ -122,13 +122,14 @@ float chord_error_at(float radius, std::uint32_t sides, int level) {
     return static_cast<float>(double{radius} * half_angle * half_angle / 2);
 }
 
-std::vector<std::uint8_t> node_levels_by_radius(const Slices& slices, float chord_error) {
-    const Skeleton& tubes = slices.tubes();
+std::vector<std::uint8_t> node_levels_by_radius(const TubeRows& tube_rows, float chord_error) {
+    const Skeleton& tubes = tube_rows.tubes();
     if (chord_error == 0)
-        chord_error = chord_error_at(thickest_radius(tubes), slices.sides(), slices.levels());
+        chord_error = chord_error_at(thickest_radius(tubes), tube_rows.sides(), tube_rows.levels());
     std::vector<std::uint8_t> out(tubes.size(), 0);
     const auto raise = [&](NodeId n, float radius) {
-        const int level = std::min(level_for_chord(radius, slices.sides(), chord_error), slices.levels());
+        const int level =
+            std::min(level_for_chord(radius, tube_rows.sides(), chord_error), tube_rows.levels());
         out[n.index()] = std::max(out[n.index()], static_cast<std::uint8_t>(level));
     };
     for (const NodeId n : nodes(tubes)) {
@@ -138,7 +139,7 @@ std::vector<std::uint8_t> node_levels_by_radius(const Slices& slices, float chor
         }
         const Segment s = tubes.segment(n);
         raise(tubes.parent(n), s.radius_a);
-        raise(slices.end_node(n), s.radius_b);
+        raise(tube_rows.end_node(n), s.radius_b);
     }
     return out;
 }

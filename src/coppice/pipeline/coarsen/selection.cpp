@@ -13,15 +13,15 @@ namespace {
 
 constexpr std::uint32_t kTransitionQuads = 6;  // for every four sides of the finer ring
 
-// The end or branch node to which a cage quad belongs that is no side.
-NodeId node_of(const Slices& slices, std::uint32_t f) {
-    const ControlMesh& control = slices.cage();
+// Returns the end or branch node of a cage quad that is not a side.
+NodeId node_of(const TubeRows& tube_rows, std::uint32_t f) {
+    const ControlMesh& control = tube_rows.cage();
     const NodeId region(control.region[f]);
-    if (control.part[f] == TubePart::start) return slices.tubes().parent(region);
-    return control.part[f] == TubePart::end ? slices.end_node(region) : region;
+    if (control.part[f] == TubePart::start) return tube_rows.tubes().parent(region);
+    return control.part[f] == TubePart::end ? tube_rows.end_node(region) : region;
 }
 
-// Quads of a tube between rings.
+// Returns the number of quads of a tube between rings.
 std::uint64_t count_quads(std::uint32_t sides, std::span<const TubeRing> rings) {
     std::uint64_t out = 0;
     for (std::size_t i = 1; i < rings.size(); ++i) {
@@ -35,7 +35,7 @@ std::uint64_t count_quads(std::uint32_t sides, std::span<const TubeRing> rings) 
 class Selector {
   public:
     Selector(const RefinedGrid& grid, std::span<const std::uint8_t> node_level)
-        : grid_(grid), slices_(grid.slices()), control_(slices_.cage()), level_(node_level) {}
+        : grid_(grid), tube_rows_(grid.tube_rows()), control_(tube_rows_.cage()), level_(node_level) {}
 
     Selection run() {
         out_.growth.assign(grid_.vertex_count(), 0.0f);
@@ -57,19 +57,20 @@ class Selector {
         out_.cage_quad.push_back(cage_quad);
     }
 
-    double polygon_radius(int level) const { return corner_radius(std::ldexp(slices_.sides(), level)); }
+    double polygon_radius(int level) const { return corner_radius(std::ldexp(tube_rows_.sides(), level)); }
 
-    // What a vertex has to move outward for polygons of this level to keep the area of those that there were.
+    // Returns the relative outward displacement of a vertex for polygons of this level to keep the area of
+    // the previous ones.
     float growth(int level) const {
-        return static_cast<float>(polygon_radius(level) / polygon_radius(slices_.levels()) - 1);
+        return static_cast<float>(polygon_radius(level) / polygon_radius(tube_rows_.levels()) - 1);
     }
 
-    // Chords across crotches make up for about half of what polygons lack at branch nodes.
+    // Chords across crotches compensate for about half of the missing area of polygons at branch nodes.
     float growth_at_fork(NodeId n) const { return 0.5f * growth(level(n)); }
 
     void add_patch(std::uint32_t f) {
         if (!grid_.has_patch(f)) return;
-        const NodeId node = node_of(slices_, f);
+        const NodeId node = node_of(tube_rows_, f);
         const int l = level(node);
         const std::uint32_t n = grid_.size(), step = n >> l;
         const auto at = [&](std::uint32_t i, std::uint32_t j) { return grid_.vertex(f, i, j); };
@@ -77,7 +78,7 @@ class Selector {
             for (std::uint32_t i = 0; i < n; i += step)
                 add_quad({at(i, j), at(i + step, j), at(i + step, j + step), at(i, j + step)}, f);
         }
-        if (control_.part[f] != TubePart::fork) return;  // what closes a tube stays where it is, but its rim
+        if (control_.part[f] != TubePart::fork) return;  // caps do not move, except for their rim
         for (std::uint32_t j = 0; j <= n; j += step) {
             for (std::uint32_t i = 0; i <= n; i += step) out_.growth[at(i, j)] = growth_at_fork(node);
         }
@@ -91,8 +92,8 @@ class Selector {
         const std::vector<TubeRing> rings = rings_of(side, tube);
         for (std::size_t i = 0; i < rings.size(); ++i) {
             const bool is_end = i == 0 || i + 1 == rings.size();
-            const NodeId node = slices_.node(tube, i == 0 ? 0 : 1);
-            const bool is_at_fork = is_end && slices_.is_fork(node);
+            const NodeId node = tube_rows_.node(tube, i == 0 ? 0 : 1);
+            const bool is_at_fork = is_end && tube_rows_.is_fork(node);
             set_growth(side, rings[i], is_at_fork ? growth_at_fork(node) : growth(rings[i].level));
         }
         for (std::size_t i = 1; i < rings.size(); ++i) {
@@ -113,16 +114,16 @@ class Selector {
 
     void add_what_stays(const CageRun& side, NodeId tube) {
         for (std::uint32_t row = 0; row < grid_.size(); ++row) {
-            if (grid_.stays(slices_.first(tube) + row)) add_row(side, row, {row + 1, slices_.levels()});
+            if (grid_.stays(tube_rows_.first(tube) + row)) add_row(side, row, {row + 1, tube_rows_.levels()});
         }
     }
 
-    // As few as stay near the refined rings.
+    // Returns the minimum number of rings that stay near the refined ones.
     std::vector<TubeRing> rings_of(const CageRun& side, NodeId tube) const {
-        const int begin = level(slices_.node(tube, 0)), end = level(slices_.node(tube, 1));
-        const int most = max_rows(begin, end, slices_.levels());
+        const int begin = level(tube_rows_.node(tube, 0)), end = level(tube_rows_.node(tube, 1));
+        const int most = max_rows(begin, end, tube_rows_.levels());
         for (int rows = std::min(begin, end);; ++rows) {
-            std::vector<TubeRing> rings = rings_between(begin, end, rows, slices_.levels());
+            std::vector<TubeRing> rings = rings_between(begin, end, rows, tube_rows_.levels());
             if (rows == most || are_near(side, rings)) return rings;
         }
     }
@@ -134,11 +135,11 @@ class Selector {
         return true;
     }
 
-    // Whether refined vertices between two rings are as near to the lines between these as the middle of a
-    // side of the ring is to its circle.
+    // Returns whether refined vertices between two rings are as close to the lines between these as the
+    // middle of a side of the ring is to its circle.
     bool is_near(const CageRun& side, const TubeRing& a, const TubeRing& b) const {
         const int l = std::min(a.level, b.level);
-        const double limit = sagitta(std::ldexp(slices_.sides(), l));
+        const double limit = sagitta(std::ldexp(tube_rows_.sides(), l));
         for (std::uint32_t c = 0; c < grid_.columns(side); c += grid_.size() >> l) {
             const auto at = [&](std::uint32_t row) { return grid_.position(grid_.vertex(side, c, row)); };
             const Vec3 from = at(a.row), axis = at(b.row) - from;
@@ -151,7 +152,7 @@ class Selector {
         return true;
     }
 
-    // Quads between two rings of one level.
+    // Adds the quads between two rings of one level.
     void add_row(const CageRun& side, std::uint32_t row, const TubeRing& next) {
         const std::uint32_t step = grid_.size() >> next.level;
         for (std::uint32_t c = 0; c < grid_.columns(side); c += step) {
@@ -161,7 +162,7 @@ class Selector {
         }
     }
 
-    // Quads between a ring and one of half as many sides: six for every four sides of the finer one.
+    // Adds the quads between a ring and one of half as many sides: six for every four sides of the finer one.
     void add_transition(const CageRun& side, const TubeRing& fine, const TubeRing& coarse, bool is_reversed) {
         const std::uint32_t step = grid_.size() >> fine.level, middle = (fine.row + coarse.row) / 2;
         const float between = (growth(fine.level) + growth(coarse.level)) / 2;
@@ -184,7 +185,7 @@ class Selector {
     }
 
     const RefinedGrid& grid_;
-    const Slices& slices_;
+    const TubeRows& tube_rows_;
     const ControlMesh& control_;
     std::span<const std::uint8_t> level_;
     Selection out_;
@@ -198,18 +199,19 @@ Selection select_quads(const RefinedGrid& grid, std::span<const std::uint8_t> no
 
 std::uint64_t faces_by_radius(const ControlMesh& control, const Skeleton& tubes, int levels,
                               float chord_error) {
-    const Slices slices(control, tubes, levels);
-    const std::vector<std::uint8_t> level = node_levels_by_radius(slices, chord_error);
+    const TubeRows tube_rows(control, tubes, levels);
+    const std::vector<std::uint8_t> level = node_levels_by_radius(tube_rows, chord_error);
     std::uint64_t out = 0;
     for (std::uint32_t f = 0; f < control.part.size(); ++f) {
         if (control.part[f] != TubePart::side)
-            out += std::uint64_t{1} << (2 * level[node_of(slices, f).index()]);
+            out += std::uint64_t{1} << (2 * level[node_of(tube_rows, f).index()]);
     }
-    const std::vector<TubeFaces> faces = faces_of_tubes(slices);
+    const std::vector<TubeFaces> faces = faces_of_tubes(tube_rows);
     for (const NodeId tube : nodes(tubes)) {
         const std::uint32_t sides = faces[tube.index()].side.count;
         if (sides == 0) continue;
-        const int begin = level[slices.node(tube, 0).index()], end = level[slices.node(tube, 1).index()];
+        const int begin = level[tube_rows.node(tube, 0).index()],
+                  end = level[tube_rows.node(tube, 1).index()];
         out += count_quads(sides, rings_between(begin, end, std::min(begin, end), levels));
     }
     return out;

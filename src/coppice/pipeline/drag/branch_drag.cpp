@@ -10,7 +10,7 @@
 namespace coppice {
 namespace {
 
-// By node, the segments that hang on it and its own.
+// Returns by node the number of segments that it carries, including its own.
 std::vector<std::uint32_t> branch_sizes(const Skeleton& s) {
     std::vector<std::uint32_t> size(s.size(), 1);
     for (std::uint32_t i = s.size(); i-- > 0;) {
@@ -21,7 +21,8 @@ std::vector<std::uint32_t> branch_sizes(const Skeleton& s) {
 
 bool is_lateral(const Skeleton& s, NodeId n) { return !s.is_root(n) && s.leader(s.parent(n)) != n; }
 
-// The way is added to the place, so that no turn moves nothing, to the bit.
+// Rotates a point. The displacement is added to the position, so that a zero rotation returns the identical
+// bits.
 Vec3 turned_about(Vec3d foot, const Rotation& turn, Vec3 p) {
     const Vec3d arm = Vec3d(p) - foot;
     return Vec3(Vec3d(p) + (turn(arm) - arm));

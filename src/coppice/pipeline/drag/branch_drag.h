@@ -11,48 +11,48 @@
 
 namespace coppice {
 
-/// The first node of the branch that has about so many segments: of all laterals, or where there are none of
-/// all nodes but roots, that whose number is the nearest by ratio; of equals the first. None for a skeleton
-/// without segments. O(n).
+/// Returns the first node of the branch that has approximately this number of segments: of all laterals, or
+/// if there are none of all nodes except roots, the one with the closest number by ratio; of equals the
+/// first. None for a skeleton without segments. O(n).
 NodeId branch_of_about(const Skeleton& skeleton, std::uint32_t segments);
 
-/// Where everything is that a surface is made of, while a branch is dragged.
+/// The positions of all inputs of a surface while a branch is dragged.
 struct DragPose {
-    double angle = 0;              ///< [rad] that the branch has turned from rest
+    double angle = 0;              ///< [rad] rotation of the branch from rest
     std::vector<Vec3> nodes;       ///< [m] of QuadModel::skeleton
     std::vector<Vec3> tube_nodes;  ///< [m] of QuadModel::tubes
     Buffer<Vec3> cage;             ///< [m] positions of the cage's vertices
-    Buffer<Vec3> anchors;          ///< [m] theirs
-    std::vector<ClipPlane> clips;  ///< those of the cage
+    Buffer<Vec3> anchors;          ///< [m] their anchors
+    std::vector<ClipPlane> clips;  ///< flat ends of the cage
 };
 
-/// A branch that turns about its foot, the node that it leaves from, with all that hangs on it.
+/// A branch that rotates around its base, the node at which it begins, with everything that it carries.
 ///
-/// Segments turn exactly. The cage keeps its quads: a vertex whose quads are all of tubes that turn, turns
-/// with them, and so does its anchor; one at the fork, which some of its quads share with tubes that stay,
-/// turns by that part of the angle that these are of all its quads. So nothing shrinks, and a fork is as
-/// smooth as the cage about it. Radii stay.
+/// Segments rotate rigidly. The cage keeps its quads: a vertex with only quads of rotating tubes rotates with
+/// them, and so does its anchor; a vertex at the fork, which also has quads of tubes that do not rotate,
+/// rotates by the share of the angle that equals the share of rotating quads. So no part shrinks, and a fork
+/// is as smooth as the cage around it. Radii do not change.
 class BranchDrag {
   public:
-    /// `top` is a node of the model's skeleton, no root; the axis has any length but 0. The model must
-    /// outlive this. O(n).
+    /// `top` is a node of the model's skeleton, not a root; the axis has any length except 0. The model must
+    /// outlive this object. O(n).
     BranchDrag(const QuadModel& model, NodeId top, Vec3d axis);
 
     NodeId top() const { return top_; }                                         ///< first node of the branch
-    Vec3d foot() const { return foot_; }                                        ///< [m] what it turns about
+    Vec3d foot() const { return foot_; }                                        ///< [m] centre of rotation
     Vec3d axis() const { return axis_; }                                        ///< unit
-    std::span<const std::uint32_t> nodes() const { return nodes_; }             ///< that turn, ascending
-    std::span<const std::uint32_t> tube_nodes() const { return tube_nodes_; }   ///< likewise, of the tubes
-    std::span<const std::uint32_t> cage_vertices() const { return vertices_; }  ///< likewise, of the cage
+    std::span<const std::uint32_t> nodes() const { return nodes_; }             ///< rotating nodes, ascending
+    std::span<const std::uint32_t> tube_nodes() const { return tube_nodes_; }   ///< the same, of the tubes
+    std::span<const std::uint32_t> cage_vertices() const { return vertices_; }  ///< the same, of the cage
     std::span<const float> shares() const {
         return shares_;
-    }  ///< of the angle, in (0, 1]; per cage vertex
-       ///< that turns
+    }  ///< share of the angle, in (0, 1]; per rotating cage vertex
 
-    /// Everything at rest: to the bit what the model has.
+    /// Returns the pose at rest, bit-identical to the model.
     DragPose rest() const;
-    /// Turns the branch by an angle [rad] from rest, counter-clockwise seen against the axis. Writes only
-    /// what turns, so that `pose` has to come from rest(); angle 0 gives the same bits as that. O(branch).
+    /// Rotates the branch by an angle [rad] from rest, counter-clockwise seen against the axis. Writes only
+    /// rotating elements, so that `pose` has to come from rest(); the result for angle 0 is bit-identical to
+    /// it. O(branch).
     void turn(double angle, DragPose& pose) const;
 
   private:

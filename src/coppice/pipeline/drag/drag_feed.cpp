@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "coppice/base/error.h"
+#include "coppice/base/id.h"
 
 namespace coppice {
 
@@ -11,7 +12,7 @@ DragFeed::DragFeed(const QuadModel& model, const BranchDrag& drag, const DragPar
     : model_(&model),
       drag_(&drag),
       part_(&part),
-      control_(control_of(model, part)),
+      control_(make_control(model, part)),
       field_(model.skeleton, model.field, ctx),
       segments_(model.skeleton, SegmentBuilder(model.field)),
       moved_nodes_(drag.nodes().size()),
@@ -26,17 +27,16 @@ void DragFeed::find_vertices() {
     const std::vector<std::uint32_t>& all = part_->cage_vertex;
     for (const std::uint32_t v : drag_->cage_vertices()) {
         const auto at = std::ranges::lower_bound(all, v);
-        COPPICE_ASSERT(at != all.end() && *at == v);  // what turns is of the part
+        COPPICE_ASSERT(at != all.end() && *at == v);  // rotating nodes are in the part
         vertices_.push_back(static_cast<std::uint32_t>(at - all.begin()));
     }
 }
 
-// Of all drawn quads, those that a fan has.
+// Finds the drawn quads that are in a fan.
 void DragFeed::find_quads() {
-    constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-    std::vector<std::uint32_t> place(part_->quads.size(), kNone);
+    std::vector<std::uint32_t> place(part_->quads.size(), kNoIndex);
     for (const std::uint32_t q : part_->fans.items) {
-        if (place[q] == kNone) {
+        if (place[q] == kNoIndex) {
             place[q] = static_cast<std::uint32_t>(quads_about_.size());
             quads_about_.push_back(part_->quads[q]);
         }

@@ -15,17 +15,18 @@
 
 namespace coppice {
 
-/// What a card is given of a branch that is dragged: once all that stays, and for each frame what moved.
+/// The data that a GPU needs of a dragged branch: once all constant data, and for each frame the moved
+/// elements.
 class DragFeed {
   public:
-    /// All three must outlive this. O(n).
+    /// The arguments must outlive this object. O(n).
     DragFeed(const QuadModel& model, const BranchDrag& drag, const DragPart& part, const Context& ctx = {});
     DragFeed(const DragFeed&) = delete;             ///< its job refers to it
     DragFeed& operator=(const DragFeed&) = delete;  ///< its job refers to it
 
-    /// As long as this lives. The field's contact has to be above 0.
+    /// Valid during the lifetime of this object. The field's contact has to be above 0.
     cuda::DragJob job() const;
-    /// What moved in a pose; until the next call. O(branch).
+    /// Returns the moved elements of a pose; valid until the next call. O(branch).
     cuda::DragMoves moves(const DragPose& pose);
 
   private:
@@ -39,11 +40,11 @@ class DragFeed {
     ConvolutionField field_;  // at rest
     SkeletonSegments segments_;
     Buffer<Vec3> drawn_;
-    std::vector<std::uint32_t> vertices_;  // that turn: of the part's cage
+    std::vector<std::uint32_t> vertices_;  // rotating vertices of the part's cage
     Buffer<std::uint32_t> fan_quads_;      // the part's fans, by the quads below
     std::vector<Quad> quads_about_;
 
-    // In a frame.
+    // Data of a frame.
     std::vector<cuda::MovedNode> moved_nodes_;
     std::vector<Vec3> moved_tubes_;
     std::vector<cuda::MovedVertex> moved_vertices_;

@@ -7,6 +7,7 @@
 
 #include "coppice/base/box.h"
 #include "coppice/base/error.h"
+#include "coppice/base/id.h"
 #include "coppice/base/rotation.h"
 #include "coppice/field/convolution_field.h"
 #include "coppice/pipeline/field_regions_internal.h"
@@ -15,20 +16,19 @@
 namespace coppice {
 namespace {
 
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-constexpr double kStep = 0.05;       // [rad] of the way of a branch that one box holds
-constexpr float kRivalReach = 1.2f;  // [radii] at which branches press on each other, at the most,
-constexpr float kEmptyReach = 1.6f;  // and at which a tube without a segment connects others
+constexpr double kStep = 0.05;            // [rad] angle of rotation covered by one box
+constexpr float kCompetitorReach = 1.2f;  // [radii] maximum distance at which branches press on each other,
+constexpr float kEmptyReach = 1.6f;       // and at which a tube without a segment connects others
 
-// Where a segment has influence: a capsule.
+// The range of influence of a segment: a capsule.
 struct Capsule {
     Vec3 a, b;
     float radius;
 };
 
-std::vector<Capsule> capsules_of(const QuadModel& model, const Context& ctx) {
+std::vector<Capsule> compute_capsules(const QuadModel& model, const Context& ctx) {
     const ConvolutionField field(model.skeleton, model.field, ctx);
-    const float reach = std::max(kRivalReach, SegmentBuilder(model.field).reach());
+    const float reach = std::max(kCompetitorReach, SegmentBuilder(model.field).reach());
     std::vector<Capsule> out;
     for (const auto& s : field.segments()) {
         const Vec3 start{s.ax, s.ay, s.az}, u{s.ux, s.uy, s.uz};
@@ -39,12 +39,11 @@ std::vector<Capsule> capsules_of(const QuadModel& model, const Context& ctx) {
     return out;
 }
 
-// Boxes about all places that the branch's influence reaches, on its way from one greatest angle to the
-// other.
+// Boxes around all positions within the branch's influence, on its way from one maximum angle to the other.
 class SweptBoxes {
   public:
     SweptBoxes(const QuadModel& model, const BranchDrag& drag, double greatest, const Context& ctx)
-        : drag_(drag), capsules_(capsules_of(model, ctx)), turns_(model.skeleton.size()) {
+        : drag_(drag), capsules_(compute_capsules(model, ctx)), turns_(model.skeleton.size()) {
         for (const std::uint32_t n : drag.nodes()) turns_[n] = 1;
         const int steps = std::max(1, static_cast<int>(std::ceil(2 * greatest / kStep)));
         half_ = greatest / steps;
@@ -54,7 +53,7 @@ class SweptBoxes {
         for (const std::uint32_t t : drag.tube_nodes()) {
             if (contents[t].empty()) add_empty_tube(model.tubes, NodeId(t));
         }
-        // A segment that no tube wraps is felt by itself.
+        // A segment without a tube has its own box.
         for (const std::uint32_t n : drag.nodes()) {
             if (!model.tube[n]) add_tube({&n, 1});
         }
@@ -77,7 +76,7 @@ class SweptBoxes {
         for (const double middle : middles_) {
             Box3 box;
             for (const std::uint32_t n : segments) box.extend(box_at(n, middle));
-            // A tube of several segments is looked for in the ball about them.
+            // The search range of a tube of several segments is the ball around them.
             if (segments.size() > 1) {
                 const Vec3 center = box.center();
                 box = capsule_box(center, center, 0.5f * box.diagonal());
@@ -86,8 +85,8 @@ class SweptBoxes {
         }
     }
 
-    // A tube that wraps no segment is looked for in the ball about its own line, of which either end may
-    // stay.
+    // The search range of a tube without segments is the ball around its own line, of which either end may be
+    // at rest.
     void add_empty_tube(const Skeleton& tubes, NodeId t) {
         const Vec3 end = tubes.position(t), start = tubes.is_root(t) ? end : tubes.position(tubes.parent(t));
         const Capsule line{start, end, kEmptyReach * tubes.radius(t)};
@@ -107,7 +106,7 @@ class SweptBoxes {
     Box3 turned(const Capsule& c, double angle) const {
         const Rotation turn = rotation_about(drag_.axis(), angle);
         const Vec3d a = Vec3d(c.a) - drag_.foot(), b = Vec3d(c.b) - drag_.foot();
-        const double way = half_ * std::max(length(a), length(b));  // to either end of the step, at most
+        const double way = half_ * std::max(length(a), length(b));  // maximum to either end of the step
         return capsule_box(Vec3(drag_.foot() + turn(a)), Vec3(drag_.foot() + turn(b)),
                            1.001f * (c.radius + static_cast<float>(way)));
     }
@@ -122,7 +121,7 @@ class SweptBoxes {
 
 using Flags = std::vector<std::uint8_t>;
 
-// Per region, whether a vertex of one of its quads is flagged.
+// Returns per region whether a vertex of one of its quads is flagged.
 Flags regions_of_vertices(const ControlMesh& control, const Flags& vertices) {
     Flags out(control.region_node.size());
     for (std::size_t f = 0; f < control.region.size(); ++f) {
@@ -131,7 +130,7 @@ Flags regions_of_vertices(const ControlMesh& control, const Flags& vertices) {
     return out;
 }
 
-// Per vertex, whether it has a quad of a region that is flagged.
+// Returns per vertex whether it has a quad of a flagged region.
 Flags vertices_of_regions(const ControlMesh& control, const Flags& regions) {
     Flags out(control.cage.positions.size());
     for (std::size_t f = 0; f < control.region.size(); ++f) {
@@ -141,8 +140,8 @@ Flags vertices_of_regions(const ControlMesh& control, const Flags& regions) {
     return out;
 }
 
-// The regions of all quads whose refined vertices follow a vertex that turns: those about it, and their
-// neighbours.
+// Returns the regions of all quads with refined vertices that depend on a rotating vertex: its adjacent
+// quads, and their neighbours.
 Flags turning_regions(const ControlMesh& control, std::span<const std::uint32_t> turning) {
     Flags turns(control.cage.positions.size());
     for (const std::uint32_t v : turning) turns[v] = 1;
@@ -168,7 +167,7 @@ Flags changed_regions(const QuadModel& model, const BranchDrag& drag, double gre
     return out;
 }
 
-// The cage of a part, with quads of all regions that are flagged.
+// The cage of a part, with quads of all flagged regions.
 struct PartCage {
     std::vector<std::uint32_t> vertex, quad, region, clip, clip_quad;
     Buffer<Quad> quads;
@@ -177,7 +176,7 @@ struct PartCage {
 PartCage part_cage(const ControlMesh& control, const Flags& regions) {
     PartCage out;
     const Flags has = vertices_of_regions(control, regions);
-    std::vector<std::uint32_t> own(has.size(), kNone);
+    std::vector<std::uint32_t> own(has.size(), kNoIndex);
     for (std::uint32_t v = 0; v < has.size(); ++v) {
         if (has[v] == 0) continue;
         own[v] = static_cast<std::uint32_t>(out.vertex.size());
@@ -185,7 +184,7 @@ PartCage part_cage(const ControlMesh& control, const Flags& regions) {
     }
     std::size_t next_clip = 0;
     for (std::uint32_t f = 0; f < control.region.size(); ++f) {
-        // A flat end is of one region: it is there as a whole or not at all.
+        // A flat end belongs to one region: it is included as a whole or not at all.
         const bool clips = next_clip < control.clip.size() && control.clip[next_clip].first_quad == f;
         const auto clip = static_cast<std::uint32_t>(clips ? next_clip++ : 0);
         if (regions[control.region[f]] == 0) continue;
@@ -211,11 +210,12 @@ void visit_refined(const DragPart& part, const Visit& visit) {
     }
 }
 
-// Numbers the drawn vertices: what is written, what is shaded anew, all others.
+// Numbers the drawn vertices: first those that are written, then those that are only shaded again, then all
+// others.
 void number_vertices(const QuadModel& model, const Flags& changed, DragPart& part, const Context& ctx) {
     const Buffer<Quad> own = part.patches.quads(ctx);
     const auto& all = model.rest.quads;
-    std::vector<std::uint32_t> from(model.rest.positions.size(), kNone), drawn(from.size(), kNone);
+    std::vector<std::uint32_t> from(model.rest.positions.size(), kNoIndex), drawn(from.size(), kNoIndex);
     const std::uint32_t each = 1u << (2 * part.patches.levels());
     visit_refined(part, [&](std::uint32_t q, std::uint32_t of_model) {
         if (changed[part.region[q / each]] == 0) return;
@@ -226,19 +226,19 @@ void number_vertices(const QuadModel& model, const Flags& changed, DragPart& par
         part.vertex.push_back(v);
     };
     for (std::uint32_t v = 0; v < from.size(); ++v) {
-        if (from[v] != kNone) take(v);
+        if (from[v] != kNoIndex) take(v);
     }
     part.written = static_cast<std::uint32_t>(part.vertex.size());
     for (const std::uint32_t v : part.vertex) part.from.push_back(from[v]);
     for (const Quad& q : all) {
-        if (std::ranges::none_of(q, [&](std::uint32_t v) { return from[v] != kNone; })) continue;
+        if (std::ranges::none_of(q, [&](std::uint32_t v) { return from[v] != kNoIndex; })) continue;
         for (const std::uint32_t v : q) {
-            if (drawn[v] == kNone) take(v);
+            if (drawn[v] == kNoIndex) take(v);
         }
     }
     part.shaded = static_cast<std::uint32_t>(part.vertex.size());
     for (std::uint32_t v = 0; v < drawn.size(); ++v) {
-        if (drawn[v] == kNone) take(v);
+        if (drawn[v] == kNoIndex) take(v);
     }
     part.quads.resize(all.size());
     for (std::size_t f = 0; f < all.size(); ++f) {
@@ -270,7 +270,7 @@ DragPart part_of_regions(const QuadModel& model, const Flags& changed, const Con
 
 }  // namespace
 
-ControlMesh control_of(const QuadModel& model, const DragPart& part) {
+ControlMesh make_control(const QuadModel& model, const DragPart& part) {
     const ControlMesh& all = model.control;
     ControlMesh out{.cage = {{}, part.patches.cage().quads, all.cage.origin},
                     .region = part.region,
@@ -293,9 +293,8 @@ std::vector<ClipPlane> clips_of(const DragPart& part, std::span<const ClipPlane>
     return out;
 }
 
-DragPart drag_part(const QuadModel& model, const BranchDrag& drag, double greatest_angle,
-                   const Context& ctx) {
-    return part_of_regions(model, changed_regions(model, drag, std::fabs(greatest_angle), ctx), ctx);
+DragPart drag_part(const QuadModel& model, const BranchDrag& drag, double max_angle, const Context& ctx) {
+    return part_of_regions(model, changed_regions(model, drag, std::fabs(max_angle), ctx), ctx);
 }
 
 DragPart whole_part(const QuadModel& model, const Context& ctx) {

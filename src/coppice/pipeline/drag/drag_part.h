@@ -15,15 +15,14 @@
 
 namespace coppice {
 
-/// The part of a surface that a drag can change, at angles up to a greatest one, and an order of vertices in
-/// which it stands first: a frame then writes the beginning of every buffer and nothing else.
+/// The part of a surface that a drag can change, for angles up to a maximum, and an order of vertices in
+/// which it comes first: a frame then writes only the beginning of every buffer.
 ///
-/// What can change are the tubes of the branch, those at its fork, and all tubes that it can touch on its
-/// way. Around them, the part holds all tubes beside these, so that what is refined of the part alone has the
-/// same bits as if the whole had been refined.
+/// The tubes that can change are those of the branch, those at its fork, and all tubes that it can touch on
+/// its way. The part also contains all tubes adjacent to these, so that the refinement of the part alone is
+/// bit-identical to a refinement of the whole.
 struct DragPart {
-    /// The part as a cage: quads in the order of the model's, by vertices of its own.
-    /// @{
+    /// The part as a cage: quads in the order of the model's, with its own vertices. @{
     std::vector<std::uint32_t> cage_vertex;  ///< per vertex, ascending: that of the model's cage
     std::vector<std::uint32_t> cage_quad;    ///< per quad, ascending: that of the model's cage
     std::vector<std::uint32_t> region;       ///< per quad: its region, as in the model
@@ -32,29 +31,27 @@ struct DragPart {
     PatchRefinement patches;                 ///< of these quads, by the model's levels
     /// @}
 
-    /// Vertices and quads of the whole surface as they are drawn.
-    /// @{
-    std::vector<std::uint32_t> vertex;  ///< per drawn vertex: that of the model's refined quads
-    Buffer<Quad> quads;                 ///< the refined quads by drawn vertices
-    std::uint32_t written = 0;  ///< drawn vertices below this have another place in each frame; then come
-    std::uint32_t shaded = 0;   ///< those below this, which have at least another normal
+    /// Vertices and quads of the whole surface in drawing order. @{
+    std::vector<std::uint32_t> vertex;   ///< per drawn vertex: that of the model's refined quads
+    Buffer<Quad> quads;                  ///< the refined quads by drawn vertices
+    std::uint32_t written = 0;           ///< drawn vertices below this have another position in each frame;
+    std::uint32_t shaded = 0;            ///< the following ones below this have another normal
     std::vector<std::uint32_t> from;     ///< per written vertex: that of the part's refined quads
-    CompressedRows<std::uint32_t> fans;  ///< per shaded vertex: the quads about it, ascending
+    CompressedRows<std::uint32_t> fans;  ///< per shaded vertex: the adjacent quads, ascending
     /// @}
 };
 
-/// The cage of a part with all that belongs to it, by its own vertices and quads. Regions are those of the
+/// Returns the cage of a part with its attributes, by its own vertices and quads. Regions are those of the
 /// model.
-ControlMesh control_of(const QuadModel& model, const DragPart& part);
-/// The flat ends of a part among those of all of its model's cage, by the part's quads.
+ControlMesh make_control(const QuadModel& model, const DragPart& part);
+/// Returns the flat ends of a part among those of its model's cage, by the part's quads.
 std::vector<ClipPlane> clips_of(const DragPart& part, std::span<const ClipPlane> clips);
 
-/// Finds the part that a drag can change up to an angle [rad] to both sides. The whole where the projection
-/// relaxes, which goes from quad to quad. O(n log n).
-DragPart drag_part(const QuadModel& model, const BranchDrag& drag, double greatest_angle,
-                   const Context& ctx = {});
+/// Finds the part that a drag can change up to an angle [rad] in both directions. Returns the whole if the
+/// projection relaxes, which propagates from quad to quad. O(n log n).
+DragPart drag_part(const QuadModel& model, const BranchDrag& drag, double max_angle, const Context& ctx = {});
 
-/// The same as if the drag could change everything.
+/// Returns the part that contains the whole surface.
 DragPart whole_part(const QuadModel& model, const Context& ctx = {});
 
 }  // namespace coppice

@@ -11,23 +11,23 @@
 
 namespace coppice {
 
-/// The surface of a branch that is dragged, frame after frame, on the CPU: the cage of the part that changes
-/// is refined, moved onto the field of the posed skeleton, and given normals. At angle 0 it is the model's
-/// surface at rest to the bit, and whatever the part, the same as if the whole had been made. Bits do not
-/// depend on threads.
+/// Computes the surface of a dragged branch, frame after frame, on the CPU: the cage of the part that changes
+/// is refined, moved onto the field of the posed skeleton, and given normals. At angle 0 it is bit-identical
+/// to the model's surface at rest, and for any part, it is the same as that of the whole. The result does not
+/// depend on the number of threads.
 ///
-/// Where more than a thousand segments lie within two diagonals of a region's box, what presses on it from
-/// without may be chosen among others.
+/// If more than a thousand segments are within two diagonals of a region's box, the selection of the segments
+/// that press on it from outside may differ.
 class DraggedSurface {
   public:
-    /// Begins at rest. Both must outlive this. O(n).
+    /// Begins at rest. Both must outlive this object. O(n).
     DraggedSurface(const QuadModel& model, const DragPart& part, const Context& ctx = {});
 
-    /// Makes the surface of a pose. O(skeleton) with a small constant for the field, else O(part).
+    /// Computes the surface of a pose. O(skeleton) with a small constant for the field, otherwise O(part).
     ProjectReport make(const DragPose& pose, const Context& ctx = {});
 
     std::span<const Vec3> positions() const { return positions_; }  ///< [m] in drawing order: see DragPart
-    std::span<const Vec3> normals() const { return normals_; }      ///< unit, likewise
+    std::span<const Vec3> normals() const { return normals_; }      ///< unit, in the same order
 
   private:
     ProjectReport project_part(const DragPose& pose, Buffer<Vec3>& positions, const Context& ctx) const;

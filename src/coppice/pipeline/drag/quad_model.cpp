@@ -13,17 +13,17 @@ namespace {
 
 MeshOptions plain_quads(const MeshOptions& given) {
     if (given.method != MeshMethod::quads && given.method != MeshMethod::bmesh)
-        throw InvalidInput("mesh: method must be quads or bmesh for a surface whose branches are dragged");
+        throw InvalidInput("mesh: method must be quads or bmesh for a surface with dragged branches");
     if (given.field.weights != Weights::local)
-        throw InvalidInput("mesh: weights must be local for a surface whose branches are dragged");
+        throw InvalidInput("mesh: weights must be local for a surface with dragged branches");
     if (given.fit == Fit::volume)
-        throw InvalidInput("mesh: fit must not be volume for a surface whose branches are dragged");
+        throw InvalidInput("mesh: fit must not be volume for a surface with dragged branches");
     MeshOptions options = given;
-    // What is merged moves apart while it is dragged.
+    // Merged branches would separate while they are dragged.
     if (options.overlaps == Overlaps::merge) options.overlaps = Overlaps::graft;
     options.untangle.passes = 0;
     options.remesh_rounds = 0;
-    options.device = Device::cpu;  // frames made on the CPU come back to these bits
+    options.device = Device::cpu;  // frames computed on the CPU return to these bits
     return options;
 }
 

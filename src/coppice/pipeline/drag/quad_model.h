@@ -12,24 +12,24 @@
 
 namespace coppice {
 
-/// A surface of quads together with all that it was made of, for those who move its skeleton and make the
-/// same quads anew: the cage is refined and moved onto the field, and that is all. Folds are not taken out,
-/// and quads that cross are not remeshed, for both would change the quads.
+/// A surface of quads with its inputs, for callers that move its skeleton and recompute the same quads: the
+/// cage is only refined and moved onto the field. Folds are not removed, and quads that cross are not
+/// remeshed, because both would change the quads.
 struct QuadModel {
-    MeshOptions options;       ///< those given; of bmesh the ones that it stands for
-    FieldOptions field;        ///< of the convolution field about `skeleton`
-    ControlMesh control;       ///< cage, anchors, and the tube that each quad is of; regions are tubes
+    MeshOptions options;       ///< the given options; of bmesh the equivalent ones of quads
+    FieldOptions field;        ///< of the convolution field around `skeleton`
+    ControlMesh control;       ///< cage, anchors, and the tube of each quad; regions are tubes
     QuadMesh rest;             ///< the refined quads, on the field, in the order of PatchRefinement
-    Skeleton skeleton;         ///< that has the field: prepared, and branches grafted
-    Skeleton tubes;            ///< that the cage was built about: see TubeTree
+    Skeleton skeleton;         ///< skeleton of the field: prepared, and branches grafted
+    Skeleton tubes;            ///< tubes of the cage: see TubeTree
     std::vector<NodeId> tube;  ///< per node of `skeleton`: see TubeTree
 };
 
-/// Makes the surface and keeps what it was made of. Throws what mesh_skeleton() throws, and InvalidInput
-/// naming `method`, `weights` or `fit` where they are not quads or bmesh, local, and surface.
+/// Builds the surface and keeps its inputs. Throws the exceptions of mesh_skeleton(), and InvalidInput naming
+/// `method`, `weights` or `fit` if they are not quads or bmesh, local, and surface.
 QuadModel quad_model(const Skeleton& skeleton, const MeshOptions& options = {}, const Context& ctx = {});
 
-/// Gives a field about the model's skeleton the regions of its surface at rest.
+/// Sets the regions of a field around the model's skeleton to those of its surface at rest.
 void set_regions(ConvolutionField& field, const QuadModel& model, const Context& ctx = {});
 
 }  // namespace coppice

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "coppice/base/id.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/progress.h"
 #include "coppice/measure/union_volume.h"
@@ -21,16 +22,16 @@ using pipeline_internal::area_vector;
 using pipeline_internal::CrossingSearch;
 
 constexpr std::size_t kFitVolumeGrain = 2048;
-constexpr double kMostGap = 0.35;       // [radii] what is farther inside is no matter of fit
-constexpr double kMostSwelling = 0.15;  // [radii] nor what is farther outside, where faces span forks
-constexpr double kMostOffset = 0.08;    // [radii] of a vertex, beside twice the mean
-constexpr double kMostCoarse = 0.25;    // [radii] mean of a surface of four sides
-constexpr int kMostSteps = 3;
-constexpr double kDone = 2e-3;   // of the volume, left to a step
-constexpr double kExact = 5e-4;  // of the volume, as far as it is closed again after pulling back
+constexpr double kMaxGap = 0.35;       // [radii] larger gaps inside are not errors of the fit
+constexpr double kMaxSwelling = 0.15;  // [radii] nor larger ones outside, where faces span forks
+constexpr double kMaxOffset = 0.08;    // [radii] limit per vertex, in addition to twice the mean
+constexpr double kMaxCoarse = 0.25;    // [radii] mean of a surface of four sides
+constexpr int kMaxSteps = 3;
+constexpr double kDone = 2e-3;   // share of the volume that ends the steps
+constexpr double kExact = 5e-4;  // relative error of the volume after limiting offsets
 
-/// What is spread over the surface: the volume that is missing at a vertex, and what it gains when it moves
-/// by the local radius.
+/// Quantities that are spread over the surface: the volume that is missing at a vertex, and the volume that
+/// it gains when it moves by the local radius.
 struct Need {
     double volume = 0;
     double per_radius = 0;
@@ -38,7 +39,7 @@ struct Need {
     friend Need operator*(Need a, double s) { return {a.volume * s, a.per_radius * s}; }
 };
 
-/// An edge of an open base, whose disc is about a center in its plane.
+/// An edge of an open base, with a disc around a center in its plane.
 struct OpenEdge {
     std::uint32_t from, to;
     Vec3d center;
@@ -52,15 +53,15 @@ struct Fit {
     const CrossingSearch& search;
     const Context& ctx;
 
-    std::vector<std::uint32_t> capsule;  // per vertex: whose bark it is; kNone: it stays
-    std::vector<std::uint32_t> cut;      // per vertex: the flat end in whose plane it lies, or kNoRow
+    std::vector<std::uint32_t> capsule;  // per vertex: segment of its bark; kNoIndex: it does not move
+    std::vector<std::uint32_t> cut;      // per vertex: the flat end that contains it, or kNoIndex
     std::vector<std::uint8_t> flat;      // per face: within a flat end
     std::vector<OpenEdge> open;
     std::vector<Vec3> direction;     // per vertex, unit or shorter
     std::vector<float> radius;       // per vertex
     std::vector<float> offset;       // [m] per vertex, along its direction
-    std::vector<std::uint8_t> held;  // per vertex: was pulled back, moves no more
-    Buffer<Vec3> positions;          // now
+    std::vector<std::uint8_t> held;  // per vertex: was limited, does not move again
+    Buffer<Vec3> positions;          // current positions
 
     std::size_t vertex_count() const { return start.positions.size(); }
     std::uint32_t face_count() const { return start.face_count(); }
@@ -72,19 +73,19 @@ void find_capsules(Fit& fit) {
     fit.capsule.resize(fit.vertex_count());
     fit.radius.assign(fit.vertex_count(), 0);
     parallel_for_ranges(fit.ctx, fit.vertex_count(), kFitVolumeGrain, [&](IndexRange range) {
-        std::uint32_t hint = CapsuleTree::kNone;
+        std::uint32_t hint = kNoIndex;
         for (std::size_t v = range.begin; v < range.end; ++v) {
             const Vec3d p(fit.start.positions[v]);
             fit.capsule[v] = hint = nearest(p, hint);
-            if (hint == CapsuleTree::kNone) continue;
+            if (hint == kNoIndex) continue;
             fit.radius[v] = static_cast<float>(fit.solid.capsules().cone(hint).foot(p).radius);
         }
     });
 }
 
-/// Lets radii grow by no more than the distance along the surface, some faces far: vertices where a thin
-/// branch leaves a thick one, which lie on the thick one, would move the thin one by a part of the other's
-/// radius.
+/// Limits the growth of radii to the distance along the surface, over a few faces: vertices where a thin
+/// branch leaves a thick one are on the thick one, and would move the thin one by a share of the radius of
+/// the thick one.
 void limit_radii(Fit& fit) {
     constexpr int kFaces = 4;
     for (int pass = 0; pass < kFaces; ++pass) {
@@ -93,7 +94,7 @@ void limit_radii(Fit& fit) {
             limited[v] = fit.radius[v];
             for (const std::uint32_t f : fit.faces_of[v]) {
                 for (const std::uint32_t w : fit.start.face(f)) {
-                    if (fit.capsule[w] == CapsuleTree::kNone) continue;
+                    if (fit.capsule[w] == kNoIndex) continue;
                     limited[v] = std::min(
                         limited[v], fit.radius[w] + distance(fit.start.positions[v], fit.start.positions[w]));
                 }
@@ -103,33 +104,33 @@ void limit_radii(Fit& fit) {
     }
 }
 
-/// The flat end in whose plane a point lies, as far as rounding tells.
+/// Returns the flat end that contains a point in its plane, within the rounding error.
 std::uint32_t cut_at(const ConeUnion& solid, std::uint32_t capsule, Vec3d p) {
     constexpr double kNear = 2e-3, kReach = 3;  // [radii]
-    for (const std::uint32_t k : solid.cuts_of(capsule)) {
+    for (const std::uint32_t k : solid.compute_cuts(capsule)) {
         const ConeUnion::Cut& cut = solid.cuts()[k];
         const Vec3d w = p - cut.center;
         if (std::fabs(dot(w, cut.outward)) < kNear * cut.radius && length(w) < kReach * cut.radius) return k;
     }
-    return kNoRow;
+    return kNoIndex;
 }
 
 void find_flat_ends(Fit& fit) {
-    fit.cut.assign(fit.vertex_count(), kNoRow);
+    fit.cut.assign(fit.vertex_count(), kNoIndex);
     fit.flat.assign(fit.face_count(), 0);
     if (!fit.solid.has_cuts()) return;
     parallel_for(fit.ctx, fit.vertex_count(), kFitVolumeGrain, [&](std::size_t v) {
-        if (fit.capsule[v] == CapsuleTree::kNone) return;
+        if (fit.capsule[v] == kNoIndex) return;
         fit.cut[v] = cut_at(fit.solid, fit.capsule[v], Vec3d(fit.start.positions[v]));
     });
-    std::vector<std::array<std::uint32_t, 3>> edges;  // lesser end, greater end, cut: in the plane, one way
+    std::vector<std::array<std::uint32_t, 3>> edges;  // smaller end, larger end, cut: in the plane, one way
     std::vector<std::array<std::uint32_t, 3>> back;
     for (std::uint32_t f = 0; f < fit.face_count(); ++f) {
         const auto face = fit.start.face(f);
-        const auto in_plane = [&](std::uint32_t v) { return fit.cut[v] != kNoRow; };
+        const auto in_plane = [&](std::uint32_t v) { return fit.cut[v] != kNoIndex; };
         if (std::ranges::none_of(face, in_plane)) continue;
         const std::uint32_t k = fit.cut[face[0]];
-        fit.flat[f] = k != kNoRow && std::ranges::all_of(face, [&](auto v) { return fit.cut[v] == k; });
+        fit.flat[f] = k != kNoIndex && std::ranges::all_of(face, [&](auto v) { return fit.cut[v] == k; });
         for (std::size_t i = 0; i < face.size(); ++i) {
             const std::uint32_t a = face[i], b = face[(i + 1) % face.size()];
             if (!in_plane(a) || fit.cut[a] != fit.cut[b]) continue;
@@ -144,19 +145,18 @@ void find_flat_ends(Fit& fit) {
     for (const auto& [a, b, k] : unpaired) fit.open.push_back({a, b, fit.solid.cuts()[k].center});
 }
 
-/// The unit vector along which a vertex may not move: out of the plane of a flat end, and beyond a tip along
-/// its branch, so that tips reach as far as before; 0 elsewhere.
+/// Returns the unit vector along which a vertex must not move: out of the plane of a flat end, and beyond a
+/// tip along its branch, so that tips keep their reach; 0 elsewhere.
 Vec3d held_direction(const Fit& fit, std::size_t v) {
-    if (fit.cut[v] != kNoRow) return fit.solid.cuts()[fit.cut[v]].outward;
+    if (fit.cut[v] != kNoIndex) return fit.solid.cuts()[fit.cut[v]].outward;
     const CapsuleTree& capsules = fit.solid.capsules();
-    if (fit.capsule[v] == CapsuleTree::kNone || !fit.skeleton.is_tip(capsules.node(fit.capsule[v])))
-        return {};
+    if (fit.capsule[v] == kNoIndex || !fit.skeleton.is_tip(capsules.node(fit.capsule[v]))) return {};
     const RoundCone& cone = capsules.cone(fit.capsule[v]);
     if (cone.line_parameter(Vec3d(fit.start.positions[v])) <= 1) return {};
     return normalized(cone.axis, {0, 0, 0});
 }
 
-/// Sum of the area vectors of a vertex's faces that are not flat ends.
+/// Returns the sum of the area vectors of a vertex's faces that are not flat ends.
 Vec3d area_about(const Fit& fit, std::size_t v) {
     Vec3d sum;
     for (const std::uint32_t f : fit.faces_of[v]) {
@@ -165,11 +165,12 @@ Vec3d area_about(const Fit& fit, std::size_t v) {
     return sum;
 }
 
-/// Every vertex moves along its normal but for what is held, so that one at the very end of a tip stays.
+/// Every vertex moves along its normal, without the component along the held direction, so that a vertex at
+/// the very end of a tip does not move.
 void find_directions(Fit& fit) {
     fit.direction.resize(fit.vertex_count());
     parallel_for(fit.ctx, fit.vertex_count(), kFitVolumeGrain, [&](std::size_t v) {
-        if (fit.capsule[v] == CapsuleTree::kNone) return;
+        if (fit.capsule[v] == kNoIndex) return;
         const Vec3d normal = normalized(area_about(fit, v), {0, 0, 0}), held = held_direction(fit, v);
         fit.direction[v] = Vec3(normal - held * dot(normal, held));
     });
@@ -200,38 +201,38 @@ double volume(const Fit& fit) {
     return sum / 6;
 }
 
-/// How far it is from p along the unit vector n to the bark of a cone, which is taken to be round about its
-/// foot.
+/// Returns the distance from p along the unit vector n to the bark of a cone, which is approximated as
+/// circular around the closest point.
 double gap_to(const RoundCone& cone, Vec3d p, Vec3d n) {
-    constexpr double kLeastCosine = 0.2;
+    constexpr double kMinCosine = 0.2;
     const RoundCone::Foot foot = cone.foot(p);
     const double d = foot.distance(), r = foot.radius, along = dot(n, foot.offset);
     const double under_root = along * along + r * r - d * d;
     double way = 0;
     if (along > 0 && under_root >= 0) {
         way = std::sqrt(under_root) - along;
-    } else if (along > kLeastCosine * d) {
+    } else if (along > kMinCosine * d) {
         way = (r - d) * d / along;
     }
-    return std::clamp(way, -kMostGap * r, kMostGap * r);
+    return std::clamp(way, -kMaxGap * r, kMaxGap * r);
 }
 
-/// The segment of these vertices that a point lies on.
+/// Returns the segment of these vertices that is closest to a point.
 std::uint32_t capsule_at(const Fit& fit, std::span<const std::uint32_t> vertices, Vec3d p) {
-    std::uint32_t best = CapsuleTree::kNone;
+    std::uint32_t best = kNoIndex;
     double least = 0;
     for (const std::uint32_t v : vertices) {
         const std::uint32_t i = fit.capsule[v];
-        if (i == CapsuleTree::kNone || i == best) continue;
+        if (i == kNoIndex || i == best) continue;
         const double there = fit.solid.capsules().cone(i).foot(p).relative_squared();
-        if (best != CapsuleTree::kNone && there >= least) continue;
+        if (best != kNoIndex && there >= least) continue;
         least = there;
         best = i;
     }
     return best;
 }
 
-/// The volume between a triangle of a face and the cones: exact where the gap is quadratic.
+/// Returns the volume between a triangle of a face and the cones: exact if the gap is quadratic.
 double missing_at(const Fit& fit, const Triangle& t, std::span<const double> gap_of_vertex) {
     constexpr double kShareOfMiddle = 0.75;
     const Vec3d area = area_vector(t, fit.positions);
@@ -243,24 +244,24 @@ double missing_at(const Fit& fit, const Triangle& t, std::span<const double> gap
         of_corners += gap_of_vertex[v] / 3;
     }
     const std::uint32_t i = capsule_at(fit, t, middle);
-    if (!(size > 0) || i == CapsuleTree::kNone) return 0;
+    if (!(size > 0) || i == kNoIndex) return 0;
     const double of_middle = std::max(gap_to(fit.solid.capsules().cone(i), middle, area / size),
-                                      -kMostSwelling * double{fit.radius[t[0]]});
+                                      -kMaxSwelling * double{fit.radius[t[0]]});
     return size * (kShareOfMiddle * of_middle + (1 - kShareOfMiddle) * of_corners);
 }
 
 std::vector<double> gaps_of_vertices(const Fit& fit) {
     std::vector<double> gap(fit.vertex_count(), 0.0);
     parallel_for(fit.ctx, gap.size(), kFitVolumeGrain, [&](std::size_t v) {
-        if (fit.capsule[v] == CapsuleTree::kNone) return;
+        if (fit.capsule[v] == kNoIndex) return;
         const RoundCone& cone = fit.solid.capsules().cone(fit.capsule[v]);
         gap[v] = gap_to(cone, Vec3d(fit.positions[v]), normalized(Vec3d(fit.direction[v]), {0, 0, 0}));
     });
     return gap;
 }
 
-/// What the volume gains by a vertex that moves by its radius: a third of its triangles' area does, a quarter
-/// of its quads'.
+/// Returns the volume that is gained if a vertex moves by its radius: its share is a third of its triangles'
+/// area, a quarter of its quads' area.
 double gain_at(const Fit& fit, std::size_t v) {
     if (fit.held[v] || fit.faces_of[v].empty()) return 0;
     const auto corners = static_cast<double>(fit.start.face(fit.faces_of[v][0]).size());
@@ -286,7 +287,7 @@ std::vector<Need> find_needs(const Fit& fit) {
     return needs;
 }
 
-/// Every vertex gives what it has to its faces, and these to their corners.
+/// Every vertex distributes its value to its faces, and these to their corners.
 void spread(const Fit& fit, std::vector<Need>& needs, std::vector<Need>& of_face) {
     parallel_for(fit.ctx, of_face.size(), kFitVolumeGrain, [&](std::size_t f) {
         const auto face = fit.start.face(static_cast<std::uint32_t>(f));
@@ -303,7 +304,7 @@ void spread(const Fit& fit, std::vector<Need>& needs, std::vector<Need>& of_face
     });
 }
 
-Need sum_of(std::span<const Need> needs) {
+Need compute_sum(std::span<const Need> needs) {
     Need sum;
     for (const Need& n : needs) sum = sum + n;
     return sum;
@@ -316,40 +317,40 @@ void move(Fit& fit, const std::function<double(std::size_t)>& radii) {
     pipeline_internal::apply_offsets(fit.moving(), fit.offset, fit.positions, fit.ctx);
 }
 
-/// How many times needs are spread, to go about a radius far: a pass goes as far as an edge is long, and the
-/// way grows with the root of their number.
+/// Returns the number of spreading passes for a distance of about one radius: a pass spreads by the length of
+/// an edge, and the distance grows with the root of their number.
 int passes(const Fit& fit, std::span<const Need> needs) {
-    constexpr double kPassesPerSquareRadius = 2, kMostPasses = 60, kMostVertices = 100;
+    constexpr double kPassesPerSquareRadius = 2, kMaxPasses = 60, kMaxVertices = 100;
     const double squares = parallel_reduce(
         fit.ctx, needs.size(), kFitVolumeGrain, 0.0,
         [&](IndexRange range) {
             double part = 0;
             for (std::size_t v = range.begin; v < range.end; ++v) {
                 const double r = fit.radius[v], cube = r * r * r;
-                if (needs[v].per_radius > 0) part += std::min(kMostVertices, cube / needs[v].per_radius);
+                if (needs[v].per_radius > 0) part += std::min(kMaxVertices, cube / needs[v].per_radius);
             }
             return part;
         },
         std::plus<>());
     const double mean = squares / static_cast<double>(std::max<std::size_t>(1, needs.size()));
-    return static_cast<int>(std::lround(std::clamp(kPassesPerSquareRadius * mean, 1.0, kMostPasses)));
+    return static_cast<int>(std::lround(std::clamp(kPassesPerSquareRadius * mean, 1.0, kMaxPasses)));
 }
 
-/// Moves the vertices by what is missing about them; returns how much that is in all, and how far all
-/// vertices had to move for it if they did so alike.
+/// Moves the vertices by the missing volume around them; returns its total, and the displacement in radii
+/// that would add it if it were the same for all vertices.
 struct Step {
     double volume = 0, radii = 0;
 };
 Step step(Fit& fit) {
     std::vector<Need> needs = find_needs(fit), of_face(fit.face_count());
-    const Need all = sum_of(needs);
+    const Need all = compute_sum(needs);
     if (!(all.per_radius > 0)) return {};
     for (int left = passes(fit, needs); left > 0; --left) {
         fit.ctx.throw_if_cancelled();
         spread(fit, needs, of_face);
     }
     const Step done{all.volume, all.volume / all.per_radius};
-    const double most = kMostOffset + 2 * std::min(std::fabs(done.radii), kMostCoarse);
+    const double most = kMaxOffset + 2 * std::min(std::fabs(done.radii), kMaxCoarse);
     move(fit, [&](std::size_t v) {
         if (!(needs[v].per_radius > 0)) return 0.0;
         const double so_far = double{fit.offset[v]} / double{fit.radius[v]};
@@ -359,15 +360,16 @@ Step step(Fit& fit) {
     return done;
 }
 
-/// Fits all parts; returns how coarse the surface is: how many radii it had to grow at first.
+/// Fits all sections; returns the coarseness of the surface: the number of radii by which it had to grow in
+/// the first step.
 double fit_parts(Fit& fit, double cones) {
     const Step first = step(fit);
     Step last = first;
-    for (int k = 1; k < kMostSteps && std::fabs(last.volume) > kDone * cones; ++k) last = step(fit);
+    for (int k = 1; k < kMaxSteps && std::fabs(last.volume) > kDone * cones; ++k) last = step(fit);
     return first.radii;
 }
 
-/// Moves all vertices by the same part of their radius.
+/// Moves all vertices by the same share of their radius.
 void close(Fit& fit, double cones) {
     constexpr int kRounds = 3;
     for (int round = 0; round < kRounds; ++round) {
@@ -386,8 +388,8 @@ void close(Fit& fit, double cones) {
     }
 }
 
-/// Whether the surface has all parts of the cones, and few of them twice. That cross-sections had to grow by
-/// a part of the radius explains a volume as much smaller, squared, by and large.
+/// Returns whether the surface contains all sections of the cones, and few of them twice. If cross-sections
+/// had to grow by a share of the radius, the expected volume is smaller by approximately its square.
 bool is_whole(const Fit& fit, const FitVolumeReport& report, double coarseness) {
     constexpr double kUnexplained = 0.05, kTwice = 0.1;  // of the volume
     const double explained = (1 - coarseness) * (1 - coarseness) - coarseness / 4;
@@ -411,7 +413,7 @@ void report_offsets(const Fit& fit, FitVolumeReport& report) {
         if (!(fit.radius[v] > 0)) continue;
         const double radii = double{fit.offset[v]} / double{fit.radius[v]};
         report.mean_offset += radii / static_cast<double>(fit.vertex_count());
-        report.greatest_offset = std::max(report.greatest_offset, std::fabs(radii));
+        report.max_offset = std::max(report.max_offset, std::fabs(radii));
     }
 }
 
@@ -445,7 +447,7 @@ FitVolumeReport fit_polygons(PolygonMesh start, Buffer<Vec3>& positions, const S
     report.closed = is_whole(fit, report, coarseness);
     if (report.closed) close(fit, report.cones);
     pull_back(fit);
-    for (int k = 0; k < kMostSteps && report.closed && !is_near(kExact); ++k) {
+    for (int k = 0; k < kMaxSteps && report.closed && !is_near(kExact); ++k) {
         close(fit, report.cones);
         pull_back(fit);
     }

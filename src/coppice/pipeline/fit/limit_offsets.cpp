@@ -14,11 +14,11 @@ namespace coppice::pipeline_internal {
 namespace {
 
 constexpr std::size_t kLimitOffsetsGrain = 4096;
-constexpr double kFlatCorner = 0.05;  // scaled Jacobian below which a face may not get worse
-constexpr std::uint32_t kMostCrossings = 1'000'000;
-constexpr std::uint32_t kMostRounds = 40;
+constexpr double kFlatCorner = 0.05;  // scaled Jacobian below which a face must not get worse
+constexpr std::uint32_t kMaxCrossings = 1'000'000;
+constexpr std::uint32_t kMaxRounds = 40;
 
-using Faces = std::vector<std::uint32_t>;  // ascending, each once
+using Faces = std::vector<std::uint32_t>;  // ascending, unique
 
 Faces where_set(std::span<const std::uint8_t> set) {
     Faces faces;
@@ -28,7 +28,7 @@ Faces where_set(std::span<const std::uint8_t> set) {
     return faces;
 }
 
-/// The search for what moving makes worse.
+/// Finds the faces that moving makes worse.
 class Limiter {
   public:
     Limiter(const MovingSurface& surface, std::span<float> offsets, std::uint32_t halvings,
@@ -44,7 +44,7 @@ class Limiter {
 
     LimitResult run() {
         LimitResult result;
-        for (; result.rounds < kMostRounds; ++result.rounds) {
+        for (; result.rounds < kMaxRounds; ++result.rounds) {
             ctx_.throw_if_cancelled();
             Faces bad = new_folds();
             if (bad.empty()) {
@@ -62,7 +62,7 @@ class Limiter {
     }
 
   private:
-    /// Of the faces that moved last: no others can have folded since.
+    /// Checks only the faces that moved last: no others can have folded since.
     Faces new_folds() const {
         std::vector<std::uint8_t> folded(moved_last_.size(), 0);
         parallel_for(ctx_, folded.size(), kLimitOffsetsGrain, [&](std::size_t i) {
@@ -78,25 +78,26 @@ class Limiter {
         return faces;
     }
 
-    /// Of faces that changed with any: first time all, later those whose boxes meet a changed one's.
+    /// Pairs of changed faces with any face: all in the first call, later those with boxes that overlap a
+    /// changed one.
     FacePairs crossings_of_changed() {
         if (!looked_) {
             looked_ = true;
-            return surface_.search(moved_, kMostCrossings, ctx_);
+            return surface_.search(moved_, kMaxCrossings, ctx_);
         }
         const FaceView moved(moved_);
         std::vector<Box3> boxes;
         for (const std::uint32_t f : where_set(changed_)) boxes.push_back(moved.box(f));
-        return crossings_among(moved, faces_near(moved, boxes, ctx_), kMostCrossings, ctx_);
+        return crossings_among(moved, faces_near(moved, boxes, ctx_), kMaxCrossings, ctx_);
     }
 
-    /// The faces of those pairs that did not cross before.
+    /// Returns the faces of the pairs that did not cross before.
     Faces newly_crossing(FacePairs found) const {
         if (found.pairs.empty()) return {};
         Faces faces;
         for (const FacePair& p : found.pairs) faces.insert(faces.end(), {p.first, p.second});
         sort_unique(faces);
-        const FacePairs before = crossings_among(start_, faces, kMostCrossings, ctx_);
+        const FacePairs before = crossings_among(start_, faces, kMaxCrossings, ctx_);
         std::vector<FacePair> fresh;
         std::ranges::set_difference(found.pairs, before.pairs, std::back_inserter(fresh));
         faces.clear();
@@ -144,7 +145,7 @@ class Limiter {
     const Context& ctx_;
     PolygonMesh moved_;
     Faces moved_last_;
-    std::vector<std::uint8_t> changed_;  // per face, since crossings were last looked for
+    std::vector<std::uint8_t> changed_;  // per face, since the last search for crossings
     bool looked_ = false;
 };
 

@@ -7,8 +7,8 @@
 
 namespace coppice::pipeline_internal {
 
-/// Returns the volume of a closed surface and that of the union of its skeleton's rounded cones, by some 2^15
-/// points, without looking for what is missing. `solid` has to be in the mesh's frame.
+/// Returns the volume of a closed surface and the volume of the union of its skeleton's rounded cones, by
+/// about 2^15 points, without a search for missing parts. `solid` has to be in the mesh's frame.
 VolumeReport measured_volume(const FaceView& mesh, const ConeUnion& solid, const Context& ctx);
 
 }  // namespace coppice::pipeline_internal

@@ -6,7 +6,7 @@
 namespace coppice::pipeline_internal {
 namespace {
 
-constexpr float kNear = 1.5f;  // [radii] within which surfaces may meet
+constexpr float kNear = 1.5f;  // [radii] distance within which surfaces may meet
 
 }  // namespace
 

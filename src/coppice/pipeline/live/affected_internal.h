@@ -10,11 +10,11 @@
 
 namespace coppice::pipeline_internal {
 
-/// Which nodes of a part may get another surface when the tubes of some nodes change.
+/// The nodes of a part that may get another surface if the tubes of some nodes change.
 struct AffectedNodes {
     std::vector<std::uint8_t>
-        is_wanted;                  ///< per node: those near what changed, and all that pieces cover there
-    std::vector<StableId> missing;  ///< nodes that these pieces are made of, and that are not trusted
+        is_wanted;  ///< per node: those near a change, and all that repair patches cover there
+    std::vector<StableId> missing;  ///< nodes from which these patches are made and that are not trusted
 };
 AffectedNodes affected_nodes(const EditZone& zone, std::uint8_t trusted, std::span<const NodeId> changed,
                              const Touched& touched, const PatchStore& store, const Context& ctx);

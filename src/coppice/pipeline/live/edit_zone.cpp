@@ -7,14 +7,15 @@
 namespace coppice::pipeline_internal {
 namespace {
 
-constexpr float kInfluence = 2;            // [radii] within which a segment has to do with others
-constexpr std::uint8_t kBeyond = 2;        // levels beyond those that are trusted
-constexpr std::uint32_t kLeastWhole = 64;  // nodes of a tree of which no part is taken
-constexpr float kMostOfTree = 0.6f;
+constexpr float kInfluence = 2;          // [radii] distance within which a segment influences others
+constexpr std::uint8_t kBeyond = 2;      // levels beyond the trusted ones
+constexpr std::uint32_t kMinWhole = 64;  // minimum number of nodes of a tree for a zone
+constexpr float kMaxOfTree = 0.6f;
 
 Box3 influence_box(const Skeleton& s, NodeId n) { return box_about(s, n, kInfluence); }
 
-// Calls visit(n) for a node and those whose segments start or end with it: parent, children and siblings.
+// Calls visit(n) for a node and those with segments that share an end with its segment: parent, children and
+// siblings.
 template <class Visit>
 void visit_around(const Skeleton& s, NodeId n, const Visit& visit) {
     visit(n);
@@ -24,7 +25,7 @@ void visit_around(const Skeleton& s, NodeId n, const Visit& visit) {
     for (const NodeId c : s.children(s.parent(n))) visit(c);
 }
 
-// Lowers the levels of nodes whose segments come near to any of the boxes.
+// Lowers the levels of nodes with segments near any of the boxes.
 void mark_near(const Skeleton& s, std::span<const Box3> boxes, std::uint8_t level,
                std::vector<std::uint8_t>& levels, const Context& ctx) {
     if (boxes.empty()) return;
@@ -38,7 +39,7 @@ void mark_near(const Skeleton& s, std::span<const Box3> boxes, std::uint8_t leve
     }
 }
 
-// Spreads levels along the tree, up to the last: a level more past each branch node.
+// Spreads levels along the tree, up to the last; the level increases by one beyond each branch node.
 void spread(const Skeleton& s, std::uint8_t last, std::vector<std::uint8_t>& levels) {
     std::deque<NodeId> queue;
     for (const NodeId n : nodes(s)) {
@@ -52,7 +53,7 @@ void spread(const Skeleton& s, std::uint8_t last, std::vector<std::uint8_t>& lev
         const std::uint8_t level = levels[n.index()];
         const bool is_fork = degree(n) > 2;
         const auto reach = [&](NodeId to) {
-            // What lies within the ball of a branch node may become part of it.
+            // A segment within the ball of a branch node may become part of it.
             const bool passes = is_fork && distance(s.position(n), s.position(to)) > s.radius(n);
             const int next = level + (passes ? 1 : 0);
             if (next > last || next >= levels[to.index()]) return;
@@ -76,7 +77,7 @@ std::vector<Box3> boxes_up_to(const Skeleton& s, std::span<const std::uint8_t> l
     return out;
 }
 
-// The nodes that are wanted, what lies between them and the roots, and the children of all these.
+// Returns the nodes of the zone, those between them and the roots, and the children of all these.
 std::vector<std::uint8_t> with_ways_and_children(const Skeleton& s, std::span<const std::uint8_t> levels) {
     std::vector<std::uint8_t> inner(s.size(), 0);
     for (const NodeId n : nodes(s)) {
@@ -138,7 +139,7 @@ Touched touched_by(std::span<const StableId> changed, const Skeleton& before, co
             });
         }
     }
-    // What comes in another order among the nodes is added up in another order.
+    // Nodes in another order are added in another order, which changes the sums.
     NodeId last_before(0);
     for (const NodeId n : nodes(now)) {
         const NodeId o = at_before[now.stable_id(n)];
@@ -156,7 +157,7 @@ Touched touched_by(std::span<const StableId> changed, const Skeleton& before, co
 
 std::optional<EditZone> edit_zone(const Skeleton& now, const Touched& touched, std::uint8_t trusted,
                                   const Context& ctx) {
-    if (now.size() < kLeastWhole) return {};
+    if (now.size() < kMinWhole) return {};
     std::vector<std::uint8_t> levels(now.size(), EditZone::kFar);
     for (const NodeId n : touched.nodes) levels[n.index()] = 0;
     mark_near(now, touched.boxes, 0, levels, ctx);
@@ -166,7 +167,7 @@ std::optional<EditZone> edit_zone(const Skeleton& now, const Touched& touched, s
     spread(now, static_cast<std::uint8_t>(trusted + kBeyond), levels);
     const std::vector<std::uint8_t> is_in = with_ways_and_children(now, levels);
     const auto count = std::ranges::count(is_in, 1);
-    if (static_cast<float>(count) > kMostOfTree * static_cast<float>(now.size())) return {};
+    if (static_cast<float>(count) > kMaxOfTree * static_cast<float>(now.size())) return {};
     EditZone zone{part_of_tree(now, is_in), {}};
     for (const NodeId n : nodes(now)) {
         if (is_in[n.index()] == 0) continue;

@@ -4,6 +4,7 @@
 #include <array>
 #include <tuple>
 
+#include "coppice/base/id.h"
 #include "coppice/base/sort.h"
 #include "coppice/pipeline/live/edit_zone_internal.h"
 
@@ -19,7 +20,7 @@ std::vector<StableId> ids_of(const TracedPart& traced, std::span<const NodeId> n
     return out;
 }
 
-// Puts ranges in order and joins those that touch.
+// Sorts ranges and joins those that touch.
 void tidy(std::vector<NumberRange>& ranges) {
     std::ranges::sort(ranges, {}, &NumberRange::first);
     std::vector<NumberRange> out;
@@ -67,13 +68,13 @@ std::span<const std::uint32_t> PatchStore::row(const std::vector<std::vector<std
 
 std::uint32_t PatchStore::stored_tube(StableId node, std::uint32_t place) const {
     const auto tubes = row(tubes_of_, node);
-    return place < tubes.size() ? tubes[place] : kNone;
+    return place < tubes.size() ? tubes[place] : kNoIndex;
 }
 
-// Where a traced vertex is stored, once its patch is; none before.
+// Returns the stored index of a traced vertex, if its patch is stored; otherwise none.
 std::uint32_t PatchStore::slot(const TracedPart& traced, const Plan& plan, std::uint32_t vertex) const {
     const std::uint32_t stored = plan.kept[traced.patches.owner[vertex]];
-    return stored == kNone ? kNone : patches_[stored].vertices.first + traced.patches.local[vertex];
+    return stored == kNoIndex ? kNoIndex : patches_[stored].vertices.first + traced.patches.local[vertex];
 }
 
 bool PatchStore::differs(const TracedPart& traced, NodeId n) const {
@@ -90,7 +91,7 @@ bool PatchStore::differs(const TracedPart& traced, NodeId n) const {
     return !std::equal(tubes.begin(), tubes.end(), stored.begin(), stored.end(), is_same);
 }
 
-// Whether a traced patch has the positions and quads of a stored one, whose vertices are its own.
+// Returns whether a traced patch has the positions and quads of a stored one, with its own vertices.
 bool PatchStore::is_same(const TracedPart& traced, const Plan& plan, std::uint32_t traced_patch,
                          std::uint32_t stored) const {
     const Patch& there = patches_[stored];
@@ -113,7 +114,7 @@ bool PatchStore::is_same(const TracedPart& traced, const Plan& plan, std::uint32
     return true;
 }
 
-// What a new piece covers is wanted too, unless pieces that were not looked at lie there.
+// Extends the nodes to check by those that a new repair patch covers, unless unchecked patches are there.
 void PatchStore::widen(const TracedPart& traced, Plan& plan) const {
     const SurfacePatches& patches = traced.patches;
     const NodeIndex at(traced.part);
@@ -144,7 +145,7 @@ void PatchStore::plan_tubes(const TracedPart& traced, Plan& plan) const {
         if (plan.is_wanted[n.index()] == 0) continue;
         const auto tubes = patches.tubes_of[n.index()];
         for (const std::uint32_t t : tubes) {
-            if (plan.kept[t] == kNone || !is_same(traced, plan, t, plan.kept[t])) plan.is_new[t] = 1;
+            if (plan.kept[t] == kNoIndex || !is_same(traced, plan, t, plan.kept[t])) plan.is_new[t] = 1;
         }
         const auto stored = row(tubes_of_, traced.part.stable_id(n));
         for (std::size_t i = tubes.size(); i < stored.size(); ++i) plan.removed.push_back(stored[i]);
@@ -163,10 +164,10 @@ void PatchStore::plan_pieces(const TracedPart& traced, std::span<const StableId>
                 still_there.push_back(stored);
             }
         }
-        plan.is_new[patch] = plan.kept[patch] == kNone ? 1 : 0;
+        plan.is_new[patch] = plan.kept[patch] == kNoIndex ? 1 : 0;
     }
     std::ranges::sort(still_there);
-    // Pieces that were looked at and are not there any more; those of nodes that were not looked at stay.
+    // Removes checked repair patches that no longer exist; those of unchecked nodes are kept.
     const NodeIndex at(traced.part);
     std::vector<std::uint32_t> gone;
     const auto look_at = [&](StableId own) {
@@ -190,13 +191,14 @@ void PatchStore::plan_pieces(const TracedPart& traced, std::span<const StableId>
     plan.removed.insert(plan.removed.end(), gone.begin(), gone.end());
 }
 
-// Quads that will not be written must not refer to vertices that get another place.
+// Quads that will not be written must not refer to vertices that move to another index.
 void PatchStore::find_moves_under_others(const TracedPart& traced, Plan& plan) const {
     const SurfacePatches& patches = traced.patches;
     std::vector<std::uint8_t> moves(patches.count(), 0);
     for (std::uint32_t p = 0; p < patches.count(); ++p) {
-        moves[p] = plan.is_new[p] != 0 && (plan.kept[p] == kNone || patches_[plan.kept[p]].vertices.count !=
-                                                                        patches.vertices[p].size());
+        moves[p] =
+            plan.is_new[p] != 0 &&
+            (plan.kept[p] == kNoIndex || patches_[plan.kept[p]].vertices.count != patches.vertices[p].size());
     }
     for (std::uint32_t t = 0; t < patches.tube_count(); ++t) {
         if (plan.is_wanted[patches.node[t].index()] != 0) continue;
@@ -209,7 +211,7 @@ void PatchStore::find_moves_under_others(const TracedPart& traced, Plan& plan) c
 }
 
 PatchStore::Plan PatchStore::plan(const TracedPart& traced, std::span<const StableId> removed) const {
-    Plan out{std::vector<std::uint32_t>(traced.patches.count(), kNone),
+    Plan out{std::vector<std::uint32_t>(traced.patches.count(), kNoIndex),
              std::vector<std::uint8_t>(traced.patches.count(), 0),
              {},
              {traced.wanted.begin(), traced.wanted.end()},
@@ -246,21 +248,21 @@ std::uint32_t PatchStore::add_patch() {
     return patch;
 }
 
-// Gives a patch its ranges, and writes its positions.
+// Assigns ranges to a patch, and writes its positions.
 void PatchStore::place(const TracedPart& traced, Plan& plan, std::uint32_t traced_patch,
                        SurfaceChange& change) {
     const SurfacePatches& patches = traced.patches;
     std::uint32_t& stored = plan.kept[traced_patch];
-    if (stored == kNone) {
+    if (stored == kNoIndex) {
         stored = add_patch();
         if (traced_patch < patches.tube_count()) {
             const StableId id = traced.part.stable_id(patches.node[traced_patch]);
             patches_[stored].nodes = {id};
             row(tubes_of_, id).push_back(stored);
         } else {
-            const std::uint32_t piece = traced_patch - patches.tube_count();
-            patches_[stored].nodes = ids_of(traced, patches.piece_nodes[piece]);
-            patches_[stored].needs = ids_of(traced, patches.piece_needs[piece]);
+            const std::uint32_t repair_patch = traced_patch - patches.tube_count();
+            patches_[stored].nodes = ids_of(traced, patches.piece_nodes[repair_patch]);
+            patches_[stored].needs = ids_of(traced, patches.piece_needs[repair_patch]);
             for (const StableId id : patches_[stored].needs) row(pieces_of_, id).push_back(stored);
         }
     }
@@ -286,7 +288,7 @@ void PatchStore::place(const TracedPart& traced, Plan& plan, std::uint32_t trace
     change.vertices.push_back(p.vertices);
 }
 
-// Writes the quads of a patch where they are others than before.
+// Writes the quads of a patch if they changed.
 void PatchStore::write_quads(const TracedPart& traced, const Plan& plan, std::uint32_t traced_patch,
                              SurfaceChange& change) {
     const Patch& p = patches_[plan.kept[traced_patch]];
@@ -310,7 +312,7 @@ Merged PatchStore::merge(const TracedPart& traced, std::span<const StableId> rem
     for (std::uint32_t p = 0; p < count; ++p) {
         if (made.is_new[p] != 0) place(traced, made, p, change);
     }
-    // Neighbours of what has moved refer to it.
+    // Neighbours of moved patches refer to them.
     for (std::uint32_t p = 0; p < count; ++p) {
         const bool is_piece = p >= traced.patches.tube_count();
         if (is_piece || made.is_wanted[traced.patches.node[p].index()] != 0)
@@ -332,8 +334,8 @@ QuadMesh PatchStore::compact() const {
         const auto tubes = row(tubes_of_, StableId(id));
         order.insert(order.end(), tubes.begin(), tubes.end());
         const std::size_t first = order.size();
-        for (const std::uint32_t piece : row(pieces_of_, StableId(id))) {
-            if (patches_[piece].nodes[0] == StableId(id)) order.push_back(piece);
+        for (const std::uint32_t repair_patch : row(pieces_of_, StableId(id))) {
+            if (patches_[repair_patch].nodes[0] == StableId(id)) order.push_back(repair_patch);
         }
         std::sort(order.begin() + static_cast<std::ptrdiff_t>(first), order.end(),
                   [&](std::uint32_t a, std::uint32_t b) {
@@ -352,7 +354,7 @@ QuadMesh PatchStore::compact() const {
             for (const std::uint32_t v : quads_[i]) is_used[v] = 1;
         }
     }
-    std::vector<std::uint32_t> place(positions_.size(), kNone);
+    std::vector<std::uint32_t> place(positions_.size(), kNoIndex);
     for (const std::uint32_t p : order) {
         const NumberRange v = patches_[p].vertices;
         for (std::uint32_t i = v.first; i < v.first + v.count; ++i) {

@@ -13,26 +13,26 @@
 
 namespace coppice::pipeline_internal {
 
-/// A surface of a part of a tree, taken apart, and which of its nodes are to be looked at.
+/// A surface of a part of a tree, divided into patches, and the nodes to check.
 struct TracedPart {
     const Skeleton& part;
     const SurfacePatches& patches;
     std::span<const std::uint8_t> wanted;   ///< per node of the part
-    std::span<const std::uint8_t> trusted;  ///< per node of the part: whether its surface is right
+    std::span<const std::uint8_t> trusted;  ///< per node of the part: whether its surface is correct
     bool is_wanted(NodeId n) const { return wanted[n.index()] != 0; }
     bool is_trusted(NodeId n) const { return trusted[n.index()] != 0; }
 };
 
-/// What a merge came to.
+/// Result of a merge.
 struct Merged {
-    std::optional<SurfaceChange> change;  ///< none: nothing was done, since pieces reach beyond
-    std::vector<StableId> missing;        ///< the nodes beyond, as far as they are in the part
+    std::optional<SurfaceChange> change;  ///< nullopt: no change, because patches extend beyond the part
+    std::vector<StableId> missing;        ///< the nodes beyond, if they are in the part
 };
 
 /// Ranges of one array, of which some are free.
 class FreeRanges {
   public:
-    /// A free range of this length, else one behind all others, which makes the array longer.
+    /// Returns a free range of this length; if there is none, one after all others, which extends the array.
     std::uint32_t take(std::uint32_t count);
     void give(NumberRange range);
     std::uint32_t end() const { return end_; }    ///< of the last range
@@ -43,44 +43,43 @@ class FreeRanges {
     std::uint32_t end_ = 0, free_ = 0;
 };
 
-/// The patches of a surface, by the stable ids of the nodes whose tubes they are about, in arrays in which
-/// each keeps its place.
+/// The patches of a surface, by the stable ids of the nodes of their tubes, in arrays in which each keeps its
+/// position.
 class PatchStore {
   public:
-    /// Whether the tubes of a node of the part have other vertices than those that are stored.
+    /// Returns whether the vertices of the tubes of a node of the part differ from the stored ones.
     bool differs(const TracedPart& traced, NodeId n) const;
 
-    /// Puts the patches of a part that are wanted in the place of those that are there under the same names,
-    /// and takes away those of nodes that are gone.
+    /// Replaces the stored patches by those of a part that are to be checked and have the same names, and
+    /// removes those of removed nodes.
     Merged merge(const TracedPart& traced, std::span<const StableId> removed);
 
     std::span<const Vec3> positions() const { return positions_; }
     std::span<const Quad> quads() const { return quads_; }
-    /// Calls visit(nodes, needs) for every piece that a node's segment is needed for: the nodes whose tubes
-    /// it replaces, and all that it was made of.
+    /// Calls visit(nodes, needs) for every repair patch that requires a node's segment: the nodes of the
+    /// tubes that it replaces, and all nodes from which it was made.
     template <class Visit>
     void visit_pieces(StableId node, const Visit& visit) const {
-        for (const std::uint32_t piece : row(pieces_of_, node))
-            visit(std::span<const StableId>(patches_[piece].nodes),
-                  std::span<const StableId>(patches_[piece].needs));
+        for (const std::uint32_t repair_patch : row(pieces_of_, node))
+            visit(std::span<const StableId>(patches_[repair_patch].nodes),
+                  std::span<const StableId>(patches_[repair_patch].needs));
     }
     bool is_sparse() const;  ///< whether more is free than used
     QuadMesh compact() const;
 
   private:
-    static constexpr std::uint32_t kNone = 0xffffffffu;
     struct Patch {
         NumberRange vertices, quads;
-        std::vector<StableId> nodes;  ///< of a tube: the one that it is about; of a piece: see SurfacePatches
-        std::vector<StableId> needs;  ///< of a piece; empty for a tube
+        std::vector<StableId> nodes;  ///< of a tube: its node; of a repair patch: see SurfacePatches
+        std::vector<StableId> needs;  ///< of a repair patch; empty for a tube
     };
-    /// What a merge will do.
+    /// The changes of a merge.
     struct Plan {
         std::vector<std::uint32_t> kept;      ///< per traced patch: the stored one of the same name, or none
         std::vector<std::uint8_t> is_new;     ///< per traced patch: whether it has to be written
-        std::vector<std::uint32_t> removed;   ///< stored ones
+        std::vector<std::uint32_t> removed;   ///< stored patches
         std::vector<std::uint8_t> is_wanted;  ///< per node of the part
-        std::vector<StableId> missing;        ///< see Merged; empty: it can be done
+        std::vector<StableId> missing;        ///< see Merged; empty: the merge is possible
     };
 
     Plan plan(const TracedPart& traced, std::span<const StableId> removed) const;
@@ -106,8 +105,8 @@ class PatchStore {
     FreeRanges free_vertices_, free_quads_;
     std::vector<Patch> patches_;
     std::vector<std::uint32_t> free_patches_;
-    std::vector<std::vector<std::uint32_t>> tubes_of_;   ///< per stable id, by place
-    std::vector<std::vector<std::uint32_t>> pieces_of_;  ///< per stable id: those that need it
+    std::vector<std::vector<std::uint32_t>> tubes_of_;   ///< per stable id, by index
+    std::vector<std::vector<std::uint32_t>> pieces_of_;  ///< per stable id: patches that require it
 };
 
 }  // namespace coppice::pipeline_internal

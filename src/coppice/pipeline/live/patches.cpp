@@ -6,8 +6,8 @@
 namespace coppice::pipeline_internal {
 namespace {
 
-// Per node of the prepared skeleton, one of the given skeleton: the first that it stands for, or where it was
-// put in between, that of the next node towards the tip.
+// Returns per node of the prepared skeleton one of the given skeleton: the first that it corresponds to, or
+// for an inserted node, that of the next node towards the tip.
 std::vector<NodeId> given_nodes(std::span<const NodeId> new_of_old, const Skeleton& prepared) {
     std::vector<NodeId> out(prepared.size());
     for (std::size_t i = new_of_old.size(); i-- > 0;)
@@ -18,13 +18,13 @@ std::vector<NodeId> given_nodes(std::span<const NodeId> new_of_old, const Skelet
     return out;
 }
 
-// The vertices and quads of the mesh, and the patches that own them.
+// Numbers the vertices and quads of the mesh, and sets the patches that own them.
 void number(SurfacePatches& out, std::vector<std::uint32_t>& owner_of_quad, const QuadMesh& mesh,
-            const QuadTrace& trace, const Slices& slices) {
+            const QuadTrace& trace, const TubeRows& tube_rows) {
     const RemeshTrace& remeshed = trace.remeshed;
     const Buffer<std::uint32_t> cage_quad = trace.patches->owners();
     out.positions.assign(trace.refined.begin(), trace.refined.end());
-    for (const std::uint32_t f : cage_quad) out.owner.push_back(slices.tube_of(f).index());
+    for (const std::uint32_t f : cage_quad) out.owner.push_back(tube_rows.tube_of(f).index());
     std::vector<std::uint32_t> place;  // per vertex of the mesh
     auto gone = remeshed.gone.begin();
     for (std::uint32_t v = 0; v < trace.refined.size(); ++v) {
@@ -43,14 +43,14 @@ void number(SurfacePatches& out, std::vector<std::uint32_t>& owner_of_quad, cons
         for (std::uint32_t& v : q) v = place[v];
     }
     for (std::uint32_t q = 0; q < trace.patches->quad_count(); ++q) {
-        const Slice s = slices.of_quad(q);
-        if (remeshed.stays(s)) owner_of_quad.push_back(slices.tube(s).index());
+        const TubeRow s = tube_rows.of_quad(q);
+        if (remeshed.stays(s)) owner_of_quad.push_back(tube_rows.tube(s).index());
     }
-    // The vertices of a piece follow those of the one before it.
-    std::uint32_t patch = slices.tubes().size();
-    for (const RemeshTrace::Piece& piece : remeshed.pieces) {
+    // The vertices of a repair patch follow those of the previous one.
+    std::uint32_t patch = tube_rows.tubes().size();
+    for (const RemeshTrace::RepairPatch& repair_patch : remeshed.repair_patches) {
         auto end = static_cast<std::uint32_t>(out.owner.size());
-        for (std::uint32_t k = 0; k < piece.quads; ++k) {
+        for (std::uint32_t k = 0; k < repair_patch.quads; ++k) {
             for (const std::uint32_t v : out.quads[owner_of_quad.size()]) end = std::max(end, v + 1);
             owner_of_quad.push_back(patch);
         }
@@ -58,18 +58,19 @@ void number(SurfacePatches& out, std::vector<std::uint32_t>& owner_of_quad, cons
     }
 }
 
-// What pieces cover, and what they are made of: the field of some segments, and the rings at which they end.
-void find_pieces(SurfacePatches& out, const QuadTrace& trace, const Slices& slices,
+// Determines the nodes that repair patches cover, and those from which they are made: the field of some
+// segments, and the rings at which they end.
+void find_pieces(SurfacePatches& out, const QuadTrace& trace, const TubeRows& tube_rows,
                  std::span<const NodeId> given, const CompressedRows<std::uint32_t>& given_all) {
     std::uint32_t patch = out.tube_count();
-    const auto node_of = [&](Slice s) { return out.node[slices.tube(s).index()]; };
-    for (const RemeshTrace::Piece& piece : trace.remeshed.pieces) {
+    const auto node_of = [&](TubeRow s) { return out.node[tube_rows.tube(s).index()]; };
+    for (const RemeshTrace::RepairPatch& repair_patch : trace.remeshed.repair_patches) {
         std::vector<NodeId>& all = out.piece_nodes.emplace_back();
-        for (const Slice s : piece.slices) all.push_back(node_of(s));
+        for (const TubeRow s : repair_patch.tube_rows) all.push_back(node_of(s));
         sort_unique(all);
         std::vector<NodeId>& needs = out.piece_needs.emplace_back(all);
-        for (const Slice s : piece.beside) needs.push_back(node_of(s));
-        for (const NodeId s : piece.segments) {
+        for (const TubeRow s : repair_patch.adjacent) needs.push_back(node_of(s));
+        for (const NodeId s : repair_patch.segments) {
             const NodeId n = trace.field_segment[s.index()];
             needs.push_back(given[n.index()]);
             for (const std::uint32_t i : given_all[n.index()]) needs.push_back(NodeId(i));
@@ -88,7 +89,7 @@ void find_pieces(SurfacePatches& out, const QuadTrace& trace, const Slices& slic
 SurfacePatches take_apart(const QuadSurface& surface, const QuadTrace& trace,
                           std::span<const NodeId> new_of_old, const Skeleton& prepared) {
     const Skeleton& tubes = *trace.tubes;
-    const Slices slices(surface.cage, tubes, trace.patches->levels());
+    const TubeRows tube_rows(surface.cage, tubes, trace.patches->levels());
     const std::vector<NodeId> given = given_nodes(new_of_old, prepared);
     SurfacePatches out;
     std::vector<std::uint32_t> count(new_of_old.size(), 0), node;
@@ -102,8 +103,8 @@ SurfacePatches take_apart(const QuadSurface& surface, const QuadTrace& trace,
     for (const NodeId n : new_of_old) stands_for.push_back(n.index());
     out.tubes_of = group_by(node, new_of_old.size());
     std::vector<std::uint32_t> owner_of_quad;
-    number(out, owner_of_quad, surface.mesh, trace, slices);
-    const std::size_t patches = tubes.size() + trace.remeshed.pieces.size();
+    number(out, owner_of_quad, surface.mesh, trace, tube_rows);
+    const std::size_t patches = tubes.size() + trace.remeshed.repair_patches.size();
     out.quads_of = group_by(owner_of_quad, patches);
     out.vertices = group_by(out.owner, patches);
     out.local.resize(out.owner.size());
@@ -111,7 +112,7 @@ SurfacePatches take_apart(const QuadSurface& surface, const QuadTrace& trace,
         const auto row = out.vertices[p];
         for (std::uint32_t i = 0; i < row.size(); ++i) out.local[row[i]] = i;
     }
-    find_pieces(out, trace, slices, given, group_by(stands_for, prepared.size()));
+    find_pieces(out, trace, tube_rows, given, group_by(stands_for, prepared.size()));
     return out;
 }
 

@@ -7,8 +7,8 @@
 namespace coppice::pipeline_internal {
 namespace {
 
-// [m] The radius of a frustum that begins with the radius of a tube, ends one radius beyond its tip, and has
-// the volume of the tube and the half ball that is meant.
+// [m] Returns the end radius of a frustum that begins with the radius of a tube, ends one radius beyond its
+// tip, and has the volume of the tube and the specified half ball.
 float end_radius(const Segment& tube) {
     const float a = tube.radius_a, b = tube.radius_b, l = distance(tube.a, tube.b);
     const float mean_square = (l * (a * a + a * b + b * b) + 2 * b * b * b) / (l + b);  // times 3
@@ -16,7 +16,7 @@ float end_radius(const Segment& tube) {
 }
 
 Vec3 point_at_end(Vec3 p, const Segment& s) {
-    // Vertices nearer to the axis, in their distance from the tip, are the middle of the end.
+    // Vertices closer to the axis, relative to their distance from the tip, are the middle of the end.
     constexpr float kMiddle = 0.1f;
     const Vec3 axis = normalized(s.b - s.a), end = s.b + axis * s.radius_b;
     const Vec3 from_tip = p - s.b, across = from_tip - axis * dot(from_tip, axis);

@@ -19,7 +19,7 @@ using pipeline_internal::QuadRows;
 using pipeline_internal::RemeshTrace;
 using pipeline_internal::TubeMap;
 
-// The map that follows one map by another; none stays none.
+// Returns the composition of two maps; none is mapped to none.
 std::vector<NodeId> composed(std::span<const NodeId> first, std::span<const NodeId> second) {
     std::vector<NodeId> both(first.size());
     for (std::size_t i = 0; i < first.size(); ++i) {
@@ -28,12 +28,12 @@ std::vector<NodeId> composed(std::span<const NodeId> first, std::span<const Node
     return both;
 }
 
-// The skeleton as quads wrap it.
+// The skeleton that the quads wrap.
 struct Wrapped {
     GraftResult grafted;
     PartResult parted;
-    std::vector<NodeId> source;  // per node of the tubes: that of the field's skeleton
-    std::vector<NodeId> tube;    // the other way around
+    std::vector<NodeId> source;  // per node of the tubes: the node of the field's skeleton
+    std::vector<NodeId> tube;    // inverse of source
 
     const Skeleton& tubes() const { return parted.skeleton; }
     const Skeleton& skeleton() const { return grafted.skeleton; }
@@ -60,13 +60,13 @@ ControlMesh cage_about(const Wrapped& wrapped, const MeshOptions& options, const
                               wrapped.parted.round_roots, wrapped.parted.joins);
 }
 
-// How a cage was refined.
+// The refinement of a cage.
 struct Refined {
     PatchRefinement patches;
     Buffer<Vec3> anchors;  // per refined vertex
 };
 
-// What it takes to subdivide the cage of a surface, to move it onto the field, and to unfold it.
+// Subdivides the cage of a surface, moves it onto the field, and unfolds it.
 class CageRefiner {
   public:
     CageRefiner(QuadSurface& out, int levels, ConvolutionField& field, const Wrapped& wrapped,
@@ -90,14 +90,14 @@ class CageRefiner {
                         {}};
         out_.mesh.origin = cage.origin;
         std::optional<DeviceQuads> device = begin_on_card(refined.patches);
-        // The card works meanwhile.
+        // The GPU works in parallel.
         out_.mesh.quads = stages_.run("quads", 0.35f, [&] { return refined.patches.quads(ctx_); });
         if (!device || !finish_on_card(*device, refined)) refine_here(refined);
         return refined;
     }
 
   private:
-    // Where the field is asked, for what is not done on the card.
+    // Regions of the field, for the work that is not done on the GPU.
     void set_regions() {
         if (has_regions_) return;
         field_.set_regions(pipeline_internal::field_regions(out_.cage, wrapped_.skeleton()),
@@ -173,7 +173,7 @@ class CageRefiner {
     bool has_regions_ = false;
 };
 
-BallReport balls_of(const ConvolutionField& field) {
+BallReport compute_balls(const ConvolutionField& field) {
     BallReport out{0, field.chain()};
     for (const auto& s : field.segments()) {
         if (s.weight > 0 && s.balls > 0) out.balls += static_cast<std::uint64_t>(s.balls) + 1;
@@ -181,8 +181,8 @@ BallReport balls_of(const ConvolutionField& field) {
     return out;
 }
 
-// What the joins of trees make of them: each puts two bodies together, or closes a loop.
-void count_bodies(const Skeleton& tubes, std::span<const NodeJoin> joins, KnotReport& out) {
+// Applies the joins of trees to the counts: each joins two bodies, or closes a loop.
+void count_bodies(const Skeleton& tubes, std::span<const NodeJoin> joins, RemeshReport& out) {
     const std::vector<NodeId> root = pipeline_internal::body_roots(tubes, joins);
     for (const NodeId n : nodes(tubes)) out.parts += root[n.index()] == n ? 1 : 0;
     out.handles = std::ssize(joins) + static_cast<std::int64_t>(out.parts) - tubes.tree_count();
@@ -190,12 +190,12 @@ void count_bodies(const Skeleton& tubes, std::span<const NodeJoin> joins, KnotRe
 
 void remesh(QuadSurface& out, const TubeMap& map, int levels, const MeshOptions& options, const Context& ctx,
             Stages& stages, RemeshTrace* trace, std::span<const std::uint8_t> wanted = {}) {
-    out.knots = stages.run("remesh", 1.0f,
-                           [&] { return remesh_knots(out, map, levels, options, ctx, trace, wanted); });
-    if (out.knots.rounds == 0) count_bodies(map.tubes, out.cage.joins, out.knots);
+    out.repair = stages.run(
+        "remesh", 1.0f, [&] { return repair_intersections(out, map, levels, options, ctx, trace, wanted); });
+    if (out.repair.rounds == 0) count_bodies(map.tubes, out.cage.joins, out.repair);
 }
 
-// Whether quads around thin branches become fewer.
+// Returns whether quads around thin branches become fewer.
 bool is_coarsened(const MeshOptions& options) {
     return options.tube_sides == TubeSides::by_radius && options.levels > 0;
 }
@@ -208,10 +208,10 @@ void remesh_and_coarsen(QuadSurface& out, const TubeMap& map, const Refined& ref
     out.coarsened = stages.run("coarsen", 1.0f, [&] { return coarsen_quads(out, from, options, ctx); });
 }
 
-// Whether a tube is only the branch node at a root.
+// Returns whether a tube is only the branch node at a root.
 bool is_bare_root(const Skeleton& tubes, NodeId tube) { return tubes.is_root(tube) && !tubes.is_tip(tube); }
 
-// The cage alone has no vertices that could round a tip, so that its tubes end in planes there.
+// Without levels, the cage has no vertices to round a tip, so that its tubes end in planes there.
 void shape_tips(QuadSurface& out, const Skeleton& tubes) {
     pipeline_internal::shape_blunt_tips(
         out.cage, tubes, [](NodeId) { return true; },
@@ -221,7 +221,7 @@ void shape_tips(QuadSurface& out, const Skeleton& tubes) {
 QuadSurface mesh_with(PieceEnd end, const Skeleton& prepared, const PointSet& constraints,
                       const MeshOptions& options, const QuadExtras& extras, const Context& ctx,
                       Stages& stages) {
-    if (extras.trace != nullptr) *extras.trace = {};  // of what was made before
+    if (extras.trace != nullptr) *extras.trace = {};  // discards previous results
     QuadSurface out;
     const Wrapped wrapped = to_wrap(prepared, options, end, ctx, stages);
     out.grafted = wrapped.grafted.report;
@@ -230,9 +230,9 @@ QuadSurface mesh_with(PieceEnd end, const Skeleton& prepared, const PointSet& co
     ConvolutionField field = stages.run("weights", 0.2f, [&] {
         return surface_field(wrapped.skeleton(), options, constraints, extras.weights, ctx);
     });
-    if (options.field.kernel == Kernel::balls) out.balls = balls_of(field);
+    if (options.field.kernel == Kernel::balls) out.balls = compute_balls(field);
     Refined refined = CageRefiner(out, options.levels, field, wrapped, options, ctx, stages).run();
-    // What is moved along with its skeleton is projected again in each pose.
+    // A surface that moves along with its skeleton is projected again in each pose.
     if (options.levels == 0 && options.control.tips == TipShape::round && extras.origin == nullptr &&
         options.project.method != ProjectionMethod::none)
         shape_tips(out, wrapped.tubes());
@@ -273,7 +273,7 @@ QuadSurface mesh_with(PieceEnd end, const Skeleton& prepared, const PointSet& co
 
 }  // namespace
 
-TubeCage cage_of(const Skeleton& prepared, const MeshOptions& options, const Context& ctx) {
+TubeCage compute_cage(const Skeleton& prepared, const MeshOptions& options, const Context& ctx) {
     std::vector<std::pair<std::string, double>> seconds;
     Stages stages(ctx, seconds);
     Wrapped wrapped = to_wrap(prepared, options, piece_end(options), ctx, stages);
@@ -290,10 +290,10 @@ QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints,
     };
     const PieceEnd end = piece_end(options);
     QuadSurface out = mesh(end);
-    if (end == PieceEnd::closed || out.knots.pairs_after == 0) return out;
-    // Crowds of branches within each other, of which no one body can be made.
+    if (end == PieceEnd::closed || out.repair.pairs_after == 0) return out;
+    // Crowds of branches within each other, which cannot be merged into one body.
     QuadSurface grafted = mesh(PieceEnd::closed);
-    return grafted.knots.pairs_after < out.knots.pairs_after ? std::move(grafted) : mesh(end);
+    return grafted.repair.pairs_after < out.repair.pairs_after ? std::move(grafted) : mesh(end);
 }
 
 QuadSurface mesh_by_ramifications(const Skeleton& prepared, const PointSet& constraints,
@@ -313,7 +313,7 @@ QuadSurface mesh_by_ramifications(const Skeleton& prepared, const PointSet& cons
                                    ctx, wrapped.parted.round_roots);
     });
     out.ramified = made.report;
-    // The field knows the tubes that the units were built of, the rows are those of what was made of them.
+    // The field uses the tubes from which the units were built, the rows those of the result.
     out.cage = std::move(made.control);
     const std::vector<std::uint32_t> rows_of = out.cage.region;
     const std::vector<NodeId> source = std::exchange(out.cage.region_node, wrapped.source);
@@ -342,27 +342,26 @@ QuadSurface mesh_by_ramifications(const Skeleton& prepared, const PointSet& cons
     return out;
 }
 
-// Hundreds of branches that all begin at one point overlap for most of their length: a surface of them takes
-// minutes and looks like none of them.
+// Hundreds of branches that all begin at one point overlap for most of their length: a surface of them needs
+// minutes and resembles none of them.
 void check_branches(const Skeleton& s) {
-    constexpr std::size_t kMost = 256;
+    constexpr std::size_t kMax = 256;
     for (const NodeId n : nodes(s)) {
         const std::size_t count = s.children(n).size();
-        if (count <= kMost) continue;
+        if (count <= kMax) continue;
         const Vec3d at = Vec3d(s.position(n)) + s.origin();
-        throw InvalidInput(
-            fmt::format("mesh: {} branches begin at the node at {:.6g} {:.6g} {:.6g}, of which a surface can "
-                        "join {}: let "
-                        "them begin at nodes of their own along what they leave, or use the method cylinders",
-                        count, at.x, at.y, at.z, kMost));
+        throw InvalidInput(fmt::format(
+            "mesh: {} branches begin at the node at {:.6g} {:.6g} {:.6g}, but a surface can join at most {}: "
+            "let them begin at separate nodes along their parent, or use the method cylinders",
+            count, at.x, at.y, at.z, kMax));
     }
 }
 
-// The quads that MeshMethod::bmesh stands for.
+// The options of quads for MeshMethod::bmesh.
 MeshOptions on_metaballs(MeshOptions options) {
     FieldOptions& field = options.field;
     if (field.kernel != Kernel::quartic && field.kernel != Kernel::balls)
-        throw InvalidInput("mesh: kernel must be quartic or balls for bmesh, whose balls are quartic");
+        throw InvalidInput("mesh: kernel must be quartic or balls for bmesh, which uses quartic balls");
     field.kernel = Kernel::balls;
     field.blend = 1;
     options.method = MeshMethod::quads;

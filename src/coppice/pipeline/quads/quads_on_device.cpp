@@ -5,7 +5,7 @@
 namespace coppice {
 namespace {
 
-// Fewer are done before the driver of a card has started.
+// Smaller surfaces are complete before the driver of a GPU has started.
 constexpr std::uint64_t kWorthwhile = std::uint64_t{1} << 22;
 
 }  // namespace

@@ -10,13 +10,14 @@
 
 namespace coppice {
 
-/// Whether work of so many faces goes to a card. Throws DeviceError where it has to and there is none.
+/// Returns whether work of this number of faces is done on a GPU. Throws DeviceError if a GPU is required and
+/// there is none.
 bool goes_to_device(Device wanted, std::uint64_t faces, DeviceUse& use);
 
-/// Notes that the CPU did the work, and why.
+/// Records that the CPU did the work, and the reason.
 void note_refusal(DeviceUse& use, const std::string& why);
 
-/// What work() on a card returns; nothing, and a note, where the card failed.
+/// Returns the result of work() on a GPU; nullopt, and a note, if the GPU failed.
 template <class Work>
 auto on_device(DeviceUse& use, const Work& work) -> std::optional<decltype(work())> {
     try {
@@ -27,9 +28,9 @@ auto on_device(DeviceUse& use, const Work& work) -> std::optional<decltype(work(
     }
 }
 
-/// Begins to subdivide a cage and to move it onto a field on a card, which also finds what counts in each
-/// region of the field; where it cannot do that, `set_regions` is called first. What the job refers to has
-/// to outlive DeviceQuads::finish(). Nothing where the card is too small.
+/// Begins to subdivide a cage and to move it onto a field on a GPU, which also finds the relevant segments in
+/// each region of the field; if it cannot do that, `set_regions` is called first. The objects that the job
+/// refers to have to outlive DeviceQuads::finish(). Returns nullopt if the GPU has too little memory.
 std::optional<DeviceQuads> begin_on_device(const cuda::QuadJob& job, const cuda::ContactInput& contacts,
                                            const std::function<void()>& set_regions, DeviceUse& use,
                                            const Context& ctx);

@@ -13,7 +13,7 @@
 namespace coppice::points_internal {
 namespace {
 
-/// N + 1 lattice points along each axis, of which the corners of N^3 cubes are made.
+/// Field samples at N + 1 lattice points along each axis: the corners of N^3 cubes.
 template <std::uint32_t N>
 struct Lattice {
     static constexpr std::uint32_t kLine = N + 1, kPoints = kLine * kLine * kLine, kCubes = N * N * N;
@@ -38,9 +38,8 @@ struct Lattice {
         }
     }
 
-    /// What the corners of the cubes in a row along x say of the values in them: each corner speaks for its
-    /// eighth, to second order, the second derivatives being judged by how the gradient changes over the
-    /// cube.
+    /// Bounds the values in the cubes of a row along x from their corners: each corner represents its eighth,
+    /// to second order, with the second derivatives estimated from the change of the gradient over the cube.
     void ranges(std::uint32_t y, std::uint32_t z, std::array<float, N>& low,
                 std::array<float, N>& high) const {
         constexpr float kFar = std::numeric_limits<float>::max();
@@ -69,7 +68,8 @@ struct Lattice {
         }
     }
 
-    /// Bounds on the density in every cube, x first: 0 without density, negative where it is flat.
+    /// Returns bounds on the density in every cube, x first: 0 without density, negative if the density is
+    /// constant.
     void bounds(const DensityCurve& curve, std::array<float, kCubes>& out) const {
         std::array<float, N> low, high;
         for (std::uint32_t row = 0; row < N * N; ++row) {
@@ -83,7 +83,7 @@ struct Lattice {
     }
 
   private:
-    /// Adds how much a part of the gradient differs between the corners of each cube in a row.
+    /// Adds the difference of a component of the gradient between the corners of each cube in a row.
     static void add_change(const std::array<float, kPoints>& g, std::uint32_t y, std::uint32_t z,
                            std::array<float, N>& change) {
         std::array<float, kLine> least, most;
@@ -110,12 +110,12 @@ Cell make_cell(std::uint32_t voxel, std::uint32_t part, float bound, float facto
 
 }  // namespace
 
-Voxels Voxels::over(const Box3& box, double wanted, double least_edge) {
+Voxels Voxels::over(const Box3& box, double wanted, double min_edge) {
     const Vec3d size(box.size());
     const double longest = std::max({size.x, size.y, size.z});
-    // A flat box has fewer voxels across, but never less than one.
+    // A flat box has fewer voxels across, but at least one.
     double edge = std::cbrt(size.x * size.y * size.z / wanted);
-    edge = std::max({edge, least_edge, longest / 4096});
+    edge = std::max({edge, min_edge, longest / 4096});
     Voxels v;
     v.low = Vec3d(box.low);
     do {
@@ -149,7 +149,7 @@ Cells::Cells(const PointRegion& region, const Voxels& voxels, const Context& ctx
         lattice.evaluate(region, voxels.corner(begin), voxels.edge);
         lattice.bounds(region.density, bounds);
         for (std::uint32_t i = 0; i < Voxels::kBlock; ++i) {
-            // The last blocks reach beyond the box.
+            // The last blocks extend beyond the box.
             const bool empty = is_beyond(voxels.corner(begin + i), region.box);
             bound[begin + i] = empty ? 0 : bounds[i];
             first_[begin + i] = bound[begin + i] != 0;
@@ -235,7 +235,7 @@ Capacity measure_capacity(const PointRegion& region, const Cells& cells, std::ui
     double hits = 0, density = 0, steepness = 0;
     std::array<Vec3, kBatch> points;
     std::array<FieldSample, kBatch> fields;
-    // Cells in order: a batch is a run of neighbours, which fields evaluate fast.
+    // Cells in order: a batch consists of neighbours, which fields evaluate fast.
     for (std::uint32_t begin = 0; begin < samples; begin += kBatch) {
         ctx.throw_if_cancelled();
         for (std::uint32_t k = 0; k < kBatch; ++k) {
@@ -266,7 +266,8 @@ Capacity measure_capacity(const PointRegion& region, const Cells& cells, std::ui
 
 double Capacity::packing_distance(double count) const {
     // Balls of diameter d about the points: count * pi/6 d^3 = 0.384 * (volume + 0.95 d * area), where the
-    // second term gives a share of 0.547 to disks on a thin shell. It is solved by steps that only rise.
+    // second term yields a share of 0.547 for disks on a thin shell. Solved by an increasing fixed-point
+    // iteration.
     constexpr double kBalls = 0.384 * 6 * std::numbers::inv_pi, kRim = 0.95;
     const double area = thickness > 0 ? volume / thickness : 0;
     double d = std::cbrt(kBalls * volume / count);
@@ -276,9 +277,8 @@ double Capacity::packing_distance(double count) const {
 
 void refuse_empty_region() {
     throw InvalidInput(
-        "points: the density is 0 all over the box, as far as its grid shows; check the box and the width, "
-        "or "
-        "give a higher resolution");
+        "points: the density is 0 in the whole box at the resolution of its grid; check the box and the "
+        "width, or increase the resolution");
 }
 
 void check_box(const Box3& box) {
@@ -289,10 +289,10 @@ void check_box(const Box3& box) {
     }
     const float reach = std::max(length(box.low), length(box.high));
     if (!(reach < 1e12f) || !(longest > 1e-12f) || longest < 1e-4f * reach) {
-        throw InvalidInput(fmt::format(
-            "points: the box to fill is {} m long and up to {} m from the origin; move it nearer to the "
-            "origin or scale it",
-            longest, reach));
+        throw InvalidInput(
+            fmt::format("points: the box to fill is {} m long and up to {} m from the origin; move it closer "
+                        "to the origin or scale it",
+                        longest, reach));
     }
 }
 

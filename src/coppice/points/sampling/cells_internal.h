@@ -13,7 +13,7 @@
 
 namespace coppice::points_internal {
 
-/// Cubic voxels over a box, numbered in blocks of 8 x 8 x 8, so that neighbours in space are near in memory
+/// Cubic voxels over a box, numbered in blocks of 8 x 8 x 8, so that neighbours in space are close in memory
 /// and a block is one batch of the field.
 struct Voxels {
     static constexpr std::uint32_t kSide = 8, kBlock = kSide * kSide * kSide;
@@ -22,10 +22,10 @@ struct Voxels {
 
     Vec3d low;
     double edge = 1;                        ///< [m]
-    std::array<std::uint32_t, 3> blocks{};  ///< along each axis
+    std::array<std::uint32_t, 3> blocks{};  ///< number of blocks along each axis
 
-    /// Voxels over `box`: about `wanted`, fewer where `least_edge` asks for it, at most 2^31.
-    static Voxels over(const Box3& box, double wanted, double least_edge);
+    /// Creates voxels over `box`: about `wanted`, fewer if `min_edge` requires it, at most 2^31.
+    static Voxels over(const Box3& box, double wanted, double min_edge);
     static double bytes_per_voxel() { return 8; }
 
     std::uint64_t count() const { return std::uint64_t{kBlock} * blocks[0] * blocks[1] * blocks[2]; }
@@ -43,22 +43,22 @@ struct Voxels {
         const auto [x, y, z] = place(index);
         return low + edge * Vec3d(x, y, z);
     }
-    /// The voxels of one axis from which to which a ball's box reaches.
+    /// Returns the range of voxels along one axis that overlap the box of a ball.
     std::array<std::uint32_t, 2> range(int axis, double center, double radius) const;
 };
 
-/// A cube of a voxel: all cubes have the same size, a voxel cut into 8^level.
+/// Cube of a voxel: all cubes have the same size, a voxel divided into 8^level.
 struct Cell {
     static constexpr unsigned kDeepest = 10;
-    static constexpr std::uint32_t kFlat = 1u << 31;  ///< in `part`: the density is `bound` all over the cell
+    static constexpr std::uint32_t kFlat = 1u << 31;  ///< in `part`: the density is `bound` in the whole cell
 
     std::uint32_t voxel;
-    std::uint32_t part;  ///< place in the voxel, 10 bits for each axis
-    float bound;         ///< on the density in the cell; holds as far as the field is smooth at this scale
-    float factor;        ///< of the kernels of placed points at the centre
+    std::uint32_t part;  ///< position in the voxel, 10 bits for each axis
+    float bound;   ///< upper bound of the density in the cell; valid if the field is smooth at this scale
+    float factor;  ///< product of the kernels of placed points at the centre
 };
 
-/// The cells in which the density may be above 0, sorted by voxel.
+/// Cells with a possible density above 0, sorted by voxel.
 class Cells {
   public:
     Cells(const PointRegion& region, const Voxels& voxels, const Context& ctx);
@@ -70,15 +70,15 @@ class Cells {
     Cell& operator[](std::uint32_t i) { return cells_[i]; }
     const Cell& operator[](std::uint32_t i) const { return cells_[i]; }
     Vec3d low(const Cell& cell) const { return voxels_.corner(cell.voxel) + edge_ * part(cell.part); }
-    /// Cells of a voxel: [first, second).
+    /// Returns the range of cells of a voxel: [first, second).
     std::array<std::uint32_t, 2> of(std::uint32_t voxel) const { return {first_[voxel], first_[voxel + 1]}; }
 
-    /// Which of its eight parts a cell loses: bit k for the part on side k & 1, k & 2, k & 4 of the axes.
+    /// Returns the parts of a cell to remove: bit k for the part on side k & 1, k & 2, k & 4 of the axes.
     using Losses = std::function<unsigned(const Cell&)>;
-    /// Cuts each cell in eight and keeps the parts where the density may be above 0 and that `losses`, which
-    /// must be thread safe, does not name. Cells of factor 0 vanish.
+    /// Divides each cell into eight and keeps the parts with a possible density above 0 that `losses`, which
+    /// must be thread-safe, does not select. Cells of factor 0 are removed.
     void subdivide(const PointRegion& region, const Losses& losses, const Context& ctx);
-    /// Memory that `subdivide` takes at most, next to what is held.
+    /// Returns the maximum additional memory of `subdivide`.
     double subdivide_bytes() const { return 8.0 * size() * (sizeof(Cell) + sizeof(float)); }
 
   private:
@@ -92,37 +92,37 @@ class Cells {
     Buffer<std::uint32_t> first_;
 };
 
-/// What a region has room for, from a seeded sample of its cells.
+/// Capacity of a region, estimated from a seeded sample of its cells.
 struct Capacity {
-    double volume = 0;     ///< [m^3] where the density is above 0
-    double mass = 0;       ///< [m^3] integral of the density over its greatest value
-    double thickness = 0;  ///< [m] of a shell; 0 where the region is no shell
-    double greatest = 0;   ///< density met
-    /// A place with a density above 0, as the sample met it.
+    double volume = 0;     ///< [m^3] volume of the region with a density above 0
+    double mass = 0;       ///< [m^3] integral of the density divided by its maximum
+    double thickness = 0;  ///< [m] thickness of a shell; 0 if the region is not a shell
+    double greatest = 0;   ///< maximum sampled density
+    /// Sample with a density above 0.
     struct Met {
-        float value;     ///< of the field
-        double density;  ///< there
+        float value;     ///< value of the field
+        double density;  ///< density at the sample
     };
-    std::vector<Met> met;  ///< all of them
+    std::vector<Met> met;  ///< all samples
 
-    /// The distance at which `count` random Poisson disks fill the region: densest random packing of balls
-    /// (share 0.384), and of disks (0.547) where the shell is thinner than the distance.
+    /// Returns the distance at which `count` random Poisson disks fill the region: densest random packing of
+    /// balls (share 0.384), and of disks (0.547) if the shell is thinner than the distance.
     double packing_distance(double count) const;
 };
-/// Of about so many samples, whole batches of them.
+/// Estimates the capacity from about `samples` samples, in whole batches.
 Capacity measure_capacity(const PointRegion& region, const Cells& cells, std::uint64_t seed,
                           const Context& ctx, std::uint32_t samples = 16384);
 
-/// Throws InvalidInput, one sentence, for a region in which no density was found.
+/// Throws InvalidInput for a region without density.
 [[noreturn]] void refuse_empty_region();
 
-/// Throws InvalidInput unless the box is finite, has a volume and floats can tell its points apart.
+/// Throws InvalidInput unless the box is finite, has a volume and floats can represent its points.
 void check_box(const Box3& box);
 
-/// Throws InvalidInput, one sentence, when `bytes` is above `limit_mib`.
+/// Throws InvalidInput if `bytes` exceeds `limit_mib`.
 void check_memory(double bytes, double limit_mib);
 
-/// Sums of the bounds up to each cell, for draws from cells that do not change.
+/// Cumulative sums of the bounds, for draws from cells that do not change.
 class CellSums {
   public:
     explicit CellSums(const Cells& cells);
@@ -130,7 +130,7 @@ class CellSums {
     std::uint32_t find(double share) const;
 
   private:
-    Buffer<double> sum_;  ///< before each cell
+    Buffer<double> sum_;  ///< sum before each cell
     double total_ = 0;
 };
 

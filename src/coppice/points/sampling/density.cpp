@@ -13,15 +13,16 @@ namespace coppice {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr double kGreatest = 1e12;  // sums of densities keep their digits
+constexpr double kMax = 1e12;  // limits the loss of precision of sums of densities
 
-bool lies_in(float x, float low, float high) { return x >= low && x <= high; }
+bool is_in(float x, float low, float high) { return x >= low && x <= high; }
 
 }  // namespace
 
 DensityCurve::DensityCurve(PointDensity kind, float level, float width, float power)
     : low_(level), high_(kInfinity) {
-    if (!std::isfinite(level)) throw InvalidInput("density: the level of the field must be a finite number");
+    if (!std::isfinite(level))
+        throw InvalidInput("density: the iso value of the field must be a finite number");
     if (kind == PointDensity::uniform) return;
     if (kind == PointDensity::inside_boundary || kind == PointDensity::outside_boundary) {
         if (!(width > 0) || !std::isfinite(width)) {
@@ -34,16 +35,16 @@ DensityCurve::DensityCurve(PointDensity kind, float level, float width, float po
         if (kind == PointDensity::outside_boundary) high_ = level;
         if (!(low_ < high_)) {
             throw InvalidInput(
-                fmt::format("density: width {} is too small beside the level {}", width, level));
+                fmt::format("density: width {} is too small relative to the iso value {}", width, level));
         }
         return;
     }
-    if (!lies_in(power, 0, 16)) {
-        throw InvalidInput(fmt::format("density: power must lie between 0 and 16, but is {}", power));
+    if (!is_in(power, 0, 16)) {
+        throw InvalidInput(fmt::format("density: power must be between 0 and 16, but is {}", power));
     }
     if (!(level > 0)) {
         throw InvalidInput(
-            fmt::format("density: {} needs a field whose level is above 0, but it is {}; use uniform",
+            fmt::format("density: {} needs a field with an iso value above 0, but it is {}; use uniform",
                         name_of(kind), level));
     }
     scale_ = 1 / static_cast<double>(level);
@@ -53,17 +54,17 @@ DensityCurve::DensityCurve(PointDensity kind, float level, float width, float po
 DensityCurve::DensityCurve(std::vector<Knot> knots)
     : low_(0), high_(0), closed_(true), knots_(std::move(knots)) {
     if (knots_.size() < 2) throw InvalidInput("density: a curve needs at least two knots");
-    float first = kInfinity, last = -kInfinity;  // of the values with a density
+    float first = kInfinity, last = -kInfinity;  // range of the values with a density
     for (std::size_t i = 0; i < knots_.size(); ++i) {
         const Knot k = knots_[i];
-        if (!std::isfinite(k.value) || !lies_in(k.density, 0, 1e6f)) {
+        if (!std::isfinite(k.value) || !is_in(k.density, 0, 1e6f)) {
             throw InvalidInput(
                 fmt::format("density: knot {} ({}, {}) must have a finite value and a density from 0 to 1e6",
                             i + 1, k.value, k.density));
         }
         if (i > 0 && k.value < knots_[i - 1].value) {
             throw InvalidInput(
-                fmt::format("density: the values of the knots must not fall, but knot {} has {} after {}",
+                fmt::format("density: the values of the knots must not decrease, but knot {} has {} after {}",
                             i + 1, k.value, knots_[i - 1].value));
         }
         if (!(k.density > 0)) continue;
@@ -80,7 +81,7 @@ DensityCurve::DensityCurve(std::vector<Knot> knots)
 }
 
 double DensityCurve::inside(float value) const {
-    if (exponent_ != 0) return std::min(kGreatest, std::pow(scale_ * value, exponent_));
+    if (exponent_ != 0) return std::min(kMax, std::pow(scale_ * value, exponent_));
     if (knots_.empty()) return 1;
     const auto above = std::upper_bound(knots_.begin(), knots_.end(), value,
                                         [](float v, const Knot& k) { return v < k.value; });
@@ -91,12 +92,12 @@ double DensityCurve::inside(float value) const {
 }
 
 double DensityCurve::at(float value) const {
-    const bool in = closed_ ? lies_in(value, low_, high_) : value > low_ && value < high_;
+    const bool in = closed_ ? is_in(value, low_, high_) : value > low_ && value < high_;
     return in ? inside(value) : 0;
 }
 
 DensityCurve::Range DensityCurve::over(float low, float high) const {
-    if (!(low <= high)) low = -kInfinity, high = kInfinity;  // not a number: anything may be
+    if (!(low <= high)) low = -kInfinity, high = kInfinity;  // not a number: no bounds are known
     if (high < low_ || low > high_) return {0, 0};
     const bool whole = low > low_ && high < high_;
     low = std::max(low, low_);
@@ -104,7 +105,7 @@ DensityCurve::Range DensityCurve::over(float low, float high) const {
     const auto [least, greatest] = std::minmax({inside(low), inside(high)});
     Range range{least, greatest};
     for (std::size_t i = 0; i < knots_.size(); ++i) {
-        if (!lies_in(knots_[i].value, low, high)) continue;
+        if (!is_in(knots_[i].value, low, high)) continue;
         range.least = std::min<double>(range.least, knots_[i].density);
         range.greatest = std::max<double>(range.greatest, knots_[i].density);
     }

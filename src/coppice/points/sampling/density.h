@@ -8,11 +8,11 @@
 
 namespace coppice {
 
-/// How the density of points follows from the value of a field whose surface is value = level.
+/// Density of points as a function of the value of a field with the surface value = level.
 enum class PointDensity {
-    uniform,          ///< the same everywhere inside
-    proportional,     ///< inside, as the value: dense in the middle
-    inverse,          ///< inside, as its reciprocal: dense near the surface
+    uniform,          ///< constant inside
+    proportional,     ///< inside, proportional to the value: dense in the middle
+    inverse,          ///< inside, proportional to the reciprocal of the value: dense near the surface
     inside_boundary,  ///< in the shell level < value < level + width
     outside_boundary  ///< in the shell level - width < value < level
 };
@@ -23,44 +23,46 @@ struct EnumNames<PointDensity> {
                                                            "inside_boundary", "outside_boundary"};
 };
 
-/// A density of points as a function of a field's value: never negative, only its shape matters, not its
-/// scale. Values that are not a number have density 0.
+/// Density of points as a function of the value of a field: never negative; only its shape matters, not its
+/// scale. The density of NaN is 0.
 class DensityCurve {
   public:
-    /// A corner of a curve.
+    /// Vertex of a piecewise linear curve.
     struct Knot {
-        float value;    ///< of the field
+        float value;    ///< value of the field
         float density;  ///< relative, 0 to 1e6
     };
 
-    /// Densities of the kinds above. `width` (of the shells, in units of the value) is above 0 and finite.
-    /// `power` 0 to 16 is the exponent of `proportional` and `inverse`, which need a level above 0. Throws
-    /// InvalidInput.
+    /// Creates a density of one of the kinds above. `width` (of the shells, in units of the value) is above 0
+    /// and finite. `power`, 0 to 16, is the exponent of `proportional` and `inverse`, which need a level
+    /// above 0. Throws InvalidInput.
     DensityCurve(PointDensity kind, float level, float width = 0.1f, float power = 1);
 
-    /// Linear between knots, 0 before the first and behind the last; values must not fall, and two knots of
-    /// one value make a step. Throws InvalidInput for fewer than two knots, falling values, negative
-    /// densities, numbers that are not finite, and where no density is above 0.
+    /// Creates a piecewise linear density, 0 before the first knot and after the last; values must not
+    /// decrease, and two knots with the same value define a step. Throws InvalidInput for fewer than two
+    /// knots, decreasing values, negative densities, numbers that are not finite, and if no density is above
+    /// 0.
     explicit DensityCurve(std::vector<Knot> knots);
 
-    /// The density where the field has this value.
+    /// Returns the density at a value of the field.
     double at(float value) const;
 
-    /// The greatest and the least density of values from low to high.
+    /// Minimum and maximum density of a range of values.
     struct Range {
-        double least;     ///< no density is less
-        double greatest;  ///< no density is greater
+        double least;     ///< lower bound
+        double greatest;  ///< upper bound
     };
-    /// The bounds of the density for values from low to high.
+    /// Returns bounds of the density for values from low to high.
     Range over(float low, float high) const;
 
-    /// The range of values with a density above 0: of a shell, or of knots; 0 where it has no end.
+    /// Returns the width of the range of values with a density above 0: of a shell, or of knots; 0 if the
+    /// range is unbounded.
     float shell_width() const { return shell_width_; }
 
   private:
     double inside(float value) const;
 
-    float low_, high_;  ///< the density is 0 outside; the ends themselves belong to it where closed_
+    float low_, high_;  ///< the density is 0 outside; the bounds are included if closed_
     bool closed_ = false;
     float shell_width_ = 0;
     double scale_ = 1, exponent_ = 0;

@@ -12,14 +12,16 @@
 namespace coppice::points_internal {
 namespace {
 
-constexpr int kMostNeighbours = 1024;  // of one point: about 40 times what an even set has
-constexpr std::size_t kLook = 1024;    // points that are weighed, or go, between two looks at the stop token
-constexpr float kWeighed = 0.25f;      // of the time when all points are weighed
+constexpr int kMaxNeighbours =
+    1024;  // maximum number of neighbours of a point: about 40 times that of an even set
+constexpr std::size_t kLook =
+    1024;  // number of points that are weighted or removed between two checks of the stop token
+constexpr float kWeighed = 0.25f;  // progress after the computation of the weights
 
-/// How much a neighbour at a distance weighs. Source: [Yuksel2015], with its alpha of 8.
+/// Weight of a neighbour as a function of the distance. Source: [Yuksel2015], with its alpha of 8.
 struct NeighbourWeight {
-    double reach;  ///< [m] beyond it a neighbour weighs nothing
-    double least;  ///< [m] nearer neighbours weigh as much as one there
+    double reach;  ///< [m] distance beyond which a neighbour has no weight
+    double least;  ///< [m] distance below which the weight is constant
 
     NeighbourWeight(double radius, double share) : reach(2 * radius) {
         constexpr double kBeta = 0.65, kGamma = 1.5;
@@ -37,11 +39,11 @@ struct HeapEntry {
     std::uint32_t item, number;
 };
 
-/// A heap of points, the heaviest on top, whose weights may fall; of equal ones the one of least number comes
-/// first. Four children of a node share a line of memory.
+/// Heap of points, largest weight on top; weights may decrease. Among equal weights the smallest number
+/// precedes. The four children of a node share a cache line.
 class Heap {
   public:
-    static constexpr double kBytes = sizeof(HeapEntry) + sizeof(std::uint32_t);  ///< for each point
+    static constexpr double kBytes = sizeof(HeapEntry) + sizeof(std::uint32_t);  ///< bytes per point
 
     Heap(const PointGrid& grid, const Buffer<double>& weight, const Context& ctx)
         : entry_(weight.size()), place_(weight.size()) {
@@ -97,7 +99,7 @@ class Heap {
     Buffer<std::uint32_t> place_;  // by item
 };
 
-/// The sums of what the neighbours of each point weigh.
+/// Returns the total weight of the neighbours of each point.
 Buffer<double> weigh(const PointGrid& grid, const NeighbourWeight& weight, const Context& ctx) {
     Buffer<double> weights(grid.size());
     std::atomic<bool> crowded = false;
@@ -107,15 +109,14 @@ Buffer<double> weigh(const PointGrid& grid, const NeighbourWeight& weight, const
             double sum = 0;
             const bool ended = !grid.visit(grid[i], weight.reach, [&](std::uint32_t n, double d2) {
                 if (n != i) sum += weight.at(d2);
-                return ++neighbours < kMostNeighbours;
+                return ++neighbours < kMaxNeighbours;
             });
             if (ended) crowded = true;
             weights[i] = sum;
         }
     });
     if (!crowded) return weights;
-    throw InvalidInput(
-        "points: the points lie on one another, so that they cannot be spread evenly; lower count");
+    throw InvalidInput("points: too many points coincide to be spread evenly; lower count");
 }
 
 }  // namespace

@@ -8,10 +8,10 @@
 
 namespace coppice::points_internal {
 
-/// Keeps `count` of the points, in their order, so that they lie as evenly as they can: the one that is
-/// crowded most goes first, and so on. `radius` is half the distance at which points stop to matter to each
-/// other, about half the distance of the most even set. Source: [Yuksel2015]. O(n log n). Throws InvalidInput
-/// when points lie on one another so that this would take too long.
+/// Keeps the `count` points, in their order, that are distributed most evenly: repeatedly removes the point
+/// with the largest weight of its neighbours. `radius` is half the maximum distance of neighbours, about half
+/// the distance of the most even set. Source: [Yuksel2015]. O(n log n). Throws InvalidInput if so many points
+/// coincide that this would take too long.
 Buffer<Vec3> eliminate(const Buffer<Vec3>& points, std::size_t count, double radius, const Context& ctx);
 double eliminate_bytes(double points);
 

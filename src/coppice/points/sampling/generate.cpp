@@ -9,17 +9,18 @@
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
 #include "coppice/base/progress.h"
+#include "coppice/points/sampling/dart_throwing_internal.h"
 #include "coppice/points/sampling/eliminate_internal.h"
 #include "coppice/points/sampling/independent_internal.h"
-#include "coppice/points/sampling/lane_internal.h"
 
 namespace coppice {
 namespace points_internal {
 namespace {
 
 constexpr double kVoxels =
-    64 * 64 * 64;                       // resolve a solid for rejection; finer ones cost more than they save
-constexpr std::size_t kCandidates = 4;  // for each point of blue noise
+    64 * 64 *
+    64;  // number of voxels to resolve a solid for rejection sampling; more cost more than they save
+constexpr std::size_t kCandidates = 4;  // number of candidates per point of blue noise
 
 Cells coarse_cells(const PointRegion& region, const GenerateOptions& o, const Context& ctx) {
     const Vec3 size = region.box.size();
@@ -32,20 +33,21 @@ Cells coarse_cells(const PointRegion& region, const GenerateOptions& o, const Co
     return Cells(region, voxels, ctx);
 }
 
-constexpr double kGoodShare = 0.15;    // of the cells' volume: few draws are then rejected
-constexpr double kSoundShare = 0.005;  // enough of the sampled points lie inside to tell the capacity by them
+constexpr double kGoodShare = 0.15;  // minimum share of the volume of the cells for few rejected draws
+constexpr double kSoundShare =
+    0.005;  // minimum share of samples inside for a reliable estimate of the capacity
 
-// Parts of the whole time, for progress.
+// Progress at the end of each stage.
 constexpr float kSurveyed = 0.05f;
 constexpr float kBlueDrawn = 0.2f;
 
-/// The cells, and what they have room for.
+/// Cells and their capacity.
 struct Survey {
     Cells cells;
     Capacity capacity;
 };
 
-/// Subdivides cells until the given share of them is filled, as thin shells need.
+/// Subdivides cells until at least the given share of their volume has density, as required for thin shells.
 Survey survey_region(const PointRegion& region, const GenerateOptions& o, double share, const Context& ctx) {
     Survey survey{coarse_cells(region, o, ctx), {}};
     Cells& cells = survey.cells;
@@ -62,14 +64,14 @@ Survey survey_region(const PointRegion& region, const GenerateOptions& o, double
     return survey;
 }
 
-/// The law of the density, looked at more closely the more points there are.
+/// Computes the density law; the number of samples increases with the number of points.
 DensityLaw law_of(const PointRegion& region, const GenerateOptions& o, const Survey& survey,
                   const Context& ctx) {
     constexpr int kSamplesPerPoint = 16;
-    constexpr std::size_t kPointsOfShell = 40, kMostShells = 32;
+    constexpr std::size_t kPointsOfShell = 40, kMaxShells = 32;
     const auto samples = static_cast<std::uint32_t>(std::clamp(o.count, 1024, 32768)) * kSamplesPerPoint;
     const auto shells =
-        std::clamp<std::size_t>(static_cast<std::size_t>(o.count) / kPointsOfShell, 1, kMostShells);
+        std::clamp<std::size_t>(static_cast<std::size_t>(o.count) / kPointsOfShell, 1, kMaxShells);
     const Capacity close =
         measure_capacity(region, survey.cells, static_cast<std::uint64_t>(o.seed) + 1, ctx, samples);
     return density_law(close.met.empty() ? survey.capacity : close, shells);
@@ -90,23 +92,23 @@ GenerateResult generate_by_lane(const PointRegion& region, const GenerateOptions
         if (o.count == 0)
             throw InvalidInput("points: a count of 0 fills the solid, which needs a distance above 0");
         survey = survey_region(region, o, kSoundShare, ctx);
-        // Clusters need room to be dense in some places and empty in others.
+        // Clusters need space for dense and empty regions.
         const double share = o.pattern == PointPattern::clustered ? o.spacing / 3 : o.spacing;
         distance = static_cast<float>(share * survey->capacity.packing_distance(o.count));
     }
     const RadialKernel kernel = kernel_of(o, distance);
-    LaneOptions lane_options;
+    DartThrowingOptions lane_options;
     lane_options.count = o.count;
     lane_options.resolution = o.resolution;
     lane_options.seed = o.seed;
     lane_options.max_memory = o.max_memory;
     const Context sampling = part_of(ctx, survey ? kSurveyed : 0, 1);
-    LaneResult placed;
+    DartThrowingResult placed;
     if (survey) {
         const DensityLaw law = law_of(region, o, *survey, ctx);
         placed = sample_lane_in_cells(region, kernel, lane_options, law, std::move(survey->cells), sampling);
     } else {
-        placed = sample_lane(region, kernel, lane_options, sampling);
+        placed = sample_dart_throwing(region, kernel, lane_options, sampling);
     }
     result.points = std::move(placed.points);
     result.stop = placed.stop;
@@ -132,7 +134,7 @@ GenerateResult generate_independent(const PointRegion& region, const GenerateOpt
     GenerateResult result;
     result.tries = draws.tries;
     if (blue) {
-        // The distance of the densest lattice bounds that of any set.
+        // The distance of the densest lattice is an upper bound for every set.
         const double ideal =
             survey.capacity.packing_distance(count) * std::cbrt(std::numbers::pi / std::sqrt(18.0) / 0.384);
         draws.points = eliminate(draws.points, static_cast<std::size_t>(o.count), ideal / 2,

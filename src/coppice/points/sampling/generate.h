@@ -8,19 +8,19 @@
 #include "coppice/base/fields.h"
 #include "coppice/points/point_region.h"
 #include "coppice/points/point_set.h"
+#include "coppice/points/sampling/dart_throwing.h"
 #include "coppice/points/sampling/density.h"
-#include "coppice/points/sampling/lane.h"
 
 namespace coppice {
 
-/// How points lie among each other.
+/// Distribution of points relative to each other.
 enum class PointPattern {
-    poisson_disk,  ///< none nearer than a distance, otherwise random (Lane's method)
-    clustered,     ///< the same, and points draw others near (Lane's method)
-    uniform,       ///< each independent of all others
-    jittered,      ///< one at random in each cube of a lattice
-    blue_noise     ///< the most even: those of more random points that are left by sample elimination
-                   ///< [Yuksel2015]; levels densities
+    poisson_disk,  ///< random with a minimum distance (Lane's method)
+    clustered,     ///< the same, with attraction between points (Lane's method)
+    uniform,       ///< independent
+    jittered,      ///< one random point in each cube of a lattice
+    blue_noise     ///< most even: random points reduced by sample elimination [Yuksel2015]; flattens density
+                   ///< variations
 };
 
 template <>
@@ -29,74 +29,81 @@ struct EnumNames<PointPattern> {
                                                            "blue_noise"};
 };
 
-/// How many points there are, and how they lie.
+/// Options of `generate`.
 struct GenerateOptions {
-    PointPattern pattern = PointPattern::poisson_disk;  ///< how they lie to each other
-    PointDensity density = PointDensity::uniform;       ///< where they are dense
-    float width = 0.1f;  ///< of a shell at the boundary, in units of the field's value; > 0
+    PointPattern pattern = PointPattern::poisson_disk;  ///< distribution relative to each other
+    PointDensity density = PointDensity::uniform;       ///< density as a function of the field
+    float width = 0.1f;  ///< width of a shell at the boundary, in units of the value of the field; > 0
     float power = 1;     ///< exponent of the value in proportional and inverse densities
-    int count = 1000;  ///< points; jittered: about; 0 = as many as keep `distance` (poisson_disk, clustered)
-    float distance = 0;       ///< [m] least distance of poisson_disk and clustered; 0 = by `spacing`
-    float spacing = 0.75f;    ///< least distance over the one at which `count` points leave no room for
-                              ///< another, with the density of the place; clusters take a third of it, the
-                              ///< same everywhere
-    float cluster_reach = 0;  ///< [m] how far a point draws others; 0 = 4 distances
-    float cluster_gain = 4;  ///< density just outside the distance, over what it was; < 1 pushes away instead
-    int resolution = 0;      ///< voxels along the longest side of the box; 0 = automatic
-    int seed = 0;            ///< another seed, another set
-    int max_memory = 4096;   ///< [MiB] what would take more is refused before it starts
+    int count = 1000;    ///< number of points; jittered: approximate; 0 = as many as keep `distance`
+                         ///< (poisson_disk, clustered)
+    float distance = 0;  ///< [m] minimum distance of poisson_disk and clustered; 0 = computed from `spacing`
+    float spacing = 0.75f;    ///< minimum distance relative to that at which `count` points fill the region,
+                              ///< varying with the density; clusters use a third of it, constant everywhere
+    float cluster_reach = 0;  ///< [m] distance up to which a point attracts others; 0 = 4 distances
+    float cluster_gain = 4;   ///< factor of the density just beyond the distance; < 1 repels instead
+    int resolution = 0;       ///< number of voxels along the longest side of the box; 0 = automatic
+    int seed = 0;             ///< random seed
+    int max_memory = 4096;    ///< [MiB] maximum memory; larger requests are refused in advance
 };
 
 template <class Self, class Visitor>
 requires SameOptions<Self, GenerateOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"pattern", "how points lie among each other"}, o.pattern);
-    visit(Field{"density", "how dense points lie, by the value of the field"}, o.density);
-    visit(Field{"width", "width of a shell at the boundary, in units of the field's value", Unit::none, 1e-6,
-                1e6},
+    visit(Field{"pattern", "Distribution of the points relative to each other."}, o.pattern);
+    visit(Field{"density", "Density of the points as a function of the value of the field."}, o.density);
+    visit(Field{"width", "Width of a shell at the boundary, in units of the value of the field.", Unit::none,
+                1e-6, 1e6},
           o.width);
-    visit(Field{"power", "exponent of the value in proportional and inverse densities", Unit::none, 0, 16},
+    visit(Field{"power", "Exponent of the value in proportional and inverse densities.", Unit::none, 0, 16},
           o.power);
-    visit(Field{"count", "number of points; 0 = as many as keep the distance", Unit::none, 0, 1e8}, o.count);
-    visit(Field{"distance", "least distance between points; 0 = by spacing", Unit::metre, 0, 1e9},
+    visit(Field{"count", "Number of points; 0 places as many as keep the distance.", Unit::none, 0, 1e8},
+          o.count);
+    visit(Field{"distance", "Minimum distance between points; 0 computes it from the spacing.", Unit::metre,
+                0, 1e9},
           o.distance);
-    visit(Field{"spacing", "least distance over the one at which the points leave no room for another",
+    visit(Field{"spacing",
+                "Minimum distance between points, relative to that at which the points fill the region.",
                 Unit::none, 0, 1},
           o.spacing);
-    visit(Field{"cluster_reach", "how far a point of a cluster draws others; 0 = 4 distances", Unit::metre, 0,
-                1e9},
+    visit(Field{"cluster_reach",
+                "Distance up to which a point of a cluster attracts others; 0 uses four times the minimum "
+                "distance.",
+                Unit::metre, 0, 1e9},
           o.cluster_reach);
-    visit(Field{"cluster_gain", "factor by which a point raises the density near it", Unit::none, 0, 1e4},
+    visit(Field{"cluster_gain", "Factor by which a point increases the density near it.", Unit::none, 0, 1e4},
           o.cluster_gain);
-    visit(Field{"resolution", "voxels along the longest side of the box; 0 = automatic", Unit::none, 0, 2048},
-          o.resolution);
-    visit(Field{"seed", "another seed gives another set", Unit::none, 0, 2147483647}, o.seed);
-    visit(Field{"max_memory", "MiB that may be used", Unit::none, 1, 1e6}, o.max_memory);
+    visit(
+        Field{"resolution", "Number of voxels along the longest side of the box; 0 chooses it automatically.",
+              Unit::none, 0, 2048},
+        o.resolution);
+    visit(Field{"seed", "Seed of the random points.", Unit::none, 0, 2147483647}, o.seed);
+    visit(Field{"max_memory", "Maximum memory in MiB.", Unit::none, 1, 1e6}, o.max_memory);
 }
 
-/// New points, and why there are no more.
+/// Generated points and the reason for the end.
 struct GenerateResult {
     PointSet points;                            ///< origin zero
-    PointStop stop = PointStop::count_reached;  ///< why it ended
-    float distance = 0;                         ///< [m] that is kept; 0 for patterns that keep none
-    std::uint64_t tries = 0;                    ///< points drawn, also those that were refused
+    PointStop stop = PointStop::count_reached;  ///< reason for the end
+    float distance = 0;       ///< [m] minimum distance of the points; 0 for patterns without one
+    std::uint64_t tries = 0;  ///< number of points drawn, including rejected ones
 };
 
-/// Fills a solid, or a shell at its boundary, with points of any pattern and density. `box` should hold the
-/// field's support; nothing outside it is filled. The density of every point is above 0 exactly there, not
-/// only in its voxel. Poisson disks without a `distance` of the caller's follow the density within some per
-/// cent in shells of the field's value: their distance goes with the cube root of the room that points have,
-/// and of no shell more are placed than its share. With a `distance`, and in clusters, places that are dense
-/// fill up, as in [Lane2002]. Deterministic for any number of threads; the field must be thread safe. Cost:
-/// linear in the evaluations of the field, about two for each uniform point and 16 for one of blue noise; see
-/// `sample_lane` for the others.
+/// Fills a solid, or a shell at its boundary, with points of any pattern and density. `box` should contain
+/// the support of the field; no points are placed outside it. The density of every point itself is above 0,
+/// not only that of its voxel. Poisson disks without a specified `distance` follow the density within some
+/// per cent in shells of the value of the field: their distance is proportional to the cube root of the
+/// volume per point, and each shell gets at most its share of the points. With a `distance`, and in clusters,
+/// dense regions fill up, as in [Lane2002]. The result does not depend on the number of threads; the field
+/// must be thread-safe. Cost: linear in the evaluations of the field, about two for each uniform point and 16
+/// for one of blue noise; see `sample_dart_throwing` for the others.
 ///
-/// Throws InvalidInput, one sentence: options out of range, a box without volume, a density of 0 all over the
-/// box, too much memory. Throws Cancelled.
+/// Throws InvalidInput for options out of range, a box without volume, a density of 0 in the whole box, or
+/// too much memory. Throws Cancelled.
 GenerateResult generate(const FieldRef& field, const Box3& box, const GenerateOptions& options = {},
                         const Context& ctx = {});
 
-/// The same with a density of the caller's; `density`, `width` and `power` of the options are passed over.
+/// Fills a region with a custom density; ignores `density`, `width` and `power` of the options.
 GenerateResult generate(const PointRegion& region, const GenerateOptions& options = {},
                         const Context& ctx = {});
 

@@ -13,15 +13,15 @@ namespace coppice::points_internal {
 namespace {
 
 constexpr std::uint64_t kUniformStage = 0x756e69, kJitterStage = 0x6a6974;
-constexpr std::size_t kRound = std::size_t{1} << 20;  // candidates at once
-constexpr std::size_t kBatch = 256;                   // points for one call of the field
+constexpr std::size_t kRound = std::size_t{1} << 20;  // maximum number of candidates of a round
+constexpr std::size_t kBatch = 256;                   // number of points per call of the field
 
 struct Candidate {
     std::uint32_t cell;
     std::uint32_t index;  ///< in the round
 };
 
-/// Appends the accepted in order, at most `most` of them.
+/// Appends the accepted points in order, at most `most` of them.
 void append_accepted(const Buffer<Vec3>& points, const Buffer<std::uint8_t>& accepted, std::size_t most,
                      Buffer<Vec3>& out) {
     for (std::size_t i = 0; i < points.size() && most > 0; ++i) {
@@ -31,7 +31,8 @@ void append_accepted(const Buffer<Vec3>& points, const Buffer<std::uint8_t>& acc
     }
 }
 
-/// Evaluates runs of neighbours: place(k) gives the k-th point, keep(k, point, density) hears of it.
+/// Evaluates the field in batches: place(k) returns the k-th point, keep(k, point, density) receives its
+/// density.
 template <class Place, class Keep>
 void evaluate(const PointRegion& region, std::size_t count, const Context& ctx, const Place& place,
               const Keep& keep) {
@@ -68,7 +69,7 @@ Draws draw_independent(const PointRegion& region, const Cells& cells, std::size_
     while (draws.points.size() < count) {
         ctx.throw_if_cancelled();
         const std::size_t missing = count - draws.points.size();
-        // As many as the share accepted so far asks for, and a few more.
+        // The number required at the current acceptance rate, and a few more.
         const double share = draws.tries == 0 ? 1
                                               : std::max(0.001, static_cast<double>(draws.points.size()) /
                                                                     static_cast<double>(draws.tries));
@@ -106,7 +107,7 @@ Draws draw_independent(const PointRegion& region, const Cells& cells, std::size_
 
 Draws draw_jittered(const PointRegion& region, const Capacity& capacity, double count, std::uint64_t seed,
                     const Context& ctx) {
-    constexpr double kMostCubes = 2e8;
+    constexpr double kMaxCubes = 2e8;
     const CounterRandom random(seed, kJitterStage);
     const double edge = std::cbrt(capacity.mass / count);
     const Vec3d size(region.box.size());
@@ -117,7 +118,7 @@ Draws draw_jittered(const PointRegion& region, const Capacity& capacity, double 
         cubes *= along;
         n[static_cast<std::size_t>(axis)] = static_cast<std::uint64_t>(along);
     }
-    if (cubes > kMostCubes) {
+    if (cubes > kMaxCubes) {
         throw InvalidInput(fmt::format(
             "points: a jittered set of this density has {:.0f} cubes in the box; use another pattern or a "
             "wider shell",

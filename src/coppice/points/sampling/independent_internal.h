@@ -10,15 +10,16 @@ namespace coppice::points_internal {
 
 struct Draws {
     Buffer<Vec3> points;      ///< in the order of the draws: the first n are n independent points
-    std::uint64_t tries = 0;  ///< candidates
+    std::uint64_t tries = 0;  ///< number of candidates
 };
 
-/// `count` points, each drawn from the density on its own; fewer when almost no candidate is accepted.
+/// Draws `count` independent points from the density; fewer if almost no candidate is accepted.
 Draws draw_independent(const PointRegion& region, const Cells& cells, std::size_t count, std::uint64_t seed,
                        const Context& ctx);
 double independent_bytes(double count);
 
-/// One point at random in each cube of a lattice, kept with the density there over `capacity.greatest`.
+/// Draws one random point in each cube of a lattice, accepted with the probability density /
+/// `capacity.greatest`.
 Draws draw_jittered(const PointRegion& region, const Capacity& capacity, double count, std::uint64_t seed,
                     const Context& ctx);
 

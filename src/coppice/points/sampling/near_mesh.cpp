@@ -19,16 +19,16 @@ namespace coppice {
 namespace {
 
 constexpr std::uint64_t kStage = 0x6d657368;
-constexpr std::size_t kCandidates = 4;  // for each point of an even set
-constexpr float kDrawn = 0.1f;          // of the time of an even set when its candidates are drawn
+constexpr std::size_t kCandidates = 4;  // number of candidates per point of an even set
+constexpr float kDrawn = 0.1f;          // progress of an even set after drawing the candidates
 
-/// Twice the area of a triangle, along its normal.
+/// Returns the normal of a triangle with twice its area as length.
 Vec3d area_vector(const TriMesh& mesh, const Triangle& t) {
     const Vec3d a(mesh.positions[t[0]]), b(mesh.positions[t[1]]), c(mesh.positions[t[2]]);
     return cross(b - a, c - a);
 }
 
-/// The sum of the area vectors around each vertex, so that large faces count more.
+/// Returns the normalized sum of the area vectors around each vertex: an area-weighted normal.
 std::vector<Vec3d> vertex_normals(const TriMesh& mesh) {
     std::vector<Vec3d> normals(mesh.positions.size());
     for (const Triangle& t : mesh.triangles) {
@@ -56,13 +56,12 @@ class FaceDraw {
     double area() const { return area_; }
     std::size_t find(double share) const {
         const auto above = std::upper_bound(sum_.begin(), sum_.end(), share * total_);
-        const auto last =
-            std::lower_bound(sum_.begin(), sum_.end(), total_);  // rounding may carry us past it
+        const auto last = std::lower_bound(sum_.begin(), sum_.end(), total_);  // rounding may exceed it
         return static_cast<std::size_t>(std::min(above, last) - sum_.begin());
     }
 
   private:
-    std::vector<double> sum_;  ///< up to and with each
+    std::vector<double> sum_;  ///< inclusive sums
     double area_ = 0, total_ = 0;
 };
 
@@ -83,8 +82,8 @@ void check(const TriMesh& mesh, const NearMeshOptions& o) {
         meshes + count * sizeof(Vec3) + (o.even ? points_internal::eliminate_bytes(count) : 0), o.max_memory);
 }
 
-/// The distance of the most even set of `count` points: on a thin layer the triangular lattice, in a thick
-/// one the densest packing of balls.
+/// Returns the distance of the most even set of `count` points: on a thin layer the triangular lattice, in a
+/// thick one the densest packing of balls.
 double even_distance(double area, double thickness, double count) {
     const double flat = std::sqrt(2 * area / (std::sqrt(3.0) * count));
     const double solid = std::cbrt(std::numbers::sqrt2 * area * thickness / count);

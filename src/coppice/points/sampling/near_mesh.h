@@ -10,10 +10,10 @@
 
 namespace coppice {
 
-/// Which triangle a point lies over.
+/// Selection of the triangle of a point.
 enum class FaceChoice {
-    by_area,  ///< in proportion to the area: even cover
-    by_face   ///< each as often as any other: dense where triangles are small
+    by_area,  ///< proportional to the area: uniform density
+    by_face   ///< with equal probability: dense where triangles are small
 };
 
 template <>
@@ -21,37 +21,38 @@ struct EnumNames<FaceChoice> {
     static constexpr std::array<std::string_view, 2> names{"by_area", "by_face"};
 };
 
-/// How many points, and how far from the mesh.
+/// Options of `near_mesh`.
 struct NearMeshOptions {
-    int count = 1000;                         ///< points; 1 to 1e8
-    float low = 0;                            ///< [m] least offset along the normal; negative is inside
-    float high = 0.1f;                        ///< [m] greatest offset; >= low
-    FaceChoice choice = FaceChoice::by_area;  ///< where they are dense
-    bool even = false;  ///< spread the points evenly (blue noise) instead of each on its own; by_area only
-    int seed = 0;       ///< another seed, another set
-    int max_memory = 4096;  ///< [MiB] what would take more is refused before it starts
+    int count = 1000;                         ///< number of points; 1 to 1e8
+    float low = 0;                            ///< [m] minimum offset along the normal; negative is inside
+    float high = 0.1f;                        ///< [m] maximum offset; >= low
+    FaceChoice choice = FaceChoice::by_area;  ///< selection of triangles
+    bool even = false;  ///< distribute the points evenly (blue noise) instead of independently; by_area only
+    int seed = 0;       ///< random seed
+    int max_memory = 4096;  ///< [MiB] maximum memory; larger requests are refused in advance
 };
 
 template <class Self, class Visitor>
 requires SameOptions<Self, NearMeshOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"count", "number of points", Unit::none, 1, 1e8}, o.count);
-    visit(Field{"low", "least offset along the normal; negative is inside", Unit::metre, -1e9, 1e9}, o.low);
-    visit(Field{"high", "greatest offset along the normal", Unit::metre, -1e9, 1e9}, o.high);
-    visit(Field{"choice", "how often a triangle is chosen"}, o.choice);
-    visit(Field{"even", "spread the points evenly"}, o.even);
-    visit(Field{"seed", "another seed gives another set", Unit::none, 0, 2147483647}, o.seed);
-    visit(Field{"max_memory", "MiB that may be used", Unit::none, 1, 1e6}, o.max_memory);
+    visit(Field{"count", "Number of points.", Unit::none, 1, 1e8}, o.count);
+    visit(Field{"low", "Minimum offset along the normal; negative is inside.", Unit::metre, -1e9, 1e9},
+          o.low);
+    visit(Field{"high", "Maximum offset along the normal.", Unit::metre, -1e9, 1e9}, o.high);
+    visit(Field{"choice", "Probability of the selection of a triangle."}, o.choice);
+    visit(Field{"even", "Distribute the points evenly."}, o.even);
+    visit(Field{"seed", "Seed of the random points.", Unit::none, 0, 2147483647}, o.seed);
+    visit(Field{"max_memory", "Maximum memory in MiB.", Unit::none, 1, 1e6}, o.max_memory);
 }
 
-/// Points near a surface: each lies over a random place of a triangle, off it by a random distance between
-/// the limits along the normal there, interpolated from those of the vertices. Triangles should be oriented
-/// alike; those without area are never chosen. The origin is that of the mesh. Where the surface bends more
-/// sharply than the offset, points may come nearer to other parts of it, or inside. Deterministic for any
-/// number of threads. O(triangles + count log triangles).
+/// Generates points near a surface: each is at a random point of a triangle plus a random offset between the
+/// limits along the interpolated vertex normal. Triangles should be oriented consistently; those without area
+/// are never selected. The origin is that of the mesh. Where the radius of curvature of the surface is
+/// smaller than the offset, points may be closer to another part of it, or inside. The result does not depend
+/// on the number of threads. O(triangles + count log triangles).
 ///
-/// Throws InvalidInput: options out of range, high below low, no triangle with an area, positions that are
-/// not finite, too much memory.
+/// Throws InvalidInput for options out of range, high below low, no triangle with an area, positions that are
+/// not finite, or too much memory.
 PointSet near_mesh(const TriMesh& mesh, const NearMeshOptions& options = {}, const Context& ctx = {});
 
 }  // namespace coppice

@@ -42,13 +42,13 @@ PointGrid::PointGrid(std::span<const Vec3> points, double edge, const Context& c
 }
 
 double PointGrid::bytes(double count) {
-    // While points are sorted, the items and their copy; then at most as many rows as points.
+    // During sorting, the items and their copy; afterwards at most as many rows as points.
     constexpr double kSorting = 2 * sizeof(Item), kSorted = sizeof(Vec3) + 4 + 3 * sizeof(Row);
     return count * std::max(kSorting, kSorted);
 }
 
 void PointGrid::sort(std::span<const Vec3> points, const Context& ctx) {
-    // Backwards: sorting keeps the order of equal keys, and the last point of a cell comes first.
+    // Reversed: sorting preserves the order of equal keys, and the last point of a cell precedes.
     Buffer<Item> items(points.size());
     parallel_for(ctx, items.size(), kGrain, [&](std::size_t i) {
         const std::size_t number = points.size() - 1 - i;
@@ -75,17 +75,17 @@ void PointGrid::index_rows() {
     for (std::uint32_t i = 0; i < size();) {
         Row next{row_of(i), i, i};
         while (next.end < size() && row_of(next.end) == next.key) ++next.end;
-        std::size_t at = slot_of(next.key);
+        std::size_t at = find_slot(next.key);
         while (rows_[at].key != kFree) at = (at + 1) & (rows_.size() - 1);
         rows_[at] = next;
         i = next.end;
     }
 }
 
-std::size_t PointGrid::slot_of(std::uint64_t row) const { return mix_bits(row) & (rows_.size() - 1); }
+std::size_t PointGrid::find_slot(std::uint64_t row) const { return mix_bits(row) & (rows_.size() - 1); }
 
 std::array<std::uint32_t, 2> PointGrid::in_row(std::uint64_t row, std::uint32_t x0, std::uint32_t x1) const {
-    std::size_t at = slot_of(row);
+    std::size_t at = find_slot(row);
     for (; rows_[at].key != row; at = (at + 1) & (rows_.size() - 1)) {
         if (rows_[at].key == kFree) return {0, 0};
     }

@@ -11,22 +11,25 @@
 
 namespace coppice::points_internal {
 
-/// A fixed set of points in cubic cells, sorted by cell: what is near in space is near in memory. A place is
-/// the position of a point in that order. Distances are exact: those of the float positions in double
+/// Fixed set of points in cubic cells, sorted by cell, so that points close in space are close in memory. A
+/// place is the index of a point in that order. Distances are exact: those of the float positions in double
 /// precision.
 class PointGrid {
   public:
-    /// `edge` of the cells [m], above 0; queries that reach no farther look at 27 cells. Points are finite,
-    /// fewer than 2^32 - 1. O(n). Throws Cancelled.
+    /// `edge` [m] is the edge of the cells, above 0; queries with a smaller radius visit 27 cells. Requires
+    /// finite points, fewer than 2^32 - 1. O(n). Throws Cancelled.
     PointGrid(std::span<const Vec3> points, double edge, const Context& ctx);
-    static double bytes(double count);  ///< of memory at most, for a number of points
+    static double bytes(double count);  ///< maximum memory for a number of points
 
     std::uint32_t size() const { return static_cast<std::uint32_t>(points_.size()); }
     Vec3 operator[](std::uint32_t place) const { return points_[place]; }
-    std::uint32_t number(std::uint32_t place) const { return number_[place]; }  ///< of the point as given
+    std::uint32_t number(std::uint32_t place) const {
+        return number_[place];
+    }  ///< index of the point in the input
 
-    /// Calls visit(place, squared distance) for the points within `radius`: cells by z, y and x, and the last
-    /// point of a cell first; a visit that returns false ends the search. False when one did.
+    /// Calls visit(place, squared distance) for the points within `radius`: cells sorted by z, y and x, the
+    /// last point of a cell first. A visit that returns false ends the search; the function then returns
+    /// false.
     template <class Visit>
     bool visit(Vec3 p, double radius, const Visit& visit) const {
         const double radius2 = radius * radius;
@@ -45,9 +48,10 @@ class PointGrid {
 
   private:
     using Cell = std::array<std::uint32_t, 3>;
-    static constexpr std::uint32_t kMost = (1u << 21) - 1;  ///< cells along an axis: 63 bits hold all three
+    static constexpr std::uint32_t kMax =
+        (1u << 21) - 1;  ///< maximum number of cells along an axis: 63 bits store all three
     static constexpr std::uint64_t kFree = ~std::uint64_t{0};
-    /// The places of the points in the cells of one y and z.
+    /// Places of the points in the cells of one y and z.
     struct Row {
         std::uint64_t key = kFree;
         std::uint32_t first = 0, end = 0;
@@ -58,26 +62,26 @@ class PointGrid {
         const auto down = static_cast<std::int64_t>(scaled);
         return down - (static_cast<double>(down) > scaled ? 1 : 0);
     }
-    /// Of the axis' cells the one of x + by; the outermost stand for all beyond.
+    /// Returns the cell of x + by along an axis; the outermost cells include everything beyond.
     std::uint32_t along(std::size_t axis, float x, double by) const {
         return static_cast<std::uint32_t>(
             std::clamp<std::int64_t>(whole(x, by) - low_[axis], 0, last_[axis]));
     }
     Cell cell(Vec3 p, double by) const { return {along(0, p.x, by), along(1, p.y, by), along(2, p.z, by)}; }
     std::uint64_t row(std::uint32_t y, std::uint32_t z) const { return std::uint64_t{z} << y_bits_ | y; }
-    std::size_t slot_of(std::uint64_t row) const;
-    /// The places in the cells from x0 to x1 of a row, [first, end).
+    std::size_t find_slot(std::uint64_t row) const;
+    /// Returns the places in the cells from x0 to x1 of a row, [first, end).
     std::array<std::uint32_t, 2> in_row(std::uint64_t row, std::uint32_t x0, std::uint32_t x1) const;
     void sort(std::span<const Vec3> points, const Context& ctx);
     void index_rows();
 
     double per_cell_;
-    std::array<std::int64_t, 3> low_{};  ///< the first cell along each axis, in edges from the origin
-    Cell last_{kMost, kMost, kMost};     ///< of the cells along each axis
+    std::array<std::int64_t, 3> low_{};  ///< first cell along each axis, in edges from the origin
+    Cell last_{kMax, kMax, kMax};        ///< last cell along each axis
     unsigned x_bits_ = 0, y_bits_ = 0, z_bits_ = 0;
     Buffer<Vec3> points_;
     Buffer<std::uint32_t> number_;
-    Buffer<Row> rows_;  ///< a hash table; a power of two long
+    Buffer<Row> rows_;  ///< hash table; its size is a power of two
 };
 
 }  // namespace coppice::points_internal

@@ -25,9 +25,9 @@ RadialKernel::RadialKernel(std::vector<Knot> knots) : knots_(std::move(knots)) {
                 i + 1, k.distance, k.factor));
         }
         if (i > 0 && k.distance < knots_[i - 1].distance) {
-            throw InvalidInput(
-                fmt::format("kernel: the distances of the knots must not fall, but knot {} has {} after {}",
-                            i + 1, k.distance, knots_[i - 1].distance));
+            throw InvalidInput(fmt::format(
+                "kernel: the distances of the knots must not decrease, but knot {} has {} after {}", i + 1,
+                k.distance, knots_[i - 1].distance));
         }
     }
 }

@@ -10,9 +10,9 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kBatch = 256;  // places the field is asked for at once
+constexpr std::size_t kBatch = 256;  // number of evaluations of the field per call
 
-/// The field's densities, 0 outside the box.
+/// Computes the densities of the field, 0 outside the box.
 void sample_densities(const PointRegion& region, std::span<const Vec3> places, std::span<double> out) {
     std::array<FieldSample, kBatch> samples;
     const std::span<FieldSample> all(samples.data(), places.size());
@@ -24,8 +24,8 @@ void sample_densities(const PointRegion& region, std::span<const Vec3> places, s
 }  // namespace
 
 std::vector<double> remaining_density(const PointRegion& region, const RadialKernel& kernel,
-                                      const PointSet& points, std::span<const Vec3> places,
-                                      double greatest_factor, const Context& ctx) {
+                                      const PointSet& points, std::span<const Vec3> places, double max_factor,
+                                      const Context& ctx) {
     std::vector<Vec3> world;
     if (kernel.reach() > 0) {
         for (const Vec3 p : points.positions) world.push_back(Vec3(points.origin + Vec3d(p)));
@@ -44,7 +44,7 @@ std::vector<double> remaining_density(const PointRegion& region, const RadialKer
                 factor *= distance < kernel.core() ? 0 : kernel.at(distance);
                 return factor > 0;
             });
-            here[i] *= std::min(factor, greatest_factor);
+            here[i] *= std::min(factor, max_factor);
         }
     });
     ctx.throw_if_cancelled();

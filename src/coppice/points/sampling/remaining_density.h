@@ -10,12 +10,13 @@
 
 namespace coppice {
 
-/// What points leave of a density, at each place: that of the region times the kernel at the distance of each
-/// point. It is what Lane's method draws the next point from [Lane2002]; `sample_lane` takes the soft part of
-/// a kernel for constant in a cell, here it is exact. The factors together are `greatest_factor` at most.
-/// Places [m] as the region's box. O(places), times the points within the kernel's reach. Throws Cancelled.
+/// Returns the remaining density at each position: that of the region times the kernels of all points. Lane's
+/// method draws the next point from it [Lane2002]; `sample_dart_throwing` approximates the soft part of a
+/// kernel as constant in a cell, here it is exact. The product of the kernels is at most `max_factor`.
+/// Positions [m] are in the coordinate frame of the region's box. O(places), times the number of points
+/// within the reach of the kernel. Throws Cancelled.
 std::vector<double> remaining_density(const PointRegion& region, const RadialKernel& kernel,
                                       const PointSet& points, std::span<const Vec3> places,
-                                      double greatest_factor = 100, const Context& ctx = {});
+                                      double max_factor = 100, const Context& ctx = {});
 
 }  // namespace coppice

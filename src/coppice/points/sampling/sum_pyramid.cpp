@@ -6,7 +6,7 @@
 
 namespace coppice {
 
-double SumPyramid::sum_of(const double* w) {
+double SumPyramid::compute_sum(const double* w) {
     return ((w[0] + w[1]) + (w[2] + w[3])) + ((w[4] + w[5]) + (w[6] + w[7]));
 }
 
@@ -21,11 +21,11 @@ SumPyramid::SumPyramid(Buffer<double> weights, const Context& ctx)
         const Buffer<double>& below = level_.back();
         Buffer<double> sums(below.size() / kWidth);
         parallel_for(ctx, sums.size(), std::size_t{1} << 14,
-                     [&](std::size_t i) { sums[i] = sum_of(&below[i * kWidth]); });
+                     [&](std::size_t i) { sums[i] = compute_sum(&below[i * kWidth]); });
         pad(sums);
         level_.push_back(std::move(sums));
     }
-    total_ = sum_of(level_.back().data());
+    total_ = compute_sum(level_.back().data());
 }
 
 std::uint32_t SumPyramid::find(double share) const {
@@ -34,7 +34,7 @@ std::uint32_t SumPyramid::find(double share) const {
     std::uint32_t group = 0;
     for (std::size_t l = level_.size(); l-- > 0;) {
         const double* const w = &level_[l][std::size_t{group} * kWidth];
-        // Rounding may carry `rest` past the end: then the last item above 0 is meant.
+        // Rounding may move `rest` past the end: use the last item above 0.
         std::uint32_t chosen = kWidth;
         for (std::uint32_t k = 0; k < kWidth; ++k) {
             if (!(w[k] > 0)) continue;
@@ -54,12 +54,12 @@ void SumPyramid::update(std::span<std::uint32_t> changed) {
         for (std::size_t i = 0; i < count; ++i) {
             const std::uint32_t group = changed[i] / kWidth;
             if (groups > 0 && changed[groups - 1] == group) continue;
-            level_[l + 1][group] = sum_of(&level_[l][std::size_t{group} * kWidth]);
+            level_[l + 1][group] = compute_sum(&level_[l][std::size_t{group} * kWidth]);
             changed[groups++] = group;
         }
         count = groups;
     }
-    total_ = sum_of(level_.back().data());
+    total_ = compute_sum(level_.back().data());
 }
 
 }  // namespace coppice

@@ -10,33 +10,34 @@
 
 namespace coppice {
 
-/// Numbers of which one is drawn in proportion to its weight, while weights change: the inverse of the
-/// cumulative distribution, kept as sums of eights of sums. Sums are made anew from what lies below them, so
-/// nothing drifts. Building is O(n), a draw and a change O(log n).
+/// Draws from items in proportion to their weights, which may change: the inverse of the cumulative
+/// distribution, stored as a tree of sums of eight. Sums are recomputed from the level below, so that errors
+/// do not accumulate. Construction is O(n), a draw and a change O(log n).
 class SumPyramid {
   public:
-    SumPyramid() = default;  ///< nothing to draw from
+    SumPyramid() = default;  ///< no items
     /// Weights are finite and not negative.
     SumPyramid(Buffer<double> weights, const Context& ctx);
 
     std::uint32_t size() const { return size_; }                       ///< number of weights
-    double total() const { return total_; }                            ///< of all weights
-    double operator[](std::uint32_t i) const { return level_[0][i]; }  ///< the weight of one
+    double total() const { return total_; }                            ///< sum of all weights
+    double operator[](std::uint32_t i) const { return level_[0][i]; }  ///< weight of item i
 
-    /// The item at which the cumulative sum passes share * total, share in [0, 1): never one of weight 0. The
-    /// total must be above 0.
+    /// Returns the item at which the cumulative sum exceeds share * total, share in [0, 1): never one of
+    /// weight 0. The total must be above 0.
     std::uint32_t find(double share) const;
 
-    /// Writes a weight; the sums above hold again after `update` has been told of it.
+    /// Stores a weight; the sums are valid again after a call of `update` with this item.
     void set(std::uint32_t i, double weight) { level_[0][i] = weight; }
-    /// Makes the sums above the given items anew; the span is used as scratch. Neighbours cost little.
+    /// Recomputes the sums above the given items; the span is used as temporary memory. Neighbouring items
+    /// share costs.
     void update(std::span<std::uint32_t> changed);
 
   private:
     static constexpr std::uint32_t kWidth = 8;
-    static double sum_of(const double* eight);
+    static double compute_sum(const double* eight);
 
-    std::vector<Buffer<double>> level_;  ///< each a multiple of kWidth long; the last has one group
+    std::vector<Buffer<double>> level_;  ///< the size of each is a multiple of kWidth; the last has one group
     std::uint32_t size_ = 0;
     double total_ = 0;
 };

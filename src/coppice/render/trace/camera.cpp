@@ -7,11 +7,11 @@
 namespace coppice {
 namespace {
 
-/// Where an orthographic picture begins, before the scene, whose diagonal is 1.
+/// Start of the rays of an orthographic image, before the scene of diagonal 1.
 constexpr float kBehind = 2;
 
-/// The camera sees x in [c - t d, c + t d] at depth d. For points at (x, z), z towards the camera, the least
-/// camera height and the centre follow from the two extreme lines alone.
+/// The camera sees x in [c - t d, c + t d] at depth d. For points at (x, z), z towards the camera, the
+/// minimum camera height and the centre follow from the two extreme lines alone.
 struct Slab {
     float upper = -std::numeric_limits<float>::infinity();
     float lower = -std::numeric_limits<float>::infinity();

@@ -11,7 +11,7 @@ EmbreeDevice new_embree_device(const Context& ctx) {
     const auto config = fmt::format("threads={}", ctx.threads);
     EmbreeDevice device(rtcNewDevice(config.c_str()));
     if (!device && rtcGetDeviceError(nullptr) == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
-    if (!device) throw Unsupported("the ray tracer does not run on this processor (Embree needs SSE2)");
+    if (!device) throw Unsupported("the ray tracer does not run on this processor (Embree requires SSE2)");
     return device;
 }
 
@@ -32,7 +32,7 @@ void commit_scene(RTCDevice device, RTCScene scene, const Context& ctx) {
     ctx.throw_if_cancelled();
     if (code == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
     throw Unsupported(
-        fmt::format("the ray tracer cannot take this scene (Embree error {})", static_cast<int>(code)));
+        fmt::format("the ray tracer cannot use this scene (Embree error {})", static_cast<int>(code)));
 }
 
 RTCRayHit cast_ray(RTCScene scene, Vec3 origin, Vec3 direction) {

@@ -21,7 +21,7 @@ using EmbreeDevice = std::unique_ptr<RTCDevice, Release<RTCDevice, rtcReleaseDev
 using EmbreeScene = std::unique_ptr<RTCScene, Release<RTCScene, rtcReleaseScene>>;
 using EmbreeGeometry = std::unique_ptr<RTCGeometry, Release<RTCGeometry, rtcReleaseGeometry>>;
 
-/// Throws Unsupported where the processor is too old.
+/// Throws Unsupported if the processor is too old.
 EmbreeDevice new_embree_device(const Context& ctx);
 
 /// Throws std::bad_alloc.
@@ -33,13 +33,13 @@ std::span<T> new_embree_buffer(RTCGeometry geometry, RTCBufferType type, RTCForm
     return {static_cast<T*>(data), count};
 }
 
-/// Commits the geometry; the scene keeps it alive from then on.
+/// Commits the geometry and attaches it to the scene, which then owns it.
 void attach_geometry(RTCScene scene, RTCGeometry geometry);
 
-/// Builds the scene's tree; throws Cancelled, std::bad_alloc, Unsupported.
+/// Builds the tree of the scene; throws Cancelled, std::bad_alloc, Unsupported.
 void commit_scene(RTCDevice device, RTCScene scene, const Context& ctx);
 
-/// The nearest hit of a ray; its hit.geomID is RTC_INVALID_GEOMETRY_ID where there is none.
+/// Returns the nearest hit of a ray; without a hit its hit.geomID is RTC_INVALID_GEOMETRY_ID.
 RTCRayHit cast_ray(RTCScene scene, Vec3 origin, Vec3 direction);
 
 }  // namespace coppice

@@ -5,14 +5,14 @@
 
 namespace coppice {
 
-/// A circle in a picture, in pixels from its upper left corner.
+/// A circle in an image, in pixels from its upper left corner.
 struct Ring {
-    float x, y;    ///< of the middle
-    float radius;  ///< of the middle of the line
+    float x, y;    ///< of the centre
+    float radius;  ///< of the centre of the line
     float width;   ///< of the line
 };
 
-/// Draws a circle in linear colour over what is there; of one that lies partly outside, the part inside.
+/// Draws a circle in linear colour over the image; clips it at the border.
 void draw_ring(Image& image, const Ring& ring, Vec3 color);
 
 }  // namespace coppice

@@ -74,7 +74,7 @@ std::string length_text(double length) {
     static constexpr std::array<Scale, 5> kScales{
         {{1e3, "km"}, {1, "m"}, {1e-3, "mm"}, {1e-6, "um"}, {1e-9, "nm"}}};
     const auto* scale = kScales.begin();
-    // What would round up to 1000 belongs to the next unit.
+    // A value that rounds up to 1000 belongs to the next unit.
     while (scale + 1 != kScales.end() && length < 0.9995 * scale->metres) ++scale;
     const double number = length / scale->metres;
     return fmt::format("{:.{}f} {}", number, number < 9.995 ? 2 : number < 99.95 ? 1 : 0, scale->name);

@@ -6,20 +6,20 @@
 
 namespace coppice {
 
-/// What stands beside the bar. Letters: digits, ".+-% mkun".
+/// Labels of the bar. Supported characters: digits, ".+-% mkun".
 struct ScaleLabels {
     std::string top, middle, bottom;
 };
 
-/// From -number to +number.
+/// Returns labels from -number to +number.
 ScaleLabels around_zero(const std::string& number);
 
-/// Draws the key of the colours along the right side: a bar from blue (bottom) to red (top) with its labels.
-/// Left out where the picture is too small to read it.
+/// Draws the colour scale on the right side: a bar from blue (bottom) to red (top) with its labels. Omitted
+/// if the image is too small.
 void draw_scale_bar(Image& image, const ScaleLabels& labels);
 
-/// A length [m] with three digits, in the unit that keeps it between 1 and 1000 from nanometres to
-/// kilometres: "1.25 mm".
+/// Formats a length [m] with three digits, in the unit from nanometres to kilometres that keeps it between 1
+/// and 1000: "1.25 mm".
 std::string length_text(double length);
 
 }  // namespace coppice

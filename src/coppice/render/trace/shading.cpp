@@ -11,17 +11,18 @@
 namespace coppice {
 namespace {
 
-// Lengths are in diagonals of the object's box, light in units that make a sunlit surface of albedo 0.5
-// nearly full.
-constexpr float kOffset = 2e-6f;       // of secondary rays, above the rounding of positions
-constexpr float kSunRadius = 0.03f;    // tangent; larger than the real sun's for soft shadows
-constexpr float kAmbientReach = 0.6f;  // farther things do not darken
-constexpr float kGroundFull = 0.5f;    // the ground's shadow is full up to here, and gone at kGroundEnd
+// Lengths are relative to the diagonal of the object's box; light is in units in which a sunlit surface of
+// albedo 0.5 is almost saturated.
+constexpr float kOffset = 2e-6f;       // offset of secondary rays, above the rounding of positions
+constexpr float kSunRadius = 0.03f;    // tangent; larger than that of the real sun, for soft shadows
+constexpr float kAmbientReach = 0.6f;  // more distant objects do not occlude the sky
+constexpr float kGroundFull =
+    0.5f;  // the shadow on the ground is full up to here, and fades out at kGroundEnd
 constexpr float kGroundEnd = 1.1f;
 constexpr Vec3 kSunLight{1.30f, 1.22f, 1.08f};
 constexpr Vec3 kSkyLight{0.62f, 0.68f, 0.76f};
 constexpr Vec3 kEarthLight{0.34f, 0.31f, 0.28f};
-constexpr Vec3 kBounce{0.10f, 0.09f, 0.08f};  // what closed corners still receive from their walls
+constexpr Vec3 kBounce{0.10f, 0.09f, 0.08f};  // light that closed corners receive from their walls
 constexpr Vec3 kClay{0.42f, 0.345f, 0.27f};
 constexpr Vec3 kBackground{0.90f, 0.91f, 0.92f};
 constexpr Vec3 kWire{0.03f, 0.03f, 0.04f};
@@ -29,10 +30,10 @@ constexpr Vec3 kAxis{0.90f, 0.22f, 0.03f};
 constexpr float kAxisCover = 0.85f;
 constexpr float kWireCover = 0.8f;
 constexpr Vec3 kSignal{0.85f, 0.02f, 0.45f};
-constexpr Vec3 kPale{0.50f, 0.50f, 0.48f};  // a mesh with marked faces
+constexpr Vec3 kPale{0.50f, 0.50f, 0.48f};  // of a mesh with marked faces
 constexpr float kMarkCover = 0.95f;
 constexpr float kHiddenMarkCover = 0.7f;
-constexpr float kSame = 1e-5f;  // of the distance, within which a marked face is the one in front
+constexpr float kSame = 1e-5f;  // relative distance within which a marked face is the visible one
 
 struct Pair {
     float x, y;
@@ -45,8 +46,8 @@ float smooth_step(float low, float high, float x) {
     return t * t * (3 - 2 * t);
 }
 
-/// Point `index` of the R2 sequence [Roberts2018], shifted by the pixel's own bits, so that neighbours
-/// differ.
+/// Returns point `index` of the R2 sequence [Roberts2018], shifted by bits of the pixel, so that adjacent
+/// pixels differ.
 Pair spread(std::uint32_t index, std::uint64_t bits) {
     const double x = static_cast<double>(bits >> 40) * 0x1p-24 + 0.7548776662466927 * index;
     const double y = static_cast<double>(bits >> 16 & 0xffffff) * 0x1p-24 + 0.5698402909980532 * index;
@@ -93,8 +94,8 @@ Light Shading::pixel(int x, int y) const {
                        static_cast<std::uint64_t>(x);
     const std::uint64_t place = CounterRandom(0, 0).bits(index), sun = CounterRandom(0, 1).bits(index),
                         sky_bits = CounterRandom(0, 2).bits(index);
-    // Each kind of draw walks its points in another order; otherwise one corner of the pixel would always see
-    // one part of the sky.
+    // Each kind of random number uses another order of the points; otherwise a corner of the pixel would
+    // always sample the same part of the sky.
     const auto count = static_cast<std::uint32_t>(options_.samples);
     const std::uint32_t mask = std::bit_ceil(count) - 1;
     Light sum;
@@ -131,7 +132,7 @@ Light Shading::sample(float x, float y, const Draws& draws) const {
     return light;
 }
 
-/// Marked faces, less of them behind others.
+/// Adds marked faces, with a lower opacity if they are hidden.
 Light Shading::marked(Vec3 origin, Vec3 direction, const std::optional<Hit>& front) const {
     const auto hit = scene_.trace_marked(origin, direction);
     if (!hit) return {};
@@ -177,8 +178,8 @@ Light Shading::solid(const Hit& hit, float x, float y, const Draws& draws) const
     return {color, 1};
 }
 
-/// How much of the point (x, y) of the picture an edge of the face covers. Where faces are smaller than a few
-/// pixels the edges fade, since they would only blacken the surface.
+/// Returns the coverage of the point (x, y) of the image by an edge of the face. Edges of faces smaller than
+/// a few pixels fade, because they would only blacken the surface.
 float Shading::wire(const Hit& hit, float x, float y) const {
     const Quad& q = scene_.quad(hit.face);
     std::array<Pair, 4> corner;
@@ -198,7 +199,7 @@ float Shading::wire(const Hit& hit, float x, float y) const {
            smooth_step(2, 8, longest / options_.wire_width);
 }
 
-/// A shadow without a ground of its own: black that covers as much as light is missing.
+/// Returns the shadow on a transparent ground: black with the fraction of missing light as alpha.
 Light Shading::ground(Vec3 origin, Vec3 direction, const Draws& draws) const {
     if (direction.z >= -1e-6f) return {};
     const float t = (ground_height_ - origin.z) / direction.z;

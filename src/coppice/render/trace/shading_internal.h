@@ -13,15 +13,15 @@ struct Light {
     float alpha = 0;
 };
 
-/// Of what is marked: a magenta that no surface has. Linear.
+/// Colour of marks: a magenta that occurs on no surface. Linear.
 constexpr Vec3 kMarkColor{0.80f, 0.0f, 0.42f};
 
-/// Sun, sky and what the surface makes of them.
+/// Sun, sky and the reflection of the surface.
 class Shading {
   public:
     Shading(const TracedScene& scene, const Camera& camera, const RenderOptions& options);
 
-    /// The light of pixel (x, y), the mean of all samples. The same whatever is asked before.
+    /// Returns the light of pixel (x, y), the mean of all samples. Does not depend on earlier calls.
     Light pixel(int x, int y) const;
 
   private:
@@ -31,7 +31,7 @@ class Shading {
     Light marked(Vec3 origin, Vec3 direction, const std::optional<Hit>& front) const;
     Light solid(const Hit& hit, float x, float y, const Draws& draws) const;
     Light ground(Vec3 origin, Vec3 direction, const Draws& draws) const;
-    std::optional<Vec3> evidence_color(const Hit& hit) const;  ///< none where it is not asked for
+    std::optional<Vec3> evidence_color(const Hit& hit) const;  ///< nullopt if not requested
     Vec3 albedo(const Hit& hit) const;
     float wire(const Hit& hit, float x, float y) const;
     Vec3 sun_direction(const Draws& draws) const;

@@ -10,10 +10,10 @@
 namespace coppice {
 namespace {
 
-constexpr double kGreatestSize = 1e15;  // [m] beyond it squares of floats overflow
+constexpr double kMaxSize = 1e15;  // [m] beyond it squares of floats overflow
 constexpr std::size_t kGrain = 65536;
-constexpr std::size_t kMostPoints = 4'000'000;  // that are drawn
-constexpr float kLeastRadius = 1e-6f;           // of balls, of the diagonal
+constexpr std::size_t kMaxPoints = 4'000'000;  // maximum number of drawn points
+constexpr float kMinRadius = 1e-6f;            // of balls, relative to the diagonal
 
 struct Box3d {
     Vec3d low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
@@ -31,11 +31,11 @@ struct Ball {
 };
 static_assert(sizeof(Ball) == 16);
 
-/// Segments as cones; what a cone cannot be (no length, one end inside the other, a single node) as a ball.
+/// Segments as cones; degenerate cones (zero length, one end inside the other, a single node) as balls.
 struct Tubes {
     std::vector<Ball> cones;  ///< two per cone
     std::vector<Ball> balls;
-    std::vector<std::uint32_t> cone_nodes, ball_nodes;  ///< whose they are
+    std::vector<std::uint32_t> cone_nodes, ball_nodes;  ///< their nodes
 
     void add(Ball a, Ball b, NodeId node) {
         if (distance(a.center, b.center) <= std::abs(a.radius - b.radius) * 1.0001f + 1e-9f) {
@@ -74,7 +74,7 @@ TracedScene::TracedScene(const RenderScene& scene, const RenderOptions& options,
     const float skeleton_width = inside ? options.axis_width : 1;
     if (scene.cloud != nullptr) {
         cloud_size_ = scene.cloud->points.size();
-        point_count_ = std::min(cloud_size_, kMostPoints);
+        point_count_ = std::min(cloud_size_, kMaxPoints);
         point_colors_ = scene.cloud->colors;
     }
     place(scene, skeleton_width);
@@ -105,7 +105,7 @@ TracedScene::TracedScene(const RenderScene& scene, const RenderOptions& options,
     collect_frame_points(scene, skeleton_width);
 }
 
-/// The axis inside a mesh counts with the width it is drawn with, so that the ground touches the mesh.
+/// Includes the axis inside a mesh with its drawn width, so that the ground touches the mesh.
 void TracedScene::place(const RenderScene& scene, float skeleton_width) {
     Box3d box;
     if (scene.mesh != nullptr) {
@@ -126,7 +126,7 @@ void TracedScene::place(const RenderScene& scene, float skeleton_width) {
         for (const Vec3d& p : scene.framed) box.extend(p, 0);
     }
     const double size = distance(box.low, box.high);
-    if (!(size < kGreatestSize))
+    if (!(size < kMaxSize))
         throw InvalidInput("render: the object is larger than 1e15 m; check its coordinates");
     center_ = 0.5 * (box.low + box.high);
     scale_ = size > 0 ? 1 / size : 1;
@@ -160,7 +160,7 @@ void TracedScene::add_faces(const PolygonMesh& mesh, std::span<const std::uint32
     }
 }
 
-/// The mean of the normals of the faces around each vertex, weighted by area.
+/// Returns the mean of the normals of the adjacent faces for each vertex, weighted by area.
 void TracedScene::smooth_normals() {
     normals_.assign(positions_.size(), Vec3{});
     for (const Quad& q : quads_) {
@@ -208,7 +208,7 @@ void TracedScene::attach_mesh(RTCScene scene, std::span<const Quad> of, const Co
 void TracedScene::attach_points(RTCScene scene, const RenderScene& of) {
     std::vector<Ball> balls;
     balls.reserve(point_count_);
-    const float radius = std::max(kLeastRadius, local_length(of.point_radius));
+    const float radius = std::max(kMinRadius, local_length(of.point_radius));
     for (std::size_t k = 0; k < point_count_; ++k)
         balls.push_back({local(of.cloud->points.world(drawn_point(k))), radius});
     attach(scene, device_.get(), RTC_GEOMETRY_TYPE_SPHERE_POINT, balls);
@@ -216,8 +216,7 @@ void TracedScene::attach_points(RTCScene scene, const RenderScene& of) {
 
 EmbreeScene TracedScene::build_tubes(const Skeleton& s, float width, const Context& ctx) {
     const auto ball = [&](Vec3 p, float radius) {
-        return Ball{local(p, s.origin()),
-                    std::max(kLeastRadius, static_cast<float>(width * radius * scale_))};
+        return Ball{local(p, s.origin()), std::max(kMinRadius, static_cast<float>(width * radius * scale_))};
     };
     Tubes tubes;
     for (const NodeId n : nodes(s)) {
@@ -232,13 +231,13 @@ EmbreeScene TracedScene::build_tubes(const Skeleton& s, float width, const Conte
     attach(scene.get(), device_.get(), RTC_GEOMETRY_TYPE_ROUND_LINEAR_CURVE, tubes.cones);
     attach(scene.get(), device_.get(), RTC_GEOMETRY_TYPE_SPHERE_POINT, tubes.balls);
     commit_scene(device_.get(), scene.get(), ctx);
-    // Geometries without parts are not attached.
+    // Geometries without elements are not attached.
     for (auto* part_nodes : {&tubes.cone_nodes, &tubes.ball_nodes})
         if (!part_nodes->empty()) tube_nodes_.push_back(std::move(*part_nodes));
     return scene;
 }
 
-/// Of the three corners about a hit their weights, which sum to 1. Bilinear faces are two triangles with the
+/// Returns the weights of three corners at a hit, which sum to 1. Bilinear faces are two triangles with the
 /// diagonal from corner 1 to corner 3.
 struct Weights3 {
     std::array<std::uint32_t, 3> vertex;
@@ -256,8 +255,8 @@ T TracedScene::blend(const Hit& hit, std::span<const T> of) const {
     return of[vertex[0]] * weight[0] + of[vertex[1]] * weight[1] + of[vertex[2]] * weight[2];
 }
 
-/// The mean of the nearest points of the planes across the normals of the corners, where these lie above the
-/// face [Hanika2021]. `side` is -1 where the mesh is seen from inside.
+/// Returns the weighted mean of the projections onto the tangent planes of the corners, for planes above the
+/// face [Hanika2021]. `side` is -1 if the mesh is seen from inside.
 Vec3 TracedScene::lifted(const Hit& hit, float side) const {
     const auto [vertex, weight] = weights_at(quads_[hit.face], hit.u, hit.v);
     Vec3 p = hit.position;
@@ -323,14 +322,14 @@ bool TracedScene::occluded(Vec3 origin, Vec3 direction, float far) const {
 float TracedScene::deviation(const Hit& hit) const { return blend(hit, deviation_); }
 
 double TracedScene::distance_to_other(const Hit& hit) const {
-    // Truer than hit.position, whose rounding grows with the distance of the camera.
+    // More accurate than hit.position, which is rounded in proportion to the distance of the camera.
     const Vec3d p(blend(hit, std::span<const Vec3>(positions_)));
     return distance_to_->signed_distance(p / scale_ + (center_ - distance_to_->mesh().origin));
 }
 
 SketchView TracedScene::local(SketchView view) const {
-    // scale (R X + t) = R (scale (X - center)) + scale (R center + t), and a perspective camera does not mind
-    // the scale.
+    // scale (R X + t) = R (scale (X - center)) + scale (R center + t), and the image of a perspective camera
+    // does not depend on the scale.
     view.t = (view.r * center_ + view.t) * scale_;
     if (view.projection == Projection::orthographic)
         for (const std::size_t row : {std::size_t{0}, std::size_t{1}})

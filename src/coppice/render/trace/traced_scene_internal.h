@@ -13,30 +13,31 @@
 
 namespace coppice {
 
-/// Where a ray met the object.
+/// The intersection of a ray with the object.
 struct Hit {
     Vec3 position;
     Vec3 normal;            ///< unit, smoothed, on the side of the ray's origin
     Vec3 geometric_normal;  ///< unit, of the face, on the same side
-    /// Where rays of light towards the position end: on a mesh that is smoothed above the face, about where
-    /// the smooth surface is. From the face itself, faces that the light grazes would be black as a whole.
+    /// Start of secondary rays: on a smoothed mesh above the face, near the smooth surface. If they started
+    /// on the face, faces at grazing light would be entirely black.
     Vec3 lifted;
     float distance = 0;
-    std::optional<std::uint32_t> point;  ///< of those drawn, if on one
+    std::optional<std::uint32_t> point;  ///< index of the drawn point, if on one
     std::optional<std::uint32_t> node;   ///< of the skeleton, if on its segment or ball
     bool on_mesh = false;
     std::uint32_t face = 0;  ///< of `quads()`, if on the mesh
-    float u = 0, v = 0;      ///< corners 0..3 lie at (0,0), (1,0), (1,1), (0,1)
+    float u = 0, v = 0;      ///< corners 0..3 are at (0,0), (1,0), (1,1), (0,1)
 };
 
-/// The object, moved to the origin and scaled so that the diagonal of its box is 1, ready for rays.
+/// The object for rays, moved to the origin and scaled so that the diagonal of its box is 1.
 class TracedScene {
   public:
     TracedScene(const RenderScene& scene, const RenderOptions& options, const Context& ctx);
 
     std::optional<Hit> trace(Vec3 origin, Vec3 direction) const;
-    std::optional<Hit> trace_axis(Vec3 origin, Vec3 direction) const;    ///< of the skeleton inside a mesh
-    std::optional<Hit> trace_marked(Vec3 origin, Vec3 direction) const;  ///< of the marked faces
+    std::optional<Hit> trace_axis(Vec3 origin,
+                                  Vec3 direction) const;  ///< intersects only the skeleton inside a mesh
+    std::optional<Hit> trace_marked(Vec3 origin, Vec3 direction) const;  ///< intersects only the marked faces
     bool occluded(Vec3 origin, Vec3 direction, float far) const;
 
     const std::vector<FramePoint>& frame_points() const { return frame_points_; }
@@ -44,14 +45,14 @@ class TracedScene {
     bool has_axis() const { return axis_ != nullptr; }
     bool has_marked() const { return marked_ != nullptr; }
     bool has_point_colors() const { return !point_colors_.empty(); }
-    /// Linear, of a point drawn.
+    /// linear, of a drawn point
     std::optional<Vec3> point_color(std::uint32_t point) const {
         return has_point_colors() ? std::optional(to_linear(point_colors_[drawn_point(point)]))
                                   : std::nullopt;
     }
-    bool measures_mesh() const { return point_count_ == 0; }  ///< and not points
+    bool measures_mesh() const { return point_count_ == 0; }  ///< false if points are measured
     Vec3 local(Vec3d world) const { return Vec3((world - center_) * scale_); }
-    SketchView local(SketchView view) const;  ///< that shows the scene as the view shows the world
+    SketchView local(SketchView view) const;  ///< the view in the coordinates of the scene
     float local_length(double length) const { return static_cast<float>(length * scale_); }
 
     const Quad& quad(std::uint32_t face) const { return quads_[face]; }
@@ -70,7 +71,7 @@ class TracedScene {
     void collect_frame_points(const RenderScene& scene, float skeleton_width);
     void attach_mesh(RTCScene scene, std::span<const Quad> quads, const Context& ctx);
     void attach_points(RTCScene scene, const RenderScene& of);
-    /// Which point of the cloud is the one of those drawn with this number.
+    /// Returns the index in the cloud of a drawn point.
     std::size_t drawn_point(std::size_t k) const { return k * cloud_size_ / point_count_; }
     EmbreeScene build_tubes(const Skeleton& skeleton, float width, const Context& ctx);
     std::optional<Hit> trace(RTCScene scene, Vec3 origin, Vec3 direction) const;
@@ -84,18 +85,19 @@ class TracedScene {
     Box3 bounds_;
     std::vector<FramePoint> frame_points_;
     std::vector<Vec3> positions_;
-    std::vector<Vec3> normals_;       ///< per vertex; empty when faces are shown flat
+    std::vector<Vec3> normals_;       ///< per vertex; empty for flat faces
     std::vector<Quad> quads_;         ///< triangles repeat their last corner; larger faces are fans
-    std::vector<Quad> marked_quads_;  ///< those of marked faces
+    std::vector<Quad> marked_quads_;  ///< marked faces
     std::vector<std::uint8_t> edges_;
     std::span<const float> deviation_, evidence_;
     const SurfaceTree* distance_to_ = nullptr;
     std::span<const Rgb> point_colors_;
-    std::size_t cloud_size_ = 0, point_count_ = 0;  ///< all points, and those drawn
-    /// What the solid scene holds, in the order of Embree's numbers.
+    std::size_t cloud_size_ = 0, point_count_ = 0;  ///< number of all points, and of the drawn ones
+    /// Contents of the solid scene, in the order of Embree's ids.
     enum class Part : std::uint8_t { mesh, points, tubes };
     std::vector<Part> parts_;
-    std::vector<std::vector<std::uint32_t>> tube_nodes_;  ///< of each geometry of tubes: nodes of its parts
+    std::vector<std::vector<std::uint32_t>>
+        tube_nodes_;  ///< for each geometry of tubes: nodes of its elements
     EmbreeDevice device_;
     EmbreeScene solid_, axis_, marked_;
 };

@@ -6,27 +6,27 @@
 #include <cmath>
 
 #include "coppice/base/error.h"
-#include "coppice/pipeline/carry/sound_frames.h"
-#include "coppice/pipeline/quantity.h"
+#include "coppice/options/quantity.h"
+#include "coppice/pipeline/deform/valid_frames.h"
 
 namespace coppice {
 namespace {
 
-constexpr std::size_t kMostFrames = 10'000;
-constexpr std::size_t kMostNamed = 100;  // of held frames
-constexpr double kSeconds = 4;           // of what does not say how long it lasts
+constexpr std::size_t kMaxFrames = 10'000;
+constexpr std::size_t kMaxNamed = 100;  // maximum number of frozen frames in a report
+constexpr double kSeconds = 4;          // default duration
 constexpr std::size_t kFramesOfSwing = 8;
 
-std::size_t frames_of(double seconds, double rate) {
+std::size_t compute_frames(double seconds, double rate) {
     const double count = std::round(seconds * rate);
     if (count < 1) {
-        throw InvalidInput(fmt::format("{:g} s at {:g} frames a second make no frame; give a longer duration",
+        throw InvalidInput(fmt::format("{:g} s at {:g} frames a second make no frame; use a longer duration",
                                        seconds, rate));
     }
-    if (count > static_cast<double>(kMostFrames)) {
+    if (count > static_cast<double>(kMaxFrames)) {
         throw InvalidInput(
             fmt::format("{:g} s at {:g} frames a second make {:.0f} frames; at most {} can be made", seconds,
-                        rate, count, kMostFrames));
+                        rate, count, kMaxFrames));
     }
     return static_cast<std::size_t>(count);
 }
@@ -44,19 +44,19 @@ FrameSeries series_with(const AnimationOptions& options, std::size_t count, doub
     return series;
 }
 
-void note(MotionReport& report, std::size_t frame, double time, const SoundFrame& made) {
+void note(MotionReport& report, std::size_t frame, double time, const ValidFrame& made) {
     report.not_converged += made.not_converged;
     report.folded += made.folded;
     report.crossings += made.crossings;
-    if (!made.is_held()) return;
-    ++report.held;
-    report.wholly_held += made.whole_tree_held ? 1 : 0;
-    if (report.first.size() < kMostNamed)
+    if (!made.is_frozen()) return;
+    ++report.frozen;
+    report.wholly_frozen += made.whole_tree_frozen ? 1 : 0;
+    if (report.first.size() < kMaxNamed)
         report.first.push_back(
-            {frame, time, made.held_nodes, made.whole_tree_held, made.folded, made.crossings});
+            {frame, time, made.frozen_nodes, made.whole_tree_frozen, made.folded, made.crossings});
 }
 
-/// Without progress, which is that of all frames.
+/// Returns the context without progress, because progress is reported for all frames together.
 Context for_each_frame(const Context& ctx) {
     return {.threads = ctx.threads, .stop = ctx.stop, .progress = {}};
 }
@@ -85,8 +85,9 @@ Motion::Motion(const Skeleton& tree, std::optional<Keyframes> keys, const Animat
     : rest_(rest_pose(tree)), keys_(std::move(keys)), rate_(double{options.run.rate}) {
     seconds_ = options.run.duration > 0 ? double{options.run.duration} : keys_ ? keys_->end() : kSeconds;
     const bool is_windy = options.wind.speed > 0;
-    // Of keys the last moment is shown too; of the wind it is the first again.
-    frames_ = frames_of(seconds_, rate_) + (is_windy ? 0 : 1);
+    // An animation with keys includes the last moment; the wind is periodic, so its last moment equals the
+    // first.
+    frames_ = compute_frames(seconds_, rate_) + (is_windy ? 0 : 1);
     if (is_windy) wind_.emplace(tree, options.wind, seconds_, static_cast<int>(frames_ / kFramesOfSwing));
 }
 
@@ -97,39 +98,39 @@ Pose Motion::at(double time) const {
 
 GrowthFrames growth_frames(const AnimateOptions& options) {
     const double seconds = options.duration > 0 ? double{options.duration} : kSeconds;
-    return {seconds, frames_of(seconds, double{options.rate})};
+    return {seconds, compute_frames(seconds, double{options.rate})};
 }
 
-FrameSeries series_of(const CarriedMesh& mesh, const Motion& motion, const AnimationOptions& options) {
-    constexpr std::size_t kMostPoses = 32;
+FrameSeries make_series(const SkinnedMesh& mesh, const Motion& motion, const AnimationOptions& options) {
+    constexpr std::size_t kMaxPoses = 32;
     FrameSeries series = series_with(options, motion.frames(), motion.rate());
     series.rest = &mesh.made().quads().mesh;
-    // In view are the surface at rest, and the nodes in some of the poses.
+    // The camera shows the surface at rest and the nodes in a sample of the poses.
     frame_surface(*series.rest, series.framed);
-    for (std::size_t i = 0; i < motion.frames(); i += 1 + motion.frames() / kMostPoses) {
+    for (std::size_t i = 0; i < motion.frames(); i += 1 + motion.frames() / kMaxPoses) {
         const Pose pose = motion.at(motion.time(i));
         for (const Vec3 p : pose.positions) series.framed.push_back(mesh.skeleton().origin() + Vec3d(p));
     }
     return series;
 }
 
-FrameSeries series_of(const QuadMesh& last, const GrowthFrames& frames, const AnimationOptions& options) {
+FrameSeries make_series(const QuadMesh& last, const GrowthFrames& frames, const AnimationOptions& options) {
     FrameSeries series = series_with(options, frames.frames, double{options.run.rate});
     frame_surface(last, series.framed);
     return series;
 }
 
-MotionReport make_frames(CarriedMesh& mesh, const Motion& motion, const FrameSinks& sinks,
+MotionReport make_frames(SkinnedMesh& mesh, const Motion& motion, const FrameSinks& sinks,
                          const Context& ctx) {
     using Clock = std::chrono::steady_clock;
     const Context each = for_each_frame(ctx);
     MotionReport report;
-    SoundFrames frames(mesh);
+    ValidFrames frames(mesh);
     QuadMesh shown = mesh.made().quads().mesh;
     for (std::size_t i = 0; i < motion.frames(); ++i) {
         ctx.throw_if_cancelled();
         const auto start = Clock::now();
-        SoundFrame frame = frames.next(motion.at(motion.time(i)), each);
+        ValidFrame frame = frames.next(motion.at(motion.time(i)), each);
         report.carrying += std::chrono::duration<double>(Clock::now() - start).count();
         note(report, i, motion.time(i), frame);
         shown.positions = std::move(frame.positions);
@@ -149,7 +150,7 @@ std::uint64_t make_frames(const Skeleton& tree, const GrowthFrames& frames, cons
         ctx.throw_if_cancelled();
         const double part = static_cast<double>(i + 1) / static_cast<double>(frames.frames);
         const MeshResult now = mesh_skeleton(growing.at(part), options.mesh, each);
-        crossings += now.quads().knots.pairs_after;
+        crossings += now.quads().repair.pairs_after;
         for (const auto& sink : sinks) sink->add(now.quads().mesh, each);
         report_frame(ctx, i, frames.frames);
     }
@@ -157,12 +158,12 @@ std::uint64_t make_frames(const Skeleton& tree, const GrowthFrames& frames, cons
     return crossings;
 }
 
-std::string text_of(const MotionReport& report, std::size_t frames, std::size_t quads) {
-    const std::string held =
-        report.held == 0
+std::string to_text(const MotionReport& report, std::size_t frames, std::size_t quads) {
+    const std::string frozen =
+        report.frozen == 0
             ? ""
-            : fmt::format("; {} held back where branches would fold or cross", grouped(report.held));
-    return fmt::format("{} frames of {} quads{}", grouped(frames), grouped(quads), held);
+            : fmt::format("; {} with frozen branches that would fold or intersect", grouped(report.frozen));
+    return fmt::format("{} frames of {} quads{}", grouped(frames), grouped(quads), frozen);
 }
 
 std::string text_of_growth(std::size_t frames, std::size_t quads) {

@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "coppice/animate/animate_options.h"
-#include "coppice/animate/growing.h"
-#include "coppice/animate/wind.h"
 #include "coppice/base/context.h"
-#include "coppice/pipeline/carry/carried_mesh.h"
+#include "coppice/edit/animate/animate_options.h"
+#include "coppice/edit/animate/growing.h"
+#include "coppice/edit/animate/wind.h"
+#include "coppice/pipeline/deform/skinned_mesh.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/render/render.h"
 #include "coppice/scene/animation/frame_sinks.h"
@@ -17,31 +17,37 @@
 
 namespace coppice {
 
-/// How a tree moves, and what its surface and its pictures are like.
+/// Options of an animation: motion, surface and images.
 struct AnimationOptions {
-    bool grow = false;       ///< grows up from its root, with a surface of its own in every frame
-    AnimateOptions run;      ///< how long, and how many frames
-    GrowingOptions growing;  ///< for `grow`
-    WindOptions wind;        ///< sways it where it has a speed
-    MeshOptions mesh;        ///< the surface
-    RenderOptions picture;   ///< of frames that are drawn
+    bool grow = false;       ///< the tree grows from its root, with a separate surface in every frame
+    AnimateOptions run;      ///< duration and frame rate
+    GrowingOptions growing;  ///< used with `grow`
+    WindOptions wind;        ///< used if the speed is positive
+    MeshOptions mesh;        ///< options of the surface
+    RenderOptions picture;   ///< options of rendered frames
 };
 
-/// Throws InvalidInput where nothing would move, or where a tree that grows is to do what it cannot.
+/// Throws InvalidInput if nothing moves, or if growth is combined with options that it does not support.
 void check_animation(const AnimationOptions& options, bool has_keys);
 
-/// A motion of a tree by keys, in the wind, or both.
+/// Motion of a tree by keys, wind, or both.
 class Motion {
   public:
-    /// Throws InvalidInput for options out of range, for no frame at all and for more than 10,000.
+    /// Throws InvalidInput for options out of range, and if the number of frames is 0 or more than 10,000.
     Motion(const Skeleton& tree, std::optional<Keyframes> keys, const AnimationOptions& options);
 
-    double seconds() const { return seconds_; }  ///< that it lasts: as asked, else as long as its keys, or 4
-    double rate() const { return rate_; }        ///< [1/s] frames
-    std::size_t frames() const { return frames_; }                  ///< of keys the last moment is one, too
-    std::size_t keys() const { return keys_ ? keys_->size() : 0; }  ///< number of them
-    double time(std::size_t frame) const { return static_cast<double>(frame) / rate_; }  ///< [s]
-    Pose at(double time) const;  ///< the pose at a time [s]; O(n) for each edit that is on its way
+    double seconds() const {
+        return seconds_;
+    }                                      ///< [s] duration: as specified, otherwise that of the keys, or 4
+    double rate() const { return rate_; }  ///< [1/s] frame rate
+    std::size_t frames() const {
+        return frames_;
+    }  ///< number of frames; with keys, including the last moment
+    std::size_t keys() const { return keys_ ? keys_->size() : 0; }  ///< number of keys
+    double time(std::size_t frame) const {
+        return static_cast<double>(frame) / rate_;
+    }                            ///< [s] time of a frame
+    Pose at(double time) const;  ///< pose at a time [s]; O(n) for each active edit
 
   private:
     Pose rest_;
@@ -51,50 +57,51 @@ class Motion {
     std::optional<Wind> wind_;
 };
 
-/// Frames of a tree that grows, and how long that takes.
+/// Duration and number of frames of a tree that grows.
 struct GrowthFrames {
-    double seconds = 0;      ///< as asked, or 4
-    std::size_t frames = 0;  ///< the last one shows the whole tree
+    double seconds = 0;      ///< [s] duration: as specified, or 4
+    std::size_t frames = 0;  ///< number of frames; the last one shows the complete tree
 };
-GrowthFrames growth_frames(const AnimateOptions& options);  ///< throws InvalidInput as Motion
+GrowthFrames growth_frames(const AnimateOptions& options);  ///< throws InvalidInput as Motion does
 
-/// What sinks need to know of the frames of a motion; refers to the mesh.
-FrameSeries series_of(const CarriedMesh& mesh, const Motion& motion, const AnimationOptions& options);
-/// The same of growth that ends in this surface.
-FrameSeries series_of(const QuadMesh& last, const GrowthFrames& frames, const AnimationOptions& options);
+/// Returns the properties of the frames of a motion that sinks require; refers to the mesh.
+FrameSeries make_series(const SkinnedMesh& mesh, const Motion& motion, const AnimationOptions& options);
+/// The same for growth that ends with this surface.
+FrameSeries make_series(const QuadMesh& last, const GrowthFrames& frames, const AnimationOptions& options);
 
-/// A frame that is not as it was wanted.
-struct HeldFrame {
-    std::size_t frame = 0;        ///< number of it
-    double time = 0;              ///< [s]
-    std::uint32_t nodes = 0;      ///< that stand to their parents as in the frame before
-    bool whole_tree = false;      ///< nothing moved
-    std::uint64_t folded = 0;     ///< faces that would have folded
-    std::uint64_t crossings = 0;  ///< pairs of faces that would have crossed
+/// A frame that differs from the requested pose, to avoid folded or crossing faces.
+struct FrozenFrame {
+    std::size_t frame = 0;  ///< index of the frame
+    double time = 0;        ///< [s]
+    std::uint32_t nodes =
+        0;  ///< number of nodes with the same position relative to their parents as in the previous frame
+    bool whole_tree = false;      ///< whether no node moved
+    std::uint64_t folded = 0;     ///< number of faces that would have folded
+    std::uint64_t crossings = 0;  ///< number of pairs of faces that would have crossed
 };
 
-/// What became of the frames of a motion.
+/// Statistics of the frames of a motion.
 struct MotionReport {
-    std::uint64_t held = 0;           ///< frames
-    std::uint64_t wholly_held = 0;    ///< frames
-    std::uint64_t folded = 0;         ///< faces that would have folded, in all frames
-    std::uint64_t crossings = 0;      ///< pairs of faces that would have crossed
-    std::uint64_t not_converged = 0;  ///< vertices that did not reach the field
-    std::vector<HeldFrame> first;     ///< the first 100 that were held
-    double carrying = 0;              ///< [s] without drawing and writing
+    std::uint64_t frozen = 0;         ///< number of frozen frames
+    std::uint64_t wholly_frozen = 0;  ///< number of frames in which no node moved
+    std::uint64_t folded = 0;         ///< number of faces that would have folded, in all frames
+    std::uint64_t crossings = 0;      ///< number of pairs of faces that would have crossed
+    std::uint64_t not_converged = 0;  ///< number of vertices that did not converge to the field
+    std::vector<FrozenFrame> first;   ///< the first 100 frozen frames
+    double carrying = 0;              ///< [s] time without rendering and writing
 };
 
-/// Carries the surface through all frames, every one sound (see SoundFrames), to every sink, and finishes
-/// these. Throws IoError, Cancelled.
-MotionReport make_frames(CarriedMesh& mesh, const Motion& motion, const FrameSinks& sinks,
+/// Deforms the surface for all frames, each valid (see ValidFrames), passes them to every sink, and finishes
+/// the sinks. Throws IoError, Cancelled.
+MotionReport make_frames(SkinnedMesh& mesh, const Motion& motion, const FrameSinks& sinks,
                          const Context& ctx);
 
-/// The same of a tree that grows. Returns how many pairs of faces cross in all frames together.
+/// The same for a tree that grows. Returns the total number of pairs of crossing faces in all frames.
 std::uint64_t make_frames(const Skeleton& tree, const GrowthFrames& frames, const AnimationOptions& options,
                           const FrameSinks& sinks, const Context& ctx);
 
-/// "48 frames of 37,376 quads; 3 held back where branches would fold or cross"
-std::string text_of(const MotionReport& report, std::size_t frames, std::size_t quads);
+/// "48 frames of 37,376 quads; 3 with frozen branches that would fold or intersect"
+std::string to_text(const MotionReport& report, std::size_t frames, std::size_t quads);
 /// "48 frames of a tree that grows to 37,376 quads"
 std::string text_of_growth(std::size_t frames, std::size_t quads);
 

@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "coppice/base/error.h"
-#include "coppice/io/program.h"
+#include "coppice/system/program.h"
 
 namespace coppice {
 namespace {
@@ -52,7 +52,7 @@ Film::~Film() {
 
 void Film::start(const Image& first) {
     ProgramStart program;
-    // Codecs of films take even widths and heights only.
+    // Video codecs require even widths and heights.
     program.words = {film_program().string(),
                      "-loglevel",
                      "error",
@@ -74,7 +74,8 @@ void Film::start(const Image& first) {
                      std::filesystem::absolute(unfinished_).string()};
     std::array<int, 2> ends{};
     if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
-        throw IoError(fmt::format("cannot write {}: no socket to ffmpeg can be made", path_.string()));
+        throw IoError(
+            fmt::format("cannot write {}: a socket to ffmpeg could not be created", path_.string()));
     input_ = ends[0];
     program.input = ends[1];
     try {

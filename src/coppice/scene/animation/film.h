@@ -8,25 +8,25 @@
 
 namespace coppice {
 
-/// Whether the name is that of a film: .mp4, .mov, .mkv or .webm.
+/// Returns whether the file name has a video extension: .mp4, .mov, .mkv or .webm.
 bool is_film_name(const std::filesystem::path& path);
 
-/// Throws Unsupported where there is no ffmpeg to make films with.
+/// Throws Unsupported if ffmpeg, which encodes videos, is not found.
 void check_film_program();
 
-/// A film that ffmpeg makes of pictures, which are handed to it one by one. The file appears whole or not at
+/// A video that ffmpeg encodes from images that are passed one at a time. The file appears complete or not at
 /// all.
 class Film {
   public:
-    /// `rate`: pictures a second. Starts with the first picture.
+    /// `rate` is the number of images per second. ffmpeg starts with the first image.
     Film(std::filesystem::path path, double rate);
-    ~Film();  ///< without finish() ffmpeg is ended, and nothing is left
+    ~Film();  ///< without finish(), terminates ffmpeg and removes the file
     Film(const Film&) = delete;
     Film& operator=(const Film&) = delete;
 
-    /// Throws IoError where ffmpeg does not take it.
+    /// Throws IoError if ffmpeg does not accept the image.
     void add(const Image& picture);
-    /// Waits for ffmpeg. Throws IoError where it fails.
+    /// Waits for ffmpeg. Throws IoError if it fails.
     void finish();
 
   private:
@@ -35,7 +35,7 @@ class Film {
     std::filesystem::path path_, unfinished_;
     double rate_;
     pid_t process_ = -1;
-    int input_ = -1;  ///< a socket, so that a program that ended is an error and no signal
+    int input_ = -1;  ///< a socket, so that a terminated program is an error instead of a signal
 };
 
 }  // namespace coppice

@@ -5,17 +5,17 @@
 #include <optional>
 
 #include "coppice/base/error.h"
-#include "coppice/io/file.h"
 #include "coppice/io/mesh/motion_writer.h"
 #include "coppice/io/mesh/writer.h"
 #include "coppice/render/gif.h"
 #include "coppice/render/png.h"
 #include "coppice/scene/animation/film.h"
+#include "coppice/system/file.h"
 
 namespace coppice {
 namespace {
 
-/// What frames become.
+/// Output formats of frames.
 enum class FrameForm { pictures, gif, film, meshes, moving_mesh };
 
 std::optional<FrameForm> form_of(const std::filesystem::path& path) {
@@ -31,9 +31,8 @@ std::optional<FrameForm> form_of(const std::filesystem::path& path) {
 FrameForm known_form(const std::filesystem::path& path) {
     if (const auto form = form_of(path)) return *form;
     throw InvalidInput(
-        fmt::format("'{}' is no name for frames; use .png, .ply, .obj or .stl for a file each, .gif for "
-                    "one that moves, or .glb or "
-                    ".usda for all in one",
+        fmt::format("'{}' is not a valid file name for frames; use .png, .ply, .obj or .stl for a file each, "
+                    ".gif for one that moves, or .glb or .usda for all in one",
                     path.string()));
 }
 
@@ -139,7 +138,7 @@ void check_frames_name(const std::filesystem::path& path, bool same_faces) {
     if (known_form(path) == FrameForm::film) check_film_program();
     if (!same_faces && mesh_format_of_name(path) == MeshFormat::glb) {
         throw InvalidInput(
-            fmt::format("'{}': a GLB has the same faces in all frames, which growing trees have not; write "
+            fmt::format("'{}': a GLB has the same faces in all frames, which growing trees do not; write "
                         ".usda, or .ply for a file each",
                         path.string()));
     }
@@ -171,7 +170,7 @@ std::unique_ptr<FrameSink> open_sink(const std::filesystem::path& path, const Fr
 }
 
 double memory_of_sink(const std::filesystem::path& path, const FrameSeries& series, const QuadMesh& frame) {
-    constexpr double kBytesOfPixel = 32, kBytesOfDrawnFace = 250;  // with what rays are cast into
+    constexpr double kBytesOfPixel = 32, kBytesOfDrawnFace = 250;  // including the ray-casting structures
     const double vertices = static_cast<double>(frame.positions.size()),
                  faces = static_cast<double>(frame.quads.size()), count = static_cast<double>(series.count);
     const FrameForm form = known_form(path);

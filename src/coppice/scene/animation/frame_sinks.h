@@ -10,39 +10,41 @@
 
 namespace coppice {
 
-/// What all frames of an animation have in common.
+/// Properties that all frames of an animation share.
 struct FrameSeries {
-    std::size_t count = 0;           ///< of frames
-    double rate = 24;                ///< [1/s]
-    const QuadMesh* rest = nullptr;  ///< whose faces all frames have; null where each has its own
-    int gif_colors = 255;            ///< of a GIF at most
-    RenderOptions picture;           ///< how frames are drawn
-    std::vector<Vec3d> framed;       ///< [m] points that all pictures show
+    std::size_t count = 0;  ///< number of frames
+    double rate = 24;       ///< [1/s] frame rate
+    const QuadMesh* rest =
+        nullptr;            ///< surface with the faces of all frames; null if each frame has its own faces
+    int gif_colors = 255;   ///< maximum number of colours of a GIF
+    RenderOptions picture;  ///< render options
+    std::vector<Vec3d> framed;  ///< [m] points that all images show
 };
 
-/// A place that frames go to, in order. Without finish() nothing is left of those that are one file.
+/// A consumer of frames, in order. Without finish(), a sink that writes one file leaves none.
 class FrameSink {
   public:
     virtual ~FrameSink() = default;
-    virtual void add(const QuadMesh& frame, const Context& ctx) = 0;  ///< the next one; throws IoError
-    virtual void finish(const Context& ctx) = 0;                      ///< after the last one; throws IoError
+    virtual void add(const QuadMesh& frame, const Context& ctx) = 0;  ///< adds the next frame; throws IoError
+    virtual void finish(
+        const Context& ctx) = 0;  ///< completes the output after the last frame; throws IoError
 };
 
-using FrameSinks = std::vector<std::unique_ptr<FrameSink>>;  ///< all of which get every frame
+using FrameSinks = std::vector<std::unique_ptr<FrameSink>>;  ///< each of them receives every frame
 
-/// Throws InvalidInput when the name is none that frames can be written to, Unsupported for a film where
-/// there is no program that makes films.
+/// Throws InvalidInput if frames cannot be written to a file of this name, Unsupported for a video if there
+/// is no program to encode it.
 void check_frames_name(const std::filesystem::path& path, bool same_faces);
 
-/// The files that so many frames are written to: one, or one for each frame.
+/// Returns the files to which `count` frames are written: one, or one per frame.
 std::vector<std::filesystem::path> frame_files(const std::filesystem::path& path, std::size_t count);
 
-/// .png, .ply, .obj and .stl: a file for each frame, NAME_0000.png and so on; .gif: one picture that moves;
-/// .mp4, .mov, .mkv and .webm: a film by ffmpeg; .glb and .usda: one mesh that moves. Of the series `rest`
-/// must outlive the sink. Throws IoError.
+/// Creates the sink for a file name. .png, .ply, .obj and .stl: a file per frame, NAME_0000.png and so on;
+/// .gif: an animated image; .mp4, .mov, .mkv and .webm: a video encoded by ffmpeg; .glb and .usda: an
+/// animated mesh. `rest` of the series must outlive the sink. Throws IoError.
 std::unique_ptr<FrameSink> open_sink(const std::filesystem::path& path, const FrameSeries& series);
 
-/// [bytes] that such a sink takes at most beside the frame that it is given.
+/// Returns the maximum memory [bytes] of such a sink in addition to the frame passed to it.
 double memory_of_sink(const std::filesystem::path& path, const FrameSeries& series, const QuadMesh& frame);
 
 }  // namespace coppice

@@ -18,8 +18,8 @@ namespace {
 using namespace table;
 
 constexpr std::string_view kGroup = "Profiles, paths and other surfaces";
-constexpr std::size_t kMostContours = 1000;
-constexpr std::size_t kMostSections = 1000;
+constexpr std::size_t kMaxContours = 1000;
+constexpr std::size_t kMaxSections = 1000;
 constexpr double kBytesOfCurvePoint = 600;
 
 float as_float(double v) { return static_cast<float>(v); }
@@ -35,16 +35,16 @@ Argument& find_argument(SceneCommand& c, std::string_view name) {
     return *std::ranges::find(c.arguments, name, &Argument::name);
 }
 
-/// Influence and law of a closed shape.
+/// Adds the options of influence and falloff of a closed shape.
 void add_field_options(SceneCommand& c) {
     add_options(c.arguments, PrimitiveOptions{}, "primitive", {"radius"});
     find_argument(c, "influence").help =
-        "how far above and below the surface the field goes; 0 = half the least side";
+        "Distance above and below the surface to which the field extends; 0 uses half the shortest side.";
 }
 
 SceneOutcome makes_closed(const SceneCall& call, std::shared_ptr<const Shape> shape, double bytes) {
     return makes_solid(call.text("name"),
-                       solid_of(std::move(shape), call.options<PrimitiveOptions>("primitive")),
+                       make_solid(std::move(shape), call.options<PrimitiveOptions>("primitive")),
                        kBytesOfSolid + static_cast<std::uint64_t>(bytes));
 }
 
@@ -58,7 +58,7 @@ Profile made_profile(const SceneCall& call, CurveKind kind) {
     std::vector<Vec2d> points = plane_points(call);
     const double radius = call.number("circle");
     if (points.empty() == (radius <= 0))
-        throw InvalidInput("a profile is made of points or of circle=RADIUS, one of the two");
+        throw InvalidInput("a profile is made of points or of circle=RADIUS, but not of both");
     const bool closed = call.flag("closed");
     if (radius > 0) {
         if (!closed) throw InvalidInput("a circle is closed; leave out closed=false");
@@ -69,11 +69,11 @@ Profile made_profile(const SceneCall& call, CurveKind kind) {
     Profile one(points, kind, closed);
     if (!call.has("add")) return one;
     const Profile& other = call.profile(call.text("add"));
-    if (!closed || !other.closed()) throw InvalidInput("only closed profiles can be added to one another");
+    if (!closed || !other.closed()) throw InvalidInput("only closed profiles can be added to each other");
     std::vector<std::vector<Vec2d>> all(other.contours().begin(), other.contours().end());
     all.insert(all.end(), one.contours().begin(), one.contours().end());
-    if (all.size() > kMostContours)
-        throw InvalidInput(fmt::format("a profile has at most {} contours", kMostContours));
+    if (all.size() > kMaxContours)
+        throw InvalidInput(fmt::format("a profile has at most {} contours", kMaxContours));
     return Profile(all);
 }
 
@@ -84,16 +84,16 @@ std::size_t corner_count(const Profile& profile) {
 }
 
 SceneCommand profile_command() {
-    SceneCommand c =
-        in_group(ObjectKind::profile, "profile", "a line or an area in a plane, for revolve, sweep and skin",
-                 "profile vase 0,0 1,0 0.6,1.5 0.9,2.5 closed=false");
-    c.arguments = {new_name("name", "name of the new profile"),
-                   positional(repeated(tuple("points", "", "points x,y", {2})), false),
-                   number("circle", "0", 0, 1e6, Unit::metre, "radius of a circle to take instead of points"),
-                   tuple("center", "0,0", "centre of that circle", {2}),
-                   number("corners", "64", 3, 10'000, Unit::none, "corners of that circle"),
+    SceneCommand c = in_group(ObjectKind::profile, "profile",
+                              "Create a line or an area in a plane, for revolve, sweep and skin.",
+                              "profile vase 0,0 1,0 0.6,1.5 0.9,2.5 closed=false");
+    c.arguments = {new_name("name", "Name of the new profile."),
+                   positional(repeated(tuple("points", "", "Points x,y.", {2})), false),
+                   number("circle", "0", 0, 1e6, Unit::metre, "Radius of a circle that replaces the points."),
+                   tuple("center", "0,0", "Centre of the circle.", {2}),
+                   number("corners", "64", 3, 10'000, Unit::none, "Number of corners of the circle."),
                    object_option("add", ObjectKind::profile,
-                                 "a profile whose contours are taken in; a contour in another is a hole")};
+                                 "Profile with contours to add; a contour inside another is a hole.")};
     c.arguments[4].type = ArgumentType::whole;
     CurveOptions straight;
     straight.kind = CurveKind::polyline;
@@ -107,7 +107,8 @@ SceneCommand profile_command() {
     return c;
 }
 
-/// Points with normals: their own, or where none has one those of a closed line in this order.
+/// Returns points with normals: the given normals, or if there are none, those of a closed line through the
+/// points in order.
 std::vector<OrientedPoint> contour_points(const SceneCall& call) {
     std::vector<OrientedPoint> out;
     std::size_t with_normal = 0;
@@ -120,21 +121,25 @@ std::vector<OrientedPoint> contour_points(const SceneCall& call) {
     }
     if (with_normal == out.size()) return out;
     if (with_normal > 0)
-        throw InvalidInput("either all points have normals, as x,y,nx,ny, or none of them has one, as x,y");
+        throw InvalidInput("either all points have normals, as x,y,nx,ny, or none has one, as x,y");
     return with_normals(plane_points(call));
 }
 
 SceneCommand contour_command() {
-    SceneCommand c = in_group(ObjectKind::profile, "contour",
-                              "a variational curve: the smoothest closed line through points, as a profile",
-                              "contour bean 1,0 0,0.8 -1,0 0,0.2");
-    c.arguments = {new_name("name", "name of the new profile"),
-                   positional(repeated(tuple("points", "",
-                                             "points in their order around the area as x,y, or in any order "
-                                             "with outward normals as x,y,nx,ny",
-                                             {2, 4})))};
+    SceneCommand c =
+        in_group(ObjectKind::profile, "contour",
+                 "Create the smoothest closed line through points (a variational curve) as a profile.",
+                 "contour bean 1,0 0,0.8 -1,0 0,0.2");
+    c.arguments = {
+        new_name("name", "Name of the new profile."),
+        positional(repeated(tuple(
+            "points", "",
+            "Points in order around the area as x,y, or in any order with outward normals as x,y,nx,ny.",
+            {2, 4})))};
     add_options(c.arguments, VariationalOptions{}, "contour");
-    find_argument(c, "margin").help = "how far around the points' box the area ends, in sizes of that box";
+    find_argument(c, "margin").help =
+        "Distance from the bounding box of the points at which the area ends, as a multiple of the size of "
+        "the box.";
     c.run = [](const SceneCall& call) {
         const auto points = contour_points(call);
         const double n = static_cast<double>(points.size());
@@ -148,10 +153,11 @@ SceneCommand contour_command() {
 }
 
 SceneCommand path_command() {
-    SceneCommand c = in_group(ObjectKind::path, "path", "a curve through points in space, for sweep and skin",
-                              "path spine 0,0,0 0,0,2 1,0,4");
-    c.arguments = {new_name("name", "name of the new path"),
-                   positional(repeated(tuple("points", "", "two points or more, as x,y,z")))};
+    SceneCommand c =
+        in_group(ObjectKind::path, "path", "Create a curve through points in space, for sweep and skin.",
+                 "path spine 0,0,0 0,0,2 1,0,4");
+    c.arguments = {new_name("name", "Name of the new path."),
+                   positional(repeated(tuple("points", "", "At least two points, as x,y,z.")))};
     add_options(c.arguments, CurveOptions{}, "curve");
     c.run = [](const SceneCall& call) {
         const auto points = call.points("points");
@@ -163,13 +169,14 @@ SceneCommand path_command() {
 }
 
 SceneCommand revolve_command() {
-    SceneCommand c = in_group(ObjectKind::solid, "revolve",
-                              "a profile turned about an axis: x is the distance from it, y the height",
-                              "revolve pot vase");
-    c.arguments = {new_name("name", "name of the new solid"),
-                   object("profile", ObjectKind::profile, "what is turned"),
-                   tuple("origin", "0,0,0", "the point of the axis where y is 0"),
-                   tuple("axis", "0,0,1", "direction of the axis", {3}, Unit::none)};
+    SceneCommand c =
+        in_group(ObjectKind::solid, "revolve",
+                 "Revolve a profile about an axis; x is the distance from the axis, y the height.",
+                 "revolve pot vase");
+    c.arguments = {new_name("name", "Name of the new solid."),
+                   object("profile", ObjectKind::profile, "Profile to revolve."),
+                   tuple("origin", "0,0,0", "Point of the axis at which y is 0."),
+                   tuple("axis", "0,0,1", "Direction of the axis.", {3}, Unit::none)};
     add_field_options(c);
     c.run = [](const SceneCall& call) {
         const Profile& profile = call.profile(call.text("profile"));
@@ -181,13 +188,14 @@ SceneCommand revolve_command() {
 }
 
 SceneCommand sweep_command() {
-    SceneCommand c = in_group(ObjectKind::solid, "sweep", "a closed profile carried along a path",
+    SceneCommand c = in_group(ObjectKind::solid, "sweep", "Sweep a closed profile along a path.",
                               "profile round circle=0.4\nsweep worm round spine scale=0,1 scale=1,0.3");
-    c.arguments = {new_name("name", "name of the new solid"),
-                   object("profile", ObjectKind::profile, "what is carried"),
-                   object("path", ObjectKind::path, "along what"),
-                   repeated(tuple("scale", "", "FRACTION,FACTOR: size of the profile at a part of the length",
-                                  {2}, Unit::none))};
+    c.arguments = {
+        new_name("name", "Name of the new solid."),
+        object("profile", ObjectKind::profile, "Profile to sweep."),
+        object("path", ObjectKind::path, "Path of the sweep."),
+        repeated(tuple("scale", "", "FRACTION,FACTOR: scale of the profile at a fraction of the length.", {2},
+                       Unit::none))};
     add_options(c.arguments, SweepOptions{}, "sweep");
     add_field_options(c);
     c.run = [](const SceneCall& call) {
@@ -208,14 +216,15 @@ SceneCommand sweep_command() {
 
 SceneCommand skin_command() {
     SceneCommand c =
-        in_group(ObjectKind::solid, "skin", "a surface through profiles that are tied to places of a path",
+        in_group(ObjectKind::solid, "skin", "Create a surface through profiles at positions of a path.",
                  "profile square -1,-1 1,-1 1,1 -1,1\n"
                  "skin column spine square@0 round@0.6 square@1 blend=quadratic");
-    c.arguments = {new_name("name", "name of the new solid"),
-                   object("path", ObjectKind::path, "what the profiles stand across")};
+    c.arguments = {new_name("name", "Name of the new solid."),
+                   object("path", ObjectKind::path, "Path perpendicular to the profiles.")};
     Argument sections{.name = "sections"};
     sections.help =
-        "PROFILE@FRACTION: a profile and the part of the path's length; several at one place unite";
+        "PROFILE@FRACTION: a profile and the fraction of the length of the path; several profiles at one "
+        "position are united.";
     sections.type = ArgumentType::section;
     sections.positional = sections.required = sections.repeats = true;
     sections.low = 0;
@@ -226,8 +235,8 @@ SceneCommand skin_command() {
     c.run = [](const SceneCall& call) {
         std::vector<SkinSection> sections_of_skin;
         double corners = call.path(call.text("path")).piece_count();
-        if (call.values("sections").size() > kMostSections)
-            throw InvalidInput(fmt::format("a skin has at most {} sections", kMostSections));
+        if (call.values("sections").size() > kMaxSections)
+            throw InvalidInput(fmt::format("a skin has at most {} sections", kMaxSections));
         for (const ArgumentValue& v : call.values("sections")) {
             const Profile& profile = call.profile(v.text);
             corners += static_cast<double>(corner_count(profile));
@@ -242,7 +251,7 @@ SceneCommand skin_command() {
     return c;
 }
 
-/// Points and normals from x,y,z,nx,ny,nz.
+/// Returns points and normals from x,y,z,nx,ny,nz.
 std::pair<std::vector<Vec3>, std::vector<Vec3>> oriented_points(const SceneCall& call) {
     std::vector<Vec3> points, normals;
     for (const ArgumentValue& v : call.values("points")) {
@@ -255,18 +264,18 @@ std::pair<std::vector<Vec3>, std::vector<Vec3>> oriented_points(const SceneCall&
 
 SceneCommand variational_command() {
     SceneCommand c = in_group(ObjectKind::solid, "variational",
-                              "the smoothest closed surface through points with outward normals",
+                              "Create the smoothest closed surface through points with outward normals.",
                               "variational pebble 1,0,0,1,0,0 -1,0,0,-1,0,0 0,1,0,0,1,0 0,-1,0,0,-1,0 "
                               "0,0,0.5,0,0,1 0,0,-0.5,0,0,-1");
     c.aliases = {"points"};
     c.arguments = {
-        new_name("name", "name of the new solid"),
-        positional(repeated(tuple("points", "", "a point and its normal, as x,y,z,nx,ny,nz", {6})))};
+        new_name("name", "Name of the new solid."),
+        positional(repeated(tuple("points", "", "Points and their normals, as x,y,z,nx,ny,nz.", {6})))};
     add_options(c.arguments, VariationalOptions{}, "variational");
     add_field_options(c);
     c.run = [](const SceneCall& call) {
         const auto [points, normals] = oriented_points(call);
-        const double n = static_cast<double>(std::min(points.size(), Variational::kMostPoints));
+        const double n = static_cast<double>(std::min(points.size(), Variational::kMaxPoints));
         call.reserve(12 * n * n);  // 290 MB for 5,000 points
         return makes_closed(
             call,
@@ -279,9 +288,9 @@ SceneCommand variational_command() {
 
 SceneCommand loadmesh_command() {
     SceneCommand c =
-        in_group(ObjectKind::mesh, "loadmesh", "reads a mesh from a file", "loadmesh cube cube.obj");
-    c.arguments = {new_name("name", "name of the new mesh"),
-                   file("file", ArgumentType::input_file, ".obj, .ply, .off, .stl or .glb")};
+        in_group(ObjectKind::mesh, "loadmesh", "Read a mesh from a file.", "loadmesh cube cube.obj");
+    c.arguments = {new_name("name", "Name of the new mesh."),
+                   file("file", ArgumentType::input_file, "Mesh file: .obj, .ply, .off, .stl or .glb.")};
     c.run = [](const SceneCall& call) {
         const std::filesystem::path path = call.input("file");
         std::error_code error;
@@ -290,24 +299,24 @@ SceneCommand loadmesh_command() {
         PolygonMesh mesh = read_mesh(path, call.context());
         validate(mesh);
         Surface surface{std::move(mesh)};
-        const std::uint64_t bytes = memory_of(surface);
+        const std::uint64_t bytes = compute_memory(surface);
         return makes(call.text("name"), std::move(surface), bytes);
     };
     return c;
 }
 
 SceneCommand solid_command() {
-    SceneCommand c =
-        in_group(ObjectKind::solid, "solid", "a closed mesh as a solid", "solid rest_mesh influence=5");
-    c.arguments = {object("mesh", ObjectKind::mesh, "the mesh"),
-                   positional(new_name("name", "name of the new solid", "@mesh"), false)};
+    SceneCommand c = in_group(ObjectKind::solid, "solid", "Convert a closed mesh to a solid.",
+                              "solid rest_mesh influence=5");
+    c.arguments = {object("mesh", ObjectKind::mesh, "Closed mesh to convert."),
+                   positional(new_name("name", "Name of the new solid.", "@mesh"), false)};
     add_field_options(c);
     c.run = [](const SceneCall& call) {
         constexpr double kBytesOfTriangle = 100;
         const Surface& surface = call.surface(call.text("mesh"));
         const double bytes = kBytesOfTriangle * 2 * static_cast<double>(face_count(surface));
         call.reserve(bytes);
-        const TriMesh mesh = triangles_of(surface);
+        const TriMesh mesh = to_triangles(surface);
         std::vector<Vec3> world;
         world.reserve(mesh.positions.size());
         for (const Vec3 p : mesh.positions) world.push_back(Vec3(mesh.origin + Vec3d(p)));

@@ -9,15 +9,16 @@
 namespace coppice::table {
 
 inline Argument curve_argument() {
-    return repeated(tuple("curve", "", "VALUE,DENSITY: a knot of a density of your own, instead of `density`",
-                          {2}, Unit::none));
+    return repeated(tuple("curve", "",
+                          "VALUE,DENSITY: a point of a custom density curve, which replaces `density`.", {2},
+                          Unit::none));
 }
 
 inline Argument kernel_argument(std::string help) {
     return repeated(tuple("kernel", "", std::move(help), {2}, Unit::none));
 }
 
-/// Knots of a curve or kernel, as they were given.
+/// Returns the points of a curve or kernel, in the given order.
 template <class Knot>
 std::vector<Knot> knots_of(const SceneCall& call, std::string_view name) {
     std::vector<Knot> knots;
@@ -26,13 +27,13 @@ std::vector<Knot> knots_of(const SceneCall& call, std::string_view name) {
     return knots;
 }
 
-/// The density that curve=, or else density= with its width and power, ask for.
-inline DensityCurve density_of(const SceneCall& call, const GenerateOptions& options, float level) {
+/// Returns the density of curve=, or otherwise of density= with its width and power.
+inline DensityCurve compute_density(const SceneCall& call, const GenerateOptions& options, float level) {
     if (call.has("curve")) return DensityCurve(knots_of<DensityCurve::Knot>(call, "curve"));
     return DensityCurve(options.density, level, options.width, options.power);
 }
 
-/// Holds all places where that density is above 0.
+/// Returns a box that contains all points with a positive density.
 inline Box3 density_box(const SceneCall& call, const GenerateOptions& options, const SolidField& field) {
     if (call.has("curve")) return field.bounds();
     if (options.density != PointDensity::outside_boundary) return field.surface_bounds();

@@ -12,9 +12,9 @@
 
 namespace coppice::table {
 
-// What commands that edit a tree have in common.
+// Shared code of commands that edit a tree.
 
-/// [bytes] of the tree that is edited, what it was, and the one that comes out
+/// [bytes] of the edited tree, the original one, and the result
 inline constexpr double kBytesOfEditedNode = 200;
 
 inline Argument selection(std::string name, std::string help, std::string initial = {}) {
@@ -38,12 +38,12 @@ inline SolidLookup solids_of(const SceneCall& call) {
     };
 }
 
-inline NodeSet nodes_of(const SceneCall& call, const EditableTree& tree,
-                        std::string_view argument = "nodes") {
+inline NodeSet find_nodes(const SceneCall& call, const EditableTree& tree,
+                          std::string_view argument = "nodes") {
     const std::string& text = call.text(argument);
     NodeSet nodes = selected(tree, parse_selection(text), solids_of(call));
     if (nodes.empty()) {
-        throw InvalidInput(fmt::format("{} holds no node of the tree; try other bounds with: select {}",
+        throw InvalidInput(fmt::format("{} contains no node of the tree; try other bounds with: select {}",
                                        quote(text), shortened(text)));
     }
     return nodes;

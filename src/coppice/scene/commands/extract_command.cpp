@@ -15,7 +15,7 @@
 #include "coppice/io/mesh/format.h"
 #include "coppice/io/mesh/reader.h"
 #include "coppice/io/points/reader.h"
-#include "coppice/pipeline/quantity.h"
+#include "coppice/options/quantity.h"
 #include "coppice/points/wood_classes.h"
 #include "coppice/scene/commands/tables_internal.h"
 #include "coppice/scene/extraction.h"
@@ -29,9 +29,9 @@ using namespace table;
 const std::string kMesh = "extract_mesh", kCloud = "extract_cloud", kFile = "extract_file",
                   kReadPoints = "read_points";
 
-constexpr float kShareOfReading = 0.1f;  // of the progress
+constexpr float kShareOfReading = 0.1f;  // fraction of the progress
 
-/// What is read off, and where it came from.
+/// Type and name of the input.
 struct Source {
     std::string name;  ///< of the file or object
     bool cloud = false;
@@ -46,14 +46,14 @@ Context reading(const SceneCall& call) { return part_of(call.context(), 0, kShar
 Context extracting(const SceneCall& call) { return part_of(call.context(), kShareOfReading, 1); }
 
 bool is_for_mesh(const Argument& a) { return a.field.starts_with(kMesh + ".") && a.name != "root"; }
-/// What an object does not say of itself.
+/// Returns whether an argument applies only to files, because objects contain this information.
 bool is_for_file(const Argument& a) { return a.field == kFile || a.field.starts_with(kReadPoints + "."); }
 bool is_for_cloud(const Argument& a) {
     return a.field.starts_with(kCloud + ".") || a.field.starts_with(kReadPoints + ".") ||
            a.name == kWoodClassesField.name || a.name == kTreesByField.name;
 }
 
-/// An option that would do nothing is an error.
+/// Throws InvalidInput for options without effect.
 void check_options(const SceneCall& call, const Source& source) {
     for (const Argument& a : call.command().arguments) {
         const bool for_mesh = is_for_mesh(a), for_cloud = is_for_cloud(a);
@@ -70,10 +70,10 @@ void check_options(const SceneCall& call, const Source& source) {
     for (const Argument& a : call.command().arguments) {
         constexpr std::array<std::string_view, 4> kOfOneTree{"root", "ground", "ground_height", "max_trees"};
         if (by_ids && std::ranges::find(kOfOneTree, a.name) != kOfOneTree.end() && !is_default(call, a))
-            throw InvalidInput(fmt::format("{}= does nothing with {}=ids", a.name, kTreesByField.name));
+            throw InvalidInput(fmt::format("{}= has no effect with {}=ids", a.name, kTreesByField.name));
     }
     if (call.text("ground") != name_of(GroundRule::height) && call.number("ground_height") != 0)
-        throw InvalidInput("ground_height= is for the rule of that name; add ground=height");
+        throw InvalidInput("ground_height= applies only to the rule height; add ground=height");
 }
 
 SceneOutcome outcome(const SceneCall& call, const Source& source, const ExtractResult& result,
@@ -88,7 +88,7 @@ SceneOutcome outcome(const SceneCall& call, const Source& source, const ExtractR
 }
 
 SceneOutcome from_mesh(const SceneCall& call, const Source& source, const PolygonMesh& mesh) {
-    constexpr double kBytesOfVertex = 250, kBytesOfContracted = 1100;  // of each vertex, as measured
+    constexpr double kBytesOfVertex = 250, kBytesOfContracted = 1100;  // per vertex, as measured
     const auto options = call.options<FromMeshOptions>(kMesh);
     const bool contracts = options.method == MeshSkeletonMethod::contraction;
     call.reserve((contracts ? kBytesOfContracted : kBytesOfVertex) *
@@ -97,9 +97,9 @@ SceneOutcome from_mesh(const SceneCall& call, const Source& source, const Polygo
     return outcome(call, source, result, fmt::format(", {} loops cut", grouped(result.report.loops)));
 }
 
-/// Returns the options for a cloud of so many points, and reserves its memory.
+/// Returns the options for a cloud of this number of points, and reserves its memory.
 CloudOptions cloud_options(const SceneCall& call, std::size_t points) {
-    constexpr double kBytesOfPoint = 500, kBytesOfGivenPoint = 40;  // of those that are used; of all
+    constexpr double kBytesOfPoint = 500, kBytesOfGivenPoint = 40;  // per used point; per input point
     auto options = call.options<CloudOptions>(kCloud);
     options.root = call.options<FromMeshOptions>(kMesh).root;
     const double given = static_cast<double>(points);
@@ -120,9 +120,9 @@ SceneOutcome from_cloud(const SceneCall& call, const Source& source, const Point
     return outcome(call, source, result, said);
 }
 
-/// The trees that the points name, as one skeleton, in the order of their ids, which its nodes keep as
-/// `tree`.
-SceneOutcome from_ids(const SceneCall& call, const Source& source, const PaintedPoints& scan,
+/// Extracts the trees with ids in the points as one skeleton, in the order of the ids, which are stored in
+/// the node attribute `tree`.
+SceneOutcome from_ids(const SceneCall& call, const Source& source, const PointCloud& scan,
                       const std::string& left_out) {
     const PlotExtraction plot =
         extract_trees_by_ids(scan, cloud_options(call, scan.points.size()), extracting(call));
@@ -145,12 +145,12 @@ SceneOutcome from_ids(const SceneCall& call, const Source& source, const Painted
     return outcome(call, source, all, said, {std::move(ids)});
 }
 
-/// Says of each option what it is for.
+/// Adds the type of input to the help of each option.
 void name_kinds(std::vector<Argument>& arguments) {
     for (Argument& a : arguments) {
         const bool for_mesh = is_for_mesh(a), for_cloud = is_for_cloud(a);
         if (for_mesh == for_cloud) continue;
-        a.help = (for_mesh ? "of a mesh: " : "of a cloud: ") + a.help;
+        a.help = (for_mesh ? "For meshes: " : "For clouds: ") + a.help;
     }
 }
 
@@ -187,7 +187,7 @@ SceneOutcome from_cloud_file(const SceneCall& call, const Source& source, const 
     columns.tree_ids = call.text(kTreesByField.name) == name_of(TreeRule::ids);
     wood.ground = columns.tree_ids;
     PointFile file = read_cloud(call, path, columns);
-    PaintedPoints& scan = file.painted;
+    PointCloud& scan = file.point_cloud;
     turn_from_file(scan.points, up_of(call));
     const std::size_t all = scan.points.size();
     const ClassSelection out =
@@ -196,7 +196,7 @@ SceneOutcome from_cloud_file(const SceneCall& call, const Source& source, const 
     if (out.count > 0)
         left_out = fmt::format(", {} of {} points left out by their class", grouped(out.count), grouped(all));
     if (file.missing > 0)
-        left_out += fmt::format(", {} points missing of a file that is cut off", grouped(file.missing));
+        left_out += fmt::format(", {} points missing from a truncated file", grouped(file.missing));
     SceneOutcome made = columns.tree_ids ? from_ids(call, source, scan, left_out)
                                          : from_cloud(call, source, scan.points, left_out);
     if (out.doubt) made.text += *out.doubt + "\n";
@@ -208,8 +208,8 @@ SceneOutcome from_file(const SceneCall& call, const std::filesystem::path& path)
     const auto kind = kind_of_file(path);
     Source source{call.text("file"), kind == FileKind::points};
     if (!kind) {
-        throw InvalidInput(fmt::format(
-            "'{}' is neither a mesh nor points, as far as its name and content tell", source.name));
+        throw InvalidInput(
+            fmt::format("'{}' is neither a mesh nor points, according to its name and content", source.name));
     }
     if (*kind == FileKind::skeleton) {
         throw InvalidInput(fmt::format("'{0}' is a skeleton already; read it with: loadtree {1} {0}",
@@ -229,8 +229,8 @@ SceneOutcome from_object(const SceneCall& call) {
     check_options(call, source);
     if (source.cloud) return from_cloud(call, source, call.point_set(name), {});
     const Surface& surface = std::get<Surface>(mesh->second->value);
-    call.reserve(static_cast<double>(memory_of(surface)));
-    return from_mesh(call, source, polygons_of(surface));
+    call.reserve(static_cast<double>(compute_memory(surface)));
+    return from_mesh(call, source, make_polygons(surface));
 }
 
 }  // namespace
@@ -238,11 +238,10 @@ SceneOutcome from_object(const SceneCall& call) {
 SceneCommand extract_command() {
     SceneCommand c{.name = "extract",
                    .group = "Trees",
-                   .help = "reads a skeleton with radii off the mesh or the scan of a tree"};
+                   .help = "Extract a skeleton with radii from the mesh or the scan of a tree."};
     c.example = "extract again from=tree";
     c.makes = ObjectKind::skeleton;
-    Argument from =
-        object_option("from", ObjectKind::mesh, "a mesh, or points, of the scene instead of a file");
+    Argument from = object_option("from", ObjectKind::mesh, "Mesh or points of the scene instead of a file.");
     from.also = {ObjectKind::points};
     Argument up = argument_of(kFileUpField, FileUp::z);
     up.field = kFile;
@@ -250,10 +249,10 @@ SceneCommand extract_command() {
     wood.field = kFile;
     Argument trees_by = argument_of(kTreesByField, TreeRule::stems);
     trees_by.field = kFile;
-    c.arguments = {new_name("tree", "name of the new skeleton"),
+    c.arguments = {new_name("tree", "Name of the new skeleton."),
                    positional(file("file", ArgumentType::input_file,
-                                   "a mesh (.ply, .obj, .off, .stl, .glb) or points (.xyz, .txt, .asc, .csv, "
-                                   ".pts, .ptx, .ply, .pcd, .las, .laz)"),
+                                   "Mesh (.ply, .obj, .off, .stl, .glb) or points (.xyz, .txt, .asc, .csv, "
+                                   ".pts, .ptx, .ply, .pcd, .las, .laz)."),
                               false),
                    std::move(from), std::move(up)};
     add_options(c.arguments, FromMeshOptions{}, kMesh, {"up"});
@@ -266,7 +265,8 @@ SceneCommand extract_command() {
         std::optional<std::filesystem::path> path;
         if (call.has("file")) path = call.input("file");
         if (path.has_value() == call.has("from"))
-            throw InvalidInput("a file or from=OBJECT says what the skeleton is read off; give one of them");
+            throw InvalidInput(
+                "a file or from=OBJECT is the source of the skeleton; give exactly one of them");
         return path ? from_file(call, *path) : from_object(call);
     };
     return c;

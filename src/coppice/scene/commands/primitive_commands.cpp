@@ -8,16 +8,17 @@ namespace {
 
 using namespace table;
 
-constexpr double kFar = 1e6;  // [m] of coordinates
+constexpr double kFar = 1e6;  // [m] maximum coordinate
 
-/// A command that makes a primitive: its name, the arguments of its skeleton, radius and influence.
+/// Returns a command that creates a primitive, with its name, the arguments of its skeleton, radius and
+/// influence.
 SceneCommand primitive(std::string name, std::string help, std::string example,
                        std::vector<Argument> skeleton, float radius,
                        std::function<Solid(const SceneCall&, const PrimitiveOptions&)> make) {
     SceneCommand c{.name = std::move(name), .group = "Primitives", .help = std::move(help)};
     c.example = std::move(example);
     c.makes = ObjectKind::solid;
-    c.arguments.push_back(new_name("name", "name of the new solid"));
+    c.arguments.push_back(new_name("name", "Name of the new solid."));
     std::ranges::move(skeleton, std::back_inserter(c.arguments));
     add_options(c.arguments, PrimitiveOptions{.radius = radius}, "primitive");
     c.run = [make = std::move(make)](const SceneCall& call) {
@@ -36,7 +37,7 @@ Argument place(std::string name, std::string initial, std::string help) {
     return a;
 }
 
-Argument axis() { return tuple("axis", "0,0,1", "direction it is turned about", {3}, Unit::none); }
+Argument axis() { return tuple("axis", "0,0,1", "Direction of the axis of symmetry.", {3}, Unit::none); }
 
 Argument skeleton_radius(std::string name, std::string initial, std::string help) {
     return number(std::move(name), std::move(initial), 0, 1e5, Unit::metre, std::move(help));
@@ -49,7 +50,7 @@ Argument point_list(std::string help) {
 }
 
 Argument closed() {
-    Argument a{.name = "closed", .help = "whether the last point is joined to the first"};
+    Argument a{.name = "closed", .help = "Connect the last point to the first."};
     a.type = ArgumentType::flag;
     a.initial = "false";
     return a;
@@ -58,23 +59,24 @@ Argument closed() {
 float as_float(double v) { return static_cast<float>(v); }
 
 SceneCommand sphere_command() {
-    return primitive("sphere", "a ball; scaled unevenly, an ellipsoid", "sphere s",
-                     {place("center", "0,0,0", "its centre")}, 1,
+    return primitive("sphere", "Create a ball, which becomes an ellipsoid if scaled unevenly.", "sphere s",
+                     {place("center", "0,0,0", "Centre of the ball.")}, 1,
                      [](const SceneCall& c, const auto& o) { return sphere(c.point("center"), o); });
 }
 
 SceneCommand line_command() {
     return primitive(
-        "line", "all near a segment: a capsule", "line l from=0,0,0 to=0,0,4 radius=0.5",
-        {place("from", "0,0,0", "one end"), place("to", "0,0,1", "the other end")}, 0.25f,
-        [](const SceneCall& c, const auto& o) { return line(c.point("from"), c.point("to"), o); });
+        "line", "Create a capsule: all points near a segment.", "line l from=0,0,0 to=0,0,4 radius=0.5",
+        {place("from", "0,0,0", "One end of the segment."),
+         place("to", "0,0,1", "Other end of the segment.")},
+        0.25f, [](const SceneCall& c, const auto& o) { return line(c.point("from"), c.point("to"), o); });
 }
 
 SceneCommand circle_command() {
     SceneCommand command = primitive(
-        "circle", "all near a circle: a torus", "circle ring skeleton_radius=2 radius=0.4",
-        {place("center", "0,0,0", "its centre"), axis(),
-         skeleton_radius("skeleton_radius", "1", "radius of the circle")},
+        "circle", "Create a torus: all points near a circle.", "circle ring skeleton_radius=2 radius=0.4",
+        {place("center", "0,0,0", "Centre of the circle."), axis(),
+         skeleton_radius("skeleton_radius", "1", "Radius of the circle.")},
         0.25f, [](const SceneCall& c, const auto& o) {
             return circle(c.point("center"), c.point("axis"), as_float(c.number("skeleton_radius")), o);
         });
@@ -83,9 +85,9 @@ SceneCommand circle_command() {
 }
 
 SceneCommand disc_command() {
-    return primitive("disc", "all near a disc", "disc plate skeleton_radius=2 radius=0.2",
-                     {place("center", "0,0,0", "its centre"), axis(),
-                      skeleton_radius("skeleton_radius", "1", "radius of the disc")},
+    return primitive("disc", "Create all points near a disc.", "disc plate skeleton_radius=2 radius=0.2",
+                     {place("center", "0,0,0", "Centre of the disc."), axis(),
+                      skeleton_radius("skeleton_radius", "1", "Radius of the disc.")},
                      0.1f, [](const SceneCall& c, const auto& o) {
                          return disc(c.point("center"), c.point("axis"),
                                      as_float(c.number("skeleton_radius")), o);
@@ -93,20 +95,21 @@ SceneCommand disc_command() {
 }
 
 SceneCommand box_command() {
-    return primitive(
-        "box", "all near a box: a box with round edges", "box b low=-1,-1,0 high=1,1,1 radius=0.1",
-        {place("low", "-1,-1,-1", "its lowest corner"), place("high", "1,1,1", "its highest corner")}, 0.1f,
-        [](const SceneCall& c, const auto& o) {
-            return box(Box3{c.point("low"), c.point("high")}, o);
-        });
+    return primitive("box", "Create a box with round edges: all points near a box.",
+                     "box b low=-1,-1,0 high=1,1,1 radius=0.1",
+                     {place("low", "-1,-1,-1", "Minimum corner of the box."),
+                      place("high", "1,1,1", "Maximum corner of the box.")},
+                     0.1f, [](const SceneCall& c, const auto& o) {
+                         return box(Box3{c.point("low"), c.point("high")}, o);
+                     });
 }
 
 SceneCommand cylinder_command() {
     return primitive(
-        "cylinder", "all near a cylinder: one with round edges",
+        "cylinder", "Create a cylinder with round edges: all points near a cylinder.",
         "cylinder drum from=0,0,0 to=0,0,2 skeleton_radius=1",
-        {place("from", "0,0,0", "middle of one end"), place("to", "0,0,1", "middle of the other end"),
-         skeleton_radius("skeleton_radius", "1", "radius of the cylinder")},
+        {place("from", "0,0,0", "Centre of one end."), place("to", "0,0,1", "Centre of the other end."),
+         skeleton_radius("skeleton_radius", "1", "Radius of the cylinder.")},
         0.1f, [](const SceneCall& c, const auto& o) {
             return cylinder(c.point("from"), c.point("to"), as_float(c.number("skeleton_radius")), o);
         });
@@ -114,10 +117,11 @@ SceneCommand cylinder_command() {
 
 SceneCommand cone_command() {
     return primitive(
-        "cone", "all near a cone or a part of one", "cone hat from=0,0,0 to=0,0,3 from_radius=2",
-        {place("from", "0,0,0", "middle of one end"), place("to", "0,0,1", "middle of the other end"),
-         skeleton_radius("from_radius", "1", "radius of the cone at that end"),
-         skeleton_radius("to_radius", "0", "radius of the cone at the other end")},
+        "cone", "Create a cone or truncated cone with round edges: all points near it.",
+        "cone hat from=0,0,0 to=0,0,3 from_radius=2",
+        {place("from", "0,0,0", "Centre of one end."), place("to", "0,0,1", "Centre of the other end."),
+         skeleton_radius("from_radius", "1", "Radius of the cone at the first end."),
+         skeleton_radius("to_radius", "0", "Radius of the cone at the other end.")},
         0.1f, [](const SceneCall& c, const auto& o) {
             return cone(c.point("from"), c.point("to"), as_float(c.number("from_radius")),
                         as_float(c.number("to_radius")), o);
@@ -126,28 +130,29 @@ SceneCommand cone_command() {
 
 SceneCommand polyline_command() {
     return primitive(
-        "polyline", "all near straight lines from point to point",
+        "polyline", "Create all points near a polyline.",
         "polyline zigzag 0,0,0 1,0,1 0,0,2 1,0,3 radius=0.2",
-        {point_list("two points or more, as x,y,z"), closed()}, 0.25f,
+        {point_list("At least two points, as x,y,z."), closed()}, 0.25f,
         [](const SceneCall& c, const auto& o) { return polyline(c.points("points"), c.flag("closed"), o); });
 }
 
 SceneCommand spline_command() {
-    std::vector<Argument> arguments{point_list("two points or more, as x,y,z; the curve passes through all")};
+    std::vector<Argument> arguments{
+        point_list("At least two points, as x,y,z; the curve passes through all of them.")};
     add_options(arguments, CurveOptions{}, "curve");
-    SceneCommand c = primitive("spline", "all near a smooth curve through points",
+    SceneCommand c = primitive("spline", "Create all points near a smooth curve through points.",
                                "spline snake 0,0,0 2,0,1 0,2,2 -2,0,3 radius=0.4", std::move(arguments),
                                0.25f, [](const SceneCall& call, const auto& o) {
                                    Curve curve(call.points("points"), call.options<CurveOptions>("curve"));
-                                   return solid_of(std::make_shared<CurveShape>(std::move(curve)), o);
+                                   return make_solid(std::make_shared<CurveShape>(std::move(curve)), o);
                                });
     return c;
 }
 
 SceneCommand polygon_command() {
-    return primitive("polygon", "all near a plane face with three corners or more",
+    return primitive("polygon", "Create all points near a planar polygon with at least three corners.",
                      "polygon leaf 0,0,0 2,0,0 2,2,0 0,2,0 radius=0.1",
-                     {point_list("corners in a plane, as x,y,z")}, 0.1f,
+                     {point_list("Corners in a plane, as x,y,z.")}, 0.1f,
                      [](const SceneCall& c, const auto& o) { return polygon(c.points("points"), o); });
 }
 

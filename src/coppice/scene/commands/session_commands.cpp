@@ -4,13 +4,13 @@
 
 #include "coppice/implicit/polygonize/polygonize.h"
 #include "coppice/implicit/solid/solid_field.h"
-#include "coppice/io/file.h"
 #include "coppice/render/png.h"
 #include "coppice/render/render.h"
 #include "coppice/scene/commands/tables_internal.h"
 #include "coppice/scene/drawing.h"
 #include "coppice/scene/reference.h"
 #include "coppice/scene/save.h"
+#include "coppice/system/file.h"
 
 namespace coppice {
 namespace {
@@ -26,12 +26,12 @@ SceneCommand in_group(std::string name, std::string help, std::string example) {
 }
 
 SceneCommand save_command() {
-    SceneCommand c = in_group("save", "writes an object to a file, of the kind that its ending names",
-                              "save tree tree.swc");
-    c.arguments = {any_object("name", "what is written"),
+    SceneCommand c =
+        in_group("save", "Write an object to a file, in the format of its extension.", "save tree tree.swc");
+    c.arguments = {any_object("name", "Object to write."),
                    file("file", ArgumentType::output_file,
-                        ".swc, .json or .csv for skeletons, .obj, .ply, .glb, .stl or .usda for meshes, .xyz "
-                        "or .ply for points"),
+                        "File: .swc, .json or .csv for skeletons, .obj, .ply, .glb, .stl or .usda for "
+                        "meshes, .xyz or .ply for points."),
                    choice_of_kind()};
     c.run = [](const SceneCall& call) {
         const std::filesystem::path path = call.output("file");
@@ -45,7 +45,8 @@ SceneCommand save_command() {
     return c;
 }
 
-/// What `save pointset` writes: the points made last, unless something is called pointset.
+/// Returns the object written by `save pointset`: the last created points, unless an object is called
+/// pointset.
 ObjectPtr last_points(const SceneState& state, const std::filesystem::path& path) {
     const auto called = [](const auto& object) { return object.first.second == "pointset"; };
     if (std::ranges::any_of(state.objects, called)) return object_for_file(state, "pointset", path);
@@ -53,14 +54,13 @@ ObjectPtr last_points(const SceneState& state, const std::filesystem::path& path
         const auto found = state.objects.find(*made);
         if (made->first == ObjectKind::points && found != state.objects.end()) return found->second;
     }
-    throw InvalidInput("there are no points yet; make some with: pointset generate SOLID");
+    throw InvalidInput("there are no points yet; create some with: pointset generate SOLID");
 }
 
 SceneCommand save_pointset_command() {
-    SceneCommand c =
-        in_group("save pointset", "writes the points that were made last", "save pointset last.xyz");
-    c.arguments = {
-        file("file", ArgumentType::output_file, ".las, .ply, .xyz, .txt, .csv or .asc, the last word")};
+    SceneCommand c = in_group("save pointset", "Write the last created points.", "save pointset last.xyz");
+    c.arguments = {file("file", ArgumentType::output_file,
+                        "Point file: .las, .ply, .xyz, .txt, .csv or .asc; the last word.")};
     c.run = [](const SceneCall& call) {
         const std::filesystem::path path = call.output("file");
         const ObjectPtr object = last_points(call.state(), path);
@@ -73,32 +73,33 @@ SceneCommand save_pointset_command() {
 
 SceneCommand save_recipe_command() {
     SceneCommand c =
-        in_group("save recipe", "writes a scene that makes the same objects again, every option spelled out",
+        in_group("save recipe", "Write a scene that creates the same objects again, with all options.",
                  "save recipe again.coppice");
-    c.arguments = {file("file", ArgumentType::output_file, "a scene to write (.coppice)")};
+    c.arguments = {file("file", ArgumentType::output_file, "Scene to write (.coppice).")};
     c.run = [](const SceneCall& call) {
         const std::filesystem::path path = call.output("file");
         if (path.extension() != ".coppice")
-            throw InvalidInput(fmt::format("'{}' is no name of a scene; use .coppice", path.string()));
-        if (call.settings().outputs) write_file(path, recipe_of(call.state()));
+            throw InvalidInput(
+                fmt::format("'{}' is not a valid file name for a scene; use .coppice", path.string()));
+        if (call.settings().outputs) write_file(path, make_recipe(call.state()));
         return SceneOutcome{};
     };
     return c;
 }
 
 SceneCommand render_command() {
-    SceneCommand c = in_group("render", "draws objects as a PNG picture",
+    SceneCommand c = in_group("render", "Render objects to a PNG image.",
                               "render tree tree.png kind=skeleton width=64 height=64 samples=1");
-    c.arguments = {any_object("objects", "what is drawn", true),
-                   file("file", ArgumentType::output_file, "the picture (.png), the last word"),
-                   choice_of_kind()};
+    c.arguments = {any_object("objects", "Objects to render.", true),
+                   file("file", ArgumentType::output_file, "Image (.png), the last word."), choice_of_kind()};
     add_options(c.arguments, RenderOptions{}, "render", {"color", "deviation_range"});
     c.arguments.push_back(number("point_radius", "0", 0, 1e6, Unit::metre,
-                                 "of the balls that points are drawn as; 0 = 1/250 of the size"));
+                                 "Radius of the balls that represent points; 0 uses 1/250 of the size."));
     c.run = [](const SceneCall& call) {
         const std::filesystem::path path = call.output("file");
         if (path.extension() != ".png")
-            throw InvalidInput(fmt::format("'{}' is no name of a picture; use .png", path.string()));
+            throw InvalidInput(
+                fmt::format("'{}' is not a valid file name for an image; use .png", path.string()));
         const auto options = call.options<RenderOptions>("render");
         constexpr double kBytesOfPixel = 16;
         call.reserve(kBytesOfPixel * options.width * options.height);
@@ -115,7 +116,7 @@ SceneCommand render_command() {
 }
 
 SceneCommand list_command() {
-    SceneCommand c = in_group("list", "names all objects by kind", "list");
+    SceneCommand c = in_group("list", "List all objects by kind.", "list");
     c.run = [](const SceneCall& call) {
         SceneOutcome out;
         for (int k = 0; k < static_cast<int>(EnumNames<ObjectKind>::names.size()); ++k) {
@@ -134,8 +135,8 @@ SceneCommand list_command() {
 }
 
 SceneCommand describe_command() {
-    SceneCommand c = in_group("describe", "the figures of all that a name stands for", "describe tree");
-    c.arguments = {any_object("name", "what is described")};
+    SceneCommand c = in_group("describe", "Print the figures of all objects of a name.", "describe tree");
+    c.arguments = {any_object("name", "Object to describe.")};
     c.run = [](const SceneCall& call) {
         SceneOutcome out;
         for (const auto& [key, object] : call.state().objects) {
@@ -147,9 +148,9 @@ SceneCommand describe_command() {
 }
 
 SceneCommand delete_command() {
-    SceneCommand c = in_group("delete", "forgets objects; what was made of them stays", "delete s2");
+    SceneCommand c = in_group("delete", "Delete objects; objects made from them are kept.", "delete s2");
     c.records = true;
-    c.arguments = {any_object("names", "what is forgotten", true), choice_of_kind()};
+    c.arguments = {any_object("names", "Objects to delete.", true), choice_of_kind()};
     c.run = [](const SceneCall& call) {
         SceneOutcome out;
         for (const ArgumentValue& v : call.values("names"))
@@ -160,8 +161,9 @@ SceneCommand delete_command() {
 }
 
 SceneCommand undo_command() {
-    SceneCommand c = in_group("undo", "takes back the last commands that changed something", "undo 1");
-    Argument count = positional(number("count", "1", 1, 1000, Unit::none, "how many"), false);
+    SceneCommand c = in_group("undo", "Undo the last commands that changed objects.", "undo 1");
+    Argument count =
+        positional(number("count", "1", 1, 1000, Unit::none, "Number of commands to undo."), false);
     count.type = ArgumentType::whole;
     c.arguments = {std::move(count)};
     c.run = [](const SceneCall& call) {
@@ -174,9 +176,8 @@ SceneCommand undo_command() {
 
 SceneCommand seed_command() {
     SceneCommand c =
-        in_group("set seed", "the seed of all commands after it that are given none", "set seed 7");
-    Argument seed =
-        positional(number("value", "", 0, 2147483647, Unit::none, "another seed, other points and trees"));
+        in_group("set seed", "Set the seed of all following commands without one.", "set seed 7");
+    Argument seed = positional(number("value", "", 0, 2147483647, Unit::none, "New seed."));
     seed.type = ArgumentType::whole;
     c.arguments = {std::move(seed)};
     c.run = [](const SceneCall& call) {
@@ -188,8 +189,8 @@ SceneCommand seed_command() {
 }
 
 SceneCommand help_command() {
-    SceneCommand c = in_group("help", "lists the commands, or explains one", "help pointset thin");
-    Argument words = positional(repeated(Argument{.name = "command", .help = "the command"}), false);
+    SceneCommand c = in_group("help", "List the commands, or explain one.", "help pointset thin");
+    Argument words = positional(repeated(Argument{.name = "command", .help = "Command to explain."}), false);
     c.arguments = {std::move(words)};
     c.run = [](const SceneCall& call) {
         SceneOutcome out;

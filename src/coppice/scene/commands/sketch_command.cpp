@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
-#include "coppice/io/file.h"
 #include "coppice/io/sketch/sketch_file.h"
-#include "coppice/pipeline/quantity.h"
+#include "coppice/options/quantity.h"
 #include "coppice/scene/commands/tables_internal.h"
 #include "coppice/sketch/reconstruct.h"
+#include "coppice/system/file.h"
 
 namespace coppice {
 namespace {
@@ -15,16 +15,16 @@ using namespace table;
 
 const std::string kSketch = "sketch";
 
-constexpr double kBytesOfByte = 64;  // of the file: as text, as JSON, and as points that are matched
+constexpr double kBytesOfByte = 64;  // per byte of the file: text, JSON, and matched points
 
 Sketch read(const SceneCall& call) {
     const std::filesystem::path path = call.input("file");
     std::error_code error;
     const auto size = std::filesystem::file_size(path, error);
     if (!error) call.reserve(kBytesOfByte * static_cast<double>(size));
-    const Jail* jail = call.jail();
-    return jail ? parse_sketch(read_file(path, kLargestFile, call.context()), call.text("file"), *jail)
-                : read_sketch(path, call.context());
+    const FolderSandbox* sandbox = call.sandbox();
+    return sandbox ? parse_sketch(read_file(path, kLargestFile, call.context()), call.text("file"), *sandbox)
+                   : read_sketch(path, call.context());
 }
 
 SceneOutcome outcome(const SceneCall& call, SketchResult result) {
@@ -46,11 +46,11 @@ SceneOutcome outcome(const SceneCall& call, SketchResult result) {
 SceneCommand sketch_command() {
     SceneCommand c{.name = "sketch",
                    .group = "Trees",
-                   .help = "makes a skeleton of strokes that were drawn over two pictures of a tree or more"};
+                   .help = "Reconstruct a skeleton from strokes drawn over at least two images of a tree."};
     c.example = "sketch fork fork.sketch.json";
     c.makes = ObjectKind::skeleton;
-    c.arguments = {new_name("tree", "name of the new skeleton"),
-                   file("file", ArgumentType::input_file, "a sketch, a file that ends with .sketch.json")};
+    c.arguments = {new_name("tree", "Name of the new skeleton."),
+                   file("file", ArgumentType::input_file, "Sketch file (.sketch.json).")};
     add_options(c.arguments, SketchOptions{}, kSketch);
     c.run = [](const SceneCall& call) {
         const Sketch drawn = read(call);

@@ -4,27 +4,27 @@
 #include <cmath>
 
 #include "coppice/implicit/solid/field_values.h"
-#include "coppice/io/file.h"
 #include "coppice/points/sampling/remaining_density.h"
 #include "coppice/render/height_map.h"
 #include "coppice/render/png.h"
 #include "coppice/scene/commands/density_internal.h"
+#include "coppice/system/file.h"
 
 namespace coppice {
 namespace {
 
 using namespace table;
 
-constexpr double kMargin = 0.04;       // of the box, on each side
-constexpr double kMostIsolines = 200;  // more would leave nothing between them
+constexpr double kMargin = 0.04;      // [size of the box] margin on each side
+constexpr double kMaxIsolines = 200;  // more lines would be indistinguishable
 constexpr double kBytesOfPixel = 64;
 
-/// A rectangle in space as a picture: pixels are squares.
+/// A rectangle in space represented as an image with square pixels.
 class Plane {
   public:
     Plane(const SceneCall& call, const Box3& box) : normal_(direction(call.point("normal"))) {
         at_ = call.has("at") ? Vec3d(call.point("at")) : Vec3d(box.center());
-        // Up as far as can be; from above north is up.
+        // The image is upright if possible; seen from above, north is up.
         const Vec3d up{0, 0, 1}, tilted = up - normal_ * dot(up, normal_);
         up_ = length(tilted) > 1e-6 ? tilted / length(tilted) : Vec3d{0, 1, 0};
         right_ = cross(up_, normal_);
@@ -33,7 +33,7 @@ class Plane {
 
     int width() const { return width_; }
     int height() const { return height_; }
-    double pixel() const { return pixel_; }  ///< [m]
+    double pixel() const { return pixel_; }  ///< [m] size of a pixel
     Vec3d normal() const { return normal_; }
     Vec3d at() const { return at_; }
 
@@ -41,7 +41,7 @@ class Plane {
         return Vec3(at_ + right_ * ((x + 0.5 - 0.5 * width_) * pixel_) +
                     up_ * ((0.5 * height_ - y - 0.5) * pixel_));
     }
-    /// [pixels] from the left and the top, and [m] off the plane.
+    /// Returns the position [pixels] from the left and the top, and the distance [m] from the plane.
     Vec3d seen(Vec3d p) const {
         const Vec3d d = p - at_;
         return {0.5 * width_ + dot(d, right_) / pixel_, 0.5 * height_ - dot(d, up_) / pixel_,
@@ -78,34 +78,33 @@ class Plane {
     int width_ = 1, height_ = 1;
 };
 
-std::vector<Vec3> places_of(const Plane& plane) {
+std::vector<Vec3> find_places(const Plane& plane) {
     std::vector<Vec3> out;
     for (int y = 0; y < plane.height(); ++y)
         for (int x = 0; x < plane.width(); ++x) out.push_back(plane.place(x, y));
     return out;
 }
 
-/// Those that were asked for, or every so much.
-std::vector<double> isolines_of(const SceneCall& call, double low, double high, bool of_field) {
+/// Returns the requested isolines, or isolines at regular intervals.
+std::vector<double> compute_isolines(const SceneCall& call, double low, double high, bool of_field) {
     std::vector<double> out;
     for (const ArgumentValue& v : call.values("isoline")) out.push_back(v.numbers.at(0));
     double every = call.number("every");
     if (every <= 0 && out.empty() && of_field) every = 0.1;
     if (every <= 0) return out;
-    if ((high - low) / every > kMostIsolines)
-        throw InvalidInput(
-            fmt::format("every={} would draw {:.0f} isolines, of {:.0f} at most; take a greater "
-                        "step",
-                        every, (high - low) / every, kMostIsolines));
+    if ((high - low) / every > kMaxIsolines)
+        throw InvalidInput(fmt::format(
+            "every={} would draw {:.0f} isolines, but at most {:.0f} are allowed; use a larger step", every,
+            (high - low) / every, kMaxIsolines));
     for (double k = std::floor(low / every) + 1; k * every < high; ++k) out.push_back(k * every);
     return out;
 }
 
-/// The numbers of a slice, and what is known of them.
+/// The values of a slice and their properties.
 struct Slice {
     std::vector<double> values;
     bool of_field = true;
-    double level = 0;  ///< of the surface
+    double level = 0;  ///< iso value of the surface
 };
 
 HeightMapOptions map_of(const SceneCall& call, const Slice& slice) {
@@ -116,8 +115,8 @@ HeightMapOptions map_of(const SceneCall& call, const Slice& slice) {
     if (!(out.high > out.low)) throw InvalidInput("high= must be above low=");
     if (!call.has("high") && out.low > greatest)
         throw InvalidInput(fmt::format(
-            "low={} is above all values in the picture, the greatest of which is {:.4g}", out.low, greatest));
-    out.isolines = isolines_of(call, least, greatest, slice.of_field);
+            "low={} is above all values in the image, the maximum of which is {:.4g}", out.low, greatest));
+    out.isolines = compute_isolines(call, least, greatest, slice.of_field);
     if (slice.of_field) out.outlines = {slice.level};
     return out;
 }
@@ -140,19 +139,19 @@ Slice slice_of(const SceneCall& call, const SolidField& field, const PointRegion
     const bool acted = call.has("points") && call.has("kernel");
     return {remaining_density(region, acted ? kernel_of(call) : RadialKernel(),
                               acted ? call.point_set(call.text("points")) : none, places,
-                              LaneOptions{}.greatest_factor, call.context()),
+                              DartThrowingOptions{}.max_factor, call.context()),
             false, 0};
 }
 
 void check(const SceneCall& call) {
     const bool of_field = call.text("of") == "field", dots = call.number("dots") > 0;
     if (of_field && (call.has("kernel") || call.has("curve")))
-        throw InvalidInput("kernel= and curve= are of densities; add of=density");
+        throw InvalidInput("kernel= and curve= apply only to densities; add of=density");
     if (call.has("kernel") && !call.has("points"))
-        throw InvalidInput("kernel= says what points do to the density; add points=");
+        throw InvalidInput("kernel= defines the effect of points on the density; add points=");
     if (call.has("points") && !call.has("kernel") && !dots)
         throw InvalidInput(
-            "points= shows nothing by itself; add kernel= for what they leave of a density, or dots= to draw "
+            "points= has no effect alone; add kernel= for the density that they leave, or dots= to draw "
             "them");
     if (dots && !call.has("points")) throw InvalidInput("dots= draws points; add points=");
 }
@@ -160,17 +159,18 @@ void check(const SceneCall& call) {
 SceneOutcome run_slice(const SceneCall& call) {
     const std::filesystem::path path = call.output("file");
     if (path.extension() != ".png")
-        throw InvalidInput(fmt::format("'{}' is no name of a picture; use .png", path.string()));
+        throw InvalidInput(
+            fmt::format("'{}' is not a valid file name for an image; use .png", path.string()));
     check(call);
     call.reserve(kBytesOfPixel * call.number("pixels") * call.number("pixels"));
     const auto options = call.options<GenerateOptions>("generate");
     const SolidField field = call.field(call.text("solid"));
     const bool of_field = call.text("of") == "field";
     const PointRegion region{FieldRef(field), density_box(call, options, field),
-                             density_of(call, options, field.level())};
+                             compute_density(call, options, field.level())};
     const Plane plane(call, of_field ? field.bounds() : region.box);
     if (!call.settings().outputs) return {};
-    const Slice slice = slice_of(call, field, region, places_of(plane));
+    const Slice slice = slice_of(call, field, region, find_places(plane));
     const HeightMapOptions colors = map_of(call, slice);
     Image image = height_map(slice.values, plane.width(), colors, call.context());
     if (call.number("dots") > 0)
@@ -186,39 +186,40 @@ SceneOutcome run_slice(const SceneCall& call) {
 
 std::vector<Argument> look_arguments() {
     Argument dots = number("dots", "0", 0, 1e6, Unit::metre,
-                           "draws the points no farther than this from the plane; 0 = none");
-    Argument pixels = number("pixels", "512", 16, 8192, Unit::none, "of the longer side");
+                           "Maximum distance from the plane of points that are drawn; 0 draws none.");
+    Argument pixels = number("pixels", "512", 16, 8192, Unit::none, "Number of pixels of the longer side.");
     pixels.type = ArgumentType::whole;
-    return {object_option("points", ObjectKind::points, "points that have been placed"),
-            kernel_argument("DISTANCE,FACTOR: a knot of what these points do to a density, as in pointset "
-                            "generate"),
-            std::move(dots),
-            tuple("normal", "0,-1,0", "direction across the plane, towards whoever looks", {3}, Unit::none),
-            tuple("at", "", "a point of the plane, the middle of the picture; else that of the solid"),
-            number("extent", "0", 0, 1e6, Unit::metre, "length of the longer side; 0 = all there is"),
-            std::move(pixels),
-            repeated(number("isoline", "", 0, 0, Unit::none, "a value along which a line is drawn")),
-            number("every", "0", 0, 1e6, Unit::none,
-                   "step from isoline to isoline; 0 = 0.1 for a field without isoline=, else none"),
-            number("low", "0", -1e9, 1e9, Unit::none, "value that is drawn in dark blue"),
-            number("high", "", -1e9, 1e9, Unit::none,
-                   "value that is drawn in pale yellow; else the greatest in the picture")};
+    return {
+        object_option("points", ObjectKind::points, "Points that change the density."),
+        kernel_argument("DISTANCE,FACTOR: a point of the curve by which these points change a density, as in "
+                        "pointset generate."),
+        std::move(dots),
+        tuple("normal", "0,-1,0", "Normal of the plane, towards the viewer.", {3}, Unit::none),
+        tuple("at", "", "Point of the plane at the centre of the image; by default the centre of the solid."),
+        number("extent", "0", 0, 1e6, Unit::metre, "Length of the longer side; 0 shows the whole field."),
+        std::move(pixels),
+        repeated(number("isoline", "", 0, 0, Unit::none, "Value along which a line is drawn.")),
+        number("every", "0", 0, 1e6, Unit::none,
+               "Step between isolines; 0 uses 0.1 for a field without isoline=, and draws none otherwise."),
+        number("low", "0", -1e9, 1e9, Unit::none, "Value that is drawn in dark blue."),
+        number("high", "", -1e9, 1e9, Unit::none,
+               "Value that is drawn in pale yellow; by default the maximum in the image.")};
 }
 
 }  // namespace
 
 SceneCommand slice_command() {
     SceneCommand c{.name = "slice", .group = "Looking, saving and taking back"};
-    c.help = "draws the values of a field, or a density of points, in a plane as a PNG picture";
+    c.help = "Draw the values of a field, or a density of points, in a plane to a PNG image.";
     c.example = "slice s field.png pixels=64";
     c.records = false;
-    Argument of{.name = "of", .help = "what is drawn: the solid's field, or a density by it"};
+    Argument of{.name = "of",
+                .help = "Quantity to draw: the field of the solid, or a density computed from it."};
     of.type = ArgumentType::choice;
     of.choices = {"field", "density"};
     of.initial = "field";
-    c.arguments = {object("solid", ObjectKind::solid, "what is cut"),
-                   file("file", ArgumentType::output_file, "the picture (.png), the last word"),
-                   std::move(of)};
+    c.arguments = {object("solid", ObjectKind::solid, "Solid to slice."),
+                   file("file", ArgumentType::output_file, "Image (.png), the last word."), std::move(of)};
     add_options(c.arguments, GenerateOptions{}, "generate",
                 {"pattern", "count", "distance", "spacing", "cluster_reach", "cluster_gain", "resolution",
                  "seed", "max_memory"});

@@ -4,7 +4,7 @@
 
 #include "coppice/implicit/polygonize/polygonize.h"
 #include "coppice/implicit/solid/solid_field.h"
-#include "coppice/pipeline/quantity.h"
+#include "coppice/options/quantity.h"
 #include "coppice/scene/commands/tables_internal.h"
 #include "coppice/skeleton/assemble.h"
 
@@ -17,13 +17,13 @@ constexpr auto kSolid = ObjectKind::solid;
 
 float as_float(double v) { return static_cast<float>(v); }
 
-/// A command that changes a solid, and only what it stands for from now on: solids made of it before stay.
+/// Returns a command that replaces a solid by a changed one; solids made from the old one are unchanged.
 SceneCommand change(std::string name, std::string help, std::string example, std::vector<Argument> arguments,
                     std::function<Solid(const SceneCall&, const Solid&)> make) {
     SceneCommand c{.name = std::move(name), .group = "Moving and bending", .help = std::move(help)};
     c.example = std::move(example);
     c.makes = kSolid;
-    c.arguments.push_back(object("solid", kSolid, "what is changed"));
+    c.arguments.push_back(object("solid", kSolid, "Object to change."));
     std::ranges::move(arguments, std::back_inserter(c.arguments));
     c.run = [make = std::move(make)](const SceneCall& call) {
         const std::string& name_of_solid = call.text("solid");
@@ -32,9 +32,9 @@ SceneCommand change(std::string name, std::string help, std::string example, std
     return c;
 }
 
-/// The same for a skeleton, where no solid is called so or `kind` says it.
+/// Extends the command to skeletons: used if no solid has the name, or if `kind` selects it.
 SceneCommand motion(SceneCommand c, std::function<Skeleton(const SceneCall&, const Skeleton&)> move) {
-    c.help += "; of a solid or a skeleton";
+    c.help.insert(c.help.size() - 1, "; applies to a solid or a skeleton");
     c.arguments.front().also = {ObjectKind::skeleton};
     Argument which = choice_of_kind();
     which.choices = {std::string(name_of(kSolid)), std::string(name_of(ObjectKind::skeleton))};
@@ -67,14 +67,14 @@ SceneCommand combination(std::string name, std::vector<std::string> aliases, std
     c.help = std::move(help);
     c.example = std::move(example);
     c.makes = kSolid;
-    c.arguments = {object("parts", kSolid, "two solids or more", true),
-                   new_name("result", "name of the new solid, the last word")};
+    c.arguments = {object("parts", kSolid, "At least two solids.", true),
+                   new_name("result", "Name of the new solid, the last word.")};
     std::ranges::move(options, std::back_inserter(c.arguments));
     c.run = [make = std::move(make)](const SceneCall& call) {
         std::vector<Solid> parts;
         for (const ArgumentValue& part : call.values("parts")) parts.push_back(call.solid(part.text));
         if (parts.size() < 2) {
-            throw InvalidInput(fmt::format("name two solids or more and then the result, as in: {}",
+            throw InvalidInput(fmt::format("name at least two solids and then the result, as in: {}",
                                            call.command().example));
         }
         return makes_solid(call.text("result"), make(call, parts), kBytesOfSolid + 16 * parts.size());
@@ -84,9 +84,9 @@ SceneCommand combination(std::string name, std::vector<std::string> aliases, std
 
 SceneCommand copy_command() {
     SceneCommand c{.name = "copy", .group = "Moving and bending"};
-    c.help = "another name for what an object is now";
+    c.help = "Give another name to the current state of an object.";
     c.example = "copy s s2";
-    c.arguments = {any_object("name", "what is copied"), new_name("copy", "the other name"),
+    c.arguments = {any_object("name", "Object to copy."), new_name("copy", "Name of the copy."),
                    choice_of_kind()};
     c.run = [](const SceneCall& call) {
         const ObjectPtr object = call.any(call.text("name"), call.text("kind"));
@@ -99,38 +99,40 @@ SceneCommand copy_command() {
 
 SceneCommand scale_command() {
     Argument factors =
-        positional(tuple("factors", "", "one for all axes or one for each", {1, 3}, Unit::none));
+        positional(tuple("factors", "", "Scale factor of all axes, or one per axis.", {1, 3}, Unit::none));
     factors.low = -1e6;
     factors.high = 1e6;
-    SceneCommand of_solid = change(
-        "scale", "stretches along the axes; a negative factor mirrors solids", "scale s 50 80 50",
-        {factors, tuple("center", "0,0,0", "what stays in place")}, [](const SceneCall& c, const Solid& s) {
-            const auto& n = c.values("factors").front().numbers;
-            const Vec3d by = n.size() == 1 ? Vec3d(n[0], n[0], n[0]) : Vec3d(n[0], n[1], n[2]);
-            return scaled(s, Vec3(by), c.point("center"));
-        });
+    SceneCommand of_solid =
+        change("scale", "Scale along the axes; a negative factor mirrors solids.", "scale s 50 80 50",
+               {factors, tuple("center", "0,0,0", "Fixed point of the scaling.")},
+               [](const SceneCall& c, const Solid& s) {
+                   const auto& n = c.values("factors").front().numbers;
+                   const Vec3d by = n.size() == 1 ? Vec3d(n[0], n[0], n[0]) : Vec3d(n[0], n[1], n[2]);
+                   return scaled(s, Vec3(by), c.point("center"));
+               });
     return motion(std::move(of_solid), [](const SceneCall& call, const Skeleton& s) {
         const auto& n = call.values("factors").front().numbers;
         if (n.size() > 1)
-            throw InvalidInput("a skeleton is scaled by one factor, so that its branches stay round");
+            throw InvalidInput("a skeleton is scaled by a single factor, so that its branches stay round");
         return scaled(s, n[0], vector(call, "center"));
     });
 }
 
 SceneCommand translate_command() {
-    SceneCommand of_solid = change(
-        "translate", "moves", "translate s 0 0 60", {positional(tuple("by", "", "how far along x, y and z"))},
-        [](const SceneCall& c, const Solid& s) { return translated(s, c.point("by")); });
+    SceneCommand of_solid =
+        change("translate", "Translate an object.", "translate s 0 0 60",
+               {positional(tuple("by", "", "Displacement along x, y and z."))},
+               [](const SceneCall& c, const Solid& s) { return translated(s, c.point("by")); });
     return motion(std::move(of_solid),
                   [](const SceneCall& call, const Skeleton& s) { return translated(s, vector(call, "by")); });
 }
 
 SceneCommand rotate_command() {
     SceneCommand of_solid = change(
-        "rotate", "turns about a line, counter-clockwise seen against the axis", "rotate s 30 axis=1,0,0",
-        {positional(number("angle", "", -6.2832e3, 6.2832e3, Unit::radian, "how far")),
-         tuple("axis", "0,0,1", "direction of the line", {3}, Unit::none),
-         tuple("center", "0,0,0", "a point of the line")},
+        "rotate", "Rotate about a line, counter-clockwise seen against the axis.", "rotate s 30 axis=1,0,0",
+        {positional(number("angle", "", -6.2832e3, 6.2832e3, Unit::radian, "Angle of the rotation.")),
+         tuple("axis", "0,0,1", "Direction of the line.", {3}, Unit::none),
+         tuple("center", "0,0,0", "Point of the line.")},
         [](const SceneCall& c, const Solid& s) {
             return rotated(s, c.point("axis"), as_float(c.number("angle")), c.point("center"));
         });
@@ -140,26 +142,26 @@ SceneCommand rotate_command() {
 }
 
 SceneCommand twist_command() {
-    return change("twist", "turns a solid about a line, the more the higher", "twist b 45",
-                  {positional(number("rate", "", -1e5, 1e5, Unit::none, "degrees for each metre of height")),
-                   tuple("origin", "0,0,0", "the point of the line that height counts from"),
-                   tuple("axis", "0,0,1", "direction of the line", {3}, Unit::none)},
+    return change("twist", "Twist a solid about a line, increasingly with the height.", "twist b 45",
+                  {positional(number("rate", "", -1e5, 1e5, Unit::none, "Degrees per metre of height.")),
+                   tuple("origin", "0,0,0", "Point of the line at height 0."),
+                   tuple("axis", "0,0,1", "Direction of the line.", {3}, Unit::none)},
                   [](const SceneCall& c, const Solid& s) {
                       return twisted(s, c.point("origin"), c.point("axis"),
                                      as_float(in_library_unit(Unit::radian, c.number("rate"))));
                   });
 }
 
-/// The line along which a solid is tapered or bent.
+/// Returns the line along which a solid is tapered or bent.
 std::vector<Argument> along() {
-    return {tuple("from", "", "where it begins; by default the middle of the solid's lowest side"),
-            tuple("to", "", "where it ends; by default the middle of the solid's highest side")};
+    return {tuple("from", "", "Start of the line; by default the centre of the bottom of the bounding box."),
+            tuple("to", "", "End of the line; by default the centre of the top of the bounding box.")};
 }
 
 std::pair<Vec3, Vec3> ends(const SceneCall& c, const Solid& s) {
     const Box3 box = s.surface_bounds();
     if (box.empty() && !(c.has("from") && c.has("to")))
-        throw InvalidInput("the solid is empty; say from where to where with from= and to=");
+        throw InvalidInput("the solid is empty; give the line by from= and to=");
     const Vec3 middle = box.empty() ? Vec3{} : box.center();
     return {c.has("from") ? c.point("from") : Vec3{middle.x, middle.y, box.low.z},
             c.has("to") ? c.point("to") : Vec3{middle.x, middle.y, box.high.z}};
@@ -167,9 +169,10 @@ std::pair<Vec3, Vec3> ends(const SceneCall& c, const Solid& s) {
 
 SceneCommand taper_command() {
     std::vector<Argument> arguments = along();
-    arguments.insert(arguments.begin(), positional(number("factor", "", 0.01, 100, Unit::none,
-                                                          "how much wider or narrower it is at the end")));
-    return change("taper", "makes a solid narrower or wider along a line", "taper b 0.4",
+    arguments.insert(arguments.begin(),
+                     positional(number("factor", "", 0.01, 100, Unit::none,
+                                       "Ratio of the width at the end to the width at the start.")));
+    return change("taper", "Make a solid narrower or wider along a line.", "taper b 0.4",
                   std::move(arguments), [](const SceneCall& c, const Solid& s) {
                       const auto [a, b] = ends(c, s);
                       return tapered(s, a, b, as_float(c.number("factor")));
@@ -179,9 +182,9 @@ SceneCommand taper_command() {
 SceneCommand bend_command() {
     std::vector<Argument> arguments = along();
     arguments.insert(arguments.begin(), positional(number("angle", "", -3.14159265, 3.14159265, Unit::radian,
-                                                          "by how much the end is turned")));
-    arguments.push_back(tuple("side", "1,0,0", "towards where it bends", {3}, Unit::none));
-    return change("bend", "bends a line through a solid into an arc", "bend zigzag 60", std::move(arguments),
+                                                          "Angle by which the end turns.")));
+    arguments.push_back(tuple("side", "1,0,0", "Direction towards which the line bends.", {3}, Unit::none));
+    return change("bend", "Bend a line through a solid to an arc.", "bend zigzag 60", std::move(arguments),
                   [](const SceneCall& c, const Solid& s) {
                       const auto [a, b] = ends(c, s);
                       const double angle = c.number("angle");
@@ -191,32 +194,31 @@ SceneCommand bend_command() {
 }
 
 SceneCommand union_command() {
-    return combination("union", {}, "what is in any of the solids", "union s l both", {},
+    return combination("union", {}, "Unite solids: all points in any of them.", "union s l both", {},
                        [](const SceneCall&, std::span<const Solid> p) { return unite(p); });
 }
 
 SceneCommand intersection_command() {
-    return combination("intersection", {"intersect"}, "what is in all of the solids",
+    return combination("intersection", {"intersect"}, "Intersect solids: all points in each of them.",
                        "intersection s b common", {},
                        [](const SceneCall&, std::span<const Solid> p) { return intersect(p); });
 }
 
 SceneCommand diff_command() {
     return combination(
-        "diff", {"difference", "subtract"}, "the first solid without the others", "diff s l rest", {},
+        "diff", {"difference", "subtract"}, "Subtract all other solids from the first.", "diff s l rest", {},
         [](const SceneCall&, std::span<const Solid> p) { return subtract(p.front(), p.subspan(1)); });
 }
 
 SceneCommand blend_command() {
-    return combination("blend", {}, "the solids melted into one another: the sum of their fields",
-                       "blend s l soft", {},
+    return combination("blend", {}, "Blend solids by the sum of their fields.", "blend s l soft", {},
                        [](const SceneCall&, std::span<const Solid> p) { return blend(p); });
 }
 
 SceneCommand ricci_command() {
-    return combination("ricci", {}, "between blend (exponent 1) and union (great exponents)",
+    return combination("ricci", {}, "Blend solids, between blend (exponent 1) and union (large exponents).",
                        "ricci s l tight exponent=4",
-                       {number("exponent", "2", 1, 100, Unit::none, "how little they melt")},
+                       {number("exponent", "2", 1, 100, Unit::none, "Exponent; larger values blend less.")},
                        [](const SceneCall& c, std::span<const Solid> p) {
                            return ricci_blend(p, as_float(c.number("exponent")));
                        });
@@ -224,14 +226,15 @@ SceneCommand ricci_command() {
 
 SceneCommand polygonize_command() {
     SceneCommand c{.name = "polygonize", .group = "Combining"};
-    c.help = "the surface of a solid as a closed mesh of triangles";
+    c.help = "Convert the surface of a solid to a closed triangle mesh.";
     c.example = "polygonize rest rest_mesh cell=4";
     c.makes = ObjectKind::mesh;
-    c.arguments = {object("solid", kSolid, "whose surface"),
-                   positional(new_name("name", "name of the new mesh", "@solid"), false)};
+    c.arguments = {object("solid", kSolid, "Solid to convert."),
+                   positional(new_name("name", "Name of the new mesh.", "@solid"), false)};
     add_options(c.arguments, PolygonizeOptions{}, "polygonize");
     c.run = [](const SceneCall& call) {
-        constexpr double kBytesOfCell = 250;  // of those at the surface, six sides of the box at most twice
+        constexpr double kBytesOfCell =
+            250;  // per cell at the surface, at most twice the six sides of the box
         const SolidField field = call.field(call.text("solid"));
         const auto options = call.options<PolygonizeOptions>("polygonize");
         const Vec3d size(field.surface_bounds().size());
@@ -242,7 +245,7 @@ SceneCommand polygonize_command() {
             call.reserve(4 * kBytesOfCell * (n.x * n.y + n.y * n.z + n.z * n.x));
         }
         Surface surface{polygonize(field, options, call.context())};
-        const std::uint64_t bytes = memory_of(surface);
+        const std::uint64_t bytes = compute_memory(surface);
         return makes(call.text("name"), std::move(surface), bytes);
     };
     return c;

@@ -8,7 +8,7 @@
 
 namespace coppice {
 
-// The parts of the table, in its order.
+// Sections of the command table, in order.
 std::vector<SceneCommand> primitive_commands();
 std::vector<SceneCommand> solid_commands();
 std::vector<SceneCommand> curve_commands();
@@ -17,9 +17,9 @@ std::vector<SceneCommand> tree_commands();
 std::vector<SceneCommand> compose_commands();
 std::vector<SceneCommand> edit_commands();
 std::vector<SceneCommand> session_commands();
-SceneCommand slice_command();    ///< one of session_commands
-SceneCommand extract_command();  ///< one of tree_commands
-SceneCommand sketch_command();   ///< one of tree_commands
+SceneCommand slice_command();    ///< used by session_commands
+SceneCommand extract_command();  ///< used by tree_commands
+SceneCommand sketch_command();   ///< used by tree_commands
 
 namespace table {
 
@@ -93,15 +93,16 @@ inline Argument file(std::string name, ArgumentType type, std::string help) {
 }
 
 inline Argument choice_of_kind() {
-    Argument a{
-        .name = "kind", .help = "which, where the name stands for several", .type = ArgumentType::choice};
+    Argument a{.name = "kind",
+               .help = "Kind of the object, required if several objects have the name.",
+               .type = ArgumentType::choice};
     a.choices.assign(EnumNames<ObjectKind>::names.begin(), EnumNames<ObjectKind>::names.end());
     return a;
 }
 
 }  // namespace table
 
-/// One new or changed object.
+/// Returns the outcome of a single new or changed object.
 template <class T>
 SceneOutcome makes(const std::string& name, T value, std::uint64_t bytes,
                    std::vector<NodeAttribute> attributes = {}) {
@@ -115,11 +116,11 @@ SceneOutcome makes(const std::string& name, T value, std::uint64_t bytes,
 
 inline SceneOutcome makes_tree(const std::string& name, Skeleton skeleton,
                                std::vector<NodeAttribute> attributes = {}) {
-    const std::uint64_t bytes = memory_of(skeleton, attributes);
+    const std::uint64_t bytes = compute_memory(skeleton, attributes);
     return makes(name, std::move(skeleton), bytes, std::move(attributes));
 }
 
-/// What a solid takes beside its parts.
+/// Memory of a solid in addition to its parts.
 inline constexpr std::uint64_t kBytesOfSolid = 512;
 
 inline SceneOutcome makes_solid(const std::string& name, Solid solid, std::uint64_t bytes = kBytesOfSolid) {

@@ -32,10 +32,10 @@ SceneCommand in_group(std::string name, std::string help, std::string example) {
 Argument tree(std::string help) { return object("tree", ObjectKind::skeleton, std::move(help)); }
 
 Argument guard() {
-    return object_option("guard", ObjectKind::solid, "a solid that no segment may enter, or leave");
+    return object_option("guard", ObjectKind::solid, "Solid that no segment may enter or leave.");
 }
 
-/// The solid that guards, in the coordinates of what is guarded.
+/// The guard solid in the coordinates of the guarded object.
 class GuardOf {
   public:
     GuardOf(const SceneCall& call, Vec3d origin) {
@@ -50,7 +50,7 @@ class GuardOf {
     std::optional<Guard> guard_;
 };
 
-std::vector<Root> roots_of(const SceneCall& call, Vec3d origin) {
+std::vector<Root> find_roots(const SceneCall& call, Vec3d origin) {
     std::vector<Root> roots;
     for (const ArgumentValue& v : call.values("root")) {
         const auto& n = v.numbers;
@@ -61,21 +61,21 @@ std::vector<Root> roots_of(const SceneCall& call, Vec3d origin) {
     return roots;
 }
 
-/// About what growth takes: as many steps to each attractor as lie between it and its neighbours, and those
-/// across the whole.
+/// Returns the approximate memory of growth: per attractor, the number of steps from its neighbours, plus the
+/// steps across the whole extent.
 double memory_of_growth(const PointSet& points, std::span<const Root> roots, const Skeleton* tree,
                         const GrowOptions& o) {
-    constexpr double kBytesOfAttractor = 90, kBytesOfNode = 140, kLeastSteps = 4;
+    constexpr double kBytesOfAttractor = 90, kBytesOfNode = 140, kMinSteps = 4;
     Box3 box = bounds(points);
     for (const Root& root : roots) box.extend(root.position);
     const double across = static_cast<double>(box.diagonal() / o.step);
     const double n = static_cast<double>(points.size());
-    const double nodes = n * std::max(kLeastSteps, across / std::cbrt(n + 1)) + across;
+    const double nodes = n * std::max(kMinSteps, across / std::cbrt(n + 1)) + across;
     const double old = tree ? tree->size() : 0;
     return n * kBytesOfAttractor + (old + std::min(nodes, static_cast<double>(o.max_nodes))) * kBytesOfNode;
 }
 
-/// The points in the coordinates of another origin.
+/// Returns the points relative to another origin.
 Buffer<Vec3> moved_to(Vec3d origin, const PointSet& points) {
     Buffer<Vec3> out = points.positions;
     const Vec3d shift = points.origin - origin;
@@ -85,16 +85,17 @@ Buffer<Vec3> moved_to(Vec3d origin, const PointSet& points) {
 }
 
 SceneCommand grow_command() {
-    SceneCommand c = in_group("grow", "grows a tree into points",
+    SceneCommand c = in_group("grow", "Grow a tree into points.",
                               "grow tree s root=0,0,-60 influence_radius=30 kill_radius=8 step=4");
-    Argument root = repeated(
-        tuple("root", "0,0,0", "x,y,z where a tree starts, or x,y,z,dx,dy,dz to say which way", {3, 6}));
+    Argument root = repeated(tuple(
+        "root", "0,0,0", "Start x,y,z of a tree, or x,y,z,dx,dy,dz with its initial direction.", {3, 6}));
     root.unless = "from";
     c.arguments = {
-        new_name("tree", "name of the new skeleton"),
-        object("points", ObjectKind::points, "what it grows towards"), std::move(root),
-        object_option("from", ObjectKind::skeleton,
-                      "a skeleton that grows on: it stays as it is, and new nodes spring from its nodes")};
+        new_name("tree", "Name of the new skeleton."),
+        object("points", ObjectKind::points, "Points towards which the tree grows."), std::move(root),
+        object_option(
+            "from", ObjectKind::skeleton,
+            "Skeleton that continues to grow: its nodes are unchanged, and new nodes are attached to them.")};
     add_options(c.arguments, GrowOptions{}, "grow");
     c.arguments.push_back(guard());
     add_options(c.arguments, GuardOptions{}, "guard");
@@ -103,7 +104,7 @@ SceneCommand grow_command() {
         const auto options = call.options<GrowOptions>("grow");
         const Skeleton* tree = call.has("from") ? &call.skeleton(call.text("from")) : nullptr;
         const Vec3d origin = tree ? tree->origin() : points.origin;
-        const std::vector<Root> roots = roots_of(call, origin);
+        const std::vector<Root> roots = find_roots(call, origin);
         call.reserve(memory_of_growth(points, roots, tree, options));
         const GuardOf guarded(call, origin);
         const Buffer<Vec3> attractors = moved_to(origin, points);
@@ -119,19 +120,18 @@ SceneCommand grow_command() {
 }
 
 SceneCommand sprout_command() {
-    SceneCommand c = in_group("sprout", "grows trees by rules: buds, branching angles, light and shade",
+    SceneCommand c = in_group("sprout", "Grow trees by rules: buds, branching angles, light and shade.",
                               "sprout birch seasons=5 internode=8 branching_angle=50");
-    c.arguments = {
-        new_name("tree", "name of the new skeleton"),
-        repeated(tuple("root", "0,0,0",
-                       "x,y,z where a tree starts, or x,y,z,dx,dy,dz to say which way; several share "
-                       "the light",
-                       {3, 6}))};
+    c.arguments = {new_name("tree", "Name of the new skeleton."),
+                   repeated(tuple("root", "0,0,0",
+                                  "Start x,y,z of a tree, or x,y,z,dx,dy,dz with its initial direction; "
+                                  "several trees share the light.",
+                                  {3, 6}))};
     add_options(c.arguments, SproutOptions{}, "sprout");
     c.arguments.push_back(guard());
     add_options(c.arguments, GuardOptions{}, "guard");
     c.run = [](const SceneCall& call) {
-        const std::vector<Root> roots = roots_of(call, {});
+        const std::vector<Root> roots = find_roots(call, {});
         const GuardOf guarded(call, {});
         const SproutInput input{roots, guarded.get(), {}, call.memory_left(), call.settings().watch};
         SproutResult grown = sprout(input, call.options<SproutOptions>("sprout"), call.context());
@@ -143,7 +143,8 @@ SceneCommand sprout_command() {
     return c;
 }
 
-/// As many steps from each point of the curve to the next as keep to the spacing.
+/// Returns a skeleton along the curve with the minimum number of segments for the spacing between consecutive
+/// points.
 Skeleton limb_along(const Curve& curve, double spacing, double radius, double tip_radius,
                     const SceneCall& call) {
     constexpr double kBytesOfNode = 100;
@@ -168,15 +169,16 @@ Skeleton limb_along(const Curve& curve, double spacing, double radius, double ti
 
 SceneCommand limb_command() {
     SceneCommand c =
-        in_group("limb", "makes a skeleton of one axis through points, such as a stem or a bough",
+        in_group("limb", "Create a skeleton of one axis through points, such as a stem or a bough.",
                  "limb stem 0,0,0 0,0,6 radius=0.2");
-    c.arguments = {
-        new_name("tree", "name of the new skeleton"),
-        positional(
-            repeated(tuple("points", "", "two points or more, as x,y,z; the axis passes through all"))),
-        number("radius", "0.1", 1e-6, 1e4, Unit::metre, "at the first point"),
-        number("tip_radius", "0", 0, 1e4, Unit::metre, "at the last point; 0 = a quarter of the first one's"),
-        number("spacing", "0", 0, 1e6, Unit::metre, "greatest length of a segment; 0 = 1/16 of the length")};
+    c.arguments = {new_name("tree", "Name of the new skeleton."),
+                   positional(repeated(tuple(
+                       "points", "", "At least two points, as x,y,z; the axis passes through all of them."))),
+                   number("radius", "0.1", 1e-6, 1e4, Unit::metre, "Radius at the first point."),
+                   number("tip_radius", "0", 0, 1e4, Unit::metre,
+                          "Radius at the last point; 0 uses a quarter of the first radius."),
+                   number("spacing", "0", 0, 1e6, Unit::metre,
+                          "Maximum length of a segment; 0 uses 1/16 of the length.")};
     add_options(c.arguments, CurveOptions{}, "curve", {"closed"});
     c.run = [](const SceneCall& call) {
         constexpr double kSegments = 16;
@@ -191,11 +193,10 @@ SceneCommand limb_command() {
 }
 
 SceneCommand join_command() {
-    SceneCommand c =
-        in_group("join", "puts skeletons together in one; edit attach makes them grow from one another",
-                 "copy tree other kind=skeleton\njoin tree other stem grove");
-    c.arguments = {object("parts", ObjectKind::skeleton, "one skeleton or more", true),
-                   new_name("result", "name of the new skeleton, the last word")};
+    SceneCommand c = in_group("join", "Combine skeletons into one; edit attach connects them.",
+                              "copy tree other kind=skeleton\njoin tree other stem grove");
+    c.arguments = {object("parts", ObjectKind::skeleton, "At least one skeleton.", true),
+                   new_name("result", "Name of the new skeleton, the last word.")};
     c.run = [](const SceneCall& call) {
         constexpr double kBytesOfNode = 100;
         std::vector<const Skeleton*> parts;
@@ -211,8 +212,9 @@ SceneCommand join_command() {
 }
 
 SceneCommand radii_command() {
-    SceneCommand c = in_group("radii", "gives a tree radii by the pipe model", "radii tree tip_radius=0.2");
-    c.arguments = {tree("what gets them")};
+    SceneCommand c =
+        in_group("radii", "Set the radii of a tree by the pipe model.", "radii tree tip_radius=0.2");
+    c.arguments = {tree("Tree to change.")};
     add_options(c.arguments, RadiiOptions{}, "radii");
     c.run = [](const SceneCall& call) {
         const std::string& name = call.text("tree");
@@ -223,9 +225,9 @@ SceneCommand radii_command() {
 
 SceneCommand tidy_command() {
     SceneCommand c =
-        in_group("tidy", "smooths a grown tree and takes tiny steps away", "tidy tree smooth_passes=3");
+        in_group("tidy", "Smooth a grown tree and remove very short segments.", "tidy tree smooth_passes=3");
     c.example = "tidy tree axis_passes=3";
-    c.arguments = {tree("what is smoothed")};
+    c.arguments = {tree("Tree to smooth.")};
     add_options(c.arguments, TidyOptions{}, "tidy");
     c.arguments.push_back(guard());
     add_options(c.arguments, GuardOptions{}, "guard");
@@ -240,10 +242,10 @@ SceneCommand tidy_command() {
 }
 
 SceneCommand loadtree_command() {
-    SceneCommand c = in_group("loadtree", "reads a skeleton from a file", "loadtree oak oak.swc");
+    SceneCommand c = in_group("loadtree", "Read a skeleton from a file.", "loadtree oak oak.swc");
     c.arguments = {
-        new_name("tree", "name of the new skeleton"),
-        file("file", ArgumentType::input_file, "a file of a skeleton, such as .swc, .json, .csv or .ply")};
+        new_name("tree", "Name of the new skeleton."),
+        file("file", ArgumentType::input_file, "Skeleton file, such as .swc, .json, .csv or .ply.")};
     add_options(c.arguments, ReadSkeletonOptions{}, "read");
     c.run = [](const SceneCall& call) {
         const std::filesystem::path path = call.input("file");
@@ -256,11 +258,11 @@ SceneCommand loadtree_command() {
     return c;
 }
 
-/// The outcome of a mesh command; `said` is its text.
+/// Returns the outcome of a mesh command; `said` is its output.
 SceneOutcome makes_surface(const SceneCall& call, MeshResult result, std::string said) {
     Surface surface;
     std::visit([&](auto& made) { surface.mesh = std::move(made.mesh); }, result.surface);
-    const std::uint64_t bytes = memory_of(surface);
+    const std::uint64_t bytes = compute_memory(surface);
     SceneOutcome out = makes(call.text("name"), std::move(surface), bytes);
     out.text = std::move(said);
     return out;
@@ -269,20 +271,20 @@ SceneOutcome makes_surface(const SceneCall& call, MeshResult result, std::string
 SceneOutcome makes_surface_of_faces(const SceneCall& call, const Skeleton& skeleton,
                                     const MeshOptions& options, std::uint64_t faces) {
     if (options.levels != MeshOptions{}.levels)
-        throw InvalidInput("faces= chooses the levels; leave levels= out");
+        throw InvalidInput("faces= determines the levels; leave levels= out");
     const double refined = options.tube_sides == TubeSides::equal ? 1 : kMaxRefinedFaces;
     call.reserve(memory_of_faces(refined * static_cast<double>(faces), options.fit));
     BudgetedMesh made = mesh_with_faces(skeleton, {}, options, faces, call.context());
     const std::string missed = text_of_missed_faces(made, faces);
     return makes_surface(call, std::move(made.result),
-                         text_of(made.budget) + '\n' + (missed.empty() ? missed : missed + '\n'));
+                         to_text(made.budget) + '\n' + (missed.empty() ? missed : missed + '\n'));
 }
 
 SceneCommand mesh_command() {
-    SceneCommand c = in_group("mesh", "wraps a tree in one closed surface", "mesh tree levels=1");
+    SceneCommand c = in_group("mesh", "Create a closed surface around a tree.", "mesh tree levels=1");
     c.makes = ObjectKind::mesh;
-    c.arguments = {tree("what is wrapped"),
-                   positional(new_name("name", "name of the new mesh", "@tree"), false)};
+    c.arguments = {tree("Tree to mesh."),
+                   positional(new_name("name", "Name of the new mesh.", "@tree"), false)};
     add_options(c.arguments, FaceNumber{}, "number");
     add_options(c.arguments, options_of_written_surface(), "mesh", {},
                 {{"mesh.project.method", "project_method"}, {"mesh.project.tolerance", "project_tolerance"}});

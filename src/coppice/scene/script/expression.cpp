@@ -13,15 +13,15 @@
 #include "coppice/base/error.h"
 #include "coppice/base/quote.h"
 #include "coppice/base/random.h"
-#include "coppice/pipeline/quantity.h"
-#include "coppice/pipeline/spelling.h"
+#include "coppice/options/quantity.h"
+#include "coppice/options/spelling.h"
 
 namespace coppice {
 namespace {
 
 constexpr int kDeepest = 100;
 constexpr std::size_t kLongestName = 64;
-constexpr std::uint64_t kRandomStage = 71;  // apart from the draws of the commands
+constexpr std::uint64_t kRandomStage = 71;  // separates the sequence from those of the commands
 constexpr double kDegree = std::numbers::pi / 180;
 
 constexpr std::array<std::string_view, 12> kReserved{"let",  "for", "in",  "step", "repeat", "if",
@@ -32,7 +32,7 @@ using Numbers = std::span<const double>;
 /// A function of numbers.
 struct Function {
     std::string_view name;
-    std::size_t least, most;  // how many it takes
+    std::size_t least, most;  // minimum and maximum number of arguments
     double (*value)(Numbers);
 };
 
@@ -60,14 +60,14 @@ bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 bool starts_name(char c) { return is_letter(c) || c == '_'; }
 
 double finite(double value, std::string_view of) {
-    if (!std::isfinite(value)) throw InvalidInput(fmt::format("{} gives no finite number here", of));
-    return value == 0 ? 0 : value;  // without the sign of -0
+    if (!std::isfinite(value)) throw InvalidInput(fmt::format("the result of {} is not a finite number", of));
+    return value == 0 ? 0 : value;  // removes the sign of -0
 }
 
-/// The remainder that has the sign of the divisor, so that -1 % 6 is 5.
+/// Returns the remainder with the sign of the divisor, so that -1 % 6 is 5.
 double modulo(double a, double b) { return a - b * std::floor(a / b); }
 
-/// Reads an expression and works it out on the way.
+/// Recursive-descent parser that evaluates an expression.
 class Evaluation {
   public:
     Evaluation(std::string_view text, SceneVariables& variables) : rest_(text), variables_(variables) {}
@@ -79,7 +79,7 @@ class Evaluation {
     }
 
   private:
-    /// Counts what is nested, since every level takes some of the stack.
+    /// Counts nested levels, because each uses some of the stack.
     class Level {
       public:
         explicit Level(int& depth) : depth_(depth) {
@@ -144,13 +144,13 @@ class Evaluation {
         for (;;) {
             const char sign = taken_of("*/%");
             if (sign == 0) return left;
-            const std::string_view what(&sign, 1);
-            const double a = number_in(left, what), b = number_in(signed_value(), what);
-            if (sign != '*' && b == 0) throw InvalidInput(fmt::format("{} divides by 0", what));
+            const std::string_view subject(&sign, 1);
+            const double a = number_in(left, subject), b = number_in(signed_value(), subject);
+            if (sign != '*' && b == 0) throw InvalidInput(fmt::format("{} divides by 0", subject));
             if (sign == '%') {
-                left = finite(modulo(a, b), what);
+                left = finite(modulo(a, b), subject);
             } else {
-                left = finite(sign == '*' ? a * b : a / b, what);
+                left = finite(sign == '*' ? a * b : a / b, subject);
             }
         }
     }
@@ -172,17 +172,17 @@ class Evaluation {
 
     SceneValue single() {
         skip_blanks();
-        if (rest_.empty()) throw InvalidInput("the expression ends where a number or a name has to follow");
+        if (rest_.empty()) throw InvalidInput("the expression ends where a number or a name is required");
         const char c = rest_.front();
         if (is_digit(c) || c == '.') return number();
         if (starts_name(c)) return named();
         if (c == '"') return quoted();
         if (takes("(")) {
             SceneValue inner = either();
-            if (!takes(")")) throw InvalidInput("a parenthesis is opened and not closed");
+            if (!takes(")")) throw InvalidInput("a parenthesis is not closed");
             return inner;
         }
-        throw InvalidInput(fmt::format("{} begins no number, name or text", quote(rest_)));
+        throw InvalidInput(fmt::format("{} does not begin a number, name or text", quote(rest_)));
     }
 
     SceneValue number() {
@@ -197,7 +197,7 @@ class Evaluation {
         }
         const std::string_view word = rest_.substr(0, end);
         const auto value = parse_finite(word);
-        if (!value) throw InvalidInput(fmt::format("{} is no number", quote(word.empty() ? rest_ : word)));
+        if (!value) throw InvalidInput(fmt::format("{} is not a number", quote(word.empty() ? rest_ : word)));
         rest_.remove_prefix(end);
         return *value;
     }
@@ -246,9 +246,9 @@ class Evaluation {
 
     SceneValue drawn(Numbers bounds) {
         if (bounds.size() != 2) {
-            throw InvalidInput(
-                fmt::format("random takes 2, the least and what it stays below, as in random(0, 1), not {}",
-                            bounds.size()));
+            throw InvalidInput(fmt::format(
+                "random takes 2 numbers, the minimum and the upper bound, as in random(0, 1), not {}",
+                bounds.size()));
         }
         const CounterRandom random(static_cast<std::uint64_t>(variables_.seed), kRandomStage);
         return finite(random.uniform(variables_.draws++, bounds[0], bounds[1]), "random");
@@ -263,12 +263,12 @@ class Evaluation {
             if (escaped) ++at;
             text += rest_[at];
         }
-        if (at >= rest_.size()) throw InvalidInput("a quote is opened and not closed");
+        if (at >= rest_.size()) throw InvalidInput("a quote is not closed");
         rest_.remove_prefix(at + 1);
         const Level level(depth_);
         text = expanded(text, variables_);
         if (text.size() > kLongestText)
-            throw InvalidInput(fmt::format("a text may have {} bytes at most", kLongestText));
+            throw InvalidInput(fmt::format("a text may have at most {} bytes", kLongestText));
         return text;
     }
 
@@ -292,7 +292,7 @@ class Evaluation {
         rest_.remove_prefix(sign.size());
         return true;
     }
-    /// Takes one of the signs; 0 where none follows.
+    /// Reads one of the characters; returns 0 if none follows.
     char taken_of(std::string_view signs) {
         skip_blanks();
         if (rest_.empty() || signs.find(rest_.front()) == signs.npos) return 0;
@@ -328,18 +328,18 @@ SceneValue evaluate(std::string_view expression, SceneVariables& variables) {
     SceneValue value = evaluate_front(rest, variables);
     if (!rest.empty()) {
         throw InvalidInput(
-            fmt::format("{} follows the expression, where an operator has to stand", quote(rest)));
+            fmt::format("{} follows the expression, where an operator is required", quote(rest)));
     }
     return value;
 }
 
-double number_in(const SceneValue& value, std::string_view what) {
+double number_in(const SceneValue& value, std::string_view subject) {
     if (const double* number = std::get_if<double>(&value)) return *number;
     throw InvalidInput(
-        fmt::format("{} takes numbers, and {} is a text", what, quote(std::get<std::string>(value))));
+        fmt::format("{} takes numbers, and {} is a text", subject, quote(std::get<std::string>(value))));
 }
 
-std::string text_of(const SceneValue& value) {
+std::string to_text(const SceneValue& value) {
     if (const double* number = std::get_if<double>(&value)) return fmt::format("{}", *number);
     return std::get<std::string>(value);
 }
@@ -356,8 +356,8 @@ std::string expanded(std::string_view text, SceneVariables& variables) {
             continue;
         }
         const std::size_t close = text.find('}', open);
-        if (close == text.npos) throw InvalidInput("a ${ is opened and not closed by }");
-        out += text_of(evaluate(text.substr(open + 2, close - open - 2), variables));
+        if (close == text.npos) throw InvalidInput("a ${ is not closed by }");
+        out += to_text(evaluate(text.substr(open + 2, close - open - 2), variables));
         at = close + 1;
     }
     return out;

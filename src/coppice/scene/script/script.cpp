@@ -9,7 +9,7 @@
 
 #include "coppice/base/error.h"
 #include "coppice/base/quote.h"
-#include "coppice/pipeline/quantity.h"
+#include "coppice/options/quantity.h"
 #include "coppice/scene/place_internal.h"
 
 namespace coppice {
@@ -18,23 +18,23 @@ using scene_internal::placed;
 
 namespace {
 
-constexpr std::size_t kDeepest = 32;  // blocks in one another
-constexpr std::size_t kMostVariables = 10'000;
-constexpr double kSameTurn = 1e-9;  // steps that rounding may leave out of a range
+constexpr std::size_t kDeepest = 32;  // maximum depth of nested blocks
+constexpr std::size_t kMaxVariables = 10'000;
+constexpr double kSameTurn = 1e-9;  // [steps] tolerance of the end of a range for rounding errors
 
 constexpr std::array<SceneStatement, 6> kStatements{{
-    {"let", "let NAME = EXPRESSION", "gives a variable a value, which ${NAME} puts into the lines after it",
+    {"let", "let NAME = EXPRESSION", "Set a variable, which ${NAME} inserts into the following lines.",
      "let height = 4\nlet name = \"oak\"\nsphere ${name} radius=${height / 2} center=0,0,${height}"},
     {"for", "for NAME in FIRST..LAST [step STEP]",
-     "runs the lines down to its end for each number from the first to the last, with that as a variable",
+     "Run the lines up to the end for each number from the first to the last, which is stored in a variable.",
      "for i in 1..3\n  sphere ball${i} center=${2 * i},0,0\nend"},
-    {"repeat", "repeat COUNT", "runs the lines down to its end so many times",
+    {"repeat", "repeat COUNT", "Run the lines up to the end a number of times.",
      "sphere pile\nrepeat 3\n  translate pile 0 0 ${random(0.5, 1)}\nend"},
-    {"if", "if CONDITION", "runs the lines down to its else or end where the condition is not 0",
+    {"if", "if CONDITION", "Run the lines up to the else or end if the condition is not 0.",
      "let thick = 1\nif thick > 0.5\n  sphere trunk radius=${thick}\nelse\n  sphere trunk radius=0.5\nend"},
-    {"else", "else", "begins what runs where the condition of the if above is 0",
+    {"else", "else", "Begin the lines that run if the condition of the if above is 0.",
      "if 2 < 1\n  sphere small\nelse\n  sphere large radius=2\nend"},
-    {"end", "end", "closes the for, repeat or if above", "repeat 2\n  sphere again\nend"},
+    {"end", "end", "Close the for, repeat or if above.", "repeat 2\n  sphere again\nend"},
 }};
 
 enum StatementIndex { kLet, kFor, kRepeat, kIf, kElse, kEnd };
@@ -50,7 +50,7 @@ std::string_view without_blanks(std::string_view text) {
     return text;
 }
 
-/// A comment begins with a # at the start of a word, not within quotes.
+/// Removes a comment, which begins with a # at the start of a word outside quotes.
 std::string_view without_comment(std::string_view line) {
     bool quoted = false;
     for (std::size_t i = 0; i < line.size(); ++i) {
@@ -74,10 +74,10 @@ std::string_view taken_word(std::string_view& text) {
 }
 
 [[noreturn]] void refuse(const SceneStatement& s) {
-    throw InvalidInput(fmt::format("this is written: {}", s.usage));
+    throw InvalidInput(fmt::format("the syntax of this line is: {}", s.usage));
 }
 
-/// Takes the name of a variable off the front.
+/// Reads the name of a variable at the beginning of the text.
 std::string taken_name(const SceneStatement& statement, std::string_view& text) {
     text = without_blanks(text);
     const auto end = std::ranges::find_if(text, [](char c) { return is_blank(c) || c == '='; });
@@ -85,8 +85,8 @@ std::string taken_name(const SceneStatement& statement, std::string_view& text) 
     if (name.empty()) refuse(statement);
     if (!is_variable_name(name)) {
         throw InvalidInput(
-            fmt::format("{} is no name for a variable: letters, digits and _ after a letter, and no word "
-                        "of the language",
+            fmt::format("{} is not a valid name of a variable: letters, digits and _ after a letter, and no "
+                        "word of the language",
                         quote(name)));
     }
     text.remove_prefix(name.size());
@@ -97,7 +97,7 @@ struct Head {
     std::string name, rest;
 };
 
-/// The variable that a statement names, and what follows it.
+/// Returns the variable of a statement and the remaining text.
 Head head_of(const SceneStatement& statement, std::string_view line) {
     std::string_view rest = without_comment(line);
     taken_word(rest);
@@ -121,8 +121,8 @@ std::string with_name(const std::string& place, const SceneStatement& statement)
     return place.empty() ? std::string(statement.name) : fmt::format("{}: {}", place, statement.name);
 }
 
-/// The line with its variables put in, as it would be typed.
-std::string command_of(const std::string& line, SceneVariables& variables) {
+/// Returns the line with its variables expanded.
+std::string find_command(const std::string& line, SceneVariables& variables) {
     if (line.find("${") == line.npos) return line;
     std::string out;
     for (const SceneWord& word : scene_words(line)) {
@@ -136,7 +136,7 @@ std::string command_of(const std::string& line, SceneVariables& variables) {
     return out;
 }
 
-/// Gives a variable back what it was before a loop, also where that ends by an error.
+/// Restores the previous value of a variable after a loop, also after an exception.
 class Restored {
   public:
     Restored(SceneVariables& variables, const std::string& name) : variables_(variables), name_(name) {
@@ -165,7 +165,7 @@ class Restored {
 
 std::span<const SceneStatement> scene_statements() { return kStatements; }
 
-const SceneStatement* statement_of(std::string_view line) {
+const SceneStatement* find_statement(std::string_view line) {
     const std::string_view first = taken_word(line);
     const auto found = std::ranges::find(kStatements, first, &SceneStatement::name);
     return found == kStatements.end() ? nullptr : &*found;
@@ -176,7 +176,7 @@ std::vector<std::span<const SceneLine>> scene_steps(std::span<const SceneLine> l
     std::vector<std::span<const SceneLine>> steps;
     std::vector<std::size_t> opened;
     for (std::size_t i = 0; i < lines.size(); ++i) {
-        const SceneStatement* statement = statement_of(lines[i].text);
+        const SceneStatement* statement = find_statement(lines[i].text);
         if (opens(statement)) opened.push_back(i);
         const std::size_t first = opened.empty() ? i : opened.front();
         if (is(statement, kEnd) && !opened.empty()) opened.pop_back();
@@ -185,27 +185,27 @@ std::vector<std::span<const SceneLine>> scene_steps(std::span<const SceneLine> l
     if (opened.empty()) return steps;
     const SceneLine& line = lines[opened.back()];
     throw InvalidInput(
-        fmt::format("{}:{}: no end closes this {}", source, line.number, statement_of(line.text)->name));
+        fmt::format("{}:{}: no end closes this {}", source, line.number, find_statement(line.text)->name));
 }
 
-std::vector<std::string> variables_of(std::span<const SceneLine> lines) {
+std::vector<std::string> find_variables(std::span<const SceneLine> lines) {
     std::vector<std::string> names;
     std::set<std::string, std::less<>> known;
     for (const SceneLine& line : lines) {
-        const SceneStatement* statement = statement_of(line.text);
+        const SceneStatement* statement = find_statement(line.text);
         if (!is(statement, kLet)) continue;
         try {
             std::string name = head_of(*statement, line.text).name;
             if (known.insert(name).second) names.push_back(std::move(name));
         } catch (const InvalidInput&) {
-            continue;  // running the scene says what is wrong
+            continue;  // running the scene reports the error
         }
     }
     return names;
 }
 
 void SceneScript::take(std::string_view line, const std::string& place, const Run& run, const Context& ctx) {
-    Line taken{.statement = statement_of(line), .text = std::string(line), .place = place};
+    Line taken{.statement = find_statement(line), .text = std::string(line), .place = place};
     if (taken.statement != nullptr) {
         const Head head =
             placed(with_name(place, *taken.statement), [&] { return head_of(*taken.statement, line); });
@@ -220,7 +220,7 @@ void SceneScript::take(std::string_view line, const std::string& place, const Ru
     } else {
         lines.push_back(std::move(taken));
     }
-    Running running{.lines = lines, .run = run, .ctx = ctx, .left = most_lines_};
+    Running running{.lines = lines, .run = run, .ctx = ctx, .left = max_lines_};
     execute(running, 0, lines.size());
 }
 
@@ -238,19 +238,19 @@ void SceneScript::set_seed(int seed) {
     variables_.draws = 0;
 }
 
-/// Takes a line into the block, or closes the block with it.
+/// Adds a line to the block, or closes the block with it.
 void SceneScript::gather(Line line) {
     const std::size_t at = block_.size();
     placed(line.statement ? with_name(line.place, *line.statement) : line.place, [&] {
-        if (at >= kMostLines) throw InvalidInput(fmt::format("the block has more than {} lines", kMostLines));
+        if (at >= kMaxLines) throw InvalidInput(fmt::format("the block has more than {} lines", kMaxLines));
         if (opens(line.statement) && opened_.size() >= kDeepest)
-            throw InvalidInput(fmt::format("blocks may stand {} deep in one another", kDeepest));
+            throw InvalidInput(fmt::format("blocks may be nested at most {} deep", kDeepest));
         if (!is(line.statement, kElse) && !is(line.statement, kEnd)) return;
-        if (opened_.empty()) throw InvalidInput("there is no block here that it could belong to");
+        if (opened_.empty()) throw InvalidInput("there is no open block to which it could belong");
         Line& opener = block_[opened_.back()];
         if (is(line.statement, kElse)) {
             if (!is(opener.statement, kIf) || opener.otherwise > 0)
-                throw InvalidInput("there is no if here that it could belong to");
+                throw InvalidInput("there is no open if to which it could belong");
             opener.otherwise = at;
         } else {
             if (opener.otherwise == 0) opener.otherwise = at;
@@ -266,15 +266,14 @@ void SceneScript::execute(Running& running, std::size_t first, std::size_t last)
     for (std::size_t at = first; at < last;) at = execute_line(running, at);
 }
 
-/// Returns the line that comes next.
+/// Executes a line and returns the index of the next one.
 std::size_t SceneScript::execute_line(Running& running, std::size_t at) {
     const Line& line = running.lines[at];
     running.ctx.throw_if_cancelled();
     if (--running.left < 0) {
         placed(line.place, [&] {
             throw InvalidInput(fmt::format(
-                "the block has run {} lines, which are as many as one may; make its loops shorter",
-                most_lines_));
+                "the block has run {} lines, which is the maximum; make its loops shorter", max_lines_));
         });
     }
     if (line.statement == nullptr) {
@@ -300,10 +299,10 @@ std::size_t SceneScript::execute_line(Running& running, std::size_t at) {
 void SceneScript::run_command(const Running& running, const Line& line) {
     const std::uint64_t draws = variables_.draws;
     try {
-        const std::string command = placed(line.place, [&] { return command_of(line.text, variables_); });
+        const std::string command = placed(line.place, [&] { return find_command(line.text, variables_); });
         running.run(command, line.place);
     } catch (...) {
-        variables_.draws = draws;  // the line leaves everything as it was
+        variables_.draws = draws;  // a failed line has no effects
         throw;
     }
 }
@@ -323,39 +322,39 @@ void SceneScript::let(const Line& line) {
             value = given->second;
         }
     }
-    if (variables_.values.size() >= kMostVariables && !variables_.values.contains(line.name))
-        throw InvalidInput(fmt::format("a scene has at most {} variables", kMostVariables));
+    if (variables_.values.size() >= kMaxVariables && !variables_.values.contains(line.name))
+        throw InvalidInput(fmt::format("a scene has at most {} variables", kMaxVariables));
     variables_.values.insert_or_assign(line.name, std::move(value));
 }
 
-SceneScript::Turns SceneScript::turns_of(const Line& line) {
+SceneScript::Turns SceneScript::compute_turns(const Line& line) {
     std::string_view rest = line.rest;
-    const std::string what(line.statement->name);
+    const std::string subject(line.statement->name);
     if (is(line.statement, kRepeat)) {
-        const double count = number_in(evaluate(rest, variables_), what);
+        const double count = number_in(evaluate(rest, variables_), subject);
         if (count < 0 || count != std::floor(count))
-            throw InvalidInput(fmt::format("it takes a whole number of turns, not {}", count));
-        return {.first = 1, .step = 1, .count = static_cast<int>(std::min(count, 1.0 + most_lines_))};
+            throw InvalidInput(fmt::format("it needs a whole number of turns, not {}", count));
+        return {.first = 1, .step = 1, .count = static_cast<int>(std::min(count, 1.0 + max_lines_))};
     }
-    const double first = number_in(evaluate_front(rest, variables_), what);
+    const double first = number_in(evaluate_front(rest, variables_), subject);
     if (!rest.starts_with("..")) refuse(*line.statement);
     rest.remove_prefix(2);
-    const double last = number_in(evaluate_front(rest, variables_), what);
+    const double last = number_in(evaluate_front(rest, variables_), subject);
     double step = 1;
     if (rest.starts_with("step")) {
         rest.remove_prefix(4);
-        step = number_in(evaluate_front(rest, variables_), what);
+        step = number_in(evaluate_front(rest, variables_), subject);
     }
     if (!rest.empty()) refuse(*line.statement);
-    if (step == 0) throw InvalidInput("the step is 0, and would never come to the last number");
+    if (step == 0) throw InvalidInput("the step is 0, and would never reach the last number");
     const double count = std::floor((last - first) / step + kSameTurn) + 1;
     return {
-        .first = first, .step = step, .count = static_cast<int>(std::clamp(count, 0.0, 1.0 + most_lines_))};
+        .first = first, .step = step, .count = static_cast<int>(std::clamp(count, 0.0, 1.0 + max_lines_))};
 }
 
 void SceneScript::loop(Running& running, std::size_t at) {
     const Line& line = running.lines[at];
-    const Turns turns = placed(with_name(line.place, *line.statement), [&] { return turns_of(line); });
+    const Turns turns = placed(with_name(line.place, *line.statement), [&] { return compute_turns(line); });
     if (line.name.empty()) {
         for (int i = 0; i < turns.count; ++i) execute(running, at + 1, line.end + 1);
         return;

@@ -9,7 +9,7 @@
 namespace coppice {
 namespace {
 
-/// Takes a line off the front; whether it goes on in the next.
+/// Reads a line at the beginning of the text; returns whether it continues on the next line.
 bool take_line(std::string_view& text, std::string& line) {
     const std::size_t end = std::min(text.find('\n'), text.size());
     std::string_view taken = text.substr(0, end);
@@ -23,7 +23,7 @@ bool opens_block(std::string_view name) { return name == "for" || name == "repea
 
 }  // namespace
 
-std::vector<ScenePiece> pieces_of(std::string_view text) {
+std::vector<ScenePiece> find_pieces(std::string_view text) {
     std::vector<ScenePiece> pieces;
     std::uint32_t number = 1;
     std::size_t depth = 0;
@@ -39,7 +39,7 @@ std::vector<ScenePiece> pieces_of(std::string_view text) {
         joined = take_line(text, line);
         ++number;
         pieces.back().text += line;
-        const SceneStatement* statement = begins ? statement_of(line) : nullptr;
+        const SceneStatement* statement = begins ? find_statement(line) : nullptr;
         if (statement == nullptr) continue;
         if (opens_block(statement->name)) ++depth;
         if (statement->name == "end" && depth > 0) --depth;

@@ -10,20 +10,20 @@
 
 namespace coppice {
 
-/// A piece of a scene's text that runs by itself: a line with those that it goes on in, a whole block, or a
-/// line that is empty or holds a comment.
+/// A section of the text of a scene that can run separately: a line with its continuation lines, a block, an
+/// empty line or a comment.
 struct ScenePiece {
-    std::uint32_t line = 0;  ///< of its first line in the text, from 1
-    std::string text;        ///< as it stands there, without the last line end
+    std::uint32_t line = 0;  ///< number of its first line in the text, from 1
+    std::string text;        ///< as in the text, without the last line end
 };
 
-/// The text in pieces: joined by line ends they are the text again. What is wrong with one is said by running
-/// it. O(n).
-std::vector<ScenePiece> pieces_of(std::string_view text);
+/// Splits the text into sections: joined by line ends they are the original text. Errors are reported by
+/// running a section. O(n).
+std::vector<ScenePiece> find_pieces(std::string_view text);
 
-/// Runs a piece in the scene, which says what running its lines says. `line` is that of its first line and
-/// `source` names the text in messages. Throws what Scene::run throws, and InvalidInput for a block that is
-/// not closed; what a block did before stays.
+/// Runs a section in the scene and returns the output of its lines. `line` is the number of its first line,
+/// and `source` names the text in messages. Throws as Scene::run does, and InvalidInput for a block that is
+/// not closed; the effects of a block before the error remain.
 std::string run_piece(Scene& scene, std::string_view text, std::uint32_t line, const std::string& source,
                       const Context& ctx = {});
 

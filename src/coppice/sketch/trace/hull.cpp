@@ -11,15 +11,15 @@
 namespace coppice::sketch_internal {
 namespace {
 
-constexpr int kMargin = 2;                     // [pixels] about a silhouette
-constexpr double kWide = 1.3;                  // times the silhouettes' size, of the cube that holds all
-constexpr std::size_t kMostCells = 1'000'000;  // 26 neighbours of each are kept
-constexpr double kFinest = 1.5;                // [pixels] below which cells are not halved
-constexpr double kLarge = 0.1;                 // of the cube: a cell may be seen by more views in part
+constexpr int kMargin = 2;                    // [pixels] around a silhouette
+constexpr double kWide = 1.3;                 // [size of the silhouettes] edge length of the bounding cube
+constexpr std::size_t kMaxCells = 1'000'000;  // limits memory: 26 neighbours of each cell are stored
+constexpr double kFinest = 1.5;               // [pixels] minimum size of cells that are subdivided
+constexpr double kLarge = 0.1;  // [half of the cube] larger cells may be partially visible in further views
 
-/// The point nearest to the middles' lines of sight.
-Vec3d middle_of(std::span<const SketchView> views, std::span<const SilhouetteField> fields) {
-    // sum (I - d d^T) (x - o) = 0, by Cramer's rule.
+/// Returns the point closest to the lines of sight through the centres of the silhouettes.
+Vec3d compute_middle(std::span<const SketchView> views, std::span<const SilhouetteField> fields) {
+    // Solves sum (I - d d^T) (x - o) = 0 by Cramer's rule.
     std::array<Vec3d, 3> m{};
     Vec3d right{};
     for (std::size_t v = 0; v < views.size(); ++v) {
@@ -33,8 +33,10 @@ Vec3d middle_of(std::span<const SketchView> views, std::span<const SilhouetteFie
     }
     const double whole = dot(m[0], cross(m[1], m[2]));
     if (!(std::abs(whole) > 1e-12))
-        throw InvalidInput("trace: all views look the same way, so that nothing tells how deep the tree is");
-    // The matrix is symmetric: its rows are its columns.
+        throw InvalidInput(
+            "trace: all views look the same way, so that the depth of the tree is unknown; add a view from "
+            "another side");
+    // The matrix is symmetric, so its rows are its columns.
     return Vec3d{dot(right, cross(m[1], m[2])), dot(m[0], cross(right, m[2])),
                  dot(m[0], cross(m[1], right))} /
            whole;
@@ -44,7 +46,7 @@ class Carver {
   public:
     Carver(std::span<const SketchView> views, std::span<const SilhouetteField> fields)
         : views_(views), fields_(fields) {
-        middle_ = middle_of(views, fields);
+        middle_ = compute_middle(views, fields);
         for (std::size_t v = 0; v < views.size(); ++v) {
             const auto [low, high] = fields[v].box();
             const double scale = pixels_per_metre(views[v], middle_);
@@ -59,7 +61,7 @@ class Carver {
         double size = 2 * half_;
         while (size > kFinest * pixel_) {
             std::vector<Cell> finer = halves(cells, 0.5 * size, ctx);
-            if (finer.size() > kMostCells) break;
+            if (finer.size() > kMaxCells) break;
             cells = std::move(finer);
             size *= 0.5;
         }
@@ -94,11 +96,11 @@ class Carver {
         return out;
     }
 
-    /// Whether no view that sees a cell shows it outside.
+    /// Returns whether no view that contains a cell shows it outside the silhouette.
     bool may_hold(const Cell& c, double size) const {
         const Vec3d p = corner() + Vec3d{c[0] + 0.5, c[1] + 0.5, c[2] + 0.5} * size;
         const double reach = 0.5 * std::sqrt(3.0) * size;
-        std::size_t told = 0;
+        std::size_t reported = 0;
         bool near = false;
         for (std::size_t v = 0; v < views_.size(); ++v) {
             const bool perspective = views_[v].projection == Projection::perspective;
@@ -109,15 +111,17 @@ class Carver {
             }
             const auto by = fields_[v].inside_by(project(views_[v], p));
             if (!by) continue;
-            ++told;
+            ++reported;
             const double scale = pixels_per_metre(views_[v], p) * (perspective ? (away + reach) / away : 1);
             if (*by < -reach * scale - 0.5) return false;
         }
-        // What few pictures show is not known; a large cell may have parts in more.
-        return near || 2 * told >= views_.size() || reach > kLarge * half_;
+        // Space that fewer than half of the images show is removed, except large cells, which may be
+        // partially visible in others.
+        return near || 2 * reported >= views_.size() || reach > kLarge * half_;
     }
 
-    /// A ball lies within the hull where every picture shows it within.
+    /// Returns the radius of the largest ball around p inside the hull: a ball is inside if its image is
+    /// inside every silhouette.
     double clearance(Vec3d p) const {
         double least = std::numeric_limits<double>::infinity();
         for (std::size_t v = 0; v < views_.size(); ++v)
@@ -129,8 +133,9 @@ class Carver {
     std::span<const SketchView> views_;
     std::span<const SilhouetteField> fields_;
     Vec3d middle_;
-    double half_ = 0;                                         ///< [m] of the cube that holds all
-    double pixel_ = std::numeric_limits<double>::infinity();  ///< [m] of the finest picture
+    double half_ = 0;  ///< [m] half the edge length of the bounding cube
+    double pixel_ =
+        std::numeric_limits<double>::infinity();  ///< [m] pixel size of the image with the highest resolution
 };
 
 }  // namespace
@@ -146,7 +151,7 @@ SilhouetteField::SilhouetteField(const Mask& mask) : width_(mask.width), height_
             top_ = std::min(top_, y), bottom = std::max(bottom, y);
         }
     }
-    if (right < 0) throw InvalidInput("trace: a silhouette shows nothing");
+    if (right < 0) throw InvalidInput("trace: a silhouette is empty");
     left_ = std::max(left_ - kMargin, 0), right = std::min(right + kMargin, mask.width - 1);
     top_ = std::max(top_ - kMargin, 0), bottom = std::min(bottom + kMargin, mask.height - 1);
     columns_ = right - left_ + 1;
@@ -175,7 +180,8 @@ std::array<PicturePoint, 2> SilhouetteField::box() const {
             PicturePoint{double(left_ + columns_), double(top_ + rows_)}};
 }
 
-Hull hull_of(std::span<const SketchView> views, std::span<const SilhouetteField> fields, const Context& ctx) {
+Hull compute_hull(std::span<const SketchView> views, std::span<const SilhouetteField> fields,
+                  const Context& ctx) {
     return Carver(views, fields).run(ctx);
 }
 

@@ -4,18 +4,21 @@
 #include <limits>
 #include <queue>
 
+#include "coppice/base/id.h"
 #include "coppice/sketch/trace/hull_internal.h"
 
 namespace coppice::sketch_internal {
 namespace {
 
-constexpr double kNew = 0.2;           // of a line's pixels, in two views: otherwise others show all of it
-constexpr double kShownWidth = 1.3;    // times the silhouette's width about a line, and
-constexpr double kShownPixels = 2;     // [pixels] that it shows
-constexpr double kStep = 0.5;          // [thickness] between the discs of a line
-constexpr std::ptrdiff_t kSmooth = 4;  // cells before and behind, of which each node is the mean
-constexpr double kEndCells = 2.5;      // [cells] by which a hull is too long
-constexpr double kParentWidth = 1.5;   // [thickness] of what it leaves, within which a line has not its own
+constexpr double kNew =
+    0.2;  // minimum fraction of new pixels of a line in two views; below it, other lines already cover it
+constexpr double kShownWidth = 1.3;    // [silhouette width], plus
+constexpr double kShownPixels = 2;     // [pixels]: radius around a line that it covers
+constexpr double kStep = 0.5;          // [thickness] distance between the discs of a line
+constexpr std::ptrdiff_t kSmooth = 4;  // number of cells on each side over which a node is averaged
+constexpr double kEndCells = 2.5;      // [cells] excess length of a hull at an end
+constexpr double kParentWidth = 1.5;   // [thickness of the parent] distance from the fork within which the
+                                       // thickness of a line is that of its parent
 
 class Chooser {
   public:
@@ -28,40 +31,40 @@ class Chooser {
         }
     }
 
-    /// The end that shows most first, with all that it goes on from. What is taken only ever makes others
-    /// show less, so that only the first one need be looked at again.
+    /// Chooses ends by decreasing number of newly covered pixels, each with all its predecessors. Choosing
+    /// one only decreases the gain of the others, so that only the first in the queue has to be re-evaluated.
     std::vector<char> run(const Context& ctx) {
         chosen_.assign(pieces_.size(), 0);
         std::priority_queue<std::pair<std::size_t, std::uint32_t>> queue;
         for (std::uint32_t p = 0; p < pieces_.size(); ++p)
-            if (pieces_[p].is_tip) queue.emplace(gain_of(p).pixels, p);
+            if (pieces_[p].is_tip) queue.emplace(compute_gain(p).pixels, p);
         while (!queue.empty()) {
             ctx.throw_if_cancelled();
             const std::uint32_t p = queue.top().second;
             queue.pop();
-            const Gain gain = gain_of(p);
+            const Gain gain = compute_gain(p);
             if (!queue.empty() && gain.pixels < queue.top().first) {
                 if (gain.pixels > 0) queue.emplace(gain.pixels, p);
             } else if (gain.second_share >= kNew) {
-                for (std::uint32_t q = p; q != kNoCell && chosen_[q] == 0; q = pieces_[q].before) take(q);
+                for (std::uint32_t q = p; q != kNoIndex && chosen_[q] == 0; q = pieces_[q].before) take(q);
             }
         }
         return std::move(chosen_);
     }
 
   private:
-    /// What a piece, and all before it that are not chosen, would show that nothing does yet.
+    /// Newly covered pixels of a piece and its unchosen predecessors.
     struct Gain {
-        std::size_t pixels = 0;   ///< of all views
-        double second_share = 0;  ///< of its own pixels, in the view where that is the second largest
+        std::size_t pixels = 0;   ///< in all views
+        double second_share = 0;  ///< fraction of its own pixels, second largest value over the views
     };
 
-    Gain gain_of(std::uint32_t piece) const {
+    Gain compute_gain(std::uint32_t piece) const {
         Gain out;
         double first = 0;
         for (std::size_t v = 0; v < views_.size(); ++v) {
             std::size_t own = 0, fresh = 0;
-            for (std::uint32_t q = piece; q != kNoCell && chosen_[q] == 0; q = pieces_[q].before) {
+            for (std::uint32_t q = piece; q != kNoIndex && chosen_[q] == 0; q = pieces_[q].before) {
                 own += pixels_[v][q].size();
                 for (const std::size_t i : pixels_[v][q]) fresh += shown_[v][i] == 0 ? 1 : 0;
             }
@@ -84,7 +87,7 @@ class Chooser {
     }
 
     void find_pixels(std::size_t v) {
-        std::vector<std::uint32_t> last(masks_[v].inside.size(), kNoCell);
+        std::vector<std::uint32_t> last(masks_[v].inside.size(), kNoIndex);
         pixels_.emplace_back(pieces_.size());
         for (std::uint32_t p = 0; p < pieces_.size(); ++p) {
             walk(pieces_[p], v, [&](PicturePoint at, double radius) {
@@ -97,11 +100,11 @@ class Chooser {
         }
     }
 
-    /// Calls visit(place, radius) [pixels] along a piece as a view shows it, beyond what it leaves.
+    /// Calls visit(place, radius) [pixels] along the image of a piece, outside its parent.
     template <class Visit>
     void walk(const HullPiece& piece, std::size_t v, const Visit& visit) const {
         const Vec3d fork = hull_.center(piece.cells.front());
-        const double within = piece.before == kNoCell ? 0 : hull_.thickness(piece.cells.front());
+        const double within = piece.before == kNoIndex ? 0 : hull_.thickness(piece.cells.front());
         double since = std::numeric_limits<double>::infinity();
         for (std::size_t k = 0; k < piece.cells.size(); ++k) {
             const Vec3d p = hull_.center(piece.cells[k]);
@@ -135,36 +138,36 @@ class Chooser {
     std::span<const SketchView> views_;
     std::span<const SilhouetteField> fields_;
     std::span<const Mask> masks_;
-    std::vector<std::vector<std::vector<std::size_t>>> pixels_;  ///< of every view and piece
-    std::vector<std::vector<std::uint8_t>> shown_;               ///< pixels of every view
-    std::vector<char> chosen_;                                   ///< pieces
+    std::vector<std::vector<std::vector<std::size_t>>> pixels_;  ///< by view and piece
+    std::vector<std::vector<std::uint8_t>> shown_;               ///< covered pixels by view
+    std::vector<char> chosen_;                                   ///< by piece
 };
 
-/// The chosen pieces; where one alone goes on from another, both are one.
+/// Returns the chosen pieces; a piece with a single successor is merged with it.
 std::vector<HullPiece> joined(std::span<const HullPiece> pieces, std::span<const char> chosen) {
-    std::vector<std::uint32_t> children(pieces.size(), 0), made(pieces.size(), kNoCell);
+    std::vector<std::uint32_t> children(pieces.size(), 0), made(pieces.size(), kNoIndex);
     for (std::size_t p = 0; p < pieces.size(); ++p)
-        if (chosen[p] != 0 && pieces[p].before != kNoCell) ++children[pieces[p].before];
+        if (chosen[p] != 0 && pieces[p].before != kNoIndex) ++children[pieces[p].before];
     std::vector<HullPiece> out;
     for (std::size_t p = 0; p < pieces.size(); ++p) {
         if (chosen[p] == 0) continue;
         const HullPiece& piece = pieces[p];
-        if (piece.before != kNoCell && children[piece.before] == 1) {
+        if (piece.before != kNoIndex && children[piece.before] == 1) {
             made[p] = made[piece.before];
             auto& cells = out[made[p]].cells;
             cells.insert(cells.end(), piece.cells.begin() + 1, piece.cells.end());
         } else {
             made[p] = static_cast<std::uint32_t>(out.size());
             out.push_back(piece);
-            if (piece.before != kNoCell) out.back().before = made[piece.before];
+            if (piece.before != kNoIndex) out.back().before = made[piece.before];
         }
         out[made[p]].is_tip = children[p] == 0;
     }
     return out;
 }
 
-/// [m] of cells that end where the hull does, seen from there: an end that is round or blunt is as wide as
-/// what comes before it.
+/// Sets the radii [m] of cells near an end of the hull, ordered from the end: a round or blunt end gets the
+/// width of the section before it.
 void widen_end(const Hull& hull, std::span<const std::uint32_t> from_end, std::span<double> radii) {
     std::size_t k = 0;
     const auto away = [&](std::size_t i) {
@@ -174,11 +177,11 @@ void widen_end(const Hull& hull, std::span<const std::uint32_t> from_end, std::s
     std::fill(radii.begin(), radii.begin() + static_cast<std::ptrdiff_t>(k), radii[k]);
 }
 
-/// [m] along a piece.
-std::vector<double> radii_of(const Hull& hull, const HullPiece& piece) {
+/// Returns the radii [m] along a piece.
+std::vector<double> compute_radii(const Hull& hull, const HullPiece& piece) {
     std::vector<std::uint32_t> cells = piece.cells;
     const Vec3d fork = hull.center(cells.front());
-    const double within = piece.before == kNoCell ? 0 : kParentWidth * hull.thickness(cells.front());
+    const double within = piece.before == kNoIndex ? 0 : kParentWidth * hull.thickness(cells.front());
     std::vector<double> out;
     double known = hull.thickness(cells.back());
     for (std::size_t i = cells.size(); i-- > 0;) {
@@ -189,7 +192,7 @@ std::vector<double> radii_of(const Hull& hull, const HullPiece& piece) {
     if (piece.is_tip) widen_end(hull, cells, out);
     std::ranges::reverse(cells);
     std::ranges::reverse(out);
-    if (piece.before == kNoCell) widen_end(hull, cells, out);
+    if (piece.before == kNoIndex) widen_end(hull, cells, out);
     return out;
 }
 
@@ -201,15 +204,15 @@ std::vector<HullPiece> explaining(const Hull& hull, std::span<const HullPiece> p
     return joined(pieces, Chooser(hull, pieces, views, fields, silhouettes).run(ctx));
 }
 
-std::vector<RawNode> nodes_of(const Hull& hull, std::span<const HullPiece> pieces) {
+std::vector<RawNode> find_nodes(const Hull& hull, std::span<const HullPiece> pieces) {
     std::vector<RawNode> out;
     std::vector<std::int64_t> last(pieces.size(), -1);
     for (std::size_t p = 0; p < pieces.size(); ++p) {
         const HullPiece& piece = pieces[p];
-        const std::vector<double> radii = radii_of(hull, piece);
+        const std::vector<double> radii = compute_radii(hull, piece);
         const auto size = static_cast<std::ptrdiff_t>(piece.cells.size());
-        // All that leave the foot leave its one node.
-        last[p] = piece.before != kNoCell ? last[piece.before] : out.empty() ? -1 : 0;
+        // All pieces that begin at the base share its single node.
+        last[p] = piece.before != kNoIndex ? last[piece.before] : out.empty() ? -1 : 0;
         for (std::ptrdiff_t i = last[p] < 0 ? 0 : 1; i < size; ++i) {
             const std::ptrdiff_t reach = std::min({kSmooth, i, size - 1 - i});
             RawNode node{.id = static_cast<std::int64_t>(out.size()), .parent = last[p], .position = {}};

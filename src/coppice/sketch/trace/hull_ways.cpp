@@ -6,21 +6,22 @@
 #include <tuple>
 
 #include "coppice/base/disjoint_sets.h"
+#include "coppice/base/id.h"
 #include "coppice/sketch/trace/hull_internal.h"
 
 namespace coppice::sketch_internal {
 namespace {
 
-constexpr double kGround = 0.05;     // of the height: the foot is where it is widest within
-constexpr double kCovered = 2;       // [thickness], and
-constexpr double kCoveredCells = 3;  // [cells] about a way, within which no other one ends
-constexpr double kSpur = 1.5;        // [thickness] where it leaves, and
-constexpr double kSpurCells = 2;     // [cells]: what ends before is a bump
+constexpr double kGround = 0.05;     // [height] the base is searched at the widest cell within this height
+constexpr double kCovered = 2;       // [thickness], plus
+constexpr double kCoveredCells = 3;  // [cells]: distance from a path within which no other path ends
+constexpr double kSpur = 1.5;        // [thickness at the fork], plus
+constexpr double kSpurCells = 2;     // [cells]: minimum length of a path; shorter ones are bumps
 
-/// Which cells touch which.
+/// Adjacency of cells.
 class Neighbours {
   public:
-    explicit Neighbours(const std::vector<Cell>& cells) : at_(26 * cells.size(), kNoCell) {
+    explicit Neighbours(const std::vector<Cell>& cells) : at_(26 * cells.size(), kNoIndex) {
         std::size_t direction = 0;
         for (int z = 0; z <= 1; ++z)
             for (int y = z == 0 ? 0 : -1; y <= 1; ++y)
@@ -31,7 +32,7 @@ class Neighbours {
     }
 
   private:
-    /// Cells stay in order when all are shifted: both lists are walked side by side.
+    /// Shifting all cells preserves their order, so that both lists are traversed in parallel.
     void join(const std::vector<Cell>& cells, Cell by, std::size_t direction) {
         const auto key = [](const Cell& c) { return std::tuple(c[2], c[1], c[0]); };
         std::size_t other = 0;
@@ -66,10 +67,10 @@ class WayFinder {
     template <class Visit>
     void for_neighbours(std::uint32_t i, const Visit& visit) const {
         for (const std::uint32_t n : near_.of(i))
-            if (n != kNoCell) visit(n);
+            if (n != kNoIndex) visit(n);
     }
 
-    /// The cells that hang together most.
+    /// Returns the cells of the largest connected component.
     std::vector<std::uint32_t> largest_part() const {
         DisjointSets sets(count_);
         std::vector<std::uint32_t> size(count_, 0), out;
@@ -82,7 +83,7 @@ class WayFinder {
         return out;
     }
 
-    /// Below the widest place near the ground. Cells are in order of their height.
+    /// Finds the lowest cell below the widest one near the ground. Cells are sorted by height.
     void find_foot() {
         const std::vector<std::uint32_t> part = largest_part();
         const double low = hull_.center(part.front()).z, high = hull_.center(part.back()).z;
@@ -98,12 +99,12 @@ class WayFinder {
         });
     }
 
-    /// The cheapest ways from the foot; what is half as wide costs twice as much.
+    /// Computes the shortest paths from the base; the cost is inversely proportional to the thickness.
     void find_ways() {
         std::vector<double> cost(count_, std::numeric_limits<double>::infinity());
         std::vector<char> done(count_, 0);
         length_.assign(count_, 0);
-        from_.assign(count_, kNoCell);
+        from_.assign(count_, kNoIndex);
         using Entry = std::pair<double, std::uint32_t>;
         std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
         cost[foot_] = 0;
@@ -127,7 +128,8 @@ class WayFinder {
         }
     }
 
-    /// The farthest cell first, each with its way to those before; what lies about a way is no end.
+    /// Adds paths by decreasing distance of their ends, each up to an existing path; cells near a path are
+    /// not ends.
     void find_tips() {
         std::vector<std::uint32_t> far = order_;
         std::ranges::stable_sort(far, std::greater<>{}, [&](std::uint32_t i) { return length_[i]; });
@@ -147,12 +149,12 @@ class WayFinder {
         }
     }
 
-    /// [m] The foot lies at the edge of what is wide there.
+    /// Returns the width [m] at a cell. The base is at the edge of the wide section there.
     double width_at(std::uint32_t i) const {
         return std::max(hull_.thickness(i), apart(i, foot_) < foot_width_ ? foot_width_ : 0);
     }
 
-    /// Every cell keeps how far on from it is covered, the farthest first.
+    /// Stores in every cell the remaining covered distance, in decreasing order.
     void cover_about(const std::vector<std::uint32_t>& way) {
         std::priority_queue<std::pair<double, std::uint32_t>> queue;
         for (const std::uint32_t w : way)
@@ -169,23 +171,23 @@ class WayFinder {
         }
     }
 
-    /// Ways part where they have several children.
+    /// Splits paths at cells with several children.
     std::vector<HullPiece> cut() const {
         std::vector<std::uint8_t> children(count_, 0);
         for (const std::uint32_t i : order_)
             if (on_way_[i] != 0 && i != foot_) ++children[from_[i]];
         std::vector<HullPiece> pieces;
-        std::vector<std::uint32_t> piece_of(count_, kNoCell);
+        std::vector<std::uint32_t> find_piece(count_, kNoIndex);
         for (const std::uint32_t i : order_) {
             if (on_way_[i] == 0 || i == foot_) continue;
             const std::uint32_t from = from_[i];
-            piece_of[i] = piece_of[from];
+            find_piece[i] = find_piece[from];
             if (from == foot_ || children[from] > 1) {
-                piece_of[i] = static_cast<std::uint32_t>(pieces.size());
-                pieces.push_back({.cells = {from}, .before = piece_of[from]});
+                find_piece[i] = static_cast<std::uint32_t>(pieces.size());
+                pieces.push_back({.cells = {from}, .before = find_piece[from]});
             }
-            pieces[piece_of[i]].cells.push_back(i);
-            pieces[piece_of[i]].is_tip = children[i] == 0;
+            pieces[find_piece[i]].cells.push_back(i);
+            pieces[find_piece[i]].is_tip = children[i] == 0;
         }
         return pieces;
     }
@@ -195,16 +197,18 @@ class WayFinder {
     std::uint32_t count_;
     Neighbours near_;
     std::uint32_t foot_ = 0;
-    double foot_width_ = 0;             ///< [m] the thickness above it
-    std::vector<double> length_;        ///< [m] of every cell's way from the foot
-    std::vector<std::uint32_t> from_;   ///< the cell before it there
-    std::vector<std::uint32_t> order_;  ///< those that are reached, the one before always before
+    double foot_width_ = 0;             ///< [m] thickness above the base
+    std::vector<double> length_;        ///< [m] by cell: length of its path from the base
+    std::vector<std::uint32_t> from_;   ///< by cell: its predecessor on the path
+    std::vector<std::uint32_t> order_;  ///< reached cells, predecessors first
     std::vector<char> on_way_;
-    std::vector<double> covered_;  ///< [m]
+    std::vector<double> covered_;  ///< [m] by cell
 };
 
 }  // namespace
 
-std::vector<HullPiece> pieces_of(const Hull& hull, const Context& ctx) { return WayFinder(hull, ctx).run(); }
+std::vector<HullPiece> find_pieces(const Hull& hull, const Context& ctx) {
+    return WayFinder(hull, ctx).run();
+}
 
 }  // namespace coppice::sketch_internal

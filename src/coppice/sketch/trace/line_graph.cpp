@@ -3,14 +3,15 @@
 #include <cmath>
 
 #include "coppice/base/disjoint_sets.h"
+#include "coppice/base/id.h"
 #include "coppice/sketch/trace/silhouette_internal.h"
 
 namespace coppice::sketch_internal {
 namespace {
 
-constexpr std::uint32_t kNone = 0xffffffff;
-constexpr double kSpur = 1.6;    // [radius] where it leaves: a line that ends before is a bump of the outline
-constexpr double kJoined = 2.5;  // [radius] between two places that are one
+constexpr double kSpur =
+    1.6;  // [radius at the fork] minimum length of a line; shorter ones are bumps of the outline
+constexpr double kJoined = 2.5;  // [radius] distance within which two places are merged
 
 struct Pixel {
     int x, y;
@@ -21,7 +22,7 @@ class Builder {
     Builder(const Mask& lines, const std::vector<float>& distance)
         : lines_(lines),
           distance_(distance),
-          place_(lines.inside.size(), kNone),
+          place_(lines.inside.size(), kNoIndex),
           used_(lines.inside.size(), 0) {}
 
     LineGraph run() {
@@ -42,13 +43,13 @@ class Builder {
     }
     std::size_t index(Pixel p) const { return lines_.index(p.x, p.y); }
 
-    /// Pixels that have not two neighbours, those that touch each other taken together.
+    /// Finds the pixels that do not have exactly two neighbours and groups adjacent ones.
     void find_places() {
         std::vector<Pixel> stack;
         const auto is_place = [&](Pixel p) { return neighbours(p).size() != 2; };
         for (int y = 0; y < lines_.height; ++y) {
             for (int x = 0; x < lines_.width; ++x) {
-                if (!lines_.at(x, y) || place_[lines_.index(x, y)] != kNone || !is_place({x, y})) continue;
+                if (!lines_.at(x, y) || place_[lines_.index(x, y)] != kNoIndex || !is_place({x, y})) continue;
                 const auto id = static_cast<std::uint32_t>(members_.size());
                 members_.emplace_back();
                 place_[lines_.index(x, y)] = id;
@@ -58,7 +59,7 @@ class Builder {
                     stack.pop_back();
                     members_[id].push_back(p);
                     for (const Pixel n : neighbours(p)) {
-                        if (place_[index(n)] != kNone || !is_place(n)) continue;
+                        if (place_[index(n)] != kNoIndex || !is_place(n)) continue;
                         place_[index(n)] = id;
                         stack.push_back(n);
                     }
@@ -80,12 +81,12 @@ class Builder {
 
     void follow_all(std::uint32_t from, Pixel start) {
         for (const Pixel first : neighbours(start)) {
-            if (place_[index(first)] != kNone || used_[index(first)] != 0) continue;
+            if (place_[index(first)] != kNoIndex || used_[index(first)] != 0) continue;
             Edge edge;
             edge.points = {graph_.places[from].place};
             Pixel before = start, at = first;
-            std::uint32_t to = kNone;
-            while (to == kNone) {
+            std::uint32_t to = kNoIndex;
+            while (to == kNoIndex) {
                 used_[index(at)] = 1;
                 edge.points.push_back({at.x + 0.5, at.y + 0.5});
                 Pixel next = before;
@@ -96,7 +97,7 @@ class Builder {
                 at = next;
                 to = place_[index(at)];
             }
-            if (to == kNone) continue;
+            if (to == kNoIndex) continue;
             edge.points.push_back(graph_.places[to].place);
             edge.nodes = {from, to};
             graph_.edges.push_back(std::move(edge));
@@ -105,13 +106,13 @@ class Builder {
 
     const Mask& lines_;
     const std::vector<float>& distance_;
-    std::vector<std::uint32_t> place_;  ///< of every pixel
+    std::vector<std::uint32_t> place_;  ///< by pixel
     std::vector<std::uint8_t> used_;
     std::vector<std::vector<Pixel>> members_;
     LineGraph graph_;
 };
 
-double length_of(const Edge& edge) {
+double compute_length(const Edge& edge) {
     double sum = 0;
     for (std::size_t i = 1; i < edge.points.size(); ++i) sum += length(edge.points[i] - edge.points[i - 1]);
     return sum;
@@ -129,31 +130,31 @@ void take_spurs(LineGraph& graph) {
     std::erase_if(graph.edges, [&](const Edge& edge) {
         for (const std::size_t end : {std::size_t{0}, std::size_t{1}}) {
             if (degree[edge.nodes[end]] != 1 || degree[edge.nodes[1 - end]] < 3) continue;
-            if (length_of(edge) < kSpur * graph.places[edge.nodes[1 - end]].radius) return true;
+            if (compute_length(edge) < kSpur * graph.places[edge.nodes[1 - end]].radius) return true;
         }
         return false;
     });
 }
 
-/// Makes one of places within each other's width, and drops the pieces between them.
+/// Merges places within each other's width, and removes the edges between them.
 void join_places(LineGraph& graph) {
     const std::vector<std::uint32_t> degree = degrees(graph);
     DisjointSets sets(graph.places.size());
     for (const Edge& edge : graph.edges) {
         const auto [a, b] = edge.nodes;
         if (a == b || degree[a] < 3 || degree[b] < 3) continue;
-        if (length_of(edge) < kJoined * std::max(graph.places[a].radius, graph.places[b].radius))
+        if (compute_length(edge) < kJoined * std::max(graph.places[a].radius, graph.places[b].radius))
             sets.join(a, b);
     }
     std::erase_if(graph.edges, [&](const Edge& e) {
         return sets.find(e.nodes[0]) == sets.find(e.nodes[1]) &&
-               length_of(e) < 2 * kJoined * graph.places[e.nodes[0]].radius;
+               compute_length(e) < 2 * kJoined * graph.places[e.nodes[0]].radius;
     });
     for (Edge& edge : graph.edges)
         for (std::uint32_t& node : edge.nodes) node = sets.find(node);
 }
 
-/// Where two pieces are left of what was three, they are one.
+/// Merges the two remaining edges of a place.
 void join_edges(LineGraph& graph) {
     for (MeetingPlace& place : graph.places) place.edges.clear();
     for (std::uint32_t e = 0; e < graph.edges.size(); ++e)

@@ -8,11 +8,11 @@
 namespace coppice::sketch_internal {
 namespace {
 
-/// The neighbours of a pixel, clockwise from above it.
+/// Neighbours of a pixel, clockwise from the one above it.
 constexpr std::array<std::array<int, 2>, 8> kAround{
     {{0, -1}, {1, -1}, {1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}}};
 
-/// Squared distance along a line to the nearest of parabolas that stand on `f` (Felzenszwalb and
+/// One-dimensional squared distance transform by the lower envelope of parabolas on `f` (Felzenszwalb and
 /// Huttenlocher).
 class Envelope {
   public:
@@ -49,7 +49,7 @@ class Envelope {
     std::vector<double> from_, out_;
 };
 
-/// Whether Zhang and Suen take a pixel away in one of their two passes.
+/// Returns whether one of the two passes of Zhang and Suen removes a pixel.
 bool may_go(const Mask& mask, int x, int y, bool second) {
     std::array<bool, 8> on{};
     int count = 0, changes = 0;
@@ -64,7 +64,8 @@ bool may_go(const Mask& mask, int x, int y, bool second) {
                   : !(up && right && down) && !(right && down && left);
 }
 
-/// Whether the line hangs together as before without a pixel that is not its end: the corners of its stairs.
+/// Returns whether a pixel that is not an end can be removed without disconnecting the line, as at the
+/// corners of stairs.
 bool is_corner(const Mask& mask, int x, int y) {
     std::array<bool, 8> on{};
     int count = 0, runs = 0;
@@ -76,9 +77,9 @@ bool is_corner(const Mask& mask, int x, int y) {
     return count >= 2 && runs == 1;
 }
 
-/// [pixels] from the middle of every pixel to the nearest one that is inside, or outside.
+/// Returns the distances [pixels] from the centre of every pixel to the closest one inside, or outside.
 std::vector<float> distances(const Mask& mask, bool to_inside) {
-    // A frame of pixels outside, so that what touches the picture's edge ends there.
+    // A border of outside pixels ends silhouettes that touch the edge of the image.
     const int width = mask.width + 2, height = mask.height + 2;
     const auto columns = static_cast<std::size_t>(width), rows = static_cast<std::size_t>(height);
     constexpr double kFar = 1e12;

@@ -3,25 +3,25 @@
 #include <queue>
 #include <tuple>
 
+#include "coppice/base/id.h"
 #include "coppice/sketch/trace/silhouette_internal.h"
 
 namespace coppice::sketch_internal {
 namespace {
 
-constexpr std::uint32_t kNone = 0xffffffff;
-constexpr double kTurnCost = 0.5;    // of the picture's diagonal, for a turn by a right angle
-constexpr double kThickCost = 0.5;   // the same where what follows is twice as thick
-constexpr float kStemWidth = 0.25f;  // of the greatest width: what is thinner is no stem
-constexpr double kSpacing = 8;       // [pixels] between points of a stroke
-constexpr int kSmooth = 6;           // points of the line before and behind, of which each is made the mean
+constexpr double kTurnCost = 0.5;    // [diagonal of the image] cost of a right-angle turn
+constexpr double kThickCost = 0.5;   // the same for doubling the thickness
+constexpr float kStemWidth = 0.25f;  // [maximum width] minimum width of a stem
+constexpr double kSpacing = 8;       // [pixels] distance between points of a stroke
+constexpr int kSmooth = 6;           // number of points on each side over which a point is averaged
 
-double length_of(const std::vector<PicturePoint>& points) {
+double compute_length(const std::vector<PicturePoint>& points) {
     double sum = 0;
     for (std::size_t i = 1; i < points.size(); ++i) sum += length(points[i] - points[i - 1]);
     return sum;
 }
 
-/// [pixels] of the mask about a place.
+/// Returns the radius [pixels] of the mask at a point.
 double radius_at(PicturePoint p, const Mask& mask, const std::vector<float>& distance) {
     const int x = std::clamp(static_cast<int>(p.x), 0, mask.width - 1);
     const int y = std::clamp(static_cast<int>(p.y), 0, mask.height - 1);
@@ -34,24 +34,24 @@ class Walker {
         : graph_(graph),
           mask_(mask),
           distance_(distance),
-          before_(graph.edges.size(), kNone),
-          from_(graph.edges.size(), kNone) {
+          before_(graph.edges.size(), kNoIndex),
+          from_(graph.edges.size(), kNoIndex) {
         at_.resize(graph.places.size());
         for (std::uint32_t e = 0; e < graph.edges.size(); ++e) {
             const Edge& edge = graph.edges[e];
             if (edge.points.size() < 2) continue;
             for (const std::uint32_t node : edge.nodes) at_[node].push_back(e);
             width_.resize(graph.edges.size(), 0);
-            width_[e] = width_of(edge);
+            width_[e] = compute_width(edge);
         }
     }
 
     std::vector<TracedPiece> run() {
         const std::uint32_t foot = foot_of();
-        if (foot == kNone) return {};
+        if (foot == kNoIndex) return {};
         walk_from(foot);
         std::vector<TracedPiece> out;
-        std::vector<std::uint32_t> piece(graph_.edges.size(), kNone);
+        std::vector<std::uint32_t> piece(graph_.edges.size(), kNoIndex);
         for (const std::uint32_t e : order_) {
             piece[e] = static_cast<std::uint32_t>(out.size());
             const auto& nodes = graph_.edges[e].nodes;
@@ -60,43 +60,43 @@ class Walker {
                              .radius = graph_.places[from_[e]].radius,
                              .before = {},
                              .is_tip = at_[end].size() == 1};
-            if (before_[e] != kNone) made.before = piece[before_[e]];
+            if (before_[e] != kNoIndex) made.before = piece[before_[e]];
             out.push_back(std::move(made));
         }
         return out;
     }
 
   private:
-    double width_of(const Edge& edge) const {
+    double compute_width(const Edge& edge) const {
         return 2 * radius_at(edge.points[edge.points.size() / 2], mask_, distance_);
     }
 
-    /// The place nearest to the lowest pixels that are no twig or leaf.
+    /// Returns the place closest to the lowest pixels that are too thick for a twig or leaf.
     std::uint32_t foot_of() const {
         const float thick = kStemWidth * *std::ranges::max_element(distance_);
         PicturePoint ground;
         for (int y = mask_.height - 1; y >= 0 && ground.y == 0; --y)
             for (int x = 0; x < mask_.width; ++x)
                 if (distance_[mask_.index(x, y)] >= thick) ground = {x + 0.5, y + 0.5};
-        std::uint32_t nearest = kNone;
+        std::uint32_t nearest = kNoIndex;
         for (std::uint32_t n = 0; n < graph_.places.size(); ++n) {
             if (at_[n].empty()) continue;
             const auto away = [&](std::uint32_t place) {
                 return length(graph_.places[place].place - ground);
             };
-            if (nearest == kNone || away(n) < away(nearest)) nearest = n;
+            if (nearest == kNoIndex || away(n) < away(nearest)) nearest = n;
         }
         return nearest;
     }
 
-    /// The points of an edge seen from one of its nodes.
+    /// Returns the points of an edge, beginning at one of its nodes.
     std::vector<PicturePoint> points_from(std::uint32_t e, std::uint32_t node) const {
         std::vector<PicturePoint> points = graph_.edges[e].points;
         if (graph_.edges[e].nodes[0] != node) std::ranges::reverse(points);
         return points;
     }
 
-    /// Unit, of how an edge leaves a node, beyond what the node's width bends.
+    /// Returns the unit vector in which an edge leaves a node, measured outside the width of the node.
     PicturePoint leaving(std::uint32_t e, std::uint32_t node) const {
         const std::vector<PicturePoint> points = points_from(e, node);
         const double near = graph_.places[node].radius, far = 3 * near + 6;
@@ -113,33 +113,33 @@ class Walker {
         return d * (1 / std::max(length(d), 1e-9));
     }
 
-    /// What it costs to go on from one edge to another: 0 straight on.
+    /// Returns the cost of continuing from one edge to another: 0 straight ahead.
     double turn_cost(std::uint32_t from, std::uint32_t to, std::uint32_t node) const {
         const double cosine = -dot(leaving(from, node), leaving(to, node));
-        // What is thinner leaves at any angle.
+        // Thinner branches may leave at any angle.
         const double ratio = width_[to] / width_[from], thinner = std::min(ratio * ratio, 1.0);
         return kTurnCost * thinner * (1 - cosine) + kThickCost * std::max(std::log2(ratio), 0.0);
     }
 
-    /// Enters every edge from where that costs least.
+    /// Enters every edge from its cheapest predecessor.
     void walk_from(std::uint32_t foot) {
         const double diagonal = std::hypot(mask_.width, mask_.height);
-        using Entry =
-            std::tuple<double, std::uint32_t, std::uint32_t, std::uint32_t>;  // cost, edge, node, edge before
+        using Entry = std::tuple<double, std::uint32_t, std::uint32_t,
+                                 std::uint32_t>;  // cost, edge, node, previous edge
         std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-        for (const std::uint32_t e : at_[foot]) queue.emplace(0, e, foot, kNone);
+        for (const std::uint32_t e : at_[foot]) queue.emplace(0, e, foot, kNoIndex);
         while (!queue.empty()) {
             const auto [cost, e, node, before] = queue.top();
             queue.pop();
-            if (from_[e] != kNone) continue;
+            if (from_[e] != kNoIndex) continue;
             from_[e] = node;
             before_[e] = before;
             order_.push_back(e);
             const auto& nodes = graph_.edges[e].nodes;
             const std::uint32_t end = nodes[0] == node ? nodes[1] : nodes[0];
-            const double length = length_of(graph_.edges[e].points);
+            const double length = compute_length(graph_.edges[e].points);
             for (const std::uint32_t next : at_[end])
-                if (from_[next] == kNone)
+                if (from_[next] == kNoIndex)
                     queue.emplace(cost + length + diagonal * turn_cost(e, next, end), next, end, e);
         }
     }
@@ -147,14 +147,14 @@ class Walker {
     const LineGraph& graph_;
     const Mask& mask_;
     const std::vector<float>& distance_;
-    std::vector<std::vector<std::uint32_t>> at_;  ///< edges of every place
-    std::vector<double> width_;                   ///< [pixels] of every edge
+    std::vector<std::vector<std::uint32_t>> at_;  ///< edges by place
+    std::vector<double> width_;                   ///< [pixels] by edge
     std::vector<std::uint32_t> before_,
-        from_;                          ///< of every edge: the one it follows, the place it is entered at
-    std::vector<std::uint32_t> order_;  ///< edges as they were entered
+        from_;                          ///< by edge: its predecessor, and the place where it is entered
+    std::vector<std::uint32_t> order_;  ///< edges in the order in which they were entered
 };
 
-/// Every point made the mean of those about it.
+/// Averages every point over its neighbourhood.
 std::vector<PicturePoint> smoothed(const std::vector<PicturePoint>& line) {
     std::vector<PicturePoint> out;
     const int n = static_cast<int>(line.size());
@@ -167,7 +167,7 @@ std::vector<PicturePoint> smoothed(const std::vector<PicturePoint>& line) {
     return out;
 }
 
-/// A medial axis runs into a corner of a flat foot, or of roots: it is cut where it comes from there.
+/// Removes the beginning of a medial axis, which runs into a corner of a flat base or into roots.
 void straighten_foot(std::vector<PicturePoint>& line, const Mask& mask, const std::vector<float>& distance) {
     const double wide = radius_at(line[line.size() / 8], mask, distance);
     double along = 0;
@@ -177,7 +177,7 @@ void straighten_foot(std::vector<PicturePoint>& line, const Mask& mask, const st
     line.erase(line.begin(), line.begin() + static_cast<std::ptrdiff_t>(first));
 }
 
-/// What is left ends above the ground.
+/// Returns the point on the ground below a line that was shortened at the base.
 std::optional<PicturePoint> ground_below(const std::vector<PicturePoint>& line, const Mask& mask) {
     const PicturePoint back = line.front() - line[std::min<std::size_t>(line.size() - 1, 60)];
     const double size = length(back);
@@ -189,8 +189,8 @@ std::optional<PicturePoint> ground_below(const std::vector<PicturePoint>& line, 
 
 }  // namespace
 
-std::vector<TracedPiece> pieces_of(const LineGraph& graph, const Mask& mask,
-                                   const std::vector<float>& distance) {
+std::vector<TracedPiece> find_pieces(const LineGraph& graph, const Mask& mask,
+                                     const std::vector<float>& distance) {
     return Walker(graph, mask, distance).run();
 }
 
@@ -218,7 +218,7 @@ Stroke stroke_along(std::span<const TracedPiece> pieces, std::span<const std::ui
         if (since < kSpacing && i + 1 < line.size()) continue;
         since = 0;
         out.points.push_back(line[i]);
-        // Within the width of what it leaves, a line has that one's: 0 until its own is known.
+        // Within the width of its parent, the own width of a line is unknown: 0 until it is filled in below.
         out.widths.push_back(along < near ? 0 : 2 * radius_at(line[i], mask, distance));
     }
     double known = 2 * radius_at(line.back(), mask, distance);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "coppice/base/error.h"
+#include "coppice/base/id.h"
 #include "coppice/base/median.h"
 #include "coppice/skeleton/resample.h"
 #include "coppice/sketch/branch_internal.h"
@@ -18,27 +19,27 @@ using namespace sketch_internal;
 
 namespace {
 
-constexpr double kMostCost = 1;        // of a match, per sample
-constexpr double kUnlike = 0.1;        // of any two: what is below tells nothing
-constexpr double kClear = 1.3;         // times as unlike is every other one where a pair is clear
-constexpr double kLeastMatched = 0.8;  // of the ways from the foot to both tips
+constexpr double kMaxCost = 1;   // maximum cost of a match per sample
+constexpr double kUnlike = 0.1;  // constant dissimilarity, below which differences are not significant
+constexpr double kClear =
+    1.3;  // minimum ratio of the dissimilarity of every competing pair for an unambiguous pair
+constexpr double kMinMatched = 0.8;  // minimum matched fraction of the paths from the base to both tips
 constexpr double kTipsApart =
-    2;  // [pixels] across each other's epipolar lines, besides a part of their widths
+    2;  // [pixels] maximum epipolar distance of two tips, in addition to a fraction of their widths
 constexpr double kTipWidth = 0.2;
-constexpr double kMostError = 4;  // [pixels] of a branch off its strokes
-constexpr std::uint32_t kNobody = 0xffffffff;
+constexpr double kMaxError = 4;  // [pixels] maximum distance of a branch from its strokes
 
-/// One view, and what was found in it.
+/// A view with the lines found in it.
 struct Seen {
     Mask mask;
     std::vector<float> distance;
     std::vector<TracedPiece> pieces;
-    std::vector<std::uint32_t> tips;   ///< pieces
-    std::vector<Line> ways;            ///< from the foot to every tip
-    std::vector<std::uint32_t> owner;  ///< the branch of every piece
-    std::vector<char> taken;           ///< tips that a branch ends in
+    std::vector<std::uint32_t> tips;   ///< pieces that end in a tip
+    std::vector<Line> ways;            ///< by tip: line from the base to it
+    std::vector<std::uint32_t> owner;  ///< by piece: its branch
+    std::vector<char> taken;           ///< by tip: whether a branch ends there
 
-    /// The pieces from the foot to one of them.
+    /// Returns the pieces from the base to a piece.
     std::vector<std::uint32_t> chain_to(std::uint32_t piece) const {
         std::vector<std::uint32_t> out{piece};
         while (pieces[out.back()].before) out.push_back(*pieces[out.back()].before);
@@ -47,11 +48,11 @@ struct Seen {
     }
 };
 
-/// Two tips that may be one.
+/// Two tips that may correspond to each other.
 struct TipPair {
     std::array<std::uint32_t, 2> tips;
-    double unlike;  ///< how badly they match, by place and width
-    double rank;    ///< the longer the way and the better it matches, the earlier it comes: least first
+    double unlike;  ///< dissimilarity of positions and widths
+    double rank;    ///< smaller for longer paths and better matches; pairs are processed in ascending order
 };
 
 class Tracer {
@@ -66,9 +67,9 @@ class Tracer {
 
     TraceResult run() {
         for (const Seen& seen : seen_) {
-            if (seen.tips.empty()) throw InvalidInput("trace: a silhouette shows nothing");
+            if (seen.tips.empty()) throw InvalidInput("trace: a silhouette is empty");
         }
-        // What is taken makes others clear: again until nothing comes of it.
+        // Accepted pairs make others unambiguous: repeat until no pair is accepted.
         const std::vector<TipPair> pairs = tip_pairs();
         for (const std::size_t v : {std::size_t{0}, std::size_t{1}}) {
             pairs_of_[v].resize(seen_[v].tips.size());
@@ -84,7 +85,7 @@ class Tracer {
         }
         if (axes_.empty())
             throw InvalidInput(
-                "trace: no branch of the two silhouettes matches; are these the right cameras?");
+                "trace: no branch of the two silhouettes matches; check that the cameras are correct");
         TraceResult out;
         out.sketch = std::move(sketch_);
         for (const Seen& seen : seen_) out.tips.push_back(static_cast<std::uint32_t>(seen.tips.size()));
@@ -96,8 +97,9 @@ class Tracer {
         Seen& seen = seen_[v];
         seen.mask = largest_part(silhouette);
         seen.distance = distance_to_outside(seen.mask);
-        seen.pieces = pieces_of(graph_of(thinned(seen.mask, ctx_), seen.distance), seen.mask, seen.distance);
-        seen.owner.assign(seen.pieces.size(), kNobody);
+        seen.pieces =
+            find_pieces(graph_of(thinned(seen.mask, ctx_), seen.distance), seen.mask, seen.distance);
+        seen.owner.assign(seen.pieces.size(), kNoIndex);
         for (std::uint32_t p = 0; p < seen.pieces.size(); ++p) {
             if (!seen.pieces[p].is_tip) continue;
             seen.tips.push_back(p);
@@ -107,7 +109,7 @@ class Tracer {
         seen.taken.assign(seen.tips.size(), 0);
     }
 
-    /// Tips on each other's epipolar lines, the ways to which match as wholes.
+    /// Returns the pairs of tips on each other's epipolar lines with matching paths from the base.
     std::vector<TipPair> tip_pairs() const {
         std::vector<TipPair> out;
         for (std::uint32_t a = 0; a < seen_[0].tips.size(); ++a) {
@@ -119,7 +121,7 @@ class Tracer {
                     kTipsApart + kTipWidth * std::max(first.widths.back(), second.widths.back());
                 if (epipolar_distance(f_, first.points.back(), second.points.back()) > slack) continue;
                 const Match match = match_lines(first, second, f_, true);
-                if (match.cost > kMostCost || match.share < kLeastMatched) continue;
+                if (match.cost > kMaxCost || match.share < kMinMatched) continue;
                 const double unlike = kUnlike + match.cost + unlike_widths(first, second, match);
                 out.push_back({{a, b}, unlike, unlike / std::cbrt(first.length() + second.length())});
             }
@@ -132,7 +134,7 @@ class Tracer {
         return seen_[0].taken[pair.tips[0]] == 0 && seen_[1].taken[pair.tips[1]] == 0;
     }
 
-    /// Whether one of the tips matches another one nearly as well.
+    /// Returns whether one of the tips matches another tip nearly as well.
     bool is_unclear(const TipPair& pair, std::span<const TipPair> pairs) const {
         for (const std::size_t v : {std::size_t{0}, std::size_t{1}}) {
             for (const std::size_t p : pairs_of_[v][pair.tips[v]]) {
@@ -144,8 +146,8 @@ class Tracer {
         return false;
     }
 
-    /// How differently thick two ways are, as the median of the logarithm's size; the scale of the pictures
-    /// cancels by the first halves.
+    /// Returns the median absolute logarithm of the ratio of the widths of two paths, relative to its median,
+    /// which cancels the scale of the images.
     static double unlike_widths(const Line& first, const Line& second, const Match& match) {
         std::vector<double> ratios;
         for (const Pair& pair : match.pairs)
@@ -155,15 +157,15 @@ class Tracer {
         return median(ratios);
     }
 
-    /// Where the way to a tip leaves what branches own already.
+    /// The section of the path to a tip that does not belong to a branch yet.
     struct Free {
-        std::vector<std::uint32_t> chain;  ///< pieces that nobody owns
-        std::uint32_t parent = kNobody;    ///< who owns the one before
+        std::vector<std::uint32_t> chain;  ///< pieces without a branch
+        std::uint32_t parent = kNoIndex;   ///< branch of the previous piece
     };
     Free free_part(const Seen& seen, std::uint32_t tip) const {
         Free out;
         for (const std::uint32_t piece : seen.chain_to(seen.tips[tip])) {
-            if (seen.owner[piece] == kNobody) {
+            if (seen.owner[piece] == kNoIndex) {
                 out.chain.push_back(piece);
             } else {
                 out = {.chain = {}, .parent = seen.owner[piece]};
@@ -172,18 +174,18 @@ class Tracer {
         return out;
     }
 
-    /// Whether a branch grows from another one, or is it.
+    /// Returns whether a branch is another one or a descendant of it.
     bool grows_from(std::uint32_t branch, std::uint32_t other) const {
         for (std::optional<std::uint32_t> at = branch; at; at = sketch_.branches[*at].parent)
             if (*at == other) return true;
         return false;
     }
 
-    /// Makes a branch of what nobody owns yet of the ways to two tips, if that makes one.
+    /// Adds the branch of the free sections of the paths to two tips, if it can be reconstructed.
     void add(const TipPair& pair) {
         const std::array<Free, 2> free{free_part(seen_[0], pair.tips[0]), free_part(seen_[1], pair.tips[1])};
         if (free[0].chain.empty() || free[1].chain.empty()) return;
-        if ((free[0].parent == kNobody) != (free[1].parent == kNobody)) return;
+        if ((free[0].parent == kNoIndex) != (free[1].parent == kNoIndex)) return;
         SketchBranch branch;
         branch.name = axes_.empty() ? "stem" : "branch " + std::to_string(axes_.size());
         for (const std::uint32_t v : {0u, 1u}) {
@@ -192,15 +194,15 @@ class Tracer {
             branch.strokes.back().view = v;
         }
         std::optional<std::uint32_t> parent;
-        if (free[0].parent != kNobody) {
-            // Where something hides the fork, a view shows it on what the parent grows from.
+        if (free[0].parent != kNoIndex) {
+            // If the fork is hidden in a view, it appears on an ancestor of the parent there.
             const std::uint32_t a = free[0].parent, b = free[1].parent;
             if (!grows_from(a, b) && !grows_from(b, a)) return;
             parent = grows_from(a, b) ? a : b;
         }
         Sketch one{.views = sketch_.views, .branches = {branch}};
         BranchFit fit;
-        const SketchOptions options{.noise = 1, .max_error = static_cast<float>(kMostError)};
+        const SketchOptions options{.noise = 1, .max_error = static_cast<float>(kMaxError)};
         Axis axis = make_axis({one, views_, options, {}}, 0, parent ? &axes_[*parent] : nullptr, fit, ctx_);
         if (axis.positions.empty()) return;
         for (const std::size_t v : {std::size_t{0}, std::size_t{1}}) {
@@ -217,29 +219,29 @@ class Tracer {
     Sketch sketch_;
     std::vector<SketchView> views_;  ///< without distortion
     std::array<Seen, 2> seen_;
-    std::array<std::vector<std::vector<std::size_t>>, 2> pairs_of_;  ///< of every tip
+    std::array<std::vector<std::vector<std::size_t>>, 2> pairs_of_;  ///< by view and tip
     Matrix3 f_{};
-    std::vector<Axis> axes_;  ///< of the branches
+    std::vector<Axis> axes_;  ///< by branch
 };
 
 }  // namespace
 
 namespace {
 
-constexpr float kTracedTolerance = 0.1f;  // [radius] by which nodes left out may move the surface
-constexpr float kTracedSpacing = 16;      // [pixels] between points of a stroke
+constexpr float kTracedTolerance = 0.1f;  // [radius] maximum displacement of the surface by removing nodes
+constexpr float kTracedSpacing = 16;      // [pixels] distance between points of a stroke
 
-/// Three silhouettes and more leave little of space but the tree.
+/// Traces the visual hull of at least three silhouettes, which is a good approximation of the tree.
 TraceResult trace_hull(const std::vector<SketchView>& views, std::span<const Mask> silhouettes,
                        const Context& ctx) {
     std::vector<SilhouetteField> fields;
     for (const Mask& mask : silhouettes) fields.emplace_back(mask);
-    const Hull hull = hull_of(views, fields, ctx);
-    const std::vector<HullPiece> pieces = pieces_of(hull, ctx);
+    const Hull hull = compute_hull(views, fields, ctx);
+    const std::vector<HullPiece> pieces = find_pieces(hull, ctx);
     const std::vector<RawNode> nodes =
-        nodes_of(hull, explaining(hull, pieces, views, fields, silhouettes, ctx));
+        find_nodes(hull, explaining(hull, pieces, views, fields, silhouettes, ctx));
     if (nodes.size() < 2)
-        throw InvalidInput("trace: the silhouettes have nothing in common; are these the right cameras?");
+        throw InvalidInput("trace: the silhouettes have no common space; check that the cameras are correct");
     const Skeleton skeleton =
         resample(repair(nodes, "trace").skeleton,
                  {.tolerance = kTracedTolerance, .min_spacing = 0, .max_length = 1e6f, .bend_angle = 3.15f})
@@ -250,13 +252,13 @@ TraceResult trace_hull(const std::vector<SketchView>& views, std::span<const Mas
 
 }  // namespace
 
-Stroke extent_of(const Mask& silhouette, const std::string& where) {
+Stroke compute_extent(const Mask& silhouette, const std::string& where) {
     const Mask mask = largest_part(silhouette);
     Stroke out;
     for (int y = 0; y < mask.height && out.points.empty(); ++y)
         for (int x = 0; x < mask.width; ++x)
             if (out.points.empty() && mask.at(x, y)) out.points.push_back({x + 0.5, double(y)});
-    if (out.points.empty()) throw InvalidInput(where + ": the silhouette shows nothing");
+    if (out.points.empty()) throw InvalidInput(where + ": the silhouette is empty");
     for (int y = mask.height - 1; out.points.size() < 2; --y) {
         double sum = 0, count = 0;
         for (int x = 0; x < mask.width; ++x)
@@ -269,14 +271,14 @@ Stroke extent_of(const Mask& silhouette, const std::string& where) {
 TraceResult trace(const std::vector<SketchView>& views, std::span<const Mask> silhouettes,
                   const Context& ctx) {
     if (views.size() < 2 || silhouettes.size() != views.size())
-        throw InvalidInput("trace: two views or more with a silhouette each are needed");
+        throw InvalidInput("trace: at least two views with a silhouette each are needed");
     for (std::size_t v = 0; v < views.size(); ++v) {
         validate(views[v], "trace: " + views[v].name);
         const Mask& mask = silhouettes[v];
         if (views[v].width > 0 && (views[v].width != mask.width || views[v].height != mask.height)) {
             throw InvalidInput("trace: the silhouette of '" + views[v].name + "' has " +
                                std::to_string(mask.width) + " x " + std::to_string(mask.height) +
-                               " pixels, but the view " + std::to_string(views[v].width) + " x " +
+                               " pixels, but the view has " + std::to_string(views[v].width) + " x " +
                                std::to_string(views[v].height));
         }
     }

@@ -10,33 +10,35 @@
 
 namespace coppice {
 
-/// A sketch proposed from silhouettes.
+/// A sketch traced from silhouettes.
 struct TraceResult {
-    Sketch sketch;                    ///< of the branches that were found, with strokes in all views
-    std::vector<std::uint32_t> tips;  ///< seen in each of two views; of more, in space
+    Sketch sketch;  ///< branches that were found, with strokes in all views
+    std::vector<std::uint32_t>
+        tips;  ///< number of tips visible in each of two views; with more views, in space
 };
 
-/// From the middle of the lowest pixels of a silhouette to its highest one: what tells the camera of a
-/// snapshot. Throws InvalidInput, beginning with `where`, when nothing is inside. O(pixels).
-Stroke extent_of(const Mask& silhouette, const std::string& where);
+/// Returns the stroke from the centre of the lowest pixels of a silhouette to its highest one, which
+/// determines the camera of a snapshot. Throws InvalidInput, beginning with `where`, if the silhouette is
+/// empty. O(pixels).
+Stroke compute_extent(const Mask& silhouette, const std::string& where);
 
-/// Proposes a sketch of a tree from its silhouettes in two views or more: a start to be corrected.
+/// Traces a sketch of a tree from its silhouettes in at least two views, as a start for manual corrections.
 ///
-/// Of two, every silhouette is thinned to its medial axis, whose lines, from the lowest end on, go straight
-/// on where they meet; their widths are those of the silhouette. Strokes of both views that leave the same
-/// place of a branch that was found, and that match as `reconstruct` matches them, are one branch; the best
-/// pairs first, stems first. Whatever lies behind something else is not seen: in crowns that are dense many
-/// branches are missed and some are wrong.
+/// With two views, every silhouette is thinned to its medial axis. Its lines, from the lowest end, continue
+/// in the straightest direction where they meet; their widths are those of the silhouette. Strokes of both
+/// views that leave the same place of an existing branch and match as in `reconstruct` form a branch; the
+/// best pairs come first, beginning with stems. Hidden branches are not found: in dense crowns many branches
+/// are missing and some are wrong.
 ///
-/// Of three or more, space is carved to what all of them show as tree [Laurentini1994], from whose foot ways
-/// along the middle of what is widest lead to all that sticks out [Sato2000]; of these the ones are kept, the
-/// longest first, that show in two views what no other one shows. Cameras have to be right to a pixel or two:
-/// what one silhouette lacks is gone.
+/// With three or more views, the visual hull is computed [Laurentini1994]. Paths along the centres of its
+/// widest sections lead from its base to all protruding ends [Sato2000]; of these, longest first, paths are
+/// kept that cover pixels in two views which no other path covers. Cameras must be accurate to one or two
+/// pixels: a part that is missing in one silhouette is missing in the result.
 ///
-/// O(pixels of the silhouettes times half their width, and pairs of strokes) of two; else O(c log c) for c
-/// cells of about a pixel, a million at most, and O(pixels) for each end at worst. Throws InvalidInput for
-/// less than two views, a silhouette whose size is not the view's or that is empty, and when no stem is
-/// found; Cancelled.
+/// With two views O(pixels of the silhouettes times half their width, and pairs of strokes); otherwise O(c
+/// log c) for c cells of about a pixel, at most a million, and at worst O(pixels) for each end. Throws
+/// InvalidInput for fewer than two views, for a silhouette that is empty or does not have the size of its
+/// view, and if no stem is found; Cancelled.
 TraceResult trace(const std::vector<SketchView>& views, std::span<const Mask> silhouettes,
                   const Context& ctx = {});
 

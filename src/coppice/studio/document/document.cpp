@@ -20,13 +20,16 @@ using studio_internal::Record;
 
 namespace {
 
-constexpr std::size_t kMostStates = 256, kStatesLeft = 192;  // before and after some are forgotten
-constexpr std::size_t kLastStates = 8;                       // are kept however little they took
-constexpr std::size_t kStatementsApart = 64;  // states are kept at least every so many statements
-constexpr double kLong = 0.005;               // [s] after which a state is worth keeping
+constexpr std::size_t kMaxStates = 256;
+constexpr std::size_t kStatesLeft = 192;      // number of kept states before and after old ones are removed
+constexpr std::size_t kLastStates = 8;        // kept regardless of their run time
+constexpr std::size_t kStatementsApart = 64;  // maximum number of statements between kept states
+constexpr double kLong = 0.005;               // [s] run time after which a state is kept
 constexpr std::size_t kLongestName = 80;
-constexpr std::size_t kMostSaid = std::size_t{64} << 10;  // [bytes] that are kept of what a statement says
-constexpr std::uint64_t kTextShare = 4;  // one part of so many is for one document, and for undo
+constexpr std::size_t kMaxSaid = std::size_t{64}
+                                 << 10;  // [bytes] maximum length of the stored output of a statement
+constexpr std::uint64_t kTextShare =
+    4;  // one document, and undo, may each use 1/kTextShare of the memory of texts
 constexpr double kMebibyte = 1 << 20;
 
 bool is_letter_of_name(char c) {
@@ -34,7 +37,7 @@ bool is_letter_of_name(char c) {
            c == '-' || c == '.';
 }
 
-/// Tells a watch that nothing runs any more.
+/// Notifies a watch that no statement runs any more.
 class EndOfRun {
   public:
     explicit EndOfRun(const Document::Watch& watch) : watch_(watch) {}
@@ -94,7 +97,7 @@ std::vector<Piece> Document::Version::applied_to(const std::vector<Piece>& from)
     return out;
 }
 
-/// What leads back to `from` again.
+/// Returns the version that restores `from`.
 Document::Version Document::Version::back(const std::vector<Piece>& from) const {
     const auto begin = from.begin() + static_cast<std::ptrdiff_t>(first);
     return {.first = first,
@@ -108,7 +111,7 @@ Document::Version Document::Version::back(const std::vector<Piece>& from) const 
 Document::Version Document::difference(const std::vector<Piece>& from, const std::vector<Piece>& to) {
     const auto [a, b] = std::ranges::mismatch(from, to);
     const std::size_t first = static_cast<std::size_t>(a - from.begin());
-    std::size_t last = 0;  // statements that are the same at the end
+    std::size_t last = 0;  // number of equal statements at the end
     while (last < std::min(from.size(), to.size()) - first &&
            from[from.size() - 1 - last] == to[to.size() - 1 - last])
         ++last;
@@ -144,14 +147,14 @@ Document::PrefixPtr Document::list_of(const std::vector<Piece>& pieces) const {
 }
 
 Document::PrefixPtr Document::list_of(std::string_view text) const {
-    const std::vector<ScenePiece> statements = pieces_of(text);
-    if (statements.size() > kMostLines)
-        throw InvalidInput(fmt::format("the text has more than {} lines", kMostLines));
+    const std::vector<ScenePiece> statements = find_pieces(text);
+    if (statements.size() > kMaxLines)
+        throw InvalidInput(fmt::format("the text has more than {} lines", kMaxLines));
     const std::vector<PrefixPtr> old = last_->path();
     PrefixPtr last = root_;
     for (std::size_t i = 0; i < statements.size(); ++i) {
         const bool same = i < old.size() && last == old[i]->before && old[i]->text() == statements[i].text;
-        last = same ? old[i] : last->with(piece_of(statements[i].text));
+        last = same ? old[i] : last->with(find_piece(statements[i].text));
     }
     check_room(*last);
     return last;
@@ -160,18 +163,17 @@ Document::PrefixPtr Document::list_of(std::string_view text) const {
 void Document::check_room(const Prefix& last) const {
     const std::uint64_t room = limits_.texts / kTextShare;
     if (last.list_bytes <= room) return;
-    throw InvalidInput(
-        fmt::format("the text takes more than the {:.1f} MiB that there are for it; allow more memory",
-                    static_cast<double>(room) / kMebibyte));
+    throw InvalidInput(fmt::format("the text exceeds the limit of {:.1f} MiB; allow more memory",
+                                   static_cast<double>(room) / kMebibyte));
 }
 
 std::size_t Document::run(const std::string& line, const std::optional<Name>& about, const Context& ctx) {
-    const std::vector<ScenePiece> statements = pieces_of(line);
+    const std::vector<ScenePiece> statements = find_pieces(line);
     if (statements.empty()) throw InvalidInput("the line is empty");
     const std::size_t at = place_for(about);
     const std::vector<PrefixPtr> old = last_->path();
     PrefixPtr last = at == 0 ? root_ : old[at - 1];
-    for (const ScenePiece& statement : statements) last = last->with(piece_of(statement.text));
+    for (const ScenePiece& statement : statements) last = last->with(find_piece(statement.text));
     check_room(*last);
     if (Reached own = reach(last->path(), at + statements.size(), ctx); own.error)
         std::rethrow_exception(own.error);
@@ -212,14 +214,14 @@ void Document::run_to(std::size_t count, const Context& ctx) {
     show(last_, reach(last_->path(), std::min(count, size()), ctx));
 }
 
-void Document::undo(std::size_t count, const Context& ctx) { step(done_, undone_, count, "taken back", ctx); }
-void Document::redo(std::size_t count, const Context& ctx) { step(undone_, done_, count, "made again", ctx); }
+void Document::undo(std::size_t count, const Context& ctx) { step(done_, undone_, count, "undone", ctx); }
+void Document::redo(std::size_t count, const Context& ctx) { step(undone_, done_, count, "redone", ctx); }
 
-void Document::step(std::deque<Version>& from, std::deque<Version>& to, std::size_t count, const char* what,
-                    const Context& ctx) {
+void Document::step(std::deque<Version>& from, std::deque<Version>& to, std::size_t count,
+                    const char* subject, const Context& ctx) {
     if (count > from.size()) {
-        throw InvalidInput(from.empty() ? fmt::format("there is nothing to be {}", what)
-                                        : fmt::format("only {} changes can be {}", from.size(), what));
+        throw InvalidInput(from.empty() ? fmt::format("there is nothing to be {}", subject)
+                                        : fmt::format("only {} changes can be {}", from.size(), subject));
     }
     std::vector<Piece> list = pieces();
     std::vector<Version> back;
@@ -240,10 +242,10 @@ void Document::step(std::deque<Version>& from, std::deque<Version>& to, std::siz
 }
 
 bool Document::rerun(const std::string& file, const Context& ctx) {
-    constexpr std::size_t kMostFiles = 1000;
+    constexpr std::size_t kMaxFiles = 1000;
     if (file.empty()) return false;
-    if (files_.size() >= kMostFiles) {
-        files_.clear();  // whatever reads anything is run again
+    if (files_.size() >= kMaxFiles) {
+        files_.clear();  // every statement that reads a file is run again
         oldest_edition_ = ++edition_;
     }
     files_[file] = ++edition_;
@@ -262,11 +264,11 @@ std::uint32_t Document::edition_of(const std::string& text) const {
     return out;
 }
 
-Piece Document::piece_of(const std::string& text) const {
+Piece Document::find_piece(const std::string& text) const {
     return {std::make_shared<const std::string>(text), edition_of(text)};
 }
 
-/// How many statements need not be run, since the state behind them is kept.
+/// Returns the number of statements that need not run, because the state after them is stored.
 std::size_t Document::known(const std::vector<PrefixPtr>& path, std::size_t count) const {
     std::size_t recorded = 0, out = 0;
     while (recorded < count && path[recorded]->record) {
@@ -282,7 +284,7 @@ void Document::run_one(Prefix& prefix, Scene& scene, const Context& ctx) const {
     const std::uint32_t line = prefix.before->lines + 1;
     std::string says = run_piece(scene, prefix.text(), line, file_->empty() ? "scene" : *file_, ctx);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-    if (says.size() > kMostSaid) says = says.substr(0, kMostSaid) + "\n...\n";
+    if (says.size() > kMaxSaid) says = says.substr(0, kMaxSaid) + "\n...\n";
     if (root_->tree_bytes() + says.size() > limits_.texts / 2) says.clear();
     prefix.note({std::move(says), changed_objects(before, scene.state().objects), took.count()});
 }
@@ -301,7 +303,7 @@ Document::Reached Document::reach(const std::vector<PrefixPtr>& path, std::size_
     Reached out;
     for (; k < count; ++k) {
         if (watch_) watch_(Running{k, path[k]->text()});
-        // A command that fails leaves the scene as it was, a block does not.
+        // A failed command leaves the scene unchanged, a failed block does not.
         const bool block = path[k]->text().find('\n') != std::string::npos;
         std::optional<Scene> before;
         if (block) before = scene;
@@ -339,22 +341,23 @@ void Document::forget_old_states(const Scene& now) const {
         kept_.front()->state = nullptr;
         kept_.pop_front();
     };
-    const bool many = kept_.size() > kMostStates;
+    const bool many = kept_.size() > kMaxStates;
     if (many || counted_ + uncounted_ > limits_.states) {
         std::ranges::sort(kept_, {}, [](const PrefixPtr& p) { return p->used; });
-        // From the newest on, until what they hold beside the scene of now takes too much together.
+        // Keeps states from the newest to the oldest, until their memory in addition to the current scene
+        // reaches the limit.
         SceneMemory memory;
         memory.add(now);
         counted_ = uncounted_ = 0;
         std::size_t keep = 0;
-        for (; keep < std::min(kept_.size(), many ? kStatesLeft : kMostStates); ++keep) {
+        for (; keep < std::min(kept_.size(), many ? kStatesLeft : kMaxStates); ++keep) {
             const std::uint64_t bytes = memory.add(*kept_[kept_.size() - 1 - keep]->state);
             if (counted_ + bytes > limits_.states) break;
             counted_ += bytes;
         }
         while (kept_.size() > keep) forget();
     }
-    // States hold the lists that lead to them.
+    // States keep their statement lists alive.
     while (root_->tree_bytes() > limits_.texts / 2 && !kept_.empty()) forget();
 }
 

@@ -22,119 +22,120 @@ class Prefix;
 struct Piece;
 }  // namespace studio_internal
 
-/// How much a document may keep.
+/// Memory limits of a document.
 struct DocumentLimits {
-    std::uint64_t states = std::uint64_t{1} << 30;  ///< [bytes] of states that are kept beside the newest one
-    std::uint64_t texts = std::uint64_t{256}
-                          << 20;  ///< [bytes] of texts, undo's too; a quarter of one document
+    std::uint64_t states = std::uint64_t{1}
+                           << 30;  ///< [bytes] of stored states in addition to the newest one
+    std::uint64_t texts =
+        std::uint64_t{256}
+        << 20;  ///< [bytes] of texts, including those of undo; one document may use a quarter
 };
 
-/// A scene that is being worked on: a list of statements, of which the first so many have been run. Whatever
-/// is done gives another list, so that the text is all there is to save, and running it makes the same
-/// objects with the same bits. What each change did to the text is kept, the oldest only as long as there is
-/// room: undo has no other end.
+/// A scene that is being edited: a list of statements, of which the first ran() have been run. Every
+/// operation produces another list, so that only the text is saved, and running it produces bit-identical
+/// objects. The changes of the text are stored for undo, limited only by the memory.
 ///
-/// What statements made is kept behind those that took long and the last ones, as far as there is room: a
-/// change runs again only what stands after it, and going back hardly anything.
+/// Scenes are stored after slow statements and after the last ones, within the memory limit: a change runs
+/// only the statements after it, and undo runs hardly any.
 class Document {
   public:
-    /// A statement as it stands in the document.
+    /// A statement of the document.
     struct Statement {
-        std::string text;        ///< a line, or several where it is a block
-        std::uint32_t line = 1;  ///< of its first line in the whole text
-        std::string says;        ///< what running it said
+        std::string text;        ///< a line, or the lines of a block
+        std::uint32_t line = 1;  ///< number of its first line in the whole text
+        std::string says;        ///< output of running it
     };
-    /// Why the rest was not run.
+    /// The reason why the remaining statements were not run.
     struct Failure {
-        std::size_t statement = 0;  ///< that failed
+        std::size_t statement = 0;  ///< index of the failed statement
         std::uint32_t line = 1;     ///< in the text
         std::string message;        ///< one sentence
     };
-    /// What an object is called.
+    /// The identity of an object.
     using Name = std::pair<ObjectKind, std::string>;
-    /// A statement that runs.
+    /// A statement that is running.
     struct Running {
-        std::size_t statement = 0;  ///< its number in the list that is being made
-        std::string_view text;      ///< of it
+        std::size_t statement = 0;  ///< its index in the new list
+        std::string_view text;      ///< text of the statement
     };
-    /// Told of statements that begin to run, and with none when nothing runs any more, however it ended. Must
-    /// not throw.
+    /// Called when a statement starts, and with nullopt when the run ends for any reason. Must not throw.
     using Watch = std::function<void(const std::optional<Running>& running)>;
 
     explicit Document(SceneSettings settings = {}, DocumentLimits limits = {});  ///< without statements
     ~Document();
-    Document(Document&&) noexcept;             ///< leaves nothing
-    Document& operator=(Document&&) noexcept;  ///< leaves nothing
+    Document(Document&&) noexcept;             ///< leaves an empty object
+    Document& operator=(Document&&) noexcept;  ///< leaves an empty object
 
-    /// Puts a line, or several, behind what ran, or where what it is about has to be changed: behind the last
-    /// statement that made that object, if a later one names it. Returns the number of the statement. Throws
-    /// what Scene::run throws where the line itself fails; then nothing has changed. A later statement that
-    /// fails with it is a Failure, and stays in the text. Throws Cancelled, and nothing has changed.
+    /// Inserts one or several lines after the last statement that was run; or, for a line about an object,
+    /// after the last statement that changed it, if a later statement names it. Returns the index of the last
+    /// inserted statement. Throws the exceptions of Scene::run if the line itself fails, and Cancelled; the
+    /// document is then unchanged. If a later statement fails because of the line, that is a Failure, and the
+    /// line stays in the text.
     std::size_t run(const std::string& line, const std::optional<Name>& about, const Context& ctx);
 
-    /// How a text is taken.
+    /// Options of a change of the text.
     struct TextChange {
-        std::optional<std::size_t> count = {};    ///< runs to behind so many statements; none: all
-        std::string name = "change of the text";  ///< what undo calls it
-        std::string by = {};                      ///< who makes it
-        /// Where the newest change has the same name and is by the same one, both become one change.
+        std::optional<std::size_t> count = {};    ///< number of statements to run; nullopt: all
+        std::string name = "change of the text";  ///< name in the undo list
+        std::string by = {};                      ///< client that makes the change
+        /// Whether the change is merged with the previous one, if that has the same name and client.
         bool joins = false;
     };
-    /// Another text in place of this one, run as far as it can be. Throws Cancelled, and nothing has changed;
-    /// InvalidInput for more than 100,000 lines, or more text than there is room for.
+    /// Replaces the text and runs as much of it as possible. Throws Cancelled, or InvalidInput for more than
+    /// 100,000 lines or a text that exceeds the memory limit; the document is then unchanged.
     void set_text(std::string_view text, const TextChange& how, const Context& ctx);
-    void set_text(std::string_view text, const Context& ctx) { set_text(text, {}, ctx); }  ///< all of it
+    void set_text(std::string_view text, const Context& ctx) { set_text(text, {}, ctx); }  ///< runs all of it
 
-    /// The text of another file, as a change: undo brings back this one and what it is called.
+    /// Replaces the text by that of another file, as a change: undo restores the previous text and file name.
     void open(std::string_view text, const std::string& file, const Context& ctx);
-    /// Begins with the text of a file, of which nothing has been run: undo does not go behind it. Throws as
-    /// set_text().
+    /// Starts with the text of a file without running it, and clears undo. Throws as set_text().
     void begin_with(std::string_view text, const std::string& file);
 
-    /// Runs to behind that many statements, or goes back to there. Not a change that undo knows.
+    /// Runs up to that many statements, or returns to the state after them. Not recorded for undo.
     void run_to(std::size_t count, const Context& ctx);
 
-    /// Goes back by changes, or forth again. Throws InvalidInput where there are not so many.
+    /// Undoes or redoes changes. Throws InvalidInput if there are fewer.
     void undo(std::size_t count, const Context& ctx);
     void redo(std::size_t count, const Context& ctx);  ///< as undo()
 
-    /// A file changed: runs again from the first statement that names it. Returns whether there is one. Not a
-    /// change that undo knows: other versions read the file as it is now too.
+    /// Runs again from the first statement that names a changed file. Returns whether there is one. Not
+    /// recorded for undo: earlier versions also read the current file.
     bool rerun(const std::string& file, const Context& ctx);
 
-    std::vector<Statement> statements() const;  ///< all of them; O(n)
-    std::string text() const;                   ///< of all of them, as a scene file holds it
+    std::vector<Statement> statements() const;  ///< all statements; O(n)
+    std::string text() const;                   ///< the whole text, as in a scene file
     std::size_t size() const;                   ///< number of statements
-    std::size_t ran() const { return ran_; }    ///< so many have been run
-    const std::optional<Failure>& failure() const { return failure_; }  ///< why not more
-    const Scene& scene() const { return *scene_; }                      ///< behind what ran
-    std::uint64_t revision() const { return revision_; }                ///< another one after every change
-    std::vector<std::string> undo_names(std::size_t most) const;  ///< what undo takes back, the newest last
+    std::size_t ran() const { return ran_; }    ///< number of statements that have been run
+    const std::optional<Failure>& failure() const { return failure_; }  ///< the reason if not all were run
+    const Scene& scene() const { return *scene_; }                      ///< the scene after ran() statements
+    std::uint64_t revision() const { return revision_; }                ///< changes after every change
+    std::vector<std::string> undo_names(
+        std::size_t most) const;  ///< names of the changes that undo reverts, the newest last
     std::vector<std::string> redo_names(
-        std::size_t most) const;  ///< what redo makes again, the next one last
+        std::size_t most) const;  ///< names of the changes that redo repeats, the next one last
 
-    /// The statements that made or changed objects last. O(n).
+    /// Returns the last statements that created or changed the objects. O(n).
     std::map<Name, std::size_t> makers() const;
-    /// Where a line about an object is put.
+    /// Returns the index at which a line about an object is inserted.
     std::size_t place_for(const std::optional<Name>& about) const;
-    /// The scene behind the first so many statements; `count` <= ran().
+    /// Returns the scene after the first `count` statements; `count` <= ran().
     std::shared_ptr<const Scene> scene_behind(std::size_t count, const Context& ctx) const;
 
-    void watch(Watch watch) { watch_ = std::move(watch); }  ///< from now on
-    /// The file that this text is saved in from now on, and all versions of it; empty: none yet.
+    void watch(Watch watch) { watch_ = std::move(watch); }  ///< sets the callback
+    /// Sets the file in which this text and all its versions are saved; empty: none yet.
     void call(const std::string& file) { *file_ = file; }
-    const std::string& file() const { return *file_; }  ///< that this text is saved in; empty: none yet
+    const std::string& file() const { return *file_; }  ///< the file of this text; empty: none yet
 
   private:
     using Prefix = studio_internal::Prefix;
     using PrefixPtr = std::shared_ptr<Prefix>;
     using File = std::shared_ptr<std::string>;  ///< shared by all versions of a text
     using Piece = studio_internal::Piece;
-    /// What leads to another version of the text.
+    /// The difference to another version of the text.
     struct Version {
-        std::size_t first = 0;      ///< statement from which on it is another one
-        std::size_t count = 0;      ///< of the statements that go
-        std::vector<Piece> pieces;  ///< that come in their place
+        std::size_t first = 0;      ///< index of the first statement that differs
+        std::size_t count = 0;      ///< number of statements to remove
+        std::vector<Piece> pieces;  ///< statements to insert
         File file;
         std::string name;
         std::string by;
@@ -147,12 +148,12 @@ class Document {
         std::size_t ran = 0;
         std::shared_ptr<const Scene> scene;
         std::optional<Failure> failure;
-        std::exception_ptr error;  ///< that the failure tells of
+        std::exception_ptr error;  ///< cause of the failure
     };
 
     static Version difference(const std::vector<Piece>& from, const std::vector<Piece>& to);
     std::uint32_t edition_of(const std::string& text) const;
-    Piece piece_of(const std::string& text) const;
+    Piece find_piece(const std::string& text) const;
     std::vector<Piece> pieces() const;
     PrefixPtr list_of(const std::vector<Piece>& pieces) const;
     PrefixPtr list_of(std::string_view text) const;
@@ -165,7 +166,7 @@ class Document {
     void forget_old_versions();
     void show(PrefixPtr last, Reached reached);
     void change(PrefixPtr last, Reached reached, TextChange how);
-    void step(std::deque<Version>& from, std::deque<Version>& to, std::size_t count, const char* what,
+    void step(std::deque<Version>& from, std::deque<Version>& to, std::size_t count, const char* subject,
               const Context& ctx);
     std::size_t goal() const { return failure_ ? size() : ran_; }
 
@@ -175,17 +176,17 @@ class Document {
     std::shared_ptr<const Scene> scene_;
     std::size_t ran_ = 0;
     std::optional<Failure> failure_;
-    std::deque<Version> done_, undone_;  ///< back, by what was done, and forth again; the next one last
+    std::deque<Version> done_, undone_;  ///< undo and redo stack; the next change is the last one
     std::uint64_t revision_ = 1;
-    std::map<std::string, std::uint32_t> files_;  ///< that changed, with the newest editions of them
+    std::map<std::string, std::uint32_t> files_;  ///< changed files with their newest editions
     std::uint32_t edition_ = 0, oldest_edition_ = 0;
     File file_ = std::make_shared<std::string>();
-    bool joinable_ = false;  ///< the newest change was just made
+    bool joinable_ = false;  ///< the newest change may be merged with the next one
     Watch watch_;
-    mutable std::deque<PrefixPtr> kept_;  ///< that have a state
+    mutable std::deque<PrefixPtr> kept_;  ///< prefixes with a stored state
     mutable std::uint64_t clock_ = 0;
-    mutable std::uint64_t counted_ = 0;    ///< [bytes] of the states when they were counted last
-    mutable std::uint64_t uncounted_ = 0;  ///< [bytes] that came since, at most
+    mutable std::uint64_t counted_ = 0;    ///< [bytes] of the states at the last count
+    mutable std::uint64_t uncounted_ = 0;  ///< [bytes] upper bound of the states added since
 };
 
 }  // namespace coppice

@@ -5,7 +5,7 @@
 namespace coppice::studio_internal {
 namespace {
 
-constexpr std::int64_t kBytesOfPrefix = sizeof(Prefix) + 128;  // with its place in the one before
+constexpr std::int64_t kBytesOfPrefix = sizeof(Prefix) + 128;  // and for its entry in the parent
 
 std::int64_t bytes_of(const Record& record) {
     std::size_t bytes = record.says.size();
@@ -17,7 +17,7 @@ std::int64_t bytes_of(const Record& record) {
 
 Prefix::~Prefix() {
     leave_tree();
-    // A chain of which each holds the one before would otherwise be freed by as many nested calls.
+    // Releases the chain in a loop: recursive destruction of a long chain would overflow the stack.
     while (before && before.use_count() == 1) {
         Ptr last = std::move(before);
         last->leave_tree();

@@ -14,14 +14,15 @@
 
 namespace coppice::studio_internal {
 
-/// What running a statement did.
+/// The result of running a statement.
 struct Record {
-    std::string says;                                         ///< what it said
-    std::vector<std::pair<ObjectKind, std::string>> changed;  ///< objects that came, changed or went
-    double seconds = 0;                                       ///< that it took
+    std::string says;  ///< its output
+    std::vector<std::pair<ObjectKind, std::string>>
+        changed;         ///< objects that were created, changed or removed
+    double seconds = 0;  ///< run time
 };
 
-/// The text of a statement, shared by all lists that have it, and the edition of the files that it reads.
+/// The text of a statement, shared by all lists that contain it, and the edition of the files that it reads.
 struct Piece {
     std::shared_ptr<const std::string> text;
     std::uint32_t edition = 0;
@@ -31,40 +32,43 @@ struct Piece {
     }
 };
 
-/// The beginning of a document: a statement and all before it. Versions of a document that begin alike share
-/// their beginnings, and so what was computed for these: together they are a tree with the empty document at
-/// the root.
+/// A prefix of a document: a statement and all before it. Versions of a document with a common beginning
+/// share its prefixes and their results; together the prefixes form a tree with the empty document as root.
 class Prefix : public std::enable_shared_from_this<Prefix> {
   public:
-    using Ptr = std::shared_ptr<Prefix>;  ///< shared by all versions that begin so
+    using Ptr = std::shared_ptr<Prefix>;  ///< shared by all versions with this prefix
 
     Prefix() : tree_bytes_(std::make_shared<std::uint64_t>(0)) {}  ///< the empty document
-    ~Prefix();                                                     ///< without recursion: documents are long
+    ~Prefix();  ///< iterative, because documents can be long
     Prefix(const Prefix&) = delete;
     Prefix& operator=(const Prefix&) = delete;
 
-    /// This one and one statement more: always the same one for the same piece.
+    /// Returns this prefix with one more statement: the same object for the same piece.
     Ptr with(const Piece& next);
 
-    /// All from the first statement to this one.
+    /// Returns all prefixes from the first statement to this one.
     std::vector<Ptr> path();
 
-    const std::string& text() const { return *piece.text; }    ///< of the last statement
-    void note(Record made);                                    ///< what running the last statement did
-    std::uint64_t tree_bytes() const { return *tree_bytes_; }  ///< of all beginnings in the tree, about
+    const std::string& text() const { return *piece.text; }  ///< of the last statement
+    void note(Record made);                                  ///< stores the result of the last statement
+    std::uint64_t tree_bytes() const {
+        return *tree_bytes_;
+    }  ///< approximate size of all prefixes in the tree
 
-    Ptr before;                    ///< without the last statement; none: the empty document
+    Ptr before;                    ///< prefix without the last statement; null: the empty document
     Piece piece;                   ///< the last statement
     std::size_t depth = 0;         ///< number of statements
-    std::uint32_t lines = 0;       ///< of all statements
-    std::uint64_t list_bytes = 0;  ///< of all statements, about
+    std::uint32_t lines = 0;       ///< number of lines of all statements
+    std::uint64_t list_bytes = 0;  ///< approximate size of all statements
 
-    std::optional<Record> record;        ///< of running the last statement; none: it was not run
-    std::shared_ptr<const Scene> state;  ///< behind the last statement; may be forgotten and made again
-    std::uint64_t used = 0;              ///< when the state was used last
+    std::optional<Record> record;  ///< result of the last statement; nullopt: it was not run
+    std::shared_ptr<const Scene>
+        state;               ///< scene after the last statement; may be released and computed again
+    std::uint64_t used = 0;  ///< time of the last use of the state
 
   private:
-    using Key = std::pair<std::uint32_t, std::string_view>;  ///< of a piece whose text the prefix holds
+    using Key =
+        std::pair<std::uint32_t, std::string_view>;  ///< refers to the text of a piece that the prefix owns
 
     void leave_tree();
     void count(std::int64_t bytes);
@@ -74,10 +78,10 @@ class Prefix : public std::enable_shared_from_this<Prefix> {
     std::int64_t bytes_ = 0;
 };
 
-/// Whether a name stands in a text as a word, or as a part of one between signs that names do not have.
+/// Returns whether a text contains a name, delimited by characters that names cannot contain.
 bool mentions(std::string_view text, std::string_view name);
 
-/// The names of objects that only one of them has, or has otherwise.
+/// Returns the names of objects that differ between both, or exist in only one of them.
 std::vector<std::pair<ObjectKind, std::string>> changed_objects(const SceneObjects& before,
                                                                 const SceneObjects& after);
 

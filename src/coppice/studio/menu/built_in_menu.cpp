@@ -19,7 +19,7 @@ Animation... = page animation
 [Edit]
 Undo = page undo
 Redo = page redo
-Stop what runs = page cancel
+Stop subject runs = page cancel
 ---
 Duplicate = page duplicate
 Rename... = page rename
@@ -94,7 +94,7 @@ Tree by rules... = line sprout ${new tree} seasons=${ask Seasons, 12} branching_
 ---
 Radii by the pipe model = line radii ${object}
 Radii by the pipe model... = line radii ${object} tip_radius=${ask Radius of tips in m, 0.01} pipe_exponent=${ask Exponent, 2.5}
-Smooth what grew = line tidy ${object}
+Smooth subject grew = line tidy ${object}
 
 [Branches]
 Select = tool select
@@ -117,7 +117,7 @@ Smooth = tool smooth
 Smooth all axes = line edit smooth ${object} all passes=2
 Thicken... = line edit thicken ${object} all ${ask Factor, 1.2}
 Cut off short branches... = line edit prune ${object} length=${ask Shorter than so many metres, 0.3}
-Cut off what is in the shade... = line edit prune ${object} shade_share=${ask Part of the tips, 0.1}
+Cut off subject is in the shade... = line edit prune ${object} shade_share=${ask Part of the tips, 0.1}
 Trim to a solid... = line edit prune ${object} solid=${ask Solid, crown}
 Even segments... = line edit resample ${object} all ${ask Length in m, 0.1}
 Let trees grow from one another = line edit attach ${object}

@@ -7,14 +7,14 @@
 #include <utility>
 
 #include "coppice/base/error.h"
-#include "coppice/pipeline/spelling.h"
+#include "coppice/options/spelling.h"
 #include "coppice/scene/command.h"
 #include "coppice/scene/words.h"
 
 namespace coppice {
 namespace {
 
-constexpr std::size_t kMostItems = 2000;
+constexpr std::size_t kMaxItems = 2000;
 constexpr std::string_view kBlanks = " \t\r";
 
 std::string_view trimmed(std::string_view text) {
@@ -23,7 +23,7 @@ std::string_view trimmed(std::string_view text) {
     return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
 }
 
-/// The first word, and what stands behind it.
+/// Splits a text into its first word and the rest.
 std::pair<std::string_view, std::string_view> split_word(std::string_view text) {
     const std::size_t end = std::min(text.find_first_of(kBlanks), text.size());
     return {text.substr(0, end), trimmed(text.substr(end))};
@@ -35,16 +35,17 @@ MenuAction action_called(std::string_view word) {
     if (found != names.end() && word != name_of(MenuAction::separator))
         return static_cast<MenuAction>(found - names.begin());
     throw InvalidInput(fmt::format(
-        "'{}' is nothing that an item does; after the = stands tool, line, page, set, program or nothing",
+        "'{}' is not an action; after the = an item needs tool, line, page, set, program or nothing",
         word.substr(0, 40)));
 }
 
-/// Tools and commands of the page are known to the page alone; what a name may be is known here.
+/// Checks the form of an identifier; only the page knows the existing tools and commands.
 void check_id(std::string_view text) {
     const bool good = !text.empty() && std::ranges::all_of(text, [](char c) {
         return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-';
     });
-    if (!good) throw InvalidInput(fmt::format("'{}' is no name of a tool or command", text.substr(0, 40)));
+    if (!good)
+        throw InvalidInput(fmt::format("'{}' is not the name of a tool or command", text.substr(0, 40)));
 }
 
 void check_line(std::string_view text) {
@@ -52,7 +53,7 @@ void check_line(std::string_view text) {
     find_command(scene_words(text), used);
 }
 
-/// COMMAND.ARGUMENT VALUE.
+/// Checks a text of the form COMMAND.ARGUMENT VALUE.
 void check_setting(std::string_view text) {
     const std::size_t dot = text.find('.');
     if (dot == text.npos) throw InvalidInput("set takes COMMAND.ARGUMENT VALUE, as in set mesh.levels 3");
@@ -76,7 +77,7 @@ void check_setting(std::string_view text) {
         fmt::format("{} has no option '{}'{}", command.name, name, did_you_mean(std::string(name), known)));
 }
 
-/// Cuts a text into words at blanks; quotes of both kinds keep what is between them together.
+/// Splits a text into words at blanks; quotes of both kinds enclose words with blanks.
 std::vector<std::string> words_of(std::string_view text) {
     std::vector<std::string> out;
     std::optional<std::string> word;
@@ -108,7 +109,7 @@ bool is_ending(std::string_view text) {
            std::ranges::all_of(text, [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'); });
 }
 
-/// What ${...} may stand for in a program's words.
+/// Checks the placeholders ${...} in the words of a program.
 void check_holes(std::string_view word) {
     for (std::size_t at = word.find("${"); at != word.npos; at = word.find("${", at + 1)) {
         const std::string_view hole = word.substr(at, word.find('}', at) - at + 1);
@@ -116,24 +117,24 @@ void check_holes(std::string_view word) {
         if (hole.starts_with("${file.") && hole.ends_with('}') && is_ending(hole.substr(7, hole.size() - 8)))
             continue;
         throw InvalidInput(
-            fmt::format("'{}' stands for nothing; programs take ${{file}}, ${{file.ENDING}}, ${{folder}} and "
-                        "${{object}}",
+            fmt::format("'{}' is not a placeholder; programs accept ${{file}}, ${{file.ENDING}}, ${{folder}} "
+                        "and ${{object}}",
                         hole.substr(0, 40)));
     }
 }
 
 std::vector<std::string> program_words(std::string_view text) {
     std::vector<std::string> words = words_of(text);
-    if (words.empty()) throw InvalidInput("program takes the name of a program");
+    if (words.empty()) throw InvalidInput("program requires the name of a program");
     const std::string& name = words.front();
     if (name.find("${") != name.npos || (name.find('/') != name.npos && !name.starts_with('/')))
         throw InvalidInput(
-            fmt::format("'{}' is no program; give its name alone, or its absolute path", name));
+            fmt::format("'{}' is not a program; specify only its name, or its absolute path", name));
     for (const std::string& word : words) check_holes(word);
     return words;
 }
 
-/// Reads a text; what it says is put into a copy of the items.
+/// Reads a menu file into a copy of the items.
 class Reader {
   public:
     explicit Reader(std::vector<MenuItem> items) : items_(std::move(items)) {}
@@ -141,13 +142,14 @@ class Reader {
     void read(std::string_view line) {
         if (line == "clear" && menu_.empty()) return items_.clear();
         if (line.starts_with('[')) return begin(line);
-        if (menu_.empty()) throw InvalidInput("an item stands in a menu; name that before it, as in [Crown]");
-        if (items_.size() >= kMostItems)
-            throw InvalidInput(fmt::format("a menu has at most {} items", kMostItems));
+        if (menu_.empty())
+            throw InvalidInput("an item must belong to a menu; name that before it, as in [Crown]");
+        if (items_.size() >= kMaxItems)
+            throw InvalidInput(fmt::format("a menu can have at most {} items", kMaxItems));
         if (line == "---") return items_.push_back({.menu = menu_, .label = {}});
         const std::size_t equals = line.find(" =");
         if (equals == line.npos || equals == 0)
-            throw InvalidInput("an item is LABEL = what it does, as in Ball = line sphere ${new crown}");
+            throw InvalidInput("an item has the form LABEL = ACTION, as in Ball = line sphere ${new crown}");
         take(std::string(trimmed(line.substr(0, equals))), trimmed(line.substr(equals + 2)));
     }
 
@@ -157,7 +159,7 @@ class Reader {
     void begin(std::string_view line) {
         menu_ = std::string(trimmed(line.substr(1, line.find(']') - 1)));
         if (!line.ends_with(']') || menu_.empty())
-            throw InvalidInput("a menu begins with its name in brackets, as in [Crown]");
+            throw InvalidInput("a menu starts with its name in brackets, as in [Crown]");
     }
 
     void take(std::string label, std::string_view said) {
@@ -165,7 +167,7 @@ class Reader {
             items_, [&](const MenuItem& item) { return item.menu == menu_ && item.label == label; });
         if (said == "nothing") {
             if (old == items_.end())
-                throw InvalidInput(fmt::format("there is no item '{}' in {} to take out", label, menu_));
+                throw InvalidInput(fmt::format("there is no item '{}' in {} to remove", label, menu_));
             items_.erase(old);
             return;
         }
@@ -196,7 +198,7 @@ class Reader {
 Menu::Menu() { add(built_in_menu(), "built-in menu"); }
 
 std::vector<std::string> Menu::add(std::string_view text, const std::string& source) {
-    constexpr std::size_t kMostFaults = 20;
+    constexpr std::size_t kMaxFaults = 20;
     std::vector<std::string> faults;
     Reader reader(items_);
     std::size_t number = 0;
@@ -210,7 +212,7 @@ std::vector<std::string> Menu::add(std::string_view text, const std::string& sou
             reader.read(line);
         } catch (const InvalidInput& error) {
             faults.push_back(fmt::format("{}:{}: {}", source, number, error.what()));
-            if (faults.size() == kMostFaults) break;
+            if (faults.size() == kMaxFaults) break;
         }
     }
     items_ = std::move(reader).items();

@@ -10,14 +10,14 @@
 
 namespace coppice {
 
-/// What an item of the menu does.
+/// The action of a menu item.
 enum class MenuAction {
-    tool,       ///< puts a tool of the page in hand
+    tool,       ///< activates a tool of the page
     line,       ///< runs a line of the scene
-    page,       ///< a command of the page itself
-    set,        ///< what an argument is from now on, where forms begin
+    page,       ///< runs a command of the page
+    set,        ///< sets the initial value of an argument in forms
     program,    ///< starts a program that the user allowed
-    separator,  ///< nothing: a line between items
+    separator,  ///< none: a line between items
 };
 
 template <>
@@ -28,14 +28,15 @@ struct EnumNames<MenuAction> {
 
 /// An item of the menu.
 struct MenuItem {
-    std::string menu;                         ///< that it stands in
-    std::string label;                        ///< as it is shown
-    MenuAction does = MenuAction::separator;  ///< when it is chosen
-    std::string text = {};                    ///< what is put in hand, run or set
-    std::vector<std::string> words = {};      ///< of a program: its words
+    std::string menu;                         ///< the menu that contains it
+    std::string label;                        ///< displayed text
+    MenuAction does = MenuAction::separator;  ///< action of the item
+    std::string text = {};                    ///< tool, line, command or setting
+    std::vector<std::string> words = {};      ///< for a program: its words
 };
 
-/// The menu of the studio: items in order, those of one menu together. docs/user/studio.md explains its text:
+/// The menu of the studio: ordered items, those of one menu together. docs/user/studio.md documents the
+/// format:
 ///
 ///     [Crown]
 ///     Ball = line sphere ${new crown} radius=2
@@ -44,23 +45,23 @@ struct MenuItem {
 ///     [Programs]
 ///     Open in Blender = program blender ${file}
 ///
-/// A file that is added extends what is there: an item of the same menu and label takes the place of the one
-/// that there was, `LABEL = nothing` takes it out, and a line `clear` before the first menu takes all out.
+/// An additional file extends the menu: an item with the menu and label of an existing one replaces it,
+/// `LABEL = nothing` removes it, and a line `clear` before the first menu removes all items.
 class Menu {
   public:
-    Menu();  ///< what is built in, without programs
+    Menu();  ///< the built-in menu, without programs
 
-    /// Adds what a user's own file says. Returns what is wrong with it, a sentence for each line that is left
-    /// out; it names `source` and the line.
+    /// Adds the items of a user's file. Returns the errors, one sentence for each line that is skipped, with
+    /// `source` and the line.
     std::vector<std::string> add(std::string_view text, const std::string& source);
 
-    std::span<const MenuItem> items() const { return items_; }  ///< an item's number is its place
+    std::span<const MenuItem> items() const { return items_; }  ///< items are numbered by their position
 
   private:
     std::vector<MenuItem> items_;
 };
 
-/// The text of what is built in, to begin a file of one's own with.
+/// Returns the text of the built-in menu, as the start of a custom file.
 std::string_view built_in_menu();
 
 }  // namespace coppice

@@ -15,8 +15,8 @@
 #include <utility>
 
 #include "coppice/base/error.h"
-#include "coppice/io/program.h"
 #include "coppice/studio/menu/programs_internal.h"
+#include "coppice/system/program.h"
 
 extern char** environ;
 
@@ -25,11 +25,11 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kMostText = std::size_t{64} << 10;
-constexpr std::size_t kMostGoingOn = 8;
-constexpr int kLook = 50;  // [ms] between two looks whether a program has ended
+constexpr std::size_t kMaxText = std::size_t{64} << 10;
+constexpr std::size_t kMaxGoingOn = 8;
+constexpr int kLook = 50;  // [ms] interval of checks whether a program has ended
 
-/// A descriptor that is closed in the end.
+/// A file descriptor that is closed on destruction.
 class Descriptor {
   public:
     explicit Descriptor(int number) : number_(number) {}
@@ -45,7 +45,8 @@ class Descriptor {
     int number_;
 };
 
-/// What programs need to find their files, their screen and their language; secrets lie elsewhere.
+/// Environment variables that programs need to find their files, display and language; secrets are not passed
+/// on.
 std::vector<std::string> plain_environment() {
     constexpr std::array<std::string_view, 18> kNames{"PATH",
                                                       "HOME",
@@ -74,7 +75,7 @@ std::vector<std::string> plain_environment() {
     return out;
 }
 
-/// While it lives, programs that are started do not end because nobody reads what they print.
+/// Ignores SIGPIPE during its lifetime, so that programs do not end when their output is no longer read.
 class WithoutPipeSignal {
   public:
     WithoutPipeSignal() {
@@ -90,14 +91,14 @@ class WithoutPipeSignal {
     struct sigaction before_ {};
 };
 
-/// Waits for something to read, and reads it; false at the end of what there is.
+/// Waits for input and reads it; returns false at the end of the input.
 bool read_some(int from, std::string& text, int wait) {
     pollfd ready{.fd = from, .events = POLLIN, .revents = 0};
     if (::poll(&ready, 1, wait) <= 0) return true;
     std::array<char, 4096> piece{};
     const ssize_t n = ::read(from, piece.data(), piece.size());
     if (n <= 0) return n < 0 && (errno == EINTR || errno == EAGAIN);
-    const std::size_t room = kMostText - std::min(kMostText, text.size());
+    const std::size_t room = kMaxText - std::min(kMaxText, text.size());
     text.append(piece.data(), std::min(room, static_cast<std::size_t>(n)));
     return true;
 }
@@ -142,13 +143,13 @@ ProgramResult Programs::run(std::vector<std::string> words, const std::filesyste
     const auto path = find_program(words.front());
     if (!path) {
         throw InvalidInput(fmt::format(
-            "there is no program '{}'; install it, or give its absolute path in the menu", words.front()));
+            "there is no program '{}'; install it, or specify its absolute path in the menu", words.front()));
     }
-    if (going_on() >= kMostGoingOn)
-        throw InvalidInput(fmt::format("{} programs go on already; end one of them", kMostGoingOn));
+    if (going_on() >= kMaxGoingOn)
+        throw InvalidInput(fmt::format("{} programs are still running; close one of them", kMaxGoingOn));
     words.front() = path->string();
     std::array<int, 2> ends{};
-    if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw IoError("no pipe to a program can be made");
+    if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw IoError("cannot create a pipe to a program");
     Descriptor output(ends[0]), input(ends[1]);
     const pid_t program = [&] {
         const WithoutPipeSignal ignored;
@@ -172,10 +173,10 @@ ProgramResult Programs::run(std::vector<std::string> words, const std::filesyste
         if (!open) std::this_thread::sleep_for(std::chrono::milliseconds(1));
         if (const auto ended = ended_program(program)) out.status = status_of(*ended);
     }
-    while (out.status && open && out.text.size() < kMostText) {
+    while (out.status && open && out.text.size() < kMaxText) {
         const std::size_t before = out.text.size();
         open = read_some(output.get(), out.text, 0);
-        if (out.text.size() == before) break;  // what it started itself may hold the pipe open
+        if (out.text.size() == before) break;  // its own child processes may keep the pipe open
     }
     if (!out.status) readers_.emplace_back(program, std::move(output));
     return out;

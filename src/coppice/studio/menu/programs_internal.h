@@ -12,13 +12,13 @@
 
 namespace coppice::studio_internal {
 
-/// What became of a program.
+/// The result of starting a program.
 struct ProgramResult {
-    std::string text;           ///< what it printed, up to 64 KiB
-    std::optional<int> status;  ///< with which it ended; none: it goes on
+    std::string text;           ///< its output, at most 64 KiB
+    std::optional<int> status;  ///< its exit code; nullopt: it is still running
 };
 
-/// Programs that the menu starts. Those with a window of their own go on, and outlive this.
+/// Programs started by the menu. Those with a window keep running, also after the destruction of this object.
 class Programs {
   public:
     Programs();
@@ -26,16 +26,15 @@ class Programs {
     Programs(const Programs&) = delete;
     Programs& operator=(const Programs&) = delete;
 
-    /// Starts a program in a folder, without input and with no more of the environment than programs need,
-    /// and waits until it ends, or for so long: what it does then is its own affair. Throws InvalidInput
-    /// where there is no such program, or 8 go on already; IoError where it cannot be started; Cancelled, and
-    /// then it has been ended.
+    /// Starts a program in a folder, without input and with only the required environment variables, and
+    /// waits until it ends or the time limit passes; it may run on afterwards. Throws InvalidInput if there
+    /// is no such program, or 8 are running; IoError if it cannot be started; Cancelled after ending it.
     ProgramResult run(std::vector<std::string> words, const std::filesystem::path& folder,
                       std::chrono::milliseconds patience, const Context& ctx);
-    std::size_t going_on();  ///< number of programs that do
+    std::size_t going_on();  ///< number of running programs
 
   private:
-    /// Takes what a program prints until it ends, so that it need not wait.
+    /// Reads the output of a program until it ends, so that the program never blocks.
     struct Reader;
     std::list<Reader> readers_;
 };

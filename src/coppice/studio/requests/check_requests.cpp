@@ -10,7 +10,7 @@
 namespace coppice::studio_internal {
 namespace {
 
-/// Figures that are numbers or true and false; groups as objects of such.
+/// Returns the figures that are numbers or booleans; groups become nested objects.
 template <class Group>
 Json json_of(const Group& group) {
     Json out = Json::object();
@@ -26,14 +26,14 @@ Json json_of(const Group& group) {
 
 std::string verdict_of(const SurfaceReport& report) {
     if (report.crossing_places && report.crossing_places->total > 0)
-        return fmt::format("It crosses itself at {} places.", report.crossing_places->total);
-    if (!report.sound()) return "It is not closed, or its faces do not fit together.";
+        return fmt::format("It intersects itself at {} places.", report.crossing_places->total);
+    if (!report.sound()) return "It is not closed, or its faces are not consistent.";
     if (!report.covers_skeleton()) return "Branches of its skeleton are missing.";
-    if (!report.is_whole()) return "It is in more parts than there are trees.";
+    if (!report.is_whole()) return "It has more components than there are trees.";
     if (!report.joins_branches()) return "Branches of its skeleton are severed.";
     if (!report.reaches_tips()) return "It ends before tips of its skeleton.";
-    if (!report.holds_volume()) return "It has not the volume of its skeleton.";
-    return "It is closed, does not cross itself, and has all branches.";
+    if (!report.holds_volume()) return "Its volume differs from that of its skeleton.";
+    return "It is closed, free of self-intersections, and has all branches.";
 }
 
 Json check(Studio& studio, const Request& request) {
@@ -43,15 +43,14 @@ Json check(Studio& studio, const Request& request) {
     const ObjectPtr made = surface_of(studio, {object->kind(), request.text("name")},
                                       surface_options(request), part_of(request.ctx, 0, kMade));
     const auto* surface = std::get_if<Surface>(&made->value);
-    if (surface == nullptr)
-        throw InvalidInput("meshes, skeletons and solids can be checked, and nothing else");
+    if (surface == nullptr) throw InvalidInput("only meshes, skeletons and solids can be checked");
     CheckOptions options;
-    options.most_places = kPlaces;
+    options.max_places = kPlaces;
     const std::string judge = request.text("skeleton", "");
     const ObjectPtr judged = judge.empty() ? object : studio.object(ObjectKind::skeleton, judge);
     const auto* tree = std::get_if<Skeleton>(&judged->value);
     const SurfaceReport report =
-        check_surface(polygons_of(*surface), tree, options, part_of(request.ctx, kMade, 1));
+        check_surface(make_polygons(*surface), tree, options, part_of(request.ctx, kMade, 1));
     Json places = Json::array();
     if (report.crossing_places) {
         for (const CrossingPlace& p : report.crossing_places->largest)

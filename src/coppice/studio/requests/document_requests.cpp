@@ -19,7 +19,7 @@ Json run(Studio& studio, const Request& request) {
 
 Json text(Studio& studio, const Request& request) {
     if (request.count("revision", 0) != studio.document.revision())
-        throw InvalidInput("the document has changed since; look at it again and put your changes into that");
+        throw InvalidInput("the document has changed since then; load it again and repeat your changes");
     studio.previewed.clear();
     Document::TextChange how;
     if (request.fields.contains("count")) how.count = request.count("count", 0);
@@ -54,7 +54,7 @@ Json rerun(Studio& studio, const Request& request) {
 }
 
 Json aside(Studio& studio, const Request& request) {
-    return {{"says", run_beside(studio, request.text("line"), request.ctx)}};
+    return {{"says", run_alongside(studio, request.text("line"), request.ctx)}};
 }
 
 Json schema(Studio&, const Request&) { return {{"schema", scene_schema()}}; }
@@ -76,13 +76,13 @@ Json describe(Studio& studio, const Request& request) {
     return {{"text", description_of(*studio.object(request.kind(), request.text("name")))}};
 }
 
-/// Selections of nodes that hold them, too, when the tree is made anew.
+/// Returns selections of nodes that remain valid when the tree is computed again.
 Json anchor(Studio& studio, const Request& request) {
-    constexpr std::size_t kMostNodes = 1000;
+    constexpr std::size_t kMaxNodes = 1000;
     const ObjectPtr object = studio.object(ObjectKind::skeleton, request.text("name"));
     const EditableTree tree(std::get<Skeleton>(object->value));
     const Json& nodes = request.fields.at("nodes");
-    if (nodes.size() > kMostNodes) throw InvalidInput("that are too many nodes to name one by one");
+    if (nodes.size() > kMaxNodes) throw InvalidInput("these are too many nodes to list");
     Json out = Json::array();
     for (const Json& number : nodes) {
         const StableId node(number.get<std::uint32_t>());

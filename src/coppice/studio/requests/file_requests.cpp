@@ -5,37 +5,37 @@
 #include <system_error>
 
 #include "coppice/base/error.h"
-#include "coppice/io/file.h"
 #include "coppice/io/library/tree_library.h"
-#include "coppice/pipeline/quantity.h"
+#include "coppice/options/quantity.h"
 #include "coppice/scene/save.h"
 #include "coppice/scene/words.h"
 #include "coppice/studio/session_internal.h"
+#include "coppice/system/file.h"
 
 namespace coppice::studio_internal {
 
 std::filesystem::path path_to_write(const Studio& studio, const Request& request, const std::string& name) {
-    std::filesystem::path path = studio.jail().to_write(name);
+    std::filesystem::path path = studio.sandbox().to_write(name);
     std::error_code ignored;
     if (!request.flag("overwrite") && std::filesystem::exists(path, ignored))
         throw IoError(
-            fmt::format("'{}' is there already; allow it to be replaced, or take another name", name));
+            fmt::format("'{}' already exists; allow it to be replaced, or choose another name", name));
     return path;
 }
 
 namespace {
 
-constexpr std::size_t kMostFiles = 5000;
-constexpr int kDeepest = 4;  // folders in one another that are listed
+constexpr std::size_t kMaxFiles = 5000;
+constexpr int kDeepest = 4;  // maximum depth of listed folders
 
 Json files(Studio& studio, const Request& request) {
     namespace fs = std::filesystem;
     const std::string ending = request.text("ending", "");
-    const fs::path folder = studio.jail().folder();
+    const fs::path folder = studio.sandbox().folder();
     std::vector<std::pair<std::string, std::uintmax_t>> found;
     std::error_code error;
     fs::recursive_directory_iterator at(folder, fs::directory_options::skip_permission_denied, error);
-    for (; !error && at != fs::recursive_directory_iterator() && found.size() < kMostFiles;
+    for (; !error && at != fs::recursive_directory_iterator() && found.size() < kMaxFiles;
          at.increment(error)) {
         const std::string name = at->path().lexically_relative(folder).generic_string();
         const bool hidden = at->path().filename().string().starts_with('.');
@@ -54,7 +54,7 @@ Json open(Studio& studio, const Request& request) {
     const std::string& name = request.text("file");
     studio.previewed.clear();
     std::string text;
-    if (!name.empty()) text = read_file(studio.jail().to_read(name), kLongestLine * 16, request.ctx);
+    if (!name.empty()) text = read_file(studio.sandbox().to_read(name), kLongestLine * 16, request.ctx);
     studio.document.open(text, name, request.ctx);
     studio.note_saved();
     return Json::object();
@@ -62,10 +62,10 @@ Json open(Studio& studio, const Request& request) {
 
 Json save(Studio& studio, const Request& request) {
     const std::string name = request.text("file", studio.document.file().c_str());
-    if (name.empty()) throw InvalidInput("give the scene a name to save it under, tree.coppice say");
+    if (name.empty()) throw InvalidInput("specify a name for the scene, such as tree.coppice");
     const bool own = name == studio.document.file();
     const std::filesystem::path path =
-        own ? studio.jail().to_write(name) : path_to_write(studio, request, name);
+        own ? studio.sandbox().to_write(name) : path_to_write(studio, request, name);
     write_file(path, studio.document.text());
     studio.document.call(name);
     studio.note_saved();
@@ -82,23 +82,22 @@ bool holds_mesh(const std::filesystem::path& path) {
     return std::ranges::find(kMeshes, ending) != kMeshes.end();
 }
 
-/// What is in the file: the skeleton itself, or its surface.
+/// Content of the file: the skeleton itself, or its surface.
 std::optional<bool> wants_surface(const Request& request) {
     const std::string as = request.text("as", "");
     if (as.empty()) return std::nullopt;
-    if (as != "skeleton" && as != "surface")
-        throw InvalidInput("'as' says what of a tree is exported: skeleton or surface");
+    if (as != "skeleton" && as != "surface") throw InvalidInput("'as' must be skeleton or surface");
     return as == "surface";
 }
 
-/// Writes an object; of a skeleton or solid its surface, where the file holds meshes.
+/// Writes an object; of a skeleton or solid its surface, if the format is for meshes.
 Json export_object(Studio& studio, const Request& request) {
     const std::string& file = request.text("file");
-    const ExportWish wish{.kind = request.kind(),
-                          .name = request.text("name"),
-                          .path = path_to_write(studio, request, file),
-                          .as_surface = wants_surface(request),
-                          .surface = surface_options(request)};
+    const ExportRequest wish{.kind = request.kind(),
+                             .name = request.text("name"),
+                             .path = path_to_write(studio, request, file),
+                             .as_surface = wants_surface(request),
+                             .surface = surface_options(request)};
     const ObjectCount count = count_of(*export_to(studio, wish, request.ctx));
     Json out = written(wish.path, file);
     out["count"] = count.count;
@@ -106,9 +105,10 @@ Json export_object(Studio& studio, const Request& request) {
     return out;
 }
 
-/// The library's branches by their numbers and measures.
+/// Lists the branches of a library by their numbers and measures.
 Json library(Studio& studio, const Request& request) {
-    const TreeLibrary library(studio.jail().to_read(request.text("file")), LibraryAccess::read, request.ctx);
+    const TreeLibrary library(studio.sandbox().to_read(request.text("file")), LibraryAccess::read,
+                              request.ctx);
     Json out = Json::array();
     for (const LibraryEntry& entry : library.list({})) {
         out.push_back({{"number", entry.id},
@@ -126,9 +126,10 @@ Json library(Studio& studio, const Request& request) {
     return {{"branches", out}};
 }
 
-/// The skeleton of one of them.
+/// Returns the skeleton of one branch.
 Json branch(Studio& studio, const Request& request) {
-    const TreeLibrary library(studio.jail().to_read(request.text("file")), LibraryAccess::read, request.ctx);
+    const TreeLibrary library(studio.sandbox().to_read(request.text("file")), LibraryAccess::read,
+                              request.ctx);
     LibraryFilter filter;
     filter.ids.push_back(fmt::format("{}", request.count("number", 0)));
     std::vector<LibraryEntry> found = library.read(filter);
@@ -153,7 +154,7 @@ std::string typed_options(const Request& request, const char* field) {
         const bool good = !name.empty() && std::ranges::all_of(name, [](char c) {
             return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
         });
-        if (!good) throw InvalidInput(fmt::format("'{}' is no name of an option", name.substr(0, 40)));
+        if (!good) throw InvalidInput(fmt::format("'{}' is not the name of an option", name.substr(0, 40)));
         out += fmt::format(" {}={}", name,
                            quoted_word(value.is_string() ? value.get<std::string>() : value.dump()));
     }
@@ -171,7 +172,7 @@ ObjectPtr surface_of(const Studio& studio, const Document::Name& object, const s
     return scene.state().objects.at({ObjectKind::mesh, object.second});
 }
 
-ObjectPtr export_to(const Studio& studio, const ExportWish& wish, const Context& ctx) {
+ObjectPtr export_to(const Studio& studio, const ExportRequest& wish, const Context& ctx) {
     const bool as_surface =
         wish.kind == ObjectKind::solid ||
         (wish.kind == ObjectKind::skeleton && wish.as_surface.value_or(holds_mesh(wish.path)));

@@ -4,16 +4,16 @@
 #include <system_error>
 
 #include "coppice/base/error.h"
-#include "coppice/io/file.h"
 #include "coppice/studio/session_internal.h"
+#include "coppice/system/file.h"
 
 namespace coppice::studio_internal {
 namespace {
 
-constexpr std::uint64_t kLargestMenu = 1 << 20;  // [bytes]
-constexpr std::chrono::seconds kPatience{2};     // with a program, which may then go on
+constexpr std::uint64_t kLargestMenu = 1 << 20;     // [bytes]
+constexpr std::chrono::seconds kProgramTimeout{2};  // time to wait for a program, which may run on
 
-/// What is built in, and the user's own files as they are now.
+/// Reads the built-in menu and the current files of the user.
 Json menu(Studio& studio, const Request& request) {
     Menu menu;
     Json faults = Json::array(), files = Json::array();
@@ -36,7 +36,7 @@ Json menu(Studio& studio, const Request& request) {
     return {{"items", items}, {"files", files}, {"faults", faults}, {"built_in", built_in_menu()}};
 }
 
-/// Puts values into the words of a program; files are written where a word asks for them.
+/// Replaces the placeholders in the words of a program; writes the files that they refer to.
 class Filling {
   public:
     Filling(Studio& studio, const Request& request) : studio_(studio), request_(request) {}
@@ -56,7 +56,7 @@ class Filling {
 
   private:
     std::string value_of(std::string_view name) {
-        if (name == "folder") return studio_.jail().folder().string();
+        if (name == "folder") return studio_.sandbox().folder().string();
         if (name == "object") return request_.text("name");
         const bool exports = request_.fields.contains("name");
         if (name == "file" && !exports) return scene_file();
@@ -68,10 +68,10 @@ class Filling {
         return request_.kind() == ObjectKind::points ? ".ply" : ".glb";
     }
 
-    /// The scene as it is saved, or a copy of what is not.
+    /// Returns the saved scene, or a copy of the unsaved one.
     std::string scene_file() {
         const std::string& file = studio_.document.file();
-        if (!file.empty() && studio_.is_saved()) return studio_.jail().to_read(file).string();
+        if (!file.empty() && studio_.is_saved()) return studio_.sandbox().to_read(file).string();
         const std::filesystem::path path = studio_.scratch.next(".coppice");
         write_file(path, studio_.document.text());
         return path.string();
@@ -79,7 +79,7 @@ class Filling {
 
     std::string exported_file(std::string_view ending) {
         const std::filesystem::path path = studio_.scratch.next(ending);
-        const ExportWish wish{.kind = request_.kind(), .name = request_.text("name"), .path = path};
+        const ExportRequest wish{.kind = request_.kind(), .name = request_.text("name"), .path = path};
         export_to(studio_, wish, request_.ctx);
         return path.string();
     }
@@ -88,18 +88,18 @@ class Filling {
     const Request& request_;
 };
 
-/// Starts a program of the menu's, as it was sent last.
+/// Starts a program of the menu that was sent last.
 Json program(Studio& studio, const Request& request) {
     const std::size_t number = request.count("item", 0);
     const auto items = studio.menu.items();
     if (number >= items.size() || items[number].does != MenuAction::program)
         throw InvalidInput(
-            fmt::format("the menu's item {} starts no program; ask for the menu again", number));
+            fmt::format("item {} of the menu starts no program; request the menu again", number));
     Filling filling(studio, request);
     std::vector<std::string> words;
     for (const std::string& word : items[number].words) words.push_back(filling.filled(word));
     const ProgramResult result =
-        studio.programs.run(std::move(words), studio.jail().folder(), kPatience, request.ctx);
+        studio.programs.run(std::move(words), studio.sandbox().folder(), kProgramTimeout, request.ctx);
     Json out{{"text", result.text}, {"status", nullptr}};
     if (result.status) out["status"] = *result.status;
     return out;

@@ -16,10 +16,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr float kShareOfMesh = 0.1f;  // of the progress of an animation
-constexpr double kCarriedOfMade = 2;  // memory of a surface that is carried, as a part of that of making it
+constexpr float kShareOfMesh = 0.1f;  // fraction of the progress of an animation
+constexpr double kReusedShare = 2;    // memory of a deformed surface, relative to that of computing it
 
-/// The names of members with something before them: "wind_speed".
+/// Returns prefixed names of members: "wind_speed".
 template <class Options>
 std::map<std::string, std::string> prefixed(const std::string& path, const std::string& prefix) {
     std::map<std::string, std::string> names;
@@ -30,11 +30,13 @@ std::map<std::string, std::string> prefixed(const std::string& path, const std::
     return names;
 }
 
-/// The options of `coppice animate`, as those of a command of scenes.
+/// Returns the options of `coppice animate` as a scene command.
 SceneCommand animation_command() {
     SceneCommand c{.name = "animate"};
-    c.arguments = {
-        {.name = "grow", .help = "grows up from its root", .type = ArgumentType::flag, .initial = "false"}};
+    c.arguments = {{.name = "grow",
+                    .help = "Let the tree grow from its root.",
+                    .type = ArgumentType::flag,
+                    .initial = "false"}};
     add_options(c.arguments, AnimateOptions{}, "run");
     add_options(c.arguments, GrowingOptions{}, "growing", {}, prefixed<GrowingOptions>("growing", "grow"));
     add_options(c.arguments, WindOptions{}, "wind", {}, prefixed<WindOptions>("wind", "wind"));
@@ -53,7 +55,7 @@ std::vector<SceneWord> words_of(const Json& options) {
     return words;
 }
 
-/// What a request says of the motion that it wants.
+/// The motion that a request describes.
 class MotionWish {
   public:
     MotionWish(const Studio& studio, const Request& request)
@@ -78,7 +80,7 @@ class MotionWish {
     const ObjectPtr& object() const { return object_; }
     const Skeleton& tree() const { return std::get<Skeleton>(object_->value); }
     const AnimationOptions& options() const { return options_; }
-    /// The same of two wishes that are for the same motion of trees that are alike.
+    /// Equal for two requests of the same motion of equal trees.
     std::string text() const { return call_.typed() + "\n" + keys_; }
     void reserve(double bytes) const { call_.reserve(bytes); }
 
@@ -87,9 +89,9 @@ class MotionWish {
         if (has_keys()) keys.emplace(tree(), keys_, "key", studio_.options.scene, ctx_);
         return Motion(tree(), std::move(keys), options_);
     }
-    CarriedMesh carried(const Context& ctx) const {
-        reserve(kCarriedOfMade * memory_of_mesh(tree(), options_.mesh));
-        return CarriedMesh(tree(), options_.mesh, ctx);
+    SkinnedMesh carried(const Context& ctx) const {
+        reserve(kReusedShare * memory_of_mesh(tree(), options_.mesh));
+        return SkinnedMesh(tree(), options_.mesh, ctx);
     }
     MeshResult grown(const Skeleton& tree, const Context& ctx) const {
         reserve(memory_of_mesh(tree, options_.mesh));
@@ -113,12 +115,12 @@ class MotionWish {
     AnimationOptions options_;
 };
 
-/// The files of frames. Those that were not there before go where the frames are not finished.
+/// The files of frames. Files that did not exist before are removed if the frames are not completed.
 class FrameFiles {
   public:
     FrameFiles(const Studio& studio, const Request& request, std::size_t count)
         : names_(frame_files(request.text("file"), count)),
-          path_(studio.jail().to_write(request.text("file"))) {
+          path_(studio.sandbox().to_write(request.text("file"))) {
         std::error_code ignored;
         for (const fs::path& name : names_) {
             paths_.push_back(path_to_write(studio, request, name.generic_string()));
@@ -132,7 +134,7 @@ class FrameFiles {
     FrameFiles(const FrameFiles&) = delete;
     FrameFiles& operator=(const FrameFiles&) = delete;
 
-    const fs::path& path() const { return path_; }  ///< that the sink is given
+    const fs::path& path() const { return path_; }  ///< name passed to the sink
     Json written() {
         new_.clear();
         Json names = Json::array();
@@ -164,12 +166,12 @@ Json animate_growth(const Studio& studio, const Request& request, const MotionWi
     FrameFiles files(studio, request, frames.frames);
     const MeshResult last = wish.grown(wish.tree(), part_of(request.ctx, 0, kShareOfMesh));
     const QuadMesh& surface = last.quads().mesh;
-    const FrameSeries series = series_of(surface, frames, wish.options());
+    const FrameSeries series = make_series(surface, frames, wish.options());
     const FrameSinks sinks = sinks_to(files, series, surface, wish);
     make_frames(wish.tree(), frames, wish.options(), sinks, part_of(request.ctx, kShareOfMesh, 1));
     Json out = files.written();
     out["frames"] = frames.frames;
-    out["held"] = 0;
+    out["frozen"] = 0;
     out["says"] = text_of_growth(frames.frames, surface.quads.size());
     return out;
 }
@@ -177,18 +179,18 @@ Json animate_growth(const Studio& studio, const Request& request, const MotionWi
 Json animate_motion(const Studio& studio, const Request& request, const MotionWish& wish) {
     const Motion motion = wish.motion();
     FrameFiles files(studio, request, motion.frames());
-    CarriedMesh mesh = wish.carried(part_of(request.ctx, 0, kShareOfMesh));
-    const FrameSeries series = series_of(mesh, motion, wish.options());
+    SkinnedMesh mesh = wish.carried(part_of(request.ctx, 0, kShareOfMesh));
+    const FrameSeries series = make_series(mesh, motion, wish.options());
     const FrameSinks sinks = sinks_to(files, series, *series.rest, wish);
     const MotionReport report = make_frames(mesh, motion, sinks, part_of(request.ctx, kShareOfMesh, 1));
     Json out = files.written();
     out["frames"] = motion.frames();
-    out["held"] = report.held;
-    out["says"] = text_of(report, motion.frames(), series.rest->quads.size());
+    out["frozen"] = report.frozen;
+    out["says"] = to_text(report, motion.frames(), series.rest->quads.size());
     return out;
 }
 
-/// Writes a tree that moves, as `coppice animate` does.
+/// Writes an animation of a tree, as `coppice animate` does.
 Json animate(Studio& studio, const Request& request) {
     const MotionWish wish(studio, request);
     const bool grows = wish.options().grow;
@@ -198,7 +200,7 @@ Json animate(Studio& studio, const Request& request) {
 
 }  // namespace
 
-/// A motion that is looked at, ready for any moment.
+/// A motion for display, ready to evaluate at any time.
 class KeptMotion {
   public:
     KeptMotion(const MotionWish& wish, const Context& ctx) : object_(wish.object()), text_(wish.text()) {
@@ -219,14 +221,14 @@ class KeptMotion {
     double seconds() const { return seconds_; }
     std::size_t frames() const { return frames_; }
 
-    /// Where branches would fold or cross they do: a film holds them back, which takes the frames before.
+    /// Folds and crossings of branches are not prevented: that requires all previous frames, as in a film.
     QuadMesh at(double time, const MotionWish& wish, const Context& ctx) {
         if (growing_) {
             MeshResult made = wish.grown(growing_->at(time / seconds_), ctx);
             return std::move(made.quads().mesh);
         }
         QuadMesh out = mesh_->made().quads().mesh;
-        out.positions = mesh_->carry(motion_->at(time), {}, ctx).positions;
+        out.positions = mesh_->deform(motion_->at(time), {}, ctx).positions;
         return out;
     }
 
@@ -236,17 +238,17 @@ class KeptMotion {
     double seconds_ = 0;
     std::size_t frames_ = 0;
     std::optional<Motion> motion_;
-    std::optional<CarriedMesh> mesh_;
+    std::optional<SkinnedMesh> mesh_;
     std::optional<GrowingTree> growing_;
 };
 
 namespace {
 
-/// The surface of a tree that moves, at one moment.
+/// Returns the surface of an animated tree at one time.
 Json frame(Studio& studio, const Request& request) {
     const MotionWish wish(studio, request);
     if (!studio.motion || !studio.motion->is_of(wish)) {
-        studio.motion.reset();  // before the next one takes memory
+        studio.motion.reset();  // released before the next one allocates memory
         studio.motion = std::make_shared<KeptMotion>(wish, request.ctx);
     }
     KeptMotion& motion = *studio.motion;

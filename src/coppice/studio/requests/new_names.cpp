@@ -11,7 +11,7 @@ namespace coppice::studio_internal {
 namespace {
 
 constexpr std::string_view kOpen = "${new ";
-constexpr std::size_t kMaxDigits = 9;  // of a number at the end of a name that is counted on
+constexpr std::size_t kMaxDigits = 9;  // maximum number of digits at the end of a name that are counted on
 
 std::string free_name(const std::string& wanted, const std::set<std::string>& taken) {
     if (!taken.contains(wanted)) return wanted;

@@ -8,15 +8,15 @@
 
 namespace coppice::studio_internal {
 
-/// A line in which the names of new objects were chosen.
+/// A line with chosen names of new objects.
 struct NamedLine {
     std::string line;
-    std::vector<std::string> names;  ///< that were chosen, each once, in the order of the line
+    std::vector<std::string> names;  ///< the chosen names, each once, in the order of the line
 };
 
-/// Replaces each `${new NAME}` of a line by NAME where no object has it, else by the first of NAME2, NAME3,
-/// ... that is free, counted on from digits at the end of NAME. The engine chooses when the line runs, so
-/// that lines that were sent at once, or by several pages, never take the same name.
+/// Replaces each `${new NAME}` of a line by NAME if no object has this name, or else by the first free name
+/// of NAME2, NAME3, ..., continuing digits at the end of NAME. The engine chooses the names when the line
+/// runs, so that lines sent at once, or by several pages, never get the same name.
 NamedLine with_new_names(std::string_view line, const SceneObjects& objects);
 
 }  // namespace coppice::studio_internal

@@ -5,55 +5,56 @@
 
 #include "coppice/base/error.h"
 #include "coppice/base/progress.h"
-#include "coppice/io/file.h"
 #include "coppice/render/png.h"
 #include "coppice/scene/drawing.h"
 #include "coppice/scene/words.h"
 #include "coppice/studio/session_internal.h"
+#include "coppice/system/file.h"
 
 namespace coppice::studio_internal {
 namespace {
 
 constexpr double kNarrowestView = 1e-3, kWidestView = 170;  // [degrees]
-constexpr double kFarthest = 1e7;                           // [m] of the camera, and of what it looks at
-constexpr double kLeastShown = 1e-6, kMostShown = 1e7;      // [m] of the height of a picture
-constexpr float kGathered = 0.1f;                           // of the time
+constexpr double kFarthest = 1e7;                    // [m] maximum coordinate of the camera and its target
+constexpr double kMinShown = 1e-6, kMaxShown = 1e7;  // [m] range of the height of an image
+constexpr float kGathered = 0.1f;                    // of the time
 
 Vec3d vector_of(const Json& camera, const char* field) {
     const auto found = camera.find(field);
     if (found == camera.end() || !found->is_array() || found->size() != 3)
-        throw InvalidInput(fmt::format("the camera needs '{}' as [x, y, z]", field));
+        throw InvalidInput(fmt::format("the camera requires '{}' as [x, y, z]", field));
     const Vec3d out{found->at(0).get<double>(), found->at(1).get<double>(), found->at(2).get<double>()};
     if (!(std::abs(out.x) + std::abs(out.y) + std::abs(out.z) <= kFarthest))
-        throw InvalidInput(fmt::format("'{}' of the camera lies too far off", field));
+        throw InvalidInput(fmt::format("'{}' of the camera is too far away", field));
     return out;
 }
 
-/// [pixels] to a metre in the plane at distance 1, or in any where lines of sight are parallel.
-double scale_of(const Json& camera, int height) {
+/// [pixels] per metre in the plane at distance 1, or in any plane for a parallel projection.
+double compute_scale(const Json& camera, int height) {
     if (const auto parallel = camera.find("parallel"); parallel != camera.end()) {
         const double shown = parallel->get<double>();
-        if (!(shown >= kLeastShown && shown <= kMostShown))
-            throw InvalidInput("'parallel' takes the metres that the height shows, from 1e-6 to 1e7");
+        if (!(shown >= kMinShown && shown <= kMaxShown))
+            throw InvalidInput(
+                "'parallel' requires the metres that the image height shows, from 1e-6 to 1e7");
         return height / shown;
     }
     const auto found = camera.find("field_of_view");
     const double degrees = found == camera.end() ? 0 : found->get<double>();
     if (!(degrees >= kNarrowestView && degrees <= kWidestView))
-        throw InvalidInput("the camera needs 'field_of_view' in degrees, or 'parallel' in metres");
+        throw InvalidInput("the camera requires 'field_of_view' in degrees, or 'parallel' in metres");
     return 0.5 * height / std::tan(degrees * std::numbers::pi / 360);
 }
 
-/// The camera of the page: x to the right, y down, z away from it.
+/// Returns the camera of the page: x to the right, y down, z in viewing direction.
 SketchView view_of(const Json& camera, int width, int height) {
     const Vec3d eye = vector_of(camera, "eye"), ahead = vector_of(camera, "target") - eye;
-    if (!(length(ahead) > 1e-9)) throw InvalidInput("the camera's 'target' has to be apart from its 'eye'");
+    if (!(length(ahead) > 1e-9)) throw InvalidInput("the camera's 'target' must differ from its 'eye'");
     const Vec3d z = normalized(ahead);
     Vec3d up = camera.contains("up") ? vector_of(camera, "up") : Vec3d{0, 0, 1};
     if (!(length(cross(z, up)) > 1e-9 * length(up))) up = {0, 1, 0};
     if (!(length(cross(z, up)) > 1e-9)) up = {1, 0, 0};
     const Vec3d x = normalized(cross(z, up)), y = cross(z, x);
-    const double scale = scale_of(camera, height);
+    const double scale = compute_scale(camera, height);
     SketchView view;
     view.width = width;
     view.height = height;
@@ -64,7 +65,7 @@ SketchView view_of(const Json& camera, int width, int height) {
     return view;
 }
 
-/// The objects that the request names, by names alone or with a kind each.
+/// Returns the objects that the request lists, by name or by kind and name.
 std::vector<Document::Name> names_of(const Request& request) {
     std::vector<Document::Name> out;
     for (const Json& object : request.fields.at("objects")) {
@@ -72,16 +73,17 @@ std::vector<Document::Name> names_of(const Request& request) {
         const Request inner{request.client, alone ? request.fields : object, request.ctx};
         out.emplace_back(inner.kind(), alone ? object.get<std::string>() : inner.text("name"));
     }
-    if (out.empty()) throw InvalidInput("the picture needs 'objects' that it shows");
+    if (out.empty()) throw InvalidInput("the image requires 'objects' to show");
     return out;
 }
 
-/// A picture by the path tracer; trees are drawn by their surfaces, unless they are asked for as they are.
+/// Renders an image by the path tracer; trees are drawn by their surfaces, unless the request selects the
+/// skeletons.
 Json picture(Studio& studio, const Request& request) {
     const std::string& file = request.text("file");
     const std::filesystem::path path = path_to_write(studio, request, file);
     const std::vector<Document::Name> names = names_of(request);
-    // The options are those of `render`, which the scene's own table reads and checks.
+    // The options are those of `render`, parsed and checked by the scene's own table.
     const std::string line =
         fmt::format("render {} {} kind={}{}", quoted_word(names.front().second), quoted_word(file),
                     name_of(names.front().first), typed_options(request, "options"));

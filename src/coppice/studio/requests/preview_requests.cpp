@@ -5,33 +5,34 @@
 #include "coppice/scene/script/statements.h"
 #include "coppice/scene/words.h"
 #include "coppice/studio/requests/new_names_internal.h"
-#include "coppice/studio/requests/surface_wish_internal.h"
+#include "coppice/studio/requests/surface_request_internal.h"
 
 namespace coppice::studio_internal {
 namespace {
 
-constexpr std::uint32_t kMostAxes = 40'000;  // nodes of a skeleton that is sent with every preview
+constexpr std::uint32_t kMaxAxes =
+    40'000;  // maximum number of nodes of a skeleton that is sent with every preview
 
 bool is_shape(ObjectKind kind) {
     return kind == ObjectKind::solid || kind == ObjectKind::path || kind == ObjectKind::profile;
 }
 
-/// Whether every command of a statement makes or changes solids and what they are made of.
+/// Returns whether every command of a statement creates or changes only solids and their inputs.
 bool shapes_solids(const std::string& text) {
     const std::vector<SceneLine> lines = scene_lines(text, "preview");
-    const auto commands = commands_of(lines);
+    const auto commands = find_commands(lines);
     return commands && !commands->empty() && std::ranges::all_of(*commands, [](const SceneCommand* c) {
                return c->makes && is_shape(*c->makes);
            });
 }
 
-/// What there would be with a line that is not in the document.
+/// The result of a line that is not in the document.
 struct Preview {
     Scene scene;
-    std::set<Document::Name> changed;  ///< by the line, or made of what is
+    std::set<Document::Name> changed;  ///< objects that the line changed, or that depend on these
 };
 
-/// Makes what stands behind the line again as far as it is solids.
+/// Runs the solid commands after the line again.
 void follow_solids(const Studio& studio, std::size_t from, Preview& preview, const Context& ctx) {
     const auto statements = studio.document.statements();
     for (std::size_t k = from; k < studio.document.ran(); ++k) {
@@ -43,7 +44,7 @@ void follow_solids(const Studio& studio, std::size_t from, Preview& preview, con
         try {
             run_piece(preview.scene, text, 1, "preview", ctx);
         } catch (const InvalidInput&) {
-            continue;  // shown as far as it goes: running the line says what is wrong
+            continue;  // shown as far as it succeeds: running the line reports the error
         }
         if (!follows) continue;
         for (const Document::Name& name : changed_objects(before, preview.scene.state().objects))
@@ -70,13 +71,13 @@ void send(Studio& studio, const Request& request, std::string frame) {
 
 void send_skeleton(Studio& studio, const Request& request, const std::string& name, const ObjectPtr& object,
                    std::optional<std::uint64_t> seq) {
-    // The axes first: they are there at once, however long the surface takes.
-    if (std::get<Skeleton>(object->value).size() <= kMostAxes) {
+    // The axes first: they need no time, however slow the surface is.
+    if (std::get<Skeleton>(object->value).size() <= kMaxAxes) {
         const GeometryHead head{ObjectKind::skeleton, name, studio.notes.of(object).version, seq};
         send(studio, request, encode_object(*object, head, kCoarseCells, StudioColor::plain, request.ctx));
     }
     if (!request.fields.contains("surface")) return;
-    const LiveSurfaces::Shown& shown = follow(studio, name, object, surface_wish(request), request.ctx);
+    const LiveSurfaces::Shown& shown = follow(studio, name, object, surface_request(request), request.ctx);
     auto frame = encode_since(shown, have_of(request), seq, StudioColor::plain, request.ctx);
     if (frame) send(studio, request, std::move(*frame));
 }
@@ -95,14 +96,14 @@ Json preview(Studio& studio, const Request& request) {
     for (const Document::Name& name : preview.changed) {
         const auto found = made.find(name);
         if (found == made.end() || name.first == ObjectKind::mesh)
-            continue;  // gone, or made of what is shown
+            continue;  // removed, or made from shown objects
         send_object(studio, request, name, found->second, seq);
         studio.previewed.insert(name);
     }
     return {{"seq", seq}};
 }
 
-/// What previews changed goes back to what it is.
+/// Restores the objects that previews changed.
 Json endpreview(Studio& studio, const Request& request) {
     const SceneObjects& now = studio.document.scene().state().objects;
     for (const Document::Name& name : std::exchange(studio.previewed, {})) {

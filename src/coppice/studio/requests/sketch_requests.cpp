@@ -4,26 +4,26 @@
 #include <numbers>
 
 #include "coppice/base/error.h"
-#include "coppice/io/file.h"
 #include "coppice/io/sketch/sketch_file.h"
 #include "coppice/render/picture.h"
 #include "coppice/render/silhouette.h"
 #include "coppice/sketch/reconstruct.h"
 #include "coppice/sketch/trace/trace.h"
 #include "coppice/studio/session_internal.h"
+#include "coppice/system/file.h"
 
 namespace coppice::studio_internal {
 namespace {
 
-constexpr int kLinePoints = 64;      // of an epipolar line
-constexpr double kNearest = 1e-2;    // [m] before the camera where it begins
-constexpr double kFarthest = 1e4;    // [m] where it ends
-constexpr double kMostPixels = 1e5;  // off the picture, beyond which nobody draws
+constexpr int kLinePoints = 64;     // number of points of an epipolar line
+constexpr double kNearest = 1e-2;   // [m] minimum distance from the camera
+constexpr double kFarthest = 1e4;   // [m] maximum distance
+constexpr double kMaxPixels = 1e5;  // limit outside the image, beyond which no strokes are drawn
 
 std::string sketch_text(const Request& request) {
     const auto found = request.fields.find("sketch");
     if (found == request.fields.end() || !found->is_object())
-        throw InvalidInput("the request needs a 'sketch', as a .sketch.json holds it");
+        throw InvalidInput("the request requires a 'sketch' in the format of .sketch.json");
     return found->dump();
 }
 
@@ -47,7 +47,7 @@ Json json_of(const Sketch& sketch, const BranchFit& fit) {
 }
 
 Json sketch(Studio& studio, const Request& request) {
-    const Sketch drawn = parse_sketch(sketch_text(request), "sketch", studio.jail());
+    const Sketch drawn = parse_sketch(sketch_text(request), "sketch", studio.sandbox());
     SketchOptions options;
     if (const auto found = request.fields.find("options"); found != request.fields.end())
         from_json(*found, option_fields(options), "options");
@@ -60,15 +60,15 @@ Json sketch(Studio& studio, const Request& request) {
             {"branches", branches}};
 }
 
-/// Proposes strokes from the pictures that the views name.
+/// Proposes strokes from the images that the views name.
 Json trace_pictures(Studio& studio, const Request& request) {
-    const SketchCameras cameras = parse_cameras(sketch_text(request), "sketch", studio.jail());
+    const SketchCameras cameras = parse_cameras(sketch_text(request), "sketch", studio.sandbox());
     std::vector<Mask> silhouettes;
     for (const SketchView& view : cameras.views) {
         if (view.image.empty())
-            throw InvalidInput(fmt::format("the view '{}' has no picture to trace", view.name));
-        const std::string bytes = read_file(studio.jail().to_read(view.image), kLargestFile, request.ctx);
-        silhouettes.push_back(silhouette_of(decode_picture(bytes, view.image)));
+            throw InvalidInput(fmt::format("the view '{}' has no image to trace", view.name));
+        const std::string bytes = read_file(studio.sandbox().to_read(view.image), kLargestFile, request.ctx);
+        silhouettes.push_back(compute_silhouette(decode_picture(bytes, view.image)));
     }
     const TraceResult result = trace_views(cameras, silhouettes, "sketch", request.ctx);
     return {{"sketch", Json::parse(encode_sketch(result.sketch))}, {"tips", result.tips}};
@@ -81,9 +81,9 @@ std::uint32_t view_called(const std::vector<SketchView>& views, const std::strin
     throw InvalidInput(fmt::format("the sketch has no view '{}'", name.substr(0, 80)));
 }
 
-/// Where in another picture the things lie that one picture shows at a point.
+/// Returns the epipolar line in another image for a point in one image.
 Json epipolar(Studio& studio, const Request& request) {
-    const Sketch drawn = parse_sketch(sketch_text(request), "sketch", studio.jail());
+    const Sketch drawn = parse_sketch(sketch_text(request), "sketch", studio.sandbox());
     const SketchView& from = drawn.views[view_called(drawn.views, request.text("view"))];
     const SketchView& other = drawn.views[view_called(drawn.views, request.text("other"))];
     const Json& point = request.fields.at("point");
@@ -92,13 +92,13 @@ Json epipolar(Studio& studio, const Request& request) {
     Json line = Json::array();
     for (int i = 0; i <= kLinePoints; ++i) {
         const double t = static_cast<double>(i) / kLinePoints;
-        // Of a camera evenly by its logarithm; lines of sight of a drawing have no beginning.
+        // Logarithmic steps from a camera; the rays of a drawing have no start.
         const double distance =
             flat ? (2 * t - 1) * kFarthest / 100 : kNearest * std::pow(kFarthest / kNearest, t);
         const Vec3d at = sight.origin + sight.direction * distance;
         if (other.projection == Projection::perspective && depth(other, at) <= kNearest) continue;
         const PicturePoint p = project(other, at);
-        if (std::abs(p.x) < kMostPixels && std::abs(p.y) < kMostPixels) line.push_back({p.x, p.y});
+        if (std::abs(p.x) < kMaxPixels && std::abs(p.y) < kMaxPixels) line.push_back({p.x, p.y});
     }
     return {{"line", line}};
 }

@@ -7,7 +7,7 @@
 #include "coppice/scene/mesh_memory.h"
 #include "coppice/scene/script/statements.h"
 #include "coppice/scene/words.h"
-#include "coppice/studio/requests/surface_wish_internal.h"
+#include "coppice/studio/requests/surface_request_internal.h"
 #include "coppice/studio/show/slice.h"
 
 namespace coppice::studio_internal {
@@ -19,22 +19,21 @@ StudioColor color_of(const Request& request) {
     const std::string name = request.text("color", "plain");
     const auto found = std::ranges::find(EnumNames<StudioColor>::names, name);
     if (found == EnumNames<StudioColor>::names.end())
-        throw InvalidInput(
-            fmt::format("'{}' is no colour that is shown; use plain, radius, order, deviation or evidence",
-                        name.substr(0, 40)));
+        throw InvalidInput(fmt::format(
+            "'{}' is not a colouring; use plain, radius, order, deviation or evidence", name.substr(0, 40)));
     return static_cast<StudioColor>(found - EnumNames<StudioColor>::names.begin());
 }
 
 Json show_surface(Studio& studio, const Request& request, const ObjectPtr& object) {
     const std::string& name = request.text("name");
-    const LiveSurfaces::Shown& shown = follow(studio, name, object, surface_wish(request), request.ctx);
+    const LiveSurfaces::Shown& shown = follow(studio, name, object, surface_request(request), request.ctx);
     auto blob = encode_since(shown, have_of(request), {}, color_of(request), request.ctx);
     Json out{{"number", shown.number}, {"key", nullptr}};
     if (blob) out["key"] = studio.blobs.offer(std::move(*blob));
     return out;
 }
 
-/// Offers what is made of an object, on demand and for as long as the object is anywhere.
+/// Offers the geometry of an object, which is computed on request as long as the object exists.
 template <class Make>
 Json offer(Studio& studio, const std::string& key, const ObjectPtr& object, const Make& make) {
     studio.blobs.offer(key, [of = std::weak_ptr(object), make]() -> std::optional<std::string> {
@@ -51,7 +50,7 @@ MeshOptions cage_options() {
     return options;
 }
 
-/// The control mesh: the surface before it is subdivided.
+/// The control cage: the surface before subdivision.
 std::string encode_cage(const Skeleton& tree, const GeometryHead& head) {
     MeshResult result = mesh_skeleton(tree, cage_options(), {});
     Surface cage;
@@ -60,15 +59,16 @@ std::string encode_cage(const Skeleton& tree, const GeometryHead& head) {
     return encode_object(object, head, kCoarseCells, StudioColor::plain, {});
 }
 
-/// Geometry takes about as much as what it is of.
+/// Geometry needs about as much memory as its object.
 void check_size(const Studio& studio, std::uint64_t bytes, const std::string& name) {
-    constexpr std::uint64_t kAtOnce = 4;  // two that are made, and as much that is kept
+    constexpr std::uint64_t kAtOnce = 4;  // two that are computed, and as much that is stored
     constexpr double kMebibyte = 1 << 20;
     const std::uint64_t most = studio.shares.blobs / kAtOnce;
     if (bytes <= most) return;
-    throw InvalidInput(fmt::format(
-        "'{}' would take {:.1f} MiB to show, and {:.1f} may be used; give the studio more with --max-memory",
-        name, static_cast<double>(bytes) / kMebibyte, static_cast<double>(most) / kMebibyte));
+    throw InvalidInput(
+        fmt::format("showing '{}' would take {:.1f} MiB, and {:.1f} are available; give the studio more with "
+                    "--max-memory",
+                    name, static_cast<double>(bytes) / kMebibyte, static_cast<double>(most) / kMebibyte));
 }
 
 Json show(Studio& studio, const Request& request) {
@@ -92,17 +92,16 @@ Json show(Studio& studio, const Request& request) {
                  [=](const SceneObject& shown) { return encode_object(shown, head, cells, color, {}); });
 }
 
-/// The field of a solid in a plane.
+/// Samples the field of a solid in a plane.
 Json slice(Studio& studio, const Request& request) {
-    if (request.kind() != ObjectKind::solid)
-        throw InvalidInput("solids have a field to slice, and nothing else");
+    if (request.kind() != ObjectKind::solid) throw InvalidInput("only solids have a field to slice");
     const std::string& name = request.text("name");
     const ObjectPtr object = studio.object(ObjectKind::solid, name);
     SliceOptions options;
     const std::string& axis = request.text("axis");
     const auto found = std::ranges::find(EnumNames<SliceAxis>::names, axis);
     if (found == EnumNames<SliceAxis>::names.end())
-        throw InvalidInput(fmt::format("'{}' is no axis; use x, y or z", axis.substr(0, 40)));
+        throw InvalidInput(fmt::format("'{}' is not an axis; use x, y or z", axis.substr(0, 40)));
     options.axis = static_cast<SliceAxis>(found - EnumNames<SliceAxis>::names.begin());
     options.at = request.number("at");
     options.size = static_cast<int>(request.count("size", static_cast<std::size_t>(options.size)));
@@ -116,7 +115,7 @@ Json slice(Studio& studio, const Request& request) {
     });
 }
 
-/// What a line would make, of which nothing is kept: for pictures of seeds side by side.
+/// Returns the result of a line without storing it: for images of seeds next to each other.
 Json trial(Studio& studio, const Request& request) {
     const ObjectKind kind = request.kind();
     const std::string& name = request.text("name");
@@ -130,8 +129,7 @@ Json trial(Studio& studio, const Request& request) {
                   request.ctx);
     const auto found = scene.state().objects.find({surface ? ObjectKind::mesh : kind, name});
     if (found == scene.state().objects.end())
-        throw InvalidInput(
-            fmt::format("the line makes no {} called '{}'", name_of(kind), name.substr(0, 80)));
+        throw InvalidInput(fmt::format("the line creates no {} '{}'", name_of(kind), name.substr(0, 80)));
     const GeometryHead head{kind, name, studio.notes.of(found->second).version, {}};
     const int cells = form == "fine" ? kFineCells : kCoarseCells;
     return {{"says", says},

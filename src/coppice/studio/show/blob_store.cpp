@@ -7,9 +7,9 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kMostKeys = 4096;
+constexpr std::size_t kMaxKeys = 4096;
 
-/// One of those who make something.
+/// Counts a thread that computes geometry.
 class Turn {
   public:
     explicit Turn(std::counting_semaphore<2>& makers) : makers_(makers) { makers_.acquire(); }
@@ -55,7 +55,7 @@ BlobStore::Bytes BlobStore::get(std::string_view key) {
         if (found->second->bytes) return found->second->bytes;
         make = found->second->make;
     }
-    // Two who ask at once both make it, and get the same bytes.
+    // Two simultaneous requests both compute it, with the same result.
     std::optional<std::string> made = [&] {
         const Turn turn(makers_);
         return make();
@@ -74,9 +74,9 @@ BlobStore::Bytes BlobStore::get(std::string_view key) {
     return bytes;
 }
 
-/// The newest stays, however large it is.
+/// The newest one is always stored, regardless of its size.
 void BlobStore::forget_old() {
-    while (entries_.size() > 1 && (bytes_ > most_bytes_ || entries_.size() > kMostKeys))
+    while (entries_.size() > 1 && (bytes_ > max_bytes_ || entries_.size() > kMaxKeys))
         forget(entries_.begin());
 }
 

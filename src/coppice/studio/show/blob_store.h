@@ -13,23 +13,23 @@
 
 namespace coppice {
 
-/// Geometry that clients may fetch by a key: what was made lately, and what is made when it is asked for. All
-/// functions may be called from any thread.
+/// Geometry that clients fetch by a key: stored results, and results that are computed on request. All
+/// functions are thread-safe.
 class BlobStore {
   public:
-    using Bytes = std::shared_ptr<const std::string>;  ///< shared by all who fetch it
-    /// Makes it, or nothing where what it was to be made of is gone; may throw an Error.
+    using Bytes = std::shared_ptr<const std::string>;  ///< shared by all readers
+    /// Computes the geometry, or returns nullopt if its source no longer exists; may throw an Error.
     using Make = std::function<std::optional<std::string>()>;
 
-    /// Keeps up to so many bytes of what was made, and 4096 keys; the oldest go first. Beside them at most
-    /// two are made at a time.
-    explicit BlobStore(std::uint64_t most_bytes = std::uint64_t{256} << 20) : most_bytes_(most_bytes) {}
+    /// Stores at most that many bytes of results, and 4096 keys; removes the oldest first. In addition, at
+    /// most two are being computed at a time.
+    explicit BlobStore(std::uint64_t max_bytes = std::uint64_t{256} << 20) : max_bytes_(max_bytes) {}
 
-    /// Offers what is made on the thread that asks for it first. Nothing changes where the key is known.
+    /// Offers a result that is computed by the first thread that requests it. Does nothing if the key exists.
     void offer(const std::string& key, Make make);
-    /// Offers what is there already, under a new key.
+    /// Offers an existing result under a new key.
     std::string offer(std::string bytes);
-    /// Nullptr where there is none any more. Throws what making it throws.
+    /// Returns nullptr if the geometry no longer exists. Throws as its computation.
     Bytes get(std::string_view key);
 
   private:
@@ -44,7 +44,7 @@ class BlobStore {
     void forget_old();
     void forget(Entries::iterator entry);
 
-    std::uint64_t most_bytes_;
+    std::uint64_t max_bytes_;
     std::counting_semaphore<2> makers_{2};
     std::mutex mutex_;
     Entries entries_;  ///< the newest last

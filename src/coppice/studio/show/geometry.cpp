@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "coppice/base/error.h"
+#include "coppice/base/id.h"
 #include "coppice/implicit/polygonize/polygonize.h"
 #include "coppice/implicit/solid/solid_field.h"
 #include "coppice/measure/capsule_tree.h"
@@ -20,7 +21,7 @@ namespace {
 constexpr std::size_t kAlignment = 4;
 constexpr std::size_t kCornersOfQuad = 4, kCornersOfTriangle = 3;
 constexpr float kFullByte = 127;
-constexpr double kCurveSteps = 16;  // straight pieces for each piece of a curve
+constexpr double kCurveSteps = 16;  // straight segments for each segment of a curve
 
 void pad(std::string& text, char with) {
     while (text.size() % kAlignment != 0) text += with;
@@ -34,7 +35,7 @@ std::span<const float> floats(std::span<const Vec3> v) {
     return {reinterpret_cast<const float*>(v.data()), 3 * v.size()};
 }
 
-/// Adds the normal of a face, as long as its area, to its corners.
+/// Adds the normal of a face, weighted by its area, to its corners.
 void add_face_normal(std::span<const Vec3> p, std::span<const std::uint32_t> corners,
                      std::vector<Vec3>& out) {
     const Vec3 a = p[corners[0]], b = p[corners[1]], c = p[corners[2]];
@@ -64,8 +65,8 @@ std::span<const std::uint32_t> numbers(std::span<const Triangle> triangles) {
     return {reinterpret_cast<const std::uint32_t*>(triangles.data()), kCornersOfTriangle * triangles.size()};
 }
 
-std::vector<std::int8_t> normals_of(std::span<const Vec3> positions, std::span<const Quad> quads,
-                                    std::span<const Triangle> triangles) {
+std::vector<std::int8_t> compute_normals(std::span<const Vec3> positions, std::span<const Quad> quads,
+                                         std::span<const Triangle> triangles) {
     std::vector<Vec3> out(positions.size());
     for (const Quad& q : quads) add_face_normal(positions, q, out);
     for (const Triangle& t : triangles) add_face_normal(positions, t, out);
@@ -75,7 +76,7 @@ std::vector<std::int8_t> normals_of(std::span<const Vec3> positions, std::span<c
 void add_surface(GeometryWriter& writer, std::span<const Vec3> positions, std::span<const Quad> quads,
                  std::span<const Triangle> triangles) {
     writer.add("position", floats(positions), 3);
-    writer.add("normal", normals_of(positions, quads, triangles), 4);
+    writer.add("normal", compute_normals(positions, quads, triangles), 4);
     if (!quads.empty()) writer.add("quads", numbers(quads), kCornersOfQuad);
     if (!triangles.empty()) writer.add("triangles", numbers(triangles), kCornersOfTriangle);
 }
@@ -94,7 +95,7 @@ void add_values(GeometryWriter& writer, const std::vector<float>& values) {
     writer.add("value", values, 1);
 }
 
-/// Of each node; throws where the skeleton has no such numbers.
+/// Returns the values of the nodes; throws if the skeleton has none.
 std::vector<float> node_values(const SceneObject& object, StudioColor color) {
     const Skeleton& tree = std::get<Skeleton>(object.value);
     if (color == StudioColor::radius) return {tree.radii().begin(), tree.radii().end()};
@@ -103,15 +104,14 @@ std::vector<float> node_values(const SceneObject& object, StudioColor color) {
         return {orders.begin(), orders.end()};
     }
     if (color == StudioColor::deviation)
-        throw InvalidInput("axes have no deviation to be coloured by; show their surface");
+        throw InvalidInput("axes have no deviation; show the surface instead");
     const auto found = std::ranges::find(object.attributes, "evidence", &NodeAttribute::name);
     if (found == object.attributes.end())
-        throw InvalidInput(
-            "nothing tells how well this tree was measured; extract writes that into JSON and PLY");
+        throw InvalidInput("this tree has no evidence values; extract writes them to JSON and PLY");
     return found->values;
 }
 
-/// Of each vertex, what the segment says that is nearest by its radius.
+/// Returns for each vertex the value of the segment that is closest relative to its radius.
 std::vector<float> vertex_values(const LiveSurface& surface, const SceneObject& object, StudioColor color,
                                  const Context& ctx) {
     const CapsuleTree capsules(std::get<Skeleton>(object.value), surface.origin(), ctx);
@@ -121,7 +121,7 @@ std::vector<float> vertex_values(const LiveSurface& surface, const SceneObject& 
     for_each_nearest(
         capsules, ctx, out.size(), [&](std::size_t i) { return Vec3d(surface.positions()[i]); },
         [&](std::size_t i, const CapsuleTree::Nearest& nearest) {
-            if (nearest.capsule == CapsuleTree::kNone) return;
+            if (nearest.capsule == kNoIndex) return;
             out[i] = deviation ? static_cast<float>(nearest.rho - 1)
                                : values[capsules.node(nearest.capsule).index()];
         });
@@ -199,7 +199,7 @@ std::string encode(const Surface& surface, const GeometryHead& head) {
         add_surface(writer, quads->positions, quads->quads, {});
         return writer.finish();
     }
-    const TriMesh mesh = triangles_of(surface);
+    const TriMesh mesh = to_triangles(surface);
     GeometryWriter writer("surface", head, mesh.origin);
     add_surface(writer, mesh.positions, {}, mesh.triangles);
     return writer.finish();
@@ -215,7 +215,7 @@ std::vector<Element> in_ranges(std::span<const Element> all, const std::vector<N
     return out;
 }
 
-/// Normals of the vertices in the ranges, from all quads that they are corners of.
+/// Computes the normals of the vertices in the ranges from all adjacent quads.
 std::vector<std::int8_t> normals_in(const LiveSurface& surface, const std::vector<NumberRange>& ranges) {
     const std::span<const Vec3> positions = surface.positions();
     std::vector<std::uint8_t> wanted(positions.size());
@@ -302,7 +302,7 @@ std::string encode_object(const SceneObject& object, const GeometryHead& head, i
     if (object.kind() == ObjectKind::skeleton) return encode_axes(object, head, color);
     if (color != StudioColor::plain)
         throw InvalidInput(
-            fmt::format("only skeletons and their surfaces are coloured by {}", name_of(color)));
+            fmt::format("only skeletons and their surfaces can be coloured by {}", name_of(color)));
     if (const auto* solid = std::get_if<Solid>(&object.value)) return encode(*solid, head, cells, ctx);
     if (const auto* curve = std::get_if<Curve>(&object.value)) return encode(*curve, head);
     if (const auto* profile = std::get_if<Profile>(&object.value)) return encode(*profile, head);
@@ -333,7 +333,7 @@ std::string encode_patch(const LiveSurface& surface, const SurfaceChange& change
     return writer.finish();
 }
 
-std::optional<std::pair<Vec3d, Vec3d>> bounds_of(const SceneObject& object) {
+std::optional<std::pair<Vec3d, Vec3d>> compute_bounds(const SceneObject& object) {
     if (const auto* solid = std::get_if<Solid>(&object.value)) return corners(solid->surface_bounds());
     if (const auto* curve = std::get_if<Curve>(&object.value)) return corners(curve->bounds());
     if (const auto* points = std::get_if<PointSet>(&object.value))

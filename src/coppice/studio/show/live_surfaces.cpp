@@ -10,11 +10,11 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kMostSurfaces = 4;
-constexpr std::size_t kMostChanges = 64;
+constexpr std::size_t kMaxSurfaces = 4;
+constexpr std::size_t kMaxChanges = 64;
 constexpr double kMebibyte = 1 << 20;
 
-/// As measured in trees of 1,700 to 5,200 nodes: what is known of each, and four to five quads in the cage.
+/// Measured for trees of 1,700 to 5,200 nodes: the data of each node, and four to five quads in the cage.
 std::uint64_t bytes_of(const Skeleton& tree, const MeshOptions& options) {
     constexpr std::uint64_t kOfNode = 500, kOfItsQuads = 182;
     return tree.size() * (kOfNode + (kOfItsQuads << 2 * options.levels));
@@ -36,7 +36,7 @@ bool same_node(const Skeleton& a, NodeId n, const Skeleton& b, NodeId m) {
     return a.position(n) == b.position(m) && a.radius(n) == b.radius(m) && parent_of(a, n) == parent_of(b, m);
 }
 
-/// Ranges that cover both, ascending and apart.
+/// Returns the disjoint ranges that cover both, in ascending order.
 std::vector<NumberRange> merged(std::vector<NumberRange> a, const std::vector<NumberRange>& b) {
     a.insert(a.end(), b.begin(), b.end());
     std::ranges::sort(a, {}, &NumberRange::first);
@@ -78,16 +78,15 @@ LiveSurfaces::Shown& LiveSurfaces::follow(const std::string& name, const ObjectP
         return std::get<Skeleton>(s.object->value);
     };
     const std::uint64_t bytes = bytes_of(now, options);
-    if (bytes > most_bytes_) {
+    if (bytes > max_bytes_) {
         throw InvalidInput(fmt::format(
-            "the surface of '{}' may take {:.1f} MiB, and {:.1f} are for surfaces that follow edits; look at "
-            "its axes, "
-            "lower levels, or give the studio more with --max-memory",
-            name, static_cast<double>(bytes) / kMebibyte, static_cast<double>(most_bytes_) / kMebibyte));
+            "the surface of '{}' may take {:.1f} MiB, and {:.1f} are available for surfaces that follow "
+            "edits; show its axes, reduce the levels, or give the studio more with --max-memory",
+            name, static_cast<double>(bytes) / kMebibyte, static_cast<double>(max_bytes_) / kMebibyte));
     }
     if (found == shown_.end() || tree_of(*found).origin() != now.origin()) {
-        if (found != shown_.end()) shown_.splice(shown_.end(), shown_, found);  // it goes first
-        make_room(bytes, kMostSurfaces - 1);
+        if (found != shown_.end()) shown_.splice(shown_.end(), shown_, found);  // removed first
+        make_room(bytes, kMaxSurfaces - 1);
         LiveSurface surface(now, options, ctx);
         std::erase_if(shown_, [&](const Shown& s) { return s.name == name && s.wish == wish; });
         shown_.push_front({name, options, wish, object, std::move(surface), ++number_, {}});
@@ -96,12 +95,12 @@ LiveSurfaces::Shown& LiveSurfaces::follow(const std::string& name, const ObjectP
     shown_.splice(shown_.begin(), shown_, found);
     Shown& shown = shown_.front();
     if (shown.object == object) return shown;
-    make_room(0, kMostSurfaces);
+    make_room(0, kMaxSurfaces);
     const std::vector<StableId> changed = changed_nodes(tree_of(shown), now);
     if (!changed.empty()) {
         SurfaceChange change = shown.surface.update(now, changed, ctx);
         shown.changes.emplace_back(std::exchange(shown.number, ++number_), std::move(change));
-        if (shown.changes.size() > kMostChanges) shown.changes.pop_front();
+        if (shown.changes.size() > kMaxChanges) shown.changes.pop_front();
     }
     shown.object = object;
     return shown;
@@ -113,9 +112,9 @@ std::uint64_t LiveSurfaces::bytes() const {
     return out;
 }
 
-/// Those used last stay, as many as leave so much room.
+/// Keeps the most recently used ones, within the memory limit.
 void LiveSurfaces::make_room(std::uint64_t more, std::size_t most) {
-    while (!shown_.empty() && (shown_.size() > most || bytes() + more > most_bytes_)) shown_.pop_back();
+    while (!shown_.empty() && (shown_.size() > most || bytes() + more > max_bytes_)) shown_.pop_back();
 }
 
 std::optional<SurfaceChange> LiveSurfaces::since(const Shown& shown, std::uint64_t number) {

@@ -13,46 +13,47 @@
 
 namespace coppice {
 
-/// The stable ids of all nodes that one tree has and the other one has not, or has otherwise: position,
-/// radius or parent. Ascending. O(n).
+/// Returns the stable ids of all nodes that exist in only one tree, or differ in position, radius or parent.
+/// Ascending. O(n).
 std::vector<StableId> changed_nodes(const Skeleton& before, const Skeleton& after);
 
-/// The surfaces of skeletons that are looked at. Each follows its skeleton from one state to another, be it a
-/// preview, an edit or one that is taken back, by what differs between the two. Its states are numbered, so
-/// that a client which has one of them can be sent what changed since.
+/// The surfaces of displayed skeletons. Each follows its skeleton from state to state (a preview, an edit or
+/// an undo) by updating the differences. The states are numbered, so that a client with an earlier state
+/// receives only the changes since then.
 class LiveSurfaces {
   public:
-    /// One of them.
+    /// A displayed surface.
     struct Shown {
-        std::string name;                                             ///< of the skeleton
-        MeshOptions options;                                          ///< how it is made
-        std::string wish;                                             ///< the options as they were asked for
-        ObjectPtr object;                                             ///< the skeleton that it shows
-        LiveSurface surface;                                          ///< of it
-        std::uint64_t number;                                         ///< of this state
-        std::deque<std::pair<std::uint64_t, SurfaceChange>> changes;  ///< with the state before each
+        std::string name;      ///< of the skeleton
+        MeshOptions options;   ///< options of the surface
+        std::string wish;      ///< the options as requested
+        ObjectPtr object;      ///< the current skeleton
+        LiveSurface surface;   ///< its surface
+        std::uint64_t number;  ///< number of this state
+        std::deque<std::pair<std::uint64_t, SurfaceChange>>
+            changes;  ///< changes with the previous state of each
     };
 
-    /// Keeps up to so many bytes of them, by estimate.
-    explicit LiveSurfaces(std::uint64_t most_bytes = std::uint64_t{1} << 30) : most_bytes_(most_bytes) {}
+    /// Limits the estimated memory of all surfaces.
+    explicit LiveSurfaces(std::uint64_t max_bytes = std::uint64_t{1} << 30) : max_bytes_(max_bytes) {}
 
-    /// The surface of a skeleton as it is now. `wish` tells options apart. Throws what LiveSurface throws;
-    /// then what was shown stays as it was. Throws InvalidInput for one that would take too much memory. The
-    /// four that were used last are kept, as far as there is room.
+    /// Returns the current surface of a skeleton. `wish` identifies the options. Throws as LiveSurface, or
+    /// InvalidInput if the surface would exceed the memory limit; the existing surface is then unchanged. The
+    /// four most recently used ones are kept, within the memory limit.
     Shown& follow(const std::string& name, const ObjectPtr& object, const MeshOptions& options,
                   const std::string& wish, const Context& ctx);
 
-    /// All that changed since the state of that number; none where that is not known or everything did.
+    /// Returns all changes since a state; nullopt if the state is unknown or everything changed.
     static std::optional<SurfaceChange> since(const Shown& shown, std::uint64_t number);
 
-    std::uint64_t bytes() const;                        ///< of all that are kept, about
-    std::size_t size() const { return shown_.size(); }  ///< number of them
+    std::uint64_t bytes() const;                        ///< approximate size of all surfaces
+    std::size_t size() const { return shown_.size(); }  ///< number of surfaces
 
   private:
     void make_room(std::uint64_t bytes, std::size_t most);
 
-    std::uint64_t most_bytes_;
-    std::list<Shown> shown_;  ///< the one used last in front
+    std::uint64_t max_bytes_;
+    std::list<Shown> shown_;  ///< the most recently used one first
     std::uint64_t number_ = 0;
 };
 

@@ -11,14 +11,14 @@
 namespace coppice {
 namespace {
 
-constexpr int kLeastSize = 2, kMostSize = 1024;
+constexpr int kMinSize = 2, kMaxSize = 1024;
 
-/// A rectangle across an axis: its corner, and the vectors along its sides.
+/// A rectangle perpendicular to an axis: its corner, and the vectors along its sides.
 struct Rectangle {
     Vec3d corner, along, up;
 };
 
-Rectangle rectangle_of(const Box3& box, const SliceOptions& options) {
+Rectangle compute_rectangle(const Box3& box, const SliceOptions& options) {
     const Vec3d size(box.size());
     Rectangle out{.corner = Vec3d(box.low), .along = {size.x, 0, 0}, .up = {0, 0, size.z}};
     if (options.axis == SliceAxis::x) {
@@ -38,16 +38,16 @@ Json json_of(Vec3d v) { return {v.x, v.y, v.z}; }
 }  // namespace
 
 void check_slice(const SliceOptions& options) {
-    if (!std::isfinite(options.at)) throw InvalidInput("a slice needs a place on its axis, in metres");
-    if (options.size < kLeastSize || options.size > kMostSize)
-        throw InvalidInput("a slice takes 2 to 1024 samples along its longer side");
+    if (!std::isfinite(options.at)) throw InvalidInput("a slice requires a position on its axis, in metres");
+    if (options.size < kMinSize || options.size > kMaxSize)
+        throw InvalidInput("a slice requires 2 to 1024 samples along its longer side");
 }
 
 std::string encode_slice(const Solid& solid, const SliceOptions& options, const GeometryHead& head,
                          const Context& ctx) {
     check_slice(options);
     const SolidField field(solid);
-    const Rectangle plane = rectangle_of(field.bounds(), options);
+    const Rectangle plane = compute_rectangle(field.bounds(), options);
     const double along = length(plane.along), up = length(plane.up), longer = std::max(along, up);
     const auto samples = [&](double side) {
         return std::max(1, static_cast<int>(std::lround(longer > 0 ? options.size * side / longer : 1)));

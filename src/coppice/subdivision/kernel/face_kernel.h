@@ -14,21 +14,20 @@ namespace coppice {
 
 /// Squared sine and cosine below which a face is bad.
 struct FaceLimits {
-    /// Squared.
-    /// @{
+    /// Squared. @{
     float sine, cosine;
     /// @}
 
-    /// Of faces whose scaled Jacobian is below `quality`, or which look inward.
+    /// Limits for faces with a scaled Jacobian below `quality`, or with an inward direction.
     explicit constexpr FaceLimits(float quality) : sine(quality * quality), cosine(kInward * kInward) {}
 
   private:
-    static constexpr float kInward = 0.05f;  // cosine below which a face looks inward
+    static constexpr float kInward = 0.05f;  // cosine below which a face points inward
 };
 
-/// 1 for a bad face. `outward` has the direction from the anchors to the corners. Compares squares, so that
-/// there is neither root nor division; the corners have to be scaled to about 1, since lengths enter with
-/// their eighth power. Opposite corners' areas add up to that of the face.
+/// Returns 1 for a bad face. `outward` is the direction from the anchors to the corners. Compares squares, so
+/// that there is neither root nor division; the corners have to be scaled to about 1, since lengths enter
+/// with their eighth power. The areas of opposite corners add up to that of the face.
 COPPICE_HOST_DEVICE COPPICE_ALWAYS_INLINE std::int32_t bad_face(Vec3 a, Vec3 b, Vec3 c, Vec3 d, Vec3 outward,
                                                                 FaceLimits limits) {
     const Vec3 ab = b - a;
@@ -54,24 +53,24 @@ COPPICE_HOST_DEVICE COPPICE_ALWAYS_INLINE std::int32_t bad_face(Vec3 a, Vec3 b, 
     return (convex & even & outer) ? 0 : 1;
 }
 
-/// The power of two that brings a length to between 1 and 2, within what floats can hold.
-COPPICE_HOST_DEVICE inline float scale_of(float extent) {
+/// Returns the power of two that scales a length to between 1 and 2, within the range of floats.
+COPPICE_HOST_DEVICE inline float compute_scale(float extent) {
     constexpr std::int32_t kExponent = 0x7f800000;
     const std::int32_t exponent = std::bit_cast<std::int32_t>(extent) & kExponent;
     return std::bit_cast<float>(std::clamp(0x7f000000 - exponent, 0x00800000, 0x7f000000));
 }
 
-/// The greatest coordinate, without its sign.
+/// Returns the maximum absolute coordinate.
 COPPICE_HOST_DEVICE inline float extent(Vec3 a) {
     return kernel::larger(std::abs(a.x), kernel::larger(std::abs(a.y), std::abs(a.z)));
 }
 
-/// Whether a face of a surface is bad; one position and one anchor per vertex.
+/// Returns whether a face of a surface is bad; one position and one anchor per vertex.
 COPPICE_HOST_DEVICE inline bool is_bad_face(const Quad& face, std::span<const Vec3> positions,
                                             std::span<const Vec3> anchors, FaceLimits limits) {
     const Vec3 a = positions[face[0]];
     const auto reach = [&](int k) { return extent(positions[face[k]] - a); };
-    const float scale = scale_of(kernel::larger(reach(1), kernel::larger(reach(2), reach(3))));
+    const float scale = compute_scale(kernel::larger(reach(1), kernel::larger(reach(2), reach(3))));
     const auto away = [&](int k) { return scale * (positions[face[k]] - anchors[face[k]]); };
     const Vec3 outward = (away(0) + away(1)) + (away(2) + away(3));
     const auto point = [&](int k) { return scale * positions[face[k]]; };

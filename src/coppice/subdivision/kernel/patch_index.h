@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+#include "coppice/base/id.h"
 #include "coppice/subdivision/kernel/cage_view.h"
 
 namespace coppice {
@@ -28,7 +29,8 @@ void with_grid_size(int level, const Body& body) {
     }
 }
 
-/// The vertex in column i and row j, both in [0, n], of the patch of n x n quads that a cage quad becomes.
+/// Returns the vertex in column i and row j, both in [0, n], of the patch of n x n quads that refines a cage
+/// quad.
 COPPICE_HOST_DEVICE inline std::uint32_t patch_vertex(const CageView& cage, std::uint32_t n, std::uint32_t f,
                                                       std::uint32_t i, std::uint32_t j) {
     const bool left = i == 0, right = i == n, low = j == 0, high = j == n;
@@ -43,33 +45,33 @@ COPPICE_HOST_DEVICE inline std::uint32_t patch_vertex(const CageView& cage, std:
     return edges + cage.edge_count() * m + f * m * m + (j - 1) * m + (i - 1);
 }
 
-/// Where the vertices of the cage's n x n patches lie: see PatchRefinement.
+/// Indices of the vertices of the cage's n x n patches: see PatchRefinement.
 template <int N>
 class PatchIndex {
   public:
-    /// Of a cage that outlives it.
+    /// The cage must outlive this object.
     COPPICE_HOST_DEVICE explicit PatchIndex(const CageView& cage)
         : cage_(cage), edges_(cage.vertex_count()), faces_(edges_ + cage.edge_count() * kEdge) {}
 
     static constexpr std::uint32_t kEdge = N - 1;              ///< vertices inside an edge
-    static constexpr std::uint32_t kFace = (N - 1) * (N - 1);  ///< and inside a face
+    static constexpr std::uint32_t kFace = (N - 1) * (N - 1);  ///< vertices inside a face
 
-    /// The first vertex inside an edge.
+    /// Returns the first vertex inside an edge.
     COPPICE_HOST_DEVICE std::uint32_t edge_begin(std::uint32_t e) const { return edges_ + e * kEdge; }
-    /// The first vertex inside a face.
+    /// Returns the first vertex inside a face.
     COPPICE_HOST_DEVICE std::uint32_t face_begin(std::uint32_t f) const { return faces_ + f * kFace; }
 
-    /// Point i (0 < i < N) of a half-edge, counted from its start.
+    /// Returns point i (0 < i < N) of a half-edge, counted from its beginning.
     COPPICE_HOST_DEVICE std::uint32_t on_side(std::uint32_t half, std::uint32_t i) const {
         const std::uint32_t side = cage_.side[half >> 2][half & 3];
         return edge_begin(side >> 1) + ((side & 1) != 0 ? N - 1 - i : i - 1);
     }
-    /// The neighbour of a half-edge's start along it.
+    /// Returns the neighbour of a half-edge's beginning along it.
     COPPICE_HOST_DEVICE std::uint32_t along(std::uint32_t half) const {
         if constexpr (N == 1) return cage_.corner(CageTopology::next(half));
         return on_side(half, 1);
     }
-    /// The neighbour of a half-edge's start across its quad.
+    /// Returns the neighbour of a half-edge's beginning across its quad.
     COPPICE_HOST_DEVICE std::uint32_t across(std::uint32_t half) const {
         if constexpr (N == 1) {
             return cage_.quads[half >> 2][(half + 2) & 3];
@@ -79,8 +81,9 @@ class PatchIndex {
         }
     }
 
-    /// The N + 1 points of the row next to a half-edge, inside its quad, from its start to its end.
-    COPPICE_HOST_DEVICE void row_beside(std::uint32_t half, std::array<std::uint32_t, N + 1>& row) const {
+    /// Returns the N + 1 points of the row next to a half-edge, inside its quad, from its beginning to its
+    /// end.
+    COPPICE_HOST_DEVICE void adjacent_row(std::uint32_t half, std::array<std::uint32_t, N + 1>& row) const {
         const std::uint32_t f = half >> 2;
         if constexpr (N == 1) {
             row = {cage_.quads[f][(half + 3) & 3], cage_.quads[f][(half + 2) & 3]};
@@ -95,14 +98,14 @@ class PatchIndex {
         }
     }
 
-    /// The vertex in column i and row j of a cage quad's patch, both in [0, N].
+    /// Returns the vertex in column i and row j of a cage quad's patch, both in [0, N].
     COPPICE_HOST_DEVICE std::uint32_t at(std::uint32_t f, std::uint32_t i, std::uint32_t j) const {
         return patch_vertex(cage_, N, f, i, j);
     }
 
     using Grid = std::array<std::array<std::uint32_t, N + 1>, N + 1>;  ///< [row][column]
 
-    /// All of them.
+    /// Returns all vertices of a patch.
     COPPICE_HOST_DEVICE void grid(std::uint32_t f, Grid& g) const {
         const Quad& q = cage_.quads[f];
         g[0][0] = q[0];
@@ -137,39 +140,39 @@ class PatchIndex {
 
 /// One corner of a refined quad.
 struct QuadCorner {
-    std::uint32_t quad;    ///< which one
-    std::uint32_t corner;  ///< of it, in [0, 3]
+    std::uint32_t quad;    ///< index of the quad
+    std::uint32_t corner;  ///< of the quad, in [0, 3]
 };
 
-/// What lies around single refined vertices, by closed forms: for the few places that are looked at one by
-/// one.
+/// The neighbourhoods of single refined vertices, by closed forms: for the few positions that are processed
+/// individually.
 class PatchStars {
   public:
-    /// Of a cage that outlives it.
+    /// The cage must outlive this object.
     COPPICE_HOST_DEVICE PatchStars(const CageView& cage, int levels)
         : cage_(cage),
           n_(1u << levels),
           edges_(cage.vertex_count()),
           faces_(edges_ + cage.edge_count() * (n_ - 1)) {}
 
-    /// Number of refined vertices.
+    /// Returns the number of refined vertices.
     COPPICE_HOST_DEVICE std::uint32_t vertex_count() const {
         return faces_ + cage_.face_count() * (n_ - 1) * (n_ - 1);
     }
-    /// The vertex in column i and row j of a cage quad's patch, both in [0, n].
+    /// Returns the vertex in column i and row j of a cage quad's patch, both in [0, n].
     COPPICE_HOST_DEVICE std::uint32_t vertex(std::uint32_t f, std::uint32_t i, std::uint32_t j) const {
         return patch_vertex(cage_, n_, f, i, j);
     }
-    /// Number of refined quads.
+    /// Returns the number of refined quads.
     COPPICE_HOST_DEVICE std::uint32_t quad_count() const { return cage_.face_count() * n_ * n_; }
 
-    /// The vertices of a refined quad.
+    /// Returns the vertices of a refined quad.
     COPPICE_HOST_DEVICE Quad quad(std::uint32_t q) const {
         const std::uint32_t f = q / (n_ * n_), inside = q % (n_ * n_), i = inside % n_, j = inside / n_;
         return {vertex(f, i, j), vertex(f, i + 1, j), vertex(f, i + 1, j + 1), vertex(f, i, j + 1)};
     }
 
-    /// The cage quad that counts the vertex as its own (see PatchRefinement::owned_vertices); kNone without
+    /// Returns the cage quad that owns the vertex (see PatchRefinement::owned_vertices); kNoIndex without
     /// quads.
     COPPICE_HOST_DEVICE std::uint32_t owner(std::uint32_t vertex) const {
         if (vertex >= faces_) return (vertex - faces_) / ((n_ - 1) * (n_ - 1));
@@ -178,18 +181,18 @@ class PatchStars {
             return (pair[0] < pair[1] ? pair[0] : pair[1]) >> 2;
         }
         const auto fan = cage_.fan(vertex);
-        return fan.empty() ? CageView::kNone : fan[0] >> 2;
+        return fan.empty() ? kNoIndex : fan[0] >> 2;
     }
 
-    /// Whether an edge about the vertex has one quad alone.
+    /// Returns whether an adjacent edge of the vertex has only one quad.
     COPPICE_HOST_DEVICE bool on_boundary(std::uint32_t vertex) const {
         if (cage_.closed() || vertex >= faces_) return false;
         if (vertex < edges_) return cage_.on_boundary[vertex] != 0;
         const auto& pair = cage_.edge_half[(vertex - edges_) / (n_ - 1)];
-        return pair[0] == CageView::kNone || pair[1] == CageView::kNone;
+        return pair[0] == kNoIndex || pair[1] == kNoIndex;
     }
 
-    /// Calls visit(QuadCorner) for every corner of a refined quad that is the vertex.
+    /// Calls visit(QuadCorner) for every corner of a refined quad at the vertex.
     template <class Visit>
     COPPICE_HOST_DEVICE void for_each_corner(std::uint32_t vertex, const Visit& visit) const {
         if (vertex >= faces_) {
@@ -202,16 +205,16 @@ class PatchStars {
         } else if (vertex >= edges_) {
             const std::uint32_t along = (vertex - edges_) % (n_ - 1) + 1;
             const auto [forward, backward] = cage_.edge_half[(vertex - edges_) / (n_ - 1)];
-            if (forward != CageView::kNone) visit_side(forward, along, visit);
-            if (backward != CageView::kNone) visit_side(backward, n_ - along, visit);
+            if (forward != kNoIndex) visit_side(forward, along, visit);
+            if (backward != kNoIndex) visit_side(backward, n_ - along, visit);
         } else {
-            for (const std::uint32_t half : cage_.fan(vertex)) visit(QuadCorner{beside(half, 0), half & 3});
+            for (const std::uint32_t half : cage_.fan(vertex)) visit(QuadCorner{adjacent(half, 0), half & 3});
         }
     }
 
   private:
-    /// The refined quad number k along a half-edge, inside the half-edge's cage quad.
-    COPPICE_HOST_DEVICE std::uint32_t beside(std::uint32_t half, std::uint32_t k) const {
+    /// Returns the refined quad with index k along a half-edge, inside the half-edge's cage quad.
+    COPPICE_HOST_DEVICE std::uint32_t adjacent(std::uint32_t half, std::uint32_t k) const {
         const std::uint32_t m = n_ - 1;
         const std::array<std::uint32_t, 4> first = {0, m, n_ * n_ - 1, n_ * m};
         const std::array<std::uint32_t, 4> step = {1, n_, 0u - 1u, 0u - n_};
@@ -219,8 +222,8 @@ class PatchStars {
     }
     template <class Visit>
     COPPICE_HOST_DEVICE void visit_side(std::uint32_t half, std::uint32_t along, const Visit& visit) const {
-        visit(QuadCorner{beside(half, along - 1), (half + 1) & 3});
-        visit(QuadCorner{beside(half, along), half & 3});
+        visit(QuadCorner{adjacent(half, along - 1), (half + 1) & 3});
+        visit(QuadCorner{adjacent(half, along), half & 3});
     }
 
     CageView cage_;

@@ -1,4 +1,4 @@
-// Included once for plain numbers, and again by ray_steps_simd.cpp for every instruction set: see
+// Included once for scalar numbers, and again by ray_steps_simd.cpp for every instruction set: see
 // kernel_math.h.
 #if !defined(COPPICE_SUBDIVISION_RAY_KERNEL_H) || defined(COPPICE_KERNEL_PER_TARGET)
 #define COPPICE_SUBDIVISION_RAY_KERNEL_H
@@ -7,8 +7,9 @@
 
 namespace coppice::COPPICE_KERNEL_NAMESPACE {
 
-/// (x^(2/5) - 1) over its derivative, for x >= 0 and clamped to where that is finite: Newton's step on a
-/// field's value^(2/5). x^(-2/5) comes from a guess by the exponent and Newton's rule without division.
+/// Returns (x^(2/5) - 1) over its derivative, for x >= 0 and clamped to where that is finite: Newton's step
+/// on a field's value^(2/5). x^(-2/5) is computed from an initial estimate by the exponent and Newton's
+/// method without division.
 template <class T>
 COPPICE_HOST_DEVICE inline T newton_rise(T ratio) {
     const T x = smaller(larger(ratio, T(1e-12f)), T(1e12f));
@@ -21,7 +22,7 @@ COPPICE_HOST_DEVICE inline T newton_rise(T ratio) {
     return T(2.5f) * x * (T(1) - y);
 }
 
-/// What a field says at a point of a ray, in units of its level; numbers that are not finite count as far
+/// Value of a field at a point of a ray, in units of its level; numbers that are not finite count as far
 /// outside.
 template <class T>
 struct RayReading {
@@ -29,11 +30,11 @@ struct RayReading {
     T slope;  ///< of the ratio along the direction
 };
 
-/// The reading of a sample: value, gradient, and the direction of the ray.
+/// Returns the reading of a sample: value, gradient, and the direction of the ray.
 template <class T>
 COPPICE_HOST_DEVICE inline RayReading<T> read_on_ray(T value, T gx, T gy, T gz, T dx, T dy, T dz,
                                                      T per_level) {
-    // Zero times anything finite is zero: one test for all four numbers.
+    // Zero times a finite number is zero: one test for all four numbers.
     const T zero(0);
     const T finite = (zero * value + zero * gx) + (zero * gy + zero * gz);
     const T ratio = value * per_level;
@@ -41,39 +42,39 @@ COPPICE_HOST_DEVICE inline RayReading<T> read_on_ray(T value, T gx, T gy, T gz, 
     return {value_where(counts, ratio), value_where(counts, (gx * dx + gy * dy + gz * dz) * per_level)};
 }
 
-/// A vertex on its ray, anchor + t direction; the surface lies between `inside` and `outside`.
+/// A vertex on its ray, anchor + t direction; the surface is between `inside` and `outside`.
 template <class T>
 struct RayState {
-    T t;           ///< where it is; 1 at first
-    T inside;      ///< 0 at first: the anchor is taken on trust until a vertex gets near it
+    T t;           ///< current parameter; initially 1
+    T inside;      ///< initially 0: the anchor is assumed inside until a vertex comes close to it
     T outside;     ///< infinite until a point outside is known
-    T best_t;      ///< where the field was nearest to its level
-    T best_error;  ///< how near; infinite at first
+    T best_t;      ///< parameter at which the field was closest to its level
+    T best_error;  ///< the difference there; initially infinite
 };
 
-/// How far rays go, and how exactly.
+/// Length and accuracy of rays.
 template <class T>
 struct RayLimits {
     T tolerance;    ///< of t, as a fraction
-    T max_stretch;  ///< greatest t
-    bool slow;      ///< halve the bracket instead of trusting Newton's rule
+    T max_stretch;  ///< maximum t
+    bool slow;      ///< bisect the bracket instead of using Newton's method
 };
 
-/// What came of a step; none of them: the vertex goes on. One that is empty or endless is back where it
-/// began.
+/// Outcome of a step; if all are false, the vertex continues. An empty or endless vertex is at its initial
+/// position.
 template <class Mask>
 struct RayVerdict {
     Mask converged;  ///< on the surface
-    Mask empty;      ///< nothing inside down to the anchor
-    Mask endless;    ///< nothing outside up to the end of the ray
+    Mask empty;      ///< no point inside down to the anchor
+    Mask endless;    ///< no point outside up to the end of the ray
 };
 
-/// Where Newton's rule on value^(2/5) as a function of t^2 leads, kept within the bracket.
+/// Returns the step of Newton's method on value^(2/5) as a function of t^2, limited to the bracket.
 template <class T, class Mask>
 COPPICE_HOST_DEVICE inline T next_on_ray(const RayReading<T>& here, Mask is_inside, Mask is_closed,
                                          const RayLimits<T>& limits, const RayState<T>& ray,
                                          Mask& by_newton) {
-    constexpr float kGrowth = 1.6f;  // longest step outward: a gap between branches is not jumped over
+    constexpr float kGrowth = 1.6f;  // longest step outward: does not jump over a gap between branches
     const T t = ray.t;
     const T farthest = T(kGrowth) * t;
     const T back = T(0.5f) * (ray.inside + t);
@@ -93,11 +94,11 @@ COPPICE_HOST_DEVICE inline T next_on_ray(const RayReading<T>& here, Mask is_insi
     return choose(give_up, choose(is_inside, outward, back), aim);
 }
 
-/// One step of a vertex by what the field says where it is.
+/// Moves a vertex by one step from the reading at its position.
 template <class T>
 COPPICE_HOST_DEVICE inline auto advance_ray(const RayReading<T>& here, const RayLimits<T>& limits,
                                             RayState<T>& ray) {
-    constexpr float kShortest = 1.0f / 32;  // nothing inside down to here: the anchor does not help
+    constexpr float kShortest = 1.0f / 32;  // parameter to which no point is inside: the anchor does not help
     constexpr float kInfinity = std::numeric_limits<float>::infinity();
     const T error = absolute(here.ratio - T(1));
     const auto better = error < ray.best_error;
@@ -114,7 +115,7 @@ COPPICE_HOST_DEVICE inline auto advance_ray(const RayReading<T>& here, const Ray
 
     Mask by_newton = is_closed;
     const T next = next_on_ray(here, is_inside, is_closed, limits, ray, by_newton);
-    // Newton's error is squared by each step, so the one after a short step need not be seen.
+    // Newton's error is squared by each step, so the step after a short one need not be evaluated.
     const T step = (next - t) / t;
     const Mask is_short = by_newton & (step * step <= limits.tolerance);
     const Mask is_narrow = is_closed & (ray.outside - ray.inside <= limits.tolerance * ray.outside);

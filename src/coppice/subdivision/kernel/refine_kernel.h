@@ -4,34 +4,34 @@
 #include <cstdint>
 #include <span>
 
+#include "coppice/base/id.h"
 #include "coppice/base/vec.h"
 #include "coppice/subdivision/kernel/patch_index.h"
 
 namespace coppice {
 
-/// The cubic B-spline's two rules.
-/// @{
+/// The two rules of the cubic B-spline. @{
 template <class T>
 COPPICE_HOST_DEVICE T between(const T& a, const T& b) {
     return 0.5f * (a + b);
 }
 template <class T>
-COPPICE_HOST_DEVICE T beside(const T& a, const T& b, const T& c) {
+COPPICE_HOST_DEVICE T adjacent(const T& a, const T& b, const T& c) {
     return 0.125f * (a + c) + 0.75f * b;
 }
 /// @}
 
-/// N + 1 points of a curve to the 2 N - 1 refined ones strictly between its ends.
+/// Refines N + 1 points of a curve to the 2 N - 1 points strictly between its ends.
 template <int N>
 COPPICE_HOST_DEVICE void refine_curve(const Vec3* points, Vec3* out) {
     out[0] = between(points[0], points[1]);
     for (int i = 1; i < N; ++i) {
-        out[2 * i - 1] = beside(points[i - 1], points[i], points[i + 1]);
+        out[2 * i - 1] = adjacent(points[i - 1], points[i], points[i + 1]);
         out[2 * i] = between(points[i], points[i + 1]);
     }
 }
 
-/// The refined points inside a cage quad, row by row. Fast where a thread has a cache of its own.
+/// Computes the refined points inside a cage quad, row by row. Fast if each thread has its own cache.
 template <int N>
 void refine_face(const PatchIndex<N>& index, std::uint32_t f, std::span<const Vec3> in, Vec3* out) {
     constexpr int kWidth = 2 * N - 1;
@@ -45,53 +45,53 @@ void refine_face(const PatchIndex<N>& index, std::uint32_t f, std::span<const Ve
     }
     for (int j = 0; j < N; ++j) {
         if (j > 0) {
-            for (int i = 0; i < kWidth; ++i) *out++ = beside(rows[j - 1][i], rows[j][i], rows[j + 1][i]);
+            for (int i = 0; i < kWidth; ++i) *out++ = adjacent(rows[j - 1][i], rows[j][i], rows[j + 1][i]);
         }
         for (int i = 0; i < kWidth; ++i) *out++ = between(rows[j][i], rows[j + 1][i]);
     }
 }
 
-/// Of these, the one in column i and row j, both in [1, 2 N - 1]. Fast where every point has a thread.
+/// Computes the one in column i and row j, both in [1, 2 N - 1]. Fast if every point has a thread.
 template <int N>
 COPPICE_HOST_DEVICE Vec3 refine_face_point(const PatchIndex<N>& index, std::uint32_t f, std::uint32_t i,
                                            std::uint32_t j, std::span<const Vec3> in) {
     const auto row = [&](std::uint32_t r) {
         const auto at = [&](std::uint32_t c) { return in[index.at(f, c, r)]; };
         const std::uint32_t c = i / 2;
-        return i % 2 == 1 ? between(at(c), at(c + 1)) : beside(at(c - 1), at(c), at(c + 1));
+        return i % 2 == 1 ? between(at(c), at(c + 1)) : adjacent(at(c - 1), at(c), at(c + 1));
     };
     const std::uint32_t r = j / 2;
-    return j % 2 == 1 ? between(row(r), row(r + 1)) : beside(row(r - 1), row(r), row(r + 1));
+    return j % 2 == 1 ? between(row(r), row(r + 1)) : adjacent(row(r - 1), row(r), row(r + 1));
 }
 
-/// The refined points inside a cage edge.
+/// Computes the refined points inside a cage edge.
 template <int N>
 COPPICE_HOST_DEVICE void refine_edge(const CageView& cage, const PatchIndex<N>& index, std::uint32_t e,
                                      std::span<const Vec3> in, Vec3* out) {
     const auto [forward, backward] = cage.edge_half[e];
-    const bool has_forward = forward != CageView::kNone;
+    const bool has_forward = forward != kNoIndex;
     std::array<Vec3, N + 1> curve;
     curve[0] = in[has_forward ? cage.corner(forward) : cage.corner(CageTopology::next(backward))];
     curve[N] = in[has_forward ? cage.corner(CageTopology::next(forward)) : cage.corner(backward)];
     for (int i = 1; i < N; ++i) curve[i] = in[index.edge_begin(e) + static_cast<std::uint32_t>(i - 1)];
-    if (has_forward && backward != CageView::kNone) {
+    if (has_forward && backward != kNoIndex) {
         std::array<std::uint32_t, N + 1> left;
         std::array<std::uint32_t, N + 1> right;
-        index.row_beside(forward, left);
-        index.row_beside(backward, right);
-        for (int i = 0; i <= N; ++i) curve[i] = beside(in[left[i]], curve[i], in[right[N - i]]);
+        index.adjacent_row(forward, left);
+        index.adjacent_row(backward, right);
+        for (int i = 0; i <= N; ++i) curve[i] = adjacent(in[left[i]], curve[i], in[right[N - i]]);
     }
     refine_curve<N>(curve.data(), out);
 }
 
-/// A cage vertex on a boundary: neighbours along the boundary only. Where several boundaries meet in a
-/// vertex, all count alike.
+/// Computes a cage vertex on a boundary: neighbours along the boundary only. Where several boundaries meet in
+/// a vertex, all have the same weight.
 template <int N>
 COPPICE_HOST_DEVICE Vec3 refine_boundary_vertex(const CageView& cage, const PatchIndex<N>& index,
                                                 std::uint32_t v, std::span<const Vec3> in) {
     const auto is_boundary = [&](std::uint32_t half) {
         const auto& pair = cage.pair(half);
-        return pair[0] == CageView::kNone || pair[1] == CageView::kNone;
+        return pair[0] == kNoIndex || pair[1] == kNoIndex;
     };
     Vec3 sum;
     float count = 0;
@@ -109,7 +109,7 @@ COPPICE_HOST_DEVICE Vec3 refine_boundary_vertex(const CageView& cage, const Patc
     return 0.75f * in[v] + sum * (0.25f / count);
 }
 
-/// A cage vertex after one step.
+/// Computes a cage vertex after one step.
 template <int N>
 COPPICE_HOST_DEVICE Vec3 refine_vertex(const CageView& cage, const PatchIndex<N>& index, std::uint32_t v,
                                        std::span<const Vec3> in) {

@@ -4,68 +4,71 @@
 #include <cstdint>
 #include <span>
 
+#include "coppice/base/id.h"
 #include "coppice/subdivision/kernel/flat_ends.h"
 #include "coppice/subdivision/kernel/gradient_kernel.h"
 #include "coppice/subdivision/kernel/patch_index.h"
 
 namespace coppice {
 
-/// Which pass of unfolding a cluster of bad faces is in, and what it does: see untangle.
+/// The current pass of unfolding a cluster of bad faces, and its parameters: see untangle.
 class UnfoldSchedule {
   public:
-    /// `passes` and `projected` as in UntangleOptions; so many faces are bad at first, of a cluster of so
-    /// many vertices.
+    /// `passes` and `projected` as in UntangleOptions; `bad`: initial number of bad faces, of a cluster of
+    /// `vertices` vertices.
     COPPICE_HOST_DEVICE UnfoldSchedule(int passes, int projected, std::uint32_t bad, std::uint32_t vertices)
         : passes_(static_cast<std::uint32_t>(passes)),
           projected_(static_cast<std::uint32_t>(projected)),
           bad_(bad),
-          least_bad_(bad),
-          most_moves_(kMostMoves * vertices) {}
+          min_bad_(bad),
+          max_moves_(kMaxMoves * vertices) {}
 
-    /// Passes begun so far.
+    /// Number of passes begun so far.
     COPPICE_HOST_DEVICE std::uint32_t pass() const { return pass_; }
 
-    /// Begins another pass, unless the cluster has come to its end.
+    /// Begins another pass, unless the cluster is finished.
     COPPICE_HOST_DEVICE bool begin_pass() {
-        const std::uint32_t last = (best_pass_ > projected_ ? best_pass_ : projected_) + kPatience;
-        if (bad_ == 0 || pass_ >= passes_ || pass_ >= last || moves_ >= most_moves_) return false;
+        const std::uint32_t last = (best_pass_ > projected_ ? best_pass_ : projected_) + kMaxStalledPasses;
+        if (bad_ == 0 || pass_ >= passes_ || pass_ >= last || moves_ >= max_moves_) return false;
         ++pass_;
         return true;
     }
-    /// Rings of faces around the bad ones that move too. Free passes begin with the bad faces alone and reach
-    /// farther where that does not help.
+    /// Returns the number of rings of faces around the bad ones that move too. Free passes begin with the bad
+    /// faces alone and extend farther if that does not help.
     COPPICE_HOST_DEVICE int rings() const {
         if (pass_ <= projected_) return kRings;
         const int rings = static_cast<int>(pass_ - projected_ - 1) / kPassesPerRing;
         return rings < kRings ? rings : kRings;
     }
-    /// Steps along the gradient after smoothing, at most.
+    /// Returns the maximum number of steps along the gradient after smoothing.
     COPPICE_HOST_DEVICE int steps() const { return pass_ <= projected_ ? kSteps : 0; }
 
-    /// Notes how many vertices moved and how many faces are bad now; returns whether so few never were.
+    /// Records the number of moved vertices and the current number of bad faces; returns whether this is a
+    /// new minimum.
     COPPICE_HOST_DEVICE bool end_pass(std::uint32_t moved, std::uint32_t bad) {
         moves_ += moved;
         bad_ = bad;
-        if (bad >= least_bad_) return false;
-        least_bad_ = bad;
+        if (bad >= min_bad_) return false;
+        min_bad_ = bad;
         best_pass_ = pass_;
         return true;
     }
 
   private:
-    static constexpr int kRings = 2;                // at most
-    static constexpr int kPassesPerRing = 3;        // before free passes take another ring
-    static constexpr int kSteps = 3;                // while passes project
-    static constexpr std::uint32_t kPatience = 10;  // passes without gain
-    // Of each vertex of a cluster, on average: a tangle is not worth more.
-    static constexpr std::uint64_t kMostMoves = 25;
+    static constexpr int kRings = 2;                        // maximum
+    static constexpr int kPassesPerRing = 3;                // before free passes use another ring
+    static constexpr int kSteps = 3;                        // while passes project
+    static constexpr std::uint32_t kMaxStalledPasses = 10;  // passes without improvement
+    // Maximum of the mean number of moves per vertex of a cluster.
+    static constexpr std::uint64_t kMaxMoves = 25;
 
-    std::uint32_t passes_, projected_, bad_, least_bad_;
+    std::uint32_t passes_, projected_, bad_, min_bad_;
     std::uint32_t pass_ = 0, best_pass_ = 0;
-    std::uint64_t moves_ = 0, most_moves_;
+    std::uint64_t moves_ = 0, max_moves_;
 };
 
-/// Part of the way from a vertex to the mean of its neighbours. `quads` gives the vertices of a refined quad.
+/// Returns a vertex moved by a share of the distance to the mean of its neighbours. `quads` returns the
+/// vertices of a refined quad.
 template <class Quads>
 COPPICE_HOST_DEVICE Vec3 smoothed(std::uint32_t vertex, std::span<const Vec3> positions,
                                   const PatchStars& stars, const Quads& quads) {
@@ -80,21 +83,21 @@ COPPICE_HOST_DEVICE Vec3 smoothed(std::uint32_t vertex, std::span<const Vec3> po
     return p + way * (kWeight / count);
 }
 
-/// A vertex on its way back to the surface; on a flat end it keeps to the plane.
+/// A vertex on its way back to the surface; on a flat end it stays in the plane.
 class Mover {
   public:
-    Mover() = default;  ///< nowhere
-    /// From where smoothing put a vertex. `ends` are those of the cage, `clips` their planes.
+    Mover() = default;  ///< undefined position
+    /// Begins at the smoothed position of a vertex. `ends` are those of the cage, `clips` their planes.
     COPPICE_HOST_DEVICE Mover(Vec3 smoothed, Vec3 anchor, const FlatEnds::Place& place,
                               std::span<const ClipPlane> clips)
-        : plane_(place.end == FlatEnds::kNone ? nullptr : &clips[place.end]),
+        : plane_(place.end == kNoIndex ? nullptr : &clips[place.end]),
           point_(on_plane(smoothed)),
           reach_(distance(smoothed, anchor)),
           is_inside_end_(plane_ != nullptr && !place.on_rim) {}
 
-    COPPICE_HOST_DEVICE Vec3 point() const { return point_; }  ///< where it has come to
+    COPPICE_HOST_DEVICE Vec3 point() const { return point_; }  ///< current position
 
-    /// One step by what the field says there; false when the vertex has arrived.
+    /// Moves by one step from the reading at the current position; returns false if the vertex has converged.
     COPPICE_HOST_DEVICE bool advance(Reading here) {
         constexpr float kDamping = 0.95f;
         constexpr float kLongestStep = 0.3f;  // in distances to the anchor

@@ -11,18 +11,18 @@
 
 namespace coppice {
 
-// Queries on a round cone, relative to some corner of space, whose balls grow from a to b: growth >= 0. With
-// `times`, all its balls are so many times as large.
+// Queries on a round cone, relative to an arbitrary origin, with balls that grow from a to b: growth >= 0.
+// The parameter `times` multiplies all its radii.
 
-/// A segment from its thinner end on.
+/// Returns the cone of a segment, oriented from its thinner end to its thicker one.
 inline RoundCone growing_cone(const Segment& s, Vec3d corner) {
     const Vec3d a = Vec3d(s.a) - corner, b = Vec3d(s.b) - corner;
     return s.radius_b < s.radius_a ? round_cone<double>(b, a, s.radius_b, s.radius_a)
                                    : round_cone<double>(a, b, s.radius_a, s.radius_b);
 }
 
-/// Parameter of the ball to whose surface p is nearest: beyond the foot of p on the axis, towards the thicker
-/// end, as the cone's flank is aslant.
+/// Returns the parameter of the ball with the surface closest to p: beyond the closest point on the axis,
+/// towards the thicker end, because the surface of the cone is oblique.
 inline double nearest_ball(const RoundCone& cone, double times, Vec3d p) {
     const double squared = length_squared(cone.axis), g = times * cone.growth, steep = squared - g * g;
     if (steep <= 0) return 1;
@@ -32,15 +32,16 @@ inline double nearest_ball(const RoundCone& cone, double times, Vec3d p) {
     return std::clamp(foot + away * g / std::sqrt(squared), 0.0, 1.0);
 }
 
-/// Greatest n . p over the points p of the balls, for n of length n_length (the support function).
+/// Returns the maximum of n . p over the points p of the balls, for n of length n_length (the support
+/// function).
 inline double support(const RoundCone& cone, double times, Vec3d n, double n_length) {
     return dot(cone.a, n) + times * cone.radius_a * n_length +
            std::max(0.0, dot(cone.axis, n) + times * cone.growth * n_length);
 }
 
-/// Radius of the thinnest ball of the cone that, `times` as large, meets the ball about `center`; none when
-/// all miss it. The condition |center - low - t along| <= times (radius + t growth) + reach, squared, is a
-/// quadratic in t of which the first root counts.
+/// Returns the radius of the thinnest ball of the cone that, `times` as large, intersects the ball around
+/// `center`; empty if no ball does. The condition |center - low - t along| <= times (radius + t growth) +
+/// reach, squared, is a quadratic in t; its first root is the solution.
 inline std::optional<double> thinnest_ball_meeting(const RoundCone& cone, double times, Vec3d center,
                                                    double reach) {
     const Vec3d w = center - cone.a;
@@ -55,9 +56,9 @@ inline std::optional<double> thinnest_ball_meeting(const RoundCone& cone, double
     return cone.radius(c / down);
 }
 
-/// Whether the ball about `center` lies within one of the balls of the cone, `times` as large.
+/// Returns whether the ball around `center` is inside one of the balls of the cone, `times` as large.
 inline bool holds_ball(const RoundCone& cone, double times, Vec3d center, double reach) {
-    // From the thicker end on.
+    // Searches from the thicker end.
     const double g = times * cone.growth, r = times * cone.radius_b() - reach;
     if (r <= 0) return false;
     const Vec3d w = center - cone.a - cone.axis;
@@ -70,9 +71,9 @@ inline bool holds_ball(const RoundCone& cone, double times, Vec3d center, double
     return c <= down && r - (c / down) * g >= 0;
 }
 
-/// Whether a plane across the shortest way from the cone to `middle` parts the cone, `times` as large, from a
-/// convex body around `middle`; lowest(n, |n|) is the least n . p over the body's points. May be false
-/// although they are apart.
+/// Returns whether a plane perpendicular to the shortest path from the cone to `middle` separates the cone,
+/// `times` as large, from a convex body around `middle`; lowest(n, |n|) is the minimum of n . p over the
+/// points of the body. May return false although they are disjoint.
 template <class Lowest>
 bool separated(const RoundCone& cone, double times, Vec3d middle, const Lowest& lowest) {
     const Vec3d n = middle - cone.point(nearest_ball(cone, times, middle));

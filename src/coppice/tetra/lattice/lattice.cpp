@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "coppice/base/check_fields.h"
+#include "coppice/base/id.h"
 #include "coppice/base/parallel.h"
 #include "coppice/tetra/lattice/select_internal.h"
 
@@ -13,15 +14,15 @@ namespace {
 
 constexpr std::size_t kLatticeGrain = 1 << 12;
 
-Buffer<RoundCone> cones_of(std::span<const Segment> segments, Vec3d corner, const Context& ctx) {
+Buffer<RoundCone> compute_cones(std::span<const Segment> segments, Vec3d corner, const Context& ctx) {
     Buffer<RoundCone> cones(segments.size());
     parallel_for(ctx, segments.size(), kLatticeGrain,
                  [&](std::size_t i) { cones[i] = growing_cone(segments[i], corner); });
     return cones;
 }
 
-/// The slot of the set bit number `rank`.
-unsigned slot_of(std::uint64_t mask, std::uint32_t rank) {
+/// Returns the slot of the set bit number `rank`.
+unsigned find_slot(std::uint64_t mask, std::uint32_t rank) {
     for (; rank > 0; --rank) mask &= mask - 1;
     return static_cast<unsigned>(std::countr_zero(mask));
 }
@@ -47,14 +48,14 @@ struct Lattice::State {
         const auto region =
             static_cast<std::size_t>(std::ranges::upper_bound(first, tetra) - first.begin()) - 1;
         const std::uint32_t leaf = out.region_leaf[region];
-        return {leaf, slot_of(masks[leaf], tetra - first[region])};
+        return {leaf, find_slot(masks[leaf], tetra - first[region])};
     }
 };
 
 Lattice::Lattice(std::span<const Segment> segments, const LatticeOptions& options, const Context& ctx) {
     check_fields(options, "lattice");
     const LatticeCube cube = lattice_cube(segments, options);
-    Buffer<RoundCone> cones = cones_of(segments, cube.low, ctx);
+    Buffer<RoundCone> cones = compute_cones(segments, cube.low, ctx);
     LatticeSizing sizing = size_cells(cones, cube, options, ctx);
     LatticeCells cells(Octree(std::move(sizing.split), ctx), ctx);
     LeafSegments of_leaf(cells.octree(), std::move(sizing));
@@ -78,7 +79,7 @@ bool Lattice::grow(std::span<const TetraFace> faces, const Context& ctx) {
     for (const TetraFace& f : faces) {
         COPPICE_ASSERT(f.tetra < s.out.mesh.tetra.size() && f.opposite < 4);
         const LatticeCells::Name name = s.cells.across(s.name(f.tetra), f.opposite);
-        if (name.leaf != kNone) found.push_back(name);
+        if (name.leaf != kNoIndex) found.push_back(name);
     }
     bool grown = false;
     for (const LatticeCells::Name& name : found) {

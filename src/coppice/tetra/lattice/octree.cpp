@@ -12,7 +12,7 @@ namespace {
 using Keys = Buffer<std::uint64_t>;
 constexpr std::size_t kOctreeGrain = 1 << 12;
 
-/// For the octants of a cell that are split, the steps from that cell to where all cells must be split: those
+/// For each set of split octants of a cell, the steps from that cell to all cells that must be split: those
 /// that touch a split octant.
 constexpr std::array<std::uint32_t, 256> make_needed() {
     std::array<std::uint32_t, 256> needed{};
@@ -51,7 +51,7 @@ void visit_steps(std::uint64_t key, unsigned level, std::uint32_t steps, const V
     }
 }
 
-/// The cells of the level above that must be split because these are, each once or more.
+/// Returns the cells of the level above that must be split because of these; may contain duplicates.
 Keys needed_above(const Keys& split, unsigned level, const Context& ctx) {
     std::vector<std::vector<std::uint64_t>> found((split.size() + kOctreeGrain - 1) / kOctreeGrain);
     parallel_for_ranges(ctx, split.size(), kOctreeGrain, [&](IndexRange range) {

@@ -6,18 +6,18 @@
 
 #include "coppice/base/column.h"
 #include "coppice/base/context.h"
-#include "coppice/tetra/none_internal.h"
+#include "coppice/base/id.h"
 
 namespace coppice {
 
-using tetra_internal::kNone;
 
-/// One of the 27 steps to a cell of the same size around a cell: x, y, z in -1 .. 1. Code 13 is no step.
+/// Returns the code of one of the 27 steps to a cell of the same size around a cell: x, y, z in -1 .. 1. Code
+/// 13 is the null step.
 constexpr unsigned step_code(int x, int y, int z) {
     return static_cast<unsigned>(x + 1 + 3 * (y + 1) + 9 * (z + 1));
 }
 
-/// Where the neighbour of a child lies: one step from the parent, and there in an octant.
+/// Position of the neighbour of a child: one step from the parent, and an octant there.
 struct ChildStep {
     std::uint8_t step, octant;
 };
@@ -37,24 +37,26 @@ constexpr std::array<std::array<ChildStep, 27>, 8> make_child_steps() {
 }
 inline constexpr std::array<std::array<ChildStep, 27>, 8> kChildStep = make_child_steps();
 
-/// A cube cut into eight, and those again, in which cells that touch differ by one level at most.
+/// A cube divided recursively into eight, in which adjacent cells differ by at most one level.
 ///
-/// Cells of one level are named by Morton keys: bits x, y, z of each level, the highest first. Coordinates
-/// are whole numbers from 0 to kSide over the side of the cube, so that centers of the smallest cells are
-/// whole. The eight children of the split cell number s are the nodes 8 s + 1 .. 8 s + 8; node 0 is the cube.
-/// Split cells are numbered level by level, leaves along the Morton curve. 20 bytes per node and 4 per leaf.
+/// Cells of one level are identified by Morton keys: bits x, y, z of each level, the highest first.
+/// Coordinates are integers from 0 to kSide over the side of the cube, chosen so that centers of the smallest
+/// cells are integers. The eight children of split cell number s are the nodes 8 s + 1 .. 8 s + 8; node 0 is
+/// the cube. Split cells are numbered level by level, leaves along the Morton curve. 20 bytes per node and 4
+/// per leaf.
 class Octree {
   public:
-    static constexpr unsigned kMostLevels = 21;
-    static constexpr std::uint32_t kSide = 1u << (kMostLevels + 1);
+    static constexpr unsigned kMaxLevels = 21;
+    static constexpr std::uint32_t kSide = 1u << (kMaxLevels + 1);
 
     struct Cell {
         std::array<std::uint32_t, 3> low{};
         std::uint32_t side = 0;
     };
 
-    /// split[l] holds the keys of the cells of level l to be split, ascending; what is split has split
-    /// parents. More are split until neighbours across faces, edges and corners differ by one level at most.
+    /// split[l] contains the keys of the cells of level l to split, ascending; the parents of a split cell
+    /// must be split. Splits further cells until neighbours across faces, edges and corners differ by at most
+    /// one level.
     Octree(std::vector<Buffer<std::uint64_t>> split, const Context& ctx);
 
     std::uint32_t leaf_count() const { return static_cast<std::uint32_t>(node_of_leaf_.size()); }
@@ -71,10 +73,10 @@ class Octree {
                          : child_cell(cell_of_split_[(node - 1) / 8], (node - 1) % 8);
     }
 
-    /// What lies one step from a node: the node of its size, or the leaf of twice its size around that place,
-    /// of which it would be the child `octant`. kNone beyond the cube.
+    /// The neighbour one step from a node: the node of equal size, or the leaf of twice its size that
+    /// contains this position as its octant `octant`. kNoIndex outside the cube.
     struct Neighbor {
-        std::uint32_t node = kNone;
+        std::uint32_t node = kNoIndex;
         bool larger = false;
         unsigned octant = 0;
     };
@@ -82,12 +84,12 @@ class Octree {
         if (node == 0) return {};
         const ChildStep way = kChildStep[(node - 1) % 8][step];
         const std::uint32_t there = around_split_[(node - 1) / 8][way.step];
-        if (there == kNone) return {};
+        if (there == kNoIndex) return {};
         if (is_leaf(there)) return {there, true, way.octant};
         return {child(there, way.octant), false, way.octant};
     }
 
-    /// The leaf around a point with coordinates below kSide; of several the upper one.
+    /// Returns the leaf that contains a point with coordinates below kSide; on a border, the upper leaf.
     std::uint32_t leaf_at(std::array<std::uint32_t, 3> point) const;
 
   private:

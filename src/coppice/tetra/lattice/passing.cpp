@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "coppice/base/id.h"
 #include "coppice/base/parallel.h"
 #include "coppice/tetra/lattice/select_internal.h"
 
@@ -10,10 +11,10 @@ namespace coppice {
 namespace {
 
 constexpr std::size_t kPassingGrain = 1 << 8;
-/// Cells are taken this much larger, so that rounding loses no axis that runs along a face.
+/// Relative enlargement of cells, so that rounding loses no axis that runs along a face.
 constexpr double kSlack = 1e-9;
 
-/// A row for each of `count` items, by row(scratch, i), which appends to scratch.
+/// Creates a row for each of `count` items with row(scratch, i), which appends to scratch.
 template <class Row>
 CompressedRows<std::uint32_t> make_rows(std::size_t count, const Row& row, const Context& ctx) {
     std::vector<std::vector<std::uint32_t>> found((count + kPassingGrain - 1) / kPassingGrain);
@@ -32,7 +33,7 @@ CompressedRows<std::uint32_t> make_rows(std::size_t count, const Row& row, const
     return out;
 }
 
-/// The segments whose axes pass through each leaf.
+/// Returns the segments with axes that pass through each leaf.
 CompressedRows<std::uint32_t> axes_in_leaves(const LatticeCells& cells, const LeafSegments& segments,
                                              std::span<const RoundCone> cones, const LatticeCube& cube,
                                              const Context& ctx) {
@@ -54,7 +55,7 @@ CompressedRows<std::uint32_t> axes_in_leaves(const LatticeCells& cells, const Le
     return make_rows(cells.leaf_count(), row, ctx);
 }
 
-/// For each leaf, the node of `sizing` that it is or lies in.
+/// Returns for each leaf the node of `sizing` that contains it.
 Buffer<std::uint32_t> sizing_nodes(const Octree& octree, const LatticeSizing& sizing) {
     Buffer<std::uint32_t> node(octree.node_count()), of_leaf(octree.leaf_count());
     node[0] = 0;
@@ -65,7 +66,7 @@ Buffer<std::uint32_t> sizing_nodes(const Octree& octree, const LatticeSizing& si
         }
         const std::uint32_t split = sizing.split_number[node[n]];
         for (unsigned o = 0; o < 8; ++o)
-            node[octree.child(n, o)] = split == kNone ? node[n] : 8 * split + 1 + o;
+            node[octree.child(n, o)] = split == kNoIndex ? node[n] : 8 * split + 1 + o;
     }
     return of_leaf;
 }
@@ -91,7 +92,7 @@ CompressedRows<std::uint32_t> passing_axes(const LatticeCells& cells, const Leaf
         add(leaves[i]);
         for (unsigned direction = 0; direction < 6; ++direction) {
             const std::uint32_t other = cells.other(leaves[i], direction);
-            if (other != kNone) add(other);
+            if (other != kNoIndex) add(other);
         }
         std::sort(items.begin() + begin, items.end());
         items.erase(std::unique(items.begin() + begin, items.end()), items.end());

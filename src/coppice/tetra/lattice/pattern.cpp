@@ -26,8 +26,8 @@ std::uint32_t corners_of(const Weights& w) {
     return bits;
 }
 
-/// Orders weights lexicographically: what lies in one group keeps its order whichever corner of a
-/// tetrahedron the group's corners are. The last weight follows from the others.
+/// Returns a key that orders weights lexicographically: elements of one group keep their order for any
+/// assignment of the group's corners to corners of a tetrahedron. The last weight follows from the others.
 std::uint32_t code_of(const Weights& w) {
     return std::uint32_t{w[0]} << 12 | std::uint32_t{w[1]} << 6 | w[2];
 }
@@ -83,7 +83,7 @@ class PatternMaker {
         return first;
     }
 
-    /// The place of x >= y >= z along the path of edges through the four corners.
+    /// Point x >= y >= z along the path of edges through the four corners.
     bool in_tetra(std::array<int, 3> p) const {
         return p[0] <= n_ && p[1] <= p[0] && p[2] <= p[1] && p[2] >= 0;
     }
@@ -110,7 +110,8 @@ class PatternMaker {
         }
     }
 
-    /// Six tetrahedra about the diagonal of a cube, one for every order of the axes, those inside alone.
+    /// Adds the six tetrahedra around the diagonal of a cube, one for every order of the axes, if they are
+    /// inside.
     void cut_cube(std::array<int, 3> corner) {
         std::array<std::size_t, 3> axes{0, 1, 2};
         do {
@@ -142,7 +143,7 @@ class PatternMaker {
 
     struct Edge {
         std::uint32_t group;
-        std::uint32_t low, high;  ///< codes of its ends, in order
+        std::uint32_t low, high;  ///< codes of its ends, ascending
         friend auto operator<=>(const Edge&, const Edge&) = default;
     };
     Edge edge_between(Local a, Local b) const {
@@ -188,7 +189,8 @@ class PatternMaker {
     }
 
     int n_;
-    std::array<std::uint8_t, 4> path_;  ///< the diagonal joins the middles of 0, 2 and of 1, 3 of this
+    std::array<std::uint8_t, 4>
+        path_;  ///< the diagonal connects the midpoints of 0, 2 and of 1, 3 of this path
     std::vector<Local> by_code_;
     TetraPattern out_;
 };
@@ -196,7 +198,7 @@ class PatternMaker {
 }  // namespace
 
 TetraPattern tetra_pattern(int levels, std::uint32_t diagonal) {
-    COPPICE_ASSERT(levels >= 0 && levels <= TetraPattern::kMostLevels && diagonal < kTetraDiagonals.size());
+    COPPICE_ASSERT(levels >= 0 && levels <= TetraPattern::kMaxLevels && diagonal < kTetraDiagonals.size());
     return PatternMaker(levels, diagonal).make();
 }
 

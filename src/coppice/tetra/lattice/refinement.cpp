@@ -7,13 +7,11 @@
 #include <limits>
 #include <utility>
 
+#include "coppice/base/id.h"
 #include "coppice/base/parallel.h"
 #include "coppice/tetra/lattice/shape_kernel.h"
-#include "coppice/tetra/none_internal.h"
 
 namespace coppice {
-
-using tetra_internal::kNone;
 
 namespace {
 
@@ -23,22 +21,21 @@ using Kind = TetraRefinement::Kind;
 constexpr std::size_t kRefinementGrain = 2048;            // tetrahedra
 constexpr std::uint32_t kFirstEdge = 4, kFirstFace = 10;  // groups
 
-/// Whether a group of the pattern lies in the face opposite a corner.
-bool lies_in_face(std::uint32_t group, std::uint32_t opposite) {
+/// Returns whether a group of the pattern is in the face opposite a corner.
+bool is_in_face(std::uint32_t group, std::uint32_t opposite) {
     if (group < kFirstEdge) return group != opposite;
     if (group >= kFirstFace) return group == kFirstFace + opposite;
     const auto [a, b] = kTetraEdges[group - kFirstEdge];
     return a != opposite && b != opposite;
 }
 
-/// The edges, or the faces, of which one vertex is the least: few, so that the place of one is found by
-/// looking at all.
+/// The edges or faces that have one vertex as their smallest; they are few, so a linear search is fast.
 class ByLeastVertex {
   public:
     void clear() { keys_.clear(); }
     std::size_t size() const { return keys_.size(); }
 
-    /// The number of the one with these other vertices.
+    /// Returns the number of the element with these other vertices; adds it if it is new.
     std::uint32_t find(std::uint64_t key) {
         const auto at = std::ranges::find(keys_, key);
         const auto number = static_cast<std::uint32_t>(at - keys_.begin());
@@ -50,7 +47,7 @@ class ByLeastVertex {
     std::vector<std::uint64_t> keys_;
 };
 
-/// Edges and faces whose least vertex is corner c of a tetrahedron.
+/// Calls visit for the edges, or faces, that have corner c of a tetrahedron as their smallest vertex.
 template <class Visit>
 void for_each_edge_above(std::uint32_t c, const Visit& visit) {
     for (std::uint32_t e = 0; e < 6; ++e) {
@@ -74,9 +71,9 @@ std::uint32_t corner_of(const TetraRefinement::Parts& parts, std::uint32_t verte
 
 TetraRefinement::TetraRefinement(const TetraMesh& coarse, int levels, const Context& ctx)
     : coarse_(coarse), levels_(levels) {
-    if (levels < 0 || levels > TetraPattern::kMostLevels) {
-        throw InvalidInput(fmt::format("tetra refinement: levels must lie between 0 and {}, but is {}",
-                                       TetraPattern::kMostLevels, levels));
+    if (levels < 0 || levels > TetraPattern::kMaxLevels) {
+        throw InvalidInput(fmt::format("tetra refinement: levels must be between 0 and {}, but is {}",
+                                       TetraPattern::kMaxLevels, levels));
     }
     check(ctx);
     describe(ctx);
@@ -87,11 +84,11 @@ TetraRefinement::TetraRefinement(const TetraMesh& coarse, int levels, const Cont
     vertices_.per_kind = fine_vertices_per_part(levels);
     const std::uint64_t total =
         vertices_.begin_kinds({coarse.positions.size(), edge_count(), face_count(), coarse.tetra.size()});
-    if (total > kMostVertices) {
+    if (total > kMaxVertices) {
         throw InvalidInput(
-            fmt::format("tetra refinement: levels = {} makes more than {} vertices of {} tetrahedra; "
-                        "take fewer levels",
-                        levels, kMostVertices, coarse.tetra.size()));
+            fmt::format("tetra refinement: levels = {} makes more than {} vertices of {} tetrahedra; reduce "
+                        "the number of levels",
+                        levels, kMaxVertices, coarse.tetra.size()));
     }
     vertex_count_ = static_cast<std::uint32_t>(total);
     for (std::uint32_t d = 0; d < 3; ++d) patterns_[d] = tetra_pattern(levels, d);
@@ -99,7 +96,7 @@ TetraRefinement::TetraRefinement(const TetraMesh& coarse, int levels, const Cont
 
 void TetraRefinement::check(const Context& ctx) const {
     const auto& tetra = coarse_.tetra;
-    if (coarse_.positions.size() >= kNone / 4 || tetra.size() >= kNone / 8)
+    if (coarse_.positions.size() >= kNoIndex / 4 || tetra.size() >= kNoIndex / 8)
         throw InvalidInput("tetra refinement: more than 2^29 tetrahedra; make them larger");
     if (coarse_.first.empty() || coarse_.first.front() != 0 || coarse_.first.back() != tetra.size() ||
         !std::ranges::is_sorted(coarse_.first))
@@ -151,23 +148,23 @@ void TetraRefinement::find_vertex_stars(const Context& ctx) {
             at_vertex_[at] = static_cast<std::uint32_t>(t);
         }
     });
-    // They came in the order of the threads.
+    // The previous loop stores them in the order of the threads.
     parallel_for(ctx, coarse_.positions.size(), kRefinementGrain, [&](std::size_t v) {
         std::sort(at_vertex_.begin() + first_at_vertex_[v], at_vertex_.begin() + first_at_vertex_[v + 1]);
     });
 }
 
-/// Every vertex numbers the edges and faces of which it is the least vertex, in the order in which the
-/// tetrahedra around it name them.
+/// Every vertex numbers the edges and faces that have it as their smallest vertex, in the order in which the
+/// tetrahedra around it list them.
 void TetraRefinement::find_parts(const Context& ctx) {
     constexpr std::size_t kVertexGrain = 512;
     const std::size_t vertices = coarse_.positions.size();
     first_edge_.assign(vertices + 1, 0);
     first_face_.assign(vertices + 1, 0);
     struct Found {
-        std::vector<float> edges, faces;  ///< [m] of each, the shortest fine edge about it
-        std::vector<TetraFace> hull;      ///< faces of one tetrahedron alone, opposite a vertex of `parts`
-        std::uint32_t crowded = kNone;
+        std::vector<float> edges, faces;  ///< [m] for each, the shortest fine edge around it
+        std::vector<TetraFace> hull;      ///< faces of only one tetrahedron, opposite a vertex of `parts`
+        std::uint32_t crowded = kNoIndex;
     };
     std::vector<Found> found((vertices + kVertexGrain - 1) / kVertexGrain);
     parallel_for_ranges(ctx, vertices, kVertexGrain, [&](IndexRange r) {
@@ -186,7 +183,7 @@ void TetraRefinement::find_parts(const Context& ctx) {
                 Parts& p = parts_[t];
                 const float shortest = traits_[t].shortest_edge;
                 const std::uint32_t c = corner_of(p, static_cast<std::uint32_t>(v));
-                // Notes one of the parts about this vertex; the first tetrahedron that names it has it.
+                // Registers an edge or face at this vertex; its first tetrahedron owns it.
                 const auto note = [&](ByLeastVertex& of_kind, std::vector<float>& all, std::size_t before,
                                       std::uint32_t group, std::uint64_t key) {
                     const std::uint32_t i = p[group] = of_kind.find(key);
@@ -219,11 +216,11 @@ void TetraRefinement::find_parts(const Context& ctx) {
             first_face_[v] = static_cast<std::uint32_t>(faces.size());
         }
     });
-    std::uint32_t crowded = kNone;
+    std::uint32_t crowded = kNoIndex;
     for (const Found& f : found) crowded = std::min(crowded, f.crowded);
-    if (crowded != kNone) {
+    if (crowded != kNoIndex) {
         throw InvalidInput(fmt::format(
-            "tetra refinement: tetrahedron {} has a face with more than one other; leave all but two out",
+            "tetra refinement: tetrahedron {} has a face with more than one other; remove all but two",
             crowded));
     }
     const std::uint32_t edge_count = exclusive_scan(std::span(first_edge_));
@@ -247,7 +244,7 @@ void TetraRefinement::find_parts(const Context& ctx) {
     parallel_for(ctx, found.size(), 1, [&](std::size_t i) {
         for (const TetraFace& f : found[i].hull) {
             for (std::uint32_t g = 0; g < TetraPattern::kInside; ++g) {
-                if (lies_in_face(g, f.opposite))
+                if (is_in_face(g, f.opposite))
                     std::atomic_ref(shortest_at_[part_index(f.tetra, g)]).store(0, std::memory_order_relaxed);
             }
         }

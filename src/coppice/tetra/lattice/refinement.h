@@ -13,86 +13,87 @@
 
 namespace coppice {
 
-/// A tetrahedral mesh subdivided some times, each tetrahedron into eight: four at its corners, and four of
-/// the octahedron between them, cut along the shortest diagonal [Zhu2013]. What comes out is conforming
-/// again.
+/// A tetrahedral mesh subdivided `levels` times, each tetrahedron into eight: four at its corners, and four
+/// of the octahedron between them, cut along the shortest diagonal [Zhu2013]. The result is conforming.
 ///
-/// The diagonal is chosen once per coarse tetrahedron, by its own shape, and kept on all levels: its
-/// descendants then have three shapes at most. It lies inside, so any choice conforms.
+/// The diagonal is chosen once per coarse tetrahedron, by its shape, and kept on all levels: its descendants
+/// then have at most three shapes. The diagonal is in the interior, so any choice is conforming.
 ///
-/// Nothing but the coarse mesh, its edges and its faces is stored, some 100 bytes per coarse tetrahedron.
-/// Fine vertices are numbered in closed form: those of the coarse mesh, then those inside its edges, its
-/// faces and its tetrahedra. To every coarse tetrahedron belongs a pattern (see TetraPattern) whose corners 0
-/// to 3 are its vertices in ascending order, so that all who share an edge or a face see it in the same
+/// Only the coarse mesh, its edges and its faces are stored, about 100 bytes per coarse tetrahedron. Fine
+/// vertices are numbered in closed form: the vertices of the coarse mesh, then those inside its edges, its
+/// faces and its tetrahedra. Every coarse tetrahedron has a pattern (see TetraPattern) with corners 0 to 3 at
+/// its vertices in ascending order, so that all tetrahedra that share an edge or a face see it in the same
 /// order.
 class TetraRefinement {
   public:
-    using Parts = TetraParts;    ///< see there
-    using Kind = TetraPartKind;  ///< of the coarse part that a fine vertex lies in
-    using Place = FinePlace;     ///< where a fine vertex lies
+    using Parts = TetraParts;    ///< see TetraParts
+    using Kind = TetraPartKind;  ///< of the coarse element that contains a fine vertex
+    using Place = FinePlace;     ///< position of a fine vertex in the coarse mesh
 
-    /// The coarse mesh must outlive this. Throws InvalidInput naming `levels` when out of range or when more
-    /// than kMostVertices fine vertices would come out, and naming the first tetrahedron that refers to a
+    /// The coarse mesh must outlive this object. Throws InvalidInput naming `levels` if it is out of range or
+    /// would create more than kMaxVertices fine vertices, and naming the first tetrahedron that refers to a
     /// vertex that does not exist, has no positive volume, or shares a face with more than one other. O(n).
     TetraRefinement(const TetraMesh& coarse, int levels, const Context& ctx = {});
     TetraRefinement(TetraMesh&&, int, const Context& = {}) = delete;
 
-    static constexpr std::uint64_t kMostVertices = std::uint64_t{1} << 30;  ///< fine ones
+    static constexpr std::uint64_t kMaxVertices = std::uint64_t{1}
+                                                  << 30;  ///< maximum number of fine vertices
 
-    const TetraMesh& coarse() const { return coarse_; }              ///< the mesh it was made of
-    int levels() const { return levels_; }                           ///< times that it is refined
-    std::uint32_t edge_count() const { return first_edge_.back(); }  ///< coarse ones
-    std::uint32_t face_count() const { return first_face_.back(); }  ///< coarse ones
+    const TetraMesh& coarse() const { return coarse_; }              ///< the coarse mesh
+    int levels() const { return levels_; }                           ///< number of subdivisions
+    std::uint32_t edge_count() const { return first_edge_.back(); }  ///< coarse
+    std::uint32_t face_count() const { return first_face_.back(); }  ///< coarse
     std::uint32_t vertex_count() const { return vertex_count_; }     ///< fine
     std::uint64_t tetra_count() const {                              ///< fine
         return std::uint64_t{coarse_.tetra.size()} << 3 * levels_;
     }
 
     const Parts& parts(std::uint32_t tetra) const { return parts_[tetra]; }  ///< see Parts
-    /// how a coarse tetrahedron is cut
+    /// subdivision of a coarse tetrahedron
     const TetraPattern& pattern(std::uint32_t tetra) const { return patterns_[traits_[tetra].diagonal]; }
-    /// The number of the diagonal along which it is cut.
+    /// Returns the number of the diagonal along which it is cut.
     std::uint32_t diagonal(std::uint32_t tetra) const { return traits_[tetra].diagonal; }
     const TetraPattern& pattern_along(std::uint32_t diagonal) const {
         return patterns_[diagonal];
     }  ///< by number
-    /// Whether the ascending order of the vertices is a negative one.
+    /// Returns whether the vertices in ascending order have negative orientation.
     bool mirrored(std::uint32_t tetra) const { return traits_[tetra].mirrored; }
-    /// Bit g is set when the part of group g has this as its first tetrahedron.
+    /// Bit g is set if this is the first tetrahedron that contains the element of group g.
     std::uint32_t owned(std::uint32_t tetra) const { return traits_[tetra].owned; }
-    /// Whether the part of a group lies on the hull: in a face of one tetrahedron alone.
+    /// Returns whether the element of a group is on the hull: in a face of only one tetrahedron.
     bool on_hull(std::uint32_t tetra, std::uint32_t group) const { return shortest_edge(tetra, group) == 0; }
     float shortest_edge(std::uint32_t tetra) const { return traits_[tetra].shortest_edge; }  ///< [m] fine
-    /// [m] Of all tetrahedra that have the part of a group; 0 for what lies on the hull.
+    /// [m] Minimum over all tetrahedra that contain the element of a group; 0 for elements on the hull.
     float shortest_edge(std::uint32_t tetra, std::uint32_t group) const {
         return group == TetraPattern::kInside ? shortest_edge(tetra) : shortest_at_[part_index(tetra, group)];
     }
-    /// [m] Least distance of two parallel planes that have a fine tetrahedron between them: while each of its
-    /// vertices moves by less than half of this, it keeps its orientation.
+    /// [m] Minimum distance of two parallel planes that have a fine tetrahedron between them: it keeps its
+    /// orientation as long as each of its vertices moves by less than half of this.
     float width(std::uint32_t tetra) const { return traits_[tetra].width; }
 
-    /// Number of the first fine vertex inside the part of a group; the others follow.
+    /// Number of the first fine vertex inside the element of a group; the others follow.
     std::uint32_t first_vertex(std::uint32_t tetra, std::uint32_t group) const {
         return vertices_.first(tetra, parts_[tetra], group);
     }
-    /// The number of a fine vertex that one coarse tetrahedron sees.
+    /// Returns the number of a fine vertex, given by its local number in a coarse tetrahedron.
     std::uint32_t vertex(std::uint32_t tetra, TetraPattern::Local local) const {
         const TetraPattern& p = pattern(tetra);
         const std::uint32_t group = p.group[local];
         return first_vertex(tetra, group) + (local - p.first_vertex[group]);
     }
-    /// Where a fine vertex lies. O(1).
+    /// Returns the coarse element that contains a fine vertex. O(1).
     Place place(std::uint32_t vertex) const { return vertices_.place(vertex); }
-    /// [m] The same bits from every coarse tetrahedron that has the vertex.
+    /// [m] Bit-identical for every coarse tetrahedron that contains the vertex.
     Vec3 position(std::uint32_t tetra, TetraPattern::Local local) const {
         return fine_position(coarse_.positions.data(), parts_[tetra], pattern(tetra).shares[local]);
     }
-    /// The same as spans. They end with this.
+    /// Returns the same data as spans, which are valid as long as this object.
     RefinementView view() const;
 
-    /// The coarse tetrahedra that have a part, ascending. O(those that have one of its vertices).
+    /// Returns the coarse tetrahedra that contain an element, ascending. O(tetrahedra at one of its
+    /// vertices).
     std::vector<std::uint32_t> around(Kind kind, std::uint32_t part) const;
-    /// The number of a part within a tetrahedron, as a group of the pattern; kGroups when it is not there.
+    /// Returns the group of an element in the pattern of a tetrahedron; kGroups if it is not part of it.
     std::uint32_t group_in(std::uint32_t tetra, Kind kind, std::uint32_t part) const;
 
   private:
@@ -110,7 +111,7 @@ class TetraRefinement {
         const auto bit = static_cast<std::uint16_t>(1u << group);
         std::atomic_ref(traits_[tetra].owned).fetch_or(bit, std::memory_order_relaxed);
     }
-    /// Place of the part of a group in `shortest_at_`.
+    /// Index of the element of a group in `shortest_at_`.
     std::size_t part_index(std::uint32_t tetra, std::uint32_t group) const {
         const std::size_t part = parts_[tetra][group];
         return group < 4    ? part
@@ -124,8 +125,9 @@ class TetraRefinement {
     Buffer<Parts> parts_;
     Buffer<Traits> traits_;
     Buffer<std::uint32_t> first_at_vertex_, at_vertex_;
-    Buffer<std::uint32_t> first_edge_, first_face_;  ///< per vertex: of which it is the least vertex
-    Buffer<float> shortest_at_;                      ///< vertices, edges, faces
+    Buffer<std::uint32_t> first_edge_,
+        first_face_;             ///< per vertex: elements that have it as their smallest vertex
+    Buffer<float> shortest_at_;  ///< vertices, edges, faces
     FineNumbers vertices_;
     std::uint32_t vertex_count_ = 0;
 };

@@ -10,54 +10,54 @@
 
 namespace coppice {
 
-/// What a coarse tetrahedron is made of, by group of its pattern: 4 vertices, 6 edges, 4 faces.
+/// Elements of a coarse tetrahedron, by group of its pattern: 4 vertices, 6 edges, 4 faces.
 using TetraParts = std::array<std::uint32_t, 14>;
 
-/// What is known of a coarse tetrahedron: see the functions of TetraRefinement of the same names.
+/// Properties of a coarse tetrahedron: see the functions of TetraRefinement of the same names.
 struct TetraTraits {
     float shortest_edge;    ///< [m] fine
     float width;            ///< [m] fine
     std::uint16_t owned;    ///< bits by group
     std::uint8_t diagonal;  ///< along which it is cut
-    bool mirrored;          ///< ascending vertices turn the other way
+    bool mirrored;          ///< vertices in ascending order have negative orientation
 };
 
-/// A part of the coarse mesh that fine vertices and fine edges lie inside.
+/// Kind of an element of the coarse mesh that contains fine vertices and fine edges.
 enum class TetraPartKind : std::uint8_t { vertex, edge, face, inside };
 
-/// The kind of a group of a pattern.
+/// Returns the kind of a group of a pattern.
 constexpr std::uint32_t part_kind(std::uint32_t group) {
     return (group >= 4 ? 1u : 0u) + (group >= 10 ? 1u : 0u) + (group >= TetraPattern::kInside ? 1u : 0u);
 }
 
-/// Where a fine vertex, or edge, lies: number `index` of those inside a coarse part.
+/// Position of a fine vertex or edge: number `index` of those inside a coarse element.
 struct FinePlace {
-    TetraPartKind kind;   ///< of the coarse part
+    TetraPartKind kind;   ///< of the coarse element
     std::uint32_t part;   ///< number of the coarse vertex, edge, face or tetrahedron
-    std::uint32_t index;  ///< among those inside that part
+    std::uint32_t index;  ///< among those inside that element
 };
 
-/// How fine vertices, or fine edges, are numbered: those of the coarse vertices, of the edges, the faces and
-/// the tetrahedra, one part after the other, as many inside each part of a kind.
+/// Numbering of fine vertices or fine edges: those of the coarse vertices, the edges, the faces and the
+/// tetrahedra in sequence, with the same number inside each element of a kind.
 struct FineNumbers {
-    std::array<std::uint32_t, 4> per_kind{};       ///< inside one part
+    std::array<std::uint32_t, 4> per_kind{};       ///< inside one element
     std::array<std::uint32_t, 4> first_of_kind{};  ///< number of the first one
 
-    /// The number of the first one inside the part of a group; the others follow.
+    /// Returns the number of the first one inside the element of a group; the others follow.
     COPPICE_HOST_DEVICE std::uint32_t first(std::uint32_t tetra, const TetraParts& parts,
                                             std::uint32_t group) const {
         const std::uint32_t kind = part_kind(group);
         const std::uint32_t part = group == TetraPattern::kInside ? tetra : parts[group];
         return first_of_kind[kind] + part * per_kind[kind];
     }
-    /// Where one lies.
+    /// Returns the coarse element that contains a fine vertex or edge.
     COPPICE_HOST_DEVICE FinePlace place(std::uint32_t number) const {
         std::uint32_t kind = 3;
         while (number < first_of_kind[kind] || per_kind[kind] == 0) --kind;
         const std::uint32_t offset = number - first_of_kind[kind];
         return {static_cast<TetraPartKind>(kind), offset / per_kind[kind], offset % per_kind[kind]};
     }
-    /// Sets the first number of every kind, for so many parts of each; returns how many numbers there are.
+    /// Sets the first number of every kind, given the number of elements of each; returns the total.
     std::uint64_t begin_kinds(const std::array<std::uint64_t, 4>& parts) {
         std::uint64_t total = 0;
         for (std::size_t k = 0; k < 4; ++k) {
@@ -68,20 +68,20 @@ struct FineNumbers {
     }
 };
 
-/// How many fine vertices lie inside one coarse vertex, edge, face and tetrahedron.
+/// Returns the number of fine vertices inside one coarse vertex, edge, face and tetrahedron.
 inline std::array<std::uint32_t, 4> fine_vertices_per_part(int levels) {
     const std::uint32_t n = 1u << levels;
     return {1, n - 1, (n - 1) * (n - 2) / 2, n < 4 ? 0 : (n - 1) * (n - 2) * (n - 3) / 6};
 }
 
-/// How many fine edges do: as many whatever the diagonal is.
+/// Returns the number of fine edges inside each; it does not depend on the diagonal.
 inline std::array<std::uint32_t, 4> fine_edges_per_part(const TetraPattern& pattern) {
     const auto& first = pattern.first_edge;
     return {0, first[5] - first[4], first[11] - first[10], first[15] - first[14]};
 }
 
-/// [m] A fine vertex by its shares of the corners, which are summed in ascending order; those without a share
-/// add nothing, not even an error. So it has the same bits from every coarse tetrahedron.
+/// [m] Computes a fine vertex by summing its shares of the corners in ascending order; corners with share 0
+/// add exactly nothing. The result is therefore bit-identical for every coarse tetrahedron.
 COPPICE_HOST_DEVICE inline Vec3 fine_position(const Vec3* coarse, const TetraParts& parts,
                                               const std::array<float, 4>& shares) {
     Vec3 sum;
@@ -89,9 +89,9 @@ COPPICE_HOST_DEVICE inline Vec3 fine_position(const Vec3* coarse, const TetraPar
     return sum;
 }
 
-/// A TetraPattern whose arrays lie anywhere, such as on a device.
+/// A TetraPattern with arrays in any memory, such as on a device.
 struct PatternView {
-    using Local = TetraPattern::Local;                                    ///< see there
+    using Local = TetraPattern::Local;                                    ///< see TetraPattern
     std::span<const std::array<float, 4>> shares;                         ///< see TetraPattern
     std::span<const std::uint8_t> group;                                  ///< see TetraPattern
     std::span<const std::array<Local, 4>> tetra;                          ///< see TetraPattern
@@ -104,26 +104,26 @@ struct PatternView {
     std::array<std::uint32_t, TetraPattern::kGroups + 1> first_edge{};    ///< see TetraPattern
 };
 
-/// The arrays of a pattern, which must outlive it.
+/// Returns a view of the arrays of a pattern, which must outlive it.
 inline PatternView view_of(const TetraPattern& p) {
     return {p.shares,      p.group,        p.tetra,  p.edges,        p.edge_group,
             p.tetra_edges, p.first_around, p.around, p.first_vertex, p.first_edge};
 }
 
-/// A TetraRefinement whose arrays lie anywhere, such as on a device.
+/// A TetraRefinement with arrays in any memory, such as on a device.
 struct RefinementView {
     std::span<const Vec3> positions;            ///< [m] of the coarse mesh
     std::span<const TetraParts> parts;          ///< of every coarse tetrahedron
     std::span<const TetraTraits> traits;        ///< of every coarse tetrahedron
     std::span<const float> shortest_at;         ///< [m] of coarse vertices, edges, faces
-    std::array<std::uint32_t, 4> first_part{};  ///< of every kind, in shortest_at
+    std::array<std::uint32_t, 4> first_part{};  ///< first element of every kind in shortest_at
     std::array<PatternView, 3> patterns;        ///< by diagonal
-    FineNumbers vertices;                       ///< fine ones
-    FineNumbers edges;                          ///< fine ones
-    std::uint64_t edge_count = 0;               ///< fine ones; their numbers hold up to 2^32
-    int levels = 0;                             ///< times that it is refined
+    FineNumbers vertices;                       ///< fine
+    FineNumbers edges;                          ///< fine
+    std::uint64_t edge_count = 0;               ///< fine; their numbers are up to 2^32
+    int levels = 0;                             ///< number of subdivisions
 
-    /// how a coarse tetrahedron is cut
+    /// subdivision of a coarse tetrahedron
     COPPICE_HOST_DEVICE const PatternView& pattern(std::uint32_t tetra) const {
         return patterns[traits[tetra].diagonal];
     }
@@ -133,7 +133,7 @@ struct RefinementView {
         const std::uint32_t group = p.group[local];
         return vertices.first(tetra, parts[tetra], group) + (local - p.first_vertex[group]);
     }
-    /// The number of a fine edge that one coarse tetrahedron sees.
+    /// Returns the number of a fine edge, given by its local number in a coarse tetrahedron.
     COPPICE_HOST_DEVICE std::uint32_t edge(std::uint32_t tetra, std::uint32_t local) const {
         const PatternView& p = pattern(tetra);
         const std::uint32_t group = p.edge_group[local];

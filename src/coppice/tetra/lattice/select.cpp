@@ -4,13 +4,16 @@
 #include <atomic>
 #include <bit>
 
+#include "coppice/base/id.h"
 #include "coppice/base/parallel.h"
 
 namespace coppice {
 namespace {
 
 constexpr std::size_t kSelectGrain = 1 << 10;
-constexpr std::uint32_t kOutside = kNone, kShell = kNone - 1;  ///< else the segment that a vertex is deep in
+constexpr std::uint32_t kOutside = kNoIndex,
+                        kShell =
+                            kNoIndex - 1;  ///< other values: the segment that contains a vertex deep inside
 
 class Selection {
   public:
@@ -61,10 +64,11 @@ class Selection {
         return least < inside ? deepest : least < outside ? kShell : kOutside;
     }
 
-    /// The two centers, then the places of the border.
+    /// The two centers, then the points of the border.
     using Points = std::array<Vec3d, 10>;
 
-    /// The places of a face's tetrahedra that the surface may cross, or that an axis passes through.
+    /// Returns the border indices of the tetrahedra of a face that the surface may cross or an axis passes
+    /// through.
     unsigned places(const LatticeFace& face, std::vector<std::uint32_t>& near) const {
         unsigned out = 0;
         bool probed = false;
@@ -89,7 +93,8 @@ class Selection {
         return out;
     }
 
-    /// Where a face's tetrahedra are, and which segments may meet the hull of them all: mostly none.
+    /// Computes the points of the tetrahedra of a face, and the segments that may intersect their hull;
+    /// usually there are no such segments.
     void probe(const LatticeFace& face, Points& points, std::vector<std::uint32_t>& near) const {
         const Octree::Cell cell = cells_.octree().cell(face.leaf);
         const auto square = LatticeCells::square(face, cell);
@@ -120,14 +125,15 @@ class Selection {
         });
     }
 
-    /// Whether balls `times` as large leave the tetrahedron alone, of all segments near.
+    /// Returns whether all near segments, with radii multiplied by `times`, are separated from the
+    /// tetrahedron.
     bool beyond_all(std::span<const std::uint32_t> near, double times,
                     const std::array<Vec3d, 4>& corners) const {
         const Vec3d middle = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
         return std::ranges::all_of(near, [&](std::uint32_t s) { return apart(s, times, middle, corners); });
     }
 
-    /// A cone is convex: what has its corners in it lies in it.
+    /// A cone is convex: it contains the tetrahedron if it contains the corners.
     bool within_one(const std::array<std::uint32_t, 4>& state, const std::array<Vec3d, 4>& corners) const {
         return std::ranges::any_of(state, [&](std::uint32_t s) {
             return std::ranges::all_of(corners,
@@ -165,7 +171,7 @@ SlotMasks all_tetra(const LatticeCells& cells, const Context& ctx) {
         const auto want = [](std::uint32_t) { return true; };
         cells.visit_faces(static_cast<std::uint32_t>(leaf), want, [&](const LatticeFace& face) {
             for (unsigned place = 0; place < 8; ++place) {
-                if (face.border[place] != kNone)
+                if (face.border[place] != kNoIndex)
                     masks[leaf] |= std::uint64_t{1} << (8 * face.direction + place);
             }
         });

@@ -13,29 +13,29 @@
 
 namespace coppice {
 
-/// Per leaf the slots of the tetrahedra in use, as bits.
+/// Per leaf the slots of the selected tetrahedra, as bits.
 using SlotMasks = Buffer<std::uint64_t>;
 
-/// The segments that leaves of the balanced octree meet, by those of the leaves before.
+/// The segments that leaves of the balanced octree intersect, stored for the leaves of the unbalanced one.
 class LeafSegments {
   public:
     LeafSegments(const Octree& octree, LatticeSizing sizing);
 
     std::span<const std::uint32_t> of_leaf(std::uint32_t leaf) const { return sizing_.of_node(node_[leaf]); }
-    /// Whether both lie in one leaf of before.
+    /// Returns whether both are in the same leaf of the unbalanced octree.
     bool same(std::uint32_t leaf, std::uint32_t other) const { return node_[leaf] == node_[other]; }
 
   private:
     LatticeSizing sizing_;
-    Buffer<std::uint32_t> node_;  ///< of the sizing, per leaf
+    Buffer<std::uint32_t> node_;  ///< per leaf: its node in the sizing
 };
 
-/// Those that the surface may cross, and those that an axis passes through.
+/// Selects the tetrahedra that the surface may cross or an axis passes through.
 SlotMasks select_tetra(const LatticeCells& cells, const LeafSegments& segments,
                        std::span<const RoundCone> cones, const LatticeCube& cube,
                        const LatticeOptions& options, const Context& ctx);
 
-/// All there are.
+/// Selects all tetrahedra.
 SlotMasks all_tetra(const LatticeCells& cells, const Context& ctx);
 
 struct LatticeMesh {
@@ -43,11 +43,12 @@ struct LatticeMesh {
     std::vector<std::uint32_t> region_leaf;
 };
 
-/// The tetrahedra in use, in the order of leaves and slots, and their vertices in the order of leaves.
+/// Returns the selected tetrahedra, in the order of leaves and slots, and their vertices in the order of
+/// leaves.
 LatticeMesh gather_tetra(const LatticeCells& cells, const SlotMasks& masks, const LatticeCube& cube,
                          const Context& ctx);
 
-/// For each of these leaves the segments whose axes may pass through the tetrahedra that it handles,
+/// Returns for each of these leaves the segments with axes that may pass through the tetrahedra that it owns,
 /// ascending.
 CompressedRows<std::uint32_t> passing_axes(const LatticeCells& cells, const LeafSegments& segments,
                                            std::span<const RoundCone> cones, const LatticeCube& cube,

@@ -11,33 +11,33 @@
 #include "coppice/tetra/lattice/refinement_view.h"
 #include "coppice/tetra/lattice/tetra_mesh.h"
 
-// What a refinement knows of every coarse tetrahedron, by its shape.
+// Properties of coarse tetrahedra that a refinement uses, computed from their shape.
 
 namespace coppice::tetra_kernel {
 
 /// [m] The corners of a tetrahedron.
 using Corners = std::array<Vec3d, 4>;
 
-/// The first four of these vertices.
+/// Returns the positions of the first four of these vertices.
 template <class Vertices>
 COPPICE_HOST_DEVICE Corners corners_of(const Vec3* positions, const Vertices& vertices) {
     return {Vec3d(positions[vertices[0]]), Vec3d(positions[vertices[1]]), Vec3d(positions[vertices[2]]),
             Vec3d(positions[vertices[3]])};
 }
 
-/// Six times the volume of a tetrahedron, negative when it is turned over.
+/// Returns six times the volume of a tetrahedron; negative if it is inverted.
 COPPICE_HOST_DEVICE inline double tetra_volume(const Corners& p) {
     return dot(cross(p[1] - p[0], p[2] - p[0]), p[3] - p[0]);
 }
 
-/// Corners of the ends of a diagonal: see kTetraDiagonals.
+/// Returns the corners at the ends of a diagonal: see kTetraDiagonals.
 COPPICE_HOST_DEVICE inline std::array<std::uint8_t, 4> diagonal_corners(std::uint32_t diagonal) {
     const auto with = static_cast<std::uint8_t>(diagonal + 1);
     const std::uint8_t first = diagonal == 0 ? 2 : 1, second = diagonal == 2 ? 2 : 3;
     return {0, with, first, second};
 }
 
-/// The number of the shortest diagonal of the octahedron in the middle; of equal ones the first.
+/// Returns the number of the shortest diagonal of the octahedron in the middle; the first of equal ones.
 COPPICE_HOST_DEVICE inline std::uint8_t shortest_diagonal(const Corners& p) {
     std::uint8_t best = 0;
     double best_length = std::numeric_limits<double>::infinity();
@@ -51,16 +51,16 @@ COPPICE_HOST_DEVICE inline std::uint8_t shortest_diagonal(const Corners& p) {
     return best;
 }
 
-/// How large a tetrahedron is in its least directions.
+/// Minimum dimensions of a tetrahedron.
 struct TetraExtent {
-    double shortest_edge;  ///< [m] of its descendants, times as fine as they are
-    double width;          ///< [m] the same
+    double shortest_edge;  ///< [m] of its descendants, multiplied by their subdivision 2^levels
+    double width;          ///< [m] likewise
 };
 
-/// The least width of a tetrahedron is between two planes that hold a face and a vertex, or two opposite
-/// edges: six times the volume over the length of a cross product of edges. With a path of edges x, y, z
-/// through the corners, all these are sums of the products of two of x, y, z; and the descendants have the
-/// same three edges in another order.
+/// Computes the extent. The minimum width of a tetrahedron is between two planes that contain a face and a
+/// vertex, or two opposite edges: six times the volume over the length of a cross product of edges. With a
+/// path of edges x, y, z through the corners, all these are sums of the products of two of x, y, z; the
+/// descendants have the same three edges in another order.
 COPPICE_HOST_DEVICE inline TetraExtent tetra_extent(const Corners& p, std::uint8_t diagonal) {
     const auto c = diagonal_corners(diagonal);
     const Vec3d x = p[c[2]] - p[c[0]], y = p[c[1]] - p[c[2]], z = p[c[3]] - p[c[1]];
@@ -75,19 +75,19 @@ COPPICE_HOST_DEVICE inline TetraExtent tetra_extent(const Corners& p, std::uint8
         for (const Vec3d n : normals) widest = std::max(widest, length_squared(n));
     };
     add(xy, yz, xz);   // path x, y, z
-    add(xz, -yz, xy);  // x, z, y
-    add(-xy, xz, yz);  // y, x, z
+    add(xz, -yz, xy);  // path x, z, y
+    add(-xy, xz, yz);  // path y, x, z
     return {std::sqrt(shortest), std::abs(dot(xy, z)) / std::sqrt(widest)};
 }
 
-/// Whether a tetrahedron has a positive volume.
+/// Returns whether a tetrahedron has a positive volume.
 COPPICE_HOST_DEVICE inline bool is_sound(const Corners& p) {
     const double volume = tetra_volume(p);
     return volume > 0 && volume <= std::numeric_limits<double>::max();
 }
 
 /// Describes a tetrahedron that is cut into eight `levels` times: writes its vertices in ascending order, and
-/// all that is known of it alone. It owns what lies inside.
+/// all properties that depend on it alone. It owns its interior.
 COPPICE_HOST_DEVICE inline void describe_tetra(const Vec3* positions, const Tetra& tetra, int levels,
                                                TetraParts& parts, TetraTraits& traits) {
     Tetra sorted = tetra;

@@ -5,17 +5,19 @@
 #include <cmath>
 #include <limits>
 
+#include "coppice/base/id.h"
 #include "coppice/base/parallel.h"
 #include "coppice/tetra/lattice/sizing_internal.h"
 
 namespace coppice {
 namespace {
 
-constexpr std::uint32_t kMostNodes = 1u << 24;
-constexpr std::size_t kMostOpen = std::size_t{1} << 24;  ///< meetings of segments with cells of one level
-constexpr double kHalfDiagonal = 0.8660254037844387;     ///< of a cube of side 1
+constexpr std::uint32_t kMaxNodes = 1u << 24;
+constexpr std::size_t kMaxOpen =
+    std::size_t{1} << 24;  ///< maximum number of intersections of segments with cells of one level
+constexpr double kHalfDiagonal = 0.8660254037844387;  ///< of a cube of side 1
 
-/// A box that any number of doubles fits into.
+/// A bounding box in double precision.
 struct Range {
     Vec3d low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
 
@@ -27,7 +29,7 @@ struct Range {
     }
 };
 
-Range range_of(std::span<const Segment> segments, double reach) {
+Range compute_range(std::span<const Segment> segments, double reach) {
     Range out;
     for (std::size_t i = 0; i < segments.size(); ++i) {
         const Segment& s = segments[i];
@@ -42,11 +44,11 @@ Range range_of(std::span<const Segment> segments, double reach) {
     return out;
 }
 
-/// Sides of cells are the cube's over powers of two, so that a segment's are between half as wide as it
-/// allows and as wide. Of sides with eight to fifteen eighths of one, the one with which most segments get
-/// cells half as wide as they allow: where a thick branch carries a thin one its cells have to be no wider
-/// than the thin one's, and so all are most alike. (Sides with which they are as wide as allowed make edges
-/// over the local radius spread by half as much again.)
+/// Sides of cells are the side of the cube over powers of two, so the cells of a segment are between half as
+/// wide as it allows and as wide. Returns the number of eighths, 8 to 15, with which most segments have cells
+/// half as wide as they allow: where a thick branch carries a thin one, its cells must not be wider than
+/// those of the thin one, so cells are most uniform. (With cells as wide as allowed, the spread of edge
+/// lengths over the local radius is larger by half.)
 int even_eighths(std::span<const Segment> segments, double cell) {
     std::array<double, 8> cells{};
     for (const Segment& s : segments) {
@@ -63,8 +65,8 @@ int even_eighths(std::span<const Segment> segments, double cell) {
     return 8 + static_cast<int>(std::ranges::max_element(cells) - cells.begin());
 }
 
-/// Moves the cube, in steps of an eighth of its side, to where it covers most; false when it does not cover
-/// all.
+/// Moves the cube, in steps of an eighth of its side, to the position that covers most; returns whether it
+/// covers all.
 bool place_cube(LatticeCube& cube, const Range& range) {
     const double step = cube.side / 8;
     bool covers = true;
@@ -77,8 +79,8 @@ bool place_cube(LatticeCube& cube, const Range& range) {
 
 [[noreturn]] void throw_too_many() {
     throw InvalidInput(
-        "lattice: the segments are too thin for their length, or too many lie at one place: more than 16 "
-        "million cells are needed; choose a greater cell, thicker segments or a part of the skeleton");
+        "lattice: the segments are too thin for their length, or too many are at one place: more than 16 "
+        "million cells are required; choose a larger cell, thicker segments or a part of the skeleton");
 }
 
 enum class Fate : std::uint8_t { leaf, split, too_small };
@@ -97,19 +99,19 @@ class Sizing {
     }
 
   private:
-    using Place = std::array<std::uint32_t, 3>;  ///< in sides of a cell
+    using Place = std::array<std::uint32_t, 3>;  ///< [sides of a cell]
 
-    /// Of child number i of the cells to be split.
+    /// Returns the position of child number i of the cells to split.
     Place child_place(std::size_t i) const {
         const Place& p = open_place_[i / 8];
         const auto up = [&](unsigned axis) { return static_cast<std::uint32_t>(i >> axis & 1); };
         return {2 * p[0] + up(0), 2 * p[1] + up(1), 2 * p[2] + up(2)};
     }
 
-    /// What one range of children found out.
+    /// Results of one range of children.
     struct Found {
-        std::vector<std::uint32_t> kept, open;  ///< segments of leaves, of cells to be split
-        std::uint32_t too_thin = kNone;
+        std::vector<std::uint32_t> kept, open;  ///< segments of leaves, of cells to split
+        std::uint32_t too_thin = kNoIndex;
     };
 
     void start() {
@@ -126,7 +128,7 @@ class Sizing {
     void descend(unsigned level) {
         const Buffer<std::uint64_t>& parents = out_.split.back();
         const std::size_t children = 8 * parents.size(), node = out_.count.size();
-        if (node + children > kMostNodes || open_.size() > kMostOpen) throw_too_many();
+        if (node + children > kMaxNodes || open_.size() > kMaxOpen) throw_too_many();
         for (auto* column : {&out_.split_number, &out_.count}) column->resize(node + children);
         out_.first.resize(node + children);
         const std::size_t grain = std::clamp<std::size_t>(children / 256, 1, 256);
@@ -146,8 +148,8 @@ class Sizing {
         const std::size_t begin = f.open.size();
         const std::uint32_t thin = meet(i / 8, center, side, f.open);
         out_.count[node] = static_cast<std::uint32_t>(f.open.size() - begin);
-        out_.split_number[node] = thin == kNone ? kNone : 0;
-        if (thin == kNone) {
+        out_.split_number[node] = thin == kNoIndex ? kNoIndex : 0;
+        if (thin == kNoIndex) {
             out_.first[node] = f.kept.size();
             f.kept.insert(f.kept.end(), f.open.begin() + static_cast<std::ptrdiff_t>(begin), f.open.end());
             f.open.resize(begin);
@@ -156,15 +158,15 @@ class Sizing {
         }
     }
 
-    /// Appends those of the parent's segments that meet a cell, or the one that holds it with the axes in it.
-    /// Returns the first that is too thin for the cell.
+    /// Appends the segments of the parent that intersect a cell; if one contains the cell, appends it and
+    /// those with axes in the cell instead. Returns the first that is too thin for the cell.
     std::uint32_t meet(std::size_t parent, Vec3d center, double side, std::vector<std::uint32_t>& out) const {
         const std::size_t begin = out.size();
-        const double reach = kHalfDiagonal * side, least_radius = side / options_.cell;
+        const double reach = kHalfDiagonal * side, min_radius = side / options_.cell;
         const auto lowest = [&](Vec3d n, double) {
             return dot(n, center) - 0.5 * side * (std::abs(n.x) + std::abs(n.y) + std::abs(n.z));
         };
-        std::uint32_t thin = kNone;
+        std::uint32_t thin = kNoIndex;
         for (std::size_t k = open_first_[parent]; k < open_first_[parent + 1]; ++k) {
             const RoundCone& cone = cones_[open_[k]];
             const auto radius = thinnest_ball_meeting(cone, options_.outside, center, reach);
@@ -172,15 +174,15 @@ class Sizing {
             if (holds_ball(cone, options_.inside, center, reach)) {
                 out.resize(begin);
                 name_axes(parent, open_[k], center, lowest, out);
-                return kNone;
+                return kNoIndex;
             }
             out.push_back(open_[k]);
-            if (thin == kNone && *radius < least_radius) thin = open_[k];
+            if (thin == kNoIndex && *radius < min_radius) thin = open_[k];
         }
         return thin;
     }
 
-    /// Appends the segment that holds a cell, and those whose axes pass through it.
+    /// Appends the segment that contains a cell, and those with axes that pass through it.
     template <class Lowest>
     void name_axes(std::size_t parent, std::uint32_t holder, Vec3d center, const Lowest& lowest,
                    std::vector<std::uint32_t>& out) const {
@@ -193,13 +195,13 @@ class Sizing {
 
     void gather(std::vector<Found>& found, std::size_t node, std::size_t grain) {
         std::vector<std::size_t> kept, open;
-        std::uint32_t thin = kNone;
+        std::uint32_t thin = kNoIndex;
         for (const Found& f : found) {
             kept.push_back(f.kept.size());
             open.push_back(f.open.size());
             thin = std::min(thin, f.too_thin);
         }
-        if (thin != kNone) {
+        if (thin != kNoIndex) {
             throw InvalidInput(
                 fmt::format("lattice: segment {} has a radius of {:.3g} m, too thin for coordinates of "
                             "{:.3g} m; make it thicker",
@@ -214,18 +216,18 @@ class Sizing {
             std::ranges::copy(found[i].open, open_.begin() + static_cast<std::ptrdiff_t>(open[i]));
             const std::size_t end = std::min(out_.count.size(), node + (i + 1) * grain);
             for (std::size_t n = node + i * grain; n < end; ++n) {
-                if (out_.split_number[n] == kNone) out_.first[n] += before + kept[i];
+                if (out_.split_number[n] == kNoIndex) out_.first[n] += before + kept[i];
             }
         });
     }
 
-    /// Numbers the cells to be split and lists them by key.
+    /// Numbers the cells to split and lists them by key.
     void number(const Buffer<std::uint64_t>& parents, std::size_t node, std::size_t children) {
         Buffer<std::uint64_t> split;
         Buffer<Place> place;
         open_first_.assign(1, 0);
         for (std::size_t i = 0; i < children; ++i) {
-            if (out_.split_number[node + i] == kNone) continue;
+            if (out_.split_number[node + i] == kNoIndex) continue;
             out_.split_number[node + i] = ++numbered_;
             split.push_back(parents[i / 8] << 3 | (i & 7));
             place.push_back(child_place(i));
@@ -242,8 +244,7 @@ class Sizing {
     const LatticeOptions& options_;
     const Context& ctx_;
     LatticeSizing out_;
-    Buffer<std::uint32_t>
-        open_;  ///< segments of the cells of the last level to be split, one after the other
+    Buffer<std::uint32_t> open_;  ///< segments of the cells of the last level to split, concatenated
     std::vector<std::size_t> open_first_;
     Buffer<Place> open_place_;
     std::uint32_t numbered_ = 0;  ///< the last split cell; number 0 is the cube
@@ -252,8 +253,9 @@ class Sizing {
 }  // namespace
 
 LatticeCube lattice_cube(std::span<const Segment> segments, const LatticeOptions& options) {
-    if (segments.empty()) throw InvalidInput("lattice: there are no segments; give a skeleton with some");
-    const Range range = range_of(segments, 1.01 * (options.outside + options.cell));
+    if (segments.empty())
+        throw InvalidInput("lattice: there are no segments; use a skeleton with at least one segment");
+    const Range range = compute_range(segments, 1.01 * (options.outside + options.cell));
     const Vec3d size = range.high - range.low;
     LatticeCube cube;
     cube.side = even_eighths(segments, options.cell) / 8.0 *
@@ -262,16 +264,15 @@ LatticeCube lattice_cube(std::span<const Segment> segments, const LatticeOptions
     double farthest = 0;
     for (int axis = 0; axis < 3; ++axis)
         farthest = std::max({farthest, -cube.low[axis], cube.low[axis] + cube.side});
-    // Floats below 2^e are whole multiples of 2^(e - 24), and of 2^-149. Centers lie at half cells, and
-    // eighths of the side at that.
+    // Floats below 2^e are multiples of 2^(e - 24), and of 2^-149. Centers are at half cells, in units of an
+    // eighth of the side.
     const int finest = std::max(static_cast<int>(std::ceil(std::log2(farthest))) - 24, -149);
     const int levels = std::ilogb(cube.side) - 4 - finest;
     if (levels < 2 || farthest > std::numeric_limits<float>::max()) {
         throw InvalidInput(
-            "lattice: the segments are too thin for how far from the origin they lie; move them to the "
-            "origin");
+            "lattice: the segments are too thin for their distance from the origin; move them to the origin");
     }
-    cube.levels = std::min(static_cast<unsigned>(levels), Octree::kMostLevels);
+    cube.levels = std::min(static_cast<unsigned>(levels), Octree::kMaxLevels);
     return cube;
 }
 

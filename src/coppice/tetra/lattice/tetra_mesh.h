@@ -18,27 +18,28 @@ using Tetra = std::array<std::uint32_t, 4>;
 inline constexpr std::array<std::array<std::uint8_t, 3>, 4> kTetraFaces{
     {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
 
-/// A part of space cut into tetrahedra without gaps or overlaps: two of them share a whole face, a whole
-/// edge, a vertex, or nothing. They come in runs, one per region, that lie together in space.
+/// A region of space divided into tetrahedra without gaps or overlaps: two of them are disjoint or share a
+/// vertex, a whole edge, or a whole face. They are stored in runs, one per region, that are contiguous in
+/// space.
 struct TetraMesh {
     Buffer<Vec3> positions;               ///< [m]
-    Buffer<Tetra> tetra;                  ///< by region
+    Buffer<Tetra> tetra;                  ///< sorted by region
     std::vector<std::uint32_t> first{0};  ///< region r has the tetrahedra first[r] .. first[r + 1]
-    /// [fine edges] from either end of an edge that a surface crosses it at least, in (0, 0.5): so much that
-    /// rounding turns no triangle over, more where tetrahedra are flat
+    /// [fine edges] minimum distance between a crossing of the surface and either end of its edge, in (0,
+    /// 0.5): large enough that rounding inverts no triangle, larger if tetrahedra are flat
     float clearance = 0.01f;
 
     /// number of runs
     std::uint32_t region_count() const { return static_cast<std::uint32_t>(first.size() - 1); }
 };
 
-/// [m] The box about the tetrahedra of every region. O(n), parallel.
+/// [m] Returns the bounding box of the tetrahedra of every region. O(n), parallel.
 std::vector<Box3> region_boxes(const TetraMesh& mesh, const Context& ctx = {});
 
 /// A face of one tetrahedron, opposite its vertex number `opposite`.
 struct TetraFace {
-    std::uint32_t tetra = 0;                                               ///< which one
-    std::uint32_t opposite = 0;                                            ///< of its vertices; in [0, 3]
+    std::uint32_t tetra = 0;     ///< index of the tetrahedron
+    std::uint32_t opposite = 0;  ///< index of the opposite vertex, in [0, 3]
     friend bool operator==(const TetraFace&, const TetraFace&) = default;  ///< member by member
 };
 

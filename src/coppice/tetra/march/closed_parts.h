@@ -10,23 +10,24 @@
 
 namespace coppice {
 
-/// Of closed parts of a surface those that enclose one of these places: 1 by part, of `count`. `part_of`
-/// names that of every triangle. Hollows, which are inside out, are named as well, unless they are to go too
-/// (`with_hollows`); a part without a triangle counts as one. O(triangles), and O(triangles of the parts
-/// about it) for each place.
+/// Returns for each of `count` closed components of a surface whether it encloses one of these points (1) or
+/// not (0). `part_of` is the component of every triangle. Hollows, which are inside out, are also 1, unless
+/// `with_hollows` requests their removal; a component without a triangle counts as a hollow. O(triangles),
+/// plus O(triangles of the components around it) for each point.
 std::vector<std::uint8_t> enclosing_parts(const TriMesh& mesh, std::span<const std::uint32_t> part_of,
                                           std::size_t count, std::span<const Vec3> places, bool with_hollows,
                                           const Context& ctx = {});
 
-/// Closed parts that were left out.
+/// Closed components that were removed.
 struct DroppedParts {
-    std::uint64_t count = 0;  ///< how many
-    /// If there are any: for every vertex before, and one beyond, the number of those kept before it.
+    std::uint64_t count = 0;  ///< number of removed components
+    /// Empty if there are none: for every old vertex, and one past the end, the number of kept vertices
+    /// before it.
     std::vector<std::uint32_t> number;
 };
 
-/// Leaves out closed parts of a surface that enclose none of these places, and if wanted hollows, which are
-/// inside out. O(triangles), and O(triangles of the parts about it) for each place.
+/// Removes closed components of a surface that enclose none of these points, and with `with_hollows` also
+/// hollows, which are inside out. O(triangles), plus O(triangles of the components around it) for each point.
 DroppedParts drop_parts(TriMesh& mesh, std::span<const Vec3> places, bool with_hollows,
                         const Context& ctx = {});
 

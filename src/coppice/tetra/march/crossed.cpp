@@ -6,7 +6,7 @@
 namespace coppice::tetra_internal {
 namespace {
 
-constexpr std::size_t kRegions = 16;  // of one piece
+constexpr std::size_t kRegions = 16;  // regions of one chunk
 
 }  // namespace
 

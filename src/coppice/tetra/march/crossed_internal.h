@@ -10,22 +10,22 @@
 
 namespace coppice::tetra_internal {
 
-/// How the surface crosses one fine tetrahedron of a coarse one: a number in kCuts.
+/// Intersection of the surface with one fine tetrahedron of a coarse one: an index in kCuts.
 struct Crossing {
     std::uint16_t fine;
     std::uint8_t code;
 
     const Cut& cut() const { return kCuts[code]; }
-    /// Whether a corner of it lies on the surface, which may be one that the cut leaves out.
+    /// Returns whether a corner is on the surface, even if the cut polygon does not use it.
     bool any_on() const { return (code & 15) != 0; }
 };
 
-/// The fine tetrahedra that the surface crosses, in pieces of a few regions each, and in order.
+/// The fine tetrahedra that the surface crosses, in order, in chunks of a few regions each.
 class CrossedTetra {
   public:
     struct Piece {
         std::vector<std::uint32_t> active;  ///< coarse tetrahedra with corners on both sides, ascending
-        std::vector<std::uint32_t> end;     ///< of each: the end of its crossings
+        std::vector<std::uint32_t> end;     ///< for each: the end of its crossings
         std::vector<Crossing> crossings;
 
         std::span<const Crossing> of(std::size_t i) const {
@@ -36,11 +36,11 @@ class CrossedTetra {
 
     CrossedTetra(const TetraRefinement& refinement, const Samples& samples, const Context& ctx);
 
-    /// Looks again at the pieces that hold one of these coarse tetrahedra, ascending.
+    /// Recomputes the chunks that contain one of these coarse tetrahedra, which must be ascending.
     void update(std::span<const std::uint32_t> tetra, const Context& ctx);
 
     std::span<const Piece> pieces() const { return pieces_; }
-    std::uint64_t count() const;  ///< of fine tetrahedra
+    std::uint64_t count() const;  ///< number of fine tetrahedra
     IndexRange regions(std::size_t piece) const;
 
   private:
@@ -51,7 +51,7 @@ class CrossedTetra {
     std::vector<Piece> pieces_;
 };
 
-/// The fine edges of a coarse tetrahedron that have a vertex of the surface inside.
+/// The fine edges of a coarse tetrahedron with a vertex of the surface in their interior.
 class CutEdges {
   public:
     void assign(const TetraPattern& pattern, std::span<const Crossing> crossings) {
@@ -66,7 +66,7 @@ class CutEdges {
         }
     }
 
-    /// Calls use(edge) for those in a group, in order.
+    /// Calls use(edge) for the cut edges in a group, in order.
     template <class Use>
     void for_each(const TetraPattern& pattern, std::uint32_t group, const Use& use) const {
         const std::uint32_t first = pattern.first_edge[group], last = pattern.first_edge[group + 1];
@@ -90,8 +90,8 @@ class CutNumbers {
 
     std::uint64_t count() const { return count_; }
 
-    /// Calls use(group, number) for the groups of fine edges that have a coarse tetrahedron as their first,
-    /// with the number of the first edge that is cut: the others follow.
+    /// Calls use(group, number) for the groups of fine edges that a coarse tetrahedron owns, with the number
+    /// of the first cut edge; the others follow.
     template <class Use>
     void for_each_owned(std::uint32_t t, const Use& use) const {
         for_each_holder(t, [&](std::uint32_t group, std::size_t holder) {
@@ -99,12 +99,12 @@ class CutNumbers {
         });
     }
 
-    /// Writes the numbers of a coarse tetrahedron's cut edges to `out`, by its own number of the edge.
+    /// Writes the numbers of a coarse tetrahedron's cut edges to `out`, indexed by local edge number.
     void number_edges(std::uint32_t t, const CutEdges& edges, std::vector<std::uint32_t>& out) const;
 
   private:
-    /// Calls use(group, holder) for the parts of a coarse tetrahedron that hold fine edges: edges, faces, and
-    /// the whole.
+    /// Calls use(group, holder) for the elements of a coarse tetrahedron that contain fine edges: edges,
+    /// faces, and the interior.
     template <class Use>
     void for_each_holder(std::uint32_t t, const Use& use) const {
         const auto& parts = refinement_.parts(t);

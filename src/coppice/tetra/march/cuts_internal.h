@@ -12,10 +12,11 @@ using tetra_kernel::Cut;
 using tetra_kernel::kCuts;
 using tetra_kernel::kCutVertex;
 
-/// One bit for each fine vertex of a coarse tetrahedron: for the 6545 of 5 levels, and two words to spare.
+/// One bit for each fine vertex of a coarse tetrahedron: up to 6545 for 5 levels, plus two extra words.
 using LocalBits = std::array<std::uint64_t, 105>;
 
-/// Gathers a coarse tetrahedron's from those of all fine vertices. Words beyond them are unspecified.
+/// Gathers the bits of a coarse tetrahedron from those of all fine vertices. Words beyond them are
+/// unspecified.
 void gather_bits(const TetraRefinement& refinement, const RankedBits& bits, std::uint32_t tetra,
                  LocalBits& out);
 
@@ -23,13 +24,14 @@ inline std::uint32_t bit_of(const LocalBits& words, std::uint32_t i) {
     return static_cast<std::uint32_t>(words[i / 64] >> (i % 64)) & 1;
 }
 
-/// The signs of one coarse tetrahedron's fine vertices.
+/// The signs of the fine vertices of one coarse tetrahedron.
 class LocalSigns {
   public:
-    /// Returns whether some are inside and some are not; otherwise nothing is known afterwards.
+    /// Returns whether some vertices are inside and some are not; otherwise the state is unspecified
+    /// afterwards.
     bool gather(const TetraRefinement& refinement, const Samples& samples, std::uint32_t tetra);
 
-    /// Number in kCuts of how the surface crosses a fine tetrahedron.
+    /// Returns the index in kCuts of the intersection of the surface with a fine tetrahedron.
     std::uint8_t code(const std::array<TetraPattern::Local, 4>& t) const {
         return static_cast<std::uint8_t>(state_[t[0]] | state_[t[1]] << 1 | state_[t[2]] << 2 |
                                          state_[t[3]] << 3);

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "coppice/base/id.h"
 #include "coppice/base/parallel.h"
 #include "coppice/tetra/march/snapping_internal.h"
 #include "coppice/tetra/march/solid_internal.h"
-#include "coppice/tetra/none_internal.h"
 
 namespace coppice::tetra_internal {
 namespace {
@@ -14,23 +14,23 @@ using Local = TetraPattern::Local;
 
 using tetra_kernel::CutEdge;
 
-/// A cut edge, and the vertex of the surface that lies in it.
+/// A cut edge, and the vertex of the surface on it.
 struct NumberedCut {
     std::uint32_t vertex;
     CutEdge edge;
 };
 
-/// The numbers that vertices moved onto the surface have there.
+/// Numbers on the surface of the vertices moved onto it.
 struct PlacedNumbers {
-    std::vector<std::uint32_t> number;  ///< by rank in Samples::placed; 2^32 - 1 for those not in use
-    std::uint32_t count = 0;            ///< of those in use
+    std::vector<std::uint32_t> number;  ///< by rank in Samples::placed; 2^32 - 1 for unused vertices
+    std::uint32_t count = 0;            ///< number of used vertices
 };
 
-/// Numbers them in ascending order; see SnappedVertices::used.
+/// Numbers the used vertices in ascending order; see SnappedVertices::used.
 PlacedNumbers number_placed(std::span<const std::uint8_t> used) {
     PlacedNumbers out;
     out.number.resize(used.size());
-    for (std::size_t i = 0; i < used.size(); ++i) out.number[i] = used[i] != 0 ? out.count++ : kNone;
+    for (std::size_t i = 0; i < used.size(); ++i) out.number[i] = used[i] != 0 ? out.count++ : kNoIndex;
     return out;
 }
 
@@ -57,12 +57,12 @@ class Extractor {
         out.crossed = crossed_.count();
         const std::uint64_t triangle_count = exclusive_scan<std::uint64_t>(triangles);
         const std::uint64_t vertices = placed_.count + numbers_.count();
-        if (vertices >= kNone || triangle_count >= kNone)
-            throw InvalidInput("march: levels makes more than 2^32 triangles; take fewer levels");
+        if (vertices >= kNoIndex || triangle_count >= kNoIndex)
+            throw InvalidInput("march: levels makes more than 2^32 triangles; reduce the number of levels");
         mesh_.positions.resize(vertices);
         mesh_.triangles.resize(triangle_count);
         parallel_for(ctx_, placed_.number.size(), 4096, [&](std::size_t i) {
-            if (placed_.number[i] != kNone) mesh_.positions[placed_.number[i]] = samples_.place[i];
+            if (placed_.number[i] != kNoIndex) mesh_.positions[placed_.number[i]] = samples_.place[i];
         });
         ctx_.throw_if_cancelled();
         for_each_piece([&](std::size_t p, const CrossedTetra::Piece& piece) {

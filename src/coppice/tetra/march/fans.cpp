@@ -7,7 +7,7 @@
 namespace coppice::tetra_internal {
 namespace {
 
-/// Collects the segments that all triangles leave over by the vertex that they leave out.
+/// Collects, for each vertex, the segments that its triangles have opposite it.
 class FanFinder {
   public:
     FanFinder(const TetraRefinement& refinement, const Samples& samples, const CrossedTetra& crossed,
@@ -26,7 +26,7 @@ class FanFinder {
     }
 
   private:
-    static constexpr std::uint32_t kMost = ListedFan::kMost;
+    static constexpr std::uint32_t kMax = ListedFan::kMax;
     using Key = ListedFan::Key;
     using Segment = LinkSegment<Key>;
 
@@ -55,15 +55,16 @@ class FanFinder {
                                            refinement_.vertex(t, fine[kTetraEdges[c][1]]));
             }
         }
-        // A cut with a corner in a vertex has three corners: one inside and the others are cut off.
+        // A cut polygon with a corner at a vertex is a triangle: one corner is inside and the others are cut
+        // off.
         const bool mirrored = refinement_.mirrored(t);
         for (std::size_t k = 0; k < cut.size; ++k) {
             if (cut.corners[k] < kCutVertex) continue;
             const Key next = key[(k + 1) % 3], last = key[(k + 2) % 3];
             std::atomic_ref size(size_[rank[k]]);
-            if (size.load(std::memory_order_relaxed) > kMost) continue;
+            if (size.load(std::memory_order_relaxed) > kMax) continue;
             const std::uint16_t at = size.fetch_add(1, std::memory_order_relaxed);
-            if (at < kMost)
+            if (at < kMax)
                 links_[rank[k]].segments[at] = mirrored ? Segment{last, next} : Segment{next, last};
         }
     }
@@ -72,8 +73,9 @@ class FanFinder {
     const Samples& samples_;
     const CrossedTetra& crossed_;
     const Context& ctx_;
-    std::vector<std::uint16_t> size_;  ///< by rank in `placed`; counted until it is too many
-    Buffer<ListedFan> links_;          ///< the same
+    std::vector<std::uint16_t>
+        size_;  ///< by rank in `placed`; number of segments, counted up to just above the maximum
+    Buffer<ListedFan> links_;  ///< by rank in `placed`
 };
 
 }  // namespace

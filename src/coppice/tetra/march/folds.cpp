@@ -9,13 +9,13 @@ namespace {
 using Local = TetraPattern::Local;
 using Fine = std::array<Local, 4>;
 
-/// Looks at the fine tetrahedra of one coarse one after the other.
+/// Checks the fine tetrahedra of coarse ones.
 class FoldFinder {
   public:
     FoldFinder(const TetraRefinement& refinement, const Samples& samples)
         : refinement_(refinement), samples_(samples) {}
 
-    /// Calls use(vertex) for the one that moved farthest in each fine tetrahedron that is too flat.
+    /// Calls use(vertex) for the vertex that moved farthest in each fine tetrahedron that is too flat.
     template <class Use>
     void look_at(std::uint32_t t, const Use& use) {
         const float least = tetra_kernel::harmless_way(refinement_.width(t));
@@ -26,7 +26,8 @@ class FoldFinder {
         for (std::size_t i = 0; i < pattern.tetra.size(); ++i) {
             if (small && (moved_[0] & pattern.tetra_masks[i]) == 0) continue;
             const Fine& fine = pattern.tetra[i];
-            // While the two that moved most moved less than the tetrahedron is wide it cannot have turned.
+            // The tetrahedron cannot be inverted while the total distance of the two that moved farthest is
+            // less than its width.
             const std::array<float, 4> way{way_[fine[0]], way_[fine[1]], way_[fine[2]], way_[fine[3]]};
             if (tetra_kernel::two_longest(way) <= least) continue;
             if (!placed_) place(t);
@@ -40,7 +41,8 @@ class FoldFinder {
     }
 
   private:
-    /// How far each vertex moved. False when no two of them did by more than `least`.
+    /// Gathers the distances that the vertices moved. Returns false if no two of them moved by more than
+    /// `least` in total.
     bool gather_ways(std::uint32_t t, float least) {
         gather_bits(refinement_, samples_.moved, t, moved_);
         const std::size_t count = refinement_.pattern(t).weights.size();
@@ -58,7 +60,7 @@ class FoldFinder {
         return longest + second > least;
     }
 
-    /// Where the vertices are, and the volume of a fine tetrahedron before they moved.
+    /// Computes the positions of the vertices, and the original volume of a fine tetrahedron.
     void place(std::uint32_t t) {
         const std::size_t count = way_.size();
         position_.resize(count);

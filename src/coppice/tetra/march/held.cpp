@@ -15,7 +15,7 @@ namespace {
 using Local = TetraPattern::Local;
 using tetra_kernel::FineLineTable;
 
-/// Finds the held vertices of one region after the other.
+/// Finds the held vertices of regions.
 class Holder {
   public:
     Holder(const TetraRefinement& refinement, const InsideAxes& axes, std::span<const FineLineTable> lines)
@@ -40,7 +40,7 @@ class Holder {
     struct Coarse {
         std::uint32_t tetra;
         tetra_kernel::HeldTetra shape;
-        std::optional<tetra_kernel::WeightFunctions> weights;  ///< once an axis comes near
+        std::optional<tetra_kernel::WeightFunctions> weights;  ///< computed when an axis is close
     };
 
     tetra_kernel::Corners corners_of(std::uint32_t t) const {
@@ -54,7 +54,8 @@ class Holder {
             coarse_.push_back({t, tetra_kernel::HeldTetra(corners_of(t)), {}});
     }
 
-    /// Appends what an axis needs of a coarse tetrahedron, and what is not in `out` from `begin` on.
+    /// Appends the vertices of a coarse tetrahedron that an axis holds and that are not in `out` from `begin`
+    /// on.
     void look_at(std::uint32_t t, const tetra_kernel::WeightFunctions& weights, std::uint32_t segment,
                  std::size_t begin, std::vector<HeldVertex>& out) {
         const auto hold = [&](Local local) {
@@ -70,10 +71,10 @@ class Holder {
     const TetraRefinement& refinement_;
     const InsideAxes& axes_;
     std::span<const FineLineTable> lines_;  ///< by diagonal
-    std::vector<Coarse> coarse_;            ///< of one region
+    std::vector<Coarse> coarse_;            ///< of the current region
 };
 
-/// Ascending by vertex; of each, in the order of regions.
+/// Returns held vertices, ascending; those of one vertex in the order of regions.
 Buffer<HeldVertex> find_held(const TetraRefinement& refinement, const InsideAxes& axes, const Context& ctx) {
     constexpr std::size_t kRegions = 64;
     const std::size_t regions = refinement.coarse().region_count();

@@ -11,7 +11,7 @@ namespace coppice {
 namespace tetra_internal {
 namespace {
 
-/// What is to be done.
+/// Input and options of a march.
 struct Task {
     const TetraMesh& mesh;
     FieldRef field;
@@ -20,7 +20,7 @@ struct Task {
     bool with_solid;
 };
 
-/// Puts vertices back, and makes the surface.
+/// Moves vertices back and creates the surface.
 void extract(const Task& task, const TetraRefinement& refinement, Samples& samples, MarchResult& out,
              const Context& ctx) {
     const SnappedVertices kept = unsnap_vertices(refinement, samples, ctx);

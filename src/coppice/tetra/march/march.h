@@ -15,100 +15,102 @@
 
 namespace coppice {
 
-/// How fine the surface is, and how exactly its vertices lie on it.
+/// Resolution of the surface and accuracy of its vertices.
 struct MarchOptions {
-    int levels = 2;      ///< times every tetrahedron is cut into eight
-    float snap = 0.45f;  ///< [fine edges] vertices nearer than this to the surface are moved onto it; 0: none
+    int levels = 2;  ///< number of subdivisions of every tetrahedron into eight
+    float snap =
+        0.45f;  ///< [fine edges] vertices closer than this to the surface are moved onto it; 0 disables this
     int refinements =
-        2;  ///< times a vertex is moved along its edge towards the surface after the first guess
+        2;  ///< number of corrections of a vertex along its edge towards the surface after the first estimate
 };
 
-/// Those of how exactly the vertices lie, alone.
+/// Visits only the fields that determine the accuracy of the vertices.
 template <class Self, class Visitor>
 requires SameOptions<Self, MarchOptions>
 constexpr void visit_accuracy_fields(Self& o, Visitor&& visit) {
-    visit(Field{"snap", "corners of tetrahedra nearer to the surface than this part of an edge move onto it",
+    visit(Field{"snap", "Fraction of an edge within which corners of tetrahedra are moved onto the surface.",
                 Unit::none, 0, 0.5},
           o.snap);
-    visit(
-        Field{"refinements", "times a vertex is moved towards the surface along its edge", Unit::none, 0, 20},
-        o.refinements);
+    visit(Field{"refinements", "Number of corrections that move a vertex along its edge towards the surface.",
+                Unit::none, 0, 20},
+          o.refinements);
 }
 
 template <class Self, class Visitor>
 requires SameOptions<Self, MarchOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"levels", "times every tetrahedron is cut into eight", Unit::none, 0, 5}, o.levels);
+    visit(Field{"levels", "Number of subdivisions of every tetrahedron into eight.", Unit::none, 0, 5},
+          o.levels);
     visit_accuracy_fields(o, visit);
 }
 
 /// Throws InvalidInput naming a field that is out of range.
 void check(const MarchOptions& options);
 
-/// How marching went, counted.
+/// Counts of a march.
 struct MarchReport {
     std::uint64_t tetra = 0;     ///< of the finest level
     std::uint64_t vertices = 0;  ///< of the finest level, all sampled
-    std::uint64_t inside = 0;    ///< of these, those where the field is above its level
+    std::uint64_t inside = 0;    ///< of these, vertices with field values above the iso value
     std::uint64_t crossed = 0;   ///< tetrahedra of the finest level that the surface crosses
     std::uint64_t snapped = 0;   ///< vertices moved onto the surface
-    std::uint64_t freed = 0;     ///< of those near enough, put back so that nothing folds or touches
-    std::uint64_t dropped = 0;   ///< closed parts without an axis inside, and hollows, that were left out
+    std::uint64_t freed = 0;     ///< of the close vertices, those moved back to prevent folds and contacts
+    std::uint64_t dropped = 0;   ///< removed components: closed ones without an axis inside, and hollows
     friend bool operator==(const MarchReport&, const MarchReport&) = default;  ///< member by member
 };
 
-/// Lines of which all is to be inside, whatever the field says and however coarse the tetrahedra are: the
-/// axes of what the field was made of.
+/// Lines that must be inside for any field and any size of tetrahedra: the axes from which the field was
+/// made.
 struct InsideAxes {
     std::span<const Segment> segments;             ///< [m] in the frame of the tetrahedra
     const CompressedRows<std::uint32_t>& passing;  ///< of each region at least those that pass through it
 };
 
-/// A surface of triangles, and the report.
+/// A surface of triangles and its report.
 struct MarchResult {
-    TriMesh mesh;                 ///< [m] in the frame of the tetrahedra
-    SolidMesh solid;              ///< what is inside; empty but from march_solid
-    std::vector<TetraFace> open;  ///< coarse faces of one tetrahedron alone that the surface passes through
-    MarchReport report;           ///< what was done
+    TriMesh mesh;     ///< [m] in the frame of the tetrahedra
+    SolidMesh solid;  ///< the tetrahedra inside; empty except from march_solid
+    std::vector<TetraFace>
+        open;  ///< coarse hull faces, which belong to only one tetrahedron, that the surface passes through
+    MarchReport report;  ///< counts
 };
 
-/// The surface value = level of a field within tetrahedra: marching tetrahedra on a mesh subdivided by
-/// TetraRefinement. Closed, manifold, oriented and free of self-intersections whatever the field, as far as
-/// rounding to float allows; what is thinner than a fine edge may be lost.
+/// Extracts the surface value = level of a field within tetrahedra: marching tetrahedra on a mesh subdivided
+/// by TetraRefinement. For any field the result is closed, manifold, oriented and free of self-intersections,
+/// as far as rounding to float allows; details thinner than a fine edge may be lost.
 ///
-/// Every fine vertex is sampled once. Those near the surface are moved onto it, so that neither short edges
-/// nor slivers arise [Labelle2007]. A vertex is left where it was if a tetrahedron would turn over or become
-/// flat, or if two sheets of the surface would meet in it. Edges between inside and outside get a vertex
-/// where the field crosses its level. Along edges, and along the gradient, it is not the value that is
-/// followed but (value / level)^0.4, a straight line for the compact quartic kernel, where the level is above
-/// 0. A sample that is not a number is outside.
+/// Every fine vertex is sampled once. Vertices near the surface are moved onto it, which avoids short edges
+/// and slivers [Labelle2007]. A vertex is not moved if a tetrahedron would be inverted or become flat, or if
+/// two sheets of the surface would meet in it. Edges between inside and outside get a vertex where the field
+/// crosses its iso value. Along edges, and along the gradient, the interpolated quantity is not the value but
+/// (value / level)^0.4, which is linear for the compact quartic kernel, if the level is above 0. A sample
+/// that is NaN is outside.
 ///
-/// Where the surface passes through the hull, that is, where a face that belongs to one tetrahedron alone has
-/// fine vertices on both sides, these faces are named in `open`, ascending, and the mesh and what the report
-/// says of it are left empty. A hull that is inside as a whole, such as the inner one of a shell, is no
-/// fault.
+/// If the surface passes through the hull, that is, if a face that belongs to only one tetrahedron has fine
+/// vertices on both sides, these faces are listed in `open`, ascending, and the mesh and its counts are left
+/// empty. A hull that is entirely inside, such as the inner hull of a shell, is not an error.
 ///
-/// Each region of the mesh is sampled with its number. Deterministic for any number of threads. Throws
-/// InvalidInput for options out of range and for what TetraRefinement refuses. O(fine tetrahedra); 4 bytes
-/// per fine vertex and some 200 per coarse tetrahedron besides the result.
+/// Each region of the mesh is sampled with its number. The result does not depend on the number of threads.
+/// Throws InvalidInput for options out of range and for input that TetraRefinement rejects. O(fine
+/// tetrahedra); 4 bytes per fine vertex and about 200 per coarse tetrahedron in addition to the result.
 MarchResult march(const TetraMesh& mesh, FieldRef field, const MarchOptions& options = {},
                   const Context& ctx = {});
 
-/// The same about axes, each of which comes to lie in one part of the surface: connected ones in the same, so
-/// that there is a part for each connected set of axes, or fewer where sets come so near to each other that
-/// the tetrahedra do not tell them apart. There are no others: closed parts without an axis inside, and
-/// hollows, are left out. The tetrahedra must cover all axes.
+/// Extracts the surface around axes, each of which is inside one component of the surface. Connected axes are
+/// in the same component, so there is one component for each connected set of axes, or fewer where sets are
+/// so close to each other that the tetrahedra do not separate them. There are no other components: closed
+/// components without an axis inside, and hollows, are removed. The tetrahedra must cover all axes.
 ///
-/// Where the field is not above its level about an axis, or where tetrahedra are too large to see that it is,
-/// the surface has the radius of the segment about a corner of the tetrahedra near the axis, or half an edge
-/// where that is less; such corners are moved towards the axis.
+/// Where the field is not above its iso value around an axis, or where tetrahedra are too large to resolve
+/// it, the surface has the radius of the segment around a corner of the tetrahedra near the axis, or half an
+/// edge if that is less; such corners are moved towards the axis.
 MarchResult march(const TetraMesh& mesh, FieldRef field, const InsideAxes& axes,
                   const MarchOptions& options = {}, const Context& ctx = {});
 
-/// The same, and the fine tetrahedra inside, those that the surface crosses cut so that all share whole
-/// faces and the triangles of the surface are what is left over. Vertices of the surface come first, in the
-/// same order. Faces of the hull that are inside are `open`, too, and hollows stay. Some 40 bytes more for
-/// each fine tetrahedron inside.
+/// Also creates the fine tetrahedra inside. Those that the surface crosses are cut such that all tetrahedra
+/// share whole faces, and the unshared faces are the triangles of the surface. Vertices of the surface come
+/// first, in the same order. Hull faces that are inside are also listed in `open`, and hollows are kept.
+/// About 40 additional bytes for each fine tetrahedron inside.
 MarchResult march_solid(const TetraMesh& mesh, FieldRef field, const InsideAxes& axes,
                         const MarchOptions& options = {}, const Context& ctx = {});
 

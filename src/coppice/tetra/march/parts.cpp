@@ -12,14 +12,14 @@
 namespace coppice::tetra_internal {
 namespace {
 
-/// A closed part of the surface.
+/// A closed component of the surface.
 struct Part {
     std::vector<std::uint32_t> triangles;
     Box3 box;
     double volume6 = 0;
 };
 
-/// The solid angle of a triangle seen from a point, by its sign from within or from without
+/// Returns the solid angle of a triangle seen from the origin, with a sign that depends on the side
 /// [VanOosterom1983].
 double solid_angle(Vec3d a, Vec3d b, Vec3d c) {
     const double la = length(a), lb = length(b), lc = length(c);
@@ -38,7 +38,7 @@ bool encloses(const TriMesh& mesh, const Part& part, Vec3 place) {
     return sum > 2 * std::numbers::pi;
 }
 
-/// Per triangle its part; parts are numbered by their first triangle.
+/// Collects the triangles, box and volume of each component; components are numbered by their first triangle.
 std::vector<Part> parts_of(const TriMesh& mesh, std::span<const std::uint32_t> part_of, std::size_t count) {
     std::vector<Part> parts(count);
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -46,7 +46,8 @@ std::vector<Part> parts_of(const TriMesh& mesh, std::span<const std::uint32_t> p
         part.triangles.push_back(t);
         const auto& [a, b, c] = mesh.triangles[t];
         for (const std::uint32_t v : mesh.triangles[t]) part.box.extend(mesh.positions[v]);
-        // About a point of the part: where it lies far out, rounding must not change the sign.
+        // Relative to a point of the component, so that rounding does not change the sign far from the
+        // origin.
         const Vec3d o(mesh.positions[mesh.triangles[part.triangles[0]][0]]);
         const auto from = [&](std::uint32_t v) { return Vec3d(mesh.positions[v]) - o; };
         part.volume6 += dot(from(a), cross(from(b), from(c)));
@@ -54,7 +55,8 @@ std::vector<Part> parts_of(const TriMesh& mesh, std::span<const std::uint32_t> p
     return parts;
 }
 
-/// Returns the new number of every vertex, and of one beyond; those that went have that of the next.
+/// Returns the new number of every vertex, and of one past the end; removed vertices have the number of the
+/// next kept one.
 std::vector<std::uint32_t> keep_triangles(TriMesh& mesh, std::span<const std::uint32_t> part_of,
                                           std::span<const std::uint8_t> kept) {
     std::vector<std::uint32_t> number(mesh.positions.size() + 1);
@@ -136,13 +138,13 @@ std::vector<std::uint8_t> enclosing_parts(const TriMesh& mesh, std::span<const s
 }
 
 DroppedParts drop_parts(TriMesh& mesh, std::span<const Vec3> places, bool with_hollows, const Context& ctx) {
-    // Neighbours follow each other in the list, so that this is too little work to share.
+    // Neighbours are consecutive in the list, so there is not enough work for more threads.
     DisjointSets sets(mesh.positions.size());
     std::size_t count = mesh.positions.size();
     for (const Triangle& t : mesh.triangles)
         count -= (sets.join(t[0], t[1]) ? 1 : 0) + (sets.join(t[0], t[2]) ? 1 : 0);
     ctx.throw_if_cancelled();
-    // A surface that encloses all axes has one part at least, which is not a hollow.
+    // A surface that encloses all axes has at least one component that is not a hollow.
     if (count <= 1) return {};
     constexpr std::uint32_t kUnseen = 0xffffffffu;
     std::vector<std::uint32_t> part_of_root(mesh.positions.size(), kUnseen), part_of(mesh.triangles.size());

@@ -11,15 +11,15 @@
 
 namespace coppice::tetra_internal {
 
-/// [m] Where a held vertex of each set of axes is.
+/// [m] Returns the position of one held vertex of each set of axes.
 std::vector<Vec3> held_places(const TetraRefinement& refinement, const HeldVertices& held,
                               const Samples& samples);
 
-/// Leaves out the bodies within parts of the surface that were left out. `solid` begins with the vertices of
-/// the surface.
+/// Removes the bodies inside removed components of the surface. `solid` begins with the vertices of the
+/// surface.
 void drop_bodies(SolidMesh& solid, const DroppedParts& dropped);
 
-/// Leaves out vertices of no tetrahedron.
+/// Removes vertices without tetrahedra.
 void compact(SolidMesh& solid);
 
 }  // namespace coppice::tetra_internal

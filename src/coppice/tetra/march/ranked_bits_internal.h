@@ -15,7 +15,7 @@ namespace coppice::tetra_internal {
 class RankedBits {
   public:
     explicit RankedBits(std::size_t count) : words_(count / 64 + 2) {}
-    /// Of these words, as far as they go.
+    /// Copies these words, padded or truncated to the required number.
     RankedBits(std::size_t count, std::vector<std::uint64_t> words) : words_(std::move(words)) {
         words_.resize(count / 64 + 2);
     }
@@ -26,7 +26,7 @@ class RankedBits {
     void set(std::size_t i) { words_[i / 64] |= std::uint64_t{1} << (i % 64); }
     void reset(std::size_t i) { words_[i / 64] &= ~(std::uint64_t{1} << (i % 64)); }
 
-    /// Counts anew; returns the number of set bits.
+    /// Recomputes the ranks; returns the number of set bits.
     std::uint32_t count() {
         before_.resize(words_.size());
         std::uint32_t sum = 0;
@@ -36,9 +36,9 @@ class RankedBits {
         }
         return sum;
     }
-    /// Set bits before i when they were last counted.
+    /// Returns the number of set bits before i at the last call of count().
     std::uint32_t rank(std::size_t i) const { return view().rank(i); }
-    /// As spans, which end with this.
+    /// Returns spans, which are valid as long as this object.
     tetra_kernel::RankedView view() const { return {words_, before_}; }
 
   private:

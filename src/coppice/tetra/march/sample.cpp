@@ -11,44 +11,44 @@ namespace {
 
 using Local = TetraPattern::Local;
 
-/// A fine vertex that would be moved.
+/// A fine vertex with a target position.
 struct MovedVertex {
     std::uint32_t vertex;  ///< fine
-    Vec3 position;         ///< [m] where to
-    float way;             ///< [m] how far
+    Vec3 position;         ///< [m] target
+    float way;             ///< [m] distance
 };
 
-/// A held vertex that the field puts outside or near to the surface.
+/// A held vertex that is outside or near the surface according to the field.
 struct ShallowVertex {
     std::uint32_t vertex;  ///< fine
-    std::uint32_t region;  ///< of a tetrahedron that has it
+    std::uint32_t region;  ///< of a tetrahedron that contains it
     Vec3 position;         ///< [m]
-    float reach;           ///< [m] how far it may be moved
+    float reach;           ///< [m] maximum distance that it may move
     float height;          ///< of the profile
 };
 
-/// What sampling finds.
+/// Results of sampling.
 struct SampledVertices {
-    /// Vertices that are not as most are.
+    /// Vertices that need special treatment.
     struct Found {
-        std::vector<MovedVertex> near;       ///< not held, where they would come to lie on the surface
-        std::vector<ShallowVertex> shallow;  ///< held; those of a region one after the other
+        std::vector<MovedVertex> near;       ///< not held, with their positions on the surface
+        std::vector<ShallowVertex> shallow;  ///< held; sorted by region
     };
-    /// Of the profile, of every fine vertex, -1 for those of no tetrahedron.
+    /// Height of the profile at every fine vertex; -1 for vertices without tetrahedra.
     Buffer<float> height;
-    std::vector<std::uint64_t> above;  ///< a bit for each that is above 0
-    std::vector<Found> found;          ///< in pieces, in any order
+    std::vector<std::uint64_t> above;  ///< a bit for each vertex with a height above 0
+    std::vector<Found> found;          ///< in chunks, in any order
 };
 using Found = SampledVertices::Found;
 
-/// A shallow vertex, and the axis that it holds.
+/// A shallow vertex relative to the axis that it holds.
 struct Weak {
-    float radius = 0;  ///< [m] of the axis
-    float away = 0;    ///< [m] from the axis
-    float height = 0;  ///< where it would be moved to
+    float radius = 0;  ///< [m] radius of the axis
+    float away = 0;    ///< [m] distance from the axis
+    float height = 0;  ///< height at its target
 };
 
-/// Samples the vertices of one region after the other.
+/// Samples the vertices of regions.
 class RegionSampler {
   public:
     RegionSampler(const TetraRefinement& refinement, FieldRef field, float snap, tetra_kernel::BitsView held,
@@ -78,7 +78,7 @@ class RegionSampler {
         const auto& first = refinement_.pattern(tetra).first_vertex;
         if (first[group] == first[group + 1]) return;
         const std::uint32_t vertex = refinement_.first_vertex(tetra, group);
-        // How far they may be moved: those on the hull stay.
+        // Maximum distance that they may move: vertices on the hull stay.
         const float edge = refinement_.shortest_edge(tetra, group);
         for (std::uint32_t v = first[group]; v < first[group + 1]; ++v) {
             points_[size_] = refinement_.position(tetra, static_cast<Local>(v));
@@ -140,7 +140,8 @@ class RegionSampler {
     std::array<Vec3, kBatch> target_;
 };
 
-/// On the way from a shallow vertex to the nearest point of the axis it holds. Notes its radius.
+/// Returns the target of a shallow vertex towards the closest point of the axis that it holds. Stores the
+/// radius and distance in `weak`.
 Vec3 towards_axis(const ShallowVertex& vertex, const HeldVertices& held, std::span<const Segment> axes,
                   Weak& weak) {
     const auto named = std::ranges::lower_bound(held.list, vertex.vertex, {}, &HeldVertex::vertex);
@@ -150,8 +151,8 @@ Vec3 towards_axis(const ShallowVertex& vertex, const HeldVertices& held, std::sp
     return step.position;
 }
 
-/// Moves shallow vertices, each on the way to the nearest point of the axis it holds, unless the field is
-/// less there.
+/// Moves shallow vertices towards the closest point of the axis that they hold, unless the field is smaller
+/// there.
 std::vector<Weak> move_shallow(FieldRef field, const HeldVertices& held, std::span<const Segment> axes,
                                Found& found) {
     const Profile profile(field.level());
@@ -176,26 +177,26 @@ std::vector<Weak> move_shallow(FieldRef field, const HeldVertices& held, std::sp
     return weak;
 }
 
-/// Calls use(vertex) for all that would be moved, some side by side.
+/// Calls use(vertex) for all vertices with a target, in parallel.
 template <class Use>
 void for_each_moved(std::span<const Found> found, const Context& ctx, const Use& use) {
-    constexpr std::size_t kMost = 4096;
+    constexpr std::size_t kMax = 4096;
     std::vector<std::span<const MovedVertex>> pieces;
     for (const Found& f : found) {
-        for (std::size_t i = 0; i < f.near.size(); i += kMost)
-            pieces.push_back(std::span(f.near).subspan(i, std::min(kMost, f.near.size() - i)));
+        for (std::size_t i = 0; i < f.near.size(); i += kMax)
+            pieces.push_back(std::span(f.near).subspan(i, std::min(kMax, f.near.size() - i)));
     }
     parallel_for(ctx, pieces.size(), 16, [&](std::size_t i) { std::ranges::for_each(pieces[i], use); });
 }
 
-/// Samples all.
+/// Samples all fine vertices.
 SampledVertices sample_fine(const TetraRefinement& refinement, FieldRef field, float snap,
                             tetra_kernel::BitsView held, const Context& ctx) {
     constexpr std::size_t kRegions = 16;
     const std::size_t regions = refinement.coarse().region_count();
     SampledVertices out;
     out.height.resize(refinement.vertex_count());
-    // Vertices of no tetrahedron, which nobody samples.
+    // Vertices without tetrahedra are not sampled.
     std::fill_n(out.height.begin(), refinement.coarse().positions.size(), -1.0f);
     out.found.resize((regions + kRegions - 1) / kRegions);
     parallel_for_ranges(ctx, regions, kRegions, [&](IndexRange r) {
@@ -215,7 +216,7 @@ SampledVertices sample_fine(const TetraRefinement& refinement, FieldRef field, f
     return out;
 }
 
-/// Moves held vertices, and notes the sides of all.
+/// Moves held vertices, and stores the sides of all vertices.
 Samples settle_samples(const TetraRefinement& refinement, FieldRef field, SampledVertices sampled,
                        const HeldVertices& held, std::span<const Segment> axes, const Context& ctx) {
     const std::size_t count = refinement.vertex_count();

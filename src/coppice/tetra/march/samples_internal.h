@@ -14,33 +14,33 @@
 
 namespace coppice::tetra_internal {
 
-/// Points asked of the field at once.
+/// Number of points in one query of the field.
 inline constexpr std::size_t kBatch = 512;
 
 using tetra_kernel::Profile;
 using tetra_kernel::WeakVertex;
 
-/// What is known of every fine vertex. A vertex that lies on the surface counts as outside.
+/// Properties of every fine vertex. A vertex on the surface counts as outside.
 struct Samples {
-    Buffer<float> height;  ///< of the profile; -1 for vertices of no tetrahedron
-    RankedBits above;      ///< those whose height is above 0
+    Buffer<float> height;  ///< height of the profile; -1 for vertices without tetrahedra
+    RankedBits above;      ///< vertices with a height above 0
     RankedBits inside;
-    RankedBits held;               ///< inside whatever the field says, and never on the surface
-    RankedBits on;                 ///< moved onto the surface and not put back
-    RankedBits moved;              ///< these, and held ones moved towards their axis and not put back
-    RankedBits placed;             ///< all that were near enough, and held ones that were moved; ranked
-    Buffer<Vec3> place;            ///< [m] by rank in `placed`: where they were moved
-    Buffer<float> way;             ///< [m] by rank in `placed`: how far they were moved
+    RankedBits held;               ///< inside for any field, and never on the surface
+    RankedBits on;                 ///< moved onto the surface and not moved back
+    RankedBits moved;              ///< these, and held vertices moved towards their axis and not moved back
+    RankedBits placed;             ///< all that were close enough, and held vertices that were moved; ranked
+    Buffer<Vec3> place;            ///< [m] by rank in `placed`: moved position
+    Buffer<float> way;             ///< [m] by rank in `placed`: distance of the move
     std::vector<WeakVertex> weak;  ///< ascending
 
-    /// Puts a vertex back to where it was.
+    /// Moves a vertex back to its original position.
     void put_back(std::uint32_t vertex) {
         on.reset(vertex);
         moved.reset(vertex);
         if (above.test(vertex) || held.test(vertex)) inside.set(vertex);
     }
 
-    /// As spans, which end with this.
+    /// Returns spans.
     tetra_kernel::SamplesView view() const {
         return {height,
                 {inside.words()},
@@ -54,12 +54,14 @@ struct Samples {
     }
 };
 
-/// Samples the fine vertices, and finds where those near the surface would come to lie on it. Moves held ones
-/// towards their axis where they are near the surface or outside. `on` is that of all that were near enough.
+/// Samples the fine vertices, and computes the positions on the surface of those near it. Moves held vertices
+/// towards their axis if they are near the surface or outside. `on` contains all vertices that were close
+/// enough.
 Samples sample_vertices(const TetraRefinement& refinement, FieldRef field, float snap,
                         const HeldVertices& held, std::span<const Segment> axes, const Context& ctx);
 
-/// Hull faces with vertices on both sides, ascending; and if wanted those that are inside as a whole.
+/// Returns hull faces with vertices on both sides, ascending; with `with_inner` also those that are entirely
+/// inside.
 std::vector<TetraFace> open_faces(const TetraRefinement& refinement, const RankedBits& inside,
                                   bool with_inner, const Context& ctx);
 

@@ -12,7 +12,7 @@
 
 namespace coppice::tetra_kernel {
 
-/// How many bits are set.
+/// Returns the number of set bits.
 COPPICE_HOST_DEVICE inline std::uint32_t count_bits(std::uint64_t bits) {
 #ifdef __CUDA_ARCH__
     return static_cast<std::uint32_t>(__popcll(bits));
@@ -21,40 +21,39 @@ COPPICE_HOST_DEVICE inline std::uint32_t count_bits(std::uint64_t bits) {
 #endif
 }
 
-/// One bit per item, in words that lie anywhere.
+/// One bit per item, in words in any memory.
 struct BitsView {
     std::span<const std::uint64_t> words;  ///< item i is bit i % 64 of word i / 64
 
-    /// The bit of an item.
+    /// Returns the bit of an item.
     COPPICE_HOST_DEVICE bool test(std::size_t i) const { return (words[i / 64] >> (i % 64) & 1) != 0; }
 };
 
-/// The same, and the number of set bits before each word.
+/// Bits with the number of set bits before each word.
 struct RankedView {
     std::span<const std::uint64_t> words;   ///< see BitsView
     std::span<const std::uint32_t> before;  ///< of every word
 
-    /// Set bits before item i.
+    /// Returns the number of set bits before item i.
     COPPICE_HOST_DEVICE std::uint32_t rank(std::size_t i) const {
         return before[i / 64] + count_bits(words[i / 64] & ((std::uint64_t{1} << (i % 64)) - 1));
     }
 };
 
-/// What is known of every fine vertex, in arrays that lie anywhere. A vertex that lies on the surface counts
-/// as outside.
+/// Properties of every fine vertex, in arrays in any memory. A vertex on the surface counts as outside.
 struct SamplesView {
-    std::span<const float> height;     ///< of the profile, where the vertex was before it was moved
-    BitsView inside;                   ///< which are
-    BitsView on;                       ///< moved onto the surface and not put back
-    BitsView held;                     ///< inside whatever the field says
-    BitsView moved;                    ///< those on the surface, and held ones that were moved
-    RankedView placed;                 ///< all that were near enough, put back or not
-    std::span<const Vec3> place;       ///< [m] by rank in `placed`: where they were moved
-    std::span<const float> way;        ///< [m] by rank in `placed`: how far they were moved
+    std::span<const float> height;     ///< height of the profile at the original position of the vertex
+    BitsView inside;                   ///< vertices inside
+    BitsView on;                       ///< moved onto the surface and not moved back
+    BitsView held;                     ///< inside for any field
+    BitsView moved;                    ///< vertices on the surface, and held vertices that were moved
+    RankedView placed;                 ///< all that were close enough, moved back or not
+    std::span<const Vec3> place;       ///< [m] by rank in `placed`: moved position
+    std::span<const float> way;        ///< [m] by rank in `placed`: distance of the move
     std::span<const WeakVertex> weak;  ///< ascending
 
-    /// The edge between two vertices that the surface passes between, which were at `a` and `b` before they
-    /// were moved.
+    /// Returns the edge between two vertices on different sides of the surface, with original positions `a`
+    /// and `b`.
     COPPICE_HOST_DEVICE CutEdge cut_edge(std::uint32_t from, std::uint32_t to, Vec3 a, Vec3 b,
                                          float clearance) const {
         CutEdge edge = CutEdge::between(a, b, height[from], height[to], clearance);
@@ -64,7 +63,7 @@ struct SamplesView {
     }
 
   private:
-    /// An end of an edge that holds an axis may have been moved.
+    /// Adjusts an end that holds an axis and may have been moved.
     COPPICE_HOST_DEVICE void hold(std::uint32_t vertex, bool at_a, CutEdge& edge) const {
         std::size_t first = 0, last = weak.size();
         while (first < last) {

@@ -17,7 +17,7 @@ constexpr bool is_even(const Order& o) {
     return even;
 }
 
-/// The first even order in which the corners in `first` come first.
+/// Returns the first even permutation that begins with the corners in `first`.
 constexpr Order even_order(std::uint32_t first) {
     Order o{0, 1, 2, 3};
     do {
@@ -34,7 +34,7 @@ constexpr std::uint8_t edge_number(std::uint8_t a, std::uint8_t b) {
     return e;
 }
 
-/// Between a corner inside and one that is not.
+/// Returns the corner of the cut between a corner inside and one that is not.
 constexpr std::uint8_t cut_corner(std::uint8_t a, std::uint8_t b, std::uint32_t inside, std::uint32_t on) {
     const std::uint8_t other = (inside >> a & 1) != 0 ? b : a;
     if ((on >> other & 1) != 0) return static_cast<std::uint8_t>(kCutVertex + other);
@@ -74,12 +74,12 @@ constexpr std::array<Cut, 256> make_cuts() {
     return out;
 }
 
-/// Copies bits from .. from + count to at .. of words that are 0 there. Reads and writes one word beyond.
+/// Copies bits from .. from + count to at .. of words that are 0 there. Accesses one word past the end.
 void append(std::span<const std::uint64_t> source, std::size_t from, std::uint32_t count,
             std::span<std::uint64_t> out, std::size_t at) {
     for (std::uint32_t done = 0; done < count; done += 64) {
         const std::size_t i = from + done, o = at + done, skip = i % 64, gap = o % 64;
-        // Shifts by 64 are not defined: two steps.
+        // A shift by 64 is undefined, so it is divided into two.
         std::uint64_t bits = source[i / 64] >> skip | source[i / 64 + 1] << 1 << (63 - skip);
         if (count - done < 64) bits &= (std::uint64_t{1} << (count - done)) - 1;
         out[o / 64] |= bits << gap;

@@ -17,20 +17,20 @@ using tetra_kernel::judge_fan;
 using tetra_kernel::LinkSegment;
 using tetra_kernel::ListedFan;
 
-/// The fans of all vertices on the surface, by rank in `placed`; those that may be non-manifold are left
+/// Returns the fans of all vertices on the surface, by rank in `placed`; fans that may be non-manifold remain
 /// unknown. O(triangles).
 std::vector<Fan> find_fans(const TetraRefinement& refinement, const Samples& samples,
                            const CrossedTetra& crossed, const Context& ctx);
 
-/// Which vertices are to be put back because fine tetrahedra, of all coarse ones or of some, have turned over
-/// or become too flat: of each the vertex that moved farthest. Ascending.
+/// Returns the vertices to move back because fine tetrahedra, of all coarse ones or of the given ones, were
+/// inverted or became too flat: for each the vertex that moved farthest. Ascending.
 std::vector<std::uint32_t> find_folds(const TetraRefinement& refinement, const Samples& samples,
                                       const Context& ctx);
 std::vector<std::uint32_t> find_folds(const TetraRefinement& refinement, const Samples& samples,
                                       std::span<const std::uint32_t> tetra, const Context& ctx);
 
-/// The numbers below `universe` that body(range, mark) marks by calling mark(number), over ranges of [0,
-/// count): ascending, each once. O(universe / 64) besides.
+/// Returns the numbers below `universe` that body(range, mark) marks by calling mark(number), over ranges of
+/// [0, count): ascending and unique. Additional cost O(universe / 64).
 template <class Body>
 std::vector<std::uint32_t> collect_marked(std::size_t universe, std::size_t count, std::size_t grain,
                                           const Body& body, const Context& ctx) {
@@ -44,24 +44,26 @@ std::vector<std::uint32_t> collect_marked(std::size_t universe, std::size_t coun
     return out;
 }
 
-/// What the vertices that stay on the surface leave.
+/// Result of moving vertices back.
 struct SnappedVertices {
     CrossedTetra crossed;
     std::vector<std::uint8_t> used;  ///< by rank in `placed`: whether a vertex on the surface has triangles
 };
 
-/// Puts vertices back until no fine tetrahedron is turned over or flat, and the triangles around each vertex
-/// on the surface are one closed fan, or none. What is returned refers to the other two.
+/// Moves vertices back until no fine tetrahedron is inverted or flat, and the triangles around each vertex on
+/// the surface form one closed fan, or there are no triangles. The result refers to `refinement` and
+/// `samples`.
 SnappedVertices unsnap_vertices(const TetraRefinement& refinement, Samples& samples, const Context& ctx);
 
-/// The surface, and how many fine tetrahedra it crosses.
+/// The surface, and the number of fine tetrahedra that it crosses.
 struct ExtractedSurface {
     TriMesh mesh;
-    SolidMesh solid;  ///< the same vertices, and those inside; empty where it is not asked for
+    SolidMesh solid;  ///< the same vertices, and those inside; empty if not requested
     std::uint64_t crossed = 0;
 };
 
-/// Triangles from the signs, once no vertex is put back any more, and if wanted the tetrahedra inside.
+/// Creates triangles from the signs after all vertices were moved back, and with `with_solid` the tetrahedra
+/// inside.
 ExtractedSurface extract(const TetraRefinement& refinement, FieldRef field, const Samples& samples,
                          const SnappedVertices& snapped, int refinements, bool with_solid,
                          const Context& ctx);

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "coppice/base/id.h"
 #include "coppice/base/parallel.h"
-#include "coppice/tetra/none_internal.h"
 
 namespace coppice::tetra_internal {
 namespace {
@@ -18,16 +18,16 @@ constexpr std::uint32_t edge_between(std::size_t a, std::size_t b) {
     return e;
 }
 
-/// Vertices moved onto the surface that no triangle has: they lie inside.
+/// Returns vertices moved onto the surface that no triangle uses: they are inside.
 RankedBits buried_vertices(const Samples& samples, std::span<const std::uint32_t> placed) {
     RankedBits out(64 * (samples.on.words().size() - 2));
     for_each_bit(samples.on.words(), [&](std::uint32_t v) {
-        if (placed[samples.placed.rank(v)] == kNone) out.set(v);
+        if (placed[samples.placed.rank(v)] == kNoIndex) out.set(v);
     });
     return out;
 }
 
-/// Cuts one fine tetrahedron after the other, and keeps what is inside.
+/// Cuts the fine tetrahedra and keeps the portions inside.
 class Filler {
   public:
     Filler(const TetraRefinement& refinement, const Samples& samples, const CrossedTetra& crossed,
@@ -43,8 +43,8 @@ class Filler {
         const std::uint64_t inside = inside_.count(), buried = buried_.count();
         first_buried_ = static_cast<std::uint32_t>(first_inside_ + inside);
         count_ = first_inside_ + inside + buried;
-        if (count_ >= kNone)
-            throw InvalidInput("march: levels makes more than 2^32 vertices; take fewer levels");
+        if (count_ >= kNoIndex)
+            throw InvalidInput("march: levels makes more than 2^32 vertices; reduce the number of levels");
     }
 
     SolidMesh fill(const Context& ctx) const {
@@ -69,14 +69,14 @@ class Filler {
     }
 
   private:
-    /// The number of a fine vertex that is inside or on the surface.
+    /// Returns the number of a fine vertex that is inside or on the surface.
     std::uint32_t number_of(std::uint32_t vertex) const {
         if (inside_.test(vertex)) return first_inside_ + inside_.rank(vertex);
         if (buried_.test(vertex)) return first_buried_ + buried_.rank(vertex);
         return numbers_.placed[samples_.placed.rank(vertex)];
     }
 
-    /// Places the vertices inside of which a coarse tetrahedron is the first.
+    /// Stores the positions of the inner vertices that a coarse tetrahedron owns.
     void place(std::uint32_t t, Buffer<Vec3>& positions) const {
         const auto& first = refinement_.pattern(t).first_vertex;
         for (std::uint32_t g = 0; g < TetraPattern::kGroups; ++g) {
@@ -121,7 +121,7 @@ class Filler {
         return out;
     }
 
-    /// The inner part of a fine tetrahedron.
+    /// Appends the inner portion of a fine tetrahedron.
     void cut(std::uint32_t t, std::size_t f, std::uint8_t code, const std::vector<std::uint32_t>& of_edge,
              std::vector<Ids>& out) const {
         const TetraPattern& pattern = refinement_.pattern(t);
@@ -133,7 +133,7 @@ class Filler {
             return std::pair(!is_inside(i), refinement_.vertex(t, fine[i]));
         });
         const auto corner = [&](std::size_t i) { return number_of(refinement_.vertex(t, fine[order[i]])); };
-        // Where the surface is on the way from an inner corner to another one.
+        // Returns the vertex of the surface on the edge from an inner corner to another one.
         const auto end = [&](std::size_t i, std::size_t j) {
             if (is_on(order[j])) return corner(j);
             return numbers_.placed_count + of_edge[pattern.tetra_edges[f][edge_between(order[i], order[j])]];
@@ -167,7 +167,7 @@ class Filler {
         }
     }
 
-    /// Whether the polygon of the surface in a fine tetrahedron, of four corners, is cut from this one.
+    /// Returns whether the quadrilateral of the surface in a fine tetrahedron is cut from this corner.
     bool cuts_through(std::uint32_t number, std::uint32_t t, std::size_t f, std::uint8_t code,
                       const std::vector<std::uint32_t>& of_edge) const {
         const Cut& cut = kCuts[code];

@@ -10,20 +10,20 @@
 
 namespace coppice::tetra_internal {
 
-/// How the vertices of a surface are numbered: those that were moved onto it, then cut edges.
+/// Numbering of the vertices of a surface: vertices that were moved onto it, then cut edges.
 struct SurfaceNumbers {
     const CutNumbers& cuts;
-    std::span<const std::uint32_t> placed;  ///< by rank in Samples::placed; 2^32 - 1 for those not in use
+    std::span<const std::uint32_t> placed;  ///< by rank in Samples::placed; 2^32 - 1 for unused vertices
     std::uint32_t placed_count;
 };
 
-/// The fine tetrahedra inside a surface, and the inner parts of those that it crosses, cut so that they share
-/// whole faces and that the triangles of the surface are all that is left over. Vertices of the surface come
-/// first.
+/// Returns the fine tetrahedra inside a surface, and the inner portions of those that it crosses, cut such
+/// that they share whole faces and the unshared faces are the triangles of the surface. Vertices of the
+/// surface come first.
 ///
-/// A part with two inner corners is a prism, or less, as is one with three. What of it lies in a face of the
-/// fine tetrahedron and has four corners is cut from its inner corner of the lesser number, whichever side
-/// looks at it; so the three cuts of a prism never go round in a ring, and it falls into three tetrahedra.
+/// A portion with two or three inner corners is a prism or a degenerate prism. Its quadrilaterals in faces of
+/// the fine tetrahedron are cut from their inner corner with the smaller number, independently of the side;
+/// the three cuts of a prism therefore never form a cycle, and it is divided into three tetrahedra.
 SolidMesh fill(const TetraRefinement& refinement, const Samples& samples, const CrossedTetra& crossed,
                const SurfaceNumbers& numbers, const TriMesh& surface, const Context& ctx);
 

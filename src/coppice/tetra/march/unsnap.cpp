@@ -9,7 +9,7 @@ namespace {
 
 using Local = TetraPattern::Local;
 
-/// Looks at the fine tetrahedra around one vertex after the other.
+/// Visits the fine tetrahedra around vertices.
 class Star {
   public:
     Star(const TetraRefinement& refinement, const Samples& samples)
@@ -24,7 +24,8 @@ class Star {
             for (std::uint32_t i = 0; i < cut.size; ++i) {
                 const std::uint8_t c = cut.corners[i];
                 if (c < kCutVertex || fine[c - kCutVertex] != local) continue;
-                // A cut with a corner in a vertex has three corners: one inside and the others are cut off.
+                // A cut polygon with a corner at a vertex is a triangle: one corner is inside and the others
+                // are cut off.
                 const std::uint64_t next = corner(t, fine, cut.corners[(i + 1) % 3]);
                 const std::uint64_t last = corner(t, fine, cut.corners[(i + 2) % 3]);
                 segments_.push_back(refinement_.mirrored(t) ? Segment{last, next} : Segment{next, last});
@@ -45,8 +46,8 @@ class Star {
     }
 
   private:
-    /// Calls use(tetrahedron, vertex there, vertices) for the fine ones that have a vertex, in coarse ones
-    /// where some vertices are inside and some are not, whose signs are at hand then.
+    /// Calls use(tetrahedron, local vertex, vertices) for the fine tetrahedra that contain a vertex, in
+    /// coarse ones with vertices on both sides; their signs are available in the call.
     template <class Use>
     void visit(std::uint32_t vertex, const Use& use) {
         const auto place = refinement_.place(vertex);
@@ -59,8 +60,8 @@ class Star {
         }
     }
 
-    /// Has the signs of a coarse tetrahedron in their place; false when they are all alike. Vertices that
-    /// follow each other share most of theirs.
+    /// Caches the signs of a coarse tetrahedron; returns false if they are all equal. Consecutive vertices
+    /// share most tetrahedra.
     bool gather(std::uint32_t t) {
         const std::size_t slot = t % kKept;
         if (kept_[slot] != t) {
@@ -85,7 +86,7 @@ class Star {
 
     const TetraRefinement& refinement_;
     const Samples& samples_;
-    std::vector<LocalSigns> signs_;  ///< of the tetrahedra last asked for, each in the place of its number
+    std::vector<LocalSigns> signs_;  ///< of recently used tetrahedra, at their number modulo the size
     std::array<std::uint32_t, kKept> kept_;
     std::array<bool, kKept> mixed_{};
     std::vector<Segment> segments_;
@@ -97,7 +98,7 @@ void put_back(std::span<const std::uint32_t> vertices, Samples& samples) {
 
 constexpr std::size_t kUnsnapGrain = 256;
 
-/// The coarse tetrahedra that have one of the vertices, ascending.
+/// Returns the coarse tetrahedra that contain one of the vertices, ascending.
 std::vector<std::uint32_t> tetra_around(const TetraRefinement& refinement,
                                         std::span<const std::uint32_t> vertices, const Context& ctx) {
     const auto visit = [&](IndexRange range, const auto& mark) {
@@ -118,7 +119,7 @@ std::vector<std::uint32_t> neighbours_on(const TetraRefinement& refinement, cons
     return collect_marked(refinement.vertex_count(), vertices.size(), kUnsnapGrain, visit, ctx);
 }
 
-/// Puts these vertices back, and others until nothing is folded.
+/// Moves these vertices back, and further ones until no tetrahedron is inverted.
 void unfold(const TetraRefinement& refinement, Samples& samples, std::vector<std::uint32_t> folds,
             const Context& ctx) {
     while (!folds.empty()) {
@@ -127,13 +128,14 @@ void unfold(const TetraRefinement& refinement, Samples& samples, std::vector<std
     }
 }
 
-/// Which vertices are kept, and what changed.
+/// The vertices that are kept, and the changes.
 struct Settled {
-    std::vector<std::uint8_t> used;      ///< see SnappedVertices
-    std::vector<std::uint32_t> changed;  ///< coarse tetrahedra around vertices that were put back, ascending
+    std::vector<std::uint8_t> used;  ///< see SnappedVertices
+    std::vector<std::uint32_t>
+        changed;  ///< coarse tetrahedra around vertices that were moved back, ascending
 };
 
-/// Looks at fans that are unknown, and puts vertices back until all are single or none.
+/// Determines unknown fans, and moves vertices back until every fan is single or none.
 Settled settle_fans(const TetraRefinement& refinement, Samples& samples, std::vector<Fan> fans,
                     const Context& ctx) {
     Settled out;
@@ -156,7 +158,8 @@ Settled settle_fans(const TetraRefinement& refinement, Samples& samples, std::ve
         if (unsnapped.empty()) break;
         sort_unique(unsnapped);
         put_back(unsnapped, samples);
-        // What is put back may change the fans of its neighbours alone, and fold what is about it.
+        // Vertices that are moved back can only change the fans of their neighbours, and invert tetrahedra
+        // around them.
         for (const std::uint32_t v : unsnapped) fans[samples.placed.rank(v)] = Fan::none;
         open = neighbours_on(refinement, samples, unsnapped, ctx);
         const std::vector<std::uint32_t> tetra = tetra_around(refinement, unsnapped, ctx);

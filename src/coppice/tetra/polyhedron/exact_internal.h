@@ -6,10 +6,10 @@
 
 namespace coppice::tetra_internal {
 
-// Signs of determinants of whole numbers, without error: coordinates are below 2^25 in size, so differences
-// are below 2^26.
+// Exact signs of determinants of integers: coordinates are below 2^25 in magnitude, so differences are below
+// 2^26.
 
-/// A place on the grid.
+/// A point on the grid.
 using GridPlace = std::array<std::int32_t, 3>;
 
 __extension__ typedef __int128 Int128;
@@ -20,7 +20,7 @@ T determinant(const std::array<T, 3>& a, const std::array<T, 3>& b, const std::a
            a[2] * (b[0] * c[1] - b[1] * c[0]);
 }
 
-/// The same of the sizes of its terms: what rounding may add is in proportion to it.
+/// Returns the same sum with the absolute value of each term; the rounding error is proportional to it.
 inline double size_of_terms(const std::array<double, 3>& a, const std::array<double, 3>& b,
                             const std::array<double, 3>& c) {
     const auto f = [](double x) { return std::abs(x); };
@@ -34,23 +34,24 @@ std::array<T, 3> difference(const GridPlace& p, const GridPlace& from) {
 }
 
 template <class T>
-int sign_of(T x) {
+int compute_sign(T x) {
     return x > 0 ? 1 : x < 0 ? -1 : 0;
 }
 
-/// Of the volume of a tetrahedron: of dot(cross(b - a, c - a), d - a).
+/// Returns the sign of the volume of a tetrahedron: of dot(cross(b - a, c - a), d - a).
 inline int orientation(const GridPlace& a, const GridPlace& b, const GridPlace& c, const GridPlace& d) {
     const auto x = difference<double>(b, a), y = difference<double>(c, a), z = difference<double>(d, a);
     const double volume = determinant(x, y, z);
-    if (std::abs(volume) > 1e-15 * size_of_terms(x, y, z)) return sign_of(volume);
-    return sign_of(determinant(difference<Int128>(b, a), difference<Int128>(c, a), difference<Int128>(d, a)));
+    if (std::abs(volume) > 1e-15 * size_of_terms(x, y, z)) return compute_sign(volume);
+    return compute_sign(
+        determinant(difference<Int128>(b, a), difference<Int128>(c, a), difference<Int128>(d, a)));
 }
 
-/// A place whose ball has the square of a radius for its weight, which may be negative.
+/// A grid point with a weight: the squared radius of its ball, which may be negative.
 struct WeightedPlace {
     GridPlace at{};
-    std::int64_t weight = 0;  ///< below 2^51 in size
-    double room = 0;          ///< of two places nearer than the lesser of their rooms one is left out
+    std::int64_t weight = 0;  ///< below 2^51 in magnitude
+    double room = 0;          ///< of two points closer than the smaller of their rooms one is omitted
 };
 
 inline double distance_squared(const GridPlace& a, const GridPlace& b) {
@@ -58,8 +59,8 @@ inline double distance_squared(const GridPlace& a, const GridPlace& b) {
     return d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
 }
 
-/// Whether p lies deeper than on the sphere that is orthogonal to the balls of four, which have a positive
-/// volume: where all weights are alike, within the sphere through the four.
+/// Returns whether p is inside the sphere orthogonal to the balls of four corners of positive volume,
+/// measured by power distance: if all weights are equal, the sphere through the four corners.
 inline bool conflicts(const std::array<const WeightedPlace*, 4>& corners, const WeightedPlace& p) {
     std::array<std::array<double, 3>, 4> d;
     std::array<double, 4> lift{};
@@ -78,7 +79,7 @@ inline bool conflicts(const std::array<const WeightedPlace*, 4>& corners, const 
         size += std::abs(lift[i]) * size_of_terms(d[j], d[k], d[l]);
     }
     if (std::abs(sum) > 3e-15 * size) return sum < 0;
-    // Lifts are up to 2^54 and determinants up to 2^81: their products are taken in two parts.
+    // Lifts are up to 2^54 and determinants up to 2^81, so their products are computed in two halves.
     constexpr int kLow = 28;
     Int128 high = 0, low = 0;
     std::array<std::array<Int128, 3>, 4> e;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "coppice/base/id.h"
 #include "coppice/base/number_set.h"
 #include "coppice/base/parallel.h"
 #include "coppice/tetra/lattice/cone_internal.h"
@@ -12,10 +13,11 @@ namespace coppice::tetra_internal {
 namespace {
 
 constexpr std::size_t kNearGrain = 256;
-constexpr std::size_t kPoll = 4096;                              ///< cells between two looks for a stop
-constexpr std::uint64_t kMostMeetings = std::uint64_t{1} << 29;  ///< of cells and cones
+constexpr std::size_t kPoll = 4096;  ///< cells between two checks for cancellation
+constexpr std::uint64_t kMaxMeetings = std::uint64_t{1}
+                                       << 29;  ///< maximum number of intersections of cells and cones
 
-/// The cells about the ends a of the cones, each looked for from the one before on.
+/// Returns the cells that contain the ends a of the cones; each search starts from the previous result.
 std::vector<std::uint32_t> cells_about_ends(const Filling& filling, std::span<const RoundCone> cones,
                                             const Context& ctx) {
     std::vector<std::uint32_t> out(cones.size());
@@ -40,7 +42,8 @@ bool parted(const RoundCone& cone, double times, const std::array<Vec3d, 4>& cor
     const auto away = [&](Vec3d p) { return p - cone.point(nearest_ball(cone, times, p)); };
     if (parts(away(0.25 * (corners[0] + corners[1] + corners[2] + corners[3])))) return true;
     for (const auto& f : kTetraFaces) {
-        // Normals of faces look outward, and that of a parting plane from the cone to the tetrahedron.
+        // Face normals point outward, and the normal of a separating plane points from the cone to the
+        // tetrahedron.
         const Vec3d a = corners[f[0]], b = corners[f[1]], c = corners[f[2]];
         if (parts(cross(c - a, b - a)) || parts(away((a + b + c) * (1.0 / 3)))) return true;
     }
@@ -65,7 +68,7 @@ CompressedRows<std::uint32_t> cells_near(const Filling& filling, std::span<const
             for (std::size_t k = begin; k < items.size(); ++k) {
                 if ((k - begin) % kPoll == kPoll - 1) ctx.throw_if_cancelled();
                 for (const std::uint32_t next : filling.cells.cells()[items[k]].next) {
-                    if (next == RegularTriangulation::kNoCell || !seen.add(next)) continue;
+                    if (next == kNoIndex || !seen.add(next)) continue;
                     looked_at.push_back(next);
                     if (!parted(cones[i], times, filling.corners(next))) items.push_back(next);
                 }
@@ -76,9 +79,9 @@ CompressedRows<std::uint32_t> cells_near(const Filling& filling, std::span<const
     });
     std::uint64_t meetings = 0;
     for (const auto& items : found) meetings += items.size();
-    if (meetings > kMostMeetings) {
+    if (meetings > kMaxMeetings) {
         throw InvalidInput(
-            "polyhedron: too many segments lie at one place; take tetra_base octree, or a part of the "
+            "polyhedron: too many segments are at one place; use tetra_base octree, or mesh a part of the "
             "skeleton");
     }
     out.items.reserve(exclusive_scan(std::span(out.first)));

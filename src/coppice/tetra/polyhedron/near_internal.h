@@ -12,16 +12,16 @@
 
 namespace coppice::tetra_internal {
 
-/// A triangulation on its grid, in space: the grid's places are floats without rounding.
+/// A triangulation on its grid with conversion to metres. Grid points are exact in single precision.
 struct Filling {
     RegularTriangulation cells;
-    double unit;  ///< [m] of the grid
+    double unit;  ///< [m] grid spacing
 
     Vec3d at(std::uint32_t vertex) const {
         const GridPlace& p = cells.vertex(vertex).at;
         return Vec3d{double(p[0]), double(p[1]), double(p[2])} * unit;
     }
-    /// The nearest place of the grid.
+    /// Returns the nearest grid point.
     GridPlace place(Vec3d p) const {
         const auto round = [&](double x) { return static_cast<std::int32_t>(std::lround(x / unit)); };
         return {round(p.x), round(p.y), round(p.z)};
@@ -32,12 +32,13 @@ struct Filling {
     }
 };
 
-/// Whether a plane is known that parts a cone, `times` as large, from a tetrahedron: one along a face of that
-/// or across a way to the cone. May be false although they are apart.
+/// Returns whether a separating plane is found between a tetrahedron and a cone with its radii multiplied by
+/// `times`: parallel to a face of the tetrahedron or perpendicular to a shortest path to the cone. May return
+/// false although they are disjoint.
 bool parted(const RoundCone& cone, double times, const std::array<Vec3d, 4>& corners);
 
-/// For each cone the cells that it meets, `times` as large, and some that it does not: from the cell about
-/// one of its ends on, from neighbour to neighbour. O(n + meetings).
+/// Returns for each cone, with its radii multiplied by `times`, the cells that it intersects and some that it
+/// does not. Visits neighbours, starting from the cell at one end of the cone. O(n + intersections).
 CompressedRows<std::uint32_t> cells_near(const Filling& filling, std::span<const RoundCone> cones,
                                          double times, const Context& ctx);
 

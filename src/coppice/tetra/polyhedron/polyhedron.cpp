@@ -8,38 +8,40 @@
 #include <utility>
 
 #include "coppice/base/check_fields.h"
+#include "coppice/base/id.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/random.h"
 #include "coppice/base/sort.h"
 #include "coppice/tetra/lattice/cone_internal.h"
-#include "coppice/tetra/none_internal.h"
 #include "coppice/tetra/polyhedron/near_internal.h"
 #include "coppice/tetra/polyhedron/sections_internal.h"
 
 namespace coppice {
 
-using tetra_internal::kNone;
 
 namespace {
 
 using namespace tetra_internal;
 
 constexpr std::size_t kPolyhedronGrain = 256, kFewCones = 8;
-constexpr double kLeastRadius = 16;  ///< [grid] of a segment
-constexpr int kGridBits = 24;        ///< of a coordinate: so places are floats
-/// Rounds at most, and those of them in which squares are put in. What is too wide or too flat then, stays.
-constexpr int kMostRounds = 12, kMostAdding = 5;
-/// Of tetrahedra, in the rounds in which squares are put in; then a quarter of it will do.
-constexpr double kLeastFlatness = 1.0 / 8;
-constexpr double kRoom = 0.2;       ///< [half edges of squares] between corners
-constexpr double kMove = 0.2;       ///< [shortest edges] of a flat one, by which a corner is moved
-constexpr double kMostWidth = 4.5;  ///< [radii] from an axis a corner of a tetrahedron by the bark may lie,
-constexpr double kBetweenAdded = 1.5;  ///< [radii] from one square that is put in to the next
-constexpr double kNearCorner = 2.6;    ///< [radii] if none lies this near
+constexpr double kMinRadius = 16;  ///< [grid] minimum radius of a segment
+constexpr int kGridBits = 24;      ///< bits of a coordinate, so that grid points are exact floats
+/// Maximum number of rounds, and number of first rounds in which squares are inserted. Tetrahedra that are
+/// still too wide or too flat after the last round remain.
+constexpr int kMaxRounds = 12, kMaxAdding = 5;
+/// Minimum flatness of tetrahedra in the rounds that insert squares; a quarter of it is enough in later
+/// rounds.
+constexpr double kMinFlatness = 1.0 / 8;
+constexpr double kRoom = 0.2;  ///< [half edges of squares] minimum distance between corners
+constexpr double kMove = 0.2;  ///< [shortest edges] maximum displacement of a corner of a flat tetrahedron
+constexpr double kMaxWidth =
+    4.5;  ///< [radii] maximum distance of a corner of a tetrahedron at the bark from the axis,
+constexpr double kBetweenAdded = 1.5;  ///< [radii] distance between inserted squares
+constexpr double kNearCorner = 2.6;    ///< [radii] unless a corner is closer than this
 constexpr float kClearance = 0.05f;    ///< see TetraMesh::clearance
-constexpr double kAxis = 1e-3;         ///< [radii] that an axis is thick, so that rounding loses none
+constexpr double kAxis = 1e-3;  ///< [radii] thickness of an axis, so that rounding loses no tetrahedron
 
-/// The box of all balls and of corners about them, and as much again on every side.
+/// The box of all balls and the corners around them, enlarged by its size on every side.
 struct Frame {
     std::array<double, 3> low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
     double unit = 1;
@@ -62,13 +64,13 @@ struct Frame {
             high[k] += size;
             farthest = std::max({farthest, -low[k], high[k]});
         }
-        // Units below the least positive float, and boxes beyond the greatest, are refused alike.
+        // Also rejects units below the smallest positive float and boxes beyond the largest float.
         unit = std::exp2(std::ceil(std::log2(farthest)) - kGridBits);
-        if (!(thinnest >= kLeastRadius * unit) || unit < 0x1p-120 || farthest > 0x1p120) {
-            throw InvalidInput(fmt::format(
-                "polyhedron: segment {} has a radius of {:.3g} m, too thin for coordinates of {:.3g} m; make "
-                "it thicker, or move the skeleton to the origin",
-                which, thinnest, farthest));
+        if (!(thinnest >= kMinRadius * unit) || unit < 0x1p-120 || farthest > 0x1p120) {
+            throw InvalidInput(
+                fmt::format("polyhedron: segment {} has a radius of {:.3g} m, too thin for coordinates of "
+                            "{:.3g} m; make it thicker, or move the skeleton to the origin",
+                            which, thinnest, farthest));
         }
     }
 
@@ -107,7 +109,8 @@ Filling fill(const Frame& frame, std::span<const SectionCorner> corners, const C
     return filling;
 }
 
-/// The least distance of two parallel planes with a tetrahedron between them, over its shortest edge.
+/// Returns the minimum distance of two parallel planes with a tetrahedron between them, divided by its
+/// shortest edge.
 double flatness(const std::array<Vec3d, 4>& p, double& shortest) {
     const Vec3d a = p[1] - p[0], b = p[2] - p[0], c = p[3] - p[0];
     const double volume = std::abs(dot(cross(a, b), c));
@@ -120,7 +123,7 @@ double flatness(const std::array<Vec3d, 4>& p, double& shortest) {
     return volume / (greatest * shortest);
 }
 
-/// The rows the other way: for each cell the cones near it, ascending.
+/// Returns the transposed rows: for each cell the cones near it, ascending.
 CompressedRows<std::uint32_t> turned_round(const CompressedRows<std::uint32_t>& rows, std::size_t items) {
     return compress_rows<std::uint32_t>(items, [&](const auto& put) {
         for (std::uint32_t i = 0; i < rows.size(); ++i) {
@@ -129,14 +132,14 @@ CompressedRows<std::uint32_t> turned_round(const CompressedRows<std::uint32_t>& 
     });
 }
 
-/// Where tetrahedra are too wide for the branch whose bark they hold.
+/// Finds where tetrahedra are too wide for the branch of the bark that they contain.
 class WideCells {
   public:
     WideCells(const Filling& filling, std::span<const RoundCone> cones,
-              const CompressedRows<std::uint32_t>& cells, const CompressedRows<std::uint32_t>& cones_of)
-        : filling_(filling), cones_(cones), cells_(cells), cones_of_(cones_of) {}
+              const CompressedRows<std::uint32_t>& cells, const CompressedRows<std::uint32_t>& compute_cones)
+        : filling_(filling), cones_(cones), cells_(cells), cones_of_(compute_cones) {}
 
-    /// Parameters of a cone at which squares should be.
+    /// Returns the parameters of a cone at which squares should be inserted.
     std::vector<double> find(std::uint32_t cone) const {
         std::vector<double> out;
         const RoundCone& c = cones_[cone];
@@ -167,7 +170,7 @@ class WideCells {
             if (length(w) < kNearCorner * r) return false;
             widest = std::max(widest, length(w - along * dot(w, along)));
         }
-        return widest > kMostWidth * r && std::ranges::none_of(cones_of_[cell], [&](std::uint32_t other) {
+        return widest > kMaxWidth * r && std::ranges::none_of(cones_of_[cell], [&](std::uint32_t other) {
                    return other != cone && cones_[other].foot(bark).relative_squared() < 0.9;
                });
     }
@@ -197,13 +200,13 @@ struct Polyhedron::State {
     Frame frame;
     PolyhedronOptions options;
     std::vector<RoundCone> cones;
-    std::vector<Vec3d> side;                  ///< per cone: of squares across it
-    std::vector<std::vector<double>> put_in;  ///< per cone: parameters of squares that were put in
+    std::vector<Vec3d> side;                  ///< per cone: orientation of squares across it
+    std::vector<std::vector<double>> put_in;  ///< per cone: parameters of inserted squares
     std::vector<SectionCorner> corners;
     PolyhedronReport report;
     Filling filling;
-    CompressedRows<std::uint32_t> near, cones_of;  ///< cells per cone, and cones per cell, ascending
-    std::vector<std::uint32_t> owner;              ///< per cell in use: the cone of whose region it is
+    CompressedRows<std::uint32_t> near, compute_cones;  ///< cells per cone, and cones per cell, ascending
+    std::vector<std::uint32_t> owner;                   ///< per cell in use: the cone that owns its region
     TetraMesh mesh;
     std::vector<std::uint32_t> cell;  ///< per tetrahedron of the mesh
     CompressedRows<std::uint32_t> passing;
@@ -217,20 +220,20 @@ struct Polyhedron::State {
     void gather(const Context& ctx);
 };
 
-/// Fills the polyhedron until no tetrahedron is too wide or too flat.
+/// Builds the triangulation repeatedly until no tetrahedron is too wide or too flat.
 void Polyhedron::State::build(const Context& ctx) {
     for (int round = 0;; ++round) {
         filling = fill(frame, corners, ctx);
         near = cells_near(filling, cones, options.outside, ctx);
-        cones_of = turned_round(near, filling.cells.cells().size());
-        if (round == kMostRounds) return;
-        const bool added = round < kMostAdding && add_squares(round, ctx);
+        compute_cones = turned_round(near, filling.cells.cells().size());
+        if (round == kMaxRounds) return;
+        const bool added = round < kMaxAdding && add_squares(round, ctx);
         if (!move_flat_ones(round) && !added) return;
     }
 }
 
 bool Polyhedron::State::add_squares(int round, const Context& ctx) {
-    const WideCells wide(filling, cones, near, cones_of);
+    const WideCells wide(filling, cones, near, compute_cones);
     std::vector<std::vector<double>> found(cones.size());
     parallel_for(ctx, cones.size(), kFewCones,
                  [&](std::size_t i) { found[i] = wide.find(static_cast<std::uint32_t>(i)); });
@@ -241,7 +244,7 @@ bool Polyhedron::State::add_squares(int round, const Context& ctx) {
         for (const double t : found[i]) {
             const double room = kBetweenAdded * cones[i].radius(t) / length(cones[i].axis);
             const auto near_by = [&](double other) { return std::abs(other - t) < room; };
-            if (std::ranges::any_of(put_in[i], near_by)) continue;  // and was no help
+            if (std::ranges::any_of(put_in[i], near_by)) continue;  // inserted earlier without effect
             put_in[i].push_back(t);
             add_corners(corners,
                         {cones[i].point(t), normal, normalized(across, perpendicular(normal)),
@@ -253,27 +256,28 @@ bool Polyhedron::State::add_squares(int round, const Context& ctx) {
     return corners.size() > before;
 }
 
-/// Whether a cell is in use, or beside one that is and so may come to be.
+/// Returns whether a cell is in use, or adjacent to one that is and may therefore be added later.
 bool Polyhedron::State::may_be_used(std::uint32_t c) const {
     const auto& own = filling.cells.cells()[c];
-    return !own.is_dead() && (!cones_of[c].empty() || std::ranges::any_of(own.next, [&](std::uint32_t next) {
-        return next != RegularTriangulation::kNoCell && !cones_of[next].empty();
-    }));
+    return !own.is_dead() &&
+           (!compute_cones[c].empty() || std::ranges::any_of(own.next, [&](std::uint32_t next) {
+               return next != kNoIndex && !compute_cones[next].empty();
+           }));
 }
 
-/// Moves a corner of each such tetrahedron that is too flat, at random.
+/// Moves one corner of each tetrahedron that is too flat by a random displacement.
 bool Polyhedron::State::move_flat_ones(int round) {
     const CounterRandom random(static_cast<std::uint64_t>(round), 0xf1a7);
-    const double least = round < kMostAdding ? kLeastFlatness : kLeastFlatness / 4;
+    const double least = round < kMaxAdding ? kMinFlatness : kMinFlatness / 4;
     bool moved = false;
-    for (std::uint32_t c = 0; c < cones_of.size(); ++c) {
+    for (std::uint32_t c = 0; c < compute_cones.size(); ++c) {
         if (!may_be_used(c)) continue;
         double shortest = 0;
         if (flatness(filling.corners(c), shortest) > least) continue;
-        std::uint32_t point = RegularTriangulation::kNoCell;
+        std::uint32_t point = kNoIndex;
         for (const std::uint32_t v : filling.cells.cells()[c].vertex)
             point = std::min(point, filling.cells.point(v));
-        if (point == RegularTriangulation::kNoCell) continue;
+        if (point == kNoIndex) continue;
         const auto draw = [&](std::uint64_t axis) {
             return kMove * shortest * random.uniform(3 * std::uint64_t{point} + axis, -1, 1);
         };
@@ -284,12 +288,12 @@ bool Polyhedron::State::move_flat_ones(int round) {
 }
 
 std::uint32_t Polyhedron::State::nearest_axis(std::uint32_t c) const {
-    if (cones_of[c].empty()) return kNone;
+    if (compute_cones[c].empty()) return kNoIndex;
     const auto p = filling.corners(c);
     const Vec3d middle = 0.25 * (p[0] + p[1] + p[2] + p[3]);
-    std::uint32_t out = kNone;
+    std::uint32_t out = kNoIndex;
     double least = HUGE_VAL;
-    for (const std::uint32_t cone : cones_of[c]) {
+    for (const std::uint32_t cone : compute_cones[c]) {
         const double square = cones[cone].foot(middle).relative_squared();
         if (square < least) {
             least = square;
@@ -299,9 +303,9 @@ std::uint32_t Polyhedron::State::nearest_axis(std::uint32_t c) const {
     return out;
 }
 
-/// Takes the cells that a cone is near.
+/// Selects the cells near a cone.
 void Polyhedron::State::choose(const Context& ctx) {
-    owner.assign(filling.cells.cells().size(), kNone);
+    owner.assign(filling.cells.cells().size(), kNoIndex);
     parallel_for(ctx, owner.size(), kPolyhedronGrain,
                  [&](std::size_t c) { owner[c] = nearest_axis(static_cast<std::uint32_t>(c)); });
 }
@@ -312,27 +316,27 @@ void Polyhedron::State::gather(const Context& ctx) {
     mesh.clearance = kClearance;
     cell.assign(by_axis.items.begin(), by_axis.items.end());
     mesh.tetra.resize(cell.size());
-    std::vector<std::uint32_t> number(filling.cells.vertex_count(), kNone);
+    std::vector<std::uint32_t> number(filling.cells.vertex_count(), kNoIndex);
     for (std::size_t t = 0; t < cell.size(); ++t) {
         for (std::size_t i = 0; i < 4; ++i) {
             const std::uint32_t v = filling.cells.cells()[cell[t]].vertex[i];
-            if (number[v] == kNone) {
+            if (number[v] == kNoIndex) {
                 number[v] = static_cast<std::uint32_t>(mesh.positions.size());
                 mesh.positions.push_back(Vec3(filling.at(v)));
             }
             mesh.tetra[t][i] = number[v];
         }
     }
-    std::vector<std::uint32_t> axis_of;
+    std::vector<std::uint32_t> find_axis;
     for (std::uint32_t axis = 0; axis < by_axis.size(); ++axis) {
         if (by_axis[axis].empty()) continue;
         mesh.first.push_back(mesh.first.back() + static_cast<std::uint32_t>(by_axis[axis].size()));
-        axis_of.push_back(axis);
+        find_axis.push_back(axis);
     }
-    std::vector<std::vector<std::uint32_t>> rows(axis_of.size());
+    std::vector<std::vector<std::uint32_t>> rows(find_axis.size());
     parallel_for(ctx, rows.size(), kFewCones, [&](std::size_t r) {
-        for (const std::uint32_t c : by_axis[axis_of[r]]) {
-            for (const std::uint32_t cone : cones_of[c]) {
+        for (const std::uint32_t c : by_axis[find_axis[r]]) {
+            for (const std::uint32_t cone : compute_cones[c]) {
                 if (!parted(cones[cone], kAxis, filling.corners(c))) rows[r].push_back(cone);
             }
         }
@@ -378,8 +382,7 @@ bool Polyhedron::grow(std::span<const TetraFace> faces, const Context& ctx) {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> found;
     for (const TetraFace& f : faces) {
         const std::uint32_t own = s.cell[f.tetra], next = s.filling.cells.cells()[own].next[f.opposite];
-        if (next != RegularTriangulation::kNoCell && s.owner[next] == kNone)
-            found.emplace_back(next, s.owner[own]);
+        if (next != kNoIndex && s.owner[next] == kNoIndex) found.emplace_back(next, s.owner[own]);
     }
     for (const auto& [cell, axis] : found) s.owner[cell] = std::min(s.owner[cell], axis);
     if (!found.empty()) s.gather(ctx);

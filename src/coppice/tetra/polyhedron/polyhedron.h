@@ -13,59 +13,60 @@
 
 namespace coppice {
 
-/// How wide the polyhedron is.
+/// Dimensions of the polyhedron.
 struct PolyhedronOptions {
-    float section = 3;     ///< [radii] edge of the square cross-sections, as printed
-    float outside = 1.2f;  ///< [radii] what lies beyond this of every axis is taken to be outside
+    float section = 3;     ///< [radii] edge of the square cross-sections, as in the paper
+    float outside = 1.2f;  ///< [radii] points beyond this distance from every axis count as outside
 };
 
 template <class Self, class Visitor>
 requires SameOptions<Self, PolyhedronOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"section", "edge of the square cross-sections", Unit::radius, 2, 8}, o.section);
-    visit(Field{"outside", "how far from every axis all is taken to be outside", Unit::radius, 1.01, 4},
+    visit(Field{"section", "Edge length of the square cross-sections.", Unit::radius, 2, 8}, o.section);
+    visit(Field{"outside", "Distance from every axis beyond which all points count as outside.", Unit::radius,
+                1.01, 4},
           o.outside);
 }
 
-/// What a polyhedron is made of, counted.
+/// Counts of the elements of a polyhedron.
 struct PolyhedronReport {
-    std::uint32_t sections = 0;   ///< squares across branches: at nodes, beside forks, beyond ends
-    std::uint32_t auxiliary = 0;  ///< points beside the planes of two children, and about nodes without shape
-    std::uint32_t added = 0;      ///< squares put in where tetrahedra were too wide for their branch
-    std::uint32_t tetra = 0;      ///< before anything is cut in eight
+    std::uint32_t sections = 0;   ///< squares across branches: at nodes, near forks, beyond ends
+    std::uint32_t auxiliary = 0;  ///< points off the planes of pairs of children, and around shapeless nodes
+    std::uint32_t added = 0;      ///< squares inserted where tetrahedra were too wide for their branch
+    std::uint32_t tetra = 0;      ///< before subdivision
 };
 
 /// The bounding polyhedron of [Zhu2013] as tetrahedra: squares across the branches, three radii wide, at
-/// every node and beside every fork, auxiliary points on both sides of the plane of two children, and
-/// tetrahedra between them, a handful for each segment.
+/// every node and near every fork, auxiliary points on both sides of the plane of each pair of children, and
+/// a few tetrahedra for each segment between them.
 ///
 /// The tetrahedra are those of the regular triangulation of all these points that the surface may cross or an
-/// axis passes through. So they share whole faces, have positive volumes and do not overlap, whatever the
-/// branches do; where the polyhedra of two branches overlap, both share the tetrahedra between them. Straight
-/// branches get five for each segment. Where a tetrahedron by the bark is much wider than its branch is
-/// thick, a square is added.
+/// axis passes through. They share whole faces, have positive volumes and do not overlap for any input; where
+/// the polyhedra of two branches overlap, both share the tetrahedra between them. Straight branches have five
+/// tetrahedra for each segment. Where a tetrahedron at the bark is much wider than its branch is thick, a
+/// square is added.
 ///
-/// The tetrahedra about one segment are a region.
+/// The tetrahedra around one segment are a region.
 class Polyhedron {
   public:
-    /// `axes` are the segments of the nodes that are not roots, in order, and balls where a tree is one node:
-    /// see `segment_axes`. Throws InvalidInput naming an option out of range, and when a segment is too thin
-    /// for the coordinates: by a factor of about a million. O(n log n); some 3 kB for each segment.
+    /// `axes` are the segments of the nodes that are not roots, in order, and balls for trees of one node:
+    /// see `segment_axes`. Throws InvalidInput naming an option out of range, or a segment that is too thin
+    /// for the coordinates (by a factor of about a million). O(n log n); about 3 kB for each segment.
     Polyhedron(const Skeleton& skeleton, std::span<const Segment> axes, const PolyhedronOptions& options = {},
                const Context& ctx = {});
-    /// Frees the memory.
+    /// Releases the memory.
     ~Polyhedron();
-    Polyhedron(Polyhedron&&) noexcept;             ///< leaves the other one empty
-    Polyhedron& operator=(Polyhedron&&) noexcept;  ///< leaves the other one empty
+    Polyhedron(Polyhedron&&) noexcept;             ///< leaves the source empty
+    Polyhedron& operator=(Polyhedron&&) noexcept;  ///< leaves the source empty
 
-    const TetraMesh& mesh() const;           ///< what it holds now
-    const PolyhedronReport& report() const;  ///< of what it holds now
-    /// For each region of the mesh, the numbers of the axes that may pass through its tetrahedra, ascending:
-    /// all that do, and some that pass it by.
+    const TetraMesh& mesh() const;           ///< current tetrahedra
+    const PolyhedronReport& report() const;  ///< counts of the current mesh
+    /// Returns for each region of the mesh the numbers of the axes that may pass through its tetrahedra,
+    /// ascending: all that do, and some that do not.
     const CompressedRows<std::uint32_t>& passing() const;
 
     /// Adds the tetrahedra on the other side of faces that belong to one tetrahedron only, and rebuilds the
-    /// mesh, so that its numbers change. False when there is nothing there.
+    /// mesh, which changes its numbering. Returns false if there are no tetrahedra to add.
     bool grow(std::span<const TetraFace> faces, const Context& ctx = {});
 
   private:
@@ -73,7 +74,7 @@ class Polyhedron {
     std::unique_ptr<State> state_;
 };
 
-/// The segments of the nodes that are not roots, in their order, and a ball for each tree of one node.
+/// Returns the segments of the nodes that are not roots, in order, and a ball for each tree of one node.
 std::vector<Segment> segment_axes(const Skeleton& skeleton);
 
 }  // namespace coppice

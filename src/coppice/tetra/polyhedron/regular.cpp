@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "coppice/base/id.h"
 #include "coppice/base/kernel/morton.h"
 #include "coppice/base/random.h"
 #include "coppice/tetra/lattice/tetra_mesh.h"
@@ -9,11 +10,12 @@
 namespace coppice::tetra_internal {
 namespace {
 
-constexpr std::size_t kPoll = 512;  ///< points between two looks for a stop
-constexpr int kTries = 6;           ///< places near by, where a point lies in a plane of others
+constexpr std::size_t kPoll = 512;  ///< points between two checks for cancellation
+constexpr int kTries = 6;  ///< attempts at positions nearby, if a point is in the plane of other points
 
-/// Points in rounds, each about twice as many as all before, and along a curve within a round
-/// [Amenta2003]: neighbours follow each other, and yet no cell is met by many.
+/// Orders points in rounds of about twice as many points as all previous rounds together, and along a
+/// space-filling curve within a round [Amenta2003]: consecutive points are close, and no cell is in conflict
+/// with many of them.
 std::vector<std::uint32_t> rounds(std::span<const WeightedPlace> points, const GridPlace& low) {
     struct Key {
         std::uint32_t round, point;
@@ -48,9 +50,10 @@ RegularTriangulation::RegularTriangulation(const GridPlace& low, const GridPlace
         WeightedPlace& p = at_.emplace_back();
         for (unsigned axis = 0; axis < 3; ++axis) p.at[axis] = (c >> axis & 1 ? high : low)[axis];
     }
-    // Six about the diagonal from 0 to 7: a way along the edges for each order of the axes.
+    // Six tetrahedra around the diagonal from 0 to 7, one for each order of the axes of a path along the
+    // edges.
     for (const auto& [i, j] : {std::array<std::uint32_t, 2>{1, 3}, {3, 2}, {2, 6}, {6, 4}, {4, 5}, {5, 1}}) {
-        cells_.push_back({{0, i, j, 7}, {kNoCell, kNoCell, kNoCell, kNoCell}});
+        cells_.push_back({{0, i, j, 7}, {kNoIndex, kNoIndex, kNoIndex, kNoIndex}});
         Cell& c = cells_.back();
         if (orientation(at_[0].at, at_[i].at, at_[j].at, at_[7].at) < 0) std::swap(c.vertex[1], c.vertex[2]);
     }
@@ -62,27 +65,27 @@ RegularTriangulation::RegularTriangulation(const GridPlace& low, const GridPlace
         }
     }
     mark_.assign(cells_.size(), 0);
-    point_.assign(at_.size(), kNoCell);
+    point_.assign(at_.size(), kNoIndex);
 }
 
 int RegularTriangulation::side(const Cell& cell, std::size_t face, const GridPlace& p) const {
     const auto& f = kTetraFaces[face];
-    // Faces are seen from outside, so what is inside makes a negative volume with them.
+    // Faces are oriented outward, so a point inside forms a negative volume with them.
     return -orientation(at_[cell.vertex[f[0]]].at, at_[cell.vertex[f[1]]].at, at_[cell.vertex[f[2]]].at, p);
 }
 
 std::uint32_t RegularTriangulation::locate(const GridPlace& p, std::uint32_t from) const {
-    // Which of the faces that p is beyond is crossed, is drawn: so no way goes round for ever.
+    // Crosses a random one of the faces that p is beyond, so that the walk cannot cycle.
     std::uint64_t draws = mix_bits(from);
-    for (std::uint32_t cell = from, before = kNoCell;;) {
+    for (std::uint32_t cell = from, before = kNoIndex;;) {
         const Cell& c = cells_[cell];
-        std::uint32_t to = kNoCell;
+        std::uint32_t to = kNoIndex;
         draws = draws * 6364136223846793005ull + 1442695040888963407ull;
-        for (std::size_t k = 0; k < 4 && to == kNoCell; ++k) {
+        for (std::size_t k = 0; k < 4 && to == kNoIndex; ++k) {
             const std::size_t face = (k + (draws >> 62)) % 4;
-            if (c.next[face] != kNoCell && c.next[face] != before && side(c, face, p) < 0) to = c.next[face];
+            if (c.next[face] != kNoIndex && c.next[face] != before && side(c, face, p) < 0) to = c.next[face];
         }
-        if (to == kNoCell) return cell;
+        if (to == kNoIndex) return cell;
         before = cell;
         cell = to;
     }
@@ -104,7 +107,7 @@ void RegularTriangulation::insert(std::span<const WeightedPlace> points, const C
     }
 }
 
-/// False where a point near by may fare better.
+/// Returns false if a point nearby may succeed.
 bool RegularTriangulation::insert(const WeightedPlace& p, std::uint32_t number) {
     last_ = locate(p.at, last_);
     const auto corner = [&](std::size_t i) { return &at_[cells_[last_].vertex[i]]; };
@@ -117,7 +120,7 @@ bool RegularTriangulation::insert(const WeightedPlace& p, std::uint32_t number) 
     return true;
 }
 
-/// Marks the cells in conflict, and lists their hull; false when p does not see all of it.
+/// Marks the cells in conflict and lists their hull. Returns false if p does not see all of the hull.
 bool RegularTriangulation::find_conflicts(std::uint32_t start, const WeightedPlace& p) {
     ++stamp_;
     taken_.assign(1, start);
@@ -127,8 +130,8 @@ bool RegularTriangulation::find_conflicts(std::uint32_t start, const WeightedPla
         const Cell& c = cells_[taken_[i]];
         for (std::uint32_t face = 0; face < 4; ++face) {
             const std::uint32_t other = c.next[face];
-            if (other != kNoCell && is_taken(other)) continue;
-            if (other != kNoCell) {
+            if (other != kNoIndex && is_taken(other)) continue;
+            if (other != kNoIndex) {
                 const auto& v = cells_[other].vertex;
                 if (conflicts({&at_[v[0]], &at_[v[1]], &at_[v[2]], &at_[v[3]]}, p)) {
                     mark_[other] = stamp_;
@@ -143,7 +146,8 @@ bool RegularTriangulation::find_conflicts(std::uint32_t start, const WeightedPla
                                [&](const HullFace& h) { return side(cells_[h.cell], h.face, p.at) > 0; });
 }
 
-/// Whether a vertex is too near. The nearest is a corner of a cell in conflict, where weights are small.
+/// Returns whether a vertex is too close. For small weights the closest vertex is a corner of a cell in
+/// conflict.
 bool RegularTriangulation::is_crowded(const WeightedPlace& p) const {
     return std::ranges::any_of(taken_, [&](std::uint32_t cell) {
         return std::ranges::any_of(cells_[cell].vertex, [&](std::uint32_t v) {
@@ -164,16 +168,15 @@ std::uint32_t RegularTriangulation::new_cell() {
     return static_cast<std::uint32_t>(cells_.size() - 1);
 }
 
-/// The new cell beside that of a face of the hull, across the edge that does not have its corner `third`.
-/// The cells that made way are turned about, on the inside, to the next face of the hull, beyond which the
-/// new cell is noted.
+/// Returns the new cell adjacent to the new cell of a hull face, across the edge opposite its corner `third`.
+/// Rotates around that edge through the removed cells up to the next hull face, which stores its new cell.
 std::uint32_t RegularTriangulation::across_edge(const HullFace& from, std::uint32_t third) const {
     std::uint32_t cell = from.cell, pivot = third, other = cells_[cell].vertex[from.face];
     for (;;) {
         const Cell& c = cells_[cell];
         const std::uint32_t to = c.next[place_of(c.vertex, pivot)];
         if (!is_taken(to)) return to;
-        // The edge, the corner that both have, and the new one.
+        // The edge, the common corner, and the new corner.
         const Cell& t = cells_[to];
         const std::size_t back = static_cast<std::size_t>(std::ranges::find(t.next, cell) - t.next.begin());
         pivot = std::exchange(other, t.vertex[back]);
@@ -181,14 +184,14 @@ std::uint32_t RegularTriangulation::across_edge(const HullFace& from, std::uint3
     }
 }
 
-/// Puts a cell between the vertex and each face of the hull.
+/// Creates a cell between the vertex and each face of the hull.
 void RegularTriangulation::fill(std::uint32_t vertex) {
     for (const HullFace& h : hull_) {
         const std::uint32_t made = new_cell();
         Cell c = cells_[h.cell];
         c.vertex[h.face] = vertex;
         cells_[made] = c;
-        if (const std::uint32_t outer = c.next[h.face]; outer != kNoCell) {
+        if (const std::uint32_t outer = c.next[h.face]; outer != kNoIndex) {
             auto& next = cells_[outer].next;
             *std::ranges::find(next, h.cell) = made;
         }
@@ -202,7 +205,7 @@ void RegularTriangulation::fill(std::uint32_t vertex) {
         last_ = made;
     }
     for (const std::uint32_t t : taken_) {
-        cells_[t].vertex[0] = kNoCell;
+        cells_[t].vertex[0] = kNoIndex;
         free_.push_back(t);
     }
 }

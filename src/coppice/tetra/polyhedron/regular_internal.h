@@ -12,36 +12,38 @@
 
 namespace coppice::tetra_internal {
 
-/// A box of the grid cut into tetrahedra whose corners are weighted points: the regular triangulation, which
-/// is Delaunay's where all weights are alike [Edelsbrunner1996]. Point by point, the tetrahedra in conflict
-/// with it make way for those between it and the hull of these [Bowyer1981].
+/// The regular triangulation of weighted points in a box of the grid, which equals the Delaunay triangulation
+/// if all weights are equal [Edelsbrunner1996]. Points are inserted incrementally: the tetrahedra in conflict
+/// with a point are replaced by those between the point and the hull of the removed ones [Bowyer1981].
 ///
-/// All signs are exact, and a point is refused rather than made part of a tetrahedron without volume: so
-/// whatever the points are, the tetrahedra fill the box, share whole faces, and have positive volumes.
+/// All signs are exact, and a point that would create a tetrahedron without volume is rejected: for any input
+/// the tetrahedra fill the box, share whole faces, and have positive volumes.
 class RegularTriangulation {
   public:
-    static constexpr std::uint32_t kNoCell = 0xffffffffu;  ///< beyond the box
     /// Corners in positive order, and the cells across the faces opposite them.
     struct Cell {
         std::array<std::uint32_t, 4> vertex;
         std::array<std::uint32_t, 4> next;
-        bool is_dead() const { return vertex[0] == kNoCell; }  ///< made way for others
+        bool is_dead() const { return vertex[0] == kNoIndex; }  ///< replaced by other cells
     };
 
-    /// The box from low to high, of which the eight corners are the first vertices; low < high.
+    /// Creates the box from low to high; its eight corners are the first vertices. Requires low < high.
     RegularTriangulation(const GridPlace& low, const GridPlace& high);
 
-    /// Adds points within the box, once, in an order of its own. What has no place is left out: a point too
-    /// near another one, and one whose weight is too small beside its neighbours'. O(n log n) but for
-    /// contrived ones. Throws Cancelled on a stop.
+    /// Inserts points within the box, in an order of its own; may be called once. Omits a point that is too
+    /// close to another one or has a weight too small compared with its neighbours. O(n log n) except for
+    /// adversarial input. Throws Cancelled if cancelled.
     void insert(std::span<const WeightedPlace> points, const Context& ctx);
 
     std::span<const Cell> cells() const { return cells_; }                 ///< some of them dead
     const WeightedPlace& vertex(std::uint32_t v) const { return at_[v]; }  ///< a corner of cells
-    /// Which of the points that were inserted a vertex is; kNoCell for a corner of the box.
+    /// Returns the index of the inserted point at a vertex; kNoIndex for a corner of the box.
     std::uint32_t point(std::uint32_t v) const { return point_[v]; }
-    std::uint32_t vertex_count() const { return static_cast<std::uint32_t>(at_.size()); }  ///< tried too
-    /// A cell in or on whose border p lies, which is in the box; looked for from another one on.
+    std::uint32_t vertex_count() const {
+        return static_cast<std::uint32_t>(at_.size());
+    }  ///< includes rejected points
+    /// Returns a cell that contains p, which must be in the box, in its interior or on its boundary. Walks
+    /// from cell `from`.
     std::uint32_t locate(const GridPlace& p, std::uint32_t from) const;
     std::uint32_t some_cell() const { return last_; }  ///< one that is alive
 
@@ -63,8 +65,8 @@ class RegularTriangulation {
     std::vector<std::uint32_t> point_;
     Buffer<Cell> cells_;
     std::vector<std::uint32_t> mark_, free_;
-    std::vector<std::uint32_t> taken_;  ///< cells in conflict with the present point
-    std::vector<HullFace> hull_;        ///< their faces towards others
+    std::vector<std::uint32_t> taken_;  ///< cells in conflict with the current point
+    std::vector<HullFace> hull_;        ///< their faces shared with other cells
     std::uint32_t stamp_ = 0, last_ = 0;
 };
 

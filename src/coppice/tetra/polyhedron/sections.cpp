@@ -8,21 +8,25 @@
 namespace coppice::tetra_internal {
 namespace {
 
-/// [half edges, squared] by which a heavy corner's weight is above, and a light one's below, that of others:
-/// enough for which edges there are to be settled by weights where points lie on a sphere.
+/// [half edges, squared] weight of a heavy corner; a light corner has the negative of it. Large enough that
+/// the weights determine the edges where points are cospherical.
 constexpr double kWeight = 0.1;
-constexpr double kBeyondEnd = 1.35;   ///< [radii] from a node at the end of a branch to the last square
-constexpr double kLeastGap = 1.2;     ///< [radii] between squares of one branch
-constexpr double kBesideFork = 1.25;  ///< [radii] from the axes of two branches where they part
-constexpr double kLeastSine = 0.25;   ///< of the angle between branches: below they part too far out
-constexpr double kThinLateral = 0.6;  ///< [radii] a thicker lateral makes a fork of a node
-constexpr double kStraight = 0.64;    ///< cosine of the turn up to which a branch goes on across others
-constexpr double kSharp = -0.17;      ///< cosine of the turn from which a bend is a fork
+constexpr double kBeyondEnd =
+    1.35;                        ///< [radii] distance from a node at the end of a branch to the last square
+constexpr double kMinGap = 1.2;  ///< [radii] minimum distance between squares of one branch
+constexpr double kAdjacentToFork =
+    1.25;  ///< [radii] distance from the axes of two branches at which they separate
+constexpr double kMinSine =
+    0.25;  ///< minimum sine of the angle between branches; smaller angles separate too far out
+constexpr double kThinLateral = 0.6;  ///< [radii] a node with a thicker lateral is a fork
+constexpr double kStraight =
+    0.64;                         ///< cosine of the maximum turn with which a branch continues across others
+constexpr double kSharp = -0.17;  ///< cosine of the turn from which a bend is a fork
 constexpr std::size_t kFewChildren = 4;
 
 Vec3d direction(Vec3d from, Vec3d to) { return normalized(to - from, Vec3d{0, 0, 1}); }
 
-/// A polyline of nodes with radii, measured along it.
+/// A polyline of nodes with radii, parametrised by arc length.
 class Limb {
   public:
     Limb(const Skeleton& skeleton, const std::vector<NodeId>& path) {
@@ -50,14 +54,14 @@ class Limb {
         const double t = l > 0 ? std::clamp((s - along_[i]) / l, 0.0, 1.0) : 1;
         return radius_[i] + t * (radius_[i + 1] - radius_[i]);
     }
-    /// The thickest place of a part.
-    double greatest_radius(double from, double to) const {
+    /// Returns the maximum radius of a section.
+    double max_radius(double from, double to) const {
         double out = std::max(radius_at(from), radius_at(to));
         for (std::size_t i = piece(from) + 1; i < size() && along_[i] < to; ++i)
             out = std::max(out, radius_[i]);
         return out;
     }
-    /// The number of the piece with s, from 0 on.
+    /// Returns the index of the segment that contains s.
     std::size_t piece(double s) const {
         const auto above = std::upper_bound(along_.begin() + 1, along_.end() - 1, s);
         return static_cast<std::size_t>(above - along_.begin()) - 1;
@@ -104,7 +108,7 @@ class Finder {
         return dot(direction(at(skeleton_.parent(n)), at(n)), direction(at(n), at(child)));
     }
 
-    /// The child with which a branch goes on at n; none where it ends there.
+    /// Returns the child that continues the branch at n; invalid if the branch ends there.
     NodeId continued(NodeId n) const {
         const auto children = skeleton_.children(n);
         if (skeleton_.is_root(n) || children.empty()) return {};
@@ -118,13 +122,13 @@ class Finder {
         return leader;
     }
 
-    /// Whether squares and auxiliary points may not enclose the ball of a node.
+    /// Returns whether squares and auxiliary points may fail to enclose the ball of a node.
     bool is_shapeless(NodeId n, NodeId next) const {
         const std::size_t children = skeleton_.children(n).size();
         return !next && (children == 1 || children > kFewChildren);
     }
 
-    /// How far from n a branch that leaves it in the direction of `child`, or of the parent, is apart from
+    /// Returns the distance from n at which the branch towards `child`, or towards the parent, separates from
     /// the others.
     double clearance(NodeId n, NodeId child) const {
         std::vector<Incident> others;
@@ -142,13 +146,13 @@ class Finder {
         double out = 0;
         for (const Incident& o : others) {
             const double cosine = dot(own.direction, o.direction);
-            const double sine = std::max(kLeastSine, std::sqrt(std::max(0.0, 1 - cosine * cosine)));
-            out = std::max(out, kBesideFork * (cosine > 0 ? (own.radius + o.radius) / sine : o.radius));
+            const double sine = std::max(kMinSine, std::sqrt(std::max(0.0, 1 - cosine * cosine)));
+            out = std::max(out, kAdjacentToFork * (cosine > 0 ? (own.radius + o.radius) / sine : o.radius));
         }
         return out;
     }
 
-    /// Squares along the branch that begins with the segment from n to child.
+    /// Places squares along the branch that begins with the segment from n to child.
     void wrap(NodeId n, NodeId child) {
         std::vector<NodeId> path{n, child};
         while (const NodeId next = continued(path.back())) path.push_back(next);
@@ -167,14 +171,13 @@ class Finder {
         place(limb, path, stations(limb, start, end));
     }
 
-    /// Where along a limb the squares are: the first, the last, and at nodes between.
+    /// Returns the positions of squares along a limb: the first, the last, and at nodes between.
     static std::vector<double> stations(const Limb& limb, double start, double end) {
-        if (end - start < kLeastGap * limb.radius_at(0.5 * (start + end)) && start >= 0 &&
-            end <= limb.length())
+        if (end - start < kMinGap * limb.radius_at(0.5 * (start + end)) && start >= 0 && end <= limb.length())
             return {std::clamp(0.5 * (start + end), 0.0, limb.length())};
         std::vector<double> out{start};
         for (std::size_t i = 1; i + 1 < limb.size(); ++i) {
-            const double gap = kLeastGap * limb.radius(i);
+            const double gap = kMinGap * limb.radius(i);
             if (limb.along(i) > out.back() + gap && limb.along(i) < end - gap) out.push_back(limb.along(i));
         }
         out.push_back(end);
@@ -189,8 +192,7 @@ class Finder {
             Section& s = made[i];
             s.normal = before == after ? direction(limb.point(0), limb.point(limb.length()))
                                        : direction(made[before].center, made[after].center);
-            s.radius =
-                limb.greatest_radius(0.5 * (where[before] + where[i]), 0.5 * (where[i] + where[after]));
+            s.radius = limb.max_radius(0.5 * (where[before] + where[i]), 0.5 * (where[i] + where[after]));
             s.side = i == 0 ? perpendicular(s.normal)
                             : carried(made[i - 1].side, made[i - 1].center, made[i - 1].normal, s.center,
                                       s.normal);
@@ -206,7 +208,7 @@ class Finder {
         }
     }
 
-    /// The corners of a cube about a node.
+    /// Adds the corners of a cube around a node.
     void add_cube(NodeId n) {
         const double half = 0.5 * options_.section * skeleton_.radius(n);
         for (unsigned c = 0; c < 8; ++c) {
@@ -218,8 +220,8 @@ class Finder {
         }
     }
 
-    /// On both sides of the plane of each two children, as far from the node as these are long on average;
-    /// but no nearer than the middle of a square's edge and no farther than its corner.
+    /// Adds points on both sides of the plane of each pair of children, at the average length of the two
+    /// segments from the node, but at least at the middle of a square's edge and at most at its corner.
     void add_auxiliary(NodeId n) {
         const auto children = skeleton_.children(n);
         if (children.size() > kFewChildren) return;

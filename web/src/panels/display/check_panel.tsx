@@ -1,4 +1,4 @@
-// What the engine says of a surface: whether it is good, why not, and where.
+// Result of the check of a surface: its quality, its errors, and their positions.
 import type { VNode } from "preact";
 import type { App } from "../../app";
 import { useValue } from "../../use";
@@ -20,7 +20,7 @@ export function Figures({ group }: { group: FigureGroup }): VNode {
         <details class="display-group" open={bad > 0}>
             <summary>
                 {group.title}
-                {bad > 0 && <span class="flag"> {bad === 1 ? "1 to look at" : `${bad} to look at`}</span>}
+                {bad > 0 && <span class="flag"> {bad === 1 ? "1 to inspect" : `${bad} to inspect`}</span>}
             </summary>
             <dl class="figures">
                 {group.rows.map((row) => (
@@ -42,11 +42,11 @@ function Places({ app, places }: { app: App; places: Check["places"] }): VNode |
     }
     return (
         <>
-            <h3 class="small-heading">Places of crossings</h3>
-            <ol class="places" aria-label="Places of crossings">
+            <h3 class="small-heading">Positions of crossings</h3>
+            <ol class="places" aria-label="Positions of crossings">
                 {places.map(({ at, pairs }, k) => (
                     <li key={k}>
-                        <button type="button" aria-pressed={k === chosen} title="Show this place" onClick={() => showPlace(app, places, k)}>
+                        <button type="button" aria-pressed={k === chosen} title="Show this position" onClick={() => showPlace(app, places, k)}>
                             <span>{at.map((c) => shortNumber(c, 4)).join(", ")}</span>
                             {pairs > 0 && <span class="hint">{pairs === 1 ? "1 pair" : `${pairs} pairs`}</span>}
                         </button>
@@ -104,7 +104,7 @@ export function CheckPanel({ app }: { app: App }): VNode {
             {isHere && found && <Result app={app} found={found} />}
             {!isHere && !running && (
                 <p class="hint">
-                    {object.kind === "skeleton" ? "Makes its surface, and says" : "Says"} whether that is closed, crosses itself, and how true it is.
+                    {object.kind === "skeleton" ? "Creates its surface, and reports its quality" : "Says"} whether that is closed, crosses itself, and how true it is.
                 </p>
             )}
         </div>

@@ -1,4 +1,4 @@
-// What the engine found of surfaces, kept until they change.
+// Results of checks of surfaces, kept until the surfaces change.
 import { signal } from "@preact/signals-core";
 import type { App } from "../../app";
 import type { ObjectName, Point, SceneObject } from "../../protocol";
@@ -6,7 +6,7 @@ import { type CrossingPlace, crossingPlaces, type Figures } from "./figures";
 
 export interface Check {
     object: ObjectName;
-    version: number; // of the object, then
+    version: number; // version of the object at the time of the check
     good: boolean;
     verdict: string;
     figures: Figures;
@@ -15,10 +15,10 @@ export interface Check {
 
 /** The last check. */
 export const lastCheck = signal<Check | null>(null);
-/** What is being checked; null: nothing. */
+/** The object being checked; null if no check is running. */
 export const checking = signal<ObjectName | null>(null);
 
-/** What a check is about: the skeleton or mesh that is selected, else the newest mesh, else the newest skeleton. */
+/** The object to check: the selected skeleton or mesh, otherwise the newest mesh, otherwise the newest skeleton. */
 export function checkedObject({ store }: Pick<App, "store">): SceneObject | undefined {
     const { object } = store.selection.value;
     const { objects } = store.state.value;
@@ -33,7 +33,7 @@ export function checkedObject({ store }: Pick<App, "store">): SceneObject | unde
     return newest("mesh") ?? newest("skeleton");
 }
 
-/** Whether the check is of the object as it is now. */
+/** Returns whether the check is of the current version of the object. */
 export function isOf(check: Check | null, object: SceneObject | undefined): boolean {
     return check !== null && check.object.kind === object?.kind && check.object.name === object.name && check.version === object.version;
 }
@@ -55,23 +55,23 @@ export async function check(app: App, object: SceneObject): Promise<void> {
         app.view.display.crossings.value = places;
         app.view.display.crossing.value = -1;
     } catch (error) {
-        app.store.say(`The check of ${name} ended: ${(error as Error).message}`, "error");
+        app.store.say(`The check of ${name} failed: ${(error as Error).message}`, "error");
     } finally {
         checking.value = null;
     }
 }
 
-/** Checks what was not checked yet, so that crossings can be marked. */
+/** Runs the check if there is no current one, so that crossings can be marked. */
 export async function checkWhereUnknown(app: App): Promise<void> {
     const object = checkedObject(app);
     if (!object) {
-        app.store.say("There is no skeleton or mesh whose crossings could be marked.", "warning");
+        app.store.say("There is no skeleton or mesh with crossings to mark.", "warning");
     } else if (!isOf(lastCheck.peek(), object) && checking.peek() === null) {
         await check(app, object);
     }
 }
 
-/** Brings a place of crossing into the middle of the picture, and marks it. */
+/** Moves a crossing to the centre of the view, and marks it. */
 export function showPlace(app: App, places: readonly CrossingPlace[], at: number): void {
     const { display } = app.view;
     display.color.value = "crossings";

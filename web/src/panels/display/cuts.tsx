@@ -10,7 +10,7 @@ import { Slider } from "./slider";
 const kAxes: readonly Axis[] = ["x", "y", "z"];
 const kSteps = 400; // of a slider
 
-/** The least and the greatest coordinate of objects along an axis; a metre where there are none. */
+/** The minimum and maximum coordinates of objects along an axis; one metre if there are no objects. */
 export function extentAlong(objects: readonly Pick<SceneObject, "bounds">[], axis: Axis): [number, number] {
     const at = kAxes.indexOf(axis);
     const full = objects.filter(({ bounds }) => bounds[at + 3] >= bounds[at]);
@@ -26,15 +26,15 @@ interface PlaceProps {
     axis: Axis;
     at: number;
     range: [number, number];
-    changed(axis: Axis, at?: number): void; // without a place: an axis was chosen
+    changed(axis: Axis, at?: number): void; // without a position: an axis was chosen
 }
 
 function PlaceFields({ axis, at, range: [low, high], changed }: PlaceProps): VNode {
     return (
         <>
             <div class="tool-field">
-                <span>Across</span>
-                <div class="segments" role="group" aria-label="Across which axis">
+                <span>Axis</span>
+                <div class="segments" role="group" aria-label="Axis of the plane">
                     {kAxes.map((one) => (
                         <button key={one} type="button" aria-pressed={one === axis} onClick={() => changed(one)}>{one.toUpperCase()}</button>
                     ))}
@@ -67,7 +67,7 @@ export function SectionFields({ app }: { app: App }): VNode {
     const { objects } = useValue(app.store.state);
     const range = extentAlong(objects, section.axis);
     const isOutside = section.at < range[0] || section.at > range[1];
-    // What is between the plane and the eye goes away, so that the cut is seen.
+    // The side towards the camera is removed, so that the cut is visible.
     const facing = (axis: Axis, at: number) => app.view.camera().position[axis] < at;
     const turn = (on: boolean) => {
         const at = on && isOutside ? middleOf(range) : section.at;
@@ -79,19 +79,19 @@ export function SectionFields({ app }: { app: App }): VNode {
     };
     return (
         <>
-            <Check label="Cut the picture open" value={section.on} changed={turn} />
+            <Check label="Cut the scene open" value={section.on} changed={turn} />
             {section.on && (
                 <>
                     <PlaceFields axis={section.axis} at={section.at} range={range} changed={move} />
                     <Check label="Keep the other side" value={section.flipped} changed={(flipped) => void (signal.value = { ...section, flipped })} />
-                    <p class="hint">The ball in the middle of the plane can be dragged.</p>
+                    <p class="hint">Drag the ball in the centre of the plane to move it.</p>
                 </>
             )}
         </>
     );
 }
 
-/** The solid whose field is shown: the one that is selected, else the last one shown, else the newest. */
+/** The solid of the slice: the selected one, otherwise the last one shown, otherwise the newest. */
 export function slicedSolid(app: Pick<App, "store">, last: string): SceneObject | undefined {
     const { objects } = app.store.state.value;
     const { object } = app.store.selection.value;
@@ -109,7 +109,7 @@ export function SliceFields({ app }: { app: App }): VNode {
     useValue(app.store.state);
     const solid = slicedSolid(app, slice.solid);
     const name = solid?.name ?? "";
-    const range = (axis: Axis) => withMargin(extentAlong(solid ? [solid] : [], axis)); // fields reach out of their surface
+    const range = (axis: Axis) => withMargin(extentAlong(solid ? [solid] : [], axis)); // the field extends beyond the surface
     const placed = ({ axis, at }: Slice) => {
         const [low, high] = range(axis);
         return at >= low && at <= high ? at : middleOf([low, high]);
@@ -124,7 +124,7 @@ export function SliceFields({ app }: { app: App }): VNode {
         }
     }, [name]);
     if (!solid) {
-        return <p class="hint">There is no solid whose field could be shown.</p>;
+        return <p class="hint">There is no solid to show a field of.</p>;
     }
     return (
         <>

@@ -1,4 +1,4 @@
-// What the picture shows, and how: every setting of the view.
+// All settings of the view: visible objects and their display.
 import type { ComponentChildren, VNode } from "preact";
 import { useMemo } from "preact/hooks";
 import type { App } from "../../app";
@@ -25,22 +25,22 @@ const kSkeletons: readonly (readonly [SkeletonForm, string])[] = [
     ["lines", "Lines"],
 ];
 const kSolids: readonly (readonly [SolidForm, string])[] = [
-    ["auto", "As is best"],
+    ["auto", "Automatic"],
     ["opaque", "Opaque"],
     ["glass", "Glass"],
 ];
 
-/** What a colouring tells that its legend does not. */
+/** Additional explanation of a colouring. */
 const kHints: Partial<Record<Coloring, string>> = {
-    deviation: "Blue: the surface lies within the cones of the skeleton; red: outside.",
-    evidence: "Of skeletons whose file tells how well their radii were measured.",
-    crossings: "Where the surface crosses itself, as the check found.",
+    deviation: "Blue: the surface is inside the cones of the skeleton; red: outside.",
+    evidence: "For skeletons from files that contain the quality of the measured radii.",
+    crossings: "Self-intersections of the surface that the check found.",
 };
 
 interface GroupProps {
     id: string;
     title: string;
-    isOpen?: boolean; // at first
+    isOpen?: boolean; // initial state
     children: ComponentChildren;
 }
 
@@ -61,7 +61,7 @@ function Light({ app }: { app: App }): VNode {
         <>
             <CheckField label="Shadows" value={shadow} />
             <Slider label="Hour of the sun" value={time} low={5} high={19} step={0.25} changed={(at) => void (hour.value = Math.min(Math.max(at, 5), 19))} />
-            <Slider label="North turned by" unit="°" value={turned} low={-180} high={180} step={5} changed={(by) => void (north.value = by)} />
+            <Slider label="Rotation of north" unit="°" value={turned} low={-180} high={180} step={5} changed={(by) => void (north.value = by)} />
         </>
     );
 }
@@ -71,7 +71,7 @@ function Hands({ app }: { app: App }): VNode {
     const buttons = kPresetButtons[useValue(preset)];
     return (
         <>
-            <ChoiceField label="Buttons as in" value={preset} choices={kPresetNames} />
+            <ChoiceField label="Button layout of" value={preset} choices={kPresetNames} />
             <dl class="button-list">
                 {buttons.map(([button, does]) => (
                     <div key={button}>
@@ -96,7 +96,7 @@ export function DisplayPanel({ app }: { app: App }): VNode {
     };
     return (
         <div class="display">
-            <Group id="show" title="Colours and forms" isOpen>
+            <Group id="show" title="Colours and shapes" isOpen>
                 <ChoiceField label="Colours" value={display.color} choices={kColors} changed={colored} />
                 {hint && <p class="hint">{hint}</p>}
                 <ChoiceField label="Trees as" value={display.skeletons} choices={kSkeletons} />

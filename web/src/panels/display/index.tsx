@@ -1,4 +1,4 @@
-// How the picture is drawn, and what is known of the surface in it.
+// Display settings of the view, and the check of the surface in it.
 import type { App, Panel } from "../../app";
 import { CheckPanel } from "./check_panel";
 import "./display.css";

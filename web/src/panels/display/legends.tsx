@@ -1,4 +1,4 @@
-// What the colours of the picture stand for, and how long a metre is in it.
+// Legends: the meaning of colours, and the length of the scale bar.
 import type { VNode } from "preact";
 import type { App } from "../../app";
 import { useValue } from "../../use";
@@ -7,15 +7,15 @@ import type { Legend } from "../../view/display";
 import { lengthText, shortNumber, ticks } from "../../view/lengths";
 import "./display.css";
 
-const kMostTicks = 4;
+const kMaxTicks = 4;
 
-/** Numbers along the bar of a legend: its ends, and round ones between that have room; `at` in [0, 1]. */
+/** Numbers along the bar of a legend: its ends, and round ones between them if there is space; `at` in [0, 1]. */
 export function legendTicks({ low, high }: Pick<Legend, "low" | "high">): { at: number; text: string }[] {
     if (!(high > low)) {
         return [{ at: 0.5, text: shortNumber(low) }];
     }
     const at = (value: number) => (value - low) / (high - low);
-    const between = ticks(low, high, kMostTicks).filter((value) => at(value) > 0.2 && at(value) < 0.72);
+    const between = ticks(low, high, kMaxTicks).filter((value) => at(value) > 0.2 && at(value) < 0.72);
     return [low, ...between, high].map((value) => ({ at: at(value), text: shortNumber(value, 3) }));
 }
 

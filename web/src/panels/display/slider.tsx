@@ -1,4 +1,4 @@
-// A number by a slider and by typing.
+// A number with a slider and a text field.
 import type { VNode } from "preact";
 import { useId } from "preact/hooks";
 import { FieldTrouble, useNumber } from "../../number_field";

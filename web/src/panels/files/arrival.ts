@@ -1,10 +1,10 @@
-// Objects that a line has made: the state that has them may come behind the answer to the line.
+// Objects created by a line: the state with them may arrive after the response to the line.
 import type { App } from "../../app";
 import type { SceneObject } from "../../protocol";
 
-const kPatience = 2000; // [ms]
+const kArrivalTimeout = 2000; // [ms]
 
-/** Waits until there is an object as wanted, and selects it. */
+/** Waits until a matching object exists, and selects it. */
 export async function selectWhenThere(app: App, wanted: (object: SceneObject) => boolean): Promise<SceneObject | undefined> {
     const { state, selection } = app.store;
     let stop: (() => void) | undefined;
@@ -12,7 +12,7 @@ export async function selectWhenThere(app: App, wanted: (object: SceneObject) =>
         new Promise<void>((done) => {
             stop = state.subscribe(({ objects }) => objects.some(wanted) && done());
         }),
-        new Promise((done) => setTimeout(done, kPatience)),
+        new Promise((done) => setTimeout(done, kArrivalTimeout)),
     ]);
     stop?.();
     const object = state.peek().objects.find(wanted);

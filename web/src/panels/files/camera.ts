@@ -1,4 +1,4 @@
-// The eye and the sun of the view, as the path tracer takes them.
+// The camera and the sun of the view in the form of the path tracer.
 import type * as THREE from "three";
 import type { Point } from "../../protocol";
 import { sunAt } from "../../view/stage";
@@ -7,11 +7,11 @@ export interface Eye {
     eye: Point;
     target: Point;
     up: Point;
-    field_of_view?: number; // [degree] over the height of the picture
-    parallel?: number; // [m] over the height, of a picture without perspective
+    field_of_view?: number; // [degree] vertical
+    parallel?: number; // [m] vertical size of a parallel view
 }
 
-/** Where a camera stands and what it sees; both kinds look along their own -Z. */
+/** Position and parameters of a camera; both kinds look along their own -Z. */
 export function eyeOf(camera: THREE.Camera): Eye {
     const m = camera.matrixWorld.elements;
     const eye: Point = [m[12], m[13], m[14]];
@@ -24,7 +24,7 @@ export function eyeOf(camera: THREE.Camera): Eye {
     return { eye, target, up, field_of_view: (camera as THREE.PerspectiveCamera).fov };
 }
 
-const kLowestSun = 2.87; // [degree] that `render` takes
+const kLowestSun = 2.87; // [degree] minimum that `render` accepts
 
 /** Options of `render`: its angles are counter-clockwise from +X, those of the view clockwise from +Y. */
 export function sunOptions(hour: number, north: number): Record<string, number> {

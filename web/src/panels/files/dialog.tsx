@@ -1,4 +1,4 @@
-// Dialogs that are asked for and awaited.
+// Dialogs with a result that the caller awaits.
 import { signal } from "@preact/signals-core";
 import type { ComponentChildren, VNode } from "preact";
 import { useLayoutEffect, useRef, useState } from "preact/hooks";
@@ -15,7 +15,7 @@ interface Asked {
 const kAsked = signal<readonly Asked[]>([]);
 let kLast = 0;
 
-/** Shows a dialog and waits for its answer: null where the user wanted nothing of it. */
+/** Shows a dialog and waits for its answer: null if the user cancels it. */
 export function ask<T>(draw: (end: End<T>) => VNode): Promise<T | null> {
     return new Promise((resolve) => {
         const number = ++kLast;
@@ -27,7 +27,7 @@ export function ask<T>(draw: (end: End<T>) => VNode): Promise<T | null> {
     });
 }
 
-/** Where dialogs appear; once in the page. */
+/** Container of dialogs; once in the page. */
 export function Dialogs(): VNode {
     return <>{useValue(kAsked).map((one) => <Drawn key={one.number} draw={one.draw} />)}</>;
 }
@@ -40,7 +40,7 @@ interface DialogProps {
     title: string;
     wide?: boolean;
     close(): void; // Esc
-    accept?(): void; // Enter, and the button that submits
+    accept?(): void; // Enter, and the submit button
     children: ComponentChildren;
     buttons: ComponentChildren;
 }
@@ -52,10 +52,10 @@ export function Dialog({ title, wide, close, accept, children, buttons }: Dialog
         const dialog = element.current;
         dialog?.showModal();
         return () => {
-            dialog?.close(); // gives the focus back to what had it
+            dialog?.close(); // returns the focus to the previous element
             const below = [...document.querySelectorAll("dialog[open]")].at(-1);
             if (below && !below.contains(document.activeElement)) {
-                below.querySelector<HTMLElement>("[autofocus]")?.focus(); // that cannot take it: it is disabled while something is done
+                below.querySelector<HTMLElement>("[autofocus]")?.focus(); // otherwise it cannot receive the focus: it is disabled during work
             }
         };
     }, []);
@@ -76,7 +76,7 @@ export function Dialog({ title, wide, close, accept, children, buttons }: Dialog
                 }}
                 onKeyDown={(event) => {
                     if (event.key === "Enter" && event.target instanceof HTMLSelectElement) {
-                        event.preventDefault(); // of all fields only lists do not submit by themselves
+                        event.preventDefault(); // only lists do not submit the form by themselves
                         accept?.();
                     }
                 }}
@@ -91,7 +91,7 @@ export function Dialog({ title, wide, close, accept, children, buttons }: Dialog
 
 type Answers<T> = readonly (readonly [T, string])[];
 
-/** A question with one button for each answer; the first is the one that Enter gives, or none where care is needed. */
+/** A question with one button for each answer; Enter selects the first one, or none if `careful`. */
 export function choose<T extends string>(title: string, text: string, answers: Answers<T>, careful = false): Promise<T | null> {
     return ask<T>((end) => (
         <Dialog
@@ -113,12 +113,12 @@ export function choose<T extends string>(title: string, text: string, answers: A
     ));
 }
 
-/** A question about what cannot be taken back: Enter alone does not say yes. */
+/** A question about an irreversible action: Enter alone does not confirm. */
 export async function confirm(title: string, text: string, yes: string): Promise<boolean> {
     return (await choose(title, text, [["yes", yes]], true)) === "yes";
 }
 
-/** Text to be read, as a program printed it. */
+/** Shows text, such as the output of a program. */
 export function tell(title: string, text: string): Promise<null> {
     return ask<null>((end) => (
         <Dialog title={title} wide close={() => end(null)} buttons={<button type="button" autofocus onClick={() => end(null)}>Close</button>}>
@@ -127,7 +127,7 @@ export function tell(title: string, text: string): Promise<null> {
     ));
 }
 
-/** What a dialog does while it is open: one thing at a time, and what went wrong. */
+/** State of a dialog: one task at a time, and its error. */
 export function useWork(): { busy: boolean; trouble: string; work(what: () => Promise<void>): Promise<void> } {
     const [busy, setBusy] = useState(false);
     const [trouble, setTrouble] = useState("");

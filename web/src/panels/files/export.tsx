@@ -1,4 +1,4 @@
-// Objects as files of the folder, and what the check says of what was written.
+// Export of objects as files of the folder, and the check of the written surface.
 import type { Signal } from "@preact/signals-core";
 import { signal } from "@preact/signals-core";
 import type { VNode } from "preact";
@@ -18,7 +18,7 @@ interface Written {
     object: ObjectName;
     file: string;
     bytes: number;
-    checked: { good: boolean; verdict: string; figures: Checked } | null; // null: there is nothing to check
+    checked: { good: boolean; verdict: string; figures: Checked } | null; // null: there is no surface to check
 }
 
 interface Chosen {
@@ -28,11 +28,11 @@ interface Chosen {
     surface: Record<string, string>; // options of `mesh`
 }
 
-/** What was chosen last, while the page is open. */
+/** The last choice, kept while the page is open. */
 const kSurface: Signal<Record<string, string>> = signal({});
 const kFormat = signal("surface.glb");
 
-// Options of `mesh` that people choose by; the others have good defaults, and `mesh` in the scene takes them all.
+// The most important options of `mesh`; the others have good defaults, and are available in `mesh` of the scene.
 const kSurfaceOptions = ["method", "levels", "fit", "overlaps"];
 
 export async function exportObjects(app: App): Promise<void> {
@@ -55,7 +55,7 @@ function ExportDialog({ app, end }: { app: App; end(): void }): VNode {
     const { object } = app.store.selection.peek();
     const first = all.find(({ kind, name }) => kind === object?.kind && name === object.name) ?? all.at(-1);
     const [names, setNames] = useState<readonly ObjectName[]>(first ? [{ kind: first.kind, name: first.name }] : []);
-    const [typed, setTyped] = useState<string | null>(null); // the name of the file; null: that of the object
+    const [typed, setTyped] = useState<string | null>(null); // name of the file; null: the name of the object
     const [written, setWritten] = useState<readonly Written[] | null>(null);
     const { busy, trouble, work } = useWork();
     const wanted = useValue(kFormat);
@@ -65,7 +65,7 @@ function ExportDialog({ app, end }: { app: App; end(): void }): VNode {
     const ending = format?.ending ?? "";
     const files = names.length === 1 && typed !== null ? [withEnding(typed.trim(), ending)] : names.map(({ name }) => name + ending);
     const twice = files.length > new Set(files).size ? "Two of these objects have the same name; export them one after the other." : "";
-    const none = names.length === 0 ? "Choose what shall be written." : format ? "" : "No format holds all of these; choose objects of one kind.";
+    const none = names.length === 0 ? "Choose the objects to export." : format ? "" : "No format supports all of these; choose objects of one kind.";
     const wrong = none || twice || (files.map(nameTrouble).find(Boolean) ?? "");
     const write = () =>
         void work(async () => {
@@ -139,7 +139,7 @@ function FormatField({ formats, format }: { formats: readonly Format[]; format: 
     );
 }
 
-/** The options of `mesh` that a surface is chosen by, as the schema has them. */
+/** The options of `mesh` for the surface, from the schema. */
 function SurfaceOptions({ app }: { app: App }): VNode {
     const mesh = app.store.schema.peek().find(({ name }) => name === "mesh");
     const options = kSurfaceOptions.flatMap((wanted) => mesh?.arguments.find(({ name }) => name === wanted) ?? []);
@@ -205,7 +205,7 @@ function WrittenFile({ app, written: { object, file, bytes, checked } }: { app: 
                     <span aria-hidden="true">{checked.good ? "✓" : "!"}</span> {checked.verdict}
                 </p>
             )}
-            <p class="hint">It lies in <code>{folder}</code></p>
+            <p class="hint">It is in <code>{folder}</code></p>
             <div class="tool-row">
                 <button type="button" onClick={() => void work(() => download(app, file))}>Download {baseOf(file)}</button>
             </div>

@@ -1,4 +1,4 @@
-// Files of the folder that is open: their names, and the question before one is replaced.
+// Files of the open folder: their names, and the confirmation before one is replaced.
 import { type App, EngineError } from "../../app";
 import { confirm } from "./dialog";
 
@@ -7,9 +7,9 @@ export interface FolderFile {
     bytes: number;
 }
 
-const kMostLetters = 200;
+const kMaxLetters = 200;
 
-/** Largest first unit that leaves a number of at least 1: "12.3 MB". */
+/** The size in the largest unit with a value of at least 1: "12.3 MB". */
 export function bytesText(bytes: number): string {
     const units = ["bytes", "KB", "MB", "GB"];
     let value = bytes;
@@ -21,13 +21,13 @@ export function bytesText(bytes: number): string {
     return `${unit === 0 || value >= 100 ? Math.round(value) : value.toFixed(1)} ${units[unit]}`;
 }
 
-/** The ending in small letters, ".ply"; those of two parts that the program knows are one. */
+/** The file extension in lower case, ".ply"; double extensions that the program knows are kept. */
 export function endingOf(name: string): string {
     const lower = name.toLowerCase();
     return lower.endsWith(".sketch.json") ? ".sketch.json" : (/\.[a-z0-9]+$/.exec(lower)?.[0] ?? "");
 }
 
-/** Without the folders it lies in. */
+/** The name without its folders. */
 export function baseOf(name: string): string {
     return name.slice(name.lastIndexOf("/") + 1);
 }
@@ -41,24 +41,24 @@ export function withEnding(name: string, ending: string): string {
     return name === "" || endingOf(name) === ending ? name : name + ending;
 }
 
-/** What is wrong with a name that a file of the folder shall have; empty where nothing is. */
+/** The error in the name of a new file; empty if it is valid. */
 export function nameTrouble(name: string): string {
     if (name === "") {
         return "Give the file a name.";
     }
     if (name.startsWith("/") || /^[a-z]:/i.test(name) || name.includes("\\")) {
-        return "Name a file of the folder that is open, with / between a folder in it and the file.";
+        return "Use a name in the open folder, with / between a subfolder and the file.";
     }
     if (name.split("/").some((part) => part === "" || part.startsWith("."))) {
-        return "No part of the name may be empty or begin with a dot.";
+        return "No component of the name may be empty or begin with a dot.";
     }
     if ([...name].some((letter) => letter < " ")) {
-        return "The name has letters that cannot be seen.";
+        return "The name contains invisible characters.";
     }
-    return name.length > kMostLetters ? `A name may have ${kMostLetters} letters.` : "";
+    return name.length > kMaxLetters ? `A name may have at most ${kMaxLetters} characters.` : "";
 }
 
-/** A name that no file has: oak.swc, oak-2.swc, ... */
+/** An unused name: oak.swc, oak-2.swc, ... */
 export function freeFile(name: string, taken: ReadonlySet<string>): string {
     const ending = endingOf(name);
     const stem = name.slice(0, name.length - ending.length);
@@ -69,7 +69,7 @@ export function freeFile(name: string, taken: ReadonlySet<string>): string {
     return free;
 }
 
-/** A name for an object, made of that of a file: letters, digits, _ - and . behind a letter. */
+/** A name for an object, from the name of a file: letters, digits, _, - and . after a letter. */
 export function objectName(file: string): string {
     const letters = stemOf(file).normalize("NFD").replace(/\p{M}/gu, ""); // without accents
     const plain = letters.replace(/[^A-Za-z0-9_.-]+/g, "_").replace(/^[^A-Za-z]+/, "");
@@ -81,8 +81,8 @@ export async function listFiles(app: App, ending = ""): Promise<FolderFile[]> {
 }
 
 /**
- * Writes a file. Where one of that name is there, the user is asked before it is replaced; null where that is not wished.
- * `written` are the names that come of it, where they are others than the one asked for.
+ * Writes a file. If it exists, the user has to confirm; null if the user declines. `written` are the names of the resulting
+ * files, if they differ from the requested one.
  */
 export async function writing<R>(app: App, name: string, write: (overwrite: boolean) => Promise<R>, written?: RegExp): Promise<R | null> {
     try {
@@ -92,12 +92,12 @@ export async function writing<R>(app: App, name: string, write: (overwrite: bool
         if (!(error instanceof EngineError) || error.kind !== "files" || !(await isThere())) {
             throw error;
         }
-        const text = `There is a file ${name} in the folder already. What it holds now would be lost.`;
-        return (await confirm("Replace the file?", text, "Replace it")) ? write(true) : null;
+        const text = `The folder already contains a file ${name}. Its current content would be lost.`;
+        return (await confirm("Replace the file?", text, "Replace")) ? write(true) : null;
     }
 }
 
-/** Gives a file of the folder to the browser, which asks where to or puts it to its downloads. */
+/** Downloads a file of the folder with the browser. */
 export async function download(app: App, name: string): Promise<void> {
     const url = URL.createObjectURL(await app.engine.file(name));
     const link = document.createElement("a");

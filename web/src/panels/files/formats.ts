@@ -1,10 +1,10 @@
-// Formats that are written, and what of each kind of object they hold.
+// Output formats, and the data of each kind of object that they store.
 import type { Kind } from "../../protocol";
 
 export type Holds = "surface" | "skeleton" | "points";
 
 export interface Format {
-    id: string; // "surface.ply": PLY holds surfaces, skeletons and points
+    id: string; // "surface.ply": PLY is used for surfaces, skeletons and points
     holds: Holds;
     ending: string;
     label: string;
@@ -21,7 +21,7 @@ export const kFormats: readonly Format[] = [
     format("surface", ".stl", "STL: triangles, for printing"),
     format("surface", ".usda", "USD: quads, for film"),
     format("skeleton", ".swc", "SWC: nodes with radii"),
-    format("skeleton", ".json", "JSON: Coppice's own, with all that is known"),
+    format("skeleton", ".json", "JSON: the native format, with all data"),
     format("skeleton", ".obj", "OBJ: lines"),
     format("skeleton", ".ply", "PLY: vertices and edges"),
     format("skeleton", ".csv", "CSV: a table of cylinders"),
@@ -40,12 +40,12 @@ const kHolds: Record<Kind, readonly Holds[]> = {
     profile: [],
 };
 
-/** Whether objects of a kind can be written at all. */
+/** Returns whether objects of a kind can be written. */
 export function isWritten(kind: Kind): boolean {
     return kHolds[kind].length > 0;
 }
 
-/** The formats that can hold something of every one of these kinds. */
+/** The formats that can store objects of all of these kinds. */
 export function formatsOf(kinds: readonly Kind[]): readonly Format[] {
     return kFormats.filter(({ holds }) => kinds.every((kind) => kHolds[kind].includes(holds)));
 }

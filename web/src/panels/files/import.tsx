@@ -1,4 +1,5 @@
-// Files that come from outside: dropped on the page or chosen. They are put into the folder, and become what they hold.
+// Import of external files: dropped on the page or chosen. They are copied into the folder, and loaded according to their
+// content.
 import { signal } from "@preact/signals-core";
 import type { VNode } from "preact";
 import { useEffect, useState } from "preact/hooks";
@@ -16,23 +17,23 @@ import { bytesText, freeFile, listFiles, objectName } from "./folder";
 import { type Content, contentOf, kReadEndings, NotRead } from "./kinds";
 import { openFile } from "./scenes";
 
-/** What becomes of a file: a command of scenes, or something that the page does with it. */
+/** The use of a file: a command of scenes, or an action of the page. */
 type Use = "loadtree" | "loadmesh" | "pointset load" | "extract" | "open" | "sketch" | "keep";
 
 const kUses: Record<Content, readonly Use[]> = {
     skeleton: ["loadtree"],
     mesh: ["loadmesh", "extract"],
     points: ["pointset load", "extract"],
-    scene: ["keep"], // or opened, where the user wants that
+    scene: ["keep"], // or opened, if the user chooses that
     sketch: ["sketch"],
     library: ["keep"],
     photograph: ["keep"],
 };
 
 const kUseLabels: Partial<Record<Use, string>> = {
-    loadmesh: "Take the mesh as it is",
-    "pointset load": "Take the points as they are",
-    extract: "Find the tree's skeleton in it",
+    loadmesh: "Load the mesh",
+    "pointset load": "Load the points",
+    extract: "Extract the skeleton of the tree",
 };
 
 const kMakes: Partial<Record<Use, Kind>> = { loadtree: "skeleton", loadmesh: "mesh", "pointset load": "points", extract: "skeleton" };
@@ -46,20 +47,20 @@ interface Coming {
     file: File;
     content: Content;
     use: Use;
-    isThere: boolean; // in the folder already
+    isThere: boolean; // already in the folder
 }
 
-/** What is done at the moment, for the status line of imports; empty where nothing is. */
+/** Current action, for the status line of imports; empty if idle. */
 const kUnderway = signal("");
 
-/** Takes in a file of the folder, unless the scene uses it already. */
+/** Imports a file of the folder, unless the scene uses it already. */
 export async function importNamed(app: App, name: string): Promise<void> {
     if (!isUsed(app, name)) {
         await importFiles(app, [new File([await app.engine.file(name)], name)], true);
     }
 }
 
-/** Takes in files, one after the other; says of each that cannot be taken why. */
+/** Imports files in sequence; reports for each refused file the reason. */
 export async function importFiles(app: App, files: readonly File[], areThere = false): Promise<void> {
     try {
         const coming = await decided(app, await told(app, files, areThere));
@@ -80,14 +81,14 @@ async function told(app: App, files: readonly File[], isThere: boolean): Promise
             const content = await contentOf(file.name, file);
             coming.push({ file, content, use: kUses[content][0], isThere });
         } catch (error) {
-            const why = error instanceof NotRead ? error.message : "cannot be read; is it a folder, or gone?";
+            const why = error instanceof NotRead ? error.message : "cannot be read; it may be a folder, or no longer exist";
             app.store.say(`${file.name} ${why}.`, "error");
         }
     }
     return coming;
 }
 
-/** Asks where a file may become one thing or another. A scene comes last, and what came with it are its files. */
+/** Asks the user about files with several uses. A scene is opened last, and uses the files imported with it. */
 async function decided(app: App, coming: readonly Coming[]): Promise<readonly Coming[]> {
     const scenes = coming.filter(({ content }) => content === "scene");
     const scene = scenes.length === 1 ? await decidedScene(app, scenes[0]) : null;
@@ -107,8 +108,8 @@ async function decidedScene(app: App, scene: Coming): Promise<Coming | null> {
     if (app.store.state.peek().statements.length === 0) {
         return { ...scene, use: "open" };
     }
-    const text = "It takes the place of the scene that is open; undo brings that back.";
-    const use = await choose<Use>(`Open ${scene.file.name}?`, text, [["open", "Open it"], ["keep", "Only put it into the folder"]]);
+    const text = "It replaces the open scene; undo restores that one.";
+    const use = await choose<Use>(`Open ${scene.file.name}?`, text, [["open", "Open it"], ["keep", "Only copy it into the folder"]]);
     return use && { ...scene, use };
 }
 
@@ -120,7 +121,7 @@ function UsesDialog({ coming, end }: { coming: readonly Coming[]; end(answer: re
     const [uses, setUses] = useState(coming.map(({ use }) => use));
     return (
         <Dialog
-            title={coming.length === 1 ? `What shall become of ${coming[0].file.name}?` : "What shall become of these files?"}
+            title={coming.length === 1 ? `How should ${coming[0].file.name} be imported?` : "How should these files be imported?"}
             close={() => end(null)}
             accept={() => end(coming.map((one, at) => ({ ...one, use: uses[at] })))}
             buttons={
@@ -158,12 +159,12 @@ async function takeIn(app: App, { file, content, use, isThere }: Coming): Promis
     }
     const { name, replaced } = placed;
     if (replaced && (await app.engine.request<{ found: boolean }>("rerun", { file: name })).found) {
-        app.store.say(`${name} was replaced, and what the scene makes of it was made again.`);
+        app.store.say(`${name} was replaced, and the statements that use it were run again.`);
         return;
     }
     const makes = kMakes[use];
     if (makes) {
-        kUnderway.value = use === "extract" ? `Looking for the skeleton in ${name}…` : `Reading ${name}…`;
+        kUnderway.value = use === "extract" ? `Extracting the skeleton of ${name}…` : `Reading ${name}…`;
         await make(app, use, makes, name);
     } else if (use === "open") {
         await openFile(app, name);
@@ -174,7 +175,7 @@ async function takeIn(app: App, { file, content, use, isThere }: Coming): Promis
     }
 }
 
-/** Puts a file into the folder. Null where the user wants neither to replace the one that is there nor another name. */
+/** Copies a file into the folder. Null if the user neither replaces the existing one nor chooses another name. */
 async function place(app: App, file: File): Promise<{ name: string; replaced: boolean } | null> {
     const there = await listFiles(app);
     const same = there.find(({ name }) => name === file.name);
@@ -186,7 +187,7 @@ async function place(app: App, file: File): Promise<{ name: string; replaced: bo
         return null;
     }
     const name = answer === "both" ? freeFile(file.name, new Set(there.map((one) => one.name))) : file.name;
-    kUnderway.value = `Putting ${name} into the folder: ${bytesText(file.size)}…`;
+    kUnderway.value = `Copying ${name} into the folder: ${bytesText(file.size)}…`;
     await app.engine.upload(name, file, answer === "replace");
     return { name, replaced: answer === "replace" };
 }
@@ -198,9 +199,9 @@ function isUsed(app: App, name: string): boolean {
 
 function askReplace(app: App, name: string): Promise<"replace" | "both" | null> {
     const used = isUsed(app, name);
-    const then = used ? " The scene uses it, and runs again from there when it is replaced." : "";
-    const answers = [["replace", "Replace it"], ["both", "Keep both"]] as const;
-    const text = `There is another file ${name} in the folder already.${then}`;
+    const then = used ? " The scene uses it, and the statements that use it run again." : "";
+    const answers = [["replace", "Replace"], ["both", "Keep both"]] as const;
+    const text = `The folder already contains another file ${name}.${then}`;
     return choose("Replace the file?", text, used ? answers : answers.toReversed());
 }
 
@@ -227,7 +228,7 @@ export function chooseFiles(app: App): void {
     input.click();
 }
 
-/** The files of a drop. Folders are told by name: what is in them has to be dropped itself. */
+/** The files of a drop. Folders are reported by name: their files have to be dropped directly. */
 function filesOf(app: App, data: DataTransfer): File[] {
     const files: File[] = [];
     for (const item of data.items) {
@@ -241,7 +242,7 @@ function filesOf(app: App, data: DataTransfer): File[] {
     return files;
 }
 
-/** Takes files that are dropped anywhere on the page, and shows what an import does. */
+/** Accepts files dropped on the page, and shows the progress of the import. */
 export function DropZone({ app }: { app: App }): VNode {
     const [over, setOver] = useState(false);
     const underway = useValue(kUnderway);
@@ -260,7 +261,7 @@ export function DropZone({ app }: { app: App }): VNode {
         };
         const drop = (event: DragEvent) => {
             if (holdsFiles(event) && event.dataTransfer) {
-                event.preventDefault(); // a browser would leave the page for the file
+                event.preventDefault(); // otherwise the browser would navigate to the file
                 setOver(false);
                 if (!document.querySelector("dialog[open]")) {
                     void importFiles(app, filesOf(app, event.dataTransfer));
@@ -278,7 +279,7 @@ export function DropZone({ app }: { app: App }): VNode {
     }, []);
     return (
         <>
-            {over && <div class="drop-zone" aria-hidden="true"><p>Drop trees, meshes, points, scenes or pictures</p></div>}
+            {over && <div class="drop-zone" aria-hidden="true"><p>Drop trees, meshes, points, scenes or images</p></div>}
             <p class="import-status" role="status" hidden={underway === ""}>{underway}</p>
         </>
     );

@@ -1,9 +1,9 @@
-// What a file holds, by its ending, and by its beginning where several kinds share one: as the program itself tells it.
+// The content of a file, by its extension, or by its first bytes if several kinds share one: the same rules as in the program.
 import { endingOf } from "./folder";
 
 export type Content = "skeleton" | "mesh" | "points" | "scene" | "sketch" | "library" | "photograph";
 
-/** Why a file is not taken, in words that follow its name: "is ...". */
+/** The reason why a file is refused, as a phrase after its name: "is ...". */
 export class NotRead extends Error {}
 
 const kHead = 64 * 1024;
@@ -32,11 +32,11 @@ const kByEnding: Record<string, Content> = {
 };
 
 const kNotRead: Record<string, string> = {
-    ".e57": "is an E57 file, which is not read; save it as LAZ, LAS or PLY, for one with CloudCompare",
-    ".bin": "is a file of CloudCompare's own; save it there as LAZ, LAS or PLY",
-    ".fbx": "is an FBX file, which is not read; save it as GLB or OBJ, for one with Blender",
-    ".blend": "is a file of Blender's own; save it there as GLB, OBJ or PLY",
-    ".gltf": "is a glTF file of several parts; save it as GLB, which is one file",
+    ".e57": "is an E57 file, which is not supported; save it as LAZ, LAS or PLY, for example with CloudCompare",
+    ".bin": "is a CloudCompare file, which is not supported; save it as LAZ, LAS or PLY",
+    ".fbx": "is an FBX file, which is not supported; save it as GLB or OBJ, for example with Blender",
+    ".blend": "is a Blender file, which is not supported; save it as GLB, OBJ or PLY",
+    ".gltf": "is a glTF file with external files; save it as GLB, which is one file",
 };
 
 const kPacked = new Set([".zip", ".gz", ".7z", ".bz2", ".xz", ".zst", ".tar"]);
@@ -44,7 +44,7 @@ const kPacked = new Set([".zip", ".gz", ".7z", ".bz2", ".xz", ".zst", ".tar"]);
 /** For the dialog in which files are chosen. */
 export const kReadEndings: readonly string[] = [...Object.keys(kByEnding), ".obj", ".ply", ".off", ".txt", ".csv", ".json"];
 
-/** What a file holds. Throws NotRead. */
+/** Returns the content of a file. Throws NotRead. */
 export async function contentOf(name: string, data: Blob): Promise<Content> {
     const ending = endingOf(name);
     const head = async () => new TextDecoder("latin1").decode(await data.slice(0, kHead).arrayBuffer());
@@ -69,14 +69,14 @@ export async function contentOf(name: string, data: Blob): Promise<Content> {
     if (ending in kByEnding) {
         return kByEnding[ending];
     }
-    throw new NotRead(kNotRead[ending] ?? (kPacked.has(ending) ? "is packed; unpack it first" : "is of no kind that Coppice reads"));
+    throw new NotRead(kNotRead[ending] ?? (kPacked.has(ending) ? "is compressed; unpack it first" : "is not in a supported format"));
 }
 
 export function plyContent(head: string): Content {
     const header = head.slice(0, Math.max(head.indexOf("end_header"), 0) || head.length);
     const has = (element: string) => new RegExp(`^element ${element} +[1-9]`, "m").test(header);
     if (!header.startsWith("ply")) {
-        throw new NotRead("is no PLY file, whatever its name says");
+        throw new NotRead("is not a PLY file, although its name ends so");
     }
     if (has("face") || has("tristrips") || !has("vertex")) {
         return "mesh";
@@ -84,17 +84,17 @@ export function plyContent(head: string): Content {
     return has("edge") ? "skeleton" : "points";
 }
 
-/** The second number of an OFF file is that of its faces. */
+/** The second number of an OFF file is its number of faces. */
 export function offContent(head: string): Content {
     const words = head.replace(/#.*/g, "").split(/\s+/).filter((word) => /^\d+$/.test(word));
     return words.length >= 2 && Number(words[1]) === 0 ? "points" : "mesh";
 }
 
-/** Whether the first element of an OBJ file is a line: long lists of vertices come before it. */
+/** Returns whether the first element of an OBJ file is a line and not a face: long lists of vertices may precede it. */
 async function holdsLines(data: Blob): Promise<boolean> {
     const kChunk = 1 << 22;
     for (let at = 0; at < data.size; at += kChunk) {
-        const chunk = data.slice(Math.max(at - 2, 0), at + kChunk); // what is cut in two is seen whole
+        const chunk = data.slice(Math.max(at - 2, 0), at + kChunk); // overlaps by two bytes, so that a keyword at the border is found
         const found = /(?:^|[\r\n])([fl])[ \t]/.exec(new TextDecoder("latin1").decode(await chunk.arrayBuffer()));
         if (found) {
             return found[1] === "l";
@@ -110,10 +110,13 @@ function jsonContent(head: string): Content {
     if (head.includes('"parent"') || head.includes('"coppice-skeleton"')) {
         return "skeleton";
     }
-    throw new NotRead("is JSON of another program; skeletons and sketches of Coppice are read");
+    throw new NotRead("is JSON of another program; only skeletons and sketches of Coppice are supported");
 }
 
-/** Whether a text is a tree and not points: a table of cylinders, raycloudtools' or SWC's, by names or by how its numbers go. */
+/**
+ * Returns whether a text is a tree and not points: a table of cylinders, raycloudtools or SWC, by column names or by the
+ * structure of the numbers.
+ */
 export function isTree(head: string): boolean {
     const whole = head.length < kHead ? head : head.slice(0, head.lastIndexOf("\n"));
     const lines = whole.replace(/^\uFEFF|^ï»¿/, "").split(/\r\n|\r|\n/).filter((line) => line.trim() !== "" && !/^\s*(#|\/\/)/.test(line));
@@ -136,13 +139,13 @@ function isTreeHeader(line: string): boolean {
     return (radius && start) || /(^|,)x,y,z,radius(,|$)/.test(line.trim());
 }
 
-/** A row of TreeQSM's table: radius, length, start, axis of length 1, parent, extension. */
+/** A row of the table of TreeQSM: radius, length, start, unit axis, parent, extension. */
 function isCylinder(row: readonly number[]): boolean {
     const axis = Math.hypot(row[5], row[6], row[7]);
     return row.length >= 10 && row[0] > 0 && row[1] >= 0 && Math.abs(axis - 1) < 0.05 && Number.isInteger(row[8]) && Number.isInteger(row[9]);
 }
 
-/** Rows of SWC: a number of its own, a type, a place, a radius, and the number of another row or -1. */
+/** Rows of SWC: an id, a type, a position, a radius, and the id of another row or -1. */
 function areNodes(rows: readonly (readonly number[] | null)[]): boolean {
     const kColumns = 7;
     const cut = rows.findIndex((row) => row?.length !== kColumns);

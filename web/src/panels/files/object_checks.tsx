@@ -1,4 +1,4 @@
-// A choice among the objects of the scene.
+// A selection from the objects of the scene.
 import type { VNode } from "preact";
 import type { ObjectName } from "../../protocol";
 import { keyOf } from "../../view/shown";

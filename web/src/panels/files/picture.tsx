@@ -1,4 +1,4 @@
-// Pictures by the path tracer: what is seen in the view, with sun, sky and shadow.
+// Images by the path tracer: the current view with sun, sky and shadow.
 import { type Signal, signal } from "@preact/signals-core";
 import type { VNode } from "preact";
 import { useEffect, useState } from "preact/hooks";
@@ -23,7 +23,7 @@ interface Settings {
     wireframe: Signal<boolean>;
 }
 
-/** What was chosen last, while the page is open; the height goes by the view when a dialog opens. */
+/** The last choice, kept while the page is open; the height is set from the view when a dialog opens. */
 const kSettings: Settings = {
     width: signal(1024),
     height: signal(768),
@@ -43,7 +43,7 @@ export async function makePicture(app: App): Promise<void> {
     await ask<null>((end) => <PictureDialog app={app} end={() => end(null)} />);
 }
 
-/** What a picture is of at first: trees and meshes that are not hidden, or else whatever is not. */
+/** The initial objects of an image: visible trees and meshes, otherwise all visible objects. */
 function drawnAtFirst(objects: readonly SceneObject[], hidden: ReadonlySet<string>): ObjectName[] {
     const shown = objects.filter((object) => !hidden.has(keyOf(object)));
     const trees = shown.filter(({ kind }) => kind === "skeleton" || kind === "mesh");
@@ -58,8 +58,8 @@ function PictureDialog({ app, end }: { app: App; end(): void }): VNode {
     const [made, setMade] = useState<{ file: string; url: string } | null>(null);
     const { busy, trouble, work } = useWork();
     const file = withEnding((typed ?? proposed).trim(), ".png");
-    const wrong = objects.length === 0 ? "Choose what shall be in the picture." : nameTrouble(file);
-    // A free name comes when the folder has been read; what was typed by then stays.
+    const wrong = objects.length === 0 ? "Choose the objects of the image." : nameTrouble(file);
+    // A free name is proposed when the folder has been read; text typed before that is kept.
     const proposeName = () =>
         void listFiles(app, ".png")
             .then((files) => setProposed(freeFile("picture.png", new Set(files.map(({ name }) => name)))))
@@ -86,7 +86,7 @@ function PictureDialog({ app, end }: { app: App; end(): void }): VNode {
     }
     return (
         <Dialog
-            title="Picture by the path tracer"
+            title="Image by the path tracer"
             wide
             close={busy ? () => app.engine.cancel() : end}
             accept={wrong || busy ? undefined : draw}
@@ -111,13 +111,13 @@ function PictureDialog({ app, end }: { app: App; end(): void }): VNode {
                     <NumberField label="Width" unit="px" value={kSettings.width} low={16} high={16384} step={1} />
                     <NumberField label="Height" unit="px" value={kSettings.height} low={16} high={16384} step={1} />
                     <NumberField label="Rays for each pixel" value={kSettings.samples} low={1} high={4096} step={1} />
-                    <CheckField label="As seen in the view; else all of it, from the front" value={kSettings.asSeen} />
+                    <CheckField label="Current view; otherwise the complete scene, from the front" value={kSettings.asSeen} />
                     <CheckField label="Ground with shadow" value={kSettings.ground} />
                     <CheckField label="Edges of the faces" value={kSettings.wireframe} />
-                    <CheckField label="Without background" value={kSettings.transparent} />
+                    <CheckField label="Transparent background" value={kSettings.transparent} />
                 </div>
             </div>
-            {busy && <RequestProgress app={app} label="Drawing the picture" />}
+            {busy && <RequestProgress app={app} label="Rendering the image" />}
             <Trouble text={wrong || trouble} />
         </Dialog>
     );
@@ -154,12 +154,12 @@ function MadeDialog({ app, made: { file, url }, again, end }: MadeProps): VNode 
                 <>
                     <button type="button" class="primary" autofocus onClick={end}>Close</button>
                     <button type="button" onClick={() => void work(() => download(app, file))}>Download</button>
-                    <button type="button" onClick={again}>Another picture</button>
+                    <button type="button" onClick={again}>Another image</button>
                 </>
             }
         >
-            <img class="made-picture" src={url} alt={`The picture ${file}`} />
-            <p class="hint">It lies in <code>{folder}</code></p>
+            <img class="made-picture" src={url} alt={`The image ${file}`} />
+            <p class="hint">It is in <code>{folder}</code></p>
             <Trouble text={trouble} />
         </Dialog>
     );

@@ -1,4 +1,4 @@
-// How far a request beside the document is.
+// Progress of a request that does not belong to the document.
 import type { VNode } from "preact";
 import type { App } from "../../app";
 import { useValue } from "../../use";

@@ -11,7 +11,7 @@ export async function newScene(app: App): Promise<void> {
     const isLost = app.store.state.peek().statements.length > 0;
     await app.engine.request("open", { file: "" });
     if (isLost) {
-        app.store.say("This is a new scene. Undo brings the one before back.");
+        app.store.say("This is a new scene. Undo restores the previous one.");
     }
 }
 
@@ -57,14 +57,14 @@ function OpenDialog({ app, end }: { app: App; end(): void }): VNode {
                 {found.map(({ name, bytes }) => <option key={name} value={name}>{`${name} (${bytesText(bytes)})`}</option>)}
             </select>
             {files !== null && found.length === 0 && (
-                <p class="hint">{files.length === 0 ? "The folder has no scene (.coppice) yet." : "No scene has such a name."}</p>
+                <p class="hint">{files.length === 0 ? "The folder has no scene (.coppice) yet." : "No scene has this name."}</p>
             )}
             <Trouble text={trouble} />
         </Dialog>
     );
 }
 
-/** Saves under the name that the scene has; asks for one where it has none. */
+/** Saves under the current name of the scene; requests a name if it has none. */
 export async function saveScene(app: App): Promise<void> {
     const { file } = app.store.state.peek();
     if (file === "") {

@@ -1,4 +1,4 @@
-// What the page does with files: its commands, and where their dialogs appear.
+// File commands of the page, and the container of their dialogs.
 import { effect } from "@preact/signals-core";
 import type { VNode } from "preact";
 import { useEffect } from "preact/hooks";
@@ -22,7 +22,7 @@ const kCommands: Record<string, (studio: Studio) => Promise<void>> = {
     animation: async () => showBottom("animation"),
 };
 
-/** Takes in the file that the studio was started on, once the document is known. */
+/** Imports the file with which the studio was started, after the document has been loaded. */
 function useFirstFile(studio: Studio): void {
     useEffect(() => {
         let begun = studio.firstFile === "";

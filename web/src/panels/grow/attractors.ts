@@ -1,4 +1,4 @@
-// The points that a tree grows into, also while the picture does not show them.
+// The points that a tree grows into, also if the view does not show them.
 import { signal } from "@preact/signals-core";
 import type { App, Geometry } from "../../app";
 
@@ -7,7 +7,7 @@ export class Attractors {
 
     constructor(private readonly app: App) {}
 
-    /** Undefined until they have come; signals tell when. */
+    /** Undefined until they have arrived; signals report the arrival. */
     of(name: string | undefined): Geometry | undefined {
         const object = this.app.store.state.value.objects.find((one) => one.kind === "points" && one.name === name);
         const shown = object && this.app.view.geometry(object, "points");
@@ -23,7 +23,7 @@ export class Attractors {
     }
 
     private async fetch(name: string, key: string): Promise<void> {
-        await Promise.resolve(); // not while something is drawn
+        await Promise.resolve(); // not during a redraw
         if (this.fetched.peek()?.key === key) {
             return;
         }
@@ -32,7 +32,7 @@ export class Attractors {
             const reply = await this.app.engine.request<{ key: string }>("show", { kind: "points", name, form: "points" });
             this.fetched.value = { key, geometry: await this.app.engine.blob(reply.key) };
         } catch {
-            // the next version is asked for again; without it only the balls at the roots are shown
+            // the next version is requested again; without it only the balls at the roots are shown
         }
     }
 }

@@ -1,4 +1,4 @@
-// The balls within which points pull and are spent, in the picture: at the roots, at the pointer, at some of the points.
+// The balls of influence and kill radius in the view: at the roots, at the pointer, at some of the points.
 import type { App, Geometry } from "../../app";
 import type { Command, Point } from "../../protocol";
 import { Drawn, kColors } from "../../tools/kit/drawn";
@@ -7,7 +7,7 @@ import { numberOf } from "./values";
 
 const kSamples = 3;
 
-/** How many of the points lie within a ball. */
+/** Number of points inside a ball. */
 export function countWithin(position: ArrayLike<number>, origin: Point, at: Point, radius: number): number {
     let count = 0;
     for (let i = 0; i + 2 < position.length; i += 3) {
@@ -17,7 +17,7 @@ export function countWithin(position: ArrayLike<number>, origin: Point, at: Poin
     return count;
 }
 
-/** Some of the points, spread over the set. */
+/** A sample of the points, spread over the set. */
 export function samplesOf(position: ArrayLike<number>, origin: Point, count = kSamples): Point[] {
     const points = Math.floor(position.length / 3);
     return Array.from({ length: Math.min(count, points) }, (_, n) => {
@@ -26,7 +26,7 @@ export function samplesOf(position: ArrayLike<number>, origin: Point, count = kS
     });
 }
 
-/** The places that root= names; the foot of the scene where none is given. */
+/** The positions in root=; if missing, the base of the scene. */
 export function rootsOf(values: Values): Point[] {
     const points = (values.root ?? ["0,0,0"]).map((word) => word.split(",").slice(0, 3).map(Number));
     return points.filter((point) => point.length === 3 && point.every(Number.isFinite)) as Point[];
@@ -35,11 +35,11 @@ export function rootsOf(values: Values): Point[] {
 export interface Reach {
     at: "pointer" | "root";
     pulling: number; // points within the radius of influence
-    spent: number; // within the kill radius
+    spent: number; // points within the kill radius
     all: number;
 }
 
-/** What the radii of a growth hold, counted at the pointer or else at its first root. */
+/** The number of points inside the radii of a growth, counted at the pointer or otherwise at its first root. */
 export function reachOf(geometry: Geometry, command: Command, values: Values, pointer: Point | null): Reach {
     const position = geometry.arrays.position as Float32Array;
     const { origin } = geometry.header;

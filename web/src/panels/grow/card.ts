@@ -1,4 +1,5 @@
-// A command that is made ready, shown while its sliders move, and run; or a statement of the document that is changed in the same way.
+// A command that is prepared, previewed while its sliders move, and run; or a statement of the document that is changed in the
+// same way.
 import { type Signal, signal } from "@preact/signals-core";
 import { type App, EngineError } from "../../app";
 import type { Argument, Command, ObjectName, SceneObject, State } from "../../protocol";
@@ -12,7 +13,7 @@ import { commandNamed } from "./values";
 /** The statement that a card changes. */
 export interface Bound {
     statement: number;
-    text: string; // as it stood when it was read
+    text: string; // text of the statement when it was read
     comment: string;
 }
 
@@ -22,7 +23,7 @@ export interface Made {
     bound: Bound;
 }
 
-/** What a command makes or changes: its new name, or the object that it is told first. */
+/** The object that a command creates or changes: its new name, or its first object argument. */
 export function targetOf(command: Command, values: Values): ObjectName | null {
     const named = command.arguments.find(({ type }) => type === "new_name");
     const first = command.arguments.find(({ type, positional }) => type === "object" && positional);
@@ -44,7 +45,7 @@ const kKinds: Record<string, ObjectName["kind"]> = {
     "pointset load": "points",
 };
 
-/** The newest statement that made an object by one of the commands; later ones may have changed it. */
+/** The newest statement that created an object by one of the commands; later ones may have changed it. */
 export function makerOf(state: State, schema: readonly Command[], object: SceneObject, names: readonly string[]): Made | null {
     const commands = schema.filter(({ name }) => names.includes(name));
     const begins = commands.flatMap(({ name, aliases }) => [name, ...aliases].map((words) => words.split(" ")[0]));
@@ -60,17 +61,17 @@ export function makerOf(state: State, schema: readonly Command[], object: SceneO
 }
 
 export interface CardOptions {
-    commands: readonly string[]; // that it can make ready; the first at the beginning
-    /** Values to begin with, by what there is and is selected, and what was given already. */
+    commands: readonly string[]; // commands that it can prepare; the first is the initial one
+    /** Initial values, from the objects, the selection and the existing values. */
     suggest(app: App, command: string, given: Values): Values;
-    /** Whether its lines are shown before they are run. */
+    /** Whether its lines are previewed before they are run. */
     shows: boolean;
-    /** What is run behind a new line: radii and smoothing of a tree. */
+    /** Lines that are run after a new line: radii and smoothing of a tree. */
     also?(command: Command, values: Values): string[];
-    /** Runs a text in a way of its own; throws where it is refused. */
+    /** Custom execution of a text; throws if it is refused. */
     perform?(text: string, bound: Bound | null, target: ObjectName | null): Promise<void>;
     ran?(target: ObjectName | null): void;
-    /** The user stopped it. Only what can be stopped has this. */
+    /** The user stopped the command. Only defined for commands that can be stopped. */
     stopped?(): void;
 }
 
@@ -84,12 +85,12 @@ export function setShown(app: App, object: ObjectName, shown: boolean): void {
     }
 }
 
-/** Whether the user stopped it. */
+/** Returns whether the user stopped the command. */
 export function isCancelled(error: unknown): boolean {
     return error instanceof EngineError && error.kind === "cancelled";
 }
 
-/** Runs lines at the end, or writes the statement anew. */
+/** Runs lines, or rewrites the statement. */
 export async function performText(app: App, text: string, bound: Bound | null, target: ObjectName | null, about?: ObjectName): Promise<void> {
     if (bound) {
         await rewriteStatement(app, bound.statement, text, `parameters of ${target?.name ?? "it"}`);
@@ -106,11 +107,11 @@ export class Card {
     readonly command: Signal<string>;
     readonly values = signal<Values>({});
     readonly bound = signal<Bound | null>(null);
-    readonly trouble = signal(""); // what the engine says against it
-    readonly shown = signal(0); // previews that came; 0: what is seen is that of the document
+    readonly trouble = signal(""); // error of the engine for it
+    readonly shown = signal(0); // number of received previews; 0: the document is shown
     readonly busy = signal(false);
     private given: Values = {}; // by the user, kept when suggestions change
-    private open = false; // something is shown that is not in the document
+    private open = false; // a preview is shown that is not in the document
     private wanted = ""; // line of the newest change of the bound statement
 
     constructor(
@@ -120,7 +121,7 @@ export class Card {
         this.command = signal(options.commands[0]);
     }
 
-    /** Null until the schema is known. */
+    /** Null until the schema has been loaded. */
     get schema(): Command | null {
         return commandNamed(this.app.store.schema.value, this.command.value) ?? null;
     }
@@ -143,12 +144,12 @@ export class Card {
         return this.arguments.some(({ type }) => type === "new_name");
     }
 
-    /** What has to be there before the line: what it changes. New things come at the end. */
+    /** The object that the line changes, which must exist before it. New objects are appended. */
     get about(): ObjectName | undefined {
         return this.makesNew ? undefined : (this.target ?? undefined);
     }
 
-    /** Why the line is not whole yet; empty where it is. */
+    /** Help of the missing argument; empty if the line is complete. */
     get missing(): string {
         const command = this.schema;
         return command ? (missing(command, this.values.value)[0]?.help ?? "") : "its command";
@@ -161,7 +162,7 @@ export class Card {
         this.renew();
     }
 
-    /** A new line, by what is selected. What the user gave stays. */
+    /** Creates a new line for the selection. Values of the user are kept. */
     renew(): void {
         this.bound.value = null;
         this.trouble.value = "";
@@ -169,7 +170,7 @@ export class Card {
         this.values.value = { ...this.options.suggest(this.app, command, this.given), ...defaultsOf(command), ...this.given };
     }
 
-    /** From now on a statement of the document is changed. */
+    /** Begins to change a statement of the document. */
     bind({ command, values, bound }: Made): void {
         this.command.value = command.name;
         this.values.value = values;
@@ -178,12 +179,12 @@ export class Card {
         this.given = {};
     }
 
-    /** The value about which a slider goes. */
+    /** The central value of a slider. */
     usual(name: string): number | undefined {
         return Number(this.options.suggest(this.app, this.command.peek(), this.values.peek())[name]?.[0]) || undefined;
     }
 
-    /** Brings the card to what the document has now. */
+    /** Updates the card to the state of the document. */
     follow(state: State): void {
         const bound = this.bound.peek();
         if (this.busy.peek()) {
@@ -196,7 +197,7 @@ export class Card {
         }
     }
 
-    /** What was changed here and not in the document is forgotten. */
+    /** Discards changes that are not in the document. */
     reread(): void {
         this.endPreview();
         if (!this.bound.peek()) {
@@ -220,7 +221,7 @@ export class Card {
         }
         this.given = { ...this.given, [name]: words };
         if (argument.type === "object" && !this.bound.peek()) {
-            this.renew(); // what suits depends on what it is about
+            this.renew(); // the suggestions depend on the object
         } else {
             this.values.value = withValue(argument, this.values.peek(), words);
         }
@@ -231,7 +232,7 @@ export class Card {
         }
     }
 
-    /** Runs a line of its own, also where a statement was being changed. */
+    /** Runs a new line, even if a statement was being changed. */
     runNew(): Promise<boolean> {
         if (this.bound.peek()) {
             this.renew();
@@ -245,12 +246,12 @@ export class Card {
         this.renew();
     }
 
-    /** Gives a value without showing what it does. */
+    /** Sets a value without a preview. */
     take(name: string, word: string): void {
         this.values.value = { ...this.values.peek(), [name]: [word] };
     }
 
-    /** Runs the line, or puts it in place of the bound statement. Tells whether that was done. */
+    /** Runs the line, or replaces the bound statement. Returns whether that succeeded. */
     async run(): Promise<boolean> {
         const command = this.schema;
         const bound = this.bound.peek();
@@ -262,9 +263,9 @@ export class Card {
         this.wanted = line;
         if (this.busy.peek()) {
             if (this.options.stopped) {
-                this.app.engine.cancel(); // what takes long is not waited for
+                this.app.engine.cancel(); // long previews are cancelled
             }
-            return false; // the one under way goes on with the newest line
+            return false; // the pending request continues with the newest line
         }
         this.busy.value = true;
         const target = this.target;
@@ -299,7 +300,7 @@ export class Card {
     }
 
     private preview(): void {
-        const isDone = this.bound.peek() !== null && !this.makesNew; // shown again it would be done twice
+        const isDone = this.bound.peek() !== null && !this.makesNew; // a preview would repeat the change
         if (!this.options.shows || isDone) {
             return;
         }
@@ -320,7 +321,7 @@ export class Card {
         );
     }
 
-    // Where the line stands now, so that the next change goes there.
+    // Finds the new position of the line, so that the next change is applied there.
     private rebind(line: string): void {
         const { statements } = this.app.store.state.peek();
         const before = this.bound.peek();

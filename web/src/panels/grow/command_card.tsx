@@ -1,4 +1,4 @@
-// The fields of a card: those that matter most, and all others below.
+// The fields of a card: the most important ones, and all others below.
 import type { ComponentChildren, VNode } from "preact";
 import type { Argument } from "../../protocol";
 import { Tracked, tracked } from "../../use";
@@ -13,7 +13,7 @@ interface Props {
     focus?(name: string | null): void;
 }
 
-/** A number that anything may depend on, with a die and the next one. */
+/** The seed of random numbers, with buttons for a random and the next one. */
 const Seed = tracked(({ card }: { card: Card }) => {
     const argument = card.arguments.find(({ name }) => name === "seed");
     if (!argument) {
@@ -24,8 +24,8 @@ const Seed = tracked(({ card }: { card: Card }) => {
     const set = (seed: number) => card.set("seed", [String(seed)], true);
     return (
         <div class="tool-row seed">
-            {still && <p class="hint">Nothing is left to chance while the jitter is 0.</p>}
-            <button type="button" aria-label="A seed by chance" title="A seed by chance" onClick={() => set(1 + Math.floor(Math.random() * 9999))}>
+            {still && <p class="hint">There is no randomness while the jitter is 0.</p>}
+            <button type="button" aria-label="Random seed" title="Random seed" onClick={() => set(1 + Math.floor(Math.random() * 9999))}>
                 <span aria-hidden="true">⚄</span> Seed
             </button>
             <button type="button" onClick={() => set(now + 1)}>Next seed</button>
@@ -45,7 +45,7 @@ const Fields = tracked(({ card, main, focus }: Props) => {
     const context = contextOf(card, focus);
     const field = (argument: Argument) => <ArgumentField key={`${card.command.value}.${argument.name}`} argument={argument} context={context} />;
     const first = main.flatMap((name) => card.arguments.find((argument) => argument.name === name) ?? []);
-    const isNamed = card.bound.value !== null; // other lines call it so
+    const isNamed = card.bound.value !== null; // other lines use this name
     const rest = card.arguments.filter((argument) => !first.includes(argument) && !(isNamed && argument.type === "new_name"));
     return (
         <>
@@ -61,7 +61,7 @@ const Fields = tracked(({ card, main, focus }: Props) => {
     );
 });
 
-/** What is changed, or that something new is made; and what the engine says against it. */
+/** Describes the changed statement or the new object, and shows the error of the engine. */
 export const Standing = tracked(({ card }: { card: Card }) => {
     const bound = card.bound.value;
     const { statements, error } = card.app.store.state.value;
@@ -76,9 +76,9 @@ export const Standing = tracked(({ card }: { card: Card }) => {
             {card.trouble.value && <p class="error" role="alert">{card.trouble.value}</p>}
             {bound && error && error.statement > bound.statement && (
                 <div class="error" role="alert">
-                    <p>{`What was done later does not fit any more. Line ${error.line}: ${error.message}`}</p>
-                    <p class="hint">Nothing is lost: change that line in the scene, or take this change back.</p>
-                    <button type="button" onClick={() => card.app.command("undo")}>Take it back</button>
+                    <p>{`Later statements do not work with this change. Line ${error.line}: ${error.message}`}</p>
+                    <p class="hint">No data is lost: change that line in the scene, or undo this change.</p>
+                    <button type="button" onClick={() => card.app.command("undo")}>Undo the change</button>
                 </div>
             )}
         </>
@@ -88,7 +88,7 @@ export const Standing = tracked(({ card }: { card: Card }) => {
 export function CommandCard({ card, main, focus, children }: Props & { children?: ComponentChildren }): VNode {
     const left = (event: FocusEvent) => {
         const stays = event.relatedTarget instanceof Node && (event.currentTarget as Node).contains(event.relatedTarget);
-        const looks = event.relatedTarget === null || event.relatedTarget === card.app.view.element(); // the picture may be turned
+        const looks = event.relatedTarget === null || event.relatedTarget === card.app.view.element(); // the user may rotate the view
         if (!stays && !looks && !card.busy.peek()) {
             card.endPreview();
         }
@@ -106,7 +106,7 @@ export function CommandCard({ card, main, focus, children }: Props & { children?
             <Fields card={card} main={main} focus={focus} />
             <Tracked
                 draw={() => (
-                    <code class="line" title="The line that this makes">
+                    <code class="line" title="The line of this command">
                         {card.missing ? "" : card.line}
                     </code>
                 )}

@@ -1,4 +1,4 @@
-// Skeletons read off meshes and scans, of the scene or in the folder, and shown with what they were read from.
+// Extraction of skeletons from meshes and scans, of the scene or in the folder, shown with their source.
 import { type Signal, signal } from "@preact/signals-core";
 import type { App } from "../../app";
 import type { Argument, Kind, ObjectName } from "../../protocol";
@@ -10,16 +10,16 @@ import { endingOf, listFiles, objectName } from "../files/folder";
 import { Card, makerOf } from "./card";
 
 const kMeshEndings = new Set([".obj", ".off", ".stl", ".glb"]);
-const kPointEndings = new Set([".xyz", ".txt", ".csv", ".asc", ".pts"]); // that scenes load as points too
+const kPointEndings = new Set([".xyz", ".txt", ".csv", ".asc", ".pts"]); // file extensions that scenes also load as points
 const kScanEndings = new Set([".ply", ".las", ".laz", ".pcd", ".ptx"]);
 const kLoads = ["loadmesh", "pointset load"];
 
-/** Files that may be trees to read a skeleton off. */
+/** Files that may contain trees for extraction. */
 export function scansAmong(files: readonly string[]): string[] {
     return files.filter((name) => [kMeshEndings, kPointEndings, kScanEndings].some((set) => set.has(endingOf(name))));
 }
 
-/** The commands that may load a file to be seen beside its skeleton, the likelier first; none where scenes cannot. */
+/** The commands that may load a file to show it with its skeleton, the most probable first; empty if scenes cannot load it. */
 export function loadingCommands(file: string): { command: string; kind: Kind }[] {
     const mesh = { command: "loadmesh", kind: "mesh" as const };
     const points = { command: "pointset load", kind: "points" as const };
@@ -27,7 +27,7 @@ export function loadingCommands(file: string): { command: string; kind: Kind }[]
     return ending === ".ply" ? [mesh, points] : kMeshEndings.has(ending) ? [mesh] : kPointEndings.has(ending) ? [points] : [];
 }
 
-/** What a skeleton is read off: an object of the scene, or a file. */
+/** The source of a skeleton: an object of the scene, or a file. */
 export interface Source {
     argument: string;
     word: string;
@@ -37,7 +37,7 @@ export interface Source {
 export class Extraction {
     readonly card: Card;
     readonly files: Signal<string[]> = signal([]);
-    readonly beside = signal(true); // a scan that is only a file is loaded to be seen with its skeleton
+    readonly beside = signal(true); // a scan that is only a file is loaded to be shown with its skeleton
     readonly scan: Signal<ObjectName | null> = signal(null); // of the last result
 
     constructor(
@@ -52,7 +52,7 @@ export class Extraction {
         });
     }
 
-    /** Looks what there is in the folder. */
+    /** Reads the list of files in the folder. */
     async look(): Promise<void> {
         try {
             this.files.value = scansAmong((await listFiles(this.app)).map(({ name }) => name));
@@ -66,7 +66,7 @@ export class Extraction {
         this.card.follow(this.app.store.state.value);
     }
 
-    /** Whether a mesh or a set of points was read from a file: a scan, most likely. */
+    /** Returns whether a mesh or a set of points was read from a file: probably a scan. */
     isAbout(object: ObjectName): boolean {
         return this.fileOf(object) !== null;
     }
@@ -79,7 +79,7 @@ export class Extraction {
         return (argument && made?.values[argument.name]?.[0]) ?? null;
     }
 
-    /** What there is to choose from, the selected object first. */
+    /** The available sources, the selected object first. */
     get sources(): Source[] {
         const { from, file } = this.arguments;
         const selected = this.app.store.selection.value.object;
@@ -99,7 +99,7 @@ export class Extraction {
         return this.sources.find(({ argument, word }) => values[argument]?.[0] === word);
     }
 
-    /** The arguments by what they take. */
+    /** The arguments by their role. */
     private get arguments(): { name?: Argument; from?: Argument; file?: Argument } {
         const of = (type: string) => this.card.arguments.find((argument) => argument.type === type);
         return { name: of("new_name"), from: of("object"), file: of("input_file") };
@@ -126,7 +126,7 @@ export class Extraction {
             this.select(target);
         }
         if (this.scan.peek()) {
-            this.app.view.display.bones.value = true; // axes are seen through the scan
+            this.app.view.display.bones.value = true; // axes are visible through the scan
         }
     }
 

@@ -1,4 +1,4 @@
-// Growth that runs: what it has so far, and whether that is kept when it is stopped.
+// A running growth: its intermediate result, and whether that is kept after a stop.
 import { effect, type Signal, signal } from "@preact/signals-core";
 import type { App } from "../../app";
 import type { ObjectName } from "../../protocol";
@@ -8,10 +8,10 @@ import { type Bound, type Card, isCancelled, performText, setShown } from "./car
 export interface Growing {
     phase: "running" | "stopped";
     nodes: number; // so far
-    until: string; // the option with which the command ends there; empty before something has grown
+    until: string; // the option with which the command ends at this state; empty before the first step
 }
 
-/** The option that ends a command at what it had, in two parts. */
+/** The option that ends a command at its intermediate result, split into name and value. */
 export function optionOf(until: string): { name: string; value: string } {
     const at = until.indexOf("=");
     return { name: until.slice(0, at), value: until.slice(at + 1) };
@@ -19,11 +19,11 @@ export function optionOf(until: string): { name: string; value: string } {
 
 export class GrowthWatch {
     readonly now: Signal<Growing | null> = signal(null);
-    private aside: ObjectName | null = null; // the older tree, out of sight while the new one grows
+    private aside: ObjectName | null = null; // the older tree, hidden while the new one grows
 
     constructor(private readonly app: App) {}
 
-    /** Runs a text whose first line grows a tree. What has grown is kept in the picture where that is stopped. */
+    /** Runs a text with a first line that grows a tree. After a stop, the intermediate result remains in the view. */
     async perform(text: string, bound: Bound | null, target: ObjectName | null): Promise<void> {
         const { store } = this.app;
         this.now.value = { phase: "running", nodes: 0, until: "" };
@@ -49,18 +49,18 @@ export class GrowthWatch {
         }
     }
 
-    /** Asks what shall become of what has grown. */
+    /** Asks the user to keep or discard the intermediate result. */
     stopped(): void {
         const so = this.now.peek();
         if (so?.until) {
             this.now.value = { ...so, phase: "stopped" };
         } else {
             this.end();
-            this.app.store.say("Stopped. Nothing had grown yet, so nothing has changed.");
+            this.app.store.say("Stopped before the tree had grown; the scene is unchanged.");
         }
     }
 
-    /** Grows up to there again, and keeps it. */
+    /** Grows to the same state again, and keeps it. */
     keep(card: Card): void {
         const so = this.now.peek();
         if (so) {
@@ -75,7 +75,7 @@ export class GrowthWatch {
         card.reread();
     }
 
-    /** Nothing grows any more, or is left of that. */
+    /** Ends the growth and removes its intermediate result. */
     end(): void {
         this.now.value = null;
         this.bringBack();

@@ -1,4 +1,4 @@
-// The steps from a crown to a surface: what each makes ready, by what there is and what is selected.
+// The steps from a crown to a surface, with suggestions from the objects and the selection.
 import { effect, type Signal, signal, untracked } from "@preact/signals-core";
 import type { App } from "../../app";
 import type { Command, Kind, ObjectName, SceneObject, State } from "../../protocol";
@@ -18,10 +18,10 @@ import { numberOf } from "./values";
 export type StepName = "points" | "tree" | "surface" | "scan";
 
 const kFirstCount = 2000;
-const kLook = 150; // [ms] from one look to the next whether a surface has come
-const kTipOfInternode = 1 / 20; // radius of tips over the length of segments, of trees by rules
+const kLook = 150; // [ms] interval between tests for the arrival of a surface
+const kTipOfInternode = 1 / 20; // radius of tips divided by the length of segments, for trees by rules
 
-/** The selected object of a kind, else the newest that is not hidden. */
+/** The selected object of a kind, otherwise the newest visible one. */
 export function objectOf(app: App, kind: Kind, name?: string): SceneObject | undefined {
     const { objects } = app.store.state.value;
     const selected = app.store.selection.value.object;
@@ -63,18 +63,18 @@ function treeValues(app: App, command: string, given: Values): Values {
     return { ...name, points: [points.name], jitter: ["0.1"], ...growthValues(points.bounds, points.count) };
 }
 
-/** Radii and smoothing: without them a tree has no trunk to be seen. */
+/** Radii and smoothing: without them a tree has no visible trunk. */
 export function finishing(command: Command, values: Values): string[] {
     const tree = values.tree?.[0] ?? "";
     const isSprouted = command.name === "sprout";
     const tip = isSprouted ? rounded(numberOf(command, values, "internode") * kTipOfInternode) : tipRadius(numberOf(command, values, "step"));
     const radii = commandLine(["radii", tree], { tip_radius: tip });
-    return isSprouted ? [radii] : [radii, commandLine(["tidy", tree])]; // smoothing would change the angles that rules made
+    return isSprouted ? [radii] : [radii, commandLine(["tidy", tree])]; // smoothing would change the angles of the rules
 }
 
 export class GrowthModel {
     readonly open: Signal<StepName | null> = signal("points");
-    readonly radius: Signal<RadiusName | null> = signal(null); // whose balls are shown
+    readonly radius: Signal<RadiusName | null> = signal(null); // the radius shown as balls
     readonly growth: GrowthWatch;
     readonly attractors: Attractors;
     readonly points: Card;
@@ -82,7 +82,7 @@ export class GrowthModel {
     readonly surface: Card;
     readonly scan: Extraction;
     private selected = "";
-    private begun = false; // there was something already
+    private begun = false; // objects exist already
 
     constructor(readonly app: App) {
         this.growth = new GrowthWatch(app);
@@ -112,7 +112,7 @@ export class GrowthModel {
         effect(() => this.follow());
     }
 
-    /** Shows balls as long as a field of a radius is in use; gives what ends it. */
+    /** Shows balls as long as a field of a radius is in use; returns a function that ends it. */
     showBalls(balls: Balls): () => void {
         return effect(() => {
             const name = this.radius.value;
@@ -130,7 +130,7 @@ export class GrowthModel {
         return [this.points, this.tree, this.surface];
     }
 
-    // Cards follow the document and the selection: what is selected and was made by one is changed by it.
+    // Cards follow the document and the selection: the selected object is changed by the card that created it.
     private follow(): void {
         const state = this.app.store.state.value;
         const schema = this.app.store.schema.value;
@@ -182,7 +182,7 @@ export class GrowthModel {
         }
     }
 
-    // Of a surface the figures follow once it can be seen.
+    // The figures of a surface are shown when it is visible.
     private async judge(target: ObjectName): Promise<void> {
         const { store, view } = this.app;
         const isComing = () => store.find(target.kind, target.name) && !store.hidden.peek().has(keyOf(target)) && !view.geometry(target, "surface");
@@ -196,19 +196,19 @@ export class GrowthModel {
     }
 
     private select(target: ObjectName): void {
-        this.selected = keyOf(target); // its card has it already
+        this.selected = keyOf(target); // the card already shows it
         this.app.store.selection.value = { ...this.app.store.selection.peek(), object: target, nodes: [] };
     }
 }
 
-/** Whether what is selected is other stuff for a new line than what the card changes. */
+/** Whether the selection is a different input for a new line than the object that the card changes. */
 function isAboutAnother(card: Card, object: SceneObject): boolean {
     const inputs = card.arguments.filter(({ type }) => type === "object");
     const takes = inputs.filter(({ kind, required }) => required && kind === object.kind);
     return takes.some(({ name }) => card.values.peek()[name]?.[0] !== object.name);
 }
 
-/** What a card changes when the page is opened on a scene. */
+/** The object that a card changes when the page is opened on a scene. */
 function newestMade(state: State, schema: readonly Command[], card: Card): SceneObject | undefined {
     const made = state.objects.filter((object) => makerOf(state, schema, object, card.options.commands));
     return made.sort((a, b) => b.statement - a.statement)[0];

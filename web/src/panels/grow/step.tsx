@@ -1,4 +1,4 @@
-// One step: its button, what there is of it, and its settings below.
+// One step: its button, its current result, and its settings below.
 import type { ComponentChildren } from "preact";
 import type { App } from "../../app";
 import type { ObjectName } from "../../protocol";
@@ -24,12 +24,12 @@ interface StepProps {
     step: StepName;
     mark: string; // "1"
     title: string;
-    summary: string; // what there is, or what is lacking
+    summary: string; // current result, or missing input
     done: boolean;
     button: string;
     run(): void;
     disabled: boolean;
-    notice?: ComponentChildren; // is seen whether the settings are or not
+    notice?: ComponentChildren; // visible even if the settings are folded
     children: ComponentChildren;
 }
 
@@ -71,7 +71,7 @@ export const Step = tracked(({ model, step, mark, title, summary, done, button, 
     );
 });
 
-/** Which of several commands a card makes ready. */
+/** Selects one of several commands of a card. */
 export const Ways = tracked(({ card, ways, label }: { card: Card; ways: readonly (readonly [string, string])[]; label: string }) => {
     return (
         <div class="tool-row" role="group" aria-label={label}>

@@ -10,7 +10,7 @@ import type { GrowthModel } from "./model";
 import { count, kMain, ShownBox, Step, Ways } from "./step";
 import { TreeStep } from "./tree_step";
 
-/** How many points the preview, or the set as it is, has. */
+/** Number of points in the preview, or in the existing set. */
 function shownCount(card: Card): number {
     const target = card.target;
     const object = target && card.app.store.state.value.objects.find(({ kind, name }) => kind === target.kind && name === target.name);
@@ -38,7 +38,7 @@ const PointStep = tracked(({ model }: { model: GrowthModel }) => {
     const changes = card.command.value === "pointset thin" || card.command.value === "pointset densify";
     const what = card.values.value.solid?.[0] ?? card.values.value.mesh?.[0] ?? "a crown";
     const counted = shownCount(card);
-    const summary = counted > 0 && card.target ? count(counted, `points in ${card.target.name}`) : hasSolid ? "where branches shall reach" : "make a crown first: take Place, or draw a profile";
+    const summary = counted > 0 && card.target ? count(counted, `points in ${card.target.name}`) : hasSolid ? "target points of the branches" : "make a crown first: select Place, or draw a profile";
     const buttons: Record<string, string> = { "pointset thin": "Thin the points", "pointset densify": "Add points", "pointset near": `Cover ${what} with points` };
     return (
         <Step
@@ -53,7 +53,7 @@ const PointStep = tracked(({ model }: { model: GrowthModel }) => {
             disabled={card.busy.value || (card.missing !== "" && !card.bound.value)}
         >
             <CommandCard card={card} main={kMain[card.command.value]}>
-                <Ways card={card} ways={kPointWays} label="How points are made" />
+                <Ways card={card} ways={kPointWays} label="Method" />
                 <PointCount card={card} />
                 <ShownBox app={app} object={card.target} label="Show these points" />
             </CommandCard>
@@ -64,7 +64,7 @@ const PointStep = tracked(({ model }: { model: GrowthModel }) => {
 const Verdict = tracked(({ mesh }: { mesh: SceneObject | undefined }) => {
     const last = lastCheck.value;
     if (mesh && checking.value?.kind === "mesh" && checking.value.name === mesh.name) {
-        return <p class="hint" role="status">It is being checked.</p>;
+        return <p class="hint" role="status">The check is running.</p>;
     }
     return last && isOf(last, mesh) ? <p class={last.good ? "good" : "warning"} role="status">{last.verdict}</p> : null;
 });
@@ -76,7 +76,7 @@ const SurfaceStep = tracked(({ model }: { model: GrowthModel }) => {
     const mesh = target && objects.find(({ kind, name }) => kind === "mesh" && name === target.name);
     const hasTree = objects.some(({ kind }) => kind === "skeleton");
     const tree = card.values.value.tree?.[0];
-    const summary = mesh ? `${mesh.name}: ${count(mesh.count, mesh.unit)}` : hasTree ? "one closed skin around the tree" : "needs a tree";
+    const summary = mesh ? `${mesh.name}: ${count(mesh.count, mesh.unit)}` : hasTree ? "one closed surface around the tree" : "needs a tree";
     return (
         <Step
             model={model}
@@ -91,7 +91,7 @@ const SurfaceStep = tracked(({ model }: { model: GrowthModel }) => {
         >
             <CommandCard card={card} main={kMain.mesh}>
                 <Verdict mesh={mesh ?? undefined} />
-                <ShownBox app={app} object={tree ? { kind: "skeleton", name: tree } : null} label="Show the tree that can be changed" />
+                <ShownBox app={app} object={tree ? { kind: "skeleton", name: tree } : null} label="Show the editable tree" />
                 <ShownBox app={app} object={target} label="Show the surface" />
             </CommandCard>
         </Step>
@@ -111,14 +111,14 @@ const ScanStep = tracked(({ model }: { model: GrowthModel }) => {
             step="scan"
             mark="4"
             title="Tree from a scan"
-            summary={chosen ? `reads a skeleton off ${chosen.label}` : "choose a mesh or points"}
+            summary={chosen ? `extracts a skeleton from ${chosen.label}` : "choose a mesh or points"}
             done={card.bound.value !== null}
-            button="Read its skeleton"
+            button="Extract its skeleton"
             run={() => void card.runNew()}
             disabled={card.busy.value || card.missing !== "" || !chosen}
         >
             <label class="tool-field">
-                <span>Read off</span>
+                <span>Source</span>
                 <select
                     value={chosen?.label}
                     onChange={(event) => {

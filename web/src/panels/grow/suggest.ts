@@ -1,33 +1,33 @@
-// Values to begin with that suit the size of what is worked on, and how far sliders go about them.
+// Initial values for the size of an object, and the ranges of sliders around them.
 import type { Argument, Point, SceneObject } from "../../protocol";
 import { roundStep, snapped } from "../../tools/kit/vector";
 import { pointWord } from "../../tools/kit/words";
 import type { Values } from "../../script/values";
 
-const kBallInBox = Math.PI / 6; // crowns fill about this part of their box
-const kMostEven = 360; // wider ranges are looked at by powers of ten
-const kLeastShare = 0.02; // of an even slider, below which what is usual could hardly be hit
-const kReach = 20; // times the usual value, up and down
+const kBallInBox = Math.PI / 6; // crowns fill about this fraction of their bounding box
+const kMaxEven = 360; // wider ranges have a logarithmic slider
+const kMinShare = 0.02; // fraction of a linear slider below which the usual value could hardly be selected
+const kReach = 20; // factor around the usual value, in both directions
 
-/** With two digits; sliders and suggestions need no more. */
+/** Rounds to two digits, which is sufficient for sliders and suggestions. */
 export function rounded(value: number, digits = 2): number {
     return Number(value.toPrecision(digits));
 }
 
-/** The mean distance of so many points in what has these bounds. */
+/** The mean distance of a number of points inside these bounds. */
 export function spacingIn([x0, y0, z0, x1, y1, z1]: SceneObject["bounds"], count: number): number {
     const volume = kBallInBox * Math.max(x1 - x0, 1e-3) * Math.max(y1 - y0, 1e-3) * Math.max(z1 - z0, 1e-3);
     return Math.cbrt(volume / Math.max(count, 1));
 }
 
-/** Where a tree for a crown stands: below its middle, on the ground, or at its foot where it reaches into that. */
+/** The position of a tree for a crown: below its centre, on the ground, or at its base if it extends below the ground. */
 export function rootBelow([x0, y0, z0, x1, y1]: SceneObject["bounds"]): Point {
-    const step = roundStep(Math.max(x1 - x0, y1 - y0, 1e-6) / 40); // nobody plants trees to the millimetre
+    const step = roundStep(Math.max(x1 - x0, y1 - y0, 1e-6) / 40); // positions of trees are rounded to practical values
     const near = (value: number) => rounded(snapped(value, step), 6);
     return [near((x0 + x1) / 2), near((y0 + y1) / 2), near(Math.min(z0, 0))];
 }
 
-/** Radii and step of growth into points, by their mean distance. */
+/** Radii and step of growth into points, from their mean distance. */
 export function growthValues(bounds: SceneObject["bounds"], count: number): Values {
     const spacing = spacingIn(bounds, count);
     return {
@@ -38,7 +38,7 @@ export function growthValues(bounds: SceneObject["bounds"], count: number): Valu
     };
 }
 
-/** The radius of tips that suits segments of a length. */
+/** A radius of tips that suits segments of a length. */
 export function tipRadius(step: number): number {
     return rounded(step / 11);
 }
@@ -49,7 +49,7 @@ export interface Slider {
     toValue(step: number): number;
 }
 
-/** A slider for a number. Wide ranges are looked at about what is usual, by powers of ten; null where a slider helps nobody. */
+/** A slider for a number. Wide ranges are logarithmic around the usual value; null if a slider is not useful. */
 export function sliderOf({ type, low, high, name }: Argument, usual: number): Slider | null {
     if (low === undefined || high === undefined || name === "seed" || name === "max_memory") {
         return null;
@@ -57,8 +57,8 @@ export function sliderOf({ type, low, high, name }: Argument, usual: number): Sl
     const whole = type === "whole";
     const round = (value: number) => (whole ? Math.round(value) : rounded(value, 3));
     const within = (step: number, steps: number) => Math.min(Math.max(Math.round(step), 0), steps);
-    const isLow = Math.abs(usual) > 0 && usual - low < (high - low) * kLeastShare;
-    if (high - low <= kMostEven && !isLow) {
+    const isLow = Math.abs(usual) > 0 && usual - low < (high - low) * kMinShare;
+    if (high - low <= kMaxEven && !isLow) {
         const steps = whole && high - low <= 100 ? high - low : 200;
         return {
             steps,
@@ -70,7 +70,7 @@ export function sliderOf({ type, low, high, name }: Argument, usual: number): Sl
     const [from, to] = [Math.max(middle / kReach, low, whole ? 1 : 0), Math.min(middle * kReach, high)];
     const hasZero = low <= 0;
     const steps = 200;
-    const first = hasZero ? 1 : 0; // the step before means 0
+    const first = hasZero ? 1 : 0; // the step before represents 0
     return {
         steps,
         toStep: (value) => (hasZero && value <= 0 ? 0 : within(first + (Math.log(value / from) / Math.log(to / from)) * (steps - first), steps)),

@@ -1,4 +1,4 @@
-// Growing a tree: radii seen as balls, what has grown so far, and stopping.
+// Growth of a tree: radii shown as balls, the intermediate result, and stopping.
 import { useEffect } from "preact/hooks";
 import { tracked } from "../../use";
 import { Balls, isRadius, reachOf } from "./balls";
@@ -15,20 +15,20 @@ const Running = tracked(({ model }: { model: GrowthModel }) => {
     const so = now.nodes > 0 ? count(now.nodes, "nodes") : "";
     return now.phase === "running" ? (
         <div class="growing" role="group" aria-label="Growth">
-            <progress aria-label="How far growth is" value={progress.value?.fraction} max={1} />
+            <progress aria-label="Progress of the growth" value={progress.value?.fraction} max={1} />
             <span role="status">{so ? `${so} so far` : "begins"}</span>
             <button type="button" onClick={() => model.app.engine.cancel()}>Stop</button>
         </div>
     ) : (
         <div class="growing stopped" role="group" aria-label="Growth that was stopped">
-            <p role="status">{`Stopped with ${so}. Keep the tree as it is, or throw it away?`}</p>
+            <p role="status">{`Stopped with ${so}. Keep the tree in this state, or discard it?`}</p>
             <button type="button" class="primary" onClick={() => model.growth.keep(model.tree)}>Keep it</button>
-            <button type="button" onClick={() => model.growth.throwAway(model.tree)}>Throw it away</button>
+            <button type="button" onClick={() => model.growth.throwAway(model.tree)}>Discard it</button>
         </div>
     );
 });
 
-/** How many points the radii reach, where a hand looks at them. */
+/** Number of points inside the radii, at the pointer. */
 const ReachText = tracked(({ model }: { model: GrowthModel }) => {
     const { app, tree: card } = model;
     const pointer = app.store.hover.value?.point ?? null;
@@ -39,7 +39,7 @@ const ReachText = tracked(({ model }: { model: GrowthModel }) => {
     }
     const { at, pulling, spent, all } = reachOf(geometry, command, card.values.value, pointer);
     const where = at === "pointer" ? "At the pointer" : "At the root";
-    return <p class="count">{`${where} ${count(pulling, "")}of ${count(all, "points")} pull, ${count(spent, "")}are spent.`}</p>;
+    return <p class="count">{`${where} ${count(pulling, "")}of ${count(all, "points")} attract, ${count(spent, "")}are removed.`}</p>;
 });
 
 function BallsInPicture({ model }: { model: GrowthModel }): null {
@@ -84,11 +84,11 @@ export const TreeStep = tracked(({ model }: { model: GrowthModel }) => {
                     model.radius.value = name !== null && isRadius(name) ? name : null;
                 }}
             >
-                <Ways card={card} ways={[["grow", "Into points"], ["sprout", "By rules"]]} label="How the tree grows" />
+                <Ways card={card} ways={[["grow", "Into points"], ["sprout", "By rules"]]} label="Growth method" />
                 {limit && card.bound.value && (
                     <p class="standing">
                         <span>{`It was stopped after ${limit} steps.`}</span>
-                        <button type="button" onClick={() => card.set("max_iterations", [], true)}>Let it grow on</button>
+                        <button type="button" onClick={() => card.set("max_iterations", [], true)}>Continue the growth</button>
                     </p>
                 )}
                 <ReachText model={model} />

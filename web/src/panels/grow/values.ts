@@ -1,4 +1,4 @@
-// Commands by name, and numbers of a form's values.
+// Commands by name, and numbers in the values of a form.
 import type { Command } from "../../protocol";
 import { type Values, wordOf } from "../../script/values";
 
@@ -6,7 +6,7 @@ export function commandNamed(schema: readonly Command[], name: string): Command 
     return schema.find((command) => command.name === name);
 }
 
-/** The number given for an argument, else its default; NaN where there is none. */
+/** The number of an argument, or its default; NaN if there is no default. */
 export function numberOf(command: Command, values: Values, name: string): number {
     const argument = command.arguments.find((one) => one.name === name);
     return argument ? Number(wordOf(argument, values)) : NaN;

@@ -1,16 +1,16 @@
-// A branch dragged from the library onto a tree in the picture, by mouse, pen or finger.
+// Drags a branch from the library onto a tree in the view, by mouse, pen or finger.
 import type { App } from "../../app";
 import { chosenBranch, type LibraryBranch, LibraryGraftRun, libraryGraftHeld } from "../../tools/branch/library_graft";
 
-const kStill = 6; // [px]
+const kStill = 6; // [px] maximum movement of a click
 
 interface Drag {
     pointer: number;
     from: [number, number];
-    ghost: HTMLElement | null; // follows the pointer once it moved
+    ghost: HTMLElement | null; // follows the pointer after the first move
 }
 
-/** Handlers of what can be dragged. */
+/** Event handlers for draggable elements. */
 export class BranchDrag {
     private drag: Drag | null = null;
 
@@ -21,7 +21,7 @@ export class BranchDrag {
 
     down(event: PointerEvent): void {
         if (event.button === 0) {
-            (event.currentTarget as HTMLElement).setPointerCapture(event.pointerId); // a quick hand leaves before the first move
+            (event.currentTarget as HTMLElement).setPointerCapture(event.pointerId); // a fast pointer leaves the element before the first move
             this.drag = { pointer: event.pointerId, from: [event.clientX, event.clientY], ghost: null };
         }
     }
@@ -39,7 +39,7 @@ export class BranchDrag {
         }
         const run = libraryGraftHeld();
         if (!run) {
-            this.end(); // Esc put the tool down
+            this.end(); // Esc deactivated the tool
             return;
         }
         const on = this.toPicture(event, run);

@@ -1,12 +1,12 @@
-// Which branches of a library are shown, in which order, and how arrow keys go through them.
+// Filter and order of the branches of a library, and navigation by arrow keys.
 import type { Values } from "../../script/values";
 
-/** As the request `library` tells of it. */
+/** As in the response to the request `library`. */
 export interface Branch {
     number: number;
     source: string;
     tags: string[];
-    leads: boolean; // it goes on with its host
+    leads: boolean; // it continues the axis of its parent branch
     length: number; // [m] of all segments
     volume: number; // [m^3]
     extent: number; // [m]
@@ -18,9 +18,9 @@ export interface Branch {
 
 export interface Filter {
     text: string; // in a tag, the source or the number
-    tag: string; // all where empty
+    tag: string; // all if empty
     least: number; // [m] of length
-    most: number; // 0: any
+    most: number; // 0: no limit
 }
 
 export const kAll: Filter = { text: "", tag: "", least: 0, most: 0 };
@@ -39,16 +39,16 @@ export function tagsOf(branches: readonly Branch[]): string[] {
     return [...new Set(branches.flatMap(({ tags }) => tags))].sort();
 }
 
-/** The options of compose that take the branches of a filter; words in names have none. */
+/** The options of compose for the branches of a filter; a search text has no option. */
 export function filterValues({ tag, least, most }: Filter): Values {
     return {
         ...(tag ? { tag: [tag] } : {}),
-        ...(least > 0 ? { least_length: [String(least)] } : {}),
-        ...(most > 0 ? { most_length: [String(most)] } : {}),
+        ...(least > 0 ? { min_tree_length: [String(least)] } : {}),
+        ...(most > 0 ? { max_tree_length: [String(most)] } : {}),
     };
 }
 
-/** Where a key leads in a grid of so many columns; null where it is none of the grid's. */
+/** The index after a key in a grid with this number of columns; null if the grid does not use the key. */
 export function stepInGrid(key: string, at: number, count: number, columns: number): number | null {
     const steps: Record<string, number> = {
         ArrowLeft: at - 1,
@@ -63,7 +63,7 @@ export function stepInGrid(key: string, at: number, count: number, columns: numb
     return key in steps && count > 0 ? Math.min(Math.max(steps[key], 0), count - 1) : null;
 }
 
-/** A length for people: "3.2 m", "45 cm". */
+/** A length as text: "3.2 m", "45 cm". */
 export function lengthText(metres: number): string {
     return metres >= 1 ? `${Number(metres.toPrecision(3))} m` : `${Number((metres * 100).toPrecision(2))} cm`;
 }

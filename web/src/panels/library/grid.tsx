@@ -1,4 +1,4 @@
-// The branches of a library as a grid of pictures: for the mouse, the finger and the keyboard.
+// The branches of a library as a grid of images: for mouse, touch and keyboard.
 import type { VNode } from "preact";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import { chosenBranch, libraryGraftHeld } from "../../tools/branch/library_graft";
@@ -26,7 +26,7 @@ function Cell({ model, branch, chosen, focusable }: CellProps): VNode {
             class="branch"
             id={`branch-${branch.number}`}
             aria-selected={chosen}
-            title={`Branch ${branch.number} of ${branch.source}: ${branch.nodes} nodes, ${branch.orders} orders, ${lengthText(branch.radius)} thick${branch.leads ? ", goes on with its host" : ""}`}
+            title={`Branch ${branch.number} of ${branch.source}: ${branch.nodes} nodes, ${branch.orders} orders, ${lengthText(branch.radius)} thick${branch.leads ? ", continues its parent" : ""}`}
             tabIndex={focusable ? 0 : -1}
             onClick={() => {
                 chosenBranch.value = { file, number: branch.number };

@@ -1,4 +1,4 @@
-// The library that is open in the page, and trees composed of it.
+// The library that is open in the page, and trees composed from it.
 import { effect, type Signal, signal, untracked } from "@preact/signals-core";
 import type { App, Geometry } from "../../app";
 import type { SceneObject, State } from "../../protocol";
@@ -14,9 +14,9 @@ import { objectOf } from "../grow/model";
 import { type Branch, type Filter, filterValues, kAll, type Order } from "./filter";
 
 export const kEnding = ".branches";
-const kTrial = "trial"; // name of trees that are only looked at
+const kTrial = "trial"; // name of preview trees
 
-/** The first node behind the fork that a node's branch grows from. */
+/** The first node after the fork where the branch of a node begins. */
 export function branchStart(skeleton: Skeleton, n: number): number {
     for (let parent = skeleton.parent(n); parent >= 0 && skeleton.children[parent].length === 1; parent = skeleton.parent(n)) {
         n = parent;
@@ -26,15 +26,15 @@ export function branchStart(skeleton: Skeleton, n: number): number {
 
 export class LibraryModel {
     readonly files: Signal<string[]> = signal([]);
-    readonly file = signal(""); // empty: none is chosen yet
+    readonly file = signal(""); // empty: not chosen yet
     readonly branches: Signal<Branch[]> = signal([]);
     readonly filter: Signal<Filter> = signal(kAll);
     readonly order: Signal<Order> = signal<Order>("length");
     readonly trouble = signal("");
-    readonly onlyShown = signal(false); // trees are composed of the branches that the filter lets through
+    readonly onlyShown = signal(false); // trees are composed from the filtered branches only
     readonly firstSeed = signal(1);
     readonly card: Card;
-    private additions = ""; // the statements that add to the library, as last seen
+    private additions = ""; // the statements that add to the library, as last read
     private selected = "";
 
     constructor(readonly app: App) {
@@ -48,7 +48,7 @@ export class LibraryModel {
                     app.store.selection.value = { ...app.store.selection.peek(), object: target, nodes: [] };
                 }
                 if (target && template) {
-                    app.store.hideFor([template], target); // both stand in one place
+                    app.store.hideFor([template], target); // both are at the same position
                 }
             },
         });
@@ -66,7 +66,7 @@ export class LibraryModel {
         }
     }
 
-    /** Opens a library, also one that is made when something is added. */
+    /** Opens a library, including one that is created when a branch is added. */
     async open(file: string): Promise<void> {
         this.file.value = file;
         chosenBranch.value = null;
@@ -96,7 +96,7 @@ export class LibraryModel {
         return this.app.engine.blob(key);
     }
 
-    /** Keeps all branches of a tree, or those that are selected. */
+    /** Stores all branches of a tree, or the selected ones. */
     async add(tag: string, what: "tree" | "selected"): Promise<void> {
         const tops = what === "selected" ? selectedTops(this.app) : null;
         const tree = tops?.name ?? objectOf(this.app, "skeleton")?.name;
@@ -109,20 +109,20 @@ export class LibraryModel {
         await runLine(this.app, commandLine(["library add", this.file.peek(), tree], { tag: tag || undefined, nodes }));
     }
 
-    /** A tree of a seed, which is not kept. */
+    /** A tree of a seed that is not stored. */
     async trial(line: string): Promise<Geometry> {
         const { key } = await this.app.engine.request<{ key: string }>("trial", { line, kind: "skeleton", name: kTrial });
         return this.app.engine.blob(key);
     }
 
-    /** The line of a tree that is only looked at; empty where something is lacking. */
+    /** The line of a preview tree; empty if an argument is missing. */
     trialLine(seed: number): string {
         const command = this.card.schema;
         const values = this.card.values.value;
         return command && values.template ? lineOf(command, { ...values, name: [kTrial], seed: [String(seed)] }) : "";
     }
 
-    /** The tree of a seed becomes a line of the scene, or takes the place of the one that is being changed. */
+    /** The tree of a seed becomes a line of the scene, or replaces the one that is being changed. */
     keep(seed: number): void {
         this.card.take("seed", String(seed));
         void this.card.run();
@@ -135,7 +135,7 @@ export class LibraryModel {
     private suggest(given: Values): Values {
         const tree = objectOf(this.app, "skeleton", given.template?.[0]);
         const composed = tree && makerOf(this.app.store.state.value, this.app.store.schema.value, tree, ["compose"]);
-        const template = composed?.values.template?.[0] ?? tree?.name; // not trees composed of composed ones, unless wished
+        const template = composed?.values.template?.[0] ?? tree?.name; // by default, a composed tree is not a template itself
         const file = this.branches.value.length > 0 ? this.file.value : "";
         return {
             name: [this.app.store.freeName("composed")],
@@ -173,7 +173,7 @@ export class LibraryModel {
         });
     }
 
-    // Libraries grow by lines of the scene, whoever wrote them.
+    // Libraries grow by lines of the scene, including those of other clients.
     private followAdditions(state: State): void {
         const file = this.file.peek();
         const lines = state.statements.slice(0, state.ran).filter(({ text }) => file !== "" && text.startsWith("library add") && text.includes(file));

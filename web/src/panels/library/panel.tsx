@@ -1,4 +1,4 @@
-// A library of branches: which one, what is in it, what is added; and trees composed of it.
+// A library of branches: its choice, contents and additions; and trees composed from it.
 import type { VNode } from "preact";
 import { useEffect, useState } from "preact/hooks";
 import { selectedTops } from "../../tools/kit/skeleton";
@@ -10,7 +10,7 @@ import { BranchGrid } from "./grid";
 import { kEnding, type LibraryModel } from "./model";
 import { Composition } from "./seeds";
 
-const kNew = ":new"; // no file is called so
+const kNew = ":new"; // no file has this name
 const kOrders: readonly (readonly [Order, string])[] = [["length", "longest first"], ["tips", "most tips first"], ["number", "by number"]];
 
 const Chooser = tracked(({ model }: { model: LibraryModel }) => {
@@ -68,7 +68,7 @@ const Adding = tracked(({ model }: { model: LibraryModel }) => {
     }
     return (
         <details class="all-options" open={model.branches.value.length === 0}>
-            <summary>Keep branches of a tree</summary>
+            <summary>Add branches of a tree</summary>
             <label class="tool-field">
                 <span>Tag</span>
                 <input type="text" placeholder="oak" value={tag} onInput={(event) => setTag(event.currentTarget.value.trim())} />
@@ -107,7 +107,7 @@ const Filters = tracked(({ model }: { model: LibraryModel }) => {
         model.filter.value = { ...filter, ...change };
     };
     return (
-        <div class="filters" role="group" aria-label="Which branches are shown">
+        <div class="filters" role="group" aria-label="Filter of the branches">
             <input type="search" aria-label="Find by number, tag or source" placeholder="Find" value={filter.text} onInput={(event) => set({ text: event.currentTarget.value })} />
             <select aria-label="Order" value={model.order.value} onChange={(event) => { model.order.value = event.currentTarget.value as Order; }}>
                 {kOrders.map(([order, text]) => <option key={order} value={order}>{text}</option>)}
@@ -130,14 +130,14 @@ const Branches = tracked(({ model }: { model: LibraryModel }) => {
         return <p class="error" role="alert">{model.trouble.value}</p>;
     }
     if (all.length === 0) {
-        return <p class="hint">{model.file.value ? "This library is empty: keep branches of a tree in it." : "Choose a library of the folder, or name a new one."}</p>;
+        return <p class="hint">{model.file.value ? "This library is empty: add branches of a tree to it." : "Choose a library of the folder, or name a new one."}</p>;
     }
     const shown = filtered(all, model.filter.value, model.order.value);
     return (
         <>
             <Filters model={model} />
             <p class="hint" role="status">
-                {shown.length === all.length ? `${all.length} branches. Drag one onto a tree, or choose it and press Enter.` : `${shown.length} of ${all.length} branches`}
+                {shown.length === all.length ? `${all.length} branches. Drag one onto a tree, or select it and press Enter.` : `${shown.length} of ${all.length} branches`}
                 {model.filter.value !== kAll && <button type="button" onClick={() => { model.filter.value = kAll; }}>Show all</button>}
             </p>
             <BranchGrid model={model} branches={shown} />
@@ -166,7 +166,7 @@ const OnlyShown = tracked(({ model }: { model: LibraryModel }) =>
                     model.onlyShown.value = event.currentTarget.checked;
                 }}
             />
-            <span>Of branches with the tag and lengths chosen in the library only</span>
+            <span>Use only branches with the tag and lengths chosen in the library</span>
         </label>
     ) : null,
 );

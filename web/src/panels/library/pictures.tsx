@@ -1,11 +1,11 @@
-// Small pictures of skeletons, made when they come into sight and kept.
+// Small images of skeletons, made when they become visible and cached.
 import type { VNode } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Geometry } from "../../app";
 import { type Silhouette, silhouetteOf } from "./silhouette";
 
 const kSize = 96; // [px]
-const kMostKept = 4000;
+const kMaxKept = 4000;
 const kAtOnce = 4;
 
 export type Load = () => Promise<Geometry>;
@@ -17,7 +17,7 @@ interface Wish {
     reject(error: Error): void;
 }
 
-/** Pictures by key. The newest wish is done first, since that is what is looked at. */
+/** Images by key. The newest request is served first, because it is visible. */
 class Pictures {
     private readonly kept = new Map<string, Promise<Silhouette>>();
     private readonly wishes: Wish[] = [];
@@ -29,16 +29,16 @@ class Pictures {
             return known;
         }
         const picture = new Promise<Silhouette>((resolve, reject) => this.wishes.push({ key, load, resolve, reject }));
-        picture.catch(() => this.kept.delete(key)); // another time it may work
+        picture.catch(() => this.kept.delete(key)); // a later attempt may succeed
         this.kept.set(key, picture);
-        if (this.kept.size > kMostKept) {
+        if (this.kept.size > kMaxKept) {
             this.kept.delete(this.kept.keys().next().value ?? "");
         }
         this.next();
         return picture;
     }
 
-    /** Wishes that nobody has any more are left out. */
+    /** Cancels a request. */
     drop(key: string): void {
         const at = this.wishes.findIndex((wish) => wish.key === key);
         if (at >= 0) {
@@ -73,7 +73,7 @@ export function Strokes({ picture }: { picture: Silhouette }): VNode {
     );
 }
 
-/** A picture that is asked for when it comes into sight. */
+/** An image that is requested when it becomes visible. */
 export function Picture({ id, load }: { id: string; load: Load }): VNode {
     const place = useRef<HTMLDivElement>(null);
     const [picture, setPicture] = useState<Silhouette | null>(null);
@@ -101,7 +101,7 @@ export function Picture({ id, load }: { id: string; load: Load }): VNode {
     }, [id]);
     return (
         <div class="picture-box" ref={place} title={trouble || undefined}>
-            {trouble ? <span class="error">no picture</span> : picture ? <Strokes picture={picture} /> : <span class="hint" aria-hidden="true">…</span>}
+            {trouble ? <span class="error">no image</span> : picture ? <Strokes picture={picture} /> : <span class="hint" aria-hidden="true">…</span>}
         </div>
     );
 }

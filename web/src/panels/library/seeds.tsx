@@ -1,4 +1,5 @@
-// Trees composed of the library's branches: what is replaced, how far chance goes, and seeds to choose from by their pictures.
+// Trees composed from the branches of the library: replaced branches, amount of variation, and seeds to choose from by their
+// images.
 import { useEffect, useState } from "preact/hooks";
 import type { Argument } from "../../protocol";
 import { tracked } from "../../use";
@@ -8,12 +9,12 @@ import type { LibraryModel } from "./model";
 import { Picture } from "./pictures";
 
 const kSeeds = 8;
-const kWait = 350; // [ms] after the last change of the options, before trees are made anew
+const kWait = 350; // [ms] after the last change of the options, before trees are recomputed
 
 const kGroups: readonly { title: string; names: readonly string[] }[] = [
     { title: "Replace", names: ["probability", "depth", "tolerance", "order_tolerance"] },
     { title: "Randomise", names: ["turn", "roll", "phototropism", "pose"] },
-    { title: "Keep apart", names: ["clearance", "tries", "crown"] },
+    { title: "Spacing", names: ["clearance", "tries", "crown"] },
 ];
 const kElsewhere = new Set(["name", "template", "library", "seed"]);
 
@@ -42,13 +43,13 @@ const Thumbnails = tracked(({ model }: { model: LibraryModel }) => {
     }
     return (
         <>
-            <div class="seeds" role="group" aria-label="Seeds: each makes another tree">
+            <div class="seeds" role="group" aria-label="Seeds: each creates another tree">
                 {shown.lines.split("\n").map((line, i) => (
                     <Thumbnail key={shown.first + i} model={model} seed={shown.first + i} line={line} />
                 ))}
             </div>
             <div class="tool-row">
-                <button type="button" disabled={first <= 1} onClick={() => step(model, -kSeeds)}>Seeds before</button>
+                <button type="button" disabled={first <= 1} onClick={() => step(model, -kSeeds)}>Previous seeds</button>
                 <button type="button" onClick={() => step(model, kSeeds)}>More seeds</button>
                 <button type="button" onClick={() => step(model, Math.floor(Math.random() * 9999) + 1 - first)}>
                     <span aria-hidden="true">⚄</span> By chance
@@ -101,7 +102,7 @@ export const Composition = tracked(({ model }: { model: LibraryModel }) => {
                     {trees.map(({ name }) => <option key={name} value={name}>{name}</option>)}
                 </select>
             </label>
-            <p class="hint">{card.values.value.library ? `Takes branches of ${card.values.value.library[0]}.` : "Without a library, the template's own branches are put in other places."}</p>
+            <p class="hint">{card.values.value.library ? `Uses branches of ${card.values.value.library[0]}.` : "Without a library, the branches of the template are rearranged."}</p>
             <Thumbnails model={model} />
             <Fields model={model} />
         </div>

@@ -1,14 +1,14 @@
-// A skeleton seen from the front as a few strokes: pictures of branches and trees that stay sharp and small.
+// The front view of a skeleton as a few strokes: small, sharp images of branches and trees.
 import type { Geometry } from "../../app";
 
 const kNone = 0xffffffff;
 const kMargin = 4; // [px]
 const kThinnest = 0.7; // [px]
-const kClass = 1.5; // widths of strokes differ by this factor
-const kLeast = 0.6; // [px] shorter steps are joined to the next
+const kClass = 1.5; // ratio of the widths of consecutive classes of strokes
+const kMin = 0.6; // [px] shorter steps are joined with the next
 
 export interface Silhouette {
-    size: number; // [px] of its square
+    size: number; // [px] edge length of the square
     strokes: { width: number; path: string }[]; // the thickest first
     nodes: number;
 }
@@ -19,7 +19,7 @@ interface Frame {
     scale: number; // [px/m]
 }
 
-/** Fits what is seen from the front, x to the right and z up, into a square. */
+/** Fits the front view, x to the right and z up, into a square. */
 function frameOf(position: Float32Array, size: number): Frame {
     const [low, high] = [[Infinity, Infinity], [-Infinity, -Infinity]];
     for (let i = 0; i < position.length; i += 3) {
@@ -51,7 +51,7 @@ export function silhouetteOf(geometry: Geometry, size: number): Silhouette {
             hasChild[p] = 1;
         }
     });
-    const from = new Uint32Array(parent.length); // the node at which the stroke to this one has come so far
+    const from = new Uint32Array(parent.length); // the node at which the stroke to this node has arrived
     const paths = new Map<number, string[]>();
     for (let n = 0; n < parent.length; ++n) {
         from[n] = n;
@@ -60,7 +60,7 @@ export function silhouetteOf(geometry: Geometry, size: number): Silhouette {
         }
         const before = from[parent[n]];
         const far = Math.hypot(frame.x(n) - frame.x(before), frame.y(n) - frame.y(before));
-        if (far < kLeast && hasChild[n]) {
+        if (far < kMin && hasChild[n]) {
             from[n] = before;
             continue;
         }

@@ -1,4 +1,4 @@
-// One dialog for all that a menu item asks.
+// One dialog for all questions of a menu item.
 import type { VNode } from "preact";
 import { useId, useState } from "preact/hooks";
 import type { App } from "../../app";
@@ -13,7 +13,7 @@ interface Question {
     argument?: Argument;
 }
 
-/** Asks, and runs what comes of the answers; the dialog stays as long as that is refused. Null where the user wants nothing of it. */
+/** Asks, and runs the resulting line; the dialog remains open as long as it is refused. Null if the user cancels. */
 export function askAnswers<T>(app: App, title: string, parts: readonly Part[], run: (answers: readonly string[]) => Promise<T>): Promise<T | null> {
     const stands = argumentsOf(app.store.schema.peek(), parts);
     const questions = parts.flatMap((part, at) => (part.is === "ask" ? [{ label: part.label, value: part.value, argument: stands[at] }] : []));
@@ -75,7 +75,7 @@ function choicesOf(app: App, argument: Argument | undefined): readonly string[] 
     }
 }
 
-/** What an answer is at first: where an object is asked for that there is not, one that there is. */
+/** The initial answer: if the proposed object does not exist, an existing one. */
 function proposed(app: App, { value, argument }: Question): string {
     const choices = argument?.type === "object" ? choicesOf(app, argument) : [];
     return choices.length > 0 && !choices.includes(value) ? choices[0] : value;

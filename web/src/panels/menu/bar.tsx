@@ -1,4 +1,4 @@
-// The menu bar: a menubar of ARIA, by keyboard, pointer and touch.
+// The menu bar: an ARIA menubar for keyboard, pointer and touch.
 import type { VNode } from "preact";
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { kShortcuts } from "../../keys";
@@ -10,14 +10,14 @@ import { type Menu, type MenuItem, type MenuReply, menusOf } from "./items";
 import "./menu.css";
 import { isChecked, perform, unready } from "./perform";
 
-/** Tells how the menu is changed. */
+/** Explains how to change the menu. */
 async function tellMenuFile(studio: Studio): Promise<void> {
     const { files, built_in } = await studio.engine.request<MenuReply>("menu");
-    const where = files.length > 0 ? `Your own is read from:\n${files.join("\n")}\n` : "Start the studio with --menu FILE to have one of your own.\n";
-    await tell("The menu is a text file", `${where}It extends what is built in, which is this:\n\n${built_in}`);
+    const where = files.length > 0 ? `Your own menu is read from:\n${files.join("\n")}\n` : "Start the studio with --menu FILE to use your own menu.\n";
+    await tell("The menu is a text file", `${where}It extends the built-in menu:\n\n${built_in}`);
 }
 
-/** Reads the menu whenever a connection is made: the file may have been changed. */
+/** Reads the menu after each connection: the file may have changed. */
 function useMenus(studio: Studio): readonly Menu[] {
     const [menus, setMenus] = useState<readonly Menu[]>([]);
     const connection = useValue(studio.store.connection);
@@ -46,7 +46,7 @@ function itemsIn(element: Element | null): HTMLElement[] {
     return [...(element?.querySelectorAll<HTMLElement>(kItems) ?? [])];
 }
 
-/** Moves the focus among items by a key; false where the key is not for that. */
+/** Moves the focus between items by a key; returns false if the key is not used. */
 function stepFocus(items: readonly HTMLElement[], key: string, back: string, forth: string): boolean {
     const at = items.indexOf(document.activeElement as HTMLElement);
     const count = items.length;
@@ -102,7 +102,7 @@ interface ListProps {
 
 function ItemList({ studio, menu, last, take, untaken }: ListProps): VNode {
     const list = useRef<HTMLDivElement>(null);
-    useValue(studio.store.state); // what can be done depends on them
+    useValue(studio.store.state); // the enabled state depends on them
     useValue(studio.store.selection);
     useValue(studio.store.connection);
     useValue(studio.store.schema);
@@ -123,7 +123,7 @@ function ItemList({ studio, menu, last, take, untaken }: ListProps): VNode {
     );
 }
 
-/** Tells when Alt was pressed and let go by itself. */
+/** Calls `then` when Alt was pressed and released alone. */
 function useLoneAlt(then: () => void): void {
     useEffect(() => {
         let alone = false;
@@ -156,9 +156,9 @@ export function MenuBar({ studio }: { studio: Studio }): VNode {
     const menus = useMenus(studio);
     const [open, setOpen] = useState(-1);
     const [fromBelow, setFromBelow] = useState(false);
-    const [at, setAt] = useState(0); // the menu that Tab comes to
+    const [at, setAt] = useState(0); // the menu in the tab order
     const bar = useRef<HTMLDivElement>(null);
-    const before = useRef<HTMLElement | null>(null); // what had the focus
+    const before = useRef<HTMLElement | null>(null); // the previously focused element
     const titles = () => [...(bar.current?.querySelectorAll<HTMLElement>(".menu-title") ?? [])];
 
     const show = (n: number, last = false) => {
@@ -214,7 +214,7 @@ export function MenuBar({ studio }: { studio: Studio }): VNode {
         event.preventDefault();
     };
     const listKey = (event: KeyboardEvent, n: number) => {
-        event.stopPropagation(); // else the title takes it too
+        event.stopPropagation(); // otherwise the title receives it too
         const step = event.key === "ArrowRight" ? 1 : event.key === "ArrowLeft" ? menus.length - 1 : 0;
         if (step !== 0) {
             show((n + step) % menus.length);

@@ -1,4 +1,4 @@
-// Lines of menu items: what the page puts into them before they run.
+// Lines of menu items: the text that the page inserts before they run.
 import type { Argument, Command, Kind } from "../../protocol";
 import { bind, findCommand, kindsOf, numbersIn } from "../../script/commands";
 import { written } from "../../script/values";
@@ -9,11 +9,11 @@ export type Part =
     | { is: "text"; text: string }
     | { is: "new"; base: string }
     | { is: "object" }
-    | { is: "ask"; label: string; value: string; argument?: Argument }; // the value proposed; the argument that it is for
+    | { is: "ask"; label: string; value: string; argument?: Argument }; // the proposed value; the argument for the answer
 
 const kHole = /(?<!\$)\$\{(?:(new)\s+([A-Za-z][\w.-]*)|(object)|(ask)\s+([^,}]+?)\s*(?:,\s*([^}]*?)\s*)?)\}/g;
 
-/** A line with its holes `${new BASE}`, `${object}` and `${ask LABEL, DEFAULT}`; other `${...}` are the scene's own. */
+/** A line with its placeholders `${new BASE}`, `${object}` and `${ask LABEL, DEFAULT}`; other `${...}` belong to the scene. */
 export function partsOf(line: string): Part[] {
     const parts: Part[] = [];
     let at = 0;
@@ -32,9 +32,9 @@ export function partsOf(line: string): Part[] {
     return parts.filter((part) => part.is !== "text" || part.text !== "");
 }
 
-/** The argument that each part stands for, where the schema knows the command; nothing for text. */
+/** The argument for each part, if the schema has the command; undefined for text. */
 export function argumentsOf(schema: readonly Command[], parts: readonly Part[]): (Argument | undefined)[] {
-    const mark = (at: number) => `hole-${at}-`; // begins as a name, so that it may stand wherever one may
+    const mark = (at: number) => `hole-${at}-`; // begins like a name, so that it is valid at every position of a name
     const { words } = readLine(parts.map((part, at) => (part.is === "text" ? part.text : mark(at))).join(""));
     const found = findCommand(schema, words);
     const bound = found ? bind(found.command, words.slice(found.used)).bound : [];
@@ -43,7 +43,7 @@ export function argumentsOf(schema: readonly Command[], parts: readonly Part[]):
     );
 }
 
-/** The kinds of which the selected object has to be; null where the line does not ask for one. */
+/** The kinds of the selected object that the line accepts; null if it does not use one. */
 export function kindsWanted(schema: readonly Command[], line: string): readonly Kind[] | null {
     const parts = partsOf(line);
     const found = argumentsOf(schema, parts).filter((_, at) => parts[at].is === "object");
@@ -53,12 +53,12 @@ export function kindsWanted(schema: readonly Command[], line: string): readonly 
 
 export interface Filling {
     object: string; // name of the selected one
-    answers: readonly string[]; // to each ${ask}, in order
+    answers: readonly string[]; // for each ${ask}, in order
 }
 
 const kQuoted = new Set<Argument["type"]>(["word", "input_file", "output_file", "properties"]);
 
-/** The line to run. Names of new objects are left to the engine, which knows those that are free. */
+/** The line to run. The engine chooses the names of new objects, because it knows the free ones. */
 export function filled(parts: readonly Part[], filling: Filling, schema: readonly Command[]): string {
     const stands = argumentsOf(schema, parts);
     let asked = 0;
@@ -80,11 +80,11 @@ export function filled(parts: readonly Part[], filling: Filling, schema: readonl
     return words.join("");
 }
 
-/** What is wrong with an answer; empty where nothing is that can be seen before the line runs. */
+/** The error in an answer that can be detected before the line runs; otherwise empty. */
 export function answerTrouble(answer: string, argument: Argument | undefined, objects: readonly { kind: Kind; name: string }[]): string {
     const text = answer.trim();
     if (text === "") {
-        return "Give a value.";
+        return "Enter a value.";
     }
     if (!argument || isComputed(text)) {
         return "";
@@ -93,22 +93,22 @@ export function answerTrouble(answer: string, argument: Argument | undefined, ob
     const within = (value: number) => value >= (argument.low ?? -Infinity) && value <= (argument.high ?? Infinity);
     switch (argument.type) {
         case "number":
-            return numbersIn(text) === 1 && within(Number(text)) ? "" : `This takes a number${limits}.`;
+            return numbersIn(text) === 1 && within(Number(text)) ? "" : `Enter a number${limits}.`;
         case "whole":
-            return numbersIn(text) === 1 && Number.isInteger(Number(text)) && within(Number(text)) ? "" : `This takes a whole number${limits}.`;
+            return numbersIn(text) === 1 && Number.isInteger(Number(text)) && within(Number(text)) ? "" : `Enter a whole number${limits}.`;
         case "tuple": {
             const count = numbersIn(text.replace(/\s*,\s*|\s+/g, ","));
-            return count > 0 && (argument.sizes ?? [count]).includes(count) ? "" : `This takes ${(argument.sizes ?? []).join(" or ")} numbers with commas between them.`;
+            return count > 0 && (argument.sizes ?? [count]).includes(count) ? "" : `Enter ${(argument.sizes ?? []).join(" or ")} numbers separated by commas.`;
         }
         case "choice": {
             const { choices = [] } = argument;
             const meant = choices.includes(text) ? 1 : choices.filter((choice) => choice.startsWith(text)).length;
-            return meant === 1 ? "" : `This takes one of ${choices.join(", ")}.`;
+            return meant === 1 ? "" : `Enter one of ${choices.join(", ")}.`;
         }
         case "flag":
-            return text === "true" || text === "false" ? "" : "This takes true or false.";
+            return text === "true" || text === "false" ? "" : "Enter true or false.";
         case "new_name":
-            return /^[A-Za-z][\w.-]{0,63}$/.test(text) ? "" : "A name is a letter, and then letters, digits, _, - and dots.";
+            return /^[A-Za-z][\w.-]{0,63}$/.test(text) ? "" : "A name is a letter, followed by letters, digits, _, - and dots.";
         case "object": {
             const kinds = kindsOf(argument);
             return objects.some((object) => object.name === text && kinds.includes(object.kind)) ? "" : `There is no ${kinds.length > 2 ? "object" : kinds.join(" or ")} ${text}.`;

@@ -1,19 +1,19 @@
-// The menu as the engine read it from its file.
+// The menu as read from its file by the engine.
 
 export interface MenuItem {
     number: number;
-    menu: string; // the menu it stands in
+    menu: string; // the menu that contains it
     label: string;
     does: "tool" | "line" | "page" | "set" | "program" | "separator";
     text: string;
 }
 
-/** The answer to `menu`. */
+/** The response to `menu`. */
 export interface MenuReply {
     items: MenuItem[];
-    files: string[]; // where the user's own are, or may be
-    faults: string[]; // what is wrong with those
-    built_in: string; // text that one's own may begin with
+    files: string[]; // paths of the menu files of the user
+    faults: string[]; // errors in these files
+    built_in: string; // text of the built-in menu
 }
 
 export interface Menu {
@@ -21,7 +21,10 @@ export interface Menu {
     items: readonly MenuItem[];
 }
 
-/** Items by their menus, in the order in which those come first. Separators at the ends of a menu, or beside each other, are left out. */
+/**
+ * Items by menu, in the order in which the menus first occur. Separators at the ends of a menu and repeated separators are
+ * omitted.
+ */
 export function menusOf(items: readonly MenuItem[]): Menu[] {
     const titles = [...new Set(items.map(({ menu }) => menu))];
     return titles.map((title) => {
@@ -35,7 +38,7 @@ export function menusOf(items: readonly MenuItem[]): Menu[] {
     });
 }
 
-/** Of an item "grow.kill_radius 0.3": what it sets; null where it is none such. */
+/** The setting of an item "grow.kill_radius 0.3"; null if it is invalid. */
 export function settingOf(text: string): { key: string; value: string } | null {
     const match = /^\s*([a-z_ ]+\.[a-z0-9_]+)\s+(\S.*?)\s*$/.exec(text);
     return match && { key: match[1], value: match[2] };

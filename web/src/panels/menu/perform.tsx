@@ -1,4 +1,4 @@
-// Does what a menu item says, or tells why it cannot be done now.
+// Performs a menu item, or reports why it is not available.
 import type { App } from "../../app";
 import type { Kind, ObjectName } from "../../protocol";
 import { runLine } from "../../tools/kit/gesture";
@@ -9,18 +9,18 @@ import { askAnswers } from "./ask";
 import { filled, kindsWanted, partsOf } from "./fill";
 import { type MenuItem, settingOf } from "./items";
 
-/** Why commands of the page itself can do nothing now; those that are not here always can. */
+/** Conditions of commands of the page itself; commands without an entry are always available. */
 const kNeeds: Record<string, (app: App) => string> = {
     undo: ({ store }) => (store.state.peek().undo.length > 0 ? "" : "There is nothing to undo."),
     redo: ({ store }) => (store.state.peek().redo.length > 0 ? "" : "There is nothing to redo."),
-    cancel: ({ store }) => (store.state.peek().running !== null ? "" : "Nothing runs."),
+    cancel: ({ store }) => (store.state.peek().running !== null ? "" : "No command is running."),
     export: ({ store }) => (store.state.peek().objects.length > 0 ? "" : "There is no object to export yet."),
     picture: ({ store }) => (store.state.peek().objects.length > 0 ? "" : "There is nothing to draw yet."),
 };
 
 const kAboutSelection = ["hide", "delete", "rename", "duplicate"];
 
-/** Why an item cannot be done now; empty where it can. */
+/** The reason why an item is not available; empty if it is. */
 export function unready(app: App, item: MenuItem, hasCommand: (id: string) => boolean): string {
     const { store } = app;
     const { object } = store.selection.peek();
@@ -30,7 +30,7 @@ export function unready(app: App, item: MenuItem, hasCommand: (id: string) => bo
     switch (item.does) {
         case "tool": {
             const tool = app.tools.find(({ id }) => id === item.text);
-            return !tool ? `There is no tool ${item.text}.` : !tool.enabled || tool.enabled(app) ? "" : "Select what the tool works on first.";
+            return !tool ? `There is no tool ${item.text}.` : !tool.enabled || tool.enabled(app) ? "" : "Select an input for the tool first.";
         }
         case "page":
             if (!hasCommand(item.text)) {
@@ -40,7 +40,7 @@ export function unready(app: App, item: MenuItem, hasCommand: (id: string) => bo
         case "line":
             return objectTrouble(app, item.text);
         case "set":
-            return settingOf(item.text) ? "" : "This item should say COMMAND.ARGUMENT VALUE.";
+            return settingOf(item.text) ? "" : "This item should have the form COMMAND.ARGUMENT VALUE.";
         case "program":
             return !object && /\$\{(object|file\.\w+)\}/.test(item.text) ? "Select an object first." : "";
         default:
@@ -56,7 +56,7 @@ function objectTrouble(app: App, line: string): string {
     return `Select ${kinds.length > 2 ? "an object" : kinds.map((kind) => (kind === "points" ? "points" : `a ${kind}`)).join(" or ")} first.`;
 }
 
-/** What an item works on: the selected object, or where that is of another kind the only one of these kinds. */
+/** The object for an item: the selected one, or if its kind does not match the only object of these kinds. */
 function objectFor(app: App, kinds: readonly Kind[]): ObjectName | undefined {
     const { object } = app.store.selection.peek();
     const all = app.store.state.peek().objects.filter(({ kind }) => kinds.includes(kind));
@@ -115,7 +115,7 @@ async function performLine(app: App, item: MenuItem): Promise<void> {
     await selectMade(app, made ?? []);
 }
 
-// The next item works on what this one made.
+// The next item uses the object that this one created.
 async function selectMade(app: App, made: readonly string[]): Promise<void> {
     if (made.length > 0) {
         await selectWhenThere(app, ({ name }) => name === made.at(-1));
@@ -125,7 +125,7 @@ async function selectMade(app: App, made: readonly string[]): Promise<void> {
 const kAllowed = new Set<string>(); // programs that were started since the page was opened
 
 async function performProgram(app: App, item: MenuItem): Promise<void> {
-    const text = `The menu's item "${item.label}" starts another program:\n${item.text}`;
+    const text = `The menu item "${item.label}" starts another program:\n${item.text}`;
     if (!kAllowed.has(item.text) && !(await confirm("Start this program?", text, "Start it"))) {
         return;
     }

@@ -1,4 +1,4 @@
-// What the user has to know of the document: that it was found in the journal.
+// Notices about the document: that it was recovered from the journal.
 import type { VNode } from "preact";
 import { useState } from "preact/hooks";
 import type { App } from "../../app";
@@ -20,16 +20,16 @@ export function Notices({ app }: { app: App }): VNode | null {
     return (
         <aside class="notice" aria-label="Recovered scene">
             <p role="status">
-                {`The studio was ended before ${file || "this scene"} was saved. What was done is here again; it is not saved yet.`}
+                {`The studio was ended before ${file || "this scene"} was saved. The changes have been recovered; they are not saved yet.`}
             </p>
             <button type="button" class="primary" disabled={locked} onClick={() => app.command("save")}>Save</button>
             <button
                 type="button"
                 disabled={locked}
-                title="Undo brings it back"
+                title="Undo restores it"
                 onClick={() => void backToSaved(app).then(() => setClosed(true))}
             >
-                {file === "" ? "Begin with an empty scene" : "Go back to the saved text"}
+                {file === "" ? "Start with an empty scene" : "Go back to the saved text"}
             </button>
             <button type="button" class="icon" aria-label="Close this notice" onClick={() => setClosed(true)}>×</button>
         </aside>

@@ -1,4 +1,4 @@
-// Bending a branch by its tip, and moving a node so that its axis follows.
+// Bends a branch by its tip, and moves a node together with its axis.
 import { signal } from "@preact/signals-core";
 import type { VNode } from "preact";
 import type { Tool, ToolPointer } from "../../app";
@@ -15,7 +15,7 @@ import { type Bend, bendTo, leverOf } from "./bend_angle";
 import { anySkeleton } from "./cut";
 
 class BendRun extends BranchDragRun {
-    private grabbed = -1; // the node under the pointer; its branch is what bends
+    private grabbed = -1; // the node under the pointer; its branch is bent
     private readonly angle = signal(0);
 
     protected override grip(skeleton: Skeleton, n: number): number {
@@ -53,11 +53,11 @@ class BendRun extends BranchDragRun {
 
     protected text(held: Held | null): string {
         if (!held) {
-            return "Drag a branch to where it is to bend, or select one and type degrees.";
+            return "Drag a branch to its new direction, or select one and type degrees.";
         }
         const bend = this.bend(held);
         const by = bend ? ` by ${numberWord(bend.degrees, 0.1)}° towards ${directionWord(bend.towards)}` : "";
-        return `Bends the branch of node ${held.skeleton.ids[held.n]}${by}. Type degrees, X, Y or Z for where to; Enter ends.`;
+        return `Bends the branch of node ${held.skeleton.ids[held.n]}${by}. Type degrees, X, Y or Z for the direction; Enter ends.`;
     }
 
     protected override draw(): void {
@@ -78,7 +78,7 @@ class BendRun extends BranchDragRun {
         this.angle.value = 0;
     }
 
-    /** The axis from its joint on, and what of it is held. */
+    /** The axis from its joint, and the dragged position on it. */
     private lever({ skeleton, n }: Held): { chain: Point[]; lever: number } {
         const chain = chainOf(skeleton, n);
         const nodes = skeleton.axis(n);
@@ -98,7 +98,7 @@ class BendRun extends BranchDragRun {
     }
 }
 
-/** The points of an axis from the joint that it leaves from. */
+/** The points of an axis, starting at its joint with the parent. */
 export function chainOf(skeleton: Skeleton, n: number): Point[] {
     const start = skeleton.axisStart(n);
     const parent = skeleton.parent(start);
@@ -169,7 +169,7 @@ class ReshapeRun extends BranchDragRun {
     protected text(held: Held | null): string {
         const far = reach.value > 0 ? `${numberWord(reach.value, 0.001)} m along it` : "all of it";
         return held
-            ? `Moves node ${held.skeleton.ids[held.n]}; of its axis ${far} follows. The wheel changes that; type x,y,z; Enter ends.`
+            ? `Moves node ${held.skeleton.ids[held.n]}; ${far} of its axis follows. The wheel changes the length; type x,y,z; Enter ends.`
             : "Drag a node to move it; its axis follows.";
     }
 
@@ -187,7 +187,7 @@ class ReshapeRun extends BranchDragRun {
     }
 }
 
-/** Where on the axis of n a share of its length lies. */
+/** The point at a fraction of the segment of node n. */
 export function placeOnSegment(skeleton: Skeleton, n: number, share: number): Point {
     const parent = skeleton.parent(n);
     return parent < 0 ? skeleton.at(n) : mix(skeleton.at(parent), skeleton.at(n), share);
@@ -199,7 +199,7 @@ export const bendTools: Tool[] = [
         label: "Bend",
         group: "branch",
         shortcut: "C",
-        help: "Bends a branch: drag a place of it to where that is to go, or type degrees and X, Y or Z for the direction.",
+        help: "Bends a branch: drag a point of it to its new position, or type degrees and X, Y or Z for the direction.",
         enabled: anySkeleton,
         start: (app) => new BendRun(app),
     },
@@ -208,7 +208,7 @@ export const bendTools: Tool[] = [
         label: "Reshape",
         group: "branch",
         shortcut: "O",
-        help: "Moves a node, and its axis follows, as far along it as the wheel says.",
+        help: "Moves a node and its axis; the wheel sets the length that follows.",
         enabled: anySkeleton,
         start: (app) => new ReshapeRun(app),
     },

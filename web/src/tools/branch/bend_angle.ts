@@ -1,13 +1,13 @@
-// By how much an axis is to be bent so that what a hand holds of it comes where it was dragged.
+// Computes the bend of an axis that brings its dragged point to the pointer.
 import type { Point } from "../../protocol";
 import { add, cross, distance, length, normalized, perpendicular, rotated, subtract } from "../kit/vector";
 
-const kSamples = 72; // of the half turn that is searched
+const kSamples = 72; // number of samples of the half turn
 const kRefinements = 24;
-const kMostParts = 64;
-const kLeastLever = 0.3; // of the chain's length
+const kMaxParts = 64;
+const kMinLever = 0.3; // relative to the length of the chain
 
-/** Where a point of a chain, its tip if none is named, comes when `edit bend` bends the chain by an angle about an axis. */
+/** The position of a point of a chain, by default its tip, after `edit bend` bends the chain by an angle about an axis. */
 export function bentTip(chain: readonly Point[], axis: Point, angle: number, held = chain.length - 1): Point {
     let whole = 0;
     for (let i = 1; i + 1 < chain.length; ++i) {
@@ -28,7 +28,10 @@ export interface Bend {
     towards: Point;
 }
 
-/** The angle that brings a point, the tip if none is named, as near to `to` as it can come, bending towards there. Chains have three points or more. */
+/**
+ * The angle that brings a point, by default the tip, as close as possible to `to`, bending in its direction. Chains have three or
+ * more points.
+ */
 export function bendTo(chain: readonly Point[], to: Point, held = chain.length - 1): Bend {
     const parts = thinned(chain);
     const at = Math.round((held * (parts.length - 1)) / (chain.length - 1));
@@ -57,18 +60,21 @@ export function bendTo(chain: readonly Point[], to: Point, held = chain.length -
     return { degrees: ((low + high) * 90) / Math.PI, towards };
 }
 
-/** The place of a chain that bends it: the one that is held, but none so near to the joint that it could hardly move. */
+/**
+ * The point of a chain that controls the bend: the dragged one, but with a minimum distance from the joint, because points near
+ * the joint can hardly move.
+ */
 export function leverOf(chain: readonly Point[], held: number): number {
     const lengths = chain.map((point, i) => (i > 0 ? distance(chain[i - 1], point) : 0));
-    const least = kLeastLever * lengths.reduce((sum, far) => sum + far, 0);
+    const least = kMinLever * lengths.reduce((sum, far) => sum + far, 0);
     let far = 0;
     const reached = lengths.findIndex((length) => (far += length) >= least && length > 0);
     return Math.max(held, reached, 1);
 }
 
 function thinned(chain: readonly Point[]): Point[] {
-    if (chain.length <= kMostParts) {
+    if (chain.length <= kMaxParts) {
         return [...chain];
     }
-    return Array.from({ length: kMostParts }, (_, i) => chain[Math.round((i * (chain.length - 1)) / (kMostParts - 1))]);
+    return Array.from({ length: kMaxParts }, (_, i) => chain[Math.round((i * (chain.length - 1)) / (kMaxParts - 1))]);
 }

@@ -1,4 +1,4 @@
-// Cutting and detaching: of what is selected by keys, or of what is clicked.
+// Cuts and detaches branches: selected ones by a key, or a clicked one.
 import type { App, Pick, Tool, ToolPointer, ToolRun } from "../../app";
 import { Drawn, kColors } from "../kit/drawn";
 import { runLine } from "../kit/gesture";
@@ -6,7 +6,7 @@ import { anchored } from "../kit/naming";
 import { fetchSkeleton, pickBranch, selectedTops, type Skeleton, skeletonOf } from "../kit/skeleton";
 import { commandLine } from "../kit/words";
 
-/** Deletes the branches or nodes that are selected; false where none are. */
+/** Deletes the selected branches or nodes; returns false if there is no such selection. */
 export function deleteSelected(app: App): boolean {
     const { object, nodes, extent } = app.store.selection.peek();
     const skeleton = object?.kind === "skeleton" ? skeletonOf(app, object.name) : null;
@@ -23,7 +23,7 @@ export function deleteSelected(app: App): boolean {
     return true;
 }
 
-/** The segments of a branch and all on it, as pairs of points. */
+/** The segments of a subtree, as pairs of points. */
 export function subtreeSegments(skeleton: Skeleton, n: number): [number, number, number][] {
     return skeleton.subtree(n).flatMap((node) => {
         const parent = skeleton.parent(node);
@@ -33,9 +33,9 @@ export function subtreeSegments(skeleton: Skeleton, n: number): [number, number,
 
 export const anySkeleton = (app: App): boolean => app.store.state.peek().objects.some(({ kind }) => kind === "skeleton");
 
-const kStill = 6; // [px]
+const kStill = 6; // [px] maximum movement of a click
 
-/** One click does it; hovering shows what would go. */
+/** One click cuts; hovering shows the segments that would be removed. */
 class CutRun implements ToolRun {
     private readonly drawn: Drawn;
     private under: Pick | null = null;
@@ -57,10 +57,10 @@ class CutRun implements ToolRun {
     }
 
     status(): string {
-        const what = this.command === "delete" ? "cut off" : "made a tree of its own";
+        const what = this.command === "delete" ? "cut off" : "made a separate tree";
         return this.under?.node === undefined
-            ? `Click the branch that is to be ${what}, or press Enter for what is selected.`
-            : `The branch from node ${this.under.node} on will be ${what}.`;
+            ? `Click the branch that is to be ${what}, or press Enter for the selection.`
+            : `The branch from node ${this.under.node} will be ${what}.`;
     }
 
     pointer(event: ToolPointer): boolean {
@@ -131,7 +131,7 @@ export const cutTools: Tool[] = [
         label: "Cut",
         group: "branch",
         shortcut: "X",
-        help: "Cuts off the branch that is clicked, with all that hangs on it.",
+        help: "Cuts off the clicked branch with its subtree.",
         enabled: anySkeleton,
         start: (app) => new CutRun(app, "delete"),
     },
@@ -139,7 +139,7 @@ export const cutTools: Tool[] = [
         id: "detach",
         label: "Detach",
         group: "branch",
-        help: "Makes the branch that is clicked a tree of its own, which can be moved away and grafted elsewhere.",
+        help: "Makes the clicked branch a separate tree, which can be moved and grafted to another position.",
         enabled: anySkeleton,
         start: (app) => new CutRun(app, "detach"),
     },

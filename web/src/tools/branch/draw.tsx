@@ -1,4 +1,4 @@
-// Drawing a branch on the screen: it begins on the axis under the stroke's start.
+// Draws a branch on the screen: it begins on the axis under the start of the stroke.
 import { signal } from "@preact/signals-core";
 import type { VNode } from "preact";
 import type { App, Tool, ToolPointer, ToolRun } from "../../app";
@@ -12,12 +12,12 @@ import { commandLine, newName, pointWord, sizeWord } from "../kit/words";
 import { placeOnSegment } from "./bend";
 import { drawnBranch, type Pixel } from "./stroke";
 
-const kNear = 24; // [px] from an axis where a stroke still begins on it
+const kNear = 24; // [px] maximum distance from an axis at which a stroke begins on it
 
 const radius = signal(0);
 const tipRadius = signal(0);
 
-/** The command of a branch through points: of a tree that is there, or a stem of its own. */
+/** The command for a branch through points: on an existing tree, or as a new stem. */
 export function drawLine(
     about: ObjectName | null,
     name: string,
@@ -33,18 +33,18 @@ export function drawLine(
     return about ? commandLine(["edit", "draw", about.name, ...words], options) : commandLine(["limb", name, ...words], options);
 }
 
-/** What a hand draws, from where it is pressed to where it is lifted. */
+/** A drawn stroke, from press to release. */
 interface Stroke {
     pixels: Pixel[];
-    pressure: number; // of a pen; 0: none
-    start: Point | null; // null until it is known where it begins
-    about: ObjectName | null; // the skeleton that it begins on
+    pressure: number; // of a pen; 0: not available
+    start: Point | null; // null until the start has been found
+    about: ObjectName | null; // the skeleton on which it begins
     skeleton: Skeleton | null;
-    rooted: Promise<void>; // until `start` is known
+    rooted: Promise<void>; // resolves when `start` is known
 }
 
 class DrawRun implements ToolRun {
-    private stroke: Stroke | null = null; // under way
+    private stroke: Stroke | null = null; // current stroke
     private gesture: Gesture | null = null;
     private readonly drawn: Drawn;
     private readonly unfollow: () => void;
@@ -67,8 +67,8 @@ class DrawRun implements ToolRun {
         return (
             this.gesture?.refusal ||
             (this.stroke
-                ? "Release to end the branch; Esc takes it back; the wheel changes its radius."
-                : "Draw a branch, from an axis outward; beside all trees it becomes a stem of its own.")
+                ? "Release to end the branch; Esc discards it; the wheel changes its radius."
+                : "Draw a branch from an axis outward; away from all trees it becomes a separate stem.")
         );
     }
 
@@ -83,7 +83,7 @@ class DrawRun implements ToolRun {
         if (event.phase === "cancel") {
             this.reset();
         } else if (event.phase === "up") {
-            this.extend(this.stroke, event); // pages that are slow get few moves
+            this.extend(this.stroke, event); // slow pages receive few move events
             void this.end(this.stroke);
         } else if (event.buttons === 1) {
             this.extend(this.stroke, event);
@@ -112,7 +112,7 @@ class DrawRun implements ToolRun {
     panel(): VNode {
         return (
             <>
-                <NumberField label="Radius at its start, 0 = half its host's" unit="m" value={radius} low={0} />
+                <NumberField label="Radius at its start, 0 = half that of its parent" unit="m" value={radius} low={0} />
                 <NumberField label="Radius at its tip, 0 = a quarter" unit="m" value={tipRadius} low={0} />
                 <PointField label="From" value={this.from} />
                 <PointField label="To" value={this.to} />
@@ -151,7 +151,7 @@ class DrawRun implements ToolRun {
         stroke.rooted = this.root(stroke, event);
     }
 
-    // A branch that begins on a tree whose axes are still on their way must not become a stem of its own.
+    // A branch that begins on a tree with axes that are still loading must not become a separate stem.
     private async root(stroke: Stroke, event: ToolPointer): Promise<void> {
         const names = this.skeletonNames();
         if (!names.every((name) => skeletonOf(this.app, name))) {
@@ -169,7 +169,7 @@ class DrawRun implements ToolRun {
         return objects.filter(({ kind }) => kind === "skeleton").map(({ name }) => name);
     }
 
-    /** The axis under the pointer, or one that is near in the picture. */
+    /** The axis under the pointer, or a close one in the view. */
     private host(event: ToolPointer): { about: ObjectName; skeleton: Skeleton; start: Point } | null {
         const { view } = this.app;
         const pick = view.pick(event.x, event.y, ["skeleton"]);
@@ -185,7 +185,7 @@ class DrawRun implements ToolRun {
         return null;
     }
 
-    /** Where a stem begins that has no tree under it: on what lies there, or on the ground. */
+    /** The start of a stem without a tree under it: on the object there, or on the ground. */
     private open(event: ToolPointer): Point {
         const { view } = this.app;
         return (
@@ -211,7 +211,7 @@ class DrawRun implements ToolRun {
             return null;
         }
         const step = view.pixelSize(start) / 10;
-        // A pen's pressure makes the branch thicker or thinner than it would be.
+        // The pressure of a pen scales the default radius.
         const pressed = stroke.pressure > 0 && radius.peek() === 0 ? this.hostRadius(stroke) * stroke.pressure : 0;
         const own = pressed || radius.peek();
         const first = !about && own === 0 ? 6 * view.pixelSize(start) : own;
@@ -224,7 +224,7 @@ class DrawRun implements ToolRun {
         return found && skeleton ? skeleton.radius[found.node] : 0;
     }
 
-    // Of a stroke that is over and waits for where it begins nothing is shown any more.
+    // A finished stroke that waits for its start is no longer shown.
     private show(stroke: Stroke): void {
         const made = stroke === this.stroke ? this.line(stroke) : null;
         if (made) {
@@ -235,7 +235,7 @@ class DrawRun implements ToolRun {
         }
     }
 
-    // Whatever the hand does next, the stroke that it has ended becomes a branch.
+    // A finished stroke becomes a branch, even if the user has continued with another action.
     private async end(stroke: Stroke): Promise<void> {
         const { gesture } = this;
         this.gesture = null;
@@ -263,7 +263,7 @@ export const drawTools: Tool[] = [
         label: "Draw",
         group: "branch",
         shortcut: "D",
-        help: "Draws a branch on the screen, from the axis under the stroke's start; its depth is that of the branches around.",
+        help: "Draws a branch on the screen, from the axis under the start of the stroke; its depth is that of the surrounding branches.",
         start: (app) => new DrawRun(app),
     },
 ];

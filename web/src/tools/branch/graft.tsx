@@ -1,4 +1,4 @@
-// Grafting: a branch, or a tree that was detached, is dragged to the branch that it is to grow from.
+// Grafts a branch, or a detached tree: it is dragged to its new parent branch.
 import { signal } from "@preact/signals-core";
 import type { VNode } from "preact";
 import type { App, Tool } from "../../app";
@@ -21,8 +21,8 @@ class GraftRun extends BranchDragRun {
     panel(): VNode {
         return (
             <>
-                <NumberField label="Node of the host" value={hostField} low={0} step={1} changed={() => this.byField()} />
-                <CheckField label="It turns with its host" value={align} changed={() => this.show()} />
+                <NumberField label="Node of the parent" value={hostField} low={0} step={1} changed={() => this.byField()} />
+                <CheckField label="Rotate with the parent" value={align} changed={() => this.show()} />
                 <Button label="Graft" run={() => this.end()} />
             </>
         );
@@ -47,12 +47,12 @@ class GraftRun extends BranchDragRun {
 
     protected text(held: Held | null): string {
         if (!held) {
-            return "Drag a branch by its first node to the branch that it is to grow from.";
+            return "Drag a branch by its first node to its new parent branch.";
         }
         const host = this.host(held);
         const onto = host ? ` onto node ${held.skeleton.ids[host.n]}` : "";
         const what = `Grafts the branch of node ${held.skeleton.ids[held.n]}${onto}.`;
-        return `${what} Release on its host, or type the node's number and Enter.`;
+        return `${what} Release on its parent branch, or type the number of the node and Enter.`;
     }
 
     protected override draw(): void {
@@ -94,7 +94,7 @@ class GraftRun extends BranchDragRun {
             const n = skeleton.index(typed);
             return n >= 0 && !inside.has(n) ? { n, along: 1 } : null;
         }
-        // What moves lies under the pointer too while it is shown where it would go: it is no host of itself.
+        // The moved branch is also under the pointer during the preview; it cannot be its own parent.
         return this.from && this.last ? hostUnder(this.app, held.about.name, skeleton, this.last.x, this.last.y, inside) : null;
     }
 }
@@ -104,7 +104,7 @@ export const graftTools: Tool[] = [
         id: "graft",
         label: "Graft",
         group: "branch",
-        help: "Moves a branch to another host: drag it there, or type the number of the host's node.",
+        help: "Moves a branch to another parent branch: drag it there, or type the number of the parent node.",
         enabled: anySkeleton,
         start: (app: App) => new GraftRun(app),
     },

@@ -1,17 +1,17 @@
-// Where a branch is to grow from: a place on the axis of another.
+// The attachment of a branch: a point on the axis of its parent branch.
 import type { App } from "../../app";
 import type { Point } from "../../protocol";
 import type { Skeleton } from "../kit/skeleton";
 import { dot, subtract } from "../kit/vector";
 
-const kAtNode = 0.01; // of a segment
+const kAtNode = 0.01; // relative to a segment
 
 export interface Host {
     n: number;
-    along: number; // of its segment, 1 at the node
+    along: number; // position on its segment, 1 at the node
 }
 
-/** Where on the segment that leads to n a place is nearest, in [0, 1]. */
+/** The parameter in [0, 1] of the closest point on the segment that leads to n. */
 export function alongSegment(skeleton: Skeleton, n: number, place: Point): number {
     const parent = skeleton.parent(n);
     if (parent < 0) {
@@ -22,13 +22,13 @@ export function alongSegment(skeleton: Skeleton, n: number, place: Point): numbe
     return size > 0 ? Math.min(Math.max(dot(subtract(place, skeleton.at(parent)), edge) / size, 0), 1) : 1;
 }
 
-/** A place on a segment; where that begins it is the node before. */
+/** A point on a segment; at the start of the segment, the previous node. */
 export function hostAt(skeleton: Skeleton, n: number, along: number): Host {
     const parent = skeleton.parent(n);
     return along < kAtNode && parent >= 0 ? { n: parent, along: 1 } : { n, along };
 }
 
-/** The place of a skeleton that is under the pointer; nodes of `but` are none. */
+/** The point of a skeleton under the pointer; nodes of `but` are excluded. */
 export function hostUnder(app: App, name: string, skeleton: Skeleton, x: number, y: number, but?: ReadonlySet<number>): Host | null {
     const pick = app.view.pick(x, y, ["skeleton"]);
     const n = pick?.node !== undefined && pick.object.name === name ? skeleton.index(pick.node) : -1;

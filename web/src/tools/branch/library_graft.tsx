@@ -1,4 +1,4 @@
-// A branch of a library put on a tree: on what is under the pointer, or on the node that is selected.
+// Grafts a branch of a library on a tree: at the point under the pointer, or at the selected node.
 import { type Signal, signal } from "@preact/signals-core";
 import type { VNode } from "preact";
 import type { App, Tool, ToolPointer, ToolRun } from "../../app";
@@ -18,7 +18,7 @@ import { anySkeleton } from "./cut";
 import { type Host, hostUnder } from "./host";
 
 const kCommand = "library graft";
-const kRollStep = 15; // [degrees] of a key
+const kRollStep = 15; // [degrees] step of a key
 const kSizeStep = 1.1;
 
 export interface LibraryBranch {
@@ -26,7 +26,7 @@ export interface LibraryBranch {
     number: number;
 }
 
-/** What is put on trees: the branch that was chosen in the library. */
+/** The branch chosen in the library. */
 export const chosenBranch: Signal<LibraryBranch | null> = signal(null);
 
 const roll = signal(0);
@@ -34,11 +34,11 @@ const size = signal(1);
 
 interface Place {
     about: ObjectName;
-    skeleton: Skeleton; // as it was before anything was shown
+    skeleton: Skeleton; // state before all previews
     host: Host;
 }
 
-/** The line that puts a branch there; ids are named when it is known how. */
+/** The line that grafts the branch; nodes are anchored if possible. */
 export function graftLine(branch: LibraryBranch, name: string, host: number, along: number, turned: number, sized: number): NodeLine {
     const options = {
         along: along < 0.995 ? numberWord(along, 0.01) : undefined,
@@ -48,7 +48,7 @@ export function graftLine(branch: LibraryBranch, name: string, host: number, alo
     return { name, nodes: [[host]], line: ([on]) => commandLine([kCommand, name, branch.file, branch.number, on], options) };
 }
 
-/** The last statement that adds to a library; -1 where none does. */
+/** The index of the last statement that adds to a library; -1 if there is no such statement. */
 export function lastAddition({ statements, ran }: State, file: string): number {
     const adds = (line: string) => readLine(line).words.slice(0, 3).map(({ text }) => text).join("\n") === `library\nadd\n${file}`;
     return statements.slice(0, ran).findLastIndex(({ text }) => linesOf(text).some((line) => adds(line.text)));
@@ -56,7 +56,7 @@ export function lastAddition({ statements, ran }: State, file: string): number {
 
 let held: LibraryGraftRun | null = null;
 
-/** The tool while it is in hand: what is dragged out of the library tells it where it is. */
+/** The active tool, which receives the position of a drag from the library. */
 export function libraryGraftHeld(): LibraryGraftRun | null {
     return held;
 }
@@ -91,15 +91,15 @@ export class LibraryGraftRun implements ToolRun {
         }
         const place = this.placed.value;
         const where = place ? ` on node ${place.skeleton.ids[place.host.n]} of ${place.about.name}` : "";
-        return this.gesture?.refusal || `Puts branch ${branch.number}${where}. Click a place of the tree, or select a node and press Enter; arrow keys roll and size it.`;
+        return this.gesture?.refusal || `Grafts branch ${branch.number}${where}. Click a point of the tree, or select a node and press Enter; arrow keys roll and resize it.`;
     }
 
     panel(): VNode {
         return (
             <>
-                <NumberField label="Rolled by" unit="°" value={roll} low={-360} high={360} changed={() => this.show()} />
+                <NumberField label="Roll" unit="°" value={roll} low={-360} high={360} changed={() => this.show()} />
                 <NumberField label="Size" value={size} low={0.01} high={100} changed={() => this.show()} />
-                <Button label="Put it on the selected node" run={() => void this.placeOnSelected()} />
+                <Button label="Graft on the selected node" run={() => void this.placeOnSelected()} />
             </>
         );
     }
@@ -140,7 +140,7 @@ export class LibraryGraftRun implements ToolRun {
         return true;
     }
 
-    /** Shows the branch on what is under a place of the picture; false where that is no tree. */
+    /** Shows the branch at a position of the view; returns false if there is no tree. */
     over(x: number, y: number): boolean {
         const found = this.placeUnder(x, y);
         if (found) {
@@ -152,7 +152,7 @@ export class LibraryGraftRun implements ToolRun {
         return found !== null;
     }
 
-    /** Keeps what is shown. */
+    /** Keeps the shown branch. */
     async end(): Promise<void> {
         const made = this.made();
         const { gesture } = this;
@@ -166,7 +166,8 @@ export class LibraryGraftRun implements ToolRun {
         }
     }
 
-    // A line about a tree stands before what was made of that: here it has to stand behind what filled the library.
+    // A line about a tree is usually inserted before the statements that use it: here it has to follow the statement that filled
+    // the library.
     private async keep(gesture: Gesture, line: string, { kind, name }: ObjectName): Promise<void> {
         const state = this.app.store.state.peek();
         const filled = lastAddition(state, chosenBranch.peek()?.file ?? "");
@@ -186,11 +187,11 @@ export class LibraryGraftRun implements ToolRun {
         if (await this.showOnSelected()) {
             await this.end();
         } else {
-            this.app.store.say("Select a node of a tree first: the branch is put there.", "warning");
+            this.app.store.say("Select a node of a tree first: the branch is grafted there.", "warning");
         }
     }
 
-    /** Shows the branch on the node that is selected; false where none is. */
+    /** Shows the branch at the selected node; returns false if no node is selected. */
     async showOnSelected(): Promise<boolean> {
         const { object, nodes } = this.app.store.selection.peek();
         const skeleton = object?.kind === "skeleton" ? await fetchSkeleton(this.app, object.name) : null;
@@ -204,7 +205,7 @@ export class LibraryGraftRun implements ToolRun {
         return true;
     }
 
-    // While a branch is shown on a tree the picture has a tree that is not in the document; hosts are nodes of that which is.
+    // During a preview the view shows a tree that is not in the document; parents are nodes of the tree in the document.
     private before(name: string): Skeleton | null {
         const known = this.trees.get(name) ?? (this.gesture ? null : skeletonOf(this.app, name));
         if (known) {
@@ -221,7 +222,7 @@ export class LibraryGraftRun implements ToolRun {
             return null;
         }
         if (pick?.node !== undefined && skeleton.index(pick.node) < 0) {
-            return this.placed.peek(); // the branch that is shown itself
+            return this.placed.peek(); // the previewed branch itself
         }
         const host = hostUnder(this.app, about.name, skeleton, x, y);
         return host && { about: { kind: "skeleton", name: about.name }, skeleton, host };
@@ -252,7 +253,7 @@ export class LibraryGraftRun implements ToolRun {
         }
     }
 
-    /** The pointer is over no tree any more. */
+    /** The pointer has left the tree. */
     leave(): void {
         this.gesture?.cancel();
         this.gesture = null;
@@ -266,7 +267,7 @@ export const libraryGraftTools: Tool[] = [
         id: "library-graft",
         label: "From library",
         group: "compose",
-        help: "Puts the branch that is chosen in the library on a tree: drag it there, click, or select a node and press Enter.",
+        help: "Grafts the branch chosen in the library on a tree: drag it there, click, or select a node and press Enter.",
         enabled: (app) => anySkeleton(app) && app.store.schema.peek().some(({ name }) => name === kCommand),
         start: (app) => new LibraryGraftRun(app),
     },

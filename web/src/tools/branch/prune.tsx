@@ -1,4 +1,4 @@
-// A brush that cuts off the tips it is painted over; one line at its end.
+// A brush that cuts off the tips it touches; one line at the end of the stroke.
 import { signal } from "@preact/signals-core";
 import type { VNode } from "preact";
 import type { App, Tool, ToolPointer, ToolRun } from "../../app";
@@ -15,7 +15,7 @@ import { anySkeleton, subtreeSegments } from "./cut";
 const brush = signal(24); // [px]
 const shorter = signal(0.1); // [m]
 
-/** Of the painted nodes those that go: tips, and what holds nothing else that stays. Parents come before children. */
+/** The painted nodes that are removed: tips, and nodes without remaining children. Parents come before children. */
 export function prunable(skeleton: Skeleton, painted: ReadonlySet<number>): number[] {
     const goes = new Uint8Array(skeleton.size);
     for (let n = skeleton.size - 1; n >= 0; --n) {
@@ -24,7 +24,7 @@ export function prunable(skeleton: Skeleton, painted: ReadonlySet<number>): numb
     return skeleton.all().filter((n) => goes[n] === 1 && (skeleton.parent(n) < 0 || goes[skeleton.parent(n)] === 0));
 }
 
-/** Places of the brush on its way, near enough to each other that it leaves nothing out. */
+/** Positions of the brush on its path, close enough to cover it without gaps. */
 export function brushed(from: readonly [number, number], to: readonly [number, number], radius: number): [number, number][] {
     const steps = Math.max(Math.ceil(Math.hypot(to[0] - from[0], to[1] - from[1]) / radius), 1);
     return Array.from({ length: steps }, (_, i) => {
@@ -33,7 +33,7 @@ export function brushed(from: readonly [number, number], to: readonly [number, n
     });
 }
 
-/** The nodes whose segments the brush touches at a place of the picture. */
+/** The nodes with segments that the brush touches at a position of the view. */
 export function touched(
     skeleton: Skeleton,
     pixels: readonly (readonly number[])[],
@@ -43,7 +43,7 @@ export function touched(
 ): number[] {
     return skeleton.all().filter((n) => {
         const parent = skeleton.parent(n);
-        // The half towards the node, so that a brush over a fork's foot takes no branch whole.
+        // Only the half towards the node counts, so that a brush over a fork does not remove a complete branch.
         const from = parent < 0 ? pixels[n] : [0, 1].map((k) => (pixels[parent][k] + pixels[n][k]) / 2);
         return Math.abs(pixels[n][2]) <= 1 && toSegment(x, y, from, pixels[n]).far <= radius;
     });
@@ -127,7 +127,7 @@ class PruneRun implements ToolRun {
             <>
                 <NumberField label="Brush" unit="px" value={brush} low={4} high={200} />
                 <NumberField label="Branches shorter than" unit="m" value={shorter} low={0} />
-                <Button label="Cut those off" run={() => this.byLength()} />
+                <Button label="Cut off shorter branches" run={() => this.byLength()} />
             </>
         );
     }
@@ -198,7 +198,7 @@ class PruneRun implements ToolRun {
         const { skeleton, gesture, about } = this;
         const ids = skeleton ? prunable(skeleton, this.painted).map((n) => skeleton.ids[n]) : [];
         this.gesture = null;
-        this.reset(); // the hand may begin again before the line has run
+        this.reset(); // the user may begin again before the line has run
         if (gesture && about && ids.length > 0) {
             await gesture.run(pruneLine(about, await anchored(this.app, about.name, ids)));
         }
@@ -219,7 +219,7 @@ export const pruneTools: Tool[] = [
         label: "Prune",
         group: "branch",
         shortcut: "P",
-        help: "Cuts off the tips that are painted over; Ctrl and the wheel, or [ and ], change the size of the brush.",
+        help: "Cuts off the painted tips; Ctrl and the wheel, or [ and ], change the size of the brush.",
         enabled: anySkeleton,
         start: (app) => new PruneRun(app),
     },

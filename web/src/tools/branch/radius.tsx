@@ -1,4 +1,4 @@
-// Radii by the wheel over a branch, by a drag sideways, or by a typed factor.
+// Changes radii by the wheel over a branch, by a horizontal drag, or by a typed factor.
 import { signal } from "@preact/signals-core";
 import type { VNode } from "preact";
 import type { App, Tool, ToolPointer } from "../../app";
@@ -9,8 +9,8 @@ import { skeletonOf } from "../kit/skeleton";
 import { commandLine, numberWord, sizeWord } from "../kit/words";
 import { anySkeleton } from "./cut";
 
-const kIdle = 600; // [ms] after which the wheel's gesture ends
-const kWheel = 1 / 1500; // of a pixel of the wheel, on the logarithm of the factor
+const kIdle = 600; // [ms] after which the gesture of the wheel ends
+const kWheel = 1 / 1500; // for a pixel of the wheel, on the logarithm of the factor
 const kDrag = 1 / 150;
 
 const onlyNode = signal(false);
@@ -27,7 +27,7 @@ class RadiusRun extends BranchDragRun {
 
     override stop(): void {
         clearTimeout(this.timer);
-        this.end(); // what the wheel did stays
+        this.end(); // the change by the wheel is kept
         super.stop();
     }
 
@@ -82,7 +82,7 @@ class RadiusRun extends BranchDragRun {
 
     protected text(held: Held | null): string {
         if (!held) {
-            return "Turn the wheel over a branch to make it thicker or thinner, or drag it sideways.";
+            return "Turn the wheel over a branch to make it thicker or thinner, or drag it horizontally.";
         }
         const radius = held.skeleton.radius[held.n];
         const what = onlyNode.value ? "Type a radius in metres" : "Type a factor";
@@ -118,7 +118,7 @@ export const radiusTools: Tool[] = [
         label: "Radius",
         group: "branch",
         shortcut: "T",
-        help: "Makes branches thicker or thinner by the wheel, by dragging sideways, or by a typed factor.",
+        help: "Makes branches thicker or thinner by the wheel, by a horizontal drag, or by a typed factor.",
         enabled: anySkeleton,
         start: (app) => new RadiusRun(app),
     },

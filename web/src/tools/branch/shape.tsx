@@ -1,4 +1,4 @@
-// Straighten, smooth, taper and mirror: one amount each, by a drag sideways, a typed number or a field.
+// Straighten, smooth, taper and mirror: one amount each, by a horizontal drag, a typed number or a field.
 import { type Signal, signal } from "@preact/signals-core";
 import type { VNode } from "preact";
 import type { App, Tool } from "../../app";
@@ -9,7 +9,7 @@ import { kAxes } from "../kit/vector";
 import { commandLine, directionWord, numberWord, sizeWord } from "../kit/words";
 import { anySkeleton } from "./cut";
 
-/** What an amount does to branches. */
+/** The effect of an amount on branches. */
 interface Shape {
     id: string;
     label: string;
@@ -26,7 +26,7 @@ const kShapes: Shape[] = [
     {
         id: "straighten",
         label: "Straighten",
-        help: "Draws the selected branches straight: drag sideways, or type how much; 1 is wholly.",
+        help: "Straightens the selected branches: drag horizontally, or type an amount; 1 is completely straight.",
         field: "Amount",
         first: 1,
         low: 0,
@@ -37,7 +37,7 @@ const kShapes: Shape[] = [
     {
         id: "smooth",
         label: "Smooth",
-        help: "Smooths the course of the selected branches: drag sideways, or type how often.",
+        help: "Smooths the course of the selected branches: drag horizontally, or type the number of passes.",
         field: "Passes",
         first: 4,
         low: 1,
@@ -48,7 +48,7 @@ const kShapes: Shape[] = [
     {
         id: "taper-branch",
         label: "Taper",
-        help: "Lets the selected branches taper evenly: drag sideways, or type the radius at the tip in metres.",
+        help: "Tapers the selected branches evenly: drag horizontally, or type the radius at the tip in metres.",
         field: "Radius at the tip [m]",
         first: 0,
         low: 0,
@@ -61,7 +61,7 @@ const kShapes: Shape[] = [
 
 class ShapeRun extends BranchDragRun {
     private readonly amount: Signal<number>;
-    private asked = false; // by the field
+    private asked = false; // requested by the field
 
     constructor(
         app: App,
@@ -89,7 +89,7 @@ class ShapeRun extends BranchDragRun {
 
     protected text(held: Held | null): string {
         return held
-            ? `${this.shape.label}: ${numberWord(this.now(held), 1e-4)}. Drag sideways or type; Enter ends.`
+            ? `${this.shape.label}: ${numberWord(this.now(held), 1e-4)}. Drag horizontally or type; Enter ends.`
             : "Drag over a branch, or select branches first.";
     }
 
@@ -101,7 +101,7 @@ class ShapeRun extends BranchDragRun {
         this.asked = false;
     }
 
-    // Enter alone does it with the amount of the field.
+    // Enter alone applies the amount of the field.
     override key(event: KeyboardEvent): boolean {
         if (event.key === "Enter" && this.held && !this.underway()) {
             this.ask();
@@ -118,7 +118,7 @@ class ShapeRun extends BranchDragRun {
         const typed = this.typed.values()?.[0];
         const { low, high, perPixel } = this.shape;
         const dragged = this.from && this.last ? this.last.x - this.from.x : 0;
-        // A radius goes by factors of what the branch has, other amounts by steps.
+        // A radius changes by factors of the current one, other amounts by steps.
         const tip = held.skeleton.radius[held.skeleton.axis(held.n).at(-1) ?? held.n];
         const by =
             perPixel > 0
@@ -136,7 +136,7 @@ class MirrorRun extends BranchDragRun {
     private asked = false;
 
     panel(): VNode {
-        return <CheckField label="Keep them, and add mirrored copies" value={copies} changed={() => this.ask()} />;
+        return <CheckField label="Keep the originals, and add mirrored copies" value={copies} changed={() => this.ask()} />;
     }
 
     override key(event: KeyboardEvent): boolean {
@@ -157,7 +157,7 @@ class MirrorRun extends BranchDragRun {
 
     protected text(held: Held | null): string {
         return held
-            ? `Mirrors across ${(this.typed.axis ?? "x").toUpperCase()}. X, Y or Z choose; Enter or a click on the branch ends.`
+            ? `Mirrors across ${(this.typed.axis ?? "x").toUpperCase()}. X, Y or Z select the axis; Enter or a click on the branch ends.`
             : "Click a branch to mirror it, or select branches first.";
     }
 

@@ -1,15 +1,15 @@
-// From a stroke on the screen to points in space: the depth is that of the branches around.
+// Converts a stroke on the screen to points in space: the depth is that of the surrounding branches.
 import type { Point } from "../../protocol";
 import type { Skeleton } from "../kit/skeleton";
 import { add, mix, scaled, simplified } from "../kit/vector";
 
 export type Pixel = readonly [number, number];
 
-const kReach = 80; // [px] within which a node lends its depth
-const kStartWeight = 1; // of the place where the stroke began; it counts less the farther the stroke has gone
+const kReach = 80; // [px] maximum distance of a node that contributes its depth
+const kStartWeight = 1; // of the start of the stroke; it decreases with the length of the stroke
 const kStartReach = 160; // [px]
-const kFloor = 0.02; // of the start, where nothing else is near
-const kMostPoints = 40;
+const kFloor = 0.02; // minimum weight of the start, where no node is close
+const kMaxPoints = 40;
 const kSmoothing = 3;
 
 interface Camera {
@@ -17,7 +17,7 @@ interface Camera {
     toPlane(x: number, y: number, through: Point): Point | null;
 }
 
-/** The places in space whose depth the pixels of a stroke take; the first is `start`. */
+/** The points in space for the pixels of a stroke; the first is `start`. */
 export function depthsOf(stroke: readonly Pixel[], start: Point, skeleton: Skeleton | null, camera: Camera): Point[] {
     const near = skeleton ? skeleton.all().map((n) => ({ at: skeleton.at(n), pixel: camera.toPixels(skeleton.at(n)) })) : [];
     let gone = 0;
@@ -49,11 +49,11 @@ function smooth(points: Point[]): Point[] {
     return now;
 }
 
-/** The branch that a stroke draws; null where it is too short to be one. */
+/** The branch of a stroke; null if the stroke is too short. */
 export function drawnBranch(stroke: readonly Pixel[], start: Point, skeleton: Skeleton | null, camera: Camera): Point[] | null {
     let off = 1;
     let line = simplified(stroke, off);
-    for (; line.length > kMostPoints; off *= 1.5) {
+    for (; line.length > kMaxPoints; off *= 1.5) {
         line = simplified(stroke, off);
     }
     const length = line.reduce((sum, [x, y], i) => sum + (i > 0 ? Math.hypot(x - line[i - 1][0], y - line[i - 1][1]) : 0), 0);

@@ -1,4 +1,4 @@
-// A stroke across two solids picks them; a list at the cursor says what becomes of them. Skeletons are joined so.
+// A stroke across two solids selects them; a list at the pointer offers the operations. Skeletons are joined in the same way.
 import { batch, type Signal, signal } from "@preact/signals-core";
 import { render, type VNode } from "preact";
 import type { App, Label, Tool, ToolPointer, ToolRun } from "../../app";
@@ -26,7 +26,7 @@ export function combineLine(operation: Operation, parts: readonly string[], resu
     });
 }
 
-/** Adds what a stroke comes over: other objects of the kind of the first, each once. */
+/** Adds an object under the stroke: of the same kind as the first, each once. */
 export function gather(parts: readonly ObjectName[], next: ObjectName | undefined): readonly ObjectName[] {
     const fits = next && (parts.length === 0 || parts[0].kind === next.kind);
     return fits && !parts.some(({ name }) => name === next.name) ? [...parts, next] : parts;
@@ -41,8 +41,8 @@ class CombineRun implements ToolRun {
     private gesture: Gesture | null = null;
     private shown: Operation | null = null;
     private stroke: Point[] = [];
-    private readonly met: Label[] = []; // the operands' names, where the stroke met them
-    private before: ReadonlySet<string> | null = null; // what was hidden, while a preview hides the operands
+    private readonly met: Label[] = []; // names of the operands, at the positions where the stroke met them
+    private before: ReadonlySet<string> | null = null; // hidden objects before a preview hides the operands
     private readonly list = document.createElement("div");
     private readonly drawn: Drawn;
 
@@ -51,7 +51,7 @@ class CombineRun implements ToolRun {
         this.list.className = "tool-list";
         this.list.hidden = true;
         this.list.setAttribute("role", "group");
-        this.list.setAttribute("aria-label", "What becomes of them");
+        this.list.setAttribute("aria-label", "Operation");
         this.list.addEventListener("keydown", (event) => this.listKey(event));
         app.view.element().parentElement?.append(this.list);
         const { object } = app.store.selection.peek();
@@ -103,7 +103,7 @@ class CombineRun implements ToolRun {
         return false;
     }
 
-    /** Without a pointer: both operands from lists. */
+    /** For use without a pointer: both operands from lists. */
     panel(): VNode {
         const names = this.names("solid").map((name) => [name, name] as const);
         return (
@@ -240,7 +240,7 @@ class CombineRun implements ToolRun {
         this.showParts();
     }
 
-    // The operands would hide what becomes of them.
+    // The operands would hide the result.
     private hideParts(): void {
         const { hidden } = this.app.store;
         this.before ??= hidden.peek();
@@ -285,7 +285,7 @@ class CombineRun implements ToolRun {
             const result = { kind: parts[0].kind, name };
             batch(() => {
                 this.showParts();
-                hideFor(parts.filter((part) => part.name !== name), result); // they are in it
+                hideFor(parts.filter((part) => part.name !== name), result); // they are contained in it
             });
             selection.value = { ...selection.peek(), object: result, nodes: [] };
             this.first.value = parts[0].kind === "solid" ? name : this.first.peek();
@@ -312,7 +312,7 @@ export const combineTools: Tool[] = [
         label: "Combine",
         group: "crown",
         shortcut: "U",
-        help: "Draw a stroke across two solids: a list gives union, difference, intersection and blends. Skeletons are joined.",
+        help: "Combines solids: draw a stroke across two, and a list offers union, difference, intersection and blends. Skeletons are joined.",
         enabled: (app) =>
             ["solid", "skeleton"].some(
                 (kind) => app.store.state.peek().objects.filter((object) => object.kind === kind).length > 1,

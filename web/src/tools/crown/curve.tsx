@@ -1,4 +1,4 @@
-// Curves through control points in space: drawn point by point, and those of statements edited.
+// Curves through control points in space: new ones are drawn point by point, and existing ones are edited.
 import { effect, type Signal, signal, untracked } from "@preact/signals-core";
 import type { VNode } from "preact";
 import type { App, Tool, ToolPointer, ToolRun } from "../../app";
@@ -24,7 +24,7 @@ const kNudge = 10; // [px]
 
 const command: Signal<CurveCommand> = signal("path");
 
-/** A statement of a curve with these control points and the options that it had. */
+/** The statement of a curve with these control points and its existing options. */
 export function curveLine(
     name: string,
     { command: word, options, comment }: Pick<Controls, "command" | "options" | "comment">,
@@ -37,11 +37,11 @@ export function curveLine(
 
 class CurveRun implements ToolRun {
     private points: Point[] = [];
-    private readonly edited: Signal<Controls | null> = signal(null); // the statement that is edited; null: a new curve
+    private readonly edited: Signal<Controls | null> = signal(null); // the edited statement; null: a new curve
     private object: ObjectName | null = null;
-    private readonly count = signal(0); // of points, for the status line
+    private readonly count = signal(0); // number of points, for the status line
     private active = -1;
-    private readonly writes = signal(0); // under way: the document does not have them yet
+    private readonly writes = signal(0); // pending changes, which are not yet in the document
     private dragging = false;
     private from: Point | null = null;
     private moved = false;
@@ -92,7 +92,7 @@ class CurveRun implements ToolRun {
         }
         const typed = this.typed.text !== "" ? ` ${this.typed.text}` : "";
         return this.controls
-            ? `Drag points of ${this.controls.name}; click the line to add one, Delete takes one away; type x,y,z and Enter.${typed}`
+            ? `Drag points of ${this.controls.name}; click the line to add one, Delete removes one; type x,y,z and Enter.${typed}`
             : `${this.count.value} points. Click to add one, or type x,y,z and Enter; Enter alone ends.${typed}`;
     }
 
@@ -187,7 +187,7 @@ class CurveRun implements ToolRun {
             const inserted = this.insertAt(event, pixels);
             const at = inserted ?? this.placeOf(event);
             if (!at || (this.controls && inserted === null && this.points.length > 0 && !event.control)) {
-                return false; // beside an existing curve: the view turns; Ctrl and a click add to its end
+                return false; // away from an existing curve: the view rotates; Ctrl and a click append a point
             }
             if (inserted === null) {
                 this.points = [...this.points, at];
@@ -201,7 +201,7 @@ class CurveRun implements ToolRun {
         return true;
     }
 
-    /** A new point where the line between two is clicked; null where it is not. */
+    /** A new point on the clicked segment; null if no segment was clicked. */
     private insertAt(event: ToolPointer, pixels: readonly (readonly number[])[]): Point | null {
         for (let i = 1; i < pixels.length; ++i) {
             const { far, share } = toSegment(event.x, event.y, pixels[i - 1], pixels[i]);
@@ -256,7 +256,7 @@ class CurveRun implements ToolRun {
         const typed = typedShift(this.typed);
         this.typed.clear();
         if (typed && values) {
-            // Three numbers are a place; one along an axis goes on from the last point.
+            // Three numbers are a position; one number along an axis is relative to the last point.
             const last = this.points.at(-1) ?? [0, 0, 0];
             const at: Point = values.length === 1 ? add(last, typed) : typed;
             if (this.controls && this.active >= 0) {
@@ -331,7 +331,7 @@ class CurveRun implements ToolRun {
 
     private async make(): Promise<void> {
         if (this.points.length < 2) {
-            this.app.store.say("A curve takes two points or more.", "warning");
+            this.app.store.say("A curve requires at least two points.", "warning");
             return;
         }
         const name = this.name.peek();
@@ -360,7 +360,7 @@ class CurveRun implements ToolRun {
         this.count.value = this.points.length;
         this.drawn.clear();
         if (this.points.length > 1) {
-            this.drawn.line(this.points, kColors.plain, false, 1); // the curve itself is drawn as it will be
+            this.drawn.line(this.points, kColors.plain, false, 1); // the curve itself is drawn as a preview
         }
         if (this.points.length > 0) {
             this.drawn.dots(this.points, kColors.plain, 9);
@@ -377,7 +377,7 @@ export const curveTools: Tool[] = [
         label: "Curve",
         group: "crown",
         shortcut: "K",
-        help: "Draws a curve through points, for sweeps and skins or as a solid, and edits the points of one that is selected.",
+        help: "Draws a curve through points, for sweeps and skins or as a solid, and edits the points of a selected curve.",
         start: (app) => new CurveRun(app),
     },
 ];

@@ -1,4 +1,4 @@
-// Revolutions, sweeps and skins of profiles and paths that are there.
+// Revolutions, sweeps and skins of existing profiles and paths.
 import { effect, type Signal, signal } from "@preact/signals-core";
 import type { VNode } from "preact";
 import type { App, Tool, ToolRun } from "../../app";
@@ -10,9 +10,9 @@ import { commandLine, numberWord, pointWord } from "../kit/words";
 export type Way = "revolve" | "sweep" | "skin";
 
 const kWays: readonly (readonly [Way, string])[] = [
-    ["revolve", "Turned about an axis"],
-    ["sweep", "Carried along a path"],
-    ["skin", "A skin through sections"],
+    ["revolve", "Revolution about an axis"],
+    ["sweep", "Sweep along a path"],
+    ["skin", "Skin through sections"],
 ];
 const kBlends = ["linear", "quadratic", "cubic", "smooth"].map((blend) => [blend, blend] as const);
 
@@ -21,14 +21,14 @@ export interface Loft {
     name: string;
     profile: string;
     path: string;
-    sections: readonly (readonly [string, number])[]; // profiles and parts of the path's length
+    sections: readonly (readonly [string, number])[]; // profiles and fractions of the length of the path
     origin: readonly number[];
     twist: number; // [degrees]
-    end: number; // size of the profile at the path's end
+    end: number; // scale of the profile at the end of the path
     blend: string;
 }
 
-/** Null where something is missing. */
+/** Null if something is missing. */
 export function loftLine(loft: Loft): string | null {
     const { way, name, profile, path, sections, origin, twist, end, blend } = loft;
     const turned = twist !== 0 ? numberWord(twist, 0.01) : undefined;
@@ -82,7 +82,7 @@ class LoftRun implements ToolRun {
     status(): string {
         return (
             this.gesture?.refusal ||
-            (this.line() ? "Enter makes it; Esc takes it back." : "Choose a profile, and a path for sweeps and skins.")
+            (this.line() ? "Enter creates it; Esc discards it." : "Choose a profile, and a path for sweeps and skins.")
         );
     }
 
@@ -186,7 +186,7 @@ class LoftRun implements ToolRun {
         const line = this.line();
         const name = this.name.peek();
         if (!line) {
-            this.app.store.say("A revolution takes a profile; sweeps and skins also take a path.", "warning");
+            this.app.store.say("A revolution requires a profile; sweeps and skins also require a path.", "warning");
             return;
         }
         const gesture = this.gesture ?? new Gesture(this.app);
@@ -203,7 +203,7 @@ export const loftTools: Tool[] = [
         id: "loft",
         label: "Revolve, sweep, skin",
         group: "crown",
-        help: "Makes a solid of profiles: turned about an axis, carried along a path, or as a skin through sections.",
+        help: "Makes a solid from profiles: revolved about an axis, swept along a path, or as a skin through sections.",
         enabled: (app) => app.store.state.peek().objects.some(({ kind }) => kind === "profile"),
         start: (app) => new LoftRun(app),
     },

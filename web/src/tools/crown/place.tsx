@@ -1,4 +1,4 @@
-// Primitives placed by dragging on the ground or on a surface: first how wide, then how high.
+// Primitives placed by a drag on the ground or on a surface: first the radius, then the height.
 import { effect, type Signal, signal } from "@preact/signals-core";
 import type { VNode } from "preact";
 import type { App, Tool, ToolPointer, ToolRun } from "../../app";
@@ -22,10 +22,10 @@ const kPrimitives: readonly (readonly [Primitive, string])[] = [
     ["disc", "Disc"],
 ];
 
-const kRound = 0.1; // of the radius: how round the edges of boxes, cylinders and cones are
+const kRound = 0.1; // relative to the radius: rounding of the edges of boxes, cylinders and cones
 const kHigh = new Set<Primitive>(["box", "cylinder", "cone", "line"]);
 
-/** The command of a primitive whose middle, or the middle of whose foot, is `at`. */
+/** The command of a primitive with its centre, or the centre of its base, at `at`. */
 export function primitiveLine(shape: Primitive, name: string, at: Point, radius: number, height: number, step: number): string {
     const size = (value: number) => sizeWord(value, step);
     const place = (point: Point) => pointWord(point, step);
@@ -44,7 +44,7 @@ export function primitiveLine(shape: Primitive, name: string, at: Point, radius:
                 radius: size(radius * kRound),
             });
         case "line": {
-            const cap = Math.min(radius, 0.45 * Math.abs(height)); // its ends may not coincide
+            const cap = Math.min(radius, 0.45 * Math.abs(height)); // the ends must not coincide
             return commandLine(["line", name], { from: place(up(low + cap)), to: place(up(high - cap)), radius: size(radius) });
         }
         case "box": {
@@ -66,16 +66,16 @@ export function primitiveLine(shape: Primitive, name: string, at: Point, radius:
 }
 
 const shape = signal<Primitive>("sphere");
-const kExact = 1e-4; // [m] of numbers that were typed
+const kExact = 1e-4; // [m] resolution of typed numbers
 
-/** The fields hold what is being made: the pointer, keys and the fields themselves write there. */
+/** The fields contain the current primitive: the pointer, keys and the fields themselves change them. */
 class PlaceRun implements ToolRun {
     private readonly stage: Signal<"none" | "wide" | "high" | "fields"> = signal("none");
     private readonly name = signal("");
     private readonly center = pointSignals([0, 0, 0]);
     private readonly radius = signal(1);
     private readonly height = signal(2);
-    private heightFrom = 0; // of the pointer, where the second stage began
+    private heightFrom = 0; // of the pointer at the start of the second stage
     private gesture: Gesture | null = null;
     private readonly typed = new Typed();
     private readonly drawn: Drawn;
@@ -104,13 +104,13 @@ class PlaceRun implements ToolRun {
         }
         switch (this.stage.value) {
             case "none":
-                return "Press where it is to stand, and drag to make it as wide as it is to be; or fill in the fields.";
+                return "Press at its position, and drag to set its radius; or fill in the fields.";
             case "wide":
                 return `Radius ${sizeWord(this.radius.value, this.step())} m. Type a radius, or a radius and a height; Enter ends.`;
             case "high":
                 return `Height ${sizeWord(Math.abs(this.height.value), this.step())} m. Move and click, or type it; Enter ends.`;
             case "fields":
-                return "Enter makes it; Esc takes it back.";
+                return "Enter creates it; Esc discards it.";
         }
     }
 
@@ -188,7 +188,7 @@ class PlaceRun implements ToolRun {
         }
     }
 
-    // So many digits as the hand has; what was typed is kept.
+    // The number of digits depends on the zoom; typed numbers are kept.
     private step(): number {
         const isTyped = this.stage.peek() === "fields" || this.stage.peek() === "none" || this.typed.values() !== null;
         return isTyped ? kExact : this.app.view.pixelSize(this.at) / 10;
@@ -244,7 +244,7 @@ class PlaceRun implements ToolRun {
         const size = this.app.view.pixelSize(this.at);
         const isWide = this.stage.peek() === "wide";
         if (isWide && this.radius.peek() < 3 * size) {
-            this.radius.value = this.rounded(40 * size); // a click: as large as a hand would draw it
+            this.radius.value = this.rounded(40 * size); // a click: a size that is easy to draw
             this.height.value = 2 * this.radius.peek();
             this.show();
         }

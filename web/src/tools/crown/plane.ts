@@ -1,4 +1,4 @@
-// The plane of the profile editor: how pixels and metres go together, and what its points become.
+// The plane of the profile editor: conversion between pixels and metres, and the statement of its points.
 import type { Controls } from "../kit/source";
 import { roundStep, toSegment } from "../kit/vector";
 import { commandLine, numberWord, pointWord } from "../kit/words";
@@ -6,7 +6,7 @@ import { commandLine, numberWord, pointWord } from "../kit/words";
 export type Place = readonly [number, number]; // [m] x, y; y upward
 
 export interface Plane {
-    scale: number; // [px] of a metre
+    scale: number; // [px] per metre
     left: number; // [px] where x is 0
     top: number; // [px] where y is 0
 }
@@ -17,7 +17,7 @@ export const toPlace = ({ scale, left, top }: Plane, x: number, y: number): [num
     (top - y) / scale,
 ];
 
-/** Keeps what is under the pointer there. */
+/** Zooms with the point under the pointer fixed. */
 export function zoomed(plane: Plane, x: number, y: number, factor: number): Plane {
     const scale = Math.min(Math.max(plane.scale * factor, 1e-3), 1e6);
     const by = scale / plane.scale;
@@ -34,10 +34,10 @@ export function framing(points: readonly Place[], width: number, height: number)
     return { scale, left: width / 2 - ((low + high) / 2) * scale, top: height / 2 + ((bottom + top) / 2) * scale };
 }
 
-/** Metres between the lines of the grid: some 40 pixels. */
+/** [m] spacing of the grid: about 40 pixels. */
 export const gridStep = (plane: Plane): number => roundStep(40 / plane.scale);
 
-/** Where a click on the outline puts a new point: before the point of this index; -1 where it hits no piece. */
+/** The index before which a click on the outline inserts a point; -1 if the click hits no segment. */
 export function pieceAt(points: readonly Place[], closed: boolean, plane: Plane, x: number, y: number, most: number): number {
     const pixels = points.map((point) => toPixel(plane, point));
     const pieces = closed && points.length > 2 ? points.length : points.length - 1;
@@ -57,10 +57,10 @@ export interface Outline {
     name: string;
     points: readonly Place[];
     closed: boolean;
-    kind: string; // how the curve runs from point to point
+    kind: string; // kind of the interpolation between points
 }
 
-/** The statement of an outline; options that the editor does not show stay as they were. */
+/** The statement of an outline; options that the editor does not show are preserved. */
 export function outlineLine(outline: Outline, step: number, before?: Pick<Controls, "options" | "comment">): string {
     const kept = Object.fromEntries(Object.entries(before?.options ?? {}).filter(([key]) => key !== "closed" && key !== "kind"));
     const points = outline.points.map((point) => pointWord(point, step));
@@ -74,10 +74,10 @@ export function outlineLine(outline: Outline, step: number, before?: Pick<Contro
 
 export const placeText = (place: Place, step: number): string => place.map((value) => numberWord(value, step)).join(", ");
 
-// The control point of a cubic beside `at`, whose neighbours are `from` behind and `to` ahead.
+// The control point of a cubic next to `at`, between the neighbours `from` and `to`.
 const tangent = (at: Place, from: Place, to: Place): string => at.map((value, k) => value + (to[k] - from[k]) / 6).join(" ");
 
-/** The outline as SVG's path data, smooth where the curve is: what the editor shows, near enough to edit by. */
+/** The outline as SVG path data, smooth if the curve is smooth: an approximation that is sufficient for editing. */
 export function outlinePath(points: readonly Place[], closed: boolean, smooth: boolean, plane: Plane): string {
     const at = points.map((point) => toPixel(plane, point));
     if (at.length < 2) {

@@ -1,4 +1,4 @@
-// The picture of the profile editor, with a button for every control point.
+// The view of the profile editor, with a button for every control point.
 import type { VNode } from "preact";
 import { numberWord } from "../kit/words";
 import { gridStep, outlinePath, type Place, placeText, type Plane, toPixel, toPlace } from "./plane";
@@ -9,7 +9,7 @@ interface Props {
     smooth: boolean;
     active: number;
     plane: Plane;
-    size: readonly [number, number]; // [px] of the picture
+    size: readonly [number, number]; // [px] of the view
     choose(index: number, held: boolean): void;
     add(x: number, y: number, snap: boolean): void;
     drag(x: number, y: number, snap: boolean): void;
@@ -18,24 +18,24 @@ interface Props {
     zoom(x: number, y: number, factor: number): void;
 }
 
-const kMostLines = 80;
-const kMargin = 4; // [px] between numbers of the grid and what they stand at
+const kMaxLines = 80;
+const kMargin = 4; // [px] between the numbers of the grid and their lines
 
 function gridLines(plane: Plane, width: number, height: number): VNode[] {
     const step = gridStep(plane);
-    // Numbers stand at the axes, or at the edge that is nearer to these.
+    // Numbers are placed at the axes, or at the closer edge if an axis is not visible.
     const [left, top] = toPixel(plane, [0, 0]);
     const [beside, below] = [Math.min(Math.max(left, 0), width - 30), Math.min(Math.max(top, 0), height - 16)];
     const number = (value: number) => numberWord(value * step, step);
     const [low, high] = toPlace(plane, 0, 0);
     const [right, bottom] = toPlace(plane, width, height);
     const lines: VNode[] = [];
-    for (let x = Math.ceil(low / step), n = 0; x * step <= right && n < kMostLines; ++x, ++n) {
+    for (let x = Math.ceil(low / step), n = 0; x * step <= right && n < kMaxLines; ++x, ++n) {
         const [at] = toPixel(plane, [x * step, 0]);
         lines.push(<line key={`x${x}`} class={x === 0 ? "axis" : ""} x1={at} x2={at} y1={0} y2={height} />);
         lines.push(<text key={`tx${x}`} x={at + kMargin} y={below + 12}>{number(x)}</text>);
     }
-    for (let y = Math.ceil(bottom / step), n = 0; y * step <= high && n < kMostLines; ++y, ++n) {
+    for (let y = Math.ceil(bottom / step), n = 0; y * step <= high && n < kMaxLines; ++y, ++n) {
         const [, at] = toPixel(plane, [0, y * step]);
         lines.push(<line key={`y${y}`} class={y === 0 ? "axis" : ""} x1={0} x2={width} y1={at} y2={at} />);
         if (y !== 0) {
@@ -100,7 +100,7 @@ export function PlaneView(props: Props): VNode {
         <svg
             class="plane"
             role="group"
-            aria-label="Plane of the profile: the upright line is the axis of revolution. Arrow keys move the point that is chosen."
+            aria-label="Plane of the profile: the upright line is the axis of revolution. Arrow keys move the selected point."
             onPointerDown={press}
             onWheel={wheel}
             onContextMenu={(event) => event.preventDefault()}

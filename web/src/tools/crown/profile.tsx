@@ -18,12 +18,12 @@ const kKinds: readonly (readonly [string, string])[] = [
 ];
 const kCommands: readonly (readonly ["profile" | "contour", string])[] = [
     ["profile", "Line or area"],
-    ["contour", "Smoothest outline"],
+    ["contour", "Smooth outline"],
 ];
-const kHit = 6; // [px] beside the outline where a click still adds to it
+const kHit = 6; // [px] maximum distance from the outline at which a click adds a point to it
 const kNudge = 5; // [px] of an arrow key
 
-let kept: readonly Place[] = []; // what was drawn and not made, for when the tool is taken again
+let kept: readonly Place[] = []; // an unfinished drawing, for the next use of the tool
 
 class ProfileRun implements ToolRun {
     private readonly command: Signal<"profile" | "contour"> = signal("profile");
@@ -37,7 +37,7 @@ class ProfileRun implements ToolRun {
     private readonly typedY = signal(0);
     private readonly editing: Signal<Controls | null> = signal(null);
     private gesture: Gesture | null = null;
-    private readonly writes = signal(0); // under way: the document does not have them yet
+    private readonly writes = signal(0); // pending changes, which are not yet in the document
     private dragging = false;
     private readonly beside: Beside;
     private readonly stopEffect: () => void;
@@ -67,7 +67,7 @@ class ProfileRun implements ToolRun {
     status(): string {
         return (
             this.gesture?.refusal ||
-            "Click to add points, drag them, Delete takes one away; the wheel zooms, Shift and a drag moves the plane."
+            "Click to add points, drag them, Delete removes one; the wheel zooms, Shift and a drag move the plane."
         );
     }
 
@@ -115,12 +115,12 @@ class ProfileRun implements ToolRun {
                     {this.editing.value ? (
                         <>
                             <Button label="Make a solid of it" run={() => this.app.take("loft")} />
-                            <Button label="A new one" run={() => this.renew()} />
+                            <Button label="A new profile" run={() => this.renew()} />
                         </>
                     ) : (
                         <>
                             <Button label="Make it" run={() => void this.make()} disabled={this.points.value.length < 2} />
-                            <Button label="Begin anew" run={() => this.clear()} disabled={this.points.value.length === 0} />
+                            <Button label="Start again" run={() => this.clear()} disabled={this.points.value.length === 0} />
                         </>
                     )}
                     <Button label="Done" run={() => this.app.take("select")} />
@@ -288,7 +288,7 @@ class ProfileRun implements ToolRun {
         }
     }
 
-    // A profile that is there is written anew at once; one that is not yet, when it is made. Small steps of a point join.
+    // An existing profile is rewritten at once, a new one when it is finished. Small steps of a point are joined.
     private changed(joins = false): void {
         const controls = this.editing.peek();
         if (!controls) {
@@ -318,7 +318,7 @@ export const profileTools: Tool[] = [
         id: "profile",
         label: "Profile",
         group: "crown",
-        help: "Draws the cross-section of a revolution, sweep or skin in a plane, and edits the points of one that is selected.",
+        help: "Draws the cross-section of a revolution, sweep or skin in a plane, and edits the points of a selected profile.",
         start: (app) => new ProfileRun(app),
     },
 ];

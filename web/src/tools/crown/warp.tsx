@@ -1,4 +1,4 @@
-// Twisting, tapering and bending solids by a handle at their end.
+// Twists, tapers and bends solids by a handle at their end.
 import { effect, type Signal, signal, untracked } from "@preact/signals-core";
 import type { VNode } from "preact";
 import type { App, Tool, ToolPointer, ToolRun } from "../../app";
@@ -12,7 +12,7 @@ import { commandLine, directionWord, numberWord, pointWord, sizeWord } from "../
 
 export type Warp = "twist" | "taper" | "bend";
 
-/** The middles of the two sides of a box across an axis. */
+/** The centres of the two sides of a box across an axis. */
 export function warpAxis(bounds: SceneObject["bounds"], axis: Axis): [Point, Point] {
     const at = "xyz".indexOf(axis);
     const middle = [0, 1, 2].map((i) => (bounds[i] + bounds[i + 3]) / 2);
@@ -21,11 +21,11 @@ export function warpAxis(bounds: SceneObject["bounds"], axis: Axis): [Point, Poi
 }
 
 export interface Warped {
-    amount: number; // degrees of twist over the whole, a factor, or degrees of bend
+    amount: number; // total twist in degrees, a factor, or bend in degrees
     side: Point;
 }
 
-/** What a drag of the handle at the far end comes to. */
+/** The amount for a drag of the handle at the far end. */
 export function warpOf(warp: Warp, from: Point, to: Point, by: Point, pixels: number): Warped {
     const along = normalized(subtract(to, from));
     const side = normalized(across(by, along), [1, 0, 0]);
@@ -37,7 +37,7 @@ export function warpOf(warp: Warp, from: Point, to: Point, by: Point, pixels: nu
     }
     const moved = add(to, across(by, along));
     const chord = (angleBetween(subtract(to, from), subtract(moved, from)) * 180) / Math.PI;
-    return { amount: Math.min(2 * chord, 180), side }; // the end of an arc turns by twice what its chord does
+    return { amount: Math.min(2 * chord, 180), side }; // the end of an arc rotates by twice the angle of its chord
 }
 
 export function warpLine(
@@ -63,7 +63,7 @@ export function warpLine(
     }
 }
 
-/** The axis of a solid as a bend leaves it: an arc of the same length. */
+/** The axis of a bent solid: an arc of the same length. */
 export function bentAxis([from, to]: [Point, Point], { amount, side }: Warped, parts = 24): Point[] {
     const far = distance(from, to);
     const along = normalized(subtract(to, from));
@@ -128,7 +128,7 @@ class WarpRun implements ToolRun {
     }
 
     panel(): VNode {
-        const label = { twist: "Degrees over the whole", taper: "Factor at the end", bend: "Degrees" }[this.warp];
+        const label = { twist: "Total degrees", taper: "Factor at the end", bend: "Degrees" }[this.warp];
         return (
             <>
                 <NumberField
@@ -282,12 +282,12 @@ class WarpRun implements ToolRun {
         this.drawn.dots(this.handles, kColors.hot, 13);
     }
 
-    /** Across the axis: where a bend goes that no drag leads. */
+    /** Across the axis: the direction of a bend without a drag. */
     private get side(): Point {
         return this.typed.axis === "x" ? kAxes.z : kAxes.x;
     }
 
-    /** Of the circles that show how far the ends turn or grow. */
+    /** Radius of the circles that show the rotation or scale of the ends. */
     private get radius(): number {
         const [x0, y0, z0, x1, y1, z1] = this.solid?.bounds ?? [0, 0, 0, 1, 1, 1];
         const sizes = { x: x1 - x0, y: y1 - y0, z: z1 - z0 };
@@ -301,7 +301,7 @@ const solidSelected = (app: App) => app.store.selection.peek().object?.kind === 
 const kTools: readonly (readonly [Warp, string, string])[] = [
     ["twist", "Twist", "Twists the selected solid about its axis: drag the handle at its end sideways, or type degrees."],
     ["taper", "Taper", "Makes the selected solid narrower or wider towards its end: drag the handle sideways, or type a factor."],
-    ["bend", "Bend", "Bends the selected solid: drag the handle at its end to where it is to go, or type degrees."],
+    ["bend", "Bend", "Bends the selected solid: drag the handle at its end to its new position, or type degrees."],
 ];
 
 export const warpTools: Tool[] = kTools.map(([warp, label, help]) => ({

@@ -1,4 +1,4 @@
-// A part of the page that stands beside the 3D view, which makes room for it.
+// A component of the page next to the 3D view, which makes room for it.
 import type { ComponentChildren } from "preact";
 import { render } from "preact";
 import type { App } from "../../app";

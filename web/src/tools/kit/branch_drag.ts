@@ -1,4 +1,4 @@
-// What all tools share that take hold of a branch, change it while they drag, and end as one line.
+// Common base of all tools that drag a branch: the change is previewed during the drag, and ends as one line.
 import { type Signal, signal } from "@preact/signals-core";
 import type { App, ToolPointer, ToolRun } from "../../app";
 import type { ObjectName, Point } from "../../protocol";
@@ -11,12 +11,12 @@ import { subtract } from "./vector";
 
 const kExact = 1e-6;
 
-/** A node that is held; its skeleton is the one from before the drag. */
+/** The dragged node; its skeleton is the one from before the drag. */
 export interface Held {
     about: ObjectName;
     skeleton: Skeleton;
     n: number;
-    ids: number[]; // what lines name: the held branch, or all that are selected where it is one of them
+    ids: number[]; // nodes named in lines: the dragged branch, or the whole selection if it contains that branch
 }
 
 export abstract class BranchDragRun implements ToolRun {
@@ -43,16 +43,16 @@ export abstract class BranchDragRun implements ToolRun {
         this.holds.value = held;
     }
 
-    /** The line by where the pointer is and what was typed; null where there is nothing to do. */
+    /** The line for the position of the pointer and the typed text; null if there is no change. */
     protected abstract made(held: Held): NodeLine | null;
     protected abstract text(held: Held | null): string;
-    /** What is shown in the picture. */
+    /** Draws the preview of the tool. */
     protected draw(): void {}
-    /** The node that is taken hold of by one that was picked. */
+    /** The node that is dragged when a node is picked. */
     protected grip(_skeleton: Skeleton, n: number): number {
         return n;
     }
-    /** Back to where nothing was done. */
+    /** Resets the tool. */
     protected clear(): void {}
 
     stop(): void {
@@ -110,7 +110,7 @@ export abstract class BranchDragRun implements ToolRun {
         return this.gesture !== null || this.from !== null || this.typed.text !== "";
     }
 
-    /** How far the pointer went at the depth of a point, across the line of sight or along what was typed. */
+    /** The movement of the pointer at the depth of a point, across the line of sight or along the typed axis. */
     protected shift(at: Point): Point {
         const { view } = this.app;
         if (!this.from || !this.last) {
@@ -121,18 +121,18 @@ export abstract class BranchDragRun implements ToolRun {
         return now && before ? this.typed.constrain(subtract(now, before)) : [0, 0, 0];
     }
 
-    /** How exact numbers of the line are: as the hand is, or as they were typed. */
+    /** Resolution of the numbers in the line: for the pointer, or exact for typed ones. */
     protected step(at: Point): number {
         return this.typed.values() ? kExact : this.app.view.pixelSize(at) / 10;
     }
 
-    /** From a field of the panel, as if it was typed. */
+    /** Input from a field of the panel, like typed text. */
     protected type(text: string): void {
         this.typed.text = text;
         this.show();
     }
 
-    /** Shows what there is to be shown now. */
+    /** Updates the preview. */
     protected show(): void {
         const made = this.held && this.made(this.held);
         if (this.held && made) {
@@ -192,7 +192,7 @@ export abstract class BranchDragRun implements ToolRun {
         return true;
     }
 
-    // A selection is worked on as a whole where the pointer takes hold of a part of it; null where it does not.
+    // The whole selection is changed if the pointer drags a part of it; null otherwise.
     private idsWith(object: ObjectName, skeleton: Skeleton, n: number): number[] | null {
         const { nodes, extent, object: selected } = this.app.store.selection.peek();
         const same = selected?.kind === "skeleton" && selected.name === object.name;

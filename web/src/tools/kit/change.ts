@@ -1,4 +1,4 @@
-// Moving, turning and sizing: from a drag or typed numbers to a change, and from a change to a line.
+// Moving, rotating and scaling: from a drag or typed numbers to a change, and from a change to a line.
 import type { App, Ray } from "../../app";
 import type { ObjectName, Point, SceneObject } from "../../protocol";
 import { anchored } from "./naming";
@@ -11,14 +11,14 @@ export type Mode = "move" | "turn" | "size";
 export type Change =
     { mode: "move"; by: Point } | { mode: "turn"; axis: Point; degrees: number } | { mode: "size"; factors: Point };
 
-/** What is changed, and how its line reads. */
+/** The changed object or nodes, and the line for a change. */
 export interface Target {
     about: ObjectName;
     pivot: Point;
     label: string;
-    evenly: boolean; // sizes by one factor only
+    evenly: boolean; // uniform scale only
     line(change: Change, step: number): string;
-    final(change: Change, step: number): Promise<string>; // the line as it is to be kept
+    final(change: Change, step: number): Promise<string>; // the line to store in the document
 }
 
 const kFactorStep = 1e-3;
@@ -37,11 +37,11 @@ export function isNothing(change: Change): boolean {
 
 function factorsWord(factors: Point): string {
     const words = factors.map((factor) => numberWord(factor, kFactorStep));
-    const safe = words.map((word) => (Number(word) === 0 ? "0.001" : word)); // a size of 0 is refused
+    const safe = words.map((word) => (Number(word) === 0 ? "0.001" : word)); // a scale of 0 is refused
     return safe.every((word) => word === safe[0]) ? safe[0] : safe.join(",");
 }
 
-/** translate, rotate or scale of a whole solid or skeleton. */
+/** Translate, rotate or scale of a whole solid or skeleton. */
 export function objectLine(app: Pick<App, "store">, object: ObjectName, change: Change, pivot: Point, step: number): string {
     const kind = kindOption(app.store.state.peek().objects, object, ["solid", "skeleton"]);
     switch (change.mode) {
@@ -57,7 +57,7 @@ export function objectLine(app: Pick<App, "store">, object: ObjectName, change: 
     }
 }
 
-/** edit translate, rotate or scale of branches; edit move of one node. */
+/** Edit translate, rotate or scale of branches; edit move of one node. */
 export function branchLine(tree: string, selection: string, alone: boolean, change: Change, step: number): string {
     switch (change.mode) {
         case "move":
@@ -98,7 +98,7 @@ function branchTarget(app: App, object: ObjectName, ids: readonly number[], exte
     };
 }
 
-/** What is selected, where it can be moved: a solid, a skeleton, or branches of one. */
+/** The selection, if it can be moved: a solid, a skeleton, or branches of a skeleton. */
 export function selectedTarget(app: App): Target | null {
     const { object, nodes, extent } = app.store.selection.peek();
     const found = object && app.store.find(object.kind, object.name);
@@ -120,10 +120,10 @@ export function selectedTarget(app: App): Target | null {
     };
 }
 
-/** A drag of a handle or of the picture; what it gives before axes, snapping and typed numbers are looked at. */
+/** A drag of a handle or of the view, before axes, snapping and typed numbers are applied. */
 export interface Dragged {
     by: Point; // [m] across the line of sight, or along the handle
-    turn: number; // [degrees] about the axis in hand, or about the line of sight, counter-clockwise
+    turn: number; // [degrees] about the active axis, or about the line of sight, counter-clockwise
     factor: number;
 }
 
@@ -131,28 +131,28 @@ export interface Reading {
     mode: Mode;
     typed: Typed;
     evenly: boolean;
-    sight: Point; // into the picture
+    sight: Point; // into the view
     snap: boolean;
     grid: number; // [m] of snapping
 }
 
-const kFacing = 0.25; // the cosine from which on a ring is seen as one, and not on its edge
+const kFacing = 0.25; // minimum cosine at which a ring is treated as facing the camera, and not as edge-on
 
-/** [degrees] that a drag from one line of sight to another turns about an axis; `radius` is that of the ring in hand. */
+/** [degrees] rotation about an axis for a drag from one line of sight to another; `radius` is the radius of the active ring. */
 export function turnAbout(axis: Point, pivot: Point, from: Ray, to: Ray, sight: Point, radius: number): number {
     const [before, now] = [from, to].map((ray) => onPlane(ray, pivot, axis));
     if (before && now && Math.abs(dot(axis, sight)) > kFacing) {
         return (angleAbout(subtract(before, pivot), subtract(now, pivot), axis) * 180) / Math.PI;
     }
     const [left, right] = [from, to].map((ray) => onPlane(ray, pivot, sight));
-    const along = cross(sight, axis); // where the near side of the ring goes
+    const along = cross(sight, axis); // direction of the near side of the ring
     return left && right && radius > 0 ? (dot(subtract(right, left), along) / radius / Math.PI) * 180 : 0;
 }
 
 const kTurnGrid = 5; // [degrees]
 const kFactorGrid = 0.1;
 
-/** The change that a drag and what was typed mean together. What was typed counts more. */
+/** The change of a drag and typed text. Typed text has priority. */
 export function changeOf(dragged: Dragged, { mode, typed, evenly, sight, snap, grid }: Reading): Change {
     if (mode === "move") {
         const free = typed.constrain(dragged.by);
@@ -181,7 +181,7 @@ function factorsOf(values: number[] | null, free: number, typed: Typed, evenly: 
     return [0, 1, 2].map((i) => ((i === axis) !== typed.plane ? factor : 1)) as Point;
 }
 
-/** In words, for the status line. */
+/** Text for the status line. */
 export function changeText(change: Change, step: number): string {
     switch (change.mode) {
         case "move":

@@ -1,4 +1,4 @@
-// What tools draw into the picture: lines, dots and handles that keep their size on the screen.
+// Lines, dots and handles that tools draw into the view, with a constant size on the screen.
 import * as THREE from "three";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
@@ -11,7 +11,7 @@ export const kColors = { x: 0xe5534b, y: 0x57ab5a, z: 0x539bf5, hot: 0xffd33d, p
 
 const kRim = 0x15181a;
 
-/** A group in the overlay that is emptied, with all that the card holds of it, when its tool is put down. */
+/** A group in the overlay that is emptied, and its GPU resources released, when its tool is deactivated. */
 export class Drawn {
     readonly group = new THREE.Group();
 
@@ -36,7 +36,7 @@ export class Drawn {
         this.app.view.requestDraw();
     }
 
-    /** A line through points; pairs where `pieces`. A dark rim lets it be seen before any ground. */
+    /** A line through points; separate pairs if `pieces`. A dark rim makes it visible on any background. */
     line(points: readonly Point[], color = kColors.hot, pieces = false, wide = 2): void {
         const ends = pieces ? points : points.slice(1).flatMap((point, i) => [points[i], point]);
         if (ends.length === 0) {
@@ -57,7 +57,7 @@ export class Drawn {
         }
     }
 
-    /** What lies between the corners of a convex face; it lets through what is behind. */
+    /** A transparent convex face between corners. */
     area(corners: readonly Point[], color = kColors.hot): void {
         const fan = corners.slice(2).flatMap((corner, i) => [corners[0], corners[i + 1], corner]);
         const geometry = new THREE.BufferGeometry();
@@ -71,7 +71,7 @@ export class Drawn {
         this.line(circlePoints(center, axis, radius), color);
     }
 
-    /** A ball that lets through what is in it, with its outline. */
+    /** A transparent ball with its outline. */
     ball(center: Point, radius: number, color = kColors.hot): void {
         const material = new THREE.MeshBasicMaterial({ color, transparent: true, opacity: 0.14, depthWrite: false, depthTest: false });
         const made = new THREE.Mesh(new THREE.SphereGeometry(radius, 32, 16), material);
@@ -97,7 +97,7 @@ export function circlePoints(center: Point, axis: Point, radius: number, parts =
     });
 }
 
-/** The direction from the eye into the picture at a point. */
+/** The direction from the camera into the view at a point. */
 export function sight(app: App, point: Point): Point {
     const [x, y] = app.view.toPixels(point);
     return app.view.ray(x, y).direction;

@@ -1,4 +1,4 @@
-// Fields of tools' panels.
+// Fields of the panels of tools.
 import { signal, type Signal } from "@preact/signals-core";
 import type { ComponentChildren, VNode } from "preact";
 import { FieldTrouble, useNumber } from "../../number_field";
@@ -137,7 +137,7 @@ export function Button({ label, run, disabled }: { label: string; run(): void; d
     );
 }
 
-/** X, Y or Z, as the keys of that name. */
+/** Buttons X, Y and Z, equivalent to the keys. */
 export function AxisButtons({ choose }: { choose(axis: Axis): void }): VNode {
     return (
         <div class="tool-row" role="group" aria-label="Axis">

@@ -1,4 +1,4 @@
-// One gesture: the same line shown while it goes on, and run once at its end.
+// One gesture: the same line is previewed while it continues, and run once at its end.
 import { signal } from "@preact/signals-core";
 import type { App, Ran } from "../../app";
 import type { ObjectName } from "../../protocol";
@@ -13,7 +13,7 @@ export class Gesture {
         readonly about?: ObjectName,
     ) {}
 
-    /** What the engine says against the line last shown; empty where nothing. */
+    /** The error of the engine for the last previewed line; empty if there is no error. */
     get refusal(): string {
         return this.trouble.value;
     }
@@ -40,7 +40,7 @@ export class Gesture {
         );
     }
 
-    /** Runs the line; says why where that is refused, and returns null. */
+    /** Runs the line; if it is refused, reports the reason and returns null. */
     async run(line: string): Promise<Ran | null> {
         const had = this.open;
         this.open = false;
@@ -60,7 +60,7 @@ export class Gesture {
         }
     }
 
-    /** Takes back what was shown. */
+    /** Removes the preview. */
     cancel(): void {
         if (this.open) {
             this.open = false;

@@ -1,4 +1,4 @@
-// Handles on the screen for moving, turning and sizing: arrows, squares, rings and boxes, of one size in pixels.
+// Handles on the screen for moving, rotating and scaling: arrows, squares, rings and boxes, with a constant size in pixels.
 import * as THREE from "three";
 import type { App } from "../../app";
 import type { Point } from "../../protocol";
@@ -9,13 +9,13 @@ import { add, kAxes, scaled, subtract, toSegment } from "./vector";
 
 const kReach = 90; // [px] of an arrow
 export const kRing = 76; // [px]
-const kSquare = 34; // [px] from the pivot to the middle of a plane's square
-const kNear = 12; // [px] that a finger or pointer may be off
+const kSquare = 34; // [px] from the pivot to the centre of the square of a plane
+const kNear = 12; // [px] tolerance for a finger or pointer
 const kGuide = 1000; // [px] from the pivot to the ends of the line along an axis
 const kAxisNames: readonly Axis[] = ["x", "y", "z"];
 
 export interface Handle {
-    axis: Axis | null; // null: in the plane of the picture
+    axis: Axis | null; // null: in the plane of the view
     plane: boolean; // across the axis
 }
 
@@ -36,7 +36,7 @@ export class Gizmo {
         this.drawn.clear();
     }
 
-    /** Draws the handles, and a line along the axis in hand; nothing is done where they stand already. */
+    /** Draws the handles, and a line along the active axis; does nothing if they are already drawn there. */
     show(mode: Mode, pivot: Point, hot: Handle | null, evenly: boolean, guide: Axis | null): void {
         const size = this.app.view.pixelSize(pivot);
         const key = [mode, ...pivot, size.toPrecision(4), hot?.axis, hot?.plane, evenly, guide].join(" ");
@@ -67,7 +67,7 @@ export class Gizmo {
         }
     }
 
-    /** The handle under a place of the picture. */
+    /** The handle at a position of the view. */
     at(mode: Mode, pivot: Point, x: number, y: number, evenly: boolean): Handle | null {
         const { view } = this.app;
         const size = view.pixelSize(pivot);

@@ -1,13 +1,13 @@
-// How lines name nodes: by what is found again where ids have changed, or by ids where the engine cannot do that.
+// Names of nodes in lines: by anchors that remain valid when ids change, or by ids if the engine does not support anchors.
 import type { App } from "../../app";
 import { idSelection } from "./words";
 
-const kMostAnchors = 64; // a selection of more nodes is named by ids; its line would be too long to read
+const kMaxAnchors = 64; // a selection of more nodes is named by ids, because its line would be too long to read
 let offered = true;
 
-/** A selection that holds these nodes, by places and kinds where the engine offers that. */
+/** A selection of these nodes, by positions and kinds if the engine supports that. */
 export async function anchored(app: App, name: string, ids: readonly number[]): Promise<string> {
-    if (!offered || ids.length > kMostAnchors) {
+    if (!offered || ids.length > kMaxAnchors) {
         return idSelection(ids);
     }
     try {
@@ -19,7 +19,7 @@ export async function anchored(app: App, name: string, ids: readonly number[]): 
     }
 }
 
-/** A line made twice: with ids while it is previewed, anchored when it is run. */
+/** A line in two forms: with ids during previews, anchored when it is run. */
 export interface NodeLine {
     name: string; // of the skeleton
     nodes: number[][]; // ids of each selection in the line

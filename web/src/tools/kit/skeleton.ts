@@ -1,4 +1,4 @@
-// A skeleton as tools look at it: who grows from whom, and what a selection holds.
+// A skeleton with its hierarchy and selections, for tools.
 import { effect, untracked } from "@preact/signals-core";
 import type { App, Geometry, Pick, Selection } from "../../app";
 import type { Point } from "../../protocol";
@@ -6,12 +6,12 @@ import { meshSources } from "../../view/sources";
 import { toSegment } from "./vector";
 
 const kNone = 0xffffffff;
-const kMostFetched = 16;
+const kMaxFetched = 16;
 
 export type Extent = Selection["extent"];
 export const kExtents: readonly Extent[] = ["node", "branch", "subtree", "tree", "connected"];
 
-/** Indices count nodes of this value; ids are what lines name. Parents come before their children. */
+/** Indices are positions in the arrays of this value; lines use ids. Parents come before their children. */
 export class Skeleton {
     readonly size: number;
     readonly children: number[][];
@@ -43,7 +43,7 @@ export class Skeleton {
         return new Skeleton(position, radius, parent, id, geometry.header.origin);
     }
 
-    /** -1 where no node has the id. */
+    /** -1 if no node has the id. */
     index(id: number): number {
         return this.indexOf.get(id) ?? -1;
     }
@@ -53,12 +53,12 @@ export class Skeleton {
         return [this.position[3 * n] + x, this.position[3 * n + 1] + y, this.position[3 * n + 2] + z];
     }
 
-    /** -1 of a root. */
+    /** -1 for a root. */
     parent(n: number): number {
         return this.parents[n] === kNone ? -1 : this.parents[n];
     }
 
-    /** The child that the axis goes on with: the thickest, the first of several; -1 at a tip. */
+    /** The child that continues the axis: the thickest, the first of several; -1 at a tip. */
     leader(n: number): number {
         let best = -1;
         for (const child of this.children[n]) {
@@ -69,7 +69,7 @@ export class Skeleton {
         return best;
     }
 
-    /** The first node of the axis that n is on: a root, or a node that is not its parent's leader. */
+    /** The first node of the axis that contains n: a root, or a node that is not the leader of its parent. */
     axisStart(n: number): number {
         for (let parent = this.parent(n); parent >= 0 && this.leader(parent) === n; parent = this.parent(n)) {
             n = parent;
@@ -109,7 +109,7 @@ export class Skeleton {
         return Array.from({ length: this.size }, (_, n) => n);
     }
 
-    /** The nodes of a selection: those with these ids and what their extent adds. Ids that are gone are left out. */
+    /** The nodes of a selection: those with these ids, and the nodes of their extent. Ids that no longer exist are ignored. */
     selected(ids: readonly number[], extent: Extent): number[] {
         const nodes = new Set<number>();
         for (const id of ids) {
@@ -136,7 +136,7 @@ export class Skeleton {
         }
     }
 
-    /** The chain between forks and tips that n is on: what runs through nodes with one child. */
+    /** The chain between forks and tips that contains n: adjacent nodes with one child. */
     private connected(n: number): number[] {
         let first = n;
         for (let parent = this.parent(first); parent >= 0 && this.children[parent].length === 1; parent = this.parent(first)) {
@@ -150,10 +150,10 @@ export class Skeleton {
         return nodes;
     }
 
-    /** Those of the nodes that do not hang, however far up, on another of them. */
+    /** The nodes that are not descendants of another of the nodes. */
     highest(nodes: readonly number[]): number[] {
         const among = new Set(nodes);
-        const below = new Uint8Array(this.size); // whether it or what it hangs on is among them
+        const below = new Uint8Array(this.size); // whether it or an ancestor is among them
         const tops: number[] = [];
         for (let n = 0; n < this.size; ++n) {
             const parent = this.parent(n);
@@ -166,7 +166,7 @@ export class Skeleton {
         return tops;
     }
 
-    /** One node more along every segment that leaves the selection. */
+    /** Extends the selection by one node along every segment that leaves it. */
     grown(nodes: readonly number[]): number[] {
         const out = new Set(nodes);
         for (const n of nodes) {
@@ -178,7 +178,7 @@ export class Skeleton {
         return [...out];
     }
 
-    /** Without those that have a neighbour outside, or no more neighbours to go to. */
+    /** Without tips, and without nodes that have a neighbour outside the selection. */
     shrunk(nodes: readonly number[]): number[] {
         const among = new Set(nodes);
         return nodes.filter((n) => {
@@ -188,7 +188,7 @@ export class Skeleton {
         });
     }
 
-    /** The length of the axis from where n's segment begins to its tip. */
+    /** The length of the axis from the start of the segment of n to the tip. */
     lengthFrom(n: number): number {
         let sum = 0;
         for (let at = n; at >= 0; at = this.leader(at)) {
@@ -200,7 +200,7 @@ export class Skeleton {
         return sum;
     }
 
-    /** The node whose segment is nearest to a place of the picture, and where on it: 0 at its parent, 1 at the node. */
+    /** The node with the segment closest to a position of the view, and the parameter on it: 0 at its parent, 1 at the node. */
     nearest(
         x: number,
         y: number,
@@ -225,7 +225,7 @@ export class Skeleton {
     }
 }
 
-/** The branch under the pointer. Says where it cannot be worked on since its skeleton is hidden. */
+/** The branch under the pointer. Reports an error if its skeleton is hidden and cannot be edited. */
 export function pickBranch(app: App, x: number, y: number): Pick | null {
     const pick = app.view.pick(x, y, ["skeleton"]);
     const mesh = pick ? undefined : app.view.pick(x, y, ["mesh"])?.object.name;
@@ -245,7 +245,7 @@ interface Kept {
 const kept = new Map<string, Kept>();
 const fetching = new Map<string, Promise<Skeleton | null>>();
 
-/** The skeleton of a name as the view has it; null where it was not yet received. */
+/** The skeleton of this name in the view; null if it has not been received. */
 export function skeletonOf(app: App, name: string): Skeleton | null {
     const object = app.store.find("skeleton", name);
     const geometry = app.view.geometry({ kind: "skeleton", name }, "skeleton");
@@ -258,7 +258,7 @@ export function skeletonOf(app: App, name: string): Skeleton | null {
     return known && object && (geometry || known.version === object.version) ? known.skeleton : null;
 }
 
-/** The same, asked of the engine where the view shows only the surface. */
+/** The same, requested from the engine if the view shows only the surface. */
 export function fetchSkeleton(app: App, name: string): Promise<Skeleton | null> {
     const known = skeletonOf(app, name);
     const object = app.store.find("skeleton", name);
@@ -271,12 +271,14 @@ export function fetchSkeleton(app: App, name: string): Promise<Skeleton | null> 
     return under;
 }
 
-/** Has the skeletons of the document fetched, and again whenever they change, until the function that it gives back is called;
- *  `known` hears that they are here. */
+/**
+ * Fetches the skeletons of the document, and again whenever they change, until the returned function is called; `known` is called
+ * when they have arrived.
+ */
 export function followSkeletons(app: App, known?: () => void): () => void {
     let isFollowing = true;
     const end = effect(() => {
-        const all = app.store.state.value.objects.filter(({ kind }) => kind === "skeleton").slice(0, kMostFetched);
+        const all = app.store.state.value.objects.filter(({ kind }) => kind === "skeleton").slice(0, kMaxFetched);
         void untracked(() => Promise.all(all.map(({ name }) => fetchSkeleton(app, name)))).then(() => isFollowing && known?.());
     });
     return () => {
@@ -285,7 +287,7 @@ export function followSkeletons(app: App, known?: () => void): () => void {
     };
 }
 
-// Where the skeleton has changed meanwhile it is asked for again.
+// If the skeleton has changed in between, it is requested again.
 async function ask(app: App, name: string, version: number): Promise<Skeleton | null> {
     const isOld = () => app.store.find("skeleton", name)?.version !== version;
     try {
@@ -303,7 +305,7 @@ async function ask(app: App, name: string, version: number): Promise<Skeleton | 
     }
 }
 
-/** The first nodes of the branches that are selected, none on another; null where none are. */
+/** The first nodes of the selected branches, without those on another selected branch; null if no branch is selected. */
 export function selectedTops(app: App): { name: string; ids: number[]; skeleton: Skeleton } | null {
     const { object, nodes, extent } = app.store.selection.peek();
     const skeleton = object?.kind === "skeleton" ? skeletonOf(app, object.name) : null;

@@ -1,15 +1,15 @@
-// The statement that made an object, as text: its control points are read, changed and written back.
+// The statement that created an object, as text: its control points are read, changed and written back.
 import type { App } from "../../app";
 import type { ObjectName, State } from "../../protocol";
 import { isComputed, joined, readLine } from "../../script/words";
 
 export interface Word {
-    key: string; // of name=value; empty where it stands in order
+    key: string; // name in name=value; empty for a positional word
     text: string; // without quotes
-    raw: string; // as it stands
+    raw: string; // source text
 }
 
-/** The words of one command, or null where it has values that a program worked out, or is a block. */
+/** The words of one command, or null if it contains expressions, or is a block. */
 export function wordsOf(statement: string): { words: Word[]; comment: string } | null {
     const line = joined(statement);
     if (/[\r\n]/.test(line.trim()) || isComputed(line)) {
@@ -28,7 +28,7 @@ export interface Controls {
     comment: string;
 }
 
-/** The control points of a statement `COMMAND NAME POINTS... options`; null where it is no such thing. */
+/** The control points of a statement `COMMAND NAME POINTS... options`; null for other statements. */
 export function controlsOf(text: string, statement: number, commands: readonly string[]): Controls | null {
     const read = wordsOf(text.trim());
     const inOrder = read?.words.filter(({ key }) => key === "") ?? [];
@@ -43,18 +43,18 @@ export function controlsOf(text: string, statement: number, commands: readonly s
     return { statement, command: inOrder[0].text, name: inOrder[1].text, points, options, comment: read.comment };
 }
 
-/** The newest statement that made an object of control points. Later ones may have moved it: then there is none. */
+/** The newest statement that created an object from control points; null if a later statement may have moved it. */
 export function findControls(state: State, object: ObjectName, commands: readonly string[]): Controls | null {
     const made = state.objects.find(({ kind, name }) => kind === object.kind && name === object.name)?.statement ?? -1;
     const controls = made >= 0 ? controlsOf(state.statements[made]?.text ?? "", made, commands) : null;
     return controls?.name === object.name ? controls : null;
 }
 
-/** The text of the document with one statement changed. Blank lines between statements stay. */
+/** The text of the document with one statement changed. Blank lines between statements are preserved. */
 export function documentText(state: State, changed: number, text: string): string {
     let out = "";
     let line = 1;
-    let grown = 0; // lines that the changed statement has more than it had
+    let grown = 0; // number of lines that the changed statement has gained
     state.statements.forEach((statement, i) => {
         for (; line < statement.line + grown; ++line) {
             out += "\n";
@@ -69,7 +69,10 @@ export function documentText(state: State, changed: number, text: string): strin
     return out;
 }
 
-/** Writes one statement anew; whatever was made of it is made again. Changes of one name are undone together where they join. Throws where that is refused. */
+/**
+ * Rewrites one statement; objects that depend on it are recomputed. Changes with the same name are undone together if they join.
+ * Throws if the change is refused.
+ */
 export async function rewriteStatement(app: App, statement: number, text: string, name?: string, joins = name !== undefined): Promise<void> {
     const state = app.store.state.peek();
     await app.engine.request("text", { text: documentText(state, statement, text), revision: state.revision, name, joins });
@@ -85,7 +88,10 @@ interface Rewrite {
 let waiting: Rewrite | null = null;
 let rewriting: Promise<void> | null = null;
 
-/** The same, and says why where it is refused. One at a time: while one is under way the newest waits, and what waited before is in it. */
+/**
+ * The same, and reports a refusal. One at a time: during a request the newest change waits, and includes the changes that waited
+ * before.
+ */
 export function replaceStatement(app: App, rewrite: Rewrite): Promise<void> {
     waiting = rewrite;
     rewriting ??= rewriteAll(app).finally(() => {

@@ -1,4 +1,4 @@
-// Numbers and axes that are typed while a gesture is under way: "2", "1,0,2.5", X, Shift+Z, Enter.
+// Numbers and axes that are typed during a gesture: "2", "1,0,2.5", X, Shift+Z, Enter.
 import type { Point } from "../../protocol";
 import { across, kAxes } from "./vector";
 
@@ -7,9 +7,9 @@ export type Axis = "x" | "y" | "z";
 export class Typed {
     text = "";
     axis: Axis | null = null;
-    plane = false; // across the axis in place of along it
+    plane = false; // across the axis instead of along it
 
-    /** Whether the key was one of a number or an axis. */
+    /** Returns whether the key belongs to a number or an axis. */
     key(event: KeyboardEvent): boolean {
         if (event.ctrlKey || event.metaKey || event.altKey) {
             return false;
@@ -22,7 +22,7 @@ export class Typed {
             return true;
         }
         if (/^[0-9.,-]$/.test(event.key)) {
-            // A minus anywhere turns the sign of the number that is being typed, as in other modellers.
+            // A minus at any position changes the sign of the current number, as in other modellers.
             this.text = event.key === "-" ? this.turned() : this.text + event.key;
             return true;
         }
@@ -43,7 +43,7 @@ export class Typed {
         return this.text.slice(0, at) + (last.startsWith("-") ? last.slice(1) : `-${last}`);
     }
 
-    /** The numbers typed; null where none is. */
+    /** The typed numbers; null if there are no numbers. */
     values(): number[] | null {
         if (!/[0-9]/.test(this.text)) {
             return null;
@@ -57,7 +57,7 @@ export class Typed {
         this.plane = false;
     }
 
-    /** What of a shift the axis or plane lets through. */
+    /** The component of a shift along the axis or plane. */
     constrain(by: Point): Point {
         if (!this.axis) {
             return by;
@@ -67,13 +67,13 @@ export class Typed {
         return this.plane ? kept : [by[0] - kept[0], by[1] - kept[1], by[2] - kept[2]];
     }
 
-    /** The axis for people: "along Z", "across Z", or nothing. */
+    /** The axis as text: "along Z", "across Z", or empty. */
     constraint(): string {
         return this.axis ? `${this.plane ? "across" : "along"} ${this.axis.toUpperCase()}` : "";
     }
 }
 
-/** A shift as typed: one number goes along the axis (x without one), several along x, y and z. */
+/** A typed shift: one number is along the axis (default x), several are along x, y and z. */
 export function typedShift(typed: Typed): Point | null {
     const values = typed.values();
     if (!values) {

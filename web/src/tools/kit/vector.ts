@@ -1,4 +1,4 @@
-// Points and directions, and where lines of sight meet them.
+// Points and directions, and intersections with lines of sight.
 import type { Ray } from "../../app";
 import type { Point } from "../../protocol";
 
@@ -17,18 +17,18 @@ export function cross(a: Point, b: Point): Point {
     return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 }
 
-/** Of length 1; `otherwise` where the vector has no direction. */
+/** Unit vector; `otherwise` for the zero vector. */
 export function normalized(a: Point, otherwise: Point = [0, 0, 1]): Point {
     const size = length(a);
     return size > 1e-12 ? scaled(a, 1 / size) : otherwise;
 }
 
-/** What of `a` is across `direction`, which has length 1. */
+/** The component of `a` perpendicular to `direction`, a unit vector. */
 export function across(a: Point, direction: Point): Point {
     return subtract(a, scaled(direction, dot(a, direction)));
 }
 
-/** `a` turned about an axis of length 1, counter-clockwise seen against it. */
+/** `a` rotated about a unit axis, counter-clockwise seen against it. */
 export function rotated(a: Point, axis: Point, angle: number): Point {
     const part = scaled(axis, dot(a, axis) * (1 - Math.cos(angle)));
     return add(add(scaled(a, Math.cos(angle)), scaled(cross(axis, a), Math.sin(angle))), part);
@@ -44,12 +44,12 @@ export function angleAbout(a: Point, b: Point, axis: Point): number {
     return Math.atan2(dot(cross(from, to), axis), dot(from, to));
 }
 
-/** Any direction of length 1 across another of length 1. */
+/** Any unit vector perpendicular to a unit vector. */
 export function perpendicular(axis: Point): Point {
     return normalized(cross(axis, Math.abs(axis[2]) < 0.9 ? kAxes.z : kAxes.x));
 }
 
-/** Where a ray meets a plane; null where it runs along it or away from it. */
+/** The intersection of a ray and a plane; null if the ray is parallel to the plane or points away from it. */
 export function onPlane(ray: Ray, through: Point, normal: Point): Point | null {
     const slope = dot(ray.direction, normal);
     if (Math.abs(slope) < 1e-6 * length(normal)) {
@@ -59,7 +59,7 @@ export function onPlane(ray: Ray, through: Point, normal: Point): Point | null {
     return far > 0 ? along(ray, far) : null;
 }
 
-/** How far along a line, whose direction has length 1, the ray comes nearest; null where they are parallel. */
+/** The position along a line with a unit direction that is closest to the ray; null if they are parallel. */
 export function onLine(ray: Ray, through: Point, direction: Point): number | null {
     const slope = dot(ray.direction, direction);
     const least = 1 - slope * slope;
@@ -70,7 +70,7 @@ export function onLine(ray: Ray, through: Point, direction: Point): number | nul
     return (dot(between, direction) - slope * dot(between, ray.direction)) / least;
 }
 
-/** Pixels from a place to a segment in the picture, and how far along it, in [0, 1]. */
+/** Distance in pixels from a position to a segment in the view, and the parameter on it, in [0, 1]. */
 export function toSegment(x: number, y: number, a: readonly number[], b: readonly number[]): { far: number; share: number } {
     const [dx, dy] = [b[0] - a[0], b[1] - a[1]];
     const size = dx * dx + dy * dy;
@@ -78,7 +78,7 @@ export function toSegment(x: number, y: number, a: readonly number[], b: readonl
     return { far: Math.hypot(x - a[0] - share * dx, y - a[1] - share * dy), share };
 }
 
-/** The points of a line that it needs to stay within `most` of the others (Douglas and Peucker). */
+/** Simplifies a polyline within a distance of `most` (Douglas and Peucker). */
 export function simplified<T extends readonly number[]>(line: readonly T[], most: number): T[] {
     const keep = new Set([0, line.length - 1]);
     const ranges: [number, number][] = [[0, line.length - 1]];
@@ -99,7 +99,7 @@ export function simplified<T extends readonly number[]>(line: readonly T[], most
     return line.filter((_, i) => keep.has(i));
 }
 
-/** 1, 2 or 5 times a power of ten, the nearest that is no less. */
+/** The smallest number of the form 1, 2 or 5 times a power of ten that is not below `least`. */
 export function roundStep(least: number): number {
     const power = 10 ** Math.floor(Math.log10(least));
     const part = least / power;

@@ -1,21 +1,21 @@
-// Lines of commands: words with quotes where they need them, numbers with no more digits than the hand has.
+// Lines of commands: words are quoted if necessary, and numbers have the digits of their resolution.
 import type { Kind, ObjectName, Point } from "../../protocol";
 import { isObjectName } from "../../script/names";
 
-const kMostDigits = 9;
+const kMaxDigits = 9;
 
-/** A number with so many digits that it is off by less than `step`. */
+/** A number rounded with an error below `step`. */
 export function numberWord(value: number, step = 1e-4): string {
     if (!Number.isFinite(value)) {
         return "0";
     }
-    const digits = Math.min(Math.max(Math.ceil(-Math.log10(step)), 0), kMostDigits);
+    const digits = Math.min(Math.max(Math.ceil(-Math.log10(step)), 0), kMaxDigits);
     const text = value.toFixed(digits);
     const short = text.includes(".") ? text.replace(/\.?0+$/, "") : text;
     return /^-?0?$/.test(short) ? "0" : short;
 }
 
-/** A number that is above 0 and stays so when it is rounded. */
+/** A positive number that remains positive when it is rounded. */
 export function sizeWord(value: number, step = 1e-4): string {
     const word = numberWord(value, step);
     return Number(word) > 0 ? word : numberWord(Math.max(value, 1e-9), Math.max(value, 1e-9) / 10);
@@ -25,19 +25,22 @@ export function pointWord(point: readonly number[], step = 1e-4): string {
     return point.map((value) => numberWord(value, step)).join(",");
 }
 
-/** A direction; its digits do not depend on how large the scene is. */
+/** A direction; its digits do not depend on the size of the scene. */
 export function directionWord(direction: Point): string {
     return pointWord(direction, 1e-4);
 }
 
 const kNewName = /^\$\{new [\w.-]+\}$/;
 
-/** The name of a new object in a line that is run or previewed: where an object has this name already the engine takes the next free one. */
+/**
+ * The name of a new object in a line that is run or previewed: if an object has this name already, the engine uses the next free
+ * one.
+ */
 export function newName(name: string): string {
     return isObjectName(name) ? `\${new ${name}}` : name;
 }
 
-/** A word as a scene reads it again: in quotes where it has blanks, quotes or the beginning of an option or a comment. */
+/** A word as a scene can read it: quoted if it has blanks, quotes or the start of an option or a comment. */
 export function quoted(text: string): string {
     if (kNewName.test(text)) {
         return text;
@@ -49,7 +52,9 @@ export function quoted(text: string): string {
 
 export type OptionValue = string | number | boolean | undefined;
 
-/** A line of words in order and options by name. Words are quoted as they need it; undefined options are left out, lists are repeated. */
+/**
+ * A line of positional words and named options. Words are quoted if necessary; undefined options are omitted, lists are repeated.
+ */
 export function commandLine(
     words: readonly (string | number)[],
     options: Record<string, OptionValue | readonly string[]> = {},
@@ -62,7 +67,7 @@ export function commandLine(
     return [String(command), ...rest.map((word) => quoted(String(word))), ...named].join(" ");
 }
 
-/** kind= where a name stands for several objects that a command could mean. */
+/** kind= if a name belongs to several objects that the command accepts. */
 export function kindOption(objects: readonly ObjectName[], object: ObjectName, kinds: readonly Kind[]): { kind?: Kind } {
     const same = objects.filter((other) => other.name === object.name && kinds.includes(other.kind));
     return same.length > 1 ? { kind: object.kind } : {};

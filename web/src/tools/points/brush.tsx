@@ -1,4 +1,4 @@
-// A ball that thins points or adds some, and the roots that growth starts from.
+// A ball that removes or adds points, and the roots where growth starts.
 import { signal } from "@preact/signals-core";
 import type { VNode } from "preact";
 import type { App, Tool, ToolPointer, ToolRun } from "../../app";
@@ -20,7 +20,7 @@ export interface Ball {
     radius: number;
 }
 
-/** A dab is one block: the ball where points change, the change, and the ball is forgotten. */
+/** A dab is one block: the ball in which points change, the change, and the deletion of the ball. */
 export function dabLines(points: string, ball: string, { center, radius }: Ball, way: Way, amount: number, step: number): string {
     const sphere = commandLine(["sphere", ball], { center: pointWord(center, step), radius: sizeWord(radius, step) });
     const change =
@@ -56,9 +56,9 @@ class BrushRun implements ToolRun {
 
     status(): string {
         const points = this.chosen();
-        const what = way.value === "thin" ? `takes ${percent.value} % of the points away` : `adds ${count.value} points`;
+        const what = way.value === "thin" ? `removes ${percent.value} % of the points` : `adds ${count.value} points`;
         return points
-            ? `Press on ${points.name} and drag to size a ball, which ${what}; Enter does it by the fields.`
+            ? `Press on ${points.name} and drag to size a ball, which ${what}; Enter applies the fields.`
             : "There are no points yet.";
     }
 
@@ -105,20 +105,20 @@ class BrushRun implements ToolRun {
 
     panel(): VNode {
         const ways = [
-            ["thin", "takes points away"],
+            ["thin", "removes points"],
             ["densify", "adds points"],
         ] as const;
         return (
             <>
                 <ChoiceField label="The ball" value={way} choices={ways} />
                 {way.value === "thin" ? (
-                    <NumberField label="Of those in it" unit="%" value={percent} low={0} high={100} />
+                    <NumberField label="Percentage to remove" unit="%" value={percent} low={0} high={100} />
                 ) : (
                     <NumberField label="How many" value={count} low={1} step={1} />
                 )}
                 <PointField label="Middle" value={this.center} />
                 <NumberField label="Radius" unit="m" value={this.radius} low={1e-4} />
-                <Button label="Do it there" run={() => this.byFields()} />
+                <Button label="Apply there" run={() => this.byFields()} />
             </>
         );
     }
@@ -182,7 +182,7 @@ class RootRun implements ToolRun {
     }
 
     status(): string {
-        return "Click where the tree is to stand; Enter grows it.";
+        return "Click the position of the tree; Enter grows it.";
     }
 
     pointer(event: ToolPointer): boolean {
@@ -191,7 +191,7 @@ class RootRun implements ToolRun {
         }
         const { view } = this.app;
         const ground = onPlane(view.ray(event.x, event.y), [0, 0, 0], kAxes.z);
-        const beside = () => view.toPlane(event.x, event.y, this.at.map((value) => value.peek()) as Point); // the ground is seen from its edge
+        const beside = () => view.toPlane(event.x, event.y, this.at.map((value) => value.peek()) as Point); // the ground is seen edge-on
         const at = view.pick(event.x, event.y, ["solid", "mesh"])?.point ?? ground ?? beside();
         if (at) {
             at.forEach((value, i) => {
@@ -251,7 +251,7 @@ export const pointTools: Tool[] = [
         id: "points",
         label: "Brush",
         group: "points",
-        help: "Takes points away in a ball, or adds some: press on the points and drag to size it.",
+        help: "Removes points in a ball, or adds some: press on the points and drag to size it.",
         enabled: anyPoints,
         start: (app) => new BrushRun(app),
     },

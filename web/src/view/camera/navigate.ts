@@ -1,26 +1,26 @@
-// Turning, moving and nearing the picture by mouse, trackpad, fingers and keys.
+// Rotation, pan and zoom of the view by mouse, trackpad, touch and keys.
 import * as THREE from "three";
 import type { ToolPointer } from "../../app";
 import type { Hand } from "../../hand";
 import { dragMotion, type Keys, type Motion, type Preset, wheelFactor, wheelMotion } from "./presets";
 import type { Rig } from "./rig";
 
-const kTurn = 0.007; // [rad] for a pixel
-const kClick = 4; // [px] a press may wander and still be a click
-const kTap = 10; // [px] the same of a finger
-const kLong = 450; // [ms] after which a finger that rests looks at what is there
+const kTurn = 0.007; // [rad] per pixel
+const kClick = 4; // [px] maximum movement of a click
+const kTap = 10; // [px] the same for a finger
+const kLong = 450; // [ms] time after which a resting finger shows the object under it
 const kKeyTurn = Math.PI / 24;
 const kKeyMove = 40; // [px]
 
-/** What navigation needs of the view. */
+/** Functions of the view that navigation uses. */
 export interface Navigated {
     rig: Rig;
     canvas: HTMLCanvasElement;
     preset(): Preset;
     pointUnder(x: number, y: number): THREE.Vector3 | null;
-    hovered(x: number, y: number): void; // the pointer rests there, no button down; far outside: it left
+    hovered(x: number, y: number): void; // pointer position without a pressed button; far outside if it has left
     own(event: ToolPointer): boolean; // handles of the view itself
-    moved(): void; // the pose changed
+    moved(): void; // the pose has changed
     centre(point: THREE.Vector3): void;
 }
 
@@ -32,13 +32,13 @@ interface Held {
 type Phase = "idle" | "tool" | "own" | "undecided" | "moving" | "looking";
 
 export class Navigation {
-    enabled = true; // tools that drag switch it off
+    enabled = true; // tools with a drag disable it
     private phase: Phase = "idle";
     private motion: Motion = "orbit";
     private start: Held = { x: 0, y: 0 };
-    private readonly held = new Map<number, Held>(); // fingers and buttons down
+    private readonly held = new Map<number, Held>(); // pressed fingers and buttons
     private readonly pivot = new THREE.Vector3();
-    private wasTool = false; // the last press was a tool's
+    private wasTool = false; // the last press was used by a tool
     private longPress: ReturnType<typeof setTimeout> | undefined;
 
     constructor(private readonly view: Navigated, private readonly hand: () => Hand | null) {
@@ -53,7 +53,7 @@ export class Navigation {
         canvas.addEventListener("contextmenu", (event) => event.preventDefault());
     }
 
-    /** Whether the picture is being moved. */
+    /** Whether the view is moving. */
     get isMoving(): boolean {
         return this.phase === "moving";
     }
@@ -84,7 +84,7 @@ export class Navigation {
         }
     }
 
-    // A finger that rests shows what lies under it, as a pointer does, and goes on so until it is lifted.
+    // A resting finger shows the object under it, like a pointer, until it is lifted.
     private look(event: PointerEvent): void {
         if (this.phase === "undecided" && this.held.size === 1) {
             this.tell(event, "cancel");
@@ -94,7 +94,7 @@ export class Navigation {
     }
 
     private leave(event: PointerEvent): void {
-        if (event.pointerType !== "touch") { // what a finger looked at stays shown when it is lifted
+        if (event.pointerType !== "touch") { // the information for a finger remains visible after it is lifted
             this.view.hovered(-1e4, -1e4);
         }
     }
@@ -140,7 +140,7 @@ export class Navigation {
         if (this.phase === "tool") {
             this.tell(event, "up");
         } else if (this.phase === "undecided") {
-            this.tell(event, "up", this.start); // a click, however much the finger trembled
+            this.tell(event, "up", this.start); // a click, independent of small movements of the finger
         } else if (this.phase === "own") {
             this.view.own(toolPointer(event, "up"));
         }
@@ -194,7 +194,7 @@ export class Navigation {
         this.begin("pan", (a.x + b.x) / 2, (a.y + b.y) / 2);
     }
 
-    // Two fingers: their middle moves the picture, their distance nears it.
+    // Two fingers: their centre moves the view, their distance zooms.
     private moveFingers(event: PointerEvent, last: Held): void {
         const before = [...this.held.values()].map((one) => ({ ...one }));
         last.x = event.offsetX;
@@ -217,7 +217,7 @@ export class Navigation {
         this.pivot.copy(under ?? rig.target());
         const motion = wheelMotion(this.view.preset(), keysOf(event));
         if (motion === "zoom") {
-            const pinch = event.ctrlKey ? 6 : 1; // browsers make small steps of it
+            const pinch = event.ctrlKey ? 6 : 1; // browsers report pinching in small steps
             rig.zoom(wheelFactor(event.deltaY * pinch, event.deltaMode), under ?? this.farPoint(event.offsetX, event.offsetY));
             this.view.moved();
         } else {
@@ -225,7 +225,7 @@ export class Navigation {
         }
     }
 
-    // The place under the pointer as far away as what is looked at.
+    // The point under the pointer at the distance of the target.
     private farPoint(x: number, y: number): THREE.Vector3 {
         const { rig, canvas } = this.view;
         const size = rig.pixelSize(rig.pose.distance);
@@ -241,7 +241,7 @@ export class Navigation {
         }
     }
 
-    /** Keys that move the picture: arrows, + and -. True where it was one. */
+    /** Handles keys that move the view: arrows, + and -. Returns whether the key was used. */
     key(event: KeyboardEvent): boolean {
         if (event.ctrlKey || event.metaKey || event.altKey) {
             return false;

@@ -1,4 +1,4 @@
-// What the buttons of a mouse, a trackpad and fingers do in the picture.
+// The functions of mouse buttons, trackpad and fingers in the view.
 
 export type Preset = "blender" | "cad" | "trackpad";
 export type Motion = "orbit" | "pan" | "zoom";
@@ -11,18 +11,18 @@ export const kPresetNames: readonly (readonly [Preset, string])[] = [
     ["trackpad", "Trackpad"],
 ];
 
-const kLeft: [string, string] = ["Left button", "the tool in hand; turns where that takes nothing. With Alt it always turns"];
+const kLeft: [string, string] = ["Left button", "the active tool; rotates if the tool does not use it. With Alt it always rotates"];
 const kFingers: [string, string][] = [
-    ["One finger", "turns; a tap picks, a long press shows what is there"],
+    ["One finger", "rotates; a tap picks, a long press shows the object there"],
     ["Two fingers", "move, and zoom by pinching"],
-    ["Double click", "puts what is there into the middle"],
+    ["Double click", "centres the point there"],
 ];
 
-/** What each button does, for people. */
+/** Descriptions of the buttons. */
 export const kPresetButtons: Record<Preset, readonly [string, string][]> = {
-    blender: [kLeft, ["Middle button", "turns; with Shift it moves, with Ctrl it zooms"], ["Right button", "moves"], ["Wheel", "zooms to the pointer"], ...kFingers],
-    cad: [kLeft, ["Middle button", "moves"], ["Right button", "turns; with Ctrl it moves, with Shift it zooms"], ["Wheel", "zooms to the pointer"], ...kFingers],
-    trackpad: [kLeft, ["Two fingers on the pad", "turn; with Shift they move"], ["Pinching", "zooms to the pointer"], ["Right button", "moves"], ...kFingers],
+    blender: [kLeft, ["Middle button", "rotates; with Shift it moves, with Ctrl it zooms"], ["Right button", "moves"], ["Wheel", "zooms to the pointer"], ...kFingers],
+    cad: [kLeft, ["Middle button", "moves"], ["Right button", "rotates; with Ctrl it moves, with Shift it zooms"], ["Wheel", "zooms to the pointer"], ...kFingers],
+    trackpad: [kLeft, ["Two fingers on the pad", "rotate; with Shift they move"], ["Pinching", "zooms to the pointer"], ["Right button", "moves"], ...kFingers],
 };
 
 export interface Keys {
@@ -32,8 +32,8 @@ export interface Keys {
 }
 
 /**
- * What a drag with a button (0 left, 1 middle, 2 right) does by itself; null: it is for the tool in hand, and turns the
- * picture where that does not take it.
+ * The motion of a drag with a button (0 left, 1 middle, 2 right); null: the active tool receives the drag, and the view rotates
+ * if the tool does not use it.
  */
 export function dragMotion(preset: Preset, button: number, keys: Keys): Motion | null {
     if (button === 0) {
@@ -48,7 +48,7 @@ export function dragMotion(preset: Preset, button: number, keys: Keys): Motion |
     return keys.shift ? "pan" : keys.control ? "zoom" : "orbit";
 }
 
-/** What the wheel does, or two fingers on a trackpad; browsers report pinching as a wheel with Ctrl. */
+/** The motion of the wheel, or of two fingers on a trackpad; browsers report pinching as a wheel with Ctrl. */
 export function wheelMotion(preset: Preset, keys: Keys): Motion {
     if (preset !== "trackpad" || keys.control) {
         return "zoom";
@@ -56,7 +56,7 @@ export function wheelMotion(preset: Preset, keys: Keys): Motion {
     return keys.shift ? "pan" : "orbit";
 }
 
-/** The factor of the distance for a wheel event: about a tenth for a notch, whatever unit the browser counts in. */
+/** The zoom factor of a wheel event: about a tenth for a notch, in any unit of the browser. */
 export function wheelFactor(delta: number, mode: number): number {
     const pixels = delta * (mode === 1 ? 33 : mode === 2 ? 400 : 1);
     return Math.exp(Math.min(Math.max(pixels, -300), 300) * 0.001);

@@ -1,11 +1,11 @@
-// Where the eye is and how it turns: a turntable with Z up, around any pivot.
+// Position and rotation of the camera: a turntable with Z up, around any pivot.
 import * as THREE from "three";
 
 export type Side = "front" | "back" | "left" | "right" | "top" | "bottom";
 
 const kQuarter = Math.PI / 2;
 
-/** Yaw and pitch of the views from the sides; the front looks along +Y. */
+/** Yaw and pitch of the standard views; the front looks along +Y. */
 export const kSides: Record<Side, [number, number]> = {
     front: [0, 0],
     back: [2 * kQuarter, 0],
@@ -18,13 +18,13 @@ export const kSides: Record<Side, [number, number]> = {
 export interface Pose {
     eye: THREE.Vector3;
     yaw: number; // [rad] about Z; 0 looks along +Y
-    pitch: number; // [rad] in [-pi/2, pi/2]; above 0 looks down
-    distance: number; // [m] to what is looked at: sets the scale of a parallel view
+    pitch: number; // [rad] in [-pi/2, pi/2]; positive looks down
+    distance: number; // [m] to the target: determines the scale of a parallel view
 }
 
-const kFieldOfView = 40; // [degree] of the picture's height
-const kLeastDistance = 1e-4;
-const kMostDistance = 1e6;
+const kFieldOfView = 40; // [degree] vertical field of view
+const kMinDistance = 1e-4;
+const kMaxDistance = 1e6;
 
 export class Rig {
     readonly perspective = new THREE.PerspectiveCamera(kFieldOfView, 1, 0.1, 1000);
@@ -60,9 +60,9 @@ export class Rig {
         this.height = Math.max(height, 1);
     }
 
-    /** [m] across one pixel at a depth along the line of sight. */
+    /** [m] size of a pixel at a depth along the line of sight. */
     pixelSize(depth: number): number {
-        const across = this.isParallel ? this.pose.distance : Math.max(depth, kLeastDistance);
+        const across = this.isParallel ? this.pose.distance : Math.max(depth, kMinDistance);
         return (2 * across * Math.tan((kFieldOfView * Math.PI) / 360)) / this.height;
     }
 
@@ -70,7 +70,7 @@ export class Rig {
         return point.clone().sub(this.pose.eye).dot(this.forward());
     }
 
-    /** Turns by angles around a pivot, which stays where it is in the picture. */
+    /** Rotates around a pivot, which keeps its position in the view. */
     orbit(yaw: number, pitch: number, pivot: THREE.Vector3): void {
         const before = this.rotation();
         const pose = this.pose;
@@ -80,22 +80,22 @@ export class Rig {
         pose.eye.sub(pivot).applyQuaternion(turn).add(pivot);
     }
 
-    /** Moves by pixels, so that what lies at `depth` follows the pointer. */
+    /** Moves by pixels, so that points at `depth` follow the pointer. */
     pan(dx: number, dy: number, depth: number): void {
         const size = this.pixelSize(depth);
         this.pose.eye.addScaledVector(this.right(), -dx * size).addScaledVector(this.up(), dy * size);
     }
 
-    /** Nears by a factor below 1; the point stays where it is in the picture. */
+    /** Zooms in for a factor below 1; the point keeps its position in the view. */
     zoom(factor: number, point: THREE.Vector3): void {
         const pose = this.pose;
-        const distance = Math.min(Math.max(pose.distance * factor, kLeastDistance), kMostDistance);
+        const distance = Math.min(Math.max(pose.distance * factor, kMinDistance), kMaxDistance);
         const real = distance / pose.distance;
         pose.eye.sub(point).multiplyScalar(real).add(point);
         pose.distance = distance;
     }
 
-    /** The pose in which a sphere fills the picture, looked at from the same side or another. */
+    /** The pose in which a sphere fills the view, from the current or another side. */
     framing(sphere: THREE.Sphere, side?: Side): Pose {
         const [yaw, pitch] = side ? kSides[side] : [this.pose.yaw, this.pose.pitch];
         const half = (kFieldOfView * Math.PI) / 360;
@@ -104,7 +104,7 @@ export class Rig {
         return poseAt(sphere.center, yaw, pitch, distance);
     }
 
-    /** Whether a sphere lies in the picture as a whole. */
+    /** Returns whether a sphere is completely visible. */
     sees({ center, radius }: THREE.Sphere): boolean {
         const offset = center.clone().sub(this.pose.eye);
         const half = this.pixelSize(this.depth(center)) / 2;
@@ -112,12 +112,12 @@ export class Rig {
         return this.depth(center) > radius && isWithin(this.right(), this.width) && isWithin(this.up(), this.height);
     }
 
-    /** The pose that looks at the same place from another side. */
+    /** The pose that looks at the same target from another side. */
     lookingFrom(side: Side): Pose {
         return poseAt(this.target(), ...kSides[side], this.pose.distance);
     }
 
-    /** Brings the cameras to the pose; `seen` is a sphere around all that is drawn. */
+    /** Sets the cameras to the pose; `seen` is a bounding sphere of all visible objects. */
     apply(seen: THREE.Sphere): void {
         const { eye, distance } = this.pose;
         const depth = this.depth(seen.center);
@@ -154,7 +154,7 @@ function poseAt(target: THREE.Vector3, yaw: number, pitch: number, distance: num
     return { eye: target.clone().addScaledVector(forward, -distance), yaw, pitch, distance };
 }
 
-/** Between two poses, `t` in [0, 1]; turns the shorter way. */
+/** Interpolates two poses, `t` in [0, 1]; rotates in the shorter direction. */
 export function between(a: Pose, b: Pose, t: number): Pose {
     const turn = Math.atan2(Math.sin(b.yaw - a.yaw), Math.cos(b.yaw - a.yaw));
     const yaw = a.yaw + turn * t;

@@ -1,7 +1,7 @@
-// Triangles of quads; many of them are made in a worker.
+// Triangulates quads; large numbers are processed in a worker.
 import { triangulateQuads } from "./triangles";
 
-const kMany = 50000; // quads, some 4 ms
+const kMany = 50000; // quads, about 4 ms
 
 let worker: Worker | null = null;
 let last = 0;
@@ -16,7 +16,7 @@ function start(): Worker {
     return made;
 }
 
-/** Calls `then` with the triangles, at once where there are few quads. */
+/** Calls `then` with the triangles, at once for a small number of quads. */
 export function withTriangles(quads: Uint32Array | undefined, then: (index?: Uint32Array) => void): void {
     if (!quads || quads.length < 4 * kMany) {
         then(quads && triangulateQuads(quads));

@@ -1,4 +1,4 @@
-// What lies under a point of the picture.
+// Finds the object at a point of the view.
 import * as THREE from "three";
 import type { Pick } from "../../app";
 import type { Kind, Point } from "../../protocol";
@@ -8,7 +8,7 @@ import type { SectionPlane } from "../section";
 import type { Shown } from "../shown";
 import { closestSegment, hitLine, hitPoints, hitSkeleton, type Projection } from "./rays";
 
-const kTwig = 3.5; // [px] a segment counts as thick as this
+const kTwig = 3.5; // [px] minimum thickness of a segment for picking
 const kPoint = 7;
 const kControl = 11;
 const kLine = 6;
@@ -18,20 +18,20 @@ export interface Picture {
     section: SectionPlane;
     width: number;
     height: number;
-    glass: boolean; // one can reach through solids
+    glass: boolean; // solids are transparent, and objects inside can be picked
 }
 
 interface Found {
-    distance: number; // [m] from the eye
+    distance: number; // [m] from the camera
     pick: Pick;
 }
 
 const kPickable: Kind[] = ["skeleton", "solid", "mesh", "points", "path", "profile"];
 
-// Drawn through glass, so that hands mean these and not the solid around them. Points are too many for that.
+// Drawn through transparent solids, and preferred to them for picking. Points are too numerous for that.
 const kThroughGlass: Kind[] = ["skeleton", "mesh", "path", "profile"];
 
-/** What lies nearest to the eye; where solids are glass what is in them comes before them. */
+/** The object closest to the camera; objects inside transparent solids have priority over the solids. */
 export function pickAt(picture: Picture, ray: THREE.Ray, shown: Shown[], x: number, y: number, kinds: Kind[] = kPickable): Pick | null {
     const found = shown
         .filter(({ object, source }) => kinds.includes(object.kind) || (source && kinds.includes("skeleton")))
@@ -93,7 +93,7 @@ function pickSurface({ section }: Picture, ray: THREE.Ray, shown: Shown): Found 
     return distance === null ? null : { distance, pick: { object: shown.object, point: ray.at(distance, at).toArray() } };
 }
 
-/** What is found on a mesh, as the branch of the skeleton that it was made from. */
+/** Converts a hit on a mesh to the branch of its source skeleton. */
 function onSource(hit: Found, source: Shown): Found {
     const geometry = source.geometries.get("axes");
     if (!geometry) {

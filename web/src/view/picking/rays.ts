@@ -1,4 +1,4 @@
-// Rays against what is no mesh: tapered capsules, and places in the picture.
+// Ray tests for tapered capsules, points and lines.
 import type { Point } from "../../protocol";
 import { innerRadius, type Tree } from "../extent";
 
@@ -6,12 +6,12 @@ const kNone = 0xffffffff;
 
 export interface Hit {
     distance: number; // [m] along the ray
-    node: number; // place of the segment's outer node
+    node: number; // index of the outer node of the segment
 }
 
 /**
- * The nearest segment of a skeleton that a ray meets. A segment counts as thick as it is or as `least(distance)`, so that
- * twigs thinner than a few pixels can be hit. `isSeen` leaves out what is cut away. Cost: all segments.
+ * The closest segment of a skeleton that a ray intersects. The thickness of a segment is at least `least(distance)`, so that
+ * twigs thinner than a few pixels can be picked. `isSeen` excludes hidden points. Cost: O(segments).
  */
 export function hitSkeleton(
     tree: Tree,
@@ -62,7 +62,7 @@ export function hitSkeleton(
     return best;
 }
 
-/** The outer node of the segment that has its surface closest to a point. Cost: all segments. */
+/** The outer node of the segment with the surface closest to a point. Cost: O(segments). */
 export function closestSegment(tree: Tree, position: Float32Array, [x, y, z]: Point): number {
     const { parent, radius } = tree;
     let best = 0;
@@ -86,14 +86,14 @@ export function closestSegment(tree: Tree, position: Float32Array, [x, y, z]: Po
     return best;
 }
 
-/** A projection: the sixteen numbers of a matrix by columns, and the size of the picture in pixels. */
+/** A projection: a 4 x 4 matrix by columns, and the size of the view in pixels. */
 export interface Projection {
     matrix: ArrayLike<number>;
     width: number;
     height: number;
 }
 
-/** The nearest point within `reach` pixels of (x, y), nearest to the eye among those within 2 pixels of the closest. */
+/** The point within `reach` pixels of (x, y) that is closest to the camera among those within 2 pixels of the closest. */
 export function hitPoints(position: Float32Array, to: Projection, x: number, y: number, reach: number): number | null {
     const m = to.matrix;
     let best = -1;
@@ -123,7 +123,7 @@ export function hitPoints(position: Float32Array, to: Projection, x: number, y: 
     return best < 0 ? null : best;
 }
 
-/** The segment of a line of points that passes within `reach` pixels of (x, y): its first point. */
+/** The segment of a polyline that passes within `reach` pixels of (x, y): its first point. */
 export function hitLine(position: Float32Array, closed: boolean, to: Projection, x: number, y: number, reach: number): number | null {
     const m = to.matrix;
     const count = position.length / 3;

@@ -1,12 +1,12 @@
-// Triangles in a tree of boxes, so that a ray meets few of them.
+// A bounding volume hierarchy of triangles for ray tests.
 import type { Point } from "../../protocol";
 
-const kLeaf = 8; // triangles that are not parted any more
+const kLeaf = 8; // maximum number of triangles of a leaf
 
 export class TriangleTree {
-    private readonly order: Uint32Array; // triangles, those of a node one after the other
-    private readonly boxes: number[] = []; // of each node: least, greatest
-    private readonly nodes: number[] = []; // of each: first and end in `order`, the second child (the first follows) or -1
+    private readonly order: Uint32Array; // triangles; those of a node are consecutive
+    private readonly boxes: number[] = []; // of each node: minimum, maximum
+    private readonly nodes: number[] = []; // of each: first and end in `order`, index of the second child (the first follows) or -1
     private readonly middles: Float32Array;
 
     /** O(n log n). The arrays are read, not copied. */
@@ -24,7 +24,7 @@ export class TriangleTree {
         }
     }
 
-    /** How far along the ray the nearest triangle lies that is seen; null where it meets none. The direction has length 1. */
+    /** The distance along the ray to the closest visible triangle; null if there is no hit. The direction has length 1. */
     hit(origin: Point, direction: Point, isSeen: (distance: number) => boolean = () => true): number | null {
         let best = Infinity;
         const waiting = this.nodes.length > 0 ? [0] : [];
@@ -42,7 +42,7 @@ export class TriangleTree {
                     }
                 }
             } else if (this.enters(node + 1, origin, inverse) < this.enters(second, origin, inverse)) {
-                waiting.push(second, node + 1); // the nearer one first
+                waiting.push(second, node + 1); // the closer one first
             } else {
                 waiting.push(node + 1, second);
             }
@@ -67,7 +67,7 @@ export class TriangleTree {
         const [axis, at] = this.cut(first, end);
         let middle = this.part(first, end, axis, at);
         if (middle === first || middle === end) {
-            middle = (first + end) >> 1; // all middles in one place
+            middle = (first + end) >> 1; // all centres coincide
         }
         this.build(first, middle);
         const second = this.nodes.length / 3;
@@ -87,7 +87,7 @@ export class TriangleTree {
         }
     }
 
-    /** The axis along which the middles reach farthest, and half way along it. */
+    /** The axis with the largest extent of the centres, and its middle. */
     private cut(first: number, end: number): [number, number] {
         const { order, middles } = this;
         let best = 0;
@@ -108,7 +108,7 @@ export class TriangleTree {
         return [best, at];
     }
 
-    /** Brings those before the plane to the front; where the others begin. */
+    /** Partitions at the plane; returns the start of the second half. */
     private part(first: number, end: number, axis: number, at: number): number {
         let middle = first;
         for (let i = first; i < end; ++i) {
@@ -121,14 +121,14 @@ export class TriangleTree {
         return middle;
     }
 
-    /** How far along the ray it enters the box of a node; Infinity where it does not. */
+    /** The distance along the ray to the box of a node; Infinity without a hit. */
     private enters(node: number, origin: Point, inverse: Point): number {
         let from = 0;
         let to = Infinity;
         for (let c = 0; c < 3; ++c) {
             const a = (this.boxes[6 * node + c] - origin[c]) * inverse[c];
             const b = (this.boxes[6 * node + 3 + c] - origin[c]) * inverse[c];
-            if (a === a && b === b) { // 0 / 0: the ray runs in the side of the box
+            if (a === a && b === b) { // 0 / 0: the ray runs in a side of the box
                 from = Math.max(from, Math.min(a, b));
                 to = Math.min(to, Math.max(a, b));
             }
@@ -136,7 +136,7 @@ export class TriangleTree {
         return from <= to * (1 + 1e-7) ? from : Infinity;
     }
 
-    /** How far along the ray it meets a triangle, from either side (Möller and Trumbore); Infinity where it does not. */
+    /** The distance along the ray to a triangle, from either side (Möller and Trumbore); Infinity without a hit. */
     private meets(t: number, [ox, oy, oz]: Point, [dx, dy, dz]: Point): number {
         const [ax, ay, az] = [this.at(t, 0, 0), this.at(t, 0, 1), this.at(t, 0, 2)];
         const [ux, uy, uz] = [this.at(t, 1, 0) - ax, this.at(t, 1, 1) - ay, this.at(t, 1, 2) - az];

@@ -1,4 +1,4 @@
-// Indices for drawing quads: two triangles for each, and lines along their edges.
+// Indices for drawing quads: two triangles for each, and lines along the edges.
 
 export function triangulateQuads(quads: Uint32Array): Uint32Array<ArrayBuffer> {
     const index = new Uint32Array((quads.length / 4) * 6);
@@ -6,7 +6,7 @@ export function triangulateQuads(quads: Uint32Array): Uint32Array<ArrayBuffer> {
     return index;
 }
 
-/** Writes the triangles of `quads` into `index`, from the place of quad `first` on. */
+/** Writes the triangles of `quads` into `index`, starting at the position of quad `first`. */
 export function fillTriangles(quads: Uint32Array, index: Uint32Array, first: number): void {
     let at = first * 6;
     for (let i = 0; i < quads.length; i += 4) {
@@ -20,8 +20,8 @@ export function fillTriangles(quads: Uint32Array, index: Uint32Array, first: num
 }
 
 /**
- * Ends of the lines along the edges of faces with `corners` corners. In a closed surface an edge runs once each way, so that
- * the one from the lesser number to the greater stands for both; of an open one some edges at the border are left out.
+ * End points of the lines along the edges of faces with `corners` corners. A closed surface has each edge once in each direction,
+ * so that the one from the smaller to the larger index represents both; for an open surface some border edges are missing.
  */
 export function edgeLines(faces: Uint32Array, corners: 3 | 4): Uint32Array<ArrayBuffer> {
     const lines = new Uint32Array(faces.length * 2);

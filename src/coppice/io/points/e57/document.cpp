@@ -36,7 +36,7 @@ class Reader : public io_internal::XmlHandler {
     }
 
     void text(std::string_view text) override {
-        constexpr std::size_t kLongest = 65535;  // of WKT in LAS
+        constexpr std::size_t kLongest = 65535;  // maximum size of WKT in LAS
         if (text_.size() < kLongest) text_ += text.substr(0, kLongest);
     }
 
@@ -50,7 +50,7 @@ class Reader : public io_internal::XmlHandler {
     Document take() { return std::move(document_); }
 
   private:
-    /// The path below the scan that is being read; empty outside of scans.
+    /// Returns the path relative to the current scan; empty outside scans.
     std::string_view within_scan() const {
         const std::string_view path = path_;
         return path.starts_with(kScan) && path.size() > kScan.size() && path[kScan.size()] == '/'
@@ -66,10 +66,10 @@ class Reader : public io_internal::XmlHandler {
     }
 
     void add_field(std::string_view name, const XmlAttributes& attributes) {
-        constexpr std::size_t kMostFields = 1000;
+        constexpr std::size_t kMaxFields = 1000;
         std::vector<Field>& fields = document_.scans.back().fields;
         const std::string type(attributes.find("type").value_or(""));
-        if (fields.size() == kMostFields) fail(fmt::format("points have more than {} fields", kMostFields));
+        if (fields.size() == kMaxFields) fail(fmt::format("points have more than {} fields", kMaxFields));
         Field field{.name = std::string(name)};
         if (type == "Float") {
             const bool single = attributes.find("precision").value_or("double") == "single";
@@ -112,10 +112,10 @@ class Reader : public io_internal::XmlHandler {
                                                           "/colorLimits/colorGreenMaximum",
                                                           "/colorLimits/colorBlueMaximum"};
         for (std::size_t i = 0; i < kColors.size(); ++i)
-            if (within == kColors[i]) scan.most_color[i] = number();
+            if (within == kColors[i]) scan.max_color[i] = number();
     }
 
-    /// What stands in the element; 0 where nothing does.
+    /// Returns the number in the element; 0 if it is empty.
     double number() const {
         const std::string_view text = trimmed(text_);
         return text.empty() ? 0 : real(text);
@@ -132,7 +132,7 @@ class Reader : public io_internal::XmlHandler {
         std::int64_t value = 0;
         const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), value);
         if (error != std::errc() || end != text->data() + text->size())
-            fail(fmt::format("the {} is {}, which is no whole number", name, in_quotes(*text)));
+            fail(fmt::format("the {} is {}, which is not an integer", name, in_quotes(*text)));
         return value;
     }
     std::uint64_t whole(const XmlAttributes& attributes, std::string_view name) const {
@@ -147,7 +147,7 @@ class Reader : public io_internal::XmlHandler {
     const std::string& source_;
     Document document_;
     std::string path_;
-    std::vector<std::size_t> lengths_;  // of the path before each open element
+    std::vector<std::size_t> lengths_;  // length of the path before each open element
     std::string text_;
     std::uint32_t line_ = 0;
 };

@@ -11,7 +11,7 @@ namespace coppice::e57 {
 namespace {
 
 constexpr std::array<std::uint32_t, 256> make_table() {
-    constexpr std::uint32_t kPolynomial = 0x82f63b78;  // of CRC-32C, low bits first
+    constexpr std::uint32_t kPolynomial = 0x82f63b78;  // CRC-32C, least significant bit first
     std::array<std::uint32_t, 256> table{};
     for (std::uint32_t i = 0; i < table.size(); ++i) {
         std::uint32_t c = i;
@@ -42,15 +42,15 @@ Pages::Pages(std::string_view file, const std::string& source)
 std::uint64_t Pages::logical(std::uint64_t physical) const {
     if (physical % kPage >= kContent || physical / kPage >= pages_) {
         throw InvalidInput(fmt::format(
-            "{}: the E57 file is cut off or damaged: something is to begin at byte {}", source_, physical));
+            "{}: the E57 file is cut off or damaged: a section should begin at byte {}", source_, physical));
     }
     return physical / kPage * kContent + physical % kPage;
 }
 
 std::string Pages::read(std::uint64_t at, std::uint64_t size) {
     if (at > this->size() || size > this->size() - at) {
-        throw InvalidInput(
-            fmt::format("{}: the E57 file is cut off or damaged: it ends before what it names", source_));
+        throw InvalidInput(fmt::format(
+            "{}: the E57 file is cut off or damaged: it ends before a section that it names", source_));
     }
     std::string out;
     out.reserve(size);
@@ -66,7 +66,7 @@ std::string_view Pages::content(std::uint64_t page) {
     const std::string_view content = bytes.substr(0, kContent);
     if (!checked_[page] && crc32c(content) != big_endian(bytes.substr(kContent))) {
         throw InvalidInput(
-            fmt::format("{}: page {} of {} of the E57 file is damaged: its checksum is another one", source_,
+            fmt::format("{}: page {} of {} of the E57 file is damaged: its checksum does not match", source_,
                         page + 1, pages_));
     }
     checked_[page] = true;

@@ -8,19 +8,19 @@
 
 namespace coppice::e57 {
 
-/// The bytes of an E57 file without the checksums, CRC-32C, that end each of its pages of 1024 bytes.
+/// The bytes of an E57 file without the CRC-32C checksum at the end of each 1024-byte page.
 class Pages {
   public:
-    /// `file` must outlive this. What follows the last whole page is no part of it.
+    /// `file` must outlive this object. Bytes after the last whole page are ignored.
     Pages(std::string_view file, const std::string& source);
 
     std::uint64_t size() const { return pages_ * kContent; }  ///< [bytes] without checksums
 
-    /// Where a byte of the file is among those without checksums. Throws InvalidInput where it is a checksum.
+    /// Converts a file offset to an offset without checksums. Throws InvalidInput if it refers to a checksum.
     std::uint64_t logical(std::uint64_t physical) const;
 
-    /// Bytes from `at` on, without checksums. Throws InvalidInput where they are not all there, or a page
-    /// that they lie in has another checksum than it says.
+    /// Returns bytes from `at` on, without checksums. Throws InvalidInput if the file ends before them, or
+    /// the checksum of one of their pages does not match.
     std::string read(std::uint64_t at, std::uint64_t size);
 
   private:

@@ -1,4 +1,4 @@
-// E57: scans as packets of bits, in pages with checksums, which XML at the end describes.
+// E57: scans as packets of bits in pages with checksums, described by XML at the end of the file.
 
 #include <fmt/format.h>
 
@@ -10,11 +10,11 @@
 #include <optional>
 
 #include "coppice/base/error.h"
-#include "coppice/io/file_progress.h"
 #include "coppice/io/points/e57/document_internal.h"
 #include "coppice/io/points/e57/pages_internal.h"
 #include "coppice/io/points/las_internal.h"
 #include "coppice/io/points/read_internal.h"
+#include "coppice/system/file_progress.h"
 
 namespace coppice::e57 {
 namespace {
@@ -25,8 +25,7 @@ using io_internal::number_at;
 constexpr std::string_view kSignature = "ASTM-E57";
 constexpr std::uint64_t kHeader = 48, kSection = 32, kPacketHead = 4, kDataHead = 6;  // [bytes]
 
-/// The values of a field that packets brought and nobody took yet; they may begin within a byte, and end in
-/// the next packet.
+/// A queue of the values of a field from packets; a value may begin within a byte and end in the next packet.
 class BitQueue {
   public:
     explicit BitQueue(const Field& field) : field_(field) {}
@@ -36,7 +35,7 @@ class BitQueue {
         at_ %= 8;
         bytes_ += bytes;
     }
-    /// Whole values that can be taken.
+    /// Returns the number of complete values.
     std::uint64_t size() const {
         if (field_.bits == 0) return std::numeric_limits<std::uint64_t>::max();
         return (8 * bytes_.size() - at_) / field_.bits;
@@ -65,10 +64,10 @@ class BitQueue {
 
     const Field& field_;
     std::string bytes_;
-    std::size_t at_ = 0;  ///< [bits] of the next value
+    std::size_t at_ = 0;  ///< [bits] offset of the next value
 };
 
-/// Which of the fields of a scan are used.
+/// The fields of a scan that are used.
 struct Columns {
     std::array<std::size_t, 3> place{}, color{};
     bool spherical = false, colored = false;
@@ -101,14 +100,14 @@ struct Columns {
     }
 };
 
-/// From the frame of the scanner into that of the file.
+/// Transforms from the frame of the scanner to that of the file.
 class Pose {
   public:
     Pose(const Scan& scan, const std::string& source) : translation_(scan.translation) {
         const auto [w, x, y, z] = scan.rotation;
         const double norm = w * w + x * x + y * y + z * z;
         if (!(norm > 0) || !std::isfinite(norm))
-            throw InvalidInput(fmt::format("{}: the rotation of a scan is none", source));
+            throw InvalidInput(fmt::format("{}: the rotation of a scan is not a rotation", source));
         const double s = 2 / norm;
         rows_ = {Vec3d{1 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y)},
                  Vec3d{s * (x * y + w * z), 1 - s * (x * x + z * z), s * (y * z - w * x)},
@@ -128,14 +127,14 @@ Vec3d from_spherical(Vec3d s) {
     return {level * std::cos(s.y), level * std::sin(s.y), s.x * std::sin(s.z)};
 }
 
-/// Turns the records of a scan into points.
+/// Converts the records of a scan to points.
 class PointTaker {
   public:
     PointTaker(const Scan& scan, FoundPoints& found, const std::string& source)
         : columns_(scan, source), pose_(scan, source), found_(found), source_(source) {
         for (std::size_t i = 0; i < 3 && columns_.colored; ++i) {
             const Field& field = scan.fields[columns_.color[i]];
-            double most = scan.most_color[i];
+            double most = scan.max_color[i];
             if (most == 0 && field.type == Field::Type::integer && field.bits > 8 && field.bits <= 16)
                 most = (1u << field.bits) - 1;
             if (most > 255 || (most > 0 && most <= 1)) to_byte_[i] = 255 / most;
@@ -152,14 +151,14 @@ class PointTaker {
             throw InvalidInput(fmt::format("{}: point {} is not finite or beyond 1e30", source_,
                                            found_.places.size() + found_.without_return));
         found_.places.push_back(p);
-        PaintedPoints& known = found_.known;
+        PointCloud& known = found_.known;
         if (columns_.intensity)
             found_.note(known.intensities, static_cast<float>(record[*columns_.intensity]));
-        // Returns are counted from 0.
+        // Returns are numbered from 0.
         if (columns_.return_index)
-            found_.note(known.return_numbers, io_internal::byte_of(record[*columns_.return_index] + 1));
+            found_.note(known.return_numbers, io_internal::to_byte(record[*columns_.return_index] + 1));
         if (columns_.return_count)
-            found_.note(known.return_counts, io_internal::byte_of(record[*columns_.return_count]));
+            found_.note(known.return_counts, io_internal::to_byte(record[*columns_.return_count]));
         if (!columns_.colored) return;
         const auto [r, g, b] = columns_.color;
         const auto color =
@@ -177,10 +176,10 @@ class PointTaker {
     std::array<double, 3> to_byte_{1, 1, 1};
 };
 
-/// What scans may still take, so that none can ask for more time and memory than the file is worth.
+/// Remaining amounts that scans may use, so that time and memory are bounded by the size of the file.
 struct Budget {
-    std::uint64_t bits;     ///< of records, of which each takes one at least
-    std::uint64_t packets;  ///< [bytes] which no two scans share
+    std::uint64_t bits;     ///< number of records; each needs at least one bit
+    std::uint64_t packets;  ///< [bytes] size of the packets; scans may not share them
 };
 
 /// Reads the packets of a scan.
@@ -216,24 +215,25 @@ class ScanReader {
         std::uint64_t bits = 0;
         for (const Field& field : scan_.fields) bits += field.bits;
         bits = std::max<std::uint64_t>(bits, 1);
-        if (scan_.count > budget_.bits / bits) damaged("its XML names more points than it can hold");
+        if (scan_.count > budget_.bits / bits) damaged("its XML specifies more points than it can contain");
         budget_.bits -= scan_.count * bits;
     }
 
-    /// Where the packets begin.
+    /// Returns the offset of the first packet.
     std::uint64_t begin() {
         const std::string section = pages_.read(pages_.logical(scan_.offset), kSection);
-        if (section[0] != 1) damaged("the points of a scan do not begin where its XML says");
+        if (section[0] != 1)
+            damaged("the points of a scan do not begin at the offset that its XML specifies");
         return pages_.logical(number_at<std::uint64_t>(section, 16));
     }
 
-    /// Queues what a packet brings; gives where the next one begins.
+    /// Queues the values of a packet; returns the offset of the next packet.
     std::uint64_t take_packet(std::uint64_t at) {
         enum Kind : std::uint8_t { kIndex = 0, kData = 1, kEmpty = 2 };
         const std::string head = pages_.read(at, kPacketHead);
         const auto kind = number_at<std::uint8_t>(head, 0);
         const std::uint64_t size = number_at<std::uint16_t>(head, 2) + std::uint64_t{1};
-        if (size < kPacketHead || kind > kEmpty) damaged("a packet of points has no known kind or size");
+        if (size < kPacketHead || kind > kEmpty) damaged("a packet of points has an unknown type or size");
         if (size > budget_.packets) damaged("scans share packets of points");
         budget_.packets -= size;
         if (kind == kData) take_streams(pages_.read(at, size));
@@ -243,7 +243,7 @@ class ScanReader {
     void take_streams(std::string_view packet) {
         const std::size_t table = 2 * queues_.size();
         if (packet.size() < kDataHead + table || number_at<std::uint16_t>(packet, 4) != queues_.size())
-            damaged("a packet of points has other fields than its XML says");
+            damaged("the fields of a packet of points differ from those that its XML specifies");
         std::string_view rest = packet.substr(kDataHead + table);
         for (std::size_t f = 0; f < queues_.size(); ++f) {
             const std::size_t size = number_at<std::uint16_t>(packet, kDataHead + 2 * f);
@@ -253,8 +253,8 @@ class ScanReader {
         }
     }
 
-    [[noreturn]] void damaged(std::string_view what) const {
-        throw InvalidInput(fmt::format("{}: the E57 file is damaged: {}", source_, what));
+    [[noreturn]] void damaged(std::string_view subject) const {
+        throw InvalidInput(fmt::format("{}: the E57 file is damaged: {}", source_, subject));
     }
 
     Pages& pages_;
@@ -264,7 +264,7 @@ class ScanReader {
     std::vector<BitQueue> queues_;
 };
 
-/// The XML, which the header says where to find.
+/// Returns the XML, which the header locates.
 std::string document_of(Pages& pages, std::string_view bytes, const std::string& source) {
     if (bytes.size() < kHeader)
         throw InvalidInput(fmt::format("{}: the file ends within its E57 header", source));
@@ -277,10 +277,9 @@ std::string document_of(Pages& pages, std::string_view bytes, const std::string&
                         source, major, minor, page));
     }
     if (length > bytes.size()) {
-        throw InvalidInput(
-            fmt::format("{}: the file is cut off: it has {} of {} bytes, and what describes "
-                        "its points stands at its end",
-                        source, bytes.size(), length));
+        throw InvalidInput(fmt::format(
+            "{}: the file is cut off: it has {} of {} bytes, and the description of its points is at its end",
+            source, bytes.size(), length));
     }
     return pages.read(pages.logical(number_at<std::uint64_t>(bytes, 24)),
                       number_at<std::uint64_t>(bytes, 32));

@@ -5,13 +5,13 @@
 namespace coppice::io_internal {
 namespace {
 
-constexpr unsigned kLeastTable = 64, kMostTable = 512;  // places
+constexpr unsigned kMinTable = 64, kMaxTable = 512;  // table entries
 
 }  // namespace
 
 void SymbolModel::start() {
     const unsigned n = symbols_;
-    const unsigned table = std::clamp(2 * std::bit_ceil(n), kLeastTable, kMostTable);
+    const unsigned table = std::clamp(2 * std::bit_ceil(n), kMinTable, kMaxTable);
     data_ = std::make_unique_for_overwrite<std::uint16_t[]>(n + 1 + n + table);
     count_ = data_.get() + n + 1;
     table_ = count_ + n;
@@ -24,10 +24,10 @@ void SymbolModel::start() {
 }
 
 void SymbolModel::update() {
-    constexpr std::uint32_t kMostCounted = 1u << ArithmeticDecoder::kSymbolBits;
+    constexpr std::uint32_t kMaxCounted = 1u << ArithmeticDecoder::kSymbolBits;
     const unsigned n = symbols_;
     total_ += cycle_;
-    if (total_ > kMostCounted) {
+    if (total_ > kMaxCounted) {
         total_ = 0;
         for (unsigned i = 0; i < n; ++i) {
             count_[i] = static_cast<std::uint16_t>((count_[i] + 1) / 2);
@@ -41,8 +41,8 @@ void SymbolModel::update() {
         first[i] = static_cast<std::uint16_t>(scale * sum >> (31 - ArithmeticDecoder::kSymbolBits));
         sum += count_[i];
     }
-    first[n] = static_cast<std::uint16_t>(kMostCounted);
-    const unsigned places = kMostCounted >> shift_;
+    first[n] = static_cast<std::uint16_t>(kMaxCounted);
+    const unsigned places = kMaxCounted >> shift_;
     unsigned symbol = 0;
     for (unsigned i = 0; i < places; ++i) {
         while (first[symbol + 1] <= i << shift_) ++symbol;
@@ -53,9 +53,9 @@ void SymbolModel::update() {
 }
 
 void BitModel::update() {
-    constexpr std::uint32_t kMostCounted = 1u << ArithmeticDecoder::kBitBits;
+    constexpr std::uint32_t kMaxCounted = 1u << ArithmeticDecoder::kBitBits;
     total_ += cycle_;
-    if (total_ > kMostCounted) {
+    if (total_ > kMaxCounted) {
         total_ = (total_ + 1) / 2;
         zeros_ = (zeros_ + 1) / 2;
         if (zeros_ == total_) ++total_;

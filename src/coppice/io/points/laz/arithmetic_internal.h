@@ -9,12 +9,11 @@
 
 namespace coppice::io_internal {
 
-/// How often each symbol of an alphabet came so far, as intervals of [0, 2^15): the adaptive model of
-/// [Said2004]. It starts with all of them equally likely, and takes memory when the first symbol is asked
-/// for.
+/// Adaptive model of [Said2004]: the frequencies of the symbols of an alphabet as intervals of [0, 2^15).
+/// Initially all symbols are equally likely; memory is allocated when the first symbol is decoded.
 class SymbolModel {
   public:
-    /// `symbols` from 2 to 2048.
+    /// `symbols` must be in [2, 2048].
     explicit SymbolModel(unsigned symbols) : symbols_(static_cast<std::uint16_t>(symbols)) {}
 
   private:
@@ -23,16 +22,17 @@ class SymbolModel {
     void start();
     void update();
 
-    /// Where intervals begin, ended by 2^15; counts; and a table of where to begin to look.
+    /// Interval begins, terminated by 2^15; counts; and a table that accelerates the search.
     std::unique_ptr<std::uint16_t[]> data_;
     std::uint16_t* count_ = nullptr;
     std::uint16_t* table_ = nullptr;
-    std::uint32_t total_ = 0, cycle_ = 0, left_ = 0;  ///< counted; symbols between updates; until the next
+    std::uint32_t total_ = 0, cycle_ = 0,
+                  left_ = 0;  ///< sum of the counts; symbols between updates; symbols until the next update
     std::uint16_t symbols_;
-    std::uint8_t shift_ = 0;  ///< of a value to its place in the table
+    std::uint8_t shift_ = 0;  ///< bits to shift a value to obtain its table index
 };
 
-/// The same for 0 and 1, in steps of 2^-13.
+/// Adaptive model of a bit, with probabilities in multiples of 2^-13.
 class BitModel {
     friend class ArithmeticDecoder;
 
@@ -41,10 +41,11 @@ class BitModel {
     std::uint32_t zeros_ = 1, total_ = 2, probability_ = 1u << 12, cycle_ = 4, left_ = 4;
 };
 
-/// Undoes the arithmetic coding of [Said2004], as [Isenburg2013] has it: 32 bits, carried on byte by byte.
+/// Decoder of the arithmetic coding of [Said2004] in the variant of [Isenburg2013]: 32 bits, renormalized by
+/// bytes.
 ///
-/// Whatever the bytes are, symbols lie within their alphabets and nothing is read beyond the end: zeros are
-/// taken there, and `damaged` says so.
+/// For any input, symbols are within their alphabets and nothing is read beyond the end: zeros are used
+/// there, and `damaged` reports it.
 class ArithmeticDecoder {
   public:
     explicit ArithmeticDecoder(std::string_view bytes)
@@ -59,7 +60,7 @@ class ArithmeticDecoder {
         const std::uint32_t whole = length_;
         length_ >>= kSymbolBits;
         const std::uint32_t value = std::min(value_ / length_, (1u << kSymbolBits) - 1);
-        // Steps that branch would be guessed wrong half of the time; a third one is rare.
+        // Branches would be mispredicted half of the time in the first two steps; a third one is rare.
         std::size_t found = model.table_[value >> model.shift_];
         found += first[found + 1] <= value ? 1 : 0;
         found += first[found + 1] <= value ? 1 : 0;
@@ -89,16 +90,16 @@ class ArithmeticDecoder {
         return one ? 1 : 0;
     }
 
-    /// The next 1 to 32 bits, all values equally likely.
+    /// Returns the next 1 to 32 bits, decoded with a uniform model.
     std::uint32_t bits(unsigned count) {
-        if (count > kMostBits) {
+        if (count > kMaxBits) {
             const std::uint32_t low = bits(16);
             return bits(count - 16) << 16 | low;
         }
         length_ >>= count;
         std::uint32_t value = value_ / length_;
         if (value >> count != 0) {
-            missing_ = kMostMissing + 1;
+            missing_ = kMaxMissing + 1;
             value = (1u << count) - 1;
         }
         value_ -= length_ * value;
@@ -106,23 +107,24 @@ class ArithmeticDecoder {
         return value;
     }
 
-    /// Whether bytes were asked for that are not there, or that no encoder writes.
-    bool damaged() const { return missing_ > kMostMissing; }
+    /// Returns whether bytes beyond the end were read, or bytes that no encoder writes.
+    bool damaged() const { return missing_ > kMaxMissing; }
 
-    /// The first byte that was not taken. Encoders end so that it is the first that does not belong to them.
+    /// Returns the first byte that was not read. Encoders end such that it is the first byte after their
+    /// output.
     const char* position() const { return at_; }
 
   private:
     friend class SymbolModel;
     friend class BitModel;
-    static constexpr unsigned kSymbolBits = 15, kBitBits = 13, kMostBits = 19;
-    static constexpr std::uint32_t kLeastLength = 1u << 24;
-    static constexpr std::uint32_t kMostMissing = 4;  ///< those that are looked ahead
+    static constexpr unsigned kSymbolBits = 15, kBitBits = 13, kMaxBits = 19;
+    static constexpr std::uint32_t kMinLength = 1u << 24;
+    static constexpr std::uint32_t kMaxMissing = 4;  ///< number of look-ahead bytes
 
     std::uint8_t next_byte() {
         if (at_ != end_) [[likely]]
             return static_cast<std::uint8_t>(*at_++);
-        missing_ = std::min(missing_ + 1, kMostMissing + 1);
+        missing_ = std::min(missing_ + 1, kMaxMissing + 1);
         return 0;
     }
     void renormalise() {
@@ -133,7 +135,7 @@ class ArithmeticDecoder {
             at_ += shift / 8;
             return;
         }
-        while (length_ < kLeastLength) {
+        while (length_ < kMinLength) {
             value_ = value_ << 8 | next_byte();
             length_ <<= 8;
         }

@@ -10,7 +10,7 @@
 
 namespace coppice::io_internal {
 
-/// The parts that a record is divided into for packing, by their numbers in [Isenburg2013].
+/// Items of a record that are compressed separately, by their numbers in [Isenburg2013].
 enum class LazItem : std::uint16_t {
     byte = 0,
     point10 = 6,
@@ -24,7 +24,7 @@ enum class LazItem : std::uint16_t {
     byte14 = 14
 };
 
-/// How the points of a file were packed.
+/// Compression parameters of a file.
 struct LazPacking {
     struct Item {
         LazItem type = LazItem::byte;
@@ -33,37 +33,38 @@ struct LazPacking {
     };
     std::vector<Item> items;
     std::uint16_t record = 0;  ///< [bytes]
-    std::size_t color = 0;     ///< [bytes] where in a record it begins; 0 = it has none
-    std::size_t extra = 0;     ///< [bytes] where what the format has not begins
-    bool layered = false;      ///< each property by itself, as formats 6 to 10 are
-    bool chunked = true;       ///< else all points are one chunk
-    std::uint32_t chunk = 0;   ///< points in each; `kVaryingChunks`: the table says how many
+    std::size_t color = 0;     ///< [bytes] offset in a record; 0 if there is no colour
+    std::size_t extra = 0;     ///< [bytes] offset of the extra bytes in a record
+    bool layered = false;      ///< each property is compressed separately, as in formats 6 to 10
+    bool chunked = true;       ///< otherwise all points are one chunk
+    std::uint32_t chunk = 0;   ///< points in each chunk; with `kVaryingChunks` the table specifies them
 };
 
 inline constexpr std::uint32_t kVaryingChunks = 0xffffffff;
 
-/// The record that tells the packing, held against the format of the points. Throws `InvalidInput` where it
-/// is missing or tells of something else.
+/// Reads the record about the compression and compares it with the point format. Throws `InvalidInput` if it
+/// is missing or does not match.
 LazPacking read_laz_packing(std::string_view bytes, const LasHeader& h, const std::string& source);
 
-/// A chunk and the points in it; it is packed by itself.
+/// A chunk and the range of its points; chunks are compressed independently.
 struct LazChunk {
     std::string_view bytes;
     std::uint64_t first = 0, count = 0;
 };
 
-/// By the table of chunks. Where there is none, as a writer was broken off before it wrote it, only the first
-/// chunk has `bytes`, up to the end of the file: where the others begin is found by unpacking. Throws
-/// `InvalidInput` where the table cannot be true, or is missing from a file that may not be truncated.
+/// Returns the chunks by the chunk table. If it is missing because the writer was interrupted, only the first
+/// chunk has `bytes`, up to the end of the file: decompression finds the begin of the others. Throws
+/// `InvalidInput` if the table is inconsistent, or is missing and the file may not be truncated.
 std::vector<LazChunk> find_laz_chunks(std::string_view bytes, const LasHeader& h, const LazPacking& packing,
                                       const LasReading& reading);
 
-/// Unpacks the points of a chunk, of formats 0 to 5, one record after the other. Gives the bytes that they
-/// took, or nothing when they are damaged. Throws `Cancelled`.
+/// Decompresses the points of a chunk of formats 0 to 5, record by record. Returns the number of bytes read,
+/// or nullopt if they are damaged. Throws `Cancelled`.
 std::optional<std::size_t> unpack_records(const LazChunk& chunk, const LazPacking& packing, LasPart& out,
                                           const Context& ctx);
 
-/// The same for formats 6 to 10, one property after the other; those that are not needed are passed over.
+/// Decompresses the points of a chunk of formats 6 to 10, property by property; properties that are not
+/// needed are skipped.
 std::optional<std::size_t> unpack_layers(const LazChunk& chunk, const LazPacking& packing, LasPart& out,
                                          const Context& ctx);
 

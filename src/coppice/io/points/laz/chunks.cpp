@@ -1,4 +1,4 @@
-// How a LAZ file says what it holds: the record that tells the packing, and the table of chunks.
+// Structure of a LAZ file: the record about the compression, and the chunk table.
 
 #include <fmt/format.h>
 
@@ -13,18 +13,18 @@ namespace {
 
 constexpr std::size_t kLaszipVlr = 34, kItem = 6;  // [bytes]
 constexpr std::string_view kLaszipUser = "laszip encoded";
-constexpr std::size_t kPlace = 8;        // [bytes] of what says where the table of chunks is
+constexpr std::size_t kPlace = 8;        // [bytes] of the offset of the chunk table
 constexpr std::size_t kTableHeader = 8;  // [bytes]
-// The models of each take kilobytes in every thread; nobody has as many.
-constexpr std::uint16_t kMostOwnBytes = 4096;
+// Maximum number of extra bytes: their models need kilobytes each in every thread.
+constexpr std::uint16_t kMaxOwnBytes = 4096;
 
 enum Compressor : std::uint16_t { kPointwise = 1, kChunked = 2, kLayered = 3 };
 
-[[noreturn]] void damaged(const std::string& source, const std::string& what) {
-    las_trouble(source, fmt::format("its compressed points are damaged: {}", what));
+[[noreturn]] void damaged(const std::string& source, const std::string& subject) {
+    las_trouble(source, fmt::format("its compressed points are damaged: {}", subject));
 }
 
-/// How the records of a format are divided for packing.
+/// Returns the items into which the records of a format are divided.
 std::vector<LazPacking::Item> items_of(const LasHeader& h) {
     std::vector<LazPacking::Item> items;
     const auto any_of = [&](std::initializer_list<int> formats) {
@@ -51,17 +51,18 @@ std::vector<LazPacking::Item> items_of(const LasHeader& h) {
 std::string_view find_laszip_vlr(std::string_view bytes, const LasHeader& h, const std::string& source) {
     for (const LasRecord& record : las_records(bytes, h))
         if (record.user == kLaszipUser) return record.data;
-    damaged(source, "the record that says how they were compressed is missing");
+    damaged(source, "the record about their compression is missing");
 }
 
-/// Of items that were compressed, in the format's kind. Version 2 of recent ones was a prototype's.
+/// Returns whether the version of an item is supported for its format. Version 2 of the recent formats was
+/// used by a prototype.
 bool is_known_version(const LazPacking::Item& item, bool recent) {
     if (recent) return item.version >= (item.type == LazItem::wave_packet14 ? 3 : 2) && item.version <= 4;
     return item.version == 1 || (item.version == 2 && item.type != LazItem::wave_packet13);
 }
 
-/// Where the table begins [bytes from the first record]; 0 when the writer never came to it, or the file may
-/// be truncated and is.
+/// Returns the offset of the table [bytes from the first record]; 0 if the writer did not store it, or if the
+/// file is truncated and that is allowed.
 std::size_t find_table(std::string_view data, const LasHeader& h, const LasReading& reading) {
     auto place = number_at<std::int64_t>(data, 0);
     const auto start = static_cast<std::int64_t>(h.data);
@@ -75,7 +76,7 @@ std::size_t find_table(std::string_view data, const LasHeader& h, const LasReadi
     return static_cast<std::size_t>(place - start);
 }
 
-/// Chunks of `packing.chunk` points, without bytes; not more than `most`.
+/// Returns at most `most` chunks of `packing.chunk` points, without bytes.
 std::vector<LazChunk> equal_chunks(const LasHeader& h, const LazPacking& packing, std::uint64_t most) {
     const std::uint64_t each = packing.chunked ? packing.chunk : h.count;
     std::vector<LazChunk> chunks;
@@ -85,13 +86,13 @@ std::vector<LazChunk> equal_chunks(const LasHeader& h, const LazPacking& packing
     return chunks;
 }
 
-/// Reads the table that begins at `table`, of chunks that fill the bytes from `kPlace` up to it.
+/// Reads the table at `table`; the chunks fill the bytes from `kPlace` up to it.
 std::vector<LazChunk> read_table(std::string_view data, std::size_t table, const LasHeader& h,
                                  const LazPacking& packing, const std::string& source) {
     const auto count = number_at<std::uint32_t>(data, table + 4);
-    // Every chunk begins with a record as it is; some writers end with one of nothing.
+    // Every chunk begins with an uncompressed record; some writers add an empty chunk at the end.
     if (number_at<std::uint32_t>(data, table) != 0 || count > (table - kPlace) / h.record + 1)
-        damaged(source, "the table of their chunks is not to be read");
+        damaged(source, "their chunk table is unreadable");
     ArithmeticDecoder in(data.substr(table + kTableHeader));
     IntegerDecoder numbers(32, 2);
     const bool varying = packing.chunk == kVaryingChunks;
@@ -101,14 +102,14 @@ std::vector<LazChunk> read_table(std::string_view data, std::size_t table, const
     for (std::uint32_t i = 0; i < count && first < h.count; ++i) {
         points = varying ? numbers.read(in, points, 0) : packing.chunk;
         size = numbers.read(in, size, 1);
-        if (in.damaged() || size > table - at) damaged(source, "the table of their chunks is not to be read");
+        if (in.damaged() || size > table - at) damaged(source, "their chunk table is unreadable");
         const std::uint64_t taken = std::min<std::uint64_t>(points, h.count - first);
-        if (taken > 0 && size < h.record) damaged(source, "a chunk of them is too short");
+        if (taken > 0 && size < h.record) damaged(source, "one of their chunks is too short");
         if (taken > 0) chunks.push_back({data.substr(at, size), first, taken});
         first += taken;
         at += size;
     }
-    if (first < h.count) damaged(source, "chunks of them are missing");
+    if (first < h.count) damaged(source, "some of their chunks are missing");
     return chunks;
 }
 
@@ -124,7 +125,7 @@ LazPacking read_laz_packing(std::string_view bytes, const LasHeader& h, const st
                  .layered = h.recent()};
     if (vlr.size() < kLaszipVlr + kItem * p.items.size() ||
         number_at<std::uint16_t>(vlr, kLaszipVlr - 2) != p.items.size())
-        damaged(source, "they have other fields than their format has");
+        damaged(source, "their fields differ from those of their format");
     const auto compressor = number_at<std::uint16_t>(vlr, 0);
     p.chunk = number_at<std::uint32_t>(vlr, 12);
     p.chunked = compressor != kPointwise;
@@ -133,14 +134,13 @@ LazPacking read_laz_packing(std::string_view bytes, const LasHeader& h, const st
         const std::size_t at = kLaszipVlr + kItem * i;
         if (number_at<std::uint16_t>(vlr, at) != static_cast<std::uint16_t>(p.items[i].type) ||
             number_at<std::uint16_t>(vlr, at + 2) != p.items[i].size)
-            damaged(source, "they have other fields than their format has");
+            damaged(source, "their fields differ from those of their format");
         p.items[i].version = number_at<std::uint16_t>(vlr, at + 4);
         known = known && is_known_version(p.items[i], h.recent());
-        if (p.items[i].type == LazItem::byte && p.items[i].size > kMostOwnBytes) {
-            throw Unsupported(
-                fmt::format("{}: its points have {} bytes of their own, of which {} can be "
-                            "unpacked; convert it to LAS",
-                            source, p.items[i].size, kMostOwnBytes));
+        if (p.items[i].type == LazItem::byte && p.items[i].size > kMaxOwnBytes) {
+            throw Unsupported(fmt::format(
+                "{}: its points have {} extra bytes, but at most {} can be unpacked; convert it to LAS",
+                source, p.items[i].size, kMaxOwnBytes));
         }
     }
     known =
@@ -158,14 +158,14 @@ std::vector<LazChunk> find_laz_chunks(std::string_view bytes, const LasHeader& h
         table = find_table(data, h, reading);
         if (table > 0) return read_table(data, table, h, packing, reading.source);
         if (packing.chunk == kVaryingChunks)
-            damaged(reading.source, "the table of their chunks is missing, which are of several sizes");
+            damaged(reading.source, "the table of their chunks, which differ in size, is missing");
         data.remove_prefix(kPlace);
     }
-    // Every chunk begins with a record as it is.
+    // Every chunk begins with an uncompressed record.
     std::vector<LazChunk> chunks = equal_chunks(h, packing, data.size() / h.record);
     const bool complete = !chunks.empty() && chunks.back().first + chunks.back().count == h.count;
     if (chunks.empty() || (!complete && !reading.allow_truncated))
-        damaged(reading.source, "chunks of them are missing");
+        damaged(reading.source, "some of their chunks are missing");
     chunks[0].bytes = data;
     return chunks;
 }

@@ -9,7 +9,7 @@
 
 namespace coppice::io_internal {
 
-/// Colours byte by byte, in version 1 of [Isenburg2013]: those that changed, as their difference.
+/// Decoder of colours in version 1 of [Isenburg2013]: the differences of the bytes that changed.
 class OldColorDecoder {
   public:
     Rgb16 read(ArithmeticDecoder& in, Rgb16 color) {
@@ -28,7 +28,7 @@ class OldColorDecoder {
     IntegerDecoder bytes_{8, 6};
 };
 
-/// The same in later versions: green and blue are predicted by how red changed, or are the same as red.
+/// Decoder of colours in later versions: green and blue are predicted from the change of red, or equal red.
 class ColorDecoder {
   public:
     Rgb16 read(ArithmeticDecoder& in, const Rgb16& last) {

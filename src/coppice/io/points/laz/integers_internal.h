@@ -7,11 +7,12 @@
 
 namespace coppice::io_internal {
 
-/// Integers of some bits, packed as their difference from a prediction: how many bits the difference has, by
-/// a model for each context, then its highest 8 bits by a model for each length, then the others as they are.
+/// Decoder of integers that are stored as differences from a prediction: the number of bits of the
+/// difference, with a model for each context, its highest 8 bits, with a model for each number of bits, and
+/// the remaining bits unmodelled.
 class IntegerDecoder {
   public:
-    /// `bits` from 2 to 32.
+    /// `bits` must be in [2, 32].
     explicit IntegerDecoder(unsigned bits, unsigned contexts = 1)
         : mask_(bits == 32 ? 0xffffffffu : (1u << bits) - 1) {
         lengths_.reserve(contexts);
@@ -21,7 +22,7 @@ class IntegerDecoder {
             corrections_.emplace_back(1u << std::min(length, kModelled));
     }
 
-    /// Within the bits, from 0, as two's complement has it.
+    /// Returns the integer in two's complement, limited to `bits`.
     std::uint32_t read(ArithmeticDecoder& in, std::uint32_t prediction, unsigned context = 0) {
         length_ = in.symbol(lengths_[context]);
         return (prediction + correction(in)) & mask_;
@@ -30,7 +31,7 @@ class IntegerDecoder {
         return static_cast<std::int32_t>(read(in, static_cast<std::uint32_t>(prediction), context));
     }
 
-    /// Bits of the last difference.
+    /// Returns the number of bits of the last difference.
     unsigned length() const { return length_; }
 
   private:
@@ -44,7 +45,7 @@ class IntegerDecoder {
             const unsigned plain = length_ - kModelled;
             c = c << plain | in.bits(plain);
         }
-        // From [0, 2^length) to [1 - 2^length, -2^(length - 1)] and [2^(length - 1) + 1, 2^length].
+        // Maps [0, 2^length) to [1 - 2^length, -2^(length - 1)] and [2^(length - 1) + 1, 2^length].
         return c >= 1u << (length_ - 1) ? c + 1 : c - ((1u << length_) - 1);
     }
 

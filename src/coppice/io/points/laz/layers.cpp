@@ -1,6 +1,6 @@
-// Formats 6 to 10: every property of the records of a chunk is packed by itself, as version 3 of
-// [Isenburg2013] has it, with models of their own for each of the scanner's four channels. Version 4 packs
-// the properties read here alike.
+// Formats 6 to 10: each property of the records of a chunk is compressed separately, as in version 3 of
+// [Isenburg2013], with separate models for each of the four scanner channels. Version 4 is identical for the
+// properties read here.
 
 #include <algorithm>
 #include <array>
@@ -17,11 +17,11 @@
 namespace coppice::io_internal {
 namespace {
 
-/// The part that every record of these formats begins with, as far as it is read.
+/// The fields at the beginning of every record of these formats, as far as they are read.
 struct Point14 {
     std::int32_t x = 0, y = 0, z = 0;
     unsigned return_number = 0, return_count = 0;
-    unsigned flags = 0;  ///< those of the classification, then direction and edge
+    unsigned flags = 0;  ///< classification flags, then direction and edge
     std::uint16_t intensity = 0;
     std::uint8_t classification = 0;
 
@@ -53,8 +53,8 @@ struct Point14 {
     }
 };
 
-/// Of which points a point is taken for a successor, by the number of returns of its pulse and which of them
-/// it is.
+/// Returns the class of a point by the number of returns of its pulse and its return number; points are
+/// predicted from the previous points of their class.
 unsigned return_kind(unsigned a, unsigned b) {
     constexpr std::array<std::uint8_t, 16> kWithoutNumber{0, 1, 2, 3, 4, 5, 3, 4, 4, 5, 5, 5, 5, 5, 5, 5};
     const unsigned least = std::min(a, b), most = std::max(a, b);
@@ -70,7 +70,7 @@ unsigned return_kind(unsigned a, unsigned b) {
     }
 }
 
-/// What is known of a channel of the scanner.
+/// State of a scanner channel.
 struct Channel {
     explicit Channel(const Point14& p) : last(p) {
         last_z.fill(p.z);
@@ -88,10 +88,9 @@ struct Channel {
     std::array<std::uint16_t, 8> last_intensity{};
 };
 
-/// The last value of an item for each channel, with the models made for such values. Items beside the first
-/// follow the channels in a way of their own that files of version 3 rely on: the channel of a point is taken
-/// for the first one unless it changed there, and a channel that was met before is predicted from the one
-/// that was read last. Version 4 does neither.
+/// The last value of an item for each channel, with its models. Items after the first one switch channels in
+/// a particular way, on which files of version 3 rely: channel 0 is assumed for a point unless its channel
+/// changed, and a channel that occurred before is predicted from the last one read. Version 4 does neither.
 template <class Value, class Models>
 class ByChannel {
   public:
@@ -100,7 +99,7 @@ class ByChannel {
         channels_[at_] = std::make_unique<OfChannel>(first);
     }
 
-    /// read(models, value) turns the last value into the next one.
+    /// Calls read(models, value), which replaces the last value by the next one.
     template <class Read>
     const Value& next(std::size_t channel, bool changed, const Read& read) {
         if (as_version3_ && !changed) channel = 0;
@@ -151,7 +150,7 @@ class ColorLayer {
     ByChannel<Rgb16, Models> colors_;
 };
 
-/// What records have beyond their format: a layer for each byte.
+/// Extra bytes of records: a layer for each byte.
 class ByteLayers {
   public:
     ByteLayers(std::vector<Layer> layers, std::uint16_t version, std::size_t channel, std::string_view first)
@@ -177,24 +176,24 @@ class ByteLayers {
     ByChannel<std::string, Models> bytes_;
 };
 
-/// The bytes of a chunk's layers, in their order.
+/// Splits the bytes of a chunk into its layers, in order.
 class LayerCutter {
   public:
     LayerCutter(std::string_view sizes, std::string_view bytes) : sizes_(sizes), bytes_(bytes) {}
 
-    /// [bytes] of all layers.
+    /// Returns the size of all layers in bytes.
     std::uint64_t size() const {
         std::uint64_t sum = 0;
         for (std::size_t at = 0; at < sizes_.size(); at += 4) sum += number_at<std::uint32_t>(sizes_, at);
         return sum;
     }
-    /// Nothing where the property is the same for all points of the chunk.
+    /// Returns the next layer; nullopt if the property is constant in the chunk.
     Layer next() {
         const std::string_view layer = cut();
         if (layer.empty()) return {};
         return ArithmeticDecoder(layer);
     }
-    /// Nothing, too, where it is not wanted.
+    /// Returns the next layer; nullopt also if it is not requested.
     Layer next_if(bool wanted) {
         if (wanted) return next();
         cut();
@@ -225,7 +224,7 @@ std::size_t layer_count(const LazPacking& packing) {
 
 class LayerReader {
   public:
-    /// Of the columns of `out`, those that are empty are passed over.
+    /// Layers of empty columns of `out` are skipped.
     LayerReader(LayerCutter& layers, const LazPacking& packing, std::string_view first, const LasColumns& out)
         : places_(layers.next()),
           heights_(layers.next()),
@@ -244,7 +243,7 @@ class LayerReader {
         Point14& p = channel.last;
         const bool time_changed = (changes_ & 16u) != 0;
         read_place(channel, time_changed);
-        // The return among those of its pulse: between others, the last, the first, the only one.
+        // Return type within the pulse: 0 intermediate, 1 last, 2 first, 3 single.
         const unsigned among = (p.first() ? 2u : 0u) + (p.last() ? 1u : 0u);
         if (classes_) {
             const unsigned from = (p.classification & 31u) * 2 + (among == 3 ? 1 : 0);
@@ -270,7 +269,7 @@ class LayerReader {
     }
 
   private:
-    /// Takes the layers of an item beside the first one.
+    /// Assigns the layers of an item after the first one.
     void begin_item(const LazPacking::Item& item, LayerCutter& layers, const LazPacking& packing,
                     std::string_view first, const LasColumns& out) {
         if (item.type == LazItem::byte14) {
@@ -291,7 +290,7 @@ class LayerReader {
         return number_at<std::uint8_t>(record, 15) >> 4 & 3u;
     }
 
-    /// Reads what changes, and what leads to the coordinates: channel and returns.
+    /// Reads which properties change, and the values that precede the coordinates: channel and returns.
     Channel& read_changes() {
         Channel* channel = channels_[at_].get();
         const unsigned from = (channel->last.first() ? 1u : 0u) + (channel->last.last() ? 2u : 0u) +

@@ -9,8 +9,8 @@
 
 namespace coppice::io_internal {
 
-/// As the median of the last differences, the middle one of five that are kept: each new one takes the place
-/// of the greatest, or after one from the upper half, of the least.
+/// Approximate median of recent differences, the middle of five stored values: a new value replaces the
+/// maximum or, after a value of the upper half, the minimum.
 class RunningMedian {
   public:
     std::int32_t get() const { return sorted_[2]; }
@@ -30,13 +30,13 @@ class RunningMedian {
     bool drops_greatest_ = true;
 };
 
-/// Which model of `IntegerDecoder` is for a coordinate, by the bits of the differences that were read before
-/// it: `most` and every second number below it, and one more for pulses with a single return.
+/// Returns the context of `IntegerDecoder` for a coordinate by the number of bits of the differences read
+/// before it: even numbers up to `most`, plus one for pulses with a single return.
 inline unsigned coordinate_context(unsigned bits, unsigned most, bool single) {
     return (single ? 1u : 0u) + (bits < most ? bits & ~1u : most);
 }
 
-/// Models of one alphabet, one for each value of something else.
+/// Models of the same alphabet, one for each context.
 class SymbolModels {
   public:
     SymbolModels(unsigned count, unsigned symbols) {

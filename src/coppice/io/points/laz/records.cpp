@@ -1,4 +1,4 @@
-// Formats 0 to 5: every record is packed by its difference from the one before, in versions 1 and 2 of
+// Formats 0 to 5: each record is compressed as its difference from the previous one, in versions 1 and 2 of
 // [Isenburg2013].
 
 #include <array>
@@ -13,7 +13,7 @@
 namespace coppice::io_internal {
 namespace {
 
-/// The part that every record of these formats begins with.
+/// The fields at the beginning of every record of these formats.
 struct Point10 {
     std::int32_t x = 0, y = 0, z = 0;
     std::uint16_t intensity = 0;
@@ -47,11 +47,11 @@ struct Point10 {
     }
 };
 
-std::int32_t median_of(const std::array<std::int32_t, 3>& v) {
+std::int32_t compute_median(const std::array<std::int32_t, 3>& v) {
     return std::max(std::min(v[0], v[1]), std::min(std::max(v[0], v[1]), v[2]));
 }
 
-/// What versions 1 and 2 share: the byte that says what changed, and the models for bytes by what they were.
+/// Models shared by versions 1 and 2: for the byte of changed fields, and for bytes by their previous values.
 struct Point10Models {
     SymbolModel changes{64};
     SymbolModels returns{256, 256}, classes{256, 256}, users{256, 256};
@@ -65,13 +65,13 @@ void read_byte(ArithmeticDecoder& in, std::uint8_t& byte, SymbolModels& by_last)
 class Point10Version1 {
   public:
     void next(ArithmeticDecoder& in, Point10& p) {
-        constexpr unsigned kMost = 19;
-        const std::int32_t dx = dx_.read(in, median_of(last_dx_));
+        constexpr unsigned kMax = 19;
+        const std::int32_t dx = dx_.read(in, compute_median(last_dx_));
         const unsigned x_bits = dx_.length();
-        const std::int32_t dy = dy_.read(in, median_of(last_dy_), std::min(x_bits, kMost));
+        const std::int32_t dy = dy_.read(in, compute_median(last_dy_), std::min(x_bits, kMax));
         const unsigned bits = (x_bits + dy_.length()) / 2;
         p.move(dx, dy);
-        p.z = z_.read(in, p.z, std::min(bits, kMost));
+        p.z = z_.read(in, p.z, std::min(bits, kMax));
         const unsigned changes = in.symbol(models_.changes);
         if (changes & 32) p.intensity = static_cast<std::uint16_t>(intensities_.read(in, p.intensity, 0u));
         if (changes & 16) read_byte(in, p.returns, models_.returns);
@@ -91,8 +91,8 @@ class Point10Version1 {
     std::size_t turn_ = 0;
 };
 
-// By the number of returns of a pulse and which of them it is: of which points a point is taken for a
-// successor. Sound pairs have numbers of their own, others share them.
+// Class of a point by the number of returns of its pulse and its return number; points are predicted from the
+// previous points of their class. Valid pairs have classes of their own, invalid ones share them.
 constexpr std::uint8_t kReturnKind[8][8] = {{15, 14, 13, 12, 11, 10, 9, 8},  {14, 0, 1, 3, 6, 10, 10, 9},
                                             {13, 1, 2, 4, 7, 11, 11, 10},    {12, 3, 4, 5, 8, 12, 12, 11},
                                             {11, 6, 7, 8, 9, 13, 13, 12},    {10, 10, 11, 12, 13, 14, 14, 13},
@@ -143,15 +143,16 @@ class Point10Version2 {
     std::array<std::int32_t, 8> last_z_{};
 };
 
-/// Another part of a record: it has to be read whether it is wanted or not, as the next part follows it.
+/// Another item of a record: it must be decoded even if it is not requested, because the next item follows
+/// it.
 class OtherItem {
   public:
     virtual ~OtherItem() = default;
     virtual void next(ArithmeticDecoder& in) = 0;
 };
 
-/// Times, as differences or as multiples of the last difference. The times themselves are not kept, but what
-/// is read next depends on whether the last difference was zero.
+/// GPS times, as differences or multiples of the last difference. The times themselves are not stored, but
+/// decoding depends on whether the last difference was zero.
 class GpsTimeVersion1 : public OtherItem {
   public:
     void next(ArithmeticDecoder& in) override {
@@ -174,12 +175,12 @@ class GpsTimeVersion1 : public OtherItem {
                                                               multiple < 10   ? 3u
                                                               : multiple < 50 ? 4u
                                                                               : 5u);
-            if (multiple == kMost) take_extreme(difference);
+            if (multiple == kMax) take_extreme(difference);
         }
     }
 
   private:
-    static constexpr unsigned kMost = 509, kWhole = 510, kUnchanged = 511;
+    static constexpr unsigned kMax = 509, kWhole = 510, kUnchanged = 511;
 
     static void read_whole(ArithmeticDecoder& in) {
         for (int i = 0; i < 4; ++i) in.bits(16);
@@ -187,7 +188,7 @@ class GpsTimeVersion1 : public OtherItem {
     std::int32_t times(unsigned multiple) const {
         return static_cast<std::int32_t>(multiple * static_cast<std::uint32_t>(last_));
     }
-    /// The fourth difference beyond what multiples reach becomes the last one.
+    /// The fourth consecutive difference out of the range of the multiples becomes the last difference.
     void take_extreme(std::int32_t difference) {
         if (++extremes_ <= 3) return;
         last_ = difference;
@@ -200,11 +201,12 @@ class GpsTimeVersion1 : public OtherItem {
     int extremes_ = 0;
 };
 
-/// The same with four times in turn, as pulses of several scanners mix.
+/// GPS times of version 2, which uses four times in turn because pulses of several scanners may be
+/// interleaved.
 class GpsTimeVersion2 : public OtherItem {
   public:
     void next(ArithmeticDecoder& in) override {
-        // A writer changes to another time at most once, and then it is that time's difference.
+        // A writer switches to another time at most once, followed by the difference of that time.
         for (int turn = 0; turn < 4; ++turn) {
             const unsigned next = times_[at_].last == 0 ? read_from_zero(in) : read_multiple(in);
             if (next == 0) return;
@@ -213,13 +215,13 @@ class GpsTimeVersion2 : public OtherItem {
     }
 
   private:
-    static constexpr unsigned kMost = 500, kLeast = 510, kWhole = 512;  // 511: unchanged
+    static constexpr unsigned kMax = 500, kMin = 510, kWhole = 512;  // 511: unchanged
     struct Time {
         std::int32_t last = 0;
         int extremes = 0;
     };
 
-    /// How many times farther to go on, or 0 when one was read.
+    /// Returns the number of times to advance, or 0 if a time was read.
     unsigned read_from_zero(ArithmeticDecoder& in) {
         const unsigned code = in.symbol(from_zero_);
         if (code > 2) return code - 2;
@@ -238,14 +240,14 @@ class GpsTimeVersion2 : public OtherItem {
             time.extremes = 0;
         } else if (code == 0) {
             take_extreme(time, differences_.read(in, 0, 7));
-        } else if (code == kMost) {
+        } else if (code == kMax) {
             take_extreme(time, differences_.read(in, times(500, time), 4));
-        } else if (code == kLeast) {
+        } else if (code == kMin) {
             take_extreme(time, differences_.read(in, times(-10, time), 6));
-        } else if (code < kMost) {
+        } else if (code < kMax) {
             differences_.read(in, times(static_cast<int>(code), time), code < 10 ? 2u : 3u);
-        } else if (code < kLeast) {
-            differences_.read(in, times(static_cast<int>(kMost) - static_cast<int>(code), time), 5);
+        } else if (code < kMin) {
+            differences_.read(in, times(static_cast<int>(kMax) - static_cast<int>(code), time), 5);
         }
         return 0;
     }
@@ -307,7 +309,7 @@ class WavePacket : public OtherItem {
     unsigned last_offset_ = 0;
 };
 
-/// What a record has beyond its format, byte by byte.
+/// Extra bytes of a record.
 class BytesItem : public OtherItem {
   public:
     explicit BytesItem(unsigned count) : bytes(count, '\0') {}
@@ -366,7 +368,7 @@ std::optional<std::size_t> unpack(const LazChunk& chunk, const LazPacking& packi
     const std::string_view first_extra = chunk.bytes.substr(packing.extra, packing.record - packing.extra);
     out.put(p.point(first_color, first_extra));
     ArithmeticDecoder in(chunk.bytes.substr(packing.record));
-    if (chunk.count > 1) {  // else the models are not worth their making
+    if (chunk.count > 1) {  // avoids the cost of the models
         const Rgb16* color = &first_color;
         std::string_view extra;
         std::vector<std::unique_ptr<OtherItem>> others;

@@ -18,7 +18,7 @@ using Names = std::initializer_list<std::string_view>;
 
 bool is_one_of(std::string_view name, Names names) { return std::ranges::find(names, name) != names.end(); }
 
-/// Finds columns name by name. Where several could be meant the first counts.
+/// Finds columns by their names. If several columns match, the first is used.
 class NameReader {
   public:
     void add(std::string_view name) {
@@ -43,7 +43,7 @@ class NameReader {
   private:
     using Place = CylinderColumns::Place;
     using Point = CylinderColumns::Point;
-    using Numbered = std::array<Place, 4>;  // by a digit from 0 to 3
+    using Numbered = std::array<Place, 4>;  // indexed by a digit from 0 to 3
 
     static std::optional<LengthUnit> unit_in_brackets(std::string_view name) {
         const std::size_t open = name.find_first_of("([");
@@ -51,9 +51,9 @@ class NameReader {
         return length_unit_of_word(trimmed(name.substr(open + 1, name.find_first_of(")]", open) - open - 1)));
     }
 
-    /// Takes one name; returns how many columns it stands for.
+    /// Adds one name; returns the number of columns that it represents.
     std::size_t add_at(const std::string& name, std::size_t at) {
-        // One name for three columns, as TreeQSM writes it.
+        // TreeQSM writes a single name for three columns.
         if (is_one_of(name, {"startpoint", "start"})) return add_point(columns_.start, at);
         if (is_one_of(name, {"axisdirection", "axis"})) return add_point(columns_.axis, at);
         if (name == "p1") set(first_node_, at);
@@ -79,8 +79,8 @@ class NameReader {
         return 1;
     }
 
-    /// A point's name with x, y or z behind or before it, or with a number behind it; its initial with x, y
-    /// or z behind that.
+    /// Accepts the name of a point with the suffix or prefix x, y or z, or with a digit as suffix; or its
+    /// initial with the suffix x, y or z.
     static void add_coordinate(std::string_view name, Names points, std::string_view initial, Point& point,
                                Numbered& numbered, std::size_t at) {
         if (name.size() < 2) return;
@@ -94,19 +94,19 @@ class NameReader {
             set(point[static_cast<std::size_t>(first - 'x')], at);
     }
 
-    /// Numbers count from 1, or from 0 where there is one.
+    /// Digits count from 0 if there is a 0, otherwise from 1.
     static void take_numbered(Point& point, const Numbered& numbered) {
         const std::size_t first = numbered[0] ? 0 : 1;
         for (std::size_t i = 0; i < 3; ++i)
             if (numbered[first + i]) set(point[i], *numbered[first + i]);
     }
 
-    /// A table is in metres where the start says nothing, unless radius and length agree on another unit.
+    /// Assumes metres if the start column states no unit, unless radius and length state the same unit.
     void take_units() {
         if (!start_unit_ && radius_unit_ == length_unit_) return;
-        const double unit = metres_of(start_unit_.value_or(LengthUnit::m));
-        if (radius_unit_) columns_.radius_unit = metres_of(*radius_unit_) / unit;
-        if (length_unit_) columns_.length_unit = metres_of(*length_unit_) / unit;
+        const double unit = to_metres(start_unit_.value_or(LengthUnit::m));
+        if (radius_unit_) columns_.radius_unit = to_metres(*radius_unit_) / unit;
+        if (length_unit_) columns_.length_unit = to_metres(*length_unit_) / unit;
     }
 
     static void set(Place& place, std::size_t column) {
@@ -164,12 +164,13 @@ CylinderColumns columns_of_treeqsm(std::span<const double> row) {
     c.axis = {5, 6, 7};
     c.parent = 8;
     c.width = row.size();
-    // Branch, its order and the place in it follow, in one version behind two columns more.
+    // The next columns are branch, branch order and position in the branch, in one version after two
+    // additional columns.
     const auto are_ranks = [&](std::size_t at) {
         return at + 2 < row.size() && row[at] >= 1 && is_whole(row[at]) && row[at + 1] >= 0 &&
                is_whole(row[at + 1]) && is_whole(row[at + 2]);
     };
-    for (const std::size_t at : {kLeastHeaderlessColumns, kLeastHeaderlessColumns + 2}) {
+    for (const std::size_t at : {kMinHeaderlessColumns, kMinHeaderlessColumns + 2}) {
         if (c.branch || !are_ranks(at)) continue;
         c.branch = at;
         c.order = at + 1;
@@ -182,7 +183,7 @@ bool has_unit_axis(std::span<const double> row) {
 }
 
 bool is_treeqsm_row(std::span<const double> row) {
-    if (row.size() < kLeastHeaderlessColumns || !(row[0] > 0) || !(row[1] >= 0)) return false;
+    if (row.size() < kMinHeaderlessColumns || !(row[0] > 0) || !(row[1] >= 0)) return false;
     return has_unit_axis(row) && is_whole(row[8]) && is_whole(row[9]);
 }
 

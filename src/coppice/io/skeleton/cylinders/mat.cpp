@@ -16,8 +16,8 @@ namespace coppice {
 
 namespace {
 
-/// Names that versions of TreeQSM gave to the columns of the cylinder table, as `plain_name` writes them.
-/// From kBranch on they may be missing; the last has branch, its order and the place in it.
+/// Names of the columns of the cylinder table in versions of TreeQSM, in the form of `plain_name`. From
+/// kBranch on they are optional; the last one contains branch, branch order and position in the branch.
 enum Field { kRadius, kLength, kStart, kAxis, kParent, kBranch, kOrder, kRanks, kFieldCount };
 constexpr std::array<std::array<std::string_view, 2>, kFieldCount> kFieldNames{
     {{"radius", "rad"},
@@ -29,7 +29,7 @@ constexpr std::array<std::array<std::string_view, 2>, kFieldCount> kFieldNames{
      {"branchorder", "branchorder"},
      {"boc", "boc"}}};
 
-/// The columns of one table of cylinders; null where a column is missing.
+/// The columns of one table of cylinders; null if a column is missing.
 using Table = std::array<const MatArray*, kFieldCount>;
 
 bool is_complete(const Table& table) {
@@ -37,8 +37,8 @@ bool is_complete(const Table& table) {
                                [](const MatArray* column) { return column != nullptr; });
 }
 
-/// The arrays among `arrays` that are named as columns of cylinders.
-Table table_of(std::span<const MatArray> arrays) {
+/// Returns the arrays of `arrays` that have the name of a column of cylinders.
+Table make_table(std::span<const MatArray> arrays) {
     Table table{};
     for (const MatArray& array : arrays) {
         const std::string name = plain_name(array.name);
@@ -50,14 +50,14 @@ Table table_of(std::span<const MatArray> arrays) {
     return table;
 }
 
-/// Adds the tables in a variable, wherever they are in it: structs of columns, in the order of the file.
+/// Adds the tables in a variable at any depth: structs of columns, in the order of the file.
 void collect(const MatArray& array, std::vector<Table>& models) {
     const bool structure = array.kind == MatArray::Kind::structure;
     const std::size_t group = structure ? array.fields.size() : 1;
     const std::span<const MatArray> items(array.items);
     for (std::size_t begin = 0; begin < items.size(); begin += group) {
         const auto element = items.subspan(begin, group);
-        const Table table = structure ? table_of(element) : Table{};
+        const Table table = structure ? make_table(element) : Table{};
         if (is_complete(table)) {
             models.push_back(table);
             continue;
@@ -66,7 +66,7 @@ void collect(const MatArray& array, std::vector<Table>& models) {
     }
 }
 
-/// Whether a variable is a tree of the TREES toolbox, or cells of such.
+/// Returns whether a variable is a tree of the TREES toolbox, or cells of such trees.
 bool is_trees_toolbox(const MatArray& array) {
     if (array.kind == MatArray::Kind::cell) return std::ranges::any_of(array.items, is_trees_toolbox);
     return std::ranges::find(array.fields, "dA") != array.fields.end();
@@ -93,7 +93,7 @@ class CylinderReader {
             if (table[f]) column_[f] = table[f]->numbers().value_or(std::vector<double>{});
     }
 
-    /// Orders and branches, where the file has them for all.
+    /// Adds orders and branches if the file specifies them for all cylinders.
     std::vector<RawAttribute> attributes() const {
         std::vector<RawAttribute> out;
         const std::span<const double> ranks(column_[kRanks]);
@@ -123,12 +123,12 @@ class CylinderReader {
   private:
     std::size_t count() const { return column_[kRadius].size(); }
 
-    /// Arrays of MATLAB lie column by column.
+    /// MATLAB stores arrays column by column.
     Vec3d point(Field f, std::size_t i) const {
         return {column_[f][i], column_[f][i + count()], column_[f][i + 2 * count()]};
     }
 
-    /// From 1; 0 is none.
+    /// Returns the number of the parent from 1; 0 means no parent.
     std::int64_t parent(std::size_t i) const {
         const double value = column_[kParent][i];
         if (!(value >= 0) || value > static_cast<double>(count()) || value != std::trunc(value)) {
@@ -150,20 +150,20 @@ class CylinderReader {
 RawCylinders parse_mat(std::string_view bytes, const std::string& source, int model, const Context& ctx) {
     const MatFile file(bytes, source, ctx);
     std::vector<Table> models;
-    if (const Table loose = table_of(file.variables()); is_complete(loose)) models.push_back(loose);
+    if (const Table loose = make_table(file.variables()); is_complete(loose)) models.push_back(loose);
     for (const MatArray& variable : file.variables()) collect(variable, models);
 
     if (models.empty() && std::ranges::any_of(file.variables(), is_trees_toolbox)) {
-        throw Unsupported(fmt::format(
-            "{}: it is a tree of the TREES toolbox, which is not read; save it there as SWC: swc_tree(tree, "
-            "'TREE.swc')",
-            source));
+        throw Unsupported(
+            fmt::format("{}: it is a tree of the TREES toolbox, which is not read; save it in the toolbox as "
+                        "SWC: swc_tree(tree, 'TREE.swc')",
+                        source));
     }
     if (models.empty()) {
-        throw InvalidInput(fmt::format(
-            "{}: no cylinders in it: expected TreeQSM's 'QSM.cylinder' with radius, length, start, axis and "
-            "parent, or the variables Rad, Len, Sta, Axe and CPar",
-            source));
+        throw InvalidInput(
+            fmt::format("{}: it contains no cylinders: expected TreeQSM's 'QSM.cylinder' with radius, "
+                        "length, start, axis and parent, or the variables Rad, Len, Sta, Axe and CPar",
+                        source));
     }
     const CylinderReader reader(models[chosen_model(models.size(), model, source)], source);
     return {reader.cylinders(), reader.attributes(), {}, models.size()};

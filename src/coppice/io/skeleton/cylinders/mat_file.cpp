@@ -17,9 +17,9 @@ namespace {
 
 constexpr std::size_t kHeaderBytes = 128;
 constexpr int kDeepest = 8;
-constexpr std::size_t kMostItems = 1000000;
+constexpr std::size_t kMaxItems = 1000000;
 
-/// Types of data elements and classes of arrays, as the format numbers them.
+/// Types of data elements and classes of arrays, numbered as in the format.
 enum Type : std::uint32_t {
     kInt8 = 1,
     kUint8 = 2,
@@ -130,7 +130,7 @@ class Parser {
             throw Unsupported(fmt::format(
                 "{}: MATLAB files of version 7.3 are not read; save it again with '-v7'", source_));
         }
-        if (file_.size() < kHeaderBytes) fail("not a MATLAB file of level 5, or cut");
+        if (file_.size() < kHeaderBytes) fail("not a MATLAB file of level 5, or truncated");
         const std::string_view order = file_.substr(126, 2);
         constexpr bool kLittle = std::endian::native == std::endian::little;
         if (order != "IM" && order != "MI") fail("not a MATLAB file of level 5; save it again with '-v7'");
@@ -142,7 +142,7 @@ class Parser {
         return load<std::uint32_t>(bytes.data() + 4 * index, swapped_);
     }
 
-    /// Takes the next data element: a type, a length and data, or all of it in 8 bytes when the data are at
+    /// Reads the next data element: a type, a length and data, or all of it in 8 bytes if the data have at
     /// most 4.
     Element take(std::string_view& rest) const {
         const std::uint32_t first = word(rest, 0), small_size = first >> 16;
@@ -179,7 +179,7 @@ class Parser {
             used += kStep - stream.avail_out;
         }
         if (used > bytes_left_)
-            fail("a variable unfolds to more data than is plausible for the size of the file");
+            fail("a variable decompresses to more data than is plausible for the size of the file");
         if (status != Z_STREAM_END) fail_damaged();
         bytes_left_ -= used;
         out.resize(used);
@@ -187,11 +187,11 @@ class Parser {
     }
 
     MatArray array(std::string_view rest, int depth) {
-        if (depth > kDeepest) fail("structures are nested too deep");
+        if (depth > kDeepest) fail("structures are nested too deeply");
         ctx_.throw_if_cancelled();
         if (items_left_-- == 0) fail("there are more fields than is plausible");
         MatArray result;
-        if (rest.empty()) return result;  // how an empty field is written
+        if (rest.empty()) return result;  // the encoding of an empty field
         const std::uint32_t flags = word(take(rest).data, 0);
         const std::uint32_t kind = flags & 0xff;
         const bool numeric = kind >= kFirstNumeric && kind <= kLastNumeric;
@@ -215,7 +215,7 @@ class Parser {
     }
 
     void read_dims(std::string_view dims, MatArray& result) const {
-        // Every item takes at least a byte of the file or of what it unfolds to.
+        // Each item needs at least a byte of the file or of its decompressed data.
         const std::size_t most = bytes_left_ + file_.size() + (std::size_t{64} << 20);
         std::size_t count = 1;
         for (std::size_t i = 0; i < dims.size() / 4; ++i) {
@@ -240,7 +240,7 @@ class Parser {
     void read_items(std::string_view rest, MatArray& result, int depth) {
         const std::size_t per_element = result.kind == MatArray::Kind::structure ? result.fields.size() : 1;
         if (per_element == 0) return;
-        // An item takes at least 8 bytes.
+        // An item needs at least 8 bytes.
         if (result.count() > rest.size() / 8 / per_element) fail_damaged();
         const std::size_t count = result.count() * per_element;
         result.items.reserve(std::min(count, items_left_));
@@ -255,14 +255,14 @@ class Parser {
     [[noreturn]] void fail(std::string_view text) const {
         throw InvalidInput(fmt::format("{}: {}", source_, text));
     }
-    [[noreturn]] void fail_damaged() const { fail("the MATLAB file is cut or damaged"); }
+    [[noreturn]] void fail_damaged() const { fail("the MATLAB file is truncated or damaged"); }
 
     const Context& ctx_;
     std::string_view file_;
     const std::string& source_;
     std::deque<std::string>& unpacked_;
-    std::size_t bytes_left_;  ///< that packed variables may still unfold to
-    std::size_t items_left_ = kMostItems;
+    std::size_t bytes_left_;  ///< remaining size that compressed variables may decompress to
+    std::size_t items_left_ = kMaxItems;
     bool swapped_ = false;
 };
 

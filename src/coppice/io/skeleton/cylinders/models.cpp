@@ -7,11 +7,12 @@ namespace coppice {
 
 std::size_t chosen_model(std::size_t count, int model, const std::string& source) {
     if (model == 0 && count > 1) {
-        throw InvalidInput(fmt::format("{}: holds {} models; choose one with the option model, 1 to {}",
+        throw InvalidInput(fmt::format("{}: it contains {} models; choose one with the option model, 1 to {}",
                                        source, count, count));
     }
     if (model < 0 || static_cast<std::size_t>(model) > count)
-        throw InvalidInput(fmt::format("{}: there is no model {}; the file holds {}", source, model, count));
+        throw InvalidInput(
+            fmt::format("{}: there is no model {}; the file contains {}", source, model, count));
     return model == 0 ? 0 : static_cast<std::size_t>(model) - 1;
 }
 

@@ -5,8 +5,8 @@
 
 namespace coppice {
 
-/// Which of `count` models is meant, from 0: `model` counts from 1, and 0 is the only one. Throws
-/// InvalidInput saying how many there are where that is none of them.
+/// Returns the index of the selected one of `count` models: `model` counts from 1, and 0 selects the only
+/// one. Throws InvalidInput with the number of models if `model` does not select one.
 std::size_t chosen_model(std::size_t count, int model, const std::string& source);
 
 }  // namespace coppice

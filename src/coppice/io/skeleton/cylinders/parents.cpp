@@ -10,6 +10,7 @@
 
 #include "coppice/base/disjoint_sets.h"
 #include "coppice/base/error.h"
+#include "coppice/base/id.h"
 #include "coppice/base/kernel/segment_distance.h"
 #include "coppice/spatial/kd_tree.h"
 
@@ -17,9 +18,7 @@ namespace coppice {
 
 namespace {
 
-constexpr std::uint32_t kNone = 0xffffffffu;
-
-/// Finds cylinders by the number of their tree and their id.
+/// Finds cylinders by tree number and id.
 class IdIndex {
   public:
     IdIndex(const std::vector<RawCylinder>& cylinders, std::span<const std::uint32_t> tree) {
@@ -31,13 +30,13 @@ class IdIndex {
 
     std::uint32_t find(std::uint32_t tree, std::int64_t id) const {
         const auto at = std::ranges::lower_bound(entries_, Entry{tree, id, 0});
-        return at != entries_.end() && is_same(*at, Entry{tree, id, 0}) ? std::get<2>(*at) : kNone;
+        return at != entries_.end() && is_same(*at, Entry{tree, id, 0}) ? std::get<2>(*at) : kNoIndex;
     }
 
-    /// The second cylinder of an id that a tree has twice.
+    /// Returns the second cylinder with an id that occurs twice in a tree; kNoIndex if there is none.
     std::uint32_t repeated() const {
         const auto at = std::ranges::adjacent_find(entries_, is_same);
-        return at == entries_.end() ? kNone : std::get<2>(*(at + 1));
+        return at == entries_.end() ? kNoIndex : std::get<2>(*(at + 1));
     }
 
   private:
@@ -50,20 +49,20 @@ class IdIndex {
 
 double known_radius(const RawCylinder& c) { return c.radius > 0 ? c.radius : 0; }
 
-/// What a link from the start of a cylinder to another counts; infinite where it is too long.
-double cost_of(const RawCylinder& child, const RawCylinder& parent) {
+/// Returns the cost of a link from the start of a cylinder to another one; infinite if the link is too long.
+double compute_cost(const RawCylinder& child, const RawCylinder& parent) {
     const double reach = std::max(distance(child.start, child.end), distance(parent.start, parent.end));
     const Vec3d along = parent.end - parent.start;
-    // Behind the start of another lies what that one comes from, and not what it bears.
-    const bool beside = dot(child.start - parent.start, along) > 0;
-    const double gap = beside ? segment_distance(child.start, child.start, parent.start, parent.end)
-                              : distance(child.start, parent.end);
+    // The region behind the start of the other cylinder belongs to its parent; only its end counts there.
+    const bool adjacent = dot(child.start - parent.start, along) > 0;
+    const double gap = adjacent ? segment_distance(child.start, child.start, parent.start, parent.end)
+                                : distance(child.start, parent.end);
     const double a = known_radius(child), b = known_radius(parent);
     if (!(gap <= reach + a + b)) return std::numeric_limits<double>::infinity();
     return a > b && b > 0 ? gap * a / b : gap;
 }
 
-/// Joins those of one tree.
+/// Joins the cylinders of one tree.
 class Joiner {
   public:
     Joiner(std::vector<RawCylinder>& cylinders, std::span<const std::uint32_t> members)
@@ -86,23 +85,24 @@ class Joiner {
 
     RawCylinder& at(std::uint32_t i) { return cylinders_[members_[i]]; }
 
-    /// To those whose ends are nearest.
+    /// Returns the links from each start to the cylinders with the closest ends.
     std::vector<Link> find_links(const Context& ctx) {
-        constexpr std::size_t kMostNear = 9;  // one of them may be its own
+        constexpr std::size_t kMaxNear = 9;  // may include the end of the same cylinder
         const Vec3d origin = at(0).start;
         std::vector<Vec3> ends;
         ends.reserve(members_.size());
         for (std::uint32_t i = 0; i < members_.size(); ++i) ends.emplace_back(at(i).end - origin);
         const KdTree tree(ends, ctx);
-        const std::size_t count = std::min(kMostNear, ends.size());
-        std::array<std::uint32_t, kMostNear> near{};
-        std::array<double, kMostNear> squared{};
+        const std::size_t count = std::min(kMaxNear, ends.size());
+        std::array<std::uint32_t, kMaxNear> near{};
+        std::array<double, kMaxNear> squared{};
         std::vector<Link> links;
         for (std::uint32_t i = 0; i < members_.size(); ++i) {
             tree.nearest(Vec3(at(i).start - origin), std::span(near).first(count),
                          std::span(squared).first(count));
             for (const std::uint32_t j : std::span(near).first(count)) {
-                const double cost = j == i ? std::numeric_limits<double>::infinity() : cost_of(at(i), at(j));
+                const double cost =
+                    j == i ? std::numeric_limits<double>::infinity() : compute_cost(at(i), at(j));
                 if (std::isfinite(cost)) links.emplace_back(cost, i, j);
             }
         }
@@ -113,11 +113,11 @@ class Joiner {
     std::span<const std::uint32_t> members_;
 };
 
-/// Whether distances between all of them can be reckoned with; what is not is refused when it is repaired.
+/// Returns whether distances between the cylinders are finite; others are refused by the repair.
 bool are_placed(const std::vector<RawCylinder>& cylinders) {
-    constexpr double kGreatest = 1e15;
+    constexpr double kMax = 1e15;
     const auto is_placed = [](Vec3d p) {
-        return std::abs(p.x) <= kGreatest && std::abs(p.y) <= kGreatest && std::abs(p.z) <= kGreatest;
+        return std::abs(p.x) <= kMax && std::abs(p.y) <= kMax && std::abs(p.z) <= kMax;
     };
     return std::ranges::all_of(cylinders,
                                [&](const RawCylinder& c) { return is_placed(c.start) && is_placed(c.end); });
@@ -142,41 +142,41 @@ void direct_from_base(std::vector<RawCylinder>& cylinders) {
     const IdIndex index(cylinders, {});
     std::vector<std::uint32_t> parent;
     parent.reserve(cylinders.size());
-    for (const RawCylinder& c : cylinders) parent.push_back(c.parent < 0 ? kNone : index.find(0, c.parent));
+    for (const RawCylinder& c : cylinders)
+        parent.push_back(c.parent < 0 ? kNoIndex : index.find(0, c.parent));
     double onwards = 0, backwards = 0;
-    std::uint32_t root = kNone;
+    std::uint32_t root = kNoIndex;
     bool have_one_base = true;
     for (std::uint32_t i = 0; i < cylinders.size(); ++i) {
         const RawCylinder& c = cylinders[i];
-        if (parent[i] != kNone) {
+        if (parent[i] != kNoIndex) {
             onwards += distance(c.start, cylinders[parent[i]].end);
             backwards += distance(c.end, cylinders[parent[i]].start);
             continue;
         }
-        have_one_base = have_one_base && (root == kNone || c.parent == cylinders[root].parent);
-        if (root == kNone || c.radius > cylinders[root].radius) root = i;
+        have_one_base = have_one_base && (root == kNoIndex || c.parent == cylinders[root].parent);
+        if (root == kNoIndex || c.radius > cylinders[root].radius) root = i;
     }
     if (backwards < onwards)
         for (RawCylinder& c : cylinders) std::swap(c.start, c.end);
-    if (root == kNone || !have_one_base || cylinders[root].parent < 0) return;
+    if (root == kNoIndex || !have_one_base || cylinders[root].parent < 0) return;
     for (std::uint32_t i = 0; i < cylinders.size(); ++i)
-        if (parent[i] == kNone) cylinders[i].parent = i == root ? -1 : cylinders[root].id;
+        if (parent[i] == kNoIndex) cylinders[i].parent = i == root ? -1 : cylinders[root].id;
 }
 
 void number_across_trees(std::vector<RawCylinder>& cylinders, std::span<const std::uint32_t> tree,
                          const std::string& source) {
     const IdIndex index(cylinders, tree);
-    if (const std::uint32_t twin = index.repeated(); twin != kNone) {
-        throw InvalidInput(
-            fmt::format("{}, line {}: the id {} was used before in this tree; give every cylinder of a tree "
-                        "an id of its own",
-                        source, cylinders[twin].line, cylinders[twin].id));
+    if (const std::uint32_t twin = index.repeated(); twin != kNoIndex) {
+        throw InvalidInput(fmt::format(
+            "{}, line {}: the id {} was used before in this tree; give every cylinder of a tree a unique id",
+            source, cylinders[twin].line, cylinders[twin].id));
     }
     const auto unknown = static_cast<std::int64_t>(cylinders.size()) + 1;
     for (std::uint32_t i = 0; i < cylinders.size(); ++i) {
         if (cylinders[i].parent < 0) continue;
         const std::uint32_t parent = index.find(tree[i], cylinders[i].parent);
-        cylinders[i].parent = parent == kNone ? unknown : std::int64_t{parent} + 1;
+        cylinders[i].parent = parent == kNoIndex ? unknown : std::int64_t{parent} + 1;
     }
     for (std::uint32_t i = 0; i < cylinders.size(); ++i) cylinders[i].id = std::int64_t{i} + 1;
 }

@@ -18,7 +18,8 @@ namespace {
 
 using Cells = std::vector<std::string_view>;
 
-/// A number with a decimal comma, as spreadsheets of many countries write them beside semicolons.
+/// Parses a number with a decimal comma, which spreadsheets of many countries write with semicolons as
+/// separators.
 std::optional<double> parse_with_comma(std::string_view text) {
     std::string copy(text.substr(0, 64));
     std::replace(copy.begin(), copy.end(), ',', '.');
@@ -27,15 +28,15 @@ std::optional<double> parse_with_comma(std::string_view text) {
 
 bool is_name(std::string_view cell) { return !cell.empty() && cell != "NA" && !parse_number(cell); }
 bool has_names(const Cells& cells) { return std::ranges::any_of(cells, is_name); }
-/// Whether it heads what follows: there is no number in it.
+/// Returns whether the cells are a heading: they contain no number.
 bool is_heading(const Cells& cells) {
     const auto is_number = [](std::string_view cell) { return parse_number(cell) || parse_with_comma(cell); };
     return std::ranges::none_of(cells, is_number) && has_names(cells);
 }
-/// A name and its value, as in a list of the figures of a tree.
+/// Returns whether the cells are a name and a value, as in a list of properties of a tree.
 bool is_property(const Cells& cells) { return cells.size() == 2 && is_name(cells[0]); }
 
-/// Empty where anything else is among them.
+/// Returns the numbers; empty if a cell contains anything else.
 std::vector<double> numbers_of(const Cells& cells) {
     std::vector<double> numbers;
     for (const std::string_view cell : cells) {
@@ -46,14 +47,14 @@ std::vector<double> numbers_of(const Cells& cells) {
     return numbers;
 }
 
-/// One table of cylinders.
+/// A table of cylinders.
 struct Table {
     CylinderColumns columns;
     bool has_header = false;
     char separator = ' ';
     std::vector<RawCylinder> cylinders;
-    std::vector<double> order, branch;   ///< empty, or of each cylinder
-    std::vector<std::string_view> tree;  ///< as above: what the table calls it
+    std::vector<double> order, branch;   ///< empty, or one for each cylinder
+    std::vector<std::string_view> tree;  ///< empty, or the name of the tree of each cylinder
 };
 
 /// Reads the rows of a table.
@@ -65,12 +66,12 @@ class RowReader {
         cells_ = &cells;
         line_ = line;
         const CylinderColumns& c = table_.columns;
-        // R writes the names of rows as a first column that the header does not count.
+        // R writes the row names as a first column without a name in the header.
         shift_ = table_.has_header && cells.size() == c.width + 1 ? 1 : 0;
         if (table_.separator == ',' && cells.size() > c.width + shift_) {
             fail(
-                fmt::format("the row has {} values for {} columns; if commas stand for decimal points, write "
-                            "them as points, or separate the columns by semicolons",
+                fmt::format("the row has {} values for {} columns; if these are decimal commas, write "
+                            "decimal points, or separate the columns by semicolons",
                             cells.size(), c.width));
         }
         RawCylinder cylinder;
@@ -114,7 +115,7 @@ class RowReader {
         return *value;
     }
 
-    /// Empty at the end of a short row.
+    /// Returns the cell, or an empty text beyond the end of a short row.
     std::string_view cell_or_none(std::size_t column) const {
         return column + shift_ < cells_->size() ? (*cells_)[column + shift_] : std::string_view{};
     }
@@ -150,7 +151,7 @@ class RowReader {
     std::size_t shift_ = 0;
 };
 
-/// Finds the tables of cylinders in a text that may hold other tables, lists and titles too.
+/// Finds the tables of cylinders in a text that may contain other tables, lists and titles too.
 class TextReader {
   public:
     TextReader(std::string_view text, const std::string& source, const Context& ctx)
@@ -170,8 +171,8 @@ class TextReader {
     }
 
     std::vector<Table>& tables() { return tables_; }
-    std::uint32_t passed() const { return passed_; }              ///< lines that are no part of a table
-    std::uint32_t first_passed() const { return first_passed_; }  ///< the first of them
+    std::uint32_t passed() const { return passed_; }  ///< number of lines outside tables of cylinders
+    std::uint32_t first_passed() const { return first_passed_; }  ///< the first of these lines
 
   private:
     bool next() {
@@ -184,13 +185,14 @@ class TextReader {
         return false;
     }
 
-    /// Splits the line; whether it is a row of the table before it.
+    /// Splits the line; returns whether it is a row of the current table.
     bool is_row() {
         const Table& table = tables_.back();
         split_cells(line_, table.separator, cells_);
         if (is_heading(cells_) || is_property(cells_)) return false;
         if (table.has_header || cells_.size() == table.columns.width) return true;
-        // Without names another table is told by its width, if nothing of this one comes behind it.
+        // Without a header, a row of another width begins another table, unless more rows of this table
+        // follow.
         if (!after_gap_) {
             stray_ = lines_.number();
             stray_width_ = cells_.size();
@@ -198,7 +200,7 @@ class TextReader {
         return false;
     }
 
-    /// Begins a table where the line is a header of cylinders, or a row of them without one.
+    /// Begins a table if the line is a header of cylinders, or a row of cylinders without a header.
     bool begins_table() {
         const char separator = separator_of_cells(line_);
         split_cells(line_, separator, cells_);
@@ -209,7 +211,7 @@ class TextReader {
             under_title_ = cells_.size() < 3;
             if (const std::string_view missing = table.columns.missing(); !missing.empty()) {
                 note_failure(fmt::format(
-                    "no column of the header gives {}; see docs/user/formats.md for the names", missing));
+                    "no column of the header contains {}; see docs/user/formats.md for the names", missing));
                 return false;
             }
             tables_.push_back(std::move(table));
@@ -225,17 +227,17 @@ class TextReader {
         return true;
     }
 
-    /// Without names only TreeQSM's order is known, and an axis of length one is what tells it from any other
-    /// table.
+    /// Without names only the order of TreeQSM is supported; an axis of length one distinguishes it from
+    /// other tables.
     bool may_be_headerless(const std::vector<double>& row) {
         const bool is_first = passed_ == 0 && tables_.empty();
         if (!is_first) return (under_title_ || after_gap_ || stray_ > 0) && is_treeqsm_row(row);
-        if (row.size() >= kLeastHeaderlessColumns && has_unit_axis(row)) return true;
-        note_failure(cells_.size() < kLeastHeaderlessColumns
+        if (row.size() >= kMinHeaderlessColumns && has_unit_axis(row)) return true;
+        note_failure(cells_.size() < kMinHeaderlessColumns
                          ? "no header names the columns, and there are too few for TreeQSM's order: radius "
                            "length start(3) axis(3) parent extension"
-                         : "no header names the columns, and columns 6 to 8 are no axis of length 1 as in "
-                           "TreeQSM's order");
+                         : "no header names the columns, and columns 6 to 8 are not an axis of length 1 as "
+                           "in TreeQSM's order");
         return false;
     }
 
@@ -254,7 +256,7 @@ class TextReader {
 
     [[noreturn]] void refuse_stray() const {
         fail_at(source_, stray_,
-                fmt::format("the row has {} values, but those before it have {}", stray_width_,
+                fmt::format("the row has {} values, but the rows before it have {}", stray_width_,
                             tables_.front().columns.width));
     }
 
@@ -263,12 +265,12 @@ class TextReader {
     std::string_view line_;
     Cells cells_;
     std::vector<Table> tables_;
-    bool in_table_ = false;     // the line before was a part of the last table
-    bool after_gap_ = false;    // between that line and this are empty lines or comments
-    bool under_title_ = false;  // what was passed over last may be the title of a table
-    std::uint32_t stray_ = 0;   // line of a row whose width told that a table without a header had ended
+    bool in_table_ = false;     // the previous line was part of the last table
+    bool after_gap_ = false;    // empty lines or comments separate that line from this one
+    bool under_title_ = false;  // the last skipped line may be the title of a table
+    std::uint32_t stray_ = 0;   // line of a row with another width, which ended a table without a header
     std::size_t stray_width_ = 0;
-    std::uint32_t passed_with_stray_ = 0;  // lines, from that one on
+    std::uint32_t passed_with_stray_ = 0;  // number of skipped lines from `stray_` on
     std::uint32_t passed_ = 0, first_passed_ = 0;
     std::string failure_;
     std::uint32_t failure_line_ = 0;
@@ -282,7 +284,7 @@ void make_roots_of_zero(std::vector<RawCylinder>& cylinders) {
     }
 }
 
-/// Numbers trees in the order in which they occur.
+/// Numbers trees in order of occurrence.
 std::vector<std::uint32_t> numbers_of_trees(const std::vector<std::string_view>& names) {
     std::unordered_map<std::string_view, std::uint32_t> known;
     std::vector<std::uint32_t> out;
@@ -292,7 +294,7 @@ std::vector<std::uint32_t> numbers_of_trees(const std::vector<std::string_view>&
     return out;
 }
 
-/// The trees as an attribute: what the table calls them where all are numbers, else counted from 1.
+/// Returns the trees as an attribute: their names in the table if all are numbers, otherwise numbers from 1.
 std::vector<double> values_of_trees(const Table& table, std::span<const std::uint32_t> tree) {
     std::vector<double> values = numbers_of(table.tree);
     if (values.empty())
@@ -300,7 +302,7 @@ std::vector<double> values_of_trees(const Table& table, std::span<const std::uin
     return values;
 }
 
-/// Completes what a table says of its cylinders.
+/// Completes the cylinders of a table: ids, parents and attributes.
 RawCylinders completed(Table table, const std::string& source, const Context& ctx) {
     RawCylinders out;
     const std::vector<std::uint32_t> tree = numbers_of_trees(table.tree);
@@ -318,8 +320,8 @@ RawCylinders completed(Table table, const std::string& source, const Context& ct
         const auto roots =
             std::ranges::count_if(cylinders, [](const RawCylinder& c) { return c.parent < 0; });
         out.notes.push_back(
-            fmt::format("no column says which cylinder is whose parent: each was joined to the one that it "
-                        "starts nearest to, which leaves {} without a parent",
+            fmt::format("no column specifies the parents of cylinders: each was joined to the closest one at "
+                        "its start; {} remain without a parent",
                         roots));
     }
     out.cylinders = std::move(cylinders);
@@ -340,7 +342,7 @@ RawCylinders parse_cylinders(std::string_view text, const std::string& source, i
     RawCylinders out = completed(std::move(chosen), source, ctx);
     out.models = tables.size();
     if (reader.passed() > 0) {
-        out.notes.push_back(fmt::format("{} lines, from line {} on, hold no cylinders and were passed over",
+        out.notes.push_back(fmt::format("{} lines, from line {} on, contain no cylinders and were skipped",
                                         reader.passed(), reader.first_passed()));
     }
     return out;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::string_view kCylinders = "cyls";
 
-/// Takes events of a JSON parser, passes over most and keeps nothing.
+/// Base of handlers of JSON events: ignores all events and stores nothing.
 struct Events : nlohmann::json::json_sax_t {
     bool null() override { return scalar("NA"); }
     bool boolean(bool value) override { return scalar(value ? "1" : "0"); }
@@ -52,7 +52,7 @@ struct Events : nlohmann::json::json_sax_t {
     std::size_t depth_ = 0;
 };
 
-/// Finds the text of the table of cylinders within the file.
+/// Finds the text of the table of cylinders in the file.
 class TableFinder : public Events {
   public:
     std::string table;
@@ -67,15 +67,15 @@ class TableFinder : public Events {
         if (!is_table_ || depth() != 1) return true;
         table = std::move(value);
         found = true;
-        return false;  // nothing behind it is needed
+        return false;  // the rest is not needed
     }
 
   private:
     bool is_table_ = false;
 };
 
-/// Takes a table column by column, as an object whose keys name the columns, and whose values are objects of
-/// the values by row.
+/// Reads a table column by column: an object with the column names as keys and objects of the values by row
+/// as values.
 class ColumnReader : public Events {
   public:
     struct Column {
@@ -96,12 +96,12 @@ class ColumnReader : public Events {
     bool text(std::string&) override { return scalar("NA"); }
 };
 
-/// The columns as rows of a table with a header.
+/// Returns the columns as rows of a table with a header.
 std::string rows_of(const std::vector<ColumnReader::Column>& columns) {
     std::string out;
-    const auto add_row = [&](const auto& cell_of) {
+    const auto add_row = [&](const auto& compute_cell) {
         for (std::size_t c = 0; c < columns.size(); ++c)
-            fmt::format_to(std::back_inserter(out), "{}{}", c == 0 ? "" : ";", cell_of(columns[c]));
+            fmt::format_to(std::back_inserter(out), "{}{}", c == 0 ? "" : ";", compute_cell(columns[c]));
         out += '\n';
     };
     add_row([](const auto& column) { return plain_name(column.name); });
@@ -121,12 +121,12 @@ std::optional<RawCylinders> parse_treegraph(std::string_view text, const std::st
     if (!finder.found) return std::nullopt;
     ctx.throw_if_cancelled();
 
-    const auto fail = [&](std::string_view what) {
-        throw InvalidInput(fmt::format("{}: the table '{}' {}", source, kCylinders, what));
+    const auto fail = [&](std::string_view subject) {
+        throw InvalidInput(fmt::format("{}: the table '{}' {}", source, kCylinders, subject));
     };
     ColumnReader reader;
     if (!nlohmann::json::sax_parse(finder.table, &reader) || reader.columns.empty())
-        fail("is no JSON of columns by name, each with a value for every row");
+        fail("is not JSON of columns by name, each with a value for every row");
     const std::size_t count = reader.columns.front().values.size();
     for (const ColumnReader::Column& column : reader.columns)
         if (column.values.size() != count) fail("has columns of different lengths");

@@ -9,14 +9,15 @@
 #include <fmt/format.h>
 
 #include "coppice/base/error.h"
+#include "coppice/base/id.h"
 #include "coppice/io/skeleton/mtg/header_internal.h"
 
 namespace coppice::mtg {
 
 namespace {
 
-/// Where code goes on: parts of `current`, and what follows or branches off `finest`, which differs where an
-/// entity of a coarser scale was begun and not yet divided into parts.
+/// State of the code: the next component belongs to `current`, and a successor or branch is attached to
+/// `finest`, which differs if an entity of a coarser scale was begun and has no components yet.
 struct Position {
     std::uint32_t current = 0;
     std::uint32_t finest = 0;
@@ -29,12 +30,12 @@ struct Step {
     bool is_shared = false;  // E1<.<E9: all have the features of the row
     std::uint16_t symbol = 0;
     std::uint16_t scale = 0;
-    std::uint32_t index = kNone;
+    std::uint32_t index = kNoIndex;
 };
 
 std::string plain_number(std::string_view cell) {
     std::string text(cell);
-    // Cells stand between tabs, so that a comma can only be a decimal one.
+    // Cells are separated by tabs, so that a comma can only be a decimal comma.
     if (std::ranges::count(text, ',') == 1 && text.find('.') == text.npos)
         std::ranges::replace(text, ',', '.');
     return text;
@@ -69,7 +70,7 @@ class CodeReader {
     }
 
   private:
-    /// A row of a file without tabs: blanks before the code stand for columns.
+    /// Splits a row of a file without tabs: the indentation of the code determines its column.
     void cut_at_blanks(std::string_view line) {
         const auto indent = static_cast<std::uint32_t>(line.find_first_not_of(" \r\f\v"));
         while (!indents_.empty() && indents_.back() > indent) indents_.pop_back();
@@ -111,8 +112,8 @@ class CodeReader {
         bool is_first = true;
         while (!trimmed(code).empty()) {
             const Step step = next_step(code);
-            if (is_first && at.current == 0) reuse = true;  // the whole name of an entity
-            const auto known = reuse && step.index != kNone ? child_of(at, step, caret) : std::nullopt;
+            if (is_first && at.current == 0) reuse = true;  // the full name of an entity
+            const auto known = reuse && step.index != kNoIndex ? find_child(at, step, caret) : std::nullopt;
             reuse = known.has_value();
             changed_.clear();
             at = known ? *known : take(at, step, caret && is_first);
@@ -125,7 +126,7 @@ class CodeReader {
         is_set_.push_back(true);
     }
 
-    /// The latest position of the columns before `column`; none for the whole scene.
+    /// Returns the last position in the columns before `column`; null for the whole scene.
     const Position* position_of(std::uint32_t column) const {
         for (std::size_t i = std::min<std::size_t>(column, positions_.size()); i-- > 0;) {
             if (is_set_[i]) return &positions_[i];
@@ -170,7 +171,7 @@ class CodeReader {
     void read_label(std::string_view label, Step& step) const {
         const std::size_t letters = std::min(label.find_first_of("0123456789"), label.size());
         auto known = header_.scale.find(label.substr(0, letters));
-        // Letters may stand behind the symbol of the class.
+        // The class symbol may be followed by letters.
         for (std::size_t n = letters; known == header_.scale.end() && n > 1;) {
             known = header_.scale.find(label.substr(0, --n));
         }
@@ -183,19 +184,17 @@ class CodeReader {
         step.symbol = static_cast<std::uint16_t>(std::distance(header_.scale.begin(), known));
         const std::size_t end = label.find_first_not_of("0123456789", letters);
         const auto index = parse_integer(label.substr(letters, end == label.npos ? end : end - letters));
-        if (index && *index < kNone) step.index = static_cast<std::uint32_t>(*index);
+        if (index && *index < kNoIndex) step.index = static_cast<std::uint32_t>(*index);
     }
 
     Position take(Position at, Step step, bool caret) {
         if (!step.is_range) return add(at, step, caret);
         const Vertex& last = document_.vertices[at.current];
-        const bool runs = last.symbol == step.symbol && last.index != kNone && step.index != kNone;
+        const bool runs = last.symbol == step.symbol && last.index != kNoIndex && step.index != kNoIndex;
         const std::uint32_t end = step.index;
         for (step.index = runs ? last.index + 1 : end; runs && step.index < end; ++step.index) {
             if (budget_ == 0) {
-                fail(
-                    "ranges imply more entities than there can be in a file of this size; check their "
-                    "numbers");
+                fail("ranges imply more entities than a file of this size can contain; check their numbers");
             }
             --budget_;
             at = add(at, step, caret);
@@ -208,9 +207,10 @@ class CodeReader {
         return at;
     }
 
-    /// The entity that a step from a position starts at: for steps in the same column ("^") an entity that
-    /// was only named there gives way to the finest one before it, unless it is followed at its own scale.
-    std::uint32_t start_of(Position at, const Step& step, bool caret) const {
+    /// Returns the entity at which a step from a position begins: for steps in the same column ("^"), an
+    /// entity without components is replaced by the finest one before it, unless the step continues it at its
+    /// own scale.
+    std::uint32_t find_start(Position at, const Step& step, bool caret) const {
         const Vertex& current = document_.vertices[at.current];
         const bool is_bare = current.components == 0 && at.current != 0;
         const bool follows = step.edge == '<' && current.scale == step.scale;
@@ -232,8 +232,9 @@ class CodeReader {
             const bool is_finest = up || at.current == at.finest || step.scale >= vertices[at.finest].scale;
             at = {id, is_finest ? id : at.finest};
         } else {
-            vertex.before = start_of(at, step, caret);
-            if (vertex.before == 0) fail("what stands first must be a part of the scene: begin it with /");
+            vertex.before = find_start(at, step, caret);
+            if (vertex.before == 0)
+                fail("the first entity must be a component of the scene: begin it with /");
             vertex.complex = coarser(vertex.before, step.scale);
             at = {id, step.scale >= vertices[vertex.before].scale ? id : vertex.before};
         }
@@ -246,15 +247,15 @@ class CodeReader {
         return at;
     }
 
-    /// The nearest entity about this one, or itself, of a scale coarser than `scale`.
+    /// Returns the closest of this entity and its complexes that has a coarser scale than `scale`.
     std::uint32_t coarser(std::uint32_t vertex, std::uint16_t scale) const {
         while (document_.vertices[vertex].scale >= scale) vertex = document_.vertices[vertex].complex;
         return vertex;
     }
 
-    std::optional<Position> child_of(Position at, const Step& step, bool caret) const {
+    std::optional<Position> find_child(Position at, const Step& step, bool caret) const {
         const std::uint32_t start =
-            step.edge == '/' ? coarser(at.current, step.scale) : start_of(at, step, caret);
+            step.edge == '/' ? coarser(at.current, step.scale) : find_start(at, step, caret);
         const auto known = children_.find({start, step.edge, step.symbol, step.index});
         if (known == children_.end()) return std::nullopt;
         return known->second;
@@ -272,7 +273,8 @@ class CodeReader {
             }
             const auto value = parse_number(plain_number(cells_[cell]));
             if (!value) continue;
-            if (changed_.size() > budget_) fail("ranges share more values than a file of this size can");
+            if (changed_.size() > budget_)
+                fail("ranges share more values than a file of this size can contain");
             budget_ -= changed_.size() - 1;
             for (const std::uint32_t vertex : changed_) document_.values.push_back({vertex, column, *value});
         }
@@ -283,7 +285,7 @@ class CodeReader {
         const auto key = [](const Value& v) { return std::pair(v.vertex, v.column); };
         std::stable_sort(values.begin(), values.end(),
                          [&](const Value& a, const Value& b) { return key(a) < key(b); });
-        // Of several values of a cell the last.
+        // The last of several values of a cell is used.
         std::reverse(values.begin(), values.end());
         values.erase(std::unique(values.begin(), values.end(),
                                  [&](const Value& a, const Value& b) { return key(a) == key(b); }),
@@ -302,10 +304,10 @@ class CodeReader {
     std::uint32_t column_ = 0;
     std::vector<Position> positions_;  // by column
     std::vector<bool> is_set_;
-    std::vector<std::uint32_t> changed_;  // what the features of a row belong to
+    std::vector<std::uint32_t> changed_;  // entities to which the features of the current row belong
     std::map<std::string, Position, std::less<>> aliases_;
     std::map<std::tuple<std::uint32_t, char, std::uint16_t, std::uint32_t>, Position> children_;
-    std::size_t budget_;  // of what ranges imply
+    std::size_t budget_;  // remaining number of entities that ranges may imply
 };
 
 }  // namespace

@@ -12,8 +12,8 @@ namespace {
 
 enum class Section { none, code, classes, description, features, mtg };
 
-/// "CLASSES :" begins a section.
-Section section_of(std::string_view line) {
+/// Returns whether a line such as "CLASSES :" begins a section.
+Section compute_section(std::string_view line) {
     const std::string_view word = trimmed(line.substr(0, line.find_first_of(" \t:")));
     if (word == "CODE") return Section::code;
     if (word == "CLASSES") return Section::classes;
@@ -36,7 +36,7 @@ class HeaderReader {
                 name_columns(line);
                 return std::move(header_);
             }
-            const Section begun = section_of(line);
+            const Section begun = compute_section(line);
             if (begun == Section::code) header_.is_form_b = line.find("FORM-B") != line.npos;
             if (begun != Section::none) {
                 section = begun;
@@ -47,8 +47,8 @@ class HeaderReader {
             }
         }
         throw InvalidInput(
-            fmt::format("{}: this is no MTG: it needs a section MTG whose first line, ENTITY-CODE or TOPO, "
-                        "names the columns",
+            fmt::format("{}: this is not an MTG file: it needs a section MTG with a first line, ENTITY-CODE "
+                        "or TOPO, that names the columns",
                         source_));
     }
 
@@ -59,7 +59,7 @@ class HeaderReader {
         const auto scale = parse_integer(words_[1]);
         if (!scale || *scale < 0 || *scale > kFinestScale) {
             fail_at(source_, lines_.number(),
-                    fmt::format("the scale of class {} is {}; it has to be a whole number from 0 to {}",
+                    fmt::format("the scale of class {} is {}; it must be a whole number from 0 to {}",
                                 in_quotes(words_[0]), in_quotes(words_[1]), kFinestScale));
         }
         header_.scale[std::string(words_[0])] = static_cast<std::uint16_t>(*scale);

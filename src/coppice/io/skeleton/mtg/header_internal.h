@@ -10,20 +10,20 @@
 
 namespace coppice::mtg {
 
-/// What stands before the code of the plants.
+/// The part of the file before the code of the plants.
 struct Header {
-    std::map<std::string, std::uint16_t, std::less<>> scale;  ///< of the symbols of classes
+    std::map<std::string, std::uint16_t, std::less<>> scale;  ///< by the symbol of the class
     std::vector<Column> columns;                              ///< in the order of the file
-    std::vector<std::uint32_t> cells;                         ///< of a row, for each column
-    std::uint32_t code_cells = 1;                             ///< so many begin a row, before the features
-    bool has_tabs = true;                                     ///< rows are cut at tabs, and not at blanks
+    std::vector<std::uint32_t> cells;                         ///< index of the cell in a row, for each column
+    std::uint32_t code_cells = 1;  ///< number of cells for the code at the beginning of a row
+    bool has_tabs = true;          ///< whether cells are separated by tabs rather than blanks
     bool is_form_b = false;
 };
 
-/// The line without a comment: "#" and what follows, up to the next tab.
+/// Returns the line without comments, which extend from "#" to the next tab.
 std::string without_comments(std::string_view line);
 
-/// Reads up to the line that names the columns, ENTITY-CODE or TOPO.
+/// Reads the header including the line that names the columns, ENTITY-CODE or TOPO.
 Header parse_header(LineReader& lines, const std::string& source);
 
 }  // namespace coppice::mtg

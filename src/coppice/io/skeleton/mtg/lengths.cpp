@@ -3,21 +3,22 @@
 #include <numbers>
 #include <utility>
 
+#include "coppice/base/id.h"
 #include "coppice/io/skeleton/mtg/measures_internal.h"
 
 namespace coppice::mtg {
 
 namespace {
 
-constexpr double kInsertion = 45;        // [degrees] where the file tells none
-constexpr double kPhyllotaxy = 137.508;  // [degrees] between branches that follow each other on an axis
+constexpr double kInsertion = 45;        // [degrees] default insertion angle
+constexpr double kPhyllotaxy = 137.508;  // [degrees] default azimuth between successive branches of an axis
 
-/// Where an entity ends: its place, where it heads, and what is in front of it.
+/// Position and orientation at the end of an entity.
 struct Frame {
     Vec3d place{0, 0, 0};
     Vec3d heading{0, 0, 1};
     Vec3d front{1, 0, 0};
-    std::uint32_t node = kNone;
+    std::uint32_t node = kNoIndex;
 };
 
 class Laying {
@@ -36,15 +37,16 @@ class Laying {
   private:
     const Vertex& vertex(std::uint32_t v) const { return document_.vertices[v]; }
 
-    /// An entity without parts and without a length takes its share of that of what it is a part of.
+    /// Assigns to entities without components and without length an equal share of the length of their
+    /// closest complex that has one.
     void share_lengths() {
-        owner_.assign(count_, kNone);
+        owner_.assign(count_, kNoIndex);
         rank_.assign(count_, 0);
         parts_.assign(count_, 0);
-        std::vector<std::uint32_t> owner(count_, kNone);
+        std::vector<std::uint32_t> owner(count_, kNoIndex);
         for (std::uint32_t v = 1; v < count_; ++v) {
             owner[v] = measures_.length(v) > 0 ? v : owner[vertex(v).complex];
-            if (vertex(v).components > 0 || owner[v] == kNone) continue;
+            if (vertex(v).components > 0 || owner[v] == kNoIndex) continue;
             owner_[v] = owner[v];
             rank_[v] = ++parts_[owner[v]];
         }
@@ -60,7 +62,7 @@ class Laying {
                 turn(frame, v, borne[axis[v]]++);
                 axis[v] = v;
             }
-            if (owner_[v] != kNone) go(frame, v);
+            if (owner_[v] != kNoIndex) go(frame, v);
             end[v] = frame;
         }
     }
@@ -69,7 +71,7 @@ class Laying {
         const auto known = [](double angle, double usual) { return std::isfinite(angle) ? angle : usual; };
         const double radians = std::numbers::pi / 180;
         double azimuth = measures_.azimuth(v), insertion = measures_.insertion(v);
-        // Of "+A2/U1/E1" the row tells only of E1.
+        // The row of "+A2/U1/E1" specifies angles of E1 only.
         for (std::uint32_t part = v + 1; part < count_ && vertex(part).complex == part - 1; ++part) {
             if (std::isnan(azimuth)) azimuth = measures_.azimuth(part);
             if (std::isnan(insertion)) insertion = measures_.insertion(part);
@@ -86,8 +88,8 @@ class Laying {
     void go(Frame& frame, std::uint32_t v) {
         const std::uint32_t owner = owner_[v];
         const double t = static_cast<double>(rank_[v]) / parts_[owner];
-        if (frame.node == kNone)
-            frame.node = add(v, kNone, frame.place, measures_.begin_radius(owner), false);
+        if (frame.node == kNoIndex)
+            frame.node = add(v, kNoIndex, frame.place, measures_.begin_radius(owner), false);
         frame.place += frame.heading * (measures_.length(owner) / parts_[owner]);
         double radius = measures_.end_radius(v);
         if (std::isnan(radius)) {
@@ -102,13 +104,13 @@ class Laying {
         return static_cast<std::uint32_t>(nodes_.nodes.size() - 1);
     }
 
-    /// Plants stand in a row along x, a tenth of the widest one's width between them.
+    /// Arranges plants in a row along x, with gaps of a tenth of the maximum width.
     void set_plants_apart() {
         auto& nodes = nodes_.nodes;
         std::vector<std::uint32_t> plant(nodes.size());
         std::vector<std::pair<double, double>> reach;  // in x, by plant
         for (std::size_t i = 0; i < nodes.size(); ++i) {
-            if (nodes[i].parent == kNone) {
+            if (nodes[i].parent == kNoIndex) {
                 plant[i] = static_cast<std::uint32_t>(reach.size());
                 reach.emplace_back(nodes[i].position.x, nodes[i].position.x);
             } else {
@@ -130,9 +132,10 @@ class Laying {
     const Document& document_;
     const Measures& measures_;
     std::uint32_t count_;
-    std::vector<std::uint32_t> owner_;  // by entity without parts, whose length it shares; kNone: it has none
-    std::vector<std::uint32_t> rank_;   // which of the sharing ones it is, from 1
-    std::vector<std::uint32_t> parts_;  // by owner, how many share
+    std::vector<std::uint32_t>
+        owner_;  // entity with the length that an entity without components shares; kNoIndex: no length
+    std::vector<std::uint32_t> rank_;   // its number among the sharing entities, from 1
+    std::vector<std::uint32_t> parts_;  // number of sharing entities, by owner
     Nodes nodes_;
 };
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "coppice/base/id.h"
 #include "coppice/io/skeleton/mtg/measures_internal.h"
 #include "coppice/io/text_internal.h"
 
@@ -11,14 +12,14 @@ namespace coppice::mtg {
 
 namespace {
 
-/// The first of the names, in this order, that a column has.
+/// Returns the column with the first of the names that occurs.
 std::uint32_t find_column(const Document& document, std::initializer_list<std::string_view> names) {
     for (const std::string_view name : names) {
         for (std::uint32_t i = 0; i < document.columns.size(); ++i) {
             if (document.columns[i].is_number && plain_name(document.columns[i].name) == name) return i;
         }
     }
-    return kNone;
+    return kNoIndex;
 }
 
 }  // namespace
@@ -40,7 +41,7 @@ Measures::Measures(const Document& document) : document_(document) {
 }
 
 double Measures::value(std::uint32_t vertex, std::uint32_t column) const {
-    if (column == kNone) return kUnknown;
+    if (column == kNoIndex) return kUnknown;
     const auto begin = document_.values.begin() + first_value_[vertex];
     const auto end = document_.values.begin() + first_value_[vertex + 1];
     const auto found =
@@ -68,7 +69,7 @@ double Measures::begin_radius(std::uint32_t vertex) const {
 }
 
 bool Measures::has_diameters() const {
-    return radius_ == kNone && (diameter_ != kNone || top_ != kNone || base_ != kNone);
+    return radius_ == kNoIndex && (diameter_ != kNoIndex || top_ != kNoIndex || base_ != kNoIndex);
 }
 
 }  // namespace coppice::mtg

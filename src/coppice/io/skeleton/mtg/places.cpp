@@ -1,5 +1,6 @@
 #include <array>
 
+#include "coppice/base/id.h"
 #include "coppice/io/skeleton/mtg/measures_internal.h"
 
 namespace coppice::mtg {
@@ -13,7 +14,7 @@ class Placing {
           count_(static_cast<std::uint32_t>(document.vertices.size())),
           place_(count_),
           is_placed_(count_),
-          node_(count_, kNone) {
+          node_(count_, kNoIndex) {
         for (std::uint32_t v = 1; v < count_; ++v) {
             if (const auto p = measures.place(v)) {
                 place_[v] = *p;
@@ -32,34 +33,34 @@ class Placing {
   private:
     const Vertex& vertex(std::uint32_t v) const { return document_.vertices[v]; }
 
-    /// An entity may have coordinates besides its parts. As its base they come before these; as its top,
-    /// which the last part has too, they would lead there and back. Which of both they are is told by where
-    /// they lie, for all entities of a scale at once.
+    /// Removes the coordinates of complexes that denote their top. An entity may have coordinates in addition
+    /// to its components. Those of its base precede them; those of its top, which the last component has too,
+    /// would lead forth and back. The distances to both decide, for all entities of a scale together.
     void drop_tops_of_complexes() {
-        std::vector<std::uint32_t> last(count_, kNone);
+        std::vector<std::uint32_t> last(count_, kNoIndex);
         for (std::uint32_t v = 1; v < count_; ++v) {
             if (!is_placed_[v]) continue;
             for (std::uint32_t c = vertex(v).complex; c != 0; c = vertex(c).complex) {
-                if (vertex(v).edge != '+' || last[c] == kNone) last[c] = v;
+                if (vertex(v).edge != '+' || last[c] == kNoIndex) last[c] = v;
             }
         }
-        std::array<double, kFinestScale + 1> balance{};  // how much nearer to the base than to the top
-        std::vector<std::uint32_t> behind(count_, kNone);
+        std::array<double, kFinestScale + 1> balance{};  // distance to the top minus distance to the base
+        std::vector<std::uint32_t> behind(count_, kNoIndex);
         for (std::uint32_t v = 1; v < count_; ++v) {
             const std::uint32_t before = vertex(v).before;
             behind[v] = before != 0 && is_placed_[before] ? before : behind[before];
-            if (!is_placed_[v] || last[v] == kNone || behind[v] == kNone) continue;
+            if (!is_placed_[v] || last[v] == kNoIndex || behind[v] == kNoIndex) continue;
             balance[vertex(v).scale] +=
                 distance(place_[v], place_[last[v]]) - distance(place_[v], place_[behind[v]]);
         }
         for (std::uint32_t v = 1; v < count_; ++v) {
-            if (last[v] != kNone && balance[vertex(v).scale] < 0) is_placed_[v] = false;
+            if (last[v] != kNoIndex && balance[vertex(v).scale] < 0) is_placed_[v] = false;
         }
     }
 
-    /// The nearest entity with a place towards the root, and how many entities lie between.
+    /// Finds the closest entity with coordinates towards the root, and the number of entities in between.
     void find_behind() {
-        behind_.assign(count_, kNone);
+        behind_.assign(count_, kNoIndex);
         steps_behind_.assign(count_, 0);
         for (std::uint32_t v = 1; v < count_; ++v) {
             const std::uint32_t before = vertex(v).before;
@@ -70,28 +71,28 @@ class Placing {
         }
     }
 
-    /// The same towards the tip of the axis.
+    /// Finds the closest entity with coordinates towards the tip of the axis, likewise.
     void find_ahead() {
-        ahead_.assign(count_, kNone);
+        ahead_.assign(count_, kNoIndex);
         steps_ahead_.assign(count_, 0);
         for (std::uint32_t v = count_; v-- > 1;) {
             const std::uint32_t before = vertex(v).before;
             if (vertex(v).edge == '+') continue;
-            if (!is_placed_[v] && ahead_[v] == kNone) continue;
-            // Of several the first in the file: later ones are met before.
+            if (!is_placed_[v] && ahead_[v] == kNoIndex) continue;
+            // The first of several in the file is used: the loop visits later ones before.
             ahead_[before] = is_placed_[v] ? v : ahead_[v];
             steps_ahead_[before] =
                 (vertex(v).components == 0 ? 1 : 0) + (is_placed_[v] ? 0 : steps_ahead_[v]);
         }
     }
 
-    /// By entity without a place of its own, the first one with a place on what branches off it.
+    /// Finds for entities without coordinates the first entity with coordinates on their branches.
     void find_bearers() {
-        std::vector<std::uint32_t> first_place(count_, kNone);
-        borne_.assign(count_, kNone);
+        std::vector<std::uint32_t> first_place(count_, kNoIndex);
+        borne_.assign(count_, kNoIndex);
         for (std::uint32_t v = count_; v-- > 1;) {
-            const std::uint32_t place = is_placed_[v] ? v : ahead_[v] != kNone ? ahead_[v] : borne_[v];
-            if (place != kNone && vertex(v).edge == '+') borne_[vertex(v).before] = place;
+            const std::uint32_t place = is_placed_[v] ? v : ahead_[v] != kNoIndex ? ahead_[v] : borne_[v];
+            if (place != kNoIndex && vertex(v).edge == '+') borne_[vertex(v).before] = place;
         }
     }
 
@@ -100,9 +101,9 @@ class Placing {
         node_[v] = parent;
         Nodes::Node node{v, parent, place_[v], measures.end_radius(v), is_placed_[v]};
         if (!node.is_measured) {
-            if (borne_[v] == kNone) return;
-            if (behind_[v] == kNone || ahead_[v] == kNone) {
-                node.position = place_[ahead_[v] == kNone ? borne_[v] : ahead_[v]];
+            if (borne_[v] == kNoIndex) return;
+            if (behind_[v] == kNoIndex || ahead_[v] == kNoIndex) {
+                node.position = place_[ahead_[v] == kNoIndex ? borne_[v] : ahead_[v]];
             } else {
                 const double steps = steps_behind_[v] + steps_ahead_[v];
                 const double t = steps > 0 ? steps_behind_[v] / steps : 0;
@@ -120,7 +121,7 @@ class Placing {
     std::vector<bool> is_placed_;
     std::vector<std::uint32_t> behind_, ahead_, borne_;
     std::vector<double> steps_behind_, steps_ahead_;
-    std::vector<std::uint32_t> node_;  // the last node up to each entity
+    std::vector<std::uint32_t> node_;  // last node up to each entity
     Nodes nodes_;
 };
 

@@ -9,6 +9,7 @@
 
 #include "coppice/base/ascii.h"
 #include "coppice/base/error.h"
+#include "coppice/base/id.h"
 #include "coppice/io/skeleton/mtg/document_internal.h"
 #include "coppice/io/skeleton/mtg/measures_internal.h"
 #include "coppice/io/skeleton/node_attribute.h"
@@ -20,45 +21,44 @@ namespace coppice {
 namespace {
 
 using mtg::Document;
-using mtg::kNone;
 using mtg::Measures;
 using mtg::Nodes;
 using mtg::Vertex;
 
-Nodes nodes_of(const Document& document, const std::string& source, std::vector<std::string>& notes) {
+Nodes find_nodes(const Document& document, const std::string& source, std::vector<std::string>& notes) {
     const Measures measures(document);
     Nodes found;
     if (measures.has_places()) found = nodes_of_places(document, measures);
     if (found.nodes.empty() && measures.has_lengths()) {
         found = nodes_of_lengths(document, measures);
         notes.push_back(
-            "the file has lengths and no coordinates: plants were laid out by them, with branches 45 degrees "
-            "off "
-            "their bearers and 137.5 degrees about them where the file tells no angles");
+            "the file has lengths and no coordinates: plants were arranged by their lengths, with default "
+            "angles of 45 degrees between branches and their parents and 137.5 degrees between successive "
+            "branches");
     }
     if (!found.nodes.empty()) return found;
     throw InvalidInput(
         fmt::format("{}: there are no nodes: the plants have neither coordinates (columns XX, YY and ZZ) nor "
-                    "lengths (Length), so that nothing tells their shape",
+                    "lengths (Length), so that their shape is unknown",
                     source));
 }
 
-/// The longest way from a root along the nodes.
+/// Returns the length of the longest path from a root.
 double longest_path(const std::vector<Nodes::Node>& nodes) {
     std::vector<double> path(nodes.size(), 0);
     double longest = 0;
     for (std::size_t i = 0; i < nodes.size(); ++i) {
         const std::uint32_t parent = nodes[i].parent;
-        if (parent == kNone) continue;
+        if (parent == kNoIndex) continue;
         path[i] = path[parent] + distance(nodes[i].position, nodes[parent].position);
         longest = std::max(longest, path[i]);
     }
     return longest;
 }
 
-/// MTG files often count diameters in a finer unit than lengths, without saying so. A stem that is thicker
-/// than an eighth of the way to the farthest tip is taken for such a one: what to divide by, a power of ten
-/// by which that way is some fifty stems long.
+/// Returns the divisor of the diameters: MTG files often use a finer unit for them than for lengths, without
+/// stating it. If a stem is thicker than an eighth of the longest path, the divisor is the power of ten for
+/// which that path is about fifty diameters long.
 double diameter_divisor(const Document& document, const std::vector<Nodes::Node>& nodes) {
     constexpr double kStoutest = 8, kUsual = 50;
     if (!Measures(document).has_diameters()) return 1;
@@ -69,7 +69,7 @@ double diameter_divisor(const Document& document, const std::vector<Nodes::Node>
     return std::pow(10, std::max(1.0, std::round(std::log10(kUsual / ratio))));
 }
 
-/// "NbFe (cm)" gives "nbfe".
+/// Returns the name of a column in lower case with _ for -, blanks and dots.
 std::string attribute_name(const std::string& column) {
     std::string name = to_lower(column);
     std::ranges::replace_if(
@@ -77,10 +77,10 @@ std::string attribute_name(const std::string& column) {
     return name;
 }
 
-/// The columns of numbers that all nodes have, but for places and thickness.
+/// Returns the numeric columns that all nodes have, except positions and thickness.
 std::vector<RawAttribute> attributes_of(const Document& document, const std::vector<Nodes::Node>& nodes) {
     constexpr std::array<std::string_view, 6> kKnown{"xx", "yy", "zz", "topdia", "diameter", "diam"};
-    constexpr std::uint32_t kNoNode = kNone;
+    constexpr std::uint32_t kNoNode = kNoIndex;
     std::vector<std::uint32_t> node(document.vertices.size(), kNoNode);
     for (std::uint32_t i = 0; i < nodes.size(); ++i) {
         if (nodes[i].is_measured) node[nodes[i].vertex] = i;
@@ -106,7 +106,7 @@ std::vector<RawAttribute> attributes_of(const Document& document, const std::vec
     return attributes;
 }
 
-/// How many branchings lie before each node, and the number of its axis, from 0.
+/// Adds the number of branchings before each node, and the number of its axis, from 0.
 void add_orders(const Document& document, const std::vector<Nodes::Node>& nodes, RawSkeleton& raw) {
     std::vector<double> order(document.vertices.size(), 0), axis(document.vertices.size(), 0);
     double axes = 0;
@@ -130,24 +130,25 @@ void add_orders(const Document& document, const std::vector<Nodes::Node>& nodes,
 RawSkeleton parse_mtg(std::string_view text, const std::string& source, const Context& ctx) {
     const Document document = mtg::parse_document(text, source, ctx);
     RawSkeleton raw;
-    const std::vector<Nodes::Node> nodes = nodes_of(document, source, raw.notes).nodes;
+    const std::vector<Nodes::Node> nodes = find_nodes(document, source, raw.notes).nodes;
     const double divisor = diameter_divisor(document, nodes);
     std::size_t placed = 0;
     for (std::uint32_t i = 0; i < nodes.size(); ++i) {
         const Nodes::Node& n = nodes[i];
         if (!n.is_measured) ++placed;
-        raw.nodes.push_back({i, n.parent == kNone ? -1 : std::int64_t{n.parent}, n.position,
+        raw.nodes.push_back({i, n.parent == kNoIndex ? -1 : std::int64_t{n.parent}, n.position,
                              n.radius / divisor, document.vertices[n.vertex].line});
     }
     if (!text.starts_with(kMtgMark)) {
-        raw.notes.emplace_back("MTG names no unit: lengths were taken for metres; set scale for another one");
+        raw.notes.emplace_back(
+            "MTG specifies no unit: lengths were assumed to be in metres; set scale for another unit");
     }
     if (divisor > 1) {
         raw.notes.push_back(fmt::format(
             "the diameters would make stems thicker than an eighth of the plant: they were divided by {}",
             divisor));
     }
-    if (document.is_form_b) raw.notes.emplace_back("the file says FORM-B, but was read as FORM-A");
+    if (document.is_form_b) raw.notes.emplace_back("the file states FORM-B, but was read as FORM-A");
     raw.attributes = attributes_of(document, nodes);
     add_orders(document, nodes, raw);
     put_in_written_order(raw);

@@ -10,7 +10,7 @@ namespace coppice {
 
 namespace {
 
-/// A node to be written: in the column of the order of its axis.
+/// A node to be written, in the column of the order of its axis.
 struct Row {
     NodeId node;
     std::uint32_t column = 0;
@@ -22,10 +22,10 @@ class MtgWriter {
     MtgWriter(const Skeleton& skeleton, std::string_view unit, std::span<const NodeAttribute> attributes,
               const Context& ctx)
         : skeleton_(skeleton), unit_(unit), attributes_(attributes), out_(skeleton, ctx) {
-        constexpr std::uint32_t kMostColumns = 32;
+        constexpr std::uint32_t kMaxColumns = 32;
         for (const NodeId n : nodes(skeleton)) next_.push_back(skeleton.leader(n));
         list_rows();
-        if (columns_ <= kMostColumns) return;
+        if (columns_ <= kMaxColumns) return;
         follow_most_nodes();
         list_rows();
     }
@@ -58,7 +58,8 @@ class MtgWriter {
     }
 
   private:
-    /// Rows in the order of the file: a node, what leaves it with all of its own, then its axis further on.
+    /// Lists the rows in depth-first order: a node, its laterals with their descendants, then the rest of its
+    /// axis.
     void list_rows() {
         rows_.clear();
         columns_ = 1;
@@ -80,8 +81,8 @@ class MtgWriter {
         }
     }
 
-    /// Where axes stand on axes too often for a table, an axis follows the child that most nodes hang from:
-    /// then no node has more columns before it than the logarithm of the number of nodes.
+    /// If axes are nested too deeply for a table, lets each axis follow the child with the largest subtree:
+    /// then the number of columns before a node is at most the logarithm of the number of nodes.
     void follow_most_nodes() {
         std::vector<std::uint32_t> hanging(skeleton_.size(), 1);
         for (std::uint32_t i = skeleton_.size(); i-- > 0;) {
@@ -119,9 +120,9 @@ class MtgWriter {
     const Skeleton& skeleton_;
     std::string_view unit_;
     std::span<const NodeAttribute> attributes_;
-    std::vector<NodeId> next_;  // by node, the one that its axis goes on with
+    std::vector<NodeId> next_;  // child that continues the axis, by node
     std::vector<Row> rows_;
-    std::uint32_t columns_ = 1;  // of the code
+    std::uint32_t columns_ = 1;  // number of columns of the code
     Encoder out_;
 };
 

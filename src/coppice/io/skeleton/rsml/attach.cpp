@@ -6,21 +6,24 @@
 #include <limits>
 #include <optional>
 
+#include "coppice/base/id.h"
+
 namespace coppice::rsml {
 
 namespace {
 
 constexpr std::uint32_t kPointsPerLeaf = 4;
 
-/// The place of a segment that is nearest to p.
+/// Returns the parameter of the closest point of a segment to p.
 double nearest_parameter(Vec3d a, Vec3d b, Vec3d p) {
     const Vec3d along = b - a;
     const double length_squared = dot(along, along);
     const double t = length_squared > 0 ? dot(p - a, along) / length_squared : 0;
-    return t > 0 ? std::min(t, 1.0) : 0;  // 0 where it is not a number
+    return t > 0 ? std::min(t, 1.0) : 0;  // 0 if t is not a number
 }
 
-/// Number of a parent's point that a root names, counted from `base`; none where it names none.
+/// Returns the index of the parent's point that a root specifies, counted from `base`; nullopt if it
+/// specifies none.
 std::optional<std::uint32_t> named_point(const Root& root, const Root& parent, double base) {
     const double index = root.parent_node - base;
     if (!(index >= 0) || index >= parent.point_count || index != std::floor(index)) return std::nullopt;
@@ -31,11 +34,12 @@ Vec3d point_of(const Document& document, const Root& root, std::uint32_t index) 
     return document.points[root.first_point + index];
 }
 
-/// Whether parents' points are counted from 0 or 1, by which of both lies nearer to where roots start.
+/// Returns whether the points of parents are counted from 0 or 1: the base for which they are closer to the
+/// starts of roots.
 double base_of_parent_nodes(const Document& document, std::span<const std::uint32_t> parent) {
     std::array<double, 2> total{};
     for (std::size_t i = 0; i < parent.size(); ++i) {
-        if (parent[i] == kNone) continue;
+        if (parent[i] == kNoIndex) continue;
         const Root &root = document.roots[i], &bearer = document.roots[parent[i]];
         const auto zero = named_point(root, bearer, 0), one = named_point(root, bearer, 1);
         if (!zero || !one) continue;
@@ -78,11 +82,11 @@ NearestOnLine::NearestOnLine(std::span<const Vec3d> line) : line_(line) {
 }
 
 LinePlace NearestOnLine::operator()(Vec3d p) const {
-    constexpr int kMostSteps = 1024;
+    constexpr int kMaxSteps = 1024;
     LinePlace best;
     double best_squared = std::numeric_limits<double>::infinity();
     std::vector<std::uint32_t> open{1};
-    for (int step = 0; step < kMostSteps && !open.empty(); ++step) {
+    for (int step = 0; step < kMaxSteps && !open.empty(); ++step) {
         const std::uint32_t box = open.back();
         open.pop_back();
         if (!(boxes_[box].distance_squared(p) < best_squared)) continue;
@@ -114,7 +118,7 @@ std::vector<LinePlace> attach_roots(const Document& document, std::span<const st
     std::vector<std::optional<NearestOnLine>> lines(document.roots.size());
     for (std::size_t i = 0; i < parent.size(); ++i) {
         const Root& root = document.roots[i];
-        if (parent[i] == kNone || root.point_count == 0) continue;
+        if (parent[i] == kNoIndex || root.point_count == 0) continue;
         const Root& bearer = document.roots[parent[i]];
         if (const auto point = named_point(root, bearer, base)) {
             places[i].point = *point;

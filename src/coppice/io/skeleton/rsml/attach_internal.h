@@ -4,25 +4,25 @@
 #include <span>
 #include <vector>
 
+#include "coppice/base/id.h"
 #include "coppice/base/vec.h"
 #include "coppice/io/skeleton/rsml/document_internal.h"
 
 namespace coppice::rsml {
 
-/// A place on a polyline: `t` of the way from point `point` to the next one.
+/// A position on a polyline: parameter `t` between the points `point` and `point` + 1.
 struct LinePlace {
     std::uint32_t point = 0;
-    double t = 0;  ///< from 0 to less than 1
+    double t = 0;  ///< in [0, 1)
 };
 
-/// Finds the place of a polyline that is nearest to a point. The line may not be empty, and must outlive
-/// this.
+/// Finds the closest point of a polyline. The line must not be empty and must outlive this object.
 class NearestOnLine {
   public:
     explicit NearestOnLine(std::span<const Vec3d> line);  ///< O(n)
 
-    /// In roots O(log n). However the line is knotted, a search ends after a fixed number of steps, with the
-    /// nearest place that it met.
+    /// O(log n) for typical roots. For tangled lines the search ends after a fixed number of steps with the
+    /// closest point found.
     LinePlace operator()(Vec3d p) const;
 
   private:
@@ -32,13 +32,13 @@ class NearestOnLine {
     };
     std::span<const Vec3d> line_;
     std::uint32_t leaves_ = 1;  // a power of two
-    std::vector<Box> boxes_;    // a heap: 1 holds all, 2i and 2i + 1 the halves of i
+    std::vector<Box> boxes_;    // a heap: 1 bounds all points, 2i and 2i + 1 the halves of i
 };
 
-/// Where every root but the first ones leaves its parent; by index of the root. A parent-node is followed
-/// where it names a point of the parent, counted from 0 or from 1 as fits the file; otherwise it is the place
-/// nearest to the root's first point. `parent` is of each root the nearest one about it that has points, or
-/// kNone.
+/// Returns the position at which every root except the first ones branches off its parent; by index of the
+/// root. A parent-node is used if it specifies a point of the parent, counted from 0 or from 1 as fits the
+/// file; otherwise the position is the closest point to the first point of the root. `parent` contains for
+/// each root its closest ancestor that has points, or kNoIndex.
 std::vector<LinePlace> attach_roots(const Document& document, std::span<const std::uint32_t> parent);
 
 }  // namespace coppice::rsml

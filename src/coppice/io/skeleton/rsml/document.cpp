@@ -9,9 +9,10 @@
 
 #include "coppice/base/ascii.h"
 #include "coppice/base/error.h"
-#include "coppice/io/file_progress.h"
+#include "coppice/base/id.h"
 #include "coppice/io/text_internal.h"
 #include "coppice/io/xml_internal.h"
+#include "coppice/system/file_progress.h"
 
 namespace coppice::rsml {
 
@@ -20,7 +21,7 @@ namespace {
 using io_internal::XmlAttributes;
 using io_internal::XmlPlace;
 
-/// Elements that mean something where they stand.
+/// Elements that are interpreted, depending on their context.
 enum class Element : std::uint8_t {
     document,
     rsml,
@@ -71,7 +72,7 @@ constexpr std::array kPlaces{Place{Element::document, "rsml", Element::rsml},
                              Place{Element::properties, "diameter", Element::diameter},
                              Place{Element::properties, "radius", Element::radius}};
 
-/// "po:Parent-Node" gives "parent_node".
+/// Normalizes a name: "po:Parent-Node" to "parent_node".
 std::string simple_name(std::string_view name) {
     name.remove_prefix(name.find(':') == name.npos ? 0 : name.find(':') + 1);
     std::string simple = to_lower(name);
@@ -101,9 +102,9 @@ class DocumentBuilder : public io_internal::XmlHandler {
         line_ = place.line;
         Element element = element_of(open_.back(), name);
         if (open_.size() == 1 && element != Element::rsml) {
-            fail(fmt::format("this XML is no RSML: it starts with {}", in_quotes(name)));
+            fail(fmt::format("this XML is not RSML: it starts with {}", in_quotes(name)));
         }
-        // Of several lines of a root the first counts.
+        // The first of several polylines of a root is used.
         if (element == Element::polyline && document_.roots[roots_.back()].point_count > 0)
             element = Element::other;
         open_.push_back(element);
@@ -155,7 +156,7 @@ class DocumentBuilder : public io_internal::XmlHandler {
 
     void begin_root() {
         Root root;
-        root.parent = roots_.empty() ? kNone : roots_.back();
+        root.parent = roots_.empty() ? kNoIndex : roots_.back();
         root.plant = plants_ == 0 ? 0 : plants_ - 1;
         root.order = static_cast<std::uint32_t>(roots_.size());
         root.line = line_;
@@ -176,7 +177,8 @@ class DocumentBuilder : public io_internal::XmlHandler {
         const auto text = find(attributes, name);
         if (!text) fail(fmt::format("a point has no {}", name));
         const auto value = parse_number(*text);
-        if (!value) fail(fmt::format("the {} of a point is {}, which is no number", name, in_quotes(*text)));
+        if (!value)
+            fail(fmt::format("the {} of a point is {}, which is not a number", name, in_quotes(*text)));
         return *value;
     }
 
@@ -212,7 +214,7 @@ class DocumentBuilder : public io_internal::XmlHandler {
     FileProgress progress_;
     Document document_;
     std::vector<Element> open_{Element::document};
-    std::vector<std::uint32_t> roots_;  // the open ones
+    std::vector<std::uint32_t> roots_;  // open elements
     std::map<std::string, std::uint32_t> names_;
     std::string text_;
     std::uint32_t plants_ = 0;

@@ -7,30 +7,30 @@
 #include <vector>
 
 #include "coppice/base/context.h"
+#include "coppice/base/id.h"
 #include "coppice/base/vec.h"
 
 namespace coppice::rsml {
 
-inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-/// A root of the file: an axis, which may bear others.
+/// A root of the file: an axis that may have laterals.
 struct Root {
-    std::uint32_t parent = kNone;  ///< index of the root it stands in
-    std::uint32_t plant = 0;       ///< number of its plant, from 0
-    std::uint32_t order = 0;       ///< how many roots it stands in
+    std::uint32_t parent = kNoIndex;  ///< index of the enclosing root
+    std::uint32_t plant = 0;          ///< number of its plant, from 0
+    std::uint32_t order = 0;          ///< number of enclosing roots
     std::uint32_t first_point = 0;
     std::uint32_t point_count = 0;
     std::uint32_t line = 0;
-    double parent_node = kUnknown;  ///< number of the parent's point where it starts, as written
-    double diameter = kUnknown;     ///< of the whole root, in pixels, where its properties tell one
+    double parent_node = kUnknown;  ///< number of the parent's point at its start, as in the file
+    double diameter = kUnknown;     ///< of the whole root, in pixels, if its properties specify one
 };
 
-/// How the samples of a function lie along the polyline of its root.
+/// Positions of the samples of a function along the polyline of its root.
 enum class Domain : std::uint8_t {
-    polyline,  ///< one for each point
-    uniform,   ///< at even distances from end to end
-    length     ///< each at a distance of its own, in pixels
+    polyline,  ///< one at each point
+    uniform,   ///< equally spaced from end to end
+    length     ///< each at a specified distance, in pixels
 };
 
 /// A quantity along a root.
@@ -40,30 +40,30 @@ struct Function {
     std::uint32_t first_sample = 0;
     std::uint32_t sample_count = 0;
     Domain domain = Domain::polyline;
-    bool from_tip = false;  ///< distances count from the tip
+    bool from_tip = false;  ///< distances are measured from the tip
 };
 
 struct Sample {
     double value = kUnknown;
-    double place = kUnknown;  ///< its distance, where it is written
+    double place = kUnknown;  ///< its distance, if specified
 };
 
-/// What a file says, in its own units and axes.
+/// Content of a file, in its own units and axes.
 struct Document {
-    std::string unit;      ///< as written; empty where none is
-    std::string software;  ///< as written
+    std::string unit;      ///< as in the file; empty if missing
+    std::string software;  ///< as in the file
     double resolution = kUnknown;
-    bool is_flat = true;  ///< no point has a z that differs from 0
+    bool is_flat = true;  ///< whether z is 0 for all points
     std::vector<Root> roots;
     std::vector<Vec3d> points;
-    std::vector<std::uint32_t> lines;  ///< of the points
+    std::vector<std::uint32_t> lines;  ///< line numbers of the points
     std::vector<Function> functions;
-    std::vector<std::string> names;  ///< of functions, in small letters with _ for - and blanks
+    std::vector<std::string> names;  ///< names of functions, in lower case with _ for - and blanks
     std::vector<Sample> samples;
 };
 
-/// Reads the elements of RSML that make a skeleton and passes over the others, whatever their depth. Throws
-/// InvalidInput for what is no XML, no RSML, has points without coordinates or declares entities. O(n).
+/// Parses the elements of RSML that define a skeleton and skips the others, at any depth. Throws InvalidInput
+/// if it is not XML or not RSML, has points without coordinates or declares entities. O(n).
 Document parse_document(std::string_view text, const std::string& source, const Context& ctx);
 
 }  // namespace coppice::rsml

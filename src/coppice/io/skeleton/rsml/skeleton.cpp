@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "coppice/base/error.h"
+#include "coppice/base/id.h"
 #include "coppice/io/skeleton/node_attribute.h"
 #include "coppice/io/skeleton/parsers_internal.h"
 #include "coppice/io/skeleton/rsml/attach_internal.h"
@@ -22,22 +23,21 @@ namespace {
 using rsml::Document;
 using rsml::Domain;
 using rsml::Function;
-using rsml::kNone;
 using rsml::kUnknown;
 using rsml::LinePlace;
 using rsml::Root;
 
-/// The nearest root about each that has points; kNone for the first ones.
+/// Returns for each root its closest ancestor that has points; kNoIndex for the first ones.
 std::vector<std::uint32_t> bearers(const Document& document) {
-    std::vector<std::uint32_t> bearer(document.roots.size(), kNone);
+    std::vector<std::uint32_t> bearer(document.roots.size(), kNoIndex);
     for (std::size_t i = 0; i < bearer.size(); ++i) {
         const std::uint32_t parent = document.roots[i].parent;
-        if (parent != kNone) bearer[i] = document.roots[parent].point_count > 0 ? parent : bearer[parent];
+        if (parent != kNoIndex) bearer[i] = document.roots[parent].point_count > 0 ? parent : bearer[parent];
     }
     return bearer;
 }
 
-/// Distance from the first point of a root along it, for each of its points.
+/// Returns the distance along a root from its first point, for each of its points.
 std::vector<double> distances_along(const Document& document, const Root& root) {
     std::vector<double> along(root.point_count, 0);
     for (std::uint32_t i = 1; i < root.point_count; ++i) {
@@ -49,7 +49,8 @@ std::vector<double> distances_along(const Document& document, const Root& root) 
 
 using PlacedSample = std::pair<double, double>;  // distance from the first point, value
 
-/// The samples of a function that are not bound to points, by distance; `length` is that of the root.
+/// Returns the samples of a function that are not at points, sorted by distance; `length` is that of the
+/// root.
 std::vector<PlacedSample> placed_samples(const Document& document, const Function& function, double length) {
     std::vector<PlacedSample> placed;
     for (std::uint32_t i = 0; i < function.sample_count; ++i) {
@@ -66,7 +67,7 @@ std::vector<PlacedSample> placed_samples(const Document& document, const Functio
     return placed;
 }
 
-/// Value of a function at every point of its root: not a number where it has none.
+/// Returns the value of a function at every point of its root; NaN if undefined.
 std::vector<double> values_at_points(const Document& document, const Function& function) {
     const Root& root = document.roots[function.root];
     std::vector<double> values(root.point_count, kUnknown);
@@ -95,7 +96,7 @@ std::vector<double> values_at_points(const Document& document, const Function& f
     return values;
 }
 
-/// The quantities of a file at its points.
+/// Quantities of a file at its points.
 class Quantities {
   public:
     explicit Quantities(const Document& document)
@@ -128,8 +129,8 @@ class Quantities {
     std::vector<std::vector<double>> columns;
 
   private:
-    /// Those that become attributes: sampled at no fewer places than there are points, so that what they
-    /// take stays in proportion to the file.
+    /// Selects the names that become attributes: those with at least as many samples as there are points, so
+    /// that the memory is proportional to the size of the file.
     static std::vector<bool> names_kept(const Document& document) {
         std::vector<std::size_t> samples(document.names.size(), 0);
         for (const Function& f : document.functions) samples[f.name] += f.sample_count;
@@ -146,7 +147,7 @@ class Quantities {
     std::vector<std::vector<double>> by_name_;
 };
 
-/// A root that leaves another within one of its segments or at a point.
+/// A root that branches off another one within a segment or at a point.
 struct Fork {
     LinePlace place;
     std::uint32_t root;
@@ -158,7 +159,7 @@ class SkeletonBuilder {
         : document_(document),
           quantities_(document),
           bearer_(bearers(document)),
-          start_(document.roots.size(), kNone),
+          start_(document.roots.size(), kNoIndex),
           merged_(document.roots.size()),
           forks_(document.roots.size()),
           values_(quantities_.columns.size()) {
@@ -186,7 +187,7 @@ class SkeletonBuilder {
         const std::vector<LinePlace> places = rsml::attach_roots(document_, bearer_);
         for (std::uint32_t i = 0; i < places.size(); ++i) {
             const Root& root = document_.roots[i];
-            if (bearer_[i] == kNone || root.point_count == 0) continue;
+            if (bearer_[i] == kNoIndex || root.point_count == 0) continue;
             const Root& bearer = document_.roots[bearer_[i]];
             LinePlace place = places[i];
             const Vec3d* at = &document_.points[bearer.first_point + place.point];
@@ -205,7 +206,8 @@ class SkeletonBuilder {
         }
     }
 
-    /// Of the segment that begins at a point; at the last point of the one that ends there.
+    /// Returns the length of the segment that begins at a point; for the last point, of the segment that ends
+    /// there.
     double segment_length(const Root& root, std::uint32_t point) const {
         if (root.point_count == 1) return 0;
         const Vec3d* at = &document_.points[root.first_point + std::min(point, root.point_count - 2)];
@@ -215,12 +217,12 @@ class SkeletonBuilder {
     void add_root(std::uint32_t index) {
         const Root& root = document_.roots[index];
         if (root.point_count == 0) return;
-        std::uint32_t last = bearer_[index] == kNone ? shared_start(index) : start_[index];
+        std::uint32_t last = bearer_[index] == kNoIndex ? shared_start(index) : start_[index];
         auto fork = forks_[index].begin();
         for (std::uint32_t i = 0; i < root.point_count; ++i) {
             const std::uint32_t point = root.first_point + i;
             if (i > 0 || !merged_[index]) last = add_node(index, last, document_.points[point], point, 0);
-            if (i == 0 && bearer_[index] == kNone) first_of_plant_.try_emplace(plant_place(index), last);
+            if (i == 0 && bearer_[index] == kNoIndex) first_of_plant_.try_emplace(plant_place(index), last);
             double t = 0;
             for (; fork != forks_[index].end() && fork->place.point == i; ++fork) {
                 if (fork->place.t > t + kOnLine) {
@@ -232,11 +234,11 @@ class SkeletonBuilder {
         }
     }
 
-    /// Roots of a plant that begin at one point are one tree.
+    /// Roots of a plant that begin at the same point form one tree.
     std::uint32_t shared_start(std::uint32_t index) {
         const auto known = first_of_plant_.find(plant_place(index));
         merged_[index] = known != first_of_plant_.end();
-        return merged_[index] ? known->second : kNone;
+        return merged_[index] ? known->second : kNoIndex;
     }
 
     using PlantPlace = std::tuple<std::uint32_t, double, double, double>;
@@ -246,7 +248,8 @@ class SkeletonBuilder {
         return {root.plant, p.x, p.y, p.z};
     }
 
-    /// Where a root leaves a segment: its own first point where that lies on it.
+    /// Returns the position at which a root branches off a segment: its first point if that is on the
+    /// segment.
     Vec3d place_of(const Fork& fork) const {
         const Root& root = document_.roots[fork.root];
         if (merged_[fork.root]) return document_.points[root.first_point];
@@ -255,14 +258,14 @@ class SkeletonBuilder {
         return at[0] + fork.place.t * (at[1] - at[0]);
     }
 
-    /// A node `t` of the way from a point of the file to the next one.
+    /// Adds a node at parameter `t` between a point of the file and the next one.
     std::uint32_t add_node(std::uint32_t root, std::uint32_t parent, Vec3d position, std::uint32_t point,
                            double t) {
         const auto id = static_cast<std::uint32_t>(raw_.nodes.size());
         const auto value = [&](const std::vector<double>& column) {
             return t > 0 ? column[point] + t * (column[point + 1] - column[point]) : column[point];
         };
-        raw_.nodes.push_back({id, parent == kNone ? -1 : std::int64_t{parent}, position,
+        raw_.nodes.push_back({id, parent == kNoIndex ? -1 : std::int64_t{parent}, position,
                               value(quantities_.radius), document_.lines[point]});
         for (std::size_t i = 0; i < values_.size(); ++i) values_[i].push_back(value(quantities_.columns[i]));
         order_.push_back(document_.roots[root].order);
@@ -270,18 +273,18 @@ class SkeletonBuilder {
         return id;
     }
 
-    static constexpr double kOnLine = 1e-3;    // of a segment: nearer than this is at a place
-    static constexpr double kNearPoint = 0.1;  // of a segment: no node is added nearer than this to another
+    static constexpr double kOnLine = 1e-3;    // [segment length] tolerance within which positions coincide
+    static constexpr double kNearPoint = 0.1;  // [segment length] minimum distance of an added node to others
 
     const Document& document_;
     Quantities quantities_;
     std::vector<std::uint32_t> bearer_;
-    std::vector<std::uint32_t> start_;      // node that a root leaves from
-    std::vector<bool> merged_;              // its first point is that node
-    std::vector<std::vector<Fork>> forks_;  // by the root that they leave
+    std::vector<std::uint32_t> start_;      // node at which a root branches off
+    std::vector<bool> merged_;              // whether its first point coincides with that node
+    std::vector<std::vector<Fork>> forks_;  // by parent root
     std::map<PlantPlace, std::uint32_t> first_of_plant_;
     RawSkeleton raw_;
-    std::vector<std::vector<double>> values_;  // of the nodes, by quantity
+    std::vector<std::vector<double>> values_;  // values of the nodes, by quantity
     std::vector<double> order_, axis_;
 };
 

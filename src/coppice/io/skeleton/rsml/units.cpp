@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "coppice/base/id.h"
 #include "coppice/io/skeleton/length_unit.h"
 #include "coppice/io/text_internal.h"
 
@@ -13,13 +14,14 @@ namespace coppice::rsml {
 
 namespace {
 
-/// [m] 0 for what is no length. "dpi" is how some programs say that the resolution counts by the inch.
+/// Returns the length of the unit in metres; 0 if it is not a length. Some programs write "dpi" for a
+/// resolution per inch.
 double metres_of_unit(std::string_view unit) {
     const std::string name = plain_name(unit);
     if (name == "dm") return 0.1;
-    if (name == "dpi" || name == "ppi") return metres_of(LengthUnit::inch);
+    if (name == "dpi" || name == "ppi") return to_metres(LengthUnit::inch);
     const auto known = length_unit_of_word(unit);
-    return known ? metres_of(*known) : 0;
+    return known ? to_metres(*known) : 0;
 }
 
 }  // namespace
@@ -29,7 +31,7 @@ double metres_per_pixel(const Document& document, std::vector<std::string>& note
     const double unit = metres_of_unit(document.unit);
     if (unit == 0) {
         notes.push_back(fmt::format(
-            "the file counts in {} of unknown size: each was taken for a metre; set scale for another length",
+            "the file uses {} of unknown size: each was assumed to be a metre; set scale for another length",
             document.unit.empty() ? "pixels" : in_quotes(document.unit)));
         return 1;
     }
@@ -42,13 +44,13 @@ Upright::Upright(const Document& document, std::vector<std::string>& notes) {
     if (document.software == "Coppice") return;
     Vec3d run;
     for (const Root& root : document.roots) {
-        if (root.parent != kNone || root.point_count == 0) continue;
+        if (root.parent != kNoIndex || root.point_count == 0) continue;
         run += document.points[root.first_point + root.point_count - 1] - document.points[root.first_point];
     }
     if (!document.is_flat && !(std::abs(run.y) > std::abs(run.z))) return;
     down_ = run.y < 0 ? -1 : 1;
     notes.push_back(
-        fmt::format("the y axis of the file, which runs {}, was turned upright", down_ > 0 ? "down" : "up"));
+        fmt::format("the y axis of the file, which points {}, was rotated to z", down_ > 0 ? "down" : "up"));
 }
 
 }  // namespace coppice::rsml

@@ -17,7 +17,7 @@ class RsmlWriter {
         : skeleton_(skeleton),
           unit_(unit),
           attributes_(attributes),
-          axes_(axes_of(skeleton)),
+          axes_(find_axes(skeleton)),
           is_numbered_(!is_in_order_of_axes(skeleton, axes_)),
           out_(skeleton, ctx) {}
 
@@ -38,7 +38,8 @@ class RsmlWriter {
     }
 
   private:
-    /// Blanks before a root of this order: they stop growing, so that deep files do not consist of blanks.
+    /// Returns the indentation of a root of this order; it is limited, so that deep files do not consist of
+    /// blanks.
     static std::string_view indent(std::uint32_t order) {
         constexpr std::string_view kBlanks = "                        ";
         return kBlanks.substr(0, std::min<std::size_t>(kBlanks.size(), 6 + 2 * std::size_t{order}));
@@ -72,14 +73,14 @@ class RsmlWriter {
         for (NodeId n = axis.first; n; n = skeleton_.leader(n)) line_.push_back(n);
         out_.add(FMT_COMPILE("{}<root id=\"{}\" label=\"axis\">\n"), in, index + 1);
         if (axis.order > 0) {
-            // The line of a bearer that leaves another begins with a node of that one.
+            // The polyline of a parent that is itself a lateral begins with a node of its own parent.
             const std::uint32_t place = axis.place + (axis.order > 1 ? 1 : 0);
             out_.add(FMT_COMPILE("{}  <properties><parent-node value=\"{}\"/></properties>\n"), in, place);
         }
         out_.add(FMT_COMPILE("{}  <geometry>\n{}    <polyline>\n"), in, in);
         for (const NodeId n : line_) add_point(n);
         out_.add(FMT_COMPILE("{}    </polyline>\n{}  </geometry>\n{}  <functions>\n"), in, in, in);
-        // A lateral leaves its bearer with its own thickness.
+        // A lateral begins with its own radius rather than that of its parent.
         add_function("diameter",
                      [&](NodeId n) { return 2 * skeleton_.radius(n == line_.front() ? axis.first : n); });
         for (const NodeAttribute& a : attributes_) {

@@ -8,19 +8,19 @@
 
 namespace coppice::tetra_kernel {
 
-/// A held vertex that the field puts outside or near to the surface.
+/// A held vertex that is outside or near the surface according to the field.
 struct WeakVertex {
-    std::uint32_t vertex;  ///< a fine one
+    std::uint32_t vertex;  ///< fine vertex
     float radius;          ///< [m] of the axis there
-    float away;            ///< [m] from the axis, where it was before it was moved
-    float height;          ///< of the profile at the place that it was moved to
+    float away;            ///< [m] distance from the axis, before it was moved
+    float height;          ///< height of the profile at the moved position
 };
 
-/// Where a vertex holds an axis that lies near the surface, the branch is not thinner than this.
+/// Minimum thickness of a branch around a held vertex with an axis near the surface.
 inline constexpr float kThinnest = 0.5f;  // [radii]
 
-/// A fine edge between inside and outside, the part of it that the surface crosses, and the heights at the
-/// ends of that part.
+/// A fine edge between inside and outside, the interval of it that contains the crossing, and the heights at
+/// the ends of that interval.
 struct CutEdge {
     /// [m] The whole edge.
     /// @{
@@ -30,19 +30,19 @@ struct CutEdge {
     /// @{
     float low, high, at_low, at_high;
     /// @}
-    /// Shares of the edge: it may cross nowhere else.
+    /// Shares of the edge between which the crossing must be.
     /// @{
     float least, most;
     /// @}
-    float share = 0.5f;  ///< where the surface is taken to cross
+    float share = 0.5f;  ///< current estimate of the crossing
     int last = 0;        ///< the end moved last: -1 low, 1 high
 
-    /// The whole edge, between vertices of these heights.
+    /// Creates the whole edge, between vertices of these heights.
     COPPICE_HOST_DEVICE static CutEdge between(Vec3 a, Vec3 b, float at_a, float at_b, float clearance) {
         return {a, b, 0, 1, at_a, at_b, clearance, 1 - clearance};
     }
 
-    /// Where the surface would cross if heights ran straight.
+    /// Returns the crossing according to linear interpolation of the heights.
     COPPICE_HOST_DEVICE Vec3 point() {
         const double fall = double(at_low) - at_high;
         const float t = fall == 0 ? 0.5f : std::clamp(static_cast<float>(at_low / fall), 0.0f, 1.0f);
@@ -50,8 +50,9 @@ struct CutEdge {
         return lerp(a, b, share);
     }
 
-    /// Keeps a branch thick about the end that holds its axis, and is `away` from it. Where the field says
-    /// that this end is outside, it says nothing of how thick, but the axis does.
+    /// Ensures a minimum thickness of a branch around the end that holds its axis, at distance `away`. If
+    /// this end is outside according to the field, the field does not determine the thickness, and the axis
+    /// does.
     COPPICE_HOST_DEVICE void thicken(const WeakVertex& held, float height, float away, bool at_a) {
         const bool sunken = height <= 0;
         const float thick =
@@ -61,8 +62,8 @@ struct CutEdge {
         if (!at_a || sunken) most = at_a ? part : 1 - part;
     }
 
-    /// Regula falsi; an end that stays for the second time counts for less, by as much as the curve bends
-    /// [Anderson1973]. `height` is that at the last point.
+    /// Regula falsi step; the height at an end that stays for the second time is reduced according to the
+    /// curvature [Anderson1973]. `height` is the height at the last point.
     COPPICE_HOST_DEVICE void narrow(float height) {
         const bool moves_low = (height > 0) == (at_low > 0);
         float &moved = moves_low ? at_low : at_high, &stays = moves_low ? at_high : at_low;

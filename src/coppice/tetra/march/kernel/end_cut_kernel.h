@@ -9,17 +9,18 @@
 
 namespace coppice::tetra_kernel {
 
-/// A plane across the end of a tree that cuts off a field within a few radii of it.
+/// A plane across the end of a tree that truncates a field within a few radii of it.
 struct EndCut {
     Vec3 center;   ///< [m] the end
     Vec3 outward;  ///< unit vector
-    float radius;  ///< [m] there
+    float radius;  ///< [m] at the end
 
-    static constexpr float kReach = 3;  ///< [radii] from its center a cut is felt; the line ends before
+    static constexpr float kReach =
+        3;  ///< [radii] distance from its center up to which a cut acts; the line must end before it
 };
 
-/// Cuts off a sample of a field at p. The plane's own field falls with the slope that the quartic kernel's
-/// value^(2/5) has at the surface: where plane and bark meet, distances are guessed alike on both.
+/// Truncates a sample of a field at p. The field of the plane decreases with the slope that value^(2/5) of
+/// the quartic kernel has at the surface, so that distance estimates agree where the plane meets the bark.
 COPPICE_HOST_DEVICE inline void cut_off(const EndCut& cut, float level, Vec3 p, FieldSample& s) {
     constexpr float kSlope = 1.6f;  // per radius
     const Vec3 w = p - cut.center;

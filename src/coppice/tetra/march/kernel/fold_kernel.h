@@ -10,24 +10,24 @@
 
 namespace coppice::tetra_kernel {
 
-/// [m] How far the vertices of a fine tetrahedron of this width may move, two of them together, before it can
-/// have turned over.
+/// [m] Returns the distance that two vertices of a fine tetrahedron of this width may move in total without
+/// inverting it.
 COPPICE_HOST_DEVICE inline float harmless_way(float width) { return 0.94f * width; }
 
-/// [m] How far the two that moved most did so together.
+/// [m] Returns the total distance of the two vertices that moved farthest.
 COPPICE_HOST_DEVICE inline float two_longest(const std::array<float, 4>& way) {
     const float ab = std::max(way[0], way[1]), cd = std::max(way[2], way[3]);
     return std::max(std::max(way[0] + way[1], way[2] + way[3]), ab + cd);
 }
 
-/// Whether a tetrahedron is turned over, or too flat, whose volume times six was `before`. Both may be
-/// negative: the order of the vertices is the pattern's.
+/// Returns whether a tetrahedron is inverted or too flat; `before` is six times its original volume. Both may
+/// be negative: the order of the vertices is that of the pattern.
 COPPICE_HOST_DEVICE inline bool is_flat(const std::array<Vec3d, 4>& p, double before) {
-    constexpr double kLeast = 0.15;  // of what it was
-    return !(tetra_volume(p) / before > kLeast);
+    constexpr double kMin = 0.15;  // minimum fraction of the original volume
+    return !(tetra_volume(p) / before > kMin);
 }
 
-/// Of the vertices of a tetrahedron the one that moved farthest; of several the one of the least number.
+/// Returns the vertex of a tetrahedron that moved farthest; of equal ones the one with the smallest number.
 COPPICE_HOST_DEVICE inline std::uint32_t farthest(const std::array<std::uint32_t, 4>& vertex,
                                                   const std::array<float, 4>& way) {
     std::uint32_t out = 0;

@@ -8,27 +8,27 @@
 
 namespace coppice::tetra_kernel {
 
-/// A field as a function that is 0 on its surface, greater inside, and near to a straight line across it;
-/// never NaN or infinite.
+/// A transformation of a field to a height that is 0 on its surface, positive inside, and nearly linear
+/// across it; never NaN or infinite.
 class Profile {
   public:
-    /// Of a field that is `level` on its surface.
+    /// Creates the profile of a field with iso value `level`.
     COPPICE_HOST_DEVICE explicit Profile(float level) : level_(level) {}
 
-    /// Where the field has this value.
+    /// Returns the height for a value of the field.
     COPPICE_HOST_DEVICE float height(float value) const {
-        constexpr float kMost = 1e12f;
+        constexpr float kMax = 1e12f;
         if (level_ <= 0) {
             if (std::isnan(value)) return -1;
-            return std::clamp(value - level_, -kMost, kMost);
+            return std::clamp(value - level_, -kMax, kMax);
         }
         if (!(value > 0)) return -1;
-        const float h = std::pow(std::min(value / level_, kMost), kPower) - 1;
+        const float h = std::pow(std::min(value / level_, kMax), kPower) - 1;
         // Rounding must not change the side.
         return value > level_ ? std::max(h, std::numeric_limits<float>::min()) : std::min(h, 0.0f);
     }
 
-    /// Change of the height per change of the value, there.
+    /// Returns the derivative of the height with respect to the value.
     COPPICE_HOST_DEVICE float slope(float value) const {
         if (level_ <= 0) return 1;
         return value > 0 ? kPower * (1 + height(value)) / value : 0;

@@ -12,10 +12,10 @@
 
 namespace coppice::tetra_kernel {
 
-/// [fine edges] How far a held vertex may be moved.
+/// [fine edges] Maximum distance by which a held vertex is moved.
 inline constexpr float kHeldReach = 0.45f;
 
-/// Newton's step along the gradient; false when it is longer than `most`.
+/// Computes a Newton step along the gradient. Returns false if it is longer than `most`.
 COPPICE_HOST_DEVICE inline bool step_to_surface(const Profile& profile, const FieldSample& s, float height,
                                                 float most, Vec3& step) {
     const float slope = profile.slope(s.value);
@@ -26,14 +26,15 @@ COPPICE_HOST_DEVICE inline bool step_to_surface(const Profile& profile, const Fi
     return is_finite(step);
 }
 
-/// Where a vertex would be moved, and how far.
+/// Target of a vertex, and its distance.
 struct SnapPlace {
     Vec3 position;  ///< [m]
     float way;      ///< [m]
 };
 
-/// A second step, from where the first one led, decides: it must be the shorter one, and both together no
-/// longer than `reach`. `there` is the field at the end of the first step.
+/// Computes a second step from the end of the first one and returns whether to move the vertex: the second
+/// step must be the shorter one, and the total distance at most `reach`. `there` is the field at the end of
+/// the first step.
 COPPICE_HOST_DEVICE inline bool second_step(const Profile& profile, const FieldSample& there, Vec3 from,
                                             Vec3 first_end, float reach, SnapPlace& out) {
     const float first = distance(first_end, from);
@@ -45,14 +46,14 @@ COPPICE_HOST_DEVICE inline bool second_step(const Profile& profile, const FieldS
     return out.way <= reach;
 }
 
-/// Where a vertex that holds an axis would be moved.
+/// Target of a vertex that holds an axis.
 struct AxisStep {
     Vec3 position;  ///< [m]
     float radius;   ///< [m] of the axis there
-    float away;     ///< [m] from the axis, before
+    float away;     ///< [m] distance from the axis before the move
 };
 
-/// On the way to the nearest point of the axis, and no farther than `reach`.
+/// Returns the point towards the closest point of the axis, at most `reach` away.
 COPPICE_HOST_DEVICE inline AxisStep step_to_axis(const Segment& axis, Vec3 position, float reach) {
     const Vec3d a(axis.a), along = Vec3d(axis.b) - a, from(position);
     const double t = closest_parameter(from, a, along);

@@ -12,7 +12,7 @@ interface AmountProps {
     set(value: number): void;
 }
 
-/** A number of a film, taken when it is whole. */
+/** A number of a film, applied when it is complete. */
 export function Amount({ label, value, low, high, step, title, set }: AmountProps): VNode {
     const { field, trouble } = useNumber({ value, low, high, step, take: (number, done) => done && set(number) });
     return (

@@ -1,4 +1,4 @@
-// Films as files: pictures, or surfaces that other programs play.
+// Films as files: images, or animated surfaces for other programs.
 import { type Signal, signal } from "@preact/signals-core";
 import type { VNode } from "preact";
 import { useEffect, useState } from "preact/hooks";
@@ -13,9 +13,9 @@ import { type Film, frameCount, motionFields } from "./timeline";
 type Ending = ".gif" | ".png" | ".glb" | ".usda" | ".ply" | ".obj" | ".mp4";
 
 const kEndings: readonly (readonly [Ending, string])[] = [
-    [".gif", "GIF: a picture that moves"],
-    [".png", "PNG: a picture for each frame"],
-    [".mp4", "MP4: a film, where ffmpeg is installed"],
+    [".gif", "GIF: an animated image"],
+    [".png", "PNG: an image for each frame"],
+    [".mp4", "MP4: a film, requires ffmpeg"],
     [".glb", "GLB: the surface with its motion, for games and the web"],
     [".usda", "USD: the surface with its motion, for film"],
     [".ply", "PLY: a surface for each frame"],
@@ -25,7 +25,7 @@ const kEndings: readonly (readonly [Ending, string])[] = [
 const kPictures: ReadonlySet<Ending> = new Set<Ending>([".gif", ".png", ".mp4"]);
 const kSeries: ReadonlySet<Ending> = new Set<Ending>([".png", ".ply", ".obj"]);
 
-/** What was chosen last, while the page is open. */
+/** The last choice, kept while the page is open. */
 const kEnding: Signal<Ending> = signal(".gif");
 const kWidth = signal(480);
 const kHeight = signal(480);
@@ -47,7 +47,7 @@ function FilmDialog({ app, film, end }: { app: App; film: Film; end(): void }): 
     const [typed, setTyped] = useState(film.tree);
     const [made, setMade] = useState<Made | null>(null);
     const { busy, trouble, work } = useWork();
-    const choices = kEndings.filter(([one]) => !film.grow || one !== ".glb"); // its faces are others in each frame
+    const choices = kEndings.filter(([one]) => !film.grow || one !== ".glb"); // its faces differ in each frame
     const chosen = choices.some(([one]) => one === ending) ? ending : ".gif";
     const file = withEnding(typed.trim(), chosen);
     const wrong = nameTrouble(file);
@@ -105,7 +105,7 @@ function FilmDialog({ app, film, end }: { app: App; film: Film; end(): void }): 
     );
 }
 
-/** The names that a series of frames has: NAME_0000.png and so on. */
+/** The names of a series of frames: NAME_0000.png and so on. */
 function seriesOf(file: string, ending: Ending): RegExp {
     const stem = file.slice(0, file.length - ending.length).replace(/[.*+?^${}()|[\]\\]/g, "\\$&");
     return new RegExp(`^${stem}_\\d+\\${ending}$`);

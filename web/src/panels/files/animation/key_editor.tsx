@@ -1,4 +1,4 @@
-// The key that is chosen, and where new ones come from.
+// The selected key, and the creation of new ones.
 import type { Signal } from "@preact/signals-core";
 import type { VNode } from "preact";
 import type { App } from "../../../app";
@@ -26,7 +26,7 @@ export function KeyEditor({ app, film, chosen, player }: EditorProps): VNode {
         film.value = withKey(now, next);
         chosen.value = next;
     };
-    // The edit leaves the scene: else the tree at rest would have it too.
+    // The edit is removed from the scene: otherwise the tree at rest would include it.
     const turn = async () => {
         if (!last) {
             return;
@@ -46,17 +46,17 @@ export function KeyEditor({ app, film, chosen, player }: EditorProps): VNode {
                 <button
                     type="button"
                     disabled={!last}
-                    title={last ? `Takes "edit ${last.edits}" out of the scene and makes it a key` : "Bend, turn or move a branch of this tree first"}
+                    title={last ? `Removes "edit ${last.edits}" from the scene and makes it a key` : "Bend, rotate or move a branch of this tree first"}
                     onClick={() => void turn()}
                 >
-                    Turn the last edit into a key
+                    Convert the last edit to a key
                 </button>
                 <button type="button" disabled={now.keys.length === 0} onClick={() => void saveKeys(app, now)}>Save keys</button>
             </div>
             {isThere ? (
                 <ChosenKey key={String(key.time)} film={film} chosen={chosen} mine={key} />
             ) : (
-                <p class="hint">{now.keys.length > 0 ? "Choose a key on the track to change it." : "A key is edits of the tree at a moment, or rest."}</p>
+                <p class="hint">{now.keys.length > 0 ? "Select a key on the track to change it." : "A key is a list of edits of the tree at a time, or rest."}</p>
             )}
         </section>
     );
@@ -72,7 +72,7 @@ function ChosenKey({ film, chosen, mine }: { film: Signal<Film>; chosen: Signal<
         <div class="animation-row">
             <Amount label="At [s]" value={mine.time} low={0} high={3600} step={0.1} set={(time) => set({ time: freeTime(film.peek(), time, mine) })} />
             <label>
-                <span>The way to it</span>
+                <span>Transition</span>
                 <select value={mine.easing} onChange={(event) => set({ easing: event.currentTarget.value as Key["easing"] })}>
                     {kEasings.map(([easing, label]) => <option key={easing} value={easing}>{label}</option>)}
                 </select>
@@ -84,7 +84,7 @@ function ChosenKey({ film, chosen, mine }: { film: Signal<Film>; chosen: Signal<
                     value={mine.edits}
                     spellcheck={false}
                     placeholder="rest"
-                    title="Edits as of coppice edit, with semicolons between them: bend near(0,0,3) 20; twist roots 40"
+                    title="Edits as in coppice edit, separated by semicolons: bend near(0,0,3) 20; twist roots 40"
                     onChange={(event) => set({ edits: event.currentTarget.value.trim() || "rest" })}
                 />
             </label>

@@ -1,4 +1,4 @@
-// The wind that a tree sways in, or how it grows.
+// The motion of a tree: wind, or growth.
 import type { Signal } from "@preact/signals-core";
 import type { VNode } from "preact";
 import { useValue } from "../../../use";
@@ -8,12 +8,12 @@ import type { Film } from "./timeline";
 type WindPart = keyof Film["wind"];
 
 const kWind: readonly { part: WindPart; label: string; low: number; high: number; step: number; title: string }[] = [
-    { part: "speed", label: "Wind [m/s]", low: 0, high: 60, step: 1, title: "Mean speed; 0: calm" },
-    { part: "azimuth", label: "Blows to [°]", low: -360, high: 360, step: 15, title: "Counter-clockwise from +x, seen from above" },
-    { part: "gusts", label: "Gusts", low: 0, high: 1, step: 0.1, title: "How much the speed varies, as a part of it" },
-    { part: "flexibility", label: "Flexibility", low: 0, high: 1000, step: 0.5, title: "Times as much as green wood bends: more for saplings and for show" },
-    { part: "load", label: "Leaves", low: 0, high: 1000, step: 1, title: "Times the wood's own width that catches the wind: bare trees 3, in leaf 12 and more" },
-    { part: "seed", label: "Seed", low: 0, high: 2147483647, step: 1, title: "Other gusts, other phases" },
+    { part: "speed", label: "Wind [m/s]", low: 0, high: 60, step: 1, title: "Mean wind speed; 0 is calm" },
+    { part: "azimuth", label: "Direction in which the wind blows, counter-clockwise from +x seen from above", low: -360, high: 360, step: 15, title: "Counter-clockwise from +x, seen from above" },
+    { part: "gusts", label: "Gusts", low: 0, high: 1, step: 0.1, title: "Amplitude of the gusts as a fraction of the mean wind speed" },
+    { part: "flexibility", label: "Flexibility", low: 0, high: 1000, step: 0.5, title: "Factor on the bending of green wood: larger for saplings and for effect" },
+    { part: "load", label: "Leaves", low: 0, high: 1000, step: 1, title: "Ratio of the width that catches the wind to the width of the branch: 3 for bare trees, 12 and more in leaf" },
+    { part: "seed", label: "Seed", low: 0, high: 2147483647, step: 1, title: "Seed of the gusts and phases" },
 ];
 
 export function Motion({ film }: { film: Signal<Film> }): VNode {
@@ -36,12 +36,12 @@ function Growing({ film }: { film: Signal<Film> }): VNode {
         <section class="animation-part" aria-label="Growth">
             <div class="animation-row">
                 <label>
-                    <span>Nodes come</span>
+                    <span>Nodes appear</span>
                     <select
                         value={age}
                         onChange={(event) => (film.value = { ...now, growing: { exponent, age: event.currentTarget.value as "length" | "order" } })}
                     >
-                        <option value="length">by their way from the root</option>
+                        <option value="length">by their distance from the root</option>
                         <option value="order">in their order, as they grew</option>
                     </select>
                 </label>
@@ -51,7 +51,7 @@ function Growing({ film }: { film: Signal<Film> }): VNode {
                     low={1}
                     high={10}
                     step={0.5}
-                    title="Exponent of the pipe model by which branches thicken: greater is earlier"
+                    title="Exponent of the pipe model for the thickening of branches: larger is earlier"
                     set={(value) => (film.value = { ...now, growing: { age, exponent: value } })}
                 />
             </div>

@@ -1,4 +1,4 @@
-// The timeline: keys, wind and growth of a skeleton, looked at in the view and written as films.
+// The timeline: keys, wind and growth of a skeleton, previewed in the view and written as films.
 import { effect, type Signal, signal } from "@preact/signals-core";
 import type { VNode } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
@@ -24,15 +24,15 @@ function keptFilm(): Film {
     }
 }
 
-/** The film that is worked on, kept by the browser. */
+/** The edited film, stored by the browser. */
 const kFilm: Signal<Film> = signal(keptFilm());
 effect(() => {
     kKept.value = JSON.stringify(kFilm.value);
 });
-/** The key that is changed. */
+/** The edited key. */
 const kChosen: Signal<Key | null> = signal(null);
 
-/** The tree of the film, or where that is gone the selected skeleton, or the first one. */
+/** The tree of the film; if it no longer exists, the selected skeleton, or the first one. */
 function treesOf(app: App): { trees: string[]; tree: string } {
     const trees = app.store.state.value.objects.filter(({ kind }) => kind === "skeleton").map(({ name }) => name);
     const { object } = app.store.selection.value;
@@ -97,8 +97,8 @@ function PlayButtons({ app, player, film }: { app: App; player: Player; film: Fi
             <button type="button" class="primary" disabled={!moves(film)} onClick={() => (playing ? player.pause() : player.play())}>
                 {playing ? "❚❚ Pause" : "▶ Play"}
             </button>
-            <button type="button" class="icon" disabled={!open} aria-label="At rest" title="Shows the tree as it is" onClick={() => player.close()}>■</button>
-            {open && <span class="frames-here hint" title="Frames that are here">{`${fetched} of ${frameCount(film)}`}</span>}
+            <button type="button" class="icon" disabled={!open} aria-label="At rest" title="Shows the tree at rest" onClick={() => player.close()}>■</button>
+            {open && <span class="frames-here hint" title="Available frames">{`${fetched} of ${frameCount(film)}`}</span>}
             {open && form !== "surface" && (
                 <button type="button" onClick={() => (app.view.display.skeletons.value = "surface")}>Show surfaces to see it</button>
             )}
@@ -108,6 +108,6 @@ function PlayButtons({ app, player, film }: { app: App; player: Player; film: Fi
 
 function Told({ player, film }: { player: Player; film: Film }): VNode {
     const trouble = useValue(player.trouble);
-    const text = trouble || (moves(film) ? "" : "Nothing moves: add a key, or a wind.");
+    const text = trouble || (moves(film) ? "" : "There is no motion: add a key, or a wind.");
     return <p class={trouble ? "animation-told error" : "animation-told hint"} role="status">{text}</p>;
 }

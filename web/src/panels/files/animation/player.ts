@@ -1,11 +1,11 @@
-// Shows moments of a film in the view: fetches frames one after the other, keeps them, and plays as far as they come.
+// Shows a film in the view: fetches and stores frames in sequence, and plays those that have arrived.
 import { effect, type Signal, signal } from "@preact/signals-core";
 import type { App, Geometry } from "../../../app";
 import { type Film, frameAt, frameCount, motionFields, moves, timeOf } from "./timeline";
 
-const kMostBytes = 256 * 1024 * 1024; // of frames that are kept
+const kMaxBytes = 256 * 1024 * 1024; // of stored frames
 const kAtOnce = 2;
-const kFirstState = 500_000_000; // pictures are numbered from here on: no state of a surface that the engine counts has such a number
+const kFirstState = 500_000_000; // first number of the frames, beyond all states of surfaces that the engine counts
 
 function bytesOf({ arrays }: Geometry): number {
     return Object.values(arrays).reduce((sum, array) => sum + array.byteLength, 0);
@@ -14,17 +14,17 @@ function bytesOf({ arrays }: Geometry): number {
 export class Player {
     readonly time = signal(0); // [s]
     readonly playing = signal(false);
-    readonly open = signal(false); // whether a moment is shown, and not the tree at rest
-    readonly fetched = signal(0); // frames that are kept
+    readonly open = signal(false); // whether a frame is shown, and not the tree at rest
+    readonly fetched = signal(0); // number of stored frames
     readonly trouble = signal("");
     private readonly frames = new Map<number, Geometry>();
     private bytes = 0;
-    private about = ""; // what the frames were made for
-    private version = -1; // of the tree then
-    private coming = new Set<number>(); // frames that are asked for
+    private about = ""; // motion of the stored frames
+    private version = -1; // version of their tree
+    private coming = new Set<number>(); // requested frames
     private shown = -1; // frame
-    private state = 0; // number of the picture that is drawn
-    private from = 0; // [ms] when a film that plays would have begun
+    private state = 0; // number of the drawn frame
+    private from = 0; // [ms] start time of the playing film
     private readonly stopWatching: () => void;
 
     constructor(private readonly app: App, private readonly film: Signal<Film>) {
@@ -35,7 +35,7 @@ export class Player {
         });
     }
 
-    /** Shows a moment. */
+    /** Shows a time of the film. */
     seek(time: number): void {
         this.time.value = Math.min(Math.max(time, 0), this.film.peek().duration);
         this.open.value = true;
@@ -58,7 +58,7 @@ export class Player {
         this.playing.value = false;
     }
 
-    /** Back to the tree at rest. */
+    /** Returns to the tree at rest. */
     close(): void {
         this.playing.value = false;
         if (this.open.peek()) {
@@ -73,7 +73,7 @@ export class Player {
         this.stopWatching();
     }
 
-    // Another film, or another tree: what was fetched is of no use. A tree that was changed is to be seen as it is.
+    // For another film or tree, the stored frames are invalid. After a change, the tree is shown at rest.
     private follow(motion: string, version: number): void {
         const about = `${version} ${motion}`;
         if (about !== this.about) {
@@ -102,7 +102,7 @@ export class Player {
         const now = (performance.now() - this.from) / 1000;
         const length = timeOf(film, frameCount(film));
         if (now >= length) {
-            this.from += Math.floor(now / length) * length * 1000; // once more
+            this.from += Math.floor(now / length) * length * 1000; // repeats the film
         }
         this.time.value = Math.min((performance.now() - this.from) / 1000, film.duration);
         this.show();
@@ -110,7 +110,7 @@ export class Player {
         requestAnimationFrame(() => this.tick());
     }
 
-    // The frame of the moment, or while a film plays and that is not here, the newest before it.
+    // Shows the frame of the current time, or if a playing film does not have it yet, the newest before it.
     private show(): void {
         const film = this.film.peek();
         let frame = frameAt(film, this.time.peek());
@@ -126,8 +126,8 @@ export class Player {
         const drawn = this.app.view.geometry(geometry.header.object, "surface")?.header.version;
         const base = kFirstState + this.state;
         const header = { ...geometry.header, seq: 0, version: kFirstState + ++this.state };
-        if (drawn !== base || film.grow) { // a tree that grows has other faces each time
-            // Patches are written into what is drawn.
+        if (drawn !== base || film.grow) { // a growing tree has different faces in each frame
+            // Patches are written into the drawn arrays.
             this.app.view.receive({ header, arrays: { ...geometry.arrays, position: position.slice(), normal: normal.slice() } });
             return;
         }
@@ -140,7 +140,7 @@ export class Player {
         });
     }
 
-    /** The frame to be fetched next: that of the moment, then while a film plays those after it. */
+    /** The next frame to fetch: the frame of the current time, then, while the film plays, the following ones. */
     private wanted(): number | null {
         const film = this.film.peek();
         const now = frameAt(film, this.time.peek());
@@ -152,7 +152,7 @@ export class Player {
             return now;
         }
         const count = frameCount(film);
-        for (let ahead = 1; this.playing.peek() && ahead < count && this.bytes < kMostBytes; ++ahead) {
+        for (let ahead = 1; this.playing.peek() && ahead < count && this.bytes < kMaxBytes; ++ahead) {
             if (isMissing((now + ahead) % count)) {
                 return (now + ahead) % count;
             }
@@ -160,7 +160,7 @@ export class Player {
         return null;
     }
 
-    // One is made while the one before is on its way.
+    // A frame is computed while the previous one is transferred.
     private fetch(): void {
         for (let frame = this.wanted(); frame !== null && this.coming.size < kAtOnce; frame = this.wanted()) {
             void this.fetchOne(frame);
@@ -190,13 +190,13 @@ export class Player {
     }
 
     private keep(frame: number, geometry: Geometry): void {
-        if (this.bytes >= kMostBytes) {
+        if (this.bytes >= kMaxBytes) {
             this.frames.clear();
             this.bytes = 0;
         }
         const { position, normal, quads } = geometry.arrays;
         const alike = this.film.peek().grow ? undefined : [...this.frames.values()][0]?.arrays.quads;
-        // Copies: the arrays are views of all that was received, of which a film needs the faces once.
+        // Copies: the arrays are views of the whole response, and a film needs the faces once.
         const kept = { header: geometry.header, arrays: { position: position.slice(), normal: normal.slice(), quads: alike ?? quads.slice() } };
         this.frames.set(frame, kept);
         this.bytes += bytesOf(kept) - (alike?.byteLength ?? 0);

@@ -1,33 +1,33 @@
-// Keys of an animation and the moments of its frames: as docs/user/animating.md has them.
+// Keys of an animation and times of its frames: docs/user/animating.md.
 import type { Statement } from "../../../protocol";
 import { readLine } from "../../../script/words";
 
 export type Easing = "smooth" | "linear" | "in" | "out" | "hold";
 export const kEasings: readonly (readonly [Easing, string])[] = [
     ["smooth", "starts and ends slowly"],
-    ["linear", "at one speed"],
+    ["linear", "at constant speed"],
     ["in", "starts slowly"],
     ["out", "ends slowly"],
-    ["hold", "stays, and jumps"],
+    ["hold", "holds, then jumps"],
 ];
 
 export interface Key {
     time: number; // [s]
-    easing: Easing; // of the way to it
-    edits: string; // "rest", or edits with semicolons between them
+    easing: Easing; // of the transition to it
+    edits: string; // "rest", or edits separated by semicolons
 }
 
 export interface Film {
     tree: string; // name of the skeleton
     grow: boolean; // from the root up, instead of keys and wind
-    keys: readonly Key[]; // by their times
+    keys: readonly Key[]; // sorted by time
     wind: Readonly<Record<"speed" | "azimuth" | "gusts" | "flexibility" | "load" | "seed", number>>;
     growing: { age: "length" | "order"; exponent: number };
     duration: number; // [s]
-    rate: number; // frames a second
+    rate: number; // frames per second
 }
 
-const kStep = 1e-3; // [s] to which times are written
+const kStep = 1e-3; // [s] resolution of times in files
 
 export const kFirstFilm: Film = {
     tree: "",
@@ -43,17 +43,17 @@ export function isWindy(film: Film): boolean {
     return !film.grow && film.wind.speed > 0;
 }
 
-/** Whether anything moves. */
+/** Returns whether the film contains any motion. */
 export function moves(film: Film): boolean {
     return film.grow || isWindy(film) || film.keys.length > 0;
 }
 
-/** Of keys the last moment is shown too; of the wind it is the first again, and growth begins with its first step. */
+/** With keys the last frame is at the end; with wind the end equals the first frame, and growth begins with its first step. */
 export function frameCount(film: Film): number {
     return Math.round(film.duration * film.rate) + (film.grow || isWindy(film) ? 0 : 1);
 }
 
-/** The frame that is shown at a time; times behind the end are the last frame's. */
+/** The frame at a time; times after the end have the last frame. */
 export function frameAt(film: Film, time: number): number {
     return Math.min(Math.max(Math.round(time * film.rate), 0), Math.max(frameCount(film) - 1, 0));
 }
@@ -62,7 +62,7 @@ export function timeOf(film: Film, frame: number): number {
     return frame / film.rate;
 }
 
-/** To whole frames, and never two keys at one time: the place of the film nearest to `time` that none of the others has. */
+/** Rounds to whole frames with one key at most per frame: the time closest to `time` that no other key has. */
 export function freeTime(film: Film, time: number, but?: Key): number {
     const taken = new Set(film.keys.filter((key) => key !== but).map((key) => Math.round(key.time * film.rate)));
     const last = Math.round(film.duration * film.rate);
@@ -72,7 +72,7 @@ export function freeTime(film: Film, time: number, but?: Key): number {
     return Math.round(timeOf(film, frame) / kStep) * kStep;
 }
 
-/** With a key more, or another one in place of it. */
+/** Adds a key, or replaces one. */
 export function withKey(film: Film, key: Key, before?: Key): Film {
     const others = film.keys.filter((one) => one !== before);
     return { ...film, keys: [...others, key].sort((a, b) => a.time - b.time) };
@@ -90,12 +90,12 @@ export function keyText({ time, easing, edits }: Key): string {
     return `${timeWord(time)}${easing === "smooth" ? "" : ` ${easing}`}: ${edits.trim() || "rest"}`;
 }
 
-/** The keys as a file of them. */
+/** The keys in the file format for keys. */
 export function keysText(keys: readonly Key[]): string {
     return keys.map((key) => `${keyText(key)}\n`).join("");
 }
 
-/** Throws where a line is no key; what its edits do the engine tells. */
+/** Throws if a line is not a key; the engine checks the edits. */
 export function readKeys(text: string): Key[] {
     const keys: Key[] = [];
     text.split(/\r\n|\r|\n/).forEach((line, at) => {
@@ -103,7 +103,7 @@ export function readKeys(text: string): Key[] {
         if (plain !== "") {
             const match = /^(\d+\.?\d*|\.\d+)(?:\s+(smooth|linear|in|out|hold))?\s*:\s*(.*)$/.exec(plain);
             if (!match) {
-                throw new Error(`Line ${at + 1} is no key; keys read as "1.5 out: bend near(0,0,3) 20".`);
+                throw new Error(`Line ${at + 1} is not a key; keys have the form "1.5 out: bend near(0,0,3) 20".`);
             }
             keys.push({ time: Number(match[1]), easing: (match[2] as Easing | undefined) ?? "smooth", edits: match[3] || "rest" });
         }
@@ -111,7 +111,7 @@ export function readKeys(text: string): Key[] {
     return keys.sort((a, b) => a.time - b.time);
 }
 
-/** The fields of `animate` and `frame` that say what moves. */
+/** The fields of `animate` and `frame` for the motion. */
 export function motionFields(film: Film): { name: string; keys: string; options: Record<string, number | string | boolean> } {
     const options: Record<string, number | string | boolean> = { duration: film.duration, rate: film.rate };
     if (film.grow) {
@@ -126,7 +126,10 @@ export function motionFields(film: Film): { name: string; keys: string; options:
 
 const kRebuild = new Set(["select", "split", "detach", "delete", "prune", "resample", "draw", "append", "graft", "attach", "apart"]);
 
-/** The last statement that only moves nodes of a skeleton, as a key says it; null where there is none, or one after it does more. */
+/**
+ * The last statement, if it only moves nodes of a skeleton, in the form of a key; null if there is no such statement, or a later
+ * one changes the tree in another way.
+ */
 export function lastEdit(statements: readonly Statement[], tree: string): { statement: number; edits: string } | null {
     for (let at = statements.length - 1; at >= 0; --at) {
         const { text } = statements[at];

@@ -1,4 +1,4 @@
-// The track: seconds, keys that can be moved, and the playhead.
+// The track: seconds, movable keys, and the playhead.
 import type { Signal } from "@preact/signals-core";
 import type { VNode } from "preact";
 import { useRef } from "preact/hooks";
@@ -12,11 +12,11 @@ interface TrackProps {
     player: Player;
 }
 
-const kMostTicks = 12;
+const kMaxTicks = 12;
 
-/** Whole steps of 1, 2 or 5 times a power of ten that a length has room for. */
+/** Multiples of 1, 2 or 5 times a power of ten that fit a length. */
 function ticksOf(length: number): number[] {
-    const raw = length / kMostTicks;
+    const raw = length / kMaxTicks;
     const power = 10 ** Math.floor(Math.log10(Math.max(raw, 1e-3)));
     const step = [1, 2, 5, 10].map((times) => times * power).find((one) => one >= raw) ?? power;
     return Array.from({ length: Math.floor(length / step + 1e-6) + 1 }, (_, n) => n * step);
@@ -62,7 +62,7 @@ export function Track({ film, chosen, player }: TrackProps): VNode {
             film.value = withoutKey(now, key);
             chosen.value = null;
             event.preventDefault();
-            event.stopPropagation(); // else the selected object would be deleted too
+            event.stopPropagation(); // otherwise the selected object would be deleted too
         }
     };
     return (
@@ -89,7 +89,7 @@ export function Track({ film, chosen, player }: TrackProps): VNode {
             <input
                 type="range"
                 class="track-head"
-                aria-label="Moment of the film"
+                aria-label="Time in the film"
                 aria-valuetext={`${time.toFixed(2)} seconds`}
                 min={0}
                 max={length}

@@ -1,5 +1,5 @@
-// What is typed becomes the document's text when the hands rest and the line is whole. What others do to the document meanwhile
-// is taken in, and nothing that was typed is lost.
+// Typed text becomes the text of the document when the user pauses and the line is complete. Changes of the document by others
+// are merged, and typed text is never lost.
 import { signal } from "@preact/signals-core";
 import type { App } from "../../../app";
 import type { State } from "../../../protocol";
@@ -10,46 +10,46 @@ import { normal, Sync } from "./sync";
 
 export interface Status {
     kind: "same" | "typed" | "applying" | "conflict";
-    theirs: string; // lines that the document has now, of a conflict
+    theirs: string; // current lines of the document in a conflict
 }
 
-/** Where it is typed. */
+/** The editor in which the text is typed. */
 export interface Typist {
     text(): string;
-    write(text: string): void; // puts what the document has now in its place
-    isHalfTyped(): boolean; // then it is no error yet
-    changed(): void; // what is known of the document or of what is asked for
+    write(text: string): void; // replaces its text by the text of the document
+    isHalfTyped(): boolean; // then errors are not reported yet
+    changed(): void; // the state of the document or of the request has changed
 }
 
-const kRest = 1000; // [ms] without a key after which what was typed is applied
+const kRest = 1000; // [ms] idle time after which typed text is applied
 const kNote = 6000; // [ms]
 
 export class Applying {
     readonly status = signal<Status>({ kind: "same", theirs: "" });
-    readonly note = signal(""); // what happened to the document from elsewhere
+    readonly note = signal(""); // external change of the document
 
     private readonly sync = new Sync();
     private timer: ReturnType<typeof setTimeout> | undefined;
     private noteTimer: ReturnType<typeof setTimeout> | undefined;
-    private known = false; // whether a document has come at all
-    private recalled = false; // what is typed is from before, and waits for hands
+    private known = false; // whether a document has been received
+    private recalled = false; // the typed text was restored, and waits for the user
 
     constructor(
         private readonly app: App,
         private readonly typist: Typist,
     ) {}
 
-    /** Whether something is typed that the document does not have. */
+    /** Whether there is typed text that the document does not have. */
     get isTyped(): boolean {
         return this.sync.isTyped(this.typist.text());
     }
 
-    /** What the engine is asked to take at the moment. */
+    /** The text of the pending request. */
     get sent(): string | null {
         return this.sync.sent;
     }
 
-    /** Takes in what the document is now. */
+    /** Receives the current document. */
     receive(state: State): void {
         if (!this.known && state.revision > 0) {
             this.recall();
@@ -70,7 +70,7 @@ export class Applying {
         this.typist.changed();
     }
 
-    // What was typed before the page was loaded anew; the document may have gone on since.
+    // Text typed before the page was reloaded; the document may have changed since.
     private recall(): void {
         const draft = keptDraft(this.app.store.folder.peek());
         if (draft) {
@@ -80,7 +80,7 @@ export class Applying {
         }
     }
 
-    /** Something was typed, or the cursor went elsewhere. */
+    /** Text was typed, or the cursor moved. */
     typed(): void {
         this.recalled = false;
         this.tell();
@@ -99,7 +99,7 @@ export class Applying {
         }, kRest);
     }
 
-    /** Makes what is typed the document's text, run to behind `count` statements, or as far as it can be. */
+    /** Makes the typed text the text of the document, and runs `count` statements, or as many as possible. */
     async apply(count?: number): Promise<void> {
         clearTimeout(this.timer);
         const text = normal(this.typist.text());
@@ -119,7 +119,7 @@ export class Applying {
         try {
             await engine.request("text", { text, revision, count, name: this.nameOf(text), joins: true });
         } catch (error) {
-            again = store.state.peek().revision !== revision; // then what is new has been taken in
+            again = store.state.peek().revision !== revision; // then the new state has been merged
             if (!again && normal(this.typist.text()) === text) {
                 store.say((error as Error).message, "error");
             }
@@ -132,7 +132,7 @@ export class Applying {
         }
     }
 
-    // A newer text waits for what runs, unless it changes that or something before it.
+    // A newer text waits for the running one, unless it changes it or a previous statement.
     private hurry(text: string): void {
         const { running } = this.app.store.state.peek();
         const sent = this.sync.sent ?? "";
@@ -143,13 +143,13 @@ export class Applying {
         }
     }
 
-    // What undo calls the change; changes of one line that follow each other are one.
+    // The name of the change for undo; consecutive changes of one line are joined.
     private nameOf(text: string): string {
         const [first] = difference(this.sync.base.split("\n"), text.split("\n"));
         return `change in line ${(first?.from ?? 0) + 1}`;
     }
 
-    /** Ends a conflict: where both changed the same lines, these or those are kept. */
+    /** Ends a conflict: if both changed the same lines, one version is kept. */
     settle(prefer: "mine" | "theirs"): void {
         this.typist.write(this.sync.settle(this.typist.text(), prefer));
         this.tell();

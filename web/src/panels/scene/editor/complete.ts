@@ -1,4 +1,4 @@
-// Completion: commands and what they take from the schema, names from the engine, which knows what there is at that line.
+// Completion: commands and arguments from the schema, names from the engine, which knows the objects at that line.
 import { type Completion, type CompletionContext, type CompletionResult, startCompletion } from "@codemirror/autocomplete";
 import type { App } from "../../../app";
 import type { Argument, Command, SceneObject } from "../../../protocol";
@@ -11,12 +11,12 @@ const kFunctions = [
 ];
 
 export interface Asked {
-    from: number; // of the word in the line
-    text: string; // of it so far
+    from: number; // offset of the word in the line
+    text: string; // text of it so far
     what: "command" | "word" | "expression";
 }
 
-/** What stands before the cursor and may become longer; null where nothing can be completed. */
+/** The word before the cursor that may be completed; null if there is no completion. */
 export function askedAt(before: string): Asked | null {
     const expression = /(?<!\$)\$\{(?:[^}]*[^}\w])?(\w*)$/.exec(before);
     if (expression) {
@@ -31,7 +31,7 @@ export function askedAt(before: string): Asked | null {
     return { from, text: before.slice(from), what: words.length - (last ? 1 : 0) === 0 ? "command" : "word" };
 }
 
-/** All commands by their full names, and the language's own lines. */
+/** All commands by their full names, and the statements of the language itself. */
 export function commandCompletions(schema: readonly Command[]): Completion[] {
     return [
         ...schema.map(({ name, help, group, example }): Completion => ({ label: name, type: "function", detail: group, info: `${help}\n\n${example}` })),
@@ -49,7 +49,7 @@ function argumentOf(schema: readonly Command[], words: readonly Word[]): { comma
     return { command, next: command.arguments.find((argument) => argument.positional && (!given.has(argument) || argument.repeats)) };
 }
 
-/** What is known of a word that the engine offers. */
+/** Explanation of a word that the engine offers. */
 export function explained(schema: readonly Command[], before: string, word: string, objects: readonly SceneObject[]): Completion {
     const { words } = readLine(before);
     const known = argumentOf(schema, words);
@@ -93,7 +93,7 @@ function variablesAbove(context: CompletionContext, line: number): Completion[] 
     ];
 }
 
-/** `countAbove`: how many statements stand before a line. */
+/** `countAbove`: number of statements before a line. */
 export function completions(app: App, countAbove: (line: number) => number): (context: CompletionContext) => Promise<CompletionResult | null> {
     return async (context) => {
         const line = context.state.doc.lineAt(context.pos);

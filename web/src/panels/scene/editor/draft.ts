@@ -1,13 +1,14 @@
-// What is typed and not yet in the document, kept by the browser for as long as its tab lives: it is there again after a reload, or a crash.
+// Typed text that is not yet in the document, stored by the browser as long as the tab exists: it is restored after a reload or a
+// crash.
 
 export interface Draft {
-    base: string; // the text of the document that it was made of
+    base: string; // the text of the document on which it is based
     text: string;
 }
 
 const keyOf = (folder: string) => `coppice.draft ${folder}`;
 
-/** Keeps what is typed in the scene of a folder; nothing where it is null. */
+/** Stores the typed text of the scene of a folder; null removes it. */
 export function keepDraft(folder: string, draft: Draft | null): void {
     try {
         if (draft) {
@@ -16,7 +17,7 @@ export function keepDraft(folder: string, draft: Draft | null): void {
             sessionStorage.removeItem(keyOf(folder));
         }
     } catch {
-        // there is no room, or none is given: then it lasts as long as the page
+        // storage is full or not available: then it is kept as long as the page is open
     }
 }
 

@@ -1,33 +1,29 @@
-// What the schema says of the word at a place of a line.
+// Help from the schema for the word at a position of a line.
 import { type Extension } from "@codemirror/state";
 import { type EditorView, hoverTooltip, type Tooltip } from "@codemirror/view";
 import type { Argument, Command } from "../../../protocol";
-import { bind, defaultText, findCommand, kLanguage, takes, usage } from "../../../script/commands";
+import { bind, defaultText, findCommand, kLanguage, sentence, takes, usage } from "../../../script/commands";
 import { readLine } from "../../../script/words";
 
 export interface Help {
     title: string; // "sphere NAME [OPTION=VALUE...]", "radius="
     text: string;
-    from: number; // what it is about
+    from: number; // range of the word
     to: number;
-}
-
-function sentence(text: string): string {
-    return text === "" ? "" : `${text[0].toUpperCase()}${text.slice(1).replace(/\.$/, "")}.`;
 }
 
 /** Title and text of an argument. */
 export function argumentHelp(argument: Argument): { title: string; text: string } {
     const title = argument.positional ? argument.name.toUpperCase() : `${argument.name}=`;
-    const otherwise = defaultText(argument) ? ` Else ${defaultText(argument)}.` : "";
-    return { title, text: `${sentence(argument.help)} Takes ${takes(argument)}.${otherwise}` };
+    const otherwise = defaultText(argument) ? ` Default: ${defaultText(argument)}.` : "";
+    return { title, text: `${sentence(argument.help)} Accepts ${takes(argument)}.${otherwise}` };
 }
 
 export function commandHelp(command: Command): { title: string; text: string } {
     return { title: usage(command), text: sentence(command.help) };
 }
 
-/** Help for the place in a line: of the argument there, of the command elsewhere. */
+/** Help for a position in a line: for the argument there, otherwise for the command. */
 export function helpAt(schema: readonly Command[], line: string, column: number): Help | null {
     const { words, comment } = readLine(line);
     const [first] = words;

@@ -1,4 +1,4 @@
-// Colours of the scene language.
+// Syntax colours of the scene language.
 import { type Extension, RangeSetBuilder } from "@codemirror/state";
 import { Decoration, type DecorationSet, type EditorView, ViewPlugin, type ViewUpdate } from "@codemirror/view";
 import type { Command } from "../../../protocol";
@@ -28,7 +28,7 @@ function colored(view: EditorView, schema: readonly Command[]): DecorationSet {
     return builder.finish();
 }
 
-/** Colours what is in sight; `schema` may become known later. */
+/** Colours the visible range; `schema` may be loaded later. */
 export function colors(schema: () => readonly Command[]): Extension {
     return ViewPlugin.fromClass(
         class {

@@ -1,4 +1,4 @@
-// Keys of the editor. Few, so that the page stays small; Tab leaves the editor.
+// Key bindings of the editor. Few, to keep the page small; Tab leaves the editor.
 import {
     cursorCharLeft, cursorCharRight, cursorDocEnd, cursorDocStart, cursorGroupLeft, cursorGroupRight, cursorLineBoundaryBackward,
     cursorLineBoundaryForward, cursorLineDown, cursorLineUp, cursorPageDown, cursorPageUp, deleteCharBackward, deleteCharForward,
@@ -9,13 +9,13 @@ import {
 import type { ChangeSpec, Text } from "@codemirror/state";
 import type { EditorView, KeyBinding } from "@codemirror/view";
 
-const kIndent = 2; // blanks to the right of what opens a block
+const kIndent = 2; // additional indent inside a block
 
 function indentOf(text: string): number {
     return /^ */.exec(text)?.[0].length ?? 0;
 }
 
-/** The indent of the line that opened the block which a line ends, from there upwards. */
+/** The indent of the line that opened the block which a line ends, searched upwards. */
 function openerIndent(doc: Text, line: number): number {
     let depth = 1;
     for (let n = line - 1; n >= 1; --n) {
@@ -28,7 +28,7 @@ function openerIndent(doc: Text, line: number): number {
     return 0;
 }
 
-/** A new line with the indent of its block; an `end` that is left goes under what it ends. */
+/** A new line with the indent of its block; an `end` is aligned with its opener. */
 export function newLine({ state, dispatch }: EditorView): boolean {
     if (state.readOnly) {
         return false;
@@ -49,7 +49,7 @@ export function newLine({ state, dispatch }: EditorView): boolean {
     return true;
 }
 
-/** Makes the selected lines comments, or lines again. */
+/** Comments or uncomments the selected lines. */
 export function toggleComments({ state, dispatch }: EditorView): boolean {
     const { from, to } = state.selection.main;
     const lines = [];

@@ -1,4 +1,4 @@
-// What each statement of the document is at the moment, and how the editor shows it.
+// The status of each statement of the document, and its display in the editor.
 import { type Extension, RangeSet, RangeSetBuilder, StateEffect, StateField, type Text, type Transaction } from "@codemirror/state";
 import { Decoration, type DecorationSet, EditorView, gutter, GutterMarker, WidgetType } from "@codemirror/view";
 import type { Command, ObjectName, State } from "../../../protocol";
@@ -7,13 +7,13 @@ import { stepsOf } from "../../../script/names";
 export type Status = "ran" | "runs" | "failed" | "waits";
 
 export interface Mark {
-    line: number; // its first, from 1
+    line: number; // number of its first line, from 1
     lines: number;
     status: Status;
-    says: string; // what it said, or what is wrong with it
-    wrong: number; // the line of the text that failed; 0 where none
-    fraction: number; // of one that runs; 0 where not known
-    chosen: "" | "made" | "step"; // it made the selected object what it is, or worked on it before
+    says: string; // its output, or its error
+    wrong: number; // the line of the text that failed; 0 without an error
+    fraction: number; // of a running one; 0 if unknown
+    chosen: "" | "made" | "step"; // it created the selected object ("made"), or changed it before ("step")
 }
 
 /** The marks of all statements. */
@@ -62,13 +62,13 @@ class Said extends WidgetType {
     }
 
     override ignoreEvent(): boolean {
-        return false; // a click on it goes to its line
+        return false; // a click on it moves to its line
     }
 }
 
 const kTitles: Record<Status, string> = {
     ran: "This line has run; click to go back to here",
-    runs: "This line runs",
+    runs: "This line is running",
     failed: "This line failed",
     waits: "This line has not run; click to run to here",
 };
@@ -103,7 +103,7 @@ function shownOf(doc: Text, marks: readonly Mark[]): Shown {
     const lines = new RangeSetBuilder<Decoration>();
     const ran = new RangeSetBuilder<GutterMarker>();
     const lastRan = marks.findLastIndex(({ status }) => status === "ran");
-    const goesBack = lastRan < marks.length - 1; // then it is worth telling how far it ran
+    const goesBack = lastRan < marks.length - 1; // the last statement that ran is marked only if others follow
     marks.forEach((mark, number) => {
         const last = Math.min(mark.line + mark.lines - 1, doc.lines);
         for (let n = mark.line; n <= last; ++n) {
@@ -128,7 +128,7 @@ function shownOf(doc: Text, marks: readonly Mark[]): Shown {
     return { lines: lines.finish(), gutter: ran.finish() };
 }
 
-// Marks go with the text; what a line said goes when the line is changed.
+// Marks move with the text; the output of a line is removed when the line is changed.
 function moved(shown: Shown, { changes }: Transaction): Shown {
     const touched = (at: number) => changes.touchesRange(at) !== false;
     const lines = shown.lines.update({ filter: (from, _, { spec }) => !(spec.widget && touched(from)) });
@@ -149,7 +149,7 @@ export function setMarks(marks: readonly Mark[]): StateEffect<readonly Mark[]> {
     return kSetMarks.of(marks);
 }
 
-/** Lines by what became of them, and a gutter that runs to where it is clicked. */
+/** Line styles by status, and a gutter that runs to the clicked line. */
 export function markLines(runTo: (line: number) => void): Extension {
     return [
         kMarks,

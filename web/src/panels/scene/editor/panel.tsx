@@ -1,4 +1,4 @@
-// The panel of the scene's text.
+// The panel with the text of the scene.
 import type { VNode } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import type { App } from "../../../app";
@@ -11,11 +11,11 @@ function Conflict({ editor, theirs }: { editor: SceneEditor; theirs: string }): 
     return (
         <div class="scene-conflict" role="alert">
             <p>
-                The scene was changed elsewhere in the lines that you are typing. What you typed is kept here and not applied.
+                The scene was changed elsewhere in the lines that you are typing. Your text is kept here and not applied.
             </p>
-            {theirs && <pre aria-label="The lines as they are in the scene now">{theirs}</pre>}
-            <button type="button" onClick={() => editor.document.settle("mine")}>Keep what I typed</button>
-            <button type="button" onClick={() => editor.document.settle("theirs")}>Take the scene as it is</button>
+            {theirs && <pre aria-label="The current lines of the scene">{theirs}</pre>}
+            <button type="button" onClick={() => editor.document.settle("mine")}>Keep my text</button>
+            <button type="button" onClick={() => editor.document.settle("theirs")}>Use the scene</button>
         </div>
     );
 }
@@ -24,7 +24,7 @@ const kLocked = {
     connecting: "",
     ready: "",
     lost: "The connection is lost: the text is locked until it is back.",
-    refused: "This page is not connected any more; what was not applied can be copied from here.",
+    refused: "This page is no longer connected; text that was not applied can be copied from here.",
 };
 
 function Bar({ app, editor }: { app: App; editor: SceneEditor }): VNode {
@@ -52,7 +52,7 @@ function HelpLine({ editor }: { editor: SceneEditor }): VNode {
     const help = useValue(editor.help);
     return (
         <p class="scene-help-line hint" id="scene-help">
-            {help ? <><code>{help.title}</code> {help.text}</> : "Ctrl+Space completes. What you type is run when you pause; Ctrl+Enter runs to the cursor."}
+            {help ? <><code>{help.title}</code> {help.text}</> : "Ctrl+Space completes. Your text is run when you pause; Ctrl+Enter runs to the cursor."}
         </p>
     );
 }

@@ -1,4 +1,4 @@
-// The editor of the scene's text, in step with what is selected and with what ran.
+// The editor of the text of the scene, synchronized with the selection and the run state.
 import { acceptCompletion, autocompletion, closeCompletion, completionKeymap, completionStatus, selectedCompletion } from "@codemirror/autocomplete";
 import { history, redo, redoDepth, undo, undoDepth } from "@codemirror/commands";
 import { Annotation, Compartment, EditorSelection, EditorState, type Extension, Transaction } from "@codemirror/state";
@@ -20,9 +20,9 @@ import { changesBetween } from "./sync";
 import { look } from "./theme";
 
 const kMargin = 24; // [px] above and below a line that is shown
-const kOwn = Annotation.define<boolean>(); // of changes that are not the user's
+const kOwn = Annotation.define<boolean>(); // of changes by the program
 
-/** Takes what completion offers; what stands there already is no offer, and Enter is a new line. */
+/** Accepts a completion; if the text already equals it, Enter inserts a new line. */
 function acceptOther(view: EditorView): boolean {
     const { head } = view.state.selection.main;
     const label = selectedCompletion(view.state)?.label ?? "";
@@ -37,7 +37,7 @@ export class SceneEditor {
 
     private readonly locked = new Compartment();
     private readonly past = new Compartment();
-    private choosing = false; // the cursor chose the object, so that nothing has to be scrolled
+    private choosing = false; // the cursor selected the object, so that no scrolling is needed
     private shown: ObjectName | null = null;
 
     constructor(private readonly app: App) {
@@ -115,7 +115,7 @@ export class SceneEditor {
         return Math.max(pieceAt(piecesOf(this.text), line), 0);
     }
 
-    // What the user does.
+    // Actions of the user.
 
     private updated(update: ViewUpdate): void {
         const own = update.transactions.some((transaction) => transaction.annotation(kOwn));
@@ -138,7 +138,7 @@ export class SceneEditor {
         return helpAt(this.app.store.schema.peek(), line.text, head - line.from);
     }
 
-    // Whether keys come here, or did before the window lost its focus: then the user may come back to half a line.
+    // Whether keys are received here, or were before the window lost its focus: then the user may return to an incomplete line.
     private get isWrittenIn(): boolean {
         return document.activeElement === this.view.contentDOM;
     }
@@ -158,7 +158,7 @@ export class SceneEditor {
         return pieces.at(-1)?.open === true || this.isOffered() || unfinished(this.app.store.schema.peek(), line.text);
     }
 
-    // Whether the word at the cursor is the beginning of one that completion offers, and no name yet.
+    // Whether the word at the cursor is incomplete: a completion is offered, and no object has this name.
     private isOffered(): boolean {
         const { head } = this.view.state.selection.main;
         const word = /[\w.-]*$/.exec(this.view.state.sliceDoc(this.view.state.doc.lineAt(head).from, head))?.[0];
@@ -166,7 +166,7 @@ export class SceneEditor {
         return !isName && completionStatus(this.view.state) === "active";
     }
 
-    // Once the document has what was typed, its own undo goes back.
+    // When the document has the typed text, its own undo is used.
     private back(): void {
         if (this.document.isTyped && undoDepth(this.view.state) > 0) {
             undo(this.view);
@@ -183,7 +183,7 @@ export class SceneEditor {
         }
     }
 
-    // Selects what the line under the cursor made.
+    // Selects the object that the line under the cursor created.
     private choose(): void {
         const { selection, state, schema } = this.app.store;
         const { statements, objects } = state.peek();
@@ -200,7 +200,7 @@ export class SceneEditor {
         }
     }
 
-    // What the document does.
+    // Events of the document.
 
     private changed(): void {
         if (!this.document.isTyped && undoDepth(this.view.state) + redoDepth(this.view.state) > 0) {
@@ -249,7 +249,7 @@ export class SceneEditor {
         scrollWithin(this.view.scrollDOM, top - kMargin, bottom + kMargin);
     }
 
-    /** Goes to a line of the text, to be changed. */
+    /** Moves to a line of the text for editing. */
     goTo(line: number): void {
         document.getElementById("tab-scene")?.click();
         requestAnimationFrame(() => {
@@ -258,9 +258,9 @@ export class SceneEditor {
         });
     }
 
-    // What is asked of the engine.
+    // Requests to the engine.
 
-    /** Runs down to a line, or goes back to behind it. */
+    /** Runs to a line, or goes back to the state after it. */
     async runTo(line: number): Promise<void> {
         closeCompletion(this.view);
         const count = pieceAt(piecesOf(this.text), line) + 1;
@@ -288,7 +288,7 @@ export class SceneEditor {
 
 const kEditors = new WeakMap<App, SceneEditor>();
 
-/** The editor of a page; there is one, whether it is seen or not. */
+/** The editor of a page; there is one, visible or not. */
 export function editorOf(app: App): SceneEditor {
     const known = kEditors.get(app) ?? new SceneEditor(app);
     kEditors.set(app, known);

@@ -1,25 +1,25 @@
-// What is typed and what the document is: they differ for a while, and both may change meanwhile.
+// Synchronization of typed text and document: they differ for a time, and both may change during it.
 import { difference, merged } from "../../../script/merge";
 
-/** A text as it is compared: with an end behind its last line, of one kind. */
+/** A normalized text for comparisons: with a final line end, and uniform line ends. */
 export function normal(text: string): string {
     const lines = text.replace(/\r\n?/g, "\n");
     return lines === "" || lines.endsWith("\n") ? lines : `${lines}\n`;
 }
 
 export class Sync {
-    /** What the document was asked to become, until that is answered. */
+    /** The requested text of the document, until the response. */
     sent: string | null = null;
 
-    private known = ""; // the text of the document that what is typed was made of
-    private other: string | null = null; // what the document became while the same lines were typed
+    private known = ""; // the text of the document on which the typed text is based
+    private other: string | null = null; // the text of the document after it changed in lines that are being typed
 
-    /** The text of the document, as far as what is typed takes it in. */
+    /** The text of the document that has been merged into the typed text. */
     get base(): string {
         return this.known;
     }
 
-    /** What the document is, where it cannot be put together with what is typed. */
+    /** The text of the document, if it conflicts with the typed text. */
     get theirs(): string | null {
         return this.other;
     }
@@ -28,17 +28,17 @@ export class Sync {
         return normal(mine) !== this.known;
     }
 
-    /** Begins with what was typed into another text than the document is now. */
+    /** Begins with text that was typed into an earlier text of the document. */
     begin(base: string): void {
         this.known = base;
     }
 
-    /** Takes in what the document is now. Returns what the editor has to show. */
+    /** Receives the current document. Returns the text for the editor. */
     receive(document: string, mine: string): string {
         const theirs = normal(document);
         const own = normal(mine);
         if (theirs === this.known || theirs === this.sent) {
-            this.known = theirs; // what was typed since is a change of that
+            this.known = theirs; // text typed since then is a change of it
             this.other = null;
             return mine;
         }
@@ -52,7 +52,7 @@ export class Sync {
         return both === own ? mine : both;
     }
 
-    /** Ends a conflict: where both changed the same lines, these or those are kept. */
+    /** Ends a conflict: if both changed the same lines, one version is kept. */
     settle(mine: string, prefer: "mine" | "theirs"): string {
         if (this.other === null) {
             return mine;
@@ -70,8 +70,8 @@ export interface Change {
     insert: string;
 }
 
-/** The least change that makes one text another. */
-function leastChange(before: string, after: string, at: number): Change {
+/** The minimum change between two texts. */
+function minChange(before: string, after: string, at: number): Change {
     const most = Math.min(before.length, after.length);
     let first = 0;
     while (first < most && before[first] === after[first]) {
@@ -84,7 +84,7 @@ function leastChange(before: string, after: string, at: number): Change {
     return { from: at + first, to: at + before.length - last, insert: after.slice(first, after.length - last) };
 }
 
-/** The changes that make one text another; lines that stay are not touched, so that cursors in them stay too. */
+/** The changes between two texts; equal lines are not replaced, so that cursors in them stay. */
 export function changesBetween(before: string, after: string): Change[] {
     const lines = before.split("\n");
     const starts = [0];
@@ -92,12 +92,12 @@ export function changesBetween(before: string, after: string): Change[] {
     return difference(lines, after.split("\n")).map((hunk) => {
         const old = lines.slice(hunk.from, hunk.to);
         if (hunk.to < lines.length) {
-            return leastChange(old.map((line) => `${line}\n`).join(""), hunk.lines.map((line) => `${line}\n`).join(""), starts[hunk.from]);
+            return minChange(old.map((line) => `${line}\n`).join(""), hunk.lines.map((line) => `${line}\n`).join(""), starts[hunk.from]);
         }
         if (hunk.from === 0) {
-            return leastChange(before, after, 0);
+            return minChange(before, after, 0);
         }
-        // The last line has no end of its own; it goes with that of the line before it.
-        return leastChange(old.map((line) => `\n${line}`).join(""), hunk.lines.map((line) => `\n${line}`).join(""), starts[hunk.from] - 1);
+        // The last line has no line end; it is changed together with the end of the previous line.
+        return minChange(old.map((line) => `\n${line}`).join(""), hunk.lines.map((line) => `\n${line}`).join(""), starts[hunk.from] - 1);
     });
 }

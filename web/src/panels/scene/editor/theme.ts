@@ -1,4 +1,4 @@
-// How the editor looks.
+// Style of the editor.
 import type { Extension } from "@codemirror/state";
 import { EditorView } from "@codemirror/view";
 

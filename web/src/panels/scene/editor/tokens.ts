@@ -1,4 +1,4 @@
-// The parts of a line, to be coloured.
+// Splits a line into tokens for colouring.
 import type { Argument, Command } from "../../../protocol";
 import { bind, findCommand, kLanguage } from "../../../script/commands";
 import { readLine, type Word } from "../../../script/words";
@@ -27,7 +27,7 @@ function valueKind(argument: Argument | undefined, word: Word, line: string): To
     }
 }
 
-/** A value; the expressions in it stand for themselves. */
+/** A value; the expressions in it are separate tokens. */
 function valueTokens(line: string, word: Word, kind: TokenKind | null): Token[] {
     const tokens: Token[] = [];
     let at = word.value;
@@ -70,7 +70,7 @@ function commandTokens(line: string, words: readonly Word[], found: { command: C
     return [...name, ...rest];
 }
 
-/** The coloured parts of a line, in order. `goesOn`: it goes on from the line above. */
+/** The coloured tokens of a line, in order. `goesOn`: it continues the previous line. */
 export function tokensOf(schema: readonly Command[], line: string, goesOn = false): Token[] {
     const { words, comment } = readLine(line);
     const tokens: Token[] = [];

@@ -1,10 +1,10 @@
-// One argument of a command as a field: its label, what it is, and the widget that suits it.
+// Field for one argument of a command: its label, its help and a widget for its type.
 import type { ComponentChildren, VNode } from "preact";
 import { useId, useLayoutEffect, useRef, useState } from "preact/hooks";
 import type { Argument, Kind } from "../../../protocol";
 import { FieldTrouble, useNumber } from "../../../number_field";
 import type { NumberLimits } from "../../../script/arithmetic";
-import { defaultText, kindsOf, shortUnit, spoken, takes } from "../../../script/commands";
+import { defaultText, kindsOf, sentence, shortUnit, spoken, takes } from "../../../script/commands";
 import { defaultWord, type Values, wordOf } from "../../../script/values";
 import { isComputed } from "../../../script/words";
 import { type Slider, sliderOf } from "../../grow/suggest";
@@ -13,13 +13,13 @@ import { TupleField } from "./tuple_field";
 
 export interface FieldContext {
     values: Values;
-    /** `done`: the hand has let go; before, it is only looked at. */
+    /** `done`: the user has finished the change; before that the value is only previewed. */
     set(name: string, words: readonly string[], done: boolean): void;
-    names(kinds: readonly Kind[]): string[]; // of objects that there are
-    usual?(name: string): number | undefined; // where sliders have their middle; the default where not said
+    names(kinds: readonly Kind[]): string[]; // names of the existing objects of these kinds
+    usual?(name: string): number | undefined; // centre of the range of sliders; the default of the argument if undefined
     focus?(name: string | null): void;
-    files?(): string[]; // of the folder
-    selected?(): Promise<string | null>; // the nodes selected in the 3D view, as a selection
+    files?(): string[]; // files of the folder
+    selected?(): Promise<string | null>; // nodes selected in the 3D view, as a selection expression
 }
 
 export interface Props {
@@ -27,23 +27,22 @@ export interface Props {
     context: FieldContext;
 }
 
-/** A field within its row: `id` is its label's and, with "-help", its help's. */
+/** Properties of the widget within a row: `id` is the id of its label and, with "-help", of its help. */
 export type Inner = Props & { id: string };
 
-/** Help, and what the argument takes. */
+/** Help of the argument, and the values that it accepts. */
 function helpText(argument: Argument): string {
-    const text = argument.help.replace(/\.$/, "");
     const bounded = argument.low !== undefined && ["number", "whole", "tuple"].includes(argument.type);
-    const range = bounded || argument.type === "selection" ? ` Takes ${takes(argument)}.` : "";
-    const otherwise = argument.default?.startsWith("@") ? ` Else ${defaultText(argument)}.` : "";
-    return `${text[0].toUpperCase()}${text.slice(1)}.${range}${otherwise}`;
+    const range = bounded || argument.type === "selection" ? ` Accepts ${takes(argument)}.` : "";
+    const otherwise = argument.default?.startsWith("@") ? ` Default: ${defaultText(argument)}.` : "";
+    return sentence(argument.help) + range + otherwise;
 }
 
 function isGiven({ argument, context }: Props): boolean {
     return (context.values[argument.name] ?? []).length > 0;
 }
 
-/** Attributes that all fields have: what is not given looks like what it is, a default. */
+/** Attributes common to all fields; a value that is not set looks like a default. */
 export function fieldProps(props: Inner): Record<string, unknown> {
     const { argument, id } = props;
     return {
@@ -57,20 +56,20 @@ export function limitsOf({ low, high, type }: Argument): NumberLimits {
     return { low, high, whole: type === "whole" };
 }
 
-/** A step that changes a number by a tenth of its size or so. */
+/** Step that changes a number by about a tenth of its size. */
 export function stepOf({ type }: Argument, value: number): number {
     const size = Math.abs(value);
     return type === "whole" ? 1 : size > 0 ? 10 ** Math.floor(Math.log10(size) - 0.3) : 0.1;
 }
 
-const kTurn = 180; // [degree]
-const kMostEven = 360; // wider ranges to both sides of 0 are for numbers alone
+const kTurn = 180; // [degree] half a turn
+const kMaxEven = 360; // wider symmetric ranges are shown as numbers only
 
-/** A slider where it helps: angles within half a turn to both sides. */
+/** Range of a slider where one is useful: angles within half a turn in both directions. */
 function sliderFor(argument: Argument, usual: number): Slider | null {
     const { low = 0, high = 0, unit } = argument;
     const range = unit === "degree" ? { ...argument, low: Math.max(low, -kTurn), high: Math.min(high, kTurn) } : argument;
-    return low < -1 && unit !== "degree" && high - low > kMostEven ? null : sliderOf(range, usual);
+    return low < -1 && unit !== "degree" && high - low > kMaxEven ? null : sliderOf(range, usual);
 }
 
 interface SliderProps {
@@ -80,7 +79,7 @@ interface SliderProps {
     take(value: number, done: boolean): void;
 }
 
-/** The thumb is not set while it is dragged: browsers end the drag then. */
+/** The position of the thumb is not set during a drag, because browsers would end the drag. */
 function SliderInput({ label, slider, word, take }: SliderProps): VNode {
     const input = useRef<HTMLInputElement>(null);
     const held = useRef(false);
@@ -110,7 +109,7 @@ function SliderInput({ label, slider, word, take }: SliderProps): VNode {
 function NumberField(props: Inner): VNode {
     const { argument, context, id } = props;
     const word = wordOf(argument, context.values);
-    const [middle, setMiddle] = useState(Number(word) || Number(argument.default) || 1); // stays while the slider is dragged
+    const [middle, setMiddle] = useState(Number(word) || Number(argument.default) || 1); // does not change while the slider is dragged
     const slider = sliderFor(argument, context.usual?.(argument.name) ?? middle);
     const take = (value: number, done: boolean) => {
         context.set(argument.name, [String(value)], done);
@@ -124,7 +123,7 @@ function NumberField(props: Inner): VNode {
         ...limitsOf(argument),
         step: stepOf(argument, Number(word)),
         take,
-        clear: () => context.set(argument.name, [], true), // back to the default
+        clear: () => context.set(argument.name, [], true), // restores the default
     });
     return (
         <>
@@ -153,7 +152,7 @@ function ChoiceField(props: Inner & { choices: readonly (readonly [string, strin
             value={word}
             onChange={(event) => context.set(argument.name, [event.currentTarget.value], true)}
         >
-            {!known && <option value={word}>{word === "" ? (argument.required ? "choose…" : "none") : `${word} (is not there)`}</option>}
+            {!known && <option value={word}>{word === "" ? (argument.required ? "choose…" : "none") : `${word} (does not exist)`}</option>}
             {choices.map(([value, text]) => <option key={value} value={value}>{text}</option>)}
         </select>
     );
@@ -196,7 +195,7 @@ function TextField(props: Inner): VNode {
     );
 }
 
-/** A selection of nodes: typed, or what is selected in the 3D view. */
+/** A selection of nodes: typed, or copied from the 3D view. */
 function SelectionField(props: Inner): VNode {
     const { argument, context } = props;
     const take = async () => {
@@ -208,7 +207,7 @@ function SelectionField(props: Inner): VNode {
     return (
         <>
             <TextField {...props} />
-            {context.selected && <button type="button" class="wide" onClick={() => void take()}>Take what is selected in the view</button>}
+            {context.selected && <button type="button" class="wide" onClick={() => void take()}>Use the selection of the view</button>}
         </>
     );
 }

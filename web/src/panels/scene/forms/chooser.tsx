@@ -1,9 +1,11 @@
-// The commands by group, with a search.
+// List of the commands by group, with a search field.
 import type { VNode } from "preact";
 import { useId, useState } from "preact/hooks";
 import type { Command } from "../../../protocol";
 
-/** Commands that a search means: those called so or beginning so first, then by parts of names, then by what they do. */
+/**
+ * Commands that match a search: first those with this name or prefix, then matches within names, then matches within help texts.
+ */
 export function searched(schema: readonly Command[], search: string): Command[] {
     const wanted = search.trim().toLowerCase();
     const words = wanted.split(/\s+/);
@@ -63,12 +65,12 @@ export function Chooser({ schema, choose }: Props): VNode {
             <input
                 role="combobox"
                 list={undefined}
-                aria-label="Search a command"
+                aria-label="Search commands"
                 aria-expanded="true"
                 aria-controls={`${id}-list`}
                 aria-activedescendant={idOf(found[active])}
                 aria-autocomplete="list"
-                placeholder="Search a command…"
+                placeholder="Search commands…"
                 autocomplete="off"
                 spellcheck={false}
                 value={search}
@@ -96,7 +98,7 @@ export function Chooser({ schema, choose }: Props): VNode {
                         ))}
                     </div>
                 ))}
-                {found.length === 0 && <p class="hint">No command is called so or does that.</p>}
+                {found.length === 0 && <p class="hint">No command has this name or help text.</p>}
             </div>
         </div>
     );

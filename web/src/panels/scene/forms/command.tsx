@@ -1,9 +1,9 @@
-// Any command of the scene as a form.
+// Form for any command of the scene.
 import type { VNode } from "preact";
 import { useLayoutEffect, useMemo, useRef } from "preact/hooks";
 import type { App } from "../../../app";
 import type { Command } from "../../../protocol";
-import { usage } from "../../../script/commands";
+import { sentence, usage } from "../../../script/commands";
 import { Tracked, useValue } from "../../../use";
 import { Chooser } from "./chooser";
 import { fieldContext } from "./context";
@@ -15,7 +15,7 @@ function Title({ command, leave }: { command: Command; leave(): void }): VNode {
         <div class="command-title">
             <div>
                 <h3>{command.name}</h3>
-                <p class="hint">{`${command.help[0].toUpperCase()}${command.help.slice(1)}.`}</p>
+                <p class="hint">{sentence(command.help)}</p>
             </div>
             <button type="button" onClick={leave}>Other command</button>
         </div>
@@ -35,7 +35,7 @@ function Live({ form, command }: { form: Form; command: Command }): VNode | null
                         form.cancel();
                     }}
                 />
-                <span>Show it while I change it</span>
+                <span>Show a preview during changes</span>
             </label>
         )
         : null;
@@ -47,7 +47,7 @@ function Line({ form, command }: { form: Form; command: Command }): VNode {
         <>
             {form.trouble.value !== "" ? <p class="error" role="alert">{form.trouble.value}</p> : null}
             {needed
-                ? <p class="hint">{`It still needs ${needed.name.replaceAll("_", " ")}: ${needed.help}.`}</p>
+                ? <p class="hint">{`Required: ${needed.name.replaceAll("_", " ")}. ${sentence(needed.help)}`}</p>
                 : <code class="command-line" title={usage(command)}>{form.line}</code>}
         </>
     );
@@ -70,7 +70,7 @@ function FilledForm({ app, form, command, again }: { app: App; form: Form; comma
     return (
         <form
             class="command-form"
-            noValidate // fields say themselves what is wrong; steps are for arrow keys alone
+            noValidate // the fields show their own messages; steps apply only to arrow keys
             tabIndex={-1}
             aria-label={command.name}
             onKeyDown={key}
@@ -88,7 +88,7 @@ function FilledForm({ app, form, command, again }: { app: App; form: Form; comma
                         <Line form={form} command={command} />
                         <div class="tool-row">
                             <button type="submit" class="primary" disabled={locked || form.busy.value || form.missing.length > 0}>Run</button>
-                            <button type="button" title="Forget what was changed here (Esc)" onClick={again}>Cancel</button>
+                            <button type="button" title="Discard the changes made here (Esc)" onClick={again}>Cancel</button>
                         </div>
                     </>
                 )}
@@ -99,7 +99,7 @@ function FilledForm({ app, form, command, again }: { app: App; form: Form; comma
 
 const kForms = new WeakMap<App, Form>();
 
-/** The form of a page; what was filled in stays while its panel is folded. */
+/** The form of a page; its values are kept while its panel is folded. */
 export function commandForm(app: App): Form {
     const known = kForms.get(app) ?? new Form(app);
     kForms.set(app, known);
@@ -114,12 +114,12 @@ export function CommandPanel({ app }: { app: App }): VNode {
     const before = useRef(command);
     useLayoutEffect(() => {
         if (before.current !== command && document.activeElement === document.body) {
-            holder.current?.querySelector<HTMLElement>("form, input")?.focus(); // what had it is gone
+            holder.current?.querySelector<HTMLElement>("form, input")?.focus(); // the focused element was removed
         }
         before.current = command;
     }, [command]);
     if (schema.length === 0) {
-        return <p class="hint">The commands are not known yet.</p>;
+        return <p class="hint">The commands have not been loaded yet.</p>;
     }
     return (
         <div ref={holder}>

@@ -1,4 +1,4 @@
-// What fields know of the page: names of objects, files of the folder, what is selected in the 3D view.
+// Data of the page that fields use: names of objects, files of the folder, the selection of the 3D view.
 import { signal } from "@preact/signals-core";
 import type { App } from "../../../app";
 import type { Kind } from "../../../protocol";
@@ -9,7 +9,7 @@ import type { FieldContext } from "./argument_field";
 const kFiles = signal<readonly string[]>([]);
 let kAsked = false;
 
-/** The files of the folder, asked for when a field first wants them, and again when a form is opened. */
+/** The files of the folder, requested when a field first needs them and when a form is opened. */
 function files(app: App): string[] {
     if (!kAsked) {
         kAsked = true;
@@ -17,7 +17,7 @@ function files(app: App): string[] {
             (reply) => {
                 kFiles.value = reply.files.map(({ name }) => name);
             },
-            () => undefined, // then names are typed without help
+            () => undefined, // then names are typed without suggestions
         );
     }
     return [...kFiles.value];
@@ -29,7 +29,9 @@ export function askFilesAgain(): void {
 
 const kFunctions = { node: "", branch: "axis", subtree: "subtree", tree: "tree", connected: "" };
 
-/** The selection of the 3D view in words that hold when the tree is made anew; null where no nodes are selected. */
+/**
+ * The selection of the 3D view as an expression that remains valid when the tree is recomputed; null if no nodes are selected.
+ */
 async function selectedNodes(app: App): Promise<string | null> {
     const { object, nodes, extent } = app.store.selection.peek();
     if (object?.kind !== "skeleton" || nodes.length === 0) {

@@ -1,15 +1,15 @@
-// The fields of a command: what has to be given and what matters first, the rest below.
+// The fields of a command: required and important ones first, the others below.
 import type { VNode } from "preact";
 import type { Argument, Command } from "../../../protocol";
 import type { Values } from "../../../script/values";
 import { ArgumentField, type FieldContext } from "./argument_field";
 
-const kMostAtOnce = 7;
+const kMaxAtOnce = 7;
 
-/** The arguments that are shown at once: those needed, those given, and the first of the others. */
+/** The arguments that are shown at once: required ones, those with a value, and the first of the others. */
 export function foremost({ arguments: all }: Command, given: Values): Argument[] {
     const wanted = all.filter((argument) => argument.required || argument.name in given);
-    const rest = all.filter((argument) => !wanted.includes(argument)).slice(0, Math.max(kMostAtOnce - wanted.length, 0));
+    const rest = all.filter((argument) => !wanted.includes(argument)).slice(0, Math.max(kMaxAtOnce - wanted.length, 0));
     return all.filter((argument) => wanted.includes(argument) || rest.includes(argument));
 }
 

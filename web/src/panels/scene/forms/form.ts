@@ -1,4 +1,5 @@
-// A command that is being filled in: shown while it changes, and run at the end; or a statement of the document, which is written anew.
+// A command that is being filled in: previewed while it changes and run at the end; or a statement of the document, which is
+// rewritten.
 import { signal } from "@preact/signals-core";
 import type { App } from "../../../app";
 import type { Argument, Command, Kind, ObjectName } from "../../../protocol";
@@ -11,26 +12,26 @@ import { defaultsOf } from "../defaults";
 import { askFilesAgain } from "./context";
 import { suggested } from "./suggest";
 
-/** The statement that a form changes, and the object that it is about. */
+/** The statement that a form changes, and the object that it creates or changes. */
 export interface Place {
     statement: number;
-    text: string; // as it stood when it was read
+    text: string; // text of the statement when it was read
     comment: string;
     object: ObjectName;
-    shows: boolean; // whether the new line, run behind the object, shows what the change will do
+    shows: boolean; // whether a preview of the new line after the object shows the effect of the change
 }
 
 const kSlow = new Set(["grow", "sprout", "compose", "extract", "mesh", "polygonize"]);
-const kPatience = 250; // [ms] without a change after which a statement is written anew
+const kEditDelay = 250; // [ms] idle time after which a statement is rewritten
 
-/** Whether a line of the command can be shown before it is run. */
+/** Returns whether the command can be previewed. */
 export function canShow(command: Command): boolean {
     const files = command.arguments.some(({ type }) => type.endsWith("_file"));
     const does = changedBy(command) !== undefined || command.arguments.some(({ type }) => type === "new_name");
     return does && !files && !kSlow.has(command.name);
 }
 
-/** The object that a command changes. */
+/** Returns the object that a command changes. */
 export function changedObject(app: App, command: Command, values: Values): ObjectName | undefined {
     const argument = changedBy(command);
     const name = argument ? wordOf(argument, values) : "";
@@ -44,13 +45,13 @@ export class Form {
     readonly command = signal<Command | null>(null);
     readonly values = signal<Values>({});
     readonly place = signal<Place | null>(null);
-    readonly trouble = signal(""); // what the engine says against the line
-    readonly broken = signal(""); // what later lines say against the statement as it is now
+    readonly trouble = signal(""); // error of the engine for this line
+    readonly broken = signal(""); // errors of later lines caused by the current statement
     readonly busy = signal(false);
-    readonly live = setting("form.live", true); // lines are shown while they change
+    readonly live = setting("form.live", true); // whether lines are previewed while they change
 
-    private open = false; // something is shown that is not in the document
-    private again = false; // another change came while one was on its way
+    private open = false; // a preview is shown that is not in the document
+    private again = false; // another change arrived during a request
     private timer: ReturnType<typeof setTimeout> | undefined;
 
     constructor(private readonly app: App) {}
@@ -70,7 +71,7 @@ export class Form {
         return command !== null && this.live.value && canShow(command) && (this.place.value?.shows ?? true);
     }
 
-    /** Begins a line of its own; without a command the form is put away. */
+    /** Begins a new line; null closes the form. */
     begin(command: Command | null): void {
         this.cancel();
         this.broken.value = "";
@@ -101,7 +102,7 @@ export class Form {
             return;
         }
         if (this.place.peek() && (done || !this.shows)) {
-            this.timer = setTimeout(() => void this.run(), done ? 0 : kPatience);
+            this.timer = setTimeout(() => void this.run(), done ? 0 : kEditDelay);
         } else if (this.shows) {
             this.preview();
         }
@@ -124,7 +125,7 @@ export class Form {
         );
     }
 
-    /** Takes back what is shown and not run. */
+    /** Removes the preview. */
     cancel(): void {
         clearTimeout(this.timer);
         this.trouble.value = "";
@@ -134,7 +135,7 @@ export class Form {
         }
     }
 
-    /** Runs the line, or writes its statement anew. Tells whether that was done. */
+    /** Runs the line, or rewrites its statement. Returns whether that succeeded. */
     async run(): Promise<boolean> {
         clearTimeout(this.timer);
         const command = this.command.peek();
@@ -192,7 +193,7 @@ export class Form {
             return;
         }
         if (statements[place.statement]?.text !== place.text) {
-            throw new Error("The scene has changed meanwhile; look at the line again.");
+            throw new Error("The scene has changed in between; check the line again.");
         }
         const text = textOf(statements.map((one, i) => (i === place.statement ? { text: line } : one)));
         const before = this.app.store.state.peek().error?.message;

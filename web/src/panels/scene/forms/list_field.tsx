@@ -1,9 +1,9 @@
-// Arguments that may be given several times.
+// Fields for arguments that may be given several times.
 import type { VNode } from "preact";
 import { spoken } from "../../../script/commands";
 import type { Inner } from "./argument_field";
 
-/** A text for each, and one more. */
+/** A text field for each value, and an empty one. */
 export function ListField({ argument, context, id }: Inner): VNode {
     const given = context.values[argument.name] ?? [];
     const words = given.length === 0 && argument.default ? [argument.default] : given;
@@ -29,7 +29,7 @@ export function ListField({ argument, context, id }: Inner): VNode {
     );
 }
 
-/** Objects in their order: each can be taken out, and one more added. */
+/** An ordered list of objects: each can be removed, and one can be added. */
 export function PickList({ argument, context, id, names }: Inner & { names: readonly string[] }): VNode {
     const words = context.values[argument.name] ?? [];
     const set = (next: readonly string[]) => context.set(argument.name, next, true);
@@ -40,7 +40,7 @@ export function PickList({ argument, context, id, names }: Inner & { names: read
                 <span key={word} class="picked">
                     <span>{word}</span>
                     <button type="button" class="icon" aria-label={`Move ${word} up`} disabled={at === 0} onClick={() => set(words.with(at, words[at - 1]).with(at - 1, word))}>↑</button>
-                    <button type="button" class="icon" aria-label={`Take ${word} out`} onClick={() => set(words.toSpliced(at, 1))}>×</button>
+                    <button type="button" class="icon" aria-label={`Remove ${word}`} onClick={() => set(words.toSpliced(at, 1))}>×</button>
                 </span>
             ))}
             <select
@@ -50,7 +50,7 @@ export function PickList({ argument, context, id, names }: Inner & { names: read
                 value=""
                 onChange={(event) => set([...words, event.currentTarget.value])}
             >
-                <option value="">{rest.length === 0 ? "nothing else to add" : "add…"}</option>
+                <option value="">{rest.length === 0 ? "no other object to add" : "add…"}</option>
                 {rest.map((name) => <option key={name} value={name}>{name}</option>)}
             </select>
         </div>

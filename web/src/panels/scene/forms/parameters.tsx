@@ -1,4 +1,4 @@
-// What is selected, by the statements that made it: each in a form, whose changes are written into the text.
+// Forms for the statements that created the selected object; changes are written into the text of the scene.
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals-core";
 import type { VNode } from "preact";
 import { useMemo } from "preact/hooks";
@@ -14,12 +14,12 @@ import { Form } from "./form";
 
 interface Steps {
     object: ObjectName;
-    numbers: readonly number[]; // of statements, the last one last
+    numbers: readonly number[]; // numbers of the statements in ascending order
 }
 
 class Parameters {
     readonly form: Form;
-    readonly chosen = signal(0); // steps before the last one
+    readonly chosen = signal(0); // number of steps before the last one
     readonly steps: ReadonlySignal<Steps | null>;
 
     constructor(private readonly app: App) {
@@ -43,7 +43,7 @@ class Parameters {
         effect(() => this.follow());
     }
 
-    /** The number of the statement that is in the form. */
+    /** The number of the statement in the form. */
     get statement(): number | undefined {
         const numbers = this.steps.value?.numbers ?? [];
         return numbers[Math.max(numbers.length - 1 - this.chosen.value, 0)];
@@ -74,7 +74,8 @@ class Parameters {
         }
     }
 
-    // The last statement, where it makes the object of others: run behind it, it makes the same again.
+    // Returns whether the last statement creates the object from other objects; run after the object, it creates the same object
+    // again.
     private isShown({ command }: Call, text: string, { object, numbers }: Steps, number: number): boolean {
         const makes = command.arguments.some(({ type }) => type === "new_name");
         const uses = placesIn(this.app.store.schema.peek(), text).some(({ role, name }) => role === "uses" && name === object.name);
@@ -115,14 +116,14 @@ function StepList({ app, parameters }: { app: App; parameters: Parameters }): VN
     );
 }
 
-/** What was done later and does not fit the change. */
+/** Errors of later statements that conflict with the change. */
 function Broken({ app, form }: { app: App; form: Form }): VNode | null {
     const broken = useValue(form.broken);
     return broken
         ? (
             <div class="error" role="alert">
-                <p>{`What was done later does not fit any more. ${broken}`}</p>
-                <button type="button" onClick={() => app.command("undo")}>Take the change back</button>
+                <p>{`Later statements do not work with this change. ${broken}`}</p>
+                <button type="button" onClick={() => app.command("undo")}>Undo the change</button>
             </div>
         )
         : null;
@@ -145,7 +146,7 @@ function StatementForm({ app, parameters }: { app: App; parameters: Parameters }
         <>
             <div class="command-title">
                 <p><code>{text.split("\n", 1)[0]}</code></p>
-                <button type="button" title="Show it in the scene's text" onClick={() => object && editorOf(app).goTo(line)}>{`Line ${line}`}</button>
+                <button type="button" title="Show it in the text of the scene" onClick={() => object && editorOf(app).goTo(line)}>{`Line ${line}`}</button>
             </div>
             {!command && <p class="hint">It is made by a block or by a line of the language; change that in the scene's text.</p>}
             {command && place && (
@@ -154,7 +155,7 @@ function StatementForm({ app, parameters }: { app: App; parameters: Parameters }
                         draw={() => (
                             <>
                                 <Fields command={command} first={first} context={fieldContext(app, form.values.value, (name, words, done) => form.set(name, words, done))} />
-                                {/* An empty text here, in a fieldset, would end the drag of a slider in Chromium. */}
+                                {/* In Chromium, an empty text node here, in a fieldset, would end the drag of a slider. */}
                                 {form.trouble.value !== "" ? <p class="error" role="alert">{form.trouble.value}</p> : null}
                             </>
                         )}
@@ -170,7 +171,7 @@ export function ParametersPanel({ app }: { app: App }): VNode {
     const parameters = parametersOf(app);
     const steps = useValue(parameters.steps);
     if (!steps) {
-        return <p class="hint">Select an object to change how it was made.</p>;
+        return <p class="hint">Select an object to change how it was created.</p>;
     }
     const key = (event: KeyboardEvent) => {
         if (event.key === "Escape") {

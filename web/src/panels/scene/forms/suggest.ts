@@ -1,4 +1,4 @@
-// What the form of a command begins with: a free name, and the objects that are likely meant.
+// Initial values of the form of a command: a free name, and the most probable objects.
 import type { App } from "../../../app";
 import type { Argument, Command, Kind, ObjectName, SceneObject } from "../../../protocol";
 import { kindsOf } from "../../../script/commands";
@@ -21,7 +21,7 @@ function newName(app: App, command: Command, argument: Argument): string {
     return app.store.freeName((kind && kBases[kind]) || word);
 }
 
-/** Values of arguments that have to be given and are not. */
+/** Values of required arguments that have no value yet. */
 export function suggested(app: App, command: Command, given: Values): Values {
     const { objects } = app.store.state.peek();
     const { object } = app.store.selection.peek();

@@ -1,4 +1,4 @@
-// A point, or other numbers that belong together, as a field for each.
+// A point or another tuple of numbers, with a field for each number.
 import type { VNode } from "preact";
 import { useState } from "preact/hooks";
 import { FieldTrouble, useNumber } from "../../../number_field";
@@ -8,7 +8,7 @@ import { fieldProps, type Inner, limitsOf, stepOf } from "./argument_field";
 
 const kNames = ["X", "Y", "Z"];
 
-/** The numbers of a tuple as one word; null where so many are not allowed. Of a point what is not said is 0. */
+/** The numbers of a tuple as one word; null if their number is not allowed. Missing coordinates of a point are 0. */
 export function tupleWord(parts: readonly string[], sizes: readonly number[]): string | null {
     const said = parts.findLastIndex((part) => part.trim() !== "") + 1;
     const isPoint = sizes.length === 1 && said > 0;
@@ -50,7 +50,7 @@ export function TupleField(props: Inner): VNode {
     const sizes = argument.sizes ?? [3];
     const most = Math.max(...sizes);
     const word = wordOf(argument, context.values);
-    const [draft, setDraft] = useState<readonly string[] | null>(null); // while some are still to come
+    const [draft, setDraft] = useState<readonly string[] | null>(null); // set while some numbers are missing
     const parts = draft ?? word.split(",");
     const set = (at: number, text: string, done: boolean) => {
         const next = Array.from({ length: most }, (_, i) => (i === at ? text : (parts[i] ?? "")));

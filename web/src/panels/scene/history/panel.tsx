@@ -1,4 +1,4 @@
-// What was done, and what was taken back: a click goes there.
+// List of done and undone changes: a click goes to the state after one.
 import type { VNode } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import type { App } from "../../../app";
@@ -48,7 +48,7 @@ export function HistoryPanel({ app }: { app: App }): VNode {
                         disabled={locked}
                         tabIndex={at === now ? 0 : -1}
                         aria-current={change.when === "now" ? "step" : undefined}
-                        title={change.when === "undone" ? `Do again up to: ${change.name}` : `Go back to behind: ${change.name}`}
+                        title={change.when === "undone" ? `Redo up to: ${change.name}` : `Go back to the state after: ${change.name}`}
                         onClick={() => go(app, change)}
                     >
                         {change.name}

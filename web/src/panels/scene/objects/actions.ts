@@ -1,4 +1,4 @@
-// What can be done with an object; each ends as a line of the scene, or as another name in all of them.
+// Actions for an object; each ends as a line of the scene, or renames the object in all lines.
 import type { App } from "../../../app";
 import type { Kind, ObjectName } from "../../../protocol";
 import { isObjectName, renamed } from "../../../script/names";
@@ -43,7 +43,7 @@ export async function duplicate(app: App, object: ObjectName): Promise<void> {
     }
 }
 
-/** What speaks against a name; empty where nothing does. */
+/** The reason why a name is refused; empty if it is valid. */
 export function refusal(app: App, from: string, to: string): string {
     const taken = app.store.state.peek().objects.find(({ name }) => name === to);
     if (to === from || to === "") {
@@ -52,10 +52,10 @@ export function refusal(app: App, from: string, to: string): string {
     if (!isObjectName(to)) {
         return "A name has letters, digits, _, - and . after a letter, at most 64.";
     }
-    return taken ? `A ${taken.kind} is called ${to} already; take another name.` : "";
+    return taken ? `A ${taken.kind} has the name ${to} already; choose another name.` : "";
 }
 
-/** Puts another name into all lines that have this one. */
+/** Replaces the name of an object in all lines. */
 export async function rename(app: App, object: ObjectName): Promise<void> {
     await editorOf(app).document.apply();
     const others = app.store.state.peek().objects.filter(({ name, kind }) => name === object.name && kind !== object.kind).map(({ kind }) => kind);
@@ -67,7 +67,7 @@ export async function rename(app: App, object: ObjectName): Promise<void> {
     const { text, lines } = renamed(app.store.schema.peek(), textOf(statements), object.name, to);
     const made = app.store.find(object.kind, object.name)?.statement ?? -1;
     if (!lines.has(made)) {
-        app.store.say(`The name ${object.name} is put together by a loop or a variable; change it in the scene's text.`, "warning");
+        app.store.say(`The name ${object.name} is created by a loop or a variable; change it in the text of the scene.`, "warning");
         return;
     }
     try {
@@ -87,7 +87,7 @@ export function showLine(app: App, object: ObjectName): void {
     }
 }
 
-/** The same for what is selected, for the menu and shortcuts. */
+/** The same for the selection, for the menu and shortcuts. */
 export function addObjectCommands(app: App): void {
     const commands = { hide: toggleHidden, delete: remove, rename, duplicate, "show-line": showLine };
     for (const [id, run] of Object.entries(commands)) {

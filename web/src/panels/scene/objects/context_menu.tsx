@@ -1,4 +1,4 @@
-// The menu of one object, at the pointer or beside its row.
+// The context menu of an object, at the pointer or next to its row.
 import type { VNode } from "preact";
 import { useLayoutEffect, useRef } from "preact/hooks";
 import type { App } from "../../../app";

@@ -1,4 +1,4 @@
-// The objects of a scene as a tree: groups by kind, and under a solid those that it is made of.
+// The objects of a scene as a tree: groups by kind, and below a solid its operands.
 import type { Command, Kind, ObjectName, SceneObject, State } from "../../../protocol";
 import { placesIn } from "../../../script/names";
 
@@ -7,10 +7,10 @@ export interface Row {
     label: string;
     detail: string; // "563 nodes"
     level: number; // from 1
-    position: number; // among those beside it, from 1
-    size: number; // how many those are
+    position: number; // among its siblings, from 1
+    size: number; // number of siblings, including itself
     parent: string; // id; empty at the top
-    open: boolean | null; // null: it has nothing below it
+    open: boolean | null; // null: it has no children
     object: SceneObject | null; // null: a group
 }
 
@@ -27,7 +27,7 @@ export function idOf({ kind, name }: ObjectName): string {
     return `${kind}:${name}`;
 }
 
-/** For each solid the one that it was last put into, where that is another one. */
+/** For each solid, the last other solid in which it was used. */
 export function consumers(state: State, schema: readonly Command[]): Map<string, string> {
     const solids = new Set(state.objects.filter(({ kind }) => kind === "solid").map(({ name }) => name));
     const into = new Map<string, string>();
@@ -41,7 +41,7 @@ export function consumers(state: State, schema: readonly Command[]): Map<string,
     return into;
 }
 
-// Whether one is a part of the other already: then the other is no part of it.
+// Returns whether one is already an operand of the other: then the other cannot be its operand.
 function leadsTo(into: ReadonlyMap<string, string>, part: string, whole: string): boolean {
     for (let at: string | undefined = part; at !== undefined; at = into.get(at)) {
         if (at === whole) {
@@ -56,7 +56,7 @@ function countText({ count, unit }: SceneObject): string {
     return unit === "" ? "" : `${count.toLocaleString("en")} ${word}`;
 }
 
-/** The rows that are seen, from above; `closed` are the ids of those whose parts are not. */
+/** The visible rows, from the top; `closed` are the ids of collapsed rows. */
 export function rowsOf(state: State, schema: readonly Command[], closed: ReadonlySet<string>): Row[] {
     const into = consumers(state, schema);
     const partsOf = new Map<string, SceneObject[]>();
@@ -91,7 +91,7 @@ export function rowsOf(state: State, schema: readonly Command[], closed: Readonl
     return rows;
 }
 
-/** The next row whose name begins so, behind the one at `from`; -1 where there is none. */
+/** The next row with this prefix, after the one at `from`; -1 if there is none. */
 export function found(rows: readonly Row[], from: number, typed: string): number {
     const begins = ({ label }: Row) => label.toLowerCase().startsWith(typed.toLowerCase());
     for (let step = 1; step <= rows.length; ++step) {

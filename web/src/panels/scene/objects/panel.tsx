@@ -1,4 +1,4 @@
-// The objects of the scene as a tree, for the pointer, the keyboard and screen readers.
+// The objects of the scene as a tree, for pointer, keyboard and screen readers.
 import { computed, signal } from "@preact/signals-core";
 import type { VNode } from "preact";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
@@ -128,7 +128,7 @@ interface Menu {
     at: { x: number; y: number };
 }
 
-/** What a key does to the row that has the focus. Tells whether it was one of the tree's. */
+/** Handles a key for the focused row. Returns whether the tree used the key. */
 function objectKey(app: App, event: KeyboardEvent, object: ObjectName): boolean {
     const run: Record<string, () => void> = {
         Enter: () => select(app, object),
@@ -147,14 +147,14 @@ function useTree(app: App, rows: readonly Row[]) {
     const tree = useRef<HTMLDivElement>(null);
     const [active, setActive] = useState("");
     const typed = useRef({ text: "", time: 0 });
-    const last = useRef(0); // where the active row was, when it is gone
+    const last = useRef(0); // index of the active row, in case it is removed
     const known = rows.findIndex(({ id }) => id === active);
     const now = known >= 0 ? known : Math.min(last.current, rows.length - 1);
     last.current = now;
     const hadFocus = useRef(false);
     useEffect(() => {
         if (known < 0 && hadFocus.current && document.activeElement === document.body) {
-            go(now); // its row went with its object
+            go(now); // its row was removed together with its object
         }
     });
     const go = (at: number) => {
@@ -193,7 +193,7 @@ function useTree(app: App, rows: readonly Row[]) {
             return false;
         }
         if (event.altKey) {
-            return false; // Alt+H and others are the page's
+            return false; // Alt+H and others belong to the page
         }
         if (event.key in moves) {
             go(moves[event.key]);
@@ -232,7 +232,7 @@ export function ObjectsPanel({ app }: { app: App }): VNode {
         }
     }, [chosenId]);
     if (rows.length === 0) {
-        return <p class="hint">There is nothing yet. Take a tool of the crown and click in the picture, or type a line into the scene.</p>;
+        return <p class="hint">The scene is empty. Select a crown tool and click in the view, or type a line into the scene.</p>;
     }
     const openMenu = (object: ObjectName) => {
         const box = document.getElementById(`row-${idOf(object)}`)?.getBoundingClientRect();
@@ -254,7 +254,7 @@ export function ObjectsPanel({ app }: { app: App }): VNode {
                     hadFocus.current = true;
                 }}
                 onFocusOut={(event) => {
-                    hadFocus.current = event.relatedTarget === null; // what is removed has nothing that follows it
+                    hadFocus.current = event.relatedTarget === null; // a removed element has no related target
                 }}
             >
                 {rows.map((row, at) => (

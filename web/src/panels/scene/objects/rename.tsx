@@ -1,4 +1,4 @@
-// The dialog for another name.
+// The dialog for renaming.
 import type { VNode } from "preact";
 import { useState } from "preact/hooks";
 import type { Kind, ObjectName } from "../../../protocol";
@@ -46,7 +46,7 @@ function RenameDialog({ object, others, check, end }: Props): VNode {
     );
 }
 
-/** Asks for another name of an object; null where it keeps its own. */
+/** Asks for a new name of an object; null if the name is kept. */
 export function askName(object: ObjectName, others: readonly Kind[], check: (name: string) => string): Promise<string | null> {
     return ask<string>((end) => <RenameDialog object={object} others={others} check={check} end={end} />);
 }

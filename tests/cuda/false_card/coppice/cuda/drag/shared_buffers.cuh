@@ -6,12 +6,12 @@
 
 namespace coppice::cuda {
 
-/// In the place of the header of the same name: the false card does not draw, so that frames go by way of the
+/// Replaces the header of the same name: the fake device does not draw, so that frames are copied through the
 /// host.
 class SharedBuffers {
   public:
     static int drawing_device() { return -1; }
-    explicit SharedBuffers(const DrawnBuffers&) { throw DeviceError("the false card does not draw"); }
+    explicit SharedBuffers(const DrawnBuffers&) { throw DeviceError("the fake device does not draw"); }
 
     template <class Write>
     void lend(CudaExecutor&, const Write&) {}

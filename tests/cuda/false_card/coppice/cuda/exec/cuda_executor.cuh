@@ -9,10 +9,9 @@
 
 namespace coppice::cuda {
 
-inline constexpr std::size_t kFalseMemory = std::size_t{2} << 30;  ///< [bytes] of the false card
+inline constexpr std::size_t kFalseMemory = std::size_t{2} << 30;  ///< [bytes] of the fake device
 
-/// In the place of the header of the same name: a card that is none, so that what stands in .cu files runs
-/// where there is no card.
+/// Replaces the header of the same name by a fake device, so that the code of .cu files runs without a GPU.
 class CudaExecutor : public HostExecutor {
   public:
     explicit CudaExecutor(const Context& ctx = {}, std::size_t most = kFalseMemory)

@@ -1,0 +1,351 @@
+#include "coppice/pipeline/repair/patch_internal.h"
+
+#include <algorithm>
+#include <limits>
+#include <numbers>
+#include <numeric>
+
+#include "coppice/base/disjoint_sets.h"
+#include "coppice/base/id.h"
+#include "coppice/base/parallel.h"
+#include "coppice/measure/capsule_tree.h"
+#include "coppice/pipeline/stages_internal.h"
+#include "coppice/pipeline/tetra_skeleton_internal.h"
+#include "coppice/remesh/zip.h"
+#include "coppice/skeleton/segment_cone.h"
+
+namespace coppice::pipeline_internal {
+namespace {
+
+constexpr double kMaxTriangles = 1e6;  // in addition to as many as the mesh has quads
+constexpr std::size_t kVertexGrain = 1024;
+constexpr float kGap = 0.35f;  // [radii] gap between kept quads and new triangles
+constexpr float kDeepest = 2.5f, kHighest = 0.3f, kWidest = 2.5f;  // [radii] range of valid loops
+constexpr float kSeamReach = 2.2f;  // [radii] maximum distance of loops from the centre of a cut ring
+
+// Triangles as large as two quads, within the resolution of tetrahedra.
+MeshOptions patch_options(const MeshOptions& options) {
+    constexpr float kFinest = 0.05f, kCoarsest = 1.0f;
+    MeshOptions out = options;
+    const auto around = static_cast<float>(options.control.sides << options.levels);
+    out.tetra = {.edge = std::clamp(4 * std::numbers::pi_v<float> / around, kFinest, kCoarsest)};
+    return out;
+}
+
+// Returns the approximate number of triangles of a surface around segments.
+double expected_triangles(std::span<const Segment> segments, float edge) {
+    double area = 0;  // in squares of the local edge
+    for (const Segment& segment : segments) {
+        const auto radius = static_cast<double>(std::min(segment.radius_a, segment.radius_b));
+        area += static_cast<double>(distance(segment.a, segment.b)) / radius * 2 * std::numbers::pi;
+    }
+    constexpr double kOfASquare = 4 / std::numbers::sqrt3;
+    return area * kOfASquare / static_cast<double>(edge * edge);
+}
+
+Vec3 mean(const Loop& loop, std::span<const Vec3> x) {
+    Vec3 sum;
+    for (const std::uint32_t v : loop) sum += x[v];
+    return sum / static_cast<float>(loop.size());
+}
+
+// Returns the closest point to p on a node's segment.
+Vec3 foot_on(const Skeleton& s, NodeId n, Vec3 p) {
+    if (s.is_root(n)) return s.position(n);
+    const auto axis = round_cone<float>(s.segment(n));
+    return axis.point(axis.foot(p).t);
+}
+
+// Returns per vertex whether it is beyond a cut ring, or too close to it. Vertices around an axis other than
+// that through the cut ring are ignored.
+std::vector<std::uint8_t> beyond_seams(const PatchSurface& surface, std::span<const Vec3> positions,
+                                       const BoxTree& reaches, const Context& ctx) {
+    std::vector<std::uint8_t> beyond(positions.size(), 0);
+    parallel_for(ctx, beyond.size(), kVertexGrain, [&](std::size_t v) {
+        const NodeId near = surface.near[surface.ring_vertices + v];
+        if (!near) {
+            beyond[v] = surface.marched->foot[v].segment ? 1 : 0;
+            return;
+        }
+        const Vec3 p = positions[v];
+        bool is_beyond = surface.knot.margin[near.index()] != 0;
+        reaches.visit_overlapping(Box3{p, p}, [&](std::uint32_t i) {
+            const CutRing& s = surface.group.cut_rings[i];
+            const float reach = kSeamReach * s.radius;
+            const Vec3 way = p - s.center;
+            if (length_squared(way) >= reach * reach || dot(way, s.outward) <= -kGap * s.radius) return;
+            const Vec3 foot = foot_on(surface.knot.skeleton, near, p) - s.center;
+            is_beyond |= length(foot - s.outward * dot(foot, s.outward)) < s.radius;
+        });
+        beyond[v] = is_beyond ? 1 : 0;
+    });
+    return beyond;
+}
+
+// The remainder of a surface after cutting.
+struct Cut {
+    std::vector<Triangle> triangles;
+    Boundary ends;  // with the same vertex indices
+};
+
+// Returns the triangles without a vertex that is marked in `beyond`, except those at vertices where loops
+// would touch. Vertex indices are increased by `offset`.
+Cut cut_off(const TriMesh& mesh, std::vector<std::uint8_t> beyond, std::uint32_t offset) {
+    std::vector<std::uint8_t> rim(mesh.positions.size(), 0);
+    const auto is_beyond = [&](const Triangle& t) {
+        return (beyond[t[0]] | beyond[t[1]] | beyond[t[2]]) != 0;
+    };
+    const auto drop = [&](const Triangle& t) {
+        for (const std::uint32_t v : t) rim[v] = 1;
+    };
+    Cut out;
+    for (const Triangle& t : mesh.triangles) {
+        if (is_beyond(t)) {
+            drop(t);
+        } else {
+            out.triangles.push_back(t);
+        }
+    }
+    for (;;) {
+        out.ends = compute_boundary(out.triangles, rim);
+        if (out.ends.pinched.empty()) break;
+        for (const std::uint32_t v : out.ends.pinched) beyond[v] = 1;
+        std::erase_if(out.triangles, [&](const Triangle& t) {
+            if (!is_beyond(t)) return false;
+            drop(t);
+            return true;
+        });
+    }
+    for (Triangle& t : out.triangles) {
+        for (std::uint32_t& v : t) v += offset;
+    }
+    for (Loop& loop : out.ends.loops) {
+        for (std::uint32_t& v : loop) v += offset;
+    }
+    return out;
+}
+
+// Returns whether a loop is far from the expected position at its cut ring because another branch is in
+// between.
+bool strays(const Loop& loop, std::span<const Vec3> x, const CutRing& cut_ring) {
+    return std::any_of(loop.begin(), loop.end(), [&](std::uint32_t v) {
+        const Vec3 way = x[v] - cut_ring.center;
+        const float height = dot(way, cut_ring.outward);
+        return height < -kDeepest * cut_ring.radius || height > kHighest * cut_ring.radius ||
+               length(way - cut_ring.outward * height) > kWidest * cut_ring.radius;
+    });
+}
+
+// Joins the boundary loops of a surface to the cut rings around which they run.
+class Joining {
+  public:
+    Joining(PatchSurface& surface, Boundary ends, const BoxTree& reaches)
+        : surface_(surface), ends_(std::move(ends)), marked_(ends_.loops.size(), 0) {
+        loops_of_.resize(surface.group.cut_rings.size());
+        for (std::uint32_t l = 0; l < ends_.loops.size(); ++l) {
+            const Vec3 c = mean(ends_.loops[l], surface.positions);
+            reaches.visit_overlapping(Box3{c, c}, [&](std::uint32_t s) { loops_of_[s].push_back(l); });
+        }
+    }
+
+    void run() && {
+        std::uint32_t first = 0;
+        for (std::uint32_t i = 0; i < surface_.group.cut_rings.size(); ++i) {
+            const CutRing& cut_ring = surface_.group.cut_rings[i];
+            // Every second vertex: between them are the midpoints that quadrangulate() expects.
+            Loop coarse;
+            for (std::uint32_t k = 0; k < cut_ring.ring.size(); k += 2) coarse.push_back(first + k);
+            first += static_cast<std::uint32_t>(cut_ring.ring.size());
+            if (!join(i, coarse)) surface_.failed.push_back(i);
+        }
+        if (surface_.failed.empty()) drop_crumbs();
+        surface_.cut_ring.assign(surface_.triangles.size(), kNoIndex);
+        surface_.triangles.insert(surface_.triangles.end(), bands_.begin(), bands_.end());
+        surface_.cut_ring.insert(surface_.cut_ring.end(), seam_.begin(), seam_.end());
+    }
+
+  private:
+    bool join(std::uint32_t i, const Loop& ring) {
+        const CutRing& cut_ring = surface_.group.cut_rings[i];
+        const LoopAxis axis{cut_ring.center, cut_ring.outward};
+        std::uint32_t best = kNoIndex;
+        float least = kSeamReach * cut_ring.radius;
+        for (const std::uint32_t l : loops_of_[i]) {
+            const float d = distance(mean(ends_.loops[l], surface_.positions), cut_ring.center);
+            if (marked_[l] != 0 || d >= least || winding(ends_.loops[l], surface_.positions, axis) == 0)
+                continue;
+            least = d;
+            best = l;
+        }
+        if (best == kNoIndex) return false;
+        if (strays(ends_.loops[best], surface_.positions, cut_ring)) return false;
+        const auto band = zip(ring, ends_.loops[best], surface_.positions, axis);
+        if (!band) return false;
+        marked_[best] = 1;
+        bands_.insert(bands_.end(), band->begin(), band->end());
+        seam_.resize(bands_.size(), i);
+        return true;
+    }
+
+    // Bodies that are not joined to a cut ring are whole trees, internal voids, or fragments; a body that is
+    // joined to a cut ring must not have another hole.
+    void drop_crumbs() {
+        std::vector<Triangle>& all = surface_.triangles;
+        std::span<const Vec3> x = surface_.positions;
+        DisjointSets bodies(x.size());
+        for (const Triangle& t : all) {
+            bodies.join(t[0], t[1]);
+            bodies.join(t[1], t[2]);
+        }
+        enum : std::uint8_t { kJoined = 1, kOpen = 2 };
+        std::vector<std::uint8_t> is(x.size(), 0);
+        for (std::size_t l = 0; l < marked_.size(); ++l) {
+            is[bodies.find(ends_.loops[l][0])] |= marked_[l] != 0 ? kJoined : kOpen;
+        }
+        for (std::size_t l = 0; l < marked_.size(); ++l) {
+            if (marked_[l] != 0 || is[bodies.find(ends_.loops[l][0])] != (kJoined | kOpen)) continue;
+            surface_.beyond.push_back(row_beyond(mean(ends_.loops[l], x)));
+        }
+        std::vector<double> volume(x.size(), 0);
+        for (const Triangle& t : all) {
+            volume[bodies.find(t[0])] += dot(Vec3d(x[t[0]]), cross(Vec3d(x[t[1]]), Vec3d(x[t[2]])));
+        }
+        std::erase_if(all, [&](const Triangle& t) {
+            const std::uint32_t body = bodies.find(t[0]);
+            return (is[body] & kJoined) == 0 && (is[body] == kOpen || volume[body] <= 0);
+        });
+    }
+
+    // Returns the row of the closest segment beyond the cut rings.
+    TubeRow row_beyond(Vec3 p) const {
+        const Skeleton& s = surface_.knot.skeleton;
+        double least = std::numeric_limits<double>::infinity();
+        TubeRow nearest = kNoIndex;
+        for (const NodeId n : nodes(s)) {
+            if (surface_.knot.margin[n.index()] == 0 || s.is_root(n)) continue;
+            const double d = round_cone<double>(s.segment(n)).foot(Vec3d(p)).signed_distance();
+            if (d >= least) continue;
+            least = d;
+            nearest = surface_.knot.tube_row[n.index()];
+        }
+        return nearest;
+    }
+
+    PatchSurface& surface_;
+    Boundary ends_;
+    std::vector<std::uint8_t> marked_;                  // per loop: whether it is assigned to a cut ring
+    std::vector<std::vector<std::uint32_t>> loops_of_;  // per cut ring: the loops in its reach
+    std::vector<Triangle> bands_;
+    std::vector<std::uint32_t> seam_;  // per triangle of the bands
+};
+
+// The row of each triangle is that of one of its vertices.
+void find_slices(PatchSurface& surface) {
+    surface.tube_row.assign(surface.triangles.size(), kNoIndex);
+    for (std::size_t t = 0; t < surface.tube_row.size(); ++t) {
+        for (const std::uint32_t v : surface.triangles[t]) {
+            if (surface.near[v]) surface.tube_row[t] = surface.knot.tube_row[surface.near[v].index()];
+        }
+    }
+}
+
+std::vector<AxisPoint> feet(const PatchSkeleton& knot, std::span<const Vec3> positions, const Context& ctx) {
+    std::vector<NodeId> segment(knot.skeleton.size());
+    for (const PatchSkeleton::Cut& cut : knot.cuts)
+        std::fill_n(segment.begin() + cut.first, cut.count, cut.segment);
+    const CapsuleTree capsules(knot.skeleton, knot.skeleton.origin(), ctx);
+    std::vector<AxisPoint> out(positions.size());
+    const auto point = [&](std::size_t v) { return Vec3d(positions[v]); };
+    for_each_nearest(capsules, ctx, out.size(), point, [&](std::size_t v, CapsuleTree::Nearest near) {
+        if (near.capsule == kNoIndex) return;
+        const std::uint32_t n = capsules.node(near.capsule).index();
+        // A section begins where the previous one ends.
+        const bool is_first = n == 0 || segment[n - 1] != segment[n];
+        const float begin = is_first ? 0 : knot.until[n - 1];
+        const auto t = static_cast<float>(capsules.cone(near.capsule).foot(point(v)).t);
+        out[v] = {segment[n], begin + t * (knot.until[n] - begin)};
+    });
+    return out;
+}
+
+std::vector<Segment> segments_of(const Skeleton& s) {
+    std::vector<Segment> out;
+    for (const NodeId n : nodes(s)) {
+        if (!s.is_root(n)) out.push_back(s.segment(n));
+    }
+    return out;
+}
+
+std::shared_ptr<const Marched> march(const PatchSkeleton& knot, const QuadMesh& mesh,
+                                     const MeshOptions& options, const Context& ctx) {
+    Marched out;
+    for (const PatchSkeleton::Cut& cut : knot.cuts) out.segments.push_back(cut.segment);
+    const MeshOptions by_tetrahedra = patch_options(options);
+    out.is_impossible = !can_march(segments_of(knot.skeleton), mesh, options);
+    if (!out.is_impossible) {
+        try {
+            std::optional<GlobalWeights> weights;
+            std::vector<std::pair<std::string, double>> seconds;
+            Stages stages(ctx, seconds);
+            out.mesh =
+                mesh_by_tetrahedra(knot.skeleton, PointSet{}, by_tetrahedra, weights, ctx, stages).mesh;
+            out.foot = feet(knot, out.mesh.positions, ctx);
+        } catch (const Cancelled&) {
+            throw;
+        } catch (const Error&) {
+            // No surface is left because it is thinner than the tetrahedra: the quads are better than that.
+            out.is_impossible = true;
+        }
+    }
+    return std::make_shared<const Marched>(std::move(out));
+}
+
+bool holds(std::span<const NodeId> all, std::span<const NodeId> some) {
+    return std::includes(all.begin(), all.end(), some.begin(), some.end());
+}
+
+// Returns a close node per vertex: none for the rings, then those of the vertices of the level set.
+std::vector<NodeId> nodes_near(const PatchSurface& surface) {
+    std::vector<NodeId> out(surface.ring_vertices);
+    for (const AxisPoint& p : surface.marched->foot)
+        out.push_back(p.segment ? surface.knot.node_at(p.segment, p.t) : NodeId::none());
+    return out;
+}
+
+}  // namespace
+
+bool can_march(std::span<const Segment> segments, const QuadMesh& mesh, const MeshOptions& options) {
+    return expected_triangles(segments, patch_options(options).tetra.edge) <=
+           kMaxTriangles + static_cast<double>(mesh.quads.size());
+}
+
+PatchSurface patch_surface(RowGroup group, std::shared_ptr<const Marched> marched,
+                           const PatchSkeletons& skeletons, const QuadMesh& mesh, const MeshOptions& options,
+                           const Context& ctx) {
+    const bool is_first = marched == nullptr;
+    const bool is_enough = !is_first && holds(marched->segments, skeletons.needed(group));
+    PatchSkeleton knot = skeletons.of(group, !is_first);
+    PatchSurface surface{std::move(group), std::move(knot), std::move(marched)};
+    if (!is_enough) {
+        surface.marched = march(surface.knot, mesh, options, ctx);
+    }
+    surface.is_impossible = surface.marched->is_impossible;
+    if (surface.is_impossible) return surface;
+
+    std::vector<Box3> boxes;
+    for (const CutRing& s : surface.group.cut_rings)
+        boxes.push_back(Box3{s.center, s.center}.inflated(kSeamReach * s.radius));
+    for (const std::uint32_t v : ring_vertices(surface.group)) surface.positions.push_back(mesh.positions[v]);
+    surface.ring_vertices = static_cast<std::uint32_t>(surface.positions.size());
+    const BoxTree reaches(boxes, ctx);
+    const TriMesh& found = surface.marched->mesh;
+    surface.near = nodes_near(surface);
+    Cut cut = cut_off(found, beyond_seams(surface, found.positions, reaches, ctx), surface.ring_vertices);
+    surface.triangles = std::move(cut.triangles);
+    surface.positions.insert(surface.positions.end(), found.positions.begin(), found.positions.end());
+    Joining(surface, std::move(cut.ends), reaches).run();
+    if (surface.is_whole()) find_slices(surface);
+    return surface;
+}
+
+}  // namespace coppice::pipeline_internal

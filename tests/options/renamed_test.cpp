@@ -1,0 +1,44 @@
+#include "coppice/options/renamed.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "coppice/base/error.h"
+#include "coppice/options/json.h"
+
+namespace coppice {
+namespace {
+
+struct Bounds {
+    float low = 1;
+};
+
+template <class Self, class Visitor>
+requires SameOptions<Self, Bounds>
+constexpr void visit_fields(Self& o, Visitor&& visit) {
+    visit(Field{"min_diameter", "Minimum diameter.", Unit::metre, 0, 10}, o.low);
+}
+
+float low_of(const char* json) {
+    Bounds bounds;
+    from_json(Json::parse(json), option_fields(bounds), "a.json");
+    return bounds.low;
+}
+
+TEST(Renamed, FormerNamesHaveAPresentOne) {
+    EXPECT_EQ(present_name("least_diameter"), "min_diameter");
+    EXPECT_EQ(present_name("edge"), "tetra_edge");
+    EXPECT_EQ(present_name("tetra_edge"), "");
+    EXPECT_EQ(present_name(""), "");
+}
+
+TEST(Renamed, JsonAcceptsFormerNames) {
+    EXPECT_EQ(low_of(R"({"least_diameter": 3})"), 3);
+    EXPECT_EQ(low_of(R"({"min_diameter": 4})"), 4);
+    EXPECT_EQ(low_of(R"({"min_diameter": 4, "least_diameter": 3})"), 4);
+    // The former name of a field that the object does not have is as unknown as any other name.
+    EXPECT_THROW(low_of(R"({"least_angle": 1})"), InvalidInput);
+}
+
+}  // namespace
+}  // namespace coppice
