@@ -151,16 +151,16 @@ void BatchTable::add(const BatchFile& file, const ExtractResult& result, std::sp
 }
 
 void BatchTable::add(const BatchFile& file, const WrittenPlot& plot) {
-    for (const Figures& row : plot_rows(plot, file.input.string(), file.skeleton.filename())) add_row(row);
+    for (const Json& row : plot_rows(plot, file.input.string(), file.skeleton.filename())) add_row(row);
 }
 
 void BatchTable::add_failure(const BatchFile& file, std::string_view error) {
     add_row(tree_row({.input = file.input.string(), .error = std::string(error)}, columns_));
 }
 
-void BatchTable::add_row(const Figures& row) {
+void BatchTable::add_row(const Json& row) {
     table_.add(row);
-    rows_.emplace_back(row);
+    rows_.push_back(row);
 }
 
 }  // namespace coppice::cli

@@ -75,14 +75,14 @@ class BatchTable {
     /// Makes the complete table visible under its name.
     void commit() { table_.commit(); }
 
-    const Figure::List& rows() const { return rows_; }
+    const Json& rows() const { return rows_; }
 
   private:
-    void add_row(const Figures& row);
+    void add_row(const Json& row);
 
     TreeColumns columns_;
     CsvFile table_;
-    Figure::List rows_;
+    Json rows_ = Json::array();
 };
 
 }  // namespace coppice::cli

@@ -20,9 +20,6 @@ enum ExitCode : int {
     kInterrupted = 130
 };
 
-/// The options that were given on the command line.
-using GivenOptions = std::vector<const Option*>;
-
 /// A subcommand. `run` does the work after the options are parsed, and owns the values into which they are
 /// stored. Throws the exceptions of the library, and UsageError.
 struct Command {

@@ -4,38 +4,27 @@
 #include <fmt/ranges.h>
 
 #include <cmath>
-#include <concepts>
-#include <string_view>
 #include <vector>
 
 namespace coppice::cli {
-namespace {
 
-struct Cell {
-    std::string operator()(const NotChecked&) const { return {}; }
-    std::string operator()(bool yes) const { return yes ? "true" : "false"; }
-    std::string operator()(double number) const {
+std::string to_csv_cell(const Json& figure) {
+    if (figure.is_null() || figure.is_structured()) return {};  // rows have no nested figures
+    if (figure.is_number_float()) {
+        const double number = figure.get<double>();
         return fmt::format("{:.{}g}", number, std::abs(number) >= 1000 ? 10 : 7);
     }
-    std::string operator()(const std::string& text) const { return csv_cell(text); }
-    template <std::integral Count>
-    std::string operator()(Count count) const {
-        return fmt::format("{}", count);
-    }
-    // Rows have no nested figures.
-    std::string operator()(const Figure::List&) const { return {}; }
-    std::string operator()(const Figures&) const { return {}; }
-};
+    if (!figure.is_string()) return figure.dump();
+    std::string text = figure.get<std::string>();
+    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+    for (std::size_t at = 0; (at = text.find('"', at)) != std::string::npos; at += 2) text.insert(at, 1, '"');
+    return fmt::format("\"{}\"", text);
+}
 
-}  // namespace
-
-std::string to_csv_cell(const Figure& figure) { return std::visit(Cell(), figure.value); }
-
-void CsvFile::add(const Figures& row) {
-    std::vector<std::string_view> names;
-    std::vector<std::string> cells;
-    for (const auto& [name, figure] : row.entries()) {
-        names.emplace_back(name);
+void CsvFile::add(const Json& row) {
+    std::vector<std::string> names, cells;
+    for (const auto& [name, figure] : row.items()) {
+        names.push_back(name);
         cells.push_back(to_csv_cell(figure));
     }
     if (rows_++ == 0) file_.write(fmt::format("{}\n", fmt::join(names, ",")));

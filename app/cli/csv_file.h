@@ -8,9 +8,10 @@
 
 namespace coppice::cli {
 
-/// Formats a figure as a CSV cell: numbers with seven digits, ten for map coordinates; empty for unknown
+/// Formats a figure as a CSV cell: numbers with seven digits, ten for map coordinates; texts quoted where
+/// required (RFC 4180); empty for unknown
 /// values.
-std::string to_csv_cell(const Figure& figure);
+std::string to_csv_cell(const Json& figure);
 
 /// A table that is written row by row; the file is complete or not written at all.
 class CsvFile {
@@ -18,7 +19,7 @@ class CsvFile {
     explicit CsvFile(const std::filesystem::path& path) : file_(path) {}
 
     /// The names of the first row become the header; all other rows must have the same names.
-    void add(const Figures& row);
+    void add(const Json& row);
     std::size_t rows() const { return rows_; }
     void commit() { file_.commit(); }
 

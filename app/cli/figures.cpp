@@ -4,93 +4,48 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 namespace coppice::cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-/// Converts a figure to JSON.
-struct ToJson {
-    template <class Plain>
-    Json operator()(const Plain& value) const {
-        return value;
-    }
-    Json operator()(const NotChecked&) const { return nullptr; }
-    Json operator()(const Figure::List& list) const {
-        Json out = Json::array();
-        for (const Figure& figure : list) out.push_back(std::visit(*this, figure.value));
-        return out;
-    }
-    Json operator()(const Figures& figures) const {
-        Json out = Json::object();
-        for (const auto& [name, figure] : figures.entries()) out[name] = std::visit(*this, figure.value);
-        return out;
-    }
-};
+std::string text_of_number(double number) {
+    // Map coordinates need more digits before the decimal point than six significant digits provide.
+    const double size = std::abs(number);
+    return size >= 1e5 && size < 1e9 ? fmt::format("{:.2f}", number) : fmt::format("{:.6g}", number);
+}
 
 /// Formats a value within a line.
-struct Text {
-    std::string operator()(const NotChecked& unknown) const {
-        return fmt::format("unknown: {} not checked", unknown.subject);
+std::string to_text(const Json& value, std::string_view unknown) {
+    if (value.is_null()) return std::string(unknown);
+    if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
+    if (value.is_string()) return value.get<std::string>();
+    if (value.is_number_float()) return text_of_number(value.get<double>());
+    if (value.is_number()) {
+        const bool negative = !value.is_number_unsigned() && value.get<std::int64_t>() < 0;
+        return (negative ? "-" : "") +
+               grouped(negative ? -value.get<std::uint64_t>() : value.get<std::uint64_t>());
     }
-    std::string operator()(bool value) const { return value ? "yes" : "no"; }
-    std::string operator()(std::uint64_t number) const { return grouped(number); }
-    std::string operator()(std::int64_t number) const {
-        const std::uint64_t size =
-            number < 0 ? -static_cast<std::uint64_t>(number) : static_cast<std::uint64_t>(number);
-        return fmt::format("{}{}", number < 0 ? "-" : "", grouped(size));
-    }
-    std::string operator()(double number) const {
-        // Map coordinates need more digits before the decimal point than six significant digits provide.
-        const double size = std::abs(number);
-        return size >= 1e5 && size < 1e9 ? fmt::format("{:.2f}", number) : fmt::format("{:.6g}", number);
-    }
-    std::string operator()(const std::string& text) const { return text; }
-    std::string operator()(const Figure::List& list) const {
-        std::string text;
-        for (const Figure& figure : list)
-            text += fmt::format("{}{}", text.empty() ? "" : "  ", std::visit(*this, figure.value));
-        return text;
-    }
-    std::string operator()(const Figures& figures) const {
-        std::string text;
-        for (const auto& [name, figure] : figures.entries())
-            text += fmt::format("{}{} {}", text.empty() ? "" : "  ", name, std::visit(*this, figure.value));
-        return text;
-    }
-};
-
-}  // namespace
-
-Figure& Figures::operator[](std::string_view name) {
-    for (auto& [known, figure] : figures_)
-        if (known == name) return figure;
-    return figures_.emplace_back(name, Figure()).second;
-}
-
-void Figures::append(const Figures& others) {
-    for (const auto& [name, figure] : others.entries()) (*this)[name] = figure;
-}
-
-std::string figures_json(const Figures& figures) {
-    return ToJson()(figures).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
-std::string figures_text(const Figures& figures) {
-    std::size_t width = 0;
-    for (const auto& [name, figure] : figures.entries()) width = std::max(width, name.size());
     std::string text;
-    for (const auto& [name, figure] : figures.entries())
-        text += fmt::format("{:<{}}  {}\n", name, width, std::visit(Text(), figure.value));
+    for (const auto& [name, part] : value.items()) {
+        text += fmt::format("{}{}{}", text.empty() ? "" : "  ", value.is_object() ? name + " " : "",
+                            to_text(part, unknown));
+    }
     return text;
 }
 
-std::string csv_cell(std::string text) {
-    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-    for (std::size_t at = 0; (at = text.find('"', at)) != std::string::npos; at += 2) text.insert(at, 1, '"');
-    return fmt::format("\"{}\"", text);
+}  // namespace
+
+std::string figures_json(const Json& figures) {
+    return figures.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string figures_text(const Json& figures, std::string_view unknown) {
+    std::size_t width = 0;
+    for (const auto& [name, figure] : figures.items()) width = std::max(width, name.size());
+    std::string text;
+    for (const auto& [name, figure] : figures.items())
+        text += fmt::format("{:<{}}  {}\n", name, width, to_text(figure, unknown));
+    return text;
 }
 
 }  // namespace coppice::cli

@@ -128,42 +128,21 @@ std::string in_unit(std::string_view name, LengthUnit unit, int power) {
     return fmt::format("{}_{}{}", name, name_of(unit), power == 1 ? "" : std::to_string(power));
 }
 
-Figures repairs_of(const RepairReport& r) {
-    Figures out;
-    out["reordered"] = r.reordered;
-    out["missing_parents"] = r.missing_parents;
-    out["missing_radii"] = r.missing_radii;
-    out["zero_length"] = r.zero_length;
-    out["coincident"] = r.coincident;
-    return out;
-}
-
-Figures find_joints(const RepairReport& r) {
-    Figures out;
-    out["bridged_gaps"] = r.bridged_gaps;
-    out["attached_inside"] = r.attached_inside;
-    out["radius_jumps"] = r.radius_jumps;
-    return out;
-}
-
 SkeletonFile load_skeleton(Run& run, const std::filesystem::path& path, const ReadSkeletonOptions& options) {
     const FileKind kind = kind_of_input(path, options.format);
     if (kind != FileKind::skeleton || is_sketch_name(path))
         throw UsageError(remedy_for(path, kind, "a skeleton"));
     SkeletonFile file =
         run.stage("read", [&](const Context& ctx) { return read_skeleton(path, options, ctx); });
-    run.counts()["nodes"] = file.skeleton.size();
-    run.counts()["trees"] = file.skeleton.tree_count();
-    run.repairs() = repairs_of(file.report);
-    run.repairs().append(find_joints(file.report));
+    run.count_skeleton(file.skeleton);
+    run.repairs() = compute_figures(file.report);
     return file;
 }
 
 PolygonMesh load_mesh(Run& run, const std::filesystem::path& path, FileUp up) {
     PolygonMesh mesh = run.stage("read", [&](const Context& ctx) { return read_mesh(path, ctx); });
     if (mesh_format_of_name(path) != MeshFormat::glb) turn_from_file(mesh, up);
-    run.counts()["vertices"] = mesh.positions.size();
-    run.counts()["faces"] = mesh.face_count();
+    run.counts().update({{"vertices", mesh.positions.size()}, {"faces", mesh.face_count()}});
     return mesh;
 }
 

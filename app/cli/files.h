@@ -68,8 +68,4 @@ std::string text_of_rays_left_out(const PointFile& file);
 /// Returns the name of a figure with its unit, "length_um" or "volume_um3"; `power` is 1 for lengths.
 std::string in_unit(std::string_view name, LengthUnit unit, int power = 1);
 
-/// Reports the defects of a skeleton, and the gaps and jumps between its cylinders, which are not defects.
-Figures repairs_of(const RepairReport& report);
-Figures find_joints(const RepairReport& report);
-
 }  // namespace coppice::cli

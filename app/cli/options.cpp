@@ -211,6 +211,17 @@ void OptionList::add_fields(std::span<const OptionField> fields, const std::stri
     }
 }
 
+bool is_given(const GivenOptions& given, std::string_view name) {
+    return std::ranges::any_of(given, [&](const Option* option) { return option->name == name; });
+}
+
+const Option* first_of_groups(const GivenOptions& given, std::initializer_list<std::string_view> groups) {
+    const auto found = std::ranges::find_if(given, [&](const Option* option) {
+        return std::ranges::find(groups, option->group) != groups.end();
+    });
+    return found == given.end() ? nullptr : *found;
+}
+
 std::string flag_name(std::string_view field_name) {
     std::string flag = "--" + std::string(field_name);
     std::ranges::replace(flag, '_', '-');

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <initializer_list>
 #include <optional>
 #include <span>
 #include <string>
@@ -100,6 +101,24 @@ class OptionList {
 
     std::vector<Option> options_;
 };
+
+/// The options that were given on the command line.
+using GivenOptions = std::vector<const Option*>;
+
+/// Returns whether an option is given.
+bool is_given(const GivenOptions& given, std::string_view name);
+/// Returns the first given option that belongs to one of the groups; null if there is none.
+const Option* first_of_groups(const GivenOptions& given, std::initializer_list<std::string_view> groups);
+
+/// Converts errors of the library that the command line causes to UsageError, with a prefix.
+template <class Work>
+auto as_usage(std::string_view prefix, const Work& work) {
+    try {
+        return work();
+    } catch (const InvalidInput& error) {
+        throw UsageError(std::string(prefix) + error.what());
+    }
+}
 
 /// wire_width -> --wire-width
 std::string flag_name(std::string_view field_name);

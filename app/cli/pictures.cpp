@@ -4,6 +4,8 @@
 #include "coppice/render/png.h"
 #include "coppice/render/render.h"
 #include "coppice/system/file.h"
+#include "files.h"
+#include "options.h"
 
 namespace coppice::cli {
 
@@ -19,6 +21,14 @@ std::vector<Image> draw_each(Run& run, std::span<const Skeleton* const> trees, i
         }
         return out;
     });
+}
+
+void check_picture_output(const std::filesystem::path& path) {
+    if (path.empty()) return;
+    if (!is_png_name(path))
+        throw UsageError(
+            fmt::format("'{}' is not the name of an image; use the extension .png", path.string()));
+    check_output_folder(path);
 }
 
 void write_picture(const std::filesystem::path& path, const Image& image) {

@@ -10,6 +10,10 @@
 
 namespace coppice::cli {
 
+/// Throws UsageError if the name is not that of an image, IoError if its folder does not exist; accepts an
+/// empty name.
+void check_picture_output(const std::filesystem::path& path);
+
 /// Renders a square image of each skeleton, as a stage of the run.
 std::vector<Image> draw_each(Run& run, std::span<const Skeleton* const> trees, int size);
 

@@ -109,39 +109,34 @@ PointCloud labelled(const PointCloud& scan, const PlotSegments& segments, const 
     return out;
 }
 
-void write_rows(const fs::path& path, const std::vector<Figures>& rows) {
+void write_rows(const fs::path& path, const std::vector<Json>& rows) {
     CsvFile out(path);
-    for (const Figures& row : rows) out.add(row);
+    for (const Json& row : rows) out.add(row);
     out.commit();
 }
 
 /// Writes the sections of all stems from the circles fitted to the points.
 void write_taper(const fs::path& path, const std::vector<PlotTree>& trees) {
     CsvFile out(path);
-    for (std::size_t t = 0; t < trees.size(); ++t) {
-        Figures begin;
-        begin["tree"] = t + 1;
-        add_taper(out, begin, trees[t].form);
-    }
+    for (std::size_t t = 0; t < trees.size(); ++t) add_taper(out, {{"tree", t + 1}}, trees[t].form);
     out.commit();
 }
 
-MapValue map_value_of(const Figure& figure) {
-    if (const auto* number = std::get_if<double>(&figure.value)) return *number;
-    if (const auto* count = std::get_if<std::uint64_t>(&figure.value))
-        return static_cast<std::int64_t>(*count);
-    if (const auto* text = std::get_if<std::string>(&figure.value)) return *text;
+MapValue map_value_of(const Json& figure) {
+    if (figure.is_number_float()) return figure.get<double>();
+    if (figure.is_number_unsigned()) return figure.get<std::int64_t>();
+    if (figure.is_string()) return figure.get<std::string>();
     return {};
 }
 
 /// Writes stems as points and crowns as polygons, both with the columns of the table.
-std::vector<MapLayer> layers_of(const std::vector<PlotTree>& trees, const std::vector<Figures>& rows) {
+std::vector<MapLayer> layers_of(const std::vector<PlotTree>& trees, const std::vector<Json>& rows) {
     MapLayer stems{"stems", MapGeometry::points, {}, {}}, crowns{"crowns", MapGeometry::polygons, {}, {}};
-    for (const auto& [name, figure] : rows.front().entries()) stems.columns.push_back(name);
+    for (const auto& [name, figure] : rows.front().items()) stems.columns.push_back(name);
     crowns.columns = stems.columns;
     for (std::size_t t = 0; t < trees.size(); ++t) {
         std::vector<MapValue> values;
-        for (const auto& [name, figure] : rows[t].entries()) values.push_back(map_value_of(figure));
+        for (const auto& [name, figure] : rows[t].items()) values.push_back(map_value_of(figure));
         stems.features.push_back({{trees[t].form.foot}, values});
         if (!trees[t].crown.outline.empty()) crowns.features.push_back({trees[t].crown.outline, values});
     }
@@ -188,16 +183,14 @@ void write_leaves(const PlotFiles& files, const std::vector<PlotTree>& trees, co
     if (!leaves.points.empty()) write_point_cloud(files.leaf_points, leaves, {.system = files.system}, ctx);
 }
 
-void count(Run& run, const PointSet& points, const PlotSegments& segments, const std::vector<Figures>& rows) {
-    Figures& counts = run.counts();
-    counts["trees"] = rows.size();
-    counts["points"] = points.size();
-    counts["ground_points"] =
-        static_cast<std::uint64_t>(std::ranges::count(segments.tree_of, kPointOfGround));
-    counts["points_of_no_tree"] =
-        static_cast<std::uint64_t>(std::ranges::count(segments.tree_of, kPointOfNoTree));
-    counts["ground_found"] = segments.terrain.is_ground;
-    counts["trees_found"] = Figure::List(rows.begin(), rows.end());
+void count(Run& run, const PointSet& points, const PlotSegments& segments, const std::vector<Json>& rows) {
+    const auto count_of = [&](std::uint32_t label) { return std::ranges::count(segments.tree_of, label); };
+    run.counts().update({{"trees", rows.size()},
+                         {"points", points.size()},
+                         {"ground_points", count_of(kPointOfGround)},
+                         {"points_of_no_tree", count_of(kPointOfNoTree)},
+                         {"ground_found", segments.terrain.is_ground},
+                         {"trees_found", rows}});
 }
 
 /// Finds files of trees beyond the last one that an earlier run left; they would seem to belong to this run.
@@ -295,11 +288,11 @@ void check_plot_files(const PlotFiles& files) {
     check_cloud_output(files.tree_points);
 }
 
-std::vector<Figures> plot_rows(const WrittenPlot& written, const std::string& input, const fs::path& folder) {
+std::vector<Json> plot_rows(const WrittenPlot& written, const std::string& input, const fs::path& folder) {
     const PlotSegments& segments = written.plot.segments;
     const TreeColumns columns{
         .of_files = !input.empty(), .of_plots = true, .with_ids = !segments.ids.empty()};
-    std::vector<Figures> rows;
+    std::vector<Json> rows;
     for (std::size_t t = 0; t < written.plot.trees.size(); ++t) {
         const PlotTree& tree = written.plot.trees[t];
         const Rgb color = numbered_color(t);
@@ -337,7 +330,7 @@ WrittenPlot write_plot(Run& run, const PointCloud& scan, PlotExtraction plot, co
         }
     });
     if (!files.mesh.empty()) write_surfaces(run, trees, files, folder);
-    const std::vector<Figures> rows = plot_rows(out);
+    const std::vector<Json> rows = plot_rows(out);
     run.stage("write tables", [&](const Context& ctx) {
         write_rows(folder / kTreeTable, rows);
         write_taper(folder / kTaperTable, trees);

@@ -67,7 +67,7 @@ WrittenPlot write_plot(Run& run, const PointCloud& scan, PlotExtraction plot, co
 
 /// Returns the rows of a table for one plot; for many plots `input` is the name of this input file, and
 /// `folder` that of its skeletons.
-std::vector<Figures> plot_rows(const WrittenPlot& written, const std::string& input = {},
-                               const std::filesystem::path& folder = {});
+std::vector<Json> plot_rows(const WrittenPlot& written, const std::string& input = {},
+                            const std::filesystem::path& folder = {});
 
 }  // namespace coppice::cli

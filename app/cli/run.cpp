@@ -108,24 +108,13 @@ void Run::clear_progress() {
     shown_percent_ = -1;
 }
 
-Figures Run::report(double seconds) const {
-    Figure::List stages;
-    for (const auto& [name, took] : stages_) {
-        Figures stage;
-        stage["name"] = name;
-        stage["seconds"] = rounded(took);
-        stages.emplace_back(stage);
-    }
-    Figures out;
-    out["coppice"] = std::string(kVersion);
-    out["command"] = command_;
-    out["seconds"] = rounded(seconds);
-    out["stages"] = stages;
-    out["counts"] = counts_;
-    out["repairs"] = repairs_;
-    out["warnings"] = warnings_;
-    out["peak_memory_bytes"] = peak_memory_bytes();
-    return out;
+Json Run::report(double seconds) const {
+    Json stages = Json::array();
+    for (const auto& [name, took] : stages_) stages.push_back({{"name", name}, {"seconds", rounded(took)}});
+    return {{"coppice", kVersion},         {"command", command_},
+            {"seconds", rounded(seconds)}, {"stages", stages},
+            {"counts", counts_},           {"repairs", repairs_},
+            {"warnings", warnings_},       {"peak_memory_bytes", peak_memory_bytes()}};
 }
 
 void Run::warn(const std::string& text) {

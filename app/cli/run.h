@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "coppice/base/context.h"
+#include "coppice/skeleton/skeleton.h"
 #include "figures.h"
 #include "options.h"
 #include "signals.h"
@@ -41,6 +42,10 @@ class Run {
 
     /// Adds a stage that was timed elsewhere.
     void add_stage(const std::string& name, double seconds) { stages_.emplace_back(name, seconds); }
+    /// Adds the stages of a result, each with this prefix.
+    void add_stages(const std::string& prefix, const auto& stages) {
+        for (const auto& [name, seconds] : stages) add_stage(prefix + std::string(name), seconds);
+    }
 
     /// Clears a stop request, so that later work is not stopped.
     void forget_interrupt() { signals_.forget(); }
@@ -52,8 +57,12 @@ class Run {
     /// kMinMemory; returns the limit.
     int max_memory(int otherwise);
 
-    Figures& counts() { return counts_; }
-    Figures& repairs() { return repairs_; }
+    Json& counts() { return counts_; }
+    Json& repairs() { return repairs_; }
+    /// Adds the numbers of nodes and trees of a skeleton to the counts.
+    void count_skeleton(const Skeleton& skeleton) {
+        counts_.update({{"nodes", skeleton.size()}, {"trees", skeleton.tree_count()}});
+    }
 
     /// Prints a warning on stderr, unless --quiet, and adds it to the report.
     void warn(const std::string& text);
@@ -75,7 +84,7 @@ class Run {
         std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
     };
 
-    Figures report(double seconds) const;
+    Json report(double seconds) const;
     Context context(const std::string& stage);
     void show_progress(const std::string& stage, float fraction);
     void clear_progress();
@@ -88,9 +97,9 @@ class Run {
     int shown_percent_ = -1;
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
     std::vector<std::pair<std::string, double>> stages_;
-    Figures counts_;
-    Figures repairs_;
-    Figure::List warnings_;
+    Json counts_ = Json::object();
+    Json repairs_ = Json::object();
+    Json warnings_ = Json::array();
 };
 
 }  // namespace coppice::cli

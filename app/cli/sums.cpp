@@ -4,22 +4,21 @@
 
 namespace coppice::cli {
 
-void add_sums(Figures& out, const SkeletonFile& file, const SkeletonMeasures& measures,
+void add_sums(Json& out, const SkeletonFile& file, const SkeletonMeasures& measures,
               const std::function<std::string(std::string_view name, int power)>& name, const Context& ctx) {
-    out[name("volume_frusta", 3)] = measures.volume_frusta;
-    out[name("area_frusta", 2)] = measures.area_frusta;
-    out[name("volume_segments", 3)] = measures.volume;
-    out[name("area_segments", 2)] = measures.area;
+    out.update({{name("volume_frusta", 3), measures.volume_frusta},
+                {name("area_frusta", 2), measures.area_frusta},
+                {name("volume_segments", 3), measures.volume},
+                {name("area_segments", 2), measures.area}});
     // The ends have the default shapes of surfaces.
     const ConeUnion solid(file.skeleton, file.skeleton.origin(), EndShape::flat, EndShape::round, ctx);
     const UnionVolume united = union_volume(solid, {}, {}, ctx);
-    out[name("volume_union", 3)] = united.total;
-    out[name("volume_union_error", 3)] = united.error;
+    out.update({{name("volume_union", 3), united.total}, {name("volume_union_error", 3), united.error}});
     if (!file.declared) return;
-    out["cylinders"] = file.declared->cylinders;
-    out[name("cylinder_length", 1)] = file.declared->length;
-    out[name("cylinder_area", 2)] = file.declared->area;
-    out[name("cylinder_volume", 3)] = file.declared->volume;
+    out.update({{"cylinders", file.declared->cylinders},
+                {name("cylinder_length", 1), file.declared->length},
+                {name("cylinder_area", 2), file.declared->area},
+                {name("cylinder_volume", 3), file.declared->volume}});
 }
 
 }  // namespace coppice::cli

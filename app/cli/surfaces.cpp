@@ -15,91 +15,10 @@
 namespace coppice::cli {
 namespace {
 
-Figures compute_counts(const GraftReport& r) {
-    Figures out;
-    out["grafted"] = r.grafted;
-    out["cut"] = r.cut;
-    out["merged"] = r.merged;
-    out["nodes_inside"] = r.nodes_inside;
-    out["trees_joined"] = r.joined;
-    return out;
-}
-
-Figures compute_counts(const PartReport& r) {
-    Figures out;
-    out["merged_nodes"] = r.merged_nodes;
-    out["shifted_nodes"] = r.shifted_nodes;
-    out["paired_nodes"] = r.paired_nodes;
-    out["hidden_tips"] = r.hidden_tips;
-    return out;
-}
-
-Figures compute_counts(const RemeshReport& r) {
-    Figures out;
-    out["pairs_before"] = r.pairs_before;
-    out["pairs_after"] = r.pairs_after;
-    out["lost_bulges"] = r.lost_bulges;
-    out["severed"] = r.severed;
-    out["folded"] = r.folded;
-    out["rounds"] = r.rounds;
-    out["tube_rows"] = r.tube_rows;
-    return out;
-}
-
-Figures compute_counts(const CoarsenReport& r) {
-    Figures out;
-    out["quads_before"] = r.faces_before;
-    out["nodes_refined"] = r.raised;
-    return out;
-}
-
-Figures compute_counts(const BendApartReport& r) {
-    Figures out;
-    out["overlaps_before"] = r.before;
-    out["overlaps_after"] = r.after;
-    out["nodes_moved"] = r.moved;
-    out["farthest"] = r.farthest;
-    out["rounds"] = r.rounds;
-    return out;
-}
-
-Figures compute_counts(const RamificationObjective& f) {
-    Figures out;
-    out["units"] = f.units;
-    out["connections"] = f.connections;
-    out["pastes"] = f.pastes;
-    out["total"] = f.total();
-    return out;
-}
-
-Figures compute_counts(const RamificationReport& r) {
-    Figures out;
-    out["branches"] = r.branches;
-    out["units"] = r.units;
-    out["connectable"] = r.connectable;
-    out["additional"] = r.additional;
-    out["crowded"] = r.crowded;
-    out["objective_before"] = compute_counts(r.before);
-    out["objective_after"] = compute_counts(r.after);
-    out["connection_seconds"] = r.connection_seconds;
-    out["subdivision_seconds"] = r.subdivision_seconds;
-    out["paste_seconds"] = r.paste_seconds;
-    return out;
-}
-
 // Summarises how laterals were connected, and the change of the objective.
 std::string summary(const RamificationReport& r) {
     return fmt::format("{} laterals connected, {} pasted, objective {:.1f} from {:.1f}",
                        grouped(r.connectable), grouped(r.additional), r.after.total(), r.before.total());
-}
-
-Figures compute_counts(const BallReport& r) {
-    Figures out;
-    out["balls"] = r.balls;
-    out["spacing"] = r.chain.spacing;
-    out["radius_at_balls"] = r.chain.at_balls;
-    out["radius_between"] = r.chain.between;
-    return out;
 }
 
 std::string counted(std::uint64_t number, std::string_view thing) {
@@ -129,18 +48,18 @@ std::string summary(const RemeshReport& r) {
     return out;
 }
 
-std::string count(Figures& counts, const QuadSurface& surface) {
-    counts["vertices"] = surface.mesh.positions.size();
-    counts["quads"] = surface.mesh.quads.size();
-    counts["cage_quads"] = surface.cage.cage.quads.size();
-    counts["bodies"] = surface.repair.parts;
-    counts["handles"] = surface.repair.handles;
-    counts["branches_grafted"] = compute_counts(surface.grafted);
-    counts["branches_parted"] = compute_counts(surface.parted);
-    if (surface.balls) counts["metaballs"] = compute_counts(*surface.balls);
-    if (had_repairs(surface.repair)) counts["crossings_remeshed"] = compute_counts(surface.repair);
-    if (surface.coarsened) counts["sides_by_radius"] = compute_counts(*surface.coarsened);
-    if (surface.ramified) counts["ramifications"] = compute_counts(*surface.ramified);
+std::string count(Json& counts, const QuadSurface& surface) {
+    counts.update({{"vertices", surface.mesh.positions.size()},
+                   {"quads", surface.mesh.quads.size()},
+                   {"cage_quads", surface.cage.cage.quads.size()},
+                   {"bodies", surface.repair.parts},
+                   {"handles", surface.repair.handles},
+                   {"branches_grafted", compute_figures(surface.grafted)},
+                   {"branches_parted", compute_figures(surface.parted)}});
+    if (surface.balls) counts["metaballs"] = compute_figures(*surface.balls);
+    if (had_repairs(surface.repair)) counts["crossings_remeshed"] = compute_figures(surface.repair);
+    if (surface.coarsened) counts["sides_by_radius"] = compute_figures(*surface.coarsened);
+    if (surface.ramified) counts["ramifications"] = compute_figures(*surface.ramified);
     const std::string how =
         surface.ramified ? summary(*surface.ramified)
                          : fmt::format("{} merged, {} grafted, {} cut", grouped(surface.grafted.merged),
@@ -151,57 +70,26 @@ std::string count(Figures& counts, const QuadSurface& surface) {
                        summary(surface.repair));
 }
 
-Figures compute_counts(const PolyhedronReport& r) {
-    Figures out;
-    out["sections"] = r.sections;
-    out["auxiliary_points"] = r.auxiliary;
-    out["sections_added"] = r.added;
-    return out;
-}
-
-std::string count(Figures& counts, const TetraSurface& surface) {
-    counts["vertices"] = surface.mesh.positions.size();
-    counts["triangles"] = surface.mesh.triangles.size();
-    counts["tetrahedra"] = surface.march.tetra;
-    counts["coarse_tetrahedra"] = surface.coarse;
-    if (surface.polyhedron) counts["polyhedron"] = compute_counts(*surface.polyhedron);
-    counts["samples"] = surface.march.vertices;
-    counts["crossed_tetrahedra"] = surface.march.crossed;
-    counts["snapped_vertices"] = surface.march.snapped;
-    counts["freed_vertices"] = surface.march.freed;
+std::string count(Json& counts, const TetraSurface& surface) {
+    counts.update({{"vertices", surface.mesh.positions.size()},
+                   {"triangles", surface.mesh.triangles.size()},
+                   {"tetrahedra", surface.march.tetra},
+                   {"coarse_tetrahedra", surface.coarse}});
+    if (surface.polyhedron) counts["polyhedron"] = compute_figures(*surface.polyhedron);
+    counts.update(compute_figures(surface.march));
     counts["lattice_grown"] = surface.grown;
     if (!surface.solid.tetra.empty()) {
-        counts["volume_vertices"] = surface.solid.positions.size();
-        counts["volume_tetrahedra"] = surface.solid.tetra.size();
+        counts.update({{"volume_vertices", surface.solid.positions.size()},
+                       {"volume_tetrahedra", surface.solid.tetra.size()}});
     }
     return fmt::format("{} triangles", grouped(surface.mesh.triangles.size()));
 }
 
-std::string count(Figures& counts, const CylinderMesh& surface) {
-    counts["vertices"] = surface.mesh.positions.size();
-    counts["faces"] = surface.mesh.face_count();
-    counts["tubes"] = surface.report.tubes;
-    counts["rings"] = surface.report.rings;
-    counts["min_sides"] = surface.report.min_sides;
-    counts["max_sides"] = surface.report.max_sides;
+std::string count(Json& counts, const CylinderMesh& surface) {
+    counts.update({{"vertices", surface.mesh.positions.size()}, {"faces", surface.mesh.face_count()}});
+    counts.update(compute_figures(surface.report));
     return fmt::format("{} tubes, {} faces", grouped(surface.report.tubes),
                        grouped(surface.mesh.face_count()));
-}
-
-Figures compute_counts(const VolumeReport& r) {
-    Figures out;
-    out["mesh"] = r.mesh;
-    out["cones"] = r.cones;
-    out["error"] = r.error;
-    out["ratio"] = r.ratio();
-    return out;
-}
-
-Figures compute_counts(const AxesReport& r) {
-    Figures out = compute_figures(r);
-    out["tips"] = r.tips;
-    out["tips_short"] = r.short_tips;
-    return out;
 }
 
 template <class Surface>
@@ -253,7 +141,7 @@ std::string count_surface(Run& run, const MeshResult& result) {
         std::visit([&](const auto& surface) { return count(run.counts(), surface); }, result.surface);
     tell_device(run, result);
     if (result.bent_apart) {
-        run.counts()["trees_bent_apart"] = compute_counts(*result.bent_apart);
+        run.counts()["trees_bent_apart"] = compute_figures(*result.bent_apart);
         said = summary(*result.bent_apart) + said;
     }
     if (!result.fitted) return said;
@@ -291,15 +179,19 @@ Verdict judge(Run& run, const MeshResult& result, const Skeleton& skeleton, cons
     if (!verdict) return {};
     Verdict out{verdict->is_good(), {}};
     if (verdict->volume) {
-        run.counts()["volume"] = compute_counts(*verdict->volume);
-        if (!result.fitted)
-            out.said = fmt::format("; volume {:.1f} % of the cones'", 100 * verdict->volume->ratio());
+        const VolumeReport& volume = *verdict->volume;
+        run.counts()["volume"] = {{"mesh", volume.mesh},
+                                  {"cones", volume.cones},
+                                  {"error", volume.error},
+                                  {"ratio", volume.ratio()}};
+        if (!result.fitted) out.said = fmt::format("; volume {:.1f} % of the cones'", 100 * volume.ratio());
         if (!verdict->holds_volume()) {
             run.warn(fmt::format("the surface has {:.1f} % of the volume of the skeleton's rounded cones",
-                                 100 * verdict->volume->ratio()));
+                                 100 * volume.ratio()));
         }
     }
-    run.counts()["axes"] = compute_counts(verdict->axes);
+    Json& axes = run.counts()["axes"] = compute_figures(verdict->axes);
+    axes.update({{"tips", verdict->axes.tips}, {"tips_short", verdict->axes.short_tips}});
     for (const std::string& fault : find_faults(verdict->axes)) run.warn(fault);
     if (verdict->crossings > 0)
         run.warn(fmt::format("{} of quads still intersect; coppice check lists the places",

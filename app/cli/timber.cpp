@@ -8,9 +8,9 @@
 namespace coppice::cli {
 namespace {
 
-void add_stem(Figures& out, double top, const TimberVolume& of, const Timber::Name& name) {
-    out[name(fmt::format("stem_length_to_{:g}", top), 1)] = of.stem_length;
-    out[name(fmt::format("stem_volume_to_{:g}", top), 3)] = of.stem_volume;
+void add_stem(Json& out, double top, const TimberVolume& of, const Timber::Name& name) {
+    out.update({{name(fmt::format("stem_length_to_{:g}", top), 1), of.stem_length},
+                {name(fmt::format("stem_volume_to_{:g}", top), 3), of.stem_volume}});
 }
 
 }  // namespace
@@ -38,14 +38,14 @@ Timber::Timber(const Skeleton& skeleton, const BranchTable& table, const TimberF
         volumes_.push_back(timber_volumes(skeleton, table, top, shortest(flags.stump_height)));
 }
 
-void Timber::add_tree(Figures& out, std::size_t tree, const Name& name) const {
+void Timber::add_tree(Json& out, std::size_t tree, const Name& name) const {
     for (std::size_t k = 0; k < tops_.size(); ++k) {
         add_stem(out, tops_[k], volumes_[k][tree], name);
         out[name(fmt::format("timber_from_{:g}", tops_[k]), 3)] = volumes_[k][tree].volume;
     }
 }
 
-void Timber::add_all(Figures& out, const Name& name) const {
+void Timber::add_all(Json& out, const Name& name) const {
     for (std::size_t k = 0; k < tops_.size(); ++k) {
         TimberVolume sum;
         for (const TimberVolume& tree : volumes_[k]) {
@@ -58,7 +58,7 @@ void Timber::add_all(Figures& out, const Name& name) const {
     }
 }
 
-void add_stem_timber(Figures& out, const StemForm& form, const TimberFlags& flags, const Timber::Name& name) {
+void add_stem_timber(Json& out, const StemForm& form, const TimberFlags& flags, const Timber::Name& name) {
     const auto stem = stem_skeleton(form);
     if (!stem) return;
     const BranchTable table = list_branches(*stem);

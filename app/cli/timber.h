@@ -35,8 +35,8 @@ class Timber {
     /// Adds the figures of one tree, or the sums of all; `name` appends the unit to the name of a figure, for
     /// the given power of a length.
     using Name = std::function<std::string(std::string_view name, int power)>;
-    void add_tree(Figures& out, std::size_t tree, const Name& name) const;
-    void add_all(Figures& out, const Name& name) const;
+    void add_tree(Json& out, std::size_t tree, const Name& name) const;
+    void add_all(Json& out, const Name& name) const;
 
   private:
     std::vector<double> tops_;
@@ -44,6 +44,6 @@ class Timber {
 };
 
 /// Adds the figures of a stem known only by its sections: those of Timber without the volume of branches.
-void add_stem_timber(Figures& out, const StemForm& form, const TimberFlags& flags, const Timber::Name& name);
+void add_stem_timber(Json& out, const StemForm& form, const TimberFlags& flags, const Timber::Name& name);
 
 }  // namespace coppice::cli

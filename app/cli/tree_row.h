@@ -36,8 +36,8 @@ struct TreeRow {
     std::string warnings = {}, error = {};  ///< warnings to check; the reason why there is no skeleton
 };
 
-/// Returns a row of the table, with the same columns for every row; unknown values are NotChecked. Defines
+/// Returns a row of the table, with the same columns for every row; unknown values are null. Defines
 /// the names of the columns.
-Figures tree_row(const TreeRow& row, const TreeColumns& columns);
+Json tree_row(const TreeRow& row, const TreeColumns& columns);
 
 }  // namespace coppice::cli

@@ -35,14 +35,11 @@ struct BranchSums {
     }
 };
 
-void add_place(Figures& row, std::string_view prefix, Vec3d p) {
+void add_place(Json& row, std::string_view prefix, Vec3d p) {
     constexpr std::array kNames{"x", "y", "z"};
     for (int axis = 0; axis < 3; ++axis)
         row[fmt::format("{}{}", prefix, kNames[static_cast<std::size_t>(axis)])] = p[axis];
 }
-
-/// Returns a known value, or else an empty cell.
-Figure known(double value, bool is_known) { return is_known ? Figure(value) : Figure(NotChecked{}); }
 
 /// Returns the radius of the cylinder with the volume and length of a cone.
 double equal_radius(const Frustum& cone) {
@@ -75,15 +72,15 @@ void add_tree_table_options(OptionList& options, TreeTableFlags& flags) {
                    {.common = false});
 }
 
-void add_taper(CsvFile& out, const Figures& begin, const StemForm& form, LengthUnit units) {
+void add_taper(CsvFile& out, const Json& begin, const StemForm& form, LengthUnit units) {
     for (const StemDiameter& d : form.taper) {
-        Figures row = begin;
+        Json row = begin;
         const bool measured = d.coverage > 0;
-        row[in_unit("height", units)] = d.height;
-        row[in_unit("diameter", units)] = d.diameter;
-        row[in_unit("deviation", units)] = known(d.deviation, measured);
-        row[in_unit("residual", units)] = known(d.residual, measured);
-        row["coverage"] = known(d.coverage, measured);
+        row.update({{in_unit("height", units), d.height},
+                    {in_unit("diameter", units), d.diameter},
+                    {in_unit("deviation", units), known(d.deviation, measured)},
+                    {in_unit("residual", units), known(d.residual, measured)},
+                    {"coverage", known(d.coverage, measured)}});
         add_place(row, "", d.center);
         out.add(row);
     }
@@ -127,9 +124,7 @@ void TreeTables::check_units(const std::string& path, LengthUnit units) {
 void TreeTables::add(Run& run, const std::string& path, int model, const SkeletonFile& file) {
     if (!flags_.any()) return;
     check_units(path, file.units);
-    Figures begin;
-    begin["file"] = path;
-    begin["model"] = model;
+    const Json begin{{"file", path}, {"model", model}};
     run.stage("trees", [&](const Context& ctx) {
         const Skeleton& s = file.skeleton;
         const NodeAxes axes = find_axes(file);
@@ -138,7 +133,7 @@ void TreeTables::add(Run& run, const std::string& path, int model, const Skeleto
         if (cylinders_) add_cylinders(begin, file, table);
         const std::vector<StemForm> forms = stem_forms(s);
         for (std::size_t t = 0; taper_ && t < forms.size(); ++t) {
-            Figures tree = begin;
+            Json tree = begin;
             tree["tree"] = t + 1;
             add_taper(*taper_, tree, forms[t], file.units);
         }
@@ -155,16 +150,12 @@ void TreeTables::add(Run& run, const std::string& path, int model, const Skeleto
 void TreeTables::add(const std::string& path, const StemForm& form, const Crown& crown) {
     if (taper_) {
         check_units(path, LengthUnit::m);
-        Figures begin;
-        begin["file"] = path;
-        begin["model"] = 1;
-        begin["tree"] = 1;
-        add_taper(*taper_, begin, form);
+        add_taper(*taper_, {{"file", path}, {"model", 1}, {"tree", 1}}, form);
     }
     add_hull(crowns_, crown.hull);
 }
 
-void TreeTables::add_trees(const Figures& begin, const SkeletonFile& file, const BranchTable& table,
+void TreeTables::add_trees(const Json& begin, const SkeletonFile& file, const BranchTable& table,
                            std::span<const StemForm> forms, std::span<const double> bases,
                            std::span<const Crown> crowns) {
     std::vector<BranchSums> stems(forms.size()), laterals(forms.size());
@@ -175,7 +166,7 @@ void TreeTables::add_trees(const Figures& begin, const SkeletonFile& file, const
     for (std::size_t t = 0; t < forms.size(); ++t) {
         const BranchSums &stem = stems[t], &others = laterals[t];
         const double height = forms[t].height, volume = stem.volume + others.volume;
-        Figures row = begin;
+        Json row = begin;
         row["tree"] = t + 1;
         add_place(row, "", forms[t].foot);
         row[name("height", 1)] = height;
@@ -206,14 +197,14 @@ void TreeTables::add_trees(const Figures& begin, const SkeletonFile& file, const
     }
 }
 
-void TreeTables::add_branches(const Figures& begin, const SkeletonFile& file, const BranchTable& table) {
+void TreeTables::add_branches(const Json& begin, const SkeletonFile& file, const BranchTable& table) {
     const auto name = [&](std::string_view of, int power) { return in_unit(of, file.units, power); };
     for (std::size_t i = 0; i < table.branches.size(); ++i) {
         const Branch& b = table.branches[i];
-        Figures row = begin;
+        Json row = begin;
         row["tree"] = b.tree + 1;
         row["branch"] = i + 1;
-        row["parent"] = b.parent == kNoIndex ? Figure(NotChecked{}) : Figure(b.parent + 1);
+        row["parent"] = b.parent == kNoIndex ? Json() : Json(b.parent + 1);
         row["order"] = b.order;
         row["cylinders"] = b.segments;
         row[name("diameter", 1)] = b.diameter;
@@ -228,7 +219,7 @@ void TreeTables::add_branches(const Figures& begin, const SkeletonFile& file, co
     }
 }
 
-void TreeTables::add_cylinders(const Figures& begin, const SkeletonFile& file, const BranchTable& table) {
+void TreeTables::add_cylinders(const Json& begin, const SkeletonFile& file, const BranchTable& table) {
     const Skeleton& s = file.skeleton;
     const auto name = [&](std::string_view of) { return in_unit(of, file.units); };
     for (const NodeId n : nodes(s)) {
@@ -237,12 +228,12 @@ void TreeTables::add_cylinders(const Figures& begin, const SkeletonFile& file, c
         const Frustum cone = frustum(segment);
         const std::uint32_t branch = table.find_branch[n.index()];
         const NodeId parent = s.parent(n);
-        Figures row = begin;
+        Json row = begin;
         row["tree"] = table.branches[branch].tree + 1;
         row["cylinder"] = n.index();
-        row["parent"] = s.is_root(parent) ? Figure(NotChecked{}) : Figure(parent.index());
+        row["parent"] = s.is_root(parent) ? Json() : Json(parent.index());
         const NodeId next = table.next_of[n.index()];
-        row["extension"] = next ? Figure(next.index()) : Figure(NotChecked{});
+        row["extension"] = next ? Json(next.index()) : Json();
         row["branch"] = branch + 1;
         row["order"] = table.branches[branch].order;
         row["position"] = table.position_of[n.index()];

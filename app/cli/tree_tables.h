@@ -27,7 +27,7 @@ struct TreeTableFlags {
 void add_tree_table_options(OptionList& options, TreeTableFlags& flags);
 
 /// Adds the sections of a stem to a table; each row begins with the given figures.
-void add_taper(CsvFile& out, const Figures& begin, const StemForm& form, LengthUnit units = LengthUnit::m);
+void add_taper(CsvFile& out, const Json& begin, const StemForm& form, LengthUnit units = LengthUnit::m);
 
 /// Adds the hull of a crown to the others; all use the origin of the first one.
 void add_hull(TriMesh& out, const TriMesh& hull);
@@ -51,11 +51,11 @@ class TreeTables {
 
   private:
     void check_units(const std::string& path, LengthUnit units);
-    void add_trees(const Figures& begin, const SkeletonFile& file, const BranchTable& table,
+    void add_trees(const Json& begin, const SkeletonFile& file, const BranchTable& table,
                    std::span<const StemForm> forms, std::span<const double> bases,
                    std::span<const Crown> crowns);
-    void add_branches(const Figures& begin, const SkeletonFile& file, const BranchTable& table);
-    void add_cylinders(const Figures& begin, const SkeletonFile& file, const BranchTable& table);
+    void add_branches(const Json& begin, const SkeletonFile& file, const BranchTable& table);
+    void add_cylinders(const Json& begin, const SkeletonFile& file, const BranchTable& table);
 
     TreeTableFlags flags_;
     TimberFlags timber_;

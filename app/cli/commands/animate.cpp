@@ -21,21 +21,11 @@ struct AnimateFlags {
     ReadSkeletonOptions read;
 };
 
-/// Converts errors of the library caused by the command line to UsageError.
-template <class Work>
-auto as_usage(const Work& work) {
-    try {
-        return work();
-    } catch (const InvalidInput& error) {
-        throw UsageError(error.what());
-    }
-}
-
 void check_flags(const AnimateFlags& flags) {
     if (flags.tree.empty() || flags.outputs.empty())
         throw UsageError("name the tree and the frames: coppice animate TREE -o FRAMES");
     const bool has_keys = !flags.keys.empty() || !flags.more_keys.empty();
-    as_usage([&] {
+    as_usage("", [&] {
         for (const auto& output : flags.outputs) check_frames_name(output, !flags.how.grow);
         check_animation(flags.how, has_keys);
     });
@@ -60,33 +50,10 @@ FrameSinks open_sinks(const AnimateFlags& flags, const FrameSeries& series) {
     return sinks;
 }
 
-Figures to_figures(const FrozenFrame& frozen) {
-    Figures out;
-    out["frame"] = frozen.frame;
-    out["time"] = frozen.time;
-    out["frozen_nodes"] = frozen.nodes;
-    out["whole_tree"] = frozen.whole_tree;
-    out["folded"] = frozen.folded;
-    out["crossings"] = frozen.crossings;
-    return out;
-}
-
-void count(Figures& counts, const MotionReport& report) {
-    counts["frames_frozen"] = report.frozen;
-    counts["frames_wholly_frozen"] = report.wholly_frozen;
-    counts["folds_avoided"] = report.folded;
-    counts["crossings_avoided"] = report.crossings;
-    counts["not_converged"] = report.not_converged;
-    if (report.first.empty()) return;
-    Figure::List frozen;
-    for (const FrozenFrame& frame : report.first) frozen.emplace_back(to_figures(frame));
-    counts["frozen"] = frozen;
-}
-
 /// Deforms one surface for all frames.
 ExitCode animate_motion(Run& run, const AnimateFlags& flags, const Skeleton& tree) {
     std::optional<Keyframes> keys = load_keys(run, flags, tree);
-    const Motion motion = as_usage([&] { return Motion(tree, std::move(keys), flags.how); });
+    const Motion motion = as_usage("", [&] { return Motion(tree, std::move(keys), flags.how); });
     const std::size_t count_of_frames = motion.frames();
     SkinnedMesh mesh =
         run.stage("mesh", [&](const Context& ctx) { return SkinnedMesh(tree, flags.how.mesh, ctx); });
@@ -96,10 +63,10 @@ ExitCode animate_motion(Run& run, const AnimateFlags& flags, const Skeleton& tre
         run.stage("frames", [&](const Context& ctx) { return make_frames(mesh, motion, sinks, ctx); });
     run.add_stage("frames: carry", report.carrying);
     count_surface(run, mesh.made());
-    run.counts()["keys"] = motion.keys();
-    run.counts()["frames"] = count_of_frames;
-    run.counts()["seconds_per_frame"] = report.carrying / static_cast<double>(count_of_frames);
-    count(run.counts(), report);
+    run.counts().update({{"keys", motion.keys()},
+                         {"frames", count_of_frames},
+                         {"seconds_per_frame", report.carrying / static_cast<double>(count_of_frames)}});
+    run.counts().update(compute_figures(report));
     run.finish(fmt::format("{}: {}", flags.tree.string(),
                            to_text(report, count_of_frames, series.rest->quads.size())));
     return kDone;
@@ -107,7 +74,7 @@ ExitCode animate_motion(Run& run, const AnimateFlags& flags, const Skeleton& tre
 
 /// Computes a new surface for each frame.
 ExitCode animate_growth(Run& run, const AnimateFlags& flags, const Skeleton& tree) {
-    const GrowthFrames frames = as_usage([&] { return growth_frames(flags.how.run); });
+    const GrowthFrames frames = as_usage("", [&] { return growth_frames(flags.how.run); });
     const MeshResult last =
         run.stage("mesh", [&](const Context& ctx) { return mesh_skeleton(tree, flags.how.mesh, ctx); });
     const QuadMesh& surface = last.quads().mesh;
@@ -115,8 +82,7 @@ ExitCode animate_growth(Run& run, const AnimateFlags& flags, const Skeleton& tre
     const std::uint64_t crossings = run.stage(
         "frames", [&](const Context& ctx) { return make_frames(tree, frames, flags.how, sinks, ctx); });
     count_surface(run, last);
-    run.counts()["frames"] = frames.frames;
-    run.counts()["crossings"] = crossings;
+    run.counts().update({{"frames", frames.frames}, {"crossings", crossings}});
     run.finish(
         fmt::format("{}: {}", flags.tree.string(), text_of_growth(frames.frames, surface.quads.size())));
     return kDone;

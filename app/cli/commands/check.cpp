@@ -102,11 +102,9 @@ std::string_view verdict_of(const SurfaceReport& report) {
 
 /// Throws UsageError for options that have no effect without points.
 void check_cloud_options(const GivenOptions& given, const CheckFlags& flags) {
-    for (const Option* option : given) {
-        if (flags.cloud.empty() && option->group == kCloudGroup)
-            throw UsageError(
-                fmt::format("{} requires points: coppice check MESH --cloud POINTS", option->name));
-    }
+    if (!flags.cloud.empty()) return;
+    if (const Option* option = first_of_groups(given, {kCloudGroup}))
+        throw UsageError(fmt::format("{} requires points: coppice check MESH --cloud POINTS", option->name));
 }
 
 /// Measures the cloud; writes it with its distances if requested.
@@ -142,12 +140,12 @@ ExitCode check(Run& run, const GivenOptions& given, const CheckFlags& flags) {
     const Skeleton* nodes = skeleton ? &skeleton->skeleton : nullptr;
     const SurfaceReport report =
         run.stage("check", [&](const Context& ctx) { return check_surface(mesh, nodes, flags.check, ctx); });
-    Figures figures;
-    if (skeleton) figures["units"] = std::string(name_of(skeleton->units));
-    figures["sound"] = NotChecked{"crossings"};  // unless the report contains it
-    figures.append(compute_figures(report));
-    if (cloud) figures.append(compute_figures(measure_cloud(run, mesh, std::move(*cloud), nodes, flags)));
-    print(flags.json ? figures_json(figures) : figures_text(figures));
+    Json figures;
+    if (skeleton) figures["units"] = name_of(skeleton->units);
+    figures["sound"] = nullptr;  // unless the report contains it
+    figures.update(compute_figures(report));
+    if (cloud) figures.update(compute_figures(measure_cloud(run, mesh, std::move(*cloud), nodes, flags)));
+    print(flags.json ? figures_json(figures) : figures_text(figures, "unknown: crossings not checked"));
     run.counts()["figures"] = figures;
     run.finish(
         fmt::format("{}: {} faces, {}", flags.mesh.string(), grouped(mesh.face_count()), verdict_of(report)));

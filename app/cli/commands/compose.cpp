@@ -42,11 +42,7 @@ void check_flags(const ComposeFlags& flags) {
     flags.write.format == SkeletonFormat::automatic ? check_skeleton_output(flags.output)
                                                     : check_output_folder(flags.output);
     if (!flags.mesh_output.empty()) check_mesh_output(flags.mesh_output);
-    if (flags.sheet.empty()) return;
-    if (!is_png_name(flags.sheet))
-        throw UsageError(
-            fmt::format("'{}' is not the name of an image; use the extension .png", flags.sheet.string()));
-    check_output_folder(flags.sheet);
+    check_picture_output(flags.sheet);
 }
 
 /// Returns the file name: tree.swc for a single tree, else tree_001.swc and so on.
@@ -64,18 +60,16 @@ std::optional<SolidField> crown_of(Run& run, const ComposeFlags& flags, Vec3d or
 }
 
 /// Returns the statistics of a measure over all trees.
-Figures spread(std::vector<double> values) {
+Json spread(std::vector<double> values) {
     const auto [least, greatest] = std::ranges::minmax(values);
     double sum = 0, squares = 0;
     for (const double v : values) sum += v;
     const double mean = sum / static_cast<double>(values.size());
     for (const double v : values) squares += (v - mean) * (v - mean);
-    Figures out;
-    out["mean"] = mean;
-    out["deviation"] = std::sqrt(squares / static_cast<double>(values.size()));
-    out["least"] = least;
-    out["greatest"] = greatest;
-    return out;
+    return {{"mean", mean},
+            {"deviation", std::sqrt(squares / static_cast<double>(values.size()))},
+            {"least", least},
+            {"greatest", greatest}};
 }
 
 /// Totals of all trees.
@@ -100,22 +94,14 @@ struct Totals {
         nodes.push_back(m.nodes);
     }
 
-    void fill(Figures& counts) const {
+    void fill(Json& counts) const {
         counts["trees"] = length.size();
-        counts["chosen"] = report.chosen;
-        counts["replaced"] = report.replaced;
-        counts["unmatched"] = report.unmatched;
-        counts["crossed_tries"] = report.crossed;
-        counts["outside_tries"] = report.outside;
-        counts["blocked"] = report.blocked;
-        counts["depth"] = report.depth;
-        Figures variety;
-        variety["length_m"] = spread(length);
-        variety["volume_m3"] = spread(volume);
-        variety["tips"] = spread(tips);
-        variety["height_m"] = spread(height);
-        variety["nodes"] = spread(nodes);
-        counts["variety"] = variety;
+        counts.update(compute_figures(report));
+        counts["variety"] = {{"length_m", spread(length)},
+                             {"volume_m3", spread(volume)},
+                             {"tips", spread(tips)},
+                             {"height_m", spread(height)},
+                             {"nodes", spread(nodes)}};
     }
 };
 

@@ -91,9 +91,9 @@ ExitCode edit(Run& run, const EditFlags& flags) {
     }
     write_results(run, flags, file, session);
     const std::string surface = then_mesh(run, flags.mesh_output, session.tree().skeleton(), flags.mesh);
-    run.counts()["edits"] = session.history().size();
-    run.counts()["unbound_edits"] = unbound;
-    run.counts()["nodes_after"] = session.tree().size();
+    run.counts().update({{"edits", session.history().size()},
+                         {"unbound_edits", unbound},
+                         {"nodes_after", session.tree().size()}});
     run.finish(fmt::format("{}: {} edits, {} nodes{}", flags.tree.string(), session.history().size(),
                            grouped(session.tree().size()), surface));
     return unbound == 0 ? kDone : kCheckFailed;

@@ -69,29 +69,23 @@ void check_flags(ExtractFlags& flags) {
     flags.from_cloud.root = flags.from_mesh.root;
 }
 
-Figure::List figures_of_orders(const std::vector<BranchOrder>& orders) {
-    Figure::List out;
-    for (std::size_t o = 0; o < orders.size(); ++o) {
-        Figures figures;
-        figures["order"] = o;
-        figures["branches"] = orders[o].branches;
-        figures["length_m"] = orders[o].length;
-        out.emplace_back(figures);
-    }
+Json figures_of_orders(const std::vector<BranchOrder>& orders) {
+    Json out = Json::array();
+    for (std::size_t o = 0; o < orders.size(); ++o)
+        out.push_back({{"order", o}, {"branches", orders[o].branches}, {"length_m", orders[o].length}});
     return out;
 }
 
 /// Adds the figures that meshes and clouds have in common.
 void fill_report(Run& run, const ExtractResult& result) {
     const SkeletonMeasures m = measure(result.skeleton);
-    Figures& counts = run.counts();
-    counts.append(compute_figures(result.report));
-    counts["nodes"] = m.nodes;
-    counts["tips"] = m.tips;
-    counts["branch_nodes"] = m.branch_nodes;
-    counts["length_m"] = m.length;
-    counts["volume_m3"] = m.volume;
-    counts["orders"] = figures_of_orders(branch_orders(result.skeleton));
+    run.counts().update(compute_figures(result.report));
+    run.counts().update({{"nodes", m.nodes},
+                         {"tips", m.tips},
+                         {"branch_nodes", m.branch_nodes},
+                         {"length_m", m.length},
+                         {"volume_m3", m.volume},
+                         {"orders", figures_of_orders(branch_orders(result.skeleton))}});
 }
 
 /// Runs extract(context); adds the name of the file to its errors.
@@ -128,8 +122,7 @@ Extracted from_mesh(Run& run, const ExtractFlags& flags, std::string& summary) {
     const PolygonMesh mesh = load_mesh(run, flags.input, flags.up);
     FromMeshResult result = extract_stage(
         run, flags.input, [&](const Context& ctx) { return extract_from_mesh(mesh, flags.from_mesh, ctx); });
-    for (const auto& [name, seconds] : result.stages)
-        run.add_stage(fmt::format("extract: {}", name), seconds);
+    run.add_stages("extract: ", result.stages);
     run.repairs() = compute_figures(result.repairs);
     if (!flags.mapping.empty())
         run.stage("write mapping", [&](const Context& ctx) { write_mapping(flags.mapping, result, ctx); });
@@ -139,11 +132,9 @@ Extracted from_mesh(Run& run, const ExtractFlags& flags, std::string& summary) {
 
 WoodClasses wood_classes(const ExtractFlags& flags) {
     if (flags.wood_classes.empty()) return {};
-    try {
+    return as_usage("--wood-classes: ", [&] {
         return parse_wood_classes(fmt::format("{}", fmt::join(flags.wood_classes, ",")));
-    } catch (const InvalidInput& error) {
-        throw UsageError(fmt::format("--wood-classes: {}", error.what()));
-    }
+    });
 }
 
 /// Returns the points that may be wood according to their classes, with their classes and tree ids; adds the
@@ -162,7 +153,7 @@ PointFile load_wood(Run& run, const ExtractFlags& flags, const WoodClasses& wood
             run.stage("classes", [&](const Context& ctx) { return keep_wood_classes(scan, wood, ctx); });
         if (out.doubt) run.warn(fmt::format("{}: {}", input.string(), *out.doubt));
         if (out.count == 0) return file;
-        Figures left_out;
+        Json left_out = Json::object();
         for (std::size_t c = 0; c < out.left_out.size(); ++c)
             if (out.left_out[c] > 0) left_out[fmt::format("{}", c)] = out.left_out[c];
         run.counts()["left_out_by_class"] = left_out;
@@ -176,9 +167,9 @@ PointFile load_wood(Run& run, const ExtractFlags& flags, const WoodClasses& wood
 /// Adds the figures of every tree, and warns if they are implausible.
 void report_trees(Run& run, const ExtractFlags& flags, const std::vector<TreeFigures>& trees,
                   std::string& summary) {
-    Figure::List list;
+    Json list = Json::array();
     for (std::size_t k = 0; k < trees.size(); ++k) {
-        list.emplace_back(compute_figures(trees[k]));
+        list.push_back(compute_figures(trees[k]));
         for (const std::string& doubt : trees[k].doubts) {
             run.warn(trees.size() == 1 ? fmt::format("{}: {}", flags.input.string(), doubt)
                                        : fmt::format("{}: tree {}: {}", flags.input.string(), k + 1, doubt));
@@ -226,16 +217,11 @@ Extracted from_cloud(Run& run, const ExtractFlags& flags, std::string& summary) 
 /// Throws UsageError for an option that has no effect on this kind of input.
 void check_groups(const GivenOptions& given, const std::filesystem::path& input, FileKind kind) {
     const bool cloud = kind == FileKind::points;
-    for (const Option* option : given) {
-        if (option->group != (cloud ? kMeshGroup : kCloudGroup)) continue;
+    if (const Option* option = first_of_groups(given, {cloud ? kMeshGroup : kCloudGroup})) {
         throw UsageError(fmt::format("{} is for {}, and '{}' is a {}", option->name,
                                      cloud ? "meshes" : "clouds of points", input.string(),
                                      cloud ? "cloud of points" : "mesh"));
     }
-}
-
-bool is_given(const GivenOptions& given, std::string_view name) {
-    return std::ranges::any_of(given, [&](const Option* option) { return option->name == name; });
 }
 
 void check_ground(const GivenOptions& given, const ExtractFlags& flags) {
@@ -276,11 +262,7 @@ MapCrs map_crs_of(const CoordinateSystem& system) {
 MapCrs crs_of(const ExtractFlags& flags) {
     if (flags.crs.empty()) return {};
     if (flags.map.empty()) throw UsageError("--crs is the reference system of a map; add --map FILE");
-    try {
-        return parse_crs(flags.crs.string());
-    } catch (const InvalidInput& error) {
-        throw UsageError(fmt::format("--crs: {}", error.what()));
-    }
+    return as_usage("--crs: ", [&] { return parse_crs(flags.crs.string()); });
 }
 
 PlotFiles plot_files(const ExtractFlags& flags) {
@@ -454,8 +436,7 @@ ExitCode extract_batch(Run& run, const GivenOptions& given, ExtractFlags& flags)
     check_ground(given, flags);
     (void)wood_classes(flags);  // so that errors are reported before any work
     (void)crs_of(flags);
-    const bool of_plots =
-        std::ranges::any_of(given, [](const Option* option) { return option->group == kPlotGroup; });
+    const bool of_plots = first_of_groups(given, {kPlotGroup}) != nullptr;
     const Batch batch = plan_batch(
         flags.inputs,
         {.folder = trimmed(flags.output),
@@ -469,7 +450,7 @@ ExitCode extract_batch(Run& run, const GivenOptions& given, ExtractFlags& flags)
     check_batch_options(given, flags, batch);
     BatchTable table(batch);
     std::array<std::size_t, kFileTrouble + 1> files_of_code{};
-    Figure::List reports;
+    Json reports = Json::array();
     try {
         for (std::size_t i = 0; i < batch.files.size(); ++i) {
             const BatchFile& file = batch.files[i];
@@ -478,11 +459,9 @@ ExitCode extract_batch(Run& run, const GivenOptions& given, ExtractFlags& flags)
             const ExtractFlags one = flags_of(flags, file);
             ++files_of_code[of_plots ? extract_plot_of_batch(run, one, file, table)
                                      : extract_of_batch(run, one, file, table)];
-            Figures report;
-            report["input"] = file.input.string();
-            report["counts"] = std::exchange(run.counts(), {});
-            report["repairs"] = std::exchange(run.repairs(), {});
-            reports.emplace_back(std::move(report));
+            reports.push_back({{"input", file.input.string()},
+                               {"counts", std::exchange(run.counts(), Json::object())},
+                               {"repairs", std::exchange(run.repairs(), Json::object())}});
         }
     } catch (const Cancelled&) {
         if (!table.rows().empty()) table.commit();
@@ -490,11 +469,11 @@ ExitCode extract_batch(Run& run, const GivenOptions& given, ExtractFlags& flags)
     }
     table.commit();
     const std::size_t failed = files_of_code[kFileTrouble], in_doubt = files_of_code[kCheckFailed];
-    run.counts()["failed"] = failed;
-    run.counts()["in_doubt"] = in_doubt;
-    run.counts()["passed_over"] = batch.passed_over;
-    run.counts()["trees_found"] = table.rows();
-    run.counts()["files"] = std::move(reports);
+    run.counts() = {{"failed", failed},
+                    {"in_doubt", in_doubt},
+                    {"passed_over", batch.passed_over},
+                    {"trees_found", table.rows()},
+                    {"files", std::move(reports)}};
     run.finish(fmt::format("{}: {} files, {} of them failed, {} implausible",
                            (batch.folder / kTreeTable).string(), grouped(batch.files.size()), grouped(failed),
                            grouped(in_doubt)));
@@ -506,11 +485,9 @@ ExitCode extract(Run& run, const GivenOptions& given, ExtractFlags& flags) {
     if (!flags.inputs.empty()) flags.input = flags.inputs.front();
     if (!flags.input.empty() && is_plot_folder(flags.output, flags.write.format))
         return from_plot(run, given, flags);
-    for (const Option* option : given) {
-        if (option->group != kPlotGroup) continue;
+    if (const Option* option = first_of_groups(given, {kPlotGroup}))
         throw UsageError(
             fmt::format("{} is for plots of many trees; name a folder for them, as -o trees/", option->name));
-    }
     check_flags(flags);
     const FileKind kind = kind_to_extract(flags);
     check_groups(given, flags.input, kind);

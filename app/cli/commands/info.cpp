@@ -34,16 +34,16 @@ struct InfoFlags {
     ReadPointsOptions read_points;
 };
 
-Figure::List numbers(Vec3d v) { return {v.x, v.y, v.z}; }
+Json numbers(Vec3d v) { return {v.x, v.y, v.z}; }
 
-void add_size(Figures& out, const Box3& box, Vec3d origin, LengthUnit unit = LengthUnit::m) {
+void add_size(Json& out, const Box3& box, Vec3d origin, LengthUnit unit = LengthUnit::m) {
     out[in_unit("size", unit)] = numbers(Vec3d(box.size()));
     out[in_unit("low", unit)] = numbers(Vec3d(box.low) + origin);
     out[in_unit("high", unit)] = numbers(Vec3d(box.high) + origin);
 }
 
 /// Adds the number of nodes of each SWC type, if the file has types.
-void add_types(Figures& out, std::span<const float> types) {
+void add_types(Json& out, std::span<const float> types) {
     std::map<float, std::uint64_t> counts;
     for (const float type : types) ++counts[type];
     constexpr std::size_t kMax = 20;
@@ -51,20 +51,19 @@ void add_types(Figures& out, std::span<const float> types) {
     for (const auto& [type, count] : counts) out[fmt::format("nodes_of_type_{}", type)] = count;
 }
 
-Figures describe(const SkeletonFile& file, const Context& ctx) {
+Json describe(const SkeletonFile& file, const Context& ctx) {
     const Skeleton& s = file.skeleton;
     const SkeletonMeasures m = measure(s);
     const auto [thinnest, thickest] = std::ranges::minmax(s.radii());
-    Figures out;
-    out["kind"] = "skeleton";
-    out["format"] = file.format;
-    out["units"] = std::string(name_of(file.units));
-    out["trees"] = m.trees;
-    out["nodes"] = m.nodes;
-    out["segments"] = m.segments;
-    out["tips"] = m.tips;
-    out["branch_nodes"] = m.branch_nodes;
-    out[in_unit("length", file.units)] = m.length;
+    Json out{{"kind", "skeleton"},
+             {"format", file.format},
+             {"units", name_of(file.units)},
+             {"trees", m.trees},
+             {"nodes", m.nodes},
+             {"segments", m.segments},
+             {"tips", m.tips},
+             {"branch_nodes", m.branch_nodes},
+             {in_unit("length", file.units), m.length}};
     add_sums(
         out, file, m, [&](std::string_view name, int power) { return in_unit(name, file.units, power); },
         ctx);
@@ -73,47 +72,42 @@ Figures describe(const SkeletonFile& file, const Context& ctx) {
     add_size(out, s.bounds(), s.origin(), file.units);
     add_types(out, file.attribute("type"));
     out["repairs"] = file.report.total();
-    const Figures repairs = repairs_of(file.report);
-    for (const auto& [name, count] : repairs.entries())
-        if (std::get<std::uint64_t>(count.value) != 0) out["repairs_" + name] = count;
-    const Figures joints = find_joints(file.report);
-    for (const auto& [name, count] : joints.entries())
-        if (std::get<std::uint64_t>(count.value) != 0) out[name] = count;
-    if (!file.notes.empty()) out["notes"] = Figure::List(file.notes.begin(), file.notes.end());
+    const Json repairs = compute_figures(file.report);
+    for (const auto& [name, count] : repairs.items()) {
+        const bool is_joint = name == "bridged_gaps" || name == "attached_inside" || name == "radius_jumps";
+        if (count != 0) out[(is_joint ? "" : "repairs_") + name] = count;
+    }
+    if (!file.notes.empty()) out["notes"] = file.notes;
     return out;
 }
 
-Figures describe(const PolygonMesh& mesh, const Context& ctx) {
+Json describe(const PolygonMesh& mesh, const Context& ctx) {
     validate(mesh);
     const TopologyReport t = topology(mesh, ctx);
     const ShapeReport s = shape(mesh, ctx);
     Box3 box;
     for (const std::uint32_t v : mesh.corners) box.extend(mesh.positions[v]);
-    Figures out;
-    out["kind"] = "mesh";
-    out["vertices"] = t.vertices;
-    out["faces"] = t.faces;
-    out["quads"] = t.quads;
-    out["components"] = t.components;
-    out["euler"] = t.euler;
-    out["watertight"] = t.watertight();
-    out["area_m2"] = s.area;
-    out["volume_m3"] = s.signed_volume;
+    Json out{{"kind", "mesh"},
+             {"vertices", t.vertices},
+             {"faces", t.faces},
+             {"quads", t.quads},
+             {"components", t.components},
+             {"euler", t.euler},
+             {"watertight", t.watertight()},
+             {"area_m2", s.area},
+             {"volume_m3", s.signed_volume}};
     if (!box.empty()) add_size(out, box, mesh.origin);
     return out;
 }
 
-Figures describe(const PointSet& points, const Context& ctx) {
-    Figures out;
-    out["kind"] = "points";
-    out["points"] = points.size();
-    out["spacing_m"] = median_spacing(points, ctx);
+Json describe(const PointSet& points, const Context& ctx) {
+    Json out{{"kind", "points"}, {"points", points.size()}, {"spacing_m", median_spacing(points, ctx)}};
     add_size(out, bounds(points), points.origin);
     return out;
 }
 
 /// Adds the number of trees with points, and the number of points without a tree.
-void add_tree_ids(Figures& out, std::vector<std::uint32_t> ids) {
+void add_tree_ids(Json& out, std::vector<std::uint32_t> ids) {
     std::ranges::sort(ids);
     const auto none = static_cast<std::uint64_t>(std::ranges::upper_bound(ids, 0u) - ids.begin());
     ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
@@ -122,9 +116,9 @@ void add_tree_ids(Figures& out, std::vector<std::uint32_t> ids) {
 }
 
 /// Adds the number of points of each class, and the other attributes of the points.
-Figures describe(const PointFile& file, const Context& ctx) {
+Json describe(const PointFile& file, const Context& ctx) {
     const PointCloud& scan = file.point_cloud;
-    Figures out = describe(scan.points, ctx);
+    Json out = describe(scan.points, ctx);
     out["format"] = file.format;
     if (const std::string system = file.system.name(); !system.empty()) out["coordinate_system"] = system;
     if (file.without_return > 0) out["rays_without_return"] = file.without_return;
@@ -138,30 +132,25 @@ Figures describe(const PointFile& file, const Context& ctx) {
     if (!scan.colors.empty()) out["colors"] = true;
     if (!scan.intensities.empty()) {
         const auto [least, most] = std::ranges::minmax(scan.intensities);
-        out["intensity"] = Figure::List{double{least}, double{most}};
+        out["intensity"] = {double{least}, double{most}};
     }
     if (!scan.return_counts.empty()) out["max_returns"] = *std::ranges::max_element(scan.return_counts);
     if (!scan.tree_ids.empty()) add_tree_ids(out, scan.tree_ids);
     for (const PointDimension& d : file.dimensions)
-        if (d.low <= d.high) out["dimension_" + d.name] = Figure::List{d.low, d.high};
+        if (d.low <= d.high) out["dimension_" + d.name] = {d.low, d.high};
     return out;
 }
 
 /// Describes a diameter of a stem; omits unknown values.
-Figures describe(const StemDiameter& d) {
-    Figures out;
-    out["height_m"] = d.height;
-    out["diameter_m"] = d.diameter;
-    if (d.coverage > 0) {
-        out["deviation_m"] = d.deviation;
-        out["residual_m"] = d.residual;
-        out["coverage"] = d.coverage;
-    }
+Json describe(const StemDiameter& d) {
+    Json out{{"height_m", d.height}, {"diameter_m", d.diameter}};
+    if (d.coverage > 0)
+        out.update({{"deviation_m", d.deviation}, {"residual_m", d.residual}, {"coverage", d.coverage}});
     return out;
 }
 
 /// Adds a figure with its bounds, if they are known.
-void add_bounded(Figures& out, std::string_view name, std::string_view unit, double value, double low,
+void add_bounded(Json& out, std::string_view name, std::string_view unit, double value, double low,
                  double high) {
     out[fmt::format("{}_{}", name, unit)] = value;
     if (!(high > 0)) return;
@@ -170,70 +159,56 @@ void add_bounded(Figures& out, std::string_view name, std::string_view unit, dou
 }
 
 /// Describes a stem in a slice; the heights of the stem and of the slice are unknown.
-Figures describe_in_slice(const StemForm& form) {
-    Figures out;
-    out["place_m"] = numbers(form.foot);
-    Figures diameter = describe(form.breast);
-    for (const auto& [name, figure] : diameter.entries())
-        if (name != "height_m") out[name] = figure;
+Json describe_in_slice(const StemForm& form) {
+    Json out{{"place_m", numbers(form.foot)}};
+    out.update(describe(form.breast));
+    out.erase("height_m");
     return out;
 }
 
 /// Describes the forestry measures of one tree.
-Figures describe(const StemForm& form) {
+Json describe(const StemForm& form) {
     if (form.height == 0 && form.breast.diameter > 0) return describe_in_slice(form);
-    Figures out;
-    out["foot_m"] = numbers(form.foot);
-    out["on_ground"] = form.on_ground;
+    Json out{{"foot_m", numbers(form.foot)}, {"on_ground", form.on_ground}};
     add_bounded(out, "height", "m", form.height, form.height_low, form.height_high);
     out["stems"] = form.stems;
     if (form.breast.diameter > 0) {
         out["dbh_m"] = form.breast.diameter;
         if (form.breast.coverage > 0) {
-            out["dbh_low_m"] = form.breast.low();
-            out["dbh_high_m"] = form.breast.high();
-            out["dbh_deviation_m"] = form.breast.deviation;
-            out["dbh_residual_m"] = form.breast.residual;
-            out["dbh_coverage"] = form.breast.coverage;
+            out.update({{"dbh_low_m", form.breast.low()},
+                        {"dbh_high_m", form.breast.high()},
+                        {"dbh_deviation_m", form.breast.deviation},
+                        {"dbh_residual_m", form.breast.residual},
+                        {"dbh_coverage", form.breast.coverage}});
         }
     }
-    Figure::List taper;
-    for (const StemDiameter& d : form.taper) taper.emplace_back(describe(d));
-    if (!taper.empty()) out["taper"] = taper;
+    for (const StemDiameter& d : form.taper) out["taper"].push_back(describe(d));
     return out;
 }
 
 /// Formats the figures for people: the taper as one line for each section.
-std::string forestry_text(const Figures& figures) {
-    Figures plain;
-    Figure::List taper;
-    for (const auto& [name, figure] : figures.entries()) {
-        if (name == "taper") {
-            taper = std::get<Figure::List>(figure.value);
-        } else {
-            plain[name] = figure;
-        }
-    }
-    std::string text = figures_text(plain);
+std::string forestry_text(Json figures) {
+    const Json taper = figures.value("taper", Json::array());
+    figures.erase("taper");
+    std::string text = figures_text(figures);
     if (!taper.empty()) text += "taper\n";
-    for (const Figure& section : taper) {
+    for (const Json& section : taper) {
         std::string line;
-        for (const auto& [name, figure] : std::get<Figures>(section.value).entries())
-            line += fmt::format("  {} {:<9.4g}", name, std::get<double>(figure.value));
+        for (const auto& [name, figure] : section.items())
+            line += fmt::format("  {} {:<9.4g}", name, figure.get<double>());
         text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
     }
     return text;
 }
 
 /// Appends the forestry measures of each tree to the figures of points or of a skeleton.
-std::string forestry(Figures figures, const std::vector<Figures>& trees, bool json) {
+std::string forestry(Json figures, const std::vector<Json>& trees, bool json) {
     if (!json) {
         std::string text = figures_text(figures);
-        for (const Figures& tree : trees) text += "\nforestry\n" + forestry_text(tree);
+        for (const Json& tree : trees) text += "\nforestry\n" + forestry_text(tree);
         return text;
     }
-    figures["forestry"] =
-        trees.size() == 1 ? Figure(trees.front()) : Figure(Figure::List(trees.begin(), trees.end()));
+    figures["forestry"] = trees.size() == 1 ? trees.front() : Json(trees);
     return figures_json(figures);
 }
 
@@ -253,16 +228,14 @@ FileTrees trees_of(const SkeletonFile& file, const LooseParts& parts) {
 }
 
 /// Adds implausible figures of trees, if any.
-void add_doubts(Figures& out, std::span<const TreeFigures> trees) {
-    Figure::List list;
+void add_doubts(Json& out, std::span<const TreeFigures> trees) {
     for (std::size_t t = 0; t < trees.size(); ++t)
         for (const std::string& doubt : trees[t].doubts)
-            list.emplace_back(trees.size() == 1 ? doubt : fmt::format("tree {}: {}", t + 1, doubt));
-    if (!list.empty()) out["doubts"] = std::move(list);
+            out["doubts"].push_back(trees.size() == 1 ? doubt : fmt::format("tree {}: {}", t + 1, doubt));
 }
 
 /// Adds the figures of a tree except those of its stem.
-void add_wood(Figures& out, const TreeFigures& t) {
+void add_wood(Json& out, const TreeFigures& t) {
     add_bounded(out, "length", "m", t.length, t.length_low, t.length_high);
     add_bounded(out, "volume", "m3", t.volume, t.volume_low, t.volume_high);
     if (t.volume_high > 0) out["inferred"] = t.inferred;
@@ -271,18 +244,18 @@ void add_wood(Figures& out, const TreeFigures& t) {
 }
 
 /// Describes the forestry measures of each tree of a skeleton in metres.
-std::vector<Figures> describe_trees(const FileTrees& trees, const TimberFlags& flags) {
+std::vector<Json> describe_trees(const FileTrees& trees, const TimberFlags& flags) {
     const Skeleton& s = trees.skeleton;
     const BranchTable table = list_branches(s);
     const Timber timber(s, table, flags);
     std::vector<double> volumes(s.tree_count(), 0);
     for (const Branch& branch : table.branches) volumes[branch.tree] += branch.volume;
-    std::vector<Figures> out;
+    std::vector<Json> out;
     for (StemForm& form : stem_forms(s)) {
         const std::size_t tree = out.size();
         form.height_low = trees.figures[tree].height_low;
         form.height_high = trees.figures[tree].height_high;
-        Figures& figures = out.emplace_back(describe(form));
+        Json& figures = out.emplace_back(describe(form));
         add_wood(figures, trees.figures[tree]);
         timber.add_tree(figures, tree, in_metres);
         if (flags.wood_density > 0) figures["biomass_kg"] = double{flags.wood_density} * volumes[tree];
@@ -291,16 +264,13 @@ std::vector<Figures> describe_trees(const FileTrees& trees, const TimberFlags& f
 }
 
 /// Adds the loose components of a skeleton, if any.
-void add_loose_parts(Figures& out, const LooseParts& parts) {
+void add_loose_parts(Json& out, const LooseParts& parts) {
     if (parts.loose.empty()) return;
     out["loose_parts"] = parts.loose.size();
     out["loose_length_percent"] = 100 * parts.share;
-    Figure& notes = out["notes"];
-    if (!std::holds_alternative<Figure::List>(notes.value)) notes = Figure::List();
-    std::get<Figure::List>(notes.value)
-        .emplace_back(fmt::format("{} of its {} connected components are short and not on the ground: they "
-                                  "are not counted as trees",
-                                  parts.loose.size(), parts.loose.size() + parts.trees.size()));
+    out["notes"].push_back(fmt::format(
+        "{} of its {} connected components are short and not on the ground: they are not counted as trees",
+        parts.loose.size(), parts.loose.size() + parts.trees.size()));
 }
 
 /// Throws UsageError for --forestry with a mesh, in which stems cannot be found.
@@ -327,7 +297,7 @@ ExitCode info_of_stems(Run& run, const InfoFlags& flags, FileKind kind) {
         }
         text = run.stage("measure", [&](const Context& ctx) {
             const LooseParts parts = find_loose_parts(file.skeleton);
-            Figures figures = describe(file, ctx);
+            Json figures = describe(file, ctx);
             add_loose_parts(figures, parts);
             return forestry(std::move(figures), describe_trees(trees_of(file, parts), flags.timber),
                             flags.json);
@@ -335,14 +305,14 @@ ExitCode info_of_stems(Run& run, const InfoFlags& flags, FileKind kind) {
     } else {
         const PointSet points = load_points(run, flags.file, flags.read.up, flags.read_points);
         text = run.stage("measure", [&](const Context& ctx) {
-            Figures figures = describe(points, ctx);
+            Json figures = describe(points, ctx);
             std::vector<StemForm> forms = slice_forms(points, ctx);
             if (forms.empty()) {
                 forms.push_back(stem_form(points, ctx));
             } else {
                 figures["slice"] = true;
             }
-            std::vector<Figures> trees;
+            std::vector<Json> trees;
             for (const StemForm& form : forms) {
                 trees.push_back(describe(form));
                 add_stem_timber(trees.back(), form, flags.timber, in_metres);
@@ -359,13 +329,13 @@ ExitCode info(Run& run, const InfoFlags& flags) {
     if (flags.file.empty()) throw UsageError("name the file: coppice info FILE");
     if (!flags.forestry && flags.timber.any()) throw UsageError("timber and biomass require --forestry");
     (void)flags.timber.tops();  // so that errors are reported before any work
-    Figures figures;
+    Json figures;
     const FileKind kind = kind_of_input(flags.file, flags.read.format);
     if (flags.forestry) return info_of_stems(run, flags, kind);
     if (kind == FileKind::skeleton) {
         const SkeletonFile file = load_skeleton(run, flags.file, flags.read);
         figures = run.stage("measure", [&](const Context& ctx) {
-            Figures out = describe(file, ctx);
+            Json out = describe(file, ctx);
             if (file.units == LengthUnit::m)
                 add_doubts(out, trees_of(file, find_loose_parts(file.skeleton)).figures);
             return out;

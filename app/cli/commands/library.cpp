@@ -96,32 +96,27 @@ ExitCode add(Run& run, const LibraryFlags& flags) {
     const TreeLibrary::Added done = run.stage("write", [&](const Context& ctx) {
         return TreeLibrary(flags.library, LibraryAccess::create, ctx).add(batches, flags.set_tags);
     });
-    run.counts()["added"] = done.ids.size();
-    run.counts()["known"] = done.known;
+    run.counts().update({{"added", done.ids.size()}, {"known", done.known}});
     run.finish(fmt::format("{}: {} branches added{}", flags.library.string(), grouped(done.ids.size()),
                            done.known > 0 ? fmt::format(", {} already existed", grouped(done.known)) : ""));
     return kDone;
 }
 
-Figures compute_figures(const LibraryEntry& e) {
-    Figures out;
-    out["id"] = e.id;
-    out["source"] = e.source;
-    out["node"] = e.tree.source_node;
-    Figure::List tags;
-    for (const std::string& tag : e.tags) tags.emplace_back(tag);
-    out["tags"] = tags;
-    out["leads"] = e.tree.leads;
-    out["length_m"] = e.measures.length;
-    out["volume_m3"] = e.measures.volume;
-    out["extent_m"] = e.measures.extent;
-    out["nodes"] = e.measures.nodes;
-    out["tips"] = e.measures.tips;
-    out["orders"] = e.measures.orders;
-    out["radius_m"] = e.measures.radius;
-    out["host_radius_m"] = e.tree.host_radius;
-    out["inclination_degrees"] = double{e.tree.inclination} * 180 / std::numbers::pi;
-    return out;
+Json compute_figures(const LibraryEntry& e) {
+    return {{"id", e.id},
+            {"source", e.source},
+            {"node", e.tree.source_node},
+            {"tags", e.tags},
+            {"leads", e.tree.leads},
+            {"length_m", e.measures.length},
+            {"volume_m3", e.measures.volume},
+            {"extent_m", e.measures.extent},
+            {"nodes", e.measures.nodes},
+            {"tips", e.measures.tips},
+            {"orders", e.measures.orders},
+            {"radius_m", e.measures.radius},
+            {"host_radius_m", e.tree.host_radius},
+            {"inclination_degrees", double{e.tree.inclination} * 180 / std::numbers::pi}};
 }
 
 ExitCode list(Run& run, const LibraryFlags& flags) {
@@ -129,10 +124,9 @@ ExitCode list(Run& run, const LibraryFlags& flags) {
         return TreeLibrary(flags.library, LibraryAccess::read, ctx).list(flags.which);
     });
     print(make_table(entries));
-    Figure::List figures;
-    for (const LibraryEntry& e : entries) figures.emplace_back(compute_figures(e));
-    run.counts()["trees"] = entries.size();
-    run.counts()["entries"] = figures;
+    Json figures = Json::array();
+    for (const LibraryEntry& e : entries) figures.push_back(compute_figures(e));
+    run.counts().update({{"trees", entries.size()}, {"entries", figures}});
     run.finish(fmt::format("{}: {} branches", flags.library.string(), grouped(entries.size())));
     return kDone;
 }

@@ -78,9 +78,7 @@ void check_flags(const MeshFlags& flags) {
 
 /// Throws UsageError for options that have no effect.
 void check_given(const GivenOptions& given, const MeshOptions& mesh, int faces) {
-    const auto has = [&](std::string_view name) {
-        return std::ranges::any_of(given, [&](const Option* o) { return o->name == name; });
-    };
+    const auto has = [&](std::string_view name) { return is_given(given, name); };
     const bool bmesh = mesh.method == MeshMethod::bmesh;
     if (has("--ball-bulge") && !bmesh && mesh.field.kernel != Kernel::balls)
         throw UsageError("--ball-bulge requires --method bmesh");
@@ -97,19 +95,6 @@ void check_given(const GivenOptions& given, const MeshOptions& mesh, int faces) 
     if (has("--tetra-levels") && mesh.tetra.base == TetraBase::polyhedron)
         throw UsageError(
             "--tetra-levels applies to an octree; with --tetra-base polyhedron use --tetra-edge");
-}
-
-void report_weights(Figures& counts, const GlobalWeights& weights) {
-    counts["constraints"] = weights.constraints;
-    counts["weights_zero"] = weights.zero;
-    counts["weights_unseen"] = weights.unseen;
-    counts["weights_converged"] = weights.converged;
-    counts["weights_pivots"] = weights.pivots;
-    counts["weights_sweeps"] = weights.sweeps;
-    counts["residual_rms"] = weights.global.rms;
-    counts["residual_max"] = weights.global.greatest;
-    counts["residual_rms_of_local_weights"] = weights.local.rms;
-    counts["residual_max_of_local_weights"] = weights.local.greatest;
 }
 
 /// Writes one number per line, in the order of the vertices.
@@ -166,14 +151,12 @@ PointSet load_constraints(Run& run, const MeshFlags& flags) {
 /// Reports the result of the planning, and returns a summary.
 std::string tell_plan(Run& run, const MeshFlags& flags, const BudgetedMesh& made) {
     const FaceBudget& budget = made.budget;
-    Figures figures;
-    figures["wanted"] = flags.number.faces;
-    figures["levels"] = budget.options.levels;
-    figures["chord_error"] = budget.options.chord_error;
-    figures["axes"] = budget.axes;
-    figures["dropped_axes"] = budget.dropped;
-    figures["dropped_silhouette"] = budget.dropped_silhouette;
-    run.counts()["faces"] = std::move(figures);
+    run.counts()["faces"] = {{"wanted", flags.number.faces},
+                             {"levels", budget.options.levels},
+                             {"chord_error", budget.options.chord_error},
+                             {"axes", budget.axes},
+                             {"dropped_axes", budget.dropped},
+                             {"dropped_silhouette", budget.dropped_silhouette}};
     const std::string missed = text_of_missed_faces(made, static_cast<std::uint64_t>(flags.number.faces));
     if (!missed.empty()) run.warn(missed);
     return "; " + to_text(budget);
@@ -214,7 +197,7 @@ ExitCode mesh(Run& run, const GivenOptions& given, const MeshFlags& flags) {
     if (!flags.original.empty()) original = load_mesh(run, flags.original, flags.read.up);
     MadeMesh made = make_surface(run, flags, file.skeleton, constraints);
     MeshResult& result = made.result;
-    for (const auto& [name, seconds] : result.stages) run.add_stage("mesh: " + name, seconds);
+    run.add_stages("mesh: ", result.stages);
     std::string restored;
     if (!flags.original.empty()) restored = restore(run, flags, original, file.skeleton, result.quads().mesh);
     run.stage("write", [&](const Context& ctx) {
@@ -222,7 +205,7 @@ ExitCode mesh(Run& run, const GivenOptions& given, const MeshFlags& flags) {
         if (!flags.volume.empty()) write_solid(flags.volume, result.tetrahedra().solid, ctx);
         if (!flags.cage.empty()) write_cage(flags.cage, result.quads().cage.cage, ctx);
     });
-    if (result.weights) report_weights(run.counts(), *result.weights);
+    if (result.weights) run.counts().update(compute_figures(*result.weights));
     const Skeleton& drawn = made.drawn ? *made.drawn : file.skeleton;
     const Verdict verdict =
         flags.original.empty() ? judge(run, result, drawn, flags.mesh.control) : Verdict{};

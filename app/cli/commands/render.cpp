@@ -104,11 +104,7 @@ Inputs load(Run& run, const RenderFlags& flags) {
 void check_flags(const RenderFlags& flags) {
     if (flags.input.empty() || flags.output.empty())
         throw UsageError("name the files: coppice render IN [IN2] -o PNG");
-    if (!is_png_name(flags.output)) {
-        throw UsageError(
-            fmt::format("'{}' is not the name of an image; use the extension .png", flags.output.string()));
-    }
-    check_output_folder(flags.output);
+    check_picture_output(flags.output);
 }
 
 /// Loads the mesh from which distances are measured; the surface refers to it.

@@ -76,8 +76,7 @@ ExitCode grow_scene(Run& run, const GrowFlags& flags) {
         for (const auto& output : flags.outputs) save_object(*grown->second, output, ctx);
     });
     const Skeleton& tree = std::get<Skeleton>(grown->second->value);
-    run.counts()["nodes"] = tree.size();
-    run.counts()["trees"] = tree.tree_count();
+    run.count_skeleton(tree);
     run.finish(fmt::format("{}: {} nodes", flags.scene.string(), grouped(tree.size())));
     return kDone;
 }

@@ -42,10 +42,8 @@ void check_flags(const GivenOptions& given, const SketchFlags& flags) {
                 "--trace makes a sketch of the images that another one names: coppice sketch "
                 "VIEWS.sketch.json -o NEW.sketch.json --trace");
         }
-        for (const Option* option : given) {
-            if (option->group == kSketchGroup || option->group == kDrawGroup)
-                throw UsageError(fmt::format("{} does nothing with --trace", option->name));
-        }
+        if (const Option* option = first_of_groups(given, {kSketchGroup, kDrawGroup}))
+            throw UsageError(fmt::format("{} does nothing with --trace", option->name));
         return;
     }
     if (is_sketch_name(flags.input) == draws) {
@@ -58,46 +56,40 @@ void check_flags(const GivenOptions& given, const SketchFlags& flags) {
         kind_to_write(flags.output, FileKind::skeleton) != FileKind::skeleton) {
         throw UsageError(fmt::format("'{}' is not the name of a skeleton", flags.output.string()));
     }
-    for (const Option* option : given) {
-        if (option->group == (draws ? kSketchGroup : kDrawGroup)) {
-            throw UsageError(fmt::format("{} is for making {}", option->name,
-                                         draws ? "a skeleton of a sketch" : "a sketch of a skeleton"));
-        }
+    if (const Option* option = first_of_groups(given, {draws ? kSketchGroup : kDrawGroup})) {
+        throw UsageError(fmt::format("{} is for making {}", option->name,
+                                     draws ? "a skeleton of a sketch" : "a sketch of a skeleton"));
     }
 }
 
-Figures compute_figures(const Sketch& sketch, const StrokeFit& stroke) {
-    Figures out;
-    out["view"] = sketch.views[stroke.view].name;
-    out["points"] = stroke.points;
-    out["left_out"] = stroke.left_out;
-    out["reversed"] = stroke.reversed;
-    out["rms_error_pixels"] = stroke.rms_error;
-    out["max_error_pixels"] = stroke.max_error;
-    return out;
+Json compute_figures(const Sketch& sketch, const StrokeFit& stroke) {
+    return {{"view", sketch.views[stroke.view].name},
+            {"points", stroke.points},
+            {"left_out", stroke.left_out},
+            {"reversed", stroke.reversed},
+            {"rms_error_pixels", stroke.rms_error},
+            {"max_error_pixels", stroke.max_error}};
 }
 
-Figures compute_figures(const Sketch& sketch, const BranchFit& fit) {
-    Figures out;
-    out["name"] = sketch.branches[fit.branch].name;
-    out["made"] = fit.refused.empty();
-    out["angle_degrees"] = fit.angle * 180 / std::numbers::pi;
-    out["matched"] = fit.matched;
-    out["length_m"] = fit.length;
-    out["guessed_radius"] = fit.guessed_radius;
-    Figure::List strokes;
-    for (const StrokeFit& stroke : fit.strokes) strokes.emplace_back(compute_figures(sketch, stroke));
-    out["strokes"] = strokes;
-    return out;
+Json compute_figures(const Sketch& sketch, const BranchFit& fit) {
+    Json strokes = Json::array();
+    for (const StrokeFit& stroke : fit.strokes) strokes.push_back(compute_figures(sketch, stroke));
+    return {{"name", sketch.branches[fit.branch].name},
+            {"made", fit.refused.empty()},
+            {"angle_degrees", fit.angle * 180 / std::numbers::pi},
+            {"matched", fit.matched},
+            {"length_m", fit.length},
+            {"guessed_radius", fit.guessed_radius},
+            {"strokes", strokes}};
 }
 
 /// Fills the report; returns the greatest error of a stroke [pixels].
 double fill_report(Run& run, const Sketch& sketch, const SketchResult& result) {
-    Figure::List branches;
+    Json branches = Json::array();
     std::uint64_t refused = 0, left_out = 0, reversed = 0, guessed = 0;
     double most = 0;
     for (const BranchFit& fit : result.branches) {
-        branches.emplace_back(compute_figures(sketch, fit));
+        branches.push_back(compute_figures(sketch, fit));
         guessed += fit.guessed_radius ? 1 : 0;
         for (const StrokeFit& stroke : fit.strokes) {
             left_out += stroke.left_out;
@@ -108,15 +100,13 @@ double fill_report(Run& run, const Sketch& sketch, const SketchResult& result) {
         ++refused;
         run.warn(fit.refused);
     }
-    run.counts()["nodes"] = result.skeleton.size();
-    run.counts()["trees"] = result.skeleton.tree_count();
-    run.counts()["branches"] = sketch.branches.size();
-    run.counts()["refused"] = refused;
-    run.counts()["guessed_radii"] = guessed;
-    run.counts()["rms_error_pixels"] = most;
-    run.counts()["strokes"] = branches;
-    run.repairs()["points_left_out"] = left_out;
-    run.repairs()["strokes_reversed"] = reversed;
+    run.count_skeleton(result.skeleton);
+    run.counts().update({{"branches", sketch.branches.size()},
+                         {"refused", refused},
+                         {"guessed_radii", guessed},
+                         {"rms_error_pixels", most},
+                         {"strokes", branches}});
+    run.repairs().update({{"points_left_out", left_out}, {"strokes_reversed", reversed}});
     return most;
 }
 
@@ -169,9 +159,7 @@ ExitCode trace_file(Run& run, const SketchFlags& flags) {
     });
     run.stage("write", [&](const Context&) { write_sketch(flags.output, result.sketch); });
     run.counts()["branches"] = result.sketch.branches.size();
-    Figure::List tips;
-    for (const std::uint32_t n : result.tips) tips.emplace_back(n);
-    run.counts()["tips_seen"] = tips;
+    run.counts()["tips_seen"] = result.tips;
     const std::string seen = result.tips.size() == 2
                                  ? fmt::format("{} and {}", grouped(result.tips[0]), grouped(result.tips[1]))
                                  : grouped(result.tips[0]);

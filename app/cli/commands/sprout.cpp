@@ -83,12 +83,11 @@ ExitCode sprout_trees(Run& run, const SproutFlags& flags, const GivenOptions& gi
     });
     const std::string surface = then_mesh(run, flags.mesh_output, tree, flags.mesh);
     if (grown.full) run.warn(fmt::format("growth stopped at --max-nodes, in season {}", grown.seasons));
-    run.counts()["nodes"] = tree.size();
-    run.counts()["trees"] = tree.tree_count();
-    run.counts()["tips"] = measure(tree).tips;
-    run.counts()["seasons"] = grown.seasons;
-    run.counts()["shed"] = grown.shed;
-    run.counts()["barred"] = grown.barred;
+    run.count_skeleton(tree);
+    run.counts().update({{"tips", measure(tree).tips},
+                         {"seasons", grown.seasons},
+                         {"shed", grown.shed},
+                         {"barred", grown.barred}});
     run.finish(fmt::format("{} nodes after {} seasons, {} shed{}", grouped(tree.size()), grown.seasons,
                            grouped(grown.shed), surface));
     return kDone;

@@ -46,18 +46,18 @@ struct TableFlags {
 };
 
 /// Adds the height of a tree, the stem at breast height (1.3 m, therefore only in metres), and the crown.
-void add_forestry(Figures& row, const StemForm& form, const Crown& crown, double base) {
+void add_forestry(Json& row, const StemForm& form, const Crown& crown, double base) {
     row["height"] = form.height;
     if (form.breast.diameter > 0) row["dbh"] = form.breast.diameter;
-    row["stems"] = form.stems;
-    row["crown_area"] = crown.area;
-    row["crown_diameter"] = crown.diameter();
-    row["crown_base"] = base;
-    row["crown_volume"] = crown.hull_volume;
+    row.update({{"stems", form.stems},
+                {"crown_area", crown.area},
+                {"crown_diameter", crown.diameter()},
+                {"crown_base", base},
+                {"crown_volume", crown.hull_volume}});
 }
 
 /// Adds the crown of a single tree, ignoring loose components.
-void add_crown(Figures& row, const Skeleton& whole) {
+void add_crown(Json& row, const Skeleton& whole) {
     const LooseParts parts = find_loose_parts(whole);
     row["loose_parts"] = parts.loose.size();
     row["loose_length_percent"] = 100 * parts.share;
@@ -73,7 +73,7 @@ void add_crown(Figures& row, const Skeleton& whole) {
 /// The figures of a row are in its units.
 std::string plain_name(std::string_view name, int) { return std::string(name); }
 
-void add_timber(Figures& row, const SkeletonFile& file, const NodeAxes& axes, double volume,
+void add_timber(Json& row, const SkeletonFile& file, const NodeAxes& axes, double volume,
                 const TimberFlags& flags) {
     const Skeleton& s = file.skeleton;
     Timber(s, list_branches(s, axes.order, axes.axis), flags).add_all(row, plain_name);
@@ -81,7 +81,7 @@ void add_timber(Figures& row, const SkeletonFile& file, const NodeAxes& axes, do
         row["biomass_kg"] = double{flags.wood_density} * volume;
 }
 
-void add_architecture(Figures& row, const Skeleton& s, const NodeAxes& axes, const TableFlags& flags,
+void add_architecture(Json& row, const Skeleton& s, const NodeAxes& axes, const TableFlags& flags,
                       std::span<const double> limits) {
     constexpr std::size_t kOrders = 4;
     const std::vector<BranchOrder> orders = branch_orders(s, axes.order, axes.axis);
@@ -92,9 +92,9 @@ void add_architecture(Figures& row, const Skeleton& s, const NodeAxes& axes, con
         listed[std::min(o, kOrders - 1)].length += orders[o].length;
         listed[std::min(o, kOrders - 1)].volume += orders[o].volume;
     }
-    row["branches"] = branches;
-    row["max_order"] = orders.size() - 1;
-    row["strahler"] = std::ranges::max(strahler_orders(s));
+    row.update({{"branches", branches},
+                {"max_order", orders.size() - 1},
+                {"strahler", std::ranges::max(strahler_orders(s))}});
     for (std::size_t o = 0; o < kOrders; ++o) {
         const std::string name = fmt::format("order_{}{}", o, o + 1 < kOrders ? "" : "_up");
         row["length_of_" + name] = listed[o].length;
@@ -111,41 +111,41 @@ void add_architecture(Figures& row, const Skeleton& s, const NodeAxes& axes, con
     row["sholl_radius"] = profile.critical_radius();
 }
 
-void add_extent(Figures& row, const Box3& box) {
+void add_extent(Json& row, const Box3& box) {
     row["width"] = double{std::max(box.size().x, box.size().y)};
     row["height"] = double{box.size().z};
 }
 
-void add_surface(Figures& row, const PolygonMesh& mesh, const Context& ctx) {
+void add_surface(Json& row, const PolygonMesh& mesh, const Context& ctx) {
     const ShapeReport report = shape(mesh, ctx);
-    row["surface_watertight"] = topology(mesh, ctx).watertight();
-    row["surface_area"] = report.area;
-    row["surface_volume"] = report.signed_volume;
+    row.update({{"surface_watertight", topology(mesh, ctx).watertight()},
+                {"surface_area", report.area},
+                {"surface_volume", report.signed_volume}});
 }
 
-void add_surface(Run& run, Figures& row, const Skeleton& s, const TableFlags& flags) {
+void add_surface(Run& run, Json& row, const Skeleton& s, const TableFlags& flags) {
     if (flags.no_surfaces) return;
     run.stage("surface", [&](const Context& ctx) {
         add_surface(row, to_polygons(mesh_skeleton(s, {}, ctx).quads().mesh), ctx);
     });
 }
 
-void describe(Run& run, Figures& row, const SkeletonFile& file, const TableFlags& flags,
+void describe(Run& run, Json& row, const SkeletonFile& file, const TableFlags& flags,
               std::span<const double> limits) {
     const Skeleton& s = file.skeleton;
     const SkeletonMeasures m = measure(s);
-    row["format"] = file.format;
-    row["units"] = std::string(name_of(file.units));
-    row["trees"] = m.trees;
-    row["nodes"] = m.nodes;
-    row["tips"] = m.tips;
-    row["forks"] = m.branch_nodes;
-    row["repairs"] = file.report.total();
+    row.update({{"format", file.format},
+                {"units", name_of(file.units)},
+                {"trees", m.trees},
+                {"nodes", m.nodes},
+                {"tips", m.tips},
+                {"forks", m.branch_nodes},
+                {"repairs", file.report.total()}});
     add_extent(row, s.bounds());
-    row["radius_min"] = m.min_radius;
-    row["radius_max"] = m.max_radius;
-    row["length"] = m.length;
-    row["longest_path"] = m.longest_path;
+    row.update({{"radius_min", m.min_radius},
+                {"radius_max", m.max_radius},
+                {"length", m.length},
+                {"longest_path", m.longest_path}});
     run.stage("measure", [&](const Context& ctx) { add_sums(row, file, m, plain_name, ctx); });
     if (file.units == LengthUnit::m) add_crown(row, s);
     const NodeAxes axes = find_axes(file);
@@ -160,8 +160,8 @@ struct CloudTree {
     Crown crown;  ///< above breast height: the lowest branch is unknown without a skeleton
 };
 
-CloudTree describe(Run& run, Figures& row, const PointSet& points, const TimberFlags& timber) {
-    row["units"] = std::string(name_of(LengthUnit::m));
+CloudTree describe(Run& run, Json& row, const PointSet& points, const TimberFlags& timber) {
+    row["units"] = name_of(LengthUnit::m);
     row["points"] = points.size();
     add_extent(row, bounds(points));
     return run.stage("measure", [&](const Context& ctx) {
@@ -174,21 +174,21 @@ CloudTree describe(Run& run, Figures& row, const PointSet& points, const TimberF
     });
 }
 
-void describe(Run& run, Figures& row, const PolygonMesh& mesh) {
+void describe(Run& run, Json& row, const PolygonMesh& mesh) {
     validate(mesh);
     Box3 box;
     for (const std::uint32_t v : mesh.corners) box.extend(mesh.positions[v]);
-    row["units"] = std::string(name_of(LengthUnit::m));
+    row["units"] = name_of(LengthUnit::m);
     row["faces"] = mesh.face_count();
     if (!box.empty()) add_extent(row, box);
     run.stage("measure", [&](const Context& ctx) { add_surface(row, mesh, ctx); });
 }
 
 /// Adds the rows of a file: one for each of its models.
-void add_rows(Run& run, std::vector<Figures>& rows, TreeTables& parts, const fs::path& path,
+void add_rows(Run& run, std::vector<Json>& rows, TreeTables& parts, const fs::path& path,
               const TableFlags& flags, std::span<const double> limits) {
     const FileKind kind = kind_of_input(path, flags.read.format);
-    rows.back()["kind"] = std::string(name_of(kind));
+    rows.back()["kind"] = name_of(kind);
     if (kind == FileKind::points) {
         const PointSet points = load_points(run, path, flags.read.up, flags.read_points);
         const CloudTree tree = describe(run, rows.back(), points, flags.timber);
@@ -198,7 +198,7 @@ void add_rows(Run& run, std::vector<Figures>& rows, TreeTables& parts, const fs:
         if (flags.wants_rows()) describe(run, rows.back(), load_mesh(run, path, flags.read.up));
         return;
     }
-    const Figures begun = rows.back();
+    const Json begun = rows.back();
     ReadSkeletonOptions read = flags.read;
     read.model = std::max(read.model, 1);
     for (std::size_t models = 1;; ++read.model) {
@@ -213,9 +213,9 @@ void add_rows(Run& run, std::vector<Figures>& rows, TreeTables& parts, const fs:
 }
 
 /// Adds the rows of all files. A file that cannot be read or measured has its error in the row.
-std::vector<Figures> rows_of(Run& run, TreeTables& parts, const TableFlags& flags,
-                             std::span<const double> limits) {
-    std::vector<Figures> rows;
+std::vector<Json> rows_of(Run& run, TreeTables& parts, const TableFlags& flags,
+                          std::span<const double> limits) {
+    std::vector<Json> rows;
     for (const fs::path& path : files_within(flags.files)) {
         rows.emplace_back()["file"] = path.string();
         try {
@@ -231,31 +231,29 @@ std::vector<Figures> rows_of(Run& run, TreeTables& parts, const TableFlags& flag
 }
 
 /// Returns the columns in order of their first row, `error` last.
-std::string to_csv(const std::vector<Figures>& rows) {
+std::string to_csv(const std::vector<Json>& rows) {
     std::vector<std::string> columns;
     std::map<std::string, std::size_t> place;
     const auto add_column = [&](const std::string& name) {
         if (place.emplace(name, columns.size()).second) columns.push_back(name);
     };
-    for (const Figures& row : rows)
-        for (const auto& [name, figure] : row.entries())
+    for (const Json& row : rows)
+        for (const auto& [name, figure] : row.items())
             if (name != "error") add_column(name);
     add_column("error");
     std::string out = fmt::format("{}\n", fmt::join(columns, ","));
-    for (const Figures& row : rows) {
+    for (const Json& row : rows) {
         std::vector<std::string> cells(columns.size());
-        for (const auto& [name, figure] : row.entries()) cells[place[name]] = to_csv_cell(figure);
+        for (const auto& [name, figure] : row.items()) cells[place[name]] = to_csv_cell(figure);
         out += fmt::format("{}\n", fmt::join(cells, ","));
     }
     return out;
 }
 
-void write_rows(const fs::path& path, const std::vector<Figures>& rows) {
+void write_rows(const fs::path& path, const std::vector<Json>& rows) {
     if (path.empty()) return print(to_csv(rows));
     if (path.extension() == ".csv") return write_file(path, to_csv(rows));
-    Figures all;
-    all["files"] = Figure::List(rows.begin(), rows.end());
-    write_file(path, figures_json(all));
+    write_file(path, figures_json({{"files", rows}}));
 }
 
 ExitCode table(Run& run, const TableFlags& flags) {
@@ -266,18 +264,17 @@ ExitCode table(Run& run, const TableFlags& flags) {
     if (!flags.output.empty()) check_output_folder(flags.output);
     const std::vector<double> limits = flags.architecture.limits();
     TreeTables parts(flags.parts, flags.timber);
-    const std::vector<Figures> rows = rows_of(run, parts, flags, limits);
+    const std::vector<Json> rows = rows_of(run, parts, flags, limits);
     std::string written = parts.commit(run);
-    const auto failed = static_cast<std::uint64_t>(std::ranges::count_if(
-        rows, [](const Figures& row) { return row.entries().back().first == "error"; }));
+    const auto failed = static_cast<std::uint64_t>(
+        std::ranges::count_if(rows, [](const Json& row) { return row.contains("error"); }));
     if (flags.wants_rows()) {
         write_rows(flags.output, rows);
         written += fmt::format("{}{}: {} rows, {} of them with an error", written.empty() ? "" : "; ",
                                flags.output.empty() ? "table" : flags.output.string(), grouped(rows.size()),
                                grouped(failed));
     }
-    run.counts()["rows"] = rows.size();
-    run.counts()["failed"] = failed;
+    run.counts().update({{"rows", rows.size()}, {"failed", failed}});
     run.finish(written);
     return kDone;
 }

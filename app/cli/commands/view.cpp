@@ -26,20 +26,12 @@ struct ViewFlags {
     ReadSkeletonOptions read;
 };
 
-void check_picture(const std::filesystem::path& path) {
-    if (path.empty()) return;
-    if (!is_png_name(path))
-        throw UsageError(
-            fmt::format("'{}' is not the name of an image; use the extension .png", path.string()));
-    check_output_folder(path);
-}
-
 void check_flags(const ViewFlags& flags, const GivenOptions& given) {
     if (flags.tree.empty() || (flags.output.empty() && !flags.edit_demo))
         throw UsageError(
             "name the tree and the image: coppice view TREE -o PNG, or coppice view TREE --edit-demo");
-    check_picture(flags.output);
-    check_picture(flags.sheet);
+    check_picture_output(flags.output);
+    check_picture_output(flags.sheet);
     if (flags.edit_demo) return;
     for (const Option* o : given) {
         if (o->name == "--sheet" || o->group == "Dragging")
@@ -48,29 +40,11 @@ void check_flags(const ViewFlags& flags, const GivenOptions& given) {
 }
 
 /// Returns the median and the 95 % quantile of the times of frames and their steps.
-Figures to_milliseconds(const FrameTimes& times) {
-    Figures out;
+Json to_milliseconds(const FrameTimes& times) {
+    Json out;
     visit_figures(times, [&](std::string_view name, const Statistics& s) {
-        Figures part;
-        part["median"] = 1e3 * s.p50;
-        part["p95"] = 1e3 * s.p95;
-        out[fmt::format("{}_ms", name)] = part;
+        out[fmt::format("{}_ms", name)] = {{"median", 1e3 * s.p50}, {"p95", 1e3 * s.p95}};
     });
-    return out;
-}
-
-Figures compute_figures(const EditDemoResult& result) {
-    Figures out;
-    out["renderer"] = result.renderer;
-    out["opengl"] = result.opengl;
-    out["surfaces_by"] = result.backend;
-    out["branch"] = result.branch;
-    out["segments"] = result.segments;
-    out["quads"] = result.quads;
-    out["vertices"] = result.vertices;
-    out["vertices_of_a_frame"] = result.written;
-    out["frames"] = result.frames;
-    out["frames_per_second"] = result.frames_per_second;
     return out;
 }
 
@@ -86,10 +60,10 @@ ExitCode drag_branch(Run& run, const ViewFlags& flags, const Skeleton& tree) {
         if (!flags.sheet.empty()) write_sheet(flags.sheet, result.pictures);
     });
     if (!result.note.empty()) run.warn(result.note);
-    Figures said = compute_figures(result);
-    run.counts().append(said);
-    run.counts()["seconds"] = cli::compute_figures(result.seconds);
-    said.append(to_milliseconds(result.seconds));
+    Json said = compute_figures(result);
+    run.counts().update(said);
+    run.counts()["seconds"] = compute_figures(result.seconds);
+    said.update(to_milliseconds(result.seconds));
     print(figures_text(said));
     run.finish(fmt::format("{}: {} frames of a branch of {} segments, {:.1f} per second", flags.tree.string(),
                            grouped(result.frames), grouped(result.segments), result.frames_per_second));
@@ -103,9 +77,8 @@ ExitCode draw_once(Run& run, const ViewFlags& flags, const Skeleton& tree) {
         run.stage("draw", [&](const Context&) { return view_surface(to_polygons(made), flags.view); });
     run.stage("write", [&](const Context&) { write_picture(flags.output, result.picture); });
     tell_device(run, made);
-    run.counts()["renderer"] = result.renderer;
-    run.counts()["opengl"] = result.opengl;
-    run.counts()["pixels"] = result.picture.pixels.size();
+    run.counts().update(
+        {{"renderer", result.renderer}, {"opengl", result.opengl}, {"pixels", result.picture.pixels.size()}});
     run.finish(fmt::format("{}: {} x {} pixels by {}", flags.output.string(), result.picture.width,
                            result.picture.height, result.renderer));
     return kDone;

@@ -42,6 +42,15 @@ struct CylinderReport {
     std::uint32_t max_sides = 0;  ///< maximum number around a tube
 };
 
+/// Calls visit(name, value) for every figure, in order.
+template <class Visitor>
+void visit_figures(const CylinderReport& r, Visitor&& visit) {
+    visit("tubes", r.tubes);
+    visit("rings", r.rings);
+    visit("min_sides", r.min_sides);
+    visit("max_sides", r.max_sides);
+}
+
 /// Tubes and their counts.
 struct CylinderMesh {
     PolygonMesh mesh;              ///< quads; in caps with an odd number of sides also a triangle

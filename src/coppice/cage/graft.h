@@ -24,6 +24,16 @@ struct GraftReport {
     std::uint32_t joined = 0;        ///< trees that begin inside others, and become their branches
 };
 
+/// Calls visit(name, value) for every figure, in order.
+template <class Visitor>
+void visit_figures(const GraftReport& r, Visitor&& visit) {
+    visit("grafted", r.grafted);
+    visit("cut", r.cut);
+    visit("merged", r.merged);
+    visit("nodes_inside", r.nodes_inside);
+    visit("trees_joined", r.joined);
+}
+
 /// A skeleton, and the tree of tubes that wrap it.
 struct GraftResult {
     Skeleton skeleton;            ///< the given one, with nodes inserted where sections begin and end

@@ -20,6 +20,15 @@ struct PartReport {
     std::uint32_t hidden_tips = 0;  ///< tips inside other branches
 };
 
+/// Calls visit(name, value) for every figure, in order.
+template <class Visitor>
+void visit_figures(const PartReport& r, Visitor&& visit) {
+    visit("merged_nodes", r.merged_nodes);
+    visit("shifted_nodes", r.shifted_nodes);
+    visit("paired_nodes", r.paired_nodes);
+    visit("hidden_tips", r.hidden_tips);
+}
+
 /// A skeleton for the cage: like the given one, but with branch nodes at the points where the tubes separate.
 struct PartResult {
     Skeleton skeleton;           ///< skeleton of the cage

@@ -124,6 +124,18 @@ struct ComposeReport {
     std::uint32_t depth = 0;      ///< maximum nesting depth of inserted branches
 };
 
+/// Calls visit(name, value) for every figure, in order.
+template <class Visitor>
+void visit_figures(const ComposeReport& r, Visitor&& visit) {
+    visit("chosen", r.chosen);
+    visit("replaced", r.replaced);
+    visit("unmatched", r.unmatched);
+    visit("crossed_tries", r.crossed);
+    visit("outside_tries", r.outside);
+    visit("blocked", r.blocked);
+    visit("depth", r.depth);
+}
+
 /// A composed tree.
 struct ComposeResult {
     Skeleton skeleton;     ///< same origin as the template

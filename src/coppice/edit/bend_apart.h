@@ -36,6 +36,16 @@ struct BendApartReport {
     int rounds = 0;            ///< number of rounds
 };
 
+/// Calls visit(name, value) for every figure, in order.
+template <class Visitor>
+void visit_figures(const BendApartReport& r, Visitor&& visit) {
+    visit("overlaps_before", r.before);
+    visit("overlaps_after", r.after);
+    visit("nodes_moved", r.moved);
+    visit("farthest", r.farthest);
+    visit("rounds", r.rounds);
+}
+
 /// A forest with separated trees.
 struct BendApartResult {
     Skeleton skeleton;       ///< same nodes, parents, radii and ids as the input

@@ -204,6 +204,13 @@ struct CoarsenReport {
     std::uint32_t raised = 0;  ///< times that a node got more sides because quads crossed or were inverted
 };
 
+/// Calls visit(name, value) for every figure, in order.
+template <class Visitor>
+void visit_figures(const CoarsenReport& r, Visitor&& visit) {
+    visit("quads_before", r.faces_before);
+    visit("nodes_refined", r.raised);
+}
+
 /// Results of remeshing at self-intersections, where tubes cross each other or themselves.
 struct RemeshReport {
     std::uint64_t pairs_before = 0;  ///< pairs of quads that crossed
@@ -217,11 +224,32 @@ struct RemeshReport {
     std::int64_t handles = 0;        ///< handles of all components: the Euler number is 2 (parts - handles)
 };
 
+/// Calls visit(name, value) for every figure, in order.
+template <class Visitor>
+void visit_figures(const RemeshReport& r, Visitor&& visit) {
+    visit("pairs_before", r.pairs_before);
+    visit("pairs_after", r.pairs_after);
+    visit("lost_bulges", r.lost_bulges);
+    visit("severed", r.severed);
+    visit("folded", r.folded);
+    visit("rounds", r.rounds);
+    visit("tube_rows", r.tube_rows);
+}
+
 /// The metaballs of the field that a surface was moved onto.
 struct BallReport {
     std::uint64_t balls = 0;  ///< number of balls of all segments
     BallChain chain;          ///< their spacing, and the resulting smoothness
 };
+
+/// Calls visit(name, value) for every figure, in order.
+template <class Visitor>
+void visit_figures(const BallReport& r, Visitor&& visit) {
+    visit("balls", r.balls);
+    visit("spacing", r.chain.spacing);
+    visit("radius_at_balls", r.chain.at_balls);
+    visit("radius_between", r.chain.between);
+}
 
 /// The device that computed a surface.
 struct DeviceUse {

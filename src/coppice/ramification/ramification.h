@@ -49,6 +49,15 @@ struct RamificationObjective {
     double total() const { return units + connections + pastes; }  ///< f
 };
 
+/// Calls visit(name, value) for every figure, in order.
+template <class Visitor>
+void visit_figures(const RamificationObjective& r, Visitor&& visit) {
+    visit("units", r.units);
+    visit("connections", r.connections);
+    visit("pastes", r.pastes);
+    visit("total", r.total());
+}
+
 /// Counts and objective of the construction.
 struct RamificationReport {
     std::uint32_t branches = 0;      ///< number of axes
@@ -62,6 +71,21 @@ struct RamificationReport {
     double subdivision_seconds = 0;  ///< [s] first subdivision
     double paste_seconds = 0;        ///< [s] cut and paste
 };
+
+/// Calls visit(name, value) for every figure, in order.
+template <class Visitor>
+void visit_figures(const RamificationReport& r, Visitor&& visit) {
+    visit("branches", r.branches);
+    visit("units", r.units);
+    visit("connectable", r.connectable);
+    visit("additional", r.additional);
+    visit("crowded", r.crowded);
+    visit("objective_before", r.before);
+    visit("objective_after", r.after);
+    visit("connection_seconds", r.connection_seconds);
+    visit("subdivision_seconds", r.subdivision_seconds);
+    visit("paste_seconds", r.paste_seconds);
+}
 
 /// Control mesh after one subdivision, and the report.
 struct RamificationMesh {

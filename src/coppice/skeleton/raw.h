@@ -47,6 +47,19 @@ struct RepairReport {
     }
 };
 
+/// Calls visit(name, value) for every figure, in order.
+template <class Visitor>
+void visit_figures(const RepairReport& r, Visitor&& visit) {
+    visit("reordered", r.reordered);
+    visit("missing_parents", r.missing_parents);
+    visit("missing_radii", r.missing_radii);
+    visit("zero_length", r.zero_length);
+    visit("coincident", r.coincident);
+    visit("bridged_gaps", r.bridged_gaps);
+    visit("attached_inside", r.attached_inside);
+    visit("radius_jumps", r.radius_jumps);
+}
+
 /// A valid skeleton, with a report of the repairs.
 struct RepairResult {
     Skeleton skeleton;    ///< every node of the input except the merged ones

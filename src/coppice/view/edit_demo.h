@@ -49,6 +49,21 @@ struct EditDemoResult {
     std::vector<Image> pictures;   ///< at most four frames, evenly spaced from the first to the last
 };
 
+/// Calls visit(name, value) for every figure except the times, in order.
+template <class Visitor>
+void visit_figures(const EditDemoResult& r, Visitor&& visit) {
+    visit("renderer", r.renderer);
+    visit("opengl", r.opengl);
+    visit("surfaces_by", r.backend);
+    visit("branch", r.branch);
+    visit("segments", r.segments);
+    visit("quads", r.quads);
+    visit("vertices", r.vertices);
+    visit("vertices_of_a_frame", r.written);
+    visit("frames", r.frames);
+    visit("frames_per_second", r.frames_per_second);
+}
+
 /// Drags a branch of the tree back and forth in the image plane, and draws every frame: one and a quarter
 /// periods, from rest to the maximum angle. Images are stored outside the measured times.
 ///

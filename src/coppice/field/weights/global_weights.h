@@ -44,6 +44,21 @@ struct GlobalWeights {
     bool converged = false;    ///< false: better than local, but not optimal
 };
 
+/// Calls visit(name, value) for every figure, in order.
+template <class Visitor>
+void visit_figures(const GlobalWeights& r, Visitor&& visit) {
+    visit("constraints", r.constraints);
+    visit("weights_zero", r.zero);
+    visit("weights_unseen", r.unseen);
+    visit("weights_converged", r.converged);
+    visit("weights_pivots", r.pivots);
+    visit("weights_sweeps", r.sweeps);
+    visit("residual_rms", r.global.rms);
+    visit("residual_max", r.global.greatest);
+    visit("residual_rms_of_local_weights", r.local.rms);
+    visit("residual_max_of_local_weights", r.local.greatest);
+}
+
 /// Computes the weights of all segments at once, >= 0, such that the plain sum is closest to the iso value at
 /// given points by least squares [Zhu2013, eq. 6] [Zhu2015, eq. 2]. Without `constraints` the points of
 /// surface_constraints are used; given points belong to the segment with the nearest surface, and are all

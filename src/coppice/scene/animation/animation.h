@@ -80,6 +80,17 @@ struct FrozenFrame {
     std::uint64_t crossings = 0;  ///< number of pairs of faces that would have crossed
 };
 
+/// Calls visit(name, value) for every figure, in order.
+template <class Visitor>
+void visit_figures(const FrozenFrame& r, Visitor&& visit) {
+    visit("frame", r.frame);
+    visit("time", r.time);
+    visit("frozen_nodes", r.nodes);
+    visit("whole_tree", r.whole_tree);
+    visit("folded", r.folded);
+    visit("crossings", r.crossings);
+}
+
 /// Statistics of the frames of a motion.
 struct MotionReport {
     std::uint64_t frozen = 0;         ///< number of frozen frames
@@ -90,6 +101,17 @@ struct MotionReport {
     std::vector<FrozenFrame> first;   ///< the first 100 frozen frames
     double carrying = 0;              ///< [s] time without rendering and writing
 };
+
+/// Calls visit(name, value) for every figure, in order.
+template <class Visitor>
+void visit_figures(const MotionReport& r, Visitor&& visit) {
+    visit("frames_frozen", r.frozen);
+    visit("frames_wholly_frozen", r.wholly_frozen);
+    visit("folds_avoided", r.folded);
+    visit("crossings_avoided", r.crossings);
+    visit("not_converged", r.not_converged);
+    if (!r.first.empty()) visit("frozen", r.first);
+}
 
 /// Deforms the surface for all frames, each valid (see ValidFrames), passes them to every sink, and finishes
 /// the sinks. Throws IoError, Cancelled.

@@ -1,28 +1,13 @@
 #include <fmt/format.h>
 
-#include <type_traits>
-
 #include "coppice/base/error.h"
 #include "coppice/base/progress.h"
 #include "coppice/measure/surface_report.h"
+#include "coppice/options/figures.h"
 #include "coppice/studio/session_internal.h"
 
 namespace coppice::studio_internal {
 namespace {
-
-/// Returns the figures that are numbers or booleans; groups become nested objects.
-template <class Group>
-Json json_of(const Group& group) {
-    Json out = Json::object();
-    visit_figures(group, [&](const std::string& name, const auto& value) {
-        if constexpr (std::is_arithmetic_v<std::remove_cvref_t<decltype(value)>>) {
-            out[name] = value;
-        } else if constexpr (requires { visit_figures(value, [](const auto&, const auto&) {}); }) {
-            out[name] = json_of(value);
-        }
-    });
-    return out;
-}
 
 std::string verdict_of(const SurfaceReport& report) {
     if (report.crossing_places && report.crossing_places->total > 0)
@@ -56,7 +41,7 @@ Json check(Studio& studio, const Request& request) {
         for (const CrossingPlace& p : report.crossing_places->largest)
             places.push_back({p.place.x, p.place.y, p.place.z});
     }
-    return {{"figures", json_of(report)},
+    return {{"figures", compute_figures(report)},
             {"good", report.passes()},
             {"verdict", verdict_of(report)},
             {"crossings", places}};

@@ -59,6 +59,15 @@ struct MarchReport {
     friend bool operator==(const MarchReport&, const MarchReport&) = default;  ///< member by member
 };
 
+/// Calls visit(name, value) for every figure, in order.
+template <class Visitor>
+void visit_figures(const MarchReport& r, Visitor&& visit) {
+    visit("samples", r.vertices);
+    visit("crossed_tetrahedra", r.crossed);
+    visit("snapped_vertices", r.snapped);
+    visit("freed_vertices", r.freed);
+}
+
 /// Lines that must be inside for any field and any size of tetrahedra: the axes from which the field was
 /// made.
 struct InsideAxes {

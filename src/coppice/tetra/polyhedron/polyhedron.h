@@ -36,6 +36,14 @@ struct PolyhedronReport {
     std::uint32_t tetra = 0;      ///< before subdivision
 };
 
+/// Calls visit(name, value) for every figure, in order.
+template <class Visitor>
+void visit_figures(const PolyhedronReport& r, Visitor&& visit) {
+    visit("sections", r.sections);
+    visit("auxiliary_points", r.auxiliary);
+    visit("sections_added", r.added);
+}
+
 /// The bounding polyhedron of [Zhu2013] as tetrahedra: squares across the branches, three radii wide, at
 /// every node and near every fork, auxiliary points on both sides of the plane of each pair of children, and
 /// a few tetrahedra for each segment between them.
