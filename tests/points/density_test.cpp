@@ -87,7 +87,8 @@ TEST(DensityCurve, RefusesWhatIsNoDensity) {
     EXPECT_NE(error_of([] { DensityCurve(PointDensity::proportional, 1, 1, kNan); }).find("power"),
               std::string::npos);
     EXPECT_NE(error_of([] { DensityCurve(PointDensity::inverse, 0); }).find("above 0"), std::string::npos);
-    EXPECT_NE(error_of([] { DensityCurve(PointDensity::uniform, kNan); }).find("iso value"), std::string::npos);
+    EXPECT_NE(error_of([] { DensityCurve(PointDensity::uniform, kNan); }).find("iso value"),
+              std::string::npos);
     EXPECT_NE(error_of([] { DensityCurve({{0, 1}}); }).find("two knots"), std::string::npos);
     EXPECT_NE(error_of([] { DensityCurve({{1, 1}, {0, 1}}); }).find("must not decrease"), std::string::npos);
     EXPECT_NE(error_of([] { DensityCurve({{0, 0}, {1, 0}}); }).find("0 everywhere"), std::string::npos);

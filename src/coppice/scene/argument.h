@@ -28,7 +28,7 @@ enum class ArgumentType {
     flag,         ///< true or false
     choice,       ///< one of `choices`
     tuple,        ///< numbers separated by commas: a point, a pair
-    section,      ///< PROFILE@FRACTION
+    section,      ///< a profile and a fraction, joined by an at sign
     word,         ///< any text
     input_file,   ///< a file to read
     selection,    ///< nodes of a tree, in the syntax of parse_selection

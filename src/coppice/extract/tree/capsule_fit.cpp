@@ -12,7 +12,6 @@
 
 namespace coppice {
 
-
 namespace {
 
 constexpr std::size_t kCapsuleFitGrain = 4096;

@@ -10,7 +10,6 @@
 
 namespace coppice {
 
-
 /// Returns the code of one of the 27 steps to a cell of the same size around a cell: x, y, z in -1 .. 1. Code
 /// 13 is the null step.
 constexpr unsigned step_code(int x, int y, int z) {

@@ -18,7 +18,6 @@
 
 namespace coppice {
 
-
 namespace {
 
 using namespace tetra_internal;
