@@ -51,14 +51,14 @@ cairo_status_t append(void* closure, const unsigned char* data, unsigned int len
 struct Scale {
     double top = 1, step = 1;
 
-    explicit Scale(double greatest) {
+    explicit Scale(double largest) {
         constexpr double kTicks = 6;
-        if (!(greatest > 0)) return;
-        const double power = std::pow(10.0, std::floor(std::log10(greatest / kTicks)));
+        if (!(largest > 0)) return;
+        const double power = std::pow(10.0, std::floor(std::log10(largest / kTicks)));
         step = 10 * power;
         for (const double factor : {5.0, 2.0, 1.0})
-            if (greatest / (factor * power) <= kTicks + 1) step = factor * power;
-        top = step * std::ceil(greatest / step * (1 - 1e-9));
+            if (largest / (factor * power) <= kTicks + 1) step = factor * power;
+        top = step * std::ceil(largest / step * (1 - 1e-9));
     }
     int ticks() const { return static_cast<int>(std::lround(top / step)); }
 };
@@ -66,7 +66,7 @@ struct Scale {
 class Drawing {
   public:
     Drawing(const Chart& chart, cairo_surface_t* surface)
-        : chart_(chart), pen_(cairo_create(surface)), x_(greatest(true)), y_(greatest(false)) {
+        : chart_(chart), pen_(cairo_create(surface)), x_(largest(true)), y_(largest(false)) {
         cairo_select_font_face(pen_.get(), "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
     }
 
@@ -82,7 +82,7 @@ class Drawing {
     }
 
   private:
-    double greatest(bool x) const {
+    double largest(bool x) const {
         double out = 0;
         for (const ChartSeries& s : chart_.series)
             for (const auto& [a, b] : s.values)

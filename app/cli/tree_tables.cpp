@@ -226,7 +226,7 @@ void TreeTables::add_cylinders(const Json& begin, const SkeletonFile& file, cons
         if (s.is_root(n)) continue;
         const Segment segment = s.segment(n);
         const Frustum cone = frustum(segment);
-        const std::uint32_t branch = table.find_branch[n.index()];
+        const std::uint32_t branch = table.branch_of[n.index()];
         const NodeId parent = s.parent(n);
         Json row = begin;
         row["tree"] = table.branches[branch].tree + 1;

@@ -31,7 +31,7 @@ struct Flags {
 };
 
 /// Counts of points by actual and predicted class.
-struct Reported {
+struct ClassCounts {
     double wood_as_wood = 0, wood_as_leaf = 0, leaf_as_wood = 0, leaf_as_leaf = 0;
 
     double all() const { return wood_as_wood + wood_as_leaf + leaf_as_wood + leaf_as_leaf; }
@@ -47,16 +47,16 @@ struct Reported {
 
 bool before(Vec3 a, Vec3 b) { return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z; }
 
-Reported compare_points(const bench::LeafyScan& scan, const PointSet& found) {
+ClassCounts compare_points(const bench::LeafyScan& scan, const PointSet& found) {
     std::vector<Vec3> leaves(found.positions.begin(), found.positions.end());
     std::ranges::sort(leaves, before);
-    Reported reported;
+    ClassCounts counts;
     for (std::size_t i = 0; i < scan.leaf.size(); ++i) {
         const bool as_leaf = std::ranges::binary_search(leaves, scan.points.positions[i], before);
-        ++(scan.leaf[i] ? (as_leaf ? reported.leaf_as_leaf : reported.leaf_as_wood)
-                        : (as_leaf ? reported.wood_as_leaf : reported.wood_as_wood));
+        ++(scan.leaf[i] ? (as_leaf ? counts.leaf_as_leaf : counts.leaf_as_wood)
+                        : (as_leaf ? counts.wood_as_leaf : counts.wood_as_wood));
     }
-    return reported;
+    return counts;
 }
 
 PointSet wood_of(const bench::LeafyScan& scan) {
@@ -82,18 +82,19 @@ void run_scene(const std::string& name, const Context& ctx) {
     const int points = std::atoi(name.c_str() + second + 1);
     const bench::LeafyScan scan = bench::scan_leafy_tree(scene.skeleton, foliage, points, ctx);
     const bench::Clock clock;
-    const CloudExtraction reported = extract_from_cloud(scan.points, {}, ctx);
+    const CloudExtraction separated = extract_from_cloud(scan.points, {}, ctx);
     const double seconds = clock.seconds();
     const CloudExtraction kept = extract_from_cloud(scan.points, {.leaves = LeafRule::keep}, ctx);
     const CloudExtraction ideal = extract_from_cloud(wood_of(scan), {.leaves = LeafRule::keep}, ctx);
-    const Reported t = compare_points(scan, reported.leaves);
+    const ClassCounts t = compare_points(scan, separated.leaves);
     const bool leafy = scan.leaf_share() > 0;
     fmt::print(
         "| {} | {} | {:.3f} | {:.3f} | {:.3f} | {} | {:.3f} | {:.3f} | {:.3f} | {} | {} | {} | {:.2f} |\n",
         name, scan.points.size(), scan.leaf_share(), t.found(), t.overall(),
         leafy ? fmt::format("{:.3f}", (t.wood_recall() + t.leaf_recall()) / 2) : "", t.wood_recall(),
         t.wood_precision(), t.f1(), judged(scene.skeleton, kept.skeleton, ctx),
-        judged(scene.skeleton, reported.skeleton, ctx), judged(scene.skeleton, ideal.skeleton, ctx), seconds);
+        judged(scene.skeleton, separated.skeleton, ctx), judged(scene.skeleton, ideal.skeleton, ctx),
+        seconds);
 }
 
 void run(const Flags& flags) {

@@ -12,7 +12,7 @@
 namespace coppice::bench {
 namespace {
 
-constexpr std::size_t kNoIndex = static_cast<std::size_t>(-1);
+constexpr std::size_t kUnmatched = static_cast<std::size_t>(-1);
 
 /// Returns the true tree of each found one, matching the closest pairs first.
 std::vector<std::size_t> match(const PlotScene& scene, const PlotExtraction& found) {
@@ -27,10 +27,10 @@ std::vector<std::size_t> match(const PlotScene& scene, const PlotExtraction& fou
         }
     }
     std::ranges::sort(pairs);
-    std::vector<std::size_t> truth(found.trees.size(), kNoIndex);
+    std::vector<std::size_t> truth(found.trees.size(), kUnmatched);
     std::vector<char> taken(scene.trees.size());
     for (const auto& [off, t, k] : pairs) {
-        if (taken[t] || truth[k] != kNoIndex) continue;
+        if (taken[t] || truth[k] != kUnmatched) continue;
         taken[t] = 1;
         truth[k] = t;
     }
@@ -78,7 +78,7 @@ PlotScore judge_plot(const PlotScene& scene, const PlotExtraction& found) {
         score.failed += !tree.result;
         score.length += tree.figures.length;
         score.volume += tree.figures.volume;
-        if (truth[k] == kNoIndex) {
+        if (truth[k] == kUnmatched) {
             ++score.wrong;
             continue;
         }

@@ -138,27 +138,27 @@ def scanned_fork(coppice, folder):
 
 
 def main():
-    reported = arguments("Compares point clouds with surfaces, as figure 10 of Huang2017.", "Additional clouds to measure.",
+    args = arguments("Compares point clouds with surfaces, as figure 10 of Huang2017.", "Additional clouds to measure.",
                      {"--poisson": "Path of coppice_poisson, for comparison.", "--fork": "A cloud of which only the fork is measured."})
-    coppice, folder = reported.coppice, os.path.join(reported.out, "clouds")
+    coppice, folder = args.coppice, os.path.join(args.out, "clouds")
     os.makedirs(folder, exist_ok=True)
     text = head("cloud", "points", "method", "faces", "closed, manifold", "parts", "crossing pairs", "cloud to surface, mm: mean, p95, max",
                 "surface to cloud, mm: mean, p95, max", "at forks: cloud to surface", "at forks: surface to cloud", "bare, %", "s")
 
     def add(name, cloud, skeleton, stem):
         nonlocal text
-        text += rows(coppice, reported.poisson, name, cloud, skeleton, os.path.join(folder, stem))
+        text += rows(coppice, args.poisson, name, cloud, skeleton, os.path.join(folder, stem))
 
     cloud, skeleton = scanned_fork(coppice, folder)
     add("fork, its own skeleton", cloud, skeleton, "drawn")
     add("fork", cloud, extracted(coppice, cloud, folder, "fork"), "fork")
-    for path in reported.files + ([reported.fork] if reported.fork else []):
+    for path in args.files + ([args.fork] if args.fork else []):
         name = os.path.splitext(os.path.basename(path))[0]
         skeleton = extracted(coppice, path, folder, name)
         add(name + ", a fork", *cut_out(coppice, path, skeleton, folder, os.path.join(folder, name + "_fork")), name + "_fork")
-        if path != reported.fork:
+        if path != args.fork:
             add(name, path, skeleton, name)
-    with open(os.path.join(reported.out, "figure10.md"), "w", encoding="utf-8") as file:
+    with open(os.path.join(args.out, "figure10.md"), "w", encoding="utf-8") as file:
         file.write(text)
 
 

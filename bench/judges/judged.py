@@ -15,9 +15,9 @@ def arguments(text, files="Additional skeletons to measure.", more=None):
     for option, meaning in (more or {}).items():
         parser.add_argument(option, help=meaning)
     parser.add_argument("--small", action="store_true", help="Run once with little data, to test the script.")
-    reported = parser.parse_intermixed_args()
-    os.makedirs(reported.out, exist_ok=True)
-    return reported
+    args = parser.parse_intermixed_args()
+    os.makedirs(args.out, exist_ok=True)
+    return args
 
 
 def run(*command):

@@ -75,19 +75,19 @@ def metaballs(coppice, skeletons, folder, runs):
 
 
 def main():
-    reported = arguments("Compares all methods, and fields of balls and of lines.")
+    args = arguments("Compares all methods, and fields of balls and of lines.")
     with tempfile.TemporaryDirectory() as folder:
         def kept(name, skeleton):
             return name, skeleton.write(os.path.join(folder, name.replace(" ", "_") + ".swc"))
 
         forks = [kept("fork", made_up.fork()), kept("thin lateral", made_up.lateral()), kept("six laterals", made_up.furcation(7))]
-        trees = [] if reported.small else [kept(name, skeleton) for name, _, skeleton in made_up.trees()]
-        others = [(os.path.basename(path), path) for path in reported.files]
-        field_trees, runs, field_runs = (forks[:1], 1, 1) if reported.small else (trees + others[:1], RUNS, FIELD_RUNS)
-        tables = {"methods": methods(reported.coppice, forks, trees + others, folder, runs),
-                  "metaballs": metaballs(reported.coppice, field_trees, folder, field_runs)}
+        trees = [] if args.small else [kept(name, skeleton) for name, _, skeleton in made_up.trees()]
+        others = [(os.path.basename(path), path) for path in args.files]
+        field_trees, runs, field_runs = (forks[:1], 1, 1) if args.small else (trees + others[:1], RUNS, FIELD_RUNS)
+        tables = {"methods": methods(args.coppice, forks, trees + others, folder, runs),
+                  "metaballs": metaballs(args.coppice, field_trees, folder, field_runs)}
         for name, text in tables.items():
-            with open(os.path.join(reported.out, name + ".md"), "w", encoding="utf-8") as file:
+            with open(os.path.join(args.out, name + ".md"), "w", encoding="utf-8") as file:
                 file.write(text)
 
 

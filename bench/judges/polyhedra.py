@@ -42,13 +42,13 @@ def rows(coppice, path, folder, runs):
 
 
 def main():
-    reported = arguments("Compares tetrahedra of the octree with those of the polyhedron.")
+    args = arguments("Compares tetrahedra of the octree with those of the polyhedron.")
     text = head("skeleton", "segments", "way", "squares + added, auxiliary points", "tetrahedra, coarse", "fine", "vertices", "faces", "crossing pairs",
                 "trees, parts, handles", "missing, severed", "radius, mean of absolute", "volume, ratio", "shape, p1", "s")
     with tempfile.TemporaryDirectory() as folder:
-        for path in reported.files[:1] if reported.small else reported.files:
-            text += rows(reported.coppice, path, folder, 1 if reported.small else RUNS)
-    with open(os.path.join(reported.out, "polyhedra.md"), "w", encoding="utf-8") as file:
+        for path in args.files[:1] if args.small else args.files:
+            text += rows(args.coppice, path, folder, 1 if args.small else RUNS)
+    with open(os.path.join(args.out, "polyhedra.md"), "w", encoding="utf-8") as file:
         file.write(text)
 
 

@@ -139,16 +139,16 @@ def forks(coppice, folder, count):
 
 
 def main():
-    reported = arguments("Compares ramifications with the figures and tables of Huang2017.")
-    coppice, out = reported.coppice, reported.out
+    args = arguments("Compares ramifications with the figures and tables of Huang2017.")
+    coppice, out = args.coppice, args.out
     made_up.write_all(out)
 
     def made(*names):
         return [(name, os.path.join(out, name.replace(" ", "_") + ".swc")) for name in names]
 
-    trees = made("tree 3") if reported.small else made("tree 1", "tree 2", "tree 3")
-    others = [(os.path.basename(path), path) for path in reported.files]
-    runs, count = (1, 1) if reported.small else (RUNS, 100)
+    trees = made("tree 3") if args.small else made("tree 1", "tree 2", "tree 3")
+    others = [(os.path.basename(path), path) for path in args.files]
+    runs, count = (1, 1) if args.small else (RUNS, 100)
     with tempfile.TemporaryDirectory() as folder:
         tables = {"figure1": figure1(coppice, made("fork") + trees, folder), "figure7": figure7(coppice, made("neighbours", "close neighbours") + trees + others, folder),
                   "figure9": figure9(coppice, folder, out, runs),

@@ -52,7 +52,7 @@ def mean_point(path):
 def mtg_to_swc(path, shift, out):
     """Writes the nodes (N) of a multiscale tree graph, FORM-A, as SWC. An entity that begins with ^ continues the last one
     of its column; any other is a child of the last one of the previous column. Nodes without a radius have that of their parent."""
-    rows, last, compute_radius = [], {}, {0: 0.01}
+    rows, last, radius_of = [], {}, {0: 0.01}
     names = None
     for line in path.read_text().splitlines():
         cells = line.split("\t")
@@ -69,8 +69,8 @@ def mtg_to_swc(path, shift, out):
         last[column] = node
         x, y, z = (float(cells[names[axis]]) + s for axis, s in zip(("XX", "YY", "ZZ"), shift))
         text = cells[names["radius"]].strip() if names["radius"] < len(cells) else ""
-        compute_radius[node] = float(text) if text else compute_radius[max(parent, 0)]
-        rows.append(f"{node} 0 {x} {y} {z} {compute_radius[node]} {parent}\n")
+        radius_of[node] = float(text) if text else radius_of[max(parent, 0)]
+        rows.append(f"{node} 0 {x} {y} {z} {radius_of[node]} {parent}\n")
     out.write_text("".join(rows))
 
 

@@ -17,13 +17,13 @@ STRAIGHT = "--stem-tropism 0 --branch-tropism 0 --light-turn 0 --wobble 0 --shad
 def sprout(program, options):
     """Returns positions, parents and the report of trees with these options."""
     with tempfile.TemporaryDirectory() as folder:
-        tree, report = os.path.join(folder, "t.swc"), os.path.join(folder, "r.json")
-        subprocess.run([program, "sprout", "-o", tree, "--report", report, "--quiet", *options.split()], check=True)
+        tree, path = os.path.join(folder, "t.swc"), os.path.join(folder, "r.json")
+        subprocess.run([program, "sprout", "-o", tree, "--report", path, "--quiet", *options.split()], check=True)
         with open(tree, encoding="utf-8") as file:
             rows = [line.split() for line in file if line.strip() and not line.startswith("#")]
-        with open(report, encoding="utf-8") as file:
-            reported = json.load(file)
-    return [tuple(map(float, row[2:5])) for row in rows], [int(row[6]) - 1 if row[6] != "-1" else -1 for row in rows], reported
+        with open(path, encoding="utf-8") as file:
+            report = json.load(file)
+    return [tuple(map(float, row[2:5])) for row in rows], [int(row[6]) - 1 if row[6] != "-1" else -1 for row in rows], report
 
 
 def minus(a, b):
@@ -116,18 +116,18 @@ def neighbours(program, seeds=10):
 def shades(program):
     print("\n| `--shed-light` | nodes | tips | shed | tips below a third of the height |\n| --- | --: | --: | --: | --: |")
     for light in (0, 0.2, 0.4, 0.6):
-        places, parents, reported = sprout(program, "--shed-light %g" % light)
+        places, parents, report = sprout(program, "--shed-light %g" % light)
         has_child, height = set(parents), max(p[2] for p in places)
         low = sum(1 for i, p in enumerate(places) if i not in has_child and p[2] < height / 3)
-        print("| %g | %d | %d | %d | %d |" % (light, len(places), reported["counts"]["tips"], reported["counts"]["shed"], low))
+        print("| %g | %d | %d | %d | %d |" % (light, len(places), report["counts"]["tips"], report["counts"]["shed"], low))
 
 
 def times(program):
     print("\n| seasons | nodes | ever grown | seconds |\n| --- | --: | --: | --: |")
     for seasons in (15, 20, 24, 28):
-        places, _, reported = sprout(program, "--seasons %d" % seasons)
-        seconds = next(s["seconds"] for s in reported["stages"] if s["name"] == "sprout")
-        print("| %d | %d | %d | %.3f |" % (seasons, len(places), len(places) + reported["counts"]["shed"], seconds))
+        places, _, report = sprout(program, "--seasons %d" % seasons)
+        seconds = next(s["seconds"] for s in report["stages"] if s["name"] == "sprout")
+        print("| %d | %d | %d | %.3f |" % (seasons, len(places), len(places) + report["counts"]["shed"], seconds))
 
 
 for table in (angles, turns, leaders, neighbours, shades, times):

@@ -103,7 +103,7 @@ WeightsResult measure_weights(const Scene& scene, const std::string& kernel, con
         result.weights ? *result.weights : global_weights(scene.skeleton, field, {}, ctx);
     const WeightResidual& residual = result.weights ? fit.global : fit.local;
     out.residual_rms = residual.rms;
-    out.residual_max = residual.greatest;
+    out.residual_max = residual.largest;
     if (result.weights) {
         out.constraints = fit.constraints;
         out.zero = fit.zero;

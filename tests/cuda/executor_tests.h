@@ -134,12 +134,12 @@ struct Count {
     std::span<const std::uint32_t> in;
     std::span<std::uint32_t> sums;        // by remainder
     std::span<unsigned long long> total;  // one element
-    std::span<std::uint32_t> greatest;    // one element
+    std::span<std::uint32_t> largest;     // one element
     std::span<std::uint64_t> bits;        // numbers that occur
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
         add_to(sums[in[i] % 3], 1u);
         add_to(total[0], static_cast<unsigned long long>(in[i]));
-        raise_to(greatest[0], in[i]);
+        raise_to(largest[0], in[i]);
         set_bits(bits[in[i] / 64], std::uint64_t{1} << (in[i] % 64));
     }
 };
@@ -147,15 +147,15 @@ struct Count {
 TYPED_TEST_P(ExecutorOn, CountsWholeNumbersTogether) {
     TypeParam exec(Context{.threads = 2});
     const auto numbers = random_numbers<std::uint32_t>(20'000, 640);
-    const auto sums = exec.template array<std::uint32_t>(3), greatest = exec.template array<std::uint32_t>(1);
+    const auto sums = exec.template array<std::uint32_t>(3), largest = exec.template array<std::uint32_t>(1);
     const auto total = exec.template array<unsigned long long>(1);
     const auto bits = exec.template array<std::uint64_t>(10);
     exec.clear(sums);
-    exec.clear(greatest);
+    exec.clear(largest);
     exec.clear(total);
     exec.clear(bits);
     exec.each("count", numbers.size(),
-              Count{exec.upload(std::span<const std::uint32_t>(numbers)), sums, total, greatest, bits});
+              Count{exec.upload(std::span<const std::uint32_t>(numbers)), sums, total, largest, bits});
     Buffer<std::uint32_t> by_remainder(3);
     std::vector<std::uint64_t> occur(10);
     std::fill(by_remainder.begin(), by_remainder.end(), 0u);
@@ -165,7 +165,7 @@ TYPED_TEST_P(ExecutorOn, CountsWholeNumbersTogether) {
     }
     EXPECT_EQ(downloaded(exec, sums), by_remainder);
     EXPECT_EQ(downloaded(exec, total)[0], std::accumulate(numbers.begin(), numbers.end(), 0ull));
-    EXPECT_EQ(downloaded(exec, greatest)[0], std::ranges::max(numbers));
+    EXPECT_EQ(downloaded(exec, largest)[0], std::ranges::max(numbers));
     EXPECT_TRUE(std::ranges::equal(downloaded(exec, bits), occur));
 }
 

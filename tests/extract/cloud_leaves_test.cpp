@@ -235,11 +235,11 @@ TEST(CloudLeaves, AreTheSameForAnyNumberOfThreads) {
 TEST(CloudLeaves, RuleDecidesWhatIsLeftOut) {
     const LeafyTree tree = leafy_tree(100);
     const CloudExtraction kept = extract_from_cloud(tree.set, {.leaves = LeafRule::keep});
-    const CloudExtraction reported = extract_from_cloud(tree.set, {.detail = 1});
+    const CloudExtraction separated = extract_from_cloud(tree.set, {.detail = 1});
     EXPECT_EQ(kept.cleaning.leaves, 0u);
-    EXPECT_GT(reported.cleaning.leaves, 0.8 * static_cast<double>(tree.set.size() - tree.leaves_first));
+    EXPECT_GT(separated.cleaning.leaves, 0.8 * static_cast<double>(tree.set.size() - tree.leaves_first));
     // 4 m of stem and 12 branches of sqrt(1.1^2 + 0.5^2) = 1.21 m: 18.5 m of wood.
-    const double length = measure(reported.skeleton).length;
+    const double length = measure(separated.skeleton).length;
     EXPECT_NEAR(length, 18.5, 6);
     EXPECT_GT(measure(kept.skeleton).length, 1.5 * length);
     // Finer detail adds more twigs to clusters of leaves.

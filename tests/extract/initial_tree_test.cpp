@@ -64,10 +64,10 @@ TEST(JoinTrees, ThinEndsHangOnThickAxes) {
 
 TEST(JoinTrees, ThickStartsHangOnThinAxesThatTheyHold) {
     // A needle of twice the twig's radius that starts 1.3 radii of the twig from its axis.
-    const auto joined = [](double radius, double adjacent) {
+    const auto joined = [](double radius, double distance) {
         InitialTree t = chain({{0, 0, 0}, {0, 0, 3}}, 0.1);
-        t.add(kNoIndex, {adjacent, 0, 2}, radius);
-        t.add(2, {adjacent + 1, 0, 2}, 0.01);
+        t.add(kNoIndex, {distance, 0, 2}, radius);
+        t.add(2, {distance + 1, 0, 2}, 0.01);
         return extract_internal::join_trees(t, 1.2, {});
     };
     EXPECT_EQ(joined(0.2, 0.13), 1u);

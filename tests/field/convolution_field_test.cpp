@@ -294,9 +294,9 @@ TEST(ConvolutionField, ASingleAxisHasThePlainSum) {
     const Skeleton two(parent, position, radius);
     const ConvolutionField alone(s, {});
     for (const int blend : kBlends) {
-        const ConvolutionField adjacent(two, {.blend = blend});
+        const ConvolutionField with_neighbour(two, {.blend = blend});
         for (const Vec3 p : points) {
-            const FieldSample a = at(alone, p), b = at(adjacent, p);
+            const FieldSample a = at(alone, p), b = at(with_neighbour, p);
             EXPECT_NEAR(a.value, b.value, 4e-5f * (1 + a.value)) << blend;
             EXPECT_LT(distance(a.gradient, b.gradient), 1e-4f * (1 / 0.05f + length(a.gradient))) << blend;
         }

@@ -100,7 +100,7 @@ TEST(GlobalWeights, TwoSegmentsInOnePlaceShareTheirWeight) {
     const Skeleton one({NodeId{}, NodeId(0), NodeId(0)}, {{0, 0, 0}, {0, 0, 30}, {0, 0, 30}}, {1, 1, 1});
     const GlobalWeights w = global_weights(one, global());
     EXPECT_NEAR(w.factors[1] + w.factors[2], 1, 0.02);
-    EXPECT_NEAR(w.local.greatest, 1, 0.05);  // the plain sum of both is 2
+    EXPECT_NEAR(w.local.largest, 1, 0.05);  // the plain sum of both is 2
     EXPECT_LT(w.global.rms, 0.05);
 }
 
@@ -142,7 +142,7 @@ TEST(GlobalWeights, TheResidualIsThatOfTheField) {
     ConvolutionField field(s, global());
     field.scale_weights(w.factors);
     const auto points = surface_constraints(s, global());
-    double greatest = 0, squares = 0;
+    double largest = 0, squares = 0;
     for (const WeightConstraint& c : points) {
         Box3 box;
         for (const WeightConstraint& d : points)
@@ -151,11 +151,11 @@ TEST(GlobalWeights, TheResidualIsThatOfTheField) {
         field.set_regions(region);
         FieldSample sample[1];
         field.sample(0, std::span(&c.position, 1), sample);
-        greatest = std::max(greatest, std::abs(sample[0].value - 1.0));
+        largest = std::max(largest, std::abs(sample[0].value - 1.0));
         squares += std::pow(sample[0].value - 1.0, 2);
     }
     EXPECT_EQ(points.size(), w.constraints);
-    EXPECT_NEAR(greatest, w.global.greatest, 1e-4);
+    EXPECT_NEAR(largest, w.global.largest, 1e-4);
     EXPECT_NEAR(std::sqrt(squares / static_cast<double>(points.size())), w.global.rms, 1e-4);
     EXPECT_LT(w.global.rms, w.local.rms);
 }

@@ -55,18 +55,18 @@ TEST(DensityCurve, RangesHoldEveryValueInThem) {
         for (int a = 0; a < 30; ++a) {
             for (int b = a; b < 30; ++b) {
                 const float low = 0.05f * static_cast<float>(a), high = 0.05f * static_cast<float>(b);
-                const auto [least, greatest] = curve.over(low, high);
+                const auto [least, largest] = curve.over(low, high);
                 for (int k = 0; k <= 8; ++k) {
                     const double d = curve.at(low + (high - low) * static_cast<float>(k) / 8);
                     EXPECT_LE(least, d * (1 + 1e-6) + 1e-6);
-                    EXPECT_GE(greatest, d * (1 - 1e-6) - 1e-6);
+                    EXPECT_GE(largest, d * (1 - 1e-6) - 1e-6);
                 }
             }
         }
     }
     EXPECT_EQ(curves[0].over(0.6f, 2).least, 1);  // flat: cells completely inside have a known density
-    EXPECT_EQ(curves[0].over(0.1f, 0.4f).greatest, 0);
-    EXPECT_EQ(curves[0].over(kNan, 2).greatest, 1);
+    EXPECT_EQ(curves[0].over(0.1f, 0.4f).largest, 0);
+    EXPECT_EQ(curves[0].over(kNan, 2).largest, 1);
 }
 
 TEST(DensityCurve, KnowsTheRangeOfValuesThatHaveADensity) {

@@ -173,16 +173,16 @@ TEST(Render, CoarseFacesAreLitAsTheSmoothSurfaceTheyStandFor) {
     for (const float azimuth : {0.0f, 1.0f, 2.0f, 3.5f}) {
         o.azimuth = azimuth;
         const Image a = render({.mesh = &coarse}, o), b = render({.mesh = &fine}, o);
-        int greatest = 0;
+        int largest = 0;
         for (int x = 22; x < 42; ++x) {
             int sum_a = 0, sum_b = 0;
             for (int y = 20; y < 44; ++y) {
                 sum_a += a.at(x, y)[1];
                 sum_b += b.at(x, y)[1];
             }
-            greatest = std::max(greatest, std::abs(sum_a - sum_b) / 24);
+            largest = std::max(largest, std::abs(sum_a - sum_b) / 24);
         }
-        EXPECT_LT(greatest, 20) << azimuth;
+        EXPECT_LT(largest, 20) << azimuth;
     }
 }
 

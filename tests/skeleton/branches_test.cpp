@@ -27,7 +27,7 @@ Skeleton forked_tree() {
 
 TEST(Branches, AreListedWithTheirPlacesSizesAndDirections) {
     const BranchTable table = list_branches(forked_tree());
-    EXPECT_EQ(table.find_branch, (std::vector<std::uint32_t>{0, 0, 0, 1, 1, 2, 3, 3}));
+    EXPECT_EQ(table.branch_of, (std::vector<std::uint32_t>{0, 0, 0, 1, 1, 2, 3, 3}));
     EXPECT_EQ(table.position_of, (std::vector<std::uint32_t>{0, 1, 2, 1, 2, 1, 0, 1}));
     ASSERT_EQ(table.branches.size(), 4u);
 
@@ -68,7 +68,7 @@ TEST(Branches, FollowAxesThatAreKnown) {
     // The thin child continues the stem, and the thick one is a lateral of order 2.
     const std::vector<std::uint32_t> order{0, 0, 2, 0, 0, 3, 1, 1}, axis{5, 5, 7, 5, 5, 9, 6, 6};
     const BranchTable table = list_branches(forked_tree(), order, axis);
-    EXPECT_EQ(table.find_branch, (std::vector<std::uint32_t>{0, 0, 1, 0, 0, 2, 3, 3}));
+    EXPECT_EQ(table.branch_of, (std::vector<std::uint32_t>{0, 0, 1, 0, 0, 2, 3, 3}));
     EXPECT_EQ(table.position_of, (std::vector<std::uint32_t>{0, 1, 1, 2, 3, 1, 0, 1}));
     EXPECT_EQ(table.next_of[1], NodeId(3));
     EXPECT_EQ(table.next_of[4], NodeId::none());
@@ -108,7 +108,7 @@ TEST(Branches, AddUpToTheSkeleton) {
         EXPECT_NEAR(volume, m.volume, 1e-9 * m.volume);
         EXPECT_EQ(segments, m.segments);
         for (const NodeId n : nodes(skeleton))
-            EXPECT_EQ(table.branches[table.find_branch[n.index()]].order, orders[n.index()]);
+            EXPECT_EQ(table.branches[table.branch_of[n.index()]].order, orders[n.index()]);
     }
 }
 

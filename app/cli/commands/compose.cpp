@@ -61,7 +61,7 @@ std::optional<SolidField> crown_of(Run& run, const ComposeFlags& flags, Vec3d or
 
 /// Returns the statistics of a measure over all trees.
 Json spread(std::vector<double> values) {
-    const auto [least, greatest] = std::ranges::minmax(values);
+    const auto [least, largest] = std::ranges::minmax(values);
     double sum = 0, squares = 0;
     for (const double v : values) sum += v;
     const double mean = sum / static_cast<double>(values.size());
@@ -69,7 +69,7 @@ Json spread(std::vector<double> values) {
     return {{"mean", mean},
             {"deviation", std::sqrt(squares / static_cast<double>(values.size()))},
             {"least", least},
-            {"greatest", greatest}};
+            {"greatest", largest}};
 }
 
 /// Totals of all trees.

@@ -83,7 +83,7 @@ Json compute_figures(const Sketch& sketch, const BranchFit& fit) {
             {"strokes", strokes}};
 }
 
-/// Fills the report; returns the greatest error of a stroke [pixels].
+/// Fills the report; returns the largest error of a stroke [pixels].
 double fill_report(Run& run, const Sketch& sketch, const SketchResult& result) {
     Json branches = Json::array();
     std::uint64_t refused = 0, left_out = 0, reversed = 0, guessed = 0;

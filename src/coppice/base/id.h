@@ -19,7 +19,7 @@ class Id {
 
     constexpr std::uint32_t index() const { return index_; }                 ///< 2^32 - 1 for `none()`
     constexpr explicit operator bool() const { return index_ != kNoIndex; }  ///< false for `none()`
-    friend constexpr auto operator<=>(Id, Id) = default;  ///< by index; `none()` is the greatest
+    friend constexpr auto operator<=>(Id, Id) = default;  ///< by index; `none()` is the largest
 
   private:
     std::uint32_t index_ = kNoIndex;

@@ -79,10 +79,10 @@ Axes find_axes(const Skeleton& s, const CylinderOptions& options) {
 
 /// Chords of n sides are r (1 - cos(pi / n)) within their circle, about r (pi / n)^2 / 2: the distance is
 /// constant if n is proportional to the root of r. Even if the maximum is even, so that all caps are quads.
-std::uint32_t compute_sides(double radius, double greatest, const CylinderOptions& options) {
+std::uint32_t compute_sides(double radius, double largest, const CylinderOptions& options) {
     if (options.thin != TubeSides::by_radius) return static_cast<std::uint32_t>(options.sides);
     const bool even = options.sides % 2 == 0;
-    const double wanted = options.sides * std::sqrt(radius / greatest);
+    const double wanted = options.sides * std::sqrt(radius / largest);
     const double step = even ? 2 : 1;
     return static_cast<std::uint32_t>(std::max(even ? 4.0 : 3.0, step * std::round(wanted / step)));
 }
@@ -112,13 +112,13 @@ CapSize cap_size(const Tube& tube, Cap cap) {
 
 /// Sets the number of sides and the first indices of every tube; returns one past the last as a tube.
 Tube lay_out(Axes& axes, const CylinderOptions& options, CylinderReport& report) {
-    const double greatest = *std::ranges::max_element(axes.radii);
+    const double largest = *std::ranges::max_element(axes.radii);
     Tube next;
     report.tubes = static_cast<std::uint32_t>(axes.tubes.size());
     report.min_sides = static_cast<std::uint32_t>(options.sides);
     for (Tube& tube : axes.tubes) {
         const auto first = axes.radii.begin() + tube.first_node;
-        tube.sides = compute_sides(*std::max_element(first, first + tube.node_count), greatest, options);
+        tube.sides = compute_sides(*std::max_element(first, first + tube.node_count), largest, options);
         tube.vertex = next.vertex;
         tube.face = next.face;
         tube.corner = next.corner;
@@ -203,9 +203,9 @@ class TubeWriter {
           corner_(tube.corner) {}
 
     void write(std::span<const Circle> circles) {
-        double greatest = 0;
-        for (const Circle& c : circles) greatest = std::max(greatest, c.radius);
-        circumference_ = 2 * std::numbers::pi * greatest;
+        double largest = 0;
+        for (const Circle& c : circles) largest = std::max(largest, c.radius);
+        circumference_ = 2 * std::numbers::pi * largest;
         const Pole start_pole = pole(circles.front(), tube_.start, -1);
         const auto first_ring = static_cast<std::uint32_t>(vertex_);
         for (std::uint32_t k = cap_rings(tube_, tube_.start); k > 0; --k) cap_ring(circles.front(), k, -1);

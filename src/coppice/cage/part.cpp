@@ -43,7 +43,7 @@ constexpr float kShortestStem = 0.25f;
 
 // Number of children of a branch node beyond which no node is moved: the search for pairs is quadratic.
 constexpr std::size_t kMaxChildren = 64;
-// [radii] Two children are paired_nodes if their stem would have this length and extend beyond the other
+// [radii] Two children are paired if their stem would have this length and extend beyond the other
 // crotches.
 constexpr float kBundleStem = 1.0f;
 

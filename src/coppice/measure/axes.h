@@ -52,7 +52,7 @@ struct AxesReport {
     std::uint64_t tips = 0;        ///< number of tips of all branches
     std::uint64_t short_tips = 0;  ///< number of short tips, see kShort
     Statistics tip_reach;          ///< [radii] of tips that are in no other branch
-    /// The short tips with the greatest missing length, by decreasing length.
+    /// The short tips with the largest missing length, by decreasing length.
     std::vector<ShortTip> shortest;
 
     /// Of the length of the axes.

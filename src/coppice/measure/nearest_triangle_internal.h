@@ -8,7 +8,7 @@
 namespace coppice::measure_internal {
 
 /// Finds the nearest of the added triangles to a point, and the side of it on which the point is. If several
-/// are equally near, at an edge or a corner, the one with the greatest distance from its plane to the point
+/// are equally near, at an edge or a corner, the one with the largest distance from its plane to the point
 /// decides.
 class NearestTriangle {
   public:

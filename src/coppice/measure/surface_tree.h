@@ -43,7 +43,7 @@ class SurfaceTree {
 
     /// The same as `distance`, negative behind the nearest face: inside a closed surface with faces that are
     /// counter-clockwise seen from outside. If several faces are equally near, at an edge or a corner, the
-    /// one with the greatest distance from its plane to p decides. O(log n).
+    /// one with the largest distance from its plane to p decides. O(log n).
     double signed_distance(Vec3d p) const;
 
   private:

@@ -7,11 +7,10 @@
 namespace coppice {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, std::string_view>, 23> kRenamed{{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 20> kRenamed{{
     {"detail", "leaf_cluster_distance"},
     {"edge", "tetra_edge"},
     {"greatest_diameter", "max_diameter"},
-    {"greatest_factor", "max_factor"},
     {"least_angle", "min_angle"},
     {"least_diameter", "min_diameter"},
     {"least_length", "min_tree_length"},
@@ -20,10 +19,8 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 23> kRenamed
     {"most_intersections", "max_intersections"},
     {"most_length", "max_tree_length"},
     {"most_orders", "max_orders"},
-    {"most_pivots", "max_pivots"},
     {"most_places", "max_places"},
     {"most_points", "max_points"},
-    {"most_sweeps", "max_sweeps"},
     {"most_tips", "max_tips"},
     {"passes", "untangle_passes"},
     {"quality", "untangle_quality"},

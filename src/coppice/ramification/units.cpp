@@ -14,7 +14,7 @@ constexpr double kQuarter = kPi / 2;
 constexpr double kOffFace = 35 * kPi / 180;
 constexpr double kPrintedPeriod = kPi / 4, kPrintedReach = 10 * kPi / 180;
 // Corners of the face of a thick lateral: minimum angle from the crease, and maximum angle from its middle.
-constexpr double kAdjacentToCrease = 15 * kPi / 180, kWidest = 60 * kPi / 180;
+constexpr double kCreaseMargin = 15 * kPi / 180, kWidest = 60 * kPi / 180;
 // Half the footprint of a lateral along its parent, in radii divided by the sine of its angle; constant for
 // smaller angles.
 constexpr double kFootprint = 1.2, kMinSine = 0.35;
@@ -32,7 +32,7 @@ constexpr double kFaceFilled = 0.85;
 
 /// Returns the minimum of a unimodal function by golden-section search.
 template <class Function>
-double least_of(double low, double high, double tolerance, const Function& f) {
+double find_minimum(double low, double high, double tolerance, const Function& f) {
     constexpr double kGolden = 0.6180339887498949;
     double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
     double fa = f(a), fb = f(b);
@@ -108,7 +108,7 @@ class Planner {
         unit.radius = path_.radius(unit.center);
         // The crease of a lateral as thick as its parent extends beyond the corners of a cube.
         const double crease = std::asin(std::min(1.0, current.radius / unit.radius));
-        unit.spread = std::clamp(crease + kAdjacentToCrease, kPi / 4, kWidest);
+        unit.spread = std::clamp(crease + kCreaseMargin, kPi / 4, kWidest);
         out.low = out.high = unit.center;
         for (auto l = begin; l != begin + count; ++l) {
             out.low = std::min(out.low, std::clamp(l->center - l->half, from_, to_));
@@ -155,11 +155,11 @@ class Planner {
         Ends at{a.unit.end, b.unit.start, cost(a.unit.end, b.unit.start)};
         for (double before = at.cost + 1; before - at.cost > 1e-6;) {
             before = at.cost;
-            const double end = least_of(a.high, std::max(a.high, a.unit.end), tolerance,
-                                        [&](double e) { return cost(e, at.start); });
+            const double end = find_minimum(a.high, std::max(a.high, a.unit.end), tolerance,
+                                            [&](double e) { return cost(e, at.start); });
             if (cost(end, at.start) < at.cost) at = {end, at.start, cost(end, at.start)};
-            const double start = least_of(std::min(b.low, b.unit.start), b.low, tolerance,
-                                          [&](double s) { return cost(at.end, s); });
+            const double start = find_minimum(std::min(b.low, b.unit.start), b.low, tolerance,
+                                              [&](double s) { return cost(at.end, s); });
             if (cost(at.end, start) < at.cost) at = {at.end, start, cost(at.end, start)};
         }
         return at;

@@ -49,7 +49,7 @@ Bin mean(const std::vector<Bin>& box) {
     return out;
 }
 
-/// Returns the channel of greatest variance, with that variance times the number of pixels.
+/// Returns the channel of largest variance, with that variance times the number of pixels.
 std::pair<double, std::size_t> spread(const std::vector<Bin>& box) {
     const Bin middle = mean(box);
     std::pair<double, std::size_t> out{-1, 0};

@@ -137,10 +137,8 @@ void draw_marks(Image& image, const RenderScene& scene, const TracedScene& trace
         const Vec3 place = traced.local(mark.place);
         const Camera::Projected middle = camera.project(place);
         if (middle.depth <= 0) continue;
-        const auto adjacent =
-            camera.project(place + camera.right() * (traced.local_length(mark.radius) * kFree));
-        const float radius =
-            std::max(std::hypot(adjacent.x - middle.x, adjacent.y - middle.y), kMinRadius * size);
+        const auto rim = camera.project(place + camera.right() * (traced.local_length(mark.radius) * kFree));
+        const float radius = std::max(std::hypot(rim.x - middle.x, rim.y - middle.y), kMinRadius * size);
         draw_ring(image, {middle.x, middle.y, radius, std::max(1.5f, kWidth * size)}, kMarkColor);
     }
 }

@@ -280,9 +280,9 @@ std::span<const ArgumentValue> SceneCall::values(std::string_view name) const {
 }
 
 const std::string& SceneCall::text(std::string_view name) const {
-    static const std::string kNoIndex;
+    static const std::string kNoText;
     const auto all = values(name);
-    return all.empty() ? kNoIndex : all.front().text;
+    return all.empty() ? kNoText : all.front().text;
 }
 
 double SceneCall::number(std::string_view name) const {
@@ -340,11 +340,11 @@ std::filesystem::path SceneCall::input(std::string_view name) const {
         throw IoError(fmt::format("'{}' is not read: files are not allowed here", path.string()));
     if (settings_.sandbox) return settings_.sandbox->to_read(text(name));
     if (path.is_absolute() || settings_.folder.empty()) return path;
-    const std::filesystem::path adjacent = settings_.folder / path;
+    const std::filesystem::path in_folder = settings_.folder / path;
     std::error_code error;
     const bool is_only_here =
-        !std::filesystem::exists(adjacent, error) && std::filesystem::exists(path, error);
-    return is_only_here ? path : adjacent;
+        !std::filesystem::exists(in_folder, error) && std::filesystem::exists(path, error);
+    return is_only_here ? path : in_folder;
 }
 
 std::filesystem::path SceneCall::output(std::string_view name) const {

@@ -92,7 +92,7 @@ class TimberSum {
     }
 
   private:
-    const Branch& find_branch(NodeId n) const { return table_.branches[table_.find_branch[n.index()]]; }
+    const Branch& find_branch(NodeId n) const { return table_.branches[table_.branch_of[n.index()]]; }
 
     /// Returns the part of a segment above the stump: all of it if it does not belong to the stem.
     Part above_stump(NodeId n) const {
@@ -151,15 +151,15 @@ BranchTable list_branches(const Skeleton& s, std::span<const std::uint32_t> orde
                           std::span<const std::uint32_t> axis) {
     COPPICE_ASSERT(order.size() == s.size() && axis.size() == s.size());
     BranchTable out;
-    out.find_branch.resize(s.size());
+    out.branch_of.resize(s.size());
     out.position_of.resize(s.size(), 0);
     out.next_of.resize(s.size());
     const std::vector<NodeId> roots = tree_roots(s);
     std::uint32_t trees = 0;
     for (const NodeId n : nodes(s)) {
         const std::uint32_t i = n.index(), p = s.is_root(n) ? i : s.parent(n).index();
-        const std::uint32_t parent = i == p ? kNoIndex : out.find_branch[p];
-        std::uint32_t& index = out.find_branch[i];
+        const std::uint32_t parent = i == p ? kNoIndex : out.branch_of[p];
+        std::uint32_t& index = out.branch_of[i];
         index = parent;
         if (i == p || axis[i] != axis[p] || order[i] != order[p]) {
             index = static_cast<std::uint32_t>(out.branches.size());

@@ -32,8 +32,8 @@ struct Branch {
 
 /// All branches, and the branch of each segment.
 struct BranchTable {
-    std::vector<Branch> branches;            ///< parents before their laterals
-    std::vector<std::uint32_t> find_branch;  ///< by node: branch of its segment
+    std::vector<Branch> branches;          ///< parents before their laterals
+    std::vector<std::uint32_t> branch_of;  ///< by node: branch of its segment
     std::vector<std::uint32_t>
         position_of;              ///< by node: number of its segment in the branch, from 1; 0 for roots
     std::vector<NodeId> next_of;  ///< by node: next node of its branch; none at its end

@@ -13,9 +13,9 @@ SkeletonMeasures measure(const Skeleton& skeleton) {
     m.trees = skeleton.tree_count();
     m.segments = m.nodes - m.trees;
     m.bounds = skeleton.bounds();
-    const auto [least, greatest] = std::ranges::minmax_element(skeleton.radii());
+    const auto [least, largest] = std::ranges::minmax_element(skeleton.radii());
     m.min_radius = *least;
-    m.max_radius = *greatest;
+    m.max_radius = *largest;
     std::vector<std::uint32_t> depth(m.nodes, 0);
     std::vector<double> path(m.nodes, 0.0);
     for (const NodeId n : nodes(skeleton)) {

@@ -151,16 +151,16 @@ class Joiner {
     /// Returns the point of the parent's axis at which a lateral originates.
     Vec3d source_point(const Axis& lateral) const {
         const Axis& parent = axes_[lateral.parent];
-        const double adjacent = closest_parameter(lateral.start, parent.start, parent.end - parent.start);
+        const double closest = closest_parameter(lateral.start, parent.start, parent.end - parent.start);
         // Beyond an end it is that end: extended backwards along a collinear axis, all points would be
         // equally close.
-        if (adjacent <= 0 || adjacent >= 1) return lerp(parent.start, parent.end, adjacent);
+        if (closest <= 0 || closest >= 1) return lerp(parent.start, parent.end, closest);
         const double reach = 4 * distance_to_axis(lateral.start, parent);
         const Vec3d back = lateral.start - lateral.direction() * reach;
         const ClosestParameters c = closest_parameters(parent.start, parent.end, lateral.start, back);
         const Vec3d on_parent = lerp(parent.start, parent.end, c.on_a);
         if (distance(on_parent, lerp(lateral.start, back, c.on_b)) <= parent.radius) return on_parent;
-        return lerp(parent.start, parent.end, adjacent);
+        return lerp(parent.start, parent.end, closest);
     }
 
     std::uint32_t add_node(std::uint32_t parent, Vec3d p, const Axis& a) {

@@ -35,9 +35,9 @@ struct Start {
 
     double cost(Vec3d p) const {
         const PicturePoint off = (project(*view, p) - first) * (1 / noise);
-        const double ahead = dot(off, back), adjacent = cross(off, back);
+        const double ahead = dot(off, back), sideways = cross(off, back);
         const double lack = std::max(ahead / kCutShort, 0.0);
-        const double off_squared = adjacent * adjacent + ahead * ahead / (1 + lack * lack);
+        const double off_squared = sideways * sideways + ahead * ahead / (1 + lack * lack);
         return off_squared / (1 + off_squared / most);
     }
 };

@@ -67,9 +67,9 @@ class Refiner {
         const Eigen::VectorXd here = off(now);
         Eigen::Matrix<double, Eigen::Dynamic, 7> slope(here.size(), 7);
         for (int c = 0; c < 7; ++c) {
-            Change adjacent = now;
-            adjacent[c] += kSmall;
-            slope.col(c) = (off(adjacent) - here) / kSmall;
+            Change changed = now;
+            changed[c] += kSmall;
+            slope.col(c) = (off(changed) - here) / kSmall;
         }
         // The robust scale is the median distance, so that outliers do not count even if all distances are
         // large at first.

@@ -79,7 +79,7 @@ COPPICE_HOST_DEVICE inline T least(T x) {
 
 /// Returns the maximum of all numbers of a vector; of one number, the number.
 template <class T>
-COPPICE_HOST_DEVICE inline T greatest(T x) {
+COPPICE_HOST_DEVICE inline T largest(T x) {
     return x;
 }
 

@@ -47,7 +47,7 @@ HWY_INLINE LaneMask operator==(Lane a, Lane b) { return {hn::Eq(a.v, b.v)}; }
 HWY_INLINE Lane smaller(Lane a, Lane b) { return Lane(hn::Min(a.v, b.v)); }
 HWY_INLINE Lane larger(Lane a, Lane b) { return Lane(hn::Max(a.v, b.v)); }
 HWY_INLINE float least(Lane a) { return hn::GetLane(hn::MinOfLanes(Tag(), a.v)); }
-HWY_INLINE float greatest(Lane a) { return hn::GetLane(hn::MaxOfLanes(Tag(), a.v)); }
+HWY_INLINE float largest(Lane a) { return hn::GetLane(hn::MaxOfLanes(Tag(), a.v)); }
 HWY_INLINE Lane square_root(Lane a) { return Lane(hn::Sqrt(a.v)); }
 HWY_INLINE Lane absolute(Lane a) { return Lane(hn::Abs(a.v)); }
 HWY_INLINE Lane choose(LaneMask mask, Lane yes, Lane no) { return Lane(hn::IfThenElse(mask.m, yes.v, no.v)); }

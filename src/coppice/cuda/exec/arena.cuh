@@ -59,9 +59,7 @@ class Arena {
         for (const Piece& piece : pieces_) sum += piece.size;
         return sum;
     }
-    std::size_t greatest() const {
-        return greatest_;
-    }  ///< [bytes] maximum taken at once since the last reset
+    std::size_t largest() const { return greatest_; }  ///< [bytes] maximum taken at once since the last reset
 
   private:
     static constexpr std::size_t kAlignment = 256;

@@ -20,11 +20,11 @@ COPPICE_HOST_DEVICE T add_to(T& sum, T value) {
 
 /// Atomically raises a number to at least `value`.
 template <class T>
-COPPICE_HOST_DEVICE void raise_to(T& greatest, T value) {
+COPPICE_HOST_DEVICE void raise_to(T& largest, T value) {
 #ifdef __CUDA_ARCH__
-    atomicMax(&greatest, value);
+    atomicMax(&largest, value);
 #else
-    const std::atomic_ref shared(greatest);
+    const std::atomic_ref shared(largest);
     T seen = shared.load(std::memory_order_relaxed);
     while (seen < value && !shared.compare_exchange_weak(seen, value, std::memory_order_relaxed)) {
     }

@@ -241,9 +241,7 @@ class CudaExecutor {
     void wait() { check(cudaStreamSynchronize(stream_), "finish"); }
 
     cudaStream_t stream() const { return stream_; }
-    std::size_t bytes_used() const {
-        return device_.greatest();
-    }  ///< memory of the GPU, since the last reset
+    std::size_t bytes_used() const { return device_.largest(); }  ///< memory of the GPU, since the last reset
 
     /// Enables recording of the time of every launch.
     void measure() { measures_ = true; }

@@ -309,10 +309,10 @@ class QuadStages {
         const auto numbers = [&](std::size_t n) { return exec_.template array<std::uint32_t>(n); };
         // All numbers that the host reads are contiguous.
         const std::size_t parts = reports.size();
-        const auto reported = numbers(1 + 2 * parts + bad.size());
-        exec_.clear(reported);
-        const UnfoldOutcome outcome{reported.first(1), reported.last(bad.size()), reported.subspan(1, parts),
-                                    reported.subspan(1 + parts, parts)};
+        const auto results = numbers(1 + 2 * parts + bad.size());
+        exec_.clear(results);
+        const UnfoldOutcome outcome{results.first(1), results.last(bad.size()), results.subspan(1, parts),
+                                    results.subspan(1 + parts, parts)};
         const DeviceClusters clusters = fold_clusters(exec_, stars(), bad);
         const std::size_t vertices = clusters.vertices.size(), faces = clusters.faces.size();
         const auto points = [&] { return exec_.template array<Vec3>(vertices); };
@@ -322,7 +322,7 @@ class QuadStages {
                      UnfoldCluster<Field>{surface(), clusters, room, outcome, part_, field,
                                           FaceLimits(job_.untangle.quality), job_.untangle.passes,
                                           job_.untangle.projected_passes});
-        const std::span<const std::uint32_t> said = exec_.fetch(std::span<const std::uint32_t>(reported));
+        const std::span<const std::uint32_t> said = exec_.fetch(std::span<const std::uint32_t>(results));
         exec_.wait();
         for (std::size_t p = 0; p < parts; ++p) {
             reports[p].passes = said[1 + p];

@@ -126,7 +126,7 @@ struct SubdivideFaces {
     COPPICE_HOST_DEVICE void operator()(std::uint32_t f) const {
         const ExplicitTetra::Face face = coarse.faces[f];
         const auto vertices = static_cast<std::uint32_t>(coarse.positions.size());
-        const std::uint32_t adjacent = 2 * static_cast<std::uint32_t>(coarse.edges.size()) + 3 * f;
+        const std::uint32_t inner = 2 * static_cast<std::uint32_t>(coarse.edges.size()) + 3 * f;
         const auto middle = [&](std::uint32_t k) { return vertices + face.edges[k]; };
         const auto half = [&](std::uint32_t opposite, std::uint32_t corner) {
             const std::uint32_t e = face.edges[opposite];
@@ -134,15 +134,14 @@ struct SubdivideFaces {
         };
         for (std::uint32_t k = 0; k < 3; ++k) {
             const std::uint32_t l = (k + 1) % 3, m = (k + 2) % 3;
-            fine.edges[adjacent + k] = {{middle(l), middle(m)}, face.region};
+            fine.edges[inner + k] = {{middle(l), middle(m)}, face.region};
             if (fine.faces.empty()) continue;
-            fine.faces[4 * f + k] = {{face.vertices[k], middle(m), middle(l)},
-                                     {adjacent + k, half(l, k), half(m, k)},
-                                     face.region};
+            fine.faces[4 * f + k] = {
+                {face.vertices[k], middle(m), middle(l)}, {inner + k, half(l, k), half(m, k)}, face.region};
         }
         if (!fine.faces.empty())
             fine.faces[4 * f + 3] = {
-                {middle(0), middle(1), middle(2)}, {adjacent, adjacent + 1, adjacent + 2}, face.region};
+                {middle(0), middle(1), middle(2)}, {inner, inner + 1, inner + 2}, face.region};
     }
 };
 

@@ -46,7 +46,7 @@ Wind::Wind(const Skeleton& s, const WindOptions& options, double period, int fas
     : options_(options),
       period_(period),
       blow_(std::cos(double{options.azimuth}), std::sin(double{options.azimuth}), 0),
-      adjacent_(-blow_.y, blow_.x, 0),
+      across_(-blow_.y, blow_.x, 0),
       parent_(s.parents().begin(), s.parents().end()),
       axis_of_(s.size()),
       slope_(s.size()) {
@@ -112,14 +112,14 @@ Vec3d Wind::bend(const Axis& axis, Vec3d way, double time) const {
     const double swing = std::sin(2 * pi * axis.swings * time / period_ + axis.phase);
     const double cross_swing = std::cos(2 * pi * axis.swings * time / period_ + axis.phase);
     const double along = axis.lean * speed * speed * (1 + kSwing * swing);
-    const double adjacent = axis.lean * speed * axis.across * cross_swing;
-    return cross(way, blow_ * along + adjacent_ * adjacent);
+    const double sideways = axis.lean * speed * axis.across * cross_swing;
+    return cross(way, blow_ * along + across_ * sideways);
 }
 
 Pose Wind::swayed(const Pose& still, double time) const {
     Pose out = still;
-    std::vector<Rotation> sway(parent_.size());     // by node
-    std::vector<Vec3d> compute_bend(axes_.size());  // by axis
+    std::vector<Rotation> sway(parent_.size());  // by node
+    std::vector<Vec3d> bend_of(axes_.size());    // by axis
     std::vector<std::uint8_t> is_known(axes_.size());
     for (std::size_t i = 0; i < parent_.size(); ++i) {
         const NodeId parent = parent_[i];
@@ -129,10 +129,10 @@ Pose Wind::swayed(const Pose& still, double time) const {
         if (is_known[k] == 0) {
             const Vec3d way =
                 Vec3d(still.positions[tip_of_[k].index()]) - Vec3d(still.positions[joint_of_[k].index()]);
-            compute_bend[k] = bend(axes_[k], host(normalized(way, {0, 0, 1})), time);
+            bend_of[k] = bend(axes_[k], host(normalized(way, {0, 0, 1})), time);
             is_known[k] = 1;
         }
-        sway[i] = unit(rotation_by(compute_bend[k] * double{slope_[i]}) * host);
+        sway[i] = unit(rotation_by(bend_of[k] * double{slope_[i]}) * host);
         const std::uint32_t p = parent.index();
         out.positions[i] =
             Vec3(Vec3d(out.positions[p]) + sway[i](Vec3d(still.positions[i]) - Vec3d(still.positions[p])));

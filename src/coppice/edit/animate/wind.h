@@ -72,7 +72,7 @@ class Wind {
 
     WindOptions options_;
     double period_;
-    Vec3d blow_, adjacent_;
+    Vec3d blow_, across_;
     std::vector<NodeId> parent_;
     std::vector<std::uint32_t> axis_of_;  ///< by node
     std::vector<NodeId> tip_of_;          ///< by axis

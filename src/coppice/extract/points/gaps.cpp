@@ -97,7 +97,7 @@ struct LimbEnd {
 /// Returns the end of a limb at a voxel, if any; `edge` [m] is the edge of the voxels.
 std::optional<LimbEnd> limb_end_at(std::span<const Vec3> at, const Neighbours& near, std::uint32_t v,
                                    double edge) {
-    constexpr double kReach = 5, kAdjacent = 0.4;  // [edge] radius about the voxel; maximum extent beyond it
+    constexpr double kReach = 5, kMaxBeyond = 0.4;  // [edge] radius about the voxel; maximum extent beyond it
     constexpr double kLinear =
         0.8;  // minimum share of the variance along the first axis in excess of the others
     constexpr int kMin = 3;
@@ -120,7 +120,7 @@ std::optional<LimbEnd> limb_end_at(std::span<const Vec3> at, const Neighbours& n
     if (dot(outward, mean) > 0) outward = outward * -1;
     for (int k = 0; k < count; ++k) {
         const Vec3d off = Vec3d(at[near.of(v)[static_cast<std::size_t>(k)]]) - Vec3d(at[v]);
-        if (dot(off, outward) > kAdjacent * edge) return {};
+        if (dot(off, outward) > kMaxBeyond * edge) return {};
     }
     return LimbEnd{v, outward};
 }

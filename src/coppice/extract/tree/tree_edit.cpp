@@ -283,7 +283,7 @@ std::uint32_t merge_forks(InitialTree& tree, FitSamples& samples, double factor)
 }
 
 std::uint32_t extend_ends(InitialTree& tree, FitSamples& samples) {
-    constexpr double kAdjacent = 1.5, kRim = 0.7, kFlat = 0.15, kMoved = 0.1, kStraight = 1.2;  // [radius]
+    constexpr double kAround = 1.5, kRim = 0.7, kFlat = 0.15, kMoved = 0.1, kStraight = 1.2;  // [radius]
     struct End {
         std::uint32_t neighbour = kNoIndex;
         Vec3d outward;
@@ -298,7 +298,7 @@ std::uint32_t extend_ends(InitialTree& tree, FitSamples& samples) {
                 if (n == kNoIndex || end[n].neighbour == kNoIndex) continue;
                 const Vec3d v = Vec3d(samples.positions[i]) - tree.position[n];
                 const double along = dot(v, end[n].outward), across = length(v - end[n].outward * along);
-                if (across < kAdjacent * tree.radius[n]) visit(i, n, along, across);
+                if (across < kAround * tree.radius[n]) visit(i, n, along, across);
             }
         }
     };

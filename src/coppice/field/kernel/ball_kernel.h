@@ -31,7 +31,7 @@ class BallKernel {
         const T per_spacing = T(1) / spacing;
         const auto last_ball = static_cast<float>(s.balls);
         const auto from = static_cast<float>(least((t - reach - s.begin) * per_spacing));
-        const auto to = static_cast<float>(greatest((t + reach - s.begin) * per_spacing));
+        const auto to = static_cast<float>(largest((t + reach - s.begin) * per_spacing));
         // All balls are used for NaN.
         const int first = from > 0 ? static_cast<int>(std::min(from, last_ball)) : 0;
         const int last = to + 1 < last_ball ? static_cast<int>(std::max(to + 1, -1.0f)) : s.balls;

@@ -106,7 +106,7 @@ WeightResidual residual(const SparseRows& f, std::span<const double> x, const Co
     WeightResidual out;
     for (const double value : product(f, x, ctx)) {
         out.rms += (value - 1) * (value - 1);
-        out.greatest = std::max(out.greatest, std::abs(value - 1));
+        out.largest = std::max(out.largest, std::abs(value - 1));
     }
     out.rms = std::sqrt(out.rms / static_cast<double>(f.rows()));
     return out;

@@ -12,8 +12,8 @@ namespace coppice {
 
 /// Deviation of the field from the iso value at the constraints, in units of the iso value.
 struct WeightResidual {
-    double rms = 0;       ///< root mean square
-    double greatest = 0;  ///< maximum absolute value
+    double rms = 0;      ///< root mean square
+    double largest = 0;  ///< maximum absolute value
 };
 
 /// A point that the surface should pass through.
@@ -54,9 +54,9 @@ void visit_figures(const GlobalWeights& r, Visitor&& visit) {
     visit("weights_pivots", r.pivots);
     visit("weights_sweeps", r.sweeps);
     visit("residual_rms", r.global.rms);
-    visit("residual_max", r.global.greatest);
+    visit("residual_max", r.global.largest);
     visit("residual_rms_of_local_weights", r.local.rms);
-    visit("residual_max_of_local_weights", r.local.greatest);
+    visit("residual_max_of_local_weights", r.local.largest);
 }
 
 /// Computes the weights of all segments at once, >= 0, such that the plain sum is closest to the iso value at

@@ -40,11 +40,11 @@ void check(const SparseRows& a, std::span<const double> b, const NnlsOptions& op
 }
 
 double norm(std::span<const double> v) {
-    double greatest = 0, sum = 0;  // scaled, so that squares do not overflow
-    for (const double x : v) greatest = std::max(greatest, std::abs(x));
-    if (greatest == 0) return 0;
-    for (const double x : v) sum += (x / greatest) * (x / greatest);
-    return greatest * std::sqrt(sum);
+    double largest = 0, sum = 0;  // scaled, so that squares do not overflow
+    for (const double x : v) largest = std::max(largest, std::abs(x));
+    if (largest == 0) return 0;
+    for (const double x : v) sum += (x / largest) * (x / largest);
+    return largest * std::sqrt(sum);
 }
 
 /// Returns the columns, scaled to length 1; columns of length 0 remain 0.
@@ -123,11 +123,11 @@ void pivot(NormalEquations& system, std::vector<double>& z, int max_pivots, int&
         ctx.throw_if_cancelled();
         ++pivots;
         if (!system.solve(passive, z, gradient)) return;
-        double greatest = 1;
-        for (const double v : z) greatest = std::max(greatest, std::abs(v));
+        double largest = 1;
+        for (const double v : z) largest = std::max(largest, std::abs(v));
         wrong.clear();
         for (std::uint32_t i = 0; i < n; ++i)
-            if ((passive[i] ? z[i] : gradient[i]) < -kTiny * greatest) wrong.push_back(i);
+            if ((passive[i] ? z[i] : gradient[i]) < -kTiny * largest) wrong.push_back(i);
         if (wrong.empty()) return;
         if (wrong.size() < fewest) {
             fewest = wrong.size();
@@ -147,16 +147,16 @@ int descend(const ScaledColumns& a, std::span<double> z, std::span<const double>
     std::vector<double> r = residual(a, z, b);
     for (int sweep = 0; sweep < max_sweeps; ++sweep) {
         ctx.throw_if_cancelled();
-        double greatest = 0, step = 0;
+        double largest = 0, step = 0;
         for (std::size_t i = 0; i < z.size(); ++i) {
             if (a.length[i] == 0) continue;
             const double better = std::max(0.0, z[i] - column_times(a, i, r));
             if (better != z[i]) add_column(a, i, better - z[i], r);
             step = std::max(step, std::abs(better - z[i]));
-            greatest = std::max(greatest, better);
+            largest = std::max(largest, better);
             z[i] = better;
         }
-        if (step <= kSettled * greatest) return sweep + 1;
+        if (step <= kSettled * largest) return sweep + 1;
     }
     return max_sweeps;
 }

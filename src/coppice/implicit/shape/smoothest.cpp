@@ -46,16 +46,16 @@ std::vector<Constraint> constraints(std::vector<Constraint> points, std::span<co
             throw InvalidInput(fmt::format("{}: points {} and {} coincide; remove one", subject,
                                            std::min(i, neighbour[i].index) + 1,
                                            std::max(i, neighbour[i].index) + 1));
-    std::vector<Constraint> adjacent(normal_count);
+    std::vector<Constraint> offset_points(normal_count);
     parallel_for(ctx, normal_count, 64, [&](std::size_t k) {
         const std::size_t i = k * n / normal_count;
         const Vec3d normal = normalized(Vec3d(normals[i]));
         double d = offset;
         for (int halvings = 0; halvings < kMaxHalvings; ++halvings, d *= 0.5)
             if (nearest(points, points[i].position + normal * d, i).distance > d) break;
-        adjacent[k] = {points[i].position + normal * d, d};
+        offset_points[k] = {points[i].position + normal * d, d};
     });
-    points.insert(points.end(), adjacent.begin(), adjacent.end());
+    points.insert(points.end(), offset_points.begin(), offset_points.end());
     return points;
 }
 

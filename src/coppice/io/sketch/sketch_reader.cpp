@@ -61,7 +61,7 @@ ReadView photograph_of(const Value& value) {
 /// Returns the path of a file that a sketch names; throws if it may not be read.
 using FindFile = std::function<std::filesystem::path(const std::filesystem::path& name)>;
 
-FindFile adjacent(const std::filesystem::path& folder) {
+FindFile files_in(const std::filesystem::path& folder) {
     return [folder](const std::filesystem::path& name) { return folder / name; };
 }
 
@@ -258,8 +258,8 @@ bool is_sketch_name(const std::filesystem::path& path) {
 
 namespace {
 
-template <class Adjacent>
-SketchCameras cameras_in(std::string_view text, const std::string& source, const Adjacent& files) {
+template <class FindFileIn>
+SketchCameras cameras_in(std::string_view text, const std::string& source, const FindFileIn& files) {
     const Json json = parse_json(text, source);
     const Value file(json, source + ":");
     check_format(json, file, source);
@@ -269,7 +269,7 @@ SketchCameras cameras_in(std::string_view text, const std::string& source, const
 }  // namespace
 
 SketchCameras read_cameras(const std::filesystem::path& path, const Context& ctx) {
-    return cameras_in(read_file(path, kLargestSketch, ctx), path.string(), adjacent(path.parent_path()));
+    return cameras_in(read_file(path, kLargestSketch, ctx), path.string(), files_in(path.parent_path()));
 }
 
 SketchCameras parse_cameras(std::string_view text, const std::string& source, const FolderSandbox& sandbox) {
@@ -292,7 +292,7 @@ TraceResult trace_views(const SketchCameras& cameras, std::span<const Mask> silh
 }
 
 Sketch parse_sketch(std::string_view text, const std::string& source, const std::filesystem::path& folder) {
-    return make_sketch(text, source, adjacent(folder));
+    return make_sketch(text, source, files_in(folder));
 }
 
 Sketch parse_sketch(std::string_view text, const std::string& source, const FolderSandbox& sandbox) {

@@ -176,11 +176,11 @@ void check_place(const Box3d& mesh, const Box3d& cloud) {
     const double gap = mesh.gap(cloud);
     if (gap <= std::max(mesh.size(), cloud.size())) return;
     const Vec3d shift = 0.5 * (cloud.low + cloud.high - mesh.low - mesh.high);
-    const auto reported = [&](double x) { return std::fabs(x) > 1e-3 * gap ? x : 0.0; };
+    const auto without_noise = [&](double x) { return std::fabs(x) > 1e-3 * gap ? x : 0.0; };
     throw InvalidInput(
         fmt::format("check: the cloud is {:.4g} m away from the mesh; make sure that both are in the same "
                     "place and unit. Their centres differ by ({:.4g}, {:.4g}, {:.4g}) m",
-                    gap, reported(shift.x), reported(shift.y), reported(shift.z)));
+                    gap, without_noise(shift.x), without_noise(shift.y), without_noise(shift.z)));
 }
 
 /// Returns the median over at most a thousand of `count` points.

@@ -33,7 +33,7 @@ class Shares {
         }
         if (count_ < kMaxShares) share_[count_++] = {share, segment.index()};
     }
-    Influence greatest() {
+    Influence largest() {
         // Of equal weights the lower segment, independent of their order.
         std::sort(share_.begin(), share_.begin() + static_cast<std::ptrdiff_t>(count_),
                   [](const auto& a, const auto& b) {
@@ -83,7 +83,7 @@ Influence AxisWindow::at(NodeId n, Vec3 point) const {
     Shares shares;
     if (skeleton_.is_root(n)) {
         shares.add(n, 1);
-        return shares.greatest();
+        return shares.largest();
     }
     const auto foot = compute_cone(skeleton_, n).foot(point);
     float half = kWindow * foot.radius;
@@ -114,7 +114,7 @@ Influence AxisWindow::at(NodeId n, Vec3 point) const {
     if (is_lateral(first) && skeleton_.is_root(skeleton_.parent(first)))
         first = skeleton_.leader(skeleton_.parent(first));
     shares.add(first, below(low));
-    return shares.greatest();
+    return shares.largest();
 }
 
 NodeId AxisWindow::nearest_adjacent(NodeId n, Vec3 point) const {

@@ -42,11 +42,11 @@ std::vector<Capsule> compute_capsules(const QuadModel& model, const Context& ctx
 // Boxes around all positions within the branch's influence, on its way from one maximum angle to the other.
 class SweptBoxes {
   public:
-    SweptBoxes(const QuadModel& model, const BranchDrag& drag, double greatest, const Context& ctx)
+    SweptBoxes(const QuadModel& model, const BranchDrag& drag, double largest, const Context& ctx)
         : drag_(drag), capsules_(compute_capsules(model, ctx)), turns_(model.skeleton.size()) {
         for (const std::uint32_t n : drag.nodes()) turns_[n] = 1;
-        const int steps = std::max(1, static_cast<int>(std::ceil(2 * greatest / kStep)));
-        half_ = greatest / steps;
+        const int steps = std::max(1, static_cast<int>(std::ceil(2 * largest / kStep)));
+        half_ = largest / steps;
         for (int k = 0; k < steps; ++k) middles_.push_back((2 * k + 1 - steps) * half_);
         const auto contents = contents_of(model);
         for (std::size_t t = 0; t < contents.size(); ++t) add_tube(contents[t]);
@@ -153,11 +153,11 @@ Flags turning_regions(const ControlMesh& control, std::span<const std::uint32_t>
     return regions_of_vertices(control, follows);
 }
 
-Flags changed_regions(const QuadModel& model, const BranchDrag& drag, double greatest, const Context& ctx) {
+Flags changed_regions(const QuadModel& model, const BranchDrag& drag, double largest, const Context& ctx) {
     const ControlMesh& control = model.control;
     if (model.options.project.relax_passes > 0) return Flags(control.region_node.size(), 1);
     Flags out = turning_regions(control, drag.cage_vertices());
-    const SweptBoxes swept(model, drag, greatest, ctx);
+    const SweptBoxes swept(model, drag, largest, ctx);
     if (swept.boxes().empty()) return out;
     const BoxTree tree(swept.boxes(), ctx);
     const auto regions = pipeline_internal::field_regions(control, model.skeleton);

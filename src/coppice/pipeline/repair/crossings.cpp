@@ -39,7 +39,7 @@ constexpr std::size_t kGroupGrain = 16;
 // long.
 constexpr double kRounding = 1e-14;
 // Bound of the relative rounding error of distances.
-constexpr double kAdjacent = 1e-9;
+constexpr double kDistanceRounding = 1e-9;
 
 // Proven properties of a tube.
 struct Proof {
@@ -57,7 +57,7 @@ Margins margins(const Directions& d, double size) {
 }
 
 // The maximum absolute coordinate, and the maximum distance of the corners of a box from c.
-double greatest(const Bounds& b) {
+double largest(const Bounds& b) {
     double most = 0;
     for (int i = 0; i < 3; ++i) most = std::max({most, std::fabs(b.low[i]), std::fabs(b.high[i])});
     return most;
@@ -256,7 +256,7 @@ class Search {
         if (!tubes_.is_root(t)) d.set(0, position(t) - position(tubes_.parent(t)));
         work.a.load(faces_[t.index()]);
         work.a.reach(d, work.of_a);
-        const auto margin = margins(d, greatest(proof.bounds));
+        const auto margin = margins(d, largest(proof.bounds));
         const auto [first, last] = own_star(t, work.a);
         for (std::uint32_t i = 0; i < n; ++i) {
             for (std::uint32_t j = i; j < n; ++j) {
@@ -288,7 +288,7 @@ class Search {
         if ((apart_a || (end[0] >= 0 && stays_behind(a, end[0], b, end[1]))) &&
             (apart_b || (end[1] >= 0 && stays_behind(b, end[1], a, end[0]))))
             return;
-        const double size = std::max(greatest(of_a.bounds), greatest(of_b.bounds));
+        const double size = std::max(largest(of_a.bounds), largest(of_b.bounds));
         const Directions d = directions_between(a, b, end);
         if (end[0] < 0 && axes_are_apart(a, b, d, size)) return;
         const auto margin = margins(d, size);
@@ -315,7 +315,7 @@ class Search {
         const Vec3d way = position(node(b, 1 - end_b)) - position(node(b, end_b));
         const double size = of_a.radius + of_b.radius + length(away) + length(way);
         const double most = std::max(0.0, dot(way, normalized(away))) + of_b.radius;
-        return of_a.view[end_a].behind > most + kAdjacent * size;
+        return of_a.view[end_a].behind > most + kDistanceRounding * size;
     }
 
     // Returns whether, along one of the directions, the distance of the axes of two tubes exceeds the sum of
@@ -323,7 +323,7 @@ class Search {
     bool axes_are_apart(NodeId a, NodeId b, const Directions& d, double size) const {
         const auto [a0, a1] = ends(a);
         const auto [b0, b1] = ends(b);
-        const double reach = proof_[a.index()].radius + proof_[b.index()].radius + kAdjacent * size;
+        const double reach = proof_[a.index()].radius + proof_[b.index()].radius + kDistanceRounding * size;
         for (std::size_t i = 0; i < Directions::kCount; ++i) {
             const Vec3d w{d.x[i], d.y[i], d.z[i]};
             const double a_low = std::min(dot(w, a0), dot(w, a1)), a_high = std::max(dot(w, a0), dot(w, a1)),

@@ -12,7 +12,7 @@ namespace coppice::pipeline_internal {
 
 inline constexpr std::uint32_t kMaxPairs = 1u << 20;  ///< maximum number of reported pairs
 
-/// Returns the quads of the mesh of the tube_rows, ascending, that may intersect or touch others; all other
+/// Returns the quads of the mesh of the rows, ascending, that may intersect or touch others; all other
 /// quads neither intersect nor touch any quad: see crossings.cpp. About one quad in a hundred of a clean
 /// mesh. O(n log n).
 std::vector<std::uint32_t> unproved_quads(const QuadMesh& mesh, const TubeRows& tube_rows,

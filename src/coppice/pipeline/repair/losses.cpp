@@ -53,8 +53,8 @@ bool is_too_thick(const TubeMap& map, NodeId n) {
                      ? map.tubes.radius(tube)
                      : round_cone<float>(map.tubes.segment(tube)).foot(s.position(n)).radius;
     } else {
-        for_each_segment_at(s, s.parent(n), [&](NodeId adjacent) {
-            if (!map.wrapping[adjacent.index()].empty()) widest = std::max(widest, s.radius(adjacent));
+        for_each_segment_at(s, s.parent(n), [&](NodeId neighbour) {
+            if (!map.wrapping[neighbour.index()].empty()) widest = std::max(widest, s.radius(neighbour));
         });
     }
     return s.radius(n) > kThick * widest;

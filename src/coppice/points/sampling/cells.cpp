@@ -76,8 +76,8 @@ struct Lattice {
             ranges(row % N, row / N, low, high);
             for (std::uint32_t x = 0; x < N; ++x) {
                 const DensityCurve::Range range = curve.over(low[x], high[x]);
-                const auto bound = static_cast<float>(range.greatest);
-                out[N * row + x] = range.least == range.greatest ? -bound : bound;
+                const auto bound = static_cast<float>(range.largest);
+                out[N * row + x] = range.least == range.largest ? -bound : bound;
             }
         }
     }
@@ -252,14 +252,14 @@ Capacity measure_capacity(const PointRegion& region, const Cells& cells, std::ui
             ++hits;
             capacity.met.push_back({fields[k].value, d});
             density += d;
-            capacity.greatest = std::max(capacity.greatest, d);
+            capacity.largest = std::max(capacity.largest, d);
             const double slope = length(Vec3d(fields[k].gradient));
             if (std::isfinite(slope)) steepness += slope;
         }
     }
     const double whole = cells.size() * cells.edge() * cells.edge() * cells.edge();
     capacity.volume = whole * hits / count;
-    if (hits > 0) capacity.mass = whole * density / capacity.greatest / count;
+    if (hits > 0) capacity.mass = whole * density / capacity.largest / count;
     if (steepness > 0) capacity.thickness = region.density.shell_width() * hits / steepness;
     return capacity;
 }

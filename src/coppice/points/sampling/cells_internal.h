@@ -97,7 +97,7 @@ struct Capacity {
     double volume = 0;     ///< [m^3] volume of the region with a density above 0
     double mass = 0;       ///< [m^3] integral of the density divided by its maximum
     double thickness = 0;  ///< [m] thickness of a shell; 0 if the region is not a shell
-    double greatest = 0;   ///< maximum sampled density
+    double largest = 0;    ///< maximum sampled density
     /// Sample with a density above 0.
     struct Met {
         float value;     ///< value of the field

@@ -102,12 +102,12 @@ DensityCurve::Range DensityCurve::over(float low, float high) const {
     const bool whole = low > low_ && high < high_;
     low = std::max(low, low_);
     high = std::min(high, high_);
-    const auto [least, greatest] = std::minmax({inside(low), inside(high)});
-    Range range{least, greatest};
+    const auto [least, largest] = std::minmax({inside(low), inside(high)});
+    Range range{least, largest};
     for (std::size_t i = 0; i < knots_.size(); ++i) {
         if (!is_in(knots_[i].value, low, high)) continue;
         range.least = std::min<double>(range.least, knots_[i].density);
-        range.greatest = std::max<double>(range.greatest, knots_[i].density);
+        range.largest = std::max<double>(range.largest, knots_[i].density);
     }
     if (!whole) range.least = 0;
     return range;

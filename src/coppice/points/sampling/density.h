@@ -49,8 +49,8 @@ class DensityCurve {
 
     /// Minimum and maximum density of a range of values.
     struct Range {
-        double least;     ///< lower bound
-        double greatest;  ///< upper bound
+        double least;    ///< lower bound
+        double largest;  ///< upper bound
     };
     /// Returns bounds of the density for values from low to high.
     Range over(float low, float high) const;

@@ -146,7 +146,7 @@ Draws draw_jittered(const PointRegion& region, const Capacity& capacity, double 
             },
             [&](std::size_t k, Vec3 p, double density) {
                 points[k] = p;
-                accepted[k] = random.uniform(4 * (begin + k) + 3) * capacity.greatest < density;
+                accepted[k] = random.uniform(4 * (begin + k) + 3) * capacity.largest < density;
             });
         append_accepted(points, accepted, round, draws.points);
         draws.tries += round;

@@ -19,7 +19,7 @@ Draws draw_independent(const PointRegion& region, const Cells& cells, std::size_
 double independent_bytes(double count);
 
 /// Draws one random point in each cube of a lattice, accepted with the probability density /
-/// `capacity.greatest`.
+/// `capacity.largest`.
 Draws draw_jittered(const PointRegion& region, const Capacity& capacity, double count, std::uint64_t seed,
                     const Context& ctx);
 

@@ -108,15 +108,15 @@ struct Slice {
 };
 
 HeightMapOptions map_of(const SceneCall& call, const Slice& slice) {
-    const auto [least, greatest] = std::ranges::minmax(slice.values);
+    const auto [least, largest] = std::ranges::minmax(slice.values);
     HeightMapOptions out;
     out.low = call.number("low");
-    out.high = call.has("high") ? call.number("high") : std::max(greatest, out.low + 1e-6);
+    out.high = call.has("high") ? call.number("high") : std::max(largest, out.low + 1e-6);
     if (!(out.high > out.low)) throw InvalidInput("high= must be above low=");
-    if (!call.has("high") && out.low > greatest)
+    if (!call.has("high") && out.low > largest)
         throw InvalidInput(fmt::format(
-            "low={} is above all values in the image, the maximum of which is {:.4g}", out.low, greatest));
-    out.isolines = compute_isolines(call, least, greatest, slice.of_field);
+            "low={} is above all values in the image, the maximum of which is {:.4g}", out.low, largest));
+    out.isolines = compute_isolines(call, least, largest, slice.of_field);
     if (slice.of_field) out.outlines = {slice.level};
     return out;
 }
@@ -176,11 +176,11 @@ SceneOutcome run_slice(const SceneCall& call) {
     if (call.number("dots") > 0)
         draw_points(image, call.point_set(call.text("points")), plane, call.number("dots"));
     write_file(path, encode_png(image));
-    const auto [least, greatest] = std::ranges::minmax(slice.values);
+    const auto [least, largest] = std::ranges::minmax(slice.values);
     SceneOutcome out;
     out.text = fmt::format(
         "{} {:.4g} to {:.4g}, drawn from {:.4g} to {:.4g}; {} isolines; a pixel is {:.4g} m\n",
-        call.text("of"), least, greatest, colors.low, colors.high, colors.isolines.size(), plane.pixel());
+        call.text("of"), least, largest, colors.low, colors.high, colors.isolines.size(), plane.pixel());
     return out;
 }
 

@@ -100,7 +100,7 @@ class Carver {
     bool may_hold(const Cell& c, double size) const {
         const Vec3d p = corner() + Vec3d{c[0] + 0.5, c[1] + 0.5, c[2] + 0.5} * size;
         const double reach = 0.5 * std::sqrt(3.0) * size;
-        std::size_t reported = 0;
+        std::size_t deciding = 0;
         bool near = false;
         for (std::size_t v = 0; v < views_.size(); ++v) {
             const bool perspective = views_[v].projection == Projection::perspective;
@@ -111,13 +111,13 @@ class Carver {
             }
             const auto by = fields_[v].inside_by(project(views_[v], p));
             if (!by) continue;
-            ++reported;
+            ++deciding;
             const double scale = pixels_per_metre(views_[v], p) * (perspective ? (away + reach) / away : 1);
             if (*by < -reach * scale - 0.5) return false;
         }
         // Space that fewer than half of the images show is removed, except large cells, which may be
         // partially visible in others.
-        return near || 2 * reported >= views_.size() || reach > kLarge * half_;
+        return near || 2 * deciding >= views_.size() || reach > kLarge * half_;
     }
 
     /// Returns the radius of the largest ball around p inside the hull: a ball is inside if its image is

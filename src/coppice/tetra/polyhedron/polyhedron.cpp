@@ -113,13 +113,13 @@ Filling fill(const Frame& frame, std::span<const SectionCorner> corners, const C
 double flatness(const std::array<Vec3d, 4>& p, double& shortest) {
     const Vec3d a = p[1] - p[0], b = p[2] - p[0], c = p[3] - p[0];
     const double volume = std::abs(dot(cross(a, b), c));
-    double greatest = 0;
+    double largest = 0;
     shortest = HUGE_VAL;
     for (const Vec3d normal : {cross(a, b), cross(b, c), cross(c, a), cross(b - a, c - a), cross(a, c - b),
                                cross(b, c - a), cross(c, b - a)})
-        greatest = std::max(greatest, length(normal));
+        largest = std::max(largest, length(normal));
     for (const Vec3d edge : {a, b, c, b - a, c - a, c - b}) shortest = std::min(shortest, length(edge));
-    return volume / (greatest * shortest);
+    return volume / (largest * shortest);
 }
 
 /// Returns the transposed rows: for each cell the cones near it, ascending.
@@ -135,8 +135,8 @@ CompressedRows<std::uint32_t> turned_round(const CompressedRows<std::uint32_t>& 
 class WideCells {
   public:
     WideCells(const Filling& filling, std::span<const RoundCone> cones,
-              const CompressedRows<std::uint32_t>& cells, const CompressedRows<std::uint32_t>& compute_cones)
-        : filling_(filling), cones_(cones), cells_(cells), cones_of_(compute_cones) {}
+              const CompressedRows<std::uint32_t>& cells, const CompressedRows<std::uint32_t>& cones_of)
+        : filling_(filling), cones_(cones), cells_(cells), cones_of_(cones_of) {}
 
     /// Returns the parameters of a cone at which squares should be inserted.
     std::vector<double> find(std::uint32_t cone) const {
@@ -204,8 +204,8 @@ struct Polyhedron::State {
     std::vector<SectionCorner> corners;
     PolyhedronReport report;
     Filling filling;
-    CompressedRows<std::uint32_t> near, compute_cones;  ///< cells per cone, and cones per cell, ascending
-    std::vector<std::uint32_t> owner;                   ///< per cell in use: the cone that owns its region
+    CompressedRows<std::uint32_t> near, cones_of;  ///< cells per cone, and cones per cell, ascending
+    std::vector<std::uint32_t> owner;              ///< per cell in use: the cone that owns its region
     TetraMesh mesh;
     std::vector<std::uint32_t> cell;  ///< per tetrahedron of the mesh
     CompressedRows<std::uint32_t> passing;
@@ -224,7 +224,7 @@ void Polyhedron::State::build(const Context& ctx) {
     for (int round = 0;; ++round) {
         filling = fill(frame, corners, ctx);
         near = cells_near(filling, cones, options.outside, ctx);
-        compute_cones = turned_round(near, filling.cells.cells().size());
+        cones_of = turned_round(near, filling.cells.cells().size());
         if (round == kMaxRounds) return;
         const bool added = round < kMaxAdding && add_squares(round, ctx);
         if (!move_flat_ones(round) && !added) return;
@@ -232,7 +232,7 @@ void Polyhedron::State::build(const Context& ctx) {
 }
 
 bool Polyhedron::State::add_squares(int round, const Context& ctx) {
-    const WideCells wide(filling, cones, near, compute_cones);
+    const WideCells wide(filling, cones, near, cones_of);
     std::vector<std::vector<double>> found(cones.size());
     parallel_for(ctx, cones.size(), kFewCones,
                  [&](std::size_t i) { found[i] = wide.find(static_cast<std::uint32_t>(i)); });
@@ -258,10 +258,9 @@ bool Polyhedron::State::add_squares(int round, const Context& ctx) {
 /// Returns whether a cell is in use, or adjacent to one that is and may therefore be added later.
 bool Polyhedron::State::may_be_used(std::uint32_t c) const {
     const auto& own = filling.cells.cells()[c];
-    return !own.is_dead() &&
-           (!compute_cones[c].empty() || std::ranges::any_of(own.next, [&](std::uint32_t next) {
-               return next != kNoIndex && !compute_cones[next].empty();
-           }));
+    return !own.is_dead() && (!cones_of[c].empty() || std::ranges::any_of(own.next, [&](std::uint32_t next) {
+        return next != kNoIndex && !cones_of[next].empty();
+    }));
 }
 
 /// Moves one corner of each tetrahedron that is too flat by a random displacement.
@@ -269,7 +268,7 @@ bool Polyhedron::State::move_flat_ones(int round) {
     const CounterRandom random(static_cast<std::uint64_t>(round), 0xf1a7);
     const double least = round < kMaxAdding ? kMinFlatness : kMinFlatness / 4;
     bool moved = false;
-    for (std::uint32_t c = 0; c < compute_cones.size(); ++c) {
+    for (std::uint32_t c = 0; c < cones_of.size(); ++c) {
         if (!may_be_used(c)) continue;
         double shortest = 0;
         if (flatness(filling.corners(c), shortest) > least) continue;
@@ -287,12 +286,12 @@ bool Polyhedron::State::move_flat_ones(int round) {
 }
 
 std::uint32_t Polyhedron::State::nearest_axis(std::uint32_t c) const {
-    if (compute_cones[c].empty()) return kNoIndex;
+    if (cones_of[c].empty()) return kNoIndex;
     const auto p = filling.corners(c);
     const Vec3d middle = 0.25 * (p[0] + p[1] + p[2] + p[3]);
     std::uint32_t out = kNoIndex;
     double least = HUGE_VAL;
-    for (const std::uint32_t cone : compute_cones[c]) {
+    for (const std::uint32_t cone : cones_of[c]) {
         const double square = cones[cone].foot(middle).relative_squared();
         if (square < least) {
             least = square;
@@ -326,16 +325,16 @@ void Polyhedron::State::gather(const Context& ctx) {
             mesh.tetra[t][i] = number[v];
         }
     }
-    std::vector<std::uint32_t> find_axis;
+    std::vector<std::uint32_t> axis_of;
     for (std::uint32_t axis = 0; axis < by_axis.size(); ++axis) {
         if (by_axis[axis].empty()) continue;
         mesh.first.push_back(mesh.first.back() + static_cast<std::uint32_t>(by_axis[axis].size()));
-        find_axis.push_back(axis);
+        axis_of.push_back(axis);
     }
-    std::vector<std::vector<std::uint32_t>> rows(find_axis.size());
+    std::vector<std::vector<std::uint32_t>> rows(axis_of.size());
     parallel_for(ctx, rows.size(), kFewCones, [&](std::size_t r) {
-        for (const std::uint32_t c : by_axis[find_axis[r]]) {
-            for (const std::uint32_t cone : compute_cones[c]) {
+        for (const std::uint32_t c : by_axis[axis_of[r]]) {
+            for (const std::uint32_t cone : cones_of[c]) {
                 if (!parted(cones[cone], kAxis, filling.corners(c))) rows[r].push_back(cone);
             }
         }

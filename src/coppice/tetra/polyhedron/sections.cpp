@@ -14,7 +14,7 @@ constexpr double kWeight = 0.1;
 constexpr double kBeyondEnd =
     1.35;                        ///< [radii] distance from a node at the end of a branch to the last square
 constexpr double kMinGap = 1.2;  ///< [radii] minimum distance between squares of one branch
-constexpr double kAdjacentToFork =
+constexpr double kForkClearance =
     1.25;  ///< [radii] distance from the axes of two branches at which they separate
 constexpr double kMinSine =
     0.25;  ///< minimum sine of the angle between branches; smaller angles separate too far out
@@ -147,7 +147,7 @@ class Finder {
         for (const Incident& o : others) {
             const double cosine = dot(own.direction, o.direction);
             const double sine = std::max(kMinSine, std::sqrt(std::max(0.0, 1 - cosine * cosine)));
-            out = std::max(out, kAdjacentToFork * (cosine > 0 ? (own.radius + o.radius) / sine : o.radius));
+            out = std::max(out, kForkClearance * (cosine > 0 ? (own.radius + o.radius) / sine : o.radius));
         }
         return out;
     }

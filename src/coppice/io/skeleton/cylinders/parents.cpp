@@ -54,8 +54,8 @@ double compute_cost(const RawCylinder& child, const RawCylinder& parent) {
     const double reach = std::max(distance(child.start, child.end), distance(parent.start, parent.end));
     const Vec3d along = parent.end - parent.start;
     // The region behind the start of the other cylinder belongs to its parent; only its end counts there.
-    const bool adjacent = dot(child.start - parent.start, along) > 0;
-    const double gap = adjacent ? segment_distance(child.start, child.start, parent.start, parent.end)
+    const bool is_ahead = dot(child.start - parent.start, along) > 0;
+    const double gap = is_ahead ? segment_distance(child.start, child.start, parent.start, parent.end)
                                 : distance(child.start, parent.end);
     const double a = known_radius(child), b = known_radius(parent);
     if (!(gap <= reach + a + b)) return std::numeric_limits<double>::infinity();

@@ -62,9 +62,9 @@ double longest_path(const std::vector<Nodes::Node>& nodes) {
 double diameter_divisor(const Document& document, const std::vector<Nodes::Node>& nodes) {
     constexpr double kStoutest = 8, kUsual = 50;
     if (!Measures(document).has_diameters()) return 1;
-    double greatest = 0;
-    for (const Nodes::Node& n : nodes) greatest = std::max(greatest, std::isnan(n.radius) ? 0 : 2 * n.radius);
-    const double ratio = longest_path(nodes) / greatest;
+    double largest = 0;
+    for (const Nodes::Node& n : nodes) largest = std::max(largest, std::isnan(n.radius) ? 0 : 2 * n.radius);
+    const double ratio = longest_path(nodes) / largest;
     if (!(ratio > 0) || ratio >= kStoutest) return 1;
     return std::pow(10, std::max(1.0, std::round(std::log10(kUsual / ratio))));
 }
@@ -80,14 +80,14 @@ std::string attribute_name(const std::string& column) {
 /// Returns the numeric columns that all nodes have, except positions and thickness.
 std::vector<RawAttribute> attributes_of(const Document& document, const std::vector<Nodes::Node>& nodes) {
     constexpr std::array<std::string_view, 6> kKnown{"xx", "yy", "zz", "topdia", "diameter", "diam"};
-    constexpr std::uint32_t kNoNode = kNoIndex;
-    std::vector<std::uint32_t> node(document.vertices.size(), kNoNode);
+
+    std::vector<std::uint32_t> node(document.vertices.size(), kNoIndex);
     for (std::uint32_t i = 0; i < nodes.size(); ++i) {
         if (nodes[i].is_measured) node[nodes[i].vertex] = i;
     }
     std::vector<std::size_t> count(document.columns.size(), 0);
     for (const mtg::Value& v : document.values) {
-        if (node[v.vertex] != kNoNode) ++count[v.column];
+        if (node[v.vertex] != kNoIndex) ++count[v.column];
     }
     std::vector<RawAttribute> attributes;
     std::map<std::uint32_t, std::size_t> place;  // by column
@@ -100,7 +100,7 @@ std::vector<RawAttribute> attributes_of(const Document& document, const std::vec
     }
     for (const mtg::Value& v : document.values) {
         const auto at = place.find(v.column);
-        if (at != place.end() && node[v.vertex] != kNoNode)
+        if (at != place.end() && node[v.vertex] != kNoIndex)
             attributes[at->second].values[node[v.vertex]] = v.value;
     }
     return attributes;

@@ -181,11 +181,11 @@ struct FineLine {
             vertex[i + 1] = local[place(corner)];
         }
         for (std::size_t i = 0; i < 4; ++i) {
-            LinePart greatest;
+            LinePart largest;
             for (std::size_t j = 0; j < 4; ++j) {
-                if (j != i) greatest.clip(at_a[i] - at_a[j], at_b[i] - at_b[j]);
+                if (j != i) largest.clip(at_a[i] - at_a[j], at_b[i] - at_b[j]);
             }
-            if (!greatest.empty()) use(vertex[i]);
+            if (!largest.empty()) use(vertex[i]);
         }
     }
 

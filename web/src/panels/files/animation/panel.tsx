@@ -109,5 +109,5 @@ function PlayButtons({ app, player, film }: { app: App; player: Player; film: Fi
 function Told({ player, film }: { player: Player; film: Film }): VNode {
     const trouble = useValue(player.trouble);
     const text = trouble || (moves(film) ? "" : "There is no motion: add a key, or a wind.");
-    return <p class={trouble ? "animation-told error" : "animation-told hint"} role="status">{text}</p>;
+    return <p class={trouble ? "animation-status error" : "animation-status hint"} role="status">{text}</p>;
 }
