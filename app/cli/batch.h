@@ -23,13 +23,13 @@ namespace coppice::cli {
 struct BatchFile {
     std::filesystem::path input = {};
     std::filesystem::path skeleton = {};  ///< for a plot the folder of its skeletons
-    std::filesystem::path mesh =
-        {};  ///< surface of the skeleton; for a plot the extension of all surfaces; may be empty
+    /// surface of the skeleton; for a plot the extension of all surfaces; may be empty
+    std::filesystem::path mesh = {};
     std::filesystem::path points = {};            ///< labelled points of a cloud; may be empty
     std::filesystem::path leaves = {};            ///< points that are removed as leaves; may be empty
     std::filesystem::path map = {}, crowns = {};  ///< for plots; may be empty
-    std::optional<FileKind> kind =
-        {};  ///< nullopt where it is unknown before the file is read; reading it then reports the error
+    /// nullopt where it is unknown before the file is read; reading it then reports the error
+    std::optional<FileKind> kind = {};
 };
 
 /// Outputs of a batch: extensions such as ".ply", or empty.

@@ -30,8 +30,8 @@ class Listener {
 /// Limits of the resources of connections.
 struct ServerLimits {
     int clients = 16;  ///< maximum number of WebSockets
-    std::size_t connections =
-        128;  ///< maximum number of all connections; those without the token are closed first
+    /// maximum number of all connections; those without the token are closed first
+    std::size_t connections = 128;
     std::size_t message = std::size_t{1} << 20;  ///< [bytes] maximum size of a message of a client
     std::size_t waiting = std::size_t{256}
                           << 20;  ///< [bytes] maximum size of the queue of a client that does not read

@@ -24,8 +24,8 @@ struct CrownResult {
 };
 
 struct CrownOptions {
-    int repeat =
-        9;  ///< maximum number of timed runs of a row; fewer if they would take longer than `seconds`
+    /// maximum number of timed runs of a row; fewer if they would take longer than `seconds`
+    int repeat = 9;
     double seconds = 20;  ///< [s] per row; at least three runs are made, but only one if it takes longer
     std::string only;     ///< only rows with this text in their name; empty = all
     bool huge = true;     ///< include the rows that take seconds: 1,000,000 attractors, maximum sampling

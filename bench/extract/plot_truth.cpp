@@ -121,8 +121,8 @@ void add_tubes(PolygonMesh& mesh, const Skeleton& s) {
         const double thick = std::max(g.radius_a, g.radius_b);
         const std::uint32_t sides = thick > 0.05 ? 24 : thick > 0.015 ? 10 : 6;
         const double step = 2 * std::numbers::pi / sides;
-        const double wider =
-            std::sqrt(step / std::sin(step));  // factor for a polygon with the area of the circle
+        // factor for a polygon with the area of the circle
+        const double wider = std::sqrt(step / std::sin(step));
         const Vec3d u = perpendicular(axis), v = cross(axis, u);
         const auto first = static_cast<std::uint32_t>(mesh.positions.size());
         for (std::uint32_t i = 0; i < sides; ++i) {

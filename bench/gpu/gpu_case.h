@@ -62,8 +62,8 @@ struct GpuResult {
     double whole = -1;   ///< [s] the cage, copying it to the GPU, and the surface back to the host
     double cpu = -1;     ///< [s] of the same stages as `device` on all threads of the CPU
     double bytes_per_face = -1;
-    std::int64_t apart =
-        -1;  ///< number of vertices that differ from those of the CPU by more than tolerance()
+    /// number of vertices that differ from those of the CPU by more than tolerance()
+    std::int64_t apart = -1;
     std::vector<KernelShare> kernels;
     std::vector<std::pair<std::string, double>> cpu_stages;  ///< [s] by stage
     std::vector<Goal> goals;

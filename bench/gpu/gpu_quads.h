@@ -13,8 +13,8 @@ struct QuadCase {
     std::vector<Skeleton> trees;  ///< one tree, or several that are processed at once, each with its own cage
     double papers = -1;           ///< [s] published time for subdivision and approximation
     std::vector<Goal> goals;
-    bool as_printed =
-        false;  ///< whether the method as published in [Zhu2015] is also measured, on the first tree
+    /// whether the method as published in [Zhu2015] is also measured, on the first tree
+    bool as_printed = false;
 };
 
 /// Measures the work from a cage to quads with normals, entirely on the GPU, and on the CPU; for the

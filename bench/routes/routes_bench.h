@@ -16,8 +16,8 @@
 namespace coppice::bench {
 
 struct RoutesOptions {
-    int repeat =
-        9;  ///< maximum number of timed runs of a route; fewer if they would take longer than `seconds`
+    /// maximum number of timed runs of a route; fewer if they would take longer than `seconds`
+    int repeat = 9;
     double seconds = 3;        ///< [s] per route for the timed runs; at least two are made
     double brute_seconds = 2;  ///< [s] per grid for every segment at every corner
     std::uint32_t shrink = 1;  ///< the trees of the papers have 1 / shrink^2 of their segments and triangles,

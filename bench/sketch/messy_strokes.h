@@ -9,8 +9,8 @@ namespace coppice::bench {
 /// Errors of hand-drawn strokes.
 struct Mess {
     double jitter = 0;  ///< [pixels] maximum displacement of every point, horizontally and vertically
-    double cut =
-        0;  ///< share of all strokes in which one view omits 5 to 20 % of the length at the start or tip
+    /// share of all strokes in which one view omits 5 to 20 % of the length at the start or tip
+    double cut = 0;
     double wrong = 0;    ///< share of all points that are 20 to 60 pixels off
     bool known = false;  ///< whether the wrong points are known and removed
 };

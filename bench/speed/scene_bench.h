@@ -12,8 +12,8 @@
 namespace coppice::bench {
 
 struct BenchOptions {
-    int repeat =
-        9;  ///< maximum number of timed runs of a scene; fewer if they would take longer than `seconds`
+    /// maximum number of timed runs of a scene; fewer if they would take longer than `seconds`
+    int repeat = 9;
     double seconds = 20;                       ///< [s] per scene for the timed runs; at least three are made
     int levels = 2;                            ///< of subdivision
     int samples = 16;                          ///< rays per pixel of the image

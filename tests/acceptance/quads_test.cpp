@@ -180,8 +180,8 @@ TEST(Acceptance, FlatEndsAreDiscsAsWideAsTheBranch) {
                 EXPECT_EQ(r.shape.inverted_faces, 0u);
                 EXPECT_GE(r.shape.scaled_jacobian.min, 0.3);
                 if (s.size() > 2) continue;
-                const double corner =
-                    std::numbers::pi / (sides << (levels - 1));  // half a turn, in rim vertices
+                // half a turn, in rim vertices
+                const double corner = std::numbers::pi / (sides << (levels - 1));
                 const double prism = std::numbers::pi * 0.25 * 0.3 * std::sin(corner) / corner;
                 EXPECT_NEAR(r.shape.signed_volume / prism, 1, 1e-3);
             }

@@ -15,8 +15,8 @@ namespace coppice::cuda {
 
 struct Comparison {
     std::uint32_t own_differ = 0, competitors_differ = 0;
-    std::uint32_t missed =
-        0;  // competing lists for which the CPU, unlike the device, did not test all segments
+    // competing lists for which the CPU, unlike the device, did not test all segments
+    std::uint32_t missed = 0;
     std::size_t lists = 0, own = 0, competitors = 0, longest = 0;
 };
 

@@ -20,8 +20,8 @@ constexpr double kQuarter = std::numbers::pi / 2;
 
 TEST(Rigid, MovesABranchWithAllThatHangsOnIt) {
     EditableTree tree(test::stem_with_branches());
-    const EditChange change =
-        translate(tree, ids({4, 6}), {0, 0, 0.5});  // 6 is a descendant of 4, and moves once
+    // 6 is a descendant of 4, and moves once
+    const EditChange change = translate(tree, ids({4, 6}), {0, 0, 0.5});
     EXPECT_EQ(change.moved, ids({4, 5, 6, 7}));
     EXPECT_TRUE(near(tree.position(id(6)), {3, 0, 1.5f}));
 }

@@ -163,8 +163,8 @@ TEST(LasReader, RefusesCountsBeyondTheFile) {
 }
 
 TEST(LasReader, TakesWhatIsThereOfATruncatedFile) {
-    const std::string bytes =
-        las_file({2, 3, 34}).substr(0, 227 + 34 + 33);  // the second lacks its last byte
+    // the second lacks its last byte
+    const std::string bytes = las_file({2, 3, 34}).substr(0, 227 + 34 + 33);
     const PointFile file = parse_point_file(bytes, "p.las", {}, {.allow_truncated = true});
     ASSERT_EQ(file.point_cloud.points.size(), 1u);
     EXPECT_EQ(file.missing, 2u);

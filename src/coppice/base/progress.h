@@ -34,8 +34,8 @@ inline void check_in(const Context& ctx, std::size_t done, std::size_t total) {
 /// Runs as parallel_for_ranges over the same ranges, and reports progress at intervals.
 inline void parallel_with_progress(const Context& ctx, std::size_t count, std::size_t grain,
                                    const std::function<void(IndexRange)>& body) {
-    constexpr std::size_t kMin =
-        16;  // minimum number of ranges between two reports, at which threads wait for each other
+    // minimum number of ranges between two reports, at which threads wait for each other
+    constexpr std::size_t kMin = 16;
     constexpr std::size_t kReports = 100;
     if (!ctx.progress) return parallel_for_ranges(ctx, count, grain, body);
     const std::size_t ranges = (count + grain - 1) / grain;

@@ -13,10 +13,10 @@ namespace coppice {
 /// Counts of the changes by part_branches().
 struct PartReport {
     std::uint32_t merged_nodes = 0;  ///< nodes inside the union around a branch node, merged into it
-    std::uint32_t shifted_nodes =
-        0;  ///< branches moved to a later node because they separate from their leader only beyond it
-    std::uint32_t paired_nodes =
-        0;  ///< pairs of siblings that separate from each other last, given a node of their own
+    /// branches moved to a later node because they separate from their leader only beyond it
+    std::uint32_t shifted_nodes = 0;
+    /// pairs of siblings that separate from each other last, given a node of their own
+    std::uint32_t paired_nodes = 0;
     std::uint32_t hidden_tips = 0;  ///< tips inside other branches
 };
 

@@ -7,8 +7,8 @@
 namespace coppice::compose_internal {
 
 inline constexpr Vec3d kUp{0, 0, 1};
-inline constexpr double kReach =
-    2;  ///< [radii of the parent branch] length over which directions are computed
+/// [radii of the parent branch] length over which directions are computed
+inline constexpr double kReach = 2;
 
 /// Three orthonormal, right-handed vectors.
 struct Frame {

@@ -13,8 +13,8 @@
 namespace coppice::compose_internal {
 namespace {
 
-constexpr double kNear =
-    2;  // [radii of the parent branch] distance from a branch node within which branches always overlap
+// [radii of the parent branch] distance from a branch node within which branches always overlap
+constexpr double kNear = 2;
 
 }  // namespace
 

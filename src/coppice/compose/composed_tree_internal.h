@@ -37,8 +37,8 @@ class ComposedTree {
         std::uint32_t next = 0;   ///< next sibling, or kNoIndex
         std::uint32_t child = 0;  ///< first child, or kNoIndex
         std::uint32_t order = 0;  ///< order of its axis; 0 for the axis of a root
-        std::uint32_t orders =
-            0;  ///< number of orders of the branch that begins here, as in ChildTreeMeasures
+        /// number of orders of the branch that begins here, as in ChildTreeMeasures
+        std::uint32_t orders = 0;
         std::uint32_t depth = 0;  ///< nesting depth of inserted branches; 0 for the template
         double length = 0;        ///< [m] total length of the branch that begins here
         bool gone = false;

@@ -39,8 +39,8 @@ struct Binding {
     StableId node;     ///< none: no node is near and similar enough
     StableId twin;     ///< another node that is equally similar; usually none
     StableId nearest;  ///< the node closest to the position of the anchor
-    double distance =
-        0;  ///< [m] from the position of the anchor to `node`, or to `nearest` if there is no `node`
+    /// [m] from the position of the anchor to `node`, or to `nearest` if there is no `node`
+    double distance = 0;
     std::string reason;  ///< why there is no `node`
 };
 

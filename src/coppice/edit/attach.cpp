@@ -238,8 +238,8 @@ class CrossingSearch {
         for (std::size_t i = 0; i < passages.size();) {
             const Passage* deepest = &passages[i];
             double leaves = 0;
-            bool joined =
-                passages[i].enters <= touching;  // the beginning of an axis is inside its parent branch
+            // the beginning of an axis is inside its parent branch
+            bool joined = passages[i].enters <= touching;
             for (; i < passages.size() && (leaves == 0 || passages[i].enters <= leaves + touching); ++i) {
                 leaves = std::max(leaves, passages[i].leaves);
                 joined = joined || passages[i].at_joint;

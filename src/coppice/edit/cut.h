@@ -39,8 +39,8 @@ struct PruneOptions {
                        ///< branches are removed; 0: disabled
     int order = -1;    ///< maximum order of branches; -1: disabled
     float shade = 0;   ///< removes branches with more shade than this at every tip; 0: disabled
-    float shade_share =
-        0;  ///< removes branches with all tips in this most shaded fraction of all tips; 0: disabled
+    /// removes branches with all tips in this most shaded fraction of all tips; 0: disabled
+    float shade_share = 0;
     float shade_cell = 0;  ///< [m] edge length of the grid cells in which shade is computed; 0: 1/50 of the
                            ///< maximum extent of the tree
 };

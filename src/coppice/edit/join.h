@@ -19,8 +19,8 @@ struct DrawOptions {
     double radius = 0;  ///< [m] at its first node; 0: half the radius of the parent branch, or 1/50 of its
                         ///< length if alone
     double tip_radius = 0;  ///< [m] at its last node; 0: a quarter of the first radius
-    double snap =
-        3;  ///< [radius] maximum distance of the first point from an axis, in radii of the branch there
+    /// [radius] maximum distance of the first point from an axis, in radii of the branch there
+    double snap = 3;
     bool alone = false;  ///< creates a separate tree; the first point is not snapped
 };
 

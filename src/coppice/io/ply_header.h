@@ -31,8 +31,8 @@ struct PlyProperty {
 /// A table of a PLY file, such as vertices, faces or edges.
 struct PlyElement {
     std::string name;  ///< as in the header
-    std::uint64_t count =
-        0;  ///< number of rows specified by the header; untrusted until `PlyRows` has checked it
+    /// number of rows specified by the header; untrusted until `PlyRows` has checked it
+    std::uint64_t count = 0;
     std::vector<PlyProperty> properties;  ///< in the order of the data
 
     /// Returns the index of the first property with one of `names`; nullopt if there is no such property.

@@ -131,8 +131,8 @@ void measure_distribution(Buffer<Vec3> points, const Box3& window, const Quality
         });
     }
     const double volume = static_cast<double>(size.x) * size.y * size.z;
-    const double expected =
-        centers * static_cast<double>(points.size()) / volume;  // number of pairs per cubic metre
+    // number of pairs per cubic metre
+    const double expected = centers * static_cast<double>(points.size()) / volume;
     report.distribution.resize(bins);
     for (std::size_t b = 0; b < bins; ++b) {
         const double r0 = report.distance_step * static_cast<double>(b), r1 = r0 + report.distance_step;

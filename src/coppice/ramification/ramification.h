@@ -17,8 +17,8 @@ namespace coppice {
 struct RamificationOptions {
     bool all_additional = false;              ///< paste every lateral; none is part of the main mesh
     bool no_connection_optimisation = false;  ///< units remain cubes, even if neighbours overlap
-    bool printed_angles =
-        false;  ///< angles of siblings modulo 45 degrees, as printed: 90 and 180 are additional
+    /// angles of siblings modulo 45 degrees, as printed: 90 and 180 are additional
+    bool printed_angles = false;
     float additional_threshold = 3;  ///< T_add: units with a higher connection cost are merged
 };
 

@@ -82,8 +82,8 @@ struct RenderOptions {
     /// colours.
     RenderColor color = RenderColor::plain;
     float deviation_range = 0.1f;  ///< [radius] deviation of the full colour
-    float distance_range =
-        0;  ///< [m] distance of the full colour; 0 = 98 % quantile over the vertices or points
+    /// [m] distance of the full colour; 0 = 98 % quantile over the vertices or points
+    float distance_range = 0;
     bool wireframe = false;    ///< draws the edges of the faces
     float wire_width = 1.0f;   ///< [pixels]
     bool flat = false;         ///< shows faces without smoothed normals

@@ -30,8 +30,8 @@ struct SceneSettings {
     bool outputs = true;  ///< whether save and render write files; otherwise they only check their arguments
     std::filesystem::path folder = {};  ///< folder of input files; empty: the current one
     int seed = 0;                       ///< seed of commands without one, until set seed changes it
-    std::map<std::string, std::string> variables =
-        {};  ///< values as entered, which replace those of the first let
+    /// values as entered, which replace those of the first let
+    std::map<std::string, std::string> variables = {};
     /// If given, files are read and written only in this sandbox, with names relative to its folder, and
     /// `folder` is ignored; recorded commands keep file names as entered.
     std::shared_ptr<const FolderSandbox> sandbox = {};

@@ -48,8 +48,8 @@ std::uint64_t face_count(const Surface& surface);
 struct SceneObject {
     std::variant<Solid, Curve, Profile, PointSet, Skeleton, Surface> value;  ///< in the order of ObjectKind
     std::uint64_t bytes = 0;                                                 ///< approximate memory
-    std::vector<NodeAttribute> attributes =
-        {};  ///< attributes of the nodes of a skeleton, as read from its file
+    /// attributes of the nodes of a skeleton, as read from its file
+    std::vector<NodeAttribute> attributes = {};
 
     ObjectKind kind() const { return static_cast<ObjectKind>(value.index()); }  ///< kind of the value
 };

@@ -11,12 +11,12 @@ namespace coppice {
 
 /// Options for preparing a skeleton for meshing.
 struct PrepareOptions {
-    float merge_branches =
-        0.5f;                  ///< [radius] distance below which branch nodes are merged; 0: never; in [0, 2]
+    /// [radius] distance below which branch nodes are merged; 0: never; in [0, 2]
+    float merge_branches = 0.5f;
     int smooth_passes = 0;     ///< number of passes that average radii along axes; in [0, 1000]
     ResampleOptions resample;  ///< resampling of the nodes between branch nodes
-    int max_children =
-        0;  ///< maximum number of children, above which nodes are split; 0: never, otherwise in [2, 1000]
+    /// maximum number of children, above which nodes are split; 0: never, otherwise in [2, 1000]
+    int max_children = 0;
 };
 
 template <class Self, class Visitor>

@@ -36,11 +36,11 @@ struct RepairReport {
     std::uint32_t missing_radii = 0;    ///< zero, negative or unknown radii: interpolated along the chain
     std::uint32_t zero_length = 0;      ///< segments without length: merged into their parents
     std::uint32_t coincident = 0;  ///< nodes at the position of another child of their parent: merged into it
-    std::uint32_t bridged_gaps =
-        0;  ///< cylinders with a distance of more than their radius between start and attachment
+    /// cylinders with a distance of more than their radius between start and attachment
+    std::uint32_t bridged_gaps = 0;
     std::uint32_t attached_inside = 0;  ///< cylinders attached between the ends of their parent
-    std::uint32_t radius_jumps =
-        0;  ///< cylinders with a radius that differs by more than 1 % from the previous one
+    /// cylinders with a radius that differs by more than 1 % from the previous one
+    std::uint32_t radius_jumps = 0;
     /// Returns the number of errors of the file; gaps and jumps are inherent to cylinders.
     std::uint32_t total() const {
         return reordered + missing_parents + missing_radii + zero_length + coincident;

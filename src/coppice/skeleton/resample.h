@@ -28,12 +28,12 @@ struct ResampleOptions {
     float tolerance = 0.02f;   ///< [radius] simplify: maximum shift of the surface; in [0, 1]
     float min_spacing = 0.9f;  ///< [radius] simplify: minimum distance between nodes of a chain; in [0, 10]
     float max_length = 20;     ///< [radius] simplify: maximum length of a segment; in [1, 1e6]
-    float bend_angle =
-        0.6f;  ///< [rad] simplify: angle above which a turn gets a ring on each side; in [0, pi]
+    /// [rad] simplify: angle above which a turn gets a ring on each side; in [0, pi]
+    float bend_angle = 0.6f;
     float bend_spacing = 1.5f;  ///< [radius] simplify: distance of these rings from the turn; in [0.1, 10]
     float zhu_angle = 0.1f;     ///< [rad] zhu: angle below which a node is removed; in [0, pi]
-    float zhu_spacing =
-        1.1f;  ///< [radius] zhu: distance to a neighbour below which a node is removed; in [0, 10]
+    /// [radius] zhu: distance to a neighbour below which a node is removed; in [0, 10]
+    float zhu_spacing = 1.1f;
 };
 
 template <class Self, class Visitor>
@@ -62,8 +62,8 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 struct ResampleReport {
     std::uint32_t removed = 0;  ///< removed nodes
     std::uint32_t moved = 0;    ///< nodes moved apart to keep both radii of a jump in radius
-    std::uint32_t inserted =
-        0;  ///< nodes inserted on long segments, next to turns, before tips, and at roots
+    /// nodes inserted on long segments, next to turns, before tips, and at roots
+    std::uint32_t inserted = 0;
 };
 
 /// A resampled skeleton, with a report of the changes.

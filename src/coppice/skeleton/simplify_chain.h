@@ -20,8 +20,8 @@ struct ChainPoint {
 struct ChainRule {
     double tolerance;    ///< [radius] maximum shift of the surface; >= 0
     double min_spacing;  ///< [smaller radius] minimum distance of points; 0: any
-    bool leads =
-        true;  ///< whether the chain begins with the radius of its branching node rather than its own
+    /// whether the chain begins with the radius of its branching node rather than its own
+    bool leads = true;
     double fork_ball = 0;  ///< [m] for laterals: minimum distance of the other points from the first one
     /// [radius] maximum shift of the surface by removing a point that is too close to the previous one.
     /// Otherwise the point is moved along its segment, by at most half of it.

@@ -18,8 +18,8 @@ constexpr double kMaxCost = 3;          // maximum cost of a match; above it, st
 constexpr double kMinMatched = 0.3;     // minimum matched fraction of the strokes
 constexpr double kHopeless = 1e6;       // score of an attempt without a result
 constexpr double kOutlierDistance = 3;  // factor on 1 pixel + noise: minimum detour to a wrong point
-constexpr std::size_t kMaxTried =
-    40;  // maximum number of points of all strokes for which every point is tried if no match is found
+// maximum number of points of all strokes for which every point is tried if no match is found
+constexpr std::size_t kMaxTried = 40;
 constexpr std::size_t kMaxSuspects = 6;  // maximum number of points tried otherwise
 constexpr double kNear = 3;  // [noise] distance from the parent axis within which a stroke begins on it
 constexpr double kGuessedStart = 0.6;

@@ -18,8 +18,8 @@ constexpr double kUsualScale = 0.01;  // standard deviations: [rad], [distance],
 constexpr double kSmall = 1e-4;       // [standard deviation] step of finite differences
 constexpr std::size_t kMin = 8;       // minimum number of points; with fewer, cameras are not changed
 
-using Change =
-    Eigen::Matrix<double, 7, 1>;  // change of a camera in standard deviations: rotation, translation, scale
+// change of a camera in standard deviations: rotation, translation, scale
+using Change = Eigen::Matrix<double, 7, 1>;
 
 /// The same point in two images.
 struct Both {

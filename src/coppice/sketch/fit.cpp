@@ -12,10 +12,10 @@ namespace {
 
 constexpr int kMaxSteps = 30;
 constexpr double kSettled = 1e-2;  // [noise] maximum displacement of the nodes at convergence
-constexpr double kFarOff =
-    3;  // factor on 1 + 1 pixel / noise: scale of the robust cost, beyond which outliers count less
-constexpr double kAlongOwn =
-    0.25;  // weight along a stroke of its own points, relative to the weight across it
+// factor on 1 + 1 pixel / noise: scale of the robust cost, beyond which outliers count less
+constexpr double kFarOff = 3;
+// weight along a stroke of its own points, relative to the weight across it
+constexpr double kAlongOwn = 0.25;
 constexpr double kAlongOther = 0.1;  // the same for matched points of the other stroke
 constexpr double kSharp = 0.5;       // [standard turn at a node] larger turns are corners
 constexpr double kOddTurn = 3;       // the same for the detection of wrong points

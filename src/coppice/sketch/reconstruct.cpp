@@ -17,8 +17,8 @@ using namespace sketch_internal;
 
 namespace {
 
-constexpr double kSameNode =
-    0.25;  // [radius] distance from a node of the parent within which a lateral leaves from that node
+// [radius] distance from a node of the parent within which a lateral leaves from that node
+constexpr double kSameNode = 0.25;
 
 /// Returns the branches grouped by branch order.
 std::vector<std::vector<std::uint32_t>> by_order(const Sketch& sketch) {

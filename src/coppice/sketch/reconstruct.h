@@ -17,8 +17,8 @@ struct SketchOptions {
     float bend = 0.8f;     ///< [rad] standard turn of a branch from start to tip; smaller values are smoother
     float max_error = 10;  ///< [pixels] maximum root mean square distance of a branch from its strokes
     float min_angle = 0.05f;  ///< [rad] minimum angle between views, below which depth cannot be computed
-    float tolerance =
-        0.05f;  ///< [radius] maximum displacement of the surface by removing nodes; 0 = keep all
+    /// [radius] maximum displacement of the surface by removing nodes; 0 = keep all
+    float tolerance = 0.05f;
     /// Adjusts cameras slightly until strokes are on each other's lines of sight; the first camera is fixed.
     bool refine_cameras = false;
 };
@@ -53,8 +53,8 @@ struct StrokeFit {
     std::uint32_t points = 0;    ///< number of drawn points, without repeated ones
     std::uint32_t left_out = 0;  ///< number of points removed as wrong
     bool reversed = false;       ///< whether it was drawn from the tip
-    double rms_error =
-        0;  ///< [pixels] root mean square distance of the remaining points from the projected branch
+    /// [pixels] root mean square distance of the remaining points from the projected branch
+    double rms_error = 0;
     double max_error = 0;  ///< [pixels] maximum of these distances
 };
 

@@ -32,10 +32,10 @@ class OverlapQueries {
     static constexpr std::uint32_t kWidth = BoxGroup::kWidth;
     static constexpr std::size_t kBatch = 32;  // number of boxes per traversal of the tree
     static constexpr std::size_t kPart = 4;    // number of boxes per part of a batch with many items
-    static constexpr std::size_t kMaxGroups =
-        6;  // maximum number of groups of items that each box is tested against
-    static constexpr std::size_t kMaxItems =
-        1024;  // maximum number of items of a batch; otherwise it is divided
+    // maximum number of groups of items that each box is tested against
+    static constexpr std::size_t kMaxGroups = 6;
+    // maximum number of items of a batch; otherwise it is divided
+    static constexpr std::size_t kMaxItems = 1024;
 
     /// Items with their boxes.
     struct Items {

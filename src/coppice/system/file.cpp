@@ -16,8 +16,8 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kGather =
-    std::size_t{1} << 18;  // [bytes] size of the write buffer; larger blocks are written directly
+// [bytes] size of the write buffer; larger blocks are written directly
+constexpr std::size_t kGather = std::size_t{1} << 18;
 constexpr const char* kOwnDescriptors = "/proc/self/fd";
 constexpr std::size_t kTransfer = std::size_t{1} << 26;  // [bytes] maximum size of a system call
 

@@ -39,8 +39,8 @@ std::uint64_t bytes_of_field(std::uint64_t segments, std::uint64_t entries) {
 }
 
 std::uint64_t bytes_of_contacts(std::uint64_t segments, std::uint64_t regions) {
-    constexpr std::uint64_t kTableSegments =
-        4;  // segments with the data from which their lists are computed, in units of a segment
+    // segments with the data from which their lists are computed, in units of a segment
+    constexpr std::uint64_t kTableSegments = 4;
     constexpr std::uint64_t kEntriesPerRegion = 100;  // including memory for the search
     return bytes_of_field(kTableSegments * segments, kEntriesPerRegion * regions);
 }

@@ -105,8 +105,8 @@ struct OwnedByCorner {
 /// Common vertices of two tetrahedra, starting at one vertex.
 struct SharedAbove {
     std::uint32_t here = 0;  ///< corners of the first tetrahedron, as bits
-    std::uint32_t there =
-        0;  ///< for each of these, four bits: the corner of the second tetrahedron, as a bit
+    /// for each of these, four bits: the corner of the second tetrahedron, as a bit
+    std::uint32_t there = 0;
 
     /// Finds the common vertices from the vertex that is corner `c` of the first, and corner `d` of the
     /// second.

@@ -24,8 +24,8 @@ constexpr double kThick = 1;          // [spacing] minimum radius of a segment u
 constexpr std::size_t kEnough = 100;  // minimum number of points to estimate the noise
 
 constexpr double kSearchReach = 2;  // [spacing] maximum distance of a surface that may explain a point
-constexpr double kSecondSpacing =
-    0.5;  // [spacing] minimum distance at which another surface does not explain a point
+// [spacing] minimum distance at which another surface does not explain a point
+constexpr double kSecondSpacing = 0.5;
 constexpr double kSecondRadius = 0.8;  // [radius of the other branch] the same limit
 constexpr double kOwnRadius = 2;       // [radius of its own branch] maximum of that limit
 constexpr double kMinGain = 1.5;       // minimum number of points that a branch must explain

@@ -13,8 +13,8 @@ namespace {
 constexpr double kWide = 0.9;       // share of the points of a stem base within the radius of the root
 constexpr double kStraight = 3;     // [radius] maximum gap across which tubes are attached straight
 constexpr double kStraightGap = 2;  // [spacing] added to this gap
-constexpr double kNearEnd =
-    4;  // [radius + spacing] maximum distance from an end at which a tube is attached by that end
+// [radius + spacing] maximum distance from an end at which a tube is attached by that end
+constexpr double kNearEnd = 4;
 constexpr double kOfSpacing = 0.6;  // [spacing] additional radius of a tube that is not a bundle of twigs
 
 /// Loose tubes, each identified by its first node. Roots and branches are added after their nodes.

@@ -10,8 +10,8 @@
 namespace coppice::extract_internal {
 namespace {
 
-constexpr double kFirstReach =
-    0.75;                         // [spacing] initial distance from the path within which points are gathered
+// [spacing] initial distance from the path within which points are gathered
+constexpr double kFirstReach = 0.75;
 constexpr double kWiden = 1.5;    // factor of the reach as long as the branch continues beyond it
 constexpr double kMaxReach = 4;   // [spacing] maximum reach
 constexpr double kGrowth = 1.25;  // factor of the mean distance at which a branch continues beyond the reach

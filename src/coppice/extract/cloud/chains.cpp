@@ -13,8 +13,8 @@ namespace {
 constexpr std::size_t kMin = 3;      // minimum number of points of a branch
 constexpr double kHigh = 0.5;        // [radius of the parent] sufficient height of a tip above its bark
 constexpr double kHighSpacings = 4;  // [spacing] sufficient height as well
-constexpr double kSteep =
-    0.85;  // [length] sufficient height as well, because bark does not rise this steeply
+// [length] sufficient height as well, because bark does not rise this steeply
+constexpr double kSteep = 0.85;
 
 /// Returns the height of a point above the existing surface: above all segments in `distances` and the few
 /// segments towards the root from the end of its path.

@@ -16,8 +16,8 @@ namespace {
 constexpr int kRounds = 3;
 constexpr int kLongFit = 8;                                           // iterations
 constexpr float kFitted = 0.08f, kAttached = 0.2f, kRefined = 0.97f;  // progress at the end of stages
-constexpr double kRobust =
-    0.5;  // [radius] scale of the robust weight; much larger residuals have little influence
+// [radius] scale of the robust weight; much larger residuals have little influence
+constexpr double kRobust = 0.5;
 constexpr double kMin = 0.05;         // [median spacing] minimum radius; smaller ones cannot be measured
 constexpr double kSwellingEnd = 1.5;  // [radius of the supporting branch] minimum radius of a swelling
 

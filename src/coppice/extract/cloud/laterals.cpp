@@ -12,8 +12,8 @@ namespace coppice::extract_internal {
 namespace {
 
 constexpr double kBend = 2;  // weight of the detour of a bend, relative to the length
-constexpr double kReach =
-    3;  // [radius of the parent] maximum distance of the start of a lateral from its fork
+// [radius of the parent] maximum distance of the start of a lateral from its fork
+constexpr double kReach = 3;
 constexpr double kDirection = 5;  // [radius] length over which the direction of a lateral is measured
 constexpr int kPlaces = 8;        // number of possible starts on a segment
 

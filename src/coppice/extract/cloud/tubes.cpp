@@ -30,8 +30,8 @@ struct Scale {
 constexpr std::array<Scale, 5> kScales{
     {{16, 2, 10, 0.08}, {8, 2, 7, 0.08}, {4, 2, 2, 0.08}, {2, 2, 1, 0.12}, {1, 2, 0.25, 0.12}}};
 constexpr double kAlways = 4;  // [spacing] maximum step that is used for every cloud
-constexpr double kBaseOfLeast =
-    2.4;  // minimum ratio of the radius of a stem base to the minimum radius of a scale, for wider steps
+// minimum ratio of the radius of a stem base to the minimum radius of a scale, for wider steps
+constexpr double kBaseOfLeast = 2.4;
 constexpr float kMinOfTube = 30;   // minimum number of points
 constexpr double kRough = 1.4;     // factor of the minimum length of a twig on a tube
 constexpr std::uint32_t kMin = 3;  // minimum number of points of a twig

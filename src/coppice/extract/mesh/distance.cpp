@@ -27,8 +27,8 @@ double arrival(Vec3d c, Vec3d a, double ta, Vec3d b, double tb) {
     if (!(qa > 0) || root < 0) return along;
     const double t = (-qb + std::sqrt(root)) / (2 * qa);
     if (!(t > u) || cosine <= 0) return along;
-    const double crossing =
-        lb * (t - u) / t;  // distance from c of the intersection of the front with the edge to b
+    // distance from c of the intersection of the front with the edge to b
+    const double crossing = lb * (t - u) / t;
     if (!(crossing > la * cosine) || !(crossing < la / cosine)) return along;
     return std::min(along, ta + t);
 }

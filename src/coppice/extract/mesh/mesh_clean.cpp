@@ -25,8 +25,8 @@ namespace {
 using extract_internal::Surface;
 
 constexpr double kFinestWeld = 0x1p-52;
-constexpr double kFlatShare =
-    0.8;  // a tube has shares of 0.5 and 0.5 of its normals, a folded leaf 0.7 and 0.3
+// a tube has shares of 0.5 and 0.5 of its normals, a folded leaf 0.7 and 0.3
+constexpr double kFlatShare = 0.8;
 
 /// Returns for each group whether it is wood; true for all if no names are specified.
 std::vector<char> wooden_groups(const PolygonMesh& mesh, const CleanMeshOptions& options) {

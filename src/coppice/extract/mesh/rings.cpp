@@ -15,13 +15,13 @@ constexpr double kCap = 1.5;  // [radius] length of the cap at an end; the ring 
                               // at pi / 2 from the pole
 constexpr double kSourceCap = 2.2;  // [radius] length of the cap at a source; at the rim of a flat end the
                                     // opposite side is two radii away
-constexpr double kSlimmest =
-    1.25;  // [radius] minimum length of a branch without rings; a flat bump is about as long as wide
+// [radius] minimum length of a branch without rings; a flat bump is about as long as wide
+constexpr double kSlimmest = 1.25;
 constexpr double kPathShare = 0.3;  // [distance between two vertices] minimum distance of rings; closer rings
                                     // contain no new information
 constexpr double kMinRadius = 0.01;  // [mean edge] minimum radius; thinner rings are degenerate folds
-constexpr std::size_t kBudget =
-    32;  // number of steps per triangle after which the distance of rings increases
+// number of steps per triangle after which the distance of rings increases
+constexpr std::size_t kBudget = 32;
 
 double mean_edge(const Surface& s) {
     double sum = 0;

@@ -44,8 +44,8 @@ SurfaceFindings pair_edges(Surface& s) {
     struct Edge {
         std::uint32_t other, half_edge;
     };
-    constexpr std::size_t kMaxCompared =
-        16;  // with more half-edges the edge is degenerate: any pair is accepted
+    // with more half-edges the edge is degenerate: any pair is accepted
+    constexpr std::size_t kMaxCompared = 16;
     SurfaceFindings found;
     std::vector<std::uint32_t> group;
     s.twin.assign(3 * s.triangles.size(), kNoIndex);

@@ -29,8 +29,8 @@ constexpr double kFinest = 0.02;  // [m] minimum edge of voxels
 constexpr double kMinHeight = 2;  // [m] minimum height of a tree
 constexpr std::size_t kMinOfTree = 50;
 constexpr double kFewerCoverage = 0.35,
-                 kMaxDeviation =
-                     0.05;  // minimum coverage, maximum relative deviation of a diameter without a warning
+                 // minimum coverage, maximum relative deviation of a diameter without a warning
+    kMaxDeviation = 0.05;
 constexpr float kGroundFound = 0.06f, kStemsFound = 0.25f;
 constexpr float kPointsGiven = 0.95f;  // progress of segment_plot after each stage
 constexpr float kSegmented = 0.3f;     // progress of extract_plot after the segmentation

@@ -22,8 +22,8 @@ namespace coppice {
 struct PlotOptions {
     float min_diameter = 0.05f;  ///< [m] minimum diameter at breast height of a tree; in [0.01, 1]
     float max_diameter = 2;      ///< [m] maximum diameter of a stem; in [0.05, 20]
-    float resolution =
-        0;  ///< [m] edge of voxels with points of one tree; 0 = computed from the number of points
+    /// [m] edge of voxels with points of one tree; 0 = computed from the number of points
+    float resolution = 0;
     float widest_gap = 0.5f;  ///< [m] maximum gap between points of one tree; in [0.01, 10]
 };
 

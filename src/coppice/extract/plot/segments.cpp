@@ -21,14 +21,14 @@ namespace {
 
 constexpr std::uint32_t kNeighbours = 10;
 constexpr double kStemReach = 1.3;  // [radius] maximum distance from the axis of a stem of its own points
-constexpr double kFootReach =
-    3;  // [radius] radius about a stem without understorey, in addition to kFootRoom
+// [radius] radius about a stem without understorey, in addition to kFootRoom
+constexpr double kFootReach = 3;
 constexpr double kFootRoom = 0.3;       // [m]
 constexpr double kFloor = 0.3;          // [m] maximum height of understorey above the ground
 constexpr double kUnderstorey = 0.005;  // [m] diameter at breast height assumed for understorey
 constexpr double kScaling = 1.0 / 3;    // exponent of the diameter that normalizes path lengths in trees
-constexpr double kCourse =
-    0.2;  // [m] minimum length of a path over which its direction is measured; also in voxels
+// [m] minimum length of a path over which its direction is measured; also in voxels
+constexpr double kCourse = 0.2;
 constexpr double kCourseVoxels = 4;
 constexpr double kTurn = 4;        // [m/rad] cost of a bend
 constexpr double kFreeTurn = 0.3;  // [rad] bend without cost

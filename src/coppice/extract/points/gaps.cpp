@@ -22,8 +22,8 @@ constexpr std::uint32_t
     kVoxelNeighbours = 10,
     kVoxelRank = 4;  // number of neighbours of a voxel; rank of the neighbour that defines the spacing
 constexpr double kOfExtent = 0.3, kOfExtentAligned = 0.5;  // [extent of a component] maximum gap to it
-constexpr double kUnseen =
-    3;  // cost factor of an aligned gap, relative to a path of the same length over points
+// cost factor of an aligned gap, relative to a path of the same length over points
+constexpr double kUnseen = 3;
 
 /// Finds the closest points of other components in a hierarchy of boxes; skips boxes with points of one
 /// component only.
@@ -98,8 +98,8 @@ struct LimbEnd {
 std::optional<LimbEnd> limb_end_at(std::span<const Vec3> at, const Neighbours& near, std::uint32_t v,
                                    double edge) {
     constexpr double kReach = 5, kMaxBeyond = 0.4;  // [edge] radius about the voxel; maximum extent beyond it
-    constexpr double kLinear =
-        0.8;  // minimum share of the variance along the first axis in excess of the others
+    // minimum share of the variance along the first axis in excess of the others
+    constexpr double kLinear = 0.8;
     constexpr int kMin = 3;
     Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
     Vec3d mean;

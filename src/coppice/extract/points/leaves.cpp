@@ -16,8 +16,8 @@ namespace coppice::extract_internal {
 namespace {
 
 constexpr std::size_t kLeavesGrain = 4096;
-constexpr double kCoarsest =
-    0.025;  // [height] maximum spacing of a scale; at coarser scales crowns of twigs look like leaves
+// [height] maximum spacing of a scale; at coarser scales crowns of twigs look like leaves
+constexpr double kCoarsest = 0.025;
 constexpr double kWidest = 0.1;       // [m] maximum spacing of a scale
 constexpr double kLeafyShare = 0.25;  // minimum share of points of high dispersion in a cloud with leaves
 constexpr double kLeafyMean = 0.175;  // minimum mean dispersion above the threshold in a cloud with leaves

@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kBand = 0.06;       // [height of a tree] height of the band in which trunks are searched
 constexpr double kTrunkShare = 0.4;  // minimum number of points of another trunk, relative to the largest one
-constexpr double kTreeShare =
-    0.1;  // minimum number of points of another tree, relative to the largest component
+// minimum number of points of another tree, relative to the largest component
+constexpr double kTreeShare = 0.1;
 constexpr std::uint32_t kMin = 20;  // minimum number of points of a tree
 
 struct Slice {

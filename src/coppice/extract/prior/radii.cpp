@@ -19,8 +19,8 @@ constexpr double kOfFoot = 0.8;     // minimum share of the tree beyond a node t
 constexpr double kKindError = 0.2;  // error of the exponent that a class of branches shows
 constexpr double kError = 0.5;      // error of the logarithm of a radius
 constexpr double kSeen = 4;         // minimum precision of a measured radius
-constexpr double kTooThick =
-    1.5;  // [error] deviation above the prior at which half of the measurements are not branches
+// [error] deviation above the prior at which half of the measurements are not branches
+constexpr double kTooThick = 1.5;
 constexpr double kConvincing = 40;       // number of points about a node that form a tube hardly by chance
 constexpr double kMinDeviation = 0.015;  // minimum error of the logarithm of any radius, caused by bark
 constexpr double kNineOfTen = 1.645;     // [standard deviation] 90 % interval

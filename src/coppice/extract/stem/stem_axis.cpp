@@ -25,11 +25,11 @@ constexpr double kMinDeviation = 0.01;       // [radius] minimum deviation of a 
 constexpr double kBreastSections = 13;  // number of sections that determine the diameter at breast height
 constexpr double kOther = 0.4;          // minimum radius of another stem, relative to the thickest one
 constexpr double kApart = 1.5;  // [sum of radii] minimum distance of the bases of stems of different trees
-constexpr double kHanging =
-    0.3;  // [m] for a tree of ten metres: a stem with an end higher than this above the ground is not rooted
+// [m] for a tree of ten metres: a stem with an end higher than this above the ground is not rooted
+constexpr double kHanging = 0.3;
 constexpr double kAsWellSeen = 0.5;  // minimum evidence of another stem, relative to the best one
-constexpr double kMaxInside =
-    0.15;                      // maximum number of points inside per point on the circles of another stem
+// maximum number of points inside per point on the circles of another stem
+constexpr double kMaxInside = 0.15;
 constexpr double kAtRoot = 2;  // [radius] maximum distance of a specified root from the axis of its stem
 
 struct Section {

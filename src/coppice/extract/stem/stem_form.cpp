@@ -117,8 +117,8 @@ StemForm form_of(const Skeleton& s, NodeId root, std::span<const float> reach) {
 /// the lower and in the upper third of the slice.
 bool is_stem_in_slice(const PointSet& set, const Box3& box, const FoundCircle& c, double noise) {
     constexpr double kMinCoverage = 0.4,
-                     kMaxResidual =
-                         0.06;  // minimum share of the circumference; maximum residual relative to the radius
+                     // minimum share of the circumference; maximum residual relative to the radius
+        kMaxResidual = 0.06;
     constexpr double kWithin = 0.8, kMaxWithin = 0.1;  // relative radius of the core; maximum number of
                                                        // points in it per point on the circle
     constexpr std::uint32_t kMinOnCircle = 30;

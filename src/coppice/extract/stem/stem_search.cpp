@@ -18,11 +18,11 @@ constexpr double kLow = 0.3;
 constexpr double kSlice = 0.2;  // [m] height of the lowest slice above the ground; thickness of a slice
 constexpr std::size_t kSlices = 18;
 constexpr double kThickSlice = 3;
-constexpr std::size_t kFewPoints =
-    80;                              // maximum number of points of a cluster for which a thick slice is used
-constexpr double kThinSlice = 0.25;  // [slice] thickness for leaning stems
-constexpr double kThin = 0.01;       // [m] edge of the squares in which one point is kept
-constexpr double kLink = 0.08;       // [m] edge of the squares of a cluster; adjacent squares are connected
+// maximum number of points of a cluster for which a thick slice is used
+constexpr std::size_t kFewPoints = 80;
+constexpr double kThinSlice = 0.25;    // [slice] thickness for leaning stems
+constexpr double kThin = 0.01;         // [m] edge of the squares in which one point is kept
+constexpr double kLink = 0.08;         // [m] edge of the squares of a cluster; adjacent squares are connected
 constexpr std::size_t kMinPoints = 8;  // minimum number of points of a cluster
 constexpr int kMaxCircles = 12;        // maximum number of circles in a cluster
 constexpr double kMaxInside = 0.5;     // maximum number of points inside a circle per point on it

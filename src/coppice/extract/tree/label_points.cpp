@@ -13,8 +13,8 @@ namespace coppice {
 namespace {
 
 constexpr double kOfRadius = 0.5,
-                 kSpacings =
-                     0.5;  // maximum distance of a wood point from the surface, in radii and in spacings
+                 // maximum distance of a wood point from the surface, in radii and in spacings
+    kSpacings = 0.5;
 constexpr std::uint32_t kLastOrder = std::numeric_limits<std::uint8_t>::max();
 
 }  // namespace

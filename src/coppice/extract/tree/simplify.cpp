@@ -11,8 +11,8 @@ namespace coppice::extract_internal {
 namespace {
 
 constexpr double kForkSpacing = 0.5;  // [radius] closer forks are merged; they were separated by noise
-constexpr double kMinSpacing =
-    0.9;  // [radius] minimum distance of nodes; closer ones have too few samples of their own
+// [radius] minimum distance of nodes; closer ones have too few samples of their own
+constexpr double kMinSpacing = 0.9;
 
 bool is_chain_node(const InitialTree& tree, const DraftLinks& links, std::uint32_t n) {
     return tree.parent[n] != kNoIndex && !tree.fixed[n] && links.children(n).size() == 1;

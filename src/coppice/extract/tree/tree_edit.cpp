@@ -80,10 +80,10 @@ struct Attachment {
 /// axis of one must be within `reach` radii of the other.
 std::vector<Attachment> find_attachments(const InitialTree& tree, std::span<const std::uint32_t> root,
                                          double reach, const Context& ctx) {
-    constexpr double kThicker =
-        1.3;  // maximum ratio of radii of the end and the segment without additional cost
-    constexpr double kMuchThicker =
-        2.5;  // maximum ratio of these radii; prevents a trunk from being attached to a twig
+    // maximum ratio of radii of the end and the segment without additional cost
+    constexpr double kThicker = 1.3;
+    // maximum ratio of these radii; prevents a trunk from being attached to a twig
+    constexpr double kMuchThicker = 2.5;
     std::vector<std::uint32_t> lower;
     std::vector<Box3> boxes;
     for (std::uint32_t n = 0; n < tree.size(); ++n) {

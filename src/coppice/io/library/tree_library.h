@@ -85,8 +85,8 @@ class TreeLibrary {
     /// Result of `add`.
     struct Added {
         std::vector<std::int64_t> ids;  ///< numbers of the new trees, in order
-        std::uint32_t known =
-            0;  ///< number of trees that the library already contained, bit-identical; they get the tags too
+        /// number of trees that the library already contained, bit-identical; they get the tags too
+        std::uint32_t known = 0;
     };
     /// Trees from one file.
     struct Batch {

@@ -91,8 +91,8 @@ struct EdgeGraph {
     std::vector<RawAttribute> attributes;
     bool directed = false;  ///< whether edges run from parent to child
     bool weld = false;      ///< whether vertices at the same position are merged, with the larger radius
-    bool drop_isolated =
-        false;  ///< whether vertices without edges are ignored; an edge to itself keeps a vertex
+    /// whether vertices without edges are ignored; an edge to itself keeps a vertex
+    bool drop_isolated = false;
 };
 
 EdgeGraph parse_gel(std::string_view text, const std::string& source, const Context& ctx = {});

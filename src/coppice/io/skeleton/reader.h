@@ -26,8 +26,8 @@ struct ReadSkeletonOptions {
     FileUp up = FileUp::z;  ///< up axis of the file
     LengthUnit units = LengthUnit::automatic;  ///< unit of length after scaling
     int model = 0;  ///< number of the model in a file with several, from 1; 0: the only one
-    float default_radius =
-        0;  ///< [m] radius of every node after scaling if the file has no radii; 0: estimated
+    /// [m] radius of every node after scaling if the file has no radii; 0: estimated
+    float default_radius = 0;
 };
 
 template <class Self, class Visitor>

@@ -20,8 +20,8 @@ struct WriteSkeletonOptions {
     SkeletonFormat format = SkeletonFormat::automatic;  ///< automatic: by the extension of the name
     bool binary = true;     ///< writes PLY as little-endian binary instead of ASCII
     FileUp up = FileUp::z;  ///< up axis of the file
-    LengthUnit units =
-        LengthUnit::m;  ///< unit of lengths, stated in SWC, JSON, OBJ, PLY, RSML and MTG; automatic: m
+    /// unit of lengths, stated in SWC, JSON, OBJ, PLY, RSML and MTG; automatic: m
+    LengthUnit units = LengthUnit::m;
 };
 
 template <class Self, class Visitor>

@@ -32,15 +32,15 @@ constexpr double kMinVoxels = 32768;              // minimum resolution of the s
 constexpr double kMaxVoxels = 1 << 27;            // for sets without a count
 constexpr double kCellsInReach = 8;               // number of cells along the reach of a soft kernel
 constexpr std::uint64_t kMaxRejections = 100000;  // number of rejected draws at the deepest level
-constexpr std::uint64_t kMaxInARow =
-    1 << 23;                            // maximum number of consecutive rejected draws: the field is invalid
+// maximum number of consecutive rejected draws: the field is invalid
+constexpr std::uint64_t kMaxInARow = 1 << 23;
 constexpr std::size_t kRound = 4096;    // number of draws before any point is placed
 constexpr std::size_t kSoftRound = 32;  // number for soft kernels
 constexpr std::size_t kRoundGrain = 256;
 constexpr std::uint64_t kTrial = 512;   // number of draws that estimates the rejection rate
 constexpr double kSubdividingCost = 4;  // cost of the subdivision of a cell, in draws
-constexpr double kMinFactor =
-    1e-9;  // minimum nonzero factor of a soft kernel: preserves the precision of sums
+// minimum nonzero factor of a soft kernel: preserves the precision of sums
+constexpr double kMinFactor = 1e-9;
 
 Voxels choose_voxels(const Box3& box, const RadialKernel& kernel, const DartThrowingOptions& options) {
     const Vec3 size = box.size();

@@ -12,10 +12,10 @@
 namespace coppice::points_internal {
 namespace {
 
-constexpr int kMaxNeighbours =
-    1024;  // maximum number of neighbours of a point: about 40 times that of an even set
-constexpr std::size_t kLook =
-    1024;  // number of points that are weighted or removed between two checks of the stop token
+// maximum number of neighbours of a point: about 40 times that of an even set
+constexpr int kMaxNeighbours = 1024;
+// number of points that are weighted or removed between two checks of the stop token
+constexpr std::size_t kLook = 1024;
 constexpr float kWeighed = 0.25f;  // progress after the computation of the weights
 
 /// Weight of a neighbour as a function of the distance. Source: [Yuksel2015], with its alpha of 8.

@@ -34,8 +34,8 @@ Cells coarse_cells(const PointRegion& region, const GenerateOptions& o, const Co
 }
 
 constexpr double kGoodShare = 0.15;  // minimum share of the volume of the cells for few rejected draws
-constexpr double kSoundShare =
-    0.005;  // minimum share of samples inside for a reliable estimate of the capacity
+// minimum share of samples inside for a reliable estimate of the capacity
+constexpr double kSoundShare = 0.005;
 
 // Progress at the end of each stage.
 constexpr float kSurveyed = 0.05f;

@@ -48,8 +48,8 @@ class PointGrid {
 
   private:
     using Cell = std::array<std::uint32_t, 3>;
-    static constexpr std::uint32_t kMax =
-        (1u << 21) - 1;  ///< maximum number of cells along an axis: 63 bits store all three
+    /// maximum number of cells along an axis: 63 bits store all three
+    static constexpr std::uint32_t kMax = (1u << 21) - 1;
     static constexpr std::uint64_t kFree = ~std::uint64_t{0};
     /// Places of the points in the cells of one y and z.
     struct Row {

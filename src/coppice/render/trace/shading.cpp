@@ -16,8 +16,8 @@ namespace {
 constexpr float kOffset = 2e-6f;       // offset of secondary rays, above the rounding of positions
 constexpr float kSunRadius = 0.03f;    // tangent; larger than that of the real sun, for soft shadows
 constexpr float kAmbientReach = 0.6f;  // more distant objects do not occlude the sky
-constexpr float kGroundFull =
-    0.5f;  // the shadow on the ground is full up to here, and fades out at kGroundEnd
+// the shadow on the ground is full up to here, and fades out at kGroundEnd
+constexpr float kGroundFull = 0.5f;
 constexpr float kGroundEnd = 1.1f;
 constexpr Vec3 kSunLight{1.30f, 1.22f, 1.08f};
 constexpr Vec3 kSkyLight{0.62f, 0.68f, 0.76f};

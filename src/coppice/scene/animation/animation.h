@@ -73,8 +73,8 @@ FrameSeries make_series(const QuadMesh& last, const GrowthFrames& frames, const 
 struct FrozenFrame {
     std::size_t frame = 0;  ///< index of the frame
     double time = 0;        ///< [s]
-    std::uint32_t nodes =
-        0;  ///< number of nodes with the same position relative to their parents as in the previous frame
+    /// number of nodes with the same position relative to their parents as in the previous frame
+    std::uint32_t nodes = 0;
     bool whole_tree = false;      ///< whether no node moved
     std::uint64_t folded = 0;     ///< number of faces that would have folded
     std::uint64_t crossings = 0;  ///< number of pairs of faces that would have crossed

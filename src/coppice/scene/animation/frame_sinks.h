@@ -14,10 +14,10 @@ namespace coppice {
 struct FrameSeries {
     std::size_t count = 0;  ///< number of frames
     double rate = 24;       ///< [1/s] frame rate
-    const QuadMesh* rest =
-        nullptr;            ///< surface with the faces of all frames; null if each frame has its own faces
-    int gif_colors = 255;   ///< maximum number of colours of a GIF
-    RenderOptions picture;  ///< render options
+    /// surface with the faces of all frames; null if each frame has its own faces
+    const QuadMesh* rest = nullptr;
+    int gif_colors = 255;       ///< maximum number of colours of a GIF
+    RenderOptions picture;      ///< render options
     std::vector<Vec3d> framed;  ///< [m] points that all images show
 };
 

@@ -233,8 +233,8 @@ SceneCommand polygonize_command() {
                    positional(new_name("name", "Name of the new mesh.", "@solid"), false)};
     add_options(c.arguments, PolygonizeOptions{}, "polygonize");
     c.run = [](const SceneCall& call) {
-        constexpr double kBytesOfCell =
-            250;  // per cell at the surface, at most twice the six sides of the box
+        // per cell at the surface, at most twice the six sides of the box
+        constexpr double kBytesOfCell = 250;
         const SolidField field = call.field(call.text("solid"));
         const auto options = call.options<PolygonizeOptions>("polygonize");
         const Vec3d size(field.surface_bounds().size());

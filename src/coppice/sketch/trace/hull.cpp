@@ -134,8 +134,8 @@ class Carver {
     std::span<const SilhouetteField> fields_;
     Vec3d middle_;
     double half_ = 0;  ///< [m] half the edge length of the bounding cube
-    double pixel_ =
-        std::numeric_limits<double>::infinity();  ///< [m] pixel size of the image with the highest resolution
+    /// [m] pixel size of the image with the highest resolution
+    double pixel_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace

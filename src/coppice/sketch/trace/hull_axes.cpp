@@ -10,8 +10,8 @@
 namespace coppice::sketch_internal {
 namespace {
 
-constexpr double kNew =
-    0.2;  // minimum fraction of new pixels of a line in two views; below it, other lines already cover it
+// minimum fraction of new pixels of a line in two views; below it, other lines already cover it
+constexpr double kNew = 0.2;
 constexpr double kShownWidth = 1.3;    // [silhouette width], plus
 constexpr double kShownPixels = 2;     // [pixels]: radius around a line that it covers
 constexpr double kStep = 0.5;          // [thickness] distance between the discs of a line

@@ -9,8 +9,8 @@
 namespace coppice::sketch_internal {
 namespace {
 
-constexpr double kSpur =
-    1.6;  // [radius at the fork] minimum length of a line; shorter ones are bumps of the outline
+// [radius at the fork] minimum length of a line; shorter ones are bumps of the outline
+constexpr double kSpur = 1.6;
 constexpr double kJoined = 2.5;  // [radius] distance within which two places are merged
 
 struct Pixel {

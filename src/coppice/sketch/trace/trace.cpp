@@ -21,11 +21,11 @@ namespace {
 
 constexpr double kMaxCost = 1;   // maximum cost of a match per sample
 constexpr double kUnlike = 0.1;  // constant dissimilarity, below which differences are not significant
-constexpr double kClear =
-    1.3;  // minimum ratio of the dissimilarity of every competing pair for an unambiguous pair
+// minimum ratio of the dissimilarity of every competing pair for an unambiguous pair
+constexpr double kClear = 1.3;
 constexpr double kMinMatched = 0.8;  // minimum matched fraction of the paths from the base to both tips
-constexpr double kTipsApart =
-    2;  // [pixels] maximum epipolar distance of two tips, in addition to a fraction of their widths
+// [pixels] maximum epipolar distance of two tips, in addition to a fraction of their widths
+constexpr double kTipsApart = 2;
 constexpr double kTipWidth = 0.2;
 constexpr double kMaxError = 4;  // [pixels] maximum distance of a branch from its strokes
 

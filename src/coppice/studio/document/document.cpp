@@ -28,8 +28,8 @@ constexpr double kLong = 0.005;               // [s] run time after which a stat
 constexpr std::size_t kLongestName = 80;
 constexpr std::size_t kMaxSaid = std::size_t{64}
                                  << 10;  // [bytes] maximum length of the stored output of a statement
-constexpr std::uint64_t kTextShare =
-    4;  // one document, and undo, may each use 1/kTextShare of the memory of texts
+// one document, and undo, may each use 1/kTextShare of the memory of texts
+constexpr std::uint64_t kTextShare = 4;
 constexpr double kMebibyte = 1 << 20;
 
 bool is_letter_of_name(char c) {

@@ -67,8 +67,8 @@ class Prefix : public std::enable_shared_from_this<Prefix> {
     std::uint64_t used = 0;  ///< time of the last use of the state
 
   private:
-    using Key =
-        std::pair<std::uint32_t, std::string_view>;  ///< refers to the text of a piece that the prefix owns
+    /// refers to the text of a piece that the prefix owns
+    using Key = std::pair<std::uint32_t, std::string_view>;
 
     void leave_tree();
     void count(std::int64_t bytes);

@@ -10,8 +10,8 @@
 namespace coppice::studio_internal {
 namespace {
 
-constexpr std::uint32_t kMaxAxes =
-    40'000;  // maximum number of nodes of a skeleton that is sent with every preview
+// maximum number of nodes of a skeleton that is sent with every preview
+constexpr std::uint32_t kMaxAxes = 40'000;
 
 bool is_shape(ObjectKind kind) {
     return kind == ObjectKind::solid || kind == ObjectKind::path || kind == ObjectKind::profile;

@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::size_t kSelectGrain = 1 << 10;
 constexpr std::uint32_t kOutside = kNoIndex,
-                        kShell =
-                            kNoIndex - 1;  ///< other values: the segment that contains a vertex deep inside
+                        /// other values: the segment that contains a vertex deep inside
+    kShell = kNoIndex - 1;
 
 class Selection {
   public:

@@ -13,8 +13,8 @@ namespace coppice {
 namespace {
 
 constexpr std::uint32_t kMaxNodes = 1u << 24;
-constexpr std::size_t kMaxOpen =
-    std::size_t{1} << 24;  ///< maximum number of intersections of segments with cells of one level
+/// maximum number of intersections of segments with cells of one level
+constexpr std::size_t kMaxOpen = std::size_t{1} << 24;
 constexpr double kHalfDiagonal = 0.8660254037844387;  ///< of a cube of side 1
 
 /// A bounding box in double precision.

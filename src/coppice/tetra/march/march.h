@@ -18,10 +18,10 @@ namespace coppice {
 /// Resolution of the surface and accuracy of its vertices.
 struct MarchOptions {
     int levels = 2;  ///< number of subdivisions of every tetrahedron into eight
-    float snap =
-        0.45f;  ///< [fine edges] vertices closer than this to the surface are moved onto it; 0 disables this
-    int refinements =
-        2;  ///< number of corrections of a vertex along its edge towards the surface after the first estimate
+    /// [fine edges] vertices closer than this to the surface are moved onto it; 0 disables this
+    float snap = 0.45f;
+    /// number of corrections of a vertex along its edge towards the surface after the first estimate
+    int refinements = 2;
 };
 
 /// Visits only the fields that determine the accuracy of the vertices.

@@ -33,8 +33,8 @@ constexpr int kMaxRounds = 12, kMaxAdding = 5;
 constexpr double kMinFlatness = 1.0 / 8;
 constexpr double kRoom = 0.2;  ///< [half edges of squares] minimum distance between corners
 constexpr double kMove = 0.2;  ///< [shortest edges] maximum displacement of a corner of a flat tetrahedron
-constexpr double kMaxWidth =
-    4.5;  ///< [radii] maximum distance of a corner of a tetrahedron at the bark from the axis,
+/// [radii] maximum distance of a corner of a tetrahedron at the bark from the axis,
+constexpr double kMaxWidth = 4.5;
 constexpr double kBetweenAdded = 1.5;  ///< [radii] distance between inserted squares
 constexpr double kNearCorner = 2.6;    ///< [radii] unless a corner is closer than this
 constexpr float kClearance = 0.05f;    ///< see TetraMesh::clearance

@@ -11,16 +11,16 @@ namespace {
 /// [half edges, squared] weight of a heavy corner; a light corner has the negative of it. Large enough that
 /// the weights determine the edges where points are cospherical.
 constexpr double kWeight = 0.1;
-constexpr double kBeyondEnd =
-    1.35;                        ///< [radii] distance from a node at the end of a branch to the last square
+/// [radii] distance from a node at the end of a branch to the last square
+constexpr double kBeyondEnd = 1.35;
 constexpr double kMinGap = 1.2;  ///< [radii] minimum distance between squares of one branch
-constexpr double kForkClearance =
-    1.25;  ///< [radii] distance from the axes of two branches at which they separate
-constexpr double kMinSine =
-    0.25;  ///< minimum sine of the angle between branches; smaller angles separate too far out
+/// [radii] distance from the axes of two branches at which they separate
+constexpr double kForkClearance = 1.25;
+/// minimum sine of the angle between branches; smaller angles separate too far out
+constexpr double kMinSine = 0.25;
 constexpr double kThinLateral = 0.6;  ///< [radii] a node with a thicker lateral is a fork
-constexpr double kStraight =
-    0.64;                         ///< cosine of the maximum turn with which a branch continues across others
+/// cosine of the maximum turn with which a branch continues across others
+constexpr double kStraight = 0.64;
 constexpr double kSharp = -0.17;  ///< cosine of the turn from which a bend is a fork
 constexpr std::size_t kFewChildren = 4;
 

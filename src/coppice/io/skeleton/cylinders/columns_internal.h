@@ -23,8 +23,8 @@ struct CylinderColumns {
     Place id, parent, radius, diameter, length;
     Place order, branch, tree;  ///< stored as attributes
     Point start, end, axis;
-    double radius_unit =
-        1;  ///< unit of radius or diameter relative to that of the start, if their names state it
+    /// unit of radius or diameter relative to that of the start, if their names state it
+    double radius_unit = 1;
     double length_unit = 1;  ///< unit of the length, likewise
     bool of_nodes = false;   ///< id and parent are the end and the start node of a cylinder, as in treegraph
     std::size_t width = 0;   ///< number of columns that the names represent

@@ -15,8 +15,8 @@ struct EndCut {
     Vec3 outward;  ///< unit vector
     float radius;  ///< [m] at the end
 
-    static constexpr float kReach =
-        3;  ///< [radii] distance from its center up to which a cut acts; the line must end before it
+    /// [radii] distance from its center up to which a cut acts; the line must end before it
+    static constexpr float kReach = 3;
 };
 
 /// Truncates a sample of a field at p. The field of the plane decreases with the slope that value^(2/5) of

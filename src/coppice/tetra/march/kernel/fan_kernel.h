@@ -47,9 +47,9 @@ COPPICE_HOST_DEVICE Fan judge_fan(std::span<const LinkSegment<Key>> segments) {
 /// walk does not visit all segments, because each corner is a start: a result of a single fan is therefore
 /// correct.
 struct ListedFan {
-    static constexpr std::uint32_t kMax =
-        8;                      ///< maximum number of listed triangles; larger fans remain unknown
-    using Key = std::uint16_t;  ///< see key_of
+    /// maximum number of listed triangles; larger fans remain unknown
+    static constexpr std::uint32_t kMax = 8;
+    using Key = std::uint16_t;                    ///< see key_of
     std::array<LinkSegment<Key>, kMax> segments;  ///< in any order
 
     /// Returns the key of a fine vertex, or of the edge between two, independent of their order.
