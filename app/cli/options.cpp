@@ -195,6 +195,18 @@ void OptionList::value(const OptionField& field, const std::string& group) {
     add(option_of(field, group), flag_name(field.field.name));
 }
 
+void OptionList::add_struct(std::span<const OptionField> fields, const std::string& group,
+                            const FlagNames& names) {
+    const std::size_t before = options_.size();
+    add_fields(fields, group, {}, names);
+    const auto exists = [&](std::string_view path) {
+        return std::any_of(options_.begin() + static_cast<std::ptrdiff_t>(before), options_.end(),
+                           [&](const Option& option) { return option.field == path; });
+    };
+    for (const auto& [path, name] : names.names) COPPICE_ASSERT(exists(path));
+    for (const std::string_view path : names.common.value_or(MemberNames{})) COPPICE_ASSERT(exists(path));
+}
+
 void OptionList::add_fields(std::span<const OptionField> fields, const std::string& group,
                             const std::string& path, const FlagNames& names) {
     for (const OptionField& field : fields) {

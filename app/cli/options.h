@@ -89,13 +89,14 @@ class OptionList {
     /// their own. Parsing stores into the struct, so it must outlive the list.
     template <OptionStruct Options>
     void fields(Options& options, const std::string& group, const FlagNames& names = {}) {
-        add_fields(option_fields(options), group, {}, names);
+        add_struct(option_fields(options), group, names);
     }
 
     std::span<const Option> all() const { return options_; }
 
   private:
     Option& add(Option option, const std::string& names);
+    void add_struct(std::span<const OptionField> fields, const std::string& group, const FlagNames& names);
     void add_fields(std::span<const OptionField> fields, const std::string& group, const std::string& path,
                     const FlagNames& names);
 

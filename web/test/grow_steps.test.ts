@@ -21,10 +21,10 @@ const kGrow: Command = {
     name: "grow",
     aliases: [],
     group: "Trees",
-    help: "grows a tree into points",
+    help: "Grow a tree into points.",
     example: "",
     arguments: [
-        argument("tree", { type: "new_name", positional: true, required: true, help: "name of the new skeleton" }),
+        argument("tree", { type: "new_name", positional: true, required: true, help: "Name of the new skeleton." }),
         argument("points", { type: "object", kind: "points", positional: true, required: true }),
         argument("root", { type: "tuple", repeats: true, sizes: [3, 6] }),
         argument("influence_radius", { unit: "metre", low: 1e-6, high: 1e6, default: "1" }),
@@ -39,13 +39,13 @@ const kGenerate: Command = {
     name: "pointset generate",
     aliases: ["pointset gen"],
     group: "Points",
-    help: "fills a solid",
+    help: "Fill a solid.",
     example: "",
     arguments: [
         argument("solid", { type: "object", kind: "solid", positional: true, required: true }),
         argument("pattern", { type: "choice", positional: true, default: "poisson_disk", choices: ["poisson_disk", "uniform"] }),
         argument("count", { type: "whole", low: 0, high: 1e8, default: "1000" }),
-        argument("name", { type: "new_name", default: "@solid", help: "name of the new points" }),
+        argument("name", { type: "new_name", default: "@solid", help: "Name of the new points." }),
     ],
 };
 
@@ -53,7 +53,7 @@ const kThin: Command = {
     name: "pointset thin",
     aliases: [],
     group: "Points",
-    help: "removes points",
+    help: "Remove points.",
     example: "",
     arguments: [
         argument("points", { type: "object", kind: "points", positional: true, required: true }),

@@ -95,10 +95,9 @@ ExitCode animate(Run& run, const AnimateFlags& flags) {
                           : animate_motion(run, flags, file.skeleton);
 }
 
-/// Names of the options of the surface, next to those of images and keys.
+/// Returns the names of the options of the surface, none of which the short help shows.
 FlagNames animated_surface_flag_names() {
     FlagNames surface = surface_flag_names();
-    surface.names.insert(surface.names.end(), {{"field.width", "--field-width"}});
     surface.common = MemberNames{};
     return surface;
 }

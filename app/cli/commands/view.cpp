@@ -90,10 +90,9 @@ ExitCode view(Run& run, const GivenOptions& given, const ViewFlags& flags) {
     return flags.edit_demo ? drag_branch(run, flags, file.skeleton) : draw_once(run, flags, file.skeleton);
 }
 
-/// Names of the options of the surface, next to those of images.
+/// Returns the names of the options of the surface; the short help shows two of them.
 FlagNames viewed_surface_flag_names() {
     FlagNames surface = surface_flag_names();
-    surface.names.insert(surface.names.end(), {{"field.width", "--field-width"}});
     surface.common = MemberNames{"method", "levels"};
     return surface;
 }

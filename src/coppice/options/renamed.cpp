@@ -7,9 +7,10 @@
 namespace coppice {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, std::string_view>, 20> kRenamed{{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 21> kRenamed{{
     {"detail", "leaf_cluster_distance"},
     {"edge", "tetra_edge"},
+    {"field_width", "kernel_width"},
     {"greatest_diameter", "max_diameter"},
     {"least_angle", "min_angle"},
     {"least_diameter", "min_diameter"},

@@ -130,19 +130,25 @@ void visit_members(Options& options, const std::string& path, Visitor&& visit) {
 }
 
 /// Adds an argument for every member of an option struct, except those in `without`. It has the name of the
-/// member, or the name in `names` for its path. Duplicate names are a programming error.
+/// member, or the name in `names` for its path. Duplicate names, and paths without a member, are programming
+/// errors.
 template <class Options>
 void add_options(std::vector<Argument>& arguments, const Options& defaults, const std::string& path,
                  const std::set<std::string>& without = {},
                  const std::map<std::string, std::string>& names = {}) {
+    std::size_t renamed = 0;
     visit_members(defaults, path, [&](const std::string& at, const Field& field, const auto& value) {
         if (without.contains(std::string(field.name))) return;
         Argument a = argument_of(field, value);
         a.field = at;
-        if (const auto other = names.find(at); other != names.end()) a.name = other->second;
+        if (const auto other = names.find(at); other != names.end()) {
+            a.name = other->second;
+            ++renamed;
+        }
         for (const Argument& other : arguments) COPPICE_ASSERT(other.name != a.name);
         arguments.push_back(std::move(a));
     });
+    COPPICE_ASSERT(renamed == names.size());
 }
 
 }  // namespace coppice

@@ -4,12 +4,12 @@ import type { Word } from "./words";
 
 /** Statements of the language itself, which are not in the schema. */
 export const kLanguage: readonly { name: string; usage: string; help: string }[] = [
-    { name: "let", usage: "let NAME = EXPRESSION", help: "Set a variable, which ${NAME} inserts into the following lines" },
-    { name: "for", usage: "for NAME in FIRST..LAST [step STEP]", help: "Run the lines up to the end for each number from the first to the last, which is stored in a variable" },
-    { name: "repeat", usage: "repeat COUNT", help: "Run the lines up to the end a number of times" },
-    { name: "if", usage: "if CONDITION", help: "Run the lines up to the else or end if the condition is not 0" },
-    { name: "else", usage: "else", help: "Begin the lines that run if the condition of the if above is 0" },
-    { name: "end", usage: "end", help: "Close the for, repeat or if above" },
+    { name: "let", usage: "let NAME = EXPRESSION", help: "Set a variable, which ${NAME} inserts into the following lines." },
+    { name: "for", usage: "for NAME in FIRST..LAST [step STEP]", help: "Run the lines up to the end for each number from the first to the last, which is stored in a variable." },
+    { name: "repeat", usage: "repeat COUNT", help: "Run the lines up to the end a number of times." },
+    { name: "if", usage: "if CONDITION", help: "Run the lines up to the else or end if the condition is not 0." },
+    { name: "else", usage: "else", help: "Begin the lines that run if the condition of the if above is 0." },
+    { name: "end", usage: "end", help: "Close the for, repeat or if above." },
 ];
 
 /** Finds the command at the start of the words, and the number of words in its name. */
@@ -109,11 +109,6 @@ export function spoken(name: string): string {
 }
 
 const kUnits: Record<string, string> = { metre: "m", degree: "°", radius: "radii", second: "s" };
-
-/** A help text as a sentence, with a capital letter and a full stop. */
-export function sentence(help: string): string {
-    return help === "" ? "" : `${help[0].toUpperCase()}${help.slice(1).replace(/\.$/, "")}.`;
-}
 
 /** The unit as printed after a number. */
 export function shortUnit(argument: Argument): string {

@@ -4,15 +4,15 @@ import { piecesOf } from "../../src/script/pieces";
 import { kEmptyState } from "../../src/store";
 
 function argument(name: string, type: Argument["type"], more: Partial<Argument> = {}): Argument {
-    return { name, help: `what ${name} is`, type, positional: false, required: false, repeats: false, ...more };
+    return { name, help: `What ${name} is.`, type, positional: false, required: false, repeats: false, ...more };
 }
 
 const first = { positional: true, required: true };
-const made = (kind: string) => ({ ...first, help: `name of the new ${kind}` });
+const made = (kind: string) => ({ ...first, help: `Name of the new ${kind}.` });
 const metres = { unit: "metre", low: -1e6, high: 1e6 };
 
 function command(name: string, args: Argument[], more: Partial<Command> = {}): Command {
-    return { name, aliases: [], group: "Commands", help: `does ${name}`, example: name, arguments: args, ...more };
+    return { name, aliases: [], group: "Commands", help: `Does ${name}.`, example: name, arguments: args, ...more };
 }
 
 export const schema: Command[] = [
@@ -54,7 +54,7 @@ export const schema: Command[] = [
         argument("count", "whole", { default: "1000", low: 0, high: 1e8 }),
         argument("kernel", "tuple", { sizes: [2], repeats: true }),
         argument("seed", "whole", { default: "0", low: 0, high: 2147483647 }),
-        argument("name", "new_name", { default: "@solid", help: "name of the new points" }),
+        argument("name", "new_name", { default: "@solid", help: "Name of the new points." }),
     ], { aliases: ["pointset gen"], group: "Points" }),
     command("grow", [
         argument("tree", "new_name", made("skeleton")),
@@ -64,7 +64,7 @@ export const schema: Command[] = [
     ], { group: "Trees" }),
     command("mesh", [
         argument("tree", "object", { ...first, kind: "skeleton" }),
-        argument("name", "new_name", { positional: true, default: "@tree", help: "name of the new mesh" }),
+        argument("name", "new_name", { positional: true, default: "@tree", help: "Name of the new mesh." }),
         argument("levels", "whole", { default: "2", low: 0, high: 6 }),
     ]),
     command("edit prune", [
@@ -74,7 +74,7 @@ export const schema: Command[] = [
     ]),
     command("copy", [
         argument("name", "object", { ...first, kind: "any" as "solid" }),
-        argument("copy", "new_name", { ...first, help: "the other name" }),
+        argument("copy", "new_name", { ...first, help: "The other name." }),
         argument("kind", "choice", { choices: ["solid", "points", "skeleton", "mesh"] }),
     ]),
     command("delete", [

@@ -41,9 +41,7 @@ SceneCommand animation_command() {
     add_options(c.arguments, GrowingOptions{}, "growing", {}, prefixed<GrowingOptions>("growing", "grow"));
     add_options(c.arguments, WindOptions{}, "wind", {}, prefixed<WindOptions>("wind", "wind"));
     add_options(c.arguments, MeshOptions{}, "mesh", {},
-                {{"mesh.project.method", "project_method"},
-                 {"mesh.project.tolerance", "project_tolerance"},
-                 {"mesh.field.width", "field_width"}});
+                {{"mesh.project.method", "project_method"}, {"mesh.project.tolerance", "project_tolerance"}});
     add_options(c.arguments, RenderOptions{}, "picture");
     return c;
 }

@@ -2,7 +2,7 @@
 import { type Extension } from "@codemirror/state";
 import { type EditorView, hoverTooltip, type Tooltip } from "@codemirror/view";
 import type { Argument, Command } from "../../../protocol";
-import { bind, defaultText, findCommand, kLanguage, sentence, takes, usage } from "../../../script/commands";
+import { bind, defaultText, findCommand, kLanguage, takes, usage } from "../../../script/commands";
 import { readLine } from "../../../script/words";
 
 export interface Help {
@@ -16,11 +16,11 @@ export interface Help {
 export function argumentHelp(argument: Argument): { title: string; text: string } {
     const title = argument.positional ? argument.name.toUpperCase() : `${argument.name}=`;
     const otherwise = defaultText(argument) ? ` Default: ${defaultText(argument)}.` : "";
-    return { title, text: `${sentence(argument.help)} Accepts ${takes(argument)}.${otherwise}` };
+    return { title, text: `${argument.help} Accepts ${takes(argument)}.${otherwise}` };
 }
 
 export function commandHelp(command: Command): { title: string; text: string } {
-    return { title: usage(command), text: sentence(command.help) };
+    return { title: usage(command), text: command.help };
 }
 
 /** Help for a position in a line: for the argument there, otherwise for the command. */
@@ -32,7 +32,7 @@ export function helpAt(schema: readonly Command[], line: string, column: number)
     }
     const statement = kLanguage.find(({ name }) => name === first.text);
     if (statement) {
-        return { title: statement.usage, text: sentence(statement.help), from: first.from, to: first.to };
+        return { title: statement.usage, text: statement.help, from: first.from, to: first.to };
     }
     const found = findCommand(schema, words);
     if (!found) {

@@ -4,7 +4,7 @@ import { useId, useLayoutEffect, useRef, useState } from "preact/hooks";
 import type { Argument, Kind } from "../../../protocol";
 import { FieldTrouble, useNumber } from "../../../number_field";
 import type { NumberLimits } from "../../../script/arithmetic";
-import { defaultText, kindsOf, sentence, shortUnit, spoken, takes } from "../../../script/commands";
+import { defaultText, kindsOf, shortUnit, spoken, takes } from "../../../script/commands";
 import { defaultWord, type Values, wordOf } from "../../../script/values";
 import { isComputed } from "../../../script/words";
 import { type Slider, sliderOf } from "../../grow/suggest";
@@ -35,7 +35,7 @@ function helpText(argument: Argument): string {
     const bounded = argument.low !== undefined && ["number", "whole", "tuple"].includes(argument.type);
     const range = bounded || argument.type === "selection" ? ` Accepts ${takes(argument)}.` : "";
     const otherwise = argument.default?.startsWith("@") ? ` Default: ${defaultText(argument)}.` : "";
-    return sentence(argument.help) + range + otherwise;
+    return argument.help + range + otherwise;
 }
 
 function isGiven({ argument, context }: Props): boolean {

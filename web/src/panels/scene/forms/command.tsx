@@ -3,7 +3,7 @@ import type { VNode } from "preact";
 import { useLayoutEffect, useMemo, useRef } from "preact/hooks";
 import type { App } from "../../../app";
 import type { Command } from "../../../protocol";
-import { sentence, usage } from "../../../script/commands";
+import { usage } from "../../../script/commands";
 import { Tracked, useValue } from "../../../use";
 import { Chooser } from "./chooser";
 import { fieldContext } from "./context";
@@ -15,7 +15,7 @@ function Title({ command, leave }: { command: Command; leave(): void }): VNode {
         <div class="command-title">
             <div>
                 <h3>{command.name}</h3>
-                <p class="hint">{sentence(command.help)}</p>
+                <p class="hint">{command.help}</p>
             </div>
             <button type="button" onClick={leave}>Other command</button>
         </div>
@@ -47,7 +47,7 @@ function Line({ form, command }: { form: Form; command: Command }): VNode {
         <>
             {form.trouble.value !== "" ? <p class="error" role="alert">{form.trouble.value}</p> : null}
             {needed
-                ? <p class="hint">{`Required: ${needed.name.replaceAll("_", " ")}. ${sentence(needed.help)}`}</p>
+                ? <p class="hint">{`Required: ${needed.name.replaceAll("_", " ")}. ${needed.help}`}</p>
                 : <code class="command-line" title={usage(command)}>{form.line}</code>}
         </>
     );
