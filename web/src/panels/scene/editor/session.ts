@@ -20,7 +20,7 @@ import { changesBetween } from "./sync";
 import { look } from "./theme";
 
 const kMargin = 24; // [px] above and below a line that is shown
-const kOwn = Annotation.define<boolean>(); // of changes by the program
+const kByProgram = Annotation.define<boolean>(); // of changes by the program
 
 /** Accepts a completion; if the text already equals it, Enter inserts a new line. */
 function acceptOther(view: EditorView): boolean {
@@ -118,14 +118,14 @@ export class SceneEditor {
     // Actions of the user.
 
     private updated(update: ViewUpdate): void {
-        const own = update.transactions.some((transaction) => transaction.annotation(kOwn));
-        if (update.docChanged && !own) {
+        const byProgram = update.transactions.some((transaction) => transaction.annotation(kByProgram));
+        if (update.docChanged && !byProgram) {
             this.document.typed();
         }
         if (update.selectionSet || update.docChanged) {
             this.help.value = this.helpHere();
             const moved = update.startState.doc.lineAt(update.startState.selection.main.head).number !== this.cursorLine;
-            if (!own && !update.docChanged && moved) {
+            if (!byProgram && !update.docChanged && moved) {
                 this.choose();
                 this.document.soon();
             }
@@ -213,7 +213,7 @@ export class SceneEditor {
     private write(text: string): void {
         const changes = changesBetween(this.text, text);
         if (changes.length > 0) {
-            this.view.dispatch({ changes, annotations: [kOwn.of(true), Transaction.addToHistory.of(false)] });
+            this.view.dispatch({ changes, annotations: [kByProgram.of(true), Transaction.addToHistory.of(false)] });
         }
     }
 
@@ -226,7 +226,7 @@ export class SceneEditor {
         const state = store.state.peek();
         const statements = isTyped ? piecesOf(this.text).map(({ text, line }) => ({ text, line, says: "" })) : state.statements;
         const marks = marksOf({ ...state, statements }, store.schema.peek(), store.progress.peek(), selected);
-        this.view.dispatch({ effects: setMarks(marks), annotations: kOwn.of(true) });
+        this.view.dispatch({ effects: setMarks(marks), annotations: kByProgram.of(true) });
     }
 
     private showSelected(object: ObjectName | null): void {
@@ -243,7 +243,7 @@ export class SceneEditor {
         const { from } = this.view.state.doc.line(Math.min(line, this.view.state.doc.lines));
         this.view.dispatch({
             selection: this.view.hasFocus && !focus ? undefined : EditorSelection.cursor(from),
-            annotations: kOwn.of(true),
+            annotations: kByProgram.of(true),
         });
         const { top, bottom } = this.view.lineBlockAt(from);
         scrollWithin(this.view.scrollDOM, top - kMargin, bottom + kMargin);
