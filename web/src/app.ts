@@ -11,7 +11,10 @@ export interface Geometry {
 }
 
 export class EngineError extends Error {
-    constructor(message: string, readonly kind: ErrorKind) {
+    constructor(
+        message: string,
+        readonly kind: ErrorKind,
+    ) {
         super(message);
     }
 }

@@ -12,8 +12,7 @@ function readArray(buffer: ArrayBuffer, first: number, array: ArrayHeader): Geom
     const type = kTypes[array.type];
     const length = array.count * array.size;
     const begin = first + array.offset;
-    if (!type || !Number.isInteger(length) || length < 0 || begin < first || begin % 4 !== 0
-        || begin + length * type.BYTES_PER_ELEMENT > buffer.byteLength) {
+    if (!type || !Number.isInteger(length) || length < 0 || begin < first || begin % 4 !== 0 || begin + length * type.BYTES_PER_ELEMENT > buffer.byteLength) {
         throw new BlobError(`The array "${array.name}" extends beyond its blob.`);
     }
     return new type(buffer, begin, length);

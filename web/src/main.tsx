@@ -7,7 +7,13 @@ function createOrSay(root: HTMLElement): Studio | null {
         return createStudio();
     } catch (error) {
         const why = (error as Error).message;
-        render(<p class="error" role="alert">{`The studio cannot start here: ${why} It draws with WebGL 2; allow that in the browser's settings, or use another browser.`}</p>, root);
+        render(
+            <p
+                class="error"
+                role="alert"
+            >{`The studio cannot start here: ${why} It draws with WebGL 2; allow that in the browser's settings, or use another browser.`}</p>,
+            root,
+        );
         return null;
     }
 }

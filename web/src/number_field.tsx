@@ -80,5 +80,9 @@ export function useNumber({ value, shown = String(value ?? ""), step = 1, take, 
 
 /** Shows why a field did not accept its text. */
 export function FieldTrouble({ text }: { text: string }): VNode | null {
-    return text === "" ? null : <p class="field-trouble" role="alert">{text}</p>;
+    return text === "" ? null : (
+        <p class="field-trouble" role="alert">
+            {text}
+        </p>
+    );
 }

@@ -89,8 +89,20 @@ export interface SliceHeader {
 export interface Argument {
     name: string;
     help: string;
-    type: "new_name" | "object" | "number" | "whole" | "flag" | "choice" | "tuple" | "section" | "word" | "input_file" | "selection"
-        | "output_file" | "properties";
+    type:
+        | "new_name"
+        | "object"
+        | "number"
+        | "whole"
+        | "flag"
+        | "choice"
+        | "tuple"
+        | "section"
+        | "word"
+        | "input_file"
+        | "selection"
+        | "output_file"
+        | "properties";
     positional: boolean;
     required: boolean;
     repeats: boolean;

@@ -47,7 +47,8 @@ function listen(studio: () => Studio): ConstructorParameters<typeof Transport>[1
         settled: () => studio().view.settle(),
         warned: (text) => {
             const { messages, say } = studio().store;
-            if (messages.peek().at(-1)?.text !== text) { // each change would repeat it
+            if (messages.peek().at(-1)?.text !== text) {
+                // each change would repeat it
                 say(text, "warning");
             }
         },
@@ -83,10 +84,12 @@ function addCommands(studio: Studio): void {
 
 function listenToKeys(studio: Studio): void {
     addEventListener("keydown", (event) => {
-        if (event.defaultPrevented || !event.key) { // browsers that fill in forms send events without a key
+        if (event.defaultPrevented || !event.key) {
+            // browsers that fill in forms send events without a key
             return;
         }
-        if (document.querySelector("dialog[open]")) { // the page behind a dialog receives no keys, even if it has the focus
+        if (document.querySelector("dialog[open]")) {
+            // the page behind a dialog receives no keys, even if it has the focus
             return;
         }
         const shortcut = kShortcuts.find((one) => one.keys.some((keys) => matches(keys, event)));
@@ -123,7 +126,10 @@ export function createStudio(): Studio {
     const store = createStore();
     const commands = new Map<string, () => void>();
     const { token, firstFile } = takeAddress(location, history, sessionStorage);
-    const engine = new Transport({ origin: location.origin, token }, listen(() => studio));
+    const engine = new Transport(
+        { origin: location.origin, token },
+        listen(() => studio),
+    );
     const view = new View3D(store, engine);
     const hand = new Hand(() => studio);
     const studio: Studio = {

@@ -47,7 +47,20 @@ type Reply = { re: number; ok: boolean; error?: string; kind?: ErrorKind; warnin
 
 // Requests that change nothing may wait for a lost connection to return; others are refused during that time.
 const kHarmless = new Set([
-    "show", "slice", "schema", "help", "complete", "describe", "check", "anchor", "files", "library", "branch", "menu", "ping", "endpreview",
+    "show",
+    "slice",
+    "schema",
+    "help",
+    "complete",
+    "describe",
+    "check",
+    "anchor",
+    "files",
+    "library",
+    "branch",
+    "menu",
+    "ping",
+    "endpreview",
 ]);
 
 // Requests that change the document: they end the previews.
@@ -80,7 +93,10 @@ export class Transport implements Engine {
     private previewed: ObjectName | undefined; // object of the last preview
     private nextPreview: Preview | null = null;
 
-    constructor(private readonly options: TransportOptions, private readonly listener: Listener) {}
+    constructor(
+        private readonly options: TransportOptions,
+        private readonly listener: Listener,
+    ) {}
 
     connect(): void {
         const url = `${this.options.origin.replace(/^http/, "ws")}/ws`;

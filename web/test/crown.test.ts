@@ -14,10 +14,7 @@ import { controlsOf, documentText, findControls, wordsOf } from "../src/tools/ki
 test("primitives stand where they were placed, as large as they were drawn", () => {
     const at: Point = [1, 2, 0];
     assert.equal(primitiveLine("sphere", "ball", at, 1.234, 2, 0.01), "sphere ball center=1,2,0 radius=1.23");
-    assert.equal(
-        primitiveLine("cylinder", "c", at, 1, 4, 0.01),
-        "cylinder c from=1,2,0.1 to=1,2,3.9 skeleton_radius=0.9 radius=0.1",
-    );
+    assert.equal(primitiveLine("cylinder", "c", at, 1, 4, 0.01), "cylinder c from=1,2,0.1 to=1,2,3.9 skeleton_radius=0.9 radius=0.1");
     assert.equal(primitiveLine("box", "b", at, 1, 2, 0.01), "box b low=0.1,1.1,0.1 high=1.9,2.9,1.9 radius=0.1");
     assert.equal(primitiveLine("line", "l", at, 0.5, 3, 0.01), "line l from=1,2,0.5 to=1,2,2.5 radius=0.5");
     assert.equal(primitiveLine("cone", "k", at, 1, -2, 0.01), "cone k from=1,2,-1.9 to=1,2,-0.1 from_radius=0.9 radius=0.1");
@@ -27,10 +24,7 @@ test("a stroke gathers each solid once", () => {
     const a = { kind: "solid" as const, name: "a" };
     const b = { kind: "solid" as const, name: "b" };
     const tree = { kind: "skeleton" as const, name: "tree" };
-    const met = [undefined, a, a, undefined, tree, b, a].reduce(
-        gather,
-        [] as readonly { kind: "solid" | "skeleton"; name: string }[],
-    );
+    const met = [undefined, a, a, undefined, tree, b, a].reduce(gather, [] as readonly { kind: "solid" | "skeleton"; name: string }[]);
     assert.deepEqual(
         met.map(({ name }) => name),
         ["a", "b"],
@@ -52,10 +46,7 @@ test("warps follow their handle", () => {
     const bent = warpOf("bend", from, to, [4, 0, 1], 30);
     assert.ok(Math.abs(bent.amount - 90) < 1e-9);
     assert.equal(warpLine("bend", "s", [from, to], bent, true, 0.01), "bend s 90 side=1,0,0");
-    assert.equal(
-        warpLine("taper", "s", [from, to], { amount: 0.5, side: [1, 0, 0] }, false, 0.01),
-        "taper s 0.5 from=0,0,0 to=0,0,4",
-    );
+    assert.equal(warpLine("taper", "s", [from, to], { amount: 0.5, side: [1, 0, 0] }, false, 0.01), "taper s 0.5 from=0,0,0 to=0,0,4");
     assert.equal(warpOf("taper", from, to, [0, 0, 0], 0).amount, 1);
     assert.equal(warpOf("taper", from, to, [0, 0, 0], 1e6).amount, 100);
 });
@@ -179,10 +170,7 @@ test("revolutions, sweeps and skins", () => {
     };
     assert.equal(loftLine(loft), "revolve r p");
     assert.equal(loftLine({ ...loft, way: "sweep" }), null);
-    assert.equal(
-        loftLine({ ...loft, way: "sweep", path: "s", end: 0.5, twist: 90 }),
-        "sweep r p s twist=90 scale=0,1 scale=1,0.5",
-    );
+    assert.equal(loftLine({ ...loft, way: "sweep", path: "s", end: 0.5, twist: 90 }), "sweep r p s twist=90 scale=0,1 scale=1,0.5");
     assert.equal(
         loftLine({
             ...loft,

@@ -16,9 +16,15 @@ test("figures come in groups, bad ones are marked, and what a check has not is l
         volume: { ratio: 1.01 },
         something_new: 3,
     });
-    assert.deepEqual(groups.map(({ title }) => title), ["Topology", "Crossings", "Shape of faces", "Size"]);
+    assert.deepEqual(
+        groups.map(({ title }) => title),
+        ["Topology", "Crossings", "Shape of faces", "Size"],
+    );
     const rows = groups.flatMap((group) => group.rows);
-    assert.deepEqual(rows.filter((row) => row.isBad).map((row) => row.label), ["Sound", "Open edges"]);
+    assert.deepEqual(
+        rows.filter((row) => row.isBad).map((row) => row.label),
+        ["Sound", "Open edges"],
+    );
     const quads = rows.find((row) => row.label === "Quads");
     assert.deepEqual([quads?.value, quads?.unit], [100, "%"]);
     assert.equal(rows.find((row) => row.label === "Volume ratio")?.value, 1.01);
@@ -26,7 +32,10 @@ test("figures come in groups, bad ones are marked, and what a check has not is l
 });
 
 test("places of crossings have what the figures tell of them", () => {
-    const places = crossingPlaces({ crossing_place_1: { pairs: 7, radius: 0.02, x: 1 } }, [[1, 2, 3], [4, 5, 6]]);
+    const places = crossingPlaces({ crossing_place_1: { pairs: 7, radius: 0.02, x: 1 } }, [
+        [1, 2, 3],
+        [4, 5, 6],
+    ]);
     assert.deepEqual(places, [
         { at: [1, 2, 3], radius: 0.02, pairs: 7 },
         { at: [4, 5, 6], radius: 0, pairs: 0 },

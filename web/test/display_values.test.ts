@@ -44,7 +44,10 @@ test("ticks are round, within, and not too many", () => {
 
 test("a legend names its ends, and between them what has room", () => {
     const named = legendTicks({ low: 0, high: 0.771 });
-    assert.deepEqual(named.map(({ text }) => text), ["0", "0.2", "0.4", "0.771"]);
+    assert.deepEqual(
+        named.map(({ text }) => text),
+        ["0", "0.2", "0.4", "0.771"],
+    );
     assert.deepEqual([named[0].at, named.at(-1)?.at], [0, 1]);
     assert.deepEqual(legendTicks({ low: 2, high: 2 }), [{ at: 0.5, text: "2" }]);
 });
@@ -82,7 +85,10 @@ test("a line of equal value through a slope is straight", () => {
     // 3 x 2 samples that increase by 1 with each column: the value 0.5 is at a quarter of the width.
     const ends = isolines({ value: new Float32Array([0, 1, 2, 0, 1, 2]), width: 3, height: 2 }, 0.5);
     assert.equal(ends.length, 4);
-    assert.deepEqual(ends.filter((_, i) => i % 2 === 0), [0.25, 0.25]);
+    assert.deepEqual(
+        ends.filter((_, i) => i % 2 === 0),
+        [0.25, 0.25],
+    );
     assert.deepEqual(ends.filter((_, i) => i % 2 === 1).sort(), [0, 1]);
 });
 

@@ -78,7 +78,15 @@ test("names of files and of what is made of them", () => {
 // Files of other programs: next to the checkout, if available.
 const kPlaces = ["../../shared/data", "../shared/data"].map((place) => join(process.cwd(), place));
 const kData = kPlaces.find(existsSync);
-const kHolds: Record<string, string> = { cloud: "points", closed_mesh: "mesh", mtg: "skeleton", qsm: "skeleton", rsml: "skeleton", swc: "skeleton", tree_mesh: "mesh" };
+const kHolds: Record<string, string> = {
+    cloud: "points",
+    closed_mesh: "mesh",
+    mtg: "skeleton",
+    qsm: "skeleton",
+    rsml: "skeleton",
+    swc: "skeleton",
+    tree_mesh: "mesh",
+};
 const kOthers = new Map([
     ["archi_Tree_1_point_cloud.las", "points"],
     ["itsme_buttressed_tree_1_pc.txt", "points"],

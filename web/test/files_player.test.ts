@@ -83,7 +83,10 @@ test("the first moment is drawn whole and the next ones are patches of it", asyn
     player.seek(0.1); // is already available
     await idle();
     assert.deepEqual(asked, [0.1, 0.2]);
-    assert.deepEqual(drawn.map(({ header }) => header.kind), ["surface", "patch", "patch"]);
+    assert.deepEqual(
+        drawn.map(({ header }) => header.kind),
+        ["surface", "patch", "patch"],
+    );
     assert.equal(drawn[1].header.base, drawn[0].header.version);
     assert.equal(drawn[2].header.base, drawn[1].header.version);
     assert.deepEqual(drawn[1].header.ranges, { vertices: [[0, 2]], quads: [] });
@@ -97,7 +100,10 @@ test("a tree that grows is drawn whole each time", async () => {
         player.seek(time);
         await idle();
     }
-    assert.deepEqual(drawn.map(({ header }) => header.kind), ["surface", "surface"]);
+    assert.deepEqual(
+        drawn.map(({ header }) => header.kind),
+        ["surface", "surface"],
+    );
 });
 
 test("a film that plays fetches what comes next, once", async () => {
@@ -141,7 +147,15 @@ test("another film is fetched anew, the same one is not; a tree that was changed
     film.value = { ...kFilm, wind: { ...kFilm.wind, speed: 20 } };
     await idle();
     assert.equal(asked.length, 2);
-    const oak = { kind: "skeleton" as const, name: "oak", version: 2, statement: 0, bounds: [0, 0, 0, 1, 1, 1] as [number, number, number, number, number, number], count: 2, unit: "nodes" };
+    const oak = {
+        kind: "skeleton" as const,
+        name: "oak",
+        version: 2,
+        statement: 0,
+        bounds: [0, 0, 0, 1, 1, 1] as [number, number, number, number, number, number],
+        count: 2,
+        unit: "nodes",
+    };
     store.state.value = { ...store.state.peek(), objects: [oak] };
     await idle();
     assert.deepEqual([asked.length, player.open.peek(), settled()], [2, false, 1]);

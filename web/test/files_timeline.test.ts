@@ -28,7 +28,14 @@ const keyed: Film = {
 };
 
 test("keys are read and written as files of them have them", () => {
-    assert.deepEqual(keyed.keys.map(({ time, easing }) => [time, easing]), [[0, "smooth"], [0.25, "smooth"], [1.5, "out"]]);
+    assert.deepEqual(
+        keyed.keys.map(({ time, easing }) => [time, easing]),
+        [
+            [0, "smooth"],
+            [0.25, "smooth"],
+            [1.5, "out"],
+        ],
+    );
     assert.equal(keysText(keyed.keys), "0: rest\n0.25: bend 19 20; twist roots 40\n1.5 out: rotate near(2,0,3) 20 about=side\n");
     assert.deepEqual(readKeys(keysText(keyed.keys)), keyed.keys);
     assert.deepEqual(readKeys("2:"), [{ time: 2, easing: "smooth", edits: "rest" }]);
@@ -54,9 +61,15 @@ test("keys lie on frames, and no two on one", () => {
     assert.equal(freeTime(keyed, 9), 1.417); // the last frame, 18, is occupied
     const key = { time: 1, easing: "in" as const, edits: "rest" };
     const more = withKey(keyed, key);
-    assert.deepEqual(more.keys.map(({ time }) => time), [0, 0.25, 1, 1.5]);
+    assert.deepEqual(
+        more.keys.map(({ time }) => time),
+        [0, 0.25, 1, 1.5],
+    );
     const moved = withKey(more, { ...key, time: 2 }, key);
-    assert.deepEqual(moved.keys.map(({ time }) => time), [0, 0.25, 1.5, 2]);
+    assert.deepEqual(
+        moved.keys.map(({ time }) => time),
+        [0, 0.25, 1.5, 2],
+    );
     assert.deepEqual(withoutKey(more, key).keys, keyed.keys);
 });
 

@@ -83,11 +83,17 @@ test("the reach of radii is that at the pointer, or else at the root", () => {
 });
 
 test("roots are read off their words, and samples are spread", () => {
-    assert.deepEqual(rootsOf({ root: ["1,2,3", "4,5,6,0,0,1"] }), [[1, 2, 3], [4, 5, 6]]);
+    assert.deepEqual(rootsOf({ root: ["1,2,3", "4,5,6,0,0,1"] }), [
+        [1, 2, 3],
+        [4, 5, 6],
+    ]);
     assert.deepEqual(rootsOf({}), [[0, 0, 0]]);
     assert.deepEqual(rootsOf({ root: ["${x},0,0"] }), []);
     const position = Array.from({ length: 30 }, (_, i) => i); // ten points
-    assert.deepEqual(samplesOf(position, [0, 0, 100], 2), [[6, 7, 108], [21, 22, 123]]); // points 2 and 7
+    assert.deepEqual(samplesOf(position, [0, 0, 100], 2), [
+        [6, 7, 108],
+        [21, 22, 123],
+    ]); // points 2 and 7
     assert.equal(samplesOf([1, 2, 3], [0, 0, 0], 3).length, 1);
 });
 
@@ -151,8 +157,14 @@ test("what grows has pipes that add up from its tips", () => {
 
 test("files of scans are told by their endings, and how they are loaded beside", () => {
     assert.deepEqual(scansAmong(["a.swc", "b.PLY", "c.laz", "d.branches", "e.glb", "f.xyz"]), ["b.PLY", "c.laz", "e.glb", "f.xyz"]);
-    assert.deepEqual(loadingCommands("x.ply").map(({ kind }) => kind), ["mesh", "points"]);
-    assert.deepEqual(loadingCommands("x.obj").map(({ command }) => command), ["loadmesh"]);
+    assert.deepEqual(
+        loadingCommands("x.ply").map(({ kind }) => kind),
+        ["mesh", "points"],
+    );
+    assert.deepEqual(
+        loadingCommands("x.obj").map(({ command }) => command),
+        ["loadmesh"],
+    );
     assert.deepEqual(loadingCommands("x.las"), []);
 });
 
@@ -256,7 +268,10 @@ test("what others did to a bound statement is read again, and a statement that i
     const made = makerOf(store.state.peek(), store.schema.peek(), store.state.peek().objects[0], ["grow"]);
     assert.ok(made);
     card.bind(made);
-    store.state.value = { ...state("sphere crown", "# a comment", "pointset generate crown", "grow tree crown step=0.7"), objects: [{ ...tree, statement: 3 }] };
+    store.state.value = {
+        ...state("sphere crown", "# a comment", "pointset generate crown", "grow tree crown step=0.7"),
+        objects: [{ ...tree, statement: 3 }],
+    };
     card.follow(store.state.peek());
     assert.equal(card.bound.peek()?.statement, 3);
     assert.deepEqual(card.values.peek().step, ["0.7"]);
@@ -268,7 +283,11 @@ test("what others did to a bound statement is read again, and a statement that i
 test("growth that is stopped is shown as far as it came, and kept by one option", async () => {
     let stop: (error: Error) => void = () => undefined;
     const { app, asked, store } = pageWith(state("sphere crown", "pointset generate crown"), (text) =>
-        text.includes("max_iterations") ? Promise.resolve() : new Promise<void>((_, reject) => { stop = reject; }),
+        text.includes("max_iterations")
+            ? Promise.resolve()
+            : new Promise<void>((_, reject) => {
+                  stop = reject;
+              }),
     );
     const watch = new GrowthWatch(app);
     const card = growCard(app, watch);
@@ -331,7 +350,11 @@ test("of what has grown so far the newest is asked for, and what is gone is no t
         turns.shift()?.();
         await new Promise((done) => setImmediate(done));
     };
-    const grown = new Grown(engine as unknown as App["engine"], () => assert.fail("no result is drawn"), () => new Promise((done) => turns.push(() => done(undefined))));
+    const grown = new Grown(
+        engine as unknown as App["engine"],
+        () => assert.fail("no result is drawn"),
+        () => new Promise((done) => turns.push(() => done(undefined))),
+    );
     for (const key of ["a", "b", "c"]) {
         grown.show(key, kDark);
     }

@@ -10,7 +10,10 @@ const kHung = 500; // number of descendants of the dragged node
 
 /** The node with about this number of descendants, in a file with sorted nodes. */
 function nodeWith(text, wanted) {
-    const parents = text.split("\n").filter((line) => /^\s*\d/.test(line)).map((line) => Number(line.trim().split(/\s+/)[6]));
+    const parents = text
+        .split("\n")
+        .filter((line) => /^\s*\d/.test(line))
+        .map((line) => Number(line.trim().split(/\s+/)[6]));
     const sizes = parents.map(() => 1);
     for (let i = parents.length - 1; i > 0; --i) {
         sizes[parents[i] - 1] += sizes[i];
@@ -36,22 +39,26 @@ await page.evaluate(() => globalThis.coppice.view.frame());
 await settled(page);
 
 /** [ms] of a number of drags: until the engine responded and until the next frame. */
-const drag = (count) => page.evaluate(async ([id, most]) => {
-    const { engine } = globalThis.coppice;
-    const frame = () => new Promise((resolve) => requestAnimationFrame(resolve));
-    const times = { echo: [], drag: [] };
-    for (let i = 0; i < most; ++i) {
-        let at = performance.now();
-        await engine.request("ping");
-        times.echo.push(performance.now() - at);
-        at = performance.now();
-        await engine.preview(`edit rotate tree id(${id}) ${(10 * Math.sin(0.2 * i)).toFixed(3)}`, { kind: "skeleton", name: "tree" });
-        await frame();
-        times.drag.push(performance.now() - at);
-    }
-    await engine.endPreview();
-    return times;
-}, [node, count]);
+const drag = (count) =>
+    page.evaluate(
+        async ([id, most]) => {
+            const { engine } = globalThis.coppice;
+            const frame = () => new Promise((resolve) => requestAnimationFrame(resolve));
+            const times = { echo: [], drag: [] };
+            for (let i = 0; i < most; ++i) {
+                let at = performance.now();
+                await engine.request("ping");
+                times.echo.push(performance.now() - at);
+                at = performance.now();
+                await engine.preview(`edit rotate tree id(${id}) ${(10 * Math.sin(0.2 * i)).toFixed(3)}`, { kind: "skeleton", name: "tree" });
+                await frame();
+                times.drag.push(performance.now() - at);
+            }
+            await engine.endPreview();
+            return times;
+        },
+        [node, count],
+    );
 
 const session = await page.context().newCDPSession(page);
 async function heap() {
@@ -64,14 +71,16 @@ await drag(kWarm);
 const before = await heap();
 const { echo, drag: drags } = await drag(kDrags);
 const after = await heap();
-console.log(JSON.stringify({
-    ready_ms: Math.round(ready),
-    echo_ms: median(echo),
-    drag_ms: median(drags),
-    drag_p95_ms: percentile(drags, 0.95),
-    ratio: median(drags) / median(echo),
-    heap_before_MiB: before,
-    heap_after_MiB: after,
-}));
+console.log(
+    JSON.stringify({
+        ready_ms: Math.round(ready),
+        echo_ms: median(echo),
+        drag_ms: median(drags),
+        drag_p95_ms: percentile(drags, 0.95),
+        ratio: median(drags) / median(echo),
+        heap_before_MiB: before,
+        heap_after_MiB: after,
+    }),
+);
 await endBrowser();
 await studio.end();

@@ -21,7 +21,10 @@ test("a silhouette is seen from the front, upright, and fills its square", () =>
     // 2 m up from the origin, then 1 m to +x; y is the line of sight.
     const { strokes } = silhouetteOf(skeleton([0, 5, 0, 0, -5, 2, 1, 3, 2], [0.01, 0.01, 0.01], [kNone, 0, 1]), 108);
     // (108 - 8) / 2 m: 50 px a metre; the width of 50 px is centred, (108 - 50) / 2 = 29, and heights go from 104 up to 4.
-    assert.deepEqual(strokes.map(({ path }) => path), ["M29 104L29 4M29 4L79 4"]);
+    assert.deepEqual(
+        strokes.map(({ path }) => path),
+        ["M29 104L29 4M29 4L79 4"],
+    );
 });
 
 test("thick wood has wide strokes, drawn first", () => {
@@ -35,7 +38,14 @@ test("thick wood has wide strokes, drawn first", () => {
 test("steps that nobody sees are joined, and tips are always drawn", () => {
     const count = 1001;
     const position = Array.from({ length: count }, (_, i) => [0, 0, i / 1000]).flat();
-    const made = silhouetteOf(skeleton(position, Array(count).fill(0.001), Array.from({ length: count }, (_, i) => (i === 0 ? kNone : i - 1))), 108);
+    const made = silhouetteOf(
+        skeleton(
+            position,
+            Array(count).fill(0.001),
+            Array.from({ length: count }, (_, i) => (i === 0 ? kNone : i - 1)),
+        ),
+        108,
+    );
     const moves = made.strokes.map(({ path }) => path.split("M").length - 1).reduce((a, b) => a + b, 0);
     assert.ok(moves <= 167 && moves >= 100, String(moves)); // 100 px in steps of 0.6 px at least
     assert.ok(made.strokes.some(({ path }) => path.endsWith("L54 4"))); // the tip at the top
@@ -43,12 +53,26 @@ test("steps that nobody sees are joined, and tips are always drawn", () => {
 });
 
 function branch(number: number, fields: Partial<Branch> = {}): Branch {
-    return { number, source: "oak.swc", tags: [], leads: false, length: number, volume: 0, extent: 0, nodes: 9, tips: 10 - number, orders: 1, radius: 0.1, ...fields };
+    return {
+        number,
+        source: "oak.swc",
+        tags: [],
+        leads: false,
+        length: number,
+        volume: 0,
+        extent: 0,
+        nodes: 9,
+        tips: 10 - number,
+        orders: 1,
+        radius: 0.1,
+        ...fields,
+    };
 }
 
 test("filters hold together, and orders put the longest first", () => {
     const all = [branch(1, { tags: ["oak", "low"] }), branch(2, { tags: ["oak"] }), branch(3, { source: "ash.swc" })];
-    const numbers = (filter: Partial<typeof kAll>, order: "number" | "length" | "tips" = "number") => filtered(all, { ...kAll, ...filter }, order).map(({ number }) => number);
+    const numbers = (filter: Partial<typeof kAll>, order: "number" | "length" | "tips" = "number") =>
+        filtered(all, { ...kAll, ...filter }, order).map(({ number }) => number);
     assert.deepEqual(numbers({}), [1, 2, 3]);
     assert.deepEqual(numbers({}, "length"), [3, 2, 1]);
     assert.deepEqual(numbers({}, "tips"), [1, 2, 3]);

@@ -19,7 +19,12 @@ const kSchema: Command[] = [
     command("mesh", argument("tree", "object", { kind: "skeleton" }), argument("name", "new_name", { required: false })),
     command("translate", argument("name", "object"), argument("by", "tuple", { sizes: [3] })),
     command("save", argument("name", "object"), argument("file", "output_file")),
-    command("edit bend", argument("tree", "object", { kind: "skeleton" }), argument("nodes", "selection"), argument("angle", "number", { low: -180, high: 180 })),
+    command(
+        "edit bend",
+        argument("tree", "object", { kind: "skeleton" }),
+        argument("nodes", "selection"),
+        argument("angle", "number", { low: -180, high: 180 }),
+    ),
 ];
 
 function fill(line: string, answers: string[] = [], object = "oak"): string {
@@ -45,9 +50,18 @@ test("answers with blanks are one word where a word is wanted, and numbers stay 
 test("what is asked has a label, a proposal, and the argument it is for", () => {
     const parts = partsOf("edit bend ${object} ${ask Which nodes, subtree(12)} ${ask Angle, 20}");
     const asks = parts.filter((part) => part.is === "ask");
-    assert.deepEqual(asks.map((part) => [part.label, part.value]), [["Which nodes", "subtree(12)"], ["Angle", "20"]]);
+    assert.deepEqual(
+        asks.map((part) => [part.label, part.value]),
+        [
+            ["Which nodes", "subtree(12)"],
+            ["Angle", "20"],
+        ],
+    );
     const stands = argumentsOf(kSchema, parts);
-    assert.deepEqual(parts.map((part, at) => (part.is === "text" ? "" : stands[at]?.name)), ["", "tree", "", "nodes", "", "angle"]);
+    assert.deepEqual(
+        parts.map((part, at) => (part.is === "text" ? "" : stands[at]?.name)),
+        ["", "tree", "", "nodes", "", "angle"],
+    );
     assert.deepEqual(partsOf("sphere a radius=${ask Radius}").at(-1), { is: "ask", label: "Radius", value: "" });
 });
 
@@ -90,10 +104,13 @@ test("menus come in the order of their first items, without separators that part
         item("File", "Save"),
         item("File", "", "separator"),
     ]);
-    assert.deepEqual(menus.map(({ title, items }) => [title, ...items.map(({ label, does }) => (does === "separator" ? "-" : label))]), [
-        ["File", "New…", "-", "Save"],
-        ["Crown", "Ball"],
-    ]);
+    assert.deepEqual(
+        menus.map(({ title, items }) => [title, ...items.map(({ label, does }) => (does === "separator" ? "-" : label))]),
+        [
+            ["File", "New…", "-", "Save"],
+            ["Crown", "Ball"],
+        ],
+    );
 });
 
 test("settings name a command, an argument and a value", () => {

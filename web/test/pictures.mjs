@@ -52,24 +52,39 @@ async function hide(page, ...objects) {
 }
 
 async function look(page, place, radius) {
-    await page.evaluate(([at, around]) => {
-        globalThis.coppice.view.display.parallel.value = true;
-        globalThis.coppice.view.look("front");
-        globalThis.coppice.view.frameAround(at, around);
-    }, [place, radius]);
+    await page.evaluate(
+        ([at, around]) => {
+            globalThis.coppice.view.display.parallel.value = true;
+            globalThis.coppice.view.look("front");
+            globalThis.coppice.view.frameAround(at, around);
+        },
+        [place, radius],
+    );
     await settled(page);
 }
 
-await draw("studio.png", kScene, async (page) => {
-    await hide(page, "points:crown", "solid:bough");
-    await page.evaluate(() => globalThis.coppice.view.frame([{ kind: "mesh", name: "tree" }]));
-    await select(page, "mesh", "tree");
-}, true);
+await draw(
+    "studio.png",
+    kScene,
+    async (page) => {
+        await hide(page, "points:crown", "solid:bough");
+        await page.evaluate(() => globalThis.coppice.view.frame([{ kind: "mesh", name: "tree" }]));
+        await select(page, "mesh", "tree");
+    },
+    true,
+);
 
 await draw("studio_crown.png", kCrown, async (page) => {
     await look(page, [-1, 0, 2.2], 3);
     await take(page, "Crown", "Combine");
-    await dragIn(page, [[-0.4, 0, 2.8], [1.9, 0, 2.7]], { steps: 12 });
+    await dragIn(
+        page,
+        [
+            [-0.4, 0, 2.8],
+            [1.9, 0, 2.7],
+        ],
+        { steps: 12 },
+    );
     await page.getByLabel("3D view").getByRole("button", { name: "Blend", exact: true }).hover();
     await settled(page);
 });

@@ -4,7 +4,10 @@ import { test } from "node:test";
 import type { ObjectName, SceneObject } from "../src/protocol";
 import { createStore, kEmptyState } from "../src/store";
 
-const kParts: ObjectName[] = [{ kind: "solid", name: "a" }, { kind: "solid", name: "b" }];
+const kParts: ObjectName[] = [
+    { kind: "solid", name: "a" },
+    { kind: "solid", name: "b" },
+];
 const kWhole: ObjectName = { kind: "solid", name: "whole" };
 
 function withObjects(...objects: ObjectName[]) {

@@ -9,20 +9,7 @@ import type { Point } from "../src/protocol";
 import { branchLine, changeOf, objectLine, type Reading, turnAbout } from "../src/tools/kit/change";
 import { Skeleton } from "../src/tools/kit/skeleton";
 import { Typed, typedShift } from "../src/tools/kit/typed";
-import {
-    add,
-    angleAbout,
-    cross,
-    distance,
-    length,
-    normalized,
-    onLine,
-    onPlane,
-    rotated,
-    roundStep,
-    simplified,
-    subtract,
-} from "../src/tools/kit/vector";
+import { add, angleAbout, cross, distance, length, normalized, onLine, onPlane, rotated, roundStep, simplified, subtract } from "../src/tools/kit/vector";
 import { commandLine, idSelection, numberWord, pointWord, quoted, sizeWord } from "../src/tools/kit/words";
 import { nodesInBox, stepped } from "../src/tools/select";
 
@@ -66,10 +53,7 @@ test("words are quoted as scenes read them", () => {
     assert.equal(quoted("a=b"), '"a=b"');
     assert.equal(quoted('say "x"\\'), '"say \\"x\\"\\\\"');
     assert.equal(quoted("${x}"), "$${x}");
-    assert.equal(
-        commandLine(["edit", "delete", "tree", "tips & order(1)"], { alone: true, x: undefined }),
-        'edit delete tree "tips & order(1)" alone=true',
-    );
+    assert.equal(commandLine(["edit", "delete", "tree", "tips & order(1)"], { alone: true, x: undefined }), 'edit delete tree "tips & order(1)" alone=true');
 });
 
 test("selections by ids are short", () => {
@@ -109,8 +93,7 @@ test("drags become changes", () => {
 test("rings turn as they are dragged, seen from their face or from their edge", () => {
     const into: Point = [0, 1, 0]; // the camera looks along Y from y = -10
     const ray = (x: number, z: number) => ({ origin: [x, -10, z] as Point, direction: into });
-    const turn = (axis: Point, from: [number, number], to: [number, number]) =>
-        turnAbout(axis, [0, 0, 0], ray(...from), ray(...to), into, 2);
+    const turn = (axis: Point, from: [number, number], to: [number, number]) => turnAbout(axis, [0, 0, 0], ray(...from), ray(...to), into, 2);
     // Seen from the camera Y points away: from the right to the top is clockwise about it, and so -90 degrees.
     assert.ok(Math.abs(turn([0, 1, 0], [1, 0], [0, 1]) + 90) < 1e-9);
     assert.ok(Math.abs(turn([0, -1, 0], [1, 0], [0, 1]) - 90) < 1e-9);
@@ -125,22 +108,13 @@ test("lines of whole objects say which where a name stands for two", () => {
         { kind: "solid", name: "b" },
     ];
     const app = { store: { state: { peek: () => ({ objects }) } } } as unknown as Parameters<typeof objectLine>[0];
-    assert.equal(
-        objectLine(app, { kind: "solid", name: "b" }, { mode: "move", by: [0.123456, 0, 2] }, [0, 0, 0], 0.01),
-        "translate b 0.12 0 2",
-    );
+    assert.equal(objectLine(app, { kind: "solid", name: "b" }, { mode: "move", by: [0.123456, 0, 2] }, [0, 0, 0], 0.01), "translate b 0.12 0 2");
     assert.equal(
         objectLine(app, { kind: "skeleton", name: "a" }, { mode: "turn", axis: [0, 0, 1], degrees: 30 }, [1, 2, 3], 0.01),
         "rotate a 30 center=1,2,3 kind=skeleton",
     );
-    assert.equal(
-        objectLine(app, { kind: "solid", name: "b" }, { mode: "size", factors: [2, 2, 2] }, [0, 0, 1], 0.01),
-        "scale b 2 center=0,0,1",
-    );
-    assert.equal(
-        branchLine("t", "12", false, { mode: "turn", axis: [1, 0, 0], degrees: 9 }, 0.01),
-        "edit rotate t 12 9 axis=1,0,0",
-    );
+    assert.equal(objectLine(app, { kind: "solid", name: "b" }, { mode: "size", factors: [2, 2, 2] }, [0, 0, 1], 0.01), "scale b 2 center=0,0,1");
+    assert.equal(branchLine("t", "12", false, { mode: "turn", axis: [1, 0, 0], degrees: 9 }, 0.01), "edit rotate t 12 9 axis=1,0,0");
     assert.equal(branchLine("t", "12", true, { mode: "move", by: [1, 0, 0] }, 0.01), "edit move t 12 by=1,0,0");
 });
 

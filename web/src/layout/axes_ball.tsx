@@ -26,14 +26,16 @@ export function AxesBall({ studio }: { studio: Studio }): VNode | null {
         return null;
     }
     const ends = axes
-        .flatMap(([x, y, near], axis) => ([1, -1] as const).map((sign): End => ({ axis, sign, x: sign * x * kReach, y: -sign * y * kReach, near: sign * near })))
+        .flatMap(([x, y, near], axis) =>
+            ([1, -1] as const).map((sign): End => ({ axis, sign, x: sign * x * kReach, y: -sign * y * kReach, near: sign * near })),
+        )
         .sort((a, b) => a.near - b.near);
     return (
         <div class="axes-ball" aria-hidden="true">
             {ends.map(({ axis, sign, x, y, near }) => {
                 const { name, sides } = kEnds[axis];
                 // If the view is already from this side, a click selects the opposite side.
-                const side = sides[(sign > 0) === (near < kFacing) ? 0 : 1];
+                const side = sides[sign > 0 === near < kFacing ? 0 : 1];
                 const line = { width: `${Math.hypot(x, y)}px`, transform: `rotate(${Math.atan2(y, x)}rad)` };
                 return [
                     sign > 0 && <i key={`${name}line`} class={`axis ${name}`} style={line} />,

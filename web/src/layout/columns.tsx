@@ -136,10 +136,22 @@ export function SidePanels({ studio, side, panels, children }: SideProps): VNode
     const column = (
         <section class={`side ${side}`} id={`side-${side}`} style={style} hidden={width === 0} aria-label={`Panels on the ${side}`}>
             {children}
-            {panels.map((panel) => <Section key={panel.id} studio={studio} panel={panel} />)}
+            {panels.map((panel) => (
+                <Section key={panel.id} studio={studio} panel={panel} />
+            ))}
         </section>
     );
-    return side === "left" ? <>{column}{bar}</> : <>{bar}{column}</>;
+    return side === "left" ? (
+        <>
+            {column}
+            {bar}
+        </>
+    ) : (
+        <>
+            {bar}
+            {column}
+        </>
+    );
 }
 
 const kHeight = setting("height.bottom", 220);

@@ -5,7 +5,12 @@ import { MenuBar } from "../panels/menu/bar";
 import type { Studio } from "../studio";
 import { useValue } from "../use";
 
-const kConnection = { connecting: "Connecting…", ready: "", lost: "Connection lost; trying again. Edits wait until it is back.", refused: "No longer connected" };
+const kConnection = {
+    connecting: "Connecting…",
+    ready: "",
+    lost: "Connection lost; trying again. Edits wait until it is back.",
+    refused: "No longer connected",
+};
 
 function UndoButtons({ studio }: { studio: Studio }): VNode {
     const state = useValue(studio.store.state);

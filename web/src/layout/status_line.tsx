@@ -13,7 +13,9 @@ function Progress({ studio }: { studio: Studio }): VNode | null {
         <span class="progress">
             <progress aria-label={`Progress of ${doing}`} value={progress?.statement === running ? progress.fraction : undefined} max={1} />
             <code>{doing}</code>
-            <button type="button" onClick={() => studio.engine.cancel()}>Stop</button>
+            <button type="button" onClick={() => studio.engine.cancel()}>
+                Stop
+            </button>
         </span>
     );
 }
@@ -29,12 +31,16 @@ export function StatusLine({ studio }: { studio: Studio }): VNode {
     return (
         <footer class="status">
             <span class="status-text" role="status">
-                {error ? <span class="error">{`Line ${error.line}: ${error.message}`}</span> : <Tracked
-                    draw={() => {
-                        void studio.hand.told.value;
-                        return studio.hand.run.value?.status?.() ?? "";
-                    }}
-                />}
+                {error ? (
+                    <span class="error">{`Line ${error.line}: ${error.message}`}</span>
+                ) : (
+                    <Tracked
+                        draw={() => {
+                            void studio.hand.told.value;
+                            return studio.hand.run.value?.status?.() ?? "";
+                        }}
+                    />
+                )}
             </span>
             <Progress studio={studio} />
             <Hover studio={studio} />

@@ -47,7 +47,9 @@ function Toast({ message, times, close }: ToastProps): VNode {
             onFocusOut={() => setHeld(false)}
         >
             <span>{times > 1 ? `${message.text} (${times} times)` : message.text}</span>
-            <button type="button" class="icon" aria-label="Close this message" onClick={close}>×</button>
+            <button type="button" class="icon" aria-label="Close this message" onClick={close}>
+                ×
+            </button>
         </li>
     );
 }
@@ -69,12 +71,7 @@ export function Toasts({ store }: { store: Store }): VNode {
         return (
             <ul>
                 {newest.slice(-kMaxShown).map((message) => (
-                    <Toast
-                        key={numberOf(message)}
-                        message={message}
-                        times={shown.filter((one) => alike(one, message)).length}
-                        close={() => close(message)}
-                    />
+                    <Toast key={numberOf(message)} message={message} times={shown.filter((one) => alike(one, message)).length} close={() => close(message)} />
                 ))}
             </ul>
         );

@@ -96,7 +96,9 @@ export function ToolPanel({ studio }: { studio: Studio }): VNode | null {
     }
     return (
         <section class="panel tool-panel" aria-labelledby="title-tool">
-            <h2 class="panel-title" id="title-tool">{tool.label}</h2>
+            <h2 class="panel-title" id="title-tool">
+                {tool.label}
+            </h2>
             <div class="panel-body" onKeyDown={(event) => ends(event) && studio.hand.key(event)}>
                 <p class="hint">{tool.help}</p>
                 <Tracked draw={() => run.panel?.()} />

@@ -16,7 +16,9 @@ export function ViewButtons({ studio }: { studio: Studio }): VNode {
         <>
             <div class="view-buttons" role="toolbar" aria-label="Views">
                 {kButtons.map(([id, label, title]) => (
-                    <button key={id} type="button" title={title} onClick={() => studio.command(id)}>{label}</button>
+                    <button key={id} type="button" title={title} onClick={() => studio.command(id)}>
+                        {label}
+                    </button>
                 ))}
             </div>
             <AxesBall studio={studio} />

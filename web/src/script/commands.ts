@@ -5,7 +5,11 @@ import type { Word } from "./words";
 /** Statements of the language itself, which are not in the schema. */
 export const kLanguage: readonly { name: string; usage: string; help: string }[] = [
     { name: "let", usage: "let NAME = EXPRESSION", help: "Set a variable, which ${NAME} inserts into the following lines." },
-    { name: "for", usage: "for NAME in FIRST..LAST [step STEP]", help: "Run the lines up to the end for each number from the first to the last, which is stored in a variable." },
+    {
+        name: "for",
+        usage: "for NAME in FIRST..LAST [step STEP]",
+        help: "Run the lines up to the end for each number from the first to the last, which is stored in a variable.",
+    },
     { name: "repeat", usage: "repeat COUNT", help: "Run the lines up to the end a number of times." },
     { name: "if", usage: "if CONDITION", help: "Run the lines up to the else or end if the condition is not 0." },
     { name: "else", usage: "else", help: "Begin the lines that run if the condition of the if above is 0." },
@@ -121,9 +125,7 @@ function numberText(value: number): string {
 
 /** Describes the values that an argument accepts: "a number from 0 to 10 [m]". */
 export function takes(argument: Argument): string {
-    const range = argument.low !== undefined && argument.high !== undefined
-        ? ` from ${numberText(argument.low)} to ${numberText(argument.high)}`
-        : "";
+    const range = argument.low !== undefined && argument.high !== undefined ? ` from ${numberText(argument.low)} to ${numberText(argument.high)}` : "";
     const unit = argument.unit ? ` [${shortUnit(argument)}]` : "";
     const what: Record<Argument["type"], string> = {
         new_name: "a new name",

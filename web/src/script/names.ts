@@ -37,9 +37,7 @@ function placesInSelection(line: string, word: Word): Place[] {
 /** The argument that names the object a command changes; undefined for commands that create or only inspect objects. */
 export function changedBy(command: Command): Argument | undefined {
     const makes = command.arguments.some(({ type }) => type === "new_name");
-    return makes || kOnlyLook.has(command.name)
-        ? undefined
-        : command.arguments.find(({ type, positional }) => type === "object" && positional);
+    return makes || kOnlyLook.has(command.name) ? undefined : command.arguments.find(({ type, positional }) => type === "object" && positional);
 }
 
 function placesInCommand(line: string, command: Command, bound: readonly Bound[]): Place[] {

@@ -37,8 +37,6 @@ export function unfinished(schema: readonly Command[], line: string): boolean {
     }
     const { bound, unknown } = bind(found.command, words.slice(found.used));
     const key = unknown.some(({ key, text: word }) => key === "" && found.command.arguments.some(({ name }) => name.startsWith(word)));
-    const needs = found.command.arguments.some(
-        (argument) => argument.required && !bound.some((one) => one.argument === argument),
-    );
+    const needs = found.command.arguments.some((argument) => argument.required && !bound.some((one) => one.argument === argument));
     return needs || key || bound.some((one) => isHalf(one, line));
 }

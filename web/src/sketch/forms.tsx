@@ -180,11 +180,7 @@ function CameraFields({ view, set }: { view: SketchView; set(view: SketchView): 
                         choices={sides}
                         set={(side) => set({ ...view, photograph: side as Exclude<Side, "top"> })}
                     />
-                    <Amount
-                        label="Field of view [°]"
-                        value={view.field_of_view ?? 67}
-                        set={(angle) => set({ ...view, field_of_view: angle })}
-                    />
+                    <Amount label="Field of view [°]" value={view.field_of_view ?? 67} set={(angle) => set({ ...view, field_of_view: angle })} />
                 </>
             );
         case "calibrated":
@@ -220,11 +216,7 @@ function CameraFields({ view, set }: { view: SketchView; set(view: SketchView): 
         case "turntable":
             return (
                 <>
-                    <Line
-                        label="File of cameras"
-                        value={view.phenomenal ?? ""}
-                        set={(phenomenal) => set({ ...view, phenomenal })}
-                    />
+                    <Line label="File of cameras" value={view.phenomenal ?? ""} set={(phenomenal) => set({ ...view, phenomenal })} />
                     <Line label="Camera" value={view.camera ?? ""} set={(camera) => set({ ...view, camera })} />
                     <Amount label="Rotation [°]" value={view.angle ?? 0} set={(angle) => set({ ...view, angle })} />
                 </>
@@ -296,10 +288,7 @@ const BranchForm = tracked(({ work }: { work: SketchWork }) => {
         work.set(next);
         void work.rebuild();
     };
-    const parents = [
-        ["", "none: a stem"] as const,
-        ...branches.filter(({ name }) => name !== chosen).map(({ name }) => [name, name] as const),
-    ];
+    const parents = [["", "none: a stem"] as const, ...branches.filter(({ name }) => name !== chosen).map(({ name }) => [name, name] as const)];
     return (
         <>
             <Choice
@@ -318,9 +307,7 @@ const BranchForm = tracked(({ work }: { work: SketchWork }) => {
                         value={branch.name}
                         set={(name) => {
                             edit(renameBranch(work.sketch.peek(), branch.name, name));
-                            work.chosen.value = work.sketch.peek().branches.some((other) => other.name === name)
-                                ? name
-                                : branch.name;
+                            work.chosen.value = work.sketch.peek().branches.some((other) => other.name === name) ? name : branch.name;
                         }}
                     />
                     <Choice
@@ -329,9 +316,7 @@ const BranchForm = tracked(({ work }: { work: SketchWork }) => {
                         choices={parents}
                         set={(parent) => edit(setParent(work.sketch.peek(), branch.name, parent === "" ? null : parent))}
                     />
-                    {fit && (
-                        <p class={fit.refused ? "error" : "hint"}>{fit.refused || `Found: ${fit.length_m.toPrecision(3)} m.`}</p>
-                    )}
+                    {fit && <p class={fit.refused ? "error" : "hint"}>{fit.refused || `Found: ${fit.length_m.toPrecision(3)} m.`}</p>}
                     <button type="button" onClick={() => edit(removeBranch(work.sketch.peek(), branch.name))}>
                         Delete the branch
                     </button>
@@ -413,15 +398,12 @@ export const SketchForms = tracked(({ work, done, leave }: Props) => {
                 }}
             />
             <div class="tool-row">
-                <button
-                    type="button"
-                    class="primary"
-                    disabled={sketch.branches.length === 0}
-                    onClick={async () => (await work.commit()) && done()}
-                >
+                <button type="button" class="primary" disabled={sketch.branches.length === 0} onClick={async () => (await work.commit()) && done()}>
                     Add to the scene
                 </button>
-                <button type="button" onClick={leave}>Close the sketch</button>
+                <button type="button" onClick={leave}>
+                    Close the sketch
+                </button>
             </div>
         </>
     );

@@ -93,8 +93,7 @@ export function isComplete(sketch: Sketch, name: string): boolean {
     return sketch.views.every((view) => strokes[view.name]);
 }
 
-export const branchCalled = (sketch: Sketch, name: string): Branch | undefined =>
-    sketch.branches.find((branch) => branch.name === name);
+export const branchCalled = (sketch: Sketch, name: string): Branch | undefined => sketch.branches.find((branch) => branch.name === name);
 
 export function freeBranch(sketch: Sketch): string {
     if (sketch.branches.length === 0) {
@@ -121,12 +120,7 @@ export function widthAt(stroke: Stroke, i: number): number {
 }
 
 /** The branch of a view with the axis closest to a pixel, and the segment of the axis. */
-export function branchAt(
-    sketch: Sketch,
-    view: string,
-    at: Pixel,
-    most: number,
-): { name: string; piece: number; far: number } | null {
+export function branchAt(sketch: Sketch, view: string, at: Pixel, most: number): { name: string; piece: number; far: number } | null {
     let best: { name: string; piece: number; far: number } | null = null;
     for (const { name, strokes } of sketch.branches) {
         const points = strokes[view]?.points ?? [];
@@ -260,9 +254,7 @@ export function changeView(sketch: Sketch, index: number, view: SketchView): Ske
         before === view.name
             ? sketch.branches
             : sketch.branches.map((branch) => {
-                  const strokes = Object.entries(branch.strokes).map(
-                      ([name, stroke]) => [name === before ? view.name : name, stroke] as const,
-                  );
+                  const strokes = Object.entries(branch.strokes).map(([name, stroke]) => [name === before ? view.name : name, stroke] as const);
                   return { ...branch, strokes: Object.fromEntries(strokes) };
               });
     return { ...sketch, views: sketch.views.map((old, i) => (i === index ? view : old)), branches };
@@ -279,9 +271,7 @@ export function removeView(sketch: Sketch, index: number): Sketch {
 
 /** The height that a pixel of one scale drawing has in another; null for other kinds of views. */
 export function levelIn(from: SketchView, other: SketchView, at: Pixel): number | null {
-    const drawings = [from, other].every(
-        (view) => view.orthographic && view.orthographic !== "top" && view.origin && view.pixels_per_metre,
-    );
+    const drawings = [from, other].every((view) => view.orthographic && view.orthographic !== "top" && view.origin && view.pixels_per_metre);
     if (!drawings || !from.origin || !other.origin || !from.pixels_per_metre || !other.pixels_per_metre) {
         return null;
     }

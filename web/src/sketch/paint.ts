@@ -97,12 +97,7 @@ export function paint(context: CanvasRenderingContext2D, painted: Painted): void
     for (const { name, strokes } of sketch.branches) {
         const stroke = strokes[view.name];
         if (stroke) {
-            paintStroke(
-                context,
-                screen,
-                stroke,
-                name === chosen ? kColors.chosen : refused.has(name) ? kColors.refused : kColors.stroke,
-            );
+            paintStroke(context, screen, stroke, name === chosen ? kColors.chosen : refused.has(name) ? kColors.refused : kColors.stroke);
         }
     }
     const held = sketch.branches.find(({ name }) => name === chosen)?.strokes[view.name];

@@ -116,9 +116,7 @@ class PaneHand {
         if (under) {
             this.work.chosen.value = under.name;
             this.work.point.value = under.piece;
-            this.work.set(
-                changeStroke(this.work.sketch.peek(), under.name, name, (stroke) => insertPoint(stroke, under.piece, at)),
-            );
+            this.work.set(changeStroke(this.work.sketch.peek(), under.name, name, (stroke) => insertPoint(stroke, under.piece, at)));
             void this.work.rebuild();
         }
     }
@@ -184,11 +182,7 @@ class PaneHand {
         const name = work.chosen.peek();
         if ((event.key === "Delete" || event.key === "Backspace") && name) {
             const point = work.point.peek();
-            work.set(
-                changeStroke(work.sketch.peek(), name, this.view().name, (stroke) =>
-                    point >= 0 ? removePoint(stroke, point) : null,
-                ),
-            );
+            work.set(changeStroke(work.sketch.peek(), name, this.view().name, (stroke) => (point >= 0 ? removePoint(stroke, point) : null)));
             work.point.value = -1;
             void work.rebuild();
             return true;
@@ -243,9 +237,7 @@ class PaneHand {
         const { grip } = this;
         if (name && grip) {
             const change = (stroke: Stroke) =>
-                grip.part === "point"
-                    ? movePoint(stroke, grip.index, at)
-                    : setWidth(stroke, grip.index, widthByEdge(stroke, grip.index, at));
+                grip.part === "point" ? movePoint(stroke, grip.index, at) : setWidth(stroke, grip.index, widthByEdge(stroke, grip.index, at));
             this.work.set(changeStroke(this.work.sketch.peek(), name, this.view().name, change), !this.isMoved);
             this.isMoved = true;
         }

@@ -45,9 +45,7 @@ class SketchRun implements ToolRun {
 
     status(): string {
         const trouble = this.work.trouble.value;
-        return (
-            trouble || "Draw each branch in both views; a click chooses a stroke; Ctrl and the wheel change the width."
-        );
+        return trouble || "Draw each branch in both views; a click chooses a stroke; Ctrl and the wheel change the width.";
     }
 
     panel(): VNode {

@@ -3,18 +3,7 @@ import { type Signal, signal } from "@preact/signals-core";
 import type { App } from "../app";
 import { runLine } from "../tools/kit/gesture";
 import { commandLine } from "../tools/kit/words";
-import {
-    canReconstruct,
-    changeView,
-    emptySketch,
-    levelIn,
-    type Pixel,
-    readSketch,
-    type Sketch,
-    type SketchView,
-    withPicture,
-    writtenSketch,
-} from "./model";
+import { canReconstruct, changeView, emptySketch, levelIn, type Pixel, readSketch, type Sketch, type SketchView, withPicture, writtenSketch } from "./model";
 import { SketchTree } from "./tree";
 
 export interface Fit {

@@ -33,10 +33,12 @@ function spotAt(app: App, x: number, y: number): Spot | null {
         return { at: pick.point, of: `${kind} ${name}` };
     }
     const parent = skeleton.parent(n);
-    const near = [n, parent].filter((node) => node >= 0 && snaps.peek()).find((node) => {
-        const [px, py] = app.view.toPixels(skeleton.at(node));
-        return Math.hypot(px - x, py - y) <= kSnap;
-    });
+    const near = [n, parent]
+        .filter((node) => node >= 0 && snaps.peek())
+        .find((node) => {
+            const [px, py] = app.view.toPixels(skeleton.at(node));
+            return Math.hypot(px - x, py - y) <= kSnap;
+        });
     if (near !== undefined) {
         return { at: skeleton.at(near), radius: skeleton.radius[near], of: `node ${skeleton.ids[near]} of ${name}` };
     }
@@ -177,10 +179,16 @@ class MeasureRun implements ToolRun {
         return (
             <li key={i} class={i === chosen.value ? "chosen" : undefined}>
                 <button type="button" class="measure" aria-pressed={i === chosen.value} onClick={() => this.change(() => void (chosen.value = i))}>
-                    {text.map((line) => <span key={line}>{line}</span>)}
+                    {text.map((line) => (
+                        <span key={line}>{line}</span>
+                    ))}
                 </button>
-                <button type="button" onClick={() => void copy(this.app, text.join("; "))}>Copy</button>
-                <button type="button" class="icon" aria-label="Delete this measure" onClick={() => this.change(() => remove(i))}>×</button>
+                <button type="button" onClick={() => void copy(this.app, text.join("; "))}>
+                    Copy
+                </button>
+                <button type="button" class="icon" aria-label="Delete this measure" onClick={() => this.change(() => remove(i))}>
+                    ×
+                </button>
             </li>
         );
     }

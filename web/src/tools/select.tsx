@@ -188,11 +188,7 @@ class SelectRun implements ToolRun {
 }
 
 /** The nodes inside a box of the view. */
-export function nodesInBox(
-    skeleton: Skeleton,
-    box: readonly [number, number, number, number],
-    toPixels: (point: Point) => [number, number, number],
-): number[] {
+export function nodesInBox(skeleton: Skeleton, box: readonly [number, number, number, number], toPixels: (point: Point) => [number, number, number]): number[] {
     const [left, right] = [Math.min(box[0], box[2]), Math.max(box[0], box[2])];
     const [top, bottom] = [Math.min(box[1], box[3]), Math.max(box[1], box[3])];
     return skeleton.all().filter((n) => {

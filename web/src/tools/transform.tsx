@@ -2,17 +2,7 @@
 import { effect, type Signal, signal, untracked } from "@preact/signals-core";
 import type { VNode } from "preact";
 import type { App, Tool, ToolPointer, ToolRun } from "../app";
-import {
-    type Change,
-    changeOf,
-    changeText,
-    type Dragged,
-    isNothing,
-    type Mode,
-    selectedTarget,
-    type Target,
-    turnAbout,
-} from "./kit/change";
+import { type Change, changeOf, changeText, type Dragged, isNothing, type Mode, selectedTarget, type Target, turnAbout } from "./kit/change";
 import { sight } from "./kit/drawn";
 import { AxisButtons, Button, NumberField } from "./kit/fields";
 import { Gesture } from "./kit/gesture";
@@ -146,19 +136,12 @@ class TransformRun implements ToolRun {
     }
 
     panel(): VNode {
-        const labels =
-            this.mode === "turn" ? ["Angle"] : this.target?.evenly && this.mode === "size" ? ["Factor"] : ["X", "Y", "Z"];
+        const labels = this.mode === "turn" ? ["Angle"] : this.target?.evenly && this.mode === "size" ? ["Factor"] : ["X", "Y", "Z"];
         const unit = this.mode === "move" ? "m" : this.mode === "turn" ? "°" : "";
         return (
             <>
                 {labels.map((label, i) => (
-                    <NumberField
-                        key={label}
-                        label={label}
-                        unit={unit}
-                        value={this.fields[i]}
-                        changed={() => this.fromFields(labels.length)}
-                    />
+                    <NumberField key={label} label={label} unit={unit} value={this.fields[i]} changed={() => this.fromFields(labels.length)} />
                 ))}
                 {this.mode === "turn" && <AxisButtons choose={(axis) => this.choose(axis)} />}
                 <Button label="Apply" run={() => this.end()} />

@@ -92,7 +92,7 @@ function chainOf(tree: Tree, node: number): number[] {
         first = tree.parent[first];
     }
     const nodes = [first];
-    for (let n = first; forks[n] === 1; ) {
+    for (let n = first; forks[n] === 1;) {
         n = tree.leader[n];
         nodes.push(n);
     }

@@ -12,7 +12,10 @@ export class Glow {
     private readonly selected = new Highlight(0.5);
     private colors = { hover: "", selected: "" };
 
-    constructor(private readonly store: Store, private readonly axesOf: (object: ObjectName) => Geometry | undefined) {
+    constructor(
+        private readonly store: Store,
+        private readonly axesOf: (object: ObjectName) => Geometry | undefined,
+    ) {
         this.group.add(this.hover.group, this.selected.group);
     }
 

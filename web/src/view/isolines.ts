@@ -16,7 +16,12 @@ export function isolines({ value, width, height }: Samples, level: number): numb
     };
     for (let y = 0; y + 1 < height; ++y) {
         for (let x = 0; x + 1 < width; ++x) {
-            const corners = [[x, y], [x + 1, y], [x + 1, y + 1], [x, y + 1]];
+            const corners = [
+                [x, y],
+                [x + 1, y],
+                [x + 1, y + 1],
+                [x, y + 1],
+            ];
             const values = corners.map(([cx, cy]) => value[cy * width + cx]);
             const sides = [0, 1, 2, 3].filter((k) => values[k] > level !== values[(k + 1) % 4] > level);
             if (sides.length === 0) {

@@ -1,7 +1,14 @@
 // Text for numbers and lengths, and round numbers in an interval.
 import { roundStep } from "../tools/kit/vector";
 
-const kUnits: [number, string][] = [[1000, "km"], [1, "m"], [0.01, "cm"], [0.001, "mm"], [1e-6, "µm"], [1e-9, "nm"]];
+const kUnits: [number, string][] = [
+    [1000, "km"],
+    [1, "m"],
+    [0.01, "cm"],
+    [0.001, "mm"],
+    [1e-6, "µm"],
+    [1e-9, "nm"],
+];
 
 /** The number with a maximum of significant digits, without trailing zeros. */
 export function shortNumber(value: number, digits = 3): string {
@@ -10,10 +17,19 @@ export function shortNumber(value: number, digits = 3): string {
     }
     const size = Math.abs(value);
     if (size !== 0 && (size >= 1e7 || size < 1e-4)) {
-        return value.toExponential(digits - 1).replace("e+", "e").replace("-", "−").replace("e-", "e−");
+        return value
+            .toExponential(digits - 1)
+            .replace("e+", "e")
+            .replace("-", "−")
+            .replace("e-", "e−");
     }
     const places = size === 0 ? 0 : Math.max(digits - 1 - Math.floor(Math.log10(size)), 0);
-    return value.toFixed(places).replace(/(\.\d*?)0+$/, "$1").replace(/\.$/, "").replace(/^-(?=0$)/, "").replace("-", "−");
+    return value
+        .toFixed(places)
+        .replace(/(\.\d*?)0+$/, "$1")
+        .replace(/\.$/, "")
+        .replace(/^-(?=0$)/, "")
+        .replace("-", "−");
 }
 
 /** A length in a suitable unit: "3.21 m", "4.5 cm". */

@@ -10,8 +10,7 @@ const kMargin = 0.04; // margin of the frame, relative to the size of the scene
 /** Intersects triangles with a plane: end points of lines, in the frame of the vertices. */
 export function cutTriangles(position: Float32Array, index: ArrayLike<number>, normal: THREE.Vector3, constant: number): Float32Array {
     const ends: number[] = [];
-    const height = (v: number) =>
-        position[3 * v] * normal.x + position[3 * v + 1] * normal.y + position[3 * v + 2] * normal.z + constant;
+    const height = (v: number) => position[3 * v] * normal.x + position[3 * v + 1] * normal.y + position[3 * v + 2] * normal.z + constant;
     for (let i = 0; i + 2 < index.length; i += 3) {
         const corners = [index[i], index[i + 1], index[i + 2]];
         const heights = corners.map(height);
@@ -42,7 +41,12 @@ export class SectionPlane {
 
     constructor() {
         const corners = new THREE.BufferGeometry().setFromPoints(
-            [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([x, y]) => new THREE.Vector3(x, y, 0)),
+            [
+                [-1, -1],
+                [1, -1],
+                [1, 1],
+                [-1, 1],
+            ].map(([x, y]) => new THREE.Vector3(x, y, 0)),
         );
         this.frame = new THREE.LineLoop(corners, new THREE.LineBasicMaterial());
         this.outline = new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ depthTest: false, transparent: true }));

@@ -50,7 +50,10 @@ export class Shown {
     private isStale = false;
     private isCovered = false;
 
-    constructor(readonly object: ObjectName, private readonly changed: () => void) {
+    constructor(
+        readonly object: ObjectName,
+        private readonly changed: () => void,
+    ) {
         this.group.name = keyOf(object);
         this.isWood = object.kind === "skeleton";
     }
@@ -336,15 +339,13 @@ function cutShader(theme: Theme): THREE.MeshStandardMaterial {
     material.onBeforeCompile = (shader) => {
         shader.uniforms.cutColor = { value: cut };
         shader.uniforms.ownColor = { value: material.color };
-        shader.fragmentShader = shader.fragmentShader
-            .replace("#include <common>", "#include <common>\nuniform vec3 cutColor;\nuniform vec3 ownColor;")
-            .replace(
-                "#include <opaque_fragment>",
-                `#include <opaque_fragment>
+        shader.fragmentShader = shader.fragmentShader.replace("#include <common>", "#include <common>\nuniform vec3 cutColor;\nuniform vec3 ownColor;").replace(
+            "#include <opaque_fragment>",
+            `#include <opaque_fragment>
                 #if NUM_CLIPPING_PLANES > 0
                     if (!gl_FrontFacing) gl_FragColor = vec4(mix(ownColor, cutColor, 0.6), 1.0);
                 #endif`,
-            );
+        );
     };
     material.customProgramCacheKey = () => "surface";
     return material;

@@ -29,7 +29,12 @@ export class SurfaceModel {
     private tree: TriangleTree | null = null; // for picking
 
     /** `index`: triangles of the quads, if a worker has already computed them. */
-    constructor(private header: Geometry["header"], arrays: Geometry["arrays"], material: THREE.MeshStandardMaterial, index?: Uint32Array) {
+    constructor(
+        private header: Geometry["header"],
+        arrays: Geometry["arrays"],
+        material: THREE.MeshStandardMaterial,
+        index?: Uint32Array,
+    ) {
         this.position = arrays.position as Float32Array;
         this.normal = arrays.normal as Int8Array;
         this.quads = (arrays.quads as Uint32Array | undefined) ?? new Uint32Array(0);

@@ -9,7 +9,9 @@ const kNone = 0xffffffff;
 export function asTubes(material: THREE.Material): void {
     material.onBeforeCompile = (shader) => {
         shader.vertexShader = shader.vertexShader
-            .replace("#include <common>", `#include <common>
+            .replace(
+                "#include <common>",
+                `#include <common>
                 attribute vec3 tubeA;
                 attribute vec3 tubeB;
                 attribute vec2 tubeRadius;
@@ -21,10 +23,14 @@ export function asTubes(material: THREE.Material): void {
                     vec3 w = size > 0.0 ? along / size : vec3(0.0, 0.0, 1.0);
                     vec3 u = normalize(abs(w.z) < 0.9 ? cross(vec3(0.0, 0.0, 1.0), w) : cross(vec3(1.0, 0.0, 0.0), w));
                     return u * position.x + cross(w, u) * position.y + w * position.z;
-                }`)
+                }`,
+            )
             .replace("#include <beginnormal_vertex>", "vec3 objectNormal = tubeDirection();")
-            .replace("#include <begin_vertex>", `vec3 transformed = mix(tubeA, tubeB, tubeEnd)
-                + tubeDirection() * mix(tubeRadius.x, tubeRadius.y, tubeEnd) * tubeInflate;`);
+            .replace(
+                "#include <begin_vertex>",
+                `vec3 transformed = mix(tubeA, tubeB, tubeEnd)
+                + tubeDirection() * mix(tubeRadius.x, tubeRadius.y, tubeEnd) * tubeInflate;`,
+            );
         shader.uniforms.tubeInflate = { value: (material.userData.inflate as number | undefined) ?? 1 };
     };
     material.customProgramCacheKey = () => "tubes";
@@ -37,8 +43,20 @@ interface Capsule {
 }
 
 // Rings of a capsule along its axis: distance from the axis, position along it, and its end.
-const kRound: [number, number, number][] = [[0, -1, 0], [0.71, -0.71, 0], [1, 0, 0], [1, 0, 1], [0.71, 0.71, 1], [0, 1, 1]];
-const kPlain: [number, number, number][] = [[0, -1, 0], [1, 0, 0], [1, 0, 1], [0, 1, 1]];
+const kRound: [number, number, number][] = [
+    [0, -1, 0],
+    [0.71, -0.71, 0],
+    [1, 0, 0],
+    [1, 0, 1],
+    [0.71, 0.71, 1],
+    [0, 1, 1],
+];
+const kPlain: [number, number, number][] = [
+    [0, -1, 0],
+    [1, 0, 0],
+    [1, 0, 1],
+    [0, 1, 1],
+];
 
 function capsule(rings: [number, number, number][], sides: number): Capsule {
     const position: number[] = [];
@@ -74,13 +92,7 @@ const kLevels: [number, Capsule][] = [
 ];
 
 /** Capsules for all or some nodes of a skeleton; `colors` by node, four bytes each. */
-export function tubeGeometry(
-    geometry: Geometry,
-    tree: Tree,
-    nodes?: number[],
-    colors?: Uint8Array,
-    form?: Capsule,
-): THREE.InstancedBufferGeometry {
+export function tubeGeometry(geometry: Geometry, tree: Tree, nodes?: number[], colors?: Uint8Array, form?: Capsule): THREE.InstancedBufferGeometry {
     const position = geometry.arrays.position as Float32Array;
     const wanted = nodes ?? Array.from(tree.parent.keys());
     const segments = wanted.filter((n) => tree.parent[n] !== kNone || tree.leader[n] === kNone || nodes?.length === 1);

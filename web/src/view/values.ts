@@ -43,7 +43,10 @@ function rangeOfValues(values: Float32Array, color: Coloring): Range {
     }
     if (color === "deviation") {
         const step = Math.ceil(values.length / kSample) || 1;
-        const sizes = values.filter((_, i) => i % step === 0).map(Math.abs).sort();
+        const sizes = values
+            .filter((_, i) => i % step === 0)
+            .map(Math.abs)
+            .sort();
         const high = sizes[Math.floor((sizes.length - 1) * kMaxShare)] || 1e-6;
         return { low: -high, high };
     }

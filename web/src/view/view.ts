@@ -65,7 +65,10 @@ export class View3D implements View {
     /** Counts the drawn frames; for tests. */
     readonly drawn = { frames: 0 };
 
-    constructor(private readonly store: Store, engine: Transport) {
+    constructor(
+        private readonly store: Store,
+        engine: Transport,
+    ) {
         this.canvas.tabIndex = 0;
         this.canvas.setAttribute("role", "application");
         this.canvas.setAttribute("aria-label", "View of the scene. Arrow keys rotate it, with Shift they move it; plus and minus zoom.");
@@ -74,7 +77,13 @@ export class View3D implements View {
         this.renderer.shadowMap.enabled = true;
         this.renderer.shadowMap.type = THREE.PCFShadowMap;
         this.renderer.shadowMap.autoUpdate = false;
-        this.objects = new Objects(store, engine, this.display, () => this.look_(), () => this.changed());
+        this.objects = new Objects(
+            store,
+            engine,
+            this.display,
+            () => this.look_(),
+            () => this.changed(),
+        );
         this.grown = new Grown(engine, () => this.requestDraw());
         this.glow = new Glow(store, (object) => this.geometry(object, "skeleton"));
         this.slice = new FieldSlice(engine, store, this.display, () => this.requestDraw());
@@ -286,7 +295,8 @@ export class View3D implements View {
         this.lost.hidden = true;
         this.canvas.addEventListener("webglcontextlost", () => {
             this.lost.hidden = false;
-            this.lost.textContent = "The browser has lost the GPU. The view returns as soon as the GPU is available again; otherwise reload the page: the scene is kept.";
+            this.lost.textContent =
+                "The browser has lost the GPU. The view returns as soon as the GPU is available again; otherwise reload the page: the scene is kept.";
         });
         this.canvas.addEventListener("webglcontextrestored", () => {
             this.lost.hidden = true;
@@ -376,7 +386,8 @@ export class View3D implements View {
 
     private rest(): void {
         this.objects.setResting(true);
-        if (!this.navigation.isMoving) { // a pause during a drag is short
+        if (!this.navigation.isMoving) {
+            // a pause during a drag is short
             this.isTurning = false;
             if (this.isPlainer) {
                 this.setPlainer(false);

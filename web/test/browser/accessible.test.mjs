@@ -32,18 +32,30 @@ withStudio(async (begun) => {
 /** Fails with the findings of axe in regions of the page: with all rules, and in the light scheme again for contrast. */
 async function judgePart(what, parts = ["body"], on = page) {
     const runOnly = scheme === "light" ? ["color-contrast"] : undefined;
-    const found = await on.evaluate(async ([selectors, rules]) => {
-        const options = { preload: false, resultTypes: ["violations"], rules: { "target-size": { enabled: true } }, ...(rules && { runOnly: rules }) };
-        const { violations } = await globalThis.axe.run({ include: selectors }, options);
-        return violations.map(({ id, nodes }) => `${id}: ${nodes.slice(0, 3).map(({ target, any, all }) => `${target} ${[...any, ...all][0]?.message ?? ""}`).join("; ")}`);
-    }, [parts, runOnly]);
+    const found = await on.evaluate(
+        async ([selectors, rules]) => {
+            const options = { preload: false, resultTypes: ["violations"], rules: { "target-size": { enabled: true } }, ...(rules && { runOnly: rules }) };
+            const { violations } = await globalThis.axe.run({ include: selectors }, options);
+            return violations.map(
+                ({ id, nodes }) =>
+                    `${id}: ${nodes
+                        .slice(0, 3)
+                        .map(({ target, any, all }) => `${target} ${[...any, ...all][0]?.message ?? ""}`)
+                        .join("; ")}`,
+            );
+        },
+        [parts, runOnly],
+    );
     assert.deepEqual(found, [], what);
 }
 
 async function select(kind, name, nodes = []) {
-    await page.evaluate(([of, called, ids]) => {
-        globalThis.coppice.store.selection.value = { object: called === "" ? null : { kind: of, name: called }, nodes: ids, extent: "branch" };
-    }, [kind, name, nodes]);
+    await page.evaluate(
+        ([of, called, ids]) => {
+            globalThis.coppice.store.selection.value = { object: called === "" ? null : { kind: of, name: called }, nodes: ids, extent: "branch" };
+        },
+        [kind, name, nodes],
+    );
     await settled(page);
 }
 
@@ -87,11 +99,19 @@ for (const colorScheme of ["dark", "light"]) {
         const whole = colorScheme === "dark" ? test : test.skip; // named colours cover both schemes: the following tests have no colours of their own
         whole("every tool", async () => {
             const node = await page.evaluate(() => globalThis.coppice.view.geometry({ kind: "skeleton", name: "tree" }, "skeleton").arrays.id[4]);
-            const selections = [["skeleton", "tree", [node]], ["solid", "crown", []], ["points", "crown", []], ["mesh", "tree", []], ["solid", "", []]];
+            const selections = [
+                ["skeleton", "tree", [node]],
+                ["solid", "crown", []],
+                ["points", "crown", []],
+                ["mesh", "tree", []],
+                ["solid", "", []],
+            ];
             const left = new Set(await page.evaluate(() => globalThis.coppice.tools.map(({ id }) => id)));
             for (const [kind, name, nodes] of selections) {
                 await select(kind, name, nodes);
-                const able = await page.evaluate(() => globalThis.coppice.tools.filter(({ enabled }) => !enabled || enabled(globalThis.coppice)).map(({ id }) => id));
+                const able = await page.evaluate(() =>
+                    globalThis.coppice.tools.filter(({ enabled }) => !enabled || enabled(globalThis.coppice)).map(({ id }) => id),
+                );
                 for (const id of able.filter((one) => left.delete(one))) {
                     await select(kind, name, nodes);
                     await page.evaluate((wanted) => globalThis.coppice.take(wanted), id);
@@ -114,7 +134,14 @@ for (const colorScheme of ["dark", "light"]) {
             };
             await studio.write("a.coppice", "sphere a\n");
             await select("skeleton", "tree");
-            for (const [id, title] of [["save-as", "Save the scene"], ["open", "Open a scene"], ["shortcuts", "Keyboard shortcuts"], ["menu-file", "The menu is a text file"], ["rename", "Rename skeleton tree"], ["picture", "Image by the path tracer"]]) {
+            for (const [id, title] of [
+                ["save-as", "Save the scene"],
+                ["open", "Open a scene"],
+                ["shortcuts", "Keyboard shortcuts"],
+                ["menu-file", "The menu is a text file"],
+                ["rename", "Rename skeleton tree"],
+                ["picture", "Image by the path tracer"],
+            ]) {
                 await command(id);
                 await judgeDialog(title);
                 await leave();
@@ -158,7 +185,12 @@ for (const colorScheme of ["dark", "light"]) {
                 await openPanel(page, title);
             }
             await page.evaluate(() => document.querySelectorAll("details").forEach((one) => (one.open = true)));
-            for (const [kind, name] of [["skeleton", "tree"], ["mesh", "tree"], ["solid", "crown"], ["points", "crown"]]) {
+            for (const [kind, name] of [
+                ["skeleton", "tree"],
+                ["mesh", "tree"],
+                ["solid", "crown"],
+                ["points", "crown"],
+            ]) {
                 await select(kind, name);
                 await page.evaluate(() => document.querySelectorAll("details").forEach((one) => (one.open = true)));
                 await judgePart(`panels with the ${kind} ${name} selected`, [".side.left", ".side.right"]);
@@ -189,11 +221,12 @@ for (const colorScheme of ["dark", "light"]) {
 }
 
 /** The focused element, and its location in the page. */
-const focused = () => page.evaluate(() => {
-    const element = document.activeElement;
-    const part = [".header", ".side.left", ".picture-frame", ".tool-bar", ".bottom", ".side.right"].find((one) => element.closest(one)) ?? "";
-    return { part, tag: element.outerHTML.slice(0, 120), isBody: element === document.body };
-});
+const focused = () =>
+    page.evaluate(() => {
+        const element = document.activeElement;
+        const part = [".header", ".side.left", ".picture-frame", ".tool-bar", ".bottom", ".side.right"].find((one) => element.closest(one)) ?? "";
+        return { part, tag: element.outerHTML.slice(0, 120), isBody: element === document.body };
+    });
 
 /** Whether the focus is visible. */
 const isFocusSeen = () => {
@@ -232,10 +265,14 @@ test("where less motion is wished, nothing glides", async () => {
         return globalThis.coppice.view.rig.pose.pitch;
     });
     assert.ok(Math.abs(pitch - Math.PI / 2) < 1e-9, "the view from above is shown at once");
-    const moving = await page.evaluate(() => [...document.querySelectorAll("*")].filter((one) => {
-        const { transitionDuration, animationName } = getComputedStyle(one);
-        return /[1-9]/.test(transitionDuration) || animationName !== "none";
-    }).map((one) => one.className));
+    const moving = await page.evaluate(() =>
+        [...document.querySelectorAll("*")]
+            .filter((one) => {
+                const { transitionDuration, animationName } = getComputedStyle(one);
+                return /[1-9]/.test(transitionDuration) || animationName !== "none";
+            })
+            .map((one) => one.className),
+    );
     assert.deepEqual(moving, []);
 });
 

@@ -5,7 +5,26 @@ import { readFile } from "node:fs/promises";
 import { test } from "node:test";
 import { drag, lines, openPanel, placeOf, runLines, settled, withStudio } from "./browser.mjs";
 import {
-    assertCalm, assertDiffer, begin, button, clickAt, differing, dragIn, field, kTree, lastLine, moveTo, near, numbers, openFront, picture, said, select, selection, take, untilFollows,
+    assertCalm,
+    assertDiffer,
+    begin,
+    button,
+    clickAt,
+    differing,
+    dragIn,
+    field,
+    kTree,
+    lastLine,
+    moveTo,
+    near,
+    numbers,
+    openFront,
+    picture,
+    said,
+    select,
+    selection,
+    take,
+    untilFollows,
 } from "./hands.mjs";
 import { until } from "./user.mjs";
 
@@ -35,7 +54,13 @@ test("branches glow under the pointer and are picked whole, in part, and with al
     assertDiffer(await picture(page), plain, "the branch glows");
     await clickAt(page, kOnRight);
     assert.deepEqual(await selection(page), { object: { kind: "skeleton", name: "tree" }, nodes: [20], extent: "branch" });
-    const counts = [["1", 1], ["2", 3], ["3", 2], ["4", 25], ["5", 3]]; // node, branch, subtree, tree, from fork to fork
+    const counts = [
+        ["1", 1],
+        ["2", 3],
+        ["3", 2],
+        ["4", 25],
+        ["5", 3],
+    ]; // node, branch, subtree, tree, from fork to fork
     for (const [key, count] of counts) {
         await page.keyboard.press(key);
         assert.match(await selected(), new RegExp(`: ${count} nodes? selected`), `key ${key}`);
@@ -49,7 +74,10 @@ test("branches glow under the pointer and are picked whole, in part, and with al
     assert.equal((await selection(page)).object, null);
 
     await page.keyboard.press("b");
-    await dragIn(page, [[0.4, 0, 1.2], [1.7, 0, 2.2]]);
+    await dragIn(page, [
+        [0.4, 0, 1.2],
+        [1.7, 0, 2.2],
+    ]);
     await until(page, "the box holds the branch", () => globalThis.coppice.store.selection.value.nodes.length === 3);
     assert.deepEqual((await selection(page)).nodes.sort(), [19, 20, 21]);
     await assertCalm(page);
@@ -65,11 +93,17 @@ test("on the surface that was made of a tree its branches are picked, bent and p
     await openPanel(page, "Growth");
     await page.getByRole("button", { name: "Make the surface" }).click();
     assert.match(await lastLine(page, /^mesh /), /^mesh tree/);
-    const surface = (drawn) => until(page, drawn ? "the mesh is drawn" : "the tree is drawn", (wanted) => {
-        const { view } = globalThis.coppice;
-        const isSeen = (kind) => view.objects.shown({ kind, name: "tree" })?.surface?.group.visible === true;
-        return isSeen("mesh") === wanted && isSeen("skeleton") !== wanted;
-    }, drawn);
+    const surface = (drawn) =>
+        until(
+            page,
+            drawn ? "the mesh is drawn" : "the tree is drawn",
+            (wanted) => {
+                const { view } = globalThis.coppice;
+                const isSeen = (kind) => view.objects.shown({ kind, name: "tree" })?.surface?.group.visible === true;
+                return isSeen("mesh") === wanted && isSeen("skeleton") !== wanted;
+            },
+            drawn,
+        );
     await surface(true);
 
     await take(page, "View", "Select");
@@ -85,7 +119,10 @@ test("on the surface that was made of a tree its branches are picked, bent and p
     await surface(true);
     assertDiffer(await picture(page), made, "the mesh has bent");
     await take(page, "Branches", "Prune");
-    await dragIn(page, [[-1.2, 0, 2.7], [-1.5, 0, 2.85]]);
+    await dragIn(page, [
+        [-1.2, 0, 2.7],
+        [-1.5, 0, 2.85],
+    ]);
     await until(page, "a tip was cut", () => globalThis.coppice.store.state.peek().statements.some(({ text }) => text.startsWith("edit delete tree")));
     await surface(true);
 
@@ -201,13 +238,28 @@ test("a branch is drawn from the axis under the pen; beside trees a stem of its 
     await begin(page, ...kTree);
     const before = await picture(page);
     await take(page, "Branches", "Draw");
-    await dragIn(page, [[0, 0, 2.5], [0.3, 0, 2.8], [0.7, 0, 2.9]], { during: () => untilFollows(page, "skeleton", "tree") });
+    await dragIn(
+        page,
+        [
+            [0, 0, 2.5],
+            [0.3, 0, 2.8],
+            [0.7, 0, 2.9],
+        ],
+        { during: () => untilFollows(page, "skeleton", "tree") },
+    );
     const line = await lastLine(page, /^edit draw tree (?!0,0,2 )/); // and not the last of the initial lines
     near(numbers(line, 3), [0, 0, 2.5], 0.05, "it begins on the stem");
-    const points = line.split(" ").slice(3).map((word) => word.split(",").map(Number));
+    const points = line
+        .split(" ")
+        .slice(3)
+        .map((word) => word.split(",").map(Number));
     near(points.at(-1), [0.7, 0, 2.9], 0.1, "and ends where the pen was lifted, at the depth of the branches around");
     assertDiffer(await picture(page), before, "one more branch is drawn");
-    await dragIn(page, [[1.4, 0, 0.1], [1.4, 0, 0.5], [1.5, 0, 1]]);
+    await dragIn(page, [
+        [1.4, 0, 0.1],
+        [1.4, 0, 0.5],
+        [1.5, 0, 1],
+    ]);
     assert.match(await lastLine(page, /^limb /), /^limb tree2 /);
     await assertCalm(page);
 });
@@ -224,8 +276,16 @@ test("strokes that end before it is known where they begin become branches, each
     });
     try {
         await page.evaluate(() => globalThis.coppice.engine.run("edit move tree 24 by=0,0,0.1"));
-        await dragIn(page, [[0, 0, 2.5], [0.3, 0, 2.8], [0.7, 0, 2.9]]);
-        await dragIn(page, [[0, 0, 1.5], [-0.3, 0, 1.8], [-0.7, 0, 1.9]]);
+        await dragIn(page, [
+            [0, 0, 2.5],
+            [0.3, 0, 2.8],
+            [0.7, 0, 2.9],
+        ]);
+        await dragIn(page, [
+            [0, 0, 1.5],
+            [-0.3, 0, 1.8],
+            [-0.7, 0, 1.9],
+        ]);
         await page.evaluate(() => globalThis.coppice.engine.run("edit move tree 24 by=0,0,0.1")); // the requested data is out of date now
         assert.equal((await lines(page)).length, 5, "both wait");
     } finally {
@@ -243,7 +303,14 @@ test("the prune brush takes the tips that it passes", async () => {
     await begin(page, ...kTree);
     const whole = await picture(page);
     await take(page, "Branches", "Prune");
-    await dragIn(page, [[1.5, 0, 2.3], [1.5, 0, 1.8]], { during: () => untilFollows(page, "skeleton", "tree"), steps: 1 });
+    await dragIn(
+        page,
+        [
+            [1.5, 0, 2.3],
+            [1.5, 0, 1.8],
+        ],
+        { during: () => untilFollows(page, "skeleton", "tree"), steps: 1 },
+    );
     await lastLine(page, /^edit delete tree at\(/);
     assert.equal(await node(21), undefined, "the tip is removed");
     assert.equal((await nodesOf("tree")).length, 24, "and no other node");
@@ -275,7 +342,10 @@ test("branches are cut off, detached and moved away, and joined again", async ()
     near((await node(21)).at, [1.8, 0, 2], 1e-3, "the branch has moved");
 
     await take(page, "Branches", "Graft");
-    await dragIn(page, [[0.8, 0, 1.4], [0, 0, 2.5]]);
+    await dragIn(page, [
+        [0.8, 0, 1.4],
+        [0, 0, 2.5],
+    ]);
     assert.match(await lastLine(page, /^edit graft tree /), /^edit graft tree at\(/);
     await assertCalm(page);
 });
@@ -289,7 +359,11 @@ test("branches are mirrored, straightened and smoothed; undo and redo lead throu
     await page.keyboard.press("Enter");
     assert.match(await lastLine(page, /^edit mirror/), / normal=1,0,0$/);
     near((await node(21)).at, [-1.5, 0, 2], 1e-3, "the other way round");
-    for (const [label, pattern] of [["Straighten", /^edit straighten tree \S+ amount=1$/], ["Smooth", /^edit smooth tree axis\(\S+\) passes=4$/], ["Taper", /^edit taper tree /]]) {
+    for (const [label, pattern] of [
+        ["Straighten", /^edit straighten tree \S+ amount=1$/],
+        ["Smooth", /^edit smooth tree axis\(\S+\) passes=4$/],
+        ["Taper", /^edit taper tree /],
+    ]) {
         await take(page, "Branches", label);
         await page.keyboard.press("Enter");
         await lastLine(page, pattern);
@@ -334,7 +408,14 @@ test("a tree of others is worked on like one's own", async () => {
     });
     assert.ok(found, "some branch is visible");
     const { x, y } = await placeOf(page, found);
-    await drag(page, [{ x, y }, { x: x + 20, y: y + 40 }], 5);
+    await drag(
+        page,
+        [
+            { x, y },
+            { x: x + 20, y: y + 40 },
+        ],
+        5,
+    );
     await lastLine(page, /^edit bend tree at\(/);
     assertDiffer(await picture(page), before, "the oak is bent", 20);
     await assertCalm(page);

@@ -3,7 +3,24 @@ import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
 import { lines, placeOf, settled, withStudio } from "./browser.mjs";
 import {
-    assertCalm, assertDiffer, begin, button, chooseIn, clickAt, dragIn, field, hideAll, lastLine, near, numbers, openFront, picture, select, selection, take, untilFollows,
+    assertCalm,
+    assertDiffer,
+    begin,
+    button,
+    chooseIn,
+    clickAt,
+    dragIn,
+    field,
+    hideAll,
+    lastLine,
+    near,
+    numbers,
+    openFront,
+    picture,
+    select,
+    selection,
+    take,
+    untilFollows,
 } from "./hands.mjs";
 import { until, untilSelected } from "./user.mjs";
 
@@ -42,7 +59,12 @@ test("every primitive is placed by a drag, and by its fields", async () => {
     assert.equal((await lines(page)).length, kinds.length);
 
     await chooseIn(page, "Shape", "sphere");
-    for (const [label, value] of [["X", "1.5"], ["Y", "0"], ["Z", "2.25"], ["Radius [m]", "0.75"]]) {
+    for (const [label, value] of [
+        ["X", "1.5"],
+        ["Y", "0"],
+        ["Z", "2.25"],
+        ["Radius [m]", "0.75"],
+    ]) {
         await field(page, label).fill(value);
     }
     await untilFollows(page, "solid", "ball2", "fields show a preview");
@@ -52,11 +74,23 @@ test("every primitive is placed by a drag, and by its fields", async () => {
     await assertCalm(page);
 });
 
-const names = (page) => page.evaluate(() => globalThis.coppice.store.state.peek().objects.map(({ name }) => name).sort());
-const untilBalls = (page, count) => until(page, `${count} balls exist`, (wanted) => {
-    const { objects, statements, running } = globalThis.coppice.store.state.peek();
-    return running === null && statements.length >= wanted && objects.filter(({ name }) => name.startsWith("ball")).length === wanted;
-}, count);
+const names = (page) =>
+    page.evaluate(() =>
+        globalThis.coppice.store.state
+            .peek()
+            .objects.map(({ name }) => name)
+            .sort(),
+    );
+const untilBalls = (page, count) =>
+    until(
+        page,
+        `${count} balls exist`,
+        (wanted) => {
+            const { objects, statements, running } = globalThis.coppice.store.state.peek();
+            return running === null && statements.length >= wanted && objects.filter(({ name }) => name.startsWith("ball")).length === wanted;
+        },
+        count,
+    );
 
 test("each click with Place makes one object, however fast the clicks come and whatever runs", async () => {
     await page.evaluate(() => {
@@ -119,7 +153,14 @@ test("handles move, turn and size solids; numbers may be typed, Ctrl snaps, Esca
     near((await lastLine(page, /^translate a /)).split(" ").slice(2).map(Number), [0, 0, 0.6], 0.03, "only along the arrow");
     assertDiffer(await picture(page), start, "the ball has moved");
 
-    await dragIn(page, [[0, 0, 2.1], [0.43, 0, 2.1]], { keys: ["Control"] });
+    await dragIn(
+        page,
+        [
+            [0, 0, 2.1],
+            [0.43, 0, 2.1],
+        ],
+        { keys: ["Control"] },
+    );
     const [x] = (await lastLine(page, /^translate a (?!0 0 )/)).split(" ").slice(2).map(Number);
     const step = await page.evaluate(() => globalThis.coppice.view.pixelSize([0, 0, 2]) * 20);
     assert.ok(Math.abs(x / 0.1 - Math.round(x / 0.1)) < 1e-6 && Math.abs(x - 0.43) <= step, `${x} is a step of the grid`);
@@ -145,8 +186,15 @@ test("a stroke across two solids picks them, and a list says what becomes of the
     await begin(page, "sphere a center=-0.4,0,1.5 radius=0.8", "sphere b center=0.6,0,1.5 radius=0.7");
     const apart = await picture(page);
     await take(page, "Crown", "Combine");
-    for (const [label, command] of [["Union", "union"], ["Difference", "diff"], ["Blend with exponent", "ricci"]]) {
-        await dragIn(page, [[-0.8, 0, 1.5], [1, 0, 1.5]]);
+    for (const [label, command] of [
+        ["Union", "union"],
+        ["Difference", "diff"],
+        ["Blend with exponent", "ricci"],
+    ]) {
+        await dragIn(page, [
+            [-0.8, 0, 1.5],
+            [1, 0, 1.5],
+        ]);
         const list = page.locator(".tool-list");
         await list.waitFor();
         if (command === "ricci") {
@@ -174,12 +222,23 @@ test("a stroke across two solids picks them, and a list says what becomes of the
 });
 
 test("handles at their end bend, twist and taper solids", async () => {
-    for (const [label, command, way] of [["Bend", "bend", 0.5], ["Twist", "twist", 0.5], ["Taper", "taper", -0.5]]) {
+    for (const [label, command, way] of [
+        ["Bend", "bend", 0.5],
+        ["Twist", "twist", 0.5],
+        ["Taper", "taper", -0.5],
+    ]) {
         await begin(page, "line tower from=0,0,0.3 to=0,0,2.7 radius=0.3");
         await select(page, "solid", "tower");
         const upright = await picture(page);
         await take(page, "Crown", label);
-        await dragIn(page, [[0, 0, 3], [way, 0, 3]], { during: () => untilFollows(page, "solid", "tower") });
+        await dragIn(
+            page,
+            [
+                [0, 0, 3],
+                [way, 0, 3],
+            ],
+            { during: () => untilFollows(page, "solid", "tower") },
+        );
         const line = await lastLine(page, new RegExp(`^${command} tower `));
         if (command === "bend") {
             // The chord from the base to the end rotates by atan(0.5 / 3) = 9.46 degrees, the end by twice that angle.
@@ -200,7 +259,13 @@ test("a profile is drawn in its plane and revolved; its points are dragged, and 
     const plane = page.locator(".plane");
     const box = await plane.boundingBox();
     const [middle, height] = [box.x + box.width / 2, box.y + box.height / 2];
-    for (const [x, y] of [[0, 100], [60, 60], [90, -10], [50, -80], [0, -120]]) {
+    for (const [x, y] of [
+        [0, 100],
+        [60, 60],
+        [90, -10],
+        [50, -80],
+        [0, -120],
+    ]) {
         await page.mouse.click(middle + x, height + y);
     }
     assert.equal(await plane.locator("circle").count(), 5);
@@ -222,7 +287,12 @@ test("a profile is drawn in its plane and revolved; its points are dragged, and 
     await page.mouse.move(handle.x + 47, handle.y + 7, { steps: 4 });
     await untilFollows(page, "solid", "solid", "the solid follows its profile");
     await page.mouse.up();
-    await until(page, "the point is written", (before) => Number(globalThis.coppice.store.state.peek().statements[0].text.split(" ")[4].split(",")[0]) > before + 0.05, wide);
+    await until(
+        page,
+        "the point is written",
+        (before) => Number(globalThis.coppice.store.state.peek().statements[0].text.split(" ")[4].split(",")[0]) > before + 0.05,
+        wide,
+    );
     assert.equal((await lines(page))[1], "revolve solid outline");
 
     await plane.locator("circle").nth(1).focus();
@@ -253,8 +323,19 @@ test("a curve is drawn point by point, typed and edited; a sweep and a skin run 
     near(numbers(drawn, 3), [0.3, 0, 1.2], 0.02, "at the clicked position");
     assert.deepEqual(numbers(drawn, 5), [0.5, 0, 2.5], "at the typed position");
 
-    await dragIn(page, [[0.3, 0, 1.2], [0.6, 0, 1.2]], { during: () => untilFollows(page, "path", "path") });
-    await until(page, "the point is where it was dragged", () => Math.abs(Number(globalThis.coppice.store.state.peek().statements[2].text.split(" ")[3].split(",")[0]) - 0.6) < 0.02);
+    await dragIn(
+        page,
+        [
+            [0.3, 0, 1.2],
+            [0.6, 0, 1.2],
+        ],
+        { during: () => untilFollows(page, "path", "path") },
+    );
+    await until(
+        page,
+        "the point is where it was dragged",
+        () => Math.abs(Number(globalThis.coppice.store.state.peek().statements[2].text.split(" ")[3].split(",")[0]) - 0.6) < 0.02,
+    );
 
     await take(page, "Crown", "Revolve, sweep, skin");
     await chooseIn(page, "Is", "sweep");

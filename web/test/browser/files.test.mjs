@@ -71,7 +71,9 @@ test("a scene is saved, saved under another name, left for a new one, and opened
     await untilNamed("Untitled scene");
     await untilLines(page, []);
     await page.keyboard.press("Control+o");
-    await dialog(page, "Open a scene").getByRole("option", { name: /^second/ }).waitFor();
+    await dialog(page, "Open a scene")
+        .getByRole("option", { name: /^second/ })
+        .waitFor();
     await dialog(page, "Open a scene").getByLabel("Search").fill("first");
     await page.keyboard.press("Enter");
     await untilNamed("first.coppice");
@@ -142,7 +144,10 @@ test("trees, sketches and scenes of this project are taken by a drop", async () 
     assert.deepEqual(await lines(page), ["loadtree oak oak.swc"]);
 
     await drop(page, await example("fork.sketch.json"));
-    await page.getByText(/strokes?/i).first().waitFor();
+    await page
+        .getByText(/strokes?/i)
+        .first()
+        .waitFor();
     await page.evaluate(() => globalThis.coppice.take("select"));
 
     await drop(page, await example("crown.coppice"));
@@ -170,7 +175,12 @@ test("a file that is dropped again is made again, where its bytes are others", a
 });
 
 test("what cannot be read says why", async () => {
-    await drop(page, { name: "trees.zip", bytes: Buffer.from("PK") }, { name: "empty.swc", bytes: Buffer.alloc(0) }, { name: "film.mov", bytes: Buffer.from("x") });
+    await drop(
+        page,
+        { name: "trees.zip", bytes: Buffer.from("PK") },
+        { name: "empty.swc", bytes: Buffer.alloc(0) },
+        { name: "film.mov", bytes: Buffer.from("x") },
+    );
     await untilSaid(page, "trees.zip is compressed; unpack it first.");
     await untilSaid(page, "empty.swc is empty.");
     await untilSaid(page, "film.mov is not in a supported format.");
@@ -207,7 +217,8 @@ test("objects are written in every format, and what is written is sound", async 
     for (const ending of [".glb", ".ply", ".obj", ".stl", ".usda"]) {
         const done = await exportAs(`surface${ending}`, `timber${ending}`);
         assert.match(await done.locator(".verdict.good").textContent(), /\w{4}/, "the check reports the quality of the surface");
-        if (ending !== ".usda") { // the check does not read this format
+        if (ending !== ".usda") {
+            // the check does not read this format
             await judge(studio, `timber${ending}`);
         }
         await done.getByRole("button", { name: "Export more" }).click();

@@ -3,7 +3,25 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { lines, openPanel, placeOf, runLines, settled, withStudio } from "./browser.mjs";
-import { assertCalm, assertDiffer, begin, button, dragIn, field, kTree, lastLine, moveTo, near, numbers, openFront, picture, pictureNow, select, take, untilFollows } from "./hands.mjs";
+import {
+    assertCalm,
+    assertDiffer,
+    begin,
+    button,
+    dragIn,
+    field,
+    kTree,
+    lastLine,
+    moveTo,
+    near,
+    numbers,
+    openFront,
+    picture,
+    pictureNow,
+    select,
+    take,
+    untilFollows,
+} from "./hands.mjs";
 import { until, untilLines, untilObject } from "./user.mjs";
 
 let studio, page;
@@ -15,22 +33,34 @@ withStudio(async (begun) => {
 
 const kCrown = "sphere crown radius=1 center=0,0,2";
 const step = (name) => page.locator(`.step:has(#step-${name})`);
-const untilCounted = (count) => until(page, `${count} points are counted and shown`, ([text, number]) => {
-    const shown = globalThis.coppice.view.geometry({ kind: "points", name: "crown" })?.arrays.position.length / 3;
-    return document.querySelector("#step-points .count")?.textContent === text && shown === number;
-}, [`${count.toLocaleString("en")} points`, count]);
+const untilCounted = (count) =>
+    until(
+        page,
+        `${count} points are counted and shown`,
+        ([text, number]) => {
+            const shown = globalThis.coppice.view.geometry({ kind: "points", name: "crown" })?.arrays.position.length / 3;
+            return document.querySelector("#step-points .count")?.textContent === text && shown === number;
+        },
+        [`${count.toLocaleString("en")} points`, count],
+    );
 /** The balls in the view: [x, y, z, radius]. */
-const balls = () => page.evaluate(() => {
-    const all = globalThis.coppice.view.overlay.children.flatMap((group) => group.children).filter(({ geometry }) => geometry.type === "SphereGeometry");
-    return all.map(({ position, geometry }) => [...position.toArray(), geometry.parameters.radius]);
-});
+const balls = () =>
+    page.evaluate(() => {
+        const all = globalThis.coppice.view.overlay.children.flatMap((group) => group.children).filter(({ geometry }) => geometry.type === "SphereGeometry");
+        return all.map(({ position, geometry }) => [...position.toArray(), geometry.parameters.radius]);
+    });
 /** The first line of the statement of a command, after it has run. */
 async function lineOf(command, pattern = /^/) {
-    await until(page, `${command} exists as ${pattern}, and no command runs`, ([word, source]) => {
-        const { statements, running, ran } = globalThis.coppice.store.state.peek();
-        const all = statements.map(({ text }) => text.split("\n")[0]);
-        return running === null && ran === statements.length && all.some((line) => line.startsWith(`${word} `) && new RegExp(source).test(line));
-    }, [command, pattern.source]);
+    await until(
+        page,
+        `${command} exists as ${pattern}, and no command runs`,
+        ([word, source]) => {
+            const { statements, running, ran } = globalThis.coppice.store.state.peek();
+            const all = statements.map(({ text }) => text.split("\n")[0]);
+            return running === null && ran === statements.length && all.some((line) => line.startsWith(`${word} `) && new RegExp(source).test(line));
+        },
+        [command, pattern.source],
+    );
     await settled(page);
     return (await lines(page)).find((line) => line.startsWith(`${command} `)).split("\n")[0];
 }
@@ -135,7 +165,10 @@ test("a ball removes points or adds some; a tree stands where it is clicked", as
         const all = Array.from({ length: arrays.position.length / 3 }, (_, n) => [0, 1, 2].map((k) => arrays.position[3 * n + k] + header.origin[k]));
         return all.filter(([x, , z]) => Math.hypot(x, z - 2) < 0.3).sort((a, b) => a[1] - b[1])[0]; // the closest to the camera
     });
-    await dragIn(page, [at, [at[0] + 0.4, at[1], at[2]]], { during: async () => assert.ok(await page.evaluate(() => globalThis.coppice.view.overlay.children.some(({ children }) => children.length > 0)), "the ball is visible") });
+    await dragIn(page, [at, [at[0] + 0.4, at[1], at[2]]], {
+        during: async () =>
+            assert.ok(await page.evaluate(() => globalThis.coppice.view.overlay.children.some(({ children }) => children.length > 0)), "the ball is visible"),
+    });
     assert.match(await lastLine(page, /^repeat 1\n {2}sphere dab [^\n]*\n {2}pointset thin crown dab 100\n {2}delete dab kind=solid\nend$/), /radius=0\.4\d*/);
     const left = await page.evaluate(() => globalThis.coppice.store.find("points", "crown").count);
     assert.ok(left < 800, `${left} points remain`);
@@ -177,17 +210,32 @@ test("radii are seen as balls, and how many points they hold is told", async () 
     const at = await page.evaluate(() => globalThis.coppice.store.hover.value.point);
     await until(page, "a ball follows the pointer", () => /^At the pointer/.test(document.querySelector("#step-tree .count")?.textContent));
     near((await balls())[1], [...at, 0.7], 1e-6, "the ball at the pointer");
-    const within = (radius) => page.evaluate(([x, y, z, most]) => {
-        const { arrays, header } = globalThis.coppice.view.geometry({ kind: "points", name: "crown" });
-        const [a, b, c] = header.origin;
-        return Array.from({ length: arrays.position.length / 3 }, (_, n) => arrays.position.slice(3 * n, 3 * n + 3)).filter((p) => Math.hypot(p[0] + a - x, p[1] + b - y, p[2] + c - z) < most).length;
-    }, [...at, radius]);
+    const within = (radius) =>
+        page.evaluate(
+            ([x, y, z, most]) => {
+                const { arrays, header } = globalThis.coppice.view.geometry({ kind: "points", name: "crown" });
+                const [a, b, c] = header.origin;
+                return Array.from({ length: arrays.position.length / 3 }, (_, n) => arrays.position.slice(3 * n, 3 * n + 3)).filter(
+                    (p) => Math.hypot(p[0] + a - x, p[1] + b - y, p[2] + c - z) < most,
+                ).length;
+            },
+            [...at, radius],
+        );
     const kill = Number(await tree.getByLabel("Kill radius [m]", { exact: true }).inputValue());
     assert.equal(await tree.locator(".count").textContent(), `At the pointer ${await within(0.7)} of 600 points attract, ${await within(kill)} are removed.`);
     await tree.getByLabel("Kill radius [m]", { exact: true }).focus();
-    await until(page, "the balls are those of the kill radius", (radius) => globalThis.coppice.view.overlay.children.flatMap((group) => group.children).some(({ geometry }) => geometry.parameters?.radius === radius), kill);
+    await until(
+        page,
+        "the balls are those of the kill radius",
+        (radius) => globalThis.coppice.view.overlay.children.flatMap((group) => group.children).some(({ geometry }) => geometry.parameters?.radius === radius),
+        kill,
+    );
     await tree.getByLabel("Tropism weight", { exact: true }).focus();
-    await until(page, "the balls are removed", () => !globalThis.coppice.view.overlay.children.some((group) => group.children.some(({ geometry }) => geometry.type === "SphereGeometry")));
+    await until(
+        page,
+        "the balls are removed",
+        () => !globalThis.coppice.view.overlay.children.some((group) => group.children.some(({ geometry }) => geometry.type === "SphereGeometry")),
+    );
     await assertCalm(page);
 });
 
@@ -207,7 +255,12 @@ test("parameters say what they take, and take nothing else", async () => {
     assert.equal(await kill.getAttribute("aria-invalid"), null);
     assert.match(await tree.locator("code.line").textContent(), /kill_radius=0\.3/);
     const refused = tree.locator(".field-trouble");
-    for (const [typed, why] of [["1,5", "has a comma"], ["1e999", "is too large"], ["abc", "is not a number"], ["-2*3", "Enter a number from"]]) {
+    for (const [typed, why] of [
+        ["1,5", "has a comma"],
+        ["1e999", "is too large"],
+        ["abc", "is not a number"],
+        ["-2*3", "Enter a number from"],
+    ]) {
         await kill.fill("");
         await kill.pressSequentially(typed);
         await kill.press("Enter");
@@ -250,7 +303,11 @@ test("a tree grows, and changes with its seed and its radii", async () => {
     const before = await page.evaluate(() => globalThis.coppice.store.find("skeleton", "tree").count);
     const held = await lineOf("grow");
     await slide(tree.getByRole("slider", { name: "Kill radius, slider" }), [0.6, 0.7]);
-    await until(page, "the tree follows the slider", () => globalThis.coppice.view.geometry({ kind: "skeleton", name: "tree" }, "skeleton").header.seq !== undefined);
+    await until(
+        page,
+        "the tree follows the slider",
+        () => globalThis.coppice.view.geometry({ kind: "skeleton", name: "tree" }, "skeleton").header.seq !== undefined,
+    );
     assert.equal(await lineOf("grow"), held, "it is only a preview");
     await page.mouse.up();
     await until(page, "the tree has other nodes", (nodes) => globalThis.coppice.store.find("skeleton", "tree").count < nodes, before);
@@ -279,16 +336,21 @@ test("what grows is seen meanwhile; it is stopped, thrown away or kept as far as
     await unfold("tree");
     const tree = step("tree");
     await tree.getByRole("button", { name: "Into points" }).click();
-    for (const [label, value] of [["Influence radius [m]", "3"], ["Kill radius [m]", "0.01"], ["Step [m]", "0.005"]]) {
+    for (const [label, value] of [
+        ["Influence radius [m]", "3"],
+        ["Kill radius [m]", "0.01"],
+        ["Step [m]", "0.005"],
+    ]) {
         await tree.getByLabel(label, { exact: true }).fill(value); // it grows long enough for the test to observe it
     }
     const growing = page.getByRole("group", { name: "Growth", exact: true });
     const stopped = page.getByRole("group", { name: "Growth that was stopped" });
-    const untilGrown = () => until(page, "the growth is reported and visible", () => {
-        const { grown } = globalThis.coppice.view;
-        const nodes = /^([\d,]+) nodes so far$/.exec(document.querySelector(".growing [role=status]")?.textContent)?.[1].replace(/,/g, "");
-        return Number(nodes) >= 500 && grown.group.children.length > 0;
-    });
+    const untilGrown = () =>
+        until(page, "the growth is reported and visible", () => {
+            const { grown } = globalThis.coppice.view;
+            const nodes = /^([\d,]+) nodes so far$/.exec(document.querySelector(".growing [role=status]")?.textContent)?.[1].replace(/,/g, "");
+            return Number(nodes) >= 500 && grown.group.children.length > 0;
+        });
     await tree.getByRole("button", { name: "Grow a tree" }).click();
     await untilGrown();
     assertDiffer(await pictureNow(page), empty, "the growing tree is visible");
@@ -324,9 +386,18 @@ test("what grows is seen meanwhile; it is stopped, thrown away or kept as far as
 });
 
 const branches = () => page.getByRole("listbox", { name: "Branches of the library" }).getByRole("option");
-const untilPictures = (within, count) => until(page, `${count} branches have images`, ([selector, wanted]) => {
-    return document.querySelectorAll(`${selector} svg.silhouette`).length === wanted && [...document.querySelectorAll(`${selector} svg.silhouette`)].every((svg) => svg.querySelector("path"));
-}, [within, count]);
+const untilPictures = (within, count) =>
+    until(
+        page,
+        `${count} branches have images`,
+        ([selector, wanted]) => {
+            return (
+                document.querySelectorAll(`${selector} svg.silhouette`).length === wanted &&
+                [...document.querySelectorAll(`${selector} svg.silhouette`)].every((svg) => svg.querySelector("path"))
+            );
+        },
+        [within, count],
+    );
 
 /** Drags a branch of the library to a position of the scene. */
 async function dragOut(number, point, during) {

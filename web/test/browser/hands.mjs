@@ -48,9 +48,12 @@ export async function begin(page, ...lines) {
 }
 
 export async function select(page, kind, name, nodes = [], extent = "branch") {
-    await page.evaluate((given) => {
-        globalThis.coppice.store.selection.value = { object: { kind: given[0], name: given[1] }, nodes: given[2], extent: given[3] };
-    }, [kind, name, nodes, extent]);
+    await page.evaluate(
+        (given) => {
+            globalThis.coppice.store.selection.value = { object: { kind: given[0], name: given[1] }, nodes: given[2], extent: given[3] };
+        },
+        [kind, name, nodes, extent],
+    );
 }
 
 /** Selects a tool by its button, and unfolds its group if necessary. */
@@ -76,7 +79,11 @@ export async function hideAll(page) {
 export const held = (page) => page.evaluate(() => globalThis.coppice.store.tool.value);
 export const selection = (page) => page.evaluate(() => globalThis.coppice.store.selection.value);
 export const said = (page) => page.evaluate(() => globalThis.coppice.store.messages.value.map(({ text }) => text));
-export const field = (page, label) => page.locator(".tool-panel label").filter({ has: page.getByText(label, { exact: true }) }).locator("input, select");
+export const field = (page, label) =>
+    page
+        .locator(".tool-panel label")
+        .filter({ has: page.getByText(label, { exact: true }) })
+        .locator("input, select");
 export const button = (page, label) => page.locator(".tool-panel").getByRole("button", { name: label, exact: true });
 export const chooseIn = (page, label, value) => field(page, label).selectOption(value);
 

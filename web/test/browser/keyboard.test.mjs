@@ -25,12 +25,13 @@ const press = async (...keys) => {
 };
 
 /** Name and role of the focused element. */
-const focused = () => page.evaluate(() => {
-    const element = document.activeElement;
-    const label = element.getAttribute("aria-label") ?? element.labels?.[0]?.querySelector("span")?.textContent ?? element.labels?.[0]?.textContent;
-    const text = element.matches(".menu-item") ? element.querySelector("span").textContent : element.textContent;
-    return (label ?? text).trim().slice(0, 60);
-});
+const focused = () =>
+    page.evaluate(() => {
+        const element = document.activeElement;
+        const label = element.getAttribute("aria-label") ?? element.labels?.[0]?.querySelector("span")?.textContent ?? element.labels?.[0]?.textContent;
+        const text = element.matches(".menu-item") ? element.querySelector("span").textContent : element.textContent;
+        return (label ?? text).trim().slice(0, 60);
+    });
 
 /** Presses a key until the focused element has this name. */
 async function goTo(name, key = "Tab", most = 150) {
@@ -54,10 +55,16 @@ async function chooseByKeys(menu, item) {
     await press("Enter");
 }
 
-const untilLast = (line) => until(page, `the last line is "${line}"`, (wanted) => {
-    const { statements, ran, running, error } = globalThis.coppice.store.state.peek();
-    return running === null && error === null && ran === statements.length && statements.at(-1)?.text === wanted;
-}, line);
+const untilLast = (line) =>
+    until(
+        page,
+        `the last line is "${line}"`,
+        (wanted) => {
+            const { statements, ran, running, error } = globalThis.coppice.store.state.peek();
+            return running === null && error === null && ran === statements.length && statements.at(-1)?.text === wanted;
+        },
+        line,
+    );
 
 const goToPicture = () => goTo(/^View of the scene/, "F6", 8);
 
@@ -100,7 +107,11 @@ test("the tree of objects hides, renames and selects", async () => {
     await page.keyboard.type("oak");
     await press("Enter");
     await untilObject(page, "skeleton", "oak");
-    await until(page, "the row has the focus again", () => document.activeElement.getAttribute("role") === "treeitem" || document.activeElement === document.body);
+    await until(
+        page,
+        "the row has the focus again",
+        () => document.activeElement.getAttribute("role") === "treeitem" || document.activeElement === document.body,
+    );
     await goToPicture();
     await press("Shift+F6");
     await goTo("Objects");

@@ -149,12 +149,15 @@ test("the silhouette of a ball is a disc, as large and where it should be, with 
         await display({ parallel });
         const mask = changes(await drawn(), await drawnEmpty(), 10);
         const [[x, y]] = await toPixels([kCenter]);
-        const radius = await page.evaluate(([center, isParallel]) => {
-            const { view } = globalThis.coppice;
-            const flat = 0.8 / view.pixelSize(center);
-            const far = Math.hypot(...view.rig.pose.eye.toArray().map((value, k) => value - center[k]));
-            return isParallel ? flat : flat / Math.sqrt(1 - (0.8 / far) ** 2); // of a close ball more than half the width is hidden
-        }, [kCenter, parallel]);
+        const radius = await page.evaluate(
+            ([center, isParallel]) => {
+                const { view } = globalThis.coppice;
+                const flat = 0.8 / view.pixelSize(center);
+                const far = Math.hypot(...view.rig.pose.eye.toArray().map((value, k) => value - center[k]));
+                return isParallel ? flat : flat / Math.sqrt(1 - (0.8 / far) ** 2); // of a close ball more than half the width is hidden
+            },
+            [kCenter, parallel],
+        );
         const box = boxOf(mask);
         [x - radius, y - radius, x + radius, y + radius].forEach((wanted, k) => {
             assert.ok(Math.abs(box[k] - wanted) < 2, `it extends over ${box} instead of ${wanted}`);
@@ -193,7 +196,8 @@ async function valuesSeen(kind) {
         const out = [];
         for (let v = 0; v < arrays.value.length; ++v) {
             const [x, y] = view.toPixels([0, 1, 2].map((k) => arrays.position[3 * v + k] + header.origin[k]));
-            if (arrays.normal[4 * v + 1] < -100) { // towards the camera, which looks along +Y
+            if (arrays.normal[4 * v + 1] < -100) {
+                // towards the camera, which looks along +Y
                 out.push({ x, y, value: arrays.value[v] });
             }
         }
@@ -203,7 +207,11 @@ async function valuesSeen(kind) {
 
 test("colours by radius, order and deviation are those of the legend", async () => {
     await runLines(page, ...kTree);
-    for (const [color, lowest, highest, most] of [["radius", 0.03, 0.19, 25], ["order", 0, 2, 25], ["deviation", 0, 0, 8]]) {
+    for (const [color, lowest, highest, most] of [
+        ["radius", 0.03, 0.19, 25],
+        ["order", 0, 2, 25],
+        ["deviation", 0, 0, 8],
+    ]) {
         await display({ color });
         const png = await drawn();
         const colorOf = await legend();
@@ -223,16 +231,19 @@ test("colours by radius, order and deviation are those of the legend", async () 
 
 /** The edges of an object drawn in a form, or the segments of a skeleton, in pixels of the image. */
 async function edgesOf(kind, name, slot) {
-    const edges = await page.evaluate(([wanted, called, form]) => {
-        const { view } = globalThis.coppice;
-        const { arrays, header } = view.objects.shown({ kind: wanted, name: called }).geometries.get(form);
-        const at = (v) => view.toPixels([0, 1, 2].map((k) => arrays.position[3 * v + k] + header.origin[k]));
-        if (arrays.parent) {
-            return Array.from(arrays.parent, (parent, n) => (parent === 0xffffffff ? null : [at(parent), at(n)])).filter(Boolean);
-        }
-        const [corners, size] = arrays.quads ? [arrays.quads, 4] : [arrays.triangles, 3];
-        return Array.from(corners, (v, i) => [at(v), at(corners[i % size === size - 1 ? i - size + 1 : i + 1])]);
-    }, [kind, name, slot]);
+    const edges = await page.evaluate(
+        ([wanted, called, form]) => {
+            const { view } = globalThis.coppice;
+            const { arrays, header } = view.objects.shown({ kind: wanted, name: called }).geometries.get(form);
+            const at = (v) => view.toPixels([0, 1, 2].map((k) => arrays.position[3 * v + k] + header.origin[k]));
+            if (arrays.parent) {
+                return Array.from(arrays.parent, (parent, n) => (parent === 0xffffffff ? null : [at(parent), at(n)])).filter(Boolean);
+            }
+            const [corners, size] = arrays.quads ? [arrays.quads, 4] : [arrays.triangles, 3];
+            return Array.from(corners, (v, i) => [at(v), at(corners[i % size === size - 1 ? i - size + 1 : i + 1])]);
+        },
+        [kind, name, slot],
+    );
     return edges.map((ends) => ends.map(([x, y]) => [x, y]));
 }
 
@@ -269,7 +280,11 @@ test("wireframe, cage, bones and points are drawn where they lie and nowhere els
         return Array.from({ length: arrays.position.length / 3 }, (_, n) => view.toPixels([0, 1, 2].map((k) => arrays.position[3 * n + k] + header.origin[k])));
     });
     assert.equal(places.length, 60);
-    assertAlong(changes(dotted, await drawn()), places.map((at) => [at, at]), { reach: 4, share: 1, what: "points" });
+    assertAlong(
+        changes(dotted, await drawn()),
+        places.map((at) => [at, at]),
+        { reach: 4, share: 1, what: "points" },
+    );
     await display({ points: true, pointSize: 3 });
     await assertCalm(page);
 });
@@ -289,7 +304,8 @@ test("the field of a ball lies in its plane, and its surface is the circle in it
     let astray = 0;
     field.forEach((_, i) => {
         const [r, g, b] = png.data.subarray(4 * i, 4 * i + 3);
-        if (Math.abs(r - 255) < 12 && Math.abs(g - 164) < 20 && Math.abs(b - 54) < 30) { // the mark of the surface
+        if (Math.abs(r - 255) < 12 && Math.abs(g - 164) < 20 && Math.abs(b - 54) < 30) {
+            // the mark of the surface
             const [x, y] = [(i % png.width) + 0.5 - middle[0], Math.floor(i / png.width) + 0.5 - middle[1]];
             angles.add(Math.round((Math.atan2(y, x) * 18) / Math.PI));
             astray += Math.abs(Math.hypot(x, y) - radius) > 3 ? 1 : 0;
@@ -315,12 +331,27 @@ test("a section takes away what lies on its one side, and nothing on the other",
     const [[x]] = await toPixels([kCenter]);
     const sides = (mask, keep) => mask.reduce((sum, value, i) => sum + (value && keep((i % mask.width) + 0.5) ? 1 : 0), 0);
     assert.ok(sides(changes(whole, empty), (at) => at > x + 12) > 1000, "some pixels were drawn");
-    assert.equal(sides(changes(cut, empty), (at) => at > x + 12), 0, "right of the plane all pixels are removed");
-    assert.equal(sides(changes(cut, whole), (at) => at < x - 12), 0, "left of it all pixels are unchanged");
+    assert.equal(
+        sides(changes(cut, empty), (at) => at > x + 12),
+        0,
+        "right of the plane all pixels are removed",
+    );
+    assert.equal(
+        sides(changes(cut, whole), (at) => at < x - 12),
+        0,
+        "left of it all pixels are unchanged",
+    );
     await display({ section: { on: true, axis: "x", at: 0.2, flipped: true } });
     const flipped = await drawn();
-    assert.equal(sides(changes(flipped, empty), (at) => at < x - 12), 0, "and flipped it is reversed");
-    assert.equal(sides(changes(flipped, whole), (at) => at > x + 12), 0);
+    assert.equal(
+        sides(changes(flipped, empty), (at) => at < x - 12),
+        0,
+        "and flipped it is reversed",
+    );
+    assert.equal(
+        sides(changes(flipped, whole), (at) => at > x + 12),
+        0,
+    );
     // Seen along its normal the cut is a disc with an outline in the selection colour.
     await display({ section: { on: true, axis: "y", at: 0, flipped: true } });
     const open = changes(await drawn(), empty, 10);
@@ -346,7 +377,11 @@ test("the path tracer and the view cover the same pixels with a mesh", async () 
         await chooseItem(page, "File", "Picture…");
         const asked = dialog(page, "Image by the path tracer");
         await asked.getByLabel("File in the folder").fill(file);
-        for (const [label, value] of [["Width", width], ["Height", height], ["Rays for each pixel", 4]]) {
+        for (const [label, value] of [
+            ["Width", width],
+            ["Height", height],
+            ["Rays for each pixel", 4],
+        ]) {
             await asked.getByLabel(label).fill(String(value));
         }
         await asked.getByLabel("Ground with shadow").setChecked(false);
@@ -356,7 +391,10 @@ test("the path tracer and the view cover the same pixels with a mesh", async () 
         const traced = PNG.sync.read(await studio.read(file));
         assert.deepEqual([traced.width, traced.height], [width, height]);
         const seen = changes(await drawn(), await withoutMesh(), 10);
-        const truth = Object.assign(Uint8Array.from({ length: seen.length }, (_, i) => (traced.data[4 * i + 3] > 127 ? 1 : 0)), { width, height });
+        const truth = Object.assign(
+            Uint8Array.from({ length: seen.length }, (_, i) => (traced.data[4 * i + 3] > 127 ? 1 : 0)),
+            { width, height },
+        );
         assert.ok(count(truth) > 3000, "the path tracer drew some pixels");
         const differ = seen.reduce((sum, value, i) => sum + (value !== truth[i] ? 1 : 0), 0);
         const rim = truth.reduce((sum, value, i) => sum + (value && (!truth[i - 1] || !truth[i + 1] || !truth[i - width] || !truth[i + width]) ? 1 : 0), 0);
@@ -425,7 +463,11 @@ test("a browser without WebGL is told so", async () => {
 test("a mesh too slow to be moved is drawn when its skeleton is hidden meanwhile", async () => {
     await runLines(page, ...kTree, "mesh tree levels=6");
     const isMeshSeen = () => page.evaluate(() => globalThis.coppice.view.objects.shown({ kind: "mesh", name: "tree" }).surface.group.visible);
-    await until(page, "a mesh of many triangles is drawn", () => globalThis.coppice.view.objects.shown({ kind: "mesh", name: "tree" })?.surface?.triangleCount > 150_000);
+    await until(
+        page,
+        "a mesh of many triangles is drawn",
+        () => globalThis.coppice.view.objects.shown({ kind: "mesh", name: "tree" })?.surface?.triangleCount > 150_000,
+    );
     assert.ok(await isMeshSeen());
     await page.evaluate(() => {
         const { view, store } = globalThis.coppice;

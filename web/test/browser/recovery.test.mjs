@@ -28,9 +28,11 @@ after(async () => {
     await studio?.end();
 });
 
-const untilConnected = (on) => until(on, "the page is connected", () => globalThis.coppice?.store.connection.peek() === "ready" && globalThis.coppice.store.schema.peek().length > 0);
+const untilConnected = (on) =>
+    until(on, "the page is connected", () => globalThis.coppice?.store.connection.peek() === "ready" && globalThis.coppice.store.schema.peek().length > 0);
 const untilTold = (on, text) => on.locator(".connection", { hasText: text }).waitFor();
-const isDrawn = (on, name) => until(on, `${name} is drawn`, (called) => globalThis.coppice.view.geometry({ kind: "solid", name: called })?.arrays.position.length > 0, name);
+const isDrawn = (on, name) =>
+    until(on, `${name} is drawn`, (called) => globalThis.coppice.view.geometry({ kind: "solid", name: called })?.arrays.position.length > 0, name);
 
 /** A page with a connection that can be cut: `cable.eats` selects the messages that are lost before that. */
 async function openOnCable(context) {
@@ -42,7 +44,10 @@ async function openOnCable(context) {
             return;
         }
         const server = socket.connectToServer();
-        cable.ends.push(() => socket.close({ code: 1001 }), () => server.close());
+        cable.ends.push(
+            () => socket.close({ code: 1001 }),
+            () => server.close(),
+        );
         const pass = (to) => (data) => {
             const message = typeof data === "string" ? JSON.parse(data) : {};
             if (to === server) {
@@ -61,10 +66,17 @@ async function openOnCable(context) {
 }
 
 /** Runs a line without waiting for it; `answer` waits. */
-const ask = (on, line) => on.evaluate((text) => {
-    globalThis.answer = null;
-    globalThis.coppice.engine.run(text).then(() => "done", (error) => error.message).then((answer) => (globalThis.answer = answer));
-}, line);
+const ask = (on, line) =>
+    on.evaluate((text) => {
+        globalThis.answer = null;
+        globalThis.coppice.engine
+            .run(text)
+            .then(
+                () => "done",
+                (error) => error.message,
+            )
+            .then((answer) => (globalThis.answer = answer));
+    }, line);
 
 async function answer(on) {
     await until(on, "the request is answered", () => globalThis.answer !== null);

@@ -134,7 +134,11 @@ test("the numbers of a point are computed one by one, or refused with the old on
     };
     await type("Y", "2*3");
     await untilLines(page, ["sphere crown center=1,6,3"]);
-    for (const [text, why] of [["1,5", /has a comma.*stays 6\.$/], ["1e999", /is too large.*stays 6\.$/], ["abc", /is not a number.*stays 6\.$/]]) {
+    for (const [text, why] of [
+        ["1,5", /has a comma.*stays 6\.$/],
+        ["1e999", /is too large.*stays 6\.$/],
+        ["abc", /is not a number.*stays 6\.$/],
+    ]) {
         await type("Y", text);
         assert.match(await center.getByRole("alert").textContent(), why);
         assert.equal(await center.getByLabel("Y").inputValue(), "6");

@@ -7,17 +7,47 @@ import { drag, lines, runLines, settled, withStudio } from "./browser.mjs";
 import { assertCalm, assertDiffer, begin, button, field, lastLine, near, openFront, picture, take } from "./hands.mjs";
 import { coppice, until } from "./user.mjs";
 
-const kWide = 360, kHigh = 480; // [px] size of the images
+const kWide = 360,
+    kHigh = 480; // [px] size of the images
 const kAngle = 45; // [degree] vertical field of view
 const kFocal = (0.5 * kHigh) / Math.tan((kAngle * Math.PI) / 360);
-const kFork = { // [m]: axes, and the radii at their ends
-    stem: { points: [[0, 0, 0], [0.06, -0.05, 1.2], [0, 0, 2.6]], radii: [0.1, 0.04] },
-    lateral: { points: [[0.06, -0.05, 1.2], [0.4, 0.25, 1.7], [0.55, 0.5, 2.2]], radii: [0.06, 0.025] },
+const kFork = {
+    // [m]: axes, and the radii at their ends
+    stem: {
+        points: [
+            [0, 0, 0],
+            [0.06, -0.05, 1.2],
+            [0, 0, 2.6],
+        ],
+        radii: [0.1, 0.04],
+    },
+    lateral: {
+        points: [
+            [0.06, -0.05, 1.2],
+            [0.4, 0.25, 1.7],
+            [0.55, 0.5, 2.2],
+        ],
+        radii: [0.06, 0.025],
+    },
 };
 // Cameras in the convention of OpenCV: both level, 4 m and 4.5 m from the stem, 1.3 m above its base.
 const kCameras = {
-    front: { R: [[1, 0, 0], [0, 0, -1], [0, 1, 0]], t: [0, 1.3, 4] },
-    side: { R: [[0, 1, 0], [0, 0, -1], [-1, 0, 0]], t: [0, 1.3, 4.5] },
+    front: {
+        R: [
+            [1, 0, 0],
+            [0, 0, -1],
+            [0, 1, 0],
+        ],
+        t: [0, 1.3, 4],
+    },
+    side: {
+        R: [
+            [0, 1, 0],
+            [0, 0, -1],
+            [-1, 0, 0],
+        ],
+        t: [0, 1.3, 4.5],
+    },
 };
 const kViews = Object.keys(kCameras);
 
@@ -41,10 +71,12 @@ function seen(view, point) {
 /** Many points along an axis of the fork, with radii. */
 function along({ points, radii }, pieces = 60) {
     const parts = points.slice(1).map((to, i) => [points[i], to]);
-    return parts.flatMap(([from, to], i) => Array.from({ length: pieces + 1 }, (_, k) => {
-        const share = (i + k / pieces) / parts.length;
-        return { at: from.map((value, c) => value + ((to[c] - value) * k) / pieces), radius: radii[0] + (radii[1] - radii[0]) * share };
-    }));
+    return parts.flatMap(([from, to], i) =>
+        Array.from({ length: pieces + 1 }, (_, k) => {
+            const share = (i + k / pieces) / parts.length;
+            return { at: from.map((value, c) => value + ((to[c] - value) * k) / pieces), radius: radii[0] + (radii[1] - radii[0]) * share };
+        }),
+    );
 }
 
 /** An image of the fork in front of a bright sky. */
@@ -53,7 +85,10 @@ function photograph(view) {
     png.data.fill(235);
     for (const axis of Object.values(kFork)) {
         for (const { at, radius } of along(axis)) {
-            const { at: [x, y], scale } = seen(view, at);
+            const {
+                at: [x, y],
+                scale,
+            } = seen(view, at);
             const reach = radius * scale;
             for (let row = Math.ceil(y - reach); row <= y + reach; ++row) {
                 for (let column = Math.ceil(x - reach); column <= x + reach; ++column) {
@@ -90,7 +125,11 @@ async function openView(view) {
     if (!(await form.evaluate((element) => element.open))) {
         await form.locator("summary").click();
     }
-    return (label) => form.locator("label").filter({ has: page.getByText(label, { exact: true }) }).locator("input, select");
+    return (label) =>
+        form
+            .locator("label")
+            .filter({ has: page.getByText(label, { exact: true }) })
+            .locator("input, select");
 }
 
 const least = (point, others) => Math.min(...others.map((other) => Math.hypot(...point.map((value, k) => value - other[k]))));
@@ -131,12 +170,18 @@ async function nodesOf(name) {
 }
 
 /** Waits until a tree with this maximum height is shown with the images, before it is in the scene. */
-const untilStands = (height, what) => until(page, what, ([wanted]) => {
-    const tree = globalThis.coppice.view.overlay.children.find((one) => one.isInstancedMesh);
-    const all = tree?.instanceMatrix.array ?? [];
-    const tops = Array.from({ length: all.length / 16 }, (_, i) => all[16 * i + 14] + Math.abs(all[16 * i + 6]) / 2);
-    return wanted === null ? !tree : Math.abs(Math.max(...tops) - wanted) < 0.08;
-}, [height]);
+const untilStands = (height, what) =>
+    until(
+        page,
+        what,
+        ([wanted]) => {
+            const tree = globalThis.coppice.view.overlay.children.find((one) => one.isInstancedMesh);
+            const all = tree?.instanceMatrix.array ?? [];
+            const tops = Array.from({ length: all.length / 16 }, (_, i) => all[16 * i + 14] + Math.abs(all[16 * i + 6]) / 2);
+            return wanted === null ? !tree : Math.abs(Math.max(...tops) - wanted) < 0.08;
+        },
+        [height],
+    );
 
 async function pixelsOf(view) {
     await settled(page);
@@ -217,7 +262,9 @@ test("a stroke of a tree that is in the scene is changed, and what was made of i
     await untilStands(2.6, "the sketch is opened");
     const tip = kFork.lateral.points.at(-1);
     for (const view of kViews) {
-        const { at: [x, y] } = seen(view, tip);
+        const {
+            at: [x, y],
+        } = seen(view, tip);
         const { x: px, y: py } = await onPage(view, [x, y]);
         await page.mouse.click(...Object.values(await onPage(view, seen(view, kFork.lateral.points[1]).at)).slice(0, 2));
         assert.equal(await field(page, "Branch").inputValue(), "branch 1", "a click chooses the stroke");
@@ -227,12 +274,17 @@ test("a stroke of a tree that is in the scene is changed, and what was made of i
     await settled(page);
     await putIntoScene();
     assert.deepEqual(await lines(page), ["sketch fork fork.sketch.json", "save fork studio.swc"], "no additional line");
-    await until(page, "the tip is higher", ([x, y]) => {
-        const { view, store } = globalThis.coppice;
-        const found = view.geometry({ kind: "skeleton", name: "fork" }, "skeleton");
-        const places = Array.from({ length: found?.arrays.radius.length ?? 0 }, (_, n) => found.arrays.position.subarray(3 * n, 3 * n + 3));
-        return store.state.peek().running === null && places.some((at) => Math.hypot(at[0] - x, at[1] - y, at[2] - 2.4) < 0.08);
-    }, tip);
+    await until(
+        page,
+        "the tip is higher",
+        ([x, y]) => {
+            const { view, store } = globalThis.coppice;
+            const found = view.geometry({ kind: "skeleton", name: "fork" }, "skeleton");
+            const places = Array.from({ length: found?.arrays.radius.length ?? 0 }, (_, n) => found.arrays.position.subarray(3 * n, 3 * n + 3));
+            return store.state.peek().running === null && places.some((at) => Math.hypot(at[0] - x, at[1] - y, at[2] - 2.4) < 0.08);
+        },
+        tip,
+    );
     await assertCalm(page);
 });
 

@@ -16,7 +16,11 @@ withStudio(async (begun) => {
         globalThis.touches = [];
         addEventListener("pointerdown", (event) => globalThis.pointers.add(event.pointerType), true);
         for (const type of ["pointerdown", "pointerup", "pointercancel", "contextmenu", "click"]) {
-            addEventListener(type, ({ target, timeStamp }) => globalThis.touches.push(`${type} on ${target.className || target.tagName} at ${Math.round(timeStamp)}`), true);
+            addEventListener(
+                type,
+                ({ target, timeStamp }) => globalThis.touches.push(`${type} on ${target.className || target.tagName} at ${Math.round(timeStamp)}`),
+                true,
+            );
         }
     });
 });
@@ -25,10 +29,11 @@ const kOnRight = [0.9, 0, 1.72]; // on the segment that leads to node 20
 const places = (...points) => Promise.all(points.map((point) => placeOf(page, point)));
 const dragIn = async (points, options) => drag(page, await places(...points), options);
 const tapIn = async (point) => tapAt(page, await placeOf(page, point));
-const pose = () => page.evaluate(() => {
-    const { yaw, pitch, distance } = globalThis.coppice.view.rig.pose;
-    return { yaw, pitch, distance };
-});
+const pose = () =>
+    page.evaluate(() => {
+        const { yaw, pitch, distance } = globalThis.coppice.view.rig.pose;
+        return { yaw, pitch, distance };
+    });
 
 /** Selects a tool by taps. */
 async function take(group, label) {
@@ -55,7 +60,10 @@ test("one finger turns the picture, two move and near it", async () => {
     await begin(page, ...kTree);
     const before = await pose();
     const { x, y } = await placeOf(page, [0.5, 0, 0.6]); // away from the tree
-    await drag(page, [{ x, y }, { x: x + 100, y: y + 30 }]);
+    await drag(page, [
+        { x, y },
+        { x: x + 100, y: y + 30 },
+    ]);
     const turned = await pose();
     assert.ok(Math.abs(turned.yaw - before.yaw) > 0.3 && turned.pitch > before.pitch + 0.1, `it turned: ${JSON.stringify([before, turned])}`);
     assert.equal(turned.distance, before.distance, "and did not zoom");
@@ -74,7 +82,10 @@ test("one finger turns the picture, two move and near it", async () => {
     const apart = (share) => [low, high].map(({ x, y }) => ({ x: middle.x + (x - middle.x) * share, y: middle.y + (y - middle.y) * share }));
     await pinch(page, [low, high], apart(1.6));
     nearPlace(await placeOf(page, [0.6, 0, 1.5]), middle, "the point between the fingers stays there");
-    for (const [n, point] of [[0.6, 0, 0.9], [0.6, 0, 2.1]].entries()) {
+    for (const [n, point] of [
+        [0.6, 0, 0.9],
+        [0.6, 0, 2.1],
+    ].entries()) {
         nearPlace(await placeOf(page, point), apart(1.6)[n], "and the points under them follow them");
     }
     assertDiffer(await picture(page), nearer, "the tree is larger");
@@ -101,19 +112,31 @@ test("solids are placed and moved by a finger, and taken back by the button abov
     await begin(page);
     await page.evaluate(() => globalThis.coppice.view.look("top"));
     await take("Crown", "Place");
-    await dragIn([[0.4, 0, 0], [0.9, 0, 0]], { during: () => untilFollows(page, "solid", "ball") });
+    await dragIn(
+        [
+            [0.4, 0, 0],
+            [0.9, 0, 0],
+        ],
+        { during: () => untilFollows(page, "solid", "ball") },
+    );
     const line = await lastLine(page, /^sphere /);
     near(numbers(line, "center"), [0.4, 0, 0], 0.02, line);
     near(numbers(line, "radius"), [0.5], 0.02, line);
     await field(page, "Shape").selectOption("box");
-    await dragIn([[-0.8, 0.5, 0], [-0.5, 0.5, 0]]);
+    await dragIn([
+        [-0.8, 0.5, 0],
+        [-0.5, 0.5, 0],
+    ]);
     const box = await lastLine(page, /^box /);
     near(numbers(box, "high"), [-0.53, 0.77, 0.57], 0.05, `as high as it is wide, since fingers do not hover: ${box}`);
 
     await untilSelected(page, "solid", "box");
     await take("View", "Move");
     const reach = await page.evaluate(() => 70 * globalThis.coppice.view.pixelSize([-0.8, 0.5, 0.3]));
-    await dragIn([[-0.8 + reach, 0.5, 0.3], [-0.3 + reach, 0.9, 0.3]]);
+    await dragIn([
+        [-0.8 + reach, 0.5, 0.3],
+        [-0.3 + reach, 0.9, 0.3],
+    ]);
     near((await lastLine(page, /^translate box /)).split(" ").slice(2).map(Number), [0.5, 0, 0], 0.03, "along the arrow alone");
     const undo = page.getByRole("button", { name: /^Undo/ });
     await undo.tap();
@@ -131,7 +154,14 @@ test("branches are bent and drawn by a finger; a second one moves the picture in
     near(numbers(await lastLine(page, /^edit bend tree at\(/), "towards"), [0, 0, -1], 0.05, "down");
 
     await take("Branches", "Draw");
-    await dragIn([[0, 0, 2.5], [0.3, 0, 2.8], [0.7, 0, 2.9]], { during: () => untilFollows(page, "skeleton", "tree") });
+    await dragIn(
+        [
+            [0, 0, 2.5],
+            [0.3, 0, 2.8],
+            [0.7, 0, 2.9],
+        ],
+        { during: () => untilFollows(page, "skeleton", "tree") },
+    );
     const line = await lastLine(page, /^edit draw tree /);
     near(numbers(line, 3), [0, 0, 2.5], 0.05, "it begins on the stem");
     near(line.split(" ").at(-1).split(",").map(Number), [0.7, 0, 2.9], 0.1, "and ends where the finger was lifted");

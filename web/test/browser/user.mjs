@@ -12,7 +12,15 @@ async function told(page) {
         const { state, messages, connection } = globalThis.coppice.store;
         const { statements, ran, running, error, objects } = state.peek();
         const lines = statements.map(({ text }) => text);
-        return JSON.stringify({ lines, ran, running, error, objects: objects.map(({ kind, name }) => `${kind} ${name}`), messages: messages.peek(), connection: connection.peek() });
+        return JSON.stringify({
+            lines,
+            ran,
+            running,
+            error,
+            objects: objects.map(({ kind, name }) => `${kind} ${name}`),
+            messages: messages.peek(),
+            connection: connection.peek(),
+        });
     });
 }
 
@@ -104,7 +112,10 @@ export async function drop(page, ...files) {
 /** Chooses an item of the menu bar with the mouse. */
 export async function chooseItem(page, menu, item) {
     await page.locator(".menu-title", { hasText: new RegExp(`^${menu}$`) }).click();
-    await page.locator(".menu-item > span:first-child", { hasText: item }).and(page.getByText(item, { exact: true })).click();
+    await page
+        .locator(".menu-item > span:first-child", { hasText: item })
+        .and(page.getByText(item, { exact: true }))
+        .click();
 }
 
 /** The open dialog, by its title. */

@@ -86,7 +86,10 @@ async function wholeWay(hand) {
     await untilObject(page, "skeleton", "tree");
     await tap("Bend", tools);
     const { x, y } = await openTip(page, "tree");
-    await hand.drag(page, [{ x, y }, { x: x + 40, y }]);
+    await hand.drag(page, [
+        { x, y },
+        { x: x + 40, y },
+    ]);
     await lastLine(page, /^edit bend tree /);
     await tap("Make the surface");
     await untilObject(page, "mesh", "tree");

@@ -161,7 +161,10 @@ test("what is refused stays typed, and why is said once", async () => {
     desk.refuse = new EngineError("the text has more than 100000 lines", "input");
     await desk.applying.apply();
     assert.equal(desk.kind, "typed");
-    assert.deepEqual(desk.store.messages.peek().map(({ text }) => text), ["the text has more than 100000 lines"]);
+    assert.deepEqual(
+        desk.store.messages.peek().map(({ text }) => text),
+        ["the text has more than 100000 lines"],
+    );
     assert.equal(desk.typed, "sphere a\nsphere b\n");
     desk.store.connection.value = "lost";
     await desk.applying.apply();

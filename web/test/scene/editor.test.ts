@@ -80,18 +80,20 @@ test("line ends of another kind are no change", () => {
 const text = fc.array(fc.constantFrom("a", "b", "c", "d", ""), { maxLength: 8 }).map((lines) => lines.join("\n"));
 
 test("changes of a text are found and made again", () => {
-    fc.assert(fc.property(text, text, (a, b) => {
-        const lines = a.split("\n");
-        const out: string[] = [];
-        let at = 0;
-        for (const hunk of difference(lines, b.split("\n"))) {
-            out.push(...lines.slice(at, hunk.from), ...hunk.lines);
-            at = hunk.to;
-        }
-        assert.equal([...out, ...lines.slice(at)].join("\n"), b);
-        const state = EditorState.create({ doc: a });
-        assert.equal(state.update({ changes: changesBetween(a, b) }).state.doc.toString(), b);
-    }));
+    fc.assert(
+        fc.property(text, text, (a, b) => {
+            const lines = a.split("\n");
+            const out: string[] = [];
+            let at = 0;
+            for (const hunk of difference(lines, b.split("\n"))) {
+                out.push(...lines.slice(at, hunk.from), ...hunk.lines);
+                at = hunk.to;
+            }
+            assert.equal([...out, ...lines.slice(at)].join("\n"), b);
+            const state = EditorState.create({ doc: a });
+            assert.equal(state.update({ changes: changesBetween(a, b) }).state.doc.toString(), b);
+        }),
+    );
 });
 
 test("cursors in lines that stay are where they were", () => {
@@ -110,27 +112,41 @@ test("an empty line and no line are different changes", () => {
 });
 
 test("of two changes none is lost", () => {
-    fc.assert(fc.property(text, text, text, (base, mine, theirs) => {
-        assert.equal(merged(base, base, theirs), theirs);
-        assert.equal(merged(base, mine, base), mine);
-        assert.equal(merged(base, mine, mine, "mine"), mine);
-        assert.notEqual(merged(base, mine, theirs, "mine"), null);
-        const both = merged(base, mine, theirs);
-        if (both !== null) {
-            const old = base.split("\n");
-            const added = [...difference(old, mine.split("\n")), ...difference(old, theirs.split("\n"))].flatMap((hunk) => hunk.lines);
-            const lines = both.split("\n");
-            added.forEach((line) => assert.ok(lines.includes(line)));
-        }
-    }));
+    fc.assert(
+        fc.property(text, text, text, (base, mine, theirs) => {
+            assert.equal(merged(base, base, theirs), theirs);
+            assert.equal(merged(base, mine, base), mine);
+            assert.equal(merged(base, mine, mine, "mine"), mine);
+            assert.notEqual(merged(base, mine, theirs, "mine"), null);
+            const both = merged(base, mine, theirs);
+            if (both !== null) {
+                const old = base.split("\n");
+                const added = [...difference(old, mine.split("\n")), ...difference(old, theirs.split("\n"))].flatMap((hunk) => hunk.lines);
+                const lines = both.split("\n");
+                added.forEach((line) => assert.ok(lines.includes(line)));
+            }
+        }),
+    );
 });
 
 test("statements are marked by what became of them", () => {
-    const state = { ...stateOf("sphere a\nscale a 2\nsphere b\nunion a b c\n", [["solid:a", 1], ["solid:b", 2]]), ran: 3 };
+    const state = {
+        ...stateOf("sphere a\nscale a 2\nsphere b\nunion a b c\n", [
+            ["solid:a", 1],
+            ["solid:b", 2],
+        ]),
+        ran: 3,
+    };
     const failed = { ...state, error: { statement: 3, line: 4, message: "there is no solid 'b'" } };
     const marks = marksOf(failed, schema, null, { kind: "solid", name: "a" });
-    assert.deepEqual(marks.map(({ status }) => status), ["ran", "ran", "ran", "failed"]);
-    assert.deepEqual(marks.map(({ chosen }) => chosen), ["step", "made", "", ""]);
+    assert.deepEqual(
+        marks.map(({ status }) => status),
+        ["ran", "ran", "ran", "failed"],
+    );
+    assert.deepEqual(
+        marks.map(({ chosen }) => chosen),
+        ["step", "made", "", ""],
+    );
     assert.deepEqual([marks[3].says, marks[3].wrong], ["there is no solid 'b'", 4]);
     const running = marksOf({ ...state, running: 3 }, schema, { statement: 3, fraction: 0.5 }, null);
     assert.deepEqual([running[3].status, running[3].fraction], ["runs", 0.5]);
@@ -147,14 +163,16 @@ test("errors in blocks stand at their own line", () => {
 });
 
 function coloured(line: string, goesOn = false): string {
-    return tokensOf(schema, line, goesOn).map(({ from, to, kind }) => `${kind}(${line.slice(from, to)})`).join(" ");
+    return tokensOf(schema, line, goesOn)
+        .map(({ from, to, kind }) => `${kind}(${line.slice(from, to)})`)
+        .join(" ");
 }
 
 test("lines are coloured by what their words are", () => {
     assert.equal(coloured("sphere a radius=2 law=soft # x"), "command(sphere) name(a) key(radius=) number(2) key(law=) choice(soft) comment(# x)");
     assert.equal(coloured("pointset generate a count=${2 * n}"), "command(pointset) command(generate) name(a) key(count=) expression(${2 * n})");
     assert.equal(coloured("translate a 0,0,${h}"), "command(translate) name(a) expression(${h})");
-    assert.equal(coloured('for i in 1..3 step 2'), "language(for) language(in) number(1.) number(3) language(step) number(2)");
+    assert.equal(coloured("for i in 1..3 step 2"), "language(for) language(in) number(1.) number(3) language(step) number(2)");
     assert.equal(coloured('let a = "x"'), 'language(let) string("x")');
     assert.equal(coloured("sphere a colour=2"), "command(sphere) name(a) unknown(colour=2)");
     assert.equal(coloured("  radius=2", true), "number(2)");
@@ -162,14 +180,16 @@ test("lines are coloured by what their words are", () => {
 });
 
 test("tokens stand in order, apart from each other, within the line", () => {
-    fc.assert(fc.property(fc.constantFrom("sphere ", "let ", "grow t ", ""), fc.string(), (begin, rest) => {
-        const line = begin + rest.replace(/[\r\n]/g, " ");
-        let at = 0;
-        for (const { from, to } of tokensOf(schema, line)) {
-            assert.ok(from >= at && to > from && to <= line.length, line);
-            at = to;
-        }
-    }));
+    fc.assert(
+        fc.property(fc.constantFrom("sphere ", "let ", "grow t ", ""), fc.string(), (begin, rest) => {
+            const line = begin + rest.replace(/[\r\n]/g, " ");
+            let at = 0;
+            for (const { from, to } of tokensOf(schema, line)) {
+                assert.ok(from >= at && to > from && to <= line.length, line);
+                at = to;
+            }
+        }),
+    );
 });
 
 test("help is about the word at the place", () => {
@@ -193,7 +213,10 @@ test("what may be completed is the word before the cursor", () => {
     assert.deepEqual(askedAt("sphere a radius=${2 * he"), { from: 22, text: "he", what: "expression" });
     assert.equal(askedAt("sphere a # rad"), null);
     assert.equal(askedAt('save a "my'), null);
-    assert.equal(commandCompletions(schema).some(({ label }) => label === "pointset generate"), true);
+    assert.equal(
+        commandCompletions(schema).some(({ label }) => label === "pointset generate"),
+        true,
+    );
     const radius = explained(schema, "sphere a ", "radius=", []);
     assert.deepEqual([radius.type, radius.detail], ["property", "m"]);
     const crown = explained(schema, "scale ", "crown", stateOf("sphere crown", [["solid:crown", 0]]).objects);
@@ -216,14 +239,20 @@ test("names are asked of the engine, for the state above the line", async () => 
     const { app, asked, context } = completing("sphere a\nsphere b\n  union a b", ["b", "bough"]);
     const result = await completions(app, (line) => line - 1)(context);
     assert.deepEqual(asked, [{ line: "union a b", count: 2 }]);
-    assert.deepEqual(result?.options.map(({ label }) => label), ["bough"]); // existing text is not offered
+    assert.deepEqual(
+        result?.options.map(({ label }) => label),
+        ["bough"],
+    ); // existing text is not offered
     assert.equal(result?.from, "sphere a\nsphere b\n  union a ".length);
 });
 
 test("commands and variables are known without the engine", async () => {
     const commands = completing("let height = 3\nsph", []);
     const result = await completions(commands.app, () => 0)(commands.context);
-    assert.equal(result?.options.some(({ label }) => label === "sphere"), true);
+    assert.equal(
+        result?.options.some(({ label }) => label === "sphere"),
+        true,
+    );
     assert.deepEqual(commands.asked, []);
     const variables = completing("let height = 3\nsphere a radius=${he", []);
     const names = await completions(variables.app, () => 0)(variables.context);
@@ -234,7 +263,12 @@ test("commands and variables are known without the engine", async () => {
 
 function edited(doc: string, command: (view: EditorView) => boolean, at = doc.length): string {
     let state = EditorState.create({ doc, selection: { anchor: at } });
-    command({ state, dispatch: (transaction: { state: EditorState }) => { state = transaction.state; } } as unknown as EditorView);
+    command({
+        state,
+        dispatch: (transaction: { state: EditorState }) => {
+            state = transaction.state;
+        },
+    } as unknown as EditorView);
     return `${state.doc.sliceString(0, state.selection.main.head)}|${state.doc.sliceString(state.selection.main.head)}`;
 }
 

@@ -14,10 +14,18 @@ import { createStore } from "../../src/store";
 import { called, schema, stateOf } from "./schema";
 
 const text = "sphere a\nsphere b\nunion a b crown\nsphere c\npointset generate crown\n";
-const state = stateOf(text, [["solid:a", 0], ["solid:b", 1], ["solid:crown", 2], ["solid:c", 3], ["points:crown", 4]]);
+const state = stateOf(text, [
+    ["solid:a", 0],
+    ["solid:b", 1],
+    ["solid:crown", 2],
+    ["solid:c", 3],
+    ["points:crown", 4],
+]);
 
 function drawn(closed: string[] = []): string[] {
-    return rowsOf(state, schema, new Set(closed)).map(({ level, label, open }) => `${"  ".repeat(level - 1)}${label}${open === null ? "" : open ? " v" : " >"}`);
+    return rowsOf(state, schema, new Set(closed)).map(
+        ({ level, label, open }) => `${"  ".repeat(level - 1)}${label}${open === null ? "" : open ? " v" : " >"}`,
+    );
 }
 
 test("solids stand under what they were put into", () => {
@@ -25,13 +33,19 @@ test("solids stand under what they were put into", () => {
     assert.deepEqual(drawn(["solid:crown"]), ["Crown solids v", "  crown >", "  c", "Points v", "  crown"]);
     assert.deepEqual(drawn(["solid"]), ["Crown solids >", "Points v", "  crown"]);
     const rows = rowsOf(state, schema, new Set());
-    assert.deepEqual(rows.map(({ position, size }) => `${position}/${size}`), ["1/2", "1/2", "1/2", "2/2", "2/2", "2/2", "1/1"]);
+    assert.deepEqual(
+        rows.map(({ position, size }) => `${position}/${size}`),
+        ["1/2", "1/2", "1/2", "2/2", "2/2", "2/2", "1/1"],
+    );
     assert.equal(rows[2].parent, "solid:crown");
     assert.equal(rows[2].detail, "3 parts");
 });
 
 test("solids that were put into each other stand in no circle", () => {
-    const mutual = stateOf("sphere a\nsphere b\nunion a b a\nunion a b b\n", [["solid:a", 2], ["solid:b", 3]]);
+    const mutual = stateOf("sphere a\nsphere b\nunion a b a\nunion a b b\n", [
+        ["solid:a", 2],
+        ["solid:b", 3],
+    ]);
     assert.deepEqual([...consumers(mutual, schema)], [["b", "a"]]);
     const names = rowsOf(mutual, schema, new Set()).map(({ label }) => label);
     assert.deepEqual(names, ["Crown solids", "a", "b"]);
@@ -58,19 +72,31 @@ test("names that are taken or are none are refused", () => {
 });
 
 test("the history goes back and forth by counts", () => {
-    assert.deepEqual(changesOf({ undo: ["one", "two"], redo: ["four", "three"] }).map(({ name, when, steps }) => `${name} ${when} ${steps}`), [
-        "The beginning done -2", "one done -1", "two now 0", "three undone 1", "four undone 2",
-    ]);
-    assert.deepEqual(changesOf({ undo: [], redo: ["one"] }).map(({ when }) => when), ["now", "undone"]);
+    assert.deepEqual(
+        changesOf({ undo: ["one", "two"], redo: ["four", "three"] }).map(({ name, when, steps }) => `${name} ${when} ${steps}`),
+        ["The beginning done -2", "one done -1", "two now 0", "three undone 1", "four undone 2"],
+    );
+    assert.deepEqual(
+        changesOf({ undo: [], redo: ["one"] }).map(({ when }) => when),
+        ["now", "undone"],
+    );
     const many = Array.from({ length: 100 }, (_, i) => `line ${i}`);
     assert.equal(changesOf({ undo: many, redo: [] })[0].name, "line 0"); // earlier changes are unknown
 });
 
 test("commands are found by name first", () => {
-    assert.deepEqual(searched(schema, "gen").map(({ name }) => name), ["pointset generate"]);
+    assert.deepEqual(
+        searched(schema, "gen").map(({ name }) => name),
+        ["pointset generate"],
+    );
     assert.equal(searched(schema, "trees")[0].name, "grow");
     assert.equal(searched(schema, "").length, schema.length);
-    assert.deepEqual(foremost(called("pointset generate"), { seed: ["1"] }).map(({ name }) => name).includes("seed"), true);
+    assert.deepEqual(
+        foremost(called("pointset generate"), { seed: ["1"] })
+            .map(({ name }) => name)
+            .includes("seed"),
+        true,
+    );
 });
 
 test("numbers of a point are one word where none is missing", () => {
@@ -113,14 +139,20 @@ test("a form begins with what is likely and ends as a line", async () => {
     app.store.selection.value = { object: { kind: "solid", name: "c" }, nodes: [], extent: "branch" };
     const form = new Form(app);
     form.begin(called("translate"));
-    assert.deepEqual(form.missing.map(({ name }) => name), ["by"]);
+    assert.deepEqual(
+        form.missing.map(({ name }) => name),
+        ["by"],
+    );
     assert.equal(await form.run(), false);
     form.set("by", ["0,0,2"], false);
     assert.equal(form.line, "translate c 0,0,2");
     assert.equal(await form.run(), true);
     const about = { kind: "solid", name: "c" };
     assert.deepEqual(app.store.selection.peek().object, { kind: "solid", name: "a" }); // the object that the statement created, as reported by the engine
-    assert.deepEqual(asked, [{ type: "preview", line: "translate c 0,0,2", about }, { type: "run", line: "translate c 0,0,2", about }]);
+    assert.deepEqual(asked, [
+        { type: "preview", line: "translate c 0,0,2", about },
+        { type: "run", line: "translate c 0,0,2", about },
+    ]);
     form.begin(called("sphere"));
     assert.equal(form.line, "sphere sphere");
 });
@@ -143,7 +175,10 @@ test("cancelling takes back what was shown, and only that", () => {
     assert.deepEqual(asked, []);
     form.set("radius", ["2"], false);
     form.cancel();
-    assert.deepEqual(asked.map(({ type }) => type), ["preview", "endpreview"]);
+    assert.deepEqual(
+        asked.map(({ type }) => type),
+        ["preview", "endpreview"],
+    );
     assert.equal(canShow(called("grow")), false);
     assert.equal(canShow(called("save")), false);
     assert.equal(canShow(called("union")), true);
@@ -154,12 +189,19 @@ test("parameters of a statement are written into the text", async () => {
     const app = appWith(asked);
     const form = new Form(app);
     const object = { kind: "solid", name: "a" } as const;
-    form.change({ command: called("sphere"), values: { name: ["a"] }, comment: "# one" }, { statement: 0, text: "sphere a", comment: "# one", object, shows: true });
+    form.change(
+        { command: called("sphere"), values: { name: ["a"] }, comment: "# one" },
+        { statement: 0, text: "sphere a", comment: "# one", object, shows: true },
+    );
     form.set("radius", ["2"], false);
     assert.deepEqual(asked, [{ type: "preview", line: "sphere a radius=2 # one", about: object }]);
     assert.equal(await form.run(), true);
     assert.deepEqual(asked[1], {
-        type: "text", text: text.replace("sphere a", "sphere a radius=2 # one"), revision: 7, name: "parameters of a", joins: true,
+        type: "text",
+        text: text.replace("sphere a", "sphere a radius=2 # one"),
+        revision: 7,
+        name: "parameters of a",
+        joins: true,
     });
     // A text that was changed in between is not overwritten.
     app.store.state.value = stateOf(text.replace("sphere a", "sphere a law=soft"), []);

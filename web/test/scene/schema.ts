@@ -16,12 +16,16 @@ function command(name: string, args: Argument[], more: Partial<Command> = {}): C
 }
 
 export const schema: Command[] = [
-    command("sphere", [
-        argument("name", "new_name", made("solid")),
-        argument("center", "tuple", { sizes: [3], default: "0,0,0", ...metres }),
-        argument("radius", "number", { default: "1", unit: "metre", low: 1e-5, high: 1e5 }),
-        argument("law", "choice", { choices: ["cube", "soft"], default: "cube" }),
-    ], { group: "Primitives" }),
+    command(
+        "sphere",
+        [
+            argument("name", "new_name", made("solid")),
+            argument("center", "tuple", { sizes: [3], default: "0,0,0", ...metres }),
+            argument("radius", "number", { default: "1", unit: "metre", low: 1e-5, high: 1e5 }),
+            argument("law", "choice", { choices: ["cube", "soft"], default: "cube" }),
+        ],
+        { group: "Primitives" },
+    ),
     command("scale", [
         argument("solid", "object", { ...first, kind: "solid", also: ["skeleton"] }),
         argument("factor", "tuple", { ...first, sizes: [1, 3] }),
@@ -33,10 +37,9 @@ export const schema: Command[] = [
         argument("by", "tuple", { ...first, sizes: [3], ...metres }),
         argument("kind", "choice", { choices: ["solid", "skeleton"] }),
     ]),
-    command("union", [
-        argument("parts", "object", { ...first, kind: "solid", repeats: true }),
-        argument("result", "new_name", made("solid")),
-    ], { group: "Combining" }),
+    command("union", [argument("parts", "object", { ...first, kind: "solid", repeats: true }), argument("result", "new_name", made("solid"))], {
+        group: "Combining",
+    }),
     command("polyline", [
         argument("name", "new_name", made("solid")),
         argument("points", "tuple", { ...first, sizes: [3], repeats: true }),
@@ -47,21 +50,29 @@ export const schema: Command[] = [
         argument("path", "object", { ...first, kind: "path" }),
         argument("sections", "section", { ...first, repeats: true }),
     ]),
-    command("pointset generate", [
-        argument("solid", "object", { ...first, kind: "solid" }),
-        argument("pattern", "choice", { positional: true, choices: ["poisson_disk", "clustered", "uniform"], default: "poisson_disk" }),
-        argument("properties", "properties", { positional: true }),
-        argument("count", "whole", { default: "1000", low: 0, high: 1e8 }),
-        argument("kernel", "tuple", { sizes: [2], repeats: true }),
-        argument("seed", "whole", { default: "0", low: 0, high: 2147483647 }),
-        argument("name", "new_name", { default: "@solid", help: "Name of the new points." }),
-    ], { aliases: ["pointset gen"], group: "Points" }),
-    command("grow", [
-        argument("tree", "new_name", made("skeleton")),
-        argument("points", "object", { ...first, kind: "points" }),
-        argument("root", "tuple", { sizes: [3, 6], repeats: true, default: "0,0,0" }),
-        argument("step", "number", { default: "0.1", unit: "metre", low: 1e-6, high: 1e4 }),
-    ], { group: "Trees" }),
+    command(
+        "pointset generate",
+        [
+            argument("solid", "object", { ...first, kind: "solid" }),
+            argument("pattern", "choice", { positional: true, choices: ["poisson_disk", "clustered", "uniform"], default: "poisson_disk" }),
+            argument("properties", "properties", { positional: true }),
+            argument("count", "whole", { default: "1000", low: 0, high: 1e8 }),
+            argument("kernel", "tuple", { sizes: [2], repeats: true }),
+            argument("seed", "whole", { default: "0", low: 0, high: 2147483647 }),
+            argument("name", "new_name", { default: "@solid", help: "Name of the new points." }),
+        ],
+        { aliases: ["pointset gen"], group: "Points" },
+    ),
+    command(
+        "grow",
+        [
+            argument("tree", "new_name", made("skeleton")),
+            argument("points", "object", { ...first, kind: "points" }),
+            argument("root", "tuple", { sizes: [3, 6], repeats: true, default: "0,0,0" }),
+            argument("step", "number", { default: "0.1", unit: "metre", low: 1e-6, high: 1e4 }),
+        ],
+        { group: "Trees" },
+    ),
     command("mesh", [
         argument("tree", "object", { ...first, kind: "skeleton" }),
         argument("name", "new_name", { positional: true, default: "@tree", help: "Name of the new mesh." }),
@@ -81,10 +92,7 @@ export const schema: Command[] = [
         argument("names", "object", { ...first, kind: "any" as "solid", repeats: true }),
         argument("kind", "choice", { choices: ["solid", "points", "skeleton", "mesh"] }),
     ]),
-    command("save", [
-        argument("name", "object", { ...first, kind: "any" as "solid" }),
-        argument("file", "output_file", first),
-    ]),
+    command("save", [argument("name", "object", { ...first, kind: "any" as "solid" }), argument("file", "output_file", first)]),
 ];
 
 export function called(name: string): Command {

@@ -14,17 +14,28 @@ import { called, schema } from "./schema";
 test("words stand where the engine reads them", () => {
     const line = 'save tree "my tree.glb" kind=mesh note="a # b" # end';
     const { words, comment } = readLine(line);
-    assert.deepEqual(words.map(({ key, text }) => [key, text]), [
-        ["", "save"], ["", "tree"], ["", "my tree.glb"], ["kind", "mesh"], ["note", "a # b"],
-    ]);
+    assert.deepEqual(
+        words.map(({ key, text }) => [key, text]),
+        [
+            ["", "save"],
+            ["", "tree"],
+            ["", "my tree.glb"],
+            ["kind", "mesh"],
+            ["note", "a # b"],
+        ],
+    );
     assert.equal(line.slice(comment), "# end");
-    assert.deepEqual(words.map(({ from, to }) => line.slice(from, to)), ["save", "tree", '"my tree.glb"', "kind=mesh", 'note="a # b"']);
+    assert.deepEqual(
+        words.map(({ from, to }) => line.slice(from, to)),
+        ["save", "tree", '"my tree.glb"', "kind=mesh", 'note="a # b"'],
+    );
     assert.equal(line.slice(words[4].value, words[4].to), '"a # b"');
     assert.equal(readLine("sphere a#b").words[1].text, "a#b");
     assert.equal(readLine('save t "open').open, true);
-    assert.deepEqual(readLine("sphere x center=0,0,${0.7 * height} radius=${h / 3}").words.map(({ text }) => text), [
-        "sphere", "x", "0,0,${0.7 * height}", "${h / 3}",
-    ]);
+    assert.deepEqual(
+        readLine("sphere x center=0,0,${0.7 * height} radius=${h / 3}").words.map(({ text }) => text),
+        ["sphere", "x", "0,0,${0.7 * height}", "${h / 3}"],
+    );
     assert.equal(readLine('a "q\\"x\\\\"').words[1].text, 'q"x\\');
     assert.equal(isComputed("$${x}"), false);
     assert.equal(isComputed("a${x}"), true);
@@ -33,7 +44,10 @@ test("words stand where the engine reads them", () => {
 test("a text in statements is the text again", () => {
     const text = "sphere a\n\n# note\nfor i in 1..3\n  if i > 1\n    sphere b${i}\n  end\nend\ngrow t a \\\n  step=0.2\nmesh t\n";
     const pieces = piecesOf(text);
-    assert.deepEqual(pieces.map(({ line }) => line), [1, 2, 3, 4, 9, 11]);
+    assert.deepEqual(
+        pieces.map(({ line }) => line),
+        [1, 2, 3, 4, 9, 11],
+    );
     assert.equal(textOf(pieces), text);
     pieces.forEach(({ text: piece, from }) => assert.equal(text.slice(from, from + piece.length), piece));
     assert.equal(pieceAt(pieces, 6), 3);
@@ -42,15 +56,20 @@ test("a text in statements is the text again", () => {
     assert.equal(piecesOf("repeat 2\n sphere a").at(-1)?.open, true);
     assert.equal(piecesOf("repeat 2\n sphere a\nend").at(-1)?.open, false);
     assert.deepEqual(linesOf(pieces[4].text), [{ text: joined(pieces[4].text), from: 0 }]);
-    assert.deepEqual(linesOf(pieces[3].text).map((line) => line.text.trim()), ["for i in 1..3", "if i > 1", "sphere b${i}", "end", "end"]);
+    assert.deepEqual(
+        linesOf(pieces[3].text).map((line) => line.text.trim()),
+        ["for i in 1..3", "if i > 1", "sphere b${i}", "end", "end"],
+    );
 });
 
 test("any text is its statements, whatever stands in it", () => {
     const line = fc.constantFrom("sphere a", "for i in 1..2", "repeat 2", "if 1", "end", "else", "", "# x", "grow t a \\", "forest", "let x = 1");
-    fc.assert(fc.property(fc.array(line, { maxLength: 12 }), (lines) => {
-        const text = lines.map((one) => `${one}\n`).join("");
-        assert.equal(textOf(piecesOf(text)), text);
-    }));
+    fc.assert(
+        fc.property(fc.array(line, { maxLength: 12 }), (lines) => {
+            const text = lines.map((one) => `${one}\n`).join("");
+            assert.equal(textOf(piecesOf(text)), text);
+        }),
+    );
 });
 
 function boundNames(line: string): string[] {
@@ -79,14 +98,26 @@ test("what a statement says is read as values", () => {
     assert.equal(call?.comment, "# dense");
     assert.deepEqual(readCall(schema, "translate a 0 0 ${h}")?.values.by, ["0,0,${h}"]);
     assert.deepEqual(readCall(schema, "grow t \\\n crown")?.values, { tree: ["t"], points: ["crown"] });
-    for (const other of ["repeat 2\n sphere a\nend", "let x = 1", "spere a", "sphere a colour=red", 'sphere "a', "sphere a radius=1 radius=2", "# only a comment", "mesh t u v"]) {
+    for (const other of [
+        "repeat 2\n sphere a\nend",
+        "let x = 1",
+        "spere a",
+        "sphere a colour=red",
+        'sphere "a',
+        "sphere a radius=1 radius=2",
+        "# only a comment",
+        "mesh t u v",
+    ]) {
         assert.equal(readCall(schema, other), null, other);
     }
 });
 
 test("lines have no more words than they need, in an order that is read again", () => {
     assert.equal(lineOf(called("mesh"), { tree: ["t"], levels: ["1"] }), "mesh t levels=1");
-    assert.equal(lineOf(called("pointset generate"), { solid: ["s"], properties: ["a b.props"], count: ["5"] }), 'pointset generate s properties="a b.props" count=5');
+    assert.equal(
+        lineOf(called("pointset generate"), { solid: ["s"], properties: ["a b.props"], count: ["5"] }),
+        'pointset generate s properties="a b.props" count=5',
+    );
     assert.equal(lineOf(called("sphere"), { name: ["s"], radius: ["${h / 2}"] }, "# x"), 'sphere s radius="${h / 2}" # x');
     assert.equal(written("$${x}"), "$${x}");
     assert.equal(written(""), '""');
@@ -101,7 +132,10 @@ function valueFor({ type, sizes = [3], choices = [] }: Argument): fc.Arbitrary<s
         case "whole":
             return number;
         case "tuple":
-            return fc.constantFrom(...sizes).chain((n) => fc.array(number, { minLength: n, maxLength: n })).map((parts) => parts.join(","));
+            return fc
+                .constantFrom(...sizes)
+                .chain((n) => fc.array(number, { minLength: n, maxLength: n }))
+                .map((parts) => parts.join(","));
         case "flag":
             return fc.constantFrom("true", "false");
         case "choice":
@@ -122,14 +156,17 @@ test("values written as a line are read back, for every command", () => {
             const some = argument.repeats ? fc.array(valueFor(argument), { minLength: 1, maxLength: 3 }) : valueFor(argument).map((one) => [one]);
             return (argument.required ? some : fc.option(some, { nil: [] })).map((words) => [argument.name, words] as const);
         });
-        fc.assert(fc.property(fc.tuple(...given), (entries) => {
-            const values: Values = Object.fromEntries(entries.filter(([, words]) => words.length > 0));
-            const line = lineOf(command, values, "# note");
-            const call = readCall(schema, line);
-            assert.equal(call?.command.name, command.name, line);
-            assert.deepEqual({ ...call?.values }, { ...values }, line);
-            assert.equal(call?.comment, "# note");
-        }), { numRuns: 60 });
+        fc.assert(
+            fc.property(fc.tuple(...given), (entries) => {
+                const values: Values = Object.fromEntries(entries.filter(([, words]) => words.length > 0));
+                const line = lineOf(command, values, "# note");
+                const call = readCall(schema, line);
+                assert.equal(call?.command.name, command.name, line);
+                assert.deepEqual({ ...call?.values }, { ...values }, line);
+                assert.equal(call?.comment, "# note");
+            }),
+            { numRuns: 60 },
+        );
     }
 });
 
@@ -151,8 +188,38 @@ test("what is the default is left out, and what is needed is missed", () => {
 });
 
 test("a line that is being typed is no error yet", () => {
-    const half = ["sph", "sphere", "sphere a radius=", "sphere a rad", 'save t "my', "sphere a radius=${h", "translate a 1 2", "union a", "let x", "let x =", "for i in 1", "grow t \\", "pointset", "pointset generate"];
-    const whole = ["", "# x", "sphere a", "sphere a radius=2", "translate a 1 2 3", "translate a 0,0,${h}", "union a b", "let x = 2", "for i in 1..3", "end", "else", "scale a 2", "mesh t", 'save t ""'];
+    const half = [
+        "sph",
+        "sphere",
+        "sphere a radius=",
+        "sphere a rad",
+        'save t "my',
+        "sphere a radius=${h",
+        "translate a 1 2",
+        "union a",
+        "let x",
+        "let x =",
+        "for i in 1",
+        "grow t \\",
+        "pointset",
+        "pointset generate",
+    ];
+    const whole = [
+        "",
+        "# x",
+        "sphere a",
+        "sphere a radius=2",
+        "translate a 1 2 3",
+        "translate a 0,0,${h}",
+        "union a b",
+        "let x = 2",
+        "for i in 1..3",
+        "end",
+        "else",
+        "scale a 2",
+        "mesh t",
+        'save t ""',
+    ];
     half.forEach((line) => assert.equal(unfinished(schema, line), true, line));
     whole.forEach((line) => assert.equal(unfinished(schema, line), false, line));
 });
@@ -174,31 +241,47 @@ test("another name stands wherever the object is meant, and nowhere else", () =>
         "",
     ].join("\n");
     const { text: now, lines } = renamed(schema, text, "crown", "top");
-    assert.equal(now, [
-        "sphere top # the crown",
-        "sphere crown2 center=0,0,1",
-        "union top crown2 both",
-        'let crown = "top"',
-        "for i in 1..2",
-        "  scale top ${i}",
-        "end",
-        "pointset generate top poisson",
-        "grow tree top root=0,0,0",
-        'edit prune tree "tips & solid(top)"',
-        "skin s p top@0.5 other@1",
-        "save top crown.xyz",
-        "",
-    ].join("\n"));
+    assert.equal(
+        now,
+        [
+            "sphere top # the crown",
+            "sphere crown2 center=0,0,1",
+            "union top crown2 both",
+            'let crown = "top"',
+            "for i in 1..2",
+            "  scale top ${i}",
+            "end",
+            "pointset generate top poisson",
+            "grow tree top root=0,0,0",
+            'edit prune tree "tips & solid(top)"',
+            "skin s p top@0.5 other@1",
+            "save top crown.xyz",
+            "",
+        ].join("\n"),
+    );
     assert.deepEqual([...lines], [0, 2, 3, 4, 5, 6, 7, 8, 9]);
     assert.equal(renamed(schema, text, "bough", "x").lines.size, 0);
 });
 
 test("another name and back again is the same text", () => {
-    const line = fc.constantFrom("sphere a", "sphere b radius=2", "union a b c", "scale a 2", "grow a a", 'let a = "a"', "# a", "delete a b", "edit prune a solid(a)", "repeat 2\n  translate a 0 0 1\nend");
-    fc.assert(fc.property(fc.array(line), (lines) => {
-        const text = lines.map((one) => `${one}\n`).join("");
-        assert.equal(renamed(schema, renamed(schema, text, "a", "quite_other").text, "quite_other", "a").text, text);
-    }));
+    const line = fc.constantFrom(
+        "sphere a",
+        "sphere b radius=2",
+        "union a b c",
+        "scale a 2",
+        "grow a a",
+        'let a = "a"',
+        "# a",
+        "delete a b",
+        "edit prune a solid(a)",
+        "repeat 2\n  translate a 0 0 1\nend",
+    );
+    fc.assert(
+        fc.property(fc.array(line), (lines) => {
+            const text = lines.map((one) => `${one}\n`).join("");
+            assert.equal(renamed(schema, renamed(schema, text, "a", "quite_other").text, "quite_other", "a").text, text);
+        }),
+    );
 });
 
 test("the statements that made an object are known by their text", () => {
@@ -208,5 +291,8 @@ test("the statements that made an object are known by their text", () => {
     const meshed = piecesOf("grow a p\nmesh a\nscale a 2 kind=skeleton\ncopy b a kind=mesh\n");
     assert.deepEqual(stepsOf(schema, meshed, { kind: "skeleton", name: "a" }, 2), [0, 2]);
     assert.deepEqual(stepsOf(schema, meshed, { kind: "mesh", name: "a" }, 3), [3]);
-    assert.deepEqual(placesIn(schema, "repeat 2\n  translate a 0 0 1\nend").map(({ role, from }) => [role, from]), [["changes", 21]]);
+    assert.deepEqual(
+        placesIn(schema, "repeat 2\n  translate a 0 0 1\nend").map(({ role, from }) => [role, from]),
+        [["changes", 21]],
+    );
 });

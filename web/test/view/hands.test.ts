@@ -32,7 +32,18 @@ function table(preset: Preset = "blender", takes = false) {
         () => hand as unknown as Hand,
     );
     const send = (type: string, x: number, y: number, more: Record<string, unknown> = {}) => {
-        const fields = { offsetX: x, offsetY: y, pointerId: 1, pointerType: "mouse", button: 0, buttons: 1, pressure: 0, shiftKey: false, ctrlKey: false, ...more };
+        const fields = {
+            offsetX: x,
+            offsetY: y,
+            pointerId: 1,
+            pointerType: "mouse",
+            button: 0,
+            buttons: 1,
+            pressure: 0,
+            shiftKey: false,
+            ctrlKey: false,
+            ...more,
+        };
         canvas.dispatchEvent(Object.assign(new FakePointer(`pointer${type}`), fields));
     };
     const finger = (type: string, x: number, y: number, pointerId = 1) => send(type, x, y, { pointerType: "touch", pointerId });

@@ -54,7 +54,10 @@ test("panning by pixels moves what lies at that depth by as many", () => {
 
 test("a sphere that is framed just fits, from every side and in narrow pictures", () => {
     const sphere = new THREE.Sphere(new THREE.Vector3(3, -2, 5), 2);
-    for (const [width, height] of [[800, 600], [300, 900]]) {
+    for (const [width, height] of [
+        [800, 600],
+        [300, 900],
+    ]) {
         const one = rig();
         one.resize(width, height);
         one.pose = one.framing(sphere, "top");
@@ -80,7 +83,14 @@ test("between two views the turn is the shorter one", () => {
 
 test("a plane through a cube leaves a square outline, and hides what is on its other side", () => {
     const position = new Float32Array([0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1]);
-    const quads = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+    const quads = [
+        [0, 3, 2, 1],
+        [4, 5, 6, 7],
+        [0, 1, 5, 4],
+        [1, 2, 6, 5],
+        [2, 3, 7, 6],
+        [3, 0, 4, 7],
+    ];
     const index = quads.flatMap(([a, b, c, d]) => [a, b, c, a, c, d]);
     const ends = cutTriangles(position, index, new THREE.Vector3(0, 0, 1), -0.25);
     let length = 0;

@@ -58,12 +58,18 @@ test("a square is hit from both sides, at its corners' edges too, and beside it 
 test("what is cut away is passed through", () => {
     const square = (z: number) => [0, 0, z, 1, 0, z, 1, 1, z];
     const tree = new TriangleTree(new Float32Array([...square(1), ...square(2)]), new Uint32Array([0, 1, 2, 3, 4, 5]));
-    assert.equal(tree.hit([0.75, 0.5, 0], [0, 0, 1], (distance) => distance > 1.5), 2);
+    assert.equal(
+        tree.hit([0.75, 0.5, 0], [0, 0, 1], (distance) => distance > 1.5),
+        2,
+    );
 });
 
 test("nothing holds nothing, and triangles at one place are parted all the same", () => {
     assert.equal(new TriangleTree(new Float32Array(0), new Uint32Array(0)).hit([0, 0, 0], [0, 0, 1]), null);
     const same = new Float32Array([0, 0, 1, 1, 0, 1, 0, 1, 1]);
-    const tree = new TriangleTree(same, Uint32Array.from({ length: 300 }, (_, i) => i % 3));
+    const tree = new TriangleTree(
+        same,
+        Uint32Array.from({ length: 300 }, (_, i) => i % 3),
+    );
     assert.equal(tree.hit([0.25, 0.25, 0], [0, 0, 1]), 1);
 });

@@ -65,16 +65,22 @@ function Result({ app, found }: { app: App; found: Check }): VNode {
     return (
         <>
             <div class="tool-row">
-                <button type="button" aria-pressed={color === "crossings"} disabled={places.length === 0} onClick={() => toggle("crossings")}>Mark crossings</button>
+                <button type="button" aria-pressed={color === "crossings"} disabled={places.length === 0} onClick={() => toggle("crossings")}>
+                    Mark crossings
+                </button>
                 {object.kind === "skeleton" && (
-                    <button type="button" aria-pressed={color === "deviation"} onClick={() => toggle("deviation")}>Colour deviation</button>
+                    <button type="button" aria-pressed={color === "deviation"} onClick={() => toggle("deviation")}>
+                        Colour deviation
+                    </button>
                 )}
             </div>
             <p class={good ? "verdict good" : "verdict bad"}>
                 <span aria-hidden="true">{good ? "✓" : "!"}</span> {verdict}
             </p>
             <Places app={app} places={places} />
-            {grouped(figures).map((group) => <Figures key={group.title} group={group} />)}
+            {grouped(figures).map((group) => (
+                <Figures key={group.title} group={group} />
+            ))}
         </>
     );
 }
@@ -95,7 +101,11 @@ export function CheckPanel({ app }: { app: App }): VNode {
                 <button type="button" class="primary" disabled={running !== null} onClick={() => void check(app, object)}>
                     Check {object.kind} {object.name}
                 </button>
-                {running && <button type="button" onClick={() => app.engine.cancel()}>Stop</button>}
+                {running && (
+                    <button type="button" onClick={() => app.engine.cancel()}>
+                        Stop
+                    </button>
+                )}
             </div>
             <div role="status">
                 {running && <p class="hint">Checking {running.name}…</p>}
@@ -104,7 +114,8 @@ export function CheckPanel({ app }: { app: App }): VNode {
             {isHere && found && <Result app={app} found={found} />}
             {!isHere && !running && (
                 <p class="hint">
-                    {object.kind === "skeleton" ? "Creates its surface, and reports its quality" : "Says"} whether that is closed, crosses itself, and how true it is.
+                    {object.kind === "skeleton" ? "Creates its surface, and reports its quality" : "Says"} whether that is closed, crosses itself, and how true
+                    it is.
                 </p>
             )}
         </div>

@@ -26,10 +26,10 @@ export function checkedObject({ store }: Pick<App, "store">): SceneObject | unde
     if (selected?.kind === "skeleton" || selected?.kind === "mesh") {
         return selected;
     }
-    const newest = (wanted: string) => objects.filter(({ kind }) => kind === wanted).reduce<SceneObject | undefined>(
-        (last, object) => (last && last.statement > object.statement ? last : object),
-        undefined,
-    );
+    const newest = (wanted: string) =>
+        objects
+            .filter(({ kind }) => kind === wanted)
+            .reduce<SceneObject | undefined>((last, object) => (last && last.statement > object.statement ? last : object), undefined);
     return newest("mesh") ?? newest("skeleton");
 }
 

@@ -36,7 +36,9 @@ function PlaceFields({ axis, at, range: [low, high], changed }: PlaceProps): VNo
                 <span>Axis</span>
                 <div class="segments" role="group" aria-label="Axis of the plane">
                     {kAxes.map((one) => (
-                        <button key={one} type="button" aria-pressed={one === axis} onClick={() => changed(one)}>{one.toUpperCase()}</button>
+                        <button key={one} type="button" aria-pressed={one === axis} onClick={() => changed(one)}>
+                            {one.toUpperCase()}
+                        </button>
                     ))}
                 </div>
             </div>
@@ -131,7 +133,12 @@ export function SliceFields({ app }: { app: App }): VNode {
             <Check label={`Show the field of ${name}`} value={slice.on} changed={(on) => change({ on })} />
             {slice.on && (
                 <>
-                    <PlaceFields axis={slice.axis} at={slice.at} range={range(slice.axis)} changed={(axis, at) => change({ axis, at: at ?? middleOf(range(axis)) })} />
+                    <PlaceFields
+                        axis={slice.axis}
+                        at={slice.at}
+                        range={range(slice.axis)}
+                        changed={(axis, at) => change({ axis, at: at ?? middleOf(range(axis)) })}
+                    />
                     <Slider
                         label="Lines"
                         value={slice.lines}

@@ -109,7 +109,15 @@ export function DisplayPanel({ app }: { app: App }): VNode {
                     <CheckField label="Grid" value={display.grid} />
                     <CheckField label="Parallel view" value={display.parallel} />
                 </div>
-                <Slider label="Size of points" unit="px" value={size} low={1} high={10} step={0.5} changed={(to) => void (display.pointSize.value = Math.min(Math.max(to, 0.5), 30))} />
+                <Slider
+                    label="Size of points"
+                    unit="px"
+                    value={size}
+                    low={1}
+                    high={10}
+                    step={0.5}
+                    changed={(to) => void (display.pointSize.value = Math.min(Math.max(to, 0.5), 30))}
+                />
             </Group>
             <Group id="section" title="Section">
                 <SectionFields app={app} />

@@ -45,7 +45,12 @@ const kGroups: readonly { title: string; figures: readonly Described[] }[] = [
     {
         title: "Shape of faces",
         figures: [
-            { name: "scaled_jacobian.p1", label: "Squareness, worst percentile", says: "1 for a rectangle, 0 if a corner is flat; above 0.4 is good.", isBad: less(0.2) },
+            {
+                name: "scaled_jacobian.p1",
+                label: "Squareness, worst percentile",
+                says: "1 for a rectangle, 0 if a corner is flat; above 0.4 is good.",
+                isBad: less(0.2),
+            },
             { name: "scaled_jacobian.mean", label: "Squareness, mean", says: "" },
             { name: "scaled_jacobian.min", label: "Squareness, minimum", says: "" },
             { name: "inverted_faces", label: "Inverted faces", says: "With a corner that is flat or concave.", isBad: more(0) },
@@ -69,7 +74,12 @@ const kGroups: readonly { title: string; figures: readonly Described[] }[] = [
     {
         title: "Comparison with the skeleton",
         figures: [
-            { name: "radius_regular.mean", label: "Radius of branches, mean", unit: "radii", says: "Relative distance of vertices from the axis on unforked branches: 0.02 is 2 % too large." },
+            {
+                name: "radius_regular.mean",
+                label: "Radius of branches, mean",
+                unit: "radii",
+                says: "Relative distance of vertices from the axis on unforked branches: 0.02 is 2 % too large.",
+            },
             { name: "radius_regular.mean_abs", label: "Radius of branches, error", unit: "radii", says: "The mean of the absolute values." },
             { name: "radius_all.mean_abs", label: "Radius everywhere, error", unit: "radii", says: "The same including forks, roots and tips." },
             { name: "radius_all.max", label: "Maximum distance outside", unit: "radii", says: "" },
@@ -81,7 +91,12 @@ const kGroups: readonly { title: string; figures: readonly Described[] }[] = [
             { name: "parts_loose", label: "Loose components", says: "Detached branches, cavities, bubbles.", isBad: more(0) },
             { name: "tips", label: "Tips", says: "" },
             { name: "tips_short", label: "Short tips", says: "Where the surface ends more than 0.1 radii before the tip.", isBad: more(0) },
-            { name: "tip_reach.p1", label: "Reach of tips, minimum", unit: "radii", says: "Beyond the last node: 1 for a round tip, 0 for a flat one; 1 % are shorter." },
+            {
+                name: "tip_reach.p1",
+                label: "Reach of tips, minimum",
+                unit: "radii",
+                says: "Beyond the last node: 1 for a round tip, 0 for a flat one; 1 % are shorter.",
+            },
         ],
     },
 ];

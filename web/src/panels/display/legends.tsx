@@ -30,7 +30,9 @@ function Bar({ legend }: { legend: Legend }): VNode {
             </div>
             <ul class="legend-ticks">
                 {legendTicks(legend).map(({ at, text }, k) => (
-                    <li key={k} style={{ left: `${at * 100}%`, transform: `translateX(${-at * 100}%)` }}>{text}</li>
+                    <li key={k} style={{ left: `${at * 100}%`, transform: `translateX(${-at * 100}%)` }}>
+                        {text}
+                    </li>
                 ))}
             </ul>
             {mark && <span class="legend-note">{mark.label}</span>}
@@ -43,7 +45,9 @@ export function Legends({ app }: { app: App }): VNode {
     const legends = [useValue(display.legend), useValue(display.sliceLegend)].filter((one) => one !== null);
     return (
         <div class="legends">
-            {legends.map((legend) => <Bar key={legend.title} legend={legend} />)}
+            {legends.map((legend) => (
+                <Bar key={legend.title} legend={legend} />
+            ))}
             <ScaleBar app={app} />
         </div>
     );

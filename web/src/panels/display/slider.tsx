@@ -21,7 +21,15 @@ export function Slider({ label, unit, value, low, high, step, changed }: Props):
     return (
         <div class="slider" role="group" aria-labelledby={id}>
             <span id={id}>{name}</span>
-            <input type="range" aria-label={name} min={low} max={high} step={step} value={value} onInput={(event) => changed(event.currentTarget.valueAsNumber)} />
+            <input
+                type="range"
+                aria-label={name}
+                min={low}
+                max={high}
+                step={step}
+                value={value}
+                onInput={(event) => changed(event.currentTarget.valueAsNumber)}
+            />
             <input aria-label={`${name}, typed`} {...field} />
             <FieldTrouble text={trouble} />
         </div>

@@ -29,7 +29,13 @@ export function ask<T>(draw: (end: End<T>) => VNode): Promise<T | null> {
 
 /** Container of dialogs; once in the page. */
 export function Dialogs(): VNode {
-    return <>{useValue(kAsked).map((one) => <Drawn key={one.number} draw={one.draw} />)}</>;
+    return (
+        <>
+            {useValue(kAsked).map((one) => (
+                <Drawn key={one.number} draw={one.draw} />
+            ))}
+        </>
+    );
 }
 
 function Drawn({ draw }: { draw(): VNode }): VNode {
@@ -104,7 +110,9 @@ export function choose<T extends string>(title: string, text: string, answers: A
                             {label}
                         </button>
                     ))}
-                    <button type="button" autofocus={careful} onClick={() => end(null)}>Cancel</button>
+                    <button type="button" autofocus={careful} onClick={() => end(null)}>
+                        Cancel
+                    </button>
                 </>
             }
         >
@@ -121,8 +129,19 @@ export async function confirm(title: string, text: string, yes: string): Promise
 /** Shows text, such as the output of a program. */
 export function tell(title: string, text: string): Promise<null> {
     return ask<null>((end) => (
-        <Dialog title={title} wide close={() => end(null)} buttons={<button type="button" autofocus onClick={() => end(null)}>Close</button>}>
-            <pre class="printed" tabIndex={0} aria-label={title}>{text}</pre>
+        <Dialog
+            title={title}
+            wide
+            close={() => end(null)}
+            buttons={
+                <button type="button" autofocus onClick={() => end(null)}>
+                    Close
+                </button>
+            }
+        >
+            <pre class="printed" tabIndex={0} aria-label={title}>
+                {text}
+            </pre>
         </Dialog>
     ));
 }
@@ -147,5 +166,9 @@ export function useWork(): { busy: boolean; trouble: string; work(what: () => Pr
 }
 
 export function Trouble({ text }: { text: string }): VNode {
-    return <p class="error" role="alert">{text}</p>;
+    return (
+        <p class="error" role="alert">
+            {text}
+        </p>
+    );
 }

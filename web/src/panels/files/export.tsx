@@ -89,11 +89,17 @@ function ExportDialog({ app, end }: { app: App; end(): void }): VNode {
             accept={wrong || busy ? undefined : write}
             buttons={
                 <>
-                    <button type="submit" class="primary" disabled={wrong !== "" || busy}>{busy ? "Exporting…" : "Export"}</button>
+                    <button type="submit" class="primary" disabled={wrong !== "" || busy}>
+                        {busy ? "Exporting…" : "Export"}
+                    </button>
                     {busy ? (
-                        <button type="button" onClick={() => app.engine.cancel()}>Stop</button>
+                        <button type="button" onClick={() => app.engine.cancel()}>
+                            Stop
+                        </button>
                     ) : (
-                        <button type="button" onClick={end}>Cancel</button>
+                        <button type="button" onClick={end}>
+                            Cancel
+                        </button>
                     )}
                 </>
             }
@@ -131,7 +137,13 @@ function FormatField({ formats, format }: { formats: readonly Format[]; format: 
             <select value={format?.id} autofocus onChange={(event) => (kFormat.value = event.currentTarget.value)}>
                 {holds.map((what) => (
                     <optgroup key={what} label={kHoldsLabels[what]}>
-                        {formats.filter((one) => one.holds === what).map(({ id, label }) => <option key={id} value={id}>{label}</option>)}
+                        {formats
+                            .filter((one) => one.holds === what)
+                            .map(({ id, label }) => (
+                                <option key={id} value={id}>
+                                    {label}
+                                </option>
+                            ))}
                     </optgroup>
                 ))}
             </select>
@@ -146,7 +158,9 @@ function SurfaceOptions({ app }: { app: App }): VNode {
     return (
         <fieldset>
             <legend>Surface of skeletons</legend>
-            {options.map((option) => <SurfaceOption key={option.name} option={option} />)}
+            {options.map((option) => (
+                <SurfaceOption key={option.name} option={option} />
+            ))}
         </fieldset>
     );
 }
@@ -163,7 +177,11 @@ function SurfaceOption({ option }: { option: Argument }): VNode {
         <label class="file-field" title={help}>
             <span>{spoken(name)}</span>
             <select value={chosen[name] ?? option.default} onChange={(event) => set(event.currentTarget.value)}>
-                {choices.map((choice) => <option key={choice} value={choice}>{choice}</option>)}
+                {choices.map((choice) => (
+                    <option key={choice} value={choice}>
+                        {choice}
+                    </option>
+                ))}
             </select>
         </label>
     );
@@ -184,12 +202,18 @@ function WrittenDialog({ app, written, again, end }: WrittenProps): VNode {
             close={end}
             buttons={
                 <>
-                    <button type="button" class="primary" autofocus onClick={end}>Close</button>
-                    <button type="button" onClick={again}>Export more</button>
+                    <button type="button" class="primary" autofocus onClick={end}>
+                        Close
+                    </button>
+                    <button type="button" onClick={again}>
+                        Export more
+                    </button>
                 </>
             }
         >
-            {written.map((one) => <WrittenFile key={one.file} app={app} written={one} />)}
+            {written.map((one) => (
+                <WrittenFile key={one.file} app={app} written={one} />
+            ))}
         </Dialog>
     );
 }
@@ -199,21 +223,29 @@ function WrittenFile({ app, written: { object, file, bytes, checked } }: { app: 
     const { trouble, work } = useWork();
     return (
         <section class="written" aria-label={file}>
-            <h3>{file} <span class="hint">{`${object.kind} ${object.name}, ${bytesText(bytes)}`}</span></h3>
+            <h3>
+                {file} <span class="hint">{`${object.kind} ${object.name}, ${bytesText(bytes)}`}</span>
+            </h3>
             {checked && (
                 <p class={checked.good ? "verdict good" : "verdict bad"}>
                     <span aria-hidden="true">{checked.good ? "✓" : "!"}</span> {checked.verdict}
                 </p>
             )}
-            <p class="hint">It is in <code>{folder}</code></p>
+            <p class="hint">
+                It is in <code>{folder}</code>
+            </p>
             <div class="tool-row">
-                <button type="button" onClick={() => void work(() => download(app, file))}>Download {baseOf(file)}</button>
+                <button type="button" onClick={() => void work(() => download(app, file))}>
+                    Download {baseOf(file)}
+                </button>
             </div>
             <Trouble text={trouble} />
             {checked && (
                 <details>
                     <summary>Figures of the check</summary>
-                    {grouped(checked.figures).map((group) => <Figures key={group.title} group={group} />)}
+                    {grouped(checked.figures).map((group) => (
+                        <Figures key={group.title} group={group} />
+                    ))}
                 </details>
             )}
         </section>

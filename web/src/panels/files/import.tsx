@@ -109,7 +109,10 @@ async function decidedScene(app: App, scene: Coming): Promise<Coming | null> {
         return { ...scene, use: "open" };
     }
     const text = "It replaces the open scene; undo restores that one.";
-    const use = await choose<Use>(`Open ${scene.file.name}?`, text, [["open", "Open it"], ["keep", "Only copy it into the folder"]]);
+    const use = await choose<Use>(`Open ${scene.file.name}?`, text, [
+        ["open", "Open it"],
+        ["keep", "Only copy it into the folder"],
+    ]);
     return use && { ...scene, use };
 }
 
@@ -126,8 +129,12 @@ function UsesDialog({ coming, end }: { coming: readonly Coming[]; end(answer: re
             accept={() => end(coming.map((one, at) => ({ ...one, use: uses[at] })))}
             buttons={
                 <>
-                    <button type="submit" class="primary">Import</button>
-                    <button type="button" onClick={() => end(null)}>Cancel</button>
+                    <button type="submit" class="primary">
+                        Import
+                    </button>
+                    <button type="button" onClick={() => end(null)}>
+                        Cancel
+                    </button>
                 </>
             }
         >
@@ -200,7 +207,10 @@ function isUsed(app: App, name: string): boolean {
 function askReplace(app: App, name: string): Promise<"replace" | "both" | null> {
     const used = isUsed(app, name);
     const then = used ? " The scene uses it, and the statements that use it run again." : "";
-    const answers = [["replace", "Replace"], ["both", "Keep both"]] as const;
+    const answers = [
+        ["replace", "Replace"],
+        ["both", "Keep both"],
+    ] as const;
     const text = `The folder already contains another file ${name}.${then}`;
     return choose("Replace the file?", text, used ? answers : answers.toReversed());
 }
@@ -279,8 +289,14 @@ export function DropZone({ app }: { app: App }): VNode {
     }, []);
     return (
         <>
-            {over && <div class="drop-zone" aria-hidden="true"><p>Drop trees, meshes, points, scenes or images</p></div>}
-            <p class="import-status" role="status" hidden={underway === ""}>{underway}</p>
+            {over && (
+                <div class="drop-zone" aria-hidden="true">
+                    <p>Drop trees, meshes, points, scenes or images</p>
+                </div>
+            )}
+            <p class="import-status" role="status" hidden={underway === ""}>
+                {underway}
+            </p>
         </>
     );
 }

@@ -1,6 +1,4 @@
 import type { Panel } from "../../app";
 import { AnimationPanel } from "./animation/panel";
 
-export const filesPanels: Panel[] = [
-    { id: "animation", title: "Animation", side: "bottom", order: 40, render: (app) => <AnimationPanel app={app} /> },
-];
+export const filesPanels: Panel[] = [{ id: "animation", title: "Animation", side: "bottom", order: 40, render: (app) => <AnimationPanel app={app} /> }];

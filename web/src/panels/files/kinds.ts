@@ -86,7 +86,10 @@ export function plyContent(head: string): Content {
 
 /** The second number of an OFF file is its number of faces. */
 export function offContent(head: string): Content {
-    const words = head.replace(/#.*/g, "").split(/\s+/).filter((word) => /^\d+$/.test(word));
+    const words = head
+        .replace(/#.*/g, "")
+        .split(/\s+/)
+        .filter((word) => /^\d+$/.test(word));
     return words.length >= 2 && Number(words[1]) === 0 ? "points" : "mesh";
 }
 
@@ -119,7 +122,10 @@ function jsonContent(head: string): Content {
  */
 export function isTree(head: string): boolean {
     const whole = head.length < kHead ? head : head.slice(0, head.lastIndexOf("\n"));
-    const lines = whole.replace(/^\uFEFF|^ï»¿/, "").split(/\r\n|\r|\n/).filter((line) => line.trim() !== "" && !/^\s*(#|\/\/)/.test(line));
+    const lines = whole
+        .replace(/^\uFEFF|^ï»¿/, "")
+        .split(/\r\n|\r|\n/)
+        .filter((line) => line.trim() !== "" && !/^\s*(#|\/\/)/.test(line));
     if (lines.length === 0) {
         return false;
     }
@@ -128,12 +134,19 @@ export function isTree(head: string): boolean {
 }
 
 function numbers(line: string): number[] | null {
-    const values = line.trim().split(/[\s,;]+/).map(Number);
+    const values = line
+        .trim()
+        .split(/[\s,;]+/)
+        .map(Number);
     return values.every(Number.isFinite) ? values : null;
 }
 
 function isTreeHeader(line: string): boolean {
-    const names = line.toLowerCase().split(/[,;\t]|\s{1,}/).map((name) => name.replace(/[_ "']|\(.*?\)|\[.*?\]/g, "")).filter(Boolean);
+    const names = line
+        .toLowerCase()
+        .split(/[,;\t]|\s{1,}/)
+        .map((name) => name.replace(/[_ "']|\(.*?\)|\[.*?\]/g, ""))
+        .filter(Boolean);
     const radius = names.some((name) => ["radius", "radiuscyl", "cylradius", "rad"].includes(name));
     const start = names.some((name) => /^(startx|sx|startpointx|startpoint|start)$/.test(name));
     return (radius && start) || /(^|,)x,y,z,radius(,|$)/.test(line.trim());

@@ -20,7 +20,9 @@ export function ObjectChecks({ all, chosen, set }: Props): VNode {
                 return (
                     <label key={key} class="file-check">
                         <input type="checkbox" checked={isChosen} onChange={() => set(isChosen ? without : [...chosen, { kind, name }])} />
-                        <span>{name} <span class="hint">{kind}</span></span>
+                        <span>
+                            {name} <span class="hint">{kind}</span>
+                        </span>
                     </label>
                 );
             })}

@@ -92,11 +92,17 @@ function PictureDialog({ app, end }: { app: App; end(): void }): VNode {
             accept={wrong || busy ? undefined : draw}
             buttons={
                 <>
-                    <button type="submit" class="primary" disabled={wrong !== "" || busy}>Draw</button>
+                    <button type="submit" class="primary" disabled={wrong !== "" || busy}>
+                        Draw
+                    </button>
                     {busy ? (
-                        <button type="button" onClick={() => app.engine.cancel()}>Stop</button>
+                        <button type="button" onClick={() => app.engine.cancel()}>
+                            Stop
+                        </button>
                     ) : (
-                        <button type="button" onClick={end}>Cancel</button>
+                        <button type="button" onClick={end}>
+                            Cancel
+                        </button>
                     )}
                 </>
             }
@@ -152,14 +158,22 @@ function MadeDialog({ app, made: { file, url }, again, end }: MadeProps): VNode 
             close={end}
             buttons={
                 <>
-                    <button type="button" class="primary" autofocus onClick={end}>Close</button>
-                    <button type="button" onClick={() => void work(() => download(app, file))}>Download</button>
-                    <button type="button" onClick={again}>Another image</button>
+                    <button type="button" class="primary" autofocus onClick={end}>
+                        Close
+                    </button>
+                    <button type="button" onClick={() => void work(() => download(app, file))}>
+                        Download
+                    </button>
+                    <button type="button" onClick={again}>
+                        Another image
+                    </button>
                 </>
             }
         >
             <img class="made-picture" src={url} alt={`The image ${file}`} />
-            <p class="hint">It is in <code>{folder}</code></p>
+            <p class="hint">
+                It is in <code>{folder}</code>
+            </p>
             <Trouble text={trouble} />
         </Dialog>
     );

@@ -44,8 +44,12 @@ function OpenDialog({ app, end }: { app: App; end(): void }): VNode {
             accept={file === "" || busy ? undefined : open}
             buttons={
                 <>
-                    <button type="submit" class="primary" disabled={file === "" || busy}>Open</button>
-                    <button type="button" onClick={end}>Cancel</button>
+                    <button type="submit" class="primary" disabled={file === "" || busy}>
+                        Open
+                    </button>
+                    <button type="button" onClick={end}>
+                        Cancel
+                    </button>
                 </>
             }
         >
@@ -53,8 +57,17 @@ function OpenDialog({ app, end }: { app: App; end(): void }): VNode {
                 <span>Search</span>
                 <input type="search" value={search} autofocus onInput={(event) => setSearch(event.currentTarget.value)} />
             </label>
-            <select class="file-list" size={8} aria-label="Scenes of the folder" value={file} onChange={(event) => setChosen(event.currentTarget.value)} onDblClick={open}>
-                {found.map(({ name, bytes }) => <option key={name} value={name}>{`${name} (${bytesText(bytes)})`}</option>)}
+            <select
+                class="file-list"
+                size={8}
+                aria-label="Scenes of the folder"
+                value={file}
+                onChange={(event) => setChosen(event.currentTarget.value)}
+                onDblClick={open}
+            >
+                {found.map(({ name, bytes }) => (
+                    <option key={name} value={name}>{`${name} (${bytesText(bytes)})`}</option>
+                ))}
             </select>
             {files !== null && found.length === 0 && (
                 <p class="hint">{files.length === 0 ? "The folder has no scene (.coppice) yet." : "No scene has this name."}</p>
@@ -97,8 +110,12 @@ function SaveDialog({ app, end }: { app: App; end(): void }): VNode {
             accept={wrong || busy ? undefined : save}
             buttons={
                 <>
-                    <button type="submit" class="primary" disabled={wrong !== "" || busy}>Save</button>
-                    <button type="button" onClick={end}>Cancel</button>
+                    <button type="submit" class="primary" disabled={wrong !== "" || busy}>
+                        Save
+                    </button>
+                    <button type="button" onClick={end}>
+                        Cancel
+                    </button>
                 </>
             }
         >

@@ -28,7 +28,9 @@ const Seed = tracked(({ card }: { card: Card }) => {
             <button type="button" aria-label="Random seed" title="Random seed" onClick={() => set(1 + Math.floor(Math.random() * 9999))}>
                 <span aria-hidden="true">⚄</span> Seed
             </button>
-            <button type="button" onClick={() => set(now + 1)}>Next seed</button>
+            <button type="button" onClick={() => set(now + 1)}>
+                Next seed
+            </button>
         </div>
     );
 });
@@ -70,15 +72,23 @@ export const Standing = tracked(({ card }: { card: Card }) => {
             {bound && (
                 <p class="standing">
                     <span>{`Changes line ${statements[bound.statement]?.line ?? bound.statement + 1}, ${card.target?.name ?? ""}.`}</span>
-                    <button type="button" onClick={() => card.renew()}>Make another</button>
+                    <button type="button" onClick={() => card.renew()}>
+                        Make another
+                    </button>
                 </p>
             )}
-            {card.trouble.value && <p class="error" role="alert">{card.trouble.value}</p>}
+            {card.trouble.value && (
+                <p class="error" role="alert">
+                    {card.trouble.value}
+                </p>
+            )}
             {bound && error && error.statement > bound.statement && (
                 <div class="error" role="alert">
                     <p>{`Later statements do not work with this change. Line ${error.line}: ${error.message}`}</p>
                     <p class="hint">No data is lost: change that line in the scene, or undo this change.</p>
-                    <button type="button" onClick={() => card.app.command("undo")}>Undo the change</button>
+                    <button type="button" onClick={() => card.app.command("undo")}>
+                        Undo the change
+                    </button>
                 </div>
             )}
         </>

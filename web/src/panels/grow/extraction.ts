@@ -87,9 +87,7 @@ export class Extraction {
         const objects = this.app.store.state.value.objects.filter(({ kind }) => kinds.includes(kind));
         const isFirst = (object: ObjectName) => (object.kind === selected?.kind && object.name === selected.name ? 0 : 1);
         return [
-            ...objects
-                .sort((a, b) => isFirst(a) - isFirst(b))
-                .map(({ kind, name }) => ({ argument: from?.name ?? "", word: name, label: `${kind} ${name}` })),
+            ...objects.sort((a, b) => isFirst(a) - isFirst(b)).map(({ kind, name }) => ({ argument: from?.name ?? "", word: name, label: `${kind} ${name}` })),
             ...this.files.value.map((name) => ({ argument: file?.name ?? "", word: name, label: `file ${name}` })),
         ];
     }
@@ -120,7 +118,9 @@ export class Extraction {
         const values = this.card.values.peek();
         const object = from && values[from.name]?.[0];
         const name = file && values[file.name]?.[0];
-        const known = kindsOf(from ?? ({ type: "object" } as Argument)).map((kind) => object && this.app.store.find(kind, object)).find(Boolean);
+        const known = kindsOf(from ?? ({ type: "object" } as Argument))
+            .map((kind) => object && this.app.store.find(kind, object))
+            .find(Boolean);
         this.scan.value = known || (name && this.beside.peek() ? await this.load(name) : null);
         if (target) {
             this.select(target);
@@ -138,7 +138,10 @@ export class Extraction {
         const name = this.app.store.freeName(objectName(file));
         for (const { command, kind } of loadingCommands(file)) {
             const line = commandLine([command, name, file]);
-            const loads = await this.app.engine.request("aside", { line }).then(() => true, () => false);
+            const loads = await this.app.engine.request("aside", { line }).then(
+                () => true,
+                () => false,
+            );
             if (loads && (await runLine(this.app, line)) !== null) {
                 return { kind, name };
             }

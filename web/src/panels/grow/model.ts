@@ -87,8 +87,7 @@ export class GrowthModel {
     constructor(readonly app: App) {
         this.growth = new GrowthWatch(app);
         this.attractors = new Attractors(app);
-        const card = (options: Omit<CardOptions, "ran">, step: StepName) =>
-            new Card(app, { ...options, ran: (target) => this.ran(step, target) });
+        const card = (options: Omit<CardOptions, "ran">, step: StepName) => new Card(app, { ...options, ran: (target) => this.ran(step, target) });
         this.points = card(
             { commands: ["pointset generate", "pointset near", "pointset thin", "pointset densify"], suggest: pointValues, shows: true },
             "points",

@@ -47,7 +47,9 @@ export const Step = tracked(({ model, step, mark, title, summary, done, button, 
                         model.open.value = isOpen ? null : step;
                     }}
                 >
-                    <span class="step-mark" aria-hidden="true">{done ? "✓" : mark}</span>
+                    <span class="step-mark" aria-hidden="true">
+                        {done ? "✓" : mark}
+                    </span>
                     <span class="step-name">
                         {title}
                         <span class="hint">{summary}</span>
@@ -66,7 +68,9 @@ export const Step = tracked(({ model, step, mark, title, summary, done, button, 
                 {button}
             </button>
             {notice}
-            <div id={`step-${step}`} hidden={!isOpen}>{isOpen && children}</div>
+            <div id={`step-${step}`} hidden={!isOpen}>
+                {isOpen && children}
+            </div>
         </li>
     );
 });

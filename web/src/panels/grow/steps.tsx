@@ -20,7 +20,11 @@ function shownCount(card: Card): number {
 
 const PointCount = tracked(({ card }: { card: Card }) => {
     const counted = shownCount(card);
-    return <p class="count" role="status">{counted > 0 ? count(counted, "points") : ""}</p>;
+    return (
+        <p class="count" role="status">
+            {counted > 0 ? count(counted, "points") : ""}
+        </p>
+    );
 });
 
 const kPointWays = [
@@ -38,8 +42,17 @@ const PointStep = tracked(({ model }: { model: GrowthModel }) => {
     const changes = card.command.value === "pointset thin" || card.command.value === "pointset densify";
     const what = card.values.value.solid?.[0] ?? card.values.value.mesh?.[0] ?? "a crown";
     const counted = shownCount(card);
-    const summary = counted > 0 && card.target ? count(counted, `points in ${card.target.name}`) : hasSolid ? "target points of the branches" : "make a crown first: select Place, or draw a profile";
-    const buttons: Record<string, string> = { "pointset thin": "Thin the points", "pointset densify": "Add points", "pointset near": `Cover ${what} with points` };
+    const summary =
+        counted > 0 && card.target
+            ? count(counted, `points in ${card.target.name}`)
+            : hasSolid
+              ? "target points of the branches"
+              : "make a crown first: select Place, or draw a profile";
+    const buttons: Record<string, string> = {
+        "pointset thin": "Thin the points",
+        "pointset densify": "Add points",
+        "pointset near": `Cover ${what} with points`,
+    };
     return (
         <Step
             model={model}
@@ -64,9 +77,17 @@ const PointStep = tracked(({ model }: { model: GrowthModel }) => {
 const Verdict = tracked(({ mesh }: { mesh: SceneObject | undefined }) => {
     const last = lastCheck.value;
     if (mesh && checking.value?.kind === "mesh" && checking.value.name === mesh.name) {
-        return <p class="hint" role="status">The check is running.</p>;
+        return (
+            <p class="hint" role="status">
+                The check is running.
+            </p>
+        );
     }
-    return last && isOf(last, mesh) ? <p class={last.good ? "good" : "warning"} role="status">{last.verdict}</p> : null;
+    return last && isOf(last, mesh) ? (
+        <p class={last.good ? "good" : "warning"} role="status">
+            {last.verdict}
+        </p>
+    ) : null;
 });
 
 const SurfaceStep = tracked(({ model }: { model: GrowthModel }) => {
@@ -126,7 +147,11 @@ const ScanStep = tracked(({ model }: { model: GrowthModel }) => {
                         card.begin(source.argument, source.word);
                     }}
                 >
-                    {sources.map(({ label }) => <option key={label} value={label}>{label}</option>)}
+                    {sources.map(({ label }) => (
+                        <option key={label} value={label}>
+                            {label}
+                        </option>
+                    ))}
                 </select>
             </label>
             <CommandCard card={card} main={kMain.extract}>

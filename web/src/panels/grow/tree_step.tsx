@@ -17,13 +17,19 @@ const Running = tracked(({ model }: { model: GrowthModel }) => {
         <div class="growing" role="group" aria-label="Growth">
             <progress aria-label="Progress of the growth" value={progress.value?.fraction} max={1} />
             <span role="status">{so ? `${so} so far` : "begins"}</span>
-            <button type="button" onClick={() => model.app.engine.cancel()}>Stop</button>
+            <button type="button" onClick={() => model.app.engine.cancel()}>
+                Stop
+            </button>
         </div>
     ) : (
         <div class="growing stopped" role="group" aria-label="Growth that was stopped">
             <p role="status">{`Stopped with ${so}. Keep the tree in this state, or discard it?`}</p>
-            <button type="button" class="primary" onClick={() => model.growth.keep(model.tree)}>Keep it</button>
-            <button type="button" onClick={() => model.growth.throwAway(model.tree)}>Discard it</button>
+            <button type="button" class="primary" onClick={() => model.growth.keep(model.tree)}>
+                Keep it
+            </button>
+            <button type="button" onClick={() => model.growth.throwAway(model.tree)}>
+                Discard it
+            </button>
         </div>
     );
 });
@@ -84,11 +90,20 @@ export const TreeStep = tracked(({ model }: { model: GrowthModel }) => {
                     model.radius.value = name !== null && isRadius(name) ? name : null;
                 }}
             >
-                <Ways card={card} ways={[["grow", "Into points"], ["sprout", "By rules"]]} label="Growth method" />
+                <Ways
+                    card={card}
+                    ways={[
+                        ["grow", "Into points"],
+                        ["sprout", "By rules"],
+                    ]}
+                    label="Growth method"
+                />
                 {limit && card.bound.value && (
                     <p class="standing">
                         <span>{`It was stopped after ${limit} steps.`}</span>
-                        <button type="button" onClick={() => card.set("max_iterations", [], true)}>Continue the growth</button>
+                        <button type="button" onClick={() => card.set("max_iterations", [], true)}>
+                            Continue the growth
+                        </button>
                     </p>
                 )}
                 <ReachText model={model} />

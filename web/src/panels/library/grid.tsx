@@ -53,7 +53,10 @@ function columnsOf(list: HTMLElement): number {
 export function BranchGrid({ model, branches }: { model: LibraryModel; branches: readonly Branch[] }): VNode {
     const list = useRef<HTMLDivElement>(null);
     const chosen = useValue(chosenBranch);
-    const at = Math.max(branches.findIndex(({ number }) => number === chosen?.number), 0);
+    const at = Math.max(
+        branches.findIndex(({ number }) => number === chosen?.number),
+        0,
+    );
     const choose = (index: number) => {
         chosenBranch.value = { file: model.file.peek(), number: branches[index].number };
         const cell = list.current?.children[index] as HTMLElement | undefined;

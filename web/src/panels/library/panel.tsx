@@ -11,7 +11,11 @@ import { kEnding, type LibraryModel } from "./model";
 import { Composition } from "./seeds";
 
 const kNew = ":new"; // no file has this name
-const kOrders: readonly (readonly [Order, string])[] = [["length", "longest first"], ["tips", "most tips first"], ["number", "by number"]];
+const kOrders: readonly (readonly [Order, string])[] = [
+    ["length", "longest first"],
+    ["tips", "most tips first"],
+    ["number", "by number"],
+];
 
 const Chooser = tracked(({ model }: { model: LibraryModel }) => {
     const [isNew, setNew] = useState(false);
@@ -37,7 +41,11 @@ const Chooser = tracked(({ model }: { model: LibraryModel }) => {
                         }
                     }}
                 >
-                    {all.map((one) => <option key={one} value={one}>{one}</option>)}
+                    {all.map((one) => (
+                        <option key={one} value={one}>
+                            {one}
+                        </option>
+                    ))}
                     <option value={kNew}>New library…</option>
                 </select>
             </label>
@@ -49,8 +57,16 @@ const Chooser = tracked(({ model }: { model: LibraryModel }) => {
                         make();
                     }}
                 >
-                    <input type="text" aria-label="Name of the new library" placeholder="oaks" value={name} onInput={(event) => setName(event.currentTarget.value)} />
-                    <button type="submit" disabled={name.trim() === ""}>Use it</button>
+                    <input
+                        type="text"
+                        aria-label="Name of the new library"
+                        placeholder="oaks"
+                        value={name}
+                        onInput={(event) => setName(event.currentTarget.value)}
+                    />
+                    <button type="submit" disabled={name.trim() === ""}>
+                        Use it
+                    </button>
                 </form>
             )}
         </>
@@ -74,9 +90,13 @@ const Adding = tracked(({ model }: { model: LibraryModel }) => {
                 <input type="text" placeholder="oak" value={tag} onInput={(event) => setTag(event.currentTarget.value.trim())} />
             </label>
             <div class="tool-row">
-                <button type="button" onClick={() => void model.add(tag, "tree")}>All of the tree</button>
+                <button type="button" onClick={() => void model.add(tag, "tree")}>
+                    All of the tree
+                </button>
                 {takesNodes && (
-                    <button type="button" disabled={selectedTops(model.app) === null} onClick={() => void model.add(tag, "selected")}>The selected ones</button>
+                    <button type="button" disabled={selectedTops(model.app) === null} onClick={() => void model.add(tag, "selected")}>
+                        The selected ones
+                    </button>
                 )}
             </div>
         </details>
@@ -108,14 +128,34 @@ const Filters = tracked(({ model }: { model: LibraryModel }) => {
     };
     return (
         <div class="filters" role="group" aria-label="Filter of the branches">
-            <input type="search" aria-label="Find by number, tag or source" placeholder="Find" value={filter.text} onInput={(event) => set({ text: event.currentTarget.value })} />
-            <select aria-label="Order" value={model.order.value} onChange={(event) => { model.order.value = event.currentTarget.value as Order; }}>
-                {kOrders.map(([order, text]) => <option key={order} value={order}>{text}</option>)}
+            <input
+                type="search"
+                aria-label="Find by number, tag or source"
+                placeholder="Find"
+                value={filter.text}
+                onInput={(event) => set({ text: event.currentTarget.value })}
+            />
+            <select
+                aria-label="Order"
+                value={model.order.value}
+                onChange={(event) => {
+                    model.order.value = event.currentTarget.value as Order;
+                }}
+            >
+                {kOrders.map(([order, text]) => (
+                    <option key={order} value={order}>
+                        {text}
+                    </option>
+                ))}
             </select>
             {tags.length > 0 && (
                 <select aria-label="Tag" value={filter.tag} onChange={(event) => set({ tag: event.currentTarget.value })}>
                     <option value="">any tag</option>
-                    {tags.map((tag) => <option key={tag} value={tag}>{tag}</option>)}
+                    {tags.map((tag) => (
+                        <option key={tag} value={tag}>
+                            {tag}
+                        </option>
+                    ))}
                 </select>
             )}
             <Metres label="Minimum length in metres" placeholder="from [m]" value={filter.least} set={(least) => set({ least })} />
@@ -127,18 +167,37 @@ const Filters = tracked(({ model }: { model: LibraryModel }) => {
 const Branches = tracked(({ model }: { model: LibraryModel }) => {
     const all = model.branches.value;
     if (model.trouble.value) {
-        return <p class="error" role="alert">{model.trouble.value}</p>;
+        return (
+            <p class="error" role="alert">
+                {model.trouble.value}
+            </p>
+        );
     }
     if (all.length === 0) {
-        return <p class="hint">{model.file.value ? "This library is empty: add branches of a tree to it." : "Choose a library of the folder, or name a new one."}</p>;
+        return (
+            <p class="hint">
+                {model.file.value ? "This library is empty: add branches of a tree to it." : "Choose a library of the folder, or name a new one."}
+            </p>
+        );
     }
     const shown = filtered(all, model.filter.value, model.order.value);
     return (
         <>
             <Filters model={model} />
             <p class="hint" role="status">
-                {shown.length === all.length ? `${all.length} branches. Drag one onto a tree, or select it and press Enter.` : `${shown.length} of ${all.length} branches`}
-                {model.filter.value !== kAll && <button type="button" onClick={() => { model.filter.value = kAll; }}>Show all</button>}
+                {shown.length === all.length
+                    ? `${all.length} branches. Drag one onto a tree, or select it and press Enter.`
+                    : `${shown.length} of ${all.length} branches`}
+                {model.filter.value !== kAll && (
+                    <button
+                        type="button"
+                        onClick={() => {
+                            model.filter.value = kAll;
+                        }}
+                    >
+                        Show all
+                    </button>
+                )}
             </p>
             <BranchGrid model={model} branches={shown} />
         </>

@@ -101,7 +101,15 @@ export function Picture({ id, load }: { id: string; load: Load }): VNode {
     }, [id]);
     return (
         <div class="picture-box" ref={place} title={trouble || undefined}>
-            {trouble ? <span class="error">no image</span> : picture ? <Strokes picture={picture} /> : <span class="hint" aria-hidden="true">…</span>}
+            {trouble ? (
+                <span class="error">no image</span>
+            ) : picture ? (
+                <Strokes picture={picture} />
+            ) : (
+                <span class="hint" aria-hidden="true">
+                    …
+                </span>
+            )}
         </div>
     );
 }

@@ -49,8 +49,12 @@ const Thumbnails = tracked(({ model }: { model: LibraryModel }) => {
                 ))}
             </div>
             <div class="tool-row">
-                <button type="button" disabled={first <= 1} onClick={() => step(model, -kSeeds)}>Previous seeds</button>
-                <button type="button" onClick={() => step(model, kSeeds)}>More seeds</button>
+                <button type="button" disabled={first <= 1} onClick={() => step(model, -kSeeds)}>
+                    Previous seeds
+                </button>
+                <button type="button" onClick={() => step(model, kSeeds)}>
+                    More seeds
+                </button>
                 <button type="button" onClick={() => step(model, Math.floor(Math.random() * 9999) + 1 - first)}>
                     <span aria-hidden="true">⚄</span> By chance
                 </button>
@@ -99,10 +103,18 @@ export const Composition = tracked(({ model }: { model: LibraryModel }) => {
             <label class="tool-field">
                 <span>Template</span>
                 <select value={template} onChange={(event) => card.set("template", [event.currentTarget.value], true)}>
-                    {trees.map(({ name }) => <option key={name} value={name}>{name}</option>)}
+                    {trees.map(({ name }) => (
+                        <option key={name} value={name}>
+                            {name}
+                        </option>
+                    ))}
                 </select>
             </label>
-            <p class="hint">{card.values.value.library ? `Uses branches of ${card.values.value.library[0]}.` : "Without a library, the branches of the template are rearranged."}</p>
+            <p class="hint">
+                {card.values.value.library
+                    ? `Uses branches of ${card.values.value.library[0]}.`
+                    : "Without a library, the branches of the template are rearranged."}
+            </p>
             <Thumbnails model={model} />
             <Fields model={model} />
         </div>

@@ -21,7 +21,10 @@ interface Frame {
 
 /** Fits the front view, x to the right and z up, into a square. */
 function frameOf(position: Float32Array, size: number): Frame {
-    const [low, high] = [[Infinity, Infinity], [-Infinity, -Infinity]];
+    const [low, high] = [
+        [Infinity, Infinity],
+        [-Infinity, -Infinity],
+    ];
     for (let i = 0; i < position.length; i += 3) {
         for (const [c, value] of [position[i], position[i + 2]].entries()) {
             low[c] = Math.min(low[c], value);

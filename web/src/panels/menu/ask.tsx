@@ -41,8 +41,12 @@ function AskDialog<T>({ app, title, questions, run, end }: AskProps<T>): VNode {
             accept={ready ? () => void work(async () => end(await run(answers))) : undefined}
             buttons={
                 <>
-                    <button type="submit" class="primary" disabled={!ready}>OK</button>
-                    <button type="button" onClick={() => end(null)}>Cancel</button>
+                    <button type="submit" class="primary" disabled={!ready}>
+                        OK
+                    </button>
+                    <button type="button" onClick={() => end(null)}>
+                        Cancel
+                    </button>
                 </>
             }
         >
@@ -69,7 +73,10 @@ function choicesOf(app: App, argument: Argument | undefined): readonly string[] 
         case "flag":
             return ["true", "false"];
         case "object":
-            return app.store.state.peek().objects.filter(({ kind }) => kindsOf(argument).includes(kind)).map(({ name }) => name);
+            return app.store.state
+                .peek()
+                .objects.filter(({ kind }) => kindsOf(argument).includes(kind))
+                .map(({ name }) => name);
         default:
             return [];
     }
@@ -100,7 +107,11 @@ function Answer({ app, question: { label, argument }, first, answer, wrong, set 
             {choices.length > 0 ? (
                 <select id={id} value={answer} autofocus={first} onChange={(event) => set(event.currentTarget.value)}>
                     {!choices.includes(answer) && <option value={answer}>{answer}</option>}
-                    {choices.map((choice) => <option key={choice} value={choice}>{choice}</option>)}
+                    {choices.map((choice) => (
+                        <option key={choice} value={choice}>
+                            {choice}
+                        </option>
+                    ))}
                 </select>
             ) : (
                 <input
@@ -115,7 +126,9 @@ function Answer({ app, question: { label, argument }, first, answer, wrong, set 
                     onInput={(event) => set(event.currentTarget.value)}
                 />
             )}
-            <p id={`${id}-wrong`} class="error" aria-live="polite">{wrong}</p>
+            <p id={`${id}-wrong`} class="error" aria-live="polite">
+                {wrong}
+            </p>
         </div>
     );
 }

@@ -52,11 +52,16 @@ function stepFocus(items: readonly HTMLElement[], key: string, back: string, for
     const count = items.length;
     const letter = key.length === 1 && key !== " " ? key.toLowerCase() : "";
     const begins = (item: HTMLElement) => letter !== "" && (item.textContent ?? "").trim().toLowerCase().startsWith(letter);
-    const next = key === forth ? (at + 1) % count
-        : key === back ? (at - 1 + count) % count
-        : key === "Home" ? 0
-        : key === "End" ? count - 1
-        : [...items.keys()].map((n) => (at + 1 + n) % count).find((n) => begins(items[n])) ?? -1;
+    const next =
+        key === forth
+            ? (at + 1) % count
+            : key === back
+              ? (at - 1 + count) % count
+              : key === "Home"
+                ? 0
+                : key === "End"
+                  ? count - 1
+                  : ([...items.keys()].map((n) => (at + 1 + n) % count).find((n) => begins(items[n])) ?? -1);
     items[next]?.focus();
     return next >= 0 && count > 0;
 }
@@ -107,7 +112,13 @@ function ItemList({ studio, menu, last, take, untaken }: ListProps): VNode {
     useValue(studio.store.connection);
     useValue(studio.store.schema);
     useValue(kDefaults);
-    useLayoutEffect(() => itemsIn(list.current).at(last ? -1 : 0)?.focus(), [menu]);
+    useLayoutEffect(
+        () =>
+            itemsIn(list.current)
+                .at(last ? -1 : 0)
+                ?.focus(),
+        [menu],
+    );
     const keyDown = (event: KeyboardEvent) => {
         if (!event.ctrlKey && !event.metaKey && !event.altKey && stepFocus(itemsIn(list.current), event.key, "ArrowUp", "ArrowDown")) {
             event.preventDefault();
@@ -118,7 +129,9 @@ function ItemList({ studio, menu, last, take, untaken }: ListProps): VNode {
     };
     return (
         <div class="menu-list" role="menu" aria-label={menu.title} ref={list} onKeyDown={keyDown}>
-            {menu.items.map((item) => <Item key={item.number} studio={studio} item={item} take={take} />)}
+            {menu.items.map((item) => (
+                <Item key={item.number} studio={studio} item={item} take={take} />
+            ))}
         </div>
     );
 }

@@ -6,10 +6,7 @@ import { isComputed, readLine } from "../../script/words";
 import { newName } from "../../tools/kit/words";
 
 export type Part =
-    | { is: "text"; text: string }
-    | { is: "new"; base: string }
-    | { is: "object" }
-    | { is: "ask"; label: string; value: string; argument?: Argument }; // the proposed value; the argument for the answer
+    { is: "text"; text: string } | { is: "new"; base: string } | { is: "object" } | { is: "ask"; label: string; value: string; argument?: Argument }; // the proposed value; the argument for the answer
 
 const kHole = /(?<!\$)\$\{(?:(new)\s+([A-Za-z][\w.-]*)|(object)|(ask)\s+([^,}]+?)\s*(?:,\s*([^}]*?)\s*)?)\}/g;
 
@@ -38,9 +35,7 @@ export function argumentsOf(schema: readonly Command[], parts: readonly Part[]):
     const { words } = readLine(parts.map((part, at) => (part.is === "text" ? part.text : mark(at))).join(""));
     const found = findCommand(schema, words);
     const bound = found ? bind(found.command, words.slice(found.used)).bound : [];
-    return parts.map((part, at) =>
-        part.is === "text" ? undefined : bound.find((one) => one.words.some(({ text }) => text.includes(mark(at))))?.argument,
-    );
+    return parts.map((part, at) => (part.is === "text" ? undefined : bound.find((one) => one.words.some(({ text }) => text.includes(mark(at))))?.argument));
 }
 
 /** The kinds of the selected object that the line accepts; null if it does not use one. */
@@ -111,7 +106,9 @@ export function answerTrouble(answer: string, argument: Argument | undefined, ob
             return /^[A-Za-z][\w.-]{0,63}$/.test(text) ? "" : "A name is a letter, followed by letters, digits, _, - and dots.";
         case "object": {
             const kinds = kindsOf(argument);
-            return objects.some((object) => object.name === text && kinds.includes(object.kind)) ? "" : `There is no ${kinds.length > 2 ? "object" : kinds.join(" or ")} ${text}.`;
+            return objects.some((object) => object.name === text && kinds.includes(object.kind))
+                ? ""
+                : `There is no ${kinds.length > 2 ? "object" : kinds.join(" or ")} ${text}.`;
         }
         default:
             return "";

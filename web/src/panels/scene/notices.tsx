@@ -19,19 +19,16 @@ export function Notices({ app }: { app: App }): VNode | null {
     }
     return (
         <aside class="notice" aria-label="Recovered scene">
-            <p role="status">
-                {`The studio was ended before ${file || "this scene"} was saved. The changes have been recovered; they are not saved yet.`}
-            </p>
-            <button type="button" class="primary" disabled={locked} onClick={() => app.command("save")}>Save</button>
-            <button
-                type="button"
-                disabled={locked}
-                title="Undo restores it"
-                onClick={() => void backToSaved(app).then(() => setClosed(true))}
-            >
+            <p role="status">{`The studio was ended before ${file || "this scene"} was saved. The changes have been recovered; they are not saved yet.`}</p>
+            <button type="button" class="primary" disabled={locked} onClick={() => app.command("save")}>
+                Save
+            </button>
+            <button type="button" disabled={locked} title="Undo restores it" onClick={() => void backToSaved(app).then(() => setClosed(true))}>
                 {file === "" ? "Start with an empty scene" : "Go back to the saved text"}
             </button>
-            <button type="button" class="icon" aria-label="Close this notice" onClick={() => setClosed(true)}>×</button>
+            <button type="button" class="icon" aria-label="Close this notice" onClick={() => setClosed(true)}>
+                ×
+            </button>
         </aside>
     );
 }

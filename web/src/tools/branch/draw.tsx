@@ -18,13 +18,7 @@ const radius = signal(0);
 const tipRadius = signal(0);
 
 /** The command for a branch through points: on an existing tree, or as a new stem. */
-export function drawLine(
-    about: ObjectName | null,
-    name: string,
-    points: readonly Point[],
-    step: number,
-    radii: { first: number; last: number },
-): string {
+export function drawLine(about: ObjectName | null, name: string, points: readonly Point[], step: number, radii: { first: number; last: number }): string {
     const words = points.map((point) => pointWord(point, step));
     const options = {
         radius: radii.first > 0 ? sizeWord(radii.first, step) : undefined,

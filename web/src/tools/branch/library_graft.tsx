@@ -50,7 +50,11 @@ export function graftLine(branch: LibraryBranch, name: string, host: number, alo
 
 /** The index of the last statement that adds to a library; -1 if there is no such statement. */
 export function lastAddition({ statements, ran }: State, file: string): number {
-    const adds = (line: string) => readLine(line).words.slice(0, 3).map(({ text }) => text).join("\n") === `library\nadd\n${file}`;
+    const adds = (line: string) =>
+        readLine(line)
+            .words.slice(0, 3)
+            .map(({ text }) => text)
+            .join("\n") === `library\nadd\n${file}`;
     return statements.slice(0, ran).findLastIndex(({ text }) => linesOf(text).some((line) => adds(line.text)));
 }
 
@@ -91,7 +95,10 @@ export class LibraryGraftRun implements ToolRun {
         }
         const place = this.placed.value;
         const where = place ? ` on node ${place.skeleton.ids[place.host.n]} of ${place.about.name}` : "";
-        return this.gesture?.refusal || `Grafts branch ${branch.number}${where}. Click a point of the tree, or select a node and press Enter; arrow keys roll and resize it.`;
+        return (
+            this.gesture?.refusal ||
+            `Grafts branch ${branch.number}${where}. Click a point of the tree, or select a node and press Enter; arrow keys roll and resize it.`
+        );
     }
 
     panel(): VNode {

@@ -34,13 +34,7 @@ export function brushed(from: readonly [number, number], to: readonly [number, n
 }
 
 /** The nodes with segments that the brush touches at a position of the view. */
-export function touched(
-    skeleton: Skeleton,
-    pixels: readonly (readonly number[])[],
-    x: number,
-    y: number,
-    radius: number,
-): number[] {
+export function touched(skeleton: Skeleton, pixels: readonly (readonly number[])[], x: number, y: number, radius: number): number[] {
     return skeleton.all().filter((n) => {
         const parent = skeleton.parent(n);
         // Only the half towards the node counts, so that a brush over a fork does not remove a complete branch.

@@ -54,8 +54,7 @@ const kShapes: Shape[] = [
         low: 0,
         high: 1e6,
         perPixel: 0,
-        line: (name, nodes, amount) =>
-            commandLine(["edit", "taper", name, nodes], { to: amount > 0 ? sizeWord(amount, 1e-5) : undefined }),
+        line: (name, nodes, amount) => commandLine(["edit", "taper", name, nodes], { to: amount > 0 ? sizeWord(amount, 1e-5) : undefined }),
     },
 ];
 
@@ -120,12 +119,7 @@ class ShapeRun extends BranchDragRun {
         const dragged = this.from && this.last ? this.last.x - this.from.x : 0;
         // A radius changes by factors of the current one, other amounts by steps.
         const tip = held.skeleton.radius[held.skeleton.axis(held.n).at(-1) ?? held.n];
-        const by =
-            perPixel > 0
-                ? this.amount.value + dragged * perPixel
-                : dragged === 0
-                  ? this.amount.value
-                  : tip * Math.exp(dragged / 150);
+        const by = perPixel > 0 ? this.amount.value + dragged * perPixel : dragged === 0 ? this.amount.value : tip * Math.exp(dragged / 150);
         return Math.min(Math.max(typed ?? by, low), high);
     }
 }

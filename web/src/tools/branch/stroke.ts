@@ -42,9 +42,7 @@ export function depthsOf(stroke: readonly Pixel[], start: Point, skeleton: Skele
 function smooth(points: Point[]): Point[] {
     let now = points;
     for (let pass = 0; pass < kSmoothing; ++pass) {
-        now = now.map((point, i) =>
-            i === 0 || i + 1 === now.length ? point : mix(point, mix(now[i - 1], now[i + 1], 0.5), 0.5),
-        );
+        now = now.map((point, i) => (i === 0 || i + 1 === now.length ? point : mix(point, mix(now[i - 1], now[i + 1], 0.5), 0.5)));
     }
     return now;
 }

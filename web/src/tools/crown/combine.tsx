@@ -149,9 +149,7 @@ class CombineRun implements ToolRun {
                         </span>
                     ))}
                 </div>
-                {kind === "solid" && (
-                    <NumberField label="Exponent" value={this.exponent} low={1} high={100} changed={() => this.again()} />
-                )}
+                {kind === "solid" && <NumberField label="Exponent" value={this.exponent} low={1} high={100} changed={() => this.again()} />}
                 <TextField label="Result" value={this.name} />
             </>
         );
@@ -159,8 +157,7 @@ class CombineRun implements ToolRun {
 
     private meet(event: ToolPointer): void {
         const { view } = this.app;
-        const pick =
-            view.pick(event.x, event.y, [this.parts.peek()[0]?.kind ?? "solid"]) ?? view.pick(event.x, event.y, ["skeleton"]);
+        const pick = view.pick(event.x, event.y, [this.parts.peek()[0]?.kind ?? "solid"]) ?? view.pick(event.x, event.y, ["skeleton"]);
         const parts = gather(this.parts.peek(), pick?.object);
         if (pick && parts !== this.parts.peek()) {
             this.parts.value = parts;
@@ -183,10 +180,7 @@ class CombineRun implements ToolRun {
     private ask(event: ToolPointer): void {
         const [first] = this.parts.peek();
         if (this.parts.peek().length < 2) {
-            this.app.store.say(
-                first ? `The stroke met only ${first.name}; draw it across two.` : "The stroke met no solid.",
-                "warning",
-            );
+            this.app.store.say(first ? `The stroke met only ${first.name}; draw it across two.` : "The stroke met no solid.", "warning");
             this.reset();
             return;
         }
@@ -194,10 +188,7 @@ class CombineRun implements ToolRun {
         render(<Tracked draw={() => this.form(first.kind)} />, this.list);
         this.list.hidden = false;
         const holder = this.list.parentElement;
-        const most = [
-            (holder?.clientWidth ?? 800) - this.list.offsetWidth,
-            (holder?.clientHeight ?? 600) - this.list.offsetHeight,
-        ];
+        const most = [(holder?.clientWidth ?? 800) - this.list.offsetWidth, (holder?.clientHeight ?? 600) - this.list.offsetHeight];
         this.list.style.left = `${Math.max(Math.min(event.x, most[0]), 0)}px`;
         this.list.style.top = `${Math.max(Math.min(event.y, most[1]), 0)}px`;
         this.list.querySelector("button")?.focus();
@@ -210,12 +201,7 @@ class CombineRun implements ToolRun {
             event.preventDefault();
             event.stopPropagation();
         }
-        const step =
-            event.key === "ArrowRight" || event.key === "ArrowDown"
-                ? 1
-                : event.key === "ArrowLeft" || event.key === "ArrowUp"
-                  ? -1
-                  : 0;
+        const step = event.key === "ArrowRight" || event.key === "ArrowDown" ? 1 : event.key === "ArrowLeft" || event.key === "ArrowUp" ? -1 : 0;
         if (step !== 0 && event.target instanceof HTMLButtonElement) {
             const buttons = [...this.list.querySelectorAll("button")];
             buttons[(buttons.indexOf(event.target) + step + buttons.length) % buttons.length].focus();
@@ -285,7 +271,10 @@ class CombineRun implements ToolRun {
             const result = { kind: parts[0].kind, name };
             batch(() => {
                 this.showParts();
-                hideFor(parts.filter((part) => part.name !== name), result); // they are contained in it
+                hideFor(
+                    parts.filter((part) => part.name !== name),
+                    result,
+                ); // they are contained in it
             });
             selection.value = { ...selection.peek(), object: result, nodes: [] };
             this.first.value = parts[0].kind === "solid" ? name : this.first.peek();
@@ -313,10 +302,7 @@ export const combineTools: Tool[] = [
         group: "crown",
         shortcut: "U",
         help: "Combines solids: draw a stroke across two, and a list offers union, difference, intersection and blends. Skeletons are joined.",
-        enabled: (app) =>
-            ["solid", "skeleton"].some(
-                (kind) => app.store.state.peek().objects.filter((object) => object.kind === kind).length > 1,
-            ),
+        enabled: (app) => ["solid", "skeleton"].some((kind) => app.store.state.peek().objects.filter((object) => object.kind === kind).length > 1),
         start: (app) => new CombineRun(app),
     },
 ];

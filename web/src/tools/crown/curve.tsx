@@ -150,12 +150,7 @@ class CurveRun implements ToolRun {
             this.nudge(event);
             return true;
         }
-        if (
-            event.key === "Tab" &&
-            this.points.length > 0 &&
-            this.app.view.element() === document.activeElement &&
-            this.active >= 0
-        ) {
+        if (event.key === "Tab" && this.points.length > 0 && this.app.view.element() === document.activeElement && this.active >= 0) {
             const next = this.active + (event.shiftKey ? -1 : 1);
             if (next >= 0 && next < this.points.length) {
                 this.active = next;
@@ -223,11 +218,7 @@ class CurveRun implements ToolRun {
             const at = view.toPlane(event.x, event.y, last);
             return at && add(last, this.typed.constrain(subtract(at, last)));
         }
-        return (
-            view.pick(event.x, event.y)?.point ??
-            onPlane(view.ray(event.x, event.y), [0, 0, 0], [0, 0, 1]) ??
-            view.toPlane(event.x, event.y, [0, 0, 0])
-        );
+        return view.pick(event.x, event.y)?.point ?? onPlane(view.ray(event.x, event.y), [0, 0, 0], [0, 0, 1]) ?? view.toPlane(event.x, event.y, [0, 0, 0]);
     }
 
     private drag(event: ToolPointer): void {

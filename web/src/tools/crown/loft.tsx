@@ -44,9 +44,7 @@ export function loftLine(loft: Loft): string | null {
         return end !== 1 ? `${line} scale=0,1 scale=1,${numberWord(end, 1e-3)}` : line;
     }
     const words = sections.map(([section, part]) => `${section}@${numberWord(part, 1e-3)}`);
-    return path && words.length > 1
-        ? commandLine(["skin", name, path, ...words], { blend: blend === "linear" ? undefined : blend, twist: turned })
-        : null;
+    return path && words.length > 1 ? commandLine(["skin", name, path, ...words], { blend: blend === "linear" ? undefined : blend, twist: turned }) : null;
 }
 
 class LoftRun implements ToolRun {
@@ -80,10 +78,7 @@ class LoftRun implements ToolRun {
     }
 
     status(): string {
-        return (
-            this.gesture?.refusal ||
-            (this.line() ? "Enter creates it; Esc discards it." : "Choose a profile, and a path for sweeps and skins.")
-        );
+        return this.gesture?.refusal || (this.line() ? "Enter creates it; Esc discards it." : "Choose a profile, and a path for sweeps and skins.");
     }
 
     key(event: KeyboardEvent): boolean {
@@ -103,15 +98,11 @@ class LoftRun implements ToolRun {
                 <ChoiceField label="Is" value={this.way} choices={kWays} changed={changed} />
                 <TextField label="Name" value={this.name} />
                 {way !== "skin" && <ChoiceField label="Profile" value={this.profile} choices={profiles} changed={changed} />}
-                {way !== "revolve" && (
-                    <ChoiceField label="Path" value={this.path} choices={this.choices("path")} changed={changed} />
-                )}
+                {way !== "revolve" && <ChoiceField label="Path" value={this.path} choices={this.choices("path")} changed={changed} />}
                 {way === "revolve" && <PointField label="Origin of the axis" value={this.origin} changed={changed} />}
                 {way === "sweep" && <NumberField label="Size at the end" value={this.end} low={0.001} changed={changed} />}
                 {way === "skin" && this.sectionFields(profiles)}
-                {way === "skin" && (
-                    <ChoiceField label="Between sections" value={this.blend} choices={kBlends} changed={changed} />
-                )}
+                {way === "skin" && <ChoiceField label="Between sections" value={this.blend} choices={kBlends} changed={changed} />}
                 {way !== "revolve" && <NumberField label="Twist" unit="°" value={this.twist} changed={changed} />}
                 <Button label="Make it" run={() => void this.make()} />
             </>

@@ -12,10 +12,7 @@ export interface Plane {
 }
 
 export const toPixel = ({ scale, left, top }: Plane, [x, y]: Place): [number, number] => [left + x * scale, top - y * scale];
-export const toPlace = ({ scale, left, top }: Plane, x: number, y: number): [number, number] => [
-    (x - left) / scale,
-    (top - y) / scale,
-];
+export const toPlace = ({ scale, left, top }: Plane, x: number, y: number): [number, number] => [(x - left) / scale, (top - y) / scale];
 
 /** Zooms with the point under the pointer fixed. */
 export function zoomed(plane: Plane, x: number, y: number, factor: number): Plane {
@@ -65,9 +62,7 @@ export function outlineLine(outline: Outline, step: number, before?: Pick<Contro
     const kept = Object.fromEntries(Object.entries(before?.options ?? {}).filter(([key]) => key !== "closed" && key !== "kind"));
     const points = outline.points.map((point) => pointWord(point, step));
     const own =
-        outline.command === "profile"
-            ? { kind: outline.kind === "polyline" ? undefined : outline.kind, closed: outline.closed ? undefined : "false" }
-            : {};
+        outline.command === "profile" ? { kind: outline.kind === "polyline" ? undefined : outline.kind, closed: outline.closed ? undefined : "false" } : {};
     const line = commandLine([outline.command, outline.name, ...points], { ...own, ...kept });
     return before?.comment ? `${line} ${before.comment}` : line;
 }
@@ -88,9 +83,7 @@ export function outlinePath(points: readonly Place[], closed: boolean, smooth: b
     let path = `M${at[0].join(" ")}`;
     for (let i = 0; i < (closed ? count : count - 1); ++i) {
         const [a, b, c, d] = [get(i - 1), get(i), get(i + 1), get(i + 2)];
-        path += smooth
-            ? `C${tangent(b, a, c)} ${tangent(c, d, b)} ${c.join(" ")}`
-            : `L${c.join(" ")}`;
+        path += smooth ? `C${tangent(b, a, c)} ${tangent(c, d, b)} ${c.join(" ")}` : `L${c.join(" ")}`;
     }
     return path;
 }

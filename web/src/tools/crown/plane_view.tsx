@@ -33,13 +33,21 @@ function gridLines(plane: Plane, width: number, height: number): VNode[] {
     for (let x = Math.ceil(low / step), n = 0; x * step <= right && n < kMaxLines; ++x, ++n) {
         const [at] = toPixel(plane, [x * step, 0]);
         lines.push(<line key={`x${x}`} class={x === 0 ? "axis" : ""} x1={at} x2={at} y1={0} y2={height} />);
-        lines.push(<text key={`tx${x}`} x={at + kMargin} y={below + 12}>{number(x)}</text>);
+        lines.push(
+            <text key={`tx${x}`} x={at + kMargin} y={below + 12}>
+                {number(x)}
+            </text>,
+        );
     }
     for (let y = Math.ceil(bottom / step), n = 0; y * step <= high && n < kMaxLines; ++y, ++n) {
         const [, at] = toPixel(plane, [0, y * step]);
         lines.push(<line key={`y${y}`} class={y === 0 ? "axis" : ""} x1={0} x2={width} y1={at} y2={at} />);
         if (y !== 0) {
-            lines.push(<text key={`ty${y}`} x={beside + kMargin} y={at - kMargin}>{number(y)}</text>);
+            lines.push(
+                <text key={`ty${y}`} x={beside + kMargin} y={at - kMargin}>
+                    {number(y)}
+                </text>,
+            );
         }
     }
     return lines;

@@ -65,10 +65,7 @@ class ProfileRun implements ToolRun {
     }
 
     status(): string {
-        return (
-            this.gesture?.refusal ||
-            "Click to add points, drag them, Delete removes one; the wheel zooms, Shift and a drag move the plane."
-        );
+        return this.gesture?.refusal || "Click to add points, drag them, Delete removes one; the wheel zooms, Shift and a drag move the plane.";
     }
 
     key(event: KeyboardEvent): boolean {
@@ -95,9 +92,7 @@ class ProfileRun implements ToolRun {
         return (
             <>
                 {!this.editing.value && <TextField label="Name" value={this.name} />}
-                {!this.editing.value && (
-                    <ChoiceField label="Is" value={this.command} choices={kCommands} changed={() => this.show()} />
-                )}
+                {!this.editing.value && <ChoiceField label="Is" value={this.command} choices={kCommands} changed={() => this.show()} />}
                 {this.command.value === "profile" && (
                     <>
                         <ChoiceField label="Curve" value={this.kind} choices={kKinds} changed={() => this.changed()} />
@@ -282,9 +277,7 @@ class ProfileRun implements ToolRun {
             const before = this.editing.peek();
             const about = before ? { kind: "profile" as const, name: before.name } : undefined;
             this.gesture ??= new Gesture(this.app, about);
-            this.gesture.preview(
-                outlineLine(this.outline(), this.step(), before ? { options: before.options, comment: "" } : undefined),
-            );
+            this.gesture.preview(outlineLine(this.outline(), this.step(), before ? { options: before.options, comment: "" } : undefined));
         }
     }
 

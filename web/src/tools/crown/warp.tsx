@@ -40,14 +40,7 @@ export function warpOf(warp: Warp, from: Point, to: Point, by: Point, pixels: nu
     return { amount: Math.min(2 * chord, 180), side }; // the end of an arc rotates by twice the angle of its chord
 }
 
-export function warpLine(
-    warp: Warp,
-    name: string,
-    [from, to]: [Point, Point],
-    { amount, side }: Warped,
-    upright: boolean,
-    step: number,
-): string {
+export function warpLine(warp: Warp, name: string, [from, to]: [Point, Point], { amount, side }: Warped, upright: boolean, step: number): string {
     const axis = normalized(subtract(to, from));
     const ends = upright ? {} : { from: pointWord(from, step), to: pointWord(to, step) };
     switch (warp) {
@@ -70,9 +63,7 @@ export function bentAxis([from, to]: [Point, Point], { amount, side }: Warped, p
     const angle = (amount * Math.PI) / 180;
     return Array.from({ length: parts + 1 }, (_, i) => {
         const turned = (angle * i) / parts;
-        const [up, out] = Math.abs(angle) < 1e-6
-            ? [(far * i) / parts, 0]
-            : [(far / angle) * Math.sin(turned), (far / angle) * (1 - Math.cos(turned))];
+        const [up, out] = Math.abs(angle) < 1e-6 ? [(far * i) / parts, 0] : [(far / angle) * Math.sin(turned), (far / angle) * (1 - Math.cos(turned))];
         return add(from, add(scaled(along, up), scaled(side, out)));
     });
 }

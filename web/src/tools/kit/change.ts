@@ -8,8 +8,7 @@ import { angleAbout, cross, dot, kAxes, length, onPlane, snapped, subtract } fro
 import { commandLine, directionWord, idSelection, kindOption, numberWord, pointWord, sizeWord } from "./words";
 
 export type Mode = "move" | "turn" | "size";
-export type Change =
-    { mode: "move"; by: Point } | { mode: "turn"; axis: Point; degrees: number } | { mode: "size"; factors: Point };
+export type Change = { mode: "move"; by: Point } | { mode: "turn"; axis: Point; degrees: number } | { mode: "size"; factors: Point };
 
 /** The changed object or nodes, and the line for a change. */
 export interface Target {

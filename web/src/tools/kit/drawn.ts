@@ -42,7 +42,10 @@ export class Drawn {
         if (ends.length === 0) {
             return;
         }
-        for (const [shade, width, opacity] of [[kRim, 2 * wide, 0.45], [color, wide, 1]]) {
+        for (const [shade, width, opacity] of [
+            [kRim, 2 * wide, 0.45],
+            [color, wide, 1],
+        ]) {
             const geometry = new LineSegmentsGeometry().setPositions(new Float32Array(ends.flat()));
             const material = new LineMaterial({ color: shade, linewidth: width, opacity, depthTest: false, transparent: true, toneMapped: false });
             this.put(new LineSegments2(geometry, material));
@@ -50,7 +53,10 @@ export class Drawn {
     }
 
     dots(points: readonly Point[], color = kColors.hot, size = 9): void {
-        for (const [shade, across] of [[kRim, size + 3], [color, size]]) {
+        for (const [shade, across] of [
+            [kRim, size + 3],
+            [color, size],
+        ]) {
             const geometry = new THREE.BufferGeometry();
             geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(points.flat()), 3));
             this.put(new THREE.Points(geometry, discs(shade, across, true)));

@@ -153,15 +153,7 @@ export function pointSignals(first: readonly [number, number, number]): [Signal<
     return [signal(first[0]), signal(first[1]), signal(first[2])];
 }
 
-export function PointField({
-    label,
-    value,
-    changed,
-}: {
-    label: string;
-    value: readonly Signal<number>[];
-    changed?(): void;
-}): VNode {
+export function PointField({ label, value, changed }: { label: string; value: readonly Signal<number>[]; changed?(): void }): VNode {
     return (
         <fieldset class="tool-point">
             <legend>{label} [m]</legend>

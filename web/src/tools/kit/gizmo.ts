@@ -103,10 +103,7 @@ export class Gizmo {
     }
 
     private solid(mode: Mode, tip: Point, axis: Axis, size: number, color: number): void {
-        const shape =
-            mode === "move"
-                ? new THREE.ConeGeometry(6 * size, 18 * size, 12)
-                : new THREE.BoxGeometry(11 * size, 11 * size, 11 * size);
+        const shape = mode === "move" ? new THREE.ConeGeometry(6 * size, 18 * size, 12) : new THREE.BoxGeometry(11 * size, 11 * size, 11 * size);
         const material = new THREE.MeshBasicMaterial({ color, depthTest: false, transparent: true });
         const made = new THREE.Mesh(shape, material);
         made.position.set(...tip);

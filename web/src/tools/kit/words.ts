@@ -55,10 +55,7 @@ export type OptionValue = string | number | boolean | undefined;
 /**
  * A line of positional words and named options. Words are quoted if necessary; undefined options are omitted, lists are repeated.
  */
-export function commandLine(
-    words: readonly (string | number)[],
-    options: Record<string, OptionValue | readonly string[]> = {},
-): string {
+export function commandLine(words: readonly (string | number)[], options: Record<string, OptionValue | readonly string[]> = {}): string {
     const named = Object.entries(options)
         .flatMap(([name, value]) => (Array.isArray(value) ? value : [value]).map((one: OptionValue) => [name, one] as const))
         .filter(([, value]) => value !== undefined && value !== "")

@@ -57,9 +57,7 @@ class BrushRun implements ToolRun {
     status(): string {
         const points = this.chosen();
         const what = way.value === "thin" ? `removes ${percent.value} % of the points` : `adds ${count.value} points`;
-        return points
-            ? `Press on ${points.name} and drag to size a ball, which ${what}; Enter applies the fields.`
-            : "There are no points yet.";
+        return points ? `Press on ${points.name} and drag to size a ball, which ${what}; Enter applies the fields.` : "There are no points yet.";
     }
 
     pointer(event: ToolPointer): boolean {
@@ -138,11 +136,7 @@ class BrushRun implements ToolRun {
         if (points) {
             const amount = way.peek() === "thin" ? percent.peek() : count.peek();
             const step = this.app.view.pixelSize(ball.center) / 10;
-            await runLine(
-                this.app,
-                dabLines(points.name, newName("dab"), ball, way.peek(), amount, step),
-                points,
-            );
+            await runLine(this.app, dabLines(points.name, newName("dab"), ball, way.peek(), amount, step), points);
         }
     }
 

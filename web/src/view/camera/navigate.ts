@@ -41,7 +41,10 @@ export class Navigation {
     private wasTool = false; // the last press was used by a tool
     private longPress: ReturnType<typeof setTimeout> | undefined;
 
-    constructor(private readonly view: Navigated, private readonly hand: () => Hand | null) {
+    constructor(
+        private readonly view: Navigated,
+        private readonly hand: () => Hand | null,
+    ) {
         const { canvas } = view;
         canvas.addEventListener("pointerdown", (event) => this.down(event));
         canvas.addEventListener("pointermove", (event) => this.move(event));
@@ -94,7 +97,8 @@ export class Navigation {
     }
 
     private leave(event: PointerEvent): void {
-        if (event.pointerType !== "touch") { // the information for a finger remains visible after it is lifted
+        if (event.pointerType !== "touch") {
+            // the information for a finger remains visible after it is lifted
             this.view.hovered(-1e4, -1e4);
         }
     }
@@ -229,7 +233,8 @@ export class Navigation {
     private farPoint(x: number, y: number): THREE.Vector3 {
         const { rig, canvas } = this.view;
         const size = rig.pixelSize(rig.pose.distance);
-        return rig.target()
+        return rig
+            .target()
             .addScaledVector(rig.right(), (x - canvas.clientWidth / 2) * size)
             .addScaledVector(rig.up(), (canvas.clientHeight / 2 - y) * size);
     }

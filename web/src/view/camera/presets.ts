@@ -20,8 +20,20 @@ const kFingers: [string, string][] = [
 
 /** Descriptions of the buttons. */
 export const kPresetButtons: Record<Preset, readonly [string, string][]> = {
-    blender: [kLeft, ["Middle button", "rotates; with Shift it moves, with Ctrl it zooms"], ["Right button", "moves"], ["Wheel", "zooms to the pointer"], ...kFingers],
-    cad: [kLeft, ["Middle button", "moves"], ["Right button", "rotates; with Ctrl it moves, with Shift it zooms"], ["Wheel", "zooms to the pointer"], ...kFingers],
+    blender: [
+        kLeft,
+        ["Middle button", "rotates; with Shift it moves, with Ctrl it zooms"],
+        ["Right button", "moves"],
+        ["Wheel", "zooms to the pointer"],
+        ...kFingers,
+    ],
+    cad: [
+        kLeft,
+        ["Middle button", "moves"],
+        ["Right button", "rotates; with Ctrl it moves, with Shift it zooms"],
+        ["Wheel", "zooms to the pointer"],
+        ...kFingers,
+    ],
     trackpad: [kLeft, ["Two fingers on the pad", "rotate; with Shift they move"], ["Pinching", "zooms to the pointer"], ["Right button", "moves"], ...kFingers],
 };
 

@@ -65,7 +65,10 @@ function pickSkeleton({ rig, section }: Picture, ray: THREE.Ray, shown: Shown): 
         return null;
     }
     const tree = treeOf(geometry);
-    const from = ray.origin.clone().sub(new THREE.Vector3(...geometry.header.origin)).toArray();
+    const from = ray.origin
+        .clone()
+        .sub(new THREE.Vector3(...geometry.header.origin))
+        .toArray();
     const cosine = ray.direction.dot(rig.forward());
     const at = new THREE.Vector3();
     const hit = hitSkeleton(

@@ -132,10 +132,7 @@ export function hitLine(position: Float32Array, closed: boolean, to: Projection,
         const w = m[3] * px + m[7] * py + m[11] * pz + m[15];
         return w <= 0
             ? null
-            : [
-                ((m[0] * px + m[4] * py + m[8] * pz + m[12]) / w + 1) * 0.5 * to.width,
-                (1 - (m[1] * px + m[5] * py + m[9] * pz + m[13]) / w) * 0.5 * to.height,
-            ];
+            : [((m[0] * px + m[4] * py + m[8] * pz + m[12]) / w + 1) * 0.5 * to.width, (1 - (m[1] * px + m[5] * py + m[9] * pz + m[13]) / w) * 0.5 * to.height];
     };
     let best = -1;
     let least = reach;

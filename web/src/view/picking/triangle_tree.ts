@@ -10,7 +10,10 @@ export class TriangleTree {
     private readonly middles: Float32Array;
 
     /** O(n log n). The arrays are read, not copied. */
-    constructor(private readonly position: Float32Array, private readonly index: Uint32Array) {
+    constructor(
+        private readonly position: Float32Array,
+        private readonly index: Uint32Array,
+    ) {
         const count = Math.floor(index.length / 3);
         this.order = Uint32Array.from({ length: count }, (_, i) => i);
         this.middles = new Float32Array(3 * count);
@@ -128,7 +131,8 @@ export class TriangleTree {
         for (let c = 0; c < 3; ++c) {
             const a = (this.boxes[6 * node + c] - origin[c]) * inverse[c];
             const b = (this.boxes[6 * node + 3 + c] - origin[c]) * inverse[c];
-            if (a === a && b === b) { // 0 / 0: the ray runs in a side of the box
+            if (a === a && b === b) {
+                // 0 / 0: the ray runs in a side of the box
                 from = Math.max(from, Math.min(a, b));
                 to = Math.min(to, Math.max(a, b));
             }

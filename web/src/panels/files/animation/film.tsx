@@ -76,11 +76,17 @@ function FilmDialog({ app, film, end }: { app: App; film: Film; end(): void }): 
             accept={wrong || busy ? undefined : write}
             buttons={
                 <>
-                    <button type="submit" class="primary" disabled={wrong !== "" || busy}>Export</button>
+                    <button type="submit" class="primary" disabled={wrong !== "" || busy}>
+                        Export
+                    </button>
                     {busy ? (
-                        <button type="button" onClick={() => app.engine.cancel()}>Stop</button>
+                        <button type="button" onClick={() => app.engine.cancel()}>
+                            Stop
+                        </button>
                     ) : (
-                        <button type="button" onClick={end}>Cancel</button>
+                        <button type="button" onClick={end}>
+                            Cancel
+                        </button>
                     )}
                 </>
             }
@@ -131,13 +137,20 @@ function MadeFilm({ app, made, end }: { app: App; made: Made; end(): void }): VN
             close={end}
             buttons={
                 <>
-                    <button type="button" class="primary" autofocus onClick={end}>Close</button>
-                    <button type="button" onClick={() => void work(() => download(app, first))}>{made.files.length > 1 ? "Download the first" : "Download"}</button>
+                    <button type="button" class="primary" autofocus onClick={end}>
+                        Close
+                    </button>
+                    <button type="button" onClick={() => void work(() => download(app, first))}>
+                        {made.files.length > 1 ? "Download the first" : "Download"}
+                    </button>
                 </>
             }
         >
             {url && <img class="made-picture" src={url} alt={`The film ${first}`} />}
-            <p>{`${made.says.trim()}. ${bytesText(made.bytes)} in the folder `}<code>{folder}</code></p>
+            <p>
+                {`${made.says.trim()}. ${bytesText(made.bytes)} in the folder `}
+                <code>{folder}</code>
+            </p>
             <Trouble text={trouble} />
         </Dialog>
     );

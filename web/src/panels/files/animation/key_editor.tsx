@@ -31,7 +31,10 @@ export function KeyEditor({ app, film, chosen, player }: EditorProps): VNode {
         if (!last) {
             return;
         }
-        const text = statements.filter((_, at) => at !== last.statement).map((statement) => `${statement.text}\n`).join("");
+        const text = statements
+            .filter((_, at) => at !== last.statement)
+            .map((statement) => `${statement.text}\n`)
+            .join("");
         try {
             await app.engine.request("text", { text, revision, name: "turning an edit into a key" });
             add(last.edits);
@@ -42,7 +45,9 @@ export function KeyEditor({ app, film, chosen, player }: EditorProps): VNode {
     return (
         <section class="animation-part" aria-label="Keys of the film">
             <div class="animation-row">
-                <button type="button" onClick={() => add("rest")}>Add a key here</button>
+                <button type="button" onClick={() => add("rest")}>
+                    Add a key here
+                </button>
                 <button
                     type="button"
                     disabled={!last}
@@ -51,12 +56,16 @@ export function KeyEditor({ app, film, chosen, player }: EditorProps): VNode {
                 >
                     Convert the last edit to a key
                 </button>
-                <button type="button" disabled={now.keys.length === 0} onClick={() => void saveKeys(app, now)}>Save keys</button>
+                <button type="button" disabled={now.keys.length === 0} onClick={() => void saveKeys(app, now)}>
+                    Save keys
+                </button>
             </div>
             {isThere ? (
                 <ChosenKey key={String(key.time)} film={film} chosen={chosen} mine={key} />
             ) : (
-                <p class="hint">{now.keys.length > 0 ? "Select a key on the track to change it." : "A key is a list of edits of the tree at a time, or rest."}</p>
+                <p class="hint">
+                    {now.keys.length > 0 ? "Select a key on the track to change it." : "A key is a list of edits of the tree at a time, or rest."}
+                </p>
             )}
         </section>
     );
@@ -74,7 +83,11 @@ function ChosenKey({ film, chosen, mine }: { film: Signal<Film>; chosen: Signal<
             <label>
                 <span>Transition</span>
                 <select value={mine.easing} onChange={(event) => set({ easing: event.currentTarget.value as Key["easing"] })}>
-                    {kEasings.map(([easing, label]) => <option key={easing} value={easing}>{label}</option>)}
+                    {kEasings.map(([easing, label]) => (
+                        <option key={easing} value={easing}>
+                            {label}
+                        </option>
+                    ))}
                 </select>
             </label>
             <label class="key-edits">

@@ -9,16 +9,39 @@ type WindPart = keyof Film["wind"];
 
 const kWind: readonly { part: WindPart; label: string; low: number; high: number; step: number; title: string }[] = [
     { part: "speed", label: "Wind [m/s]", low: 0, high: 60, step: 1, title: "Mean wind speed; 0 is calm" },
-    { part: "azimuth", label: "Direction in which the wind blows, counter-clockwise from +x seen from above", low: -360, high: 360, step: 15, title: "Counter-clockwise from +x, seen from above" },
+    {
+        part: "azimuth",
+        label: "Direction in which the wind blows, counter-clockwise from +x seen from above",
+        low: -360,
+        high: 360,
+        step: 15,
+        title: "Counter-clockwise from +x, seen from above",
+    },
     { part: "gusts", label: "Gusts", low: 0, high: 1, step: 0.1, title: "Amplitude of the gusts as a fraction of the mean wind speed" },
-    { part: "flexibility", label: "Flexibility", low: 0, high: 1000, step: 0.5, title: "Factor on the bending of green wood: larger for saplings and for effect" },
-    { part: "load", label: "Leaves", low: 0, high: 1000, step: 1, title: "Ratio of the width that catches the wind to the width of the branch: 3 for bare trees, 12 and more in leaf" },
+    {
+        part: "flexibility",
+        label: "Flexibility",
+        low: 0,
+        high: 1000,
+        step: 0.5,
+        title: "Factor on the bending of green wood: larger for saplings and for effect",
+    },
+    {
+        part: "load",
+        label: "Leaves",
+        low: 0,
+        high: 1000,
+        step: 1,
+        title: "Ratio of the width that catches the wind to the width of the branch: 3 for bare trees, 12 and more in leaf",
+    },
     { part: "seed", label: "Seed", low: 0, high: 2147483647, step: 1, title: "Seed of the gusts and phases" },
 ];
 
 export function Motion({ film }: { film: Signal<Film> }): VNode {
     const now = useValue(film);
-    return now.grow ? <Growing film={film} /> : (
+    return now.grow ? (
+        <Growing film={film} />
+    ) : (
         <section class="animation-part" aria-label="Wind">
             <div class="animation-row">
                 {kWind.map(({ part, ...rest }) => (

@@ -63,7 +63,11 @@ export function AnimationPanel({ app }: { app: App }): VNode {
                 <label>
                     <span>Tree</span>
                     <select value={tree} onChange={(event) => (kFilm.value = { ...film, tree: event.currentTarget.value })}>
-                        {trees.map((name) => <option key={name} value={name}>{name}</option>)}
+                        {trees.map((name) => (
+                            <option key={name} value={name}>
+                                {name}
+                            </option>
+                        ))}
                     </select>
                 </label>
                 <label>
@@ -75,7 +79,9 @@ export function AnimationPanel({ app }: { app: App }): VNode {
                 </label>
                 <Amount label="Lasts [s]" value={film.duration} low={0.1} high={3600} step={0.5} set={(duration) => (kFilm.value = { ...film, duration })} />
                 <Amount label="Frames/s" value={film.rate} low={1} high={240} step={1} set={(rate) => (kFilm.value = { ...film, rate })} />
-                <button type="button" disabled={!moves(film)} onClick={() => void exportFilm(app, film)}>Export…</button>
+                <button type="button" disabled={!moves(film)} onClick={() => void exportFilm(app, film)}>
+                    Export…
+                </button>
             </div>
             <Track film={kFilm} chosen={kChosen} player={player} />
             <Told player={player} film={film} />
@@ -97,10 +103,14 @@ function PlayButtons({ app, player, film }: { app: App; player: Player; film: Fi
             <button type="button" class="primary" disabled={!moves(film)} onClick={() => (playing ? player.pause() : player.play())}>
                 {playing ? "❚❚ Pause" : "▶ Play"}
             </button>
-            <button type="button" class="icon" disabled={!open} aria-label="At rest" title="Shows the tree at rest" onClick={() => player.close()}>■</button>
+            <button type="button" class="icon" disabled={!open} aria-label="At rest" title="Shows the tree at rest" onClick={() => player.close()}>
+                ■
+            </button>
             {open && <span class="frames-here hint" title="Available frames">{`${fetched} of ${frameCount(film)}`}</span>}
             {open && form !== "surface" && (
-                <button type="button" onClick={() => (app.view.display.skeletons.value = "surface")}>Show surfaces to see it</button>
+                <button type="button" onClick={() => (app.view.display.skeletons.value = "surface")}>
+                    Show surfaces to see it
+                </button>
             )}
         </>
     );
@@ -109,5 +119,9 @@ function PlayButtons({ app, player, film }: { app: App; player: Player; film: Fi
 function Told({ player, film }: { player: Player; film: Film }): VNode {
     const trouble = useValue(player.trouble);
     const text = trouble || (moves(film) ? "" : "There is no motion: add a key, or a wind.");
-    return <p class={trouble ? "animation-status error" : "animation-status hint"} role="status">{text}</p>;
+    return (
+        <p class={trouble ? "animation-status error" : "animation-status hint"} role="status">
+            {text}
+        </p>
+    );
 }

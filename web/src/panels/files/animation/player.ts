@@ -27,7 +27,10 @@ export class Player {
     private from = 0; // [ms] start time of the playing film
     private readonly stopWatching: () => void;
 
-    constructor(private readonly app: App, private readonly film: Signal<Film>) {
+    constructor(
+        private readonly app: App,
+        private readonly film: Signal<Film>,
+    ) {
         this.stopWatching = effect(() => {
             void this.film.value;
             const tree = this.app.store.state.value.objects.find(({ kind, name }) => kind === "skeleton" && name === this.film.value.tree);
@@ -126,7 +129,8 @@ export class Player {
         const drawn = this.app.view.geometry(geometry.header.object, "surface")?.header.version;
         const base = kFirstState + this.state;
         const header = { ...geometry.header, seq: 0, version: kFirstState + ++this.state };
-        if (drawn !== base || film.grow) { // a growing tree has different faces in each frame
+        if (drawn !== base || film.grow) {
+            // a growing tree has different faces in each frame
             // Patches are written into the drawn arrays.
             this.app.view.receive({ header, arrays: { ...geometry.arrays, position: position.slice(), normal: normal.slice() } });
             return;

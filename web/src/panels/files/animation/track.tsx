@@ -68,23 +68,24 @@ export function Track({ film, chosen, player }: TrackProps): VNode {
     return (
         <div class="track">
             <div class="track-keys" ref={track} role="group" aria-label="Keys">
-                {!now.grow && now.keys.map((key, at) => (
-                    <button
-                        key={at}
-                        type="button"
-                        class="track-key"
-                        style={place(key.time)}
-                        aria-pressed={key === selected}
-                        aria-label={`Key at ${keyText(key)}. Arrow keys move it, Delete removes it.`}
-                        title={keyText(key)}
-                        onClick={() => {
-                            chosen.value = key;
-                            player.seek(key.time);
-                        }}
-                        onPointerDown={(event) => drag(event, key)}
-                        onKeyDown={(event) => step(event, key)}
-                    />
-                ))}
+                {!now.grow &&
+                    now.keys.map((key, at) => (
+                        <button
+                            key={at}
+                            type="button"
+                            class="track-key"
+                            style={place(key.time)}
+                            aria-pressed={key === selected}
+                            aria-label={`Key at ${keyText(key)}. Arrow keys move it, Delete removes it.`}
+                            title={keyText(key)}
+                            onClick={() => {
+                                chosen.value = key;
+                                player.seek(key.time);
+                            }}
+                            onPointerDown={(event) => drag(event, key)}
+                            onKeyDown={(event) => step(event, key)}
+                        />
+                    ))}
             </div>
             <input
                 type="range"
@@ -101,7 +102,9 @@ export function Track({ film, chosen, player }: TrackProps): VNode {
                 }}
             />
             <div class="track-ticks" aria-hidden="true">
-                {ticksOf(length).map((tick) => <span key={tick} style={place(tick)}>{`${Number(tick.toFixed(3))} s`}</span>)}
+                {ticksOf(length).map((tick) => (
+                    <span key={tick} style={place(tick)}>{`${Number(tick.toFixed(3))} s`}</span>
+                ))}
             </div>
         </div>
     );

@@ -6,9 +6,7 @@ import { bind, findCommand, kLanguage, shortUnit } from "../../../script/command
 import { readLine, type Word } from "../../../script/words";
 import { argumentHelp } from "./help";
 
-const kFunctions = [
-    "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sqrt", "exp", "log", "abs", "floor", "ceil", "round", "min", "max", "random", "pi",
-];
+const kFunctions = ["sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sqrt", "exp", "log", "abs", "floor", "ceil", "round", "min", "max", "random", "pi"];
 
 export interface Asked {
     from: number; // offset of the word in the line
@@ -87,10 +85,7 @@ function variablesAbove(context: CompletionContext, line: number): Completion[] 
             names.add(match[1]);
         }
     }
-    return [
-        ...[...names].map((label): Completion => ({ label, type: "variable" })),
-        ...kFunctions.map((label): Completion => ({ label, type: "function" })),
-    ];
+    return [...[...names].map((label): Completion => ({ label, type: "variable" })), ...kFunctions.map((label): Completion => ({ label, type: "function" }))];
 }
 
 /** `countAbove`: number of statements before a line. */

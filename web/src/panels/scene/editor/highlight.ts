@@ -4,9 +4,7 @@ import { Decoration, type DecorationSet, type EditorView, ViewPlugin, type ViewU
 import type { Command } from "../../../protocol";
 import { type TokenKind, tokensOf } from "./tokens";
 
-const kKinds: readonly TokenKind[] = [
-    "command", "language", "key", "name", "number", "string", "choice", "expression", "comment", "unknown",
-];
+const kKinds: readonly TokenKind[] = ["command", "language", "key", "name", "number", "string", "choice", "expression", "comment", "unknown"];
 const kColors = new Map(kKinds.map((kind) => [kind, Decoration.mark({ class: `scene-${kind}` })]));
 
 function colored(view: EditorView, schema: readonly Command[]): DecorationSet {

@@ -23,9 +23,7 @@ export function marksOf(
     progress: { statement: number | null; fraction: number } | null,
     selected: ObjectName | null,
 ): Mark[] {
-    const made = selected
-        ? state.objects.find(({ kind, name }) => kind === selected.kind && name === selected.name)?.statement
-        : undefined;
+    const made = selected ? state.objects.find(({ kind, name }) => kind === selected.kind && name === selected.name)?.statement : undefined;
     const steps = new Set(selected && made !== undefined ? stepsOf(schema, state.statements, selected, made) : []);
     const ran = Math.max(state.ran, state.running ?? 0);
     return state.statements.map(({ text, line, says }, i) => {
@@ -44,7 +42,10 @@ export function marksOf(
 }
 
 class Said extends WidgetType {
-    constructor(readonly text: string, readonly failed: boolean) {
+    constructor(
+        readonly text: string,
+        readonly failed: boolean,
+    ) {
         super();
     }
 
@@ -74,7 +75,11 @@ const kTitles: Record<Status, string> = {
 };
 
 class Ran extends GutterMarker {
-    constructor(readonly status: Status, readonly percent: number, readonly last: boolean) {
+    constructor(
+        readonly status: Status,
+        readonly percent: number,
+        readonly last: boolean,
+    ) {
         super();
     }
 

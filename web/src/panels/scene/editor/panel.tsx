@@ -10,12 +10,14 @@ const kStatus = { same: "", typed: "Typed, not applied yet", applying: "Runningâ
 function Conflict({ editor, theirs }: { editor: SceneEditor; theirs: string }): VNode {
     return (
         <div class="scene-conflict" role="alert">
-            <p>
-                The scene was changed elsewhere in the lines that you are typing. Your text is kept here and not applied.
-            </p>
+            <p>The scene was changed elsewhere in the lines that you are typing. Your text is kept here and not applied.</p>
             {theirs && <pre aria-label="The current lines of the scene">{theirs}</pre>}
-            <button type="button" onClick={() => editor.document.settle("mine")}>Keep my text</button>
-            <button type="button" onClick={() => editor.document.settle("theirs")}>Use the scene</button>
+            <button type="button" onClick={() => editor.document.settle("mine")}>
+                Keep my text
+            </button>
+            <button type="button" onClick={() => editor.document.settle("theirs")}>
+                Use the scene
+            </button>
         </div>
     );
 }
@@ -37,13 +39,25 @@ function Bar({ app, editor }: { app: App; editor: SceneEditor }): VNode {
     const status = kLocked[connection] || note || kStatus[kind] || (behind ? `Ran ${ran} of ${statements.length} lines` : "");
     return (
         <div class="scene-bar" role="toolbar" aria-label="Running the scene">
-            <button type="button" disabled={locked} title="Run to the line of the cursor, or go back to it (Ctrl+Enter)" onClick={() => void editor.runTo(editor.cursorLine)}>
+            <button
+                type="button"
+                disabled={locked}
+                title="Run to the line of the cursor, or go back to it (Ctrl+Enter)"
+                onClick={() => void editor.runTo(editor.cursorLine)}
+            >
                 Run to cursor
             </button>
-            <button type="button" disabled={locked || (kind === "same" && !behind)} title="Run all lines (Ctrl+Shift+Enter)" onClick={() => void editor.runAll()}>
+            <button
+                type="button"
+                disabled={locked || (kind === "same" && !behind)}
+                title="Run all lines (Ctrl+Shift+Enter)"
+                onClick={() => void editor.runAll()}
+            >
                 Run all
             </button>
-            <span class="hint" role="status">{status}</span>
+            <span class="hint" role="status">
+                {status}
+            </span>
         </div>
     );
 }
@@ -52,7 +66,13 @@ function HelpLine({ editor }: { editor: SceneEditor }): VNode {
     const help = useValue(editor.help);
     return (
         <p class="scene-help-line hint" id="scene-help">
-            {help ? <><code>{help.title}</code> {help.text}</> : "Ctrl+Space completes. Your text is run when you pause; Ctrl+Enter runs to the cursor."}
+            {help ? (
+                <>
+                    <code>{help.title}</code> {help.text}
+                </>
+            ) : (
+                "Ctrl+Space completes. Your text is run when you pause; Ctrl+Enter runs to the cursor."
+            )}
         </p>
     );
 }

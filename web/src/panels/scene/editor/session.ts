@@ -190,8 +190,9 @@ export class SceneEditor {
         const number = this.document.isTyped ? -1 : pieceAt(statements, this.cursorLine);
         const text = statements[number]?.text ?? "";
         const named = text.trim() === "" ? [] : placesIn(schema.peek(), text).filter(({ role }) => role !== "uses");
-        const found = objects.find(({ statement }) => statement === number && text.trim() !== "")
-            ?? named.flatMap(({ name, kinds }) => objects.filter((one) => one.name === name && (kinds.length === 0 || kinds.includes(one.kind))))[0];
+        const found =
+            objects.find(({ statement }) => statement === number && text.trim() !== "") ??
+            named.flatMap(({ name, kinds }) => objects.filter((one) => one.name === name && (kinds.length === 0 || kinds.includes(one.kind))))[0];
         const { object, extent } = selection.peek();
         if (found && (found.kind !== object?.kind || found.name !== object.name)) {
             this.choosing = true;

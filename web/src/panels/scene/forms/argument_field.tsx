@@ -153,7 +153,11 @@ function ChoiceField(props: Inner & { choices: readonly (readonly [string, strin
             onChange={(event) => context.set(argument.name, [event.currentTarget.value], true)}
         >
             {!known && <option value={word}>{word === "" ? (argument.required ? "choose…" : "none") : `${word} (does not exist)`}</option>}
-            {choices.map(([value, text]) => <option key={value} value={value}>{text}</option>)}
+            {choices.map(([value, text]) => (
+                <option key={value} value={value}>
+                    {text}
+                </option>
+            ))}
         </select>
     );
 }
@@ -190,7 +194,13 @@ function TextField(props: Inner): VNode {
                 onInput={(event) => take(event, false)}
                 onChange={(event) => take(event, true)}
             />
-            {files && <datalist id={`${id}-files`}>{files.map((name) => <option key={name} value={name} />)}</datalist>}
+            {files && (
+                <datalist id={`${id}-files`}>
+                    {files.map((name) => (
+                        <option key={name} value={name} />
+                    ))}
+                </datalist>
+            )}
         </>
     );
 }
@@ -207,7 +217,11 @@ function SelectionField(props: Inner): VNode {
     return (
         <>
             <TextField {...props} />
-            {context.selected && <button type="button" class="wide" onClick={() => void take()}>Use the selection of the view</button>}
+            {context.selected && (
+                <button type="button" class="wide" onClick={() => void take()}>
+                    Use the selection of the view
+                </button>
+            )}
         </>
     );
 }
@@ -248,9 +262,17 @@ function Row({ argument, id, children }: { argument: Argument; id: string; child
     const single = !argument.repeats && argument.type !== "tuple";
     return (
         <div class="argument" title={helpText(argument)}>
-            {single ? <label for={id}>{spoken(argument.name) + unit}</label> : <span class="argument-label" id={`${id}-label`}>{spoken(argument.name) + unit}</span>}
+            {single ? (
+                <label for={id}>{spoken(argument.name) + unit}</label>
+            ) : (
+                <span class="argument-label" id={`${id}-label`}>
+                    {spoken(argument.name) + unit}
+                </span>
+            )}
             {children}
-            <p class="hint" id={`${id}-help`}>{helpText(argument)}</p>
+            <p class="hint" id={`${id}-help`}>
+                {helpText(argument)}
+            </p>
         </div>
     );
 }
@@ -259,7 +281,9 @@ export function ArgumentField({ argument, context }: Props): VNode {
     const id = useId();
     return (
         <div onFocusIn={() => context.focus?.(argument.name)} onFocusOut={() => context.focus?.(null)}>
-            <Row argument={argument} id={id}>{fieldOf({ argument, context, id })}</Row>
+            <Row argument={argument} id={id}>
+                {fieldOf({ argument, context, id })}
+            </Row>
         </div>
     );
 }

@@ -83,7 +83,9 @@ export function Chooser({ schema, choose }: Props): VNode {
             <div class="command-list" id={`${id}-list`} role="listbox" aria-label="Commands" tabIndex={-1}>
                 {groups.map(([group, commands]) => (
                     <div key={group} role="group" aria-label={group}>
-                        <span class="command-group" aria-hidden="true">{group}</span>
+                        <span class="command-group" aria-hidden="true">
+                            {group}
+                        </span>
                         {commands.map((command) => (
                             <div
                                 key={command.name}

@@ -17,38 +17,46 @@ function Title({ command, leave }: { command: Command; leave(): void }): VNode {
                 <h3>{command.name}</h3>
                 <p class="hint">{command.help}</p>
             </div>
-            <button type="button" onClick={leave}>Other command</button>
+            <button type="button" onClick={leave}>
+                Other command
+            </button>
         </div>
     );
 }
 
 function Live({ form, command }: { form: Form; command: Command }): VNode | null {
     const live = useValue(form.live);
-    return canShow(command)
-        ? (
-            <label class="tool-check">
-                <input
-                    type="checkbox"
-                    checked={live}
-                    onChange={(event) => {
-                        form.live.value = event.currentTarget.checked;
-                        form.cancel();
-                    }}
-                />
-                <span>Show a preview during changes</span>
-            </label>
-        )
-        : null;
+    return canShow(command) ? (
+        <label class="tool-check">
+            <input
+                type="checkbox"
+                checked={live}
+                onChange={(event) => {
+                    form.live.value = event.currentTarget.checked;
+                    form.cancel();
+                }}
+            />
+            <span>Show a preview during changes</span>
+        </label>
+    ) : null;
 }
 
 function Line({ form, command }: { form: Form; command: Command }): VNode {
     const [needed] = form.missing;
     return (
         <>
-            {form.trouble.value !== "" ? <p class="error" role="alert">{form.trouble.value}</p> : null}
-            {needed
-                ? <p class="hint">{`Required: ${needed.name.replaceAll("_", " ")}. ${needed.help}`}</p>
-                : <code class="command-line" title={usage(command)}>{form.line}</code>}
+            {form.trouble.value !== "" ? (
+                <p class="error" role="alert">
+                    {form.trouble.value}
+                </p>
+            ) : null}
+            {needed ? (
+                <p class="hint">{`Required: ${needed.name.replaceAll("_", " ")}. ${needed.help}`}</p>
+            ) : (
+                <code class="command-line" title={usage(command)}>
+                    {form.line}
+                </code>
+            )}
         </>
     );
 }
@@ -83,12 +91,20 @@ function FilledForm({ app, form, command, again }: { app: App; form: Form; comma
             <Tracked
                 draw={() => (
                     <>
-                        <Fields command={command} first={first} context={fieldContext(app, form.values.value, (name, words, done) => form.set(name, words, done))} />
+                        <Fields
+                            command={command}
+                            first={first}
+                            context={fieldContext(app, form.values.value, (name, words, done) => form.set(name, words, done))}
+                        />
                         <Live form={form} command={command} />
                         <Line form={form} command={command} />
                         <div class="tool-row">
-                            <button type="submit" class="primary" disabled={locked || form.busy.value || form.missing.length > 0}>Run</button>
-                            <button type="button" title="Discard the changes made here (Esc)" onClick={again}>Cancel</button>
+                            <button type="submit" class="primary" disabled={locked || form.busy.value || form.missing.length > 0}>
+                                Run
+                            </button>
+                            <button type="button" title="Discard the changes made here (Esc)" onClick={again}>
+                                Cancel
+                            </button>
                         </div>
                     </>
                 )}
@@ -123,9 +139,11 @@ export function CommandPanel({ app }: { app: App }): VNode {
     }
     return (
         <div ref={holder}>
-            {command
-                ? <FilledForm key={command.name} app={app} form={form} command={command} again={() => form.begin(command)} />
-                : <Chooser schema={schema} choose={(one) => form.begin(one)} />}
+            {command ? (
+                <FilledForm key={command.name} app={app} form={form} command={command} again={() => form.begin(command)} />
+            ) : (
+                <Chooser schema={schema} choose={(one) => form.begin(one)} />
+            )}
         </div>
     );
 }

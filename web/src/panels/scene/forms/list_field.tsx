@@ -39,8 +39,18 @@ export function PickList({ argument, context, id, names }: Inner & { names: read
             {words.map((word, at) => (
                 <span key={word} class="picked">
                     <span>{word}</span>
-                    <button type="button" class="icon" aria-label={`Move ${word} up`} disabled={at === 0} onClick={() => set(words.with(at, words[at - 1]).with(at - 1, word))}>↑</button>
-                    <button type="button" class="icon" aria-label={`Remove ${word}`} onClick={() => set(words.toSpliced(at, 1))}>×</button>
+                    <button
+                        type="button"
+                        class="icon"
+                        aria-label={`Move ${word} up`}
+                        disabled={at === 0}
+                        onClick={() => set(words.with(at, words[at - 1]).with(at - 1, word))}
+                    >
+                        ↑
+                    </button>
+                    <button type="button" class="icon" aria-label={`Remove ${word}`} onClick={() => set(words.toSpliced(at, 1))}>
+                        ×
+                    </button>
                 </span>
             ))}
             <select
@@ -51,7 +61,11 @@ export function PickList({ argument, context, id, names }: Inner & { names: read
                 onChange={(event) => set([...words, event.currentTarget.value])}
             >
                 <option value="">{rest.length === 0 ? "no other object to add" : "add…"}</option>
-                {rest.map((name) => <option key={name} value={name}>{name}</option>)}
+                {rest.map((name) => (
+                    <option key={name} value={name}>
+                        {name}
+                    </option>
+                ))}
             </select>
         </div>
     );

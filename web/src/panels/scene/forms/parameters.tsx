@@ -119,14 +119,14 @@ function StepList({ app, parameters }: { app: App; parameters: Parameters }): VN
 /** Errors of later statements that conflict with the change. */
 function Broken({ app, form }: { app: App; form: Form }): VNode | null {
     const broken = useValue(form.broken);
-    return broken
-        ? (
-            <div class="error" role="alert">
-                <p>{`Later statements do not work with this change. ${broken}`}</p>
-                <button type="button" onClick={() => app.command("undo")}>Undo the change</button>
-            </div>
-        )
-        : null;
+    return broken ? (
+        <div class="error" role="alert">
+            <p>{`Later statements do not work with this change. ${broken}`}</p>
+            <button type="button" onClick={() => app.command("undo")}>
+                Undo the change
+            </button>
+        </div>
+    ) : null;
 }
 
 function StatementForm({ app, parameters }: { app: App; parameters: Parameters }): VNode | null {
@@ -145,7 +145,9 @@ function StatementForm({ app, parameters }: { app: App; parameters: Parameters }
     return (
         <>
             <div class="command-title">
-                <p><code>{text.split("\n", 1)[0]}</code></p>
+                <p>
+                    <code>{text.split("\n", 1)[0]}</code>
+                </p>
                 <button type="button" title="Show it in the text of the scene" onClick={() => object && editorOf(app).goTo(line)}>{`Line ${line}`}</button>
             </div>
             {!command && <p class="hint">It is made by a block or by a line of the language; change that in the scene's text.</p>}
@@ -154,9 +156,17 @@ function StatementForm({ app, parameters }: { app: App; parameters: Parameters }
                     <Tracked
                         draw={() => (
                             <>
-                                <Fields command={command} first={first} context={fieldContext(app, form.values.value, (name, words, done) => form.set(name, words, done))} />
+                                <Fields
+                                    command={command}
+                                    first={first}
+                                    context={fieldContext(app, form.values.value, (name, words, done) => form.set(name, words, done))}
+                                />
                                 {/* In Chromium, an empty text node here, in a fieldset, would end the drag of a slider. */}
-                                {form.trouble.value !== "" ? <p class="error" role="alert">{form.trouble.value}</p> : null}
+                                {form.trouble.value !== "" ? (
+                                    <p class="error" role="alert">
+                                        {form.trouble.value}
+                                    </p>
+                                ) : null}
                             </>
                         )}
                     />

@@ -58,7 +58,10 @@ export function refusal(app: App, from: string, to: string): string {
 /** Replaces the name of an object in all lines. */
 export async function rename(app: App, object: ObjectName): Promise<void> {
     await editorOf(app).document.apply();
-    const others = app.store.state.peek().objects.filter(({ name, kind }) => name === object.name && kind !== object.kind).map(({ kind }) => kind);
+    const others = app.store.state
+        .peek()
+        .objects.filter(({ name, kind }) => name === object.name && kind !== object.kind)
+        .map(({ kind }) => kind);
     const to = await askName(object, others, (name) => refusal(app, object.name, name));
     if (!to || to === object.name) {
         return;

@@ -76,8 +76,12 @@ function TreeRow({ app, row, active, selected, hidden, focus, menu }: RowProps):
                     }
                 }}
             />
-            <span class="tree-label" id={`label-${id}`}>{row.label}</span>{" "}
-            <span class="hint" id={`detail-${id}`}>{hidden ? "hidden" : row.detail}</span>
+            <span class="tree-label" id={`label-${id}`}>
+                {row.label}
+            </span>{" "}
+            <span class="hint" id={`detail-${id}`}>
+                {hidden ? "hidden" : row.detail}
+            </span>
             {object && (
                 <>
                     <button

@@ -21,8 +21,12 @@ function RenameDialog({ object, others, check, end }: Props): VNode {
             accept={() => trouble === "" && name !== "" && end(name)}
             buttons={
                 <>
-                    <button type="submit" class="primary" disabled={trouble !== "" || name === ""}>Rename</button>
-                    <button type="button" onClick={() => end(null)}>Cancel</button>
+                    <button type="submit" class="primary" disabled={trouble !== "" || name === ""}>
+                        Rename
+                    </button>
+                    <button type="button" onClick={() => end(null)}>
+                        Cancel
+                    </button>
                 </>
             }
         >
@@ -41,7 +45,9 @@ function RenameDialog({ object, others, check, end }: Props): VNode {
                 />
             </label>
             {others.length > 0 && <p class="hint">{`The ${others.join(" and ")} of that name is renamed with it.`}</p>}
-            <p id="rename-trouble" class="error" role="alert">{trouble}</p>
+            <p id="rename-trouble" class="error" role="alert">
+                {trouble}
+            </p>
         </Dialog>
     );
 }
