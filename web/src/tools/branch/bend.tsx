@@ -1,7 +1,7 @@
 // Bends a branch by its tip, and moves a node together with its axis.
 import { signal } from "@preact/signals-core";
 import type { VNode } from "preact";
-import type { Tool, ToolPointer } from "../../app";
+import type { Tool } from "../../app";
 import type { Point } from "../../protocol";
 import { BranchDragRun, type Held } from "../kit/branch_drag";
 import { sight } from "../kit/drawn";
@@ -111,7 +111,7 @@ const reach = signal(0);
 class ReshapeRun extends BranchDragRun {
     private readonly by = pointSignals([0, 0, 0]);
 
-    wheel(delta: number, _event: ToolPointer): boolean {
+    wheel(delta: number): boolean {
         if (!this.held) {
             return false;
         }

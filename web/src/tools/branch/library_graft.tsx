@@ -75,7 +75,6 @@ export class LibraryGraftRun implements ToolRun {
     constructor(private readonly app: App) {
         this.drawn = new Drawn(app);
         this.unfollow = followSkeletons(app);
-        held = this;
         if (takenByKey()) {
             void this.showOnSelected();
         }
@@ -276,6 +275,9 @@ export const libraryGraftTools: Tool[] = [
         group: "compose",
         help: "Grafts the branch chosen in the library on a tree: drag it there, click, or select a node and press Enter.",
         enabled: (app) => anySkeleton(app) && app.store.schema.peek().some(({ name }) => name === kCommand),
-        start: (app) => new LibraryGraftRun(app),
+        start: (app) => {
+            held = new LibraryGraftRun(app);
+            return held;
+        },
     },
 ];
