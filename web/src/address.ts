@@ -1,6 +1,6 @@
 // Parameters that the program passes to the page in its address: #token=...&import=tree.ply
 
-export interface Told {
+export interface AddressParameters {
     token: string;
     firstFile: string; // file of the folder that is opened first; empty: no file
 }
@@ -17,7 +17,7 @@ function decoded(text: string): string {
  * Returns the parameters in the address and removes them, so that a reload does not repeat the import; the token is stored for
  * this tab.
  */
-export function takeAddress(location: Location, history: History, kept: Storage): Told {
+export function consumeAddress(location: Location, history: History, kept: Storage): AddressParameters {
     const token = /(?:^#|&)token=([A-Za-z0-9_-]+)/.exec(location.hash)?.[1] ?? /^#([A-Za-z0-9_-]{16,})$/.exec(location.hash)?.[1];
     const file = /(?:^#|&)import=([^&]+)/.exec(location.hash)?.[1] ?? "";
     if (token) {

@@ -60,14 +60,14 @@ export interface Store {
     folder: Signal<string>; // path of the open folder
     progress: Signal<{ statement: number | null; fraction: number } | null>; // null: of a request that does not belong to the document
     grown: Signal<Grown | null>; // result so far of the current or the last growth
-    keepsGrown: Signal<boolean>; // the result remains in the view after a stop, until the user keeps or discards it
+    keepsGrowthPreview: Signal<boolean>; // the result remains in the view after a stop, until the user keeps or discards it
     selection: Signal<Selection>;
     hover: Signal<Pick | null>;
     hidden: Signal<ReadonlySet<string>>; // "kind:name"
     hideFor(objects: readonly ObjectName[], by: ObjectName): void; // hides objects as long as another object exists
     tool: Signal<string>; // id of the active tool
     messages: Signal<Message[]>; // in order, the newest last
-    say(text: string, level?: Message["level"]): void;
+    notify(text: string, level?: Message["level"]): void;
     find(kind: Kind, name: string): SceneObject | undefined;
     freeName(base: string): string; // first of base, base2, ... that is not the name of an object
 }

@@ -60,6 +60,6 @@ export function matches(shortcut: string, event: KeyboardEvent): boolean {
 }
 
 /** Whether keys on the element are text, or belong to a widget. */
-export function takesKeys(target: EventTarget | null): boolean {
+export function acceptsKeys(target: EventTarget | null): boolean {
     return target instanceof Element && target.closest("input, textarea, select, [contenteditable=true], [role=menu], [role=menubar], dialog") !== null;
 }

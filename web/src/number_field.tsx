@@ -16,13 +16,13 @@ export interface NumberOptions extends NumberLimits {
 /** Attributes of a number input, and the reason why the last text was refused; empty if it was accepted. */
 export function useNumber({ value, shown = String(value ?? ""), step = 1, take, clear, ...limits }: NumberOptions) {
     const [draft, setDraft] = useState<string | null>(null); // current text
-    const [trouble, setTrouble] = useState("");
+    const [errorText, setErrorText] = useState("");
     const before = useRef({ value, shown, isKept: true }); // value that a refused text leaves unchanged
     const read = draft !== null && draft.trim() !== "" ? readNumber(draft, limits) : null;
 
     const refuse = (why: string) => {
         const { value: old, shown: text, isKept } = before.current;
-        setTrouble(`${why} The field stays ${old === null ? "empty" : text}.`);
+        setErrorText(`${why} The field stays ${old === null ? "empty" : text}.`);
         if (!isKept && old !== null) {
             take(old, true);
         } else if (!isKept) {
@@ -35,14 +35,14 @@ export function useNumber({ value, shown = String(value ?? ""), step = 1, take, 
         autocomplete: "off",
         spellcheck: false,
         value: draft ?? shown,
-        "aria-invalid": (read && "trouble" in read) || undefined,
+        "aria-invalid": (read && "errorText" in read) || undefined,
         onInput: (event: TargetedEvent<HTMLInputElement>) => {
             const text = event.currentTarget.value;
             if (draft === null) {
                 before.current = { value, shown, isKept: true };
             }
             setDraft(text);
-            setTrouble("");
+            setErrorText("");
             const now = readNumber(text, limits);
             if ("value" in now) {
                 before.current.isKept = false;
@@ -58,30 +58,30 @@ export function useNumber({ value, shown = String(value ?? ""), step = 1, take, 
             } else if (text.trim() === "" && clear) {
                 clear();
             } else {
-                refuse(text.trim() === "" ? "Enter a number." : now.trouble);
+                refuse(text.trim() === "" ? "Enter a number." : now.errorText);
             }
         },
         onBlur: () => setDraft(null),
         onKeyDown: (event: TargetedKeyboardEvent<HTMLInputElement>) => {
-            const way = event.key === "ArrowUp" ? 1 : event.key === "ArrowDown" ? -1 : 0;
+            const direction = event.key === "ArrowUp" ? 1 : event.key === "ArrowDown" ? -1 : 0;
             const now = readNumber(event.currentTarget.value);
-            if (way === 0 || !("value" in now) || event.altKey || event.ctrlKey || event.metaKey) {
+            if (direction === 0 || !("value" in now) || event.altKey || event.ctrlKey || event.metaKey) {
                 return;
             }
             event.preventDefault();
             const { low = -Infinity, high = Infinity } = limits;
             setDraft(null);
-            setTrouble("");
-            take(Number(Math.min(Math.max(now.value + way * step, low), high).toPrecision(12)), true);
+            setErrorText("");
+            take(Number(Math.min(Math.max(now.value + direction * step, low), high).toPrecision(12)), true);
         },
     };
-    return { field, trouble };
+    return { field, errorText };
 }
 
 /** Shows why a field did not accept its text. */
-export function FieldTrouble({ text }: { text: string }): VNode | null {
+export function FieldError({ text }: { text: string }): VNode | null {
     return text === "" ? null : (
-        <p class="field-trouble" role="alert">
+        <p class="field-error" role="alert">
             {text}
         </p>
     );

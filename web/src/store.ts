@@ -34,12 +34,12 @@ export function createStore(): Store {
         folder: signal(""),
         progress: signal(null),
         grown: signal(null),
-        keepsGrown: signal(false),
+        keepsGrowthPreview: signal(false),
         selection: signal<Selection>({ object: null, nodes: [], extent: "branch" }),
         hover: signal<Pick | null>(null),
         hidden,
         tool: signal("select"),
-        say(text, level = "info") {
+        notify(text, level = "info") {
             messages.value = [...messages.peek(), { level, text }].slice(-kMaxMessages);
         },
         hideFor(objects, by) {
@@ -99,7 +99,7 @@ export function placed(state: State): State {
 }
 
 /** Removes objects and nodes that no longer exist from the selection. */
-export function keepSelectionTrue(store: Store): void {
+export function pruneSelection(store: Store): void {
     const { object } = store.selection.peek();
     if (object && !store.find(object.kind, object.name)) {
         store.selection.value = { ...store.selection.peek(), object: null, nodes: [] };

@@ -1,11 +1,11 @@
 // Connects the components of the page.
-import { takeAddress } from "./address";
+import { consumeAddress } from "./address";
 import type { App, View } from "./app";
-import { Hand } from "./hand";
-import { kShortcuts, matches, takesKeys } from "./keys";
+import { ActiveTool } from "./active_tool";
+import { kShortcuts, matches, acceptsKeys } from "./keys";
 import { panels } from "./panels/index";
 import type { Command } from "./protocol";
-import { createStore, keepSelectionTrue, placed } from "./store";
+import { createStore, pruneSelection, placed } from "./store";
 import { tools } from "./tools/index";
 import { Transport } from "./transport";
 import { View3D } from "./view/view";
@@ -13,7 +13,7 @@ import { View3D } from "./view/view";
 export interface Studio extends App {
     view: View3D & View;
     engine: Transport;
-    hand: Hand;
+    activeTool: ActiveTool;
     firstFile: string; // with which the studio was started; empty: no file
     hasCommand(id: string): boolean; // of the page itself, by its id
     command(id: string): void;
@@ -33,7 +33,7 @@ function listen(studio: () => Studio): ConstructorParameters<typeof Transport>[1
             if (state.running === null) {
                 store.progress.value = null;
             }
-            keepSelectionTrue(store);
+            pruneSelection(store);
         },
         progress: (statement, fraction) => {
             studio().store.progress.value = { statement, fraction };
@@ -46,23 +46,23 @@ function listen(studio: () => Studio): ConstructorParameters<typeof Transport>[1
         follows: (about) => studio().view.follows(about),
         settled: () => studio().view.settle(),
         warned: (text) => {
-            const { messages, say } = studio().store;
+            const { messages, notify } = studio().store;
             if (messages.peek().at(-1)?.text !== text) {
                 // each change would repeat it
-                say(text, "warning");
+                notify(text, "warning");
             }
         },
-        refused: (reason) => studio().store.say(reason, "error"),
+        refused: (reason) => studio().store.notify(reason, "error"),
     };
 }
 
 function addCommands(studio: Studio): void {
     const { engine, store, view } = studio;
-    const ask = (type: string) => () => {
-        engine.request(type).catch((error: Error) => store.say(error.message, "error"));
+    const request = (type: string) => () => {
+        engine.request(type).catch((error: Error) => store.notify(error.message, "error"));
     };
-    studio.menuCommand("undo", ask("undo"));
-    studio.menuCommand("redo", ask("redo"));
+    studio.menuCommand("undo", request("undo"));
+    studio.menuCommand("redo", request("redo"));
     studio.menuCommand("cancel", () => engine.cancel());
     studio.menuCommand("frame", () => {
         const { object } = store.selection.peek();
@@ -93,14 +93,14 @@ function listenToKeys(studio: Studio): void {
             return;
         }
         const shortcut = kShortcuts.find((one) => one.keys.some((keys) => matches(keys, event)));
-        if (takesKeys(event.target)) {
+        if (acceptsKeys(event.target)) {
             if (shortcut?.always) {
                 event.preventDefault();
                 studio.command(shortcut.id);
             }
             return;
         }
-        if (studio.hand.key(event)) {
+        if (studio.activeTool.key(event)) {
             event.preventDefault();
             return;
         }
@@ -125,27 +125,27 @@ function listenToKeys(studio: Studio): void {
 export function createStudio(): Studio {
     const store = createStore();
     const commands = new Map<string, () => void>();
-    const { token, firstFile } = takeAddress(location, history, sessionStorage);
+    const { token, firstFile } = consumeAddress(location, history, sessionStorage);
     const engine = new Transport(
         { origin: location.origin, token },
         listen(() => studio),
     );
     const view = new View3D(store, engine);
-    const hand = new Hand(() => studio);
+    const activeTool = new ActiveTool(() => studio);
     const studio: Studio = {
         engine,
         store,
         view,
         tools,
         panels,
-        hand,
+        activeTool,
         firstFile,
-        take: (tool) => hand.take(tool),
+        take: (tool) => activeTool.take(tool),
         menuCommand: (id, run) => void commands.set(id, run),
         hasCommand: (id) => commands.has(id),
         command: (id) => commands.get(id)?.(),
     };
-    view.listenTo(hand);
+    view.listenTo(activeTool);
     addCommands(studio);
     listenToKeys(studio);
     engine.connect();
@@ -154,7 +154,7 @@ export function createStudio(): Studio {
         .then((reply) => {
             store.schema.value = reply.schema;
         })
-        .catch((error: Error) => store.say(error.message, "error"));
-    hand.take("select");
+        .catch((error: Error) => store.notify(error.message, "error"));
+    activeTool.take("select");
     return studio;
 }

@@ -188,8 +188,8 @@ export class Transport implements Engine {
         const send = this.options.fetch ?? fetch;
         const response = await send(this.options.origin + path, { ...init, headers, credentials: "omit", redirect: "error" });
         if (!response.ok) {
-            const said = (await response.text()).trim();
-            throw new EngineError(said || `The studio answered ${response.status} to ${path}.`, response.status >= 500 ? "internal" : "files");
+            const reason = (await response.text()).trim();
+            throw new EngineError(reason || `The studio answered ${response.status} to ${path}.`, response.status >= 500 ? "internal" : "files");
         }
         return response;
     }

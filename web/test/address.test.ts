@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { takeAddress } from "../src/address";
+import { consumeAddress } from "../src/address";
 
 /** A tab opened at an address, with its session storage. */
 function tab() {
@@ -13,8 +13,8 @@ function tab() {
                 location.hash = address.slice(1);
             },
         };
-        const told = takeAddress(location as Location, history as unknown as History, kept as Storage);
-        return { ...told, left: location.hash };
+        const parameters = consumeAddress(location as Location, history as unknown as History, kept as Storage);
+        return { ...parameters, left: location.hash };
     };
 }
 

@@ -158,7 +158,7 @@ test("outlines keep the options that the editor does not show", () => {
 
 test("revolutions, sweeps and skins", () => {
     const loft: Loft = {
-        way: "revolve",
+        method: "revolve",
         name: "r",
         profile: "p",
         path: "",
@@ -169,12 +169,12 @@ test("revolutions, sweeps and skins", () => {
         blend: "linear",
     };
     assert.equal(loftLine(loft), "revolve r p");
-    assert.equal(loftLine({ ...loft, way: "sweep" }), null);
-    assert.equal(loftLine({ ...loft, way: "sweep", path: "s", end: 0.5, twist: 90 }), "sweep r p s twist=90 scale=0,1 scale=1,0.5");
+    assert.equal(loftLine({ ...loft, method: "sweep" }), null);
+    assert.equal(loftLine({ ...loft, method: "sweep", path: "s", end: 0.5, twist: 90 }), "sweep r p s twist=90 scale=0,1 scale=1,0.5");
     assert.equal(
         loftLine({
             ...loft,
-            way: "skin",
+            method: "skin",
             path: "s",
             sections: [
                 ["p", 0],

@@ -4,7 +4,7 @@ import { existsSync } from "node:fs";
 import { readdir, readFile } from "node:fs/promises";
 import { join } from "node:path";
 import { test } from "node:test";
-import { bytesText, endingOf, freeFile, nameTrouble, objectName, withEnding } from "../src/panels/files/folder";
+import { bytesText, endingOf, freeFile, nameError, objectName, withEnding } from "../src/panels/files/folder";
 import { contentOf, isTree, offContent, plyContent } from "../src/panels/files/kinds";
 
 const text = (name: string, content: string) => contentOf(name, new Blob([content]));
@@ -69,9 +69,9 @@ test("names of files and of what is made of them", () => {
     assert.equal(bytesText(999), "999 bytes");
     assert.equal(bytesText(1234567), "1.2 MB");
     assert.equal(bytesText(123_456_789), "123 MB");
-    assert.equal(nameTrouble("scans/oak.swc"), "");
+    assert.equal(nameError("scans/oak.swc"), "");
     for (const wrong of ["", "/etc/passwd", "../a", "a//b", ".hidden", "C:\\a", "a\u0007"]) {
-        assert.notEqual(nameTrouble(wrong), "", wrong);
+        assert.notEqual(nameError(wrong), "", wrong);
     }
 });
 

@@ -15,7 +15,7 @@ const kFilm: Film = { ...kFirstFilm, tree: "oak", duration: 0.5, rate: 10 }; // 
 interface Trial {
     player: Player;
     film: ReturnType<typeof signal<Film>>;
-    asked: number[]; // times of `frame`
+    requests: number[]; // times of `frame`
     drawn: Geometry[];
     settled: () => number;
     store: ReturnType<typeof createStore>;
@@ -25,7 +25,7 @@ interface Trial {
 // An engine that returns a number of frames, and can delay one.
 function trial(most = Infinity): Trial {
     const store = createStore();
-    const asked: number[] = [];
+    const requests: number[] = [];
     const drawn: Geometry[] = [];
     let settled = 0;
     let failure = "";
@@ -37,7 +37,7 @@ function trial(most = Infinity): Trial {
         store,
         engine: {
             request: async (_: string, { time }: { time: number }) => {
-                asked.push(Number(time.toFixed(3)));
+                requests.push(Number(time.toFixed(3)));
                 if (failure) {
                     throw new Error(failure);
                 }
@@ -57,7 +57,7 @@ function trial(most = Infinity): Trial {
     const fail = (message: string) => {
         failure = message;
     };
-    return { player: new Player(app, film), film, asked, drawn, settled: () => settled, store, fail };
+    return { player: new Player(app, film), film, requests, drawn, settled: () => settled, store, fail };
 }
 
 // Until all automatic requests have finished.
@@ -75,14 +75,14 @@ function playing(): { next(): void } {
 }
 
 test("the first moment is drawn whole and the next ones are patches of it", async () => {
-    const { player, asked, drawn } = trial();
+    const { player, requests, drawn } = trial();
     player.seek(0.1);
     await idle();
     player.seek(0.2);
     await idle();
     player.seek(0.1); // is already available
     await idle();
-    assert.deepEqual(asked, [0.1, 0.2]);
+    assert.deepEqual(requests, [0.1, 0.2]);
     assert.deepEqual(
         drawn.map(({ header }) => header.kind),
         ["surface", "patch", "patch"],
@@ -108,18 +108,18 @@ test("a tree that grows is drawn whole each time", async () => {
 
 test("a film that plays fetches what comes next, once", async () => {
     const { next } = playing();
-    const { player, asked } = trial();
+    const { player, requests } = trial();
     player.seek(0.3);
     await idle();
-    assert.deepEqual(asked, [0.3]);
+    assert.deepEqual(requests, [0.3]);
     player.play();
     next();
     await idle();
     player.pause();
     next();
     await idle();
-    assert.deepEqual([...asked].sort(), [0, 0.1, 0.2, 0.3, 0.4]);
-    assert.deepEqual(asked.slice(0, 3), [0.3, 0.4, 0]); // the following frames, with wrap-around
+    assert.deepEqual([...requests].sort(), [0, 0.1, 0.2, 0.3, 0.4]);
+    assert.deepEqual(requests.slice(0, 3), [0.3, 0.4, 0]); // the following frames, with wrap-around
     assert.equal(player.fetched.peek(), 5);
 });
 
@@ -138,15 +138,15 @@ test("a film that plays shows the newest frame that is here", async () => {
 });
 
 test("another film is fetched anew, the same one is not; a tree that was changed is shown as it is", async () => {
-    const { player, film, asked, store, settled } = trial();
+    const { player, film, requests, store, settled } = trial();
     player.seek(0.2);
     await idle();
     film.value = { ...kFilm };
     await idle();
-    assert.equal(asked.length, 1);
+    assert.equal(requests.length, 1);
     film.value = { ...kFilm, wind: { ...kFilm.wind, speed: 20 } };
     await idle();
-    assert.equal(asked.length, 2);
+    assert.equal(requests.length, 2);
     const oak = {
         kind: "skeleton" as const,
         name: "oak",
@@ -158,10 +158,10 @@ test("another film is fetched anew, the same one is not; a tree that was changed
     };
     store.state.value = { ...store.state.peek(), objects: [oak] };
     await idle();
-    assert.deepEqual([asked.length, player.open.peek(), settled()], [2, false, 1]);
+    assert.deepEqual([requests.length, player.open.peek(), settled()], [2, false, 1]);
     player.seek(0.2);
     await idle();
-    assert.equal(asked.length, 3);
+    assert.equal(requests.length, 3);
 });
 
 test("what the engine refuses is said, and the tree is shown at rest again", async () => {
@@ -169,12 +169,12 @@ test("what the engine refuses is said, and the tree is shown at rest again", asy
     fail("key:2: there is no node 99");
     player.seek(0.2);
     await idle();
-    assert.equal(player.trouble.peek(), "key:2: there is no node 99");
+    assert.equal(player.errorText.peek(), "key:2: there is no node 99");
     assert.equal(player.open.peek(), false);
     assert.equal(settled(), 1);
     fail("");
     film.value = { ...kFilm, rate: 12 };
-    assert.equal(player.trouble.peek(), "");
+    assert.equal(player.errorText.peek(), "");
 });
 
 test("the eye of a picture is that of the view", () => {

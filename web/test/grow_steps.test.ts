@@ -3,14 +3,14 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { type App, EngineError, type Geometry } from "../src/app";
 import { countWithin, reachOf, rootsOf, samplesOf } from "../src/panels/grow/balls";
-import { Card, makerOf, targetOf } from "../src/panels/grow/card";
+import { Card, creatorOf, targetOf } from "../src/panels/grow/card";
 import { loadingCommands, scansAmong } from "../src/panels/grow/extraction";
 import { GrowthWatch, optionOf } from "../src/panels/grow/growing";
 import { finishing } from "../src/panels/grow/model";
 import { growthValues, rootBelow, rounded, sliderOf, spacingIn, tipRadius } from "../src/panels/grow/suggest";
 import type { Argument, Command, SceneObject, State } from "../src/protocol";
 import { createStore, kEmptyState } from "../src/store";
-import { Grown, pipeRadii } from "../src/view/grown";
+import { GrowthPreview, pipeRadii } from "../src/view/growth_preview";
 import { kDark } from "../src/view/theme";
 
 function argument(name: string, fields: Partial<Argument> = {}): Argument {
@@ -78,8 +78,8 @@ test("a ball counts what lies in it, at the origin of the blob too", () => {
 test("the reach of radii is that at the pointer, or else at the root", () => {
     const values = { root: ["0,0,0,0,0,1"], influence_radius: ["2.5"] };
     const set = points([0, 0, 0.1], [0, 0, 1], [0, 0, 2], [0, 0, 9]);
-    assert.deepEqual(reachOf(set, kGrow, values, null), { at: "root", pulling: 3, spent: 1, all: 4 }); // the kill radius is 0.2
-    assert.deepEqual(reachOf(set, kGrow, values, [0, 0, 9]), { at: "pointer", pulling: 1, spent: 1, all: 4 });
+    assert.deepEqual(reachOf(set, kGrow, values, null), { at: "root", pulling: 3, removed: 1, all: 4 }); // the kill radius is 0.2
+    assert.deepEqual(reachOf(set, kGrow, values, [0, 0, 9]), { at: "pointer", pulling: 1, removed: 1, all: 4 });
 });
 
 test("roots are read off their words, and samples are spread", () => {
@@ -176,13 +176,13 @@ const tree: SceneObject = { kind: "skeleton", name: "tree", version: 1, statemen
 
 test("the statement that made an object is found behind those that changed it", () => {
     const document = state("sphere crown", "pointset gen crown uni name=marks", "grow tree marks step=0.2 # slow", "radii tree");
-    const made = makerOf(document, [kGrow, kGenerate], tree, ["grow", "sprout"]);
-    assert.equal(made?.bound.statement, 2);
-    assert.deepEqual(made?.values, { tree: ["tree"], points: ["marks"], step: ["0.2"] });
-    assert.equal(made?.bound.comment, "# slow");
+    const creator = creatorOf(document, [kGrow, kGenerate], tree, ["grow", "sprout"]);
+    assert.equal(creator?.bound.statement, 2);
+    assert.deepEqual(creator?.values, { tree: ["tree"], points: ["marks"], step: ["0.2"] });
+    assert.equal(creator?.bound.comment, "# slow");
     const marks: SceneObject = { ...tree, kind: "points", name: "marks", statement: 1 };
-    assert.deepEqual(makerOf(document, [kGrow, kGenerate], marks, ["pointset generate"])?.values.pattern, ["uniform"]);
-    assert.equal(makerOf(document, [kGrow, kGenerate], { ...tree, name: "other" }, ["grow"]), null);
+    assert.deepEqual(creatorOf(document, [kGrow, kGenerate], marks, ["pointset generate"])?.values.pattern, ["uniform"]);
+    assert.equal(creatorOf(document, [kGrow, kGenerate], { ...tree, name: "other" }, ["grow"]), null);
     assert.deepEqual(targetOf(kGenerate, { solid: ["crown"] }), { kind: "points", name: "crown" }); // points have the name of their solid
 });
 
@@ -191,9 +191,9 @@ function pageWith(document: State, run?: (text: string) => Promise<void>) {
     const store = createStore();
     store.schema.value = [kGrow, kGenerate, kThin];
     store.state.value = document;
-    const asked: string[] = [];
+    const requests: string[] = [];
     const append = async (line: string, about?: { name: string }) => {
-        asked.push(`run ${line}${about ? ` about ${about.name}` : ""}`);
+        requests.push(`run ${line}${about ? ` about ${about.name}` : ""}`);
         await run?.(line);
         const { statements } = store.state.peek();
         store.state.value = state(...statements.map(({ text }) => text), ...line.split("\n"));
@@ -202,21 +202,21 @@ function pageWith(document: State, run?: (text: string) => Promise<void>) {
     const engine = {
         run: append,
         preview: (line: string, about?: { name: string }) => {
-            asked.push(`preview ${line}${about ? ` about ${about.name}` : ""}`);
+            requests.push(`preview ${line}${about ? ` about ${about.name}` : ""}`);
             return Promise.resolve(true);
         },
         endPreview: () => {
-            asked.push("end");
+            requests.push("end");
             return Promise.resolve();
         },
         request: async (type: string, fields: { text: string }) => {
-            asked.push(`${type} ${fields.text.trimEnd().replaceAll("\n", "; ")}`);
+            requests.push(`${type} ${fields.text.trimEnd().replaceAll("\n", "; ")}`);
             await run?.(fields.text);
             store.state.value = state(...fields.text.trimEnd().split("\n"));
             return {};
         },
     };
-    return { app: { store, engine } as unknown as App, asked, store };
+    return { app: { store, engine } as unknown as App, requests, store };
 }
 
 function growCard(app: App, watch?: GrowthWatch): Card {
@@ -233,18 +233,18 @@ function growCard(app: App, watch?: GrowthWatch): Card {
 }
 
 test("a card shows its line, runs it once, and from then on writes it anew", async () => {
-    const { app, asked, store } = pageWith(state("sphere crown", "pointset generate crown"));
+    const { app, requests, store } = pageWith(state("sphere crown", "pointset generate crown"));
     const card = growCard(app);
     card.set("step", ["0.3"], false);
-    assert.equal(asked.at(-1), "preview grow tree crown step=0.3");
+    assert.equal(requests.at(-1), "preview grow tree crown step=0.3");
     assert.ok(await card.run());
-    assert.equal(asked.at(-1), "run grow tree crown step=0.3\nradii tree");
+    assert.equal(requests.at(-1), "run grow tree crown step=0.3\nradii tree");
     assert.equal(card.bound.peek()?.statement, 2);
     card.set("step", ["0.4"], false);
-    assert.match(asked.at(-1) ?? "", /^preview/);
+    assert.match(requests.at(-1) ?? "", /^preview/);
     card.set("step", ["0.4"], true);
     await new Promise((resolve) => setTimeout(resolve));
-    assert.ok(asked.includes("text sphere crown; pointset generate crown; grow tree crown step=0.4; radii tree"));
+    assert.ok(requests.includes("text sphere crown; pointset generate crown; grow tree crown step=0.4; radii tree"));
     assert.equal(store.state.peek().statements.length, 4); // no further statements
     card.set("step", ["0.1"], true); // its default requires no word
     await new Promise((resolve) => setTimeout(resolve));
@@ -252,22 +252,22 @@ test("a card shows its line, runs it once, and from then on writes it anew", asy
 });
 
 test("what changes an object stands before what was made of it", async () => {
-    const { app, asked } = pageWith(state("sphere crown", "pointset generate crown", "grow tree crown"));
+    const { app, requests } = pageWith(state("sphere crown", "pointset generate crown", "grow tree crown"));
     const card = new Card(app, { commands: ["pointset thin"], suggest: () => ({ points: ["crown"], percent: ["50"] }), shows: true });
     card.renew();
     card.set("percent", ["60"], false);
-    assert.equal(asked.at(-1), "preview pointset thin crown 60 about crown");
+    assert.equal(requests.at(-1), "preview pointset thin crown 60 about crown");
     await card.run();
-    assert.equal(asked.at(-1), "run pointset thin crown 60 about crown");
+    assert.equal(requests.at(-1), "run pointset thin crown 60 about crown");
 });
 
 test("what others did to a bound statement is read again, and a statement that is gone is let go", () => {
     const { app, store } = pageWith(state("sphere crown", "pointset generate crown", "grow tree crown step=0.2"));
     store.state.value = { ...store.state.peek(), objects: [{ ...tree, statement: 2 }] };
     const card = growCard(app);
-    const made = makerOf(store.state.peek(), store.schema.peek(), store.state.peek().objects[0], ["grow"]);
-    assert.ok(made);
-    card.bind(made);
+    const creator = creatorOf(store.state.peek(), store.schema.peek(), store.state.peek().objects[0], ["grow"]);
+    assert.ok(creator);
+    card.bind(creator);
     store.state.value = {
         ...state("sphere crown", "# a comment", "pointset generate crown", "grow tree crown step=0.7"),
         objects: [{ ...tree, statement: 3 }],
@@ -282,7 +282,7 @@ test("what others did to a bound statement is read again, and a statement that i
 
 test("growth that is stopped is shown as far as it came, and kept by one option", async () => {
     let stop: (error: Error) => void = () => undefined;
-    const { app, asked, store } = pageWith(state("sphere crown", "pointset generate crown"), (text) =>
+    const { app, requests, store } = pageWith(state("sphere crown", "pointset generate crown"), (text) =>
         text.includes("max_iterations")
             ? Promise.resolve()
             : new Promise<void>((_, reject) => {
@@ -298,25 +298,25 @@ test("growth that is stopped is shown as far as it came, and kept by one option"
     stop(new EngineError("stopped", "cancelled"));
     assert.equal(await done, false);
     assert.equal(watch.now.peek()?.phase, "stopped");
-    assert.ok(store.keepsGrown.peek()); // it is still in the view
+    assert.ok(store.keepsGrowthPreview.peek()); // it is still in the view
     watch.keep(card);
     await new Promise((resolve) => setTimeout(resolve));
-    assert.ok(asked.includes("run grow tree crown step=0.2 max_iterations=31\nradii tree"));
+    assert.ok(requests.includes("run grow tree crown step=0.2 max_iterations=31\nradii tree"));
     assert.equal(watch.now.peek(), null);
-    assert.equal(store.keepsGrown.peek(), false);
+    assert.equal(store.keepsGrowthPreview.peek(), false);
 });
 
 test("a newer value ends the growth that runs, and comments stay", async () => {
     const ends: ((error: Error) => void)[] = [];
-    const { app, asked, store } = pageWith(state("pointset generate crown", "grow tree crown step=0.2 # slow"), (text) =>
+    const { app, requests, store } = pageWith(state("pointset generate crown", "grow tree crown step=0.2 # slow"), (text) =>
         text.includes("step=0.5") ? Promise.resolve() : new Promise<void>((_, reject) => ends.push(reject)),
     );
     Object.assign(app.engine, { cancel: () => ends.forEach((end) => end(new EngineError("stopped", "cancelled"))) });
     const watch = new GrowthWatch(app);
     const card = growCard(app, watch);
-    const made = makerOf(store.state.peek(), store.schema.peek(), { ...tree, statement: 1 }, ["grow"]);
-    assert.ok(made);
-    card.bind(made);
+    const creator = creatorOf(store.state.peek(), store.schema.peek(), { ...tree, statement: 1 }, ["grow"]);
+    assert.ok(creator);
+    card.bind(creator);
     card.set("step", ["0.3"], true);
     card.set("step", ["0.5"], true); // while the other grows
     await new Promise((resolve) => setImmediate(resolve));
@@ -324,11 +324,11 @@ test("a newer value ends the growth that runs, and comments stay", async () => {
     assert.equal(watch.now.peek(), null); // the user does not have to decide about it
     card.set("step", ["0.5"], true);
     assert.equal(card.line, "grow tree crown step=0.5 # slow");
-    assert.equal(asked.filter((one) => one.startsWith("text")).length, 2);
+    assert.equal(requests.filter((one) => one.startsWith("text")).length, 2);
 });
 
 test("growth that was stopped can be thrown away, and what was refused is said", async () => {
-    const { app, asked, store } = pageWith(state("sphere crown"), (text) =>
+    const { app, requests, store } = pageWith(state("sphere crown"), (text) =>
         Promise.reject(text.includes("0.9") ? new EngineError("kill_radius has to be a step at least", "input") : new EngineError("stopped", "cancelled")),
     );
     const watch = new GrowthWatch(app);
@@ -338,19 +338,19 @@ test("growth that was stopped can be thrown away, and what was refused is said",
     assert.match(store.messages.peek().at(-1)?.text ?? "", /before the tree had grown/);
     card.set("step", ["0.9"], false);
     await card.run();
-    assert.equal(card.trouble.peek(), "kill_radius has to be a step at least");
-    assert.equal(asked.at(-1), "end");
+    assert.equal(card.errorText.peek(), "kill_radius has to be a step at least");
+    assert.equal(requests.at(-1), "end");
 });
 
 test("of what has grown so far the newest is asked for, and what is gone is no trouble", async () => {
-    const asked: string[] = [];
-    const engine = { blob: async (key: string) => Promise.reject(new Error(`${asked.push(key)} is gone`)) };
+    const requests: string[] = [];
+    const engine = { blob: async (key: string) => Promise.reject(new Error(`${requests.push(key)} is gone`)) };
     const turns: (() => void)[] = [];
     const next = async () => {
         turns.shift()?.();
         await new Promise((done) => setImmediate(done));
     };
-    const grown = new Grown(
+    const grown = new GrowthPreview(
         engine as unknown as App["engine"],
         () => assert.fail("no result is drawn"),
         () => new Promise((done) => turns.push(() => done(undefined))),
@@ -359,12 +359,12 @@ test("of what has grown so far the newest is asked for, and what is gone is no t
         grown.show(key, kDark);
     }
     await next();
-    assert.deepEqual(asked, ["c"]);
+    assert.deepEqual(requests, ["c"]);
     grown.show("d", kDark);
     grown.clear();
     await next();
-    assert.deepEqual(asked, ["c"], "growth ended before it was requested");
+    assert.deepEqual(requests, ["c"], "growth ended before it was requested");
     grown.show("e", kDark);
     await next();
-    assert.deepEqual(asked, ["c", "e"]);
+    assert.deepEqual(requests, ["c", "e"]);
 });

@@ -38,7 +38,7 @@ test("thick wood has wide strokes, drawn first", () => {
 test("steps that nobody sees are joined, and tips are always drawn", () => {
     const count = 1001;
     const position = Array.from({ length: count }, (_, i) => [0, 0, i / 1000]).flat();
-    const made = silhouetteOf(
+    const silhouette = silhouetteOf(
         skeleton(
             position,
             Array(count).fill(0.001),
@@ -46,9 +46,9 @@ test("steps that nobody sees are joined, and tips are always drawn", () => {
         ),
         108,
     );
-    const moves = made.strokes.map(({ path }) => path.split("M").length - 1).reduce((a, b) => a + b, 0);
+    const moves = silhouette.strokes.map(({ path }) => path.split("M").length - 1).reduce((a, b) => a + b, 0);
     assert.ok(moves <= 167 && moves >= 100, String(moves)); // 100 px in steps of 0.6 px at least
-    assert.ok(made.strokes.some(({ path }) => path.endsWith("L54 4"))); // the tip at the top
+    assert.ok(silhouette.strokes.some(({ path }) => path.endsWith("L54 4"))); // the tip at the top
     assert.equal(silhouetteOf(skeleton([1, 1, 1], [0.1], [kNone]), 108).strokes.length, 0); // one node: no strokes, and no error
 });
 

@@ -1,7 +1,7 @@
 // Measures of picked points as text.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { angleAt, degreesText, type Measure, measureText, radiusBeside, spotText } from "../src/tools/measure_text";
+import { angleAt, degreesText, type Measure, measureText, radiusAt, spotText } from "../src/tools/measure_text";
 
 test("a point has a height, and the branch there a radius", () => {
     assert.equal(spotText({ at: [0, 0, 1.25] }), "1.25 m above the ground");
@@ -21,9 +21,9 @@ test("two points have a distance, a third an angle at the second", () => {
 });
 
 test("the radius beside a segment is between those of its ends", () => {
-    const radius = (z: number) => radiusBeside([0.3, 0, z], [0, 0, 1], [0, 0, 3], [0.2, 0.1]);
+    const radius = (z: number) => radiusAt([0.3, 0, z], [0, 0, 1], [0, 0, 3], [0.2, 0.1]);
     assert.equal(radius(0), 0.2);
     assert.equal(radius(9), 0.1);
     assert.ok(Math.abs(radius(2) - 0.15) < 1e-12);
-    assert.equal(radiusBeside([0, 0, 0], [1, 1, 1], [1, 1, 1], [0.2, 0.1]), 0.1); // a segment of length zero
+    assert.equal(radiusAt([0, 0, 0], [1, 1, 1], [1, 1, 1], [0.2, 0.1]), 0.1); // a segment of length zero
 });

@@ -1,7 +1,7 @@
 // Menu items: their groups, and the text inserted into their lines.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { answerTrouble, argumentsOf, filled, kindsWanted, partsOf } from "../src/panels/menu/fill";
+import { answerError, argumentsOf, filled, requestedKinds, partsOf } from "../src/panels/menu/fill";
 import { type MenuItem, menusOf, settingOf } from "../src/panels/menu/items";
 import type { Argument, Command } from "../src/protocol";
 
@@ -57,25 +57,25 @@ test("what is asked has a label, a proposal, and the argument it is for", () => 
             ["Angle", "20"],
         ],
     );
-    const stands = argumentsOf(kSchema, parts);
+    const partArguments = argumentsOf(kSchema, parts);
     assert.deepEqual(
-        parts.map((part, at) => (part.is === "text" ? "" : stands[at]?.name)),
+        parts.map((part, at) => (part.is === "text" ? "" : partArguments[at]?.name)),
         ["", "tree", "", "nodes", "", "angle"],
     );
     assert.deepEqual(partsOf("sphere a radius=${ask Radius}").at(-1), { is: "ask", label: "Radius", value: "" });
 });
 
 test("an item wants an object of the kinds that its command takes", () => {
-    assert.deepEqual(kindsWanted(kSchema, "mesh ${object}"), ["skeleton"]);
-    assert.equal(kindsWanted(kSchema, "translate ${object} 0 0 1")?.length, 6);
-    assert.equal(kindsWanted(kSchema, "no_such_command ${object}")?.length, 6);
-    assert.equal(kindsWanted(kSchema, "sphere ${new crown}"), null);
+    assert.deepEqual(requestedKinds(kSchema, "mesh ${object}"), ["skeleton"]);
+    assert.equal(requestedKinds(kSchema, "translate ${object} 0 0 1")?.length, 6);
+    assert.equal(requestedKinds(kSchema, "no_such_command ${object}")?.length, 6);
+    assert.equal(requestedKinds(kSchema, "sphere ${new crown}"), null);
 });
 
 test("answers are looked at before the line runs", () => {
     const objects = [{ kind: "skeleton" as const, name: "oak" }];
     const [, bend] = [kSchema[1], kSchema[4]];
-    const wrong = (answer: string, of: Argument | undefined) => answerTrouble(answer, of, objects);
+    const wrong = (answer: string, of: Argument | undefined) => answerError(answer, of, objects);
     assert.equal(wrong("0.5", radius), "");
     assert.match(wrong("20", radius), /from 0.001 to 10/);
     assert.match(wrong("many", radius), /number/);

@@ -31,14 +31,14 @@ test("arithmetic is computed", () => {
 
 test("what is no number, or none that is taken, is refused in a sentence", () => {
     assert.deepEqual(readNumber("2*3"), { value: 6 });
-    assert.deepEqual(readNumber("1,5"), { trouble: '"1,5" has a comma; write a decimal point, as in 1.5.' });
-    assert.deepEqual(readNumber("1e999"), { trouble: '"1e999" is too large.' });
-    assert.deepEqual(readNumber("1/0"), { trouble: '"1/0" is too large.' });
-    assert.deepEqual(readNumber("0/0"), { trouble: '"0/0" is not a number.' });
-    assert.deepEqual(readNumber("abc"), { trouble: '"abc" is not a number.' });
-    assert.deepEqual(readNumber("x".repeat(99)), { trouble: `"${"x".repeat(24)}…" is not a number.` });
-    assert.deepEqual(readNumber("3", { low: 0, high: 2 }), { trouble: 'Enter a number from 0 to 2, not "3".' });
-    assert.deepEqual(readNumber("-1", { low: 0 }), { trouble: 'Enter a number of at least 0, not "-1".' });
-    assert.deepEqual(readNumber("5/2", { whole: true }), { trouble: 'Enter a whole number, not "5/2".' });
+    assert.deepEqual(readNumber("1,5"), { errorText: '"1,5" has a comma; write a decimal point, as in 1.5.' });
+    assert.deepEqual(readNumber("1e999"), { errorText: '"1e999" is too large.' });
+    assert.deepEqual(readNumber("1/0"), { errorText: '"1/0" is too large.' });
+    assert.deepEqual(readNumber("0/0"), { errorText: '"0/0" is not a number.' });
+    assert.deepEqual(readNumber("abc"), { errorText: '"abc" is not a number.' });
+    assert.deepEqual(readNumber("x".repeat(99)), { errorText: `"${"x".repeat(24)}…" is not a number.` });
+    assert.deepEqual(readNumber("3", { low: 0, high: 2 }), { errorText: 'Enter a number from 0 to 2, not "3".' });
+    assert.deepEqual(readNumber("-1", { low: 0 }), { errorText: 'Enter a number of at least 0, not "-1".' });
+    assert.deepEqual(readNumber("5/2", { whole: true }), { errorText: 'Enter a whole number, not "5/2".' });
     assert.deepEqual(readNumber("5/2*2", { whole: true }), { value: 5 });
 });

@@ -3,7 +3,7 @@ import { writeFile } from "node:fs/promises";
 import { join } from "node:path";
 import { PNG } from "pngjs";
 import { endBrowser, openPage, placeOf, runLines, settled, startBrowser, startStudio } from "./browser/browser.mjs";
-import { dragIn, kTree, select, take } from "./browser/hands.mjs";
+import { dragIn, kTree, select, take } from "./browser/actions.mjs";
 
 const kCrown = ["sphere bole radius=1.3 center=0,0,3", "sphere side radius=1 center=1.7,0,2.6"];
 

@@ -177,10 +177,10 @@ test("views go with their strokes", () => {
 test("kinds of views have what the engine asks of them", () => {
     const view = { ...emptySketch().views[0], image: "a.png" };
     for (const kind of ["drawing", "photograph", "calibrated", "colmap", "turntable"] as const) {
-        const made = ofKind(view, kind);
-        assert.equal(kindOf(made), kind);
-        assert.equal(made.image, "a.png");
-        assert.equal(made.name, "front");
+        const changed = ofKind(view, kind);
+        assert.equal(kindOf(changed), kind);
+        assert.equal(changed.image, "a.png");
+        assert.equal(changed.name, "front");
     }
     assert.deepEqual(rowsOf("1 0 0; 0, 1, 0"), [
         [1, 0, 0],

@@ -8,7 +8,7 @@ import { depthsOf, drawnBranch } from "../src/tools/branch/stroke";
 import type { Point } from "../src/protocol";
 import { branchLine, changeOf, objectLine, type Reading, turnAbout } from "../src/tools/kit/change";
 import { Skeleton } from "../src/tools/kit/skeleton";
-import { Typed, typedShift } from "../src/tools/kit/typed";
+import { TypedInput, typedShift } from "../src/tools/kit/typed_input";
 import { add, angleAbout, cross, distance, length, normalized, onLine, onPlane, rotated, roundStep, simplified, subtract } from "../src/tools/kit/vector";
 import { commandLine, idSelection, numberWord, pointWord, quoted, sizeWord } from "../src/tools/kit/words";
 import { nodesInBox, stepped } from "../src/tools/select";
@@ -29,8 +29,8 @@ function key(text: string, shiftKey = false): KeyboardEvent {
     return { key: text, shiftKey, ctrlKey: false, metaKey: false, altKey: false } as KeyboardEvent;
 }
 
-function typing(...keys: string[]): Typed {
-    const typed = new Typed();
+function typing(...keys: string[]): TypedInput {
+    const typed = new TypedInput();
     for (const text of keys) {
         assert.ok(typed.key(key(text.replace("Shift+", ""), text.startsWith("Shift+"))), text);
     }
@@ -72,7 +72,7 @@ test("what is typed constrains and counts more than a drag", () => {
 });
 
 test("drags become changes", () => {
-    const reading = (mode: Reading["mode"], typed = new Typed(), snap = false): Reading => ({
+    const reading = (mode: Reading["mode"], typed = new TypedInput(), snap = false): Reading => ({
         mode,
         typed,
         evenly: false,
@@ -81,7 +81,7 @@ test("drags become changes", () => {
         grid: 0.5,
     });
     const dragged = { by: [0.6, 0, 1.2] as Point, turn: 32, factor: 1.27 };
-    assert.deepEqual(changeOf(dragged, reading("move", new Typed(), true)), { mode: "move", by: [0.5, 0, 1] });
+    assert.deepEqual(changeOf(dragged, reading("move", new TypedInput(), true)), { mode: "move", by: [0.5, 0, 1] });
     assert.deepEqual(changeOf(dragged, reading("move", typing("x"))), { mode: "move", by: [0.6, 0, 0] });
     assert.equal((changeOf(dragged, reading("turn")) as { degrees: number }).degrees, 32);
     assert.deepEqual((changeOf(dragged, reading("turn", typing("y"))) as { axis: Point }).axis, [0, 1, 0]);

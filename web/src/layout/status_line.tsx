@@ -36,8 +36,8 @@ export function StatusLine({ studio }: { studio: Studio }): VNode {
                 ) : (
                     <Tracked
                         draw={() => {
-                            void studio.hand.told.value;
-                            return studio.hand.run.value?.status?.() ?? "";
+                            void studio.activeTool.eventCount.value;
+                            return studio.activeTool.run.value?.status?.() ?? "";
                         }}
                     />
                 )}

@@ -88,7 +88,7 @@ function ends({ key, target }: KeyboardEvent): boolean {
 
 /** The parameters of the active tool, if it has any. */
 export function ToolPanel({ studio }: { studio: Studio }): VNode | null {
-    const run = useValue(studio.hand.run);
+    const run = useValue(studio.activeTool.run);
     const held = useValue(studio.store.tool);
     const tool = studio.tools.find((one) => one.id === held);
     if (!run?.panel || !tool) {
@@ -99,7 +99,7 @@ export function ToolPanel({ studio }: { studio: Studio }): VNode | null {
             <h2 class="panel-title" id="title-tool">
                 {tool.label}
             </h2>
-            <div class="panel-body" onKeyDown={(event) => ends(event) && studio.hand.key(event)}>
+            <div class="panel-body" onKeyDown={(event) => ends(event) && studio.activeTool.key(event)}>
                 <p class="hint">{tool.help}</p>
                 <Tracked draw={() => run.panel?.()} />
             </div>

@@ -7,13 +7,13 @@ export interface NumberLimits {
 }
 
 /** A number, or one sentence that says why the text is not a number. */
-export type NumberRead = { value: number } | { trouble: string };
+export type NumberRead = { value: number } | { errorText: string };
 
 const kMaxShown = 24; // maximum number of characters of the typed text in a message
 const kMaxDepth = 100; // maximum depth of nested brackets and signs
 const kToken = /\s*(?:((?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)|([-+*/^()]))\s*/y;
 
-class SyntaxTrouble extends Error {}
+class ParseError extends Error {}
 
 function tokensOf(text: string): (number | string)[] {
     const tokens: (number | string)[] = [];
@@ -21,7 +21,7 @@ function tokensOf(text: string): (number | string)[] {
     while (kToken.lastIndex < text.length) {
         const match = kToken.exec(text);
         if (!match) {
-            throw new SyntaxTrouble();
+            throw new ParseError();
         }
         tokens.push(match[1] === undefined ? match[2] : Number(match[1]));
     }
@@ -38,12 +38,12 @@ class Parser {
     whole(): number {
         const value = this.sum();
         if (this.at < this.tokens.length) {
-            throw new SyntaxTrouble();
+            throw new ParseError();
         }
         return value;
     }
 
-    private takes(...signs: string[]): string | null {
+    private accept(...signs: string[]): string | null {
         const token = this.tokens[this.at];
         if (typeof token === "string" && signs.includes(token)) {
             ++this.at;
@@ -54,7 +54,7 @@ class Parser {
 
     private sum(): number {
         let value = this.product();
-        for (let sign = this.takes("+", "-"); sign; sign = this.takes("+", "-")) {
+        for (let sign = this.accept("+", "-"); sign; sign = this.accept("+", "-")) {
             value += sign === "+" ? this.product() : -this.product();
         }
         return value;
@@ -62,7 +62,7 @@ class Parser {
 
     private product(): number {
         let value = this.signed();
-        for (let sign = this.takes("*", "/"); sign; sign = this.takes("*", "/")) {
+        for (let sign = this.accept("*", "/"); sign; sign = this.accept("*", "/")) {
             const factor = this.signed();
             value = sign === "*" ? value * factor : value / factor;
         }
@@ -71,9 +71,9 @@ class Parser {
 
     private signed(): number {
         if (++this.depth > kMaxDepth) {
-            throw new SyntaxTrouble();
+            throw new ParseError();
         }
-        const sign = this.takes("+", "-");
+        const sign = this.accept("+", "-");
         const value = sign ? this.signed() : this.power();
         --this.depth;
         return sign === "-" ? -value : value;
@@ -81,20 +81,20 @@ class Parser {
 
     private power(): number {
         const base = this.atom();
-        return this.takes("^") ? base ** this.signed() : base;
+        return this.accept("^") ? base ** this.signed() : base;
     }
 
     private atom(): number {
-        if (this.takes("(")) {
+        if (this.accept("(")) {
             const value = this.sum();
-            if (!this.takes(")")) {
-                throw new SyntaxTrouble();
+            if (!this.accept(")")) {
+                throw new ParseError();
             }
             return value;
         }
         const token = this.tokens[this.at++];
         if (typeof token !== "number") {
-            throw new SyntaxTrouble();
+            throw new ParseError();
         }
         return token;
     }
@@ -107,7 +107,7 @@ export function computed(text: string): number | null {
         const value = new Parser(tokens).whole();
         return tokens.length === 1 ? value : Number(value.toPrecision(15)); // so that 0.1+0.2 is 0.3
     } catch (error) {
-        if (error instanceof SyntaxTrouble) {
+        if (error instanceof ParseError) {
             return null;
         }
         throw error;
@@ -115,11 +115,11 @@ export function computed(text: string): number | null {
 }
 
 function rangeText({ low, high, whole }: NumberLimits): string {
-    const what = whole ? "a whole number" : "a number";
+    const type = whole ? "a whole number" : "a number";
     if (low !== undefined && high !== undefined) {
-        return `${what} from ${low} to ${high}`;
+        return `${type} from ${low} to ${high}`;
     }
-    return low !== undefined ? `${what} of at least ${low}` : high !== undefined ? `${what} of at most ${high}` : what;
+    return low !== undefined ? `${type} of at least ${low}` : high !== undefined ? `${type} of at most ${high}` : type;
 }
 
 /** Reads a number that was typed into a field. */
@@ -127,16 +127,16 @@ export function readNumber(text: string, limits: NumberLimits = {}): NumberRead 
     const typed = text.trim();
     const shown = `"${typed.length > kMaxShown ? `${typed.slice(0, kMaxShown)}…` : typed}"`;
     if (/\d,\d/.test(typed)) {
-        return { trouble: `${shown} has a comma; write a decimal point, as in 1.5.` };
+        return { errorText: `${shown} has a comma; write a decimal point, as in 1.5.` };
     }
     const value = computed(typed);
     if (value === null || Number.isNaN(value)) {
-        return { trouble: `${shown} is not a number.` };
+        return { errorText: `${shown} is not a number.` };
     }
     if (!Number.isFinite(value)) {
-        return { trouble: `${shown} is too large.` };
+        return { errorText: `${shown} is too large.` };
     }
     const { low = -Infinity, high = Infinity, whole } = limits;
     const fits = value >= low && value <= high && (!whole || Number.isInteger(value));
-    return fits ? { value } : { trouble: `Enter ${rangeText(limits)}, not ${shown}.` };
+    return fits ? { value } : { errorText: `Enter ${rangeText(limits)}, not ${shown}.` };
 }

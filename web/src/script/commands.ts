@@ -107,7 +107,7 @@ export function kindsOf(argument: Argument): readonly Kind[] {
 }
 
 /** The name of an argument in plain words: "Branching angle". */
-export function spoken(name: string): string {
+export function displayName(name: string): string {
     const words = name.replaceAll("_", " ");
     return words.charAt(0).toUpperCase() + words.slice(1);
 }
@@ -124,10 +124,10 @@ function numberText(value: number): string {
 }
 
 /** Describes the values that an argument accepts: "a number from 0 to 10 [m]". */
-export function takes(argument: Argument): string {
+export function acceptedValues(argument: Argument): string {
     const range = argument.low !== undefined && argument.high !== undefined ? ` from ${numberText(argument.low)} to ${numberText(argument.high)}` : "";
     const unit = argument.unit ? ` [${shortUnit(argument)}]` : "";
-    const what: Record<Argument["type"], string> = {
+    const descriptions: Record<Argument["type"], string> = {
         new_name: "a new name",
         object: `the name of ${kindsOf(argument).length > 2 ? "an object" : kindsOf(argument).join(" or ")}`,
         number: `a number${unit}${range}`,
@@ -142,7 +142,7 @@ export function takes(argument: Argument): string {
         output_file: "a file to write",
         properties: "a file of options",
     };
-    return what[argument.type] + (argument.repeats ? "; can be repeated" : "");
+    return descriptions[argument.type] + (argument.repeats ? "; can be repeated" : "");
 }
 
 /** Describes the default of an argument: "1", "that of solid"; empty if there is no default. */

@@ -22,8 +22,8 @@ export function newKind(argument: Argument): readonly Kind[] {
 }
 
 function narrowed(kinds: readonly Kind[], bound: readonly Bound[]): readonly Kind[] {
-    const said = bound.find(({ argument }) => argument.name === "kind" && argument.type === "choice")?.words[0].text;
-    return said && kinds.includes(said as Kind) ? [said as Kind] : kinds;
+    const givenKind = bound.find(({ argument }) => argument.name === "kind" && argument.type === "choice")?.words[0].text;
+    return givenKind && kinds.includes(givenKind as Kind) ? [givenKind as Kind] : kinds;
 }
 
 /** solid(crown): the nodes inside the solid. */

@@ -21,23 +21,23 @@ export function piecesOf(text: string): Piece[] {
         lines.pop();
     }
     let depth = 0;
-    let goesOn = false;
+    let continues = false;
     let from = 0;
     lines.forEach((line, i) => {
         const piece = pieces.at(-1);
-        if (piece && (depth > 0 || goesOn)) {
+        if (piece && (depth > 0 || continues)) {
             piece.text += `\n${line}`;
         } else {
             pieces.push({ text: line, line: i + 1, from, open: false });
         }
-        const word = goesOn ? "" : firstWord(line);
+        const word = continues ? "" : firstWord(line);
         depth += kOpens.has(word) ? 1 : word === "end" && depth > 0 ? -1 : 0;
-        goesOn = /\\\r?$/.test(line);
+        continues = /\\\r?$/.test(line);
         from += line.length + 1;
     });
     const last = pieces.at(-1);
     if (last) {
-        last.open = depth > 0 || goesOn;
+        last.open = depth > 0 || continues;
     }
     return pieces;
 }

@@ -1,7 +1,7 @@
 // Forms next to the panes: views and their cameras, branches, height, and commands for the sketch.
 import type { TargetedEvent, VNode } from "preact";
 import { useState } from "preact/hooks";
-import { FieldTrouble, useNumber } from "../number_field";
+import { FieldError, useNumber } from "../number_field";
 import { tracked } from "../use";
 import { changeView, removeBranch, removeView, renameBranch, setParent, type Side, type SketchView } from "./model";
 import type { SketchWork } from "./work";
@@ -109,14 +109,14 @@ function Line({ label, value, set }: FieldProps<string>): VNode {
 }
 
 function Amount({ label, value, set }: FieldProps<number>): VNode {
-    const { field, trouble } = useNumber({ value, take: (number, done) => done && set(number) });
+    const { field, errorText } = useNumber({ value, take: (number, done) => done && set(number) });
     return (
         <>
             <label class="tool-field">
                 <span>{label}</span>
                 <input {...field} />
             </label>
-            <FieldTrouble text={trouble} />
+            <FieldError text={errorText} />
         </>
     );
 }
@@ -339,7 +339,7 @@ export const SketchForms = tracked(({ work, done, leave }: Props) => {
     return (
         <>
             <BranchForm work={work} />
-            {work.trouble.value && <p class="error">{work.trouble.value}</p>}
+            {work.errorText.value && <p class="error">{work.errorText.value}</p>}
             {refused.map((fit) => (
                 <p key={fit.name} class="error">{`${fit.name}: ${fit.refused}`}</p>
             ))}

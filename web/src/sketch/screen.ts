@@ -46,9 +46,9 @@ export type Grip = { part: "point" | "edge"; index: number };
 /** The element of a stroke under the pointer: a point, or an edge at a point. */
 export function gripAt(stroke: Stroke, screen: Screen, sx: number, sy: number, most: number): Grip | null {
     let best: (Grip & { far: number }) | null = null;
-    const offer = (part: Grip["part"], index: number, at: Pixel, handicap: number) => {
+    const offer = (part: Grip["part"], index: number, at: Pixel, penalty: number) => {
         const [x, y] = toScreen(screen, at);
-        const far = Math.hypot(x - sx, y - sy) + handicap;
+        const far = Math.hypot(x - sx, y - sy) + penalty;
         if (far <= (best?.far ?? most)) {
             best = { part, index, far };
         }

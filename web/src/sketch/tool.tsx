@@ -1,7 +1,7 @@
 // The sketch as a tool: panes with the images on the left, the tree in the view.
 import type { VNode } from "preact";
 import type { App, Tool, ToolRun } from "../app";
-import { Beside } from "../tools/kit/beside";
+import { SidePane } from "../tools/kit/side_pane";
 import { Tracked } from "../use";
 import { SketchForms } from "./forms";
 import { Pane } from "./pane";
@@ -21,31 +21,31 @@ export function layOutSketch(app: App, sketch: Sketch): void {
 
 class SketchRun implements ToolRun {
     private readonly work: SketchWork;
-    private readonly beside: Beside;
+    private readonly sidePane: SidePane;
 
     constructor(private readonly app: App) {
         this.work = new SketchWork(app);
         if (kept) {
             void this.work.layOut(kept);
         }
-        this.beside = new Beside(app, "sketch-panes");
-        this.beside.render(<Tracked draw={() => this.panes()} />);
+        this.sidePane = new SidePane(app, "sketch-panes");
+        this.sidePane.render(<Tracked draw={() => this.panes()} />);
     }
 
     stop(): void {
         kept = this.work.sketch.peek();
-        this.beside.stop();
+        this.sidePane.stop();
         this.work.stop();
     }
 
     // Letters that are shortcuts of other tools would close the sketch.
     key(event: KeyboardEvent): boolean {
-        return this.beside.element.contains(document.activeElement) && event.key.length === 1 && !event.ctrlKey && !event.metaKey;
+        return this.sidePane.element.contains(document.activeElement) && event.key.length === 1 && !event.ctrlKey && !event.metaKey;
     }
 
     status(): string {
-        const trouble = this.work.trouble.value;
-        return trouble || "Draw each branch in both views; a click chooses a stroke; Ctrl and the wheel change the width.";
+        const errorText = this.work.errorText.value;
+        return errorText || "Draw each branch in both views; a click chooses a stroke; Ctrl and the wheel change the width.";
     }
 
     panel(): VNode {

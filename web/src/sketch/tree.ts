@@ -25,10 +25,10 @@ export class SketchTree {
         nodes.forEach((n, i) => {
             const to = new THREE.Vector3(...skeleton.at(n));
             const from = new THREE.Vector3(...skeleton.at(skeleton.parent(n)));
-            const way = to.clone().sub(from);
-            const turn = new THREE.Quaternion().setFromUnitVectors(up, way.clone().normalize());
+            const offset = to.clone().sub(from);
+            const turn = new THREE.Quaternion().setFromUnitVectors(up, offset.clone().normalize());
             const radius = skeleton.radius[n];
-            place.compose(from.add(to).multiplyScalar(0.5), turn, new THREE.Vector3(radius, way.length(), radius));
+            place.compose(from.add(to).multiplyScalar(0.5), turn, new THREE.Vector3(radius, offset.length(), radius));
             mesh.setMatrixAt(i, place);
         });
         mesh.frustumCulled = false;

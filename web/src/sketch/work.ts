@@ -27,7 +27,7 @@ export class SketchWork {
     readonly chosen: Signal<string | null> = signal(null);
     readonly point = signal(-1);
     readonly fits: Signal<readonly Fit[]> = signal([]);
-    readonly trouble = signal("");
+    readonly errorText = signal("");
     readonly name = signal("tree");
     readonly width = signal(12); // [px] width of a new stroke
     readonly line: Signal<{ view: string; points: readonly Pixel[] } | null> = signal(null);
@@ -38,10 +38,10 @@ export class SketchWork {
     private before: Sketch[] = [];
     private after: Sketch[] = [];
     private readonly tree: SketchTree;
-    private asked = 0;
-    private asking = false;
+    private requestCount = 0;
+    private isRequesting = false;
     private looked: Looked | null = null;
-    private askingLine = false;
+    private isRequestingLine = false;
 
     constructor(readonly app: App) {
         this.tree = new SketchTree(app);
@@ -59,7 +59,7 @@ export class SketchWork {
     }
 
     stop(): void {
-        ++this.asked;
+        ++this.requestCount;
         this.lookAway();
         this.tree.stop();
         this.pictures.peek().forEach((picture) => picture.close());
@@ -109,37 +109,37 @@ export class SketchWork {
 
     /** Requests the tree; during a request, the newest sketch waits. */
     async rebuild(): Promise<void> {
-        const mine = ++this.asked;
-        if (this.asking) {
+        const mine = ++this.requestCount;
+        if (this.isRequesting) {
             return;
         }
         const sketch = this.sketch.peek();
         if (!canReconstruct(sketch)) {
             this.fits.value = [];
-            this.trouble.value = "";
+            this.errorText.value = "";
             this.tree.clear();
             return;
         }
-        this.asking = true;
+        this.isRequesting = true;
         try {
             const { key, branches } = await this.app.engine.request<{ key: string; branches: Fit[] }>("sketch", {
                 sketch: writtenSketch(sketch),
             });
             const geometry = await this.app.engine.blob(key);
-            if (mine === this.asked) {
+            if (mine === this.requestCount) {
                 this.fits.value = branches;
-                this.trouble.value = "";
+                this.errorText.value = "";
                 this.tree.show(geometry);
             }
         } catch (error) {
-            if (mine === this.asked) {
-                this.trouble.value = (error as Error).message;
+            if (mine === this.requestCount) {
+                this.errorText.value = (error as Error).message;
                 this.tree.clear();
             }
         } finally {
-            this.asking = false;
+            this.isRequesting = false;
         }
-        if (mine !== this.asked) {
+        if (mine !== this.requestCount) {
             await this.rebuild();
         }
     }
@@ -153,7 +153,7 @@ export class SketchWork {
         const level = levelIn(view, other, at);
         if (level === null) {
             this.looked = { view, other, at };
-            void this.askLine();
+            void this.requestLine();
             return;
         }
         const points: Pixel[] = [
@@ -170,18 +170,18 @@ export class SketchWork {
     }
 
     // One at a time: the newest position of the pointer is requested afterwards.
-    private async askLine(): Promise<void> {
-        if (this.askingLine) {
+    private async requestLine(): Promise<void> {
+        if (this.isRequestingLine) {
             return;
         }
-        this.askingLine = true;
+        this.isRequestingLine = true;
         while (this.looked) {
-            const asked = this.looked;
-            const line = await this.lineOf(asked);
+            const requestCount = this.looked;
+            const line = await this.lineOf(requestCount);
             this.line.value = this.looked && line;
-            this.looked = this.looked === asked ? null : this.looked;
+            this.looked = this.looked === requestCount ? null : this.looked;
         }
-        this.askingLine = false;
+        this.isRequestingLine = false;
     }
 
     private async lineOf({ view, other, at }: Looked): Promise<{ view: string; points: readonly Pixel[] } | null> {
@@ -202,7 +202,7 @@ export class SketchWork {
             });
             await this.layOut(readSketch(JSON.stringify(sketch)));
         } catch (error) {
-            this.app.store.say((error as Error).message, "error");
+            this.app.store.notify((error as Error).message, "error");
         }
     }
 
@@ -216,7 +216,7 @@ export class SketchWork {
             this.pictures.value = new Map([...this.pictures.peek(), [image, picture]]);
             return picture;
         } catch (error) {
-            this.app.store.say(`The image ${image} cannot be shown: ${(error as Error).message}`, "error");
+            this.app.store.notify(`The image ${image} cannot be shown: ${(error as Error).message}`, "error");
             return null;
         }
     }
@@ -240,7 +240,7 @@ export class SketchWork {
             }
             await this.setPicture(index, file.name);
         } catch (error) {
-            this.app.store.say((error as Error).message, "error");
+            this.app.store.notify((error as Error).message, "error");
         }
     }
 
@@ -258,7 +258,7 @@ export class SketchWork {
             this.name.value = file.replace(/^.*\//, "").replace(/\.sketch\.json$/, "");
             await this.layOut(readSketch(text));
         } catch (error) {
-            this.app.store.say((error as Error).message, "error");
+            this.app.store.notify((error as Error).message, "error");
         }
     }
 
@@ -277,7 +277,7 @@ export class SketchWork {
                 return false;
             }
         } catch (error) {
-            store.say((error as Error).message, "error");
+            store.notify((error as Error).message, "error");
             return false;
         }
         this.tree.clear();

@@ -4,11 +4,11 @@ import type { VNode } from "preact";
 import type { App, Label, Tool, ToolPointer, ToolRun } from "../app";
 import type { Point } from "../protocol";
 import { lengthText } from "../view/lengths";
-import { Drawn, kColors } from "./kit/drawn";
+import { Overlay, kColors } from "./kit/overlay";
 import { Button, CheckField, PointField, pointSignals } from "./kit/fields";
 import { skeletonOf } from "./kit/skeleton";
 import { distance, mix } from "./kit/vector";
-import { angleAt, degreesText, kMaxSpots, type Measure, measureText, radiusBeside, type Spot, spotText } from "./measure_text";
+import { angleAt, degreesText, kMaxSpots, type Measure, measureText, radiusAt, type Spot, spotText } from "./measure_text";
 
 const kStill = 4; // [px] maximum movement of a click
 const kSnap = 14; // [px] maximum distance for snapping to a node
@@ -44,7 +44,7 @@ function spotAt(app: App, x: number, y: number): Spot | null {
     }
     const leads = parent >= 0 && skeleton.leader(parent) === n;
     const inner = leads ? skeleton.radius[parent] : skeleton.radius[n]; // other branches keep their radius down to the axis
-    const radius = parent < 0 ? skeleton.radius[n] : radiusBeside(pick.point, skeleton.at(parent), skeleton.at(n), [inner, skeleton.radius[n]]);
+    const radius = parent < 0 ? skeleton.radius[n] : radiusAt(pick.point, skeleton.at(parent), skeleton.at(n), [inner, skeleton.radius[n]]);
     return { at: pick.point, radius, of: `branch of ${name}` };
 }
 
@@ -80,19 +80,19 @@ function labelsOf(measure: Measure, isChosen: boolean): Label[] {
 async function copy(app: App, text: string): Promise<void> {
     try {
         await navigator.clipboard.writeText(text);
-        app.store.say("Copied.");
+        app.store.notify("Copied.");
     } catch {
-        app.store.say("The browser does not let the page copy; select the text and copy it by hand.", "warning");
+        app.store.notify("The browser does not let the page copy; select the text and copy it by hand.", "warning");
     }
 }
 
 class MeasureRun implements ToolRun {
-    private readonly drawn: Drawn;
+    private readonly overlay: Overlay;
     private pressed: { x: number; y: number } | null = null;
     private under: Spot | null = null;
 
     constructor(private readonly app: App) {
-        this.drawn = new Drawn(app);
+        this.overlay = new Overlay(app);
         this.show();
     }
 
@@ -100,7 +100,7 @@ class MeasureRun implements ToolRun {
         if (!ended.peek()) {
             this.leave();
         }
-        this.drawn.stop();
+        this.overlay.stop();
         this.app.view.setLabels(kOwner, []);
     }
 
@@ -203,8 +203,8 @@ class MeasureRun implements ToolRun {
         ended.value = true;
     }
 
-    private change(what: () => void): void {
-        what();
+    private change(edit: () => void): void {
+        edit();
         this.show();
     }
 
@@ -214,22 +214,22 @@ class MeasureRun implements ToolRun {
     }
 
     private show(): void {
-        this.drawn.clear();
+        this.overlay.clear();
         const list = measures.peek();
         const labels = list.flatMap((measure, i) => {
             const color = i === chosen.peek() ? kColors.hot : kColors.plain;
             const points = measure.map(({ at }) => at);
-            this.drawn.line(points, color);
-            this.drawn.dots(points, color);
+            this.overlay.line(points, color);
+            this.overlay.dots(points, color);
             return labelsOf(measure, i === chosen.peek());
         });
         const last = ended.peek() ? undefined : list[list.length - 1];
         const from = last?.[last.length - 1];
         if (this.under) {
-            this.drawn.dots([this.under.at], kColors.hot, 7);
+            this.overlay.dots([this.under.at], kColors.hot, 7);
         }
         if (from && this.under) {
-            this.drawn.line([from.at, this.under.at], kColors.hot);
+            this.overlay.line([from.at, this.under.at], kColors.hot);
             labels.push({ at: this.under.at, text: lengthText(distance(from.at, this.under.at), 4), style: "strong" });
         } else if (this.under?.radius !== undefined) {
             labels.push({ at: this.under.at, text: `⌀ ${lengthText(2 * this.under.radius)}`, style: "faint" });

@@ -43,7 +43,7 @@ export function measureText(measure: Measure): string[] {
 }
 
 /** The radius of a segment between two nodes at the closest point to a position; the end of the parent is first. */
-export function radiusBeside(at: Point, from: Point, to: Point, radii: readonly [number, number]): number {
+export function radiusAt(at: Point, from: Point, to: Point, radii: readonly [number, number]): number {
     const [along, off] = [subtract(to, from), subtract(at, from)];
     const size = along[0] ** 2 + along[1] ** 2 + along[2] ** 2;
     const share = size > 0 ? Math.min(Math.max((along[0] * off[0] + along[1] * off[1] + along[2] * off[2]) / size, 0), 1) : 1;

@@ -132,8 +132,8 @@ class SelectRun implements ToolRun {
         }
         const skeleton = object.kind === "skeleton" ? skeletonOf(this.app, object.name) : null;
         const count = skeleton && nodes.length > 0 ? skeleton.selected(nodes, extent).length : 0;
-        const what = `${object.kind} ${object.name}`;
-        return count > 0 ? `${what}: ${count} nodes selected.` : `${what} is selected.`;
+        const name = `${object.kind} ${object.name}`;
+        return count > 0 ? `${name}: ${count} nodes selected.` : `${name} is selected.`;
     }
 
     panel(): VNode {
@@ -258,7 +258,7 @@ class BoxRun implements ToolRun {
         const chosen = now.object?.kind === "skeleton" ? now.object : first;
         const skeleton = chosen && (await fetchSkeleton(this.app, chosen.name));
         if (!chosen || !skeleton) {
-            this.app.store.say("There is no skeleton with nodes to select.", "warning");
+            this.app.store.notify("There is no skeleton with nodes to select.", "warning");
             return;
         }
         const toPixels = (point: Point) => this.app.view.toPixels(point);

@@ -3,13 +3,13 @@ import { effect, type Signal, signal, untracked } from "@preact/signals-core";
 import type { VNode } from "preact";
 import type { App, Tool, ToolPointer, ToolRun } from "../app";
 import { type Change, changeOf, changeText, type Dragged, isNothing, type Mode, selectedTarget, type Target, turnAbout } from "./kit/change";
-import { sight } from "./kit/drawn";
+import { sight } from "./kit/overlay";
 import { AxisButtons, Button, NumberField } from "./kit/fields";
 import { Gesture } from "./kit/gesture";
 import { Gizmo, type Handle, kRing } from "./kit/gizmo";
 import { fetchSkeleton } from "./kit/skeleton";
-import { takenByKey } from "./kit/started";
-import { type Axis, Typed } from "./kit/typed";
+import { startedByKey } from "./kit/key_start";
+import { type Axis, TypedInput } from "./kit/typed_input";
 import { numberWord } from "./kit/words";
 import { add, kAxes, onLine, roundStep, scaled, subtract } from "./kit/vector";
 
@@ -22,7 +22,7 @@ class TransformRun implements ToolRun {
     private readonly aimed: Signal<Target | null> = signal(null);
     private gesture: Gesture | null = null;
     private readonly gizmo: Gizmo;
-    private readonly typed = new Typed();
+    private readonly typed = new TypedInput();
     private handle: Handle | null = null;
     private hot: Handle | null = null;
     private from: { x: number; y: number } | null = null; // where a drag began
@@ -39,7 +39,7 @@ class TransformRun implements ToolRun {
         private readonly mode: Mode,
     ) {
         this.gizmo = new Gizmo(app);
-        this.byKey = takenByKey();
+        this.byKey = startedByKey();
         this.following = this.byKey;
         this.stopEffect = effect(() => {
             const { object } = app.store.selection.value;
@@ -107,7 +107,7 @@ class TransformRun implements ToolRun {
             return true;
         }
         if (event.key === "Escape") {
-            const under = this.underway();
+            const under = this.isInProgress();
             this.reset();
             return under && !this.byKey;
         }
@@ -178,20 +178,20 @@ class TransformRun implements ToolRun {
     }
 
     private aim(): void {
-        if (!this.stopped && !this.underway()) {
+        if (!this.stopped && !this.isInProgress()) {
             this.aimed.value = selectedTarget(this.app);
             this.draw();
         }
     }
 
-    private underway(): boolean {
+    private isInProgress(): boolean {
         return this.from !== null || this.gesture !== null || this.typed.text !== "";
     }
 
     private draw(): void {
         if (this.target) {
             const { pivot, evenly } = this.target;
-            const change = this.underway() ? this.change() : null;
+            const change = this.isInProgress() ? this.change() : null;
             const at = change?.mode === "move" ? add(pivot, change.by) : pivot;
             const guide = change && !this.typed.plane ? this.typed.axis : null;
             this.gizmo.show(this.mode, at, this.handle ?? this.hot, evenly, guide);
@@ -206,7 +206,7 @@ class TransformRun implements ToolRun {
 
     private press(event: ToolPointer): boolean {
         if (!this.target || event.buttons !== 1) {
-            const under = this.underway() && event.buttons === 2;
+            const under = this.isInProgress() && event.buttons === 2;
             if (under) {
                 this.reset();
             }

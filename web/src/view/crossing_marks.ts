@@ -43,8 +43,8 @@ export class CrossingMarks {
         if (places.length === 0) {
             return;
         }
-        const made = new THREE.BufferGeometry().setAttribute("position", new THREE.BufferAttribute(new Float32Array(places.flat()), 3));
-        const points = new THREE.Points(made, material);
+        const lines = new THREE.BufferGeometry().setAttribute("position", new THREE.BufferAttribute(new Float32Array(places.flat()), 3));
+        const points = new THREE.Points(lines, material);
         points.frustumCulled = false;
         points.renderOrder = order;
         this.group.add(points);

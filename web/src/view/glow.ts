@@ -3,7 +3,7 @@ import * as THREE from "three";
 import type { Geometry, Store } from "../app";
 import type { ObjectName } from "../protocol";
 import { Highlight } from "./highlight";
-import { keyOf, type Shown } from "./shown";
+import { keyOf, type ObjectView } from "./object_view";
 import type { Theme } from "./theme";
 
 export class Glow {
@@ -31,7 +31,7 @@ export class Glow {
     }
 
     /** Returns whether the glow has changed. */
-    update(shown: readonly Shown[]): boolean {
+    update(shown: readonly ObjectView[]): boolean {
         const hover = this.store.hover.peek();
         const { object, nodes, extent } = this.store.selection.peek();
         const hovered = hover?.node === undefined ? [] : [hover.node];

@@ -30,31 +30,31 @@ export function discs(color: THREE.ColorRepresentation, size: number, over = fal
 }
 
 /** An object that can be drawn and disposed. */
-export interface Drawn {
+export interface Drawable {
     object: THREE.Object3D;
     dispose(): void;
 }
 
-function drawn(object: THREE.Object3D, ...parts: { dispose(): void }[]): Drawn {
+function drawable(object: THREE.Object3D, ...parts: { dispose(): void }[]): Drawable {
     return { object, dispose: () => parts.forEach((part) => part.dispose()) };
 }
 
-export function drawPoints(geometry: Geometry, color: THREE.ColorRepresentation, size: number): Drawn {
-    const made = new THREE.BufferGeometry();
-    made.setAttribute("position", new THREE.BufferAttribute(geometry.arrays.position as Float32Array, 3));
+export function drawPoints(geometry: Geometry, color: THREE.ColorRepresentation, size: number): Drawable {
+    const buffers = new THREE.BufferGeometry();
+    buffers.setAttribute("position", new THREE.BufferAttribute(geometry.arrays.position as Float32Array, 3));
     const colors = geometry.arrays.color as Uint8Array | undefined;
     const material = discs(colors ? "white" : color, size);
     if (colors) {
-        made.setAttribute("color", new THREE.BufferAttribute(colors, 4, true));
+        buffers.setAttribute("color", new THREE.BufferAttribute(colors, 4, true));
         material.vertexColors = true;
     }
-    const points = new THREE.Points(made, material);
+    const points = new THREE.Points(buffers, material);
     points.position.set(...geometry.header.origin);
     points.frustumCulled = false;
-    return drawn(points, made, material);
+    return drawable(points, buffers, material);
 }
 
-export function drawCurve(geometry: Geometry, color: THREE.ColorRepresentation, controlColor: THREE.ColorRepresentation): Drawn {
+export function drawCurve(geometry: Geometry, color: THREE.ColorRepresentation, controlColor: THREE.ColorRepresentation): Drawable {
     const group = new THREE.Group();
     group.position.set(...geometry.header.origin);
     const position = geometry.arrays.position as Float32Array;
@@ -66,7 +66,7 @@ export function drawCurve(geometry: Geometry, color: THREE.ColorRepresentation, 
     group.add(path);
     const controls = geometry.arrays.controls as Float32Array | undefined;
     if (!controls) {
-        return drawn(group, line, material);
+        return drawable(group, line, material);
     }
     const corners = new THREE.BufferGeometry();
     corners.setAttribute("position", new THREE.BufferAttribute(controls, 3));
@@ -75,24 +75,24 @@ export function drawCurve(geometry: Geometry, color: THREE.ColorRepresentation, 
     points.frustumCulled = false;
     points.renderOrder = 2;
     group.add(points);
-    return drawn(group, line, material, corners, dots);
+    return drawable(group, line, material, corners, dots);
 }
 
 /** The segments of a skeleton as lines in front of everything, and its nodes as dots. */
-export function drawBones(geometry: Geometry, tree: Tree, color: THREE.ColorRepresentation): Drawn {
-    const made = new THREE.BufferGeometry();
-    made.setAttribute("position", new THREE.BufferAttribute(geometry.arrays.position as Float32Array, 3));
+export function drawBones(geometry: Geometry, tree: Tree, color: THREE.ColorRepresentation): Drawable {
+    const buffers = new THREE.BufferGeometry();
+    buffers.setAttribute("position", new THREE.BufferAttribute(geometry.arrays.position as Float32Array, 3));
     const ends: number[] = [];
     tree.parent.forEach((p, n) => {
         if (p !== kNone) {
             ends.push(p, n);
         }
     });
-    made.setIndex(ends);
+    buffers.setIndex(ends);
     const material = new THREE.LineBasicMaterial({ color, depthTest: false, transparent: true, opacity: 0.9 });
-    const lines = new THREE.LineSegments(made, material);
+    const lines = new THREE.LineSegments(buffers, material);
     const dots = discs(color, 2.5, true);
-    const points = new THREE.Points(made, dots);
+    const points = new THREE.Points(buffers, dots);
     for (const object of [lines, points]) {
         object.frustumCulled = false;
         object.renderOrder = 2;
@@ -100,17 +100,17 @@ export function drawBones(geometry: Geometry, tree: Tree, color: THREE.ColorRepr
     const group = new THREE.Group();
     group.position.set(...geometry.header.origin);
     group.add(lines, points);
-    return drawn(group, made, material, dots);
+    return drawable(group, buffers, material, dots);
 }
 
 /** The edges of the faces of a cage. */
-export function drawCage(geometry: Geometry, lines: Uint32Array, color: THREE.ColorRepresentation): Drawn {
-    const made = new THREE.BufferGeometry();
-    made.setAttribute("position", new THREE.BufferAttribute(geometry.arrays.position as Float32Array, 3));
-    made.setIndex(new THREE.BufferAttribute(lines, 1));
+export function drawCage(geometry: Geometry, lines: Uint32Array, color: THREE.ColorRepresentation): Drawable {
+    const buffers = new THREE.BufferGeometry();
+    buffers.setAttribute("position", new THREE.BufferAttribute(geometry.arrays.position as Float32Array, 3));
+    buffers.setIndex(new THREE.BufferAttribute(lines, 1));
     const material = new THREE.LineBasicMaterial({ color });
-    const cage = new THREE.LineSegments(made, material);
+    const cage = new THREE.LineSegments(buffers, material);
     cage.position.set(...geometry.header.origin);
     cage.frustumCulled = false;
-    return drawn(cage, made, material);
+    return drawable(cage, buffers, material);
 }

@@ -6,9 +6,9 @@ import type { GeometryHeader, Kind, ObjectName, SceneObject } from "../protocol"
 import type { Range } from "./colors";
 import type { Display } from "./display";
 import { Fetcher } from "./fetcher";
-import { keyOf, type Look, Shown, type Slot } from "./shown";
+import { keyOf, type Look, ObjectView, type Slot } from "./object_view";
 import { meshSources } from "./sources";
-import { colorAsked, union } from "./values";
+import { requestedColor, union } from "./values";
 
 const kStaleWait = 200; // [ms] maximum delay of a surface after its skeleton before capsules replace it
 const kMaxFollowed = 3000; // maximum number of nodes of a skeleton with a surface that follows every preview
@@ -31,8 +31,8 @@ const kSlotOfKind: Record<Kind, Slot> = {
 };
 
 interface Entry {
-    shown: Shown;
-    asked: Map<Slot, string>; // last request for each slot, received or pending
+    shown: ObjectView;
+    requested: Map<Slot, string>; // last request for each slot, received or pending
     surfaceOf: number; // version of the object that the drawn surface shows
     timer: ReturnType<typeof setTimeout> | undefined;
 }
@@ -51,7 +51,7 @@ export class Objects {
     private readonly entries = new Map<string, Entry>();
     private readonly fetcher: Fetcher;
     private readonly held = new Set<string>(); // slots with the geometry of a preview
-    private readonly said = new Set<string>(); // errors that were already reported
+    private readonly reported = new Set<string>(); // errors that were already reported
 
     constructor(
         private readonly store: Store,
@@ -63,11 +63,11 @@ export class Objects {
         this.fetcher = new Fetcher(engine);
     }
 
-    shown(object: ObjectName): Shown | undefined {
+    shown(object: ObjectName): ObjectView | undefined {
         return this.entries.get(keyOf(object))?.shown;
     }
 
-    all(): Shown[] {
+    all(): ObjectView[] {
         return [...this.entries.values()].map((entry) => entry.shown);
     }
 
@@ -89,7 +89,7 @@ export class Objects {
         }
         for (const object of wanted) {
             if (!this.held.has(keyOf(object))) {
-                this.want(object);
+                this.requestGeometry(object);
             }
         }
         this.cover();
@@ -123,20 +123,20 @@ export class Objects {
         this.fetcher.drop(`${key}/${slot}`);
         if (seq !== undefined) {
             this.held.add(key);
-            entry.asked.delete(slot);
+            entry.requested.delete(slot);
             this.cover();
         }
         if (kind !== "patch") {
             entry.shown.put(slot, geometry, this.look());
         } else if (!entry.shown.patch(geometry, this.look())) {
-            entry.asked.delete("surface"); // based on a state that the page does not have
+            entry.requested.delete("surface"); // based on a state that the page does not have
             return;
         }
         if (slot === "surface" && object.kind === "skeleton") {
             entry.surfaceOf = seq === undefined ? (inScene?.version ?? -1) : -1;
-            this.fresh(entry);
+            this.markCurrent(entry);
         } else if (slot === "axes") {
-            this.lag(entry, seq === undefined ? kStaleWait : kStaleWait / 4);
+            this.scheduleStale(entry, seq === undefined ? kStaleWait : kStaleWait / 4);
         }
     }
 
@@ -170,8 +170,8 @@ export class Objects {
         const key = keyOf(object);
         let entry = this.entries.get(key);
         if (!entry) {
-            const shown = new Shown({ kind: object.kind, name: object.name }, this.changed);
-            entry = { shown, asked: new Map(), surfaceOf: -1, timer: undefined };
+            const shown = new ObjectView({ kind: object.kind, name: object.name }, this.changed);
+            entry = { shown, requested: new Map(), surfaceOf: -1, timer: undefined };
             this.entries.set(key, entry);
             this.group.add(shown.group);
         }
@@ -185,18 +185,18 @@ export class Objects {
         this.entries.delete(key);
     }
 
-    private want(object: SceneObject): void {
+    private requestGeometry(object: SceneObject): void {
         const entry = this.entry(object);
         const slot = kSlotOfKind[object.kind];
         const color = this.display.color.peek();
         if (object.kind === "solid") {
             this.order(entry, object, slot, { form: "coarse" }, true, () => this.order(entry, object, slot, { form: "fine" }, false));
         } else if (object.kind === "skeleton") {
-            this.order(entry, object, slot, { form: "axes", color: colorAsked(color, "axes") }, true);
+            this.order(entry, object, slot, { form: "axes", color: requestedColor(color, "axes") }, true);
             if (object.count > kMaxFollowed && this.hasMesh(object)) {
                 this.forget(entry, "surface"); // previews could not show it either
             } else {
-                this.wantSurface(entry, object);
+                this.requestSurface(entry, object);
             }
             if (this.display.cage.peek()) {
                 this.order(entry, object, "cage", { form: "cage" }, false);
@@ -209,21 +209,21 @@ export class Objects {
         }
     }
 
-    private wantSurface(entry: Entry, object: SceneObject): void {
+    private requestSurface(entry: Entry, object: SceneObject): void {
         if (this.display.skeletons.peek() !== "surface") {
             this.forget(entry, "surface");
             return;
         }
-        const color = colorAsked(this.display.color.peek(), "surface");
+        const color = requestedColor(this.display.color.peek(), "surface");
         const { surface } = entry.shown;
         const have = surface?.color === "plain" && color === "plain" ? { have: surface.version } : {};
         const fields = { form: "surface", surface: {}, color, ...have };
         if (entry.surfaceOf === object.version && surface?.color === color) {
-            entry.asked.set("surface", this.wish(object, { form: "surface", color }));
+            entry.requested.set("surface", this.requestKey(object, { form: "surface", color }));
         }
         this.order(entry, object, "surface", fields, false);
         if (entry.surfaceOf !== object.version) {
-            this.lag(entry, kStaleWait);
+            this.scheduleStale(entry, kStaleWait);
         }
     }
 
@@ -234,7 +234,7 @@ export class Objects {
     }
 
     private isPlain(): boolean {
-        return colorAsked(this.display.color.peek(), "surface") === "plain" && this.display.skeletons.peek() === "surface";
+        return requestedColor(this.display.color.peek(), "surface") === "plain" && this.display.skeletons.peek() === "surface";
     }
 
     // A skeleton and its mesh are the same tree: only one of them is drawn.
@@ -267,22 +267,22 @@ export class Objects {
 
     private forget(entry: Entry, slot: Slot): void {
         this.fetcher.drop(`${keyOf(entry.shown.object)}/${slot}`);
-        entry.asked.delete(slot);
+        entry.requested.delete(slot);
         entry.shown.drop(slot);
         entry.surfaceOf = slot === "surface" ? -1 : entry.surfaceOf;
     }
 
-    private wish(object: SceneObject, fields: Record<string, unknown>): string {
+    private requestKey(object: SceneObject, fields: Record<string, unknown>): string {
         return `${object.version} ${fields.form} ${fields.color ?? ""}`;
     }
 
     private order(entry: Entry, object: SceneObject, slot: Slot, fields: Record<string, unknown>, urgent: boolean, then?: () => void): void {
-        const wish = this.wish(object, fields);
-        const asked = entry.asked.get(slot);
-        if (asked === wish || (fields.form === "coarse" && asked === this.wish(object, { form: "fine" }))) {
+        const requestKey = this.requestKey(object, fields);
+        const requested = entry.requested.get(slot);
+        if (requested === requestKey || (fields.form === "coarse" && requested === this.requestKey(object, { form: "fine" }))) {
             return;
         }
-        entry.asked.set(slot, wish);
+        entry.requested.set(slot, requestKey);
         this.fetch({ entry, object, slot, fields, urgent, then });
     }
 
@@ -306,8 +306,8 @@ export class Objects {
     private arrived(entry: Entry, object: SceneObject, slot: Slot, geometry: Geometry | null): void {
         if (geometry?.header.kind === "patch" && !entry.shown.patch(geometry, this.look())) {
             entry.shown.drop("surface"); // the state differs from the one in the request; request the whole surface
-            entry.asked.delete(slot);
-            this.wantSurface(entry, object);
+            entry.requested.delete(slot);
+            this.requestSurface(entry, object);
             return;
         }
         if (geometry && geometry.header.kind !== "patch") {
@@ -315,7 +315,7 @@ export class Objects {
         }
         if (slot === "surface") {
             entry.surfaceOf = object.version;
-            this.fresh(entry);
+            this.markCurrent(entry);
             this.cover();
         }
         this.changed();
@@ -326,27 +326,27 @@ export class Objects {
         const now = this.store.find(object.kind, object.name);
         const isPassing = error instanceof EngineError && ["busy", "cancelled", "files"].includes(error.kind);
         if (now?.version !== object.version || isPassing) {
-            entry.asked.delete(slot); // the next state repeats the request
+            entry.requested.delete(slot); // the next state repeats the request
             return;
         }
         const complaint = `The ${object.kind} ${object.name} cannot be shown with these settings: ${error.message}`;
-        if (!this.said.has(complaint)) {
-            this.said.add(complaint);
-            this.store.say(complaint, "warning");
+        if (!this.reported.has(complaint)) {
+            this.reported.add(complaint);
+            this.store.notify(complaint, "warning");
         }
         if ((fields.color ?? "plain") !== "plain") {
             this.fetch({ ...order, fields: { ...fields, color: "plain" } }); // the fallback is a view without colours
         }
     }
 
-    private fresh(entry: Entry): void {
+    private markCurrent(entry: Entry): void {
         clearTimeout(entry.timer);
         entry.timer = undefined;
         entry.shown.setStale(false, this.look());
     }
 
     // Capsules replace a surface that does not arrive soon.
-    private lag(entry: Entry, wait: number): void {
+    private scheduleStale(entry: Entry, wait: number): void {
         if (entry.shown.surface && entry.timer === undefined) {
             entry.timer = setTimeout(() => {
                 entry.timer = undefined;

@@ -22,7 +22,7 @@ export class FieldSlice {
     private readonly thin = new THREE.LineBasicMaterial({ color: "#101418", transparent: true, opacity: 0.55, toneMapped: false });
     private readonly thick = new LineMaterial({ linewidth: 3, toneMapped: false });
     private shown: Geometry | null = null;
-    private underWay = false;
+    private isRequesting = false;
     private wanted = ""; // key of the requested slice; empty: no slice
     private drawn = "";
 
@@ -50,35 +50,35 @@ export class FieldSlice {
         } else if (this.wanted === this.drawn) {
             this.draw(); // other lines
         } else {
-            void this.ask();
+            void this.request();
         }
     }
 
     // One at a time: a newer position is requested after the answer.
-    private async ask(): Promise<void> {
-        if (this.underWay || this.wanted === this.drawn || this.wanted === "") {
+    private async request(): Promise<void> {
+        if (this.isRequesting || this.wanted === this.drawn || this.wanted === "") {
             return;
         }
-        this.underWay = true;
-        const asked = this.wanted;
+        this.isRequesting = true;
+        const requested = this.wanted;
         const { solid, axis, at } = this.display.slice.peek();
         try {
             const { key } = await this.engine.request<{ key: string }>("slice", { kind: "solid", name: solid, axis, at });
             const geometry = await this.engine.blob(key);
             if (this.wanted !== "") {
                 this.shown = geometry;
-                this.drawn = asked;
+                this.drawn = requested;
                 this.draw();
             }
         } catch (error) {
-            this.drawn = asked; // a repeated request would fail again
+            this.drawn = requested; // a repeated request would fail again
             if (!(error instanceof EngineError && ["busy", "cancelled"].includes(error.kind))) {
-                this.store.say(`The field of ${solid} cannot be shown: ${(error as Error).message}`, "warning");
+                this.store.notify(`The field of ${solid} cannot be shown: ${(error as Error).message}`, "warning");
             }
         } finally {
-            this.underWay = false;
+            this.isRequesting = false;
         }
-        void this.ask();
+        void this.request();
     }
 
     private clear(): void {
@@ -111,9 +111,9 @@ export class FieldSlice {
         this.group.add(this.picture(samples, { low, high }, place));
         const { solid, lines } = this.display.slice.peek();
         const thin = isoLevels(low, high, level, lines).flatMap((value) => isolines(samples, value));
-        const made = new THREE.BufferGeometry().setAttribute("position", new THREE.BufferAttribute(place(thin), 3));
+        const thinLines = new THREE.BufferGeometry().setAttribute("position", new THREE.BufferAttribute(place(thin), 3));
         const surface = new LineSegmentsGeometry().setPositions(place(isolines(samples, level)));
-        const both = [new THREE.LineSegments(made, this.thin), new LineSegments2(surface, this.thick)];
+        const both = [new THREE.LineSegments(thinLines, this.thin), new LineSegments2(surface, this.thick)];
         for (const line of both) {
             line.frustumCulled = false;
         }
@@ -138,12 +138,12 @@ export class FieldSlice {
             this.plane.needsUpdate = true;
         }
         this.plane.map = texture;
-        const made = new THREE.BufferGeometry().setAttribute("position", new THREE.BufferAttribute(place([0, 0, 1, 0, 1, 1, 0, 1]), 3));
+        const quad = new THREE.BufferGeometry().setAttribute("position", new THREE.BufferAttribute(place([0, 0, 1, 0, 1, 1, 0, 1]), 3));
         // Samples are at the centres of texels, the outermost ones on the border of the plane.
         const [u, v] = [0.5 / width, 0.5 / height];
-        made.setAttribute("uv", new THREE.BufferAttribute(new Float32Array([u, v, 1 - u, v, 1 - u, 1 - v, u, 1 - v]), 2));
-        made.setIndex([0, 1, 2, 0, 2, 3]);
-        return new THREE.Mesh(made, this.plane);
+        quad.setAttribute("uv", new THREE.BufferAttribute(new Float32Array([u, v, 1 - u, v, 1 - u, 1 - v, u, 1 - v]), 2));
+        quad.setIndex([0, 1, 2, 0, 2, 3]);
+        return new THREE.Mesh(quad, this.plane);
     }
 }
 

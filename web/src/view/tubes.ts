@@ -109,19 +109,19 @@ export function tubeGeometry(geometry: Geometry, tree: Tree, nodes?: number[], c
         }
     });
     const shape = form ?? kLevels.find(([most]) => segments.length <= most)?.[1] ?? kLevels[2][1];
-    const made = new THREE.InstancedBufferGeometry();
-    made.instanceCount = segments.length;
-    made.setAttribute("position", shape.position.clone());
-    made.setAttribute("tubeEnd", shape.end.clone());
-    made.setIndex(shape.index.clone());
+    const buffers = new THREE.InstancedBufferGeometry();
+    buffers.instanceCount = segments.length;
+    buffers.setAttribute("position", shape.position.clone());
+    buffers.setAttribute("tubeEnd", shape.end.clone());
+    buffers.setIndex(shape.index.clone());
     const both = new THREE.InstancedInterleavedBuffer(ends, 8);
-    made.setAttribute("tubeA", new THREE.InterleavedBufferAttribute(both, 3, 0));
-    made.setAttribute("tubeB", new THREE.InterleavedBufferAttribute(both, 3, 3));
-    made.setAttribute("tubeRadius", new THREE.InterleavedBufferAttribute(both, 2, 6));
+    buffers.setAttribute("tubeA", new THREE.InterleavedBufferAttribute(both, 3, 0));
+    buffers.setAttribute("tubeB", new THREE.InterleavedBufferAttribute(both, 3, 3));
+    buffers.setAttribute("tubeRadius", new THREE.InterleavedBufferAttribute(both, 2, 6));
     if (color) {
-        made.setAttribute("color", new THREE.InstancedBufferAttribute(color, 4, true));
+        buffers.setAttribute("color", new THREE.InstancedBufferAttribute(color, 4, true));
     }
-    return made;
+    return buffers;
 }
 
 /** Skeletons with more segments are simplified if they have to be drawn quickly. */
@@ -202,13 +202,13 @@ export class TubeModel {
     }
 
     private addTwigs(geometry: Geometry, lines: Uint32Array, colors?: Uint8Array): void {
-        const made = new THREE.BufferGeometry();
-        made.setAttribute("position", new THREE.BufferAttribute(geometry.arrays.position as Float32Array, 3));
-        made.setIndex(new THREE.BufferAttribute(lines, 1));
+        const buffers = new THREE.BufferGeometry();
+        buffers.setAttribute("position", new THREE.BufferAttribute(geometry.arrays.position as Float32Array, 3));
+        buffers.setIndex(new THREE.BufferAttribute(lines, 1));
         if (colors) {
-            made.setAttribute("color", new THREE.BufferAttribute(colors, 4, true));
+            buffers.setAttribute("color", new THREE.BufferAttribute(colors, 4, true));
         }
-        this.twigs = new THREE.LineSegments(made, new THREE.LineBasicMaterial({ vertexColors: colors !== undefined }));
+        this.twigs = new THREE.LineSegments(buffers, new THREE.LineBasicMaterial({ vertexColors: colors !== undefined }));
         this.twigs.frustumCulled = false;
         this.group.add(this.twigs);
     }

@@ -18,7 +18,7 @@ export const kMeanings: Partial<Record<Coloring, Meaning>> = {
 };
 
 /** The colouring that the engine has to send; for the others the page has the numbers, or needs no numbers. */
-export function colorAsked(color: Coloring, form: "axes" | "surface"): Coloring {
+export function requestedColor(color: Coloring, form: "axes" | "surface"): Coloring {
     return color === "crossings" || (form === "axes" && color === "deviation") ? "plain" : color;
 }
 

@@ -2,7 +2,7 @@
 import { effect } from "@preact/signals-core";
 import * as THREE from "three";
 import type { Geometry, Label, Pick, Ray, Store, ToolPointer, View } from "../app";
-import type { Hand } from "../hand";
+import type { ActiveTool } from "../active_tool";
 import type { GeometryHeader, Kind, ObjectName, Point } from "../protocol";
 import type { Transport } from "../transport";
 import { Navigation } from "./camera/navigate";
@@ -11,13 +11,13 @@ import type { Range } from "./colors";
 import { CrossingMarks } from "./crossing_marks";
 import { createDisplay } from "./display";
 import { Glow } from "./glow";
-import { Grown } from "./grown";
+import { GrowthPreview } from "./growth_preview";
 import { Labels } from "./labels";
 import { roundBelow } from "./lengths";
 import { Objects } from "./objects";
 import { pickAt } from "./picking/picker";
 import { SectionPlane } from "./section";
-import { keyOf, type Look } from "./shown";
+import { keyOf, type Look } from "./object_view";
 import { FieldSlice } from "./slice";
 import { Stage } from "./stage";
 import { kDark, kLight, type Theme } from "./theme";
@@ -42,7 +42,7 @@ export class View3D implements View {
     private readonly faintWire = new THREE.LineBasicMaterial({ transparent: true, opacity: 0.16, depthWrite: false });
     private readonly glow: Glow;
     private readonly objects: Objects;
-    private readonly grown: Grown;
+    private readonly grown: GrowthPreview;
     private readonly slice: FieldSlice;
     private readonly crossings = new CrossingMarks();
     private readonly labels = new Labels();
@@ -50,9 +50,9 @@ export class View3D implements View {
     private readonly navigation: Navigation;
     private readonly box = new THREE.Box3(); // of all visible objects
     private readonly around = new THREE.Sphere(new THREE.Vector3(0, 0, 2), 5); // of the same
-    private hand: Hand | null = null;
+    private activeTool: ActiveTool | null = null;
     private theme: Theme = kDark;
-    private asked = false;
+    private isRequested = false;
     private isPlainer = false;
     private isTurning = false; // the camera is moving or moved very recently
     private restTimer: ReturnType<typeof setTimeout> | undefined;
@@ -84,12 +84,12 @@ export class View3D implements View {
             () => this.look_(),
             () => this.changed(),
         );
-        this.grown = new Grown(engine, () => this.requestDraw());
+        this.grown = new GrowthPreview(engine, () => this.requestDraw());
         this.glow = new Glow(store, (object) => this.geometry(object, "skeleton"));
         this.slice = new FieldSlice(engine, store, this.display, () => this.requestDraw());
         this.scene.add(this.objects.group, this.grown.group, this.slice.group, this.section.group, this.glow.group);
         this.scene.add(this.crossings.group, this.overlay);
-        this.navigation = new Navigation(this.navigated(), () => this.hand);
+        this.navigation = new Navigation(this.navigated(), () => this.activeTool);
         this.followScheme();
         this.followSignals();
         this.followContext();
@@ -100,8 +100,8 @@ export class View3D implements View {
         new ResizeObserver(() => this.resize(holder)).observe(holder);
     }
 
-    listenTo(hand: Hand): void {
-        this.hand = hand;
+    listenTo(activeTool: ActiveTool): void {
+        this.activeTool = activeTool;
     }
 
     receive(geometry: Geometry): void {
@@ -130,8 +130,8 @@ export class View3D implements View {
     }
 
     requestDraw(): void {
-        if (!this.asked) {
-            this.asked = true;
+        if (!this.isRequested) {
+            this.isRequested = true;
             const now = performance.now();
             requestAnimationFrame(() => this.draw(performance.now() - now));
         }
@@ -200,7 +200,7 @@ export class View3D implements View {
 
     /** Whether all requested geometry has been received and drawn. */
     get idle(): boolean {
-        return !this.asked && !this.objects.busy;
+        return !this.isRequested && !this.objects.busy;
     }
 
     /** GPU resources of the renderer; for tests of leaks. */
@@ -259,7 +259,7 @@ export class View3D implements View {
                 this.isClear = !this.isClear;
                 this.objects.apply(); // the first points in a crown make it transparent
             }
-            if (running === null && !store.keepsGrown.value) {
+            if (running === null && !store.keepsGrowthPreview.value) {
                 this.grown.clear();
             }
         });
@@ -309,7 +309,7 @@ export class View3D implements View {
         const solids = this.display.solids.peek();
         const { objects, running } = this.store.state.peek();
         const hidden = this.store.hidden.peek();
-        const isGrowing = this.store.grown.peek() !== null && (running !== null || this.store.keepsGrown.peek());
+        const isGrowing = this.store.grown.peek() !== null && (running !== null || this.store.keepsGrowthPreview.peek());
         const hasInside = isGrowing || objects.some((object) => object.kind !== "solid" && !hidden.has(keyOf(object)));
         return solids === "glass" || (solids === "auto" && hasInside);
     }
@@ -520,7 +520,7 @@ export class View3D implements View {
     }
 
     private draw(waited: number): void {
-        this.asked = false;
+        this.isRequested = false;
         this.noteSpeed(waited);
         const { display, rig, around } = this;
         const seen = around.clone();

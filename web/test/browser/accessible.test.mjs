@@ -30,7 +30,7 @@ withStudio(async (begun) => {
 });
 
 /** Fails with the findings of axe in regions of the page: with all rules, and in the light scheme again for contrast. */
-async function judgePart(what, parts = ["body"], on = page) {
+async function checkPart(label, parts = ["body"], on = page) {
     const runOnly = scheme === "light" ? ["color-contrast"] : undefined;
     const found = await on.evaluate(
         async ([selectors, rules]) => {
@@ -46,7 +46,7 @@ async function judgePart(what, parts = ["body"], on = page) {
         },
         [parts, runOnly],
     );
-    assert.deepEqual(found, [], what);
+    assert.deepEqual(found, [], label);
 }
 
 async function select(kind, name, nodes = []) {
@@ -68,12 +68,12 @@ for (const colorScheme of ["dark", "light"]) {
         });
 
         test("the page at first, and an error in its scene", async () => {
-            await judgePart("the empty page");
+            await checkPart("the empty page");
             await typeAtEnd(page, "sphere crown\nscale crwn 2\nsphere other\n");
             await until(page, "the error is reported", () => document.querySelector(".cm-said-error"));
-            await page.evaluate(() => globalThis.coppice.store.say("This is wrong.", "error"));
-            await page.evaluate(() => globalThis.coppice.store.say("This may be wrong.", "warning"));
-            await judgePart("an error in the scene, and messages");
+            await page.evaluate(() => globalThis.coppice.store.notify("This is wrong.", "error"));
+            await page.evaluate(() => globalThis.coppice.store.notify("This may be wrong.", "warning"));
+            await checkPart("an error in the scene, and messages");
             await emptyScene(page);
         });
 
@@ -85,14 +85,14 @@ for (const colorScheme of ["dark", "light"]) {
             await page.keyboard.press("ArrowDown");
             for (const title of colorScheme === "dark" ? titles : titles.slice(0, 1)) {
                 await page.getByRole("menu", { name: title }).waitFor();
-                await judgePart(`the menu ${title}`, [".menu-bar"]);
+                await checkPart(`the menu ${title}`, [".menu-bar"]);
                 await page.keyboard.press("ArrowRight");
             }
             await page.keyboard.press("Escape");
             await page.keyboard.press("Escape");
             await page.getByRole("button", { name: "More about other" }).click();
             await page.getByRole("menu", { name: "solid other" }).waitFor();
-            await judgePart("the menu of an object", [".context-menu"]);
+            await checkPart("the menu of an object", [".context-menu"]);
             await page.keyboard.press("Escape");
         });
 
@@ -115,7 +115,7 @@ for (const colorScheme of ["dark", "light"]) {
                 for (const id of able.filter((one) => left.delete(one))) {
                     await select(kind, name, nodes);
                     await page.evaluate((wanted) => globalThis.coppice.take(wanted), id);
-                    await judgePart(`the tool ${id}`, [".picture-canvas", ".tool-panel"]);
+                    await checkPart(`the tool ${id}`, [".picture-canvas", ".tool-panel"]);
                     await page.evaluate(() => globalThis.coppice.take("select"));
                 }
             }
@@ -124,9 +124,9 @@ for (const colorScheme of ["dark", "light"]) {
 
         whole("every dialog", async () => {
             const command = (id) => page.evaluate((one) => globalThis.coppice.command(one), id);
-            const judgeDialog = async (title) => {
+            const checkDialog = async (title) => {
                 await dialog(page, title).waitFor();
-                await judgePart(`the dialog ${title}`, ["dialog[open]"]);
+                await checkPart(`the dialog ${title}`, ["dialog[open]"]);
             };
             const leave = async () => {
                 await page.keyboard.press("Escape");
@@ -143,17 +143,17 @@ for (const colorScheme of ["dark", "light"]) {
                 ["picture", "Image by the path tracer"],
             ]) {
                 await command(id);
-                await judgeDialog(title);
+                await checkDialog(title);
                 await leave();
             }
             await command("export");
-            await judgeDialog("Export");
+            await checkDialog("Export");
             await page.keyboard.press("Enter");
             await dialog(page, "Exported").getByText("Figures of the check").click();
-            await judgeDialog("Exported");
+            await checkDialog("Exported");
             await page.getByRole("button", { name: "Export more" }).click();
             await page.getByRole("button", { name: "Export", exact: true }).click();
-            await judgeDialog("Replace the file?");
+            await checkDialog("Replace the file?");
             await page.keyboard.press("Escape");
             await dialog(page, "Replace the file?").waitFor({ state: "hidden" });
             await leave();
@@ -161,14 +161,14 @@ for (const colorScheme of ["dark", "light"]) {
             await dialog(page, "Image by the path tracer").getByLabel("Width").fill("32");
             await dialog(page, "Image by the path tracer").getByLabel("Height").fill("32");
             await page.keyboard.press("Enter");
-            await judgeDialog("picture.png");
+            await checkDialog("picture.png");
             await leave();
             await drop(page, { name: "cloud.xyz", bytes: Buffer.from("0 0 0\n1 0 0\n0 1 0\n") });
-            await judgeDialog("How should cloud.xyz be imported?");
+            await checkDialog("How should cloud.xyz be imported?");
             await leave();
             await page.getByRole("tab", { name: "Animation" }).click();
             await page.getByRole("button", { name: "Export…" }).click();
-            await judgeDialog("Export the film");
+            await checkDialog("Export the film");
             await leave();
             await page.getByRole("tab", { name: "Scene" }).click();
             await page.keyboard.press("F10");
@@ -176,7 +176,7 @@ for (const colorScheme of ["dark", "light"]) {
             await page.keyboard.press("ArrowDown");
             await page.keyboard.press("t");
             await page.getByRole("menuitem", { name: "Tree by rules…" }).click();
-            await judgeDialog("Tree by rules");
+            await checkDialog("Tree by rules");
             await leave();
         });
 
@@ -193,16 +193,16 @@ for (const colorScheme of ["dark", "light"]) {
             ]) {
                 await select(kind, name);
                 await page.evaluate(() => document.querySelectorAll("details").forEach((one) => (one.open = true)));
-                await judgePart(`panels with the ${kind} ${name} selected`, [".side.left", ".side.right"]);
+                await checkPart(`panels with the ${kind} ${name} selected`, [".side.left", ".side.right"]);
             }
             await page.getByRole("tab", { name: "Animation" }).click();
             await page.getByRole("button", { name: "Add a key here" }).click();
-            await judgePart("the timeline", [".bottom"]);
+            await checkPart("the timeline", [".bottom"]);
             await page.getByRole("tab", { name: "Scene" }).click();
             await select("mesh", "tree");
             await page.getByRole("button", { name: "Check mesh tree" }).click();
             await page.locator(".check .verdict").waitFor();
-            await judgePart("the check of a mesh", [".check"]);
+            await checkPart("the check of a mesh", [".check"]);
         });
 
         test("forms of commands", async () => {
@@ -213,7 +213,7 @@ for (const colorScheme of ["dark", "light"]) {
                 const form = page.getByRole("form", { name: command, exact: true });
                 await form.waitFor();
                 await page.evaluate(() => document.querySelectorAll("details").forEach((one) => (one.open = true)));
-                await judgePart(`the form of ${command}`, [".command-form[aria-label]"]);
+                await checkPart(`the form of ${command}`, [".command-form[aria-label]"]);
                 await form.getByRole("button", { name: "Other command" }).click();
             }
         });
@@ -285,7 +285,7 @@ test("a page magnified to 200 % has everything, and nothing to be scrolled sidew
     assert.equal(await small.evaluate(() => document.documentElement.scrollWidth), 640);
     const picture = await small.locator(".picture-canvas canvas").boundingBox();
     assert.ok(picture.width > 600 && picture.height >= 180 && picture.y + picture.height < 330, `the view is visible at first: ${JSON.stringify(picture)}`);
-    await judgePart("the magnified page", ["body"], small);
+    await checkPart("the magnified page", ["body"], small);
     for (const title of ["Objects", "History", "Growth", "Command", "Library", "Composition", "Check", "Display"]) {
         const heading = small.locator(".panel-title button", { hasText: new RegExp(`^${title}$`) });
         await heading.scrollIntoViewIfNeeded();

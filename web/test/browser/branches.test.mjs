@@ -5,7 +5,7 @@ import { readFile } from "node:fs/promises";
 import { test } from "node:test";
 import { drag, lines, openPanel, placeOf, runLines, settled, withStudio } from "./browser.mjs";
 import {
-    assertCalm,
+    assertNoErrors,
     assertDiffer,
     begin,
     button,
@@ -20,12 +20,12 @@ import {
     numbers,
     openFront,
     picture,
-    said,
+    messagesOf,
     select,
     selection,
     take,
     untilFollows,
-} from "./hands.mjs";
+} from "./actions.mjs";
 import { until } from "./user.mjs";
 
 let studio, page;
@@ -44,7 +44,7 @@ async function nodesOf(name) {
     }, name);
 }
 const node = async (id) => (await nodesOf("tree")).find((one) => one.id === id);
-const selected = () => page.evaluate(() => globalThis.coppice.hand.run.value.status());
+const selected = () => page.evaluate(() => globalThis.coppice.activeTool.run.value.status());
 
 test("branches glow under the pointer and are picked whole, in part, and with all on them", async () => {
     await begin(page, ...kTree);
@@ -80,7 +80,7 @@ test("branches glow under the pointer and are picked whole, in part, and with al
     ]);
     await until(page, "the box holds the branch", () => globalThis.coppice.store.selection.value.nodes.length === 3);
     assert.deepEqual((await selection(page)).nodes.sort(), [19, 20, 21]);
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("on the surface that was made of a tree its branches are picked, bent and pruned; undo brings back what was there", async () => {
@@ -143,9 +143,9 @@ test("on the surface that was made of a tree its branches are picked, bent and p
     await settled(page);
     await take(page, "Branches", "Bend");
     await dragIn(page, [kOnRight, [0.9, 0, 1.32]]);
-    assert.match((await said(page)).at(-1), /^The skeleton tree is hidden; show it/);
+    assert.match((await messagesOf(page)).at(-1), /^The skeleton tree is hidden; show it/);
     assert.equal((await lines(page)).length, 4);
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("a branch bends to the hand, its surface with it, and back by undo", async () => {
@@ -169,7 +169,7 @@ test("a branch bends to the hand, its surface with it, and back by undo", async 
     await page.locator(".tool-panel").getByRole("button", { name: "Z", exact: true }).click();
     await button(page, "Apply").click();
     assert.match(await lastLine(page, / 20 towards=/), /^edit bend tree at\(\S+\) 20 towards=0,0,1$/);
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("a node moves, and as much of its axis follows as the wheel says", async () => {
@@ -183,7 +183,7 @@ test("a node moves, and as much of its axis follows as the wheel says", async ()
     await dragIn(page, [on, [on[0], 0, on[2] - 0.2]]);
     assert.ok(numbers(await lastLine(page, /^edit move tree .*reach=/), "reach")[0] > 0);
     await field(page, "Reach, 0 = whole axis [m]").fill("0");
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("branches move, turn and grow by handles and typed numbers", async () => {
@@ -215,7 +215,7 @@ test("branches move, turn and grow by handles and typed numbers", async () => {
     await page.mouse.down();
     await page.mouse.up();
     near((await lastLine(page, /^edit translate .* 0 0\.3/)).split(" ").slice(-3).map(Number), [0, 0, 0.3], 0.02, "as far as the pointer went");
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("the wheel and a drag sideways make branches thicker and thinner", async () => {
@@ -231,7 +231,7 @@ test("the wheel and a drag sideways make branches thicker and thinner", async ()
     near([(await node(20)).radius], [before * factor], before * 0.01, "thickness equals the reported one");
     await dragIn(page, [kOnRight, [0.6, 0, 1.72]]);
     assert.ok(numbers(await lastLine(page, /^edit thicken tree axis\(\S+\) 0\./), 4)[0] < 1, "to the left is thinner");
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("a branch is drawn from the axis under the pen; beside trees a stem of its own", async () => {
@@ -261,7 +261,7 @@ test("a branch is drawn from the axis under the pen; beside trees a stem of its 
         [1.5, 0, 1],
     ]);
     assert.match(await lastLine(page, /^limb /), /^limb tree2 /);
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("strokes that end before it is known where they begin become branches, each of them", async () => {
@@ -296,7 +296,7 @@ test("strokes that end before it is known where they begin become branches, each
         return running === null && statements.slice(5).filter(({ text }) => text.startsWith("edit draw tree ")).length === 2;
     });
     await page.unroute("**/blob/**");
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("the prune brush takes the tips that it passes", async () => {
@@ -315,7 +315,7 @@ test("the prune brush takes the tips that it passes", async () => {
     assert.equal(await node(21), undefined, "the tip is removed");
     assert.equal((await nodesOf("tree")).length, 24, "and no other node");
     assertDiffer(await picture(page), whole, "the branch is shorter", 10);
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("branches are cut off, detached and moved away, and joined again", async () => {
@@ -323,7 +323,7 @@ test("branches are cut off, detached and moved away, and joined again", async ()
     await take(page, "Branches", "Cut");
     const whole = await picture(page);
     await moveTo(page, [-0.4, 0, 2.24]);
-    await until(page, "the cut is announced", () => globalThis.coppice.hand.run.value.status().includes("will be cut off"));
+    await until(page, "the cut is announced", () => globalThis.coppice.activeTool.run.value.status().includes("will be cut off"));
     await clickAt(page, [-0.4, 0, 2.24]);
     await lastLine(page, /^edit delete tree /);
     assert.equal(await node(24), undefined);
@@ -347,7 +347,7 @@ test("branches are cut off, detached and moved away, and joined again", async ()
         [0, 0, 2.5],
     ]);
     assert.match(await lastLine(page, /^edit graft tree /), /^edit graft tree at\(/);
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("branches are mirrored, straightened and smoothed; undo and redo lead through all of it", async () => {
@@ -383,7 +383,7 @@ test("branches are mirrored, straightened and smoothed; undo and redo lead throu
     await settled(page);
     const again = await picture(page);
     assert.ok(Buffer.compare(final.data, again.data) === 0, "the image is bit-identical");
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("a tree of others is worked on like one's own", async () => {
@@ -418,5 +418,5 @@ test("a tree of others is worked on like one's own", async () => {
     );
     await lastLine(page, /^edit bend tree at\(/);
     assertDiffer(await picture(page), before, "the oak is bent", 20);
-    await assertCalm(page);
+    await assertNoErrors(page);
 });

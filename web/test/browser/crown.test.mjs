@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
 import { lines, placeOf, settled, withStudio } from "./browser.mjs";
 import {
-    assertCalm,
+    assertNoErrors,
     assertDiffer,
     begin,
     button,
@@ -21,7 +21,7 @@ import {
     selection,
     take,
     untilFollows,
-} from "./hands.mjs";
+} from "./actions.mjs";
 import { until, untilSelected } from "./user.mjs";
 
 let studio, page;
@@ -71,7 +71,7 @@ test("every primitive is placed by a drag, and by its fields", async () => {
     await field(page, "Radius [m]").press("Enter");
     assert.equal(await lastLine(page, /^sphere /), "sphere ball2 center=1.5,0,2.25 radius=0.75");
     await untilSelected(page, "solid", "ball2");
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 const names = (page) =>
@@ -123,7 +123,7 @@ test("each click with Place makes one object, however fast the clicks come and w
     assert.ok(await long);
     await untilBalls(page, 9); // the points have the name of their ball
     assert.equal((await lines(page)).length, 9);
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("two pages that place objects at once take nothing from each other", async () => {
@@ -139,7 +139,7 @@ test("two pages that place objects at once take nothing from each other", async 
     } finally {
         await other.context().close();
     }
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("handles move, turn and size solids; numbers may be typed, Ctrl snaps, Escape takes back", async () => {
@@ -179,7 +179,7 @@ test("handles move, turn and size solids; numbers may be typed, Ctrl snaps, Esca
     await field(page, "Z").fill("1.5");
     await button(page, "Apply").click();
     assert.match(await lastLine(page, /^scale a /), /^scale a 1,1,1\.5 center=/);
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("a stroke across two solids picks them, and a list says what becomes of them", async () => {
@@ -218,7 +218,7 @@ test("a stroke across two solids picks them, and a list says what becomes of the
         await until(page, "both operands are drawn again", () => ["a", "b"].every((name) => globalThis.coppice.view.geometry({ kind: "solid", name })));
     }
     await page.keyboard.press("Escape");
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("handles at their end bend, twist and taper solids", async () => {
@@ -251,7 +251,7 @@ test("handles at their end bend, twist and taper solids", async () => {
         }
         assertDiffer(await picture(page), upright, `${command} changes the image`);
     }
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("a profile is drawn in its plane and revolved; its points are dragged, and the solid follows", async () => {
@@ -305,7 +305,7 @@ test("a profile is drawn in its plane and revolved; its points are dragged, and 
     await page.keyboard.press("Control+z");
     await until(page, "one undo reverts the five steps", (text) => globalThis.coppice.store.state.peek().statements[0].text === text, written);
     await button(page, "Done").click();
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("a curve is drawn point by point, typed and edited; a sweep and a skin run along it", async () => {
@@ -352,7 +352,7 @@ test("a curve is drawn point by point, typed and edited; a sweep and a skin run 
     await field(page, "Name").fill("skin");
     await button(page, "Make it").click();
     assert.equal(await lastLine(page, /^skin /), "skin skin path round@0 slim@1");
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("what was placed elsewhere is where hands point", async () => {

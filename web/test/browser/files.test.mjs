@@ -8,7 +8,7 @@ import { after, before, beforeEach, test } from "node:test";
 import { fileURLToPath } from "node:url";
 import { PNG } from "pngjs";
 import { endBrowser, lines, openPage, runLines, settled, startBrowser, startStudio } from "./browser.mjs";
-import { chooseItem, coppice, dialog, drop, emptyScene, judge, typeAtEnd, until, untilLines, untilObject, untilSaid } from "./user.mjs";
+import { chooseItem, coppice, dialog, drop, emptyScene, checkFile, typeAtEnd, until, untilLines, untilObject, untilMessage } from "./user.mjs";
 
 const kRoot = fileURLToPath(new URL("../../../", import.meta.url));
 const kData = join(kRoot, "../shared/data"); // files of other programs, if available
@@ -164,7 +164,7 @@ test("a file that is dropped again is made again, where its bytes are others", a
     const question = dialog(page, "Replace the file?");
     assert.match(await question.textContent(), /The scene uses it/);
     await question.getByRole("button", { name: "Replace" }).click();
-    await untilSaid(page, "again.swc was replaced");
+    await untilMessage(page, "again.swc was replaced");
     await until(page, "the tree comes from the new file", () => globalThis.coppice.store.find("skeleton", "again")?.count === 3);
     await untilLines(page, ["loadtree again again.swc", "radii again tip_radius=0.02"]);
     await drop(page, longer); // same content: a second tree from it, without a question
@@ -181,9 +181,9 @@ test("what cannot be read says why", async () => {
         { name: "empty.swc", bytes: Buffer.alloc(0) },
         { name: "film.mov", bytes: Buffer.from("x") },
     );
-    await untilSaid(page, "trees.zip is compressed; unpack it first.");
-    await untilSaid(page, "empty.swc is empty.");
-    await untilSaid(page, "film.mov is not in a supported format.");
+    await untilMessage(page, "trees.zip is compressed; unpack it first.");
+    await untilMessage(page, "empty.swc is empty.");
+    await untilMessage(page, "film.mov is not in a supported format.");
     assert.deepEqual(await lines(page), []);
 });
 
@@ -219,7 +219,7 @@ test("objects are written in every format, and what is written is sound", async 
         assert.match(await done.locator(".verdict.good").textContent(), /\w{4}/, "the check reports the quality of the surface");
         if (ending !== ".usda") {
             // the check does not read this format
-            await judge(studio, `timber${ending}`);
+            await checkFile(studio, `timber${ending}`);
         }
         await done.getByRole("button", { name: "Export more" }).click();
     }
@@ -242,13 +242,13 @@ test("objects are written in every format, and what is written is sound", async 
     await dialog(page, "Export").getByLabel("crown points").uncheck();
     await dialog(page, "Export").getByLabel("crown solid").check();
     const done = await exportAs("surface.glb", "leaves");
-    await judge(studio, "leaves.glb");
+    await checkFile(studio, "leaves.glb");
     await done.getByRole("button", { name: "Export more" }).click();
     await dialog(page, "Export").getByLabel("File in the folder").fill("timber");
     await page.keyboard.press("Enter");
     await dialog(page, "Replace the file?").getByRole("button", { name: "Replace" }).click();
     await done.waitFor();
-    await judge(studio, "timber.glb");
+    await checkFile(studio, "timber.glb");
     const [download] = await Promise.all([page.waitForEvent("download"), done.getByRole("button", { name: "Download timber.glb" }).click()]);
     assert.equal(download.suggestedFilename(), "timber.glb");
     await page.keyboard.press("Escape");
@@ -307,7 +307,7 @@ test("a tree is moved by keys, looked at and written as a film", async () => {
 });
 
 test("the user's own menu runs lines, starts programs after asking, and sets what forms begin with", async () => {
-    await untilSaid(page, "mine.menu:6"); // an invalid line is skipped
+    await untilMessage(page, "mine.menu:6"); // an invalid line is skipped
     await chooseItem(page, "Mine", "Ball of mine");
     await dialog(page, "Ball of mine").getByLabel("Its radius").fill("1.5");
     await page.keyboard.press("Enter");

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { lines, openPanel, placeOf, runLines, settled, withStudio } from "./browser.mjs";
 import {
-    assertCalm,
+    assertNoErrors,
     assertDiffer,
     begin,
     button,
@@ -21,7 +21,7 @@ import {
     select,
     take,
     untilFollows,
-} from "./hands.mjs";
+} from "./actions.mjs";
 import { until, untilLines, untilObject } from "./user.mjs";
 
 let studio, page;
@@ -113,7 +113,7 @@ test("a crown is filled with points, which follow their settings before these ar
     await untilCounted(numbers(line, "count")[0]);
     await page.getByRole("button", { name: "Undo", exact: true }).click();
     await untilCounted(500);
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("points are made in other ways: other patterns and seeds, over a mesh, thinned, added", async () => {
@@ -151,7 +151,7 @@ test("points are made in other ways: other patterns and seeds, over a mesh, thin
     await points.getByRole("button", { name: "Cover tree with points" }).click();
     await untilObject(page, "points", "shell");
     assert.equal(await page.evaluate(() => globalThis.coppice.store.find("points", "shell").count), 200);
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("a ball removes points or adds some; a tree stands where it is clicked", async () => {
@@ -184,7 +184,7 @@ test("a ball removes points or adds some; a tree stands where it is clicked", as
     const line = await lastLine(page, /^grow tree crown root=/);
     near(numbers(line, "root"), [0.5, 0, 0], 0.1, line);
     await untilObject(page, "skeleton", "tree");
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 const kPoints = [kCrown, "pointset generate crown count=600"];
@@ -236,7 +236,7 @@ test("radii are seen as balls, and how many points they hold is told", async () 
         "the balls are removed",
         () => !globalThis.coppice.view.overlay.children.some((group) => group.children.some(({ geometry }) => geometry.type === "SphereGeometry")),
     );
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("parameters say what they take, and take nothing else", async () => {
@@ -254,7 +254,7 @@ test("parameters say what they take, and take nothing else", async () => {
     await kill.press("Enter");
     assert.equal(await kill.getAttribute("aria-invalid"), null);
     assert.match(await tree.locator("code.line").textContent(), /kill_radius=0\.3/);
-    const refused = tree.locator(".field-trouble");
+    const refused = tree.locator(".field-error");
     for (const [typed, why] of [
         ["1,5", "has a comma"],
         ["1e999", "is too large"],
@@ -281,7 +281,7 @@ test("parameters say what they take, and take nothing else", async () => {
     await tree.getByRole("button", { name: "Grow a tree" }).click();
     const line = (await lineOf("grow")).split(" ");
     assert.ok(line.includes("kill_radius=0.3") && line.includes("max_turn=40"), line.join(" "));
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("a tree grows, and changes with its seed and its radii", async () => {
@@ -324,7 +324,7 @@ test("a tree grows, and changes with its seed and its radii", async () => {
         await settled(page);
     }
     assert.ok(!(await pointsHidden()), "and are visible again after undo");
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("what grows is seen meanwhile; it is stopped, thrown away or kept as far as it came, and grows on", async () => {
@@ -382,7 +382,7 @@ test("what grows is seen meanwhile; it is stopped, thrown away or kept as far as
     await stopped.getByRole("button", { name: "Discard it" }).click();
     await stopped.waitFor({ state: "detached" });
     assert.equal(await lineOf("grow"), line, "the kept tree exists again");
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 const branches = () => page.getByRole("listbox", { name: "Branches of the library" }).getByRole("option");
@@ -443,7 +443,7 @@ test("branches are kept in a library with their pictures, and grafted by drag an
     await branches().first().focus();
     await page.keyboard.press("ArrowRight");
     await page.keyboard.press("Enter");
-    await until(page, "it is shown on the node", () => globalThis.coppice.hand.run.value.status().includes("on node 12 of tree"));
+    await until(page, "it is shown on the node", () => globalThis.coppice.activeTool.run.value.status().includes("on node 12 of tree"));
     await page.keyboard.press("ArrowUp");
     await page.keyboard.press("Enter");
     assert.match(await lastLine(page, /^library graft tree oaks\.branches /), /scale=1\.1$/);
@@ -452,7 +452,7 @@ test("branches are kept in a library with their pictures, and grafted by drag an
     await page.getByText("0 of 4 branches").waitFor();
     await page.getByRole("button", { name: "Show all" }).click();
     assert.equal(await branches().count(), 4);
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("other trees are composed of branches: seeds are chosen by their pictures, then what is replaced and how far chance goes", async () => {
@@ -493,5 +493,5 @@ test("other trees are composed of branches: seeds are chosen by their pictures, 
     await seed(9).waitFor();
     await seed(9).click();
     await lineOf("compose", /seed=9\b/);
-    await assertCalm(page);
+    await assertNoErrors(page);
 });

@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { lines, openPage, settled, withStudio } from "./browser.mjs";
-import { judge, until, untilObject } from "./user.mjs";
+import { checkFile, until, untilObject } from "./user.mjs";
 
 let studio;
 let page;
@@ -170,7 +170,7 @@ test("the surface is exported, and is sound", async () => {
     assert.equal(await focused(), "Close");
     await press("Enter");
     await until(page, "the dialog is closed", () => !document.querySelector("dialog[open]"));
-    await judge(studio, "oak.glb");
+    await checkFile(studio, "oak.glb");
     await press("Control+s");
     await goTo("Name in the folder");
     await page.keyboard.type("oak");

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
 import { PNG } from "pngjs";
 import { openPage, runLines, settled, withStudio } from "./browser.mjs";
-import { assertCalm, begin } from "./hands.mjs";
+import { assertNoErrors, begin } from "./actions.mjs";
 import { chooseItem, dialog, until } from "./user.mjs";
 
 const kCenter = [0.2, 0, 1.5];
@@ -118,8 +118,8 @@ const anyNear = (mask, x, y, reach) => {
  * Every pixel of a mask is close to one of these lines or points (pixels), and the lines are visible along at least `share` of
  * their length.
  */
-function assertAlong(mask, lines, { reach, share, what }) {
-    assert.ok(count(mask) > 50, `${what}: only ${count(mask)} pixels are drawn`);
+function assertAlong(mask, lines, { reach, share, label }) {
+    assert.ok(count(mask) > 50, `${label}: only ${count(mask)} pixels are drawn`);
     const expected = Object.assign(new Uint8Array(mask.length), { width: mask.width, height: mask.height });
     let seen = 0;
     let all = 0;
@@ -138,9 +138,9 @@ function assertAlong(mask, lines, { reach, share, what }) {
             }
         }
     }
-    assert.ok(seen >= share * all, `${what}: only ${seen} of ${all} points are drawn`);
+    assert.ok(seen >= share * all, `${label}: only ${seen} of ${all} points are drawn`);
     const astray = mask.reduce((sum, value, i) => sum + (value && !expected[i] ? 1 : 0), 0);
-    assert.ok(astray <= 0.005 * count(mask), `${what}: ${astray} pixels of ${count(mask)} are drawn elsewhere`);
+    assert.ok(astray <= 0.005 * count(mask), `${label}: ${astray} pixels of ${count(mask)} are drawn elsewhere`);
 }
 
 test("the silhouette of a ball is a disc, as large and where it should be, with and without perspective", async () => {
@@ -165,7 +165,7 @@ test("the silhouette of a ball is a disc, as large and where it should be, with 
         const area = Math.PI * radius ** 2;
         assert.ok(Math.abs(count(mask) / area - 1) < 0.02, `${count(mask)} pixels are not a disc of ${area}`);
     }
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 /** The visible colours of the legend, from its low to its high end. */
@@ -226,7 +226,7 @@ test("colours by radius, order and deviation are those of the legend", async () 
         const usual = off.sort((a, b) => a - b)[Math.floor(0.9 * off.length)];
         assert.ok(usual < most, `${color}: points have other colours than in the legend, ${usual} degrees off`);
     }
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 /** The edges of an object drawn in a form, or the segments of a skeleton, in pixels of the image. */
@@ -257,16 +257,16 @@ test("wireframe, cage, bones and points are drawn where they lie and nowhere els
     const plain = await drawn();
     await display({ wireframe: true });
     const wired = changes(await drawn(), plain, 6);
-    assertAlong(wired, await edgesOf("mesh", "square", "surface"), { reach: 2, share: 0.9, what: "wireframe" });
+    assertAlong(wired, await edgesOf("mesh", "square", "surface"), { reach: 2, share: 0.9, label: "wireframe" });
     await display({ wireframe: false });
 
     await begin(page, ...kTree);
     const bare = await drawn();
     await display({ bones: true });
-    assertAlong(changes(await drawn(), bare), await edgesOf("skeleton", "tree", "axes"), { reach: 3, share: 0.95, what: "bones" });
+    assertAlong(changes(await drawn(), bare), await edgesOf("skeleton", "tree", "axes"), { reach: 3, share: 0.95, label: "bones" });
     await display({ bones: false, cage: true });
     await until(page, "the cage exists", () => globalThis.coppice.view.objects.shown({ kind: "skeleton", name: "tree" }).geometries.has("cage"));
-    assertAlong(changes(await drawn(), bare), await edgesOf("skeleton", "tree", "cage"), { reach: 2, share: 0.4, what: "cage" });
+    assertAlong(changes(await drawn(), bare), await edgesOf("skeleton", "tree", "cage"), { reach: 2, share: 0.4, label: "cage" });
     await display({ cage: false });
 
     await begin(page, kBall, "pointset generate ball count=60");
@@ -283,10 +283,10 @@ test("wireframe, cage, bones and points are drawn where they lie and nowhere els
     assertAlong(
         changes(dotted, await drawn()),
         places.map((at) => [at, at]),
-        { reach: 4, share: 1, what: "points" },
+        { reach: 4, share: 1, label: "points" },
     );
     await display({ points: true, pointSize: 3 });
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("the field of a ball lies in its plane, and its surface is the circle in it", async () => {
@@ -319,7 +319,7 @@ test("the field of a ball lies in its plane, and its surface is the circle in it
     const edge = boxOf(changes(await drawn(), empty, 6));
     assert.ok(edge[2] - edge[0] <= 4 && Math.abs((edge[0] + edge[2]) / 2 - middle[0]) <= 2, `a plane seen edge-on is a line, not ${edge}`);
     await display({ slice: { on: false, solid: "", axis: "y", at: 0, lines: 8 } });
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("a section takes away what lies on its one side, and nothing on the other", async () => {
@@ -359,7 +359,7 @@ test("a section takes away what lies on its one side, and nothing on the other",
     assert.ok(count(open) > 0.95 * count(changes(whole, empty, 10)), "the cut is filled");
     assert.ok(anyNear(open, (box[0] + box[2]) / 2, (box[1] + box[3]) / 2, 1));
     await display({ section: { on: false, axis: "y", at: 0, flipped: false } });
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("the path tracer and the view cover the same pixels with a mesh", async () => {
@@ -375,18 +375,18 @@ test("the path tracer and the view cover the same pixels with a mesh", async () 
         });
         const file = `seen${parallel}.png`;
         await chooseItem(page, "File", "Picture…");
-        const asked = dialog(page, "Image by the path tracer");
-        await asked.getByLabel("File in the folder").fill(file);
+        const form = dialog(page, "Image by the path tracer");
+        await form.getByLabel("File in the folder").fill(file);
         for (const [label, value] of [
             ["Width", width],
             ["Height", height],
             ["Rays for each pixel", 4],
         ]) {
-            await asked.getByLabel(label).fill(String(value));
+            await form.getByLabel(label).fill(String(value));
         }
-        await asked.getByLabel("Ground with shadow").setChecked(false);
-        await asked.getByLabel("Transparent background").setChecked(true);
-        await asked.getByRole("button", { name: "Draw", exact: true }).click();
+        await form.getByLabel("Ground with shadow").setChecked(false);
+        await form.getByLabel("Transparent background").setChecked(true);
+        await form.getByRole("button", { name: "Draw", exact: true }).click();
         await dialog(page, file).getByRole("button", { name: "Close" }).click();
         const traced = PNG.sync.read(await studio.read(file));
         assert.deepEqual([traced.width, traced.height], [width, height]);
@@ -400,7 +400,7 @@ test("the path tracer and the view cover the same pixels with a mesh", async () 
         const rim = truth.reduce((sum, value, i) => sum + (value && (!truth[i - 1] || !truth[i + 1] || !truth[i - width] || !truth[i + width]) ? 1 : 0), 0);
         assert.ok(differ <= 0.5 * rim, `${differ} pixels differ, of ${count(truth)} with ${rim} along their outline`);
     }
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 async function withoutMesh() {
@@ -427,7 +427,7 @@ test("dark and light themes draw the same things before another sky", async () =
     const both = masks[0].reduce((sum, value, i) => sum + (value && masks[1][i] ? 1 : 0), 0);
     assert.ok(both > 3000, "the tree is drawn");
     assert.ok(both > 0.97 * Math.max(count(masks[0]), count(masks[1])), `${masks.map(count)} pixels, of which ${both} are common`);
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("a picture that the graphics card has lost is told of, and drawn again when it is back", async () => {
@@ -446,7 +446,7 @@ test("a picture that the graphics card has lost is told of, and drawn again when
     assert.equal(count(changes(await drawn(), before)), 0, "the image equals the earlier one");
     await hide(() => null);
     assert.ok(count(changes(await drawn(), before)) > 300, "and the ball is drawn");
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("a browser without WebGL is told so", async () => {
@@ -480,5 +480,5 @@ test("a mesh too slow to be moved is drawn when its skeleton is hidden meanwhile
     assert.ok(await isMeshSeen(), "the mesh is drawn, since its skeleton is hidden");
     await page.evaluate(() => globalThis.coppice.view.setPlainer(false));
     assert.ok(await isMeshSeen());
-    await assertCalm(page);
+    await assertNoErrors(page);
 });

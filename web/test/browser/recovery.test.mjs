@@ -5,7 +5,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { endBrowser, lines, openPage, runLines, settled, startBrowser, startStudio } from "./browser.mjs";
-import { dialog, editorText, emptyScene, typeAtEnd, until, untilLines, untilSaid } from "./user.mjs";
+import { dialog, editorText, emptyScene, typeAtEnd, until, untilLines, untilMessage } from "./user.mjs";
 
 let studio;
 let page;
@@ -66,7 +66,7 @@ async function openOnCable(context) {
 }
 
 /** Runs a line without waiting for it; `answer` waits. */
-const ask = (on, line) =>
+const request = (on, line) =>
     on.evaluate((text) => {
         globalThis.answer = null;
         globalThis.coppice.engine
@@ -104,10 +104,10 @@ test("the file that the studio is started on is taken in once", async () => {
     assert.deepEqual(await lines(first), [], "a reloaded tab begins without the address parameters");
     const token = begun.address.replace(/&import=.*/, "");
     const other = await openTab(begun, { address: `${token}&import=film.mov` });
-    await untilSaid(other, "film.mov is not in a supported format.");
+    await untilMessage(other, "film.mov is not in a supported format.");
     await other.goto("about:blank");
     await other.goto(`${token}&import=gone.ply`);
-    await untilSaid(other, "gone.ply");
+    await untilMessage(other, "gone.ply");
     assert.deepEqual(await lines(other), []);
     await begun.end();
     await rm(folder, { recursive: true });
@@ -126,7 +126,7 @@ test("a studio that is killed has everything again when it starts anew", async (
     assert.equal(await editorText(page), "sphere crown\nscale crown 2\nsphere oth", "state that cannot be stored is refused");
 
     studio = await startStudio(["--port", port], folder, { home });
-    await untilSaid(page, "open it again from the terminal");
+    await untilMessage(page, "open it again from the terminal");
     await untilTold(page, "No longer connected");
     const next = await openTab();
     await untilLines(next, ["sphere crown", "scale crown 2"]);
@@ -196,7 +196,7 @@ test("what was asked while a connection went is done once", async () => {
     };
 
     cable.eats = ({ re, statement }) => re !== undefined && statement !== undefined; // the response does not arrive
-    await ask(on, "translate crown 1 0 0");
+    await request(on, "translate crown 1 0 0");
     await untilLines(page, ["sphere crown", "translate crown 1 0 0"]);
     await cut(cable);
     await untilTold(on, "Connection lost");
@@ -212,7 +212,7 @@ test("what was asked while a connection went is done once", async () => {
     await isDrawn(on, "meanwhile");
 
     cable.eats = ({ type }) => type === "run"; // the request does not arrive
-    await ask(on, "scale crown 2");
+    await request(on, "scale crown 2");
     while (cable.sent.at(-1)?.line !== "scale crown 2") {
         await settled(page);
     }
@@ -229,7 +229,7 @@ test("what runs goes on while a tab is away, which can stop it when it is back",
     await runLines(page, "sphere crown radius=3 center=0,0,3", "pointset generate crown count=20000", "delete crown kind=solid");
     const { on, cable } = await openOnCable(page.context());
     const runs = (here) => until(here, "it grows", () => globalThis.coppice.store.state.peek().running === 3);
-    await ask(on, "grow tree crown influence_radius=3 kill_radius=0.005 step=0.002");
+    await request(on, "grow tree crown influence_radius=3 kill_radius=0.005 step=0.002");
     await runs(page);
     await cut(cable);
     await untilTold(on, "Connection lost");

@@ -33,7 +33,7 @@ test("lines that are typed run when the hands rest; what they make is listed and
 });
 
 // The editor accepts a completion only some time after it appeared during typing.
-async function takeOffer() {
+async function acceptCompletion() {
     await page.evaluate(() => new Promise((done) => setTimeout(done, 100)));
     await page.keyboard.press("Enter");
 }
@@ -43,11 +43,11 @@ test("completion offers commands and options, and Enter takes one", async () => 
     const offers = page.getByRole("listbox", { name: /completion/i });
     await offers.waitFor();
     assert.match(await offers.getByRole("option").first().textContent(), /^sphere/);
-    await takeOffer();
+    await acceptCompletion();
     await until(page, "the command is completed", () => document.querySelector(".cm-line")?.textContent.startsWith("sphere"));
     await page.keyboard.type(" crown rad");
     await offers.getByRole("option", { name: /^radius/ }).waitFor();
-    await takeOffer();
+    await acceptCompletion();
     await page.keyboard.type("2");
     await page.keyboard.press("Control+Enter");
     await untilLines(page, ["sphere crown radius=2"]);
@@ -93,7 +93,7 @@ test("a click in the picture selects an object and shows its line; a line select
     const place = await placeOf(page, [0, 0, 1]);
     await page.mouse.click(place.x, place.y);
     await untilSelected(page, "solid", "crown");
-    await until(page, "its line is shown", () => document.querySelector(".cm-made")?.textContent === "translate crown 0 0 1");
+    await until(page, "its line is shown", () => document.querySelector(".cm-creator")?.textContent === "translate crown 0 0 1");
     assert.equal(await page.locator(".cm-step").first().textContent(), "sphere crown");
     await page.locator(".cm-line").nth(1).click();
     await untilSelected(page, "solid", "other");

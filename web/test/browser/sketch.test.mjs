@@ -4,7 +4,7 @@ import { join } from "node:path";
 import { test } from "node:test";
 import { PNG } from "pngjs";
 import { drag, lines, runLines, settled, withStudio } from "./browser.mjs";
-import { assertCalm, assertDiffer, begin, button, field, lastLine, near, openFront, picture, take } from "./hands.mjs";
+import { assertNoErrors, assertDiffer, begin, button, field, lastLine, near, openFront, picture, take } from "./actions.mjs";
 import { coppice, until } from "./user.mjs";
 
 const kWide = 360,
@@ -170,10 +170,10 @@ async function nodesOf(name) {
 }
 
 /** Waits until a tree with this maximum height is shown with the images, before it is in the scene. */
-const untilStands = (height, what) =>
+const untilHeight = (height, label) =>
     until(
         page,
-        what,
+        label,
         ([wanted]) => {
             const tree = globalThis.coppice.view.overlay.children.find((one) => one.isInstancedMesh);
             const all = tree?.instanceMatrix.array ?? [];
@@ -228,18 +228,18 @@ test("a fork is drawn over two photographs and stands beside them at once", asyn
         for (const view of kViews) {
             await draw(view, axis);
         }
-        await untilStands(2.6, `the ${name} is shown with its images`);
+        await untilHeight(2.6, `the ${name} is shown with its images`);
     }
     assertDiffer(await picture(page), empty, "the tree is drawn");
     assert.deepEqual(await lines(page), [], "the scene does not contain it before it is added");
     await button(page, "Undo stroke").click();
     await button(page, "Undo stroke").click();
     await button(page, "Undo stroke").click();
-    await untilStands(null, "a stem in one view is not a tree");
+    await untilHeight(null, "a stem in one view is not a tree");
     await button(page, "Redo stroke").click();
     await button(page, "Redo stroke").click();
     await button(page, "Redo stroke").click();
-    await untilStands(2.6, "it is restored");
+    await untilHeight(2.6, "it is restored");
 
     await field(page, "Tree").fill("fork");
     await putIntoScene();
@@ -253,13 +253,13 @@ test("a fork is drawn over two photographs and stands beside them at once", asyn
     const { code, text } = await coppice("run", join(studio.folder, "fork.coppice"), "-o", again);
     assert.equal(code, 0, text);
     assert.deepEqual(await studio.read("again.swc"), await studio.read("studio.swc"), "bit-identical");
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("a stroke of a tree that is in the scene is changed, and what was made of it follows", async () => {
     await take(page, "Branches", "Sketch");
     await field(page, "Open").selectOption("fork.sketch.json");
-    await untilStands(2.6, "the sketch is opened");
+    await untilHeight(2.6, "the sketch is opened");
     const tip = kFork.lateral.points.at(-1);
     for (const view of kViews) {
         const {
@@ -285,7 +285,7 @@ test("a stroke of a tree that is in the scene is changed, and what was made of i
         },
         tip,
     );
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("calibrated cameras show where a point of one picture lies in the other, and silhouettes propose strokes", async () => {
@@ -318,12 +318,12 @@ test("calibrated cameras show where a point of one picture lies in the other, an
     await page.mouse.move(5, 5);
 
     await button(page, "Trace the images").click();
-    await untilStands(2.6, "strokes are proposed, and their tree is shown");
+    await untilHeight(2.6, "strokes are proposed, and their tree is shown");
     await field(page, "Tree").fill("traced");
     await putIntoScene();
     assert.equal(await lastLine(page, /^sketch /), "sketch traced traced.sketch.json");
     assertFork(await nodesOf("traced"), 0.15);
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("strokes are drawn by keys as well", async () => {
@@ -342,10 +342,10 @@ test("strokes are drawn by keys as well", async () => {
         await page.keyboard.press("Alt+ArrowUp");
         await page.keyboard.press("Enter");
     }
-    await untilStands(2, "the stem is shown");
+    await untilHeight(2, "the stem is shown");
     await putIntoScene();
     const nodes = await nodesOf("tree");
     near(nodes[0].at, [0, 0, 0], 0.02, "its foot");
     near(nodes.at(-1).at, [0, 0, 2], 0.02, "its tip");
-    await assertCalm(page);
+    await assertNoErrors(page);
 });

@@ -2,8 +2,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { lines, placeOf, settled, withStudio } from "./browser.mjs";
-import { down, drag, lead, pinch, tapAt, up } from "./fingers.mjs";
-import { assertCalm, assertDiffer, begin, field, held, kTree, lastLine, near, numbers, openFront, picture, selection, untilFollows } from "./hands.mjs";
+import { down, drag, moveFinger, pinch, tapAt, up } from "./touches.mjs";
+import { assertNoErrors, assertDiffer, begin, field, held, kTree, lastLine, near, numbers, openFront, picture, selection, untilFollows } from "./actions.mjs";
 import { until, untilSelected } from "./user.mjs";
 
 let studio, page;
@@ -52,8 +52,8 @@ async function take(group, label) {
     await settled(page);
 }
 
-function nearPlace(found, wanted, what) {
-    near([found.x, found.y], [wanted.x, wanted.y], 3, what);
+function nearPlace(found, wanted, label) {
+    near([found.x, found.y], [wanted.x, wanted.y], 3, label);
 }
 
 test("one finger turns the picture, two move and near it", async () => {
@@ -92,7 +92,7 @@ test("one finger turns the picture, two move and near it", async () => {
     await pinch(page, apart(1.6), [low, high]);
     near([(await pose()).distance], [before.distance], before.distance * 0.02, "and back");
     assert.deepEqual(await lines(page), kTree, "the tree is unchanged");
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("a tap picks, a long press shows what is there, and a tap beside everything puts it down", async () => {
@@ -105,7 +105,7 @@ test("a tap picks, a long press shows what is there, and a tap beside everything
     await until(page, "the resting finger finds node 23", () => globalThis.coppice.store.hover.value?.node === 23);
     await up(page);
     assert.equal((await selection(page)).object, null, "looking is not picking");
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("solids are placed and moved by a finger, and taken back by the button above", async () => {
@@ -144,7 +144,7 @@ test("solids are placed and moved by a finger, and taken back by the button abov
     await until(page, "two steps back", () => globalThis.coppice.store.state.peek().statements.length === 1);
     await page.getByRole("button", { name: /^Redo/ }).tap();
     assert.equal(await lastLine(page, /^box /), box, "and one forth");
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("branches are bent and drawn by a finger; a second one moves the picture instead", async () => {
@@ -171,15 +171,15 @@ test("branches are bent and drawn by a finger; a second one moves the picture in
     const from = await places([0, 0, 1.5], [1, 0, 1.5]);
     const to = await places([-0.3, 0, 1.5], [1.3, 0, 1.5]);
     await down(page, from[0]);
-    await lead(page, [from[0]], [{ x: from[0].x, y: from[0].y - 40 }]);
+    await moveFinger(page, [from[0]], [{ x: from[0].x, y: from[0].y - 40 }]);
     await down(page, { x: from[0].x, y: from[0].y - 40 }, from[1]);
-    await lead(page, [{ x: from[0].x, y: from[0].y - 40 }, from[1]], to);
+    await moveFinger(page, [{ x: from[0].x, y: from[0].y - 40 }, from[1]], to);
     await up(page);
     await settled(page);
     assert.deepEqual(await lines(page), all, "the operation of the first finger is undone");
     assert.ok((await pose()).distance < before.distance * 0.8, "the view was zoomed");
     assert.equal(await held(page), "draw", "and the tool is still active");
-    await assertCalm(page);
+    await assertNoErrors(page);
 });
 
 test("handles of a section, menus and lists work by taps", async () => {
@@ -202,5 +202,5 @@ test("handles of a section, menus and lists work by taps", async () => {
         section.value = { ...section.value, on: false };
     });
     assert.deepEqual(await page.evaluate(() => [...globalThis.pointers]), ["touch"], "no mouse was used");
-    await assertCalm(page);
+    await assertNoErrors(page);
 });

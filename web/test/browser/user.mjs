@@ -7,7 +7,7 @@ import { join } from "node:path";
 const kTimeout = 30_000; // [ms]: machines may be slow; waiting ends as soon as the condition is satisfied
 
 /** State of the document, for messages. */
-async function told(page) {
+async function pageState(page) {
     return page.evaluate(() => {
         const { state, messages, connection } = globalThis.coppice.store;
         const { statements, ran, running, error, objects } = state.peek();
@@ -25,11 +25,11 @@ async function told(page) {
 }
 
 /** Waits until a condition is satisfied in the page, and reports the condition on a timeout. */
-export async function until(page, what, isSo, argument, timeout = kTimeout) {
+export async function until(page, label, isSo, argument, timeout = kTimeout) {
     try {
         await page.waitForFunction(isSo, argument, { timeout });
     } catch (error) {
-        throw new Error(`Timeout, waited until ${what}. The page has ${await told(page)} (${error.message.split("\n", 1)[0]})`);
+        throw new Error(`Timeout, waited until ${label}. The page has ${await pageState(page)} (${error.message.split("\n", 1)[0]})`);
     }
 }
 
@@ -71,7 +71,7 @@ export async function untilSelected(page, kind, name) {
 }
 
 /** Waits until the page shows a message that contains this text. */
-export async function untilSaid(page, text) {
+export async function untilMessage(page, text) {
     await until(page, `a message says "${text}"`, (wanted) => globalThis.coppice.store.messages.peek().some((one) => one.text.includes(wanted)), text);
 }
 
@@ -80,7 +80,7 @@ export async function editorText(page) {
     return page.evaluate(() => {
         const lines = [...document.querySelectorAll(".cm-line")].map((line) => {
             const copy = line.cloneNode(true);
-            copy.querySelectorAll(".cm-said").forEach((said) => said.remove());
+            copy.querySelectorAll(".cm-said").forEach((messagesOf) => messagesOf.remove());
             return copy.textContent;
         });
         return lines.join("\n");
@@ -134,7 +134,7 @@ export function coppice(...words) {
  * Fails if `coppice check` finds an error in a mesh of the folder of the studio, or if the Khronos validator rejects its GLB
  * file.
  */
-export async function judge(studio, file) {
+export async function checkFile(studio, file) {
     const path = join(studio.folder, file);
     const { code, text } = await coppice("check", path);
     assert.equal(code, 0, `coppice check ${file}: ${text}`);

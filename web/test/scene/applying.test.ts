@@ -12,7 +12,7 @@ globalThis.setTimeout = (() => 0) as unknown as typeof setTimeout; // timers are
 /** A document that accepts texts like the engine, and a user who types. */
 class Desk {
     readonly store = createStore();
-    readonly asked: Record<string, unknown>[] = [];
+    readonly requests: Record<string, unknown>[] = [];
     cancelled = 0;
     typed = "";
     refuse: EngineError | null = null;
@@ -22,7 +22,7 @@ class Desk {
 
     constructor(text: string) {
         const request = async (_: string, fields: Record<string, unknown>) => {
-            this.asked.push(fields);
+            this.requests.push(fields);
             this.before?.();
             this.before = null;
             await this.hold;
@@ -91,7 +91,7 @@ test("what is typed becomes the document, once", async () => {
     assert.equal(desk.kind, "typed");
     await desk.applying.apply();
     await desk.applying.apply();
-    assert.deepEqual(desk.asked, [{ text: "sphere a\nsphere b\n", revision: 1, count: undefined, name: "change in line 2", joins: true }]);
+    assert.deepEqual(desk.requests, [{ text: "sphere a\nsphere b\n", revision: 1, count: undefined, name: "change in line 2", joins: true }]);
     assert.equal(desk.document, "sphere a\nsphere b\n");
     assert.equal(desk.typed, "sphere a\nsphere b"); // the line of the cursor is unchanged
     assert.equal(desk.kind, "same");
@@ -117,18 +117,18 @@ test("in a conflict nothing is applied until one side is chosen", async () => {
     assert.equal(desk.applying.status.peek().theirs, "sphere a law=soft");
     assert.match(desk.applying.note.peek(), /another tab/);
     await desk.applying.apply();
-    assert.equal(desk.asked.length, 0);
+    assert.equal(desk.requests.length, 0);
     assert.equal(desk.typed, "sphere a radius=2\n");
     desk.applying.settle("mine");
     await Promise.resolve();
-    assert.equal(desk.asked[0].text, "sphere a radius=2\n");
+    assert.equal(desk.requests[0].text, "sphere a radius=2\n");
 
     const other = new Desk("sphere a\n");
     other.typed = "sphere a radius=2\n";
     other.publish("sphere a law=soft\n", "other");
     other.applying.settle("theirs");
     assert.equal(other.typed, "sphere a law=soft\n");
-    assert.equal(other.asked.length, 0);
+    assert.equal(other.requests.length, 0);
 });
 
 test("a newer text stops what it changes, and waits for what it does not", async () => {
@@ -147,7 +147,7 @@ test("a newer text stops what it changes, and waits for what it does not", async
     desk.typed = "sphere a\ngrow t a step=2\nmesh t levels=1\n";
     await desk.applying.apply();
     assert.equal(desk.cancelled, 1);
-    assert.equal(desk.asked.length, 1);
+    assert.equal(desk.requests.length, 1);
     release();
     await first;
     assert.equal(desk.typed, "sphere a\ngrow t a step=2\nmesh t levels=1\n");
@@ -168,5 +168,5 @@ test("what is refused stays typed, and why is said once", async () => {
     assert.equal(desk.typed, "sphere a\nsphere b\n");
     desk.store.connection.value = "lost";
     await desk.applying.apply();
-    assert.equal(desk.asked.length, 1);
+    assert.equal(desk.requests.length, 1);
 });

@@ -6,7 +6,7 @@ import { EditorState } from "@codemirror/state";
 import type { EditorView } from "@codemirror/view";
 import fc from "fast-check";
 import type { App } from "../../src/app";
-import { askedAt, commandCompletions, completions, explained } from "../../src/panels/scene/editor/complete";
+import { completionAt, commandCompletions, completions, wordCompletion } from "../../src/panels/scene/editor/complete";
 import { helpAt } from "../../src/panels/scene/editor/help";
 import { newLine, toggleComments } from "../../src/panels/scene/editor/keys";
 import { marksOf } from "../../src/panels/scene/editor/marks";
@@ -145,7 +145,7 @@ test("statements are marked by what became of them", () => {
     );
     assert.deepEqual(
         marks.map(({ chosen }) => chosen),
-        ["step", "made", "", ""],
+        ["step", "creator", "", ""],
     );
     assert.deepEqual([marks[3].says, marks[3].wrong], ["there is no solid 'b'", 4]);
     const running = marksOf({ ...state, running: 3 }, schema, { statement: 3, fraction: 0.5 }, null);
@@ -162,8 +162,8 @@ test("errors in blocks stand at their own line", () => {
     assert.equal(placed(other), other);
 });
 
-function coloured(line: string, goesOn = false): string {
-    return tokensOf(schema, line, goesOn)
+function coloured(line: string, continues = false): string {
+    return tokensOf(schema, line, continues)
         .map(({ from, to, kind }) => `${kind}(${line.slice(from, to)})`)
         .join(" ");
 }
@@ -205,40 +205,40 @@ test("help is about the word at the place", () => {
 });
 
 test("what may be completed is the word before the cursor", () => {
-    assert.deepEqual(askedAt("sph"), { from: 0, text: "sph", what: "command" });
-    assert.deepEqual(askedAt("  "), { from: 2, text: "", what: "command" });
-    assert.deepEqual(askedAt("sphere a rad"), { from: 9, text: "rad", what: "word" });
-    assert.deepEqual(askedAt("sphere a law=s"), { from: 9, text: "law=s", what: "word" });
-    assert.deepEqual(askedAt("sphere a "), { from: 9, text: "", what: "word" });
-    assert.deepEqual(askedAt("sphere a radius=${2 * he"), { from: 22, text: "he", what: "expression" });
-    assert.equal(askedAt("sphere a # rad"), null);
-    assert.equal(askedAt('save a "my'), null);
+    assert.deepEqual(completionAt("sph"), { from: 0, text: "sph", type: "command" });
+    assert.deepEqual(completionAt("  "), { from: 2, text: "", type: "command" });
+    assert.deepEqual(completionAt("sphere a rad"), { from: 9, text: "rad", type: "word" });
+    assert.deepEqual(completionAt("sphere a law=s"), { from: 9, text: "law=s", type: "word" });
+    assert.deepEqual(completionAt("sphere a "), { from: 9, text: "", type: "word" });
+    assert.deepEqual(completionAt("sphere a radius=${2 * he"), { from: 22, text: "he", type: "expression" });
+    assert.equal(completionAt("sphere a # rad"), null);
+    assert.equal(completionAt('save a "my'), null);
     assert.equal(
         commandCompletions(schema).some(({ label }) => label === "pointset generate"),
         true,
     );
-    const radius = explained(schema, "sphere a ", "radius=", []);
+    const radius = wordCompletion(schema, "sphere a ", "radius=", []);
     assert.deepEqual([radius.type, radius.detail], ["property", "m"]);
-    const crown = explained(schema, "scale ", "crown", stateOf("sphere crown", [["solid:crown", 0]]).objects);
+    const crown = wordCompletion(schema, "scale ", "crown", stateOf("sphere crown", [["solid:crown", 0]]).objects);
     assert.deepEqual([crown.type, crown.detail], ["variable", "solid"]);
 });
 
-function completing(doc: string, reply: string[]): { app: App; asked: Record<string, unknown>[]; context: CompletionContext } {
+function completing(doc: string, reply: string[]): { app: App; target: Record<string, unknown>[]; context: CompletionContext } {
     const store = createStore();
     store.schema.value = schema;
-    const asked: Record<string, unknown>[] = [];
+    const target: Record<string, unknown>[] = [];
     const request = (_: string, fields: Record<string, unknown>) => {
-        asked.push(fields);
+        target.push(fields);
         return Promise.resolve({ words: reply });
     };
     const state = EditorState.create({ doc });
-    return { app: { store, engine: { request } } as unknown as App, asked, context: new CompletionContext(state, doc.length, false) };
+    return { app: { store, engine: { request } } as unknown as App, target, context: new CompletionContext(state, doc.length, false) };
 }
 
 test("names are asked of the engine, for the state above the line", async () => {
-    const { app, asked, context } = completing("sphere a\nsphere b\n  union a b", ["b", "bough"]);
+    const { app, target, context } = completing("sphere a\nsphere b\n  union a b", ["b", "bough"]);
     const result = await completions(app, (line) => line - 1)(context);
-    assert.deepEqual(asked, [{ line: "union a b", count: 2 }]);
+    assert.deepEqual(target, [{ line: "union a b", count: 2 }]);
     assert.deepEqual(
         result?.options.map(({ label }) => label),
         ["bough"],
@@ -253,7 +253,7 @@ test("commands and variables are known without the engine", async () => {
         result?.options.some(({ label }) => label === "sphere"),
         true,
     );
-    assert.deepEqual(commands.asked, []);
+    assert.deepEqual(commands.target, []);
     const variables = completing("let height = 3\nsphere a radius=${he", []);
     const names = await completions(variables.app, () => 0)(variables.context);
     assert.equal(names?.options[0].label, "height");

@@ -4,7 +4,7 @@ import { test } from "node:test";
 import type { App } from "../../src/app";
 import { setDefault } from "../../src/panels/scene/defaults";
 import { searched } from "../../src/panels/scene/forms/chooser";
-import { foremost } from "../../src/panels/scene/forms/fields";
+import { initialFields } from "../../src/panels/scene/forms/fields";
 import { canShow, Form } from "../../src/panels/scene/forms/form";
 import { tupleWord } from "../../src/panels/scene/forms/tuple_field";
 import { changesOf } from "../../src/panels/scene/history/model";
@@ -92,7 +92,7 @@ test("commands are found by name first", () => {
     assert.equal(searched(schema, "trees")[0].name, "grow");
     assert.equal(searched(schema, "").length, schema.length);
     assert.deepEqual(
-        foremost(called("pointset generate"), { seed: ["1"] })
+        initialFields(called("pointset generate"), { seed: ["1"] })
             .map(({ name }) => name)
             .includes("seed"),
         true,
@@ -110,15 +110,15 @@ test("numbers of a point are one word where none is missing", () => {
     assert.equal(tupleWord(["", "", ""], [3]), null);
 });
 
-type Asked = Record<string, unknown>;
+type SentRequest = Record<string, unknown>;
 
-function appWith(asked: Asked[]): App {
+function appWith(requests: SentRequest[]): App {
     const store = createStore();
     store.state.value = { ...state, revision: 7 };
     store.schema.value = schema;
     store.connection.value = "ready";
-    const note = <T>(one: Asked, reply: T) => {
-        asked.push(one);
+    const note = <T>(one: SentRequest, reply: T) => {
+        requests.push(one);
         return Promise.resolve(reply);
     };
     return {
@@ -134,8 +134,8 @@ function appWith(asked: Asked[]): App {
 }
 
 test("a form begins with what is likely and ends as a line", async () => {
-    const asked: Asked[] = [];
-    const app = appWith(asked);
+    const requests: SentRequest[] = [];
+    const app = appWith(requests);
     app.store.selection.value = { object: { kind: "solid", name: "c" }, nodes: [], extent: "branch" };
     const form = new Form(app);
     form.begin(called("translate"));
@@ -149,7 +149,7 @@ test("a form begins with what is likely and ends as a line", async () => {
     assert.equal(await form.run(), true);
     const about = { kind: "solid", name: "c" };
     assert.deepEqual(app.store.selection.peek().object, { kind: "solid", name: "a" }); // the object that the statement created, as reported by the engine
-    assert.deepEqual(asked, [
+    assert.deepEqual(requests, [
         { type: "preview", line: "translate c 0,0,2", about },
         { type: "run", line: "translate c 0,0,2", about },
     ]);
@@ -168,15 +168,15 @@ test("forms begin with the defaults of the menu", () => {
 });
 
 test("cancelling takes back what was shown, and only that", () => {
-    const asked: Asked[] = [];
-    const form = new Form(appWith(asked));
+    const requests: SentRequest[] = [];
+    const form = new Form(appWith(requests));
     form.begin(called("sphere"));
     form.cancel();
-    assert.deepEqual(asked, []);
+    assert.deepEqual(requests, []);
     form.set("radius", ["2"], false);
     form.cancel();
     assert.deepEqual(
-        asked.map(({ type }) => type),
+        requests.map(({ type }) => type),
         ["preview", "endpreview"],
     );
     assert.equal(canShow(called("grow")), false);
@@ -185,8 +185,8 @@ test("cancelling takes back what was shown, and only that", () => {
 });
 
 test("parameters of a statement are written into the text", async () => {
-    const asked: Asked[] = [];
-    const app = appWith(asked);
+    const requests: SentRequest[] = [];
+    const app = appWith(requests);
     const form = new Form(app);
     const object = { kind: "solid", name: "a" } as const;
     form.change(
@@ -194,9 +194,9 @@ test("parameters of a statement are written into the text", async () => {
         { statement: 0, text: "sphere a", comment: "# one", object, shows: true },
     );
     form.set("radius", ["2"], false);
-    assert.deepEqual(asked, [{ type: "preview", line: "sphere a radius=2 # one", about: object }]);
+    assert.deepEqual(requests, [{ type: "preview", line: "sphere a radius=2 # one", about: object }]);
     assert.equal(await form.run(), true);
-    assert.deepEqual(asked[1], {
+    assert.deepEqual(requests[1], {
         type: "text",
         text: text.replace("sphere a", "sphere a radius=2 # one"),
         revision: 7,
@@ -207,6 +207,6 @@ test("parameters of a statement are written into the text", async () => {
     app.store.state.value = stateOf(text.replace("sphere a", "sphere a law=soft"), []);
     form.set("radius", ["3"], false);
     assert.equal(await form.run(), false);
-    assert.match(form.trouble.value, /changed in between/);
-    assert.equal(asked.filter(({ type }) => type === "text").length, 1);
+    assert.match(form.errorText.value, /changed in between/);
+    assert.equal(requests.filter(({ type }) => type === "text").length, 1);
 });

@@ -8,7 +8,7 @@ function argument(name: string, type: Argument["type"], more: Partial<Argument> 
 }
 
 const first = { positional: true, required: true };
-const made = (kind: string) => ({ ...first, help: `Name of the new ${kind}.` });
+const newName = (kind: string) => ({ ...first, help: `Name of the new ${kind}.` });
 const metres = { unit: "metre", low: -1e6, high: 1e6 };
 
 function command(name: string, args: Argument[], more: Partial<Command> = {}): Command {
@@ -19,7 +19,7 @@ export const schema: Command[] = [
     command(
         "sphere",
         [
-            argument("name", "new_name", made("solid")),
+            argument("name", "new_name", newName("solid")),
             argument("center", "tuple", { sizes: [3], default: "0,0,0", ...metres }),
             argument("radius", "number", { default: "1", unit: "metre", low: 1e-5, high: 1e5 }),
             argument("law", "choice", { choices: ["cube", "soft"], default: "cube" }),
@@ -37,16 +37,16 @@ export const schema: Command[] = [
         argument("by", "tuple", { ...first, sizes: [3], ...metres }),
         argument("kind", "choice", { choices: ["solid", "skeleton"] }),
     ]),
-    command("union", [argument("parts", "object", { ...first, kind: "solid", repeats: true }), argument("result", "new_name", made("solid"))], {
+    command("union", [argument("parts", "object", { ...first, kind: "solid", repeats: true }), argument("result", "new_name", newName("solid"))], {
         group: "Combining",
     }),
     command("polyline", [
-        argument("name", "new_name", made("solid")),
+        argument("name", "new_name", newName("solid")),
         argument("points", "tuple", { ...first, sizes: [3], repeats: true }),
         argument("closed", "flag", { default: "false" }),
     ]),
     command("skin", [
-        argument("name", "new_name", made("solid")),
+        argument("name", "new_name", newName("solid")),
         argument("path", "object", { ...first, kind: "path" }),
         argument("sections", "section", { ...first, repeats: true }),
     ]),
@@ -66,7 +66,7 @@ export const schema: Command[] = [
     command(
         "grow",
         [
-            argument("tree", "new_name", made("skeleton")),
+            argument("tree", "new_name", newName("skeleton")),
             argument("points", "object", { ...first, kind: "points" }),
             argument("root", "tuple", { sizes: [3, 6], repeats: true, default: "0,0,0" }),
             argument("step", "number", { default: "0.1", unit: "metre", low: 1e-6, high: 1e4 }),

@@ -6,9 +6,9 @@ import { between, Rig } from "../../src/view/camera/rig";
 import { cutTriangles, SectionPlane } from "../../src/view/section";
 
 function rig(): Rig {
-    const made = new Rig();
-    made.resize(800, 600);
-    return made;
+    const rig = new Rig();
+    rig.resize(800, 600);
+    return rig;
 }
 
 /** The position of a point in the view, both coordinates in [-1, 1]. */

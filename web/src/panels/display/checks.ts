@@ -55,7 +55,7 @@ export async function check(app: App, object: SceneObject): Promise<void> {
         app.view.display.crossings.value = places;
         app.view.display.crossing.value = -1;
     } catch (error) {
-        app.store.say(`The check of ${name} failed: ${(error as Error).message}`, "error");
+        app.store.notify(`The check of ${name} failed: ${(error as Error).message}`, "error");
     } finally {
         checking.value = null;
     }
@@ -65,7 +65,7 @@ export async function check(app: App, object: SceneObject): Promise<void> {
 export async function checkWhereUnknown(app: App): Promise<void> {
     const object = checkedObject(app);
     if (!object) {
-        app.store.say("There is no skeleton or mesh with crossings to mark.", "warning");
+        app.store.notify("There is no skeleton or mesh with crossings to mark.", "warning");
     } else if (!isOf(lastCheck.peek(), object) && checking.peek() === null) {
         await check(app, object);
     }

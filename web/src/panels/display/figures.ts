@@ -141,7 +141,7 @@ export interface CrossingPlace {
 /** The positions of crossings, those with most pairs first; the figures contain more details than the plain list. */
 export function crossingPlaces(figures: Figures, crossings: readonly [number, number, number][]): CrossingPlace[] {
     return crossings.map((at, k) => {
-        const told = (part: string) => Number(find(figures, `crossing_place_${k + 1}.${part}`) ?? 0);
-        return { at, radius: told("radius"), pairs: told("pairs") };
+        const figure = (part: string) => Number(find(figures, `crossing_place_${k + 1}.${part}`) ?? 0);
+        return { at, radius: figure("radius"), pairs: figure("pairs") };
     });
 }

@@ -1,7 +1,7 @@
 // A number with a slider and a text field.
 import type { VNode } from "preact";
 import { useId } from "preact/hooks";
-import { FieldTrouble, useNumber } from "../../number_field";
+import { FieldError, useNumber } from "../../number_field";
 
 interface Props {
     label: string;
@@ -16,7 +16,7 @@ interface Props {
 export function Slider({ label, unit, value, low, high, step, changed }: Props): VNode {
     const id = useId();
     const shown = String(Number(value.toPrecision(5)));
-    const { field, trouble } = useNumber({ value, shown, step, take: (number, done) => done && changed(number) });
+    const { field, errorText } = useNumber({ value, shown, step, take: (number, done) => done && changed(number) });
     const name = unit ? `${label} [${unit}]` : label;
     return (
         <div class="slider" role="group" aria-labelledby={id}>
@@ -31,7 +31,7 @@ export function Slider({ label, unit, value, low, high, step, changed }: Props):
                 onInput={(event) => changed(event.currentTarget.valueAsNumber)}
             />
             <input aria-label={`${name}, typed`} {...field} />
-            <FieldTrouble text={trouble} />
+            <FieldError text={errorText} />
         </div>
     );
 }

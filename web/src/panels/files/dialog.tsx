@@ -7,23 +7,23 @@ import { useValue } from "../../use";
 
 type End<T> = (answer: T | null) => void;
 
-interface Asked {
+interface OpenDialog {
     number: number;
     draw(): VNode;
 }
 
-const kAsked = signal<readonly Asked[]>([]);
+const kOpenDialogs = signal<readonly OpenDialog[]>([]);
 let kLast = 0;
 
 /** Shows a dialog and waits for its answer: null if the user cancels it. */
-export function ask<T>(draw: (end: End<T>) => VNode): Promise<T | null> {
+export function openDialog<T>(draw: (end: End<T>) => VNode): Promise<T | null> {
     return new Promise((resolve) => {
         const number = ++kLast;
         const end = (answer: T | null) => {
-            kAsked.value = kAsked.peek().filter((one) => one.number !== number);
+            kOpenDialogs.value = kOpenDialogs.peek().filter((one) => one.number !== number);
             resolve(answer);
         };
-        kAsked.value = [...kAsked.peek(), { number, draw: () => draw(end) }];
+        kOpenDialogs.value = [...kOpenDialogs.peek(), { number, draw: () => draw(end) }];
     });
 }
 
@@ -31,14 +31,14 @@ export function ask<T>(draw: (end: End<T>) => VNode): Promise<T | null> {
 export function Dialogs(): VNode {
     return (
         <>
-            {useValue(kAsked).map((one) => (
-                <Drawn key={one.number} draw={one.draw} />
+            {useValue(kOpenDialogs).map((one) => (
+                <DialogContent key={one.number} draw={one.draw} />
             ))}
         </>
     );
 }
 
-function Drawn({ draw }: { draw(): VNode }): VNode {
+function DialogContent({ draw }: { draw(): VNode }): VNode {
     return draw();
 }
 
@@ -99,7 +99,7 @@ type Answers<T> = readonly (readonly [T, string])[];
 
 /** A question with one button for each answer; Enter selects the first one, or none if `careful`. */
 export function choose<T extends string>(title: string, text: string, answers: Answers<T>, careful = false): Promise<T | null> {
-    return ask<T>((end) => (
+    return openDialog<T>((end) => (
         <Dialog
             title={title}
             close={() => end(null)}
@@ -127,8 +127,8 @@ export async function confirm(title: string, text: string, yes: string): Promise
 }
 
 /** Shows text, such as the output of a program. */
-export function tell(title: string, text: string): Promise<null> {
-    return ask<null>((end) => (
+export function showText(title: string, text: string): Promise<null> {
+    return openDialog<null>((end) => (
         <Dialog
             title={title}
             wide
@@ -147,25 +147,25 @@ export function tell(title: string, text: string): Promise<null> {
 }
 
 /** State of a dialog: one task at a time, and its error. */
-export function useWork(): { busy: boolean; trouble: string; work(what: () => Promise<void>): Promise<void> } {
+export function useWork(): { busy: boolean; errorText: string; work(task: () => Promise<void>): Promise<void> } {
     const [busy, setBusy] = useState(false);
-    const [trouble, setTrouble] = useState("");
-    const work = async (what: () => Promise<void>) => {
+    const [errorText, setErrorText] = useState("");
+    const work = async (task: () => Promise<void>) => {
         setBusy(true);
-        setTrouble("");
+        setErrorText("");
         try {
-            await what();
+            await task();
         } catch (error) {
             const stopped = error instanceof EngineError && error.kind === "cancelled";
-            setTrouble(stopped ? "Stopped." : (error as Error).message);
+            setErrorText(stopped ? "Stopped." : (error as Error).message);
         } finally {
             setBusy(false);
         }
     };
-    return { busy, trouble, work };
+    return { busy, errorText, work };
 }
 
-export function Trouble({ text }: { text: string }): VNode {
+export function ErrorText({ text }: { text: string }): VNode {
     return (
         <p class="error" role="alert">
             {text}

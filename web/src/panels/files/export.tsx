@@ -5,12 +5,12 @@ import type { VNode } from "preact";
 import { useState } from "preact/hooks";
 import type { App } from "../../app";
 import type { Argument, ObjectName } from "../../protocol";
-import { spoken } from "../../script/commands";
+import { displayName } from "../../script/commands";
 import { useValue } from "../../use";
 import { Figures } from "../display/check_panel";
 import { type Figures as Checked, grouped } from "../display/figures";
-import { ask, Dialog, Trouble, useWork } from "./dialog";
-import { baseOf, bytesText, download, nameTrouble, withEnding, writing } from "./folder";
+import { openDialog, Dialog, ErrorText, useWork } from "./dialog";
+import { baseOf, bytesText, download, nameError, withEnding, writing } from "./folder";
 import { type Format, formatsOf, isWritten, kHoldsLabels } from "./formats";
 import { ObjectChecks } from "./object_checks";
 
@@ -36,7 +36,7 @@ const kFormat = signal("surface.glb");
 const kSurfaceOptions = ["method", "levels", "fit", "overlaps"];
 
 export async function exportObjects(app: App): Promise<void> {
-    await ask<null>((end) => <ExportDialog app={app} end={() => end(null)} />);
+    await openDialog<null>((end) => <ExportDialog app={app} end={() => end(null)} />);
 }
 
 async function writeObject(app: App, object: ObjectName, file: string, { format, surface }: Chosen): Promise<Written | null> {
@@ -57,7 +57,7 @@ function ExportDialog({ app, end }: { app: App; end(): void }): VNode {
     const [names, setNames] = useState<readonly ObjectName[]>(first ? [{ kind: first.kind, name: first.name }] : []);
     const [typed, setTyped] = useState<string | null>(null); // name of the file; null: the name of the object
     const [written, setWritten] = useState<readonly Written[] | null>(null);
-    const { busy, trouble, work } = useWork();
+    const { busy, errorText, work } = useWork();
     const wanted = useValue(kFormat);
     const surface = useValue(kSurface);
     const formats = formatsOf(names.map(({ kind }) => kind));
@@ -66,7 +66,7 @@ function ExportDialog({ app, end }: { app: App; end(): void }): VNode {
     const files = names.length === 1 && typed !== null ? [withEnding(typed.trim(), ending)] : names.map(({ name }) => name + ending);
     const twice = files.length > new Set(files).size ? "Two of these objects have the same name; export them one after the other." : "";
     const none = names.length === 0 ? "Choose the objects to export." : format ? "" : "No format supports all of these; choose objects of one kind.";
-    const wrong = none || twice || (files.map(nameTrouble).find(Boolean) ?? "");
+    const wrong = none || twice || (files.map(nameError).find(Boolean) ?? "");
     const write = () =>
         void work(async () => {
             const done: Written[] = [];
@@ -124,7 +124,7 @@ function ExportDialog({ app, end }: { app: App; end(): void }): VNode {
                     {format?.holds === "surface" && names.some(({ kind }) => kind === "skeleton") && <SurfaceOptions app={app} />}
                 </div>
             </div>
-            <Trouble text={wrong || trouble} />
+            <ErrorText text={wrong || errorText} />
         </Dialog>
     );
 }
@@ -135,10 +135,10 @@ function FormatField({ formats, format }: { formats: readonly Format[]; format: 
         <label class="file-field">
             <span>Format</span>
             <select value={format?.id} autofocus onChange={(event) => (kFormat.value = event.currentTarget.value)}>
-                {holds.map((what) => (
-                    <optgroup key={what} label={kHoldsLabels[what]}>
+                {holds.map((content) => (
+                    <optgroup key={content} label={kHoldsLabels[content]}>
                         {formats
-                            .filter((one) => one.holds === what)
+                            .filter((one) => one.holds === content)
                             .map(({ id, label }) => (
                                 <option key={id} value={id}>
                                     {label}
@@ -175,7 +175,7 @@ function SurfaceOption({ option }: { option: Argument }): VNode {
     };
     return (
         <label class="file-field" title={help}>
-            <span>{spoken(name)}</span>
+            <span>{displayName(name)}</span>
             <select value={chosen[name] ?? option.default} onChange={(event) => set(event.currentTarget.value)}>
                 {choices.map((choice) => (
                     <option key={choice} value={choice}>
@@ -220,7 +220,7 @@ function WrittenDialog({ app, written, again, end }: WrittenProps): VNode {
 
 function WrittenFile({ app, written: { object, file, bytes, checked } }: { app: App; written: Written }): VNode {
     const folder = useValue(app.store.folder);
-    const { trouble, work } = useWork();
+    const { errorText, work } = useWork();
     return (
         <section class="written" aria-label={file}>
             <h3>
@@ -239,7 +239,7 @@ function WrittenFile({ app, written: { object, file, bytes, checked } }: { app: 
                     Download {baseOf(file)}
                 </button>
             </div>
-            <Trouble text={trouble} />
+            <ErrorText text={errorText} />
             {checked && (
                 <details>
                     <summary>Figures of the check</summary>

@@ -42,7 +42,7 @@ export function withEnding(name: string, ending: string): string {
 }
 
 /** The error in the name of a new file; empty if it is valid. */
-export function nameTrouble(name: string): string {
+export function nameError(name: string): string {
     if (name === "") {
         return "Give the file a name.";
     }

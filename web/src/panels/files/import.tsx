@@ -11,8 +11,8 @@ import { layOutSketch } from "../../sketch/tool";
 import { runLine } from "../../tools/kit/gesture";
 import { commandLine, newName } from "../../tools/kit/words";
 import { useValue } from "../../use";
-import { selectWhenThere } from "./arrival";
-import { ask, choose, Dialog } from "./dialog";
+import { selectWhenCreated } from "./select_created";
+import { openDialog, choose, Dialog } from "./dialog";
 import { bytesText, freeFile, listFiles, objectName } from "./folder";
 import { type Content, contentOf, kReadEndings, NotRead } from "./kinds";
 import { openFile } from "./scenes";
@@ -43,7 +43,7 @@ const kKept: Partial<Record<Content, string>> = {
     photograph: "The tool Sketch can draw over it.",
 };
 
-interface Coming {
+interface ImportedFile {
     file: File;
     content: Content;
     use: Use;
@@ -51,7 +51,7 @@ interface Coming {
 }
 
 /** Current action, for the status line of imports; empty if idle. */
-const kUnderway = signal("");
+const kImportStatus = signal("");
 
 /** Imports a file of the folder, unless the scene uses it already. */
 export async function importNamed(app: App, name: string): Promise<void> {
@@ -63,48 +63,48 @@ export async function importNamed(app: App, name: string): Promise<void> {
 /** Imports files in sequence; reports for each refused file the reason. */
 export async function importFiles(app: App, files: readonly File[], areThere = false): Promise<void> {
     try {
-        const coming = await decided(app, await told(app, files, areThere));
-        for (const one of coming) {
-            await takeIn(app, one);
+        const imports = await chooseUses(app, await readContents(app, files, areThere));
+        for (const one of imports) {
+            await importOne(app, one);
         }
     } catch (error) {
-        app.store.say((error as Error).message, "error");
+        app.store.notify((error as Error).message, "error");
     } finally {
-        kUnderway.value = "";
+        kImportStatus.value = "";
     }
 }
 
-async function told(app: App, files: readonly File[], isThere: boolean): Promise<Coming[]> {
-    const coming: Coming[] = [];
+async function readContents(app: App, files: readonly File[], isThere: boolean): Promise<ImportedFile[]> {
+    const imports: ImportedFile[] = [];
     for (const file of files) {
         try {
             const content = await contentOf(file.name, file);
-            coming.push({ file, content, use: kUses[content][0], isThere });
+            imports.push({ file, content, use: kUses[content][0], isThere });
         } catch (error) {
             const why = error instanceof NotRead ? error.message : "cannot be read; it may be a folder, or no longer exist";
-            app.store.say(`${file.name} ${why}.`, "error");
+            app.store.notify(`${file.name} ${why}.`, "error");
         }
     }
-    return coming;
+    return imports;
 }
 
 /** Asks the user about files with several uses. A scene is opened last, and uses the files imported with it. */
-async function decided(app: App, coming: readonly Coming[]): Promise<readonly Coming[]> {
-    const scenes = coming.filter(({ content }) => content === "scene");
-    const scene = scenes.length === 1 ? await decidedScene(app, scenes[0]) : null;
+async function chooseUses(app: App, imports: readonly ImportedFile[]): Promise<readonly ImportedFile[]> {
+    const scenes = imports.filter(({ content }) => content === "scene");
+    const scene = scenes.length === 1 ? await chooseSceneUse(app, scenes[0]) : null;
     if (scenes.length === 1 && !scene) {
         return [];
     }
-    const others = coming.filter(({ content }) => content !== "scene");
+    const others = imports.filter(({ content }) => content !== "scene");
     if (scene?.use === "open") {
-        return [...others.map((one): Coming => ({ ...one, use: "keep" })), scene];
+        return [...others.map((one): ImportedFile => ({ ...one, use: "keep" })), scene];
     }
     const open = others.filter(({ content }) => kUses[content].length > 1);
-    const answers = open.length > 0 ? await askUses(open) : [];
+    const answers = open.length > 0 ? await requestUses(open) : [];
     return answers === null ? [] : [...(scene ? [scene] : scenes), ...others.map((one) => answers[open.indexOf(one)] ?? one)];
 }
 
-async function decidedScene(app: App, scene: Coming): Promise<Coming | null> {
+async function chooseSceneUse(app: App, scene: ImportedFile): Promise<ImportedFile | null> {
     if (app.store.state.peek().statements.length === 0) {
         return { ...scene, use: "open" };
     }
@@ -116,17 +116,17 @@ async function decidedScene(app: App, scene: Coming): Promise<Coming | null> {
     return use && { ...scene, use };
 }
 
-function askUses(coming: readonly Coming[]): Promise<readonly Coming[] | null> {
-    return ask((end) => <UsesDialog coming={coming} end={end} />);
+function requestUses(imports: readonly ImportedFile[]): Promise<readonly ImportedFile[] | null> {
+    return openDialog((end) => <UsesDialog imports={imports} end={end} />);
 }
 
-function UsesDialog({ coming, end }: { coming: readonly Coming[]; end(answer: readonly Coming[] | null): void }): VNode {
-    const [uses, setUses] = useState(coming.map(({ use }) => use));
+function UsesDialog({ imports, end }: { imports: readonly ImportedFile[]; end(answer: readonly ImportedFile[] | null): void }): VNode {
+    const [uses, setUses] = useState(imports.map(({ use }) => use));
     return (
         <Dialog
-            title={coming.length === 1 ? `How should ${coming[0].file.name} be imported?` : "How should these files be imported?"}
+            title={imports.length === 1 ? `How should ${imports[0].file.name} be imported?` : "How should these files be imported?"}
             close={() => end(null)}
-            accept={() => end(coming.map((one, at) => ({ ...one, use: uses[at] })))}
+            accept={() => end(imports.map((one, at) => ({ ...one, use: uses[at] })))}
             buttons={
                 <>
                     <button type="submit" class="primary">
@@ -138,7 +138,7 @@ function UsesDialog({ coming, end }: { coming: readonly Coming[]; end(answer: re
                 </>
             }
         >
-            {coming.map(({ file, content }, at) => (
+            {imports.map(({ file, content }, at) => (
                 <fieldset class="file-uses" key={file.name}>
                     <legend>{`${file.name}: ${content === "points" ? "points" : `a ${content}`}, ${bytesText(file.size)}`}</legend>
                     {kUses[content].map((use, n) => (
@@ -159,26 +159,26 @@ function UsesDialog({ coming, end }: { coming: readonly Coming[]; end(answer: re
     );
 }
 
-async function takeIn(app: App, { file, content, use, isThere }: Coming): Promise<void> {
+async function importOne(app: App, { file, content, use, isThere }: ImportedFile): Promise<void> {
     const placed = isThere ? { name: file.name, replaced: false } : await place(app, file);
     if (!placed) {
         return;
     }
     const { name, replaced } = placed;
     if (replaced && (await app.engine.request<{ found: boolean }>("rerun", { file: name })).found) {
-        app.store.say(`${name} was replaced, and the statements that use it were run again.`);
+        app.store.notify(`${name} was replaced, and the statements that use it were run again.`);
         return;
     }
     const makes = kMakes[use];
     if (makes) {
-        kUnderway.value = use === "extract" ? `Extracting the skeleton of ${name}…` : `Reading ${name}…`;
+        kImportStatus.value = use === "extract" ? `Extracting the skeleton of ${name}…` : `Reading ${name}…`;
         await make(app, use, makes, name);
     } else if (use === "open") {
         await openFile(app, name);
     } else if (use === "sketch") {
         layOutSketch(app, readSketch(await file.text()));
     } else {
-        app.store.say(`${name} is in the folder. ${kKept[content] ?? ""}`.trim());
+        app.store.notify(`${name} is in the folder. ${kKept[content] ?? ""}`.trim());
     }
 }
 
@@ -189,12 +189,12 @@ async function place(app: App, file: File): Promise<{ name: string; replaced: bo
     if (same && same.bytes === file.size && (await isAlike(await app.engine.file(file.name), file))) {
         return { name: file.name, replaced: false };
     }
-    const answer = same ? await askReplace(app, file.name) : "new";
+    const answer = same ? await confirmReplacement(app, file.name) : "new";
     if (answer === null) {
         return null;
     }
     const name = answer === "both" ? freeFile(file.name, new Set(there.map((one) => one.name))) : file.name;
-    kUnderway.value = `Copying ${name} into the folder: ${bytesText(file.size)}…`;
+    kImportStatus.value = `Copying ${name} into the folder: ${bytesText(file.size)}…`;
     await app.engine.upload(name, file, answer === "replace");
     return { name, replaced: answer === "replace" };
 }
@@ -204,7 +204,7 @@ function isUsed(app: App, name: string): boolean {
     return app.store.state.peek().statements.some(({ text }) => joined(text).split("\n").some(names));
 }
 
-function askReplace(app: App, name: string): Promise<"replace" | "both" | null> {
+function confirmReplacement(app: App, name: string): Promise<"replace" | "both" | null> {
     const used = isUsed(app, name);
     const then = used ? " The scene uses it, and the statements that use it run again." : "";
     const answers = [
@@ -222,9 +222,9 @@ async function isAlike(a: Blob, b: Blob): Promise<boolean> {
 
 async function make(app: App, use: Use, kind: Kind, file: string): Promise<void> {
     const ran = await runLine(app, commandLine([...use.split(" "), newName(objectName(file)), file]));
-    const made = ran && (await selectWhenThere(app, (object) => object.kind === kind && object.name === ran.names[0]));
-    if (made) {
-        app.view.frame([made]);
+    const created = ran && (await selectWhenCreated(app, (object) => object.kind === kind && object.name === ran.names[0]));
+    if (created) {
+        app.view.frame([created]);
     }
 }
 
@@ -244,7 +244,7 @@ function filesOf(app: App, data: DataTransfer): File[] {
     for (const item of data.items) {
         const file = item.kind === "file" ? item.getAsFile() : null;
         if (item.webkitGetAsEntry?.()?.isDirectory) {
-            app.store.say(`${file?.name ?? "This"} is a folder; drop the files in it, or open it by: coppice studio FOLDER`, "error");
+            app.store.notify(`${file?.name ?? "This"} is a folder; drop the files in it, or open it by: coppice studio FOLDER`, "error");
         } else if (file) {
             files.push(file);
         }
@@ -255,7 +255,7 @@ function filesOf(app: App, data: DataTransfer): File[] {
 /** Accepts files dropped on the page, and shows the progress of the import. */
 export function DropZone({ app }: { app: App }): VNode {
     const [over, setOver] = useState(false);
-    const underway = useValue(kUnderway);
+    const status = useValue(kImportStatus);
     useEffect(() => {
         const holdsFiles = (event: DragEvent) => event.dataTransfer?.types.includes("Files") ?? false;
         const drag = (event: DragEvent) => {
@@ -294,8 +294,8 @@ export function DropZone({ app }: { app: App }): VNode {
                     <p>Drop trees, meshes, points, scenes or images</p>
                 </div>
             )}
-            <p class="import-status" role="status" hidden={underway === ""}>
-                {underway}
+            <p class="import-status" role="status" hidden={status === ""}>
+                {status}
             </p>
         </>
     );

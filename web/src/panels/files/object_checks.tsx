@@ -1,7 +1,7 @@
 // A selection from the objects of the scene.
 import type { VNode } from "preact";
 import type { ObjectName } from "../../protocol";
-import { keyOf } from "../../view/shown";
+import { keyOf } from "../../view/object_view";
 
 interface Props {
     all: readonly ObjectName[];

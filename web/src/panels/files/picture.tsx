@@ -6,10 +6,10 @@ import type { App } from "../../app";
 import type { Kind, ObjectName, SceneObject } from "../../protocol";
 import { CheckField, NumberField } from "../../tools/kit/fields";
 import { useValue } from "../../use";
-import { keyOf } from "../../view/shown";
+import { keyOf } from "../../view/object_view";
 import { eyeOf, sunOptions } from "./camera";
-import { ask, Dialog, Trouble, useWork } from "./dialog";
-import { download, freeFile, listFiles, nameTrouble, withEnding, writing } from "./folder";
+import { openDialog, Dialog, ErrorText, useWork } from "./dialog";
+import { download, freeFile, listFiles, nameError, withEnding, writing } from "./folder";
 import { ObjectChecks } from "./object_checks";
 import { RequestProgress } from "./progress";
 
@@ -40,11 +40,11 @@ export async function makePicture(app: App): Promise<void> {
     const canvas = app.view.element();
     const { width, height } = kSettings;
     height.value = Math.max(Math.round((width.peek() * canvas.clientHeight) / Math.max(canvas.clientWidth, 1)), 16);
-    await ask<null>((end) => <PictureDialog app={app} end={() => end(null)} />);
+    await openDialog<null>((end) => <PictureDialog app={app} end={() => end(null)} />);
 }
 
 /** The initial objects of an image: visible trees and meshes, otherwise all visible objects. */
-function drawnAtFirst(objects: readonly SceneObject[], hidden: ReadonlySet<string>): ObjectName[] {
+function visibleObjects(objects: readonly SceneObject[], hidden: ReadonlySet<string>): ObjectName[] {
     const shown = objects.filter((object) => !hidden.has(keyOf(object)));
     const trees = shown.filter(({ kind }) => kind === "skeleton" || kind === "mesh");
     return (trees.length > 0 ? trees : shown).map(({ kind, name }) => ({ kind, name }));
@@ -52,20 +52,20 @@ function drawnAtFirst(objects: readonly SceneObject[], hidden: ReadonlySet<strin
 
 function PictureDialog({ app, end }: { app: App; end(): void }): VNode {
     const all = app.store.state.peek().objects.filter(({ kind }) => kDrawn.includes(kind));
-    const [objects, setObjects] = useState<readonly ObjectName[]>(() => drawnAtFirst(all, app.store.hidden.peek()));
+    const [objects, setObjects] = useState<readonly ObjectName[]>(() => visibleObjects(all, app.store.hidden.peek()));
     const [proposed, setProposed] = useState("picture.png");
     const [typed, setTyped] = useState<string | null>(null);
-    const [made, setMade] = useState<{ file: string; url: string } | null>(null);
-    const { busy, trouble, work } = useWork();
+    const [result, setResult] = useState<{ file: string; url: string } | null>(null);
+    const { busy, errorText, work } = useWork();
     const file = withEnding((typed ?? proposed).trim(), ".png");
-    const wrong = objects.length === 0 ? "Choose the objects of the image." : nameTrouble(file);
+    const wrong = objects.length === 0 ? "Choose the objects of the image." : nameError(file);
     // A free name is proposed when the folder has been read; text typed before that is kept.
     const proposeName = () =>
         void listFiles(app, ".png")
             .then((files) => setProposed(freeFile("picture.png", new Set(files.map(({ name }) => name)))))
             .catch(() => undefined);
     useEffect(proposeName, []);
-    useEffect(() => () => (made ? URL.revokeObjectURL(made.url) : undefined), [made]);
+    useEffect(() => () => (result ? URL.revokeObjectURL(result.url) : undefined), [result]);
     const draw = () =>
         void work(async () => {
             const { hour, north } = app.view.display;
@@ -73,16 +73,16 @@ function PictureDialog({ app, end }: { app: App; end(): void }): VNode {
             const options = { ...optionsNow(), ...(seen ? sunOptions(hour.peek(), north.peek()) : {}) };
             const fields = { objects, camera: seen ? eyeOf(app.view.camera()) : undefined, options, file };
             if (await writing(app, file, (overwrite) => app.engine.request("picture", { ...fields, overwrite }))) {
-                setMade({ file, url: URL.createObjectURL(await app.engine.file(file)) });
+                setResult({ file, url: URL.createObjectURL(await app.engine.file(file)) });
             }
         });
-    if (made) {
+    if (result) {
         const again = () => {
-            setMade(null);
+            setResult(null);
             setTyped(null);
             proposeName();
         };
-        return <MadeDialog app={app} made={made} again={again} end={end} />;
+        return <ResultDialog app={app} result={result} again={again} end={end} />;
     }
     return (
         <Dialog
@@ -124,7 +124,7 @@ function PictureDialog({ app, end }: { app: App; end(): void }): VNode {
                 </div>
             </div>
             {busy && <RequestProgress app={app} label="Rendering the image" />}
-            <Trouble text={wrong || trouble} />
+            <ErrorText text={wrong || errorText} />
         </Dialog>
     );
 }
@@ -141,16 +141,16 @@ function optionsNow(): Record<string, number | boolean> {
     };
 }
 
-interface MadeProps {
+interface ResultProps {
     app: App;
-    made: { file: string; url: string };
+    result: { file: string; url: string };
     again(): void;
     end(): void;
 }
 
-function MadeDialog({ app, made: { file, url }, again, end }: MadeProps): VNode {
+function ResultDialog({ app, result: { file, url }, again, end }: ResultProps): VNode {
     const folder = useValue(app.store.folder);
-    const { trouble, work } = useWork();
+    const { errorText, work } = useWork();
     return (
         <Dialog
             title={file}
@@ -170,11 +170,11 @@ function MadeDialog({ app, made: { file, url }, again, end }: MadeProps): VNode 
                 </>
             }
         >
-            <img class="made-picture" src={url} alt={`The image ${file}`} />
+            <img class="result-picture" src={url} alt={`The image ${file}`} />
             <p class="hint">
                 It is in <code>{folder}</code>
             </p>
-            <Trouble text={trouble} />
+            <ErrorText text={errorText} />
         </Dialog>
     );
 }

@@ -2,8 +2,8 @@
 import type { VNode } from "preact";
 import { useEffect, useState } from "preact/hooks";
 import type { App } from "../../app";
-import { ask, Dialog, Trouble, useWork } from "./dialog";
-import { bytesText, type FolderFile, listFiles, nameTrouble, withEnding, writing } from "./folder";
+import { openDialog, Dialog, ErrorText, useWork } from "./dialog";
+import { bytesText, type FolderFile, listFiles, nameError, withEnding, writing } from "./folder";
 
 const kEnding = ".coppice";
 
@@ -11,7 +11,7 @@ export async function newScene(app: App): Promise<void> {
     const isLost = app.store.state.peek().statements.length > 0;
     await app.engine.request("open", { file: "" });
     if (isLost) {
-        app.store.say("This is a new scene. Undo restores the previous one.");
+        app.store.notify("This is a new scene. Undo restores the previous one.");
     }
 }
 
@@ -21,14 +21,14 @@ export async function openFile(app: App, file: string): Promise<void> {
 }
 
 export async function openScene(app: App): Promise<void> {
-    await ask<null>((end) => <OpenDialog app={app} end={() => end(null)} />);
+    await openDialog<null>((end) => <OpenDialog app={app} end={() => end(null)} />);
 }
 
 function OpenDialog({ app, end }: { app: App; end(): void }): VNode {
     const [files, setFiles] = useState<readonly FolderFile[] | null>(null);
     const [search, setSearch] = useState("");
     const [chosen, setChosen] = useState("");
-    const { busy, trouble, work } = useWork();
+    const { busy, errorText, work } = useWork();
     useEffect(() => void work(async () => setFiles(await listFiles(app, kEnding))), []);
     const found = (files ?? []).filter(({ name }) => name.toLowerCase().includes(search.trim().toLowerCase()));
     const file = found.some(({ name }) => name === chosen) ? chosen : (found[0]?.name ?? "");
@@ -72,7 +72,7 @@ function OpenDialog({ app, end }: { app: App; end(): void }): VNode {
             {files !== null && found.length === 0 && (
                 <p class="hint">{files.length === 0 ? "The folder has no scene (.coppice) yet." : "No scene has this name."}</p>
             )}
-            <Trouble text={trouble} />
+            <ErrorText text={errorText} />
         </Dialog>
     );
 }
@@ -84,22 +84,22 @@ export async function saveScene(app: App): Promise<void> {
         return saveSceneAs(app);
     }
     await app.engine.request("save", { file });
-    app.store.say(`Saved ${file}.`);
+    app.store.notify(`Saved ${file}.`);
 }
 
 export async function saveSceneAs(app: App): Promise<void> {
-    await ask<null>((end) => <SaveDialog app={app} end={() => end(null)} />);
+    await openDialog<null>((end) => <SaveDialog app={app} end={() => end(null)} />);
 }
 
 function SaveDialog({ app, end }: { app: App; end(): void }): VNode {
     const [typed, setTyped] = useState(app.store.state.peek().file || "tree.coppice");
-    const { busy, trouble, work } = useWork();
+    const { busy, errorText, work } = useWork();
     const file = withEnding(typed.trim(), kEnding);
-    const wrong = nameTrouble(file);
+    const wrong = nameError(file);
     const save = () =>
         void work(async () => {
             if (await writing(app, file, (overwrite) => app.engine.request("save", { file, overwrite }))) {
-                app.store.say(`Saved ${file}.`);
+                app.store.notify(`Saved ${file}.`);
                 end();
             }
         });
@@ -131,7 +131,7 @@ function SaveDialog({ app, end }: { app: App; end(): void }): VNode {
                     onInput={(event) => setTyped(event.currentTarget.value)}
                 />
             </label>
-            <Trouble text={wrong || trouble} />
+            <ErrorText text={wrong || errorText} />
         </Dialog>
     );
 }

@@ -30,7 +30,7 @@ function useFirstFile(studio: Studio): void {
             const { connection, schema } = studio.store;
             if (connection.value === "ready" && schema.value.length > 0 && !begun) {
                 begun = true;
-                importNamed(studio, studio.firstFile).catch((error: Error) => studio.store.say(error.message, "error"));
+                importNamed(studio, studio.firstFile).catch((error: Error) => studio.store.notify(error.message, "error"));
             }
         });
     }, []);
@@ -40,7 +40,7 @@ export function FileWork({ studio }: { studio: Studio }): VNode {
     useEffect(() => {
         for (const [id, run] of Object.entries(kCommands)) {
             studio.menuCommand(id, () => {
-                run(studio).catch((error: Error) => studio.store.say(error.message, "error"));
+                run(studio).catch((error: Error) => studio.store.notify(error.message, "error"));
             });
         }
     }, []);

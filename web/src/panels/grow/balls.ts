@@ -1,7 +1,7 @@
 // The balls of influence and kill radius in the view: at the roots, at the pointer, at some of the points.
 import type { App, Geometry } from "../../app";
 import type { Command, Point } from "../../protocol";
-import { Drawn, kColors } from "../../tools/kit/drawn";
+import { Overlay, kColors } from "../../tools/kit/overlay";
 import type { Values } from "../../script/values";
 import { numberOf } from "./values";
 
@@ -35,7 +35,7 @@ export function rootsOf(values: Values): Point[] {
 export interface Reach {
     at: "pointer" | "root";
     pulling: number; // points within the radius of influence
-    spent: number; // points within the kill radius
+    removed: number; // points within the kill radius
     all: number;
 }
 
@@ -48,7 +48,7 @@ export function reachOf(geometry: Geometry, command: Command, values: Values, po
     return {
         at: pointer ? "pointer" : "root",
         pulling: within("influence_radius"),
-        spent: within("kill_radius"),
+        removed: within("kill_radius"),
         all: position.length / 3,
     };
 }
@@ -62,10 +62,10 @@ export function isRadius(name: string): name is RadiusName {
 
 /** Shown while a field of a radius is in use. */
 export class Balls {
-    private readonly drawn: Drawn;
+    private readonly overlay: Overlay;
 
     constructor(app: App) {
-        this.drawn = new Drawn(app);
+        this.overlay = new Overlay(app);
     }
 
     show(geometry: Geometry | undefined, command: Command, values: Values, name: RadiusName, pointer: Point | null): void {
@@ -73,18 +73,18 @@ export class Balls {
         const radius = numberOf(command, values, name);
         const color = name === "kill_radius" ? kColors.cut : name === "step" ? kColors.plain : kColors.grow;
         const places = [...rootsOf(values), ...(pointer ? [pointer] : samplesOf(position, geometry?.header.origin ?? [0, 0, 0]))];
-        this.drawn.clear();
+        this.overlay.clear();
         for (const place of places) {
-            this.drawn.ball(place, radius, color);
+            this.overlay.ball(place, radius, color);
         }
-        this.drawn.dots(places, color, 6);
+        this.overlay.dots(places, color, 6);
     }
 
     clear(): void {
-        this.drawn.clear();
+        this.overlay.clear();
     }
 
     stop(): void {
-        this.drawn.stop();
+        this.overlay.stop();
     }
 }

@@ -6,7 +6,7 @@ import type { Argument, Command, ObjectName, SceneObject, State } from "../../pr
 import { kindsOf } from "../../script/commands";
 import { lineOf, missing, readCall, type Values, withValue, wordOf } from "../../script/values";
 import { rewriteStatement } from "../../tools/kit/source";
-import { keyOf } from "../../view/shown";
+import { keyOf } from "../../view/object_view";
 import { defaultsOf } from "../scene/defaults";
 import { commandNamed } from "./values";
 
@@ -17,7 +17,7 @@ export interface Bound {
     comment: string;
 }
 
-export interface Made {
+export interface ObjectStatement {
     command: Command;
     values: Values;
     bound: Bound;
@@ -46,7 +46,7 @@ const kKinds: Record<string, ObjectName["kind"]> = {
 };
 
 /** The newest statement that created an object by one of the commands; later ones may have changed it. */
-export function makerOf(state: State, schema: readonly Command[], object: SceneObject, names: readonly string[]): Made | null {
+export function creatorOf(state: State, schema: readonly Command[], object: SceneObject, names: readonly string[]): ObjectStatement | null {
     const commands = schema.filter(({ name }) => names.includes(name));
     const begins = commands.flatMap(({ name, aliases }) => [name, ...aliases].map((words) => words.split(" ")[0]));
     for (let i = Math.min(object.statement, state.statements.length - 1); i >= 0; --i) {
@@ -98,7 +98,7 @@ export async function performText(app: App, text: string, bound: Bound | null, t
     } else {
         const { says } = await app.engine.run(text, about);
         if (says) {
-            app.store.say(says.trim());
+            app.store.notify(says.trim());
         }
     }
 }
@@ -107,7 +107,7 @@ export class Card {
     readonly command: Signal<string>;
     readonly values = signal<Values>({});
     readonly bound = signal<Bound | null>(null);
-    readonly trouble = signal(""); // error of the engine for it
+    readonly errorText = signal(""); // error of the engine for it
     readonly shown = signal(0); // number of received previews; 0: the document is shown
     readonly busy = signal(false);
     private given: Values = {}; // by the user, kept when suggestions change
@@ -165,17 +165,17 @@ export class Card {
     /** Creates a new line for the selection. Values of the user are kept. */
     renew(): void {
         this.bound.value = null;
-        this.trouble.value = "";
+        this.errorText.value = "";
         const command = this.command.peek();
         this.values.value = { ...this.options.suggest(this.app, command, this.given), ...defaultsOf(command), ...this.given };
     }
 
     /** Begins to change a statement of the document. */
-    bind({ command, values, bound }: Made): void {
+    bind({ command, values, bound }: ObjectStatement): void {
         this.command.value = command.name;
         this.values.value = values;
         this.bound.value = bound;
-        this.trouble.value = "";
+        this.errorText.value = "";
         this.given = {};
     }
 
@@ -205,9 +205,9 @@ export class Card {
         }
         const target = this.target;
         const object = target && this.app.store.find(target.kind, target.name);
-        const made = object && makerOf(this.app.store.state.peek(), this.app.store.schema.peek(), object, this.options.commands);
-        if (made) {
-            this.bind(made);
+        const creator = object && creatorOf(this.app.store.state.peek(), this.app.store.schema.peek(), object, this.options.commands);
+        if (creator) {
+            this.bind(creator);
         } else {
             this.given = {};
             this.renew();
@@ -273,7 +273,7 @@ export class Card {
             const text = [line, ...(bound ? [] : (this.options.also?.(command, this.values.peek()) ?? []))].join("\n");
             await (this.options.perform?.(text, bound, target) ?? performText(this.app, text, bound, target, this.about));
             this.closed();
-            this.trouble.value = "";
+            this.errorText.value = "";
             this.rebind(line);
             this.options.ran?.(target);
         } catch (error) {
@@ -311,12 +311,12 @@ export class Card {
         this.app.engine.preview(this.line, this.about).then(
             (shown) => {
                 if (shown) {
-                    this.trouble.value = "";
+                    this.errorText.value = "";
                     ++this.shown.value;
                 }
             },
             (error: Error) => {
-                this.trouble.value = error.message;
+                this.errorText.value = error.message;
             },
         );
     }
@@ -335,7 +335,7 @@ export class Card {
         if (isCancelled(error)) {
             this.options.stopped?.();
         } else {
-            this.trouble.value = error.message;
+            this.errorText.value = error.message;
         }
     }
 }

@@ -64,7 +64,7 @@ const Fields = tracked(({ card, main, focus }: Props) => {
 });
 
 /** Describes the changed statement or the new object, and shows the error of the engine. */
-export const Standing = tracked(({ card }: { card: Card }) => {
+export const CardState = tracked(({ card }: { card: Card }) => {
     const bound = card.bound.value;
     const { statements, error } = card.app.store.state.value;
     return (
@@ -77,9 +77,9 @@ export const Standing = tracked(({ card }: { card: Card }) => {
                     </button>
                 </p>
             )}
-            {card.trouble.value && (
+            {card.errorText.value && (
                 <p class="error" role="alert">
-                    {card.trouble.value}
+                    {card.errorText.value}
                 </p>
             )}
             {bound && error && error.statement > bound.statement && (
@@ -97,9 +97,9 @@ export const Standing = tracked(({ card }: { card: Card }) => {
 
 export function CommandCard({ card, main, focus, children }: Props & { children?: ComponentChildren }): VNode {
     const left = (event: FocusEvent) => {
-        const stays = event.relatedTarget instanceof Node && (event.currentTarget as Node).contains(event.relatedTarget);
+        const isInside = event.relatedTarget instanceof Node && (event.currentTarget as Node).contains(event.relatedTarget);
         const looks = event.relatedTarget === null || event.relatedTarget === card.app.view.element(); // the user may rotate the view
-        if (!stays && !looks && !card.busy.peek()) {
+        if (!isInside && !looks && !card.busy.peek()) {
             card.endPreview();
         }
     };
@@ -111,7 +111,7 @@ export function CommandCard({ card, main, focus, children }: Props & { children?
     };
     return (
         <div class="command-card" onFocusOut={left} onKeyDown={key}>
-            <Standing card={card} />
+            <CardState card={card} />
             {children}
             <Fields card={card} main={main} focus={focus} />
             <Tracked

@@ -7,7 +7,7 @@ import type { Values } from "../../script/values";
 import { runLine } from "../../tools/kit/gesture";
 import { commandLine } from "../../tools/kit/words";
 import { endingOf, listFiles, objectName } from "../files/folder";
-import { Card, makerOf } from "./card";
+import { Card, creatorOf } from "./card";
 
 const kMeshEndings = new Set([".obj", ".off", ".stl", ".glb"]);
 const kPointEndings = new Set([".xyz", ".txt", ".csv", ".asc", ".pts"]); // file extensions that scenes also load as points
@@ -37,7 +37,7 @@ export interface Source {
 export class Extraction {
     readonly card: Card;
     readonly files: Signal<string[]> = signal([]);
-    readonly beside = signal(true); // a scan that is only a file is loaded to be shown with its skeleton
+    readonly isReference = signal(true); // a scan that is only a file is loaded to be shown with its skeleton
     readonly scan: Signal<ObjectName | null> = signal(null); // of the last result
 
     constructor(
@@ -58,7 +58,7 @@ export class Extraction {
             this.files.value = scansAmong((await listFiles(this.app)).map(({ name }) => name));
             this.follow();
         } catch (error) {
-            this.app.store.say((error as Error).message, "error");
+            this.app.store.notify((error as Error).message, "error");
         }
     }
 
@@ -74,9 +74,9 @@ export class Extraction {
     private fileOf(object: ObjectName): string | null {
         const { state, schema } = this.app.store;
         const found = object.kind === "mesh" || object.kind === "points" ? this.app.store.find(object.kind, object.name) : undefined;
-        const made = found && makerOf(state.peek(), schema.peek(), found, kLoads);
-        const argument = made?.command.arguments.find(({ type }) => type === "input_file");
-        return (argument && made?.values[argument.name]?.[0]) ?? null;
+        const creator = found && creatorOf(state.peek(), schema.peek(), found, kLoads);
+        const argument = creator?.command.arguments.find(({ type }) => type === "input_file");
+        return (argument && creator?.values[argument.name]?.[0]) ?? null;
     }
 
     /** The available sources, the selected object first. */
@@ -121,7 +121,7 @@ export class Extraction {
         const known = kindsOf(from ?? ({ type: "object" } as Argument))
             .map((kind) => object && this.app.store.find(kind, object))
             .find(Boolean);
-        this.scan.value = known || (name && this.beside.peek() ? await this.load(name) : null);
+        this.scan.value = known || (name && this.isReference.peek() ? await this.load(name) : null);
         if (target) {
             this.select(target);
         }

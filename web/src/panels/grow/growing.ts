@@ -2,7 +2,7 @@
 import { effect, type Signal, signal } from "@preact/signals-core";
 import type { App } from "../../app";
 import type { ObjectName } from "../../protocol";
-import { keyOf } from "../../view/shown";
+import { keyOf } from "../../view/object_view";
 import { type Bound, type Card, isCancelled, performText, setShown } from "./card";
 
 export interface Growing {
@@ -28,7 +28,7 @@ export class GrowthWatch {
         const { store } = this.app;
         this.now.value = { phase: "running", nodes: 0, until: "" };
         store.grown.value = null;
-        store.keepsGrown.value = true;
+        store.keepsGrowthPreview.value = true;
         const stop = effect(() => {
             const grown = store.grown.value;
             if (grown) {
@@ -56,7 +56,7 @@ export class GrowthWatch {
             this.now.value = { ...so, phase: "stopped" };
         } else {
             this.end();
-            this.app.store.say("Stopped before the tree had grown; the scene is unchanged.");
+            this.app.store.notify("Stopped before the tree had grown; the scene is unchanged.");
         }
     }
 
@@ -79,7 +79,7 @@ export class GrowthWatch {
     end(): void {
         this.now.value = null;
         this.bringBack();
-        this.app.store.keepsGrown.value = false;
+        this.app.store.keepsGrowthPreview.value = false;
     }
 
     private putAside(object: ObjectName | null): void {

@@ -2,12 +2,12 @@
 import { effect, type Signal, signal, untracked } from "@preact/signals-core";
 import type { App } from "../../app";
 import type { Command, Kind, ObjectName, SceneObject, State } from "../../protocol";
-import { keyOf } from "../../view/shown";
+import { keyOf } from "../../view/object_view";
 import { commandLine } from "../../tools/kit/words";
 import { check } from "../display/checks";
 import { kDefaults } from "../scene/defaults";
 import { Attractors } from "./attractors";
-import { Card, type CardOptions, makerOf } from "./card";
+import { Card, type CardOptions, creatorOf } from "./card";
 import { Extraction } from "./extraction";
 import { GrowthWatch } from "./growing";
 import type { Balls, RadiusName } from "./balls";
@@ -35,8 +35,8 @@ export function objectOf(app: App, kind: Kind, name?: string): SceneObject | und
     );
 }
 
-function named(object: SceneObject | undefined, what: string): Values {
-    return object ? { [what]: [object.name] } : {};
+function named(object: SceneObject | undefined, argument: string): Values {
+    return object ? { [argument]: [object.name] } : {};
 }
 
 function pointValues(app: App, command: string, given: Values): Values {
@@ -151,10 +151,10 @@ export class GrowthModel {
         this.begun ||= isFirst;
         for (const card of this.cards) {
             const about = isFirst && !found ? newestMade(state, schema, card) : isNew ? found : undefined;
-            const made = about ? makerOf(state, schema, about, card.options.commands) : null;
-            if (made && !card.busy.peek()) {
+            const creator = about ? creatorOf(state, schema, about, card.options.commands) : null;
+            if (creator && !card.busy.peek()) {
                 card.endPreview();
-                card.bind(made);
+                card.bind(creator);
             } else if (isNew && found && card.bound.peek() && isAboutAnother(card, found)) {
                 card.renew();
             } else {
@@ -177,12 +177,12 @@ export class GrowthModel {
         if (step === "tree" && target && points) {
             this.app.store.hideFor([{ kind: "points", name: points }], target);
         } else if (step === "surface" && target) {
-            void this.judge(target);
+            void this.checkSurface(target);
         }
     }
 
     // The figures of a surface are shown when it is visible.
-    private async judge(target: ObjectName): Promise<void> {
+    private async checkSurface(target: ObjectName): Promise<void> {
         const { store, view } = this.app;
         const isComing = () => store.find(target.kind, target.name) && !store.hidden.peek().has(keyOf(target)) && !view.geometry(target, "surface");
         while (isComing()) {
@@ -203,14 +203,14 @@ export class GrowthModel {
 /** Whether the selection is a different input for a new line than the object that the card changes. */
 function isAboutAnother(card: Card, object: SceneObject): boolean {
     const inputs = card.arguments.filter(({ type }) => type === "object");
-    const takes = inputs.filter(({ kind, required }) => required && kind === object.kind);
-    return takes.some(({ name }) => card.values.peek()[name]?.[0] !== object.name);
+    const required = inputs.filter(({ kind, required }) => required && kind === object.kind);
+    return required.some(({ name }) => card.values.peek()[name]?.[0] !== object.name);
 }
 
 /** The object that a card changes when the page is opened on a scene. */
 function newestMade(state: State, schema: readonly Command[], card: Card): SceneObject | undefined {
-    const made = state.objects.filter((object) => makerOf(state, schema, object, card.options.commands));
-    return made.sort((a, b) => b.statement - a.statement)[0];
+    const creator = state.objects.filter((object) => creatorOf(state, schema, object, card.options.commands));
+    return creator.sort((a, b) => b.statement - a.statement)[0];
 }
 
 function stepOf(kind: Kind, isScan: boolean): StepName | null {

@@ -3,7 +3,7 @@ import type { ComponentChildren } from "preact";
 import type { App } from "../../app";
 import type { ObjectName } from "../../protocol";
 import { tracked } from "../../use";
-import { keyOf } from "../../view/shown";
+import { keyOf } from "../../view/object_view";
 import { type Card, setShown } from "./card";
 import { type GrowthModel, type StepName } from "./model";
 
@@ -76,10 +76,10 @@ export const Step = tracked(({ model, step, mark, title, summary, done, button, 
 });
 
 /** Selects one of several commands of a card. */
-export const Ways = tracked(({ card, ways, label }: { card: Card; ways: readonly (readonly [string, string])[]; label: string }) => {
+export const CommandChoice = tracked(({ card, choices, label }: { card: Card; choices: readonly (readonly [string, string])[]; label: string }) => {
     return (
         <div class="tool-row" role="group" aria-label={label}>
-            {ways.map(([command, text]) => (
+            {choices.map(([command, text]) => (
                 <button key={command} type="button" aria-pressed={card.command.value === command} onClick={() => card.choose(command)}>
                     {text}
                 </button>

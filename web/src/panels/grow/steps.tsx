@@ -7,7 +7,7 @@ import { checking, isOf, lastCheck } from "../display/checks";
 import type { Card } from "./card";
 import { CommandCard } from "./command_card";
 import type { GrowthModel } from "./model";
-import { count, kMain, ShownBox, Step, Ways } from "./step";
+import { count, kMain, ShownBox, Step, CommandChoice } from "./step";
 import { TreeStep } from "./tree_step";
 
 /** Number of points in the preview, or in the existing set. */
@@ -40,7 +40,7 @@ const PointStep = tracked(({ model }: { model: GrowthModel }) => {
     const done = objects.some(({ kind }) => kind === "points");
     const hasSolid = objects.some(({ kind }) => kind === "solid" || kind === "mesh");
     const changes = card.command.value === "pointset thin" || card.command.value === "pointset densify";
-    const what = card.values.value.solid?.[0] ?? card.values.value.mesh?.[0] ?? "a crown";
+    const target = card.values.value.solid?.[0] ?? card.values.value.mesh?.[0] ?? "a crown";
     const counted = shownCount(card);
     const summary =
         counted > 0 && card.target
@@ -51,7 +51,7 @@ const PointStep = tracked(({ model }: { model: GrowthModel }) => {
     const buttons: Record<string, string> = {
         "pointset thin": "Thin the points",
         "pointset densify": "Add points",
-        "pointset near": `Cover ${what} with points`,
+        "pointset near": `Cover ${target} with points`,
     };
     return (
         <Step
@@ -61,12 +61,12 @@ const PointStep = tracked(({ model }: { model: GrowthModel }) => {
             title="Points"
             summary={summary}
             done={done}
-            button={card.bound.value && !changes ? "Fill with other points" : (buttons[card.command.value] ?? `Fill ${what} with points`)}
+            button={card.bound.value && !changes ? "Fill with other points" : (buttons[card.command.value] ?? `Fill ${target} with points`)}
             run={() => void card.runNew()}
             disabled={card.busy.value || (card.missing !== "" && !card.bound.value)}
         >
             <CommandCard card={card} main={kMain[card.command.value]}>
-                <Ways card={card} ways={kPointWays} label="Method" />
+                <CommandChoice card={card} choices={kPointWays} label="Method" />
                 <PointCount card={card} />
                 <ShownBox app={app} object={card.target} label="Show these points" />
             </CommandCard>
@@ -158,9 +158,9 @@ const ScanStep = tracked(({ model }: { model: GrowthModel }) => {
                 <label class="tool-check">
                     <input
                         type="checkbox"
-                        checked={scan.beside.value}
+                        checked={scan.isReference.value}
                         onChange={(event) => {
-                            scan.beside.value = event.currentTarget.checked;
+                            scan.isReference.value = event.currentTarget.checked;
                         }}
                     />
                     <span>Load files too, to compare</span>

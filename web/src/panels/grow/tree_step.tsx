@@ -4,7 +4,7 @@ import { tracked } from "../../use";
 import { Balls, isRadius, reachOf } from "./balls";
 import { CommandCard } from "./command_card";
 import type { GrowthModel } from "./model";
-import { count, kMain, ShownBox, Step, Ways } from "./step";
+import { count, kMain, ShownBox, Step, CommandChoice } from "./step";
 
 const Running = tracked(({ model }: { model: GrowthModel }) => {
     const now = model.growth.now.value;
@@ -43,9 +43,9 @@ const ReachText = tracked(({ model }: { model: GrowthModel }) => {
     if (!command || !geometry || card.command.value !== "grow") {
         return null;
     }
-    const { at, pulling, spent, all } = reachOf(geometry, command, card.values.value, pointer);
+    const { at, pulling, removed, all } = reachOf(geometry, command, card.values.value, pointer);
     const where = at === "pointer" ? "At the pointer" : "At the root";
-    return <p class="count">{`${where} ${count(pulling, "")}of ${count(all, "points")} attract, ${count(spent, "")}are removed.`}</p>;
+    return <p class="count">{`${where} ${count(pulling, "")}of ${count(all, "points")} attract, ${count(removed, "")}are removed.`}</p>;
 });
 
 function BallsInPicture({ model }: { model: GrowthModel }): null {
@@ -90,9 +90,9 @@ export const TreeStep = tracked(({ model }: { model: GrowthModel }) => {
                     model.radius.value = name !== null && isRadius(name) ? name : null;
                 }}
             >
-                <Ways
+                <CommandChoice
                     card={card}
-                    ways={[
+                    choices={[
                         ["grow", "Into points"],
                         ["sprout", "By rules"],
                     ]}

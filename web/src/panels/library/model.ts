@@ -9,7 +9,7 @@ import { type Skeleton, selectedTops } from "../../tools/kit/skeleton";
 import { commandLine } from "../../tools/kit/words";
 import { chosenBranch } from "../../tools/branch/library_graft";
 import { listFiles } from "../files/folder";
-import { Card, makerOf } from "../grow/card";
+import { Card, creatorOf } from "../grow/card";
 import { objectOf } from "../grow/model";
 import { type Branch, type Filter, filterValues, kAll, type Order } from "./filter";
 
@@ -30,7 +30,7 @@ export class LibraryModel {
     readonly branches: Signal<Branch[]> = signal([]);
     readonly filter: Signal<Filter> = signal(kAll);
     readonly order: Signal<Order> = signal<Order>("length");
-    readonly trouble = signal("");
+    readonly errorText = signal("");
     readonly onlyShown = signal(false); // trees are composed from the filtered branches only
     readonly firstSeed = signal(1);
     readonly card: Card;
@@ -62,7 +62,7 @@ export class LibraryModel {
                 await this.open(this.files.peek()[0]);
             }
         } catch (error) {
-            this.app.store.say((error as Error).message, "error");
+            this.app.store.notify((error as Error).message, "error");
         }
     }
 
@@ -81,13 +81,13 @@ export class LibraryModel {
         }
         try {
             const { branches } = await this.app.engine.request<{ branches: Branch[] }>("library", { file });
-            this.trouble.value = "";
+            this.errorText.value = "";
             if (file === this.file.peek()) {
                 this.branches.value = branches;
             }
         } catch (error) {
             this.branches.value = [];
-            this.trouble.value = (error as Error).message;
+            this.errorText.value = (error as Error).message;
         }
     }
 
@@ -97,11 +97,11 @@ export class LibraryModel {
     }
 
     /** Stores all branches of a tree, or the selected ones. */
-    async add(tag: string, what: "tree" | "selected"): Promise<void> {
-        const tops = what === "selected" ? selectedTops(this.app) : null;
+    async add(tag: string, source: "tree" | "selected"): Promise<void> {
+        const tops = source === "selected" ? selectedTops(this.app) : null;
         const tree = tops?.name ?? objectOf(this.app, "skeleton")?.name;
-        if (!tree || (what === "selected" && !tops)) {
-            this.app.store.say("Select a tree, or branches of one, first.", "warning");
+        if (!tree || (source === "selected" && !tops)) {
+            this.app.store.notify("Select a tree, or branches of one, first.", "warning");
             return;
         }
         const first = tops ? new Set(tops.ids.map((id) => tops.skeleton.ids[branchStart(tops.skeleton, tops.skeleton.index(id))])) : [];
@@ -134,7 +134,7 @@ export class LibraryModel {
 
     private suggest(given: Values): Values {
         const tree = objectOf(this.app, "skeleton", given.template?.[0]);
-        const composed = tree && makerOf(this.app.store.state.value, this.app.store.schema.value, tree, ["compose"]);
+        const composed = tree && creatorOf(this.app.store.state.value, this.app.store.schema.value, tree, ["compose"]);
         const template = composed?.values.template?.[0] ?? tree?.name; // by default, a composed tree is not a template itself
         const file = this.branches.value.length > 0 ? this.file.value : "";
         return {
@@ -156,13 +156,13 @@ export class LibraryModel {
         untracked(() => {
             const found = object && this.app.store.find(object.kind, object.name);
             const key = found ? `${found.kind}:${found.name}` : "";
-            const made = found && key !== this.selected ? makerOf(state, schema, found, ["compose"]) : null;
+            const creator = found && key !== this.selected ? creatorOf(state, schema, found, ["compose"]) : null;
             const isOther = found?.kind === "skeleton" && key !== this.selected;
             if (this.card.busy.peek()) {
                 return;
             }
-            if (made) {
-                this.card.bind(made);
+            if (creator) {
+                this.card.bind(creator);
             } else if (isOther && this.card.bound.peek()) {
                 this.card.renew(); // another template
             } else {

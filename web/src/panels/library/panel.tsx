@@ -2,7 +2,7 @@
 import type { VNode } from "preact";
 import { useEffect, useState } from "preact/hooks";
 import { selectedTops } from "../../tools/kit/skeleton";
-import { FieldTrouble, useNumber } from "../../number_field";
+import { FieldError, useNumber } from "../../number_field";
 import { tracked } from "../../use";
 import { withEnding } from "../files/folder";
 import { filtered, kAll, type Order, tagsOf } from "./filter";
@@ -77,7 +77,7 @@ const Adding = tracked(({ model }: { model: LibraryModel }) => {
     const [tag, setTag] = useState("");
     const { store } = model.app;
     const hasTrees = store.state.value.objects.some(({ kind }) => kind === "skeleton");
-    const takesNodes = store.schema.value.some((command) => command.name === "library add" && command.arguments.some(({ name }) => name === "nodes"));
+    const acceptsNodes = store.schema.value.some((command) => command.name === "library add" && command.arguments.some(({ name }) => name === "nodes"));
     void store.selection.value;
     if (model.file.value === "" || !hasTrees) {
         return null;
@@ -93,7 +93,7 @@ const Adding = tracked(({ model }: { model: LibraryModel }) => {
                 <button type="button" onClick={() => void model.add(tag, "tree")}>
                     All of the tree
                 </button>
-                {takesNodes && (
+                {acceptsNodes && (
                     <button type="button" disabled={selectedTops(model.app) === null} onClick={() => void model.add(tag, "selected")}>
                         The selected ones
                     </button>
@@ -111,11 +111,11 @@ interface MetresProps {
 }
 
 function Metres({ label, placeholder, value, set }: MetresProps): VNode {
-    const { field, trouble } = useNumber({ value: value || null, low: 0, take: set, clear: () => set(0) });
+    const { field, errorText } = useNumber({ value: value || null, low: 0, take: set, clear: () => set(0) });
     return (
         <>
             <input aria-label={label} placeholder={placeholder} {...field} />
-            <FieldTrouble text={trouble} />
+            <FieldError text={errorText} />
         </>
     );
 }
@@ -166,10 +166,10 @@ const Filters = tracked(({ model }: { model: LibraryModel }) => {
 
 const Branches = tracked(({ model }: { model: LibraryModel }) => {
     const all = model.branches.value;
-    if (model.trouble.value) {
+    if (model.errorText.value) {
         return (
             <p class="error" role="alert">
-                {model.trouble.value}
+                {model.errorText.value}
             </p>
         );
     }

@@ -10,7 +10,7 @@ const kAtOnce = 4;
 
 export type Load = () => Promise<Geometry>;
 
-interface Wish {
+interface PictureRequest {
     key: string;
     load: Load;
     resolve(picture: Silhouette): void;
@@ -20,7 +20,7 @@ interface Wish {
 /** Images by key. The newest request is served first, because it is visible. */
 class Pictures {
     private readonly kept = new Map<string, Promise<Silhouette>>();
-    private readonly wishes: Wish[] = [];
+    private readonly queue: PictureRequest[] = [];
     private running = 0;
 
     get(key: string, load: Load): Promise<Silhouette> {
@@ -28,7 +28,7 @@ class Pictures {
         if (known) {
             return known;
         }
-        const picture = new Promise<Silhouette>((resolve, reject) => this.wishes.push({ key, load, resolve, reject }));
+        const picture = new Promise<Silhouette>((resolve, reject) => this.queue.push({ key, load, resolve, reject }));
         picture.catch(() => this.kept.delete(key)); // a later attempt may succeed
         this.kept.set(key, picture);
         if (this.kept.size > kMaxKept) {
@@ -40,19 +40,20 @@ class Pictures {
 
     /** Cancels a request. */
     drop(key: string): void {
-        const at = this.wishes.findIndex((wish) => wish.key === key);
+        const at = this.queue.findIndex((request) => request.key === key);
         if (at >= 0) {
-            this.wishes.splice(at, 1);
+            this.queue.splice(at, 1);
             this.kept.delete(key);
         }
     }
 
     private next(): void {
-        const wish = this.running < kAtOnce ? this.wishes.pop() : undefined;
-        if (wish) {
+        const request = this.running < kAtOnce ? this.queue.pop() : undefined;
+        if (request) {
             ++this.running;
-            wish.load()
-                .then((geometry) => wish.resolve(silhouetteOf(geometry, kSize)), wish.reject)
+            request
+                .load()
+                .then((geometry) => request.resolve(silhouetteOf(geometry, kSize)), request.reject)
                 .finally(() => {
                     --this.running;
                     this.next();
@@ -77,16 +78,16 @@ export function Strokes({ picture }: { picture: Silhouette }): VNode {
 export function Picture({ id, load }: { id: string; load: Load }): VNode {
     const place = useRef<HTMLDivElement>(null);
     const [picture, setPicture] = useState<Silhouette | null>(null);
-    const [trouble, setTrouble] = useState("");
+    const [errorText, setErrorText] = useState("");
     useEffect(() => {
         let wanted = true;
-        setTrouble("");
+        setErrorText("");
         const watch = new IntersectionObserver((entries) => {
             if (entries.some((entry) => entry.isIntersecting)) {
                 watch.disconnect();
                 pictures.get(id, load).then(
-                    (made) => wanted && setPicture(made),
-                    (error: Error) => wanted && setTrouble(error.message),
+                    (drawn) => wanted && setPicture(drawn),
+                    (error: Error) => wanted && setErrorText(error.message),
                 );
             }
         });
@@ -100,8 +101,8 @@ export function Picture({ id, load }: { id: string; load: Load }): VNode {
         };
     }, [id]);
     return (
-        <div class="picture-box" ref={place} title={trouble || undefined}>
-            {trouble ? (
+        <div class="picture-box" ref={place} title={errorText || undefined}>
+            {errorText ? (
                 <span class="error">no image</span>
             ) : picture ? (
                 <Strokes picture={picture} />

@@ -3,7 +3,7 @@
 import { useEffect, useState } from "preact/hooks";
 import type { Argument } from "../../protocol";
 import { tracked } from "../../use";
-import { contextOf, Standing } from "../grow/command_card";
+import { contextOf, CardState } from "../grow/command_card";
 import { ArgumentField } from "../scene/forms/argument_field";
 import type { LibraryModel } from "./model";
 import { Picture } from "./pictures";
@@ -99,7 +99,7 @@ export const Composition = tracked(({ model }: { model: LibraryModel }) => {
     const template = card.values.value.template?.[0] ?? "";
     return (
         <div class="command-card">
-            <Standing card={card} />
+            <CardState card={card} />
             <label class="tool-field">
                 <span>Template</span>
                 <select value={template} onChange={(event) => card.set("template", [event.currentTarget.value], true)}>

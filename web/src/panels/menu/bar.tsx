@@ -4,7 +4,7 @@ import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { kShortcuts } from "../../keys";
 import type { Studio } from "../../studio";
 import { useValue } from "../../use";
-import { tell } from "../files/dialog";
+import { showText } from "../files/dialog";
 import { kDefaults } from "../scene/defaults";
 import { type Menu, type MenuItem, type MenuReply, menusOf } from "./items";
 import "./menu.css";
@@ -14,7 +14,7 @@ import { isChecked, perform, unready } from "./perform";
 async function tellMenuFile(studio: Studio): Promise<void> {
     const { files, built_in } = await studio.engine.request<MenuReply>("menu");
     const where = files.length > 0 ? `Your own menu is read from:\n${files.join("\n")}\n` : "Start the studio with --menu FILE to use your own menu.\n";
-    await tell("The menu is a text file", `${where}It extends the built-in menu:\n\n${built_in}`);
+    await showText("The menu is a text file", `${where}It extends the built-in menu:\n\n${built_in}`);
 }
 
 /** Reads the menu after each connection: the file may have changed. */
@@ -26,9 +26,9 @@ function useMenus(studio: Studio): readonly Menu[] {
             studio.engine.request<MenuReply>("menu").then(
                 ({ items, faults }) => {
                     setMenus(menusOf(items));
-                    faults.forEach((fault) => studio.store.say(fault, "warning"));
+                    faults.forEach((fault) => studio.store.notify(fault, "warning"));
                 },
-                (error: Error) => studio.store.say(`The menu cannot be read: ${error.message}`, "error"),
+                (error: Error) => studio.store.notify(`The menu cannot be read: ${error.message}`, "error"),
             );
         }
     }, [connection]);
@@ -202,7 +202,7 @@ export function MenuBar({ studio }: { studio: Studio }): VNode {
     useEffect(() => {
         studio.menuCommand("menu", () => newest.current());
         studio.menuCommand("menu-file", () => {
-            tellMenuFile(studio).catch((error: Error) => studio.store.say(error.message, "error"));
+            tellMenuFile(studio).catch((error: Error) => studio.store.notify(error.message, "error"));
         });
     }, []);
     useLoneAlt(() => newest.current());

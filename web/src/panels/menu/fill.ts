@@ -39,7 +39,7 @@ export function argumentsOf(schema: readonly Command[], parts: readonly Part[]):
 }
 
 /** The kinds of the selected object that the line accepts; null if it does not use one. */
-export function kindsWanted(schema: readonly Command[], line: string): readonly Kind[] | null {
+export function requestedKinds(schema: readonly Command[], line: string): readonly Kind[] | null {
     const parts = partsOf(line);
     const found = argumentsOf(schema, parts).filter((_, at) => parts[at].is === "object");
     const kinds = found.map((argument) => (argument ? kindsOf(argument) : null));
@@ -55,8 +55,8 @@ const kQuoted = new Set<Argument["type"]>(["word", "input_file", "output_file", 
 
 /** The line to run. The engine chooses the names of new objects, because it knows the free ones. */
 export function filled(parts: readonly Part[], filling: Filling, schema: readonly Command[]): string {
-    const stands = argumentsOf(schema, parts);
-    let asked = 0;
+    const partArguments = argumentsOf(schema, parts);
+    let answerIndex = 0;
     const words = parts.map((part, at) => {
         switch (part.is) {
             case "text":
@@ -66,8 +66,8 @@ export function filled(parts: readonly Part[], filling: Filling, schema: readonl
             case "new":
                 return newName(part.base);
             case "ask": {
-                const answer = filling.answers[asked++]?.trim() ?? "";
-                const type = stands[at]?.type;
+                const answer = filling.answers[answerIndex++]?.trim() ?? "";
+                const type = partArguments[at]?.type;
                 return type && kQuoted.has(type) ? written(answer) : answer;
             }
         }
@@ -76,7 +76,7 @@ export function filled(parts: readonly Part[], filling: Filling, schema: readonl
 }
 
 /** The error in an answer that can be detected before the line runs; otherwise empty. */
-export function answerTrouble(answer: string, argument: Argument | undefined, objects: readonly { kind: Kind; name: string }[]): string {
+export function answerError(answer: string, argument: Argument | undefined, objects: readonly { kind: Kind; name: string }[]): string {
     const text = answer.trim();
     if (text === "") {
         return "Enter a value.";

@@ -2,11 +2,11 @@
 import type { App } from "../../app";
 import type { Kind, ObjectName } from "../../protocol";
 import { runLine } from "../../tools/kit/gesture";
-import { selectWhenThere } from "../files/arrival";
-import { confirm, tell } from "../files/dialog";
+import { selectWhenCreated } from "../files/select_created";
+import { confirm, showText } from "../files/dialog";
 import { kDefaults, setDefault } from "../scene/defaults";
-import { askAnswers } from "./ask";
-import { filled, kindsWanted, partsOf } from "./fill";
+import { requestAnswers } from "./question_dialog";
+import { filled, requestedKinds, partsOf } from "./fill";
 import { type MenuItem, settingOf } from "./items";
 
 /** Conditions of commands of the page itself; commands without an entry are always available. */
@@ -49,7 +49,7 @@ export function unready(app: App, item: MenuItem, hasCommand: (id: string) => bo
 }
 
 function objectTrouble(app: App, line: string): string {
-    const kinds = kindsWanted(app.store.schema.peek(), line);
+    const kinds = requestedKinds(app.store.schema.peek(), line);
     if (!kinds || objectFor(app, kinds)) {
         return "";
     }
@@ -97,28 +97,28 @@ export function perform(app: App, item: MenuItem): void {
 async function performLine(app: App, item: MenuItem): Promise<void> {
     const parts = partsOf(item.text);
     const schema = app.store.schema.peek();
-    const kinds = kindsWanted(schema, item.text);
+    const kinds = requestedKinds(schema, item.text);
     const about = kinds ? objectFor(app, kinds) : undefined;
     const fill = (answers: readonly string[]) => filled(parts, { object: about?.name ?? "", answers }, schema);
     if (!parts.some(({ is }) => is === "ask")) {
         const ran = await runLine(app, fill([]), about);
-        await selectMade(app, ran?.names ?? []);
+        await selectCreated(app, ran?.names ?? []);
         return;
     }
-    const made = await askAnswers(app, item.label, parts, async (answers) => {
+    const created = await requestAnswers(app, item.label, parts, async (answers) => {
         const { says, names } = await app.engine.run(fill(answers), about);
         if (says) {
-            app.store.say(says);
+            app.store.notify(says);
         }
         return names;
     });
-    await selectMade(app, made ?? []);
+    await selectCreated(app, created ?? []);
 }
 
 // The next item uses the object that this one created.
-async function selectMade(app: App, made: readonly string[]): Promise<void> {
-    if (made.length > 0) {
-        await selectWhenThere(app, ({ name }) => name === made.at(-1));
+async function selectCreated(app: App, created: readonly string[]): Promise<void> {
+    if (created.length > 0) {
+        await selectWhenCreated(app, ({ name }) => name === created.at(-1));
     }
 }
 
@@ -131,13 +131,13 @@ async function performProgram(app: App, item: MenuItem): Promise<void> {
     }
     kAllowed.add(item.text);
     try {
-        app.store.say(`${item.label} runs…`);
+        app.store.notify(`${item.label} runs…`);
         const fields = { item: item.number, ...app.store.selection.peek().object };
         const { text, status } = await app.engine.request<{ text: string; status: number | null }>("program", fields);
         if (text.trim() || status) {
-            await tell(item.label, status ? `${text}\nIt ended with status ${status}.`.trim() : text.trim());
+            await showText(item.label, status ? `${text}\nIt ended with status ${status}.`.trim() : text.trim());
         }
     } catch (error) {
-        app.store.say((error as Error).message, "error");
+        app.store.notify((error as Error).message, "error");
     }
 }

@@ -7,7 +7,7 @@ import { useValue } from "../../use";
 async function backToSaved(app: App): Promise<void> {
     const { file, revision } = app.store.state.peek();
     const request = file === "" ? app.engine.request("text", { text: "", revision }) : app.engine.request("open", { file });
-    await request.catch((error: Error) => app.store.say(error.message, "error"));
+    await request.catch((error: Error) => app.store.notify(error.message, "error"));
 }
 
 export function Notices({ app }: { app: App }): VNode | null {

@@ -4,11 +4,11 @@ import type { VNode } from "preact";
 import type { Tool } from "../../app";
 import type { Point } from "../../protocol";
 import { BranchDragRun, type Held } from "../kit/branch_drag";
-import { sight } from "../kit/drawn";
+import { sight } from "../kit/overlay";
 import { AxisButtons, Button, NumberField, PointField, pointSignals } from "../kit/fields";
 import type { NodeLine } from "../kit/naming";
 import type { Skeleton } from "../kit/skeleton";
-import { typedShift } from "../kit/typed";
+import { typedShift } from "../kit/typed_input";
 import { add, kAxes, length, mix } from "../kit/vector";
 import { commandLine, directionWord, numberWord, pointWord, sizeWord } from "../kit/words";
 import { type Bend, bendTo, leverOf } from "./bend_angle";
@@ -38,7 +38,7 @@ class BendRun extends BranchDragRun {
         );
     }
 
-    protected made(held: Held): NodeLine | null {
+    protected nodeLine(held: Held): NodeLine | null {
         const bend = this.bend(held);
         if (!bend || Math.abs(bend.degrees) < 0.05) {
             return null;
@@ -61,10 +61,10 @@ class BendRun extends BranchDragRun {
     }
 
     protected override draw(): void {
-        this.drawn.clear();
+        this.overlay.clear();
         if (this.held) {
             const { chain, lever } = this.lever(this.held);
-            this.drawn.dots([add(chain[lever], this.shift(chain[lever]))]);
+            this.overlay.dots([add(chain[lever], this.shift(chain[lever]))]);
         }
     }
 
@@ -151,7 +151,7 @@ class ReshapeRun extends BranchDragRun {
         });
     }
 
-    protected made(held: Held): NodeLine | null {
+    protected nodeLine(held: Held): NodeLine | null {
         const at = held.skeleton.at(held.n);
         const by = typedShift(this.typed) ?? this.shift(at);
         if (length(by) === 0) {
@@ -174,15 +174,15 @@ class ReshapeRun extends BranchDragRun {
     }
 
     protected override draw(): void {
-        this.drawn.clear();
+        this.overlay.clear();
         if (!this.held) {
             return;
         }
         const { skeleton, n } = this.held;
         const at = add(skeleton.at(n), typedShift(this.typed) ?? this.shift(skeleton.at(n)));
-        this.drawn.dots([at]);
+        this.overlay.dots([at]);
         if (reach.peek() > 0) {
-            this.drawn.circle(at, sight(this.app, at), reach.peek());
+            this.overlay.circle(at, sight(this.app, at), reach.peek());
         }
     }
 }

@@ -1,6 +1,6 @@
 // Cuts and detaches branches: selected ones by a key, or a clicked one.
 import type { App, Pick, Tool, ToolPointer, ToolRun } from "../../app";
-import { Drawn, kColors } from "../kit/drawn";
+import { Overlay, kColors } from "../kit/overlay";
 import { runLine } from "../kit/gesture";
 import { anchored } from "../kit/naming";
 import { fetchSkeleton, pickBranch, selectedTops, type Skeleton, skeletonOf } from "../kit/skeleton";
@@ -37,7 +37,7 @@ const kStill = 6; // [px] maximum movement of a click
 
 /** One click cuts; hovering shows the segments that would be removed. */
 class CutRun implements ToolRun {
-    private readonly drawn: Drawn;
+    private readonly overlay: Overlay;
     private under: Pick | null = null;
     private pressed: ToolPointer | null = null;
 
@@ -45,7 +45,7 @@ class CutRun implements ToolRun {
         private readonly app: App,
         private readonly command: "delete" | "detach",
     ) {
-        this.drawn = new Drawn(app);
+        this.overlay = new Overlay(app);
         const { object } = app.store.selection.peek();
         if (object?.kind === "skeleton") {
             void fetchSkeleton(app, object.name);
@@ -53,14 +53,14 @@ class CutRun implements ToolRun {
     }
 
     stop(): void {
-        this.drawn.stop();
+        this.overlay.stop();
     }
 
     status(): string {
-        const what = this.command === "delete" ? "cut off" : "made a separate tree";
+        const effect = this.command === "delete" ? "cut off" : "made a separate tree";
         return this.under?.node === undefined
-            ? `Click the branch that is to be ${what}, or press Enter for the selection.`
-            : `The branch from node ${this.under.node} will be ${what}.`;
+            ? `Click the branch that is to be ${effect}, or press Enter for the selection.`
+            : `The branch from node ${this.under.node} will be ${effect}.`;
     }
 
     pointer(event: ToolPointer): boolean {
@@ -98,13 +98,13 @@ class CutRun implements ToolRun {
             return;
         }
         this.under = pick;
-        this.drawn.clear();
+        this.overlay.clear();
         const skeleton = pick && (await fetchSkeleton(this.app, pick.object.name));
         const n = skeleton && pick?.node !== undefined ? skeleton.index(pick.node) : -1;
         if (skeleton && n >= 0 && this.under === pick) {
             const segments = subtreeSegments(skeleton, n);
             if (segments.length > 0) {
-                this.drawn.line(segments, kColors.cut, true);
+                this.overlay.line(segments, kColors.cut, true);
             }
         }
     }
@@ -112,7 +112,7 @@ class CutRun implements ToolRun {
     private async cut(event: ToolPointer): Promise<void> {
         const pick = this.app.view.pick(event.x, event.y, ["skeleton"]);
         if (pick?.node !== undefined) {
-            this.drawn.clear();
+            this.overlay.clear();
             this.under = null;
             await this.run(pick.object.name, [pick.node]);
         }

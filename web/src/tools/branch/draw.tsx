@@ -3,7 +3,7 @@ import { signal } from "@preact/signals-core";
 import type { VNode } from "preact";
 import type { App, Tool, ToolPointer, ToolRun } from "../../app";
 import type { ObjectName, Point } from "../../protocol";
-import { Drawn, kColors } from "../kit/drawn";
+import { Overlay, kColors } from "../kit/overlay";
 import { Button, NumberField, PointField, pointSignals } from "../kit/fields";
 import { Gesture, runLine } from "../kit/gesture";
 import { fetchSkeleton, followSkeletons, type Skeleton, skeletonOf } from "../kit/skeleton";
@@ -40,13 +40,13 @@ interface Stroke {
 class DrawRun implements ToolRun {
     private stroke: Stroke | null = null; // current stroke
     private gesture: Gesture | null = null;
-    private readonly drawn: Drawn;
+    private readonly overlay: Overlay;
     private readonly unfollow: () => void;
     private readonly from = pointSignals([0, 0, 0]);
     private readonly to = pointSignals([0, 0, 1]);
 
     constructor(private readonly app: App) {
-        this.drawn = new Drawn(app);
+        this.overlay = new Overlay(app);
         this.unfollow = followSkeletons(app);
         this.fromSelection();
     }
@@ -54,7 +54,7 @@ class DrawRun implements ToolRun {
     stop(): void {
         this.gesture?.cancel();
         this.unfollow();
-        this.drawn.stop();
+        this.overlay.stop();
     }
 
     status(): string {
@@ -220,12 +220,12 @@ class DrawRun implements ToolRun {
 
     // A finished stroke that waits for its start is no longer shown.
     private show(stroke: Stroke): void {
-        const made = stroke === this.stroke ? this.line(stroke) : null;
-        if (made) {
-            this.drawn.clear();
-            this.drawn.line(made.points, kColors.grow);
+        const result = stroke === this.stroke ? this.line(stroke) : null;
+        if (result) {
+            this.overlay.clear();
+            this.overlay.line(result.points, kColors.grow);
             this.gesture ??= new Gesture(this.app, stroke.about ?? undefined);
-            this.gesture.preview(made.line);
+            this.gesture.preview(result.line);
         }
     }
 
@@ -235,9 +235,9 @@ class DrawRun implements ToolRun {
         this.gesture = null;
         this.reset();
         await stroke.rooted;
-        const made = this.line(stroke);
-        if (made) {
-            await (gesture ?? new Gesture(this.app, stroke.about ?? undefined)).run(made.line);
+        const result = this.line(stroke);
+        if (result) {
+            await (gesture ?? new Gesture(this.app, stroke.about ?? undefined)).run(result.line);
         } else {
             gesture?.cancel();
         }
@@ -247,7 +247,7 @@ class DrawRun implements ToolRun {
         this.gesture?.cancel();
         this.gesture = null;
         this.stroke = null;
-        this.drawn.clear();
+        this.overlay.clear();
     }
 }
 

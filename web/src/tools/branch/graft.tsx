@@ -3,7 +3,7 @@ import { signal } from "@preact/signals-core";
 import type { VNode } from "preact";
 import type { App, Tool } from "../../app";
 import { BranchDragRun, type Held } from "../kit/branch_drag";
-import { kColors } from "../kit/drawn";
+import { kColors } from "../kit/overlay";
 import { Button, CheckField, NumberField } from "../kit/fields";
 import type { NodeLine } from "../kit/naming";
 import { commandLine, numberWord } from "../kit/words";
@@ -28,7 +28,7 @@ class GraftRun extends BranchDragRun {
         );
     }
 
-    protected made(held: Held): NodeLine | null {
+    protected nodeLine(held: Held): NodeLine | null {
         const host = this.host(held);
         if (!host || held.ids.length !== 1) {
             return null;
@@ -51,25 +51,25 @@ class GraftRun extends BranchDragRun {
         }
         const host = this.host(held);
         const onto = host ? ` onto node ${held.skeleton.ids[host.n]}` : "";
-        const what = `Grafts the branch of node ${held.skeleton.ids[held.n]}${onto}.`;
-        return `${what} Release on its parent branch, or type the number of the node and Enter.`;
+        const action = `Grafts the branch of node ${held.skeleton.ids[held.n]}${onto}.`;
+        return `${action} Release on its parent branch, or type the number of the node and Enter.`;
     }
 
     protected override draw(): void {
-        this.drawn.clear();
+        this.overlay.clear();
         if (!this.held) {
             return;
         }
         const { skeleton, n } = this.held;
         const segments = subtreeSegments(skeleton, n);
         if (segments.length > 0) {
-            this.drawn.line(segments, kColors.grow, true);
+            this.overlay.line(segments, kColors.grow, true);
         }
         const host = this.host(this.held);
         if (host) {
             const at = placeOnSegment(skeleton, host.n, host.along);
-            this.drawn.dots([at]);
-            this.drawn.line([skeleton.at(n), at]);
+            this.overlay.dots([at]);
+            this.overlay.line([skeleton.at(n), at]);
         }
     }
 
@@ -77,8 +77,8 @@ class GraftRun extends BranchDragRun {
         this.typedHost = false;
     }
 
-    protected override underway(): boolean {
-        return super.underway() || this.typedHost;
+    protected override isInProgress(): boolean {
+        return super.isInProgress() || this.typedHost;
     }
 
     private byField(): void {

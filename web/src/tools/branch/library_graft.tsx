@@ -5,13 +5,13 @@ import type { App, Tool, ToolPointer, ToolRun } from "../../app";
 import type { ObjectName, State } from "../../protocol";
 import { linesOf } from "../../script/pieces";
 import { readLine } from "../../script/words";
-import { Drawn, kColors } from "../kit/drawn";
+import { Overlay, kColors } from "../kit/overlay";
 import { Button, NumberField } from "../kit/fields";
 import { Gesture } from "../kit/gesture";
 import { finalLine, type NodeLine, previewLine } from "../kit/naming";
 import { fetchSkeleton, followSkeletons, type Skeleton, skeletonOf } from "../kit/skeleton";
 import { rewriteStatement } from "../kit/source";
-import { takenByKey } from "../kit/started";
+import { startedByKey } from "../kit/key_start";
 import { commandLine, numberWord } from "../kit/words";
 import { placeOnSegment } from "./bend";
 import { anySkeleton } from "./cut";
@@ -66,16 +66,16 @@ export function libraryGraftHeld(): LibraryGraftRun | null {
 }
 
 export class LibraryGraftRun implements ToolRun {
-    private readonly drawn: Drawn;
+    private readonly overlay: Overlay;
     private readonly unfollow: () => void;
     private readonly trees = new Map<string, Skeleton>(); // before previews
     private gesture: Gesture | null = null;
     private readonly placed = signal<Place | null>(null); // where the branch is shown
 
     constructor(private readonly app: App) {
-        this.drawn = new Drawn(app);
+        this.overlay = new Overlay(app);
         this.unfollow = followSkeletons(app);
-        if (takenByKey()) {
+        if (startedByKey()) {
             void this.showOnSelected();
         }
     }
@@ -83,7 +83,7 @@ export class LibraryGraftRun implements ToolRun {
     stop(): void {
         this.gesture?.cancel();
         this.unfollow();
-        this.drawn.stop();
+        this.overlay.stop();
         held = null;
     }
 
@@ -160,14 +160,14 @@ export class LibraryGraftRun implements ToolRun {
 
     /** Keeps the shown branch. */
     async end(): Promise<void> {
-        const made = this.made();
+        const nodeLine = this.nodeLine();
         const { gesture } = this;
         const place = this.placed.peek();
-        if (made && gesture && place) {
+        if (nodeLine && gesture && place) {
             this.gesture = null;
             this.placed.value = null;
-            this.drawn.clear();
-            await this.keep(gesture, await finalLine(this.app, made), place.about);
+            this.overlay.clear();
+            await this.keep(gesture, await finalLine(this.app, nodeLine), place.about);
             this.trees.clear();
         }
     }
@@ -185,7 +185,7 @@ export class LibraryGraftRun implements ToolRun {
             await rewriteStatement(this.app, filled, `${state.statements[filled].text.replace(/\n$/, "")}\n${line}`, line, false);
         } catch (error) {
             gesture.cancel();
-            this.app.store.say((error as Error).message, "error");
+            this.app.store.notify((error as Error).message, "error");
         }
     }
 
@@ -193,7 +193,7 @@ export class LibraryGraftRun implements ToolRun {
         if (await this.showOnSelected()) {
             await this.end();
         } else {
-            this.app.store.say("Select a node of a tree first: the branch is grafted there.", "warning");
+            this.app.store.notify("Select a node of a tree first: the branch is grafted there.", "warning");
         }
     }
 
@@ -234,7 +234,7 @@ export class LibraryGraftRun implements ToolRun {
         return host && { about: { kind: "skeleton", name: about.name }, skeleton, host };
     }
 
-    private made(): NodeLine | null {
+    private nodeLine(): NodeLine | null {
         const branch = chosenBranch.peek();
         const place = this.placed.peek();
         if (!branch || !place) {
@@ -245,17 +245,17 @@ export class LibraryGraftRun implements ToolRun {
     }
 
     private show(): void {
-        const made = this.made();
+        const nodeLine = this.nodeLine();
         const place = this.placed.peek();
-        this.drawn.clear();
-        if (made && place) {
+        this.overlay.clear();
+        if (nodeLine && place) {
             const { about, skeleton, host } = place;
             if (this.gesture?.about?.name !== about.name) {
                 this.gesture?.cancel();
                 this.gesture = new Gesture(this.app, about);
             }
-            this.gesture.preview(previewLine(made));
-            this.drawn.dots([placeOnSegment(skeleton, host.n, host.along)], kColors.grow, 11);
+            this.gesture.preview(previewLine(nodeLine));
+            this.overlay.dots([placeOnSegment(skeleton, host.n, host.along)], kColors.grow, 11);
         }
     }
 
@@ -264,7 +264,7 @@ export class LibraryGraftRun implements ToolRun {
         this.gesture?.cancel();
         this.gesture = null;
         this.placed.value = null;
-        this.drawn.clear();
+        this.overlay.clear();
     }
 }
 

@@ -3,7 +3,7 @@ import { signal } from "@preact/signals-core";
 import type { VNode } from "preact";
 import type { App, Tool, ToolPointer, ToolRun } from "../../app";
 import type { ObjectName } from "../../protocol";
-import { Drawn, kColors } from "../kit/drawn";
+import { Overlay, kColors } from "../kit/overlay";
 import { Button, NumberField } from "../kit/fields";
 import { Gesture, runLine } from "../kit/gesture";
 import { anchored } from "../kit/naming";
@@ -17,11 +17,11 @@ const shorter = signal(0.1); // [m]
 
 /** The painted nodes that are removed: tips, and nodes without remaining children. Parents come before children. */
 export function prunable(skeleton: Skeleton, painted: ReadonlySet<number>): number[] {
-    const goes = new Uint8Array(skeleton.size);
+    const isRemoved = new Uint8Array(skeleton.size);
     for (let n = skeleton.size - 1; n >= 0; --n) {
-        goes[n] = painted.has(n) && skeleton.children[n].every((child) => goes[child] === 1) ? 1 : 0;
+        isRemoved[n] = painted.has(n) && skeleton.children[n].every((child) => isRemoved[child] === 1) ? 1 : 0;
     }
-    return skeleton.all().filter((n) => goes[n] === 1 && (skeleton.parent(n) < 0 || goes[skeleton.parent(n)] === 0));
+    return skeleton.all().filter((n) => isRemoved[n] === 1 && (skeleton.parent(n) < 0 || isRemoved[skeleton.parent(n)] === 0));
 }
 
 /** Positions of the brush on its path, close enough to cover it without gaps. */
@@ -54,12 +54,12 @@ class PruneRun implements ToolRun {
     private pixels: [number, number, number][] = [];
     private gesture: Gesture | null = null;
     private last: [number, number] | null = null; // of the brush, while it paints
-    private readonly drawn: Drawn;
+    private readonly overlay: Overlay;
     private readonly unfollow: () => void;
     private readonly ring = document.createElement("div");
 
     constructor(private readonly app: App) {
-        this.drawn = new Drawn(app);
+        this.overlay = new Overlay(app);
         this.ring.className = "tool-brush";
         this.ring.hidden = true;
         app.view.element().parentElement?.append(this.ring);
@@ -69,7 +69,7 @@ class PruneRun implements ToolRun {
     stop(): void {
         this.gesture?.cancel();
         this.unfollow();
-        this.drawn.stop();
+        this.overlay.stop();
         this.ring.remove();
     }
 
@@ -179,8 +179,8 @@ class PruneRun implements ToolRun {
         if (tops.length > 0) {
             this.gesture ??= new Gesture(this.app, this.about);
             this.gesture.preview(pruneLine(this.about, idSelection(tops.map((n) => skeleton.ids[n]))));
-            this.drawn.clear();
-            this.drawn.line(
+            this.overlay.clear();
+            this.overlay.line(
                 tops.flatMap((n) => subtreeSegments(skeleton, n)),
                 kColors.cut,
                 true,
@@ -203,7 +203,7 @@ class PruneRun implements ToolRun {
         this.gesture = null;
         this.last = null;
         this.painted.clear();
-        this.drawn.clear();
+        this.overlay.clear();
     }
 }
 

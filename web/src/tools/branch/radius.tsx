@@ -57,7 +57,7 @@ class RadiusRun extends BranchDragRun {
         );
     }
 
-    protected made(held: Held): NodeLine | null {
+    protected nodeLine(held: Held): NodeLine | null {
         const { name } = held.about;
         const nodes = [held.ids];
         const within = (chosen: string) => (onlyNode.peek() ? chosen : `axis(${chosen})`);
@@ -85,9 +85,9 @@ class RadiusRun extends BranchDragRun {
             return "Turn the wheel over a branch to make it thicker or thinner, or drag it horizontally.";
         }
         const radius = held.skeleton.radius[held.n];
-        const what = onlyNode.value ? "Type a radius in metres" : "Type a factor";
+        const prompt = onlyNode.value ? "Type a radius in metres" : "Type a factor";
         const times = `${numberWord(radius, 1e-4)} m times ${numberWord(this.factor(), 0.01)}`;
-        return `Radius at node ${held.skeleton.ids[held.n]}: ${times}. ${what}; Enter ends.`;
+        return `Radius at node ${held.skeleton.ids[held.n]}: ${times}. ${prompt}; Enter ends.`;
     }
 
     protected override clear(): void {
@@ -97,13 +97,13 @@ class RadiusRun extends BranchDragRun {
     }
 
     protected override end(): void {
-        if (this.underway() || factorField.peek() !== 1) {
+        if (this.isInProgress() || factorField.peek() !== 1) {
             super.end();
         }
     }
 
-    protected override underway(): boolean {
-        return super.underway() || this.wheeled !== 0;
+    protected override isInProgress(): boolean {
+        return super.isInProgress() || this.wheeled !== 0;
     }
 
     private factor(): number {

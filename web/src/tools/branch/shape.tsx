@@ -60,7 +60,7 @@ const kShapes: Shape[] = [
 
 class ShapeRun extends BranchDragRun {
     private readonly amount: Signal<number>;
-    private asked = false; // requested by the field
+    private requested = false; // requested by the field
 
     constructor(
         app: App,
@@ -72,11 +72,11 @@ class ShapeRun extends BranchDragRun {
 
     panel(): VNode {
         const { field, low, high } = this.shape;
-        return <NumberField label={field} value={this.amount} low={low} high={high} changed={() => this.ask()} />;
+        return <NumberField label={field} value={this.amount} low={low} high={high} changed={() => this.requestPreview()} />;
     }
 
-    protected made(held: Held): NodeLine | null {
-        if (!this.underway()) {
+    protected nodeLine(held: Held): NodeLine | null {
+        if (!this.isInProgress()) {
             return null;
         }
         const { name } = held.about;
@@ -92,24 +92,24 @@ class ShapeRun extends BranchDragRun {
             : "Drag over a branch, or select branches first.";
     }
 
-    protected override underway(): boolean {
-        return super.underway() || this.asked;
+    protected override isInProgress(): boolean {
+        return super.isInProgress() || this.requested;
     }
 
     protected override clear(): void {
-        this.asked = false;
+        this.requested = false;
     }
 
     // Enter alone applies the amount of the field.
     override key(event: KeyboardEvent): boolean {
-        if (event.key === "Enter" && this.held && !this.underway()) {
-            this.ask();
+        if (event.key === "Enter" && this.held && !this.isInProgress()) {
+            this.requestPreview();
         }
         return super.key(event);
     }
 
-    private ask(): void {
-        this.asked = true;
+    private requestPreview(): void {
+        this.requested = true;
         this.show();
     }
 
@@ -127,21 +127,21 @@ class ShapeRun extends BranchDragRun {
 const copies = signal(false);
 
 class MirrorRun extends BranchDragRun {
-    private asked = false;
+    private requested = false;
 
     panel(): VNode {
-        return <CheckField label="Keep the originals, and add mirrored copies" value={copies} changed={() => this.ask()} />;
+        return <CheckField label="Keep the originals, and add mirrored copies" value={copies} changed={() => this.requestPreview()} />;
     }
 
     override key(event: KeyboardEvent): boolean {
-        if (event.key === "Enter" && this.held && !this.underway()) {
-            this.ask();
+        if (event.key === "Enter" && this.held && !this.isInProgress()) {
+            this.requestPreview();
         }
         return super.key(event);
     }
 
-    protected made(held: Held): NodeLine | null {
-        if (!this.underway()) {
+    protected nodeLine(held: Held): NodeLine | null {
+        if (!this.isInProgress()) {
             return null;
         }
         const { name } = held.about;
@@ -155,16 +155,16 @@ class MirrorRun extends BranchDragRun {
             : "Click a branch to mirror it, or select branches first.";
     }
 
-    protected override underway(): boolean {
-        return super.underway() || this.asked || this.typed.axis !== null;
+    protected override isInProgress(): boolean {
+        return super.isInProgress() || this.requested || this.typed.axis !== null;
     }
 
     protected override clear(): void {
-        this.asked = false;
+        this.requested = false;
     }
 
-    private ask(): void {
-        this.asked = true;
+    private requestPreview(): void {
+        this.requested = true;
         this.show();
     }
 }

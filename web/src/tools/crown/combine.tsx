@@ -4,7 +4,7 @@ import { render, type VNode } from "preact";
 import type { App, Label, Tool, ToolPointer, ToolRun } from "../../app";
 import type { Kind, ObjectName, Point } from "../../protocol";
 import { Tracked } from "../../use";
-import { Drawn, kColors } from "../kit/drawn";
+import { Overlay, kColors } from "../kit/overlay";
 import { Button, ChoiceField, NumberField, TextField } from "../kit/fields";
 import { Gesture } from "../kit/gesture";
 import { commandLine, numberWord } from "../kit/words";
@@ -44,10 +44,10 @@ class CombineRun implements ToolRun {
     private readonly met: Label[] = []; // names of the operands, at the positions where the stroke met them
     private before: ReadonlySet<string> | null = null; // hidden objects before a preview hides the operands
     private readonly list = document.createElement("div");
-    private readonly drawn: Drawn;
+    private readonly overlay: Overlay;
 
     constructor(private readonly app: App) {
-        this.drawn = new Drawn(app);
+        this.overlay = new Overlay(app);
         this.list.className = "tool-list";
         this.list.hidden = true;
         this.list.setAttribute("role", "group");
@@ -63,7 +63,7 @@ class CombineRun implements ToolRun {
         this.reset();
         render(null, this.list);
         this.list.remove();
-        this.drawn.stop();
+        this.overlay.stop();
     }
 
     status(): string {
@@ -90,7 +90,7 @@ class CombineRun implements ToolRun {
         if (event.phase === "move") {
             this.meet(event);
         } else {
-            this.ask(event);
+            this.openMenu(event);
         }
         return true;
     }
@@ -168,19 +168,19 @@ class CombineRun implements ToolRun {
         const at = view.toPlane(event.x, event.y, depth);
         if (at) {
             this.stroke.push(at);
-            this.drawn.clear();
-            this.drawn.line(this.stroke, kColors.grow);
-            this.drawn.dots(
+            this.overlay.clear();
+            this.overlay.line(this.stroke, kColors.grow);
+            this.overlay.dots(
                 this.met.map((label) => label.at),
                 kColors.grow,
             );
         }
     }
 
-    private ask(event: ToolPointer): void {
+    private openMenu(event: ToolPointer): void {
         const [first] = this.parts.peek();
         if (this.parts.peek().length < 2) {
-            this.app.store.say(first ? `The stroke met only ${first.name}; draw it across two.` : "The stroke met no solid.", "warning");
+            this.app.store.notify(first ? `The stroke met only ${first.name}; draw it across two.` : "The stroke met no solid.", "warning");
             this.reset();
             return;
         }
@@ -259,7 +259,7 @@ class CombineRun implements ToolRun {
         before?.();
         const parts = this.parts.peek();
         if (parts.length < 2) {
-            this.app.store.say("Choose two different solids first.", "warning");
+            this.app.store.notify("Choose two different solids first.", "warning");
             return;
         }
         const name = this.name.peek();
@@ -291,7 +291,7 @@ class CombineRun implements ToolRun {
         this.app.view.setLabels("combine", []);
         this.name.value = "";
         this.list.hidden = true;
-        this.drawn.clear();
+        this.overlay.clear();
     }
 }
 

@@ -3,11 +3,11 @@ import { effect, type Signal, signal, untracked } from "@preact/signals-core";
 import type { VNode } from "preact";
 import type { App, Tool, ToolPointer, ToolRun } from "../../app";
 import type { ObjectName, Point } from "../../protocol";
-import { Drawn, kColors } from "../kit/drawn";
+import { Overlay, kColors } from "../kit/overlay";
 import { Button, CheckField, ChoiceField, TextField } from "../kit/fields";
 import { Gesture } from "../kit/gesture";
 import { type Controls, findControls, replaceStatement } from "../kit/source";
-import { Typed, typedShift } from "../kit/typed";
+import { TypedInput, typedShift } from "../kit/typed_input";
 import { add, onPlane, subtract, toSegment } from "../kit/vector";
 import { commandLine, pointWord } from "../kit/words";
 
@@ -46,14 +46,14 @@ class CurveRun implements ToolRun {
     private from: Point | null = null;
     private moved = false;
     private gesture: Gesture | null = null;
-    private readonly typed = new Typed();
-    private readonly drawn: Drawn;
+    private readonly typed = new TypedInput();
+    private readonly overlay: Overlay;
     private readonly name = signal("");
     private readonly closed = signal(false);
     private readonly stopEffect: () => void;
 
     constructor(private readonly app: App) {
-        this.drawn = new Drawn(app);
+        this.overlay = new Overlay(app);
         this.name.value = app.store.freeName(command.peek());
         this.stopEffect = effect(() => {
             const { object } = app.store.selection.value;
@@ -83,7 +83,7 @@ class CurveRun implements ToolRun {
     stop(): void {
         this.stopEffect();
         this.gesture?.cancel();
-        this.drawn.stop();
+        this.overlay.stop();
     }
 
     status(): string {
@@ -322,7 +322,7 @@ class CurveRun implements ToolRun {
 
     private async make(): Promise<void> {
         if (this.points.length < 2) {
-            this.app.store.say("A curve requires at least two points.", "warning");
+            this.app.store.notify("A curve requires at least two points.", "warning");
             return;
         }
         const name = this.name.peek();
@@ -349,15 +349,15 @@ class CurveRun implements ToolRun {
 
     private draw(): void {
         this.count.value = this.points.length;
-        this.drawn.clear();
+        this.overlay.clear();
         if (this.points.length > 1) {
-            this.drawn.line(this.points, kColors.plain, false, 1); // the curve itself is drawn as a preview
+            this.overlay.line(this.points, kColors.plain, false, 1); // the curve itself is drawn as a preview
         }
         if (this.points.length > 0) {
-            this.drawn.dots(this.points, kColors.plain, 9);
+            this.overlay.dots(this.points, kColors.plain, 9);
         }
         if (this.active >= 0 && this.active < this.points.length) {
-            this.drawn.dots([this.points[this.active]], kColors.hot, 13);
+            this.overlay.dots([this.points[this.active]], kColors.hot, 13);
         }
     }
 }

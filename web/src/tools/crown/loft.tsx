@@ -7,9 +7,9 @@ import { Button, ChoiceField, NumberField, PointField, pointSignals, TextField }
 import { Gesture } from "../kit/gesture";
 import { commandLine, numberWord, pointWord } from "../kit/words";
 
-export type Way = "revolve" | "sweep" | "skin";
+export type Method = "revolve" | "sweep" | "skin";
 
-const kWays: readonly (readonly [Way, string])[] = [
+const kMethods: readonly (readonly [Method, string])[] = [
     ["revolve", "Revolution about an axis"],
     ["sweep", "Sweep along a path"],
     ["skin", "Skin through sections"],
@@ -17,7 +17,7 @@ const kWays: readonly (readonly [Way, string])[] = [
 const kBlends = ["linear", "quadratic", "cubic", "smooth"].map((blend) => [blend, blend] as const);
 
 export interface Loft {
-    way: Way;
+    method: Method;
     name: string;
     profile: string;
     path: string;
@@ -30,13 +30,13 @@ export interface Loft {
 
 /** Null if something is missing. */
 export function loftLine(loft: Loft): string | null {
-    const { way, name, profile, path, sections, origin, twist, end, blend } = loft;
+    const { method, name, profile, path, sections, origin, twist, end, blend } = loft;
     const turned = twist !== 0 ? numberWord(twist, 0.01) : undefined;
-    if (way === "revolve") {
+    if (method === "revolve") {
         const at = pointWord(origin, 1e-4);
         return profile ? commandLine(["revolve", name, profile], { origin: at === "0,0,0" ? undefined : at }) : null;
     }
-    if (way === "sweep") {
+    if (method === "sweep") {
         if (!profile || !path) {
             return null;
         }
@@ -48,7 +48,7 @@ export function loftLine(loft: Loft): string | null {
 }
 
 class LoftRun implements ToolRun {
-    private readonly way: Signal<Way> = signal("revolve");
+    private readonly method: Signal<Method> = signal("revolve");
     private readonly name = signal("");
     private readonly profile = signal("");
     private readonly path = signal("");
@@ -92,18 +92,18 @@ class LoftRun implements ToolRun {
     panel(): VNode {
         const changed = () => this.show();
         const profiles = this.choices("profile");
-        const way = this.way.value;
+        const method = this.method.value;
         return (
             <>
-                <ChoiceField label="Is" value={this.way} choices={kWays} changed={changed} />
+                <ChoiceField label="Is" value={this.method} choices={kMethods} changed={changed} />
                 <TextField label="Name" value={this.name} />
-                {way !== "skin" && <ChoiceField label="Profile" value={this.profile} choices={profiles} changed={changed} />}
-                {way !== "revolve" && <ChoiceField label="Path" value={this.path} choices={this.choices("path")} changed={changed} />}
-                {way === "revolve" && <PointField label="Origin of the axis" value={this.origin} changed={changed} />}
-                {way === "sweep" && <NumberField label="Size at the end" value={this.end} low={0.001} changed={changed} />}
-                {way === "skin" && this.sectionFields(profiles)}
-                {way === "skin" && <ChoiceField label="Between sections" value={this.blend} choices={kBlends} changed={changed} />}
-                {way !== "revolve" && <NumberField label="Twist" unit="°" value={this.twist} changed={changed} />}
+                {method !== "skin" && <ChoiceField label="Profile" value={this.profile} choices={profiles} changed={changed} />}
+                {method !== "revolve" && <ChoiceField label="Path" value={this.path} choices={this.choices("path")} changed={changed} />}
+                {method === "revolve" && <PointField label="Origin of the axis" value={this.origin} changed={changed} />}
+                {method === "sweep" && <NumberField label="Size at the end" value={this.end} low={0.001} changed={changed} />}
+                {method === "skin" && this.sectionFields(profiles)}
+                {method === "skin" && <ChoiceField label="Between sections" value={this.blend} choices={kBlends} changed={changed} />}
+                {method !== "revolve" && <NumberField label="Twist" unit="°" value={this.twist} changed={changed} />}
                 <Button label="Make it" run={() => void this.make()} />
             </>
         );
@@ -153,7 +153,7 @@ class LoftRun implements ToolRun {
 
     private line(): string | null {
         return loftLine({
-            way: this.way.peek(),
+            method: this.method.peek(),
             name: this.name.peek(),
             profile: this.profile.peek(),
             path: this.path.peek(),
@@ -177,7 +177,7 @@ class LoftRun implements ToolRun {
         const line = this.line();
         const name = this.name.peek();
         if (!line) {
-            this.app.store.say("A revolution requires a profile; sweeps and skins also require a path.", "warning");
+            this.app.store.notify("A revolution requires a profile; sweeps and skins also require a path.", "warning");
             return;
         }
         const gesture = this.gesture ?? new Gesture(this.app);

@@ -3,10 +3,10 @@ import { effect, type Signal, signal } from "@preact/signals-core";
 import type { VNode } from "preact";
 import type { App, Tool, ToolPointer, ToolRun } from "../../app";
 import type { Point } from "../../protocol";
-import { Drawn, kColors } from "../kit/drawn";
+import { Overlay, kColors } from "../kit/overlay";
 import { Button, ChoiceField, NumberField, PointField, pointSignals, TextField } from "../kit/fields";
 import { Gesture } from "../kit/gesture";
-import { Typed } from "../kit/typed";
+import { TypedInput } from "../kit/typed_input";
 import { add, distance, kAxes, onLine, onPlane, roundStep, snapped } from "../kit/vector";
 import { commandLine, newName, numberWord, pointWord, sizeWord } from "../kit/words";
 
@@ -77,12 +77,12 @@ class PlaceRun implements ToolRun {
     private readonly height = signal(2);
     private heightFrom = 0; // of the pointer at the start of the second stage
     private gesture: Gesture | null = null;
-    private readonly typed = new Typed();
-    private readonly drawn: Drawn;
+    private readonly typed = new TypedInput();
+    private readonly overlay: Overlay;
     private readonly unfollow: () => void;
 
     constructor(private readonly app: App) {
-        this.drawn = new Drawn(app);
+        this.overlay = new Overlay(app);
         this.rename();
         this.unfollow = effect(() => {
             const isTaken = app.store.state.value.objects.some(({ name }) => name === this.name.peek());
@@ -95,7 +95,7 @@ class PlaceRun implements ToolRun {
     stop(): void {
         this.unfollow();
         this.gesture?.cancel();
-        this.drawn.stop();
+        this.overlay.stop();
     }
 
     status(): string {
@@ -269,9 +269,9 @@ class PlaceRun implements ToolRun {
     }
 
     private show(): void {
-        this.drawn.clear();
+        this.overlay.clear();
         if (this.radius.peek() > 0) {
-            this.drawn.circle(this.at, kAxes.z, this.radius.peek(), kColors.grow);
+            this.overlay.circle(this.at, kAxes.z, this.radius.peek(), kColors.grow);
             this.gesture ??= new Gesture(this.app);
             this.gesture.preview(this.line());
         }
@@ -299,7 +299,7 @@ class PlaceRun implements ToolRun {
         this.gesture = null;
         this.stage.value = "none";
         this.typed.clear();
-        this.drawn.clear();
+        this.overlay.clear();
     }
 }
 

@@ -3,7 +3,7 @@ import { effect, type Signal, signal } from "@preact/signals-core";
 import type { VNode } from "preact";
 import type { App, Tool, ToolRun } from "../../app";
 import { Tracked } from "../../use";
-import { Beside } from "../kit/beside";
+import { SidePane } from "../kit/side_pane";
 import { Button, CheckField, ChoiceField, NumberField, TextField } from "../kit/fields";
 import { Gesture } from "../kit/gesture";
 import { type Controls, findControls, replaceStatement } from "../kit/source";
@@ -39,11 +39,11 @@ class ProfileRun implements ToolRun {
     private gesture: Gesture | null = null;
     private readonly writes = signal(0); // pending changes, which are not yet in the document
     private dragging = false;
-    private readonly beside: Beside;
+    private readonly sidePane: SidePane;
     private readonly stopEffect: () => void;
 
     constructor(private readonly app: App) {
-        this.beside = new Beside(app, "profile-editor");
+        this.sidePane = new SidePane(app, "profile-editor");
         this.name.value = app.store.freeName("outline");
         this.points.value = kept;
         this.reframe();
@@ -54,14 +54,14 @@ class ProfileRun implements ToolRun {
                 this.read(object?.kind === "profile" ? findControls(state, object, ["profile", "contour"]) : null);
             }
         });
-        this.beside.render(<Tracked draw={() => this.picture()} />);
+        this.sidePane.render(<Tracked draw={() => this.picture()} />);
     }
 
     stop(): void {
         this.stopEffect();
         this.gesture?.cancel();
         kept = this.editing.peek() ? [] : this.points.peek();
-        this.beside.stop();
+        this.sidePane.stop();
     }
 
     status(): string {
@@ -132,7 +132,7 @@ class ProfileRun implements ToolRun {
                 smooth={this.kind.value !== "polyline" || this.command.value === "contour"}
                 active={this.active.value}
                 plane={this.plane.value}
-                size={[this.beside.element.clientWidth || 400, this.beside.element.clientHeight || 400]}
+                size={[this.sidePane.element.clientWidth || 400, this.sidePane.element.clientHeight || 400]}
                 choose={(index, held) => this.choose(index, held)}
                 add={(x, y, snap) => this.addAt(x, y, snap)}
                 drag={(x, y, snap) => this.dragTo(x, y, snap)}
@@ -174,7 +174,7 @@ class ProfileRun implements ToolRun {
     }
 
     private reframe(): void {
-        const { clientWidth, clientHeight } = this.beside.element;
+        const { clientWidth, clientHeight } = this.sidePane.element;
         this.plane.value = framing(this.points.peek(), clientWidth || 400, clientHeight || 400);
     }
 

@@ -3,10 +3,10 @@ import { effect, type Signal, signal, untracked } from "@preact/signals-core";
 import type { VNode } from "preact";
 import type { App, Tool, ToolPointer, ToolRun } from "../../app";
 import type { ObjectName, Point, SceneObject } from "../../protocol";
-import { Drawn, kColors } from "../kit/drawn";
+import { Overlay, kColors } from "../kit/overlay";
 import { AxisButtons, Button, NumberField } from "../kit/fields";
 import { Gesture } from "../kit/gesture";
-import { type Axis, Typed } from "../kit/typed";
+import { type Axis, TypedInput } from "../kit/typed_input";
 import { across, add, angleBetween, distance, kAxes, length, normalized, rotated, scaled, snapped, subtract } from "../kit/vector";
 import { commandLine, directionWord, numberWord, pointWord, sizeWord } from "../kit/words";
 
@@ -76,8 +76,8 @@ class WarpRun implements ToolRun {
     private from: ToolPointer | null = null;
     private last: ToolPointer | null = null;
     private handles: Point[] = [];
-    private readonly typed = new Typed();
-    private readonly drawn: Drawn;
+    private readonly typed = new TypedInput();
+    private readonly overlay: Overlay;
     private readonly stopEffect: () => void;
     private readonly field;
 
@@ -85,7 +85,7 @@ class WarpRun implements ToolRun {
         private readonly app: App,
         private readonly warp: Warp,
     ) {
-        this.drawn = new Drawn(app);
+        this.overlay = new Overlay(app);
         this.field = signal(warp === "taper" ? 1 : 0);
         this.stopEffect = effect(() => {
             const { object } = app.store.selection.value;
@@ -104,7 +104,7 @@ class WarpRun implements ToolRun {
     stop(): void {
         this.stopEffect();
         this.gesture?.cancel();
-        this.drawn.stop();
+        this.overlay.stop();
     }
 
     status(): string {
@@ -243,7 +243,7 @@ class WarpRun implements ToolRun {
     }
 
     private draw(): void {
-        this.drawn.clear();
+        this.overlay.clear();
         if (!this.solid) {
             return;
         }
@@ -252,9 +252,9 @@ class WarpRun implements ToolRun {
         const color = kColors[this.typed.axis ?? "z"];
         if (this.warp === "bend") {
             const arc = bentAxis(ends, warped);
-            this.drawn.line(arc, color);
+            this.overlay.line(arc, color);
             this.handles = arc.slice(-1);
-            this.drawn.dots(this.handles, kColors.hot, 13);
+            this.overlay.dots(this.handles, kColors.hot, 13);
             return;
         }
         const [from, to] = ends;
@@ -264,13 +264,13 @@ class WarpRun implements ToolRun {
         const isTwist = this.warp === "twist";
         const wide = isTwist ? radius : radius * warped.amount;
         const rim = spoke(to, wide, isTwist ? (warped.amount * Math.PI) / 180 : 0);
-        this.drawn.line([from, to], color);
-        this.drawn.circle(from, along, radius, color);
-        this.drawn.circle(to, along, wide, kColors.hot);
-        this.drawn.line([spoke(from, radius), from], color);
-        this.drawn.line([to, rim], kColors.hot);
+        this.overlay.line([from, to], color);
+        this.overlay.circle(from, along, radius, color);
+        this.overlay.circle(to, along, wide, kColors.hot);
+        this.overlay.line([spoke(from, radius), from], color);
+        this.overlay.line([to, rim], kColors.hot);
         this.handles = [to, rim];
-        this.drawn.dots(this.handles, kColors.hot, 13);
+        this.overlay.dots(this.handles, kColors.hot, 13);
     }
 
     /** Across the axis: the direction of a bend without a drag. */

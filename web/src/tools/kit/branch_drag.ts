@@ -2,11 +2,11 @@
 import { type Signal, signal } from "@preact/signals-core";
 import type { App, ToolPointer, ToolRun } from "../../app";
 import type { ObjectName, Point } from "../../protocol";
-import { Drawn } from "./drawn";
+import { Overlay } from "./overlay";
 import { Gesture } from "./gesture";
 import { finalLine, type NodeLine, previewLine } from "./naming";
 import { followSkeletons, pickBranch, selectedTops, type Skeleton, skeletonOf } from "./skeleton";
-import { Typed } from "./typed";
+import { TypedInput } from "./typed_input";
 import { subtract } from "./vector";
 
 const kExact = 1e-6;
@@ -21,8 +21,8 @@ export interface Held {
 
 export abstract class BranchDragRun implements ToolRun {
     private readonly holds: Signal<Held | null> = signal(null);
-    protected readonly typed = new Typed();
-    protected readonly drawn: Drawn;
+    protected readonly typed = new TypedInput();
+    protected readonly overlay: Overlay;
     protected from: ToolPointer | null = null;
     protected last: ToolPointer | null = null;
     private gesture: Gesture | null = null;
@@ -30,7 +30,7 @@ export abstract class BranchDragRun implements ToolRun {
     private readonly unfollow: () => void;
 
     constructor(protected readonly app: App) {
-        this.drawn = new Drawn(app);
+        this.overlay = new Overlay(app);
         this.unfollow = followSkeletons(app, () => this.again());
         this.holdSelected();
     }
@@ -44,7 +44,7 @@ export abstract class BranchDragRun implements ToolRun {
     }
 
     /** The line for the position of the pointer and the typed text; null if there is no change. */
-    protected abstract made(held: Held): NodeLine | null;
+    protected abstract nodeLine(held: Held): NodeLine | null;
     protected abstract text(held: Held | null): string;
     /** Draws the preview of the tool. */
     protected draw(): void {}
@@ -59,7 +59,7 @@ export abstract class BranchDragRun implements ToolRun {
         this.stopped = true;
         this.unfollow();
         this.gesture?.cancel();
-        this.drawn.stop();
+        this.overlay.stop();
     }
 
     status(): string {
@@ -95,7 +95,7 @@ export abstract class BranchDragRun implements ToolRun {
             return true;
         }
         if (event.key === "Escape") {
-            const under = this.underway();
+            const under = this.isInProgress();
             this.reset();
             return under;
         }
@@ -106,7 +106,7 @@ export abstract class BranchDragRun implements ToolRun {
         return false;
     }
 
-    protected underway(): boolean {
+    protected isInProgress(): boolean {
         return this.gesture !== null || this.from !== null || this.typed.text !== "";
     }
 
@@ -134,21 +134,21 @@ export abstract class BranchDragRun implements ToolRun {
 
     /** Updates the preview. */
     protected show(): void {
-        const made = this.held && this.made(this.held);
-        if (this.held && made) {
+        const nodeLine = this.held && this.nodeLine(this.held);
+        if (this.held && nodeLine) {
             this.gesture ??= new Gesture(this.app, this.held.about);
-            this.gesture.preview(previewLine(made));
+            this.gesture.preview(previewLine(nodeLine));
         }
         this.draw();
     }
 
     protected end(): void {
-        const made = this.held && this.made(this.held);
+        const nodeLine = this.held && this.nodeLine(this.held);
         const { gesture } = this;
-        if (made && gesture) {
+        if (nodeLine && gesture) {
             this.gesture = null;
             this.reset();
-            void finalLine(this.app, made).then((line) => gesture.run(line));
+            void finalLine(this.app, nodeLine).then((line) => gesture.run(line));
         } else {
             this.reset();
         }
@@ -166,7 +166,7 @@ export abstract class BranchDragRun implements ToolRun {
     }
 
     private again(): void {
-        if (!this.stopped && !this.underway()) {
+        if (!this.stopped && !this.isInProgress()) {
             this.holdSelected();
             this.draw();
         }

@@ -3,7 +3,7 @@ import type { App, Ray } from "../../app";
 import type { ObjectName, Point, SceneObject } from "../../protocol";
 import { anchored } from "./naming";
 import { type Extent, skeletonOf } from "./skeleton";
-import { type Typed, typedShift } from "./typed";
+import { type TypedInput, typedShift } from "./typed_input";
 import { angleAbout, cross, dot, kAxes, length, onPlane, snapped, subtract } from "./vector";
 import { commandLine, directionWord, idSelection, kindOption, numberWord, pointWord, sizeWord } from "./words";
 
@@ -128,7 +128,7 @@ export interface Dragged {
 
 export interface Reading {
     mode: Mode;
-    typed: Typed;
+    typed: TypedInput;
     evenly: boolean;
     sight: Point; // into the view
     snap: boolean;
@@ -168,7 +168,7 @@ export function changeOf(dragged: Dragged, { mode, typed, evenly, sight, snap, g
     return { mode, factors: factorsOf(values, free, typed, evenly) };
 }
 
-function factorsOf(values: number[] | null, free: number, typed: Typed, evenly: boolean): Point {
+function factorsOf(values: number[] | null, free: number, typed: TypedInput, evenly: boolean): Point {
     if (values && values.length === 3 && !evenly) {
         return [values[0], values[1], values[2]];
     }

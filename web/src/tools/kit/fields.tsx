@@ -1,9 +1,9 @@
 // Fields of the panels of tools.
 import { signal, type Signal } from "@preact/signals-core";
 import type { ComponentChildren, VNode } from "preact";
-import { FieldTrouble, useNumber } from "../../number_field";
+import { FieldError, useNumber } from "../../number_field";
 import { useValue } from "../../use";
-import type { Axis } from "./typed";
+import type { Axis } from "./typed_input";
 
 interface FieldProps {
     label: string;
@@ -32,7 +32,7 @@ interface NumberProps {
 
 export function NumberField({ label, value, unit, low, high, step, changed }: NumberProps): VNode {
     const now = useValue(value);
-    const { field, trouble } = useNumber({
+    const { field, errorText } = useNumber({
         value: now,
         shown: String(Number(now.toPrecision(6))),
         low,
@@ -50,7 +50,7 @@ export function NumberField({ label, value, unit, low, high, step, changed }: Nu
             <Field label={label} unit={unit}>
                 <input {...field} />
             </Field>
-            <FieldTrouble text={trouble} />
+            <FieldError text={errorText} />
         </>
     );
 }

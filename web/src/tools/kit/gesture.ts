@@ -5,7 +5,7 @@ import type { ObjectName } from "../../protocol";
 
 export class Gesture {
     private shown = "";
-    private readonly trouble = signal("");
+    private readonly errorText = signal("");
     private open = false;
 
     constructor(
@@ -15,7 +15,7 @@ export class Gesture {
 
     /** The error of the engine for the last previewed line; empty if there is no error. */
     get refusal(): string {
-        return this.trouble.value;
+        return this.errorText.value;
     }
 
     get line(): string {
@@ -31,11 +31,11 @@ export class Gesture {
         this.app.engine.preview(line, this.about).then(
             (shown) => {
                 if (shown) {
-                    this.trouble.value = "";
+                    this.errorText.value = "";
                 }
             },
             (error: Error) => {
-                this.trouble.value = error.message;
+                this.errorText.value = error.message;
             },
         );
     }
@@ -48,11 +48,11 @@ export class Gesture {
         try {
             const ran = await this.app.engine.run(line, this.about);
             if (ran.says) {
-                this.app.store.say(ran.says);
+                this.app.store.notify(ran.says);
             }
             return ran;
         } catch (error) {
-            this.app.store.say((error as Error).message, "error");
+            this.app.store.notify((error as Error).message, "error");
             if (had) {
                 await this.app.engine.endPreview().catch(() => undefined);
             }

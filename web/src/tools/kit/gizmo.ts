@@ -3,8 +3,8 @@ import * as THREE from "three";
 import type { App } from "../../app";
 import type { Point } from "../../protocol";
 import type { Mode } from "./change";
-import { circlePoints, Drawn, kColors } from "./drawn";
-import type { Axis } from "./typed";
+import { circlePoints, Overlay, kColors } from "./overlay";
+import type { Axis } from "./typed_input";
 import { add, kAxes, scaled, subtract, toSegment } from "./vector";
 
 const kReach = 90; // [px] of an arrow
@@ -20,20 +20,20 @@ export interface Handle {
 }
 
 export class Gizmo {
-    private readonly drawn: Drawn;
+    private readonly overlay: Overlay;
     private shown = "";
 
     constructor(private readonly app: App) {
-        this.drawn = new Drawn(app);
+        this.overlay = new Overlay(app);
     }
 
     stop(): void {
-        this.drawn.stop();
+        this.overlay.stop();
     }
 
     hide(): void {
         this.shown = "";
-        this.drawn.clear();
+        this.overlay.clear();
     }
 
     /** Draws the handles, and a line along the active axis; does nothing if they are already drawn there. */
@@ -43,27 +43,27 @@ export class Gizmo {
         if (key === this.shown) {
             return;
         }
-        this.drawn.clear();
+        this.overlay.clear();
         this.shown = key;
         if (guide) {
             const far = scaled(kAxes[guide], kGuide * size);
-            this.drawn.line([subtract(pivot, far), add(pivot, far)], kColors[guide], false, 1);
+            this.overlay.line([subtract(pivot, far), add(pivot, far)], kColors[guide], false, 1);
         }
         const color = (axis: Axis, plane: boolean) => (hot?.axis === axis && hot.plane === plane ? kColors.hot : kColors[axis]);
         for (const axis of mode === "size" && evenly ? [] : kAxisNames) {
             if (mode === "turn") {
-                this.drawn.circle(pivot, kAxes[axis], kRing * size, color(axis, false));
+                this.overlay.circle(pivot, kAxes[axis], kRing * size, color(axis, false));
                 continue;
             }
             const tip = add(pivot, scaled(kAxes[axis], kReach * size));
-            this.drawn.line([pivot, tip], color(axis, false));
+            this.overlay.line([pivot, tip], color(axis, false));
             this.solid(mode, tip, axis, size, color(axis, false));
             this.square(pivot, axis, size, color(axis, true));
         }
         const middle = hot && !hot.axis ? kColors.hot : kColors.plain;
-        this.drawn.dots([pivot], middle, 11);
+        this.overlay.dots([pivot], middle, 11);
         if (mode === "size") {
-            this.drawn.line(this.facing(pivot, kRing * size), middle);
+            this.overlay.line(this.facing(pivot, kRing * size), middle);
         }
     }
 
@@ -105,11 +105,11 @@ export class Gizmo {
     private solid(mode: Mode, tip: Point, axis: Axis, size: number, color: number): void {
         const shape = mode === "move" ? new THREE.ConeGeometry(6 * size, 18 * size, 12) : new THREE.BoxGeometry(11 * size, 11 * size, 11 * size);
         const material = new THREE.MeshBasicMaterial({ color, depthTest: false, transparent: true });
-        const made = new THREE.Mesh(shape, material);
-        made.position.set(...tip);
-        made.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), new THREE.Vector3(...kAxes[axis]));
-        made.renderOrder = 11;
-        this.drawn.group.add(made);
+        const mesh = new THREE.Mesh(shape, material);
+        mesh.position.set(...tip);
+        mesh.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), new THREE.Vector3(...kAxes[axis]));
+        mesh.renderOrder = 11;
+        this.overlay.group.add(mesh);
     }
 
     private square(pivot: Point, axis: Axis, size: number, color: number): void {
@@ -117,8 +117,8 @@ export class Gizmo {
         const middle = squareMiddle(pivot, axis, size);
         const corner = (a: number, b: number) => add(middle, add(scaled(u, a), scaled(v, b)));
         const corners = [corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)];
-        this.drawn.area(corners, color);
-        this.drawn.line([...corners, corners[0]], color);
+        this.overlay.area(corners, color);
+        this.overlay.line([...corners, corners[0]], color);
     }
 }
 

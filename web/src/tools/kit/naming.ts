@@ -26,10 +26,10 @@ export interface NodeLine {
     line(selections: string[]): string;
 }
 
-export function previewLine(made: NodeLine): string {
-    return made.line(made.nodes.map((ids) => idSelection(ids)));
+export function previewLine(nodeLine: NodeLine): string {
+    return nodeLine.line(nodeLine.nodes.map((ids) => idSelection(ids)));
 }
 
-export async function finalLine(app: App, made: NodeLine): Promise<string> {
-    return made.line(await Promise.all(made.nodes.map((ids) => anchored(app, made.name, ids))));
+export async function finalLine(app: App, nodeLine: NodeLine): Promise<string> {
+    return nodeLine.line(await Promise.all(nodeLine.nodes.map((ids) => anchored(app, nodeLine.name, ids))));
 }

@@ -231,7 +231,7 @@ export function pickBranch(app: App, x: number, y: number): Pick | null {
     const mesh = pick ? undefined : app.view.pick(x, y, ["mesh"])?.object.name;
     const source = mesh && meshSources(app.store).get(mesh);
     if (source && app.store.hidden.peek().has(`skeleton:${source}`)) {
-        app.store.say(`The skeleton ${source} is hidden; show it in the list of objects to work on its branches.`, "warning");
+        app.store.notify(`The skeleton ${source} is hidden; show it in the list of objects to work on its branches.`, "warning");
     }
     return pick;
 }
@@ -266,7 +266,7 @@ export function fetchSkeleton(app: App, name: string): Promise<Skeleton | null> 
         return Promise.resolve(known);
     }
     const key = `${name}:${object.version}`;
-    const under = fetching.get(key) ?? ask(app, name, object.version).finally(() => fetching.delete(key));
+    const under = fetching.get(key) ?? requestSkeleton(app, name, object.version).finally(() => fetching.delete(key));
     fetching.set(key, under);
     return under;
 }
@@ -288,7 +288,7 @@ export function followSkeletons(app: App, known?: () => void): () => void {
 }
 
 // If the skeleton has changed in between, it is requested again.
-async function ask(app: App, name: string, version: number): Promise<Skeleton | null> {
+async function requestSkeleton(app: App, name: string, version: number): Promise<Skeleton | null> {
     const isOld = () => app.store.find("skeleton", name)?.version !== version;
     try {
         const { key } = await app.engine.request<{ key: string }>("show", { kind: "skeleton", name, form: "axes" });
@@ -300,7 +300,7 @@ async function ask(app: App, name: string, version: number): Promise<Skeleton | 
         if (isOld()) {
             return fetchSkeleton(app, name);
         }
-        app.store.say((error as Error).message, "error");
+        app.store.notify((error as Error).message, "error");
         return null;
     }
 }

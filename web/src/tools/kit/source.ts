@@ -45,8 +45,8 @@ export function controlsOf(text: string, statement: number, commands: readonly s
 
 /** The newest statement that created an object from control points; null if a later statement may have moved it. */
 export function findControls(state: State, object: ObjectName, commands: readonly string[]): Controls | null {
-    const made = state.objects.find(({ kind, name }) => kind === object.kind && name === object.name)?.statement ?? -1;
-    const controls = made >= 0 ? controlsOf(state.statements[made]?.text ?? "", made, commands) : null;
+    const creator = state.objects.find(({ kind, name }) => kind === object.kind && name === object.name)?.statement ?? -1;
+    const controls = creator >= 0 ? controlsOf(state.statements[creator]?.text ?? "", creator, commands) : null;
     return controls?.name === object.name ? controls : null;
 }
 
@@ -106,7 +106,7 @@ async function rewriteAll(app: App): Promise<void> {
         try {
             await rewriteStatement(app, next.statement, next.text, next.name, next.joins);
         } catch (error) {
-            app.store.say((error as Error).message, "error");
+            app.store.notify((error as Error).message, "error");
             await app.engine.endPreview().catch(() => undefined);
         }
     }

@@ -3,15 +3,15 @@ import { signal } from "@preact/signals-core";
 import type { VNode } from "preact";
 import type { App, Tool, ToolPointer, ToolRun } from "../../app";
 import type { ObjectName, Point } from "../../protocol";
-import { Drawn, kColors, sight } from "../kit/drawn";
+import { Overlay, kColors, sight } from "../kit/overlay";
 import { Button, ChoiceField, NumberField, PointField, pointSignals } from "../kit/fields";
 import { runLine } from "../kit/gesture";
 import { distance, kAxes, onPlane } from "../kit/vector";
 import { commandLine, newName, numberWord, pointWord, sizeWord } from "../kit/words";
 
-type Way = "thin" | "densify";
+type Method = "thin" | "densify";
 
-const way = signal<Way>("thin");
+const method = signal<Method>("thin");
 const percent = signal(100);
 const count = signal(50);
 
@@ -21,10 +21,10 @@ export interface Ball {
 }
 
 /** A dab is one block: the ball in which points change, the change, and the deletion of the ball. */
-export function dabLines(points: string, ball: string, { center, radius }: Ball, way: Way, amount: number, step: number): string {
+export function brushLines(points: string, ball: string, { center, radius }: Ball, method: Method, amount: number, step: number): string {
     const sphere = commandLine(["sphere", ball], { center: pointWord(center, step), radius: sizeWord(radius, step) });
     const change =
-        way === "thin"
+        method === "thin"
             ? commandLine(["pointset", "thin", points, ball, numberWord(amount, 0.1)])
             : commandLine(["pointset", "densify", points, ball], { count: Math.round(amount) });
     return ["repeat 1", `  ${sphere}`, `  ${change}`, `  ${commandLine(["delete", ball], { kind: "solid" })}`, "end"].join("\n");
@@ -33,12 +33,12 @@ export function dabLines(points: string, ball: string, { center, radius }: Ball,
 class BrushRun implements ToolRun {
     private ball: Ball | null = null;
     private pressed = false;
-    private readonly drawn: Drawn;
+    private readonly overlay: Overlay;
     private readonly center = pointSignals([0, 0, 0]);
     private readonly radius = signal(0.5);
 
     constructor(private readonly app: App) {
-        this.drawn = new Drawn(app);
+        this.overlay = new Overlay(app);
         const points = this.chosen();
         const object = points && app.store.find("points", points.name);
         if (object) {
@@ -51,13 +51,13 @@ class BrushRun implements ToolRun {
     }
 
     stop(): void {
-        this.drawn.stop();
+        this.overlay.stop();
     }
 
     status(): string {
         const points = this.chosen();
-        const what = way.value === "thin" ? `removes ${percent.value} % of the points` : `adds ${count.value} points`;
-        return points ? `Press on ${points.name} and drag to size a ball, which ${what}; Enter applies the fields.` : "There are no points yet.";
+        const effect = method.value === "thin" ? `removes ${percent.value} % of the points` : `adds ${count.value} points`;
+        return points ? `Press on ${points.name} and drag to size a ball, which ${effect}; Enter applies the fields.` : "There are no points yet.";
     }
 
     pointer(event: ToolPointer): boolean {
@@ -102,14 +102,14 @@ class BrushRun implements ToolRun {
     }
 
     panel(): VNode {
-        const ways = [
+        const methods = [
             ["thin", "removes points"],
             ["densify", "adds points"],
         ] as const;
         return (
             <>
-                <ChoiceField label="The ball" value={way} choices={ways} />
-                {way.value === "thin" ? (
+                <ChoiceField label="The ball" value={method} choices={methods} />
+                {method.value === "thin" ? (
                     <NumberField label="Percentage to remove" unit="%" value={percent} low={0} high={100} />
                 ) : (
                     <NumberField label="How many" value={count} low={1} step={1} />
@@ -134,19 +134,19 @@ class BrushRun implements ToolRun {
     private async dab(ball: Ball): Promise<void> {
         const points = this.chosen();
         if (points) {
-            const amount = way.peek() === "thin" ? percent.peek() : count.peek();
+            const amount = method.peek() === "thin" ? percent.peek() : count.peek();
             const step = this.app.view.pixelSize(ball.center) / 10;
-            await runLine(this.app, dabLines(points.name, newName("dab"), ball, way.peek(), amount, step), points);
+            await runLine(this.app, brushLines(points.name, newName("dab"), ball, method.peek(), amount, step), points);
         }
     }
 
     private draw(): void {
-        this.drawn.clear();
+        this.overlay.clear();
         if (this.ball) {
             const { center, radius } = this.ball;
-            const color = way.peek() === "thin" ? kColors.cut : kColors.grow;
+            const color = method.peek() === "thin" ? kColors.cut : kColors.grow;
             for (const axis of [sight(this.app, center), kAxes.z, kAxes.x]) {
-                this.drawn.circle(center, axis, radius, color);
+                this.overlay.circle(center, axis, radius, color);
             }
         }
     }
@@ -154,25 +154,25 @@ class BrushRun implements ToolRun {
     private reset(): void {
         this.pressed = false;
         this.ball = null;
-        this.drawn.clear();
+        this.overlay.clear();
     }
 }
 
 class RootRun implements ToolRun {
-    private readonly drawn: Drawn;
+    private readonly overlay: Overlay;
     private readonly at = pointSignals([0, 0, 0]);
     private readonly points = signal("");
     private readonly name = signal("");
 
     constructor(private readonly app: App) {
-        this.drawn = new Drawn(app);
+        this.overlay = new Overlay(app);
         this.name.value = app.store.freeName("tree");
         const { object } = app.store.selection.peek();
         this.points.value = object?.kind === "points" ? object.name : (this.names()[0] ?? "");
     }
 
     stop(): void {
-        this.drawn.stop();
+        this.overlay.stop();
     }
 
     status(): string {
@@ -191,8 +191,8 @@ class RootRun implements ToolRun {
             at.forEach((value, i) => {
                 this.at[i].value = Number(numberWord(value, view.pixelSize(at) / 10));
             });
-            this.drawn.clear();
-            this.drawn.dots([at], kColors.grow, 13);
+            this.overlay.clear();
+            this.overlay.dots([at], kColors.grow, 13);
         }
         return at !== null;
     }

@@ -1,7 +1,7 @@
 // Rotation, pan and zoom of the view by mouse, trackpad, touch and keys.
 import * as THREE from "three";
 import type { ToolPointer } from "../../app";
-import type { Hand } from "../../hand";
+import type { ActiveTool } from "../../active_tool";
 import { dragMotion, type Keys, type Motion, type Preset, wheelFactor, wheelMotion } from "./presets";
 import type { Rig } from "./rig";
 
@@ -43,7 +43,7 @@ export class Navigation {
 
     constructor(
         private readonly view: Navigated,
-        private readonly hand: () => Hand | null,
+        private readonly activeTool: () => ActiveTool | null,
     ) {
         const { canvas } = view;
         canvas.addEventListener("pointerdown", (event) => this.down(event));
@@ -61,8 +61,8 @@ export class Navigation {
         return this.phase === "moving";
     }
 
-    private tell(event: PointerEvent, phase: ToolPointer["phase"], at?: Held): boolean {
-        return this.hand()?.pointer({ ...toolPointer(event, phase), ...at }) ?? false;
+    private sendToTool(event: PointerEvent, phase: ToolPointer["phase"], at?: Held): boolean {
+        return this.activeTool()?.pointer({ ...toolPointer(event, phase), ...at }) ?? false;
     }
 
     private down(event: PointerEvent): void {
@@ -80,7 +80,7 @@ export class Navigation {
         } else if (this.view.own(toolPointer(event, "down"))) {
             this.phase = "own";
         } else {
-            this.phase = this.tell(event, "down") ? "tool" : "undecided";
+            this.phase = this.sendToTool(event, "down") ? "tool" : "undecided";
             if (event.pointerType === "touch" && this.phase === "undecided") {
                 this.longPress = setTimeout(() => this.look(event), kLong);
             }
@@ -90,7 +90,7 @@ export class Navigation {
     // A resting finger shows the object under it, like a pointer, until it is lifted.
     private look(event: PointerEvent): void {
         if (this.phase === "undecided" && this.held.size === 1) {
-            this.tell(event, "cancel");
+            this.sendToTool(event, "cancel");
             this.phase = "looking";
             this.view.hovered(this.start.x, this.start.y);
         }
@@ -106,7 +106,7 @@ export class Navigation {
     private move(event: PointerEvent): void {
         const last = this.held.get(event.pointerId);
         if (!last) {
-            this.tell(event, "move");
+            this.sendToTool(event, "move");
             this.view.hovered(event.offsetX, event.offsetY);
             return;
         }
@@ -116,7 +116,7 @@ export class Navigation {
         }
         const [dx, dy] = [event.offsetX - last.x, event.offsetY - last.y];
         if (this.phase === "tool") {
-            this.tell(event, "move");
+            this.sendToTool(event, "move");
         } else if (this.phase === "own") {
             this.view.own(toolPointer(event, "move"));
         } else if (this.phase === "undecided") {
@@ -125,7 +125,7 @@ export class Navigation {
             if (!isFar || !this.enabled) {
                 return;
             }
-            this.tell(event, "cancel");
+            this.sendToTool(event, "cancel");
             this.begin("orbit", this.start.x, this.start.y);
             this.drag(event.offsetX - this.start.x, event.offsetY - this.start.y);
         } else if (this.phase === "moving") {
@@ -142,9 +142,9 @@ export class Navigation {
         this.held.delete(event.pointerId);
         this.wasTool = this.phase === "tool";
         if (this.phase === "tool") {
-            this.tell(event, "up");
+            this.sendToTool(event, "up");
         } else if (this.phase === "undecided") {
-            this.tell(event, "up", this.start); // a click, independent of small movements of the finger
+            this.sendToTool(event, "up", this.start); // a click, independent of small movements of the finger
         } else if (this.phase === "own") {
             this.view.own(toolPointer(event, "up"));
         }
@@ -155,7 +155,7 @@ export class Navigation {
         clearTimeout(this.longPress);
         this.held.delete(event.pointerId);
         if (this.phase === "tool" || this.phase === "undecided") {
-            this.tell(event, "cancel");
+            this.sendToTool(event, "cancel");
         }
         this.finish();
     }
@@ -192,7 +192,7 @@ export class Navigation {
     private beginFingers(event: PointerEvent): void {
         clearTimeout(this.longPress);
         if (this.phase === "tool" || this.phase === "undecided") {
-            this.tell(event, "cancel");
+            this.sendToTool(event, "cancel");
         }
         const [a, b] = [...this.held.values()];
         this.begin("pan", (a.x + b.x) / 2, (a.y + b.y) / 2);
@@ -213,7 +213,7 @@ export class Navigation {
 
     private wheel(event: WheelEvent): void {
         event.preventDefault();
-        if (this.hand()?.wheel(event.deltaY, toolPointer(event, "move"))) {
+        if (this.activeTool()?.wheel(event.deltaY, toolPointer(event, "move"))) {
             return;
         }
         const { rig } = this.view;

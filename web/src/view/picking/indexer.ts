@@ -8,12 +8,12 @@ let last = 0;
 const waiting = new Map<number, (index: Uint32Array) => void>();
 
 function start(): Worker {
-    const made = new Worker("/worker.js", { type: "module" });
-    made.onmessage = (event: MessageEvent<{ id: number; index: Uint32Array }>) => {
+    const worker = new Worker("/worker.js", { type: "module" });
+    worker.onmessage = (event: MessageEvent<{ id: number; index: Uint32Array }>) => {
         waiting.get(event.data.id)?.(event.data.index);
         waiting.delete(event.data.id);
     };
-    return made;
+    return worker;
 }
 
 /** Calls `then` with the triangles, at once for a small number of quads. */

@@ -5,7 +5,7 @@ import type { Kind, Point } from "../../protocol";
 import type { Rig } from "../camera/rig";
 import { treeOf } from "../extent";
 import type { SectionPlane } from "../section";
-import type { Shown } from "../shown";
+import type { ObjectView } from "../object_view";
 import { closestSegment, hitLine, hitPoints, hitSkeleton, type Projection } from "./rays";
 
 const kTwig = 3.5; // [px] minimum thickness of a segment for picking
@@ -32,7 +32,7 @@ const kPickable: Kind[] = ["skeleton", "solid", "mesh", "points", "path", "profi
 const kThroughGlass: Kind[] = ["skeleton", "mesh", "path", "profile"];
 
 /** The object closest to the camera; objects inside transparent solids have priority over the solids. */
-export function pickAt(picture: Picture, ray: THREE.Ray, shown: Shown[], x: number, y: number, kinds: Kind[] = kPickable): Pick | null {
+export function pickAt(picture: Picture, ray: THREE.Ray, shown: ObjectView[], x: number, y: number, kinds: Kind[] = kPickable): Pick | null {
     const found = shown
         .filter(({ object, source }) => kinds.includes(object.kind) || (source && kinds.includes("skeleton")))
         .map((one) => {
@@ -45,7 +45,7 @@ export function pickAt(picture: Picture, ray: THREE.Ray, shown: Shown[], x: numb
     return (inside ?? found[0])?.pick ?? null;
 }
 
-function pickOne(picture: Picture, ray: THREE.Ray, shown: Shown, x: number, y: number): Found | null {
+function pickOne(picture: Picture, ray: THREE.Ray, shown: ObjectView, x: number, y: number): Found | null {
     switch (shown.object.kind) {
         case "skeleton":
             return pickSkeleton(picture, ray, shown);
@@ -59,7 +59,7 @@ function pickOne(picture: Picture, ray: THREE.Ray, shown: Shown, x: number, y: n
     }
 }
 
-function pickSkeleton({ rig, section }: Picture, ray: THREE.Ray, shown: Shown): Found | null {
+function pickSkeleton({ rig, section }: Picture, ray: THREE.Ray, shown: ObjectView): Found | null {
     const geometry = shown.geometries.get("axes");
     if (!geometry) {
         return null;
@@ -86,7 +86,7 @@ function pickSkeleton({ rig, section }: Picture, ray: THREE.Ray, shown: Shown): 
     return { distance: hit.distance, pick: { object: shown.object, point, node: tree.id[hit.node] } };
 }
 
-function pickSurface({ section }: Picture, ray: THREE.Ray, shown: Shown): Found | null {
+function pickSurface({ section }: Picture, ray: THREE.Ray, shown: ObjectView): Found | null {
     if (!shown.surface?.group.visible) {
         return null;
     }
@@ -97,7 +97,7 @@ function pickSurface({ section }: Picture, ray: THREE.Ray, shown: Shown): Found 
 }
 
 /** Converts a hit on a mesh to the branch of its source skeleton. */
-function onSource(hit: Found, source: Shown): Found {
+function onSource(hit: Found, source: ObjectView): Found {
     const geometry = source.geometries.get("axes");
     if (!geometry) {
         return hit;
@@ -118,7 +118,7 @@ function projection({ rig, width, height }: Picture, origin: Point): Projection 
     return { matrix: matrix.elements, width, height };
 }
 
-function pickDots(picture: Picture, shown: Shown, x: number, y: number, slot: "points" | "curve", reach: number): Found | null {
+function pickDots(picture: Picture, shown: ObjectView, x: number, y: number, slot: "points" | "curve", reach: number): Found | null {
     const geometry = shown.geometries.get(slot);
     const position = geometry?.arrays[slot === "points" ? "position" : "controls"] as Float32Array | undefined;
     if (!geometry || !position) {
@@ -128,7 +128,7 @@ function pickDots(picture: Picture, shown: Shown, x: number, y: number, slot: "p
     return index === null ? null : found(picture, shown, pointOf(position, index, geometry.header.origin), index);
 }
 
-function pickCurve(picture: Picture, shown: Shown, x: number, y: number): Found | null {
+function pickCurve(picture: Picture, shown: ObjectView, x: number, y: number): Found | null {
     const geometry = shown.geometries.get("curve");
     if (!geometry) {
         return null;
@@ -143,7 +143,7 @@ function pointOf(position: Float32Array, index: number, origin: Point): Point {
     return [0, 1, 2].map((c) => position[3 * index + c] + origin[c]) as Point;
 }
 
-function found({ rig }: Picture, shown: Shown, point: Point, index?: number): Found {
+function found({ rig }: Picture, shown: ObjectView, point: Point, index?: number): Found {
     const distance = new THREE.Vector3(...point).distanceTo(rig.pose.eye);
     return { distance, pick: index === undefined ? { object: shown.object, point } : { object: shown.object, point, index } };
 }

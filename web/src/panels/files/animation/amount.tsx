@@ -1,6 +1,6 @@
 // Numbers in the rows of the timeline.
 import type { VNode } from "preact";
-import { FieldTrouble, useNumber } from "../../../number_field";
+import { FieldError, useNumber } from "../../../number_field";
 
 interface AmountProps {
     label: string;
@@ -14,14 +14,14 @@ interface AmountProps {
 
 /** A number of a film, applied when it is complete. */
 export function Amount({ label, value, low, high, step, title, set }: AmountProps): VNode {
-    const { field, trouble } = useNumber({ value, low, high, step, take: (number, done) => done && set(number) });
+    const { field, errorText } = useNumber({ value, low, high, step, take: (number, done) => done && set(number) });
     return (
         <>
             <label title={title}>
                 <span>{label}</span>
                 <input class="amount" {...field} />
             </label>
-            <FieldTrouble text={trouble} />
+            <FieldError text={errorText} />
         </>
     );
 }

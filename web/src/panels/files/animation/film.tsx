@@ -5,8 +5,8 @@ import { useEffect, useState } from "preact/hooks";
 import type { App } from "../../../app";
 import { ChoiceField, NumberField } from "../../../tools/kit/fields";
 import { useValue } from "../../../use";
-import { ask, Dialog, Trouble, useWork } from "../dialog";
-import { bytesText, download, nameTrouble, withEnding, writing } from "../folder";
+import { openDialog, Dialog, ErrorText, useWork } from "../dialog";
+import { bytesText, download, nameError, withEnding, writing } from "../folder";
 import { RequestProgress } from "../progress";
 import { type Film, frameCount, motionFields } from "./timeline";
 
@@ -32,25 +32,25 @@ const kHeight = signal(480);
 const kSamples = signal(4);
 const kLevels = signal(1);
 
-interface Made {
+interface FilmResult {
     files: readonly string[];
     bytes: number;
     says: string;
 }
 
 export async function exportFilm(app: App, film: Film): Promise<void> {
-    await ask<null>((end) => <FilmDialog app={app} film={film} end={() => end(null)} />);
+    await openDialog<null>((end) => <FilmDialog app={app} film={film} end={() => end(null)} />);
 }
 
 function FilmDialog({ app, film, end }: { app: App; film: Film; end(): void }): VNode {
     const ending = useValue(kEnding);
     const [typed, setTyped] = useState(film.tree);
-    const [made, setMade] = useState<Made | null>(null);
-    const { busy, trouble, work } = useWork();
+    const [result, setResult] = useState<FilmResult | null>(null);
+    const { busy, errorText, work } = useWork();
     const choices = kEndings.filter(([one]) => !film.grow || one !== ".glb"); // its faces differ in each frame
     const chosen = choices.some(([one]) => one === ending) ? ending : ".gif";
     const file = withEnding(typed.trim(), chosen);
-    const wrong = nameTrouble(file);
+    const wrong = nameError(file);
     const write = () =>
         void work(async () => {
             const { options, ...motion } = motionFields(film);
@@ -59,15 +59,15 @@ function FilmDialog({ app, film, end }: { app: App; film: Film; end(): void }): 
             const done = await writing(
                 app,
                 file,
-                (overwrite) => app.engine.request<Made>("animate", { ...fields, overwrite }),
+                (overwrite) => app.engine.request<FilmResult>("animate", { ...fields, overwrite }),
                 kSeries.has(chosen) ? seriesOf(file, chosen) : undefined,
             );
             if (done) {
-                setMade(done);
+                setResult(done);
             }
         });
-    if (made) {
-        return <MadeFilm app={app} made={made} end={end} />;
+    if (result) {
+        return <ResultDialog app={app} result={result} end={end} />;
     }
     return (
         <Dialog
@@ -106,7 +106,7 @@ function FilmDialog({ app, film, end }: { app: App; film: Film; end(): void }): 
                 </>
             )}
             {busy && <RequestProgress app={app} label="Making the frames" />}
-            <Trouble text={wrong || trouble} />
+            <ErrorText text={wrong || errorText} />
         </Dialog>
     );
 }
@@ -117,11 +117,11 @@ function seriesOf(file: string, ending: Ending): RegExp {
     return new RegExp(`^${stem}_\\d+\\${ending}$`);
 }
 
-function MadeFilm({ app, made, end }: { app: App; made: Made; end(): void }): VNode {
+function ResultDialog({ app, result, end }: { app: App; result: FilmResult; end(): void }): VNode {
     const folder = useValue(app.store.folder);
     const [url, setUrl] = useState("");
-    const { trouble, work } = useWork();
-    const [first] = made.files;
+    const { errorText, work } = useWork();
+    const [first] = result.files;
     const isPicture = /\.(gif|png)$/.test(first);
     useEffect(() => {
         if (isPicture) {
@@ -129,7 +129,7 @@ function MadeFilm({ app, made, end }: { app: App; made: Made; end(): void }): VN
         }
     }, []);
     useEffect(() => () => (url ? URL.revokeObjectURL(url) : undefined), [url]);
-    const names = made.files.length > 1 ? `${first} to ${made.files.at(-1)}` : first;
+    const names = result.files.length > 1 ? `${first} to ${result.files.at(-1)}` : first;
     return (
         <Dialog
             title={`The film ${names}`}
@@ -141,17 +141,17 @@ function MadeFilm({ app, made, end }: { app: App; made: Made; end(): void }): VN
                         Close
                     </button>
                     <button type="button" onClick={() => void work(() => download(app, first))}>
-                        {made.files.length > 1 ? "Download the first" : "Download"}
+                        {result.files.length > 1 ? "Download the first" : "Download"}
                     </button>
                 </>
             }
         >
-            {url && <img class="made-picture" src={url} alt={`The film ${first}`} />}
+            {url && <img class="result-picture" src={url} alt={`The film ${first}`} />}
             <p>
-                {`${made.says.trim()}. ${bytesText(made.bytes)} in the folder `}
+                {`${result.says.trim()}. ${bytesText(result.bytes)} in the folder `}
                 <code>{folder}</code>
             </p>
-            <Trouble text={trouble} />
+            <ErrorText text={errorText} />
         </Dialog>
     );
 }

@@ -39,7 +39,7 @@ export function KeyEditor({ app, film, chosen, player }: EditorProps): VNode {
             await app.engine.request("text", { text, revision, name: "turning an edit into a key" });
             add(last.edits);
         } catch (error) {
-            app.store.say((error as Error).message, "error");
+            app.store.notify((error as Error).message, "error");
         }
     };
     return (
@@ -120,9 +120,9 @@ async function saveKeys(app: App, film: Film): Promise<void> {
     try {
         const text = new Blob([keysText(film.keys)], { type: "text/plain" });
         if (await writing(app, file, (overwrite) => app.engine.upload(file, text, overwrite))) {
-            app.store.say(`Saved ${file}: coppice animate ${film.tree}.swc --keys ${file} -o ${film.tree}.gif`);
+            app.store.notify(`Saved ${file}: coppice animate ${film.tree}.swc --keys ${file} -o ${film.tree}.gif`);
         }
     } catch (error) {
-        app.store.say((error as Error).message, "error");
+        app.store.notify((error as Error).message, "error");
     }
 }

@@ -16,7 +16,7 @@ import { Track } from "./track";
 
 const kKept = setting<string>("animation", "");
 
-function keptFilm(): Film {
+function storedFilm(): Film {
     try {
         return { ...kFirstFilm, ...(JSON.parse(kKept.peek()) as Partial<Film>) };
     } catch {
@@ -25,7 +25,7 @@ function keptFilm(): Film {
 }
 
 /** The edited film, stored by the browser. */
-const kFilm: Signal<Film> = signal(keptFilm());
+const kFilm: Signal<Film> = signal(storedFilm());
 effect(() => {
     kKept.value = JSON.stringify(kFilm.value);
 });
@@ -84,7 +84,7 @@ export function AnimationPanel({ app }: { app: App }): VNode {
                 </button>
             </div>
             <Track film={kFilm} chosen={kChosen} player={player} />
-            <Told player={player} film={film} />
+            <AnimationStatus player={player} film={film} />
             <div class="animation-parts">
                 {!film.grow && <KeyEditor app={app} film={kFilm} chosen={kChosen} player={player} />}
                 <Motion film={kFilm} />
@@ -116,11 +116,11 @@ function PlayButtons({ app, player, film }: { app: App; player: Player; film: Fi
     );
 }
 
-function Told({ player, film }: { player: Player; film: Film }): VNode {
-    const trouble = useValue(player.trouble);
-    const text = trouble || (moves(film) ? "" : "There is no motion: add a key, or a wind.");
+function AnimationStatus({ player, film }: { player: Player; film: Film }): VNode {
+    const errorText = useValue(player.errorText);
+    const text = errorText || (moves(film) ? "" : "There is no motion: add a key, or a wind.");
     return (
-        <p class={trouble ? "animation-status error" : "animation-status hint"} role="status">
+        <p class={errorText ? "animation-status error" : "animation-status hint"} role="status">
             {text}
         </p>
     );

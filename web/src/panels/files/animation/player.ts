@@ -16,7 +16,7 @@ export class Player {
     readonly playing = signal(false);
     readonly open = signal(false); // whether a frame is shown, and not the tree at rest
     readonly fetched = signal(0); // number of stored frames
-    readonly trouble = signal("");
+    readonly errorText = signal("");
     private readonly frames = new Map<number, Geometry>();
     private bytes = 0;
     private about = ""; // motion of the stored frames
@@ -90,7 +90,7 @@ export class Player {
             this.bytes = 0;
             this.shown = -1;
             this.fetched.value = 0;
-            this.trouble.value = "";
+            this.errorText.value = "";
             if (this.open.peek()) {
                 this.fetch();
             }
@@ -184,7 +184,7 @@ export class Player {
             }
         } catch (error) {
             if (about === this.about) {
-                this.trouble.value = (error as Error).message;
+                this.errorText.value = (error as Error).message;
                 this.close();
             }
         } finally {

@@ -5,7 +5,7 @@ import type { App } from "../../../app";
 import type { State } from "../../../protocol";
 import { difference } from "../../../script/merge";
 import { piecesOf, textOf } from "../../../script/pieces";
-import { keepDraft, keptDraft } from "./draft";
+import { storeDraft, storedDraft } from "./draft";
 import { normal, Sync } from "./sync";
 
 export interface Status {
@@ -14,7 +14,7 @@ export interface Status {
 }
 
 /** The editor in which the text is typed. */
-export interface Typist {
+export interface TextEditor {
     text(): string;
     write(text: string): void; // replaces its text by the text of the document
     isHalfTyped(): boolean; // then errors are not reported yet
@@ -36,12 +36,12 @@ export class Applying {
 
     constructor(
         private readonly app: App,
-        private readonly typist: Typist,
+        private readonly editor: TextEditor,
     ) {}
 
     /** Whether there is typed text that the document does not have. */
     get isTyped(): boolean {
-        return this.sync.isTyped(this.typist.text());
+        return this.sync.isTyped(this.editor.text());
     }
 
     /** The text of the pending request. */
@@ -55,10 +55,10 @@ export class Applying {
             this.recall();
         }
         const before = this.sync.base;
-        this.typist.write(this.sync.receive(textOf(state.statements), this.typist.text()));
+        this.editor.write(this.sync.receive(textOf(state.statements), this.editor.text()));
         const changed = this.sync.base !== before || this.sync.theirs !== null;
         if (changed && this.known && state.by !== "" && state.by !== this.app.engine.client) {
-            this.say("The scene was changed in another tab.");
+            this.notify("The scene was changed in another tab.");
         }
         this.known = state.revision > 0;
         if (!this.isTyped) {
@@ -66,16 +66,16 @@ export class Applying {
         } else if (changed) {
             this.soon();
         }
-        this.tell();
-        this.typist.changed();
+        this.updateStatus();
+        this.editor.changed();
     }
 
     // Text typed before the page was reloaded; the document may have changed since.
     private recall(): void {
-        const draft = keptDraft(this.app.store.folder.peek());
+        const draft = storedDraft(this.app.store.folder.peek());
         if (draft) {
             this.sync.begin(draft.base);
-            this.typist.write(draft.text);
+            this.editor.write(draft.text);
             this.recalled = true;
         }
     }
@@ -83,7 +83,7 @@ export class Applying {
     /** Text was typed, or the cursor moved. */
     typed(): void {
         this.recalled = false;
-        this.tell();
+        this.updateStatus();
         this.soon();
     }
 
@@ -93,7 +93,7 @@ export class Applying {
             return;
         }
         this.timer = setTimeout(() => {
-            if (!this.typist.isHalfTyped()) {
+            if (!this.editor.isHalfTyped()) {
                 void this.apply();
             }
         }, kRest);
@@ -102,7 +102,7 @@ export class Applying {
     /** Makes the typed text the text of the document, and runs `count` statements, or as many as possible. */
     async apply(count?: number): Promise<void> {
         clearTimeout(this.timer);
-        const text = normal(this.typist.text());
+        const text = normal(this.editor.text());
         const { store, engine } = this.app;
         if (!this.sync.isTyped(text) || this.sync.theirs !== null || store.connection.peek() !== "ready") {
             return;
@@ -114,20 +114,20 @@ export class Applying {
         }
         const { revision } = store.state.peek();
         this.sync.sent = text;
-        this.tell();
+        this.updateStatus();
         let again = false;
         try {
             await engine.request("text", { text, revision, count, name: this.nameOf(text), joins: true });
         } catch (error) {
             again = store.state.peek().revision !== revision; // then the new state has been merged
-            if (!again && normal(this.typist.text()) === text) {
-                store.say((error as Error).message, "error");
+            if (!again && normal(this.editor.text()) === text) {
+                store.notify((error as Error).message, "error");
             }
         }
         this.sync.sent = null;
-        this.tell();
-        this.typist.changed();
-        if (again || normal(this.typist.text()) !== text) {
+        this.updateStatus();
+        this.editor.changed();
+        if (again || normal(this.editor.text()) !== text) {
             this.soon();
         }
     }
@@ -151,20 +151,20 @@ export class Applying {
 
     /** Ends a conflict: if both changed the same lines, one version is kept. */
     settle(prefer: "mine" | "theirs"): void {
-        this.typist.write(this.sync.settle(this.typist.text(), prefer));
-        this.tell();
-        this.typist.changed();
+        this.editor.write(this.sync.settle(this.editor.text(), prefer));
+        this.updateStatus();
+        this.editor.changed();
         void this.apply();
     }
 
     private keep(): void {
         if (this.known) {
-            const draft = this.isTyped ? { base: this.sync.base, text: this.typist.text() } : null;
-            keepDraft(this.app.store.folder.peek(), draft);
+            const draft = this.isTyped ? { base: this.sync.base, text: this.editor.text() } : null;
+            storeDraft(this.app.store.folder.peek(), draft);
         }
     }
 
-    private say(text: string): void {
+    private notify(text: string): void {
         this.note.value = text;
         clearTimeout(this.noteTimer);
         this.noteTimer = setTimeout(() => {
@@ -172,7 +172,7 @@ export class Applying {
         }, kNote);
     }
 
-    private tell(): void {
+    private updateStatus(): void {
         this.keep();
         const { theirs, base, sent } = this.sync;
         const kind = theirs !== null ? "conflict" : sent !== null ? "applying" : this.isTyped ? "typed" : "same";

@@ -8,17 +8,17 @@ import { argumentHelp } from "./help";
 
 const kFunctions = ["sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sqrt", "exp", "log", "abs", "floor", "ceil", "round", "min", "max", "random", "pi"];
 
-export interface Asked {
+export interface CompletionTarget {
     from: number; // offset of the word in the line
     text: string; // text of it so far
-    what: "command" | "word" | "expression";
+    type: "command" | "word" | "expression";
 }
 
 /** The word before the cursor that may be completed; null if there is no completion. */
-export function askedAt(before: string): Asked | null {
+export function completionAt(before: string): CompletionTarget | null {
     const expression = /(?<!\$)\$\{(?:[^}]*[^}\w])?(\w*)$/.exec(before);
     if (expression) {
-        return { from: before.length - expression[1].length, text: expression[1], what: "expression" };
+        return { from: before.length - expression[1].length, text: expression[1], type: "expression" };
     }
     const { words, comment, open } = readLine(before);
     if (comment < before.length || open) {
@@ -26,7 +26,7 @@ export function askedAt(before: string): Asked | null {
     }
     const last = words.at(-1)?.to === before.length ? words[words.length - 1] : undefined;
     const from = last?.from ?? before.length;
-    return { from, text: before.slice(from), what: words.length - (last ? 1 : 0) === 0 ? "command" : "word" };
+    return { from, text: before.slice(from), type: words.length - (last ? 1 : 0) === 0 ? "command" : "word" };
 }
 
 /** All commands by their full names, and the statements of the language itself. */
@@ -48,7 +48,7 @@ function argumentOf(schema: readonly Command[], words: readonly Word[]): { comma
 }
 
 /** Explanation of a word that the engine offers. */
-export function explained(schema: readonly Command[], before: string, word: string, objects: readonly SceneObject[]): Completion {
+export function wordCompletion(schema: readonly Command[], before: string, word: string, objects: readonly SceneObject[]): Completion {
     const { words } = readLine(before);
     const known = argumentOf(schema, words);
     const key = /^([a-z0-9_]+)=/.exec(word)?.[1];
@@ -93,24 +93,24 @@ export function completions(app: App, countAbove: (line: number) => number): (co
     return async (context) => {
         const line = context.state.doc.lineAt(context.pos);
         const before = line.text.slice(0, context.pos - line.from);
-        const asked = askedAt(before);
-        if (!asked || (asked.text === "" && !context.explicit)) {
+        const target = completionAt(before);
+        if (!target || (target.text === "" && !context.explicit)) {
             return null;
         }
-        const from = line.from + asked.from;
-        const other = (options: Completion[]) => options.filter(({ label }) => label !== asked.text);
-        if (asked.what === "expression") {
+        const from = line.from + target.from;
+        const other = (options: Completion[]) => options.filter(({ label }) => label !== target.text);
+        if (target.type === "expression") {
             return { from, options: other(variablesAbove(context, line.number)), validFor: /^\w*$/ };
         }
         const schema = app.store.schema.peek();
-        if (asked.what === "command") {
+        if (target.type === "command") {
             return { from, options: other(commandCompletions(schema)), validFor: /^[\w ]*$/ };
         }
         const count = countAbove(line.number);
         const { words } = await app.engine.request<{ words: string[] }>("complete", { line: before.trimStart(), count }).catch(() => ({ words: [] }));
         const objects = app.store.state.peek().objects;
-        const done = before.slice(0, asked.from);
-        const options = other(words.map((word) => explained(schema, done, word, objects)));
-        return { from, options, validFor: asked.text.includes("=") ? /^[a-z0-9_]+=[\w.-]*$/ : /^[\w.-]*$/ };
+        const done = before.slice(0, target.from);
+        const options = other(words.map((word) => wordCompletion(schema, done, word, objects)));
+        return { from, options, validFor: target.text.includes("=") ? /^[a-z0-9_]+=[\w.-]*$/ : /^[\w.-]*$/ };
     };
 }

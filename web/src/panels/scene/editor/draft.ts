@@ -9,7 +9,7 @@ export interface Draft {
 const keyOf = (folder: string) => `coppice.draft ${folder}`;
 
 /** Stores the typed text of the scene of a folder; null removes it. */
-export function keepDraft(folder: string, draft: Draft | null): void {
+export function storeDraft(folder: string, draft: Draft | null): void {
     try {
         if (draft) {
             sessionStorage.setItem(keyOf(folder), JSON.stringify(draft));
@@ -21,7 +21,7 @@ export function keepDraft(folder: string, draft: Draft | null): void {
     }
 }
 
-export function keptDraft(folder: string): Draft | null {
+export function storedDraft(folder: string): Draft | null {
     try {
         return JSON.parse(sessionStorage.getItem(keyOf(folder)) ?? "null") as Draft | null;
     } catch {

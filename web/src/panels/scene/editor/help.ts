@@ -2,7 +2,7 @@
 import { type Extension } from "@codemirror/state";
 import { type EditorView, hoverTooltip, type Tooltip } from "@codemirror/view";
 import type { Argument, Command } from "../../../protocol";
-import { bind, defaultText, findCommand, kLanguage, takes, usage } from "../../../script/commands";
+import { bind, defaultText, findCommand, kLanguage, acceptedValues, usage } from "../../../script/commands";
 import { readLine } from "../../../script/words";
 
 export interface Help {
@@ -16,7 +16,7 @@ export interface Help {
 export function argumentHelp(argument: Argument): { title: string; text: string } {
     const title = argument.positional ? argument.name.toUpperCase() : `${argument.name}=`;
     const otherwise = defaultText(argument) ? ` Default: ${defaultText(argument)}.` : "";
-    return { title, text: `${argument.help} Accepts ${takes(argument)}.${otherwise}` };
+    return { title, text: `${argument.help} Accepts ${acceptedValues(argument)}.${otherwise}` };
 }
 
 export function commandHelp(command: Command): { title: string; text: string } {

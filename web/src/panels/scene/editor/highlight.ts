@@ -13,8 +13,8 @@ function colored(view: EditorView, schema: readonly Command[]): DecorationSet {
     for (const { from, to } of view.visibleRanges) {
         for (let at = from; at <= to;) {
             const line = doc.lineAt(at);
-            const goesOn = line.number > 1 && doc.line(line.number - 1).text.endsWith("\\");
-            for (const token of tokensOf(schema, line.text, goesOn)) {
+            const continues = line.number > 1 && doc.line(line.number - 1).text.endsWith("\\");
+            for (const token of tokensOf(schema, line.text, continues)) {
                 const color = kColors.get(token.kind);
                 if (color) {
                     builder.add(line.from + token.from, line.from + token.to, color);

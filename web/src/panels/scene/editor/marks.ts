@@ -13,7 +13,7 @@ export interface Mark {
     says: string; // its output, or its error
     wrong: number; // the line of the text that failed; 0 without an error
     fraction: number; // of a running one; 0 if unknown
-    chosen: "" | "made" | "step"; // it created the selected object ("made"), or changed it before ("step")
+    chosen: "" | "creator" | "step"; // it created the selected object ("creator"), or changed it before ("step")
 }
 
 /** The marks of all statements. */
@@ -23,8 +23,8 @@ export function marksOf(
     progress: { statement: number | null; fraction: number } | null,
     selected: ObjectName | null,
 ): Mark[] {
-    const made = selected ? state.objects.find(({ kind, name }) => kind === selected.kind && name === selected.name)?.statement : undefined;
-    const steps = new Set(selected && made !== undefined ? stepsOf(schema, state.statements, selected, made) : []);
+    const creator = selected ? state.objects.find(({ kind, name }) => kind === selected.kind && name === selected.name)?.statement : undefined;
+    const steps = new Set(selected && creator !== undefined ? stepsOf(schema, state.statements, selected, creator) : []);
     const ran = Math.max(state.ran, state.running ?? 0);
     return state.statements.map(({ text, line, says }, i) => {
         const failed = state.error?.statement === i;
@@ -36,7 +36,7 @@ export function marksOf(
             wrong: failed ? (state.error?.line ?? 0) : 0,
             says: failed ? (state.error?.message ?? "") : says.trim(),
             fraction: progress?.statement === i ? progress.fraction : 0,
-            chosen: i === made ? "made" : steps.has(i) ? "step" : "",
+            chosen: i === creator ? "creator" : steps.has(i) ? "step" : "",
         };
     });
 }
@@ -108,7 +108,7 @@ function shownOf(doc: Text, marks: readonly Mark[]): Shown {
     const lines = new RangeSetBuilder<Decoration>();
     const ran = new RangeSetBuilder<GutterMarker>();
     const lastRan = marks.findLastIndex(({ status }) => status === "ran");
-    const goesBack = lastRan < marks.length - 1; // the last statement that ran is marked only if others follow
+    const isPartial = lastRan < marks.length - 1; // the last statement that ran is marked only if others follow
     marks.forEach((mark, number) => {
         const last = Math.min(mark.line + mark.lines - 1, doc.lines);
         for (let n = mark.line; n <= last; ++n) {
@@ -126,7 +126,7 @@ function shownOf(doc: Text, marks: readonly Mark[]): Shown {
             if (n === (mark.wrong || last) && mark.says !== "") {
                 lines.add(to, to, Decoration.widget({ widget: new Said(mark.says, mark.status === "failed"), side: 1 }));
             }
-            const isLast = goesBack && number === lastRan && n === last;
+            const isLast = isPartial && number === lastRan && n === last;
             ran.add(from, from, new Ran(mark.status, n === mark.line ? Math.round(mark.fraction * 100) : 0, isLast));
         }
     });

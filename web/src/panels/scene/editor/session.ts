@@ -233,8 +233,8 @@ export class SceneEditor {
     private showSelected(object: ObjectName | null): void {
         const same = object?.kind === this.shown?.kind && object?.name === this.shown?.name;
         this.shown = object;
-        const made = object && this.app.store.find(object.kind, object.name)?.statement;
-        const line = typeof made === "number" ? this.app.store.state.peek().statements[made]?.line : undefined;
+        const creator = object && this.app.store.find(object.kind, object.name)?.statement;
+        const line = typeof creator === "number" ? this.app.store.state.peek().statements[creator]?.line : undefined;
         if (!same && !this.choosing && line !== undefined && !this.document.isTyped) {
             this.show(line, false);
         }
@@ -283,7 +283,7 @@ export class SceneEditor {
     }
 
     private async ran(count: number): Promise<void> {
-        await this.app.engine.request("ran", { count }).catch((error: Error) => this.app.store.say(error.message, "error"));
+        await this.app.engine.request("ran", { count }).catch((error: Error) => this.app.store.notify(error.message, "error"));
     }
 }
 

@@ -70,12 +70,12 @@ function commandTokens(line: string, words: readonly Word[], found: { command: C
     return [...name, ...rest];
 }
 
-/** The coloured tokens of a line, in order. `goesOn`: it continues the previous line. */
-export function tokensOf(schema: readonly Command[], line: string, goesOn = false): Token[] {
+/** The coloured tokens of a line, in order. `continues`: it continues the previous line. */
+export function tokensOf(schema: readonly Command[], line: string, continues = false): Token[] {
     const { words, comment } = readLine(line);
     const tokens: Token[] = [];
-    const found = goesOn ? null : findCommand(schema, words);
-    if (words.length > 0 && !goesOn && kLanguage.some(({ name }) => name === words[0].text)) {
+    const found = continues ? null : findCommand(schema, words);
+    if (words.length > 0 && !continues && kLanguage.some(({ name }) => name === words[0].text)) {
         tokens.push(...languageTokens(line, words, comment));
     } else if (found) {
         tokens.push(...commandTokens(line, words, found));

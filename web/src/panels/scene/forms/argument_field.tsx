@@ -2,9 +2,9 @@
 import type { ComponentChildren, VNode } from "preact";
 import { useId, useLayoutEffect, useRef, useState } from "preact/hooks";
 import type { Argument, Kind } from "../../../protocol";
-import { FieldTrouble, useNumber } from "../../../number_field";
+import { FieldError, useNumber } from "../../../number_field";
 import type { NumberLimits } from "../../../script/arithmetic";
-import { defaultText, kindsOf, shortUnit, spoken, takes } from "../../../script/commands";
+import { defaultText, kindsOf, shortUnit, displayName, acceptedValues } from "../../../script/commands";
 import { defaultWord, type Values, wordOf } from "../../../script/values";
 import { isComputed } from "../../../script/words";
 import { type Slider, sliderOf } from "../../grow/suggest";
@@ -33,7 +33,7 @@ export type Inner = Props & { id: string };
 /** Help of the argument, and the values that it accepts. */
 function helpText(argument: Argument): string {
     const bounded = argument.low !== undefined && ["number", "whole", "tuple"].includes(argument.type);
-    const range = bounded || argument.type === "selection" ? ` Accepts ${takes(argument)}.` : "";
+    const range = bounded || argument.type === "selection" ? ` Accepts ${acceptedValues(argument)}.` : "";
     const otherwise = argument.default?.startsWith("@") ? ` Default: ${defaultText(argument)}.` : "";
     return argument.help + range + otherwise;
 }
@@ -117,7 +117,7 @@ function NumberField(props: Inner): VNode {
             setMiddle(Math.abs(value));
         }
     };
-    const { field, trouble } = useNumber({
+    const { field, errorText } = useNumber({
         value: word === "" ? null : Number(word),
         shown: word,
         ...limitsOf(argument),
@@ -127,7 +127,7 @@ function NumberField(props: Inner): VNode {
     });
     return (
         <>
-            {slider && <SliderInput label={`${spoken(argument.name)}, slider`} slider={slider} word={word} take={take} />}
+            {slider && <SliderInput label={`${displayName(argument.name)}, slider`} slider={slider} word={word} take={take} />}
             <input
                 {...fieldProps(props)}
                 {...field}
@@ -135,7 +135,7 @@ function NumberField(props: Inner): VNode {
                 class={`${slider ? "" : "wide"} ${isGiven(props) ? "" : "is-default"}`}
                 placeholder={argument.required ? "needed" : "none"}
             />
-            <FieldTrouble text={trouble} />
+            <FieldError text={errorText} />
         </>
     );
 }
@@ -263,10 +263,10 @@ function Row({ argument, id, children }: { argument: Argument; id: string; child
     return (
         <div class="argument" title={helpText(argument)}>
             {single ? (
-                <label for={id}>{spoken(argument.name) + unit}</label>
+                <label for={id}>{displayName(argument.name) + unit}</label>
             ) : (
                 <span class="argument-label" id={`${id}-label`}>
-                    {spoken(argument.name) + unit}
+                    {displayName(argument.name) + unit}
                 </span>
             )}
             {children}

@@ -7,7 +7,7 @@ import { usage } from "../../../script/commands";
 import { Tracked, useValue } from "../../../use";
 import { Chooser } from "./chooser";
 import { fieldContext } from "./context";
-import { Fields, foremost } from "./fields";
+import { Fields, initialFields } from "./fields";
 import { canShow, Form } from "./form";
 
 function Title({ command, leave }: { command: Command; leave(): void }): VNode {
@@ -45,9 +45,9 @@ function Line({ form, command }: { form: Form; command: Command }): VNode {
     const [needed] = form.missing;
     return (
         <>
-            {form.trouble.value !== "" ? (
+            {form.errorText.value !== "" ? (
                 <p class="error" role="alert">
-                    {form.trouble.value}
+                    {form.errorText.value}
                 </p>
             ) : null}
             {needed ? (
@@ -63,7 +63,7 @@ function Line({ form, command }: { form: Form; command: Command }): VNode {
 
 function FilledForm({ app, form, command, again }: { app: App; form: Form; command: Command; again(): void }): VNode {
     const locked = useValue(app.store.connection) !== "ready";
-    const first = useMemo(() => foremost(command, form.values.peek()), [command]);
+    const first = useMemo(() => initialFields(command, form.values.peek()), [command]);
     const run = async () => {
         if (await form.run()) {
             again();

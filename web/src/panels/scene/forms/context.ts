@@ -7,12 +7,12 @@ import { anchored } from "../../../tools/kit/naming";
 import type { FieldContext } from "./argument_field";
 
 const kFiles = signal<readonly string[]>([]);
-let kAsked = false;
+let kIsRequested = false;
 
 /** The files of the folder, requested when a field first needs them and when a form is opened. */
 function files(app: App): string[] {
-    if (!kAsked) {
-        kAsked = true;
+    if (!kIsRequested) {
+        kIsRequested = true;
         app.engine.request<{ files: { name: string }[] }>("files").then(
             (reply) => {
                 kFiles.value = reply.files.map(({ name }) => name);
@@ -23,8 +23,8 @@ function files(app: App): string[] {
     return [...kFiles.value];
 }
 
-export function askFilesAgain(): void {
-    kAsked = false;
+export function refreshFiles(): void {
+    kIsRequested = false;
 }
 
 const kFunctions = { node: "", branch: "axis", subtree: "subtree", tree: "tree", connected: "" };
@@ -35,7 +35,7 @@ const kFunctions = { node: "", branch: "axis", subtree: "subtree", tree: "tree",
 async function selectedNodes(app: App): Promise<string | null> {
     const { object, nodes, extent } = app.store.selection.peek();
     if (object?.kind !== "skeleton" || nodes.length === 0) {
-        app.store.say("Select nodes or branches of a skeleton in the 3D view first.");
+        app.store.notify("Select nodes or branches of a skeleton in the 3D view first.");
         return null;
     }
     const text = await anchored(app, object.name, nodes);

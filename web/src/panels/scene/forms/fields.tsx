@@ -7,7 +7,7 @@ import { ArgumentField, type FieldContext } from "./argument_field";
 const kMaxAtOnce = 7;
 
 /** The arguments that are shown at once: required ones, those with a value, and the first of the others. */
-export function foremost({ arguments: all }: Command, given: Values): Argument[] {
+export function initialFields({ arguments: all }: Command, given: Values): Argument[] {
     const wanted = all.filter((argument) => argument.required || argument.name in given);
     const rest = all.filter((argument) => !wanted.includes(argument)).slice(0, Math.max(kMaxAtOnce - wanted.length, 0));
     return all.filter((argument) => wanted.includes(argument) || rest.includes(argument));

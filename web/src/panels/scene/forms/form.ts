@@ -9,7 +9,7 @@ import { textOf } from "../../../script/pieces";
 import { type Call, lineOf, missing, type Values, withValue, wordOf } from "../../../script/values";
 import { setting } from "../../../settings";
 import { defaultsOf } from "../defaults";
-import { askFilesAgain } from "./context";
+import { refreshFiles } from "./context";
 import { suggested } from "./suggest";
 
 /** The statement that a form changes, and the object that it creates or changes. */
@@ -35,8 +35,8 @@ export function canShow(command: Command): boolean {
 export function changedObject(app: App, command: Command, values: Values): ObjectName | undefined {
     const argument = changedBy(command);
     const name = argument ? wordOf(argument, values) : "";
-    const said = values.kind?.[0];
-    const kinds = argument ? kindsOf(argument).filter((kind) => !said || kind === said) : [];
+    const givenKind = values.kind?.[0];
+    const kinds = argument ? kindsOf(argument).filter((kind) => !givenKind || kind === givenKind) : [];
     const kind = kinds.find((one: Kind) => app.store.find(one, name));
     return kind && { kind, name };
 }
@@ -45,7 +45,7 @@ export class Form {
     readonly command = signal<Command | null>(null);
     readonly values = signal<Values>({});
     readonly place = signal<Place | null>(null);
-    readonly trouble = signal(""); // error of the engine for this line
+    readonly errorText = signal(""); // error of the engine for this line
     readonly broken = signal(""); // errors of later lines caused by the current statement
     readonly busy = signal(false);
     readonly live = setting("form.live", true); // whether lines are previewed while they change
@@ -75,7 +75,7 @@ export class Form {
     begin(command: Command | null): void {
         this.cancel();
         this.broken.value = "";
-        askFilesAgain();
+        refreshFiles();
         this.place.value = null;
         const given = command ? defaultsOf(command.name) : {};
         this.values.value = command ? { ...suggested(this.app, command, given), ...given } : {};
@@ -117,10 +117,10 @@ export class Form {
         const about = this.place.peek()?.object ?? changedObject(this.app, command, this.values.peek());
         this.app.engine.preview(this.line, about).then(
             (shown) => {
-                this.trouble.value = shown ? "" : this.trouble.peek();
+                this.errorText.value = shown ? "" : this.errorText.peek();
             },
             (error: Error) => {
-                this.trouble.value = error.message;
+                this.errorText.value = error.message;
             },
         );
     }
@@ -128,7 +128,7 @@ export class Form {
     /** Removes the preview. */
     cancel(): void {
         clearTimeout(this.timer);
-        this.trouble.value = "";
+        this.errorText.value = "";
         if (this.open) {
             this.open = false;
             this.app.engine.endPreview().catch(() => undefined);
@@ -149,11 +149,11 @@ export class Form {
         this.busy.value = true;
         try {
             await (this.place.peek() ? this.rewrite() : this.append(command));
-            this.trouble.value = "";
+            this.errorText.value = "";
             return true;
         } catch (error) {
-            this.trouble.value = (error as Error).message;
-            this.takeBack();
+            this.errorText.value = (error as Error).message;
+            this.revert();
             return false;
         } finally {
             this.busy.value = false;
@@ -164,7 +164,7 @@ export class Form {
         }
     }
 
-    private takeBack(): void {
+    private revert(): void {
         if (this.open) {
             this.open = false;
             this.app.engine.endPreview().catch(() => undefined);
@@ -175,12 +175,12 @@ export class Form {
         const { engine, store } = this.app;
         const { statement, says } = await engine.run(this.line, changedObject(this.app, command, this.values.peek()));
         this.open = false;
-        const made = store.state.peek().objects.find((object) => object.statement === statement);
-        if (made) {
-            store.selection.value = { ...store.selection.peek(), object: { kind: made.kind, name: made.name }, nodes: [] };
+        const created = store.state.peek().objects.find((object) => object.statement === statement);
+        if (created) {
+            store.selection.value = { ...store.selection.peek(), object: { kind: created.kind, name: created.name }, nodes: [] };
         }
         if (says.trim() !== "") {
-            store.say(says.trim());
+            store.notify(says.trim());
         }
     }
 
@@ -189,7 +189,7 @@ export class Form {
         const { statements, revision } = this.app.store.state.peek();
         const line = this.line;
         if (!place || line === place.text) {
-            this.takeBack();
+            this.revert();
             return;
         }
         if (statements[place.statement]?.text !== place.text) {
@@ -206,6 +206,6 @@ export class Form {
         }
         const { error } = this.app.store.state.peek();
         this.broken.value = error && (error.message !== before || this.broken.peek() !== "") ? `Line ${error.line}: ${error.message}` : "";
-        this.takeBack();
+        this.revert();
     }
 }

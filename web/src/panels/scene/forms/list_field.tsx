@@ -1,6 +1,6 @@
 // Fields for arguments that may be given several times.
 import type { VNode } from "preact";
-import { spoken } from "../../../script/commands";
+import { displayName } from "../../../script/commands";
 import type { Inner } from "./argument_field";
 
 /** A text field for each value, and an empty one. */
@@ -18,7 +18,7 @@ export function ListField({ argument, context, id }: Inner): VNode {
                     spellcheck={false}
                     autocomplete="off"
                     class={given.length === 0 ? "is-default" : undefined}
-                    aria-label={`${spoken(argument.name)} ${at + 1}`}
+                    aria-label={`${displayName(argument.name)} ${at + 1}`}
                     aria-describedby={`${id}-help`}
                     placeholder={at < words.length ? undefined : at === 0 ? example : "one more"}
                     value={word}
@@ -54,7 +54,7 @@ export function PickList({ argument, context, id, names }: Inner & { names: read
                 </span>
             ))}
             <select
-                aria-label={`Add to ${spoken(argument.name)}`}
+                aria-label={`Add to ${displayName(argument.name)}`}
                 aria-describedby={`${id}-help`}
                 disabled={rest.length === 0}
                 value=""

@@ -9,7 +9,7 @@ import { type Call, readCall } from "../../../script/values";
 import { Tracked, useValue } from "../../../use";
 import { editorOf } from "../editor/session";
 import { fieldContext } from "./context";
-import { Fields, foremost } from "./fields";
+import { Fields, initialFields } from "./fields";
 import { Form } from "./form";
 
 interface Steps {
@@ -135,7 +135,7 @@ function StatementForm({ app, parameters }: { app: App; parameters: Parameters }
     const place = useValue(form.place);
     const { statements } = useValue(app.store.state);
     const locked = useValue(app.store.connection) !== "ready";
-    const first = useMemo(() => (command ? foremost(command, form.values.peek()) : []), [command, place?.statement]);
+    const first = useMemo(() => (command ? initialFields(command, form.values.peek()) : []), [command, place?.statement]);
     const number = parameters.statement;
     if (number === undefined || !statements[number]) {
         return null;
@@ -162,9 +162,9 @@ function StatementForm({ app, parameters }: { app: App; parameters: Parameters }
                                     context={fieldContext(app, form.values.value, (name, words, done) => form.set(name, words, done))}
                                 />
                                 {/* In Chromium, an empty text node here, in a fieldset, would end the drag of a slider. */}
-                                {form.trouble.value !== "" ? (
+                                {form.errorText.value !== "" ? (
                                     <p class="error" role="alert">
-                                        {form.trouble.value}
+                                        {form.errorText.value}
                                     </p>
                                 ) : null}
                             </>

@@ -1,8 +1,8 @@
 // A point or another tuple of numbers, with a field for each number.
 import type { VNode } from "preact";
 import { useState } from "preact/hooks";
-import { FieldTrouble, useNumber } from "../../../number_field";
-import { spoken } from "../../../script/commands";
+import { FieldError, useNumber } from "../../../number_field";
+import { displayName } from "../../../script/commands";
 import { wordOf } from "../../../script/values";
 import { fieldProps, type Inner, limitsOf, stepOf } from "./argument_field";
 
@@ -10,9 +10,9 @@ const kNames = ["X", "Y", "Z"];
 
 /** The numbers of a tuple as one word; null if their number is not allowed. Missing coordinates of a point are 0. */
 export function tupleWord(parts: readonly string[], sizes: readonly number[]): string | null {
-    const said = parts.findLastIndex((part) => part.trim() !== "") + 1;
-    const isPoint = sizes.length === 1 && said > 0;
-    const count = isPoint ? sizes[0] : said;
+    const filledCount = parts.findLastIndex((part) => part.trim() !== "") + 1;
+    const isPoint = sizes.length === 1 && filledCount > 0;
+    const count = isPoint ? sizes[0] : filledCount;
     const given = parts.slice(0, count).map((part) => part.trim() || (isPoint ? "0" : ""));
     const whole = given.every((part) => part !== "" && Number.isFinite(Number(part)));
     return whole && sizes.includes(count) ? given.join(",") : null;
@@ -29,7 +29,7 @@ interface PartProps {
 
 function PartField({ field: whole, label, placeholder, text, isInvalid, set }: PartProps): VNode {
     const { argument } = whole;
-    const { field, trouble } = useNumber({
+    const { field, errorText } = useNumber({
         value: text === "" ? null : Number(text),
         shown: text,
         ...limitsOf(argument),
@@ -40,7 +40,7 @@ function PartField({ field: whole, label, placeholder, text, isInvalid, set }: P
     return (
         <>
             <input {...fieldProps(whole)} {...field} aria-invalid={isInvalid || field["aria-invalid"]} aria-label={label} placeholder={placeholder} />
-            <FieldTrouble text={trouble} />
+            <FieldError text={errorText} />
         </>
     );
 }
@@ -68,7 +68,7 @@ export function TupleField(props: Inner): VNode {
                 <PartField
                     key={at}
                     field={props}
-                    label={most <= 3 ? kNames[at] : `${spoken(argument.name)} ${at + 1}`}
+                    label={most <= 3 ? kNames[at] : `${displayName(argument.name)} ${at + 1}`}
                     placeholder={kNames[at] ?? String(at + 1)}
                     text={parts[at] ?? ""}
                     isInvalid={draft !== null}

@@ -8,7 +8,7 @@ import { type Change, changesOf } from "./model";
 
 function go(app: App, { steps }: Change): void {
     if (steps !== 0) {
-        app.engine.request(steps < 0 ? "undo" : "redo", { count: Math.abs(steps) }).catch((error: Error) => app.store.say(error.message, "error"));
+        app.engine.request(steps < 0 ? "undo" : "redo", { count: Math.abs(steps) }).catch((error: Error) => app.store.notify(error.message, "error"));
     }
 }
 

@@ -7,7 +7,7 @@ import { runLine } from "../../../tools/kit/gesture";
 import { commandLine, kindOption, newName } from "../../../tools/kit/words";
 import { editorOf } from "../editor/session";
 import { idOf } from "./model";
-import { askName } from "./rename";
+import { requestName } from "./rename";
 
 const kAll: readonly Kind[] = ["solid", "path", "profile", "points", "skeleton", "mesh"];
 
@@ -62,29 +62,29 @@ export async function rename(app: App, object: ObjectName): Promise<void> {
         .peek()
         .objects.filter(({ name, kind }) => name === object.name && kind !== object.kind)
         .map(({ kind }) => kind);
-    const to = await askName(object, others, (name) => refusal(app, object.name, name));
+    const to = await requestName(object, others, (name) => refusal(app, object.name, name));
     if (!to || to === object.name) {
         return;
     }
     const { statements, revision } = app.store.state.peek();
     const { text, lines } = renamed(app.store.schema.peek(), textOf(statements), object.name, to);
-    const made = app.store.find(object.kind, object.name)?.statement ?? -1;
-    if (!lines.has(made)) {
-        app.store.say(`The name ${object.name} is created by a loop or a variable; change it in the text of the scene.`, "warning");
+    const creator = app.store.find(object.kind, object.name)?.statement ?? -1;
+    if (!lines.has(creator)) {
+        app.store.notify(`The name ${object.name} is created by a loop or a variable; change it in the text of the scene.`, "warning");
         return;
     }
     try {
         await app.engine.request("text", { text, revision, name: `rename ${object.name} to ${to}` });
         select(app, { kind: object.kind, name: to });
     } catch (error) {
-        app.store.say((error as Error).message, "error");
+        app.store.notify((error as Error).message, "error");
     }
 }
 
 export function showLine(app: App, object: ObjectName): void {
     const state = app.store.state.peek();
-    const made = app.store.find(object.kind, object.name)?.statement ?? -1;
-    const line = state.statements[made]?.line;
+    const creator = app.store.find(object.kind, object.name)?.statement ?? -1;
+    const line = state.statements[creator]?.line;
     if (line !== undefined) {
         editorOf(app).goTo(line);
     }
@@ -99,7 +99,7 @@ export function addObjectCommands(app: App): void {
             if (object) {
                 void run(app, object);
             } else {
-                app.store.say("Select an object first.");
+                app.store.notify("Select an object first.");
             }
         });
     }

@@ -33,10 +33,10 @@ export function consumers(state: State, schema: readonly Command[]): Map<string,
     const into = new Map<string, string>();
     state.statements.slice(0, state.ran).forEach(({ text }) => {
         const places = placesIn(schema, text).filter(({ kinds, name }) => (kinds.length === 0 || kinds.includes("solid")) && solids.has(name));
-        const made = places.find(({ role, kinds }) => role === "makes" && kinds.includes("solid"));
+        const result = places.find(({ role, kinds }) => role === "makes" && kinds.includes("solid"));
         places
-            .filter(({ role, name }) => made && role === "uses" && name !== made.name)
-            .forEach(({ name }) => made && leadsTo(into, made.name, name) === false && into.set(name, made.name));
+            .filter(({ role, name }) => result && role === "uses" && name !== result.name)
+            .forEach(({ name }) => result && leadsTo(into, result.name, name) === false && into.set(name, result.name));
     });
     return into;
 }

@@ -2,7 +2,7 @@
 import type { VNode } from "preact";
 import { useState } from "preact/hooks";
 import type { Kind, ObjectName } from "../../../protocol";
-import { ask, Dialog } from "../../files/dialog";
+import { openDialog, Dialog } from "../../files/dialog";
 
 interface Props {
     object: ObjectName;
@@ -13,15 +13,15 @@ interface Props {
 
 function RenameDialog({ object, others, check, end }: Props): VNode {
     const [name, setName] = useState(object.name);
-    const trouble = check(name);
+    const errorText = check(name);
     return (
         <Dialog
             title={`Rename ${object.kind} ${object.name}`}
             close={() => end(null)}
-            accept={() => trouble === "" && name !== "" && end(name)}
+            accept={() => errorText === "" && name !== "" && end(name)}
             buttons={
                 <>
-                    <button type="submit" class="primary" disabled={trouble !== "" || name === ""}>
+                    <button type="submit" class="primary" disabled={errorText !== "" || name === ""}>
                         Rename
                     </button>
                     <button type="button" onClick={() => end(null)}>
@@ -37,7 +37,7 @@ function RenameDialog({ object, others, check, end }: Props): VNode {
                     autofocus
                     spellcheck={false}
                     autocomplete="off"
-                    aria-invalid={trouble !== "" || undefined}
+                    aria-invalid={errorText !== "" || undefined}
                     aria-describedby="rename-trouble"
                     value={name}
                     onFocus={(event) => event.currentTarget.select()}
@@ -46,13 +46,13 @@ function RenameDialog({ object, others, check, end }: Props): VNode {
             </label>
             {others.length > 0 && <p class="hint">{`The ${others.join(" and ")} of that name is renamed with it.`}</p>}
             <p id="rename-trouble" class="error" role="alert">
-                {trouble}
+                {errorText}
             </p>
         </Dialog>
     );
 }
 
 /** Asks for a new name of an object; null if the name is kept. */
-export function askName(object: ObjectName, others: readonly Kind[], check: (name: string) => string): Promise<string | null> {
-    return ask<string>((end) => <RenameDialog object={object} others={others} check={check} end={end} />);
+export function requestName(object: ObjectName, others: readonly Kind[], check: (name: string) => string): Promise<string | null> {
+    return openDialog<string>((end) => <RenameDialog object={object} others={others} check={check} end={end} />);
 }

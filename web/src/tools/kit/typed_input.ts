@@ -4,7 +4,7 @@ import { across, kAxes } from "./vector";
 
 export type Axis = "x" | "y" | "z";
 
-export class Typed {
+export class TypedInput {
     text = "";
     axis: Axis | null = null;
     plane = false; // across the axis instead of along it
@@ -74,7 +74,7 @@ export class Typed {
 }
 
 /** A typed shift: one number is along the axis (default x), several are along x, y and z. */
-export function typedShift(typed: Typed): Point | null {
+export function typedShift(typed: TypedInput): Point | null {
     const values = typed.values();
     if (!values) {
         return null;

@@ -5,7 +5,7 @@ import type { ObjectName } from "../protocol";
 import { paint, type Range } from "./colors";
 import type { Coloring, Display } from "./display";
 import { treeOf } from "./extent";
-import { type Drawn, drawBones, drawCage, drawCurve, drawPoints } from "./marks";
+import { type Drawable, drawBones, drawCage, drawCurve, drawPoints } from "./marks";
 import { withTriangles } from "./picking/indexer";
 import { edgeLines } from "./picking/triangles";
 import { SurfaceModel } from "./surface";
@@ -35,16 +35,16 @@ export function keyOf(object: ObjectName): string {
     return `${object.kind}:${object.name}`;
 }
 
-export class Shown {
+export class ObjectView {
     readonly group = new THREE.Group();
     readonly geometries = new Map<Slot, Geometry>(); // last received geometry
     surface: SurfaceModel | null = null;
     isWood: boolean; // bark material instead of plaster
-    source: Shown | null = null; // of a mesh: its source skeleton; its branches are picked on the mesh
+    source: ObjectView | null = null; // of a mesh: its source skeleton; its branches are picked on the mesh
     private tubes: TubeModel | null = null;
     private tubesRange: Range | null = null;
-    private bones: Drawn | null = null;
-    private marks = new Map<Slot, Drawn>();
+    private bones: Drawable | null = null;
+    private marks = new Map<Slot, Drawable>();
     private look: Look | null = null;
     private tint: THREE.ColorRepresentation | null = null;
     private isStale = false;
@@ -141,21 +141,21 @@ export class Shown {
     apply(look: Look): void {
         this.look = look;
         const { display, theme } = look;
-        const wantsTubes = this.geometries.has("axes") && this.showsTubes(look) && !this.isCovered;
+        const needsTubes = this.geometries.has("axes") && this.showsTubes(look) && !this.isCovered;
         const isRepainted = this.tubesRange?.low !== look.range?.low || this.tubesRange?.high !== look.range?.high;
-        if (wantsTubes && (isRepainted || this.tubes?.isLight !== this.wantsLight(look))) {
+        if (needsTubes && (isRepainted || this.tubes?.isLight !== this.needsLight(look))) {
             this.dropTubes();
         }
-        if (wantsTubes && !this.tubes) {
+        if (needsTubes && !this.tubes) {
             this.makeTubes(look);
         }
         if (this.tubes) {
-            this.tubes.group.visible = wantsTubes;
+            this.tubes.group.visible = needsTubes;
             this.setMaterial(this.tubes.mesh.material, look);
             this.tubes.follow();
         }
         if (this.surface) {
-            this.surface.group.visible = !this.isCovered && !wantsTubes && (this.object.kind !== "skeleton" || display.skeletons.peek() === "surface");
+            this.surface.group.visible = !this.isCovered && !needsTubes && (this.object.kind !== "skeleton" || display.skeletons.peek() === "surface");
             if (this.surface.paint(look.range, kMeanings[display.color.peek()]?.map ?? "even")) {
                 this.surface.mesh.material.needsUpdate = true;
             }
@@ -222,7 +222,7 @@ export class Shown {
     }
 
     // Objects that move or are out of date are drawn in the fast form.
-    private wantsLight(look: Look): boolean {
+    private needsLight(look: Look): boolean {
         const segments = this.geometries.get("axes")?.arrays.parent.length ?? 0;
         return segments > kManySegments && (look.moving || this.isStale);
     }
@@ -240,7 +240,7 @@ export class Shown {
         }
     }
 
-    private drawMark(slot: "points" | "curve" | "cage", geometry: Geometry, theme: Theme, size: number): Drawn {
+    private drawMark(slot: "points" | "curve" | "cage", geometry: Geometry, theme: Theme, size: number): Drawable {
         switch (slot) {
             case "points":
                 return drawPoints(geometry, theme.mark, size);
@@ -295,7 +295,7 @@ export class Shown {
             const color = look.display.color.peek();
             const values = valuesOf(axes, color);
             const colors = values && look.range ? paint(values, look.range, kMeanings[color]?.map) : undefined;
-            this.tubes = new TubeModel(axes, treeOf(axes), this.wantsLight(look), colors);
+            this.tubes = new TubeModel(axes, treeOf(axes), this.needsLight(look), colors);
             this.tubesRange = look.range;
             this.group.add(this.tubes.group);
         }

@@ -4,8 +4,8 @@ import { useId, useState } from "preact/hooks";
 import type { App } from "../../app";
 import type { Argument } from "../../protocol";
 import { kindsOf, shortUnit } from "../../script/commands";
-import { ask, Dialog, Trouble, useWork } from "../files/dialog";
-import { answerTrouble, argumentsOf, type Part } from "./fill";
+import { openDialog, Dialog, ErrorText, useWork } from "../files/dialog";
+import { answerError, argumentsOf, type Part } from "./fill";
 
 interface Question {
     label: string;
@@ -14,13 +14,13 @@ interface Question {
 }
 
 /** Asks, and runs the resulting line; the dialog remains open as long as it is refused. Null if the user cancels. */
-export function askAnswers<T>(app: App, title: string, parts: readonly Part[], run: (answers: readonly string[]) => Promise<T>): Promise<T | null> {
-    const stands = argumentsOf(app.store.schema.peek(), parts);
-    const questions = parts.flatMap((part, at) => (part.is === "ask" ? [{ label: part.label, value: part.value, argument: stands[at] }] : []));
-    return ask((end) => <AskDialog app={app} title={title.replace(/(…|\.\.\.)$/, "")} questions={questions} run={run} end={end} />);
+export function requestAnswers<T>(app: App, title: string, parts: readonly Part[], run: (answers: readonly string[]) => Promise<T>): Promise<T | null> {
+    const partArguments = argumentsOf(app.store.schema.peek(), parts);
+    const questions = parts.flatMap((part, at) => (part.is === "ask" ? [{ label: part.label, value: part.value, argument: partArguments[at] }] : []));
+    return openDialog((end) => <QuestionDialog app={app} title={title.replace(/(…|\.\.\.)$/, "")} questions={questions} run={run} end={end} />);
 }
 
-interface AskProps<T> {
+interface QuestionProps<T> {
     app: App;
     title: string;
     questions: readonly Question[];
@@ -28,11 +28,11 @@ interface AskProps<T> {
     end(answer: T | null): void;
 }
 
-function AskDialog<T>({ app, title, questions, run, end }: AskProps<T>): VNode {
+function QuestionDialog<T>({ app, title, questions, run, end }: QuestionProps<T>): VNode {
     const [answers, setAnswers] = useState(questions.map((question) => proposed(app, question)));
-    const { busy, trouble, work } = useWork();
+    const { busy, errorText, work } = useWork();
     const { objects } = app.store.state.peek();
-    const wrong = questions.map(({ argument }, at) => answerTrouble(answers[at], argument, objects));
+    const wrong = questions.map(({ argument }, at) => answerError(answers[at], argument, objects));
     const ready = !busy && wrong.every((text) => text === "");
     return (
         <Dialog
@@ -61,7 +61,7 @@ function AskDialog<T>({ app, title, questions, run, end }: AskProps<T>): VNode {
                     set={(answer) => setAnswers(answers.map((old, n) => (n === at ? answer : old)))}
                 />
             ))}
-            <Trouble text={trouble} />
+            <ErrorText text={errorText} />
         </Dialog>
     );
 }

@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import * as THREE from "three";
 import type { ToolPointer } from "../../src/app";
-import type { Hand } from "../../src/hand";
+import type { ActiveTool } from "../../src/active_tool";
 import { Navigation } from "../../src/view/camera/navigate";
 import { dragMotion, type Preset, wheelMotion } from "../../src/view/camera/presets";
 import { Rig } from "../../src/view/camera/rig";
@@ -11,13 +11,13 @@ import { Rig } from "../../src/view/camera/rig";
 class FakePointer extends Event {}
 (globalThis as { PointerEvent?: unknown }).PointerEvent = FakePointer;
 
-function table(preset: Preset = "blender", takes = false) {
+function table(preset: Preset = "blender", handles = false) {
     const rig = new Rig();
     rig.resize(800, 600);
-    const told: ToolPointer[] = [];
+    const received: ToolPointer[] = [];
     const hovered: [number, number][] = [];
     const canvas = Object.assign(new EventTarget(), { focus() {}, setPointerCapture() {}, clientWidth: 800, clientHeight: 600 });
-    const hand = { pointer: (event: ToolPointer) => (told.push(event), takes), wheel: () => false };
+    const hand = { pointer: (event: ToolPointer) => (received.push(event), handles), wheel: () => false };
     const navigation = new Navigation(
         {
             rig,
@@ -29,7 +29,7 @@ function table(preset: Preset = "blender", takes = false) {
             moved() {},
             centre() {},
         },
-        () => hand as unknown as Hand,
+        () => hand as unknown as ActiveTool,
     );
     const send = (type: string, x: number, y: number, more: Record<string, unknown> = {}) => {
         const fields = {
@@ -47,7 +47,7 @@ function table(preset: Preset = "blender", takes = false) {
         canvas.dispatchEvent(Object.assign(new FakePointer(`pointer${type}`), fields));
     };
     const finger = (type: string, x: number, y: number, pointerId = 1) => send(type, x, y, { pointerType: "touch", pointerId });
-    return { rig, told, hovered, navigation, send, finger, phases: () => told.map(({ phase }) => phase) };
+    return { rig, received, hovered, navigation, send, finger, phases: () => received.map(({ phase }) => phase) };
 }
 
 test("a drag that no tool takes turns the picture, and the tool hears that it was none of its", () => {
@@ -72,12 +72,12 @@ test("a drag that the tool takes leaves the picture alone", () => {
 });
 
 test("a finger that trembles still taps, where it came down", () => {
-    const { told, finger, phases } = table();
+    const { received, finger, phases } = table();
     finger("down", 100, 100);
     finger("move", 106, 103);
     finger("up", 106, 103);
     assert.deepEqual(phases(), ["down", "up"]);
-    assert.deepEqual([told[1].x, told[1].y], [100, 100]);
+    assert.deepEqual([received[1].x, received[1].y], [100, 100]);
 });
 
 test("a finger that rests shows what is there, and taps nothing", async () => {

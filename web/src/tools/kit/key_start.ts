@@ -20,6 +20,6 @@ if (typeof addEventListener === "function") {
 
 const kJustNow = 50; // [ms]
 
-export function takenByKey(): boolean {
+export function startedByKey(): boolean {
     return performance.now() - lastKey < kJustNow;
 }

@@ -2,9 +2,9 @@
 import assert from "node:assert/strict";
 import { after, afterEach, before, beforeEach, test } from "node:test";
 import { endBrowser, openPage, placeOf, settled, startBrowser, startStudio } from "./browser.mjs";
-import { drag } from "./fingers.mjs";
-import { assertCalm, lastLine, near, numbers } from "./hands.mjs";
-import { judge, until, untilObject } from "./user.mjs";
+import { drag } from "./touches.mjs";
+import { assertNoErrors, lastLine, near, numbers } from "./actions.mjs";
+import { checkFile, until, untilObject } from "./user.mjs";
 
 let studio;
 
@@ -54,8 +54,8 @@ async function openTip(page, name) {
     return placeOf(page, found);
 }
 
-async function wholeWay(hand) {
-    const page = await openPage(studio, { viewport: { width: 1280, height: 800 }, deviceScaleFactor: 0.5, reducedMotion: "reduce", ...hand.options });
+async function runWorkflow(input) {
+    const page = await openPage(studio, { viewport: { width: 1280, height: 800 }, deviceScaleFactor: 0.5, reducedMotion: "reduce", ...input.options });
     await page.evaluate(() => {
         globalThis.coppice.view.display.shadow.value = false;
         globalThis.used = [];
@@ -63,30 +63,30 @@ async function wholeWay(hand) {
             addEventListener(type, (event) => globalThis.used.push(event.pointerType ?? event.key), true);
         }
     });
-    const tap = (name, within = page) => hand.press(within.getByRole("button", { name, exact: true }));
+    const tap = (name, within = page) => input.press(within.getByRole("button", { name, exact: true }));
     const tools = page.getByRole("toolbar", { name: "Tools" });
 
     await tap("Place", tools);
-    await hand.drag(page, [await placeOf(page, [0, 0, 0]), await placeOf(page, [1.2, 0, 0])]);
+    await input.drag(page, [await placeOf(page, [0, 0, 0]), await placeOf(page, [1.2, 0, 0])]);
     near(numbers(await lastLine(page, /^sphere ball /), "radius"), [1.2], 0.1, "as wide as it was drawn");
     await tap("Move", tools);
     await settled(page);
     const high = await page.evaluate(() => 70 * globalThis.coppice.view.pixelSize([0, 0, 0]));
-    await hand.drag(page, [await placeOf(page, [0, 0, high]), await placeOf(page, [0, 0, high + 2])]);
+    await input.drag(page, [await placeOf(page, [0, 0, high]), await placeOf(page, [0, 0, high + 2])]);
     near((await lastLine(page, /^translate ball /)).split(" ").slice(2).map(Number), [0, 0, 2], 0.1, "up along the arrow");
 
     await tap("Fill ball with points");
     await untilObject(page, "points", "ball");
     const slider = page.locator(".side.right").getByRole("slider", { name: /count/i });
     const { width, height } = await slider.boundingBox();
-    await hand.press(slider, { position: { x: 0.25 * width, y: height / 2 } });
+    await input.press(slider, { position: { x: 0.25 * width, y: height / 2 } });
     const fewer = await lastLine(page, /^pointset .* count=(?!2000)/);
     assert.ok(numbers(fewer, "count")[0] < 600, `to the left on its slider are fewer points: ${fewer}`);
     await tap("Grow a tree");
     await untilObject(page, "skeleton", "tree");
     await tap("Bend", tools);
     const { x, y } = await openTip(page, "tree");
-    await hand.drag(page, [
+    await input.drag(page, [
         { x, y },
         { x: x + 40, y },
     ]);
@@ -94,21 +94,21 @@ async function wholeWay(hand) {
     await tap("Make the surface");
     await untilObject(page, "mesh", "tree");
 
-    await hand.press(page.locator(".menu-title", { hasText: /^File$/ }));
-    await hand.press(page.getByText("Export…", { exact: true }));
+    await input.press(page.locator(".menu-title", { hasText: /^File$/ }));
+    await input.press(page.getByText("Export…", { exact: true }));
     const dialog = page.getByRole("dialog", { name: "Export", exact: true });
     await tap("Export", dialog);
     await until(page, "it is written and checked", () => document.querySelector("dialog[open] .verdict.good"));
     await tap("Close", page.getByRole("dialog"));
-    await judge(studio, "tree.glb");
-    await assertCalm(page);
+    await checkFile(studio, "tree.glb");
+    await assertNoErrors(page);
     return page.evaluate(() => [...new Set(globalThis.used)]);
 }
 
 test("by mouse alone", async () => {
-    assert.deepEqual(await wholeWay(kMouse), ["mouse"]);
+    assert.deepEqual(await runWorkflow(kMouse), ["mouse"]);
 });
 
 test("by touch alone", async () => {
-    assert.deepEqual(await wholeWay(kTouch), ["touch"]);
+    assert.deepEqual(await runWorkflow(kTouch), ["touch"]);
 });

@@ -78,7 +78,7 @@ export async function hideAll(page) {
 
 export const held = (page) => page.evaluate(() => globalThis.coppice.store.tool.value);
 export const selection = (page) => page.evaluate(() => globalThis.coppice.store.selection.value);
-export const said = (page) => page.evaluate(() => globalThis.coppice.store.messages.value.map(({ text }) => text));
+export const messagesOf = (page) => page.evaluate(() => globalThis.coppice.store.messages.value.map(({ text }) => text));
 export const field = (page, label) =>
     page
         .locator(".tool-panel label")
@@ -104,18 +104,18 @@ export function numbers(line, word) {
     return text.split(",").map(Number);
 }
 
-export function near(found, wanted, most, what) {
+export function near(found, wanted, most, label) {
     const off = Math.max(...wanted.map((value, i) => Math.abs(found[i] - value)));
-    assert.ok(off <= most, `${what}: ${found} is not within ${most} of ${wanted}`);
+    assert.ok(off <= most, `${label}: ${found} is not within ${most} of ${wanted}`);
 }
 
 /** Waits until the view shows the preview of an object, and not its state in the document. */
-export async function untilFollows(page, kind, name, what = "the surface follows the pointer") {
+export async function untilFollows(page, kind, name, label = "the surface follows the pointer") {
     const follows = ([wanted, called]) => {
         const { view } = globalThis.coppice;
         return ["surface", "curve"].some((form) => view.geometry({ kind: wanted, name: called }, form)?.header.seq !== undefined);
     };
-    await until(page, what, follows, [kind, name]);
+    await until(page, label, follows, [kind, name]);
 }
 
 /** Presses at one position of the scene and moves to others, then calls `during` before the button is released. */
@@ -176,13 +176,13 @@ export function differing(a, b) {
     return count;
 }
 
-export function assertDiffer(a, b, what, least = 50) {
+export function assertDiffer(a, b, label, least = 50) {
     const count = differing(a, b);
-    assert.ok(count >= least, `${what}: only ${count} pixels of the image changed`);
+    assert.ok(count >= least, `${label}: only ${count} pixels of the image changed`);
 }
 
 /** Conditions at the end of every test. */
-export async function assertCalm(page) {
+export async function assertNoErrors(page) {
     assert.deepEqual(page.complaints, [], "the page reports errors");
     const errors = await page.evaluate(() => globalThis.coppice.store.messages.value.filter(({ level }) => level === "error"));
     assert.deepEqual(errors, [], "the studio reports an error");

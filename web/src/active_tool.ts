@@ -4,11 +4,11 @@ import type { App, ToolPointer, ToolRun } from "./app";
 
 const kSelect = "select";
 
-export class Hand {
+export class ActiveTool {
     /** Null if no tool has that name. */
     readonly run: Signal<ToolRun | null> = signal(null);
     /** Changes after each event of the tool, because its status may have changed. */
-    readonly told = signal(0);
+    readonly eventCount = signal(0);
 
     constructor(private readonly app: () => App) {}
 
@@ -25,15 +25,15 @@ export class Hand {
     }
 
     pointer(event: ToolPointer): boolean {
-        return this.tell((run) => run.pointer?.(event));
+        return this.send((run) => run.pointer?.(event));
     }
 
     wheel(delta: number, event: ToolPointer): boolean {
-        return this.tell((run) => run.wheel?.(delta, event));
+        return this.send((run) => run.wheel?.(delta, event));
     }
 
     key(event: KeyboardEvent): boolean {
-        if (this.tell((run) => run.key?.(event))) {
+        if (this.send((run) => run.key?.(event))) {
             return true;
         }
         if (event.key === "Escape" && this.app().store.tool.peek() !== kSelect) {
@@ -43,13 +43,13 @@ export class Hand {
         return false;
     }
 
-    private tell(what: (run: ToolRun) => boolean | undefined): boolean {
+    private send(receive: (run: ToolRun) => boolean | undefined): boolean {
         const run = this.run.peek();
         if (!run) {
             return false;
         }
-        const taken = what(run) ?? false;
-        ++this.told.value;
+        const taken = receive(run) ?? false;
+        ++this.eventCount.value;
         return taken;
     }
 }

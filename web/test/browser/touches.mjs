@@ -16,7 +16,7 @@ export const up = (page, ...left) => send(page, "touchEnd", left);
 const between = (a, b, share) => ({ x: a.x + (b.x - a.x) * share, y: a.y + (b.y - a.y) * share });
 
 /** Moves pressed fingers from positions to others, in steps. */
-export async function lead(page, from, to, steps = 6) {
+export async function moveFinger(page, from, to, steps = 6) {
     for (let n = 1; n <= steps; ++n) {
         await move(page, ...from.map((place, finger) => between(place, to[finger], n / steps)));
     }
@@ -26,7 +26,7 @@ export async function lead(page, from, to, steps = 6) {
 export async function drag(page, places, { during, steps = 5 } = {}) {
     await down(page, places[0]);
     for (const [n, place] of places.slice(1).entries()) {
-        await lead(page, [places[n]], [place], steps);
+        await moveFinger(page, [places[n]], [place], steps);
     }
     await during?.();
     await up(page);
@@ -36,7 +36,7 @@ export async function drag(page, places, { during, steps = 5 } = {}) {
 export async function pinch(page, from, to) {
     await down(page, from[0]);
     await down(page, ...from);
-    await lead(page, from, to);
+    await moveFinger(page, from, to);
     await up(page);
 }
 

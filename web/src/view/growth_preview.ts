@@ -23,7 +23,7 @@ export function pipeRadii(parent: Uint32Array, radius: Float32Array): Float32Arr
     return radius.map((tip, n) => tip * tips[n] ** (1 / kPipe));
 }
 
-export class Grown {
+export class GrowthPreview {
     readonly group = new THREE.Group();
     private model: TubeModel | null = null;
     private wanted: string | null = null; // newer than the current request

@@ -12,7 +12,7 @@ export const kColors = { x: 0xe5534b, y: 0x57ab5a, z: 0x539bf5, hot: 0xffd33d, p
 const kRim = 0x15181a;
 
 /** A group in the overlay that is emptied, and its GPU resources released, when its tool is deactivated. */
-export class Drawn {
+export class Overlay {
     readonly group = new THREE.Group();
 
     constructor(private readonly app: App) {
@@ -80,16 +80,16 @@ export class Drawn {
     /** A transparent ball with its outline. */
     ball(center: Point, radius: number, color = kColors.hot): void {
         const material = new THREE.MeshBasicMaterial({ color, transparent: true, opacity: 0.14, depthWrite: false, depthTest: false });
-        const made = new THREE.Mesh(new THREE.SphereGeometry(radius, 32, 16), material);
-        made.position.set(...center);
-        this.put(made);
+        const mesh = new THREE.Mesh(new THREE.SphereGeometry(radius, 32, 16), material);
+        mesh.position.set(...center);
+        this.put(mesh);
         this.circle(center, sight(this.app, center), radius, color);
     }
 
-    private put(made: THREE.Object3D): void {
-        made.frustumCulled = false;
-        made.renderOrder = 10;
-        this.group.add(made);
+    private put(mesh: THREE.Object3D): void {
+        mesh.frustumCulled = false;
+        mesh.renderOrder = 10;
+        this.group.add(mesh);
         this.app.view.requestDraw();
     }
 }

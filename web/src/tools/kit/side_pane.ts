@@ -3,11 +3,11 @@ import type { ComponentChildren } from "preact";
 import { render } from "preact";
 import type { App } from "../../app";
 
-export class Beside {
+export class SidePane {
     readonly element = document.createElement("div");
 
     constructor(app: App, className: string) {
-        this.element.className = `beside ${className}`;
+        this.element.className = `side-pane ${className}`;
         app.view.element().closest(".picture-frame")?.append(this.element);
     }
 

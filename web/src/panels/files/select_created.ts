@@ -5,7 +5,7 @@ import type { SceneObject } from "../../protocol";
 const kArrivalTimeout = 2000; // [ms]
 
 /** Waits until a matching object exists, and selects it. */
-export async function selectWhenThere(app: App, wanted: (object: SceneObject) => boolean): Promise<SceneObject | undefined> {
+export async function selectWhenCreated(app: App, wanted: (object: SceneObject) => boolean): Promise<SceneObject | undefined> {
     const { state, selection } = app.store;
     let stop: (() => void) | undefined;
     await Promise.race([
