@@ -2,8 +2,9 @@
 import type { ComponentChildren, VNode } from "preact";
 import type { Argument } from "../../protocol";
 import { Tracked, tracked } from "../../use";
-import { ArgumentField, type FieldContext } from "../scene/forms/argument_field";
+import { ArgumentField } from "../scene/forms/argument_field";
 import { fieldContext } from "../scene/forms/context";
+import type { FieldContext } from "../scene/forms/field";
 import type { Card } from "./card";
 import { numberOf } from "./values";
 

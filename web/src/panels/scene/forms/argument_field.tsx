@@ -1,34 +1,15 @@
 // Field for one argument of a command: its label, its help and a widget for its type.
 import type { ComponentChildren, VNode } from "preact";
 import { useId, useLayoutEffect, useRef, useState } from "preact/hooks";
-import type { Argument, Kind } from "../../../protocol";
+import type { Argument } from "../../../protocol";
 import { FieldError, useNumber } from "../../../number_field";
-import type { NumberLimits } from "../../../script/arithmetic";
 import { defaultText, kindsOf, shortUnit, displayName, acceptedValues } from "../../../script/commands";
-import { defaultWord, type Values, wordOf } from "../../../script/values";
+import { defaultWord, wordOf } from "../../../script/values";
 import { isComputed } from "../../../script/words";
 import { type Slider, sliderOf } from "../../grow/suggest";
+import { type FieldProps, inputAttributes, isGiven, limitsOf, type ArgumentProps, stepOf } from "./field";
 import { ListField, PickList } from "./list_field";
 import { TupleField } from "./tuple_field";
-
-export interface FieldContext {
-    values: Values;
-    /** `done`: the user has finished the change; before that the value is only previewed. */
-    set(name: string, words: readonly string[], done: boolean): void;
-    names(kinds: readonly Kind[]): string[]; // names of the existing objects of these kinds
-    usual?(name: string): number | undefined; // centre of the range of sliders; the default of the argument if undefined
-    focus?(name: string | null): void;
-    files?(): string[]; // files of the folder
-    selected?(): Promise<string | null>; // nodes selected in the 3D view, as a selection expression
-}
-
-export interface Props {
-    argument: Argument;
-    context: FieldContext;
-}
-
-/** Properties of the widget within a row: `id` is the id of its label and, with "-help", of its help. */
-export type Inner = Props & { id: string };
 
 /** Help of the argument, and the values that it accepts. */
 function helpText(argument: Argument): string {
@@ -36,30 +17,6 @@ function helpText(argument: Argument): string {
     const range = bounded || argument.type === "selection" ? ` Accepts ${acceptedValues(argument)}.` : "";
     const otherwise = argument.default?.startsWith("@") ? ` Default: ${defaultText(argument)}.` : "";
     return argument.help + range + otherwise;
-}
-
-function isGiven({ argument, context }: Props): boolean {
-    return (context.values[argument.name] ?? []).length > 0;
-}
-
-/** Attributes common to all fields; a value that is not set looks like a default. */
-export function fieldProps(props: Inner): Record<string, unknown> {
-    const { argument, id } = props;
-    return {
-        "aria-describedby": `${id}-help`,
-        "aria-required": argument.required || undefined,
-        class: isGiven(props) ? undefined : "is-default",
-    };
-}
-
-export function limitsOf({ low, high, type }: Argument): NumberLimits {
-    return { low, high, whole: type === "whole" };
-}
-
-/** Step that changes a number by about a tenth of its size. */
-export function stepOf({ type }: Argument, value: number): number {
-    const size = Math.abs(value);
-    return type === "whole" ? 1 : size > 0 ? 10 ** Math.floor(Math.log10(size) - 0.3) : 0.1;
 }
 
 const kTurn = 180; // [degree] half a turn
@@ -106,7 +63,7 @@ function SliderInput({ label, slider, word, take }: SliderProps): VNode {
     );
 }
 
-function NumberField(props: Inner): VNode {
+function NumberField(props: FieldProps): VNode {
     const { argument, context, id } = props;
     const word = wordOf(argument, context.values);
     const [middle, setMiddle] = useState(Number(word) || Number(argument.default) || 1); // does not change while the slider is dragged
@@ -129,7 +86,7 @@ function NumberField(props: Inner): VNode {
         <>
             {slider && <SliderInput label={`${displayName(argument.name)}, slider`} slider={slider} word={word} take={take} />}
             <input
-                {...fieldProps(props)}
+                {...inputAttributes(props)}
                 {...field}
                 id={id}
                 class={`${slider ? "" : "wide"} ${isGiven(props) ? "" : "is-default"}`}
@@ -140,13 +97,13 @@ function NumberField(props: Inner): VNode {
     );
 }
 
-function ChoiceField(props: Inner & { choices: readonly (readonly [string, string])[] }): VNode {
+function ChoiceField(props: FieldProps & { choices: readonly (readonly [string, string])[] }): VNode {
     const { argument, context, id, choices } = props;
     const word = wordOf(argument, context.values);
     const known = choices.some(([value]) => value === word);
     return (
         <select
-            {...fieldProps(props)}
+            {...inputAttributes(props)}
             id={id}
             class={`wide ${isGiven(props) ? "" : "is-default"}`}
             value={word}
@@ -162,11 +119,11 @@ function ChoiceField(props: Inner & { choices: readonly (readonly [string, strin
     );
 }
 
-function FlagField(props: Inner): VNode {
+function FlagField(props: FieldProps): VNode {
     const { argument, context, id } = props;
     return (
         <input
-            {...fieldProps(props)}
+            {...inputAttributes(props)}
             id={id}
             type="checkbox"
             checked={/^(?:true|yes|on|1)$/.test(wordOf(argument, context.values))}
@@ -175,14 +132,14 @@ function FlagField(props: Inner): VNode {
     );
 }
 
-function TextField(props: Inner): VNode {
+function TextField(props: FieldProps): VNode {
     const { argument, context, id } = props;
     const files = argument.type.endsWith("_file") || argument.type === "properties" ? context.files?.() : undefined;
     const take = (event: Event, done: boolean) => context.set(argument.name, [(event.currentTarget as HTMLInputElement).value.trim()], done);
     return (
         <>
             <input
-                {...fieldProps(props)}
+                {...inputAttributes(props)}
                 id={id}
                 type="text"
                 class="wide"
@@ -206,7 +163,7 @@ function TextField(props: Inner): VNode {
 }
 
 /** A selection of nodes: typed, or copied from the 3D view. */
-function SelectionField(props: Inner): VNode {
+function SelectionField(props: FieldProps): VNode {
     const { argument, context } = props;
     const take = async () => {
         const text = await context.selected?.();
@@ -226,7 +183,7 @@ function SelectionField(props: Inner): VNode {
     );
 }
 
-function fieldOf(props: Inner): VNode {
+function fieldOf(props: FieldProps): VNode {
     const { argument, context } = props;
     const words = context.values[argument.name] ?? [];
     const names = () => context.names(kindsOf(argument));
@@ -277,7 +234,7 @@ function Row({ argument, id, children }: { argument: Argument; id: string; child
     );
 }
 
-export function ArgumentField({ argument, context }: Props): VNode {
+export function ArgumentField({ argument, context }: ArgumentProps): VNode {
     const id = useId();
     return (
         <div onFocusIn={() => context.focus?.(argument.name)} onFocusOut={() => context.focus?.(null)}>

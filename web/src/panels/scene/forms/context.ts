@@ -4,7 +4,7 @@ import type { App } from "../../../app";
 import type { Kind } from "../../../protocol";
 import type { Values } from "../../../script/values";
 import { anchored } from "../../../tools/kit/naming";
-import type { FieldContext } from "./argument_field";
+import type { FieldContext } from "./field";
 
 const kFiles = signal<readonly string[]>([]);
 let kIsRequested = false;

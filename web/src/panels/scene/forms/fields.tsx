@@ -2,7 +2,8 @@
 import type { VNode } from "preact";
 import type { Argument, Command } from "../../../protocol";
 import type { Values } from "../../../script/values";
-import { ArgumentField, type FieldContext } from "./argument_field";
+import { ArgumentField } from "./argument_field";
+import type { FieldContext } from "./field";
 
 const kMaxAtOnce = 7;
 

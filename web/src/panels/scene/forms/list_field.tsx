@@ -1,10 +1,10 @@
 // Fields for arguments that may be given several times.
 import type { VNode } from "preact";
 import { displayName } from "../../../script/commands";
-import type { Inner } from "./argument_field";
+import type { FieldProps } from "./field";
 
 /** A text field for each value, and an empty one. */
-export function ListField({ argument, context, id }: Inner): VNode {
+export function ListField({ argument, context, id }: FieldProps): VNode {
     const given = context.values[argument.name] ?? [];
     const words = given.length === 0 && argument.default ? [argument.default] : given;
     const put = (at: number, word: string) => context.set(argument.name, words.toSpliced(at, 1, word), true);
@@ -30,7 +30,7 @@ export function ListField({ argument, context, id }: Inner): VNode {
 }
 
 /** An ordered list of objects: each can be removed, and one can be added. */
-export function PickList({ argument, context, id, names }: Inner & { names: readonly string[] }): VNode {
+export function PickList({ argument, context, id, names }: FieldProps & { names: readonly string[] }): VNode {
     const words = context.values[argument.name] ?? [];
     const set = (next: readonly string[]) => context.set(argument.name, next, true);
     const rest = names.filter((name) => !words.includes(name));

@@ -4,7 +4,7 @@ import { useState } from "preact/hooks";
 import { FieldError, useNumber } from "../../../number_field";
 import { displayName } from "../../../script/commands";
 import { wordOf } from "../../../script/values";
-import { fieldProps, type Inner, limitsOf, stepOf } from "./argument_field";
+import { type FieldProps, inputAttributes, limitsOf, stepOf } from "./field";
 
 const kNames = ["X", "Y", "Z"];
 
@@ -19,7 +19,7 @@ export function tupleWord(parts: readonly string[], sizes: readonly number[]): s
 }
 
 interface PartProps {
-    field: Inner;
+    field: FieldProps;
     label: string;
     placeholder: string;
     text: string;
@@ -39,13 +39,13 @@ function PartField({ field: whole, label, placeholder, text, isInvalid, set }: P
     });
     return (
         <>
-            <input {...fieldProps(whole)} {...field} aria-invalid={isInvalid || field["aria-invalid"]} aria-label={label} placeholder={placeholder} />
+            <input {...inputAttributes(whole)} {...field} aria-invalid={isInvalid || field["aria-invalid"]} aria-label={label} placeholder={placeholder} />
             <FieldError text={errorText} />
         </>
     );
 }
 
-export function TupleField(props: Inner): VNode {
+export function TupleField(props: FieldProps): VNode {
     const { argument, context, id } = props;
     const sizes = argument.sizes ?? [3];
     const most = Math.max(...sizes);
