@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks the language of comments, messages, names and pages: tests/language_test.py [FOLDER [PROGRAM]], or --self-test
+"""Checks the language of comments, messages, names, pages and commits: tests/language_test.py [FOLDER [PROGRAM]], or --self-test
 
 Words of the glossary (docs/glossary.md) are used; the words listed here are not, because they hide the subject of a
 sentence or have a plain technical equivalent. Bounds are called max and min. With the program, also checks that every help
@@ -8,6 +8,7 @@ text is one sentence, and that an option has the same help in every command."""
 import json
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -22,6 +23,8 @@ BANNED = {
 }
 WORD = re.compile(r"\b(" + "|".join(BANNED) + r")\b(?![_(-])", re.IGNORECASE)
 BOUND = re.compile(r"\bk(?:Most|Least|Fewest|Greatest)[A-Z]?\w*|\b(?:most|fewest|greatest)_\w+|--(?:most|least|fewest|greatest)-[\w-]+")
+SUBJECT = re.compile(r"(?=.{1,72}$)[a-z][\w-]*(?:, [a-z][\w-]*)*: [a-z].*")  # of a commit
+LAST_UNCHECKED = "51124e4dc6182a4a5328dc5e1d57938471eb26bd"  # last commit with an unchecked subject
 MAX_COLUMNS = 200  # of a line of a page, except in tables and code: one sentence a line
 
 CPP = re.compile(r'''(?P<raw>R"(?P<mark>[^()\s\\"]{0,16})\(.*?\)(?P=mark)")|(?P<block>/\*.*?\*/)|(?P<line>//[^\n]*)|'''
@@ -107,6 +110,19 @@ def check_files(root):
     return faults
 
 
+def check_subjects(lines):
+    """Lines have the hash and the subject of a commit: 'module: imperative', at most 72 characters."""
+    return [f"commit {line}: write 'module: imperative' in at most 72 characters" for line in lines if not SUBJECT.match(line.split(" ", 1)[1])]
+
+
+def commits(root):
+    """The hash and the subject of the commits after LAST_UNCHECKED; none in a shallow clone or outside of a repository."""
+    if not shutil.which("git"):
+        return []
+    log = subprocess.run(["git", "-C", root, "log", "--no-merges", "--format=%h %s", f"{LAST_UNCHECKED}..HEAD"], capture_output=True, text=True, check=False)
+    return log.stdout.splitlines() if log.returncode == 0 else []
+
+
 def check_help(schema):
     """Help texts are one sentence; an option has the same help in every command, unless its name has several meanings."""
     faults, known = [], {}
@@ -149,15 +165,16 @@ def self_test():
                 "src/a.cpp:1: 'beside'", "src/a.cpp:3: 'told'", "src/a.cpp:2: 'kMostNodes'"]
     helps = check_help({"commands": {"a": {"options": [{"name": "--x", "type": "int", "help": "Size of x."}]},
                                      "b": {"options": [{"name": "--x", "type": "int", "help": "size of y"}]}}})
-    if found != expected or len(helps) != 2:
-        sys.exit(f"expected {expected} and two faults of help, found {found} and {helps}")
+    subjects = check_subjects(["1 io, mesh: read polygons", "2 Read polygons", "3 io: Polygons", f"4 io: read {'x' * 63}", f"5 io: read {'x' * 64}"])
+    if found != expected or len(helps) != 2 or [fault.split()[1] for fault in subjects] != ["2", "3", "5"]:
+        sys.exit(f"expected {expected}, two faults of help and three of subjects, found {found}, {helps} and {subjects}")
 
 
 def main():
     if sys.argv[1:] == ["--self-test"]:
         return self_test()
     root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else ".").resolve()
-    faults = check_files(root)
+    faults = check_files(root) + check_subjects(commits(root))
     if len(sys.argv) > 2:
         schema = subprocess.run([sys.argv[2], "schema"], capture_output=True, text=True, check=True).stdout
         faults += check_help(json.loads(schema))
