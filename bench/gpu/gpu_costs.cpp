@@ -4,7 +4,7 @@
 
 #include "coppice/cuda/field/field_view.h"
 #include "coppice/cuda/quads/quad_kernels.h"
-#include "coppice/cuda/tetra/printed_kernel.h"
+#include "printed_march_kernels.h"
 
 namespace coppice::bench {
 namespace {
@@ -96,7 +96,6 @@ std::vector<KernelCost> printed_quad_costs(const cuda::QuadJob& job, const Field
 
 std::vector<KernelCost> printed_tetra_costs(TetraCounts counts, int levels, double triangles,
                                             const FieldWork& field) {
-    using cuda::ExplicitTetra;
     constexpr double kEdge = sizeof(ExplicitTetra::Edge), kFace = sizeof(ExplicitTetra::Face),
                      kCell = sizeof(ExplicitTetra::Cell), kVertex = kPoint + kNumber;
     KernelCost keep{"vertices"}, edges{"CalcEdgePoints"}, faces{"SubdivideFaces"},

@@ -43,7 +43,7 @@ struct TetraCounts {
     }
 };
 
-/// Returns the costs of DeviceMarcher::repeat, after a march as published.
+/// Returns the costs of DevicePrintedMarch::repeat.
 std::vector<KernelCost> printed_tetra_costs(TetraCounts coarse, int levels, double triangles,
                                             const FieldWork& field);
 

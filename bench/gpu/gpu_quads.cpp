@@ -6,14 +6,14 @@
 
 #include "coppice/cuda/exec/host_executor.h"
 #include "coppice/cuda/field/upload_field.h"
-#include "coppice/cuda/quads/device_printed_quads.h"
 #include "coppice/cuda/quads/device_quads.h"
-#include "coppice/cuda/quads/printed_quad_stages.h"
 #include "coppice/pipeline/drag/quad_model.h"
 #include "coppice/pipeline/mesh_skeleton.h"
+#include "device_printed_quads.h"
 #include "gpu_apart.h"
 #include "gpu_costs.h"
 #include "measure.h"
+#include "printed_quad_stages.h"
 
 namespace coppice::bench {
 namespace {
@@ -197,10 +197,10 @@ class PrintedOnCpu {
 
   private:
     cuda::HostExecutor exec_;
-    cuda::PrintedQuadStages<cuda::HostExecutor> stages_;
+    PrintedQuadStages<cuda::HostExecutor> stages_;
     KernelConstants kernel_;
     cuda::FieldArrays field_;
-    cuda::Evolution how_;
+    Evolution how_;
 };
 
 GpuResult measure_printed(const QuadCase& what, const Given& given, const GpuRun& run) {

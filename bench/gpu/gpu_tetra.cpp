@@ -6,13 +6,14 @@
 #include "coppice/cuda/exec/host_executor.h"
 #include "coppice/cuda/field/upload_field.h"
 #include "coppice/cuda/tetra/device_marcher.h"
-#include "coppice/cuda/tetra/printed_stages.h"
 #include "coppice/skeleton/prepare.h"
 #include "coppice/tetra/lattice/lattice.h"
 #include "coppice/tetra/lattice/refinement.h"
 #include "coppice/tetra/polyhedron/polyhedron.h"
+#include "device_printed_march.h"
 #include "gpu_apart.h"
 #include "gpu_costs.h"
+#include "printed_march_stages.h"
 
 namespace coppice::bench {
 namespace {
@@ -88,7 +89,7 @@ class PrintedOnCpu {
         : given_(given),
           exec_(given.ctx),
           field_(cuda::upload_field(exec_, given.field)),
-          coarse_(cuda::upload_explicit(exec_, given.mesh, given.ctx)) {}
+          coarse_(upload_explicit(exec_, given.mesh, given.ctx)) {}
 
     /// Returns the triangles if `weld` requests welded ones.
     TriMesh run(bool weld) {
@@ -97,8 +98,8 @@ class PrintedOnCpu {
         cuda::with_formula(given_.field.kernel(), [&](const auto& formula) {
             const auto field =
                 cuda::upload_cuts(exec_, cuda::FieldView(formula, field_), given_.ends, given_.field.level());
-            const cuda::PrintedSurface made =
-                cuda::march_as_printed(exec_, coarse_, given_.how.levels, field, given_.field.level(), weld);
+            const PrintedSurface made =
+                march_as_printed(exec_, coarse_, given_.how.levels, field, given_.field.level(), weld);
             triangles_ = made.triangles.size();
             out.positions.assign(made.positions.begin(), made.positions.end());
             out.triangles.assign(made.welded.begin(), made.welded.end());
@@ -116,7 +117,7 @@ class PrintedOnCpu {
     const Given& given_;
     cuda::HostExecutor exec_;
     cuda::FieldArrays field_;
-    cuda::ExplicitTetra coarse_;
+    ExplicitTetra coarse_;
     std::size_t triangles_ = 0;
 };
 
@@ -129,13 +130,12 @@ GpuResult measure_printed_tetra(const TetraCase& what, const GpuRun& run) {
     out.cpu = median_time(run, 0, few_rounds(run), [&] { cpu.run(false); });
     out.faces = cpu.triangles();
     on_card(run, out, [&] {
-        DeviceMarcher device(run.ctx);
-        const PrintedMarch made =
-            device.march_as_printed(given.mesh, what.levels, given.cut(), true, run.ctx);
-        const Buffer<Vec3>& found = made.mesh.positions;
+        DevicePrintedMarch device(run.ctx);
+        const TriMesh made = device.make(given.mesh, what.levels, given.cut(), run.ctx);
+        const Buffer<Vec3>& found = made.positions;
         out.apart = strays(found, cpu.run(true).positions, tolerances(found, given.skeleton, run.ctx));
-        const auto costs = printed_tetra_costs(cpu.counts(), what.levels, static_cast<double>(made.triangles),
-                                               work_of(given));
+        const auto costs = printed_tetra_costs(cpu.counts(), what.levels,
+                                               static_cast<double>(made.triangles.size()), work_of(given));
         time_on_card(
             device, run, costs, [&] { device.repeat(); }, out);
     });

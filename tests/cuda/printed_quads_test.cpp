@@ -8,18 +8,19 @@
 #include "coppice/cage/cage.h"
 #include "coppice/cuda/exec/host_executor.h"
 #include "coppice/cuda/field/upload_field.h"
-#include "coppice/cuda/quads/printed_quad_stages.h"
 #include "coppice/field/convolution_field.h"
 #include "coppice/subdivision/project.h"
+#include "printed_quad_stages.h"
 #include "subdivision/cages.h"
 #include "subdivision/match.h"
 #include "zoo.h"
 
 // Tests of the quads published in [Zhu2015], with the device kernels run on the CPU.
 
-namespace coppice::cuda {
+namespace coppice::bench {
 namespace {
 
+using cuda::HostExecutor;
 using Stages = PrintedQuadStages<HostExecutor>;
 
 /// A cage with its patches, and the job of subdividing it. Every quad is its own region.
@@ -28,8 +29,8 @@ struct Job {
         : points(cage.points), region(cage.quads.size()), patches(cage.quads, cage.vertex_count(), levels) {
         for (std::uint32_t f = 0; f < region.size(); ++f) region[f] = f;
     }
-    operator QuadJob() const {
-        QuadJob job;
+    operator cuda::QuadJob() const {
+        cuda::QuadJob job;
         job.cage = patches.cage();
         job.levels = patches.levels();
         job.positions = points;
@@ -179,11 +180,12 @@ TEST(PrintedQuadStages, EvolveAsNewtonOnTrees) {
         }
         field.set_regions(boxes);
         HostExecutor exec(Context{.threads = 2});
-        const FieldArrays arrays = upload_field(exec, field);
+        const cuda::FieldArrays arrays = cuda::upload_field(exec, field);
         Stages stages(exec, job);
         stages.refine();
-        with_formula(field.kernel(),
-                     [&](const auto& formula) { stages.evolve(FieldView(formula, arrays), {.steps = 12}); });
+        cuda::with_formula(field.kernel(), [&](const auto& formula) {
+            stages.evolve(cuda::FieldView(formula, arrays), {.steps = 12});
+        });
 
         const Buffer<Vec3> refined = job.patches.refine(job.points);
         const Buffer<Vec3> anchors = job.patches.refine(control.anchors);
@@ -233,4 +235,4 @@ TEST(PrintedQuadStages, RepeatTheirWork) {
 }
 
 }  // namespace
-}  // namespace coppice::cuda
+}  // namespace coppice::bench

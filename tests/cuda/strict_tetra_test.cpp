@@ -1,13 +1,10 @@
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <vector>
 
 #include "coppice/cuda/exec/host_executor.h"
-#include "coppice/cuda/field/upload_field.h"
 #include "coppice/cuda/tetra/cut_convolution.h"
 #include "coppice/cuda/tetra/march_stages.h"
-#include "coppice/cuda/tetra/printed_stages.h"
 #include "coppice/skeleton/random_tree.h"
 #include "coppice/tetra/lattice/lattice.h"
 #include "coppice/tetra/polyhedron/polyhedron.h"
@@ -33,13 +30,6 @@ struct CutTree {
             for (std::uint32_t r = 0; r < regions; ++r) put(r, 0u);
         });
     }
-
-    /// Calls use(view) with the field for kernels of an executor.
-    template <class Exec, class Use>
-    void with_field(Exec& exec, const Use& use) const {
-        const kernel::QuarticKernel<float> formula(field.kernel().shape, field.kernel().weight);
-        use(upload_cuts(exec, FieldView(formula, upload_field(exec, field)), ends, field.level()));
-    }
 };
 
 template <class Exec>
@@ -63,34 +53,6 @@ TEST(MarchStages, NeedNothingOfTheHostNorAnyOrder) {
         EXPECT_EQ(strict.mesh.triangles, host.mesh.triangles);
         EXPECT_EQ(strict.mesh.positions, host.mesh.positions);
     }
-}
-
-struct Printed {
-    Buffer<std::array<Vec3, 3>> triangles;
-    Buffer<Vec3> positions;
-    Buffer<Triangle> welded;
-};
-
-template <class Exec>
-Printed printed(const CutTree& tree, int levels) {
-    Exec exec;
-    Printed out;
-    tree.with_field(exec, [&](const auto& view) {
-        const ExplicitTetra coarse = upload_explicit(exec, tree.lattice.mesh());
-        const PrintedSurface found = march_as_printed(exec, coarse, levels, view, tree.field.level(), true);
-        out = {downloaded(exec, found.triangles), downloaded(exec, found.positions),
-               downloaded(exec, found.welded)};
-    });
-    return out;
-}
-
-TEST(PrintedMarch, NeedsNothingOfTheHostNorAnyOrder) {
-    const CutTree tree;
-    const Printed host = printed<HostExecutor>(tree, 1), strict = printed<StrictExecutor>(tree, 1);
-    ASSERT_GT(host.triangles.size(), 100u);
-    EXPECT_EQ(strict.triangles, host.triangles);
-    EXPECT_EQ(strict.positions, host.positions);
-    EXPECT_EQ(strict.welded, host.welded);
 }
 
 }  // namespace

@@ -14,14 +14,6 @@
 
 namespace coppice {
 
-/// Result of marching as published.
-struct PrintedMarch {
-    std::uint64_t tetra = 0;      ///< of the last level
-    std::uint64_t vertices = 0;   ///< of the last level, all sampled
-    std::uint64_t triangles = 0;  ///< each with its own corners
-    TriMesh mesh;                 ///< the same triangles, welded; empty if not requested
-};
-
 /// Marches on a GPU. Reuses the memory of a call for the next one. One call at a time.
 class DeviceMarcher {
   public:
@@ -44,14 +36,8 @@ class DeviceMarcher {
     MarchResult march(const TetraMesh& mesh, const CutConvolution& field, const InsideAxes& axes,
                       const MarchOptions& options, const Context& ctx = {});
 
-    /// Marches as published in [Zhu2013]: explicit tetrahedra on every level, each cut along its own shortest
-    /// diagonal, no snapping, vertices by linear interpolation between two values. About 150 bytes of the GPU
-    /// per tetrahedron of the last level. Throws as march().
-    PrintedMarch march_as_printed(const TetraMesh& mesh, int levels, const CutConvolution& field, bool weld,
-                                  const Context& ctx = {});
-    /// Repeats the last call of either function for measurements, from the coarse tetrahedra and the segments
-    /// on the GPU to the triangles, which stay there (unwelded for march_as_printed). Waits. Throws
-    /// DeviceError after a call in tiles.
+    /// Repeats the last march() for measurements, from the coarse tetrahedra and the segments on the GPU to
+    /// the triangles, which stay there. Waits. Throws DeviceError after a march in tiles.
     void repeat();
 
     /// Enables recording of the time of every kernel.

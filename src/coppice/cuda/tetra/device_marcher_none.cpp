@@ -14,10 +14,6 @@ MarchResult DeviceMarcher::march(const TetraMesh&, const CutConvolution&, const 
     return {};
 }
 void DeviceMarcher::repeat() {}
-PrintedMarch DeviceMarcher::march_as_printed(const TetraMesh&, int, const CutConvolution&, bool,
-                                             const Context&) {
-    return {};
-}
 void DeviceMarcher::measure() {}
 std::vector<cuda::KernelTime> DeviceMarcher::take_times() { return {}; }
 std::uint64_t DeviceMarcher::bytes_used() const { return 0; }

@@ -3,10 +3,8 @@
 
 #include "coppice/cuda/batch/march_pieces.h"
 #include "coppice/cuda/exec/cuda_executor.cuh"
-#include "coppice/cuda/field/upload_field.h"
 #include "coppice/cuda/tetra/device_marcher.h"
 #include "coppice/cuda/tetra/march_stages.h"
-#include "coppice/cuda/tetra/printed_stages.h"
 
 namespace coppice {
 
@@ -14,17 +12,6 @@ using cuda::CudaExecutor;
 
 struct DeviceMarcher::Impl {
     Impl(const Context& ctx, std::size_t most) : exec(ctx, most) {}
-
-    /// Calls use(view) with the field for kernels on this GPU.
-    template <class Use>
-    void with_field(const CutConvolution& field, const Use& use) {
-        again = {};
-        exec.reset();
-        cuda::with_formula(field.field.kernel(), [&](const auto& formula) {
-            const cuda::FieldView view(formula, cuda::upload_field(exec, field.field));
-            use(cuda::upload_cuts(exec, view, field.ends, field.level()));
-        });
-    }
 
     /// Marches without tiles.
     MarchResult march_whole(const cuda::MarchInput& in, const Context& ctx) {
@@ -61,30 +48,6 @@ MarchResult DeviceMarcher::march(const TetraMesh& mesh, const CutConvolution& fi
     } catch (const DeviceFull&) {
         return cuda::march_in_pieces(impl_->exec, in, ctx);
     }
-}
-
-PrintedMarch DeviceMarcher::march_as_printed(const TetraMesh& mesh, int levels, const CutConvolution& field,
-                                             bool weld, const Context& ctx) {
-    PrintedMarch out;
-    impl_->with_field(field, [&](const auto& view) {
-        CudaExecutor& exec = impl_->exec;
-        const cuda::ExplicitTetra coarse = cuda::upload_explicit(exec, mesh, ctx);
-        const auto before = exec.mark();
-        const auto found = cuda::march_as_printed(exec, coarse, levels, view, field.level(), weld);
-        out.tetra = found.mesh.tetra.size();
-        out.vertices = found.mesh.positions.size();
-        out.triangles = found.triangles.size();
-        out.mesh.positions.resize(found.positions.size());
-        out.mesh.triangles.resize(found.welded.size());
-        exec.download(found.positions, std::span(out.mesh.positions));
-        exec.download(found.welded, std::span(out.mesh.triangles));
-        exec.rewind(before);
-        impl_->again = [&exec, coarse, levels, view, before, level = field.level()] {
-            cuda::march_as_printed(exec, coarse, levels, view, level, false);
-            exec.rewind(before);
-        };
-    });
-    return out;
 }
 
 void DeviceMarcher::repeat() {

@@ -7,11 +7,11 @@
 
 #include "coppice/base/error.h"
 #include "coppice/cuda/device.h"
-#include "coppice/cuda/quads/printed_quad_kernels.h"
 #include "coppice/cuda/quads/quad_job.h"
 #include "coppice/cuda/quads/upload_cage.h"
+#include "printed_quad_kernels.h"
 
-namespace coppice::cuda {
+namespace coppice::bench {
 
 /// The stages from a closed cage to quads as published in [Zhu2015], in the memory of an executor, for
 /// comparison with QuadStages. Each stage may be repeated. There are two copies of vertices, edges and faces,
@@ -25,13 +25,13 @@ class PrintedQuadStages {
     /// Uses only the cage, its levels, positions and regions of the job. The executor must outlive this
     /// object. Throws InvalidInput for a cage with a boundary, and DeviceError if there are more quads than
     /// can be numbered.
-    PrintedQuadStages(Exec& exec, const QuadJob& job) : exec_(exec), levels_(job.levels) {
+    PrintedQuadStages(Exec& exec, const cuda::QuadJob& job) : exec_(exec), levels_(job.levels) {
         if (!job.cage.closed()) throw InvalidInput("cage: it must be closed for the published subdivision");
         // Half-edges of the last level have numbers of 32 bits.
         const std::uint64_t quads = std::uint64_t{job.cage.face_count()} << (2 * levels_);
         if (quads > std::numeric_limits<std::uint32_t>::max() / 4)
             throw DeviceError("there are too many quads for a device");
-        cage_ = upload_cage(exec, job.cage);
+        cage_ = cuda::upload_cage(exec, job.cage);
         region_ = exec.upload(job.region);
         positions_ = exec.upload(job.positions);
         mesh_ = cage_;
@@ -116,4 +116,4 @@ class PrintedQuadStages {
     std::span<Vec3> evolved_;
 };
 
-}  // namespace coppice::cuda
+}  // namespace coppice::bench

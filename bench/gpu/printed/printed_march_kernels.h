@@ -20,7 +20,7 @@
 // second. Within face f of F: edge 2 E + 3 f + k cuts off corner k; faces 4 f + k at corner k, 4 f + 3 in the
 // middle. Within tetrahedron t: the diagonal is edge 2 E + 3 F + t; faces 4 F + 8 t + i.
 
-namespace coppice::cuda {
+namespace coppice::bench {
 
 /// Explicit tetrahedra with their edges and faces, and the regions of the field that contain these.
 struct ExplicitTetra {
@@ -59,7 +59,7 @@ struct WriteVertices {
 
 /// Writes the coarse mesh, from a refinement with 0 levels; one thread per tetrahedron.
 struct WriteCoarse {
-    DeviceRefinement from;
+    cuda::DeviceRefinement from;
     ExplicitTetra to;
 
     COPPICE_HOST_DEVICE void operator()(std::uint32_t t) const {
@@ -377,4 +377,4 @@ struct WeldTriangles {
     }
 };
 
-}  // namespace coppice::cuda
+}  // namespace coppice::bench

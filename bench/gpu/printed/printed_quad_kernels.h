@@ -20,7 +20,7 @@
 // at the lower and the higher end of edge e, 2 E + 4 f + k connects the midpoint of side k with that of quad
 // f. Edges point forward from their lower vertex, as in CageTopology, but are numbered in another order.
 
-namespace coppice::cuda {
+namespace coppice::bench {
 
 /// Explicit quads with their edges and fans: a writable CageView.
 struct ExplicitQuads {
@@ -174,4 +174,4 @@ struct EvolveVertices {
     }
 };
 
-}  // namespace coppice::cuda
+}  // namespace coppice::bench

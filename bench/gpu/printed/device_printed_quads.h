@@ -7,12 +7,12 @@
 #include "coppice/base/context.h"
 #include "coppice/cuda/device.h"
 #include "coppice/cuda/exec/kernel_time.h"
-#include "coppice/cuda/quads/printed_quad_kernels.h"
 #include "coppice/cuda/quads/quad_job.h"
 #include "coppice/field/convolution_field.h"
 #include "coppice/mesh/mesh.h"
+#include "printed_quad_kernels.h"
 
-namespace coppice {
+namespace coppice::bench {
 
 /// Creates quads of closed cages on a GPU as published in [Zhu2015] (see PrintedQuadStages), for comparison
 /// with DeviceQuads. Reuses the memory of a job for the next one. One job at a time.
@@ -27,7 +27,7 @@ class DevicePrintedQuads {
     /// Subdivides the cage of a job, moves it onto a field with its regions, and copies the result to the
     /// host. Throws InvalidInput for a cage with a boundary, and DeviceError if the GPU fails or has too
     /// little memory.
-    QuadMesh make(const cuda::QuadJob& job, const ConvolutionField& field, const cuda::Evolution& how = {});
+    QuadMesh make(const cuda::QuadJob& job, const ConvolutionField& field, const Evolution& how = {});
 
     /// Repeats the work of the last make() with the data on the GPU, for measurements: without copying the
     /// result. Waits.
@@ -44,4 +44,4 @@ class DevicePrintedQuads {
     std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace coppice
+}  // namespace coppice::bench

@@ -5,11 +5,11 @@
 #include <span>
 
 #include "coppice/cuda/tetra/extract_stages.h"
-#include "coppice/cuda/tetra/printed_kernel.h"
+#include "printed_march_kernels.h"
 
 // Marching tetrahedra as published in [Zhu2013], on an executor, for any field that kernels can sample.
 
-namespace coppice::cuda {
+namespace coppice::bench {
 
 /// Tetrahedra and the triangles of a field in them. The arrays are on the executor.
 struct PrintedSurface {
@@ -48,7 +48,7 @@ ExplicitTetra subdivide(Exec& exec, const ExplicitTetra& coarse, bool last = fal
 /// Uploads the coarse mesh with its edges and faces. Throws the exceptions of TetraRefinement.
 template <class Exec>
 ExplicitTetra upload_explicit(Exec& exec, const TetraMesh& mesh, const Context& ctx = {}) {
-    const DeviceRefinement from = refine(exec, mesh, 0, ctx);
+    const cuda::DeviceRefinement from = cuda::refine(exec, mesh, 0, ctx);
     const ExplicitTetra out =
         make_explicit(exec, mesh.positions.size(), from.of[1].size(), from.of[2].size(), mesh.tetra.size());
     exec.each("coarse", mesh.positions.size(), WriteVertices{from.view.positions, out});
@@ -71,14 +71,14 @@ PrintedSurface march_as_printed(Exec& exec, const ExplicitTetra& coarse, int lev
     const auto index = exec.template array<std::uint8_t>(tetra);
     const auto first = exec.template array<std::uint32_t>(tetra + 1);
     exec.each("CalcTetrahedralIndice", tetra, CalcTetrahedralIndice{surface, index, first});
-    const std::uint32_t triangles = place_counts(exec, first);
+    const std::uint32_t triangles = cuda::place_counts(exec, first);
     const auto soup = exec.template array<std::array<Vec3, 3>>(triangles);
     exec.each("ExtractIsoTriangles", tetra, ExtractIsoTriangles{surface, index, first, soup});
     out.triangles = soup;
     if (!weld) return out;
     const auto vertex = exec.template array<std::uint32_t>(edges + 1);
     exec.each("mark cut edges", edges, MarkCutEdges{surface, vertex});
-    const auto positions = exec.template array<Vec3>(place_counts(exec, vertex));
+    const auto positions = exec.template array<Vec3>(cuda::place_counts(exec, vertex));
     exec.each("weld vertices", edges, WeldVertices{surface, vertex, positions});
     const auto welded = exec.template array<Triangle>(triangles);
     exec.each("weld triangles", tetra, WeldTriangles{surface, index, first, vertex, welded});
@@ -87,4 +87,4 @@ PrintedSurface march_as_printed(Exec& exec, const ExplicitTetra& coarse, int lev
     return out;
 }
 
-}  // namespace coppice::cuda
+}  // namespace coppice::bench

@@ -1,19 +1,19 @@
-#include "coppice/cuda/quads/device_printed_quads.h"
+#include "device_printed_quads.h"
 
 #include <optional>
 
 #include "coppice/cuda/exec/cuda_executor.cuh"
 #include "coppice/cuda/field/upload_field.h"
-#include "coppice/cuda/quads/printed_quad_stages.h"
+#include "printed_quad_stages.h"
 
-namespace coppice {
+namespace coppice::bench {
 
 struct DevicePrintedQuads::Impl {
     cuda::CudaExecutor exec;
-    std::optional<cuda::PrintedQuadStages<cuda::CudaExecutor>> stages;
+    std::optional<PrintedQuadStages<cuda::CudaExecutor>> stages;
     cuda::FieldArrays field;
     KernelConstants kernel;
-    cuda::Evolution how;
+    Evolution how;
 
     explicit Impl(const Context& ctx) : exec(ctx) {}
 
@@ -33,7 +33,7 @@ DevicePrintedQuads::DevicePrintedQuads(DevicePrintedQuads&&) noexcept = default;
 DevicePrintedQuads& DevicePrintedQuads::operator=(DevicePrintedQuads&&) noexcept = default;
 
 QuadMesh DevicePrintedQuads::make(const cuda::QuadJob& job, const ConvolutionField& field,
-                                  const cuda::Evolution& how) {
+                                  const Evolution& how) {
     impl_->stages.reset();
     impl_->exec.reset();
     impl_->kernel = field.kernel();
@@ -60,4 +60,4 @@ std::vector<cuda::KernelTime> DevicePrintedQuads::take_times() { return impl_->e
 
 std::uint64_t DevicePrintedQuads::bytes_used() const { return impl_->exec.bytes_used(); }
 
-}  // namespace coppice
+}  // namespace coppice::bench

@@ -1,0 +1,2 @@
+#include "device_printed_march.cu"
+#include "device_printed_quads.cu"
