@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Compares the #includes of src/coppice, app and bench with layers.txt, both ways: a module includes exactly
-the modules of its line. Source files have at most 600 lines.
+the modules of its line. The CMakeLists.txt of a module lists all of its headers except *_internal.h, which no listed
+header includes. Source files have at most 600 lines.
 
     layers_test.py [SOURCE_DIR]    prints one line per fault; exit code 1 if there is one
     layers_test.py --self-test     creates a small tree of files with known faults and expects exactly these
@@ -12,6 +13,7 @@ import sys
 import tempfile
 
 INCLUDE = re.compile(r'\s*#\s*include\s*["<]coppice/([^/">]+)/[^">]*[">]')
+INTERNAL = "_internal.h"
 MAX_LINES = 600
 ENDINGS = {".h", ".cpp", ".py", ".mjs", ".ts", ".tsx", ".css", ".cmake", ".cu", ".cuh"}
 
@@ -68,6 +70,22 @@ def find_faults(path, root, allowed, used):
             yield f"{relative}:{number}: forbidden include {module} -> {match[1]}: {line.strip()}"
 
 
+def header_faults(root, module):
+    """Returns the faults of the public headers of a module, which are installed."""
+    folder = root / "src/coppice" / module
+    lists = folder / "CMakeLists.txt"
+    listed = set(re.findall(r"[\w/]+\.h\b", lists.read_text())) if lists.exists() else set()
+    for path in sorted(folder.rglob("*.h")):
+        relative = path.relative_to(root)
+        if path.name.endswith(INTERNAL) == (str(path.relative_to(folder)) in listed):
+            yield f"{relative}: {lists.relative_to(root)} must list all headers except *{INTERNAL}"
+        if path.name.endswith(INTERNAL):
+            continue
+        for number, line in enumerate(path.read_text(errors="replace").splitlines(), 1):
+            if INCLUDE.match(line) and INTERNAL in line:
+                yield f"{relative}:{number}: a public header includes an internal one: {line.strip()}"
+
+
 def all_faults(root):
     allowed = read_layers(root / "layers.txt")
     files = list(source_files(root))
@@ -75,6 +93,8 @@ def all_faults(root):
         sys.exit(f"{root}: no sources found")
     used = {}
     faults = [fault for path in files for fault in find_faults(path, root, allowed, used)]
+    for module in allowed:
+        faults += header_faults(root, module)
     for module, targets in allowed.items():
         for target in sorted(targets - used.get(module, set()) - {"base", module}):
             faults.append(f"layers.txt: {module} lists {target}, which it does not include")
@@ -86,9 +106,15 @@ def self_test():
         root = pathlib.Path(folder)
         files = {
             "layers.txt": "# comment\nbase:\nmesh:\nio: mesh\napp: io mesh\n",
+            "src/coppice/base/CMakeLists.txt": "HEADERS a.h",
             "src/coppice/base/a.h": '#include "coppice/mesh/b.h"\n',
+            "src/coppice/mesh/CMakeLists.txt": "HEADERS b.h",
             "src/coppice/mesh/b.h": '#include "coppice/base/a.h"\n#include <vector>\n',
+            "src/coppice/io/CMakeLists.txt": "HEADERS d.h e_internal.h",
+            "src/coppice/io/c.h": "",
             "src/coppice/io/c.cpp": '// long\n' * 601,
+            "src/coppice/io/d.h": '#include "coppice/io/e_internal.h"\n',
+            "src/coppice/io/e_internal.h": "",
             "src/coppice/mesh/d.cpp": '\n  #  include <coppice/io/c.h>\n',
             "src/coppice/new/e.h": "",
             "app/cli/main.cpp": '#include "coppice/io/c.h"\n',
@@ -102,6 +128,9 @@ def self_test():
         "src/coppice/io/c.cpp: 601 lines",
         "src/coppice/mesh/d.cpp:2: forbidden include mesh -> io",
         "src/coppice/new/e.h: the module new is missing",
+        "src/coppice/io/c.h: src/coppice/io/CMakeLists.txt must list",
+        "src/coppice/io/d.h:1: a public header includes an internal one",
+        "src/coppice/io/e_internal.h: src/coppice/io/CMakeLists.txt must list",
         "layers.txt: io lists mesh",
         "layers.txt: app lists mesh",
     ]

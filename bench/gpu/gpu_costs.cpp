@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "coppice/cuda/field/field_view.h"
-#include "coppice/cuda/quads/quad_kernels.h"
+#include "coppice/cuda/quads/quad_kernels_internal.h"
 #include "printed_march_kernels.h"
 
 namespace coppice::bench {

@@ -4,8 +4,8 @@
 #include <deque>
 #include <string_view>
 
-#include "coppice/cuda/exec/host_executor.h"
-#include "coppice/cuda/field/upload_field.h"
+#include "coppice/cuda/exec/host_executor_internal.h"
+#include "coppice/cuda/field/upload_field_internal.h"
 #include "coppice/cuda/quads/device_quads.h"
 #include "coppice/pipeline/drag/quad_model.h"
 #include "coppice/pipeline/mesh_skeleton.h"

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "coppice/base/error.h"
-#include "coppice/cuda/exec/host_executor.h"
-#include "coppice/cuda/field/upload_field.h"
+#include "coppice/cuda/exec/host_executor_internal.h"
+#include "coppice/cuda/field/upload_field_internal.h"
 #include "coppice/cuda/tetra/device_marcher.h"
 #include "coppice/skeleton/prepare.h"
 #include "coppice/tetra/lattice/lattice.h"

@@ -2,8 +2,8 @@
 
 #include <deque>
 
-#include "coppice/cuda/batch/quad_run.h"
-#include "coppice/cuda/exec/host_executor.h"
+#include "coppice/cuda/batch/quad_run_internal.h"
+#include "coppice/cuda/exec/host_executor_internal.h"
 #include "coppice/skeleton/random_tree.h"
 #include "lists_scene.h"
 #include "on_executor.h"

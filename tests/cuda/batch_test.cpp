@@ -3,8 +3,8 @@
 #include <memory>
 #include <tuple>
 
-#include "coppice/cuda/batch/quad_run.h"
-#include "coppice/cuda/exec/host_executor.h"
+#include "coppice/cuda/batch/quad_run_internal.h"
+#include "coppice/cuda/exec/host_executor_internal.h"
 #include "coppice/skeleton/random_tree.h"
 #include "on_executor.h"
 #include "quads_case.h"

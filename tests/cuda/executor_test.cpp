@@ -2,7 +2,7 @@
 
 #include <gtest/gtest-spi.h>
 
-#include "coppice/cuda/exec/host_executor.h"
+#include "coppice/cuda/exec/host_executor_internal.h"
 #include "strict_executor.h"
 
 namespace coppice::cuda {

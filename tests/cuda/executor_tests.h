@@ -11,7 +11,7 @@
 
 #include "coppice/base/context.h"
 #include "coppice/base/error.h"
-#include "coppice/cuda/exec/atomics.h"
+#include "coppice/cuda/exec/atomics_internal.h"
 #include "on_executor.h"
 
 // Tests of the common behaviour of all executors.

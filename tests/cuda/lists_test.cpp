@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "coppice/cuda/exec/host_executor.h"
+#include "coppice/cuda/exec/host_executor_internal.h"
 #include "strict_executor.h"
 #include "workloads.h"
 

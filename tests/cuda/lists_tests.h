@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "coppice/cuda/lists/lists_stages.h"
+#include "coppice/cuda/lists/lists_stages_internal.h"
 #include "coppice/spatial/box_tree.h"
 #include "field/crowded_stem.h"
 #include "lists_scene.h"

@@ -6,8 +6,8 @@
 #include <set>
 #include <vector>
 
-#include "coppice/cuda/exec/host_executor.h"
-#include "coppice/cuda/field/upload_field.h"
+#include "coppice/cuda/exec/host_executor_internal.h"
+#include "coppice/cuda/field/upload_field_internal.h"
 #include "coppice/mesh/topology.h"
 #include "coppice/skeleton/random_tree.h"
 #include "cuda/march_support.h"

@@ -6,8 +6,8 @@
 
 #include "coppice/base/error.h"
 #include "coppice/cage/cage.h"
-#include "coppice/cuda/exec/host_executor.h"
-#include "coppice/cuda/field/upload_field.h"
+#include "coppice/cuda/exec/host_executor_internal.h"
+#include "coppice/cuda/field/upload_field_internal.h"
 #include "coppice/field/convolution_field.h"
 #include "coppice/subdivision/project.h"
 #include "printed_quad_stages.h"

@@ -1,6 +1,6 @@
 #include "quads_tests.h"
 
-#include "coppice/cuda/exec/host_executor.h"
+#include "coppice/cuda/exec/host_executor_internal.h"
 #include "coppice/cuda/quads/device_quads.h"
 #include "coppice/skeleton/random_tree.h"
 #include "strict_executor.h"

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "coppice/cuda/quads/project_field.h"
+#include "coppice/cuda/quads/project_field_internal.h"
 #include "on_executor.h"
 #include "quads_case.h"
 

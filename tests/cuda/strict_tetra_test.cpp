@@ -2,9 +2,9 @@
 
 #include <vector>
 
-#include "coppice/cuda/exec/host_executor.h"
+#include "coppice/cuda/exec/host_executor_internal.h"
 #include "coppice/cuda/tetra/cut_convolution.h"
-#include "coppice/cuda/tetra/march_stages.h"
+#include "coppice/cuda/tetra/march_stages_internal.h"
 #include "coppice/skeleton/random_tree.h"
 #include "coppice/tetra/lattice/lattice.h"
 #include "coppice/tetra/polyhedron/polyhedron.h"

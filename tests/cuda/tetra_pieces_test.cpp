@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "coppice/base/random.h"
-#include "coppice/cuda/batch/march_pieces.h"
-#include "coppice/cuda/exec/host_executor.h"
-#include "coppice/cuda/tetra/march_stages.h"
+#include "coppice/cuda/batch/march_pieces_internal.h"
+#include "coppice/cuda/exec/host_executor_internal.h"
+#include "coppice/cuda/tetra/march_stages_internal.h"
 #include "cuda/march_support.h"
 #include "cuda/strict_executor.h"
 #include "cuda/tetra_scene.h"

@@ -9,8 +9,8 @@
 
 #include "coppice/base/disjoint_sets.h"
 #include "coppice/base/random.h"
-#include "coppice/cuda/exec/host_executor.h"
-#include "coppice/cuda/tetra/march_stages.h"
+#include "coppice/cuda/exec/host_executor_internal.h"
+#include "coppice/cuda/tetra/march_stages_internal.h"
 #include "coppice/tetra/march/held_internal.h"
 #include "coppice/tetra/march/parts_internal.h"
 #include "coppice/tetra/polyhedron/polyhedron.h"

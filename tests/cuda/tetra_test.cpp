@@ -5,10 +5,10 @@
 #include <optional>
 #include <vector>
 
-#include "coppice/cuda/exec/host_executor.h"
+#include "coppice/cuda/exec/host_executor_internal.h"
 #include "coppice/cuda/tetra/cut_convolution.h"
 #include "coppice/cuda/tetra/device_marcher.h"
-#include "coppice/cuda/tetra/march_stages.h"
+#include "coppice/cuda/tetra/march_stages_internal.h"
 #include "coppice/tetra/march/snapping_internal.h"
 #include "cuda/march_support.h"
 #include "cuda/tetra_scene.h"

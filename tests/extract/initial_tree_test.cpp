@@ -1,4 +1,4 @@
-#include "coppice/extract/tree/initial_tree.h"
+#include "coppice/extract/tree/initial_tree_internal.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 
 #include "coppice/base/id.h"
 #include "coppice/base/random.h"
-#include "coppice/extract/tree/initial_tree.h"
+#include "coppice/extract/tree/initial_tree_internal.h"
 
 namespace coppice::extract_internal {
 namespace {

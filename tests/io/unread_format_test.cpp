@@ -1,4 +1,4 @@
-#include "coppice/io/unread_format.h"
+#include "coppice/io/unread_format_internal.h"
 
 #include <gtest/gtest.h>
 

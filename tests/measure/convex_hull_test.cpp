@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "coppice/base/random.h"
-#include "coppice/measure/predicates.h"
+#include "coppice/measure/predicates_internal.h"
 #include "coppice/mesh/shape.h"
 #include "coppice/mesh/topology.h"
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "coppice/base/random.h"
-#include "coppice/measure/predicates.h"
+#include "coppice/measure/predicates_internal.h"
 
 namespace coppice {
 namespace {

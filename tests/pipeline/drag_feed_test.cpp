@@ -7,8 +7,8 @@
 #include <limits>
 #include <optional>
 
-#include "coppice/cuda/drag/drag_stages.h"
-#include "coppice/cuda/field/upload_field.h"
+#include "coppice/cuda/drag/drag_stages_internal.h"
+#include "coppice/cuda/field/upload_field_internal.h"
 #include "coppice/pipeline/drag/dragged_surface.h"
 #include "coppice/skeleton/random_tree.h"
 #include "cuda/strict_executor.h"

@@ -1,4 +1,4 @@
-#include "coppice/ramification/objective.h"
+#include "coppice/ramification/objective_internal.h"
 
 #include <gtest/gtest.h>
 

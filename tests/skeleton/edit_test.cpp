@@ -1,4 +1,4 @@
-#include "coppice/skeleton/edit.h"
+#include "coppice/skeleton/edit_internal.h"
 
 #include <gtest/gtest.h>
 

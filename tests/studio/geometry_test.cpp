@@ -1,4 +1,4 @@
-#include "coppice/studio/show/geometry.h"
+#include "coppice/studio/show/geometry_internal.h"
 
 #include <gtest/gtest.h>
 

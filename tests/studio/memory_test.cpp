@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "coppice/studio/memory_budget.h"
+#include "coppice/studio/memory_budget_internal.h"
 #include "studio/heap_bytes.h"
 #include "studio/session_fixture.h"
 

@@ -10,7 +10,7 @@
 #include "coppice/base/error.h"
 #include "coppice/scene/scene.h"
 #include "coppice/scene/script/statements.h"
-#include "coppice/studio/show/geometry.h"
+#include "coppice/studio/show/geometry_internal.h"
 #include "studio/session_fixture.h"
 
 namespace coppice {

@@ -1,4 +1,4 @@
-#include "coppice/subdivision/halfedge.h"
+#include "coppice/subdivision/halfedge_internal.h"
 
 #include <gtest/gtest.h>
 

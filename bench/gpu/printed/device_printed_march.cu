@@ -3,7 +3,7 @@
 #include <functional>
 
 #include "coppice/cuda/exec/cuda_executor.cuh"
-#include "coppice/cuda/field/upload_field.h"
+#include "coppice/cuda/field/upload_field_internal.h"
 #include "printed_march_stages.h"
 
 namespace coppice::bench {

@@ -6,7 +6,7 @@
 
 #include "coppice/base/kernel/host_device.h"
 #include "coppice/base/vec.h"
-#include "coppice/cuda/tetra/refinement_stages.h"
+#include "coppice/cuda/tetra/refinement_stages_internal.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/tetra/lattice/pattern.h"
 #include "coppice/tetra/lattice/tetra_mesh.h"

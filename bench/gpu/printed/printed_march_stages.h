@@ -4,7 +4,7 @@
 #include <limits>
 #include <span>
 
-#include "coppice/cuda/tetra/extract_stages.h"
+#include "coppice/cuda/tetra/extract_stages_internal.h"
 #include "printed_march_kernels.h"
 
 // Marching tetrahedra as published in [Zhu2013], on an executor, for any field that kernels can sample.

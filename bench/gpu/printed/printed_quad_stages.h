@@ -8,7 +8,7 @@
 #include "coppice/base/error.h"
 #include "coppice/cuda/device.h"
 #include "coppice/cuda/quads/quad_job.h"
-#include "coppice/cuda/quads/upload_cage.h"
+#include "coppice/cuda/quads/upload_cage_internal.h"
 #include "printed_quad_kernels.h"
 
 namespace coppice::bench {

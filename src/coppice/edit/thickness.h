@@ -17,8 +17,8 @@ EditChange scale_radii(EditableTree& tree, const NodeSet& nodes, double factor);
 /// nodes with a selected ancestor are ignored. A radius [m] of 0 keeps the existing one.
 EditChange taper(EditableTree& tree, const NodeSet& nodes, double from, double to);
 
-/// Averages radii along axes, like smooth_radii of skeleton/edit.h: the weights are 1/2 for the node and 1/4
-/// each for its parent and its leader. First nodes of axes and tips are unchanged.
+/// Averages radii along axes, like smooth_radii of skeleton/edit_internal.h: the weights are 1/2 for the node
+/// and 1/4 each for its parent and its leader. First nodes of axes and tips are unchanged.
 EditChange smooth_radii(EditableTree& tree, const NodeSet& nodes, int passes = 1);
 
 /// Sets the radii on the paths from the nodes to their roots by the pipe model [Shinozaki1964]: r^exponent of

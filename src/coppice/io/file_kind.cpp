@@ -13,7 +13,7 @@
 #include "coppice/io/mesh/format.h"
 #include "coppice/io/skeleton/format.h"
 #include "coppice/io/text_internal.h"
-#include "coppice/io/unread_format.h"
+#include "coppice/io/unread_format_internal.h"
 #include "coppice/system/file.h"
 
 namespace coppice {

@@ -1,4 +1,4 @@
-#include "coppice/io/ply_header.h"
+#include "coppice/io/ply_header_internal.h"
 
 #include <array>
 #include <bit>

@@ -11,7 +11,7 @@
 
 #include "coppice/base/id.h"
 #include "coppice/base/random.h"
-#include "coppice/measure/predicates.h"
+#include "coppice/measure/predicates_internal.h"
 
 namespace coppice {
 namespace {

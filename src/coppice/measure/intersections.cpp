@@ -8,7 +8,7 @@
 #include "coppice/base/id.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/sort.h"
-#include "coppice/measure/predicates.h"
+#include "coppice/measure/predicates_internal.h"
 
 namespace coppice {
 namespace {

@@ -1,4 +1,4 @@
-#include "coppice/measure/predicates.h"
+#include "coppice/measure/predicates_internal.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,7 +6,7 @@
 
 #include "coppice/base/parallel.h"
 #include "coppice/measure/nearest_triangle_internal.h"
-#include "coppice/measure/predicates.h"
+#include "coppice/measure/predicates_internal.h"
 #include "coppice/mesh/shape.h"
 
 namespace coppice {

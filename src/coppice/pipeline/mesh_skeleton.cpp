@@ -7,7 +7,7 @@
 #include "coppice/base/check_fields.h"
 #include "coppice/base/progress.h"
 #include "coppice/field/list_kernel.h"
-#include "coppice/pipeline/end_shapes.h"
+#include "coppice/pipeline/end_shapes_internal.h"
 #include "coppice/pipeline/fit/fit_volume_internal.h"
 #include "coppice/pipeline/fit/kept_quads_internal.h"
 #include "coppice/pipeline/fit/measured_volume_internal.h"

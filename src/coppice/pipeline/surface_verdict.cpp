@@ -1,7 +1,7 @@
 #include "coppice/pipeline/surface_verdict.h"
 
 #include "coppice/measure/cone_union.h"
-#include "coppice/pipeline/end_shapes.h"
+#include "coppice/pipeline/end_shapes_internal.h"
 #include "coppice/pipeline/fit/measured_volume_internal.h"
 
 namespace coppice {

@@ -6,7 +6,7 @@
 #include "coppice/base/frame.h"
 #include "coppice/base/id.h"
 #include "coppice/ramification/main_mesh_internal.h"
-#include "coppice/ramification/objective.h"
+#include "coppice/ramification/objective_internal.h"
 
 namespace coppice::ramification_internal {
 namespace {

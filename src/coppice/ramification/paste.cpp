@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "coppice/base/id.h"
-#include "coppice/ramification/objective.h"
+#include "coppice/ramification/objective_internal.h"
 #include "coppice/ramification/paste_internal.h"
 #include "coppice/subdivision/catmull_clark.h"
 

@@ -40,7 +40,7 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
           o.additional_threshold);
 }
 
-/// Objective of [Huang2017] eq. 1, in its three sums; see objective.h.
+/// Objective of [Huang2017] eq. 1, in its three sums.
 struct RamificationObjective {
     double units = 0;        ///< RU, sum over all units
     double connections = 0;  ///< RC, sum over neighbours along a branch

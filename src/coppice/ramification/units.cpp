@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "coppice/ramification/objective.h"
+#include "coppice/ramification/objective_internal.h"
 #include "coppice/ramification/units_internal.h"
 
 namespace coppice::ramification_internal {

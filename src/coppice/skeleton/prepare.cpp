@@ -4,7 +4,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/skeleton/chains_internal.h"
-#include "coppice/skeleton/edit.h"
+#include "coppice/skeleton/edit_internal.h"
 
 namespace coppice {
 namespace {

@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "coppice/base/error.h"
-#include "coppice/studio/memory_budget.h"
+#include "coppice/studio/memory_budget_internal.h"
 #include "coppice/studio/session.h"
 
 namespace coppice {

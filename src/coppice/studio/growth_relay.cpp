@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "coppice/studio/growth_relay_internal.h"
-#include "coppice/studio/show/geometry.h"
+#include "coppice/studio/show/geometry_internal.h"
 
 namespace coppice::studio_internal {
 namespace {

@@ -17,14 +17,14 @@
 #include "coppice/studio/document/document.h"
 #include "coppice/studio/document/prefix_internal.h"
 #include "coppice/studio/growth_relay_internal.h"
-#include "coppice/studio/memory_budget.h"
-#include "coppice/studio/menu/menu.h"
+#include "coppice/studio/memory_budget_internal.h"
+#include "coppice/studio/menu/menu_internal.h"
 #include "coppice/studio/menu/programs_internal.h"
 #include "coppice/studio/scratch_internal.h"
 #include "coppice/studio/session.h"
 #include "coppice/studio/show/blob_store.h"
-#include "coppice/studio/show/geometry.h"
-#include "coppice/studio/show/live_surfaces.h"
+#include "coppice/studio/show/geometry_internal.h"
+#include "coppice/studio/show/live_surfaces_internal.h"
 #include "coppice/system/folder_sandbox.h"
 
 namespace coppice::studio_internal {

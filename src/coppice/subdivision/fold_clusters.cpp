@@ -2,7 +2,7 @@
 
 #include "coppice/base/disjoint_sets.h"
 #include "coppice/base/id.h"
-#include "coppice/subdivision/fold_clusters.h"
+#include "coppice/subdivision/fold_clusters_internal.h"
 
 namespace coppice {
 namespace {

@@ -15,7 +15,7 @@
 #include "coppice/subdivision/kernel/flat_ends.h"
 #include "coppice/subdivision/project_internal.h"
 #include "coppice/subdivision/ray_steps_internal.h"
-#include "coppice/subdivision/relax.h"
+#include "coppice/subdivision/relax_internal.h"
 
 namespace coppice {
 namespace {

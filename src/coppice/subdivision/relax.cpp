@@ -1,4 +1,4 @@
-#include "coppice/subdivision/relax.h"
+#include "coppice/subdivision/relax_internal.h"
 
 #include "coppice/base/error.h"
 #include "coppice/base/parallel.h"

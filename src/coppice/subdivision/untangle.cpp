@@ -11,7 +11,7 @@
 #include "coppice/base/error.h"
 #include "coppice/base/number_set.h"
 #include "coppice/base/parallel.h"
-#include "coppice/subdivision/fold_clusters.h"
+#include "coppice/subdivision/fold_clusters_internal.h"
 #include "coppice/subdivision/folded_faces_internal.h"
 #include "coppice/subdivision/kernel/unfold_kernel.h"
 #include "coppice/subdivision/project_internal.h"

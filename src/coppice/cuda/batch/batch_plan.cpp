@@ -1,8 +1,8 @@
-#include "coppice/cuda/batch/batch_plan.h"
+#include "coppice/cuda/batch/batch_plan_internal.h"
 
 #include <algorithm>
 
-#include "coppice/cuda/batch/quad_piece.h"
+#include "coppice/cuda/batch/quad_piece_internal.h"
 #include "coppice/cuda/device.h"
 
 namespace coppice::cuda {

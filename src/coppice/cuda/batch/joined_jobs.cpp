@@ -1,4 +1,4 @@
-#include "coppice/cuda/batch/joined_jobs.h"
+#include "coppice/cuda/batch/joined_jobs_internal.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "coppice/cuda/batch/march_pieces.h"
+#include "coppice/cuda/batch/march_pieces_internal.h"
 
 #include <algorithm>
 #include <limits>

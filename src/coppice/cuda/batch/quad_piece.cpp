@@ -1,4 +1,4 @@
-#include "coppice/cuda/batch/quad_piece.h"
+#include "coppice/cuda/batch/quad_piece_internal.h"
 
 #include <algorithm>
 

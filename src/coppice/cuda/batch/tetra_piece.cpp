@@ -1,4 +1,4 @@
-#include "coppice/cuda/batch/tetra_piece.h"
+#include "coppice/cuda/batch/tetra_piece_internal.h"
 
 #include <algorithm>
 #include <utility>

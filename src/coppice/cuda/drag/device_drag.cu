@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "coppice/cuda/drag/drag_stages.h"
+#include "coppice/cuda/drag/drag_stages_internal.h"
 #include "coppice/cuda/drag/shared_buffers.cuh"
 #include "coppice/cuda/quads/device_quads.h"
 #include "coppice/cuda/quads/project_field.cuh"

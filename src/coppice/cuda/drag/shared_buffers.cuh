@@ -8,7 +8,7 @@
 #include <span>
 
 #include "coppice/cuda/drag/device_drag.h"
-#include "coppice/cuda/drag/drag_stages.h"
+#include "coppice/cuda/drag/drag_stages_internal.h"
 #include "coppice/cuda/exec/cuda_executor.cuh"
 
 namespace coppice::cuda {

@@ -3,8 +3,8 @@
 #include <type_traits>
 
 #include "coppice/cuda/exec/cuda_executor.cuh"
-#include "coppice/cuda/field/sample_kernel.h"
-#include "coppice/cuda/field/upload_field.h"
+#include "coppice/cuda/field/sample_kernel_internal.h"
+#include "coppice/cuda/field/upload_field_internal.h"
 
 namespace coppice {
 namespace {

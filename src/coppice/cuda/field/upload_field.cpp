@@ -1,4 +1,4 @@
-#include "coppice/cuda/field/upload_field.h"
+#include "coppice/cuda/field/upload_field_internal.h"
 
 #include <limits>
 

@@ -4,7 +4,7 @@
 
 #include "coppice/base/error.h"
 #include "coppice/base/id.h"
-#include "coppice/cuda/field/upload_field.h"
+#include "coppice/cuda/field/upload_field_internal.h"
 
 namespace coppice::cuda {
 namespace {

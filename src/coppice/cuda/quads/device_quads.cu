@@ -1,6 +1,6 @@
 #include "coppice/cuda/quads/device_quads.h"
 
-#include "coppice/cuda/batch/quad_run.h"
+#include "coppice/cuda/batch/quad_run_internal.h"
 #include "coppice/cuda/quads/project_field.cuh"
 
 namespace coppice {

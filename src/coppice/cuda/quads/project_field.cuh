@@ -1,7 +1,7 @@
 #pragma once
 
 #include "coppice/cuda/exec/cuda_executor.cuh"
-#include "coppice/cuda/quads/project_field.h"
+#include "coppice/cuda/quads/project_field_internal.h"
 
 namespace coppice::cuda {
 

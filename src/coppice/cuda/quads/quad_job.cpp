@@ -2,7 +2,7 @@
 
 #include "coppice/cuda/field/field_view.h"
 #include "coppice/cuda/quads/device_quads.h"
-#include "coppice/cuda/quads/quad_kernels.h"
+#include "coppice/cuda/quads/quad_kernels_internal.h"
 
 namespace coppice {
 

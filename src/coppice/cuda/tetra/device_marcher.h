@@ -30,9 +30,9 @@ class DeviceMarcher {
     /// agree to 1e-4 of the local radius; if the distance of a vertex from the surface equals the limit for
     /// moving it, rounding may decide differently.
     ///
-    /// Input that is too large for the GPU (see cuda/tetra/march_input.h) is processed in tiles, with a
-    /// bit-identical result. Throws DeviceError if the GPU has too little memory for that as well, if it
-    /// fails, or if more segments meet than longest_list(), and the exceptions of march().
+    /// Input that is too large for the GPU (see cuda/tetra/march_input_internal.h) is processed in tiles,
+    /// with a bit-identical result. Throws DeviceError if the GPU has too little memory for that as well, if
+    /// it fails, or if more segments meet than longest_list(), and the exceptions of march().
     MarchResult march(const TetraMesh& mesh, const CutConvolution& field, const InsideAxes& axes,
                       const MarchOptions& options, const Context& ctx = {});
 

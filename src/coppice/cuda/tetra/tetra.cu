@@ -1,10 +1,9 @@
 #include <functional>
-#include <utility>
 
-#include "coppice/cuda/batch/march_pieces.h"
+#include "coppice/cuda/batch/march_pieces_internal.h"
 #include "coppice/cuda/exec/cuda_executor.cuh"
 #include "coppice/cuda/tetra/device_marcher.h"
-#include "coppice/cuda/tetra/march_stages.h"
+#include "coppice/cuda/tetra/march_stages_internal.h"
 
 namespace coppice {
 

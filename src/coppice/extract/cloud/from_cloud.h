@@ -163,9 +163,9 @@ struct CloudExtraction : ExtractResult {
 /// their points along the axis, so that half a cylinder is sufficient, and consistent sequences keep their
 /// points. Each tube is attached by the path from its lowest point to the first existing branch. Then chains
 /// are added: from the farthest point along paths that is not on a surface, back to the tree, through the
-/// middle of the points about the path, however few. Then all segments are fitted to all points at once (see
-/// capsule_fit.h), laterals start where their axis meets that of the parent branch, and branches with points
-/// explained by the others are removed. Chains, fit and selection run three times. Leaves are separated
+/// middle of the points about the path, however few. Then all segments are fitted to all points at once,
+/// laterals start where their axis meets that of the parent branch, and branches with points explained by the
+/// others are removed. Chains, fit and selection run three times. Leaves are separated
 /// before if the cloud has some, and are excluded from these steps: normals about wood are in a plane, those
 /// among leaves have all directions.
 ///

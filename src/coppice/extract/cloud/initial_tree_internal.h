@@ -6,8 +6,8 @@
 
 #include "coppice/extract/points/graph_internal.h"
 #include "coppice/extract/prior/radii_internal.h"
-#include "coppice/extract/tree/capsule_fit.h"
-#include "coppice/extract/tree/initial_tree.h"
+#include "coppice/extract/tree/capsule_fit_internal.h"
+#include "coppice/extract/tree/initial_tree_internal.h"
 
 namespace coppice::extract_internal {
 

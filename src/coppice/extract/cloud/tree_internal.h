@@ -8,7 +8,7 @@
 #include "coppice/base/id.h"
 #include "coppice/base/vec.h"
 #include "coppice/extract/points/graph_internal.h"
-#include "coppice/extract/tree/initial_tree.h"
+#include "coppice/extract/tree/initial_tree_internal.h"
 
 namespace coppice::extract_internal {
 

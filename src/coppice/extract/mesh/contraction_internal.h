@@ -6,7 +6,7 @@
 
 #include "coppice/extract/mesh/from_mesh.h"
 #include "coppice/extract/mesh/surface_internal.h"
-#include "coppice/extract/tree/initial_tree.h"
+#include "coppice/extract/tree/initial_tree_internal.h"
 
 namespace coppice::extract_internal {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "coppice/extract/mesh/rings_internal.h"
-#include "coppice/extract/tree/initial_tree.h"
+#include "coppice/extract/tree/initial_tree_internal.h"
 
 namespace coppice::extract_internal {
 

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "coppice/base/context.h"
-#include "coppice/extract/tree/capsule_fit.h"
-#include "coppice/extract/tree/initial_tree.h"
+#include "coppice/extract/tree/capsule_fit_internal.h"
+#include "coppice/extract/tree/initial_tree_internal.h"
 
 namespace coppice::extract_internal {
 

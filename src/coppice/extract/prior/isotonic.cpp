@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "coppice/base/id.h"
-#include "coppice/extract/tree/initial_tree.h"
+#include "coppice/extract/tree/initial_tree_internal.h"
 
 namespace coppice::extract_internal {
 namespace {

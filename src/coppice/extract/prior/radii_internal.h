@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "coppice/extract/prior/evidence_internal.h"
-#include "coppice/extract/tree/initial_tree.h"
+#include "coppice/extract/tree/initial_tree_internal.h"
 
 namespace coppice::extract_internal {
 

@@ -4,7 +4,7 @@
 
 #include "coppice/base/context.h"
 #include "coppice/extract/prior/evidence_internal.h"
-#include "coppice/extract/tree/initial_tree.h"
+#include "coppice/extract/tree/initial_tree_internal.h"
 
 namespace coppice::extract_internal {
 

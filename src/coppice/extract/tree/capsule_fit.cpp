@@ -1,4 +1,4 @@
-#include "coppice/extract/tree/capsule_fit.h"
+#include "coppice/extract/tree/capsule_fit_internal.h"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "coppice/extract/tree/capsule_fit.h"
-#include "coppice/extract/tree/initial_tree.h"
+#include "coppice/extract/tree/capsule_fit_internal.h"
+#include "coppice/extract/tree/initial_tree_internal.h"
 
 namespace coppice::extract_internal {
 

@@ -7,8 +7,8 @@
 
 #include "coppice/base/id.h"
 #include "coppice/extract/extract_result.h"
-#include "coppice/extract/tree/capsule_fit.h"
-#include "coppice/extract/tree/initial_tree.h"
+#include "coppice/extract/tree/capsule_fit_internal.h"
+#include "coppice/extract/tree/initial_tree_internal.h"
 
 namespace coppice::extract_internal {
 

@@ -7,7 +7,7 @@
 #include <cstring>
 
 #include "coppice/io/mesh/read_internal.h"
-#include "coppice/io/ply_header.h"
+#include "coppice/io/ply_header_internal.h"
 #include "coppice/io/text_internal.h"
 
 namespace coppice::io_internal {

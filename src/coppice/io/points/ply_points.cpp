@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "coppice/base/error.h"
-#include "coppice/io/ply_header.h"
+#include "coppice/io/ply_header_internal.h"
 #include "coppice/io/points/read_internal.h"
 
 namespace coppice::io_internal {

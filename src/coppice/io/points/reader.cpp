@@ -13,10 +13,10 @@
 #include "coppice/base/error.h"
 #include "coppice/io/mesh/format.h"
 #include "coppice/io/mesh/read_internal.h"
-#include "coppice/io/ply_header.h"
+#include "coppice/io/ply_header_internal.h"
 #include "coppice/io/points/read_internal.h"
 #include "coppice/io/text_internal.h"
-#include "coppice/io/unread_format.h"
+#include "coppice/io/unread_format_internal.h"
 #include "coppice/system/file.h"
 
 namespace coppice {

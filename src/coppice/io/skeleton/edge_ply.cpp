@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "coppice/base/error.h"
-#include "coppice/io/ply_header.h"
+#include "coppice/io/ply_header_internal.h"
 #include "coppice/io/skeleton/node_attribute.h"
 #include "coppice/io/skeleton/parsers_internal.h"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "coppice/base/ascii.h"
-#include "coppice/io/ply_header.h"
+#include "coppice/io/ply_header_internal.h"
 #include "coppice/io/skeleton/cylinders/columns_internal.h"
 #include "coppice/io/skeleton/parsers_internal.h"
 #include "coppice/io/text_internal.h"

@@ -14,7 +14,7 @@
 #include "coppice/base/error.h"
 #include "coppice/io/skeleton/parsers_internal.h"
 #include "coppice/io/text_internal.h"
-#include "coppice/io/unread_format.h"
+#include "coppice/io/unread_format_internal.h"
 #include "coppice/system/file.h"
 
 namespace coppice {

@@ -9,7 +9,7 @@
 #include "coppice/mesh/shape.h"
 #include "coppice/pipeline/coarsen/node_levels_internal.h"
 #include "coppice/pipeline/coarsen/selection_internal.h"
-#include "coppice/pipeline/end_shapes.h"
+#include "coppice/pipeline/end_shapes_internal.h"
 #include "coppice/pipeline/quads/blunt_tips_internal.h"
 #include "coppice/pipeline/repair/crossings_internal.h"
 

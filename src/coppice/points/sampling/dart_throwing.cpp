@@ -18,7 +18,7 @@
 #include "coppice/points/sampling/cells_internal.h"
 #include "coppice/points/sampling/dart_throwing_internal.h"
 #include "coppice/points/sampling/point_hash_internal.h"
-#include "coppice/points/sampling/sum_pyramid.h"
+#include "coppice/points/sampling/sum_pyramid_internal.h"
 #include "coppice/spatial/kd_tree.h"
 
 namespace coppice {

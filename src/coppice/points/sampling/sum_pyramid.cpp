@@ -1,4 +1,4 @@
-#include "coppice/points/sampling/sum_pyramid.h"
+#include "coppice/points/sampling/sum_pyramid_internal.h"
 
 #include <utility>
 

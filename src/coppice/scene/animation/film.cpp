@@ -1,4 +1,4 @@
-#include "coppice/scene/animation/film.h"
+#include "coppice/scene/animation/film_internal.h"
 
 #include <fmt/format.h>
 #include <signal.h>

@@ -9,7 +9,7 @@
 #include "coppice/io/mesh/writer.h"
 #include "coppice/render/gif.h"
 #include "coppice/render/png.h"
-#include "coppice/scene/animation/film.h"
+#include "coppice/scene/animation/film_internal.h"
 #include "coppice/system/file.h"
 
 namespace coppice {

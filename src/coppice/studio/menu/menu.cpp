@@ -1,4 +1,4 @@
-#include "coppice/studio/menu/menu.h"
+#include "coppice/studio/menu/menu_internal.h"
 
 #include <fmt/format.h>
 

@@ -8,7 +8,7 @@
 #include "coppice/scene/script/statements.h"
 #include "coppice/scene/words.h"
 #include "coppice/studio/requests/surface_request_internal.h"
-#include "coppice/studio/show/slice.h"
+#include "coppice/studio/show/slice_internal.h"
 
 namespace coppice::studio_internal {
 namespace {

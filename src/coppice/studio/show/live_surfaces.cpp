@@ -1,4 +1,4 @@
-#include "coppice/studio/show/live_surfaces.h"
+#include "coppice/studio/show/live_surfaces_internal.h"
 
 #include <fmt/format.h>
 

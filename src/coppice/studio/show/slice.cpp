@@ -1,4 +1,4 @@
-#include "coppice/studio/show/slice.h"
+#include "coppice/studio/show/slice_internal.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "coppice/cuda/exec/host_executor.h"
+#include "coppice/cuda/exec/host_executor_internal.h"
 #include "coppice/cuda/exec/kernel_time.h"
 
 namespace coppice::cuda {
