@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <exception>
 
-#include "coppice/io/mesh/writer.h"
-#include "coppice/io/skeleton/reader.h"
+#include "coppice/io_mesh/writer.h"
+#include "coppice/io_skeleton/reader.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 
 int main(int argc, char** argv) {

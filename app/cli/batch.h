@@ -10,8 +10,8 @@
 
 #include "coppice/extract/extract_result.h"
 #include "coppice/extract/stem/tree_figures.h"
-#include "coppice/io/file_kind.h"
-#include "coppice/io/skeleton/writer.h"
+#include "coppice/io_skeleton/writer.h"
+#include "coppice/scene/file_kind.h"
 #include "csv_file.h"
 #include "plots.h"
 #include "run.h"

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <string>
 
-#include "coppice/io/mesh/format.h"
-#include "coppice/io/mesh/reader.h"
-#include "coppice/io/points/writer.h"
-#include "coppice/io/sketch/sketch_file.h"
+#include "coppice/io_mesh/format.h"
+#include "coppice/io_mesh/reader.h"
+#include "coppice/io_points/writer.h"
+#include "coppice/io_sketch/sketch_file.h"
 #include "coppice/points/spacing.h"
 #include "options.h"
 

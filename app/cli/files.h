@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "coppice/io/file_kind.h"
-#include "coppice/io/points/reader.h"
-#include "coppice/io/skeleton/reader.h"
-#include "coppice/io/skeleton/writer.h"
+#include "coppice/io_points/reader.h"
+#include "coppice/io_skeleton/reader.h"
+#include "coppice/io_skeleton/writer.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/points/point_cloud.h"
+#include "coppice/scene/file_kind.h"
 #include "run.h"
 
 namespace coppice::cli {

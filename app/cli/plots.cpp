@@ -11,9 +11,9 @@
 
 #include "coppice/base/error.h"
 #include "coppice/extract/tree/label_points.h"
-#include "coppice/io/mesh/format.h"
-#include "coppice/io/points/writer.h"
-#include "coppice/io/skeleton/format.h"
+#include "coppice/io_mesh/format.h"
+#include "coppice/io_points/writer.h"
+#include "coppice/io_skeleton/format.h"
 #include "coppice/render/colors.h"
 #include "coppice/scene/extraction.h"
 #include "csv_file.h"

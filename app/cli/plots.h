@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "coppice/extract/plot/plot.h"
-#include "coppice/io/map/map_file.h"
-#include "coppice/io/points/reader.h"
-#include "coppice/io/skeleton/writer.h"
+#include "coppice/io_database/map_file.h"
+#include "coppice/io_points/reader.h"
+#include "coppice/io_skeleton/writer.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "run.h"
 

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "coppice/base/context.h"
-#include "coppice/io/skeleton/reader.h"
+#include "coppice/io_skeleton/reader.h"
 #include "coppice/skeleton/measure.h"
 #include "figures.h"
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "coppice/io/mesh/writer.h"
+#include "coppice/io_mesh/writer.h"
 #include "coppice/pipeline/surface_verdict.h"
 #include "figures.h"
 #include "files.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "coppice/io/mesh/writer.h"
+#include "coppice/io_mesh/writer.h"
 #include "coppice/measure/axes.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "options.h"

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "coppice/base/id.h"
-#include "coppice/io/mesh/writer.h"
-#include "coppice/io/skeleton/stated_axes.h"
+#include "coppice/io_mesh/writer.h"
+#include "coppice/io_skeleton/stated_axes.h"
 #include "coppice/skeleton/frustum.h"
 #include "files.h"
 

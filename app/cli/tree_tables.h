@@ -7,7 +7,7 @@
 
 #include "coppice/extract/plot/crown.h"
 #include "coppice/extract/stem/stem_form.h"
-#include "coppice/io/skeleton/reader.h"
+#include "coppice/io_skeleton/reader.h"
 #include "coppice/mesh/mesh.h"
 #include "csv_file.h"
 #include "options.h"

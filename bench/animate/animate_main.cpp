@@ -13,7 +13,7 @@
 #include "clock.h"
 #include "coppice/base/median.h"
 #include "coppice/edit/animate/wind.h"
-#include "coppice/io/skeleton/reader.h"
+#include "coppice/io_skeleton/reader.h"
 #include "coppice/mesh/shape.h"
 #include "coppice/pipeline/deform/valid_frames.h"
 #include "coppice/skeleton/random_tree.h"

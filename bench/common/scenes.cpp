@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string_view>
 
-#include "coppice/io/skeleton/reader.h"
+#include "coppice/io_skeleton/reader.h"
 #include "coppice/skeleton/random_tree.h"
 
 namespace coppice::bench {

@@ -5,7 +5,7 @@
 #include "coppice/edit/join.h"
 #include "coppice/edit/rigid.h"
 #include "coppice/edit/thickness.h"
-#include "coppice/io/skeleton/reader.h"
+#include "coppice/io_skeleton/reader.h"
 #include "coppice/skeleton/random_tree.h"
 
 namespace coppice::bench {

@@ -11,9 +11,9 @@
 #include "clock.h"
 #include "coppice/extract/cloud/from_cloud.h"
 #include "coppice/extract/mesh/from_mesh.h"
-#include "coppice/io/mesh/writer.h"
-#include "coppice/io/points/writer.h"
-#include "coppice/io/skeleton/reader.h"
+#include "coppice/io_mesh/writer.h"
+#include "coppice/io_points/writer.h"
+#include "coppice/io_skeleton/reader.h"
 #include "machine.h"
 
 namespace coppice::bench {

@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "coppice/io/skeleton/writer.h"
+#include "coppice/io_skeleton/writer.h"
 #include "coppice/system/file.h"
 #include "extract_bench.h"
 #include "machine.h"

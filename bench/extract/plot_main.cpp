@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "clock.h"
-#include "coppice/io/points/writer.h"
-#include "coppice/io/skeleton/writer.h"
+#include "coppice/io_points/writer.h"
+#include "coppice/io_skeleton/writer.h"
 #include "coppice/system/file.h"
 #include "machine.h"
 #include "plot_bench.h"

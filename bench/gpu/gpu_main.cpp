@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "coppice/base/error.h"
-#include "coppice/io/skeleton/writer.h"
+#include "coppice/io_skeleton/writer.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/skeleton/random_tree.h"
 #include "gpu_pairs.h"

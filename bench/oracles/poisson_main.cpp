@@ -20,9 +20,9 @@
 #include "clock.h"
 #include "coppice/base/error.h"
 #include "coppice/base/id.h"
-#include "coppice/io/mesh/writer.h"
-#include "coppice/io/points/reader.h"
-#include "coppice/io/skeleton/reader.h"
+#include "coppice/io_mesh/writer.h"
+#include "coppice/io_points/reader.h"
+#include "coppice/io_skeleton/reader.h"
 #include "coppice/measure/capsule_tree.h"
 #include "program.h"
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "coppice/io/mesh/writer.h"
+#include "coppice/io_mesh/writer.h"
 #include "coppice/measure/smoothness.h"
 #include "coppice/measure/surface_tree.h"
 #include "coppice/mesh/shape.h"

@@ -6,7 +6,7 @@
 
 #include "clock.h"
 #include "coppice/base/hash.h"
-#include "coppice/io/mesh/writer.h"
+#include "coppice/io_mesh/writer.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/render/png.h"
 #include "coppice/render/render.h"

@@ -15,7 +15,7 @@
 #include "clock.h"
 #include "coppice/base/error.h"
 #include "coppice/base/median.h"
-#include "coppice/io/skeleton/reader.h"
+#include "coppice/io_skeleton/reader.h"
 #include "coppice/studio/session.h"
 #include "machine.h"
 #include "program.h"

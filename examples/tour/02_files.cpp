@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <string>
 
-#include "coppice/io/mesh/writer.h"
-#include "coppice/io/skeleton/reader.h"
+#include "coppice/io_mesh/writer.h"
+#include "coppice/io_skeleton/reader.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/skeleton/measure.h"
 

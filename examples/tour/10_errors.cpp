@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "coppice/base/error.h"
-#include "coppice/io/skeleton/reader.h"
+#include "coppice/io_skeleton/reader.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 
 /// Runs a function and prints its result.

@@ -5,7 +5,7 @@
 #include "acceptance/support.h"
 #include "coppice/edit/anchor.h"
 #include "coppice/edit/selection.h"
-#include "coppice/io/skeleton/reader.h"
+#include "coppice/io_skeleton/reader.h"
 
 namespace coppice {
 namespace {

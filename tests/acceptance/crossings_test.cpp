@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "acceptance/support.h"
-#include "coppice/io/skeleton/reader.h"
+#include "coppice/io_skeleton/reader.h"
 #include "tube_row_search.h"
 
 namespace coppice {

@@ -4,7 +4,7 @@
 
 #include "acceptance/support.h"
 #include "coppice/extract/mesh/from_mesh.h"
-#include "coppice/io/skeleton/reader.h"
+#include "coppice/io_skeleton/reader.h"
 #include "coppice/measure/match/skeleton_match.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 

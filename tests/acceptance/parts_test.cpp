@@ -7,7 +7,7 @@
 #include "acceptance/support.h"
 #include "coppice/base/disjoint_sets.h"
 #include "coppice/base/kernel/segment_distance.h"
-#include "coppice/io/skeleton/reader.h"
+#include "coppice/io_skeleton/reader.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/skeleton/random_tree.h"
 #include "zoo.h"

@@ -8,7 +8,7 @@
 
 #include "acceptance/support.h"
 #include "coppice/base/hash.h"
-#include "coppice/io/skeleton/reader.h"
+#include "coppice/io_skeleton/reader.h"
 #include "coppice/measure/surface_report.h"
 #include "coppice/mesh/topology.h"
 #include "coppice/pipeline/mesh_skeleton.h"

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "coppice/io/skeleton/reader.h"
+#include "coppice/io_skeleton/reader.h"
 #include "coppice/measure/intersections.h"
 #include "coppice/mesh/topology.h"
 #include "coppice/pipeline/mesh_skeleton.h"

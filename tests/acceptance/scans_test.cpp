@@ -6,7 +6,7 @@
 
 #include "acceptance/support.h"
 #include "coppice/extract/cloud/from_cloud.h"
-#include "coppice/io/points/reader.h"
+#include "coppice/io_points/reader.h"
 #include "coppice/skeleton/measure.h"
 
 namespace coppice::test {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "coppice/io/skeleton/reader.h"
+#include "coppice/io_skeleton/reader.h"
 #include "coppice/mesh/shape.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "support.h"

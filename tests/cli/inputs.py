@@ -181,7 +181,7 @@ las[0:4], las[24:26], las[94:96], las[96:100] = b"LASF", b"\x01\x02", b"\xe3\x00
 las[104], las[105], las[107] = 0x80, 20, 1  # one compressed point of 20 bytes
 las[131:155] = struct.pack("<3d", 0.01, 0.01, 0.01)
 add("cut.laz", bytes(las))
-add("scan.laz", (pathlib.Path(__file__).parent / "../io/laz/format7.laz").read_bytes())
+add("scan.laz", (pathlib.Path(__file__).parent / "../io_points/laz/format7.laz").read_bytes())
 add("cell.asc", "; a cell\n( (Color Blue)\n  (Axon)\n  (1 2 3 0.5)\n)\n")
 add("grid.asc", "ncols 2\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 1\n3 4\n")
 add("cell.h5", b"\x89HDF\r\n\x1a\n points structure")

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "coppice/base/error.h"
-#include "coppice/io/mesh/reader.h"
+#include "coppice/io_mesh/reader.h"
 
 namespace {
 

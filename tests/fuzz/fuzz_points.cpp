@@ -8,7 +8,7 @@
 
 #include "../io/e57_file.h"
 #include "coppice/base/error.h"
-#include "coppice/io/points/reader.h"
+#include "coppice/io_points/reader.h"
 
 namespace {
 

@@ -10,8 +10,8 @@
 #include <string_view>
 
 #include "coppice/base/error.h"
-#include "coppice/io/skeleton/reader.h"
-#include "coppice/io/skeleton/writer.h"
+#include "coppice/io_skeleton/reader.h"
+#include "coppice/io_skeleton/writer.h"
 
 namespace {
 

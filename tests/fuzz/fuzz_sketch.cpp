@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "coppice/base/error.h"
-#include "coppice/io/sketch/sketch_file.h"
+#include "coppice/io_sketch/sketch_file.h"
 #include "coppice/sketch/reconstruct.h"
 
 namespace {

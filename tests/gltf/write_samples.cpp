@@ -3,8 +3,8 @@
 #include <cmath>
 #include <filesystem>
 
-#include "coppice/io/mesh/motion_writer.h"
-#include "coppice/io/mesh/writer.h"
+#include "coppice/io_mesh/motion_writer.h"
+#include "coppice/io_mesh/writer.h"
 
 namespace {
 

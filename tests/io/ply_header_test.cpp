@@ -1,4 +1,4 @@
-#include "coppice/io/ply_header_internal.h"
+#include "coppice/io/ply_header.h"
 
 #include <algorithm>
 #include <string>

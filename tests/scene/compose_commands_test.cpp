@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "coppice/compose/compose.h"
-#include "coppice/io/library/tree_library.h"
+#include "coppice/io_database/tree_library.h"
 #include "coppice/scene/save.h"
 #include "coppice/scene/scene.h"
 #include "coppice/skeleton/random_tree.h"

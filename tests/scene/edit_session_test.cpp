@@ -4,8 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "coppice/io/skeleton/reader.h"
-#include "coppice/io/skeleton/writer.h"
+#include "coppice/io_skeleton/reader.h"
+#include "coppice/io_skeleton/writer.h"
 #include "coppice/skeleton/random_tree.h"
 #include "edit/trees.h"
 #include "errors.h"

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "coppice/io/points/reader.h"
+#include "coppice/io_points/reader.h"
 #include "coppice/scene/properties_internal.h"
 #include "coppice/scene/save.h"
 #include "coppice/scene/scene.h"

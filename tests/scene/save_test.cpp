@@ -5,8 +5,8 @@
 #include <filesystem>
 
 #include "coppice/base/hash.h"
-#include "coppice/io/skeleton/reader.h"
-#include "coppice/io/skeleton/writer.h"
+#include "coppice/io_skeleton/reader.h"
+#include "coppice/io_skeleton/writer.h"
 #include "coppice/scene/scene.h"
 #include "coppice/system/file.h"
 #include "errors.h"

@@ -9,7 +9,7 @@
 #include "architecture_options.h"
 #include "command.h"
 #include "coppice/extract/stem/stem_form.h"
-#include "coppice/io/skeleton/stated_axes.h"
+#include "coppice/io_skeleton/stated_axes.h"
 #include "coppice/skeleton/architecture.h"
 #include "files.h"
 #include "options.h"

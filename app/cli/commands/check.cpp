@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "command.h"
-#include "coppice/io/points/writer.h"
+#include "coppice/io_points/writer.h"
 #include "coppice/measure/match/cloud_distance.h"
 #include "coppice/measure/surface_report.h"
 #include "coppice/render/colors.h"

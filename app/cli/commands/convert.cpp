@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
 #include "command.h"
-#include "coppice/io/mesh/writer.h"
-#include "coppice/io/points/reader.h"
-#include "coppice/io/points/writer.h"
-#include "coppice/io/skeleton/writer.h"
+#include "coppice/io_mesh/writer.h"
+#include "coppice/io_points/reader.h"
+#include "coppice/io_points/writer.h"
+#include "coppice/io_skeleton/writer.h"
 #include "files.h"
 #include "options.h"
 #include "surfaces.h"

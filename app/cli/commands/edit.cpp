@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "command.h"
-#include "coppice/io/skeleton/writer.h"
+#include "coppice/io_skeleton/writer.h"
 #include "coppice/scene/edit_session.h"
 #include "coppice/scene/reference.h"
 #include "coppice/system/file.h"

@@ -7,7 +7,7 @@
 
 #include "command.h"
 #include "coppice/base/quote.h"
-#include "coppice/io/library/tree_library.h"
+#include "coppice/io_database/tree_library.h"
 #include "coppice/render/png.h"
 #include "files.h"
 #include "options.h"

@@ -6,9 +6,9 @@
 
 #include "command.h"
 #include "coppice/base/sort.h"
-#include "coppice/io/mesh/solid_writer.h"
-#include "coppice/io/mesh/writer.h"
-#include "coppice/io/points/reader.h"
+#include "coppice/io_mesh/solid_writer.h"
+#include "coppice/io_mesh/writer.h"
+#include "coppice/io_points/reader.h"
 #include "coppice/pipeline/face_budget.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/pipeline/restore.h"

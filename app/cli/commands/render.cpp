@@ -6,7 +6,7 @@
 
 #include "command.h"
 #include "coppice/base/fields.h"
-#include "coppice/io/sketch/sketch_file.h"
+#include "coppice/io_sketch/sketch_file.h"
 #include "coppice/measure/intersections.h"
 #include "coppice/measure/radius.h"
 #include "coppice/measure/surface_tree.h"

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "command.h"
-#include "coppice/io/points/writer.h"
+#include "coppice/io_points/writer.h"
 #include "coppice/mesh/topology.h"
 #include "files.h"
 #include "options.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "command.h"
-#include "coppice/io/mesh/writer.h"
+#include "coppice/io_mesh/writer.h"
 #include "coppice/scene/reference.h"
 #include "coppice/scene/save.h"
 #include "files.h"

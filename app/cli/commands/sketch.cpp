@@ -4,8 +4,8 @@
 #include <numbers>
 
 #include "command.h"
-#include "coppice/io/skeleton/writer.h"
-#include "coppice/io/sketch/sketch_file.h"
+#include "coppice/io_skeleton/writer.h"
+#include "coppice/io_sketch/sketch_file.h"
 #include "coppice/render/picture.h"
 #include "coppice/render/silhouette.h"
 #include "coppice/sketch/draw.h"

@@ -8,7 +8,7 @@
 #include "coppice/growth/radii.h"
 #include "coppice/growth/sprout.h"
 #include "coppice/implicit/solid/solid_field.h"
-#include "coppice/io/skeleton/writer.h"
+#include "coppice/io_skeleton/writer.h"
 #include "coppice/options/quantity.h"
 #include "coppice/skeleton/measure.h"
 #include "files.h"

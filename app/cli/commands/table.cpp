@@ -10,7 +10,7 @@
 #include "coppice/extract/plot/crown.h"
 #include "coppice/extract/stem/loose_parts.h"
 #include "coppice/extract/stem/stem_form.h"
-#include "coppice/io/skeleton/stated_axes.h"
+#include "coppice/io_skeleton/stated_axes.h"
 #include "coppice/mesh/shape.h"
 #include "coppice/mesh/topology.h"
 #include "coppice/pipeline/mesh_skeleton.h"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "coppice/base/vec.h"
 
@@ -17,6 +18,20 @@ inline Vec3d local_origin(Vec3d low, Vec3d high, Vec3d anchor) {
     const double step = std::ldexp(1.0, std::ilogb(size) - 4);
     const auto rounded = [step](double c) { return step * std::round(c / step); };
     return {rounded(anchor.x), rounded(anchor.y), rounded(anchor.z)};
+}
+
+/// The same with the middle of the box as anchor.
+inline Vec3d local_origin(Vec3d low, Vec3d high) { return local_origin(low, high, 0.5 * (low + high)); }
+
+/// The same for the bounding box of positions, of which there is at least one. O(n).
+inline Vec3d local_origin(std::span<const Vec3d> positions) {
+    Vec3d low = positions[0];
+    Vec3d high = low;
+    for (const Vec3d& p : positions) {
+        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+    return local_origin(low, high);
 }
 
 }  // namespace coppice

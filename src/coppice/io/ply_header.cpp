@@ -1,4 +1,4 @@
-#include "coppice/io/ply_header_internal.h"
+#include "coppice/io/ply_header.h"
 
 #include <array>
 #include <bit>
@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "coppice/base/error.h"
-#include "coppice/io/text_internal.h"
+#include "coppice/io/text.h"
 
 namespace coppice {
 

@@ -7,7 +7,7 @@
 
 #include "coppice/base/ascii.h"
 #include "coppice/base/error.h"
-#include "coppice/io/text_internal.h"
+#include "coppice/io/text.h"
 
 namespace coppice {
 

@@ -1,10 +1,10 @@
-#include "coppice/io/unread_format_internal.h"
+#include "coppice/io/unread_format.h"
 
 #include <algorithm>
 #include <array>
 
 #include "coppice/base/ascii.h"
-#include "coppice/io/text_internal.h"
+#include "coppice/io/text.h"
 
 namespace coppice {
 namespace {

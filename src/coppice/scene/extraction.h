@@ -10,7 +10,7 @@
 #include "coppice/extract/cloud/from_cloud.h"
 #include "coppice/extract/extract_result.h"
 #include "coppice/extract/plot/plot.h"
-#include "coppice/io/skeleton/node_attribute.h"
+#include "coppice/io_skeleton/node_attribute.h"
 #include "coppice/points/point_cloud.h"
 
 namespace coppice {

@@ -13,7 +13,7 @@
 #include "coppice/implicit/shape/curve.h"
 #include "coppice/implicit/shape/profile.h"
 #include "coppice/implicit/solid/solid.h"
-#include "coppice/io/skeleton/node_attribute.h"
+#include "coppice/io_skeleton/node_attribute.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/points/point_set.h"
 #include "coppice/skeleton/skeleton.h"

@@ -6,10 +6,10 @@
 #include <array>
 
 #include "coppice/base/quote.h"
-#include "coppice/io/mesh/writer.h"
-#include "coppice/io/points/reader.h"
-#include "coppice/io/points/writer.h"
-#include "coppice/io/skeleton/writer.h"
+#include "coppice/io_mesh/writer.h"
+#include "coppice/io_points/reader.h"
+#include "coppice/io_points/writer.h"
+#include "coppice/io_skeleton/writer.h"
 
 namespace coppice {
 namespace {

@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "coppice/base/error.h"
-#include "coppice/io/mesh/motion_writer.h"
-#include "coppice/io/mesh/writer.h"
+#include "coppice/io_mesh/motion_writer.h"
+#include "coppice/io_mesh/writer.h"
 #include "coppice/render/gif.h"
 #include "coppice/render/png.h"
 #include "coppice/scene/animation/film_internal.h"

@@ -7,7 +7,7 @@
 #include "coppice/compose/compose.h"
 #include "coppice/compose/placed_branch.h"
 #include "coppice/edit/join.h"
-#include "coppice/io/library/tree_library.h"
+#include "coppice/io_database/tree_library.h"
 #include "coppice/scene/commands/edit_tables_internal.h"
 
 namespace coppice {

@@ -8,7 +8,7 @@
 #include "coppice/implicit/shape/variational.h"
 #include "coppice/implicit/shape/variational_curve.h"
 #include "coppice/implicit/solid/mesh_solid.h"
-#include "coppice/io/mesh/reader.h"
+#include "coppice/io_mesh/reader.h"
 #include "coppice/mesh/topology.h"
 #include "coppice/scene/commands/tables_internal.h"
 

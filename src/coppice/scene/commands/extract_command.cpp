@@ -10,15 +10,15 @@
 
 #include "coppice/base/progress.h"
 #include "coppice/extract/mesh/from_mesh.h"
-#include "coppice/io/file_kind.h"
 #include "coppice/io/file_up.h"
-#include "coppice/io/mesh/format.h"
-#include "coppice/io/mesh/reader.h"
-#include "coppice/io/points/reader.h"
+#include "coppice/io_mesh/format.h"
+#include "coppice/io_mesh/reader.h"
+#include "coppice/io_points/reader.h"
 #include "coppice/options/quantity.h"
 #include "coppice/points/wood_classes.h"
 #include "coppice/scene/commands/tables_internal.h"
 #include "coppice/scene/extraction.h"
+#include "coppice/scene/file_kind.h"
 #include "coppice/skeleton/assemble.h"
 
 namespace coppice {

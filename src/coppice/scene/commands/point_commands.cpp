@@ -6,8 +6,8 @@
 
 #include "coppice/implicit/polygonize/cached_field.h"
 #include "coppice/implicit/solid/solid_field.h"
-#include "coppice/io/points/reader.h"
-#include "coppice/io/points/writer.h"
+#include "coppice/io_points/reader.h"
+#include "coppice/io_points/writer.h"
 #include "coppice/points/edit_points.h"
 #include "coppice/points/quality.h"
 #include "coppice/points/sampling/near_mesh.h"

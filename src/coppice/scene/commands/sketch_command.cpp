@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "coppice/io/sketch/sketch_file.h"
+#include "coppice/io_sketch/sketch_file.h"
 #include "coppice/options/quantity.h"
 #include "coppice/scene/commands/tables_internal.h"
 #include "coppice/sketch/reconstruct.h"

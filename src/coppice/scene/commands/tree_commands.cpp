@@ -10,7 +10,7 @@
 #include "coppice/growth/tidy.h"
 #include "coppice/implicit/shape/curve.h"
 #include "coppice/implicit/solid/solid_field.h"
-#include "coppice/io/skeleton/reader.h"
+#include "coppice/io_skeleton/reader.h"
 #include "coppice/pipeline/face_budget.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/scene/commands/tables_internal.h"

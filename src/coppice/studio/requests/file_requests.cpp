@@ -5,7 +5,7 @@
 #include <system_error>
 
 #include "coppice/base/error.h"
-#include "coppice/io/library/tree_library.h"
+#include "coppice/io_database/tree_library.h"
 #include "coppice/options/quantity.h"
 #include "coppice/scene/save.h"
 #include "coppice/scene/words.h"

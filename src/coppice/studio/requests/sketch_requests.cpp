@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "coppice/base/error.h"
-#include "coppice/io/sketch/sketch_file.h"
+#include "coppice/io_sketch/sketch_file.h"
 #include "coppice/render/picture.h"
 #include "coppice/render/silhouette.h"
 #include "coppice/sketch/reconstruct.h"

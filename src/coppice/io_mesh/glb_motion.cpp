@@ -1,0 +1,153 @@
+#include "coppice/io_mesh/glb_parts_internal.h"
+#include "coppice/io_mesh/motion_internal.h"
+
+namespace coppice::io_internal {
+namespace {
+
+using nlohmann::json;
+
+Box3 compute_box(std::span<const Vec3> vectors) {
+    Box3 box;
+    for (const Vec3 v : vectors) box.extend(y_up(v));
+    return box;
+}
+
+/// Lays out consecutive buffer views, with their accessors.
+class Layout {
+  public:
+    std::size_t add(std::uint64_t bytes, int target, int component, std::uint64_t count, const char* type) {
+        views_.push_back(view(bytes_, bytes, target));
+        bytes_ += bytes;
+        accessors_.push_back(accessor(views_.size() - 1, component, count, type));
+        return accessors_.size() - 1;
+    }
+    std::size_t add_vectors(std::uint64_t count) {
+        return add(count * sizeof(Vec3), kArrayBuffer, kFloat, count, "VEC3");
+    }
+    std::size_t add_vectors(std::span<const Vec3> bounded) {
+        const std::size_t index = add_vectors(bounded.size());
+        const Box3 box = compute_box(bounded);
+        accessors_[index]["min"] = array_of(Vec3d(box.low));
+        accessors_[index]["max"] = array_of(Vec3d(box.high));
+        return index;
+    }
+    json& operator[](std::size_t accessor) { return accessors_[accessor]; }
+    std::uint64_t bytes() const { return bytes_; }
+    json& views() { return views_; }
+    json& accessors() { return accessors_; }
+
+  private:
+    json views_ = json::array(), accessors_ = json::array();
+    std::uint64_t bytes_ = 0;
+};
+
+/// Writes a morph target for each frame, the differences from the rest shape; the animation shows them in
+/// sequence.
+class GlbMotion : public MotionWriter::Format {
+  public:
+    GlbMotion(const std::filesystem::path& path, const QuadMesh& rest, std::size_t frames, double rate)
+        : file_(path), rest_(rest), rate_(rate) {
+        moved_.reserve(frames);
+    }
+
+    void add(std::span<const Vec3> positions, const Context&) override {
+        Buffer<Vec3>& moved = moved_.emplace_back(positions.size());
+        for (std::size_t v = 0; v < positions.size(); ++v) moved[v] = positions[v] - rest_.positions[v];
+    }
+
+    void finish(const Context& ctx) override {
+        const MeshView mesh(rest_);
+        const std::vector<Vec3> normals = smooth_normals(mesh);
+        Layout layout;
+        const std::string text = described(mesh, layout).dump();
+        write_glb_head(file_, text, layout.bytes());
+        write_vectors(file_, mesh.positions, {0, 0.05f}, ctx);
+        write_vectors(file_, normals, {0.05f, 0.1f}, ctx);
+        write_triangles(file_, mesh, {0.1f, 0.15f}, ctx);
+        const float share = 0.8f / static_cast<float>(moved_.size());
+        QuadMesh now = rest_;
+        for (std::size_t i = 0; i < moved_.size(); ++i) {
+            const float begin = 0.15f + share * static_cast<float>(i);
+            write_vectors(file_, moved_[i], {begin, begin + 0.5f * share}, ctx);
+            for (std::size_t v = 0; v < now.positions.size(); ++v)
+                now.positions[v] = rest_.positions[v] + moved_[i][v];
+            std::vector<Vec3> turned = smooth_normals(MeshView(now));
+            for (std::size_t v = 0; v < turned.size(); ++v) turned[v] -= normals[v];
+            write_vectors(file_, turned, {begin + 0.5f * share, begin + share}, ctx);
+        }
+        write_times();
+        file_.commit();
+    }
+
+  private:
+    json described(const MeshView& mesh, Layout& layout) const {
+        const std::size_t count = moved_.size(), vertices = mesh.positions.size();
+        const std::size_t positions = layout.add_vectors(mesh.positions);
+        const std::size_t normals = layout.add_vectors(vertices);
+        const std::uint64_t corners = 3 * mesh.triangle_count();
+        const std::size_t indices =
+            layout.add(corners * sizeof(std::uint32_t), kElementArrayBuffer, kUnsignedInt, corners, "SCALAR");
+        json targets = json::array();
+        for (const Buffer<Vec3>& moved : moved_) {
+            const std::size_t place = layout.add_vectors(moved);
+            targets.push_back({{"POSITION", place}, {"NORMAL", layout.add_vectors(vertices)}});
+        }
+        const std::size_t times = layout.add(count * sizeof(float), 0, kFloat, count, "SCALAR");
+        layout[times]["min"] = json::array({0.0});
+        layout[times]["max"] = json::array({double{time_of(count - 1)}});
+        const std::size_t weights =
+            layout.add(count * count * sizeof(float), 0, kFloat, count * count, "SCALAR");
+        json node{{"name", "tree"}, {"mesh", 0}};
+        if (mesh.has_origin()) node["translation"] = array_of(y_up(mesh.origin));
+        return {
+            {"asset", {{"version", "2.0"}, {"generator", "Coppice"}}},
+            {"scene", 0},
+            {"scenes", {{{"nodes", {0}}}}},
+            {"nodes", {node}},
+            {"meshes",
+             {{{"name", "surface"},
+               {"weights", std::vector<int>(count, 0)},
+               {"primitives",
+                {{{"attributes", {{"POSITION", positions}, {"NORMAL", normals}}},
+                  {"indices", indices},
+                  {"material", 0},
+                  {"mode", 4},
+                  {"targets", targets}}}}}}},
+            {"materials", {bark_material()}},
+            {"animations",
+             {{{"name", "motion"},
+               {"samplers", {{{"input", times}, {"output", weights}, {"interpolation", "LINEAR"}}}},
+               {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "weights"}}}}}}}}},
+            {"accessors", layout.accessors()},
+            {"bufferViews", layout.views()},
+            {"buffers", {{{"byteLength", layout.bytes()}}}},
+        };
+    }
+
+    float time_of(std::size_t frame) const { return static_cast<float>(static_cast<double>(frame) / rate_); }
+
+    void write_times() {
+        std::vector<float> numbers;
+        for (std::size_t i = 0; i < moved_.size(); ++i) numbers.push_back(time_of(i));
+        file_.write(std::as_bytes(std::span(numbers)));
+        for (std::size_t i = 0; i < moved_.size(); ++i) {
+            numbers.assign(moved_.size(), 0);
+            numbers[i] = 1;
+            file_.write(std::as_bytes(std::span(numbers)));
+        }
+    }
+
+    AtomicFile file_;
+    const QuadMesh& rest_;
+    double rate_;
+    std::vector<Buffer<Vec3>> moved_;  ///< displacements by frame and vertex
+};
+
+}  // namespace
+
+std::unique_ptr<MotionWriter::Format> glb_motion(const std::filesystem::path& path, const QuadMesh& rest,
+                                                 std::size_t frames, double rate) {
+    return std::make_unique<GlbMotion>(path, rest, frames, rate);
+}
+
+}  // namespace coppice::io_internal

@@ -1,0 +1,59 @@
+#include <array>
+#include <limits>
+
+#include "coppice/io_mesh/glb_parts_internal.h"
+
+namespace coppice::io_internal {
+
+using nlohmann::json;
+
+json view(std::uint64_t offset, std::uint64_t length, int target) {
+    json out{{"buffer", 0}, {"byteOffset", offset}, {"byteLength", length}};
+    if (target != 0) out["target"] = target;
+    return out;
+}
+
+json accessor(std::size_t view, int component, std::uint64_t count, const char* type) {
+    return {{"bufferView", view}, {"componentType", component}, {"count", count}, {"type", type}};
+}
+
+json bark_material() {
+    return {
+        {"name", "bark"},
+        {"pbrMetallicRoughness",
+         {{"baseColorFactor", {0.32, 0.22, 0.15, 1.0}}, {"metallicFactor", 0.0}, {"roughnessFactor", 0.9}}}};
+}
+
+void write_glb_head(AtomicFile& file, std::string text, std::uint64_t buffer_bytes) {
+    text.resize((text.size() + 3) / 4 * 4, ' ');
+    const std::uint64_t whole = 12 + 8 + text.size() + 8 + buffer_bytes;
+    if (whole > std::numeric_limits<std::uint32_t>::max()) {
+        throw Unsupported("a GLB file contains at most 4 GiB; write PLY or OBJ instead, or subdivide less");
+    }
+    const auto u32 = [](std::uint64_t value) { return static_cast<std::uint32_t>(value); };
+    const auto words = [&](auto... values) {
+        const std::array<std::uint32_t, sizeof...(values)> raw{values...};
+        file.write(std::as_bytes(std::span(raw)));
+    };
+    words(0x46546C67u, 2u, u32(whole), u32(text.size()), 0x4E4F534Au);
+    file.write(text);
+    words(u32(buffer_bytes), 0x004E4942u);
+}
+
+void write_vectors(AtomicFile& file, std::span<const Vec3> vectors, ProgressPart part, const Context& ctx) {
+    write_items(file, vectors.size(), part, ctx, [&](std::size_t v, Chunk& chunk) {
+        chunk.reserve(sizeof(Vec3));
+        chunk.put_raw(y_up(vectors[v]));
+    });
+}
+
+void write_triangles(AtomicFile& file, const MeshView& mesh, ProgressPart part, const Context& ctx) {
+    write_items(file, mesh.face_count, part, ctx, [&](std::size_t f, Chunk& chunk) {
+        chunk.reserve(sizeof(Triangle) * (mesh.face(f).size() - 2));
+        for_each_triangle(mesh, f, [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+            chunk.put_raw(Triangle{a, b, c});
+        });
+    });
+}
+
+}  // namespace coppice::io_internal

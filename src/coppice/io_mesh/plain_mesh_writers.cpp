@@ -1,0 +1,133 @@
+// OBJ and PLY.
+
+#include <fmt/format.h>
+
+#include <array>
+#include <limits>
+
+#include "coppice/base/id.h"
+#include "coppice/io_mesh/write_internal.h"
+
+namespace coppice::io_internal {
+namespace {
+
+template <class T>
+void put_obj_vector(Chunk& chunk, std::string_view word, BasicVec3<T> p) {
+    chunk.reserve(word.size() + 3 * (1 + Chunk::kNumber));
+    chunk.put(word);
+    chunk.put_vector(p, " ");
+    chunk.put('\n');
+}
+
+/// Texture coordinates as listed in OBJ: once for every vertex that uses them, and their indices by corner.
+struct TextureTable {
+    std::vector<TexturePoint> places;
+    std::vector<std::uint32_t> of_corner;
+};
+
+TextureTable texture_table(const MeshView& mesh) {
+    TextureTable table;
+    if (mesh.texture.empty()) return table;
+    table.of_corner.resize(mesh.texture.size());
+    std::vector<std::uint32_t> first_of_vertex(mesh.positions.size(), kNoIndex), next_of_place;
+    for (std::size_t i = 0; i < mesh.texture.size(); ++i) {
+        std::uint32_t& first = first_of_vertex[mesh.corners[i]];
+        std::uint32_t found = first;
+        while (found != kNoIndex && table.places[found] != mesh.texture[i]) found = next_of_place[found];
+        if (found == kNoIndex) {
+            found = static_cast<std::uint32_t>(table.places.size());
+            table.places.push_back(mesh.texture[i]);
+            next_of_place.push_back(first);
+            first = found;
+        }
+        table.of_corner[i] = found;
+    }
+    return table;
+}
+
+std::size_t largest_face(const MeshView& mesh) {
+    if (mesh.first == nullptr) return mesh.sides;
+    std::size_t largest = 0;
+    for (std::size_t f = 0; f < mesh.face_count; ++f) largest = std::max(largest, mesh.face(f).size());
+    return largest;
+}
+
+std::string ply_header(const MeshView& mesh, std::string_view size_type) {
+    const std::string_view number = mesh.has_origin() ? "double" : "float";
+    // Many readers support signed indices only.
+    const std::string_view index =
+        mesh.positions.size() <= std::numeric_limits<std::int32_t>::max() ? "int" : "uint";
+    return fmt::format(
+        "ply\nformat binary_little_endian 1.0\ncomment Coppice, metres, {5} up\nelement vertex {0}\n"
+        "property {1} x\nproperty {1} y\nproperty {1} z\nelement face {2}\n"
+        "property list {3} {4} vertex_indices\nend_header\n",
+        mesh.positions.size(), number, mesh.face_count, size_type, index, mesh.up == FileUp::y ? 'Y' : 'Z');
+}
+
+template <class Size>
+void write_ply_faces(AtomicFile& file, const MeshView& mesh, const Context& ctx) {
+    write_items(file, mesh.face_count, {0.4f, 1}, ctx, [&](std::size_t f, Chunk& chunk) {
+        const auto corners = mesh.face(f);
+        chunk.reserve(sizeof(Size) + corners.size_bytes());
+        chunk.put_raw(static_cast<Size>(corners.size()));
+        chunk.put(std::string_view(reinterpret_cast<const char*>(corners.data()), corners.size_bytes()));
+    });
+}
+
+}  // namespace
+
+void write_obj(AtomicFile& file, const MeshView& mesh, const Context& ctx) {
+    file.write(mesh.up == FileUp::y ? "# Coppice, metres, Y up\n" : "# Coppice, metres, Z up\n");
+    const bool shifted = mesh.has_origin();
+    write_items(file, mesh.positions.size(), {0, 0.6f}, ctx, [&](std::size_t v, Chunk& chunk) {
+        const Vec3 p = mesh.positions[v];
+        shifted ? put_obj_vector(chunk, "v ", mesh.origin + Vec3d(p)) : put_obj_vector(chunk, "v ", p);
+    });
+    write_items(file, mesh.normals.size(), {0.6f, 0.6f}, ctx,
+                [&](std::size_t v, Chunk& chunk) { put_obj_vector(chunk, "vn ", mesh.normals[v]); });
+    const TextureTable texture = texture_table(mesh);
+    write_items(file, texture.places.size(), {0.6f, 0.6f}, ctx, [&](std::size_t i, Chunk& chunk) {
+        chunk.reserve(5 + 2 * Chunk::kNumber);
+        chunk.put("vt ");
+        chunk.put_number(texture.places[i].u);
+        chunk.put(' ');
+        chunk.put_number(texture.places[i].v);
+        chunk.put('\n');
+    });
+    write_items(file, mesh.face_count, {0.6f, 1}, ctx, [&](std::size_t f, Chunk& chunk) {
+        const auto corners = mesh.face(f);
+        const std::size_t first = mesh.first_corner(f);
+        chunk.reserve(2 + corners.size() * 3 * (1 + Chunk::kNumber));
+        chunk.put('f');
+        for (std::size_t k = 0; k < corners.size(); ++k) {
+            chunk.put(' ');
+            chunk.put_number(std::uint64_t{corners[k]} + 1);
+            if (!mesh.texture.empty()) {
+                chunk.put('/');
+                chunk.put_number(std::uint64_t{texture.of_corner[first + k]} + 1);
+            }
+            if (!mesh.normals.empty()) {
+                chunk.put(mesh.texture.empty() ? "//" : "/");
+                chunk.put_number(std::uint64_t{corners[k]} + 1);
+            }
+        }
+        chunk.put('\n');
+    });
+}
+
+void write_ply(AtomicFile& file, const MeshView& mesh, const Context& ctx) {
+    const bool small_faces = largest_face(mesh) <= std::numeric_limits<std::uint8_t>::max();
+    file.write(ply_header(mesh, small_faces ? "uchar" : "uint"));
+    if (mesh.has_origin()) {
+        write_items(file, mesh.positions.size(), {0, 0.4f}, ctx, [&](std::size_t v, Chunk& chunk) {
+            chunk.reserve(sizeof(Vec3d));
+            chunk.put_raw(mesh.origin + Vec3d(mesh.positions[v]));
+        });
+    } else {
+        file.write(std::as_bytes(mesh.positions));
+    }
+    small_faces ? write_ply_faces<std::uint8_t>(file, mesh, ctx)
+                : write_ply_faces<std::uint32_t>(file, mesh, ctx);
+}
+
+}  // namespace coppice::io_internal

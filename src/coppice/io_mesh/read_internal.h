@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "coppice/base/context.h"
+#include "coppice/base/error.h"
+#include "coppice/base/vec.h"
+#include "coppice/mesh/mesh.h"
+
+namespace coppice::io_internal {
+
+/// Collects the faces and double-precision positions of a reader.
+class MeshBuilder {
+  public:
+    explicit MeshBuilder(std::string source) : source_(std::move(source)) {}
+
+    const std::string& source() const { return source_; }
+    std::size_t vertex_count() const { return vertices_.size(); }
+    std::size_t face_count() const { return mesh_.face_count(); }
+    void reserve_vertices(std::size_t count) { vertices_.reserve(count); }
+    void reserve_faces(std::size_t count) { mesh_.first.reserve(count + 1); }
+
+    /// Returns false if a coordinate is not finite or exceeds 1e30, near the limit of float.
+    [[nodiscard]] bool add_vertex(Vec3d p);
+    void add_face(std::span<const std::uint32_t> corners) {
+        mesh_.add_face(corners);
+        if (!mesh_.group_names.empty()) mesh_.group.push_back(group_);
+    }
+    /// Assigns the following faces to the group of this name; faces before the first call belong to a group
+    /// without a name.
+    void begin_group(const std::string& name);
+    /// Like `add_vertex` and `add_face`, but errors name element numbers instead of lines.
+    void add_numbered_vertex(Vec3d p);
+    void add_numbered_face(std::span<const double> corners);
+
+    /// Merges vertices with equal positions into the first of them.
+    void weld(const Context& ctx);
+
+    /// Chooses the origin, rounds the positions to float and returns the mesh. Throws `InvalidInput` if there
+    /// is no face.
+    PolygonMesh take();
+    std::vector<Vec3d> take_vertices() { return std::move(vertices_); }
+
+  private:
+    std::string source_;
+    std::vector<Vec3d> vertices_;
+    std::vector<std::uint32_t> corners_;
+    PolygonMesh mesh_;
+    std::uint32_t group_ = 0;
+    std::map<std::string, std::uint32_t> group_of_name_;
+};
+
+PolygonMesh parse_obj(std::string_view text, const std::string& source, const Context& ctx);
+PolygonMesh parse_ply(std::string_view bytes, const std::string& source, const Context& ctx);
+PolygonMesh parse_off(std::string_view text, const std::string& source, const Context& ctx);
+PolygonMesh parse_stl(std::string_view bytes, const std::string& source, const Context& ctx);
+PolygonMesh parse_glb(std::string_view bytes, const std::string& source, const Context& ctx);
+
+}  // namespace coppice::io_internal

@@ -1,0 +1,112 @@
+#include "coppice/io_mesh/motion_internal.h"
+#include "coppice/io_mesh/usda_parts_internal.h"
+
+namespace coppice {
+namespace io_internal {
+namespace {
+
+std::string time_lines(std::size_t frames, double rate) {
+    return fmt::format(
+        "    startTimeCode = 0\n    endTimeCode = {}\n    timeCodesPerSecond = {}\n    framesPerSecond = "
+        "{}\n",
+        frames - 1, rate, rate);
+}
+
+void put_points(AtomicFile& file, std::span<const Vec3> points, const Context& ctx) {
+    write_list(file, points.size(), {0, 1}, ctx,
+               [&](std::size_t v, Chunk& chunk) { put_tuple(chunk, points[v]); });
+}
+
+void put_face_sizes(AtomicFile& file, const MeshView& mesh, const Context& ctx) {
+    write_list(file, mesh.face_count, {0, 1}, ctx, [&](std::size_t f, Chunk& chunk) {
+        chunk.reserve(Chunk::kNumber);
+        chunk.put_number(mesh.face(f).size());
+    });
+}
+
+void put_corners(AtomicFile& file, const MeshView& mesh, const Context& ctx) {
+    write_list(file, mesh.first_corner(mesh.face_count), {0, 1}, ctx, [&](std::size_t i, Chunk& chunk) {
+        chunk.reserve(Chunk::kNumber);
+        chunk.put_number(mesh.corners[i]);
+    });
+}
+
+/// Writes `name`.timeSamples = { 0: ..., 1: ... }
+template <class Put>
+void write_samples(AtomicFile& file, std::string_view name, std::size_t frames, const Put& put) {
+    file.write(fmt::format("        {}.timeSamples = {{\n", name));
+    for (std::size_t i = 0; i < frames; ++i) {
+        file.write(fmt::format("            {}: ", i));
+        put(i);
+        file.write(",\n");
+    }
+    file.write("        }\n");
+}
+
+class UsdaMotion : public MotionWriter::Format {
+  public:
+    UsdaMotion(const std::filesystem::path& path, const QuadMesh& rest, std::size_t frames, double rate)
+        : file_(path), rest_(rest), frames_(frames), rate_(rate) {}
+
+    void add(std::span<const Vec3> positions, const Context& ctx) override {
+        if (extents_.empty()) write_faces(ctx);
+        file_.write(fmt::format("            {}: ", extents_.size()));
+        put_points(file_, positions, ctx);
+        file_.write(",\n");
+        extents_.push_back(extent_text(positions));
+    }
+    void finish(const Context&) override {
+        file_.write("        }\n");
+        write_samples(file_, "float3[] extent", extents_.size(),
+                      [&](std::size_t i) { file_.write(extents_[i]); });
+        write_tail(file_, Subdivision::none);
+        file_.commit();
+    }
+
+  private:
+    void write_faces(const Context& ctx) {
+        const MeshView mesh(rest_);
+        write_head(file_, mesh, time_lines(frames_, rate_));
+        file_.write("        int[] faceVertexCounts = ");
+        put_face_sizes(file_, mesh, ctx);
+        file_.write("\n        int[] faceVertexIndices = ");
+        put_corners(file_, mesh, ctx);
+        file_.write("\n        point3f[] points.timeSamples = {\n");
+    }
+
+    AtomicFile file_;
+    const QuadMesh& rest_;
+    std::size_t frames_;
+    double rate_;
+    std::vector<std::string> extents_;
+};
+
+}  // namespace
+
+std::unique_ptr<MotionWriter::Format> usda_motion(const std::filesystem::path& path, const QuadMesh& rest,
+                                                  std::size_t frames, double rate) {
+    return std::make_unique<UsdaMotion>(path, rest, frames, rate);
+}
+
+}  // namespace io_internal
+
+void write_changing_mesh(const std::filesystem::path& path, std::span<const QuadMesh> frames, double rate,
+                         const Context& ctx) {
+    using namespace io_internal;
+    if (frames.empty())
+        throw InvalidInput(fmt::format("cannot write {}: there are no frames", path.string()));
+    AtomicFile file(path);
+    write_head(file, MeshView(frames.front()), time_lines(frames.size(), rate));
+    write_samples(file, "int[] faceVertexCounts", frames.size(),
+                  [&](std::size_t i) { put_face_sizes(file, MeshView(frames[i]), ctx); });
+    write_samples(file, "int[] faceVertexIndices", frames.size(),
+                  [&](std::size_t i) { put_corners(file, MeshView(frames[i]), ctx); });
+    write_samples(file, "point3f[] points", frames.size(),
+                  [&](std::size_t i) { put_points(file, frames[i].positions, ctx); });
+    write_samples(file, "float3[] extent", frames.size(),
+                  [&](std::size_t i) { file.write(extent_text(frames[i].positions)); });
+    write_tail(file, Subdivision::none);
+    file.commit();
+}
+
+}  // namespace coppice

@@ -1,0 +1,86 @@
+#include <fmt/format.h>
+
+#include "coppice/io_mesh/usda_parts_internal.h"
+
+namespace coppice::io_internal {
+namespace {
+
+void put_tuple(Chunk& chunk, TexturePoint p) {
+    chunk.reserve(4 + 2 * Chunk::kNumber);
+    chunk.put('(');
+    chunk.put_number(p.u);
+    chunk.put(", ");
+    chunk.put_number(p.v);
+    chunk.put(')');
+}
+
+}  // namespace
+
+void put_tuple(Chunk& chunk, Vec3 v) {
+    chunk.reserve(8 + 3 * Chunk::kNumber);
+    chunk.put('(');
+    chunk.put_vector(v, ", ");
+    chunk.put(')');
+}
+
+void write_head(AtomicFile& file, const MeshView& mesh, std::string_view more) {
+    file.write(fmt::format(
+        "#usda 1.0\n(\n    defaultPrim = \"tree\"\n{}    metersPerUnit = 1\n    upAxis = \"Z\"\n)\n\n"
+        "def Xform \"tree\"\n{{\n",
+        more));
+    if (mesh.has_origin()) {
+        file.write(
+            fmt::format("    double3 xformOp:translate = ({}, {}, {})\n"
+                        "    uniform token[] xformOpOrder = [\"xformOp:translate\"]\n\n",
+                        mesh.origin.x, mesh.origin.y, mesh.origin.z));
+    }
+    file.write("    def Mesh \"surface\"\n    {\n");
+}
+
+std::string extent_text(std::span<const Vec3> positions) {
+    Box3 box;
+    for (const Vec3 p : positions) box.extend(p);
+    return fmt::format("[({}, {}, {}), ({}, {}, {})]", box.low.x, box.low.y, box.low.z, box.high.x,
+                       box.high.y, box.high.z);
+}
+
+void write_tail(AtomicFile& file, Subdivision subdivision) {
+    file.write("        color3f[] primvars:displayColor = [(0.32, 0.22, 0.15)]\n");
+    file.write(fmt::format("        uniform token subdivisionScheme = \"{}\"\n    }}\n}}\n",
+                           subdivision == Subdivision::none ? "none" : "catmullClark"));
+}
+
+void write_usda(AtomicFile& file, const MeshView& mesh, Subdivision subdivision, const Context& ctx) {
+    write_head(file, mesh);
+    if (!mesh.positions.empty())
+        file.write(fmt::format("        float3[] extent = {}\n", extent_text(mesh.positions)));
+    write_array(file, "int[] faceVertexCounts", mesh.face_count, {0, 0.1f}, ctx,
+                [&](std::size_t f, Chunk& chunk) {
+                    chunk.reserve(Chunk::kNumber);
+                    chunk.put_number(mesh.face(f).size());
+                });
+    file.write("\n");
+    write_array(file, "int[] faceVertexIndices", mesh.first_corner(mesh.face_count), {0.1f, 0.4f}, ctx,
+                [&](std::size_t i, Chunk& chunk) {
+                    chunk.reserve(Chunk::kNumber);
+                    chunk.put_number(mesh.corners[i]);
+                });
+    file.write("\n");
+    write_array(file, "point3f[] points", mesh.positions.size(), {0.4f, 0.7f}, ctx,
+                [&](std::size_t v, Chunk& chunk) { put_tuple(chunk, mesh.positions[v]); });
+    file.write("\n");
+    if (subdivision == Subdivision::none) {
+        const auto normals = smooth_normals(mesh);
+        write_array(file, "normal3f[] normals", normals.size(), {0.7f, 1}, ctx,
+                    [&](std::size_t v, Chunk& chunk) { put_tuple(chunk, normals[v]); });
+        file.write(" (\n            interpolation = \"vertex\"\n        )\n");
+    }
+    if (!mesh.texture.empty()) {
+        write_array(file, "texCoord2f[] primvars:st", mesh.texture.size(), {1, 1}, ctx,
+                    [&](std::size_t i, Chunk& chunk) { put_tuple(chunk, mesh.texture[i]); });
+        file.write(" (\n            interpolation = \"faceVarying\"\n        )\n");
+    }
+    write_tail(file, subdivision);
+}
+
+}  // namespace coppice::io_internal

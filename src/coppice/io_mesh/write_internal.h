@@ -1,0 +1,84 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "coppice/base/context.h"
+#include "coppice/io/file_up.h"
+#include "coppice/io/item_writer.h"
+#include "coppice/mesh/mesh.h"
+#include "coppice/mesh/texture.h"
+#include "coppice/system/file.h"
+
+namespace coppice::io_internal {
+
+static_assert(sizeof(Vec3) == 3 * sizeof(float));
+
+/// A view of any of the mesh types, without a copy.
+struct MeshView {
+    explicit MeshView(const QuadMesh& m)
+        : positions(m.positions),
+          origin(m.origin),
+          corners(m.quads.empty() ? nullptr : m.quads[0].data()),
+          face_count(m.quads.size()),
+          sides(4) {}
+    explicit MeshView(const TriMesh& m)
+        : positions(m.positions),
+          origin(m.origin),
+          corners(m.triangles.empty() ? nullptr : m.triangles[0].data()),
+          face_count(m.triangles.size()),
+          sides(3) {}
+    explicit MeshView(const PolygonMesh& m)
+        : positions(m.positions),
+          origin(m.origin),
+          corners(m.corners.data()),
+          first(m.first.data()),
+          face_count(m.face_count()) {}
+
+    std::size_t first_corner(std::size_t f) const { return first != nullptr ? first[f] : f * sides; }
+    std::span<const std::uint32_t> face(std::size_t f) const {
+        return {corners + first_corner(f), first_corner(f + 1) - first_corner(f)};
+    }
+    /// A face with n corners becomes n - 2 triangles, so the index of the first triangle of a face follows
+    /// from its first corner.
+    std::size_t triangle_count() const { return first_corner(face_count) - 2 * face_count; }
+    bool has_origin() const { return origin != Vec3d{}; }
+
+    std::span<const Vec3> positions;
+    Vec3d origin;
+    const std::uint32_t* corners = nullptr;
+    const std::uint32_t* first = nullptr;  ///< offsets of faces of different sizes; null otherwise
+    std::size_t face_count = 0;
+    std::size_t sides = 0;
+    std::span<const TexturePoint> texture;  ///< one for every corner; may be empty
+    std::span<const Vec3> normals;          ///< one for every vertex, for OBJ; may be empty
+    FileUp up = FileUp::z;                  ///< up axis named by the comments of OBJ and PLY
+};
+
+/// Calls emit(a, b, c) for each triangle of face f: along the shorter diagonal of quads, otherwise as a fan.
+template <class Emit>
+void for_each_triangle(const MeshView& mesh, std::size_t f, const Emit& emit) {
+    const auto c = mesh.face(f);
+    const auto& x = mesh.positions;
+    if (c.size() == 4 && length_squared(x[c[1]] - x[c[3]]) < length_squared(x[c[0]] - x[c[2]])) {
+        emit(c[1], c[2], c[3]);
+        emit(c[1], c[3], c[0]);
+        return;
+    }
+    for (std::size_t k = 1; k + 1 < c.size(); ++k) emit(c[0], c[k], c[k + 1]);
+}
+
+/// Returns unit normals of vertices, the area-weighted mean of the adjacent faces; +Z if they cancel. The
+/// faces are added sequentially, because another order would change the rounding.
+std::vector<Vec3> smooth_normals(const MeshView& mesh);
+
+enum class Subdivision { none, catmull_clark };
+
+void write_obj(AtomicFile& file, const MeshView& mesh, const Context& ctx);
+void write_ply(AtomicFile& file, const MeshView& mesh, const Context& ctx);
+void write_stl(AtomicFile& file, const MeshView& mesh, const Context& ctx);
+void write_glb(AtomicFile& file, const MeshView& mesh, const Context& ctx);
+void write_usda(AtomicFile& file, const MeshView& mesh, Subdivision subdivision, const Context& ctx);
+
+}  // namespace coppice::io_internal

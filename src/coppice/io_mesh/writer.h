@@ -1,0 +1,59 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+
+#include "coppice/base/context.h"
+#include "coppice/io/file_up.h"
+#include "coppice/io_mesh/format.h"
+#include "coppice/mesh/mesh.h"
+#include "coppice/mesh/texture.h"
+
+namespace coppice {
+
+/// Options for writing a mesh file.
+struct MeshWriteOptions {
+    std::optional<MeshFormat> format;  ///< nullopt: by the extension of the name
+    FileUp up = FileUp::z;             ///< up axis of OBJ, PLY and STL; the other formats specify theirs
+    bool normals = false;              ///< also writes smooth normals in OBJ
+};
+
+/// Writes a surface atomically (`AtomicFile`).
+///
+/// * OBJ, PLY, USDA: faces unchanged. PLY is binary little endian.
+/// * STL, GLB: triangles; quads are split along their shorter diagonal, larger faces become fans.
+/// * GLB: Y up, smooth normals, a plain brown material; passes the Khronos validator.
+/// * USDA: Z up, metres, subdivisionScheme "none", smooth normals.
+///
+/// Text formats write the shortest digits that restore the same number. OBJ and PLY (then with doubles) add
+/// the origin in double precision; GLB and USDA store it as the translation of the node; STL rounds the sum,
+/// and different vertices keep different positions, so that a closed surface is read back as closed.
+///
+/// The result does not depend on the number of threads. Cost: 1.8 million quads on two idle cores took 0.07 s
+/// as PLY and 0.23 s as OBJ; memory is below 32 MiB, plus 12 bytes per vertex if normals are written.
+///
+/// Throws `IoError` if the file cannot be written; `Unsupported` for an unknown extension, for OFF, and for a
+/// mesh that the format cannot represent (GLB: more than 4 GiB; STL: rounding of more than 1e-5 of the size);
+/// `InvalidInput` for a mesh without faces and for coordinates that are not finite; `Cancelled`. Indices must
+/// be in range.
+void write_mesh(const std::filesystem::path& path, const QuadMesh& mesh, const MeshWriteOptions& options = {},
+                const Context& ctx = {});
+/// Writes a triangle mesh.
+void write_mesh(const std::filesystem::path& path, const TriMesh& mesh, const MeshWriteOptions& options = {},
+                const Context& ctx = {});
+/// Writes faces with any number of corners.
+void write_mesh(const std::filesystem::path& path, const PolygonMesh& mesh,
+                const MeshWriteOptions& options = {}, const Context& ctx = {});
+
+/// Writes texture coordinates too, one for each corner: OBJ and USDA store them, without splitting vertices;
+/// the other formats ignore them.
+void write_textured_mesh(const std::filesystem::path& path, const PolygonMesh& mesh,
+                         std::span<const TexturePoint> texture, const MeshWriteOptions& options = {},
+                         const Context& ctx = {});
+
+/// Writes a control cage as USDA with subdivisionScheme "catmullClark", so that the importing program refines
+/// it. Throws as above.
+void write_cage(const std::filesystem::path& path, const QuadMesh& cage, const Context& ctx = {});
+
+}  // namespace coppice

@@ -1,0 +1,316 @@
+#include "coppice/io_mesh/writer.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <sstream>
+
+#include "coppice/base/error.h"
+#include "coppice/io_mesh/reader.h"
+#include "coppice/mesh/topology.h"
+#include "coppice/system/file.h"
+#include "errors.h"
+#include "temporary_folder.h"
+
+namespace coppice {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A closed cuboid of 1 x 2 x 3 m with one corner at the origin.
+QuadMesh cuboid() {
+    QuadMesh mesh;
+    for (const float z : {0.f, 3.f}) {
+        for (const Vec3 p : {Vec3{0, 0, z}, Vec3{1, 0, z}, Vec3{1, 2, z}, Vec3{0, 2, z}})
+            mesh.positions.push_back(p);
+    }
+    mesh.quads = {{3, 2, 1, 0}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+    return mesh;
+}
+
+/// A wavy sheet with more rows than one run of the writers, and coordinates with many digits.
+QuadMesh sheet(std::uint32_t n) {
+    QuadMesh mesh;
+    for (std::uint32_t i = 0; i <= n; ++i) {
+        for (std::uint32_t k = 0; k <= n; ++k) {
+            const auto x = static_cast<float>(i) / 7;
+            const auto y = static_cast<float>(k) / 3;
+            mesh.positions.push_back({x, y, std::sin(x) * std::cos(y) * 1e-3f});
+        }
+    }
+    for (std::uint32_t i = 0; i < n; ++i) {
+        for (std::uint32_t k = 0; k < n; ++k) {
+            const std::uint32_t a = i * (n + 1) + k;
+            mesh.quads.push_back({a, a + n + 1, a + n + 2, a + 1});
+        }
+    }
+    return mesh;
+}
+
+double volume(const PolygonMesh& mesh) {
+    double six = 0;
+    for (const Triangle& t : triangulate(mesh).triangles) {
+        six +=
+            dot(Vec3d(mesh.positions[t[0]]), cross(Vec3d(mesh.positions[t[1]]), Vec3d(mesh.positions[t[2]])));
+    }
+    return six / 6;
+}
+
+class MeshWriter : public test::FolderTest {
+  protected:
+    template <class Mesh>
+    std::string written(const std::string& name, const Mesh& mesh, const MeshWriteOptions& options = {},
+                        const Context& ctx = {}) {
+        write_mesh(folder_ / name, mesh, options, ctx);
+        return read_file(folder_ / name);
+    }
+    template <class Mesh>
+    PolygonMesh round_trip(const std::string& name, const Mesh& mesh) {
+        write_mesh(folder_ / name, mesh);
+        return read_mesh(folder_ / name);
+    }
+    template <class Mesh>
+    std::string error_of(const std::string& name, const Mesh& mesh, const MeshWriteOptions& options = {}) {
+        const std::string error = test::error_of<Error>([&] { write_mesh(folder_ / name, mesh, options); });
+        EXPECT_TRUE(fs::is_empty(folder_)) << "something was left behind";
+        return error;
+    }
+};
+
+// Two adjacent quads: they share the middle edge, with a texture seam at one of its ends.
+TEST_F(MeshWriter, PutsCornersOnATexture) {
+    PolygonMesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {2, 0, 0}, {2, 1, 0}};
+    for (const Quad q : {Quad{0, 1, 2, 3}, Quad{1, 4, 5, 2}}) mesh.add_face(q);
+    const std::vector<TexturePoint> texture{{0, 0},    {0.5f, 0}, {1, 1}, {0, 1},
+                                            {0.5f, 0}, {1, 0},    {1, 1}, {0, 1}};
+    write_textured_mesh(folder_ / "a.obj", mesh, texture);
+    EXPECT_EQ(read_file(folder_ / "a.obj"),
+              "# Coppice, metres, Z up\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\n"
+              "vt 0 0\nvt 0.5 0\nvt 1 1\nvt 0 1\nvt 1 0\nvt 1 1\nvt 0 1\n"
+              "f 1/1 2/2 3/3 4/4\nf 2/2 5/5 6/6 3/7\n");
+    EXPECT_EQ(read_mesh(folder_ / "a.obj").corners, mesh.corners);
+    write_textured_mesh(folder_ / "a.usda", mesh, texture);
+    EXPECT_NE(
+        read_file(folder_ / "a.usda")
+            .find("texCoord2f[] primvars:st = [(0, 0), (0.5, 0), (1, 1), (0, 1), (0.5, 0), (1, 0), (1, 1), "
+                  "(0, 1)] (\n            interpolation = \"faceVarying\"\n        )"),
+        std::string::npos);
+}
+
+TEST_F(MeshWriter, QuadsComeBackFromObjAndPlyBitForBit) {
+    const QuadMesh mesh = sheet(150);  // 22,500 quads: three runs
+    const PolygonMesh expected = to_polygons(mesh);
+    for (const char* name : {"a.obj", "a.ply"}) {
+        const PolygonMesh back = round_trip(name, mesh);
+        EXPECT_EQ(back.positions, expected.positions) << name;
+        EXPECT_EQ(back.corners, expected.corners) << name;
+        EXPECT_EQ(back.first, expected.first) << name;
+    }
+}
+
+TEST_F(MeshWriter, ObjIsWhatItShouldBe) {
+    QuadMesh mesh;
+    mesh.positions = {{0, 0, 0}, {0.1f, 0, 0}, {1, 1, 1e-7f}, {-2.5f, 1, 0}};
+    mesh.quads = {{0, 1, 2, 3}};
+    EXPECT_EQ(written("a.obj", mesh),
+              "# Coppice, metres, Z up\nv 0 0 0\nv 0.1 0 0\nv 1 1 1e-07\nv -2.5 1 0\nf 1 2 3 4\n");
+    mesh.origin = {500000, 0.5, 0};
+    EXPECT_NE(written("a.obj", mesh).find("\nv 499997.5 1.5 0\n"), std::string::npos);
+}
+
+TEST_F(MeshWriter, TrianglesKeepTheVolumeAndTheOutside) {
+    const QuadMesh mesh = cuboid();
+    for (const char* name : {"a.obj", "a.ply", "a.stl", "a.glb"}) {
+        const PolygonMesh back = round_trip(name, mesh);
+        EXPECT_EQ(back.positions.size(), 8u) << name;
+        EXPECT_NEAR(volume(back), 6, 1e-6) << name;
+        const bool quads = name[2] == 'o' || name[2] == 'p';
+        EXPECT_EQ(back.face_count(), quads ? 6u : 12u) << name;
+    }
+}
+
+// 100 m from zero floats are 7.6e-6 m apart, so that rounding alone would map the eight corners of the small
+// cuboid to one or two positions.
+TEST_F(MeshWriter, StlKeepsVerticesApartThatRoundingPutsIntoOnePlace) {
+    QuadMesh mesh = cuboid();
+    for (const Vec3 p : cuboid().positions) mesh.positions.push_back(Vec3{2, 1, 1} + p * 1e-6f);
+    for (Quad q : cuboid().quads) {
+        for (std::uint32_t& v : q) v += 8;
+        mesh.quads.push_back(q);
+    }
+    mesh.origin = {100, -50, 0};
+    const PolygonMesh back = round_trip("a.stl", mesh);
+    EXPECT_EQ(back.positions.size(), 16u);
+    const TopologyReport t = topology(back);
+    EXPECT_EQ(t.components, 2u);
+    EXPECT_EQ(t.open_edges + t.non_manifold_edges + t.non_manifold_vertices, 0u);
+    EXPECT_NEAR(volume(back), 6, 1e-2);
+}
+
+// A texture seam disappears if vertices are welded.
+TEST_F(MeshWriter, StlKeepsVerticesTogetherThatAreInOnePlace) {
+    QuadMesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}};
+    mesh.quads = {{0, 1, 2, 3}, {4, 5, 6, 7}};
+    mesh.origin = {20, 0, 0};
+    EXPECT_EQ(round_trip("a.stl", mesh).positions.size(), 6u);
+}
+
+TEST_F(MeshWriter, AMeshWithoutFacesIsNotWritten) {
+    QuadMesh mesh = cuboid();
+    mesh.quads.clear();
+    for (const char* name : {"a.obj", "a.ply", "a.stl", "a.glb", "a.usda"}) {
+        EXPECT_EQ(test::error_of<InvalidInput>([&] { write_mesh(folder_ / name, mesh); }),
+                  fmt::format("cannot write {}: the mesh has no faces", (folder_ / name).string()));
+        EXPECT_FALSE(fs::exists(folder_ / name));
+    }
+    EXPECT_THROW(write_cage(folder_ / "c.usda", mesh), InvalidInput);
+}
+
+TEST_F(MeshWriter, QuadsAreCutAlongTheShorterDiagonal) {
+    QuadMesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {3, 3, 0}, {0, 1, 0}};  // 0-2 is longer than 1-3
+    mesh.quads = {{0, 1, 2, 3}};
+    const PolygonMesh back = round_trip("a.glb", mesh);
+    ASSERT_EQ(back.corners, (std::vector<std::uint32_t>{1, 2, 3, 1, 3, 0}));
+}
+
+TEST_F(MeshWriter, AllMeshTypesAndLargeFaces) {
+    PolygonMesh mesh;
+    std::vector<std::uint32_t> ring;
+    for (std::uint32_t i = 0; i < 300; ++i) {  // more corners than a byte can represent
+        const float angle = 6.2831853f * static_cast<float>(i) / 300;
+        mesh.positions.push_back({std::cos(angle), std::sin(angle), 0});
+        ring.push_back(i);
+    }
+    mesh.add_face(ring);
+    mesh.add_face(std::array{0u, 1u, 2u});
+    for (const char* name : {"a.obj", "a.ply"}) {
+        EXPECT_EQ(round_trip(name, mesh).corners, mesh.corners) << name;
+        EXPECT_EQ(round_trip(name, mesh).first, mesh.first) << name;
+    }
+    for (const char* name : {"a.stl", "a.glb"}) EXPECT_EQ(round_trip(name, mesh).face_count(), 299u) << name;
+    const TriMesh triangles = triangulate(cuboid());
+    for (const char* name : {"a.obj", "a.ply", "a.stl", "a.glb"}) {
+        EXPECT_EQ(round_trip(name, triangles).face_count(), 12u) << name;
+    }
+}
+
+TEST_F(MeshWriter, TheOriginKeepsItsDigits) {
+    QuadMesh mesh = cuboid();
+    mesh.positions[6] = {1.0625f, 2, 3.03125f};
+    mesh.origin = {512345.25, -5212345.5, 310.125};
+    for (const char* name : {"a.obj", "a.ply", "a.glb"}) {
+        const PolygonMesh back = round_trip(name, mesh);
+        for (std::size_t v = 0; v < 8; ++v) {
+            EXPECT_EQ(back.origin + Vec3d(back.positions[v]), mesh.origin + Vec3d(mesh.positions[v])) << name;
+        }
+    }
+}
+
+TEST_F(MeshWriter, StlTakesANearOriginOnly) {
+    QuadMesh mesh = cuboid();
+    mesh.origin = {1, 2, 3};
+    const PolygonMesh back = round_trip("a.stl", mesh);
+    EXPECT_NEAR(volume(back), 6, 1e-5);
+    fs::remove(folder_ / "a.stl");
+    mesh.origin = {500000, 0, 0};
+    EXPECT_EQ(error_of("a.stl", mesh),
+              "cannot write " + (folder_ / "a.stl").string() +
+                  ": STL has too few digits for coordinates that far from zero; write PLY or OBJ "
+                  "instead");
+}
+
+TEST_F(MeshWriter, StlNormalsAreThoseOfTheCorners) {
+    const std::string bytes = written("a.stl", cuboid());
+    ASSERT_EQ(bytes.size(), 84u + 12 * 50);
+    for (std::size_t t = 0; t < 12; ++t) {
+        std::array<Vec3, 4> f;
+        std::memcpy(&f, bytes.data() + 84 + 50 * t, sizeof f);
+        EXPECT_NEAR(dot(f[0], normalized(cross(f[2] - f[1], f[3] - f[1]))), 1, 1e-6);
+    }
+}
+
+TEST_F(MeshWriter, Usda) {
+    QuadMesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+    mesh.quads = {{0, 1, 2, 3}};
+    const std::string text = written("a.usda", mesh);
+    for (const char* part :
+         {"#usda 1.0\n", "defaultPrim = \"tree\"", "metersPerUnit = 1\n", "upAxis = \"Z\"",
+          "extent = [(0, 0, 0), (1, 1, 0)]", "faceVertexCounts = [4]", "faceVertexIndices = [0, 1, 2, 3]",
+          "point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]",
+          "normal3f[] normals = [(0, 0, 1), (0, 0, 1), (0, 0, 1), (0, 0, 1)]",
+          "subdivisionScheme = \"none\""}) {
+        EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+    }
+    EXPECT_EQ(text.find("xformOp"), std::string::npos);
+    mesh.origin = {500000.5, 0, 2};
+    EXPECT_NE(written("a.usda", mesh).find("double3 xformOp:translate = (500000.5, 0, 2)"),
+              std::string::npos);
+}
+
+TEST_F(MeshWriter, CagesAreSubdividedByTheReader) {
+    write_cage(folder_ / "cage.usda", cuboid());
+    const std::string text = read_file(folder_ / "cage.usda");
+    EXPECT_NE(text.find("subdivisionScheme = \"catmullClark\""), std::string::npos);
+    EXPECT_EQ(text.find("normals"), std::string::npos);
+}
+
+TEST_F(MeshWriter, TheOptionGoesBeforeTheName) {
+    EXPECT_TRUE(written("a.txt", cuboid(), {.format = MeshFormat::ply}).starts_with("ply\n"));
+}
+
+TEST_F(MeshWriter, SameBytesForAnyNumberOfThreads) {
+    const QuadMesh mesh = sheet(200);
+    for (const char* name : {"a.obj", "a.ply", "a.stl", "a.glb", "a.usda"}) {
+        Context one;
+        one.threads = 1;
+        Context seven;
+        seven.threads = 7;
+        EXPECT_EQ(written(name, mesh, {}, one), written(name, mesh, {}, seven)) << name;
+    }
+}
+
+TEST_F(MeshWriter, ProgressNeverFalls) {
+    Context ctx;
+    std::vector<float> seen;
+    ctx.progress = [&](float f) { seen.push_back(f); };
+    for (const char* name : {"a.obj", "a.ply", "a.stl", "a.glb", "a.usda"}) {
+        seen.clear();
+        written(name, sheet(150), {}, ctx);
+        EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end())) << name;
+        EXPECT_EQ(seen.back(), 1.f) << name;
+    }
+}
+
+TEST_F(MeshWriter, CancellingLeavesNothing) {
+    std::stop_source stop;
+    stop.request_stop();
+    Context ctx;
+    ctx.stop = stop.get_token();
+    EXPECT_THROW(write_mesh(folder_ / "a.obj", cuboid(), {}, ctx), Cancelled);
+    EXPECT_TRUE(fs::is_empty(folder_));
+}
+
+TEST_F(MeshWriter, Errors) {
+    const std::string start = "cannot write " + folder_.string() + "/";
+    EXPECT_EQ(error_of("a.xyz", cuboid()),
+              start + "a.xyz: a mesh file must have the extension .obj, .ply, .stl, .glb or .usda");
+    EXPECT_EQ(error_of("a.off", cuboid()),
+              start + "a.off: a mesh file must have the extension .obj, .ply, .stl, .glb or .usda");
+    QuadMesh bad = cuboid();
+    bad.positions[5].y = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_EQ(error_of("a.obj", bad), start + "a.obj: vertex 5 is not finite");
+    bad = cuboid();
+    bad.origin.z = std::numeric_limits<double>::infinity();
+    EXPECT_EQ(error_of("a.obj", bad), start + "a.obj: the origin is not finite");
+    EXPECT_THROW(write_mesh(folder_ / "no" / "a.obj", cuboid()), IoError);
+}
+
+}  // namespace
+}  // namespace coppice
