@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Compares the #includes of src/coppice, app and bench with layers.txt, both ways: a module includes exactly
 the modules of its line. The CMakeLists.txt of a module lists all of its headers except *_internal.h, which no listed
-header includes. Source files have at most 600 lines.
+header includes. A CMakeLists.txt lists every source of src and test. Source files have at most 600 lines.
 
     layers_test.py [SOURCE_DIR]    prints one line per fault; exit code 1 if there is one
     layers_test.py --self-test     creates a small tree of files with known faults and expects exactly these
@@ -86,6 +86,13 @@ def header_faults(root, module):
                 yield f"{relative}:{number}: a public header includes an internal one: {line.strip()}"
 
 
+def unlisted_sources(root):
+    """Returns the sources of src, and the tests, that no CMakeLists.txt names: nothing would compile them."""
+    listed = "".join(path.read_text() for folder in ("src", "tests") for path in (root / folder).rglob("CMakeLists.txt"))
+    sources = [*(root / "src").rglob("*.cpp"), *(root / "tests").rglob("*_test.cpp")]
+    return [f"{path.relative_to(root)}: no CMakeLists.txt lists it" for path in sorted(sources) if path.name not in listed]
+
+
 def all_faults(root):
     allowed = read_layers(root / "layers.txt")
     files = list(source_files(root))
@@ -98,7 +105,7 @@ def all_faults(root):
     for module, targets in allowed.items():
         for target in sorted(targets - used.get(module, set()) - {"base", module}):
             faults.append(f"layers.txt: {module} lists {target}, which it does not include")
-    return faults
+    return faults + unlisted_sources(root)
 
 
 def self_test():
@@ -117,6 +124,8 @@ def self_test():
             "src/coppice/io/e_internal.h": "",
             "src/coppice/mesh/d.cpp": '\n  #  include <coppice/io/c.h>\n',
             "src/coppice/new/e.h": "",
+            "src/CMakeLists.txt": "c.cpp d.cpp",
+            "tests/io/c_test.cpp": "",
             "app/cli/main.cpp": '#include "coppice/io/c.h"\n',
         }
         for name, text in files.items():
@@ -133,6 +142,7 @@ def self_test():
         "src/coppice/io/e_internal.h: src/coppice/io/CMakeLists.txt must list",
         "layers.txt: io lists mesh",
         "layers.txt: app lists mesh",
+        "tests/io/c_test.cpp: no CMakeLists.txt lists it",
     ]
     if len(found) != len(expected) or any(not f.startswith(e) for f, e in zip(found, expected)):
         sys.exit("self-test: expected\n  " + "\n  ".join(expected) + "\nbut found\n  " + "\n  ".join(found))

@@ -1,6 +1,5 @@
 #include "launch.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -8,6 +7,7 @@
 #include <string_view>
 #include <system_error>
 #include <thread>
+#include <utility>
 
 #include "coppice/base/error.h"
 #include "coppice/system/program.h"
@@ -27,15 +27,12 @@ std::filesystem::path private_folder() {
 bool start(std::string_view name, const std::string& argument) {
     const auto program = find_program(name);
     if (!program) return false;
-    const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
     try {
-        const pid_t child =
-            start_program({.words = {program->string(), argument}, .output = nowhere, .apart = true});
-        std::thread([child] { wait_for_program(child); }).detach();
-        ::close(nowhere);
+        Program child(
+            {.words = {program->string(), argument}, .output = ProgramOutput::discarded, .apart = true});
+        std::thread([child = std::move(child)]() mutable { child.wait(); }).detach();
         return true;
     } catch (const IoError&) {
-        ::close(nowhere);
         return false;  // the user opens the address
     }
 }

@@ -1,30 +1,28 @@
 #include "coppice/system/program.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
+#include <signal.h>
 #include <unistd.h>
 
-#include <array>
+#include <chrono>
 #include <filesystem>
+#include <string>
+#include <utility>
 
 #include "coppice/base/error.h"
 
 namespace coppice {
 namespace {
 
-/// Output of a program and its status.
+/// Output of a program and its exit code.
 std::pair<std::string, int> printed(ProgramStart start) {
-    std::array<int, 2> ends{};
-    EXPECT_EQ(::pipe(ends.data()), 0);
-    start.output = ends[1];
-    const pid_t program = start_program(start);
-    ::close(ends[1]);
+    start.output = ProgramOutput::received;
+    Program program(start);
     std::string out;
-    std::array<char, 256> piece{};
-    for (ssize_t n = 0; (n = ::read(ends[0], piece.data(), piece.size())) > 0;)
-        out.append(piece.data(), static_cast<std::size_t>(n));
-    ::close(ends[0]);
-    return {out, wait_for_program(program)};
+    while (program.receive(out, 1 << 16, std::chrono::seconds(10))) {
+    }
+    return {out, program.wait()};
 }
 
 std::string path_of(std::string_view name) { return find_program(name).value().string(); }
@@ -62,18 +60,42 @@ TEST(Program, WorksInItsFolder) {
     EXPECT_EQ(printed({.words = {path_of("pwd")}, .folder = folder}).first, folder.string() + "\n");
 }
 
-TEST(Program, TellsHowItEnded) {
-    EXPECT_EQ(WEXITSTATUS(printed({.words = {path_of("false")}}).second), 1);
-    const pid_t program = start_program({.words = {path_of("sleep"), "60"}, .apart = true});
-    EXPECT_FALSE(ended_program(program));
-    EXPECT_EQ(::getsid(program), program);
-    ::kill(program, SIGKILL);
-    EXPECT_EQ(WTERMSIG(wait_for_program(program)), SIGKILL);
+TEST(Program, ReturnsItsExitCodeOrSignal) {
+    EXPECT_EQ(printed({.words = {path_of("false")}}).second, 1);
+    Program program({.words = {path_of("sleep"), "60"}, .apart = true});
+    EXPECT_FALSE(program.status());
+    program.kill();
+    EXPECT_EQ(program.wait(), 128 + SIGKILL);
+    EXPECT_EQ(program.status(), 128 + SIGKILL);
 }
 
-TEST(Program, ThatIsNotThereIsAnError) {
-    EXPECT_THROW(start_program({.words = {"/no/such/program"}}), IoError);
+TEST(Program, RunsInItsOwnSession) {
+    const auto session_of = [](bool apart) {
+        return printed({.words = {path_of("cut"), "-d ", "-f6", "/proc/self/stat"}, .apart = apart}).first;
+    };
+    EXPECT_EQ(session_of(false), fmt::format("{}\n", ::getsid(0)));
+    EXPECT_NE(session_of(true), session_of(false));
 }
+
+TEST(Program, ReceivesTheInputThatIsSent) {
+    Program program({.words = {path_of("cat")}, .sends_input = true, .output = ProgramOutput::received});
+    EXPECT_TRUE(program.send("one "));
+    EXPECT_TRUE(program.send("two"));
+    program.close_input();
+    std::string text;
+    while (program.receive(text, 5, std::chrono::seconds(10))) {
+    }
+    EXPECT_EQ(text, "one t");  // the rest is dropped
+    EXPECT_EQ(program.wait(), 0);
+}
+
+TEST(Program, ThatEndedIsAnErrorOfSendingWithoutASignal) {
+    Program program({.words = {path_of("true")}, .sends_input = true});
+    program.wait();
+    EXPECT_FALSE(program.send(std::string(1 << 20, 'x')));
+}
+
+TEST(Program, ThatDoesNotExistIsAnError) { EXPECT_THROW(Program({.words = {"/no/such/program"}}), IoError); }
 
 }  // namespace
 }  // namespace coppice

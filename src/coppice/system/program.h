@@ -1,7 +1,7 @@
 #pragma once
 
-#include <sys/types.h>
-
+#include <chrono>
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -14,23 +14,63 @@ namespace coppice {
 /// not exist. Searches the absolute folders of PATH.
 std::optional<std::filesystem::path> find_program(std::string_view name);
 
+/// Destination of the standard output and standard error of a program.
+enum class ProgramOutput {
+    inherited,  ///< those of this process
+    discarded,  ///< none
+    received    ///< Program::receive(); the program does not end when its output is no longer received
+};
+
 /// Options for starting a program.
 struct ProgramStart {
     std::vector<std::string> words;  ///< absolute path of the program and its arguments
-    int input = -1;                  ///< descriptor of standard input; -1: empty
-    int output = -1;  ///< descriptor of standard output and standard error; -1: those of this process
+    bool sends_input = false;        ///< whether Program::send() writes its standard input, else empty
+    ProgramOutput output = ProgramOutput::inherited;
     std::filesystem::path folder = {};          ///< working folder; empty: that of this process
     std::vector<std::string> environment = {};  ///< entries NAME=VALUE; empty: those of this process
     bool apart = false;  ///< whether it runs in its own session, detached from the terminal of this process
 };
 
-/// Starts a program in parallel, without a shell, blocked signals or inherited descriptors. Throws IoError
-/// with its name.
-pid_t start_program(const ProgramStart& start);
+/// A program that runs in parallel, started without a shell, blocked signals or inherited descriptors. It
+/// runs on after the destruction of this object, which closes its streams.
+class Program {
+  public:
+    /// Starts the program. Throws IoError with its name.
+    explicit Program(const ProgramStart& start);
 
-/// Waits until a program ends and returns its status as waitpid does.
-int wait_for_program(pid_t program);
-/// Returns the status if the program has ended, without waiting.
-std::optional<int> ended_program(pid_t program);
+    /// Writes to its standard input; returns false if the program no longer reads it.
+    bool send(std::string_view bytes);
+    void close_input() { input_.close(); }  ///< ends its standard input
+
+    /// Waits at most `wait` for output, and appends it to `text` up to `max_size` bytes; the rest is dropped.
+    /// Returns false at the end of the output.
+    bool receive(std::string& text, std::size_t max_size, std::chrono::milliseconds wait);
+
+    /// Returns the exit code if the program has ended, or 128 plus the number of the signal that ended it.
+    std::optional<int> status();
+    int wait();   ///< waits until the program ends; returns the same
+    void kill();  ///< ends the program, and its session if it runs apart
+
+  private:
+    /// A file descriptor that is closed on destruction.
+    class Descriptor {
+      public:
+        Descriptor() = default;
+        explicit Descriptor(int number) : number_(number) {}
+        Descriptor(Descriptor&& other) noexcept;
+        Descriptor& operator=(Descriptor&& other) noexcept;
+        ~Descriptor() { close(); }
+        void close();
+        int get() const { return number_; }
+
+      private:
+        int number_ = -1;
+    };
+
+    Descriptor input_, output_;
+    int process_ = -1;  ///< id of the process
+    bool apart_ = false;
+    std::optional<int> status_;
+};
 
 }  // namespace coppice

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <sys/types.h>
-
 #include <filesystem>
+#include <optional>
 
 #include "coppice/render/image.h"
+#include "coppice/system/program.h"
 
 namespace coppice {
 
@@ -30,12 +30,11 @@ class Film {
     void finish();
 
   private:
-    void start(const Image& first);
+    Program start(const Image& first) const;
 
     std::filesystem::path path_, unfinished_;
     double rate_;
-    pid_t process_ = -1;
-    int input_ = -1;  ///< a socket, so that a terminated program is an error instead of a signal
+    std::optional<Program> encoder_;
 };
 
 }  // namespace coppice
