@@ -4,31 +4,43 @@
 
 #include <set>
 #include <string>
-#include <type_traits>
+#include <vector>
 
-#include "coppice/base/fields.h"
+#include "coppice/base/check_fields.h"
 
 namespace coppice::test {
 
-/// Checks that every member of an option struct is visited once, and has a unique name, a help text and a
+/// Returns the number of bytes of the members; enums have the size of an int.
+inline std::size_t size_of(const std::vector<OptionField>& members) {
+    std::size_t bytes = 0;
+    for (const OptionField& member : members) {
+        bytes += std::visit(
+            []<class Ref>(const Ref& ref) {
+                if constexpr (std::is_same_v<Ref, std::vector<OptionField>>)
+                    return size_of(ref);
+                else if constexpr (std::is_same_v<Ref, ChoiceRef>)
+                    return sizeof(int);
+                else
+                    return sizeof(*ref);
+            },
+            member.ref);
+    }
+    return bytes;
+}
+
+/// Checks that every member of an option struct is listed once, and has a unique name, a help text and a
 /// default in range. `padding`: bytes of the struct that belong to no member.
 template <class Options>
 void expect_described(std::size_t padding = 0) {
-    const Options options;
+    Options options;
     std::set<std::string> names;
-    std::size_t bytes = padding;
-    visit_fields(options, [&](const Field& field, const auto& value) {
-        using T = std::remove_cvref_t<decltype(value)>;
-        EXPECT_TRUE(names.emplace(field.name).second) << field.name;
-        EXPECT_FALSE(field.help.empty()) << field.name;
-        bytes += sizeof(value);
-        if constexpr (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) {
-            // A bound may be a decimal that the type cannot represent.
-            EXPECT_GE(value, static_cast<T>(field.low)) << field.name;
-            EXPECT_LE(value, static_cast<T>(field.high)) << field.name;
-        }
-    });
-    EXPECT_EQ(bytes, sizeof(Options));
+    const std::vector<OptionField> members = option_fields(options);
+    for (const OptionField& member : members) {
+        EXPECT_TRUE(names.emplace(member.field.name).second) << member.field.name;
+        EXPECT_FALSE(member.field.help.empty()) << member.field.name;
+    }
+    EXPECT_EQ(size_of(members) + padding, sizeof(Options));
+    EXPECT_NO_THROW(check_fields(options, "options"));
 }
 
 }  // namespace coppice::test

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "coppice/base/error.h"
-#include "coppice/options/option_fields.h"
+#include "coppice/base/option_fields.h"
 
 namespace coppice::cli {
 

@@ -1,5 +1,7 @@
 #include "coppice/base/check_fields.h"
 
+#include "coppice/base/option_fields.h"
+
 #include <gtest/gtest.h>
 
 #include <array>
@@ -18,11 +20,9 @@ struct ChiselOptions {
     Wood handle = Wood::oak;
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, ChiselOptions>
-constexpr void visit_fields(Self& options, Visitor&& visit) {
-    visit(Field{"width", "how wide", Unit::metre, 0, 2}, options.width);
-    visit(Field{"handle", "Material of the carving."}, options.handle);
+void list_fields(ChiselOptions& options, FieldList& list) {
+    list.add(Field{"width", "how wide", Unit::metre, 0, 2}, options.width);
+    list.add(Field{"handle", "Material of the carving."}, options.handle);
 }
 
 }  // namespace
@@ -42,14 +42,12 @@ struct CarveOptions {
     ChiselOptions chisel;
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, CarveOptions>
-constexpr void visit_fields(Self& options, Visitor&& visit) {
-    visit(Field{"count", "how many notches", Unit::none, 1, 8}, options.count);
-    visit(Field{"depth", "how deep", Unit::metre, 0.5, 0.7}, options.depth);
-    visit(Field{"lean", "how far to lean; any number"}, options.lean);
-    visit(Field{"polish", "whether to polish"}, options.polish);
-    visit(Field{"chisel", "Tool of the carving."}, options.chisel);
+void list_fields(CarveOptions& options, FieldList& list) {
+    list.add(Field{"count", "how many notches", Unit::none, 1, 8}, options.count);
+    list.add(Field{"depth", "how deep", Unit::metre, 0.5, 0.7}, options.depth);
+    list.add(Field{"lean", "how far to lean; any number"}, options.lean);
+    list.add(Field{"polish", "whether to polish"}, options.polish);
+    list.add(Field{"chisel", "Tool of the carving."}, options.chisel);
 }
 
 std::string complaint(const CarveOptions& options) {

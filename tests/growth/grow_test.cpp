@@ -375,25 +375,24 @@ TEST(Grow, RefusesOptionsOutOfRangeByName) {
                 kHuge = std::numeric_limits<float>::infinity();
     GrowOptions probe;
     std::vector<std::string> names;
-    visit_fields(probe, [&](const Field& f, const auto&) { names.emplace_back(f.name); });
+    for (const OptionField& member : option_fields(probe)) names.emplace_back(member.field.name);
     for (const std::string& name : names) {
         for (int which = 0; which < 4; ++which) {
             GrowOptions options;
             bool skip = false;
-            visit_fields(options, [&](const Field& f, auto& value) {
-                using T = std::remove_cvref_t<decltype(value)>;
-                if (f.name != name) return;
-                if constexpr (std::is_same_v<T, float>) {
+            for (const auto& [f, ref] : option_fields(options)) {
+                if (f.name != name) continue;
+                if (auto* const* real = std::get_if<float*>(&ref)) {
                     const float bad[]{kNan, kHuge, -kHuge, static_cast<float>(f.low) - 1};
-                    value = bad[which];
-                } else if constexpr (std::is_same_v<T, int>) {
+                    **real = bad[which];
+                } else if (auto* const* whole = std::get_if<int*>(&ref)) {
                     // The maximum seed is the maximum integer.
                     skip = f.high >= 2147483647 && which == 0;
-                    value = which == 0 ? std::numeric_limits<int>::max() : -which;
+                    **whole = which == 0 ? std::numeric_limits<int>::max() : -which;
                 } else {
                     skip = true;
                 }
-            });
+            }
             if (skip) continue;
             const std::string error = test::error_of([&] { grow_at_origin({{0, 0, 1}}, options); });
             EXPECT_NE(error.find(name), std::string::npos) << name << " " << which << ": " << error;

@@ -1,5 +1,7 @@
 #include "coppice/options/json.h"
 
+#include "coppice/base/option_fields.h"
+
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -16,10 +18,8 @@ struct Inner {
     float depth = 0.1f;
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, Inner>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"depth", "how deep", Unit::metre, 0.1, 2}, o.depth);
+void list_fields(Inner& o, FieldList& list) {
+    list.add(Field{"depth", "how deep", Unit::metre, 0.1, 2}, o.depth);
 }
 
 }  // namespace
@@ -40,15 +40,13 @@ struct Sample {
     std::vector<std::string> words;
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, Sample>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(common_field("count", "Number of items.", Unit::none, 1, 9), o.count);
-    visit(Field{"open", "Opens it."}, o.open);
-    visit(Field{"shade", "Shade of the item."}, o.shade);
-    visit(Field{"inner", "Contents"}, o.inner);
-    visit(Field{"place", "Position of the item.", Unit::metre}, o.place);
-    visit(Field{"words", "Names of the item."}, o.words);
+void list_fields(Sample& o, FieldList& list) {
+    list.add(common_field("count", "Number of items.", Unit::none, 1, 9), o.count);
+    list.add(Field{"open", "Opens it."}, o.open);
+    list.add(Field{"shade", "Shade of the item."}, o.shade);
+    list.add(Field{"inner", "Contents"}, o.inner);
+    list.add(Field{"place", "Position of the item.", Unit::metre}, o.place);
+    list.add(Field{"words", "Names of the item."}, o.words);
 }
 
 Json json_of(Sample sample) { return to_json(option_fields(sample)); }

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "coppice/base/error.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/options/json.h"
 
 namespace coppice {
@@ -13,10 +14,8 @@ struct Bounds {
     float low = 1;
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, Bounds>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"min_diameter", "Minimum diameter.", Unit::metre, 0, 10}, o.low);
+void list_fields(Bounds& o, FieldList& list) {
+    list.add(Field{"min_diameter", "Minimum diameter.", Unit::metre, 0, 10}, o.low);
 }
 
 float low_of(const char* json) {

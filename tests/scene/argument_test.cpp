@@ -48,7 +48,8 @@ TEST(SceneArgument, AnglesAreTypedInDegrees) {
 }
 
 TEST(SceneArgument, ChoicesMayBeCutShortWhereOnlyOneBeginsSo) {
-    const Argument a = argument_of(Field{"pattern", "how"}, PointPattern::uniform);
+    auto pattern = PointPattern::uniform;
+    const Argument a = argument_of({Field{"pattern", "how"}, choice_of(pattern)});
     EXPECT_EQ(parse_argument(a, "poisson").text, "poisson_disk");
     EXPECT_EQ(a.initial, "uniform");
     EXPECT_EQ(
@@ -99,19 +100,21 @@ void expect_defaults_to_come_back(const std::map<std::string, std::string>& rena
     for (const Argument& a : arguments) EXPECT_TRUE(names.insert(a.name).second) << a.name;
     Options options;
     std::size_t members = 0;
-    visit_members(options, "x", [&](const std::string& path, const Field&, auto& value) {
-        using T = std::remove_cvref_t<decltype(value)>;
+    visit_members(option_fields(options), "x", [&](const std::string& path, const OptionField& member) {
         const auto found = std::ranges::find(arguments, path, &Argument::field);
         ASSERT_NE(found, arguments.end()) << path;
         ++members;
-        if constexpr (std::is_same_v<T, std::optional<Vec3d>>) {
+        if (std::holds_alternative<std::optional<Vec3d>*>(member.ref)) {
             EXPECT_TRUE(found->initial.empty()) << path;
             EXPECT_EQ(parse_argument(*found, "1,-2,0.5").numbers, (std::vector<double>{1, -2, 0.5})) << path;
             return;
         }
         const ArgumentValue read = parse_argument(*found, found->initial);
-        if constexpr (std::is_same_v<T, float> || std::is_same_v<T, int>) {
-            EXPECT_EQ(static_cast<T>(in_library_unit(*found, read.numbers.at(0))), value) << path;
+        const auto number = [&] { return in_library_unit(*found, read.numbers.at(0)); };
+        if (const auto* real = std::get_if<float*>(&member.ref)) {
+            EXPECT_EQ(static_cast<float>(number()), **real) << path;
+        } else if (const auto* whole = std::get_if<int*>(&member.ref)) {
+            EXPECT_EQ(static_cast<int>(number()), **whole) << path;
         }
     });
     EXPECT_EQ(members, arguments.size());

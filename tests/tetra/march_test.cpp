@@ -10,6 +10,7 @@
 
 #include "coppice/mesh/topology.h"
 #include "coppice/tetra/march/snapping_internal.h"
+#include "described_options.h"
 #include "tetra/support.h"
 #include "tetra/surfaces.h"
 
@@ -513,14 +514,7 @@ TEST(March, FillsABubbleOfOneVertex) {
 }
 
 TEST(March, OptionsAreDescribedAndChecked) {
-    std::size_t bytes = 0;
-    const MarchOptions defaults;
-    visit_fields(defaults, [&](const Field& field, const auto& value) {
-        bytes += sizeof(value);
-        EXPECT_GE(value, field.low);
-        EXPECT_LE(value, field.high);
-    });
-    EXPECT_EQ(bytes, sizeof(MarchOptions));
+    test::expect_described<MarchOptions>();
 
     const TetraMesh mesh = bcc_block({2, 2, 2}, 1, {0, 0, 0});
     const auto field = ball_field({1, 1, 1}, 0.2f);

@@ -6,12 +6,12 @@
 
 #include "command.h"
 #include "coppice/base/fields.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/io_sketch/sketch_file.h"
 #include "coppice/measure/intersections.h"
 #include "coppice/measure/radius.h"
 #include "coppice/measure/surface_tree.h"
 #include "coppice/mesh/topology.h"
-#include "coppice/options/option_fields.h"
 #include "coppice/points/spacing.h"
 #include "coppice/render/picture.h"
 #include "coppice/render/png.h"

@@ -42,12 +42,10 @@ constexpr std::string_view name_of(E value) {
     return EnumNames<E>::names[static_cast<std::size_t>(value)];
 }
 
-/// An option struct O describes itself through a free function
-///     template <class Self, class Visitor> requires SameOptions<Self, O>
-///     constexpr void visit_fields(Self& options, Visitor&& visit);
-/// which calls visit(Field, member) once for every member: bool, int, float, or a NamedEnum. Command line,
-/// JSON and schema are all derived from it.
-template <class Self, class O>
-concept SameOptions = std::is_same_v<std::remove_const_t<Self>, O>;
+/// The members of an option struct, see option_fields.h. An option struct O is listed by a free function
+///     void list_fields(O& options, FieldList& list);
+/// in its namespace, which calls list.add(Field, member) for every member. Command line, JSON and schema are
+/// all derived from it.
+class FieldList;
 
 }  // namespace coppice

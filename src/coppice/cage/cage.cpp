@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "coppice/base/compressed_rows.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/base/parallel.h"
 #include "coppice/cage/hub_internal.h"
 #include "coppice/cage/openings_internal.h"
@@ -459,6 +460,16 @@ ControlMesh build_control_mesh(const Skeleton& skeleton, std::span<const NodeId>
         throw InvalidInput(fmt::format("control: sides must be 4, 8 or 16, but is {}", options.sides));
     }
     return CageBuilder(skeleton, source, round_roots, joins, options, ctx).build();
+}
+
+void list_fields(ControlOptions& o, FieldList& list) {
+    list.add(common_field(
+                 "sides",
+                 "Number of quads around a branch before subdivision: 4, 8 or 16, or 3 to 32 for cylinders.",
+                 Unit::none, 3, 32),
+             o.sides);
+    list.add(common_field("tips", "Shape of the ends of branches."), o.tips);
+    list.add(Field{"base", "Shape of the end of a tree at a root with one child."}, o.base);
 }
 
 }  // namespace coppice

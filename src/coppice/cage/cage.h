@@ -28,17 +28,8 @@ struct ControlOptions {
     BaseShape base = BaseShape::flat;  ///< shape of the end of a tree at a root with one child
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, ControlOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(common_field(
-              "sides",
-              "Number of quads around a branch before subdivision: 4, 8 or 16, or 3 to 32 for cylinders.",
-              Unit::none, 3, 32),
-          o.sides);
-    visit(common_field("tips", "Shape of the ends of branches."), o.tips);
-    visit(Field{"base", "Shape of the end of a tree at a root with one child."}, o.base);
-}
+/// Lists the members for front ends.
+void list_fields(ControlOptions& o, FieldList& list);
 
 /// Builds a coarse cage of quads around a skeleton: closed (except for an open base), manifold and oriented
 /// for every skeleton, one sphere per tree, in O(n) and in parallel.

@@ -7,6 +7,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/compose/branch_frame_internal.h"
 #include "coppice/skeleton/measure.h"
 
@@ -92,6 +93,12 @@ std::vector<ChildTree> child_trees_at(const Skeleton& skeleton, const std::vecto
         out.push_back(cutter.cut(n));
     }
     return out;
+}
+
+void list_fields(ChildTreeOptions& o, FieldList& list) {
+    list.add(Field{"leaders", "Include branches that continue their parent branch."}, o.leaders);
+    list.add(Field{"min_length", "Minimum total length of the segments of a branch.", Unit::metre, 0, 1e6},
+             o.min_length);
 }
 
 }  // namespace coppice

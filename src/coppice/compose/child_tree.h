@@ -40,13 +40,8 @@ struct ChildTreeOptions {
     float min_length = 0;  ///< [m] minimum total length of all segments
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, ChildTreeOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"leaders", "Include branches that continue their parent branch."}, o.leaders);
-    visit(Field{"min_length", "Minimum total length of the segments of a branch.", Unit::metre, 0, 1e6},
-          o.min_length);
-}
+/// Lists the members for front ends.
+void list_fields(ChildTreeOptions& o, FieldList& list);
 
 /// Extracts every child branch of every branch node, in order of the nodes. Throws InvalidInput if an option
 /// is out of range. Time and memory are proportional to the size of the result; a node is copied once for

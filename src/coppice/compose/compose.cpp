@@ -9,6 +9,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/base/random.h"
 #include "coppice/compose/composed_tree_internal.h"
 
@@ -219,6 +220,62 @@ ComposeResult TreeComposer::compose(const Skeleton& host, std::uint64_t seed, co
                                     const Context& ctx) const {
     const std::span<const Entry> all(entries_);
     return Composing(all.first(laterals_), all.subspan(laterals_), options_, host, seed, crown).run(ctx);
+}
+
+void list_fields(ComposeOptions& o, FieldList& list) {
+    list.add(common_field("probability", "Probability that a branch on a main axis is replaced.", Unit::none,
+                          0, 1),
+             o.probability);
+    list.add(Field{"probability_falloff", "Factor on the probability for each further branch order.",
+                   Unit::none, 0, 1},
+             o.probability_falloff);
+    list.add(
+        common_field("depth",
+                     "Number of replacement passes: 1 replaces branches of the template, 2 also branches "
+                     "of the inserted ones, and so on.",
+                     Unit::none, 1, 20),
+        o.depth);
+    list.add(Field{"tolerance",
+                   "Maximum relative difference of length between a branch and the one that it replaces.",
+                   Unit::none, 0, 100},
+             o.tolerance);
+    list.add(Field{"order_tolerance",
+                   "Maximum difference in the number of branch orders between a branch and the one that it "
+                   "replaces.",
+                   Unit::none, 0, 100},
+             o.order_tolerance);
+    list.add(Field{"pose",
+                   "Direction of inserted branches: that of the replaced branch, or its azimuth with the "
+                   "inclination to their own parent branch."},
+             o.pose);
+    list.add(Field{"turn", "Maximum random deviation of the directions of branches.", Unit::radian, 0, 3.15},
+             o.turn);
+    list.add(Field{"roll", "Maximum random roll of branches about themselves.", Unit::radian, 0, 3.15},
+             o.roll);
+    list.add(Field{"phototropism",
+                   "Fraction by which the directions of branches are interpolated towards vertical.",
+                   Unit::none, 0, 1},
+             o.phototropism);
+    list.add(
+        common_field("radii",
+                     "Radii of inserted branches: scaled to the branch replaced, by the length that each "
+                     "node carries, or by the pipe model."),
+        o.radii);
+    list.add(Field{"pipe_exponent", "Exponent of the pipe model for scaled and pipes.", Unit::none, 2, 3},
+             o.pipe_exponent);
+    list.add(
+        Field{"clearance",
+              "Minimum distance between axes as a multiple of the sum of their radii; 0 disables the test.",
+              Unit::none, 0, 100},
+        o.clearance);
+    list.add(Field{"tries", "Maximum number of candidate branches and rolls for each replacement.",
+                   Unit::none, 1, 1000},
+             o.tries);
+    list.add(
+        Field{"max_nodes",
+              "Maximum number of nodes, including nodes of replaced branches; a larger tree is an error.",
+              Unit::none, 1, 5e7},
+        o.max_nodes);
 }
 
 }  // namespace coppice

@@ -60,58 +60,8 @@ struct ComposeOptions {
     int max_nodes = 50'000'000;  ///< maximum number of nodes; exceeding it is an error
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, ComposeOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(common_field("probability", "Probability that a branch on a main axis is replaced.", Unit::none, 0,
-                       1),
-          o.probability);
-    visit(Field{"probability_falloff", "Factor on the probability for each further branch order.", Unit::none,
-                0, 1},
-          o.probability_falloff);
-    visit(common_field("depth",
-                       "Number of replacement passes: 1 replaces branches of the template, 2 also branches "
-                       "of the inserted ones, and so on.",
-                       Unit::none, 1, 20),
-          o.depth);
-    visit(Field{"tolerance",
-                "Maximum relative difference of length between a branch and the one that it replaces.",
-                Unit::none, 0, 100},
-          o.tolerance);
-    visit(Field{"order_tolerance",
-                "Maximum difference in the number of branch orders between a branch and the one that it "
-                "replaces.",
-                Unit::none, 0, 100},
-          o.order_tolerance);
-    visit(Field{"pose",
-                "Direction of inserted branches: that of the replaced branch, or its azimuth with the "
-                "inclination to their own parent branch."},
-          o.pose);
-    visit(Field{"turn", "Maximum random deviation of the directions of branches.", Unit::radian, 0, 3.15},
-          o.turn);
-    visit(Field{"roll", "Maximum random roll of branches about themselves.", Unit::radian, 0, 3.15}, o.roll);
-    visit(Field{"phototropism",
-                "Fraction by which the directions of branches are interpolated towards vertical.", Unit::none,
-                0, 1},
-          o.phototropism);
-    visit(common_field("radii",
-                       "Radii of inserted branches: scaled to the branch replaced, by the length that each "
-                       "node carries, or by the pipe model."),
-          o.radii);
-    visit(Field{"pipe_exponent", "Exponent of the pipe model for scaled and pipes.", Unit::none, 2, 3},
-          o.pipe_exponent);
-    visit(Field{"clearance",
-                "Minimum distance between axes as a multiple of the sum of their radii; 0 disables the test.",
-                Unit::none, 0, 100},
-          o.clearance);
-    visit(Field{"tries", "Maximum number of candidate branches and rolls for each replacement.", Unit::none,
-                1, 1000},
-          o.tries);
-    visit(Field{"max_nodes",
-                "Maximum number of nodes, including nodes of replaced branches; a larger tree is an error.",
-                Unit::none, 1, 5e7},
-          o.max_nodes);
-}
+/// Lists the members for front ends.
+void list_fields(ComposeOptions& o, FieldList& list);
 
 /// Counts of branches selected for replacement and of their outcomes.
 struct ComposeReport {

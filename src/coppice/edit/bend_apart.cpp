@@ -6,6 +6,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/kernel/segment_distance.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/progress.h"
 #include "coppice/edit/parts_internal.h"
@@ -263,6 +264,17 @@ EditChange bend_apart(EditableTree& tree, const NodeSet& nodes, const BendApartO
         if (to != forest.position(n)) edit.move(forest.stable_id(n), to);
     }
     return edit.commit();
+}
+
+void list_fields(BendApartOptions& o, FieldList& list) {
+    list.add(
+        Field{"gap",
+              "Gap between the surfaces of branches of two trees, as a multiple of the sum of their radii.",
+              Unit::none, 0, 10},
+        o.gap);
+    list.add(
+        Field{"rounds", "Maximum number of rounds that find and resolve contacts.", Unit::none, 1, 10'000},
+        o.rounds);
 }
 
 }  // namespace coppice

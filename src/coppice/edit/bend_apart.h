@@ -16,16 +16,8 @@ struct BendApartOptions {
     int rounds = 60;   ///< maximum number of rounds that find and resolve contacts; in [1, 10000]
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, BendApartOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"gap",
-                "Gap between the surfaces of branches of two trees, as a multiple of the sum of their radii.",
-                Unit::none, 0, 10},
-          o.gap);
-    visit(Field{"rounds", "Maximum number of rounds that find and resolve contacts.", Unit::none, 1, 10'000},
-          o.rounds);
-}
+/// Lists the members for front ends.
+void list_fields(BendApartOptions& o, FieldList& list);
 
 /// Counts of overlaps and moved nodes.
 struct BendApartReport {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "coppice/base/option_fields.h"
 #include "coppice/edit/parts_internal.h"
 
 namespace coppice {
@@ -148,6 +149,42 @@ EditChange resample(EditableTree& tree, const NodeSet& nodes, double spacing) {
     TreeEdit edit(tree);
     for (const StableId end : ends_of_runs(tree, nodes)) resample_run(edit, tree, nodes, end, spacing);
     return edit.commit();
+}
+
+void list_fields(PruneOptions& o, FieldList& list) {
+    list.add(
+        Field{"radius", "Minimum radius of axes, which are cut where they are thinner; 0 disables the cut.",
+              Unit::metre, 0, 1e6},
+        o.radius);
+    list.add(
+        Field{"length",
+              "Minimum length of the longest path from the base of a branch to a tip; shorter branches are "
+              "removed; 0 disables the criterion.",
+              Unit::metre, 0, 1e6},
+        o.length);
+    list.add(
+        Field{"order",
+              "Maximum order of branches; branches of higher order are removed; -1 disables the criterion.",
+              Unit::none, -1, 1e6},
+        o.order);
+    list.add(
+        Field{"shade",
+              "Maximum shade; branches with more shade at every tip are removed; five tips directly above "
+              "make 1; 0 disables the criterion.",
+              Unit::none, 0, 1e6},
+        o.shade);
+    list.add(
+        Field{"shade_share",
+              "Fraction of the most shaded tips; branches with only such tips are removed; 0 disables the "
+              "criterion.",
+              Unit::none, 0, 1},
+        o.shade_share);
+    list.add(
+        Field{"shade_cell",
+              "Edge length of the grid cells in which shade is computed; 0 uses 1/50 of the extent of the "
+              "tree.",
+              Unit::metre, 0, 1e6},
+        o.shade_cell);
 }
 
 }  // namespace coppice

@@ -45,37 +45,8 @@ struct PruneOptions {
                            ///< maximum extent of the tree
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, PruneOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"radius", "Minimum radius of axes, which are cut where they are thinner; 0 disables the cut.",
-                Unit::metre, 0, 1e6},
-          o.radius);
-    visit(Field{"length",
-                "Minimum length of the longest path from the base of a branch to a tip; shorter branches are "
-                "removed; 0 disables the criterion.",
-                Unit::metre, 0, 1e6},
-          o.length);
-    visit(Field{"order",
-                "Maximum order of branches; branches of higher order are removed; -1 disables the criterion.",
-                Unit::none, -1, 1e6},
-          o.order);
-    visit(Field{"shade",
-                "Maximum shade; branches with more shade at every tip are removed; five tips directly above "
-                "make 1; 0 disables the criterion.",
-                Unit::none, 0, 1e6},
-          o.shade);
-    visit(Field{"shade_share",
-                "Fraction of the most shaded tips; branches with only such tips are removed; 0 disables the "
-                "criterion.",
-                Unit::none, 0, 1},
-          o.shade_share);
-    visit(Field{"shade_cell",
-                "Edge length of the grid cells in which shade is computed; 0 uses 1/50 of the extent of the "
-                "tree.",
-                Unit::metre, 0, 1e6},
-          o.shade_cell);
-}
+/// Lists the members for front ends.
+void list_fields(PruneOptions& o, FieldList& list);
 
 /// Removes the branches that meet a criterion, among the selected nodes; roots are kept. Each tip casts shade
 /// into a pyramid below it, decreasing with depth [Palubicki2009]. O(n).

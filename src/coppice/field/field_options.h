@@ -57,56 +57,7 @@ struct FieldOptions {
     int weight_averaging = 0;
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, FieldOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"kernel", "Kernel that is integrated along the segments."}, o.kernel);
-    visit(Field{"support",
-                "Distance at which the influence of a segment ends, for the quartic kernel and balls.",
-                Unit::radius, 1.1, 4},
-          o.support);
-    visit(Field{"kernel_width", "Sharpness of the Cauchy kernel, times the reciprocal of the radius.",
-                Unit::none, 0.5, 8},
-          o.width);
-    visit(Field{"ball_bulge", "Maximum difference of the radii of a long branch, at and between balls.",
-                Unit::radius, 0.0005, 0.5},
-          o.ball_bulge);
-    visit(Field{"reach", "Distance beyond which segments are ignored, for the Cauchy kernel.", Unit::radius,
-                1.5, 32},
-          o.reach);
-    visit(Field{"tip_extension",
-                "Length of the skeleton line beyond tips; a negative value makes round tips of one radius.",
-                Unit::radius, -1, 4},
-          o.tip_extension);
-    visit(Field{"root_extension",
-                "Length of the skeleton line below roots; a negative value makes round ends as at tips.",
-                Unit::radius, -1, 4},
-          o.root_extension);
-    visit(Field{"blend",
-                "Exponent that combines axes: 1 is the plain sum; 2, 4 and 8 make increasingly tight forks.",
-                Unit::none, 1, 8},
-          o.blend);
-    visit(Field{"contact",
-                "Strength with which branches that would cross repel each other; 0 disables the contact.",
-                Unit::none, 0, 10},
-          o.contact);
-    visit(Field{"radius_scale",
-                "Factor on all radii; 0 uses the factor at which rings of quads have the area of the "
-                "specified circles, 1 places vertices at the radius.",
-                Unit::none, 0, 2},
-          o.radius_scale);
-    visit(Field{"weights",
-                "Weights of the segments: local weights treat each segment as if it were alone; global "
-                "weights are fitted together to points on the given surface, by the plain sum of all "
-                "segments (blend 1 is used)."},
-          o.weights);
-    visit(Field{"constraint_density", "Mean number of points per segment to which global weights are fitted.",
-                Unit::none, 4, 256},
-          o.constraint_density);
-    visit(Field{"weight_averaging",
-                "Number of times that fitted global weights are averaged with those of adjacent segments.",
-                Unit::none, 0, 100},
-          o.weight_averaging);
-}
+/// Lists the members for front ends.
+void list_fields(FieldOptions& o, FieldList& list);
 
 }  // namespace coppice

@@ -11,6 +11,7 @@
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
 #include "coppice/base/id.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/progress.h"
 #include "coppice/base/random.h"
@@ -395,6 +396,43 @@ GrowResult grow(const GrowInput& input, const GrowOptions& options, const Contex
     if (g.attractors.spent() == g.attractors.size()) stop = StopReason::attractors_spent;
     ctx.report(1);
     return {make_skeleton(g), stop, iteration, g.stalls, g.dropped, g.attractors.remaining()};
+}
+
+void list_fields(GrowOptions& o, FieldList& list) {
+    list.add(Field{"influence_radius", "Distance within which attractors pull.", Unit::metre, 1e-6, 1e6},
+             o.influence_radius);
+    list.add(Field{"kill_radius", "Distance within which attractors are spent.", Unit::metre, 1e-6, 1e6},
+             o.kill_radius);
+    list.add(Field{"step", "Length of new segments.", Unit::metre, 1e-6, 1e4}, o.step);
+    list.add(Field{"tropism_x", "Preferred direction of branches, x component.", Unit::none, -1, 1},
+             o.tropism_x);
+    list.add(Field{"tropism_y", "Preferred direction of branches, y component.", Unit::none, -1, 1},
+             o.tropism_y);
+    list.add(Field{"tropism_z", "Preferred direction of branches, z component.", Unit::none, -1, 1},
+             o.tropism_z);
+    list.add(Field{"tropism_weight", "Weight of the preferred direction relative to the attractors.",
+                   Unit::none, 0, 10},
+             o.tropism_weight);
+    list.add(Field{"jitter", "Weight of a random direction relative to the attractors.", Unit::none, 0, 10},
+             o.jitter);
+    list.add(Field{"min_spacing", "Minimum distance between nodes in steps.", Unit::none, 0.01, 0.9},
+             o.min_spacing);
+    list.add(
+        Field{"max_turn", "Maximum angle between a segment and the previous one.", Unit::radian, 0.05, 3.15},
+        o.max_turn);
+    list.add(Field{"max_children", "Maximum number of segments that start at a node; 0 means unlimited.",
+                   Unit::none, 0, 1000},
+             o.max_children);
+    list.add(Field{"bud_interval",
+                   "Interval of the nodes along an axis at which laterals may start; 1 uses every node.",
+                   Unit::none, 1, 10'000},
+             o.bud_interval);
+    list.add(Field{"trunk", "Let roots out of reach of the attractors grow towards the nearest one."},
+             o.trunk);
+    list.add(Field{"max_nodes", "Number of nodes at which growth stops.", Unit::none, 1, 1e8}, o.max_nodes);
+    list.add(Field{"max_iterations", "Number of iterations at which growth stops.", Unit::none, 0, 1e9},
+             o.max_iterations);
+    list.add(Field{"seed", "Seed of the random directions.", Unit::none, 0, 2147483647}, o.seed);
 }
 
 }  // namespace coppice

@@ -35,43 +35,8 @@ struct GrowOptions {
     int seed = 0;                  ///< of the jitter; in [0, 2^31 - 1]
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, GrowOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"influence_radius", "Distance within which attractors pull.", Unit::metre, 1e-6, 1e6},
-          o.influence_radius);
-    visit(Field{"kill_radius", "Distance within which attractors are spent.", Unit::metre, 1e-6, 1e6},
-          o.kill_radius);
-    visit(Field{"step", "Length of new segments.", Unit::metre, 1e-6, 1e4}, o.step);
-    visit(Field{"tropism_x", "Preferred direction of branches, x component.", Unit::none, -1, 1},
-          o.tropism_x);
-    visit(Field{"tropism_y", "Preferred direction of branches, y component.", Unit::none, -1, 1},
-          o.tropism_y);
-    visit(Field{"tropism_z", "Preferred direction of branches, z component.", Unit::none, -1, 1},
-          o.tropism_z);
-    visit(Field{"tropism_weight", "Weight of the preferred direction relative to the attractors.", Unit::none,
-                0, 10},
-          o.tropism_weight);
-    visit(Field{"jitter", "Weight of a random direction relative to the attractors.", Unit::none, 0, 10},
-          o.jitter);
-    visit(Field{"min_spacing", "Minimum distance between nodes in steps.", Unit::none, 0.01, 0.9},
-          o.min_spacing);
-    visit(
-        Field{"max_turn", "Maximum angle between a segment and the previous one.", Unit::radian, 0.05, 3.15},
-        o.max_turn);
-    visit(Field{"max_children", "Maximum number of segments that start at a node; 0 means unlimited.",
-                Unit::none, 0, 1000},
-          o.max_children);
-    visit(Field{"bud_interval",
-                "Interval of the nodes along an axis at which laterals may start; 1 uses every node.",
-                Unit::none, 1, 10'000},
-          o.bud_interval);
-    visit(Field{"trunk", "Let roots out of reach of the attractors grow towards the nearest one."}, o.trunk);
-    visit(Field{"max_nodes", "Number of nodes at which growth stops.", Unit::none, 1, 1e8}, o.max_nodes);
-    visit(Field{"max_iterations", "Number of iterations at which growth stops.", Unit::none, 0, 1e9},
-          o.max_iterations);
-    visit(Field{"seed", "Seed of the random directions.", Unit::none, 0, 2147483647}, o.seed);
-}
+/// Lists the members for front ends.
+void list_fields(GrowOptions& o, FieldList& list);
 
 /// The start of a tree.
 struct Root {

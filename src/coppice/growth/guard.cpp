@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "coppice/base/check_fields.h"
+#include "coppice/base/option_fields.h"
 
 namespace coppice {
 namespace {
@@ -79,6 +80,16 @@ std::optional<Vec3> Guard::step(Vec3 from, Vec3 direction, float length) const {
         end = from + normalized(way, direction) * length;
     }
     return std::nullopt;
+}
+
+void list_fields(GuardOptions& o, FieldList& list) {
+    list.add(Field{"guard_side", "Side of the guarding solid on which branches stay."}, o.side);
+    list.add(Field{"guard_shell", "Maximum difference from the iso value on that side; 0 means unlimited.",
+                   Unit::none, 0, 1e6},
+             o.shell);
+    list.add(
+        Field{"guard_clearance", "Minimum distance of axes from the guarding surface.", Unit::metre, 0, 1e4},
+        o.clearance);
 }
 
 }  // namespace coppice

@@ -27,17 +27,8 @@ struct GuardOptions {
                           ///< by slope; in [0, 1e4]
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, GuardOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"guard_side", "Side of the guarding solid on which branches stay."}, o.side);
-    visit(Field{"guard_shell", "Maximum difference from the iso value on that side; 0 means unlimited.",
-                Unit::none, 0, 1e6},
-          o.shell);
-    visit(
-        Field{"guard_clearance", "Minimum distance of axes from the guarding surface.", Unit::metre, 0, 1e4},
-        o.clearance);
-}
+/// Lists the members for front ends.
+void list_fields(GuardOptions& o, FieldList& list);
 
 /// Keeps segments on one side of a surface, and optionally near it: marker points alone cannot, because two
 /// of them on opposite sides of a bulge pull a branch into it.

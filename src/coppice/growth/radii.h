@@ -14,16 +14,8 @@ struct RadiiOptions {
                                ///< axes taper; 0 = off; in [0, 1]
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, RadiiOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(common_field("tip_radius", "Radius of tips.", Unit::metre, 1e-6, 1e4), o.tip_radius);
-    visit(Field{"pipe_exponent", "Exponent of the radii that are added at forks.", Unit::none, 2, 3},
-          o.pipe_exponent);
-    visit(Field{"leaf_share", "Contribution of every segment to the pipes, as a fraction of a tip.",
-                Unit::none, 0, 1},
-          o.leaf_share);
-}
+/// Lists the members for front ends.
+void list_fields(RadiiOptions& o, FieldList& list);
 
 /// Returns the skeleton with radii of the pipe model [Shinozaki1964]. Throws InvalidInput if an option is out
 /// of range. O(n).

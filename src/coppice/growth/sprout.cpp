@@ -13,6 +13,7 @@
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
 #include "coppice/base/id.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/progress.h"
 #include "coppice/base/random.h"
@@ -413,6 +414,82 @@ SproutResult sprout(const SproutInput& input, const SproutOptions& options, cons
         throw InvalidInput("sprout: there is no root to grow from; specify at least one");
     for (std::size_t i = 0; i < input.roots.size(); ++i) check_root(input, options, i);
     return Sprouting(input, options, ctx).run();
+}
+
+void list_fields(SproutOptions& o, FieldList& list) {
+    list.add(common_field("seasons", "Number of seasons in which buds sprout.", Unit::none, 0, 1000),
+             o.seasons);
+    list.add(common_field("internode", "Length of the segments of the stem.", Unit::metre, 1e-4, 1e3),
+             o.internode);
+    list.add(Field{"internode_decay", "Ratio of the lengths of segments of consecutive branch orders.",
+                   Unit::none, 0.1, 1},
+             o.internode_decay);
+    list.add(Field{"max_internodes", "Maximum number of segments that a bud makes in a season.", Unit::none,
+                   1, 1000},
+             o.max_internodes);
+    list.add(common_field("branching_angle", "Mean angle between a branch and its parent axis.", Unit::radian,
+                          0, 3.1),
+             o.branching_angle);
+    list.add(Field{"branching_spread", "Standard deviation of the branching angle.", Unit::radian, 0, 1.5},
+             o.branching_spread);
+    list.add(
+        common_field("phyllotaxis", "Angle about the axis from the buds of one node to those of the next.",
+                     Unit::radian, -6.3, 6.3),
+        o.phyllotaxis);
+    list.add(
+        common_field("buds", "Number of lateral buds per node, evenly spaced around it.", Unit::none, 0, 16),
+        o.buds);
+    list.add(Field{"whorls", "Only the last node of a season's shoot has lateral buds."}, o.whorls);
+    list.add(Field{"vigour", "Number of segments that grow per leaf in full light.", Unit::none, 0, 100},
+             o.vigour);
+    list.add(
+        common_field("apical_control",
+                     "Share of growth that continues straight on, against one lateral with as much light: "
+                     "larger values give a straight leader.",
+                     Unit::none, 0, 1),
+        o.apical_control);
+    list.add(Field{"apical_dominance", "Number of nodes below a living tip with inhibited lateral buds.",
+                   Unit::none, 0, 1000},
+             o.apical_dominance);
+    list.add(Field{"tip_death", "Probability that a tip dies after a season's shoot.", Unit::none, 0, 1},
+             o.tip_death);
+    list.add(Field{"tropism_x", "Preferred direction of axes, x component.", Unit::none, -1, 1}, o.tropism_x);
+    list.add(Field{"tropism_y", "Preferred direction of axes, y component.", Unit::none, -1, 1}, o.tropism_y);
+    list.add(Field{"tropism_z", "Preferred direction of axes, z component.", Unit::none, -1, 1}, o.tropism_z);
+    list.add(Field{"stem_tropism", "Weight of the preferred direction for the stem.", Unit::none, -10, 10},
+             o.stem_tropism);
+    list.add(
+        Field{"branch_tropism", "Weight of the preferred direction for branches; they hang if it is below 0.",
+              Unit::none, -10, 10},
+        o.branch_tropism);
+    list.add(Field{"light_turn", "Weight of the direction towards more light.", Unit::none, 0, 10},
+             o.light_turn);
+    list.add(Field{"wobble", "Weight of a random direction.", Unit::none, 0, 10}, o.wobble);
+    list.add(Field{"bud_light", "Minimum light in which buds sprout; 1 is full light.", Unit::none, 0, 1},
+             o.bud_light);
+    list.add(Field{"bud_seasons", "Number of seasons after which a lateral bud dies.", Unit::none, 1, 1000},
+             o.bud_seasons);
+    list.add(
+        Field{"shed_light",
+              "Minimum mean light of the leaves of a branch, below which it is shed; 0 sheds only branches "
+              "without leaves.",
+              Unit::none, 0, 1},
+        o.shed_light);
+    list.add(Field{"leaf_seasons", "Number of seasons that the leaves of a node live.", Unit::none, 1, 1000},
+             o.leaf_seasons);
+    list.add(Field{"shade", "Light that the leaves of a node absorb in their cell.", Unit::none, 0, 1},
+             o.shade);
+    list.add(Field{"shade_falloff", "Ratio of the shade in a layer of cells to the layer above.", Unit::none,
+                   0, 1},
+             o.shade_falloff);
+    list.add(Field{"shade_depth",
+                   "Number of shaded layers of cells below, and of cells on each side in the lowest layer.",
+                   Unit::none, 0, 32},
+             o.shade_depth);
+    list.add(Field{"shade_cell", "Edge length of a cell; 0 uses two internodes.", Unit::metre, 0, 1e4},
+             o.shade_cell);
+    list.add(Field{"max_nodes", "Number of nodes at which growth stops.", Unit::none, 1, 1e8}, o.max_nodes);
+    list.add(common_field("seed", "Seed of all random numbers.", Unit::none, 0, 2147483647), o.seed);
 }
 
 }  // namespace coppice

@@ -53,78 +53,8 @@ struct SproutOptions {
     int seed = 0;               ///< seed of all random numbers; in [0, 2^31 - 1]
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, SproutOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(common_field("seasons", "Number of seasons in which buds sprout.", Unit::none, 0, 1000), o.seasons);
-    visit(common_field("internode", "Length of the segments of the stem.", Unit::metre, 1e-4, 1e3),
-          o.internode);
-    visit(Field{"internode_decay", "Ratio of the lengths of segments of consecutive branch orders.",
-                Unit::none, 0.1, 1},
-          o.internode_decay);
-    visit(Field{"max_internodes", "Maximum number of segments that a bud makes in a season.", Unit::none, 1,
-                1000},
-          o.max_internodes);
-    visit(common_field("branching_angle", "Mean angle between a branch and its parent axis.", Unit::radian, 0,
-                       3.1),
-          o.branching_angle);
-    visit(Field{"branching_spread", "Standard deviation of the branching angle.", Unit::radian, 0, 1.5},
-          o.branching_spread);
-    visit(common_field("phyllotaxis", "Angle about the axis from the buds of one node to those of the next.",
-                       Unit::radian, -6.3, 6.3),
-          o.phyllotaxis);
-    visit(
-        common_field("buds", "Number of lateral buds per node, evenly spaced around it.", Unit::none, 0, 16),
-        o.buds);
-    visit(Field{"whorls", "Only the last node of a season's shoot has lateral buds."}, o.whorls);
-    visit(Field{"vigour", "Number of segments that grow per leaf in full light.", Unit::none, 0, 100},
-          o.vigour);
-    visit(common_field("apical_control",
-                       "Share of growth that continues straight on, against one lateral with as much light: "
-                       "larger values give a straight leader.",
-                       Unit::none, 0, 1),
-          o.apical_control);
-    visit(Field{"apical_dominance", "Number of nodes below a living tip with inhibited lateral buds.",
-                Unit::none, 0, 1000},
-          o.apical_dominance);
-    visit(Field{"tip_death", "Probability that a tip dies after a season's shoot.", Unit::none, 0, 1},
-          o.tip_death);
-    visit(Field{"tropism_x", "Preferred direction of axes, x component.", Unit::none, -1, 1}, o.tropism_x);
-    visit(Field{"tropism_y", "Preferred direction of axes, y component.", Unit::none, -1, 1}, o.tropism_y);
-    visit(Field{"tropism_z", "Preferred direction of axes, z component.", Unit::none, -1, 1}, o.tropism_z);
-    visit(Field{"stem_tropism", "Weight of the preferred direction for the stem.", Unit::none, -10, 10},
-          o.stem_tropism);
-    visit(
-        Field{"branch_tropism", "Weight of the preferred direction for branches; they hang if it is below 0.",
-              Unit::none, -10, 10},
-        o.branch_tropism);
-    visit(Field{"light_turn", "Weight of the direction towards more light.", Unit::none, 0, 10},
-          o.light_turn);
-    visit(Field{"wobble", "Weight of a random direction.", Unit::none, 0, 10}, o.wobble);
-    visit(Field{"bud_light", "Minimum light in which buds sprout; 1 is full light.", Unit::none, 0, 1},
-          o.bud_light);
-    visit(Field{"bud_seasons", "Number of seasons after which a lateral bud dies.", Unit::none, 1, 1000},
-          o.bud_seasons);
-    visit(Field{"shed_light",
-                "Minimum mean light of the leaves of a branch, below which it is shed; 0 sheds only branches "
-                "without leaves.",
-                Unit::none, 0, 1},
-          o.shed_light);
-    visit(Field{"leaf_seasons", "Number of seasons that the leaves of a node live.", Unit::none, 1, 1000},
-          o.leaf_seasons);
-    visit(Field{"shade", "Light that the leaves of a node absorb in their cell.", Unit::none, 0, 1}, o.shade);
-    visit(Field{"shade_falloff", "Ratio of the shade in a layer of cells to the layer above.", Unit::none, 0,
-                1},
-          o.shade_falloff);
-    visit(Field{"shade_depth",
-                "Number of shaded layers of cells below, and of cells on each side in the lowest layer.",
-                Unit::none, 0, 32},
-          o.shade_depth);
-    visit(Field{"shade_cell", "Edge length of a cell; 0 uses two internodes.", Unit::metre, 0, 1e4},
-          o.shade_cell);
-    visit(Field{"max_nodes", "Number of nodes at which growth stops.", Unit::none, 1, 1e8}, o.max_nodes);
-    visit(common_field("seed", "Seed of all random numbers.", Unit::none, 0, 2147483647), o.seed);
-}
+/// Lists the members for front ends.
+void list_fields(SproutOptions& o, FieldList& list);
 
 /// Input of sprout().
 struct SproutInput {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "coppice/base/check_fields.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/progress.h"
 
@@ -195,6 +196,30 @@ TidyResult tidy(const Skeleton& skeleton, const TidyOptions& options, const Guar
     result.held = held;
     ctx.report(1);
     return result;
+}
+
+void list_fields(TidyOptions& o, FieldList& list) {
+    list.add(
+        Field{"relax_passes", "Number of times that nodes move towards their parents.", Unit::none, 0, 100},
+        o.relax_passes);
+    list.add(Field{"relax", "Fraction of the distance to the parent that a node moves per pass.", Unit::none,
+                   0, 1},
+             o.relax);
+    list.add(Field{"axis_passes", "Number of times that axes are smoothed.", Unit::none, 0, 1000},
+             o.smooth_passes);
+    list.add(Field{"axis_smoothing",
+                   "Fraction of the distance to the middle of the neighbours that a node moves per pass.",
+                   Unit::none, 0, 1},
+             o.smooth);
+    list.add(
+        Field{"shortest", "Minimum length of segments relative to the mean; shorter ones are contracted.",
+              Unit::none, 0, 2},
+        o.shortest);
+    list.add(Field{"within",
+                   "Minimum distance of nodes to their parents; nearer ones are contracted into them; 0 "
+                   "disables this.",
+                   Unit::radius, 0, 2},
+             o.within);
 }
 
 }  // namespace coppice

@@ -23,29 +23,8 @@ struct TidyOptions {
                        ///< are inside the parent's branch; 0 = never; in [0, 2]
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, TidyOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"relax_passes", "Number of times that nodes move towards their parents.", Unit::none, 0, 100},
-          o.relax_passes);
-    visit(Field{"relax", "Fraction of the distance to the parent that a node moves per pass.", Unit::none, 0,
-                1},
-          o.relax);
-    visit(Field{"axis_passes", "Number of times that axes are smoothed.", Unit::none, 0, 1000},
-          o.smooth_passes);
-    visit(Field{"axis_smoothing",
-                "Fraction of the distance to the middle of the neighbours that a node moves per pass.",
-                Unit::none, 0, 1},
-          o.smooth);
-    visit(Field{"shortest", "Minimum length of segments relative to the mean; shorter ones are contracted.",
-                Unit::none, 0, 2},
-          o.shortest);
-    visit(Field{"within",
-                "Minimum distance of nodes to their parents; nearer ones are contracted into them; 0 "
-                "disables this.",
-                Unit::radius, 0, 2},
-          o.within);
-}
+/// Lists the members for front ends.
+void list_fields(TidyOptions& o, FieldList& list);
 
 /// A smoother tree, with statistics.
 struct TidyResult {

@@ -14,6 +14,7 @@
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
 #include "coppice/base/hash.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/base/quote.h"
 #include "coppice/io_database/database_internal.h"
 #include "coppice/io_database/skeleton_blob_internal.h"
@@ -422,6 +423,30 @@ std::string make_table(std::span<const LibraryEntry> entries) {
             printable(fmt::format("{}", fmt::join(e.tags, ", "))));
     }
     return text;
+}
+
+void list_fields(LibraryFilter& o, FieldList& list) {
+    list.add(common_field("ids", "Select the tree with this number; may be repeated."), o.ids);
+    list.add(common_field("tags", "Select trees with this tag; if repeated, trees with all of the tags."),
+             o.tags);
+    list.add(
+        common_field("from", "Select trees from this source file, named as in the list; may be repeated."),
+        o.from);
+    list.add(Field{"min_tree_length", "Minimum total length of the segments of a tree.", Unit::metre, 0, 1e9},
+             o.min_length);
+    list.add(Field{"max_tree_length", "Maximum total length of the segments of a tree; 0 means unlimited.",
+                   Unit::metre, 0, 1e9},
+             o.max_length);
+    list.add(
+        Field{"min_orders", "Minimum number of branch orders of a tree; 1 means a tree without laterals.",
+              Unit::none, 0, 1e6},
+        o.min_orders);
+    list.add(Field{"max_orders", "Maximum number of branch orders of a tree; 0 means unlimited.", Unit::none,
+                   0, 1e6},
+             o.max_orders);
+    list.add(Field{"min_tips", "Minimum number of tips of a tree.", Unit::none, 0, 1e9}, o.min_tips);
+    list.add(Field{"max_tips", "Maximum number of tips of a tree; 0 means unlimited.", Unit::none, 0, 1e9},
+             o.max_tips);
 }
 
 }  // namespace coppice

@@ -38,29 +38,8 @@ struct LibraryFilter {
     bool empty() const { return *this == LibraryFilter{}; }  ///< whether all trees are selected
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, LibraryFilter>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(common_field("ids", "Select the tree with this number; may be repeated."), o.ids);
-    visit(common_field("tags", "Select trees with this tag; if repeated, trees with all of the tags."),
-          o.tags);
-    visit(common_field("from", "Select trees from this source file, named as in the list; may be repeated."),
-          o.from);
-    visit(Field{"min_tree_length", "Minimum total length of the segments of a tree.", Unit::metre, 0, 1e9},
-          o.min_length);
-    visit(Field{"max_tree_length", "Maximum total length of the segments of a tree; 0 means unlimited.",
-                Unit::metre, 0, 1e9},
-          o.max_length);
-    visit(Field{"min_orders", "Minimum number of branch orders of a tree; 1 means a tree without laterals.",
-                Unit::none, 0, 1e6},
-          o.min_orders);
-    visit(Field{"max_orders", "Maximum number of branch orders of a tree; 0 means unlimited.", Unit::none, 0,
-                1e6},
-          o.max_orders);
-    visit(Field{"min_tips", "Minimum number of tips of a tree.", Unit::none, 0, 1e9}, o.min_tips);
-    visit(Field{"max_tips", "Maximum number of tips of a tree; 0 means unlimited.", Unit::none, 0, 1e9},
-          o.max_tips);
-}
+/// Lists the members for front ends.
+void list_fields(LibraryFilter& o, FieldList& list);
 
 /// Access mode of a library file.
 enum class LibraryAccess {

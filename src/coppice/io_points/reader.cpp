@@ -12,6 +12,7 @@
 #include "coppice/base/ascii.h"
 #include "coppice/base/error.h"
 #include "coppice/base/local_origin.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/io/ply_header.h"
 #include "coppice/io/text.h"
 #include "coppice/io/unread_format.h"
@@ -154,6 +155,13 @@ PointSet parse_points(std::string_view bytes, const std::string& source, const C
 
 PointSet read_points(const std::filesystem::path& path, const Context& ctx) {
     return read_point_cloud(path, kNoColumns, ctx).points;
+}
+
+void list_fields(ReadPointsOptions& options, FieldList& list) {
+    list.add(Field{"allow_truncated",
+                   "Read the existing points of a LAS or LAZ file that contains fewer points than its header "
+                   "specifies."},
+             options.allow_truncated);
 }
 
 }  // namespace coppice

@@ -27,14 +27,8 @@ struct ReadPointsOptions {
     bool allow_truncated = false;  ///< reads the existing points of LAS and LAZ files that are cut off
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, ReadPointsOptions>
-constexpr void visit_fields(Self& options, Visitor&& visit) {
-    visit(Field{"allow_truncated",
-                "Read the existing points of a LAS or LAZ file that contains fewer points than its header "
-                "specifies."},
-          options.allow_truncated);
-}
+/// Lists the members for front ends.
+void list_fields(ReadPointsOptions& options, FieldList& list);
 
 /// An extra dimension of LAS: a number of the points in addition to those that LAS prescribes.
 struct PointDimension {

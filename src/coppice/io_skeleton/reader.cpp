@@ -12,6 +12,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/io/text.h"
 #include "coppice/io/unread_format.h"
 #include "coppice/io_skeleton/parsers_internal.h"
@@ -290,6 +291,29 @@ SkeletonFile parse_skeleton(std::string_view text, const std::string& source,
     const SkeletonFormat format =
         options.format == SkeletonFormat::automatic ? detect(text, source) : options.format;
     return Reading(format, source, options, ctx).from_text(text);
+}
+
+void list_fields(ReadSkeletonOptions& options, FieldList& list) {
+    list.add(Field{"format", "Format of the skeleton file."}, options.format);
+    list.add(common_field("scale",
+                          "Factor that converts positions and radii from the units of the file to metres.",
+                          Unit::none, 1e-12, 1e12),
+             options.scale);
+    list.add(common_field("up", "Axis of the file that points up; y for OBJ files from Blender and games."),
+             options.up);
+    list.add(
+        Field{"units",
+              "Unit of length after scaling, which labels figures and is stated in written files; automatic "
+              "uses the unit stated in the file, otherwise um for large neurons and m for others."},
+        options.units);
+    list.add(
+        Field{"model",
+              "Number of the model to read from a file with several, counted from 1; 0 reads the only one.",
+              Unit::none, 0, 1e6},
+        options.model);
+    list.add(Field{"default_radius", "Radius of all nodes if the file has none; 0 estimates it.", Unit::metre,
+                   0, 1e6},
+             options.default_radius);
 }
 
 }  // namespace coppice

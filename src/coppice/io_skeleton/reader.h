@@ -30,29 +30,8 @@ struct ReadSkeletonOptions {
     float default_radius = 0;
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, ReadSkeletonOptions>
-constexpr void visit_fields(Self& options, Visitor&& visit) {
-    visit(Field{"format", "Format of the skeleton file."}, options.format);
-    visit(common_field("scale",
-                       "Factor that converts positions and radii from the units of the file to metres.",
-                       Unit::none, 1e-12, 1e12),
-          options.scale);
-    visit(common_field("up", "Axis of the file that points up; y for OBJ files from Blender and games."),
-          options.up);
-    visit(
-        Field{"units",
-              "Unit of length after scaling, which labels figures and is stated in written files; automatic "
-              "uses the unit stated in the file, otherwise um for large neurons and m for others."},
-        options.units);
-    visit(Field{"model",
-                "Number of the model to read from a file with several, counted from 1; 0 reads the only one.",
-                Unit::none, 0, 1e6},
-          options.model);
-    visit(Field{"default_radius", "Radius of all nodes if the file has none; 0 estimates it.", Unit::metre, 0,
-                1e6},
-          options.default_radius);
-}
+/// Lists the members for front ends.
+void list_fields(ReadSkeletonOptions& options, FieldList& list);
 
 /// Totals of the cylinders of a file before conversion, including gaps and overlaps: the figures that the
 /// programs which wrote them report. In the units of the skeleton.

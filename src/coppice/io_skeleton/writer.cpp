@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "coppice/base/error.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/io_skeleton/encoder_internal.h"
 #include "coppice/io_skeleton/parsers_internal.h"
 #include "coppice/io_skeleton/writers_internal.h"
@@ -298,6 +299,18 @@ void write_skeleton(const std::filesystem::path& path, const Skeleton& skeleton,
     }
     const std::string bytes = encode_skeleton(skeleton, chosen, attributes, ctx);
     write_file(path, bytes);
+}
+
+void list_fields(WriteSkeletonOptions& options, FieldList& list) {
+    list.add(Field{"format", "Format of the skeleton file; automatic uses the extension of its name."},
+             options.format);
+    list.add(Field{"binary", "Write PLY as binary instead of ASCII."}, options.binary);
+    list.add(Field{"up", "Axis that points up in the written file; .glb and .usda define their own."},
+             options.up);
+    list.add(Field{"units",
+                   "Unit of length, stated in written SWC, JSON, OBJ, PLY, RSML and MTG; lengths are not "
+                   "converted."},
+             options.units);
 }
 
 }  // namespace coppice

@@ -24,19 +24,8 @@ struct WriteSkeletonOptions {
     LengthUnit units = LengthUnit::m;
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, WriteSkeletonOptions>
-constexpr void visit_fields(Self& options, Visitor&& visit) {
-    visit(Field{"format", "Format of the skeleton file; automatic uses the extension of its name."},
-          options.format);
-    visit(Field{"binary", "Write PLY as binary instead of ASCII."}, options.binary);
-    visit(Field{"up", "Axis that points up in the written file; .glb and .usda define their own."},
-          options.up);
-    visit(Field{"units",
-                "Unit of length, stated in written SWC, JSON, OBJ, PLY, RSML and MTG; lengths are not "
-                "converted."},
-          options.units);
-}
+/// Lists the members for front ends.
+void list_fields(WriteSkeletonOptions& options, FieldList& list);
 
 /// Writes a skeleton as swc, cylinders (.csv), ply, obj, json, rsml or mtg; the file is written atomically.
 /// Positions are in world space: the origin is added in double precision, with enough digits to restore the

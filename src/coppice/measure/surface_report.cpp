@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "coppice/base/check_fields.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/base/progress.h"
 
 namespace coppice {
@@ -63,6 +64,21 @@ SurfaceReport check_surface(const PolygonMesh& mesh, const Skeleton* skeleton, c
     }
     ctx.report(1);
     return report;
+}
+
+void list_fields(CheckOptions& o, FieldList& list) {
+    list.add(common_field("intersections", "Find pairs of faces that cross each other."), o.intersections);
+    list.add(
+        Field{"max_intersections", "Maximum number of pairs of crossing faces after which the search stops.",
+              Unit::none, 0, 1e9},
+        o.max_intersections);
+    list.add(Field{"max_places",
+                   "Maximum number of places with crossing faces that are listed, the largest first.",
+                   Unit::none, 0, 1e6},
+             o.max_places);
+    list.add(Field{"base", "Specified shape of the end of trees at a root with one child, for the volume."},
+             o.base);
+    list.add(Field{"tips", "Specified shape of the ends of branches, for the volume."}, o.tips);
 }
 
 }  // namespace coppice

@@ -28,22 +28,8 @@ struct CheckOptions {
     EndShape tips = EndShape::round;    ///< end shape of its branches
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, CheckOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(common_field("intersections", "Find pairs of faces that cross each other."), o.intersections);
-    visit(
-        Field{"max_intersections", "Maximum number of pairs of crossing faces after which the search stops.",
-              Unit::none, 0, 1e9},
-        o.max_intersections);
-    visit(Field{"max_places",
-                "Maximum number of places with crossing faces that are listed, the largest first.",
-                Unit::none, 0, 1e6},
-          o.max_places);
-    visit(Field{"base", "Specified shape of the end of trees at a root with one child, for the volume."},
-          o.base);
-    visit(Field{"tips", "Specified shape of the ends of branches, for the volume."}, o.tips);
-}
+/// Lists the members for front ends.
+void list_fields(CheckOptions& o, FieldList& list);
 
 /// The properties of a surface, alone and compared with its skeleton.
 struct SurfaceReport {

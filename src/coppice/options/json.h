@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "coppice/base/fields.h"
-#include "coppice/options/option_fields.h"
+#include "coppice/base/option_fields.h"
 
 namespace coppice {
 

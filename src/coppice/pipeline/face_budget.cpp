@@ -11,6 +11,7 @@
 #include <optional>
 #include <utility>
 
+#include "coppice/base/option_fields.h"
 #include "coppice/options/quantity.h"
 #include "coppice/pipeline/coarsen/node_levels_internal.h"
 #include "coppice/pipeline/coarsen/selection_internal.h"
@@ -467,6 +468,15 @@ std::string text_of_missed_faces(const BudgetedMesh& made, std::uint64_t faces) 
     return fmt::format(
         "the surface has {} faces instead of {}: no choice of levels, rings and branches comes closer",
         grouped(has), grouped(faces));
+}
+
+void list_fields(FaceNumber& o, FieldList& list) {
+    list.add(
+        common_field("faces",
+                     "Number of faces of the surface, within 5 %: chooses the levels, the spacing of rings "
+                     "and the branches that are included; 0 sets no number.",
+                     Unit::none, 0, kMaxFaces),
+        o.faces);
 }
 
 }  // namespace coppice

@@ -21,15 +21,8 @@ struct FaceNumber {
     int faces = 0;  ///< kMinFaces or more; 0 = no request
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, FaceNumber>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(common_field("faces",
-                       "Number of faces of the surface, within 5 %: chooses the levels, the spacing of rings "
-                       "and the branches that are included; 0 sets no number.",
-                       Unit::none, 0, kMaxFaces),
-          o.faces);
-}
+/// Lists the members for front ends.
+void list_fields(FaceNumber& o, FieldList& list);
 
 /// A skeleton and options for a surface with approximately the requested number of faces.
 struct FaceBudget {

@@ -101,21 +101,8 @@ struct TetraOptions {
 /// is more than five.
 int polyhedron_levels(const TetraOptions& options);
 
-template <class Self, class Visitor>
-requires SameOptions<Self, TetraOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"tetra_base",
-                "Initial tetrahedra: those of an octree around the branches, or of a polyhedron with a few "
-                "for each segment, which are cut into eight as often as edge requires."},
-          o.base);
-    visit(common_field("tetra_edge", "Approximate edge length of the triangles of the method tetrahedra.",
-                       Unit::radius, 0.05, 4),
-          o.edge);
-    visit(Field{"tetra_levels", "Number of times that the tetrahedra of an octree are cut into eight.",
-                Unit::none, 0, 4},
-          o.march.levels);
-    visit_accuracy_fields(o.march, visit);
-}
+/// Lists the members for front ends.
+void list_fields(TetraOptions& o, FieldList& list);
 
 /// Options of the surface of a skeleton. Tetrahedra only use prepare, field, tetra, and the ends of control;
 /// cylinders only levels, prepare, control and tube_sides. Surfaces that are moved along with their skeleton
@@ -141,55 +128,8 @@ struct MeshOptions {
     Device device = Device::automatic;  ///< device that subdivides quads and samples tetrahedra
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, MeshOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(common_field("method",
-                       "Kind of surface: quads along the branches, triangles of the level set, one tube per "
-                       "axis, quads of ramification units, or quads on metaballs."),
-          o.method);
-    visit(common_field("levels", "Number of subdivisions of the control cage; each divides a quad into four.",
-                       Unit::none, 0, 6),
-          o.levels);
-    visit(common_field(
-              "fit",
-              "Property that the surface preserves: the areas of sections of branches, the volume of the "
-              "rounded cones of the skeleton, or automatically the volume for quads if it would deviate."),
-          o.fit);
-    visit(common_field("overlaps",
-                       "Treatment of branches that intersect each other: they are merged into one body, one "
-                       "is cut off and grafted onto the other, trees are bent apart, or they are kept."),
-          o.overlaps);
-    visit(Field{"graft",
-                "Maximum distance between the axes of overlapping branches, as a multiple of the sum of "
-                "their radii; 0 disables the detection of overlaps.",
-                Unit::none, 0, 1},
-          o.graft);
-    visit(Field{"prepare", "Preparation of the skeleton"}, o.prepare);
-    visit(Field{"control", "Control cage"}, o.control);
-    visit(Field{"field", "Convolution field"}, o.field);
-    visit(Field{"project", "Projection onto the field"}, o.project);
-    visit(Field{"untangle", "Unfolding"}, o.untangle);
-    visit(Field{"remesh_rounds",
-                "Maximum number of rounds that find and remesh crossing quads; 0 disables the remeshing.",
-                Unit::none, 0, 100},
-          o.remesh_rounds);
-    visit(Field{"tetra", "Tetrahedra"}, o.tetra);
-    visit(Field{"ramification", "Ramifications"}, o.ramification);
-    visit(Field{"tube_sides",
-                "Number of faces around thin branches: the same as around thick ones, proportional to the "
-                "root of the radius (at least 4), or automatically by radius if a number of faces is given."},
-          o.tube_sides);
-    visit(Field{"chord_error",
-                "Maximum distance of the sides of sections from their circles with tube_sides by_radius; 0 "
-                "uses the distance at the thickest axis, where the levels determine the number of sides.",
-                Unit::metre, 0, 1e6},
-          o.chord_error);
-    visit(Field{"device",
-                "Device that computes the surface: a GPU if there is one and the surface is large, the CPU, "
-                "or a GPU with CUDA."},
-          o.device);
-}
+/// Lists the members for front ends.
+void list_fields(MeshOptions& o, FieldList& list);
 
 /// Returns the options of a surface that is written to a file: its volume is measured and repaired.
 inline MeshOptions options_of_written_surface() {

@@ -7,6 +7,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/id.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/base/parallel.h"
 #include "coppice/extract/mesh/mesh_clean.h"
 #include "coppice/measure/capsule_tree.h"
@@ -253,6 +254,18 @@ RestoreResult restore_offsets(QuadMesh& mesh, const PolygonMesh& original, const
     if (other) turned.emplace(*other, ctx);
     const CapsuleTree capsules(skeleton, mesh.origin, ctx);
     return Restoration(mesh, &surface, capsules, options, ctx).run(turned ? &*turned : nullptr);
+}
+
+void list_fields(RestoreOptions& o, FieldList& list) {
+    list.add(
+        Field{"reach",
+              "Maximum distance from a vertex at which the original surface is searched, in both directions.",
+              Unit::radius, 0.001, 10},
+        o.reach);
+    list.add(Field{"fade_passes",
+                   "Approximate number of rings over which offsets fade where there is no original.",
+                   Unit::none, 0, 1000},
+             o.fade_passes);
 }
 
 }  // namespace coppice

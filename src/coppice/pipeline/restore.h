@@ -17,19 +17,8 @@ struct RestoreOptions {
     int fade_passes = 20;  ///< approximate number of rings of vertices over which offsets fade
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, RestoreOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(
-        Field{"reach",
-              "Maximum distance from a vertex at which the original surface is searched, in both directions.",
-              Unit::radius, 0.001, 10},
-        o.reach);
-    visit(Field{"fade_passes",
-                "Approximate number of rings over which offsets fade where there is no original.", Unit::none,
-                0, 1000},
-          o.fade_passes);
-}
+/// Lists the members for front ends.
+void list_fields(RestoreOptions& o, FieldList& list);
 
 /// Counts of `restore_offsets`.
 struct RestoreReport {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "coppice/base/check_fields.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/base/progress.h"
 #include "coppice/base/random.h"
 
@@ -60,6 +61,11 @@ PointSet remove_random(const PointSet& points, const FieldRef& solid, const Remo
 PointSet densified(const PointSet& points, const PointRegion& region, const RadialKernel& kernel,
                    const DartThrowingOptions& options, const Context& ctx) {
     return merged(points, sample_dart_throwing(region, kernel, points, options, ctx).points);
+}
+
+void list_fields(RemoveRandomOptions& o, FieldList& list) {
+    list.add(Field{"percent", "Percentage of the points inside to remove.", Unit::none, 0, 100}, o.percent);
+    list.add(Field{"seed", "Seed of the random selection.", Unit::none, 0, 2147483647}, o.seed);
 }
 
 }  // namespace coppice

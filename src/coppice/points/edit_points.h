@@ -18,12 +18,8 @@ struct RemoveRandomOptions {
     int seed = 0;        ///< seed of the random selection
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, RemoveRandomOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"percent", "Percentage of the points inside to remove.", Unit::none, 0, 100}, o.percent);
-    visit(Field{"seed", "Seed of the random selection.", Unit::none, 0, 2147483647}, o.seed);
-}
+/// Lists the members for front ends.
+void list_fields(RemoveRandomOptions& o, FieldList& list);
 
 /// Removes exactly the rounded percentage of the points inside a solid (value > level at origin + position),
 /// selected at random. The others keep their order. O(n log n) and one evaluation of the field per point.

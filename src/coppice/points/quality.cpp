@@ -9,6 +9,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/progress.h"
 #include "coppice/base/random.h"
@@ -262,6 +263,20 @@ QualityReport quality(const PointSet& points, const Box3& window, const QualityO
 
 QualityReport quality(const PointSet& points, const QualityOptions& options, const Context& ctx) {
     return quality(points, compute_middle(bounds(points)), options, ctx);
+}
+
+void list_fields(QualityOptions& o, FieldList& list) {
+    list.add(Field{"bins", "Number of bins of the curves.", Unit::none, 8, 1024}, o.bins);
+    list.add(Field{"range", "Range of the curves, in mean spacings and in multiples of their frequency.",
+                   Unit::none, 1, 16},
+             o.range);
+    list.add(
+        Field{"directions", "Number of directions over which the power is averaged.", Unit::none, 8, 4096},
+        o.directions);
+    list.add(Field{"max_points",
+                   "Maximum number of points for the curves; larger sets are represented by a random subset.",
+                   Unit::none, 100, 1e6},
+             o.max_points);
 }
 
 }  // namespace coppice

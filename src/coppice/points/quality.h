@@ -19,20 +19,8 @@ struct QualityOptions {
     int max_points = 100000;  ///< maximum number of points; the curves of larger sets use a random subset
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, QualityOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"bins", "Number of bins of the curves.", Unit::none, 8, 1024}, o.bins);
-    visit(Field{"range", "Range of the curves, in mean spacings and in multiples of their frequency.",
-                Unit::none, 1, 16},
-          o.range);
-    visit(Field{"directions", "Number of directions over which the power is averaged.", Unit::none, 8, 4096},
-          o.directions);
-    visit(Field{"max_points",
-                "Maximum number of points for the curves; larger sets are represented by a random subset.",
-                Unit::none, 100, 1e6},
-          o.max_points);
-}
+/// Lists the members for front ends.
+void list_fields(QualityOptions& o, FieldList& list);
 
 /// Measures of the distribution of a set of points. For independent points both curves are about 1
 /// everywhere.

@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "coppice/base/check_fields.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/ramification/paste_internal.h"
 
 namespace coppice {
@@ -54,6 +55,23 @@ RamificationMesh build_ramifications(const Skeleton& skeleton, const ControlOpti
     control.region_node = main.tubes.source(branches);
     return {std::move(control), main.tubes.skeleton(skeleton.origin()), main.tubes.sides(),
             main.tubes.wrapping(branches, skeleton.size()), report};
+}
+
+void list_fields(RamificationOptions& o, FieldList& list) {
+    list.add(
+        Field{"all_additional", "Paste every lateral instead of making most of them part of the main mesh."},
+        o.all_additional);
+    list.add(
+        Field{"no_connection_optimisation", "Keep ramification units as cubes, even if neighbours overlap."},
+        o.no_connection_optimisation);
+    list.add(Field{"printed_angles",
+                   "Compute angles between siblings modulo 45 degrees as printed, so that only one of them "
+                   "connects."},
+             o.printed_angles);
+    list.add(
+        Field{"additional_threshold", "Cost of a connection above which two ramification units are merged.",
+              coppice::Unit::none, 0, 100},
+        o.additional_threshold);
 }
 
 }  // namespace coppice

@@ -22,23 +22,8 @@ struct RamificationOptions {
     float additional_threshold = 3;  ///< T_add: units with a higher connection cost are merged
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, RamificationOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(
-        Field{"all_additional", "Paste every lateral instead of making most of them part of the main mesh."},
-        o.all_additional);
-    visit(
-        Field{"no_connection_optimisation", "Keep ramification units as cubes, even if neighbours overlap."},
-        o.no_connection_optimisation);
-    visit(Field{"printed_angles",
-                "Compute angles between siblings modulo 45 degrees as printed, so that only one of them "
-                "connects."},
-          o.printed_angles);
-    visit(Field{"additional_threshold", "Cost of a connection above which two ramification units are merged.",
-                Unit::none, 0, 100},
-          o.additional_threshold);
-}
+/// Lists the members for front ends.
+void list_fields(RamificationOptions& o, FieldList& list);
 
 /// Objective of [Huang2017] eq. 1, in its three sums.
 struct RamificationObjective {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "coppice/base/check_fields.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/sort.h"
 #include "coppice/render/colors.h"
@@ -192,6 +193,58 @@ Image render(const RenderScene& scene, const RenderOptions& options, const Conte
         draw_scale_bar(image, around_zero(length_text(chosen.distance_range)));
     if (options.color == RenderColor::evidence) draw_scale_bar(image, {"0%", "50%", "100%"});
     return image;
+}
+
+void list_fields(RenderOptions& o, FieldList& list) {
+    list.add(common_field("width", "Width of the image in pixels.", Unit::none, 16, 16384), o.width);
+    list.add(common_field("height", "Height of the image in pixels.", Unit::none, 16, 16384), o.height);
+    list.add(Field{"samples", "Number of rays per pixel; more are slower and reduce the noise.", Unit::none,
+                   1, 4096},
+             o.samples);
+    list.add(common_field("azimuth", "Direction of the camera, counter-clockwise from +x seen from above.",
+                          Unit::radian, -6.2832, 6.2832),
+             o.azimuth);
+    list.add(
+        common_field("elevation", "Height of the camera above the horizon.", Unit::radian, -1.5708, 1.5708),
+        o.elevation);
+    list.add(Field{"field_of_view", "Field of view of the camera across the longer side of the image.",
+                   Unit::radian, 0.01, 2.5},
+             o.field_of_view);
+    list.add(Field{"margin", "Fraction of the image that remains free on each side.", Unit::none, 0, 0.45},
+             o.margin);
+    list.add(Field{"look_at",
+                   "Point at the centre of the image, as 0.5,-2,13; by default the centre of the object.",
+                   Unit::metre},
+             o.look_at);
+    list.add(common_field("zoom", "Magnification; 1 fits the whole object into the image.", Unit::none, 0.01,
+                          10000),
+             o.zoom);
+    list.add(Field{"sun_azimuth", "Direction of the sun, counter-clockwise from the camera.", Unit::radian,
+                   -6.2832, 6.2832},
+             o.sun_azimuth);
+    list.add(Field{"sun_elevation", "Height of the sun above the horizon.", Unit::radian, 0.05, 1.5708},
+             o.sun_elevation);
+    list.add(
+        common_field("color",
+                     "Colour of the surface: plain, magenta for overlays (signal), or a quantity: "
+                     "deviation and distance are blue inside and red outside, evidence is blue where radii "
+                     "were measured and red where they were estimated."),
+        o.color);
+    list.add(Field{"deviation_range", "Deviation from the radius that has the full colour.", Unit::radius,
+                   1e-4, 10},
+             o.deviation_range);
+    list.add(Field{"distance_range",
+                   "Distance that has the full colour; 0 uses the 98 % quantile over the vertices or points.",
+                   Unit::metre, 0, 1e6},
+             o.distance_range);
+    list.add(common_field("wireframe", "Draw the edges of the faces."), o.wireframe);
+    list.add(Field{"wire_width", "Width of the edges in pixels.", Unit::none, 0.2, 20}, o.wire_width);
+    list.add(Field{"flat", "Show faces flat, without smoothing across edges."}, o.flat);
+    list.add(Field{"ground", "Draw a ground that receives the shadow."}, o.ground);
+    list.add(Field{"transparent", "Leave the background transparent."}, o.transparent);
+    list.add(
+        Field{"axis_width", "Thickness of a skeleton that is visible through a mesh.", Unit::radius, 0.01, 1},
+        o.axis_width);
 }
 
 }  // namespace coppice

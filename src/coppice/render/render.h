@@ -92,57 +92,8 @@ struct RenderOptions {
     float axis_width = 0.15f;  ///< [radius] of the skeleton where it is visible through a mesh
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, RenderOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(common_field("width", "Width of the image in pixels.", Unit::none, 16, 16384), o.width);
-    visit(common_field("height", "Height of the image in pixels.", Unit::none, 16, 16384), o.height);
-    visit(Field{"samples", "Number of rays per pixel; more are slower and reduce the noise.", Unit::none, 1,
-                4096},
-          o.samples);
-    visit(common_field("azimuth", "Direction of the camera, counter-clockwise from +x seen from above.",
-                       Unit::radian, -6.2832, 6.2832),
-          o.azimuth);
-    visit(common_field("elevation", "Height of the camera above the horizon.", Unit::radian, -1.5708, 1.5708),
-          o.elevation);
-    visit(Field{"field_of_view", "Field of view of the camera across the longer side of the image.",
-                Unit::radian, 0.01, 2.5},
-          o.field_of_view);
-    visit(Field{"margin", "Fraction of the image that remains free on each side.", Unit::none, 0, 0.45},
-          o.margin);
-    visit(Field{"look_at",
-                "Point at the centre of the image, as 0.5,-2,13; by default the centre of the object.",
-                Unit::metre},
-          o.look_at);
-    visit(common_field("zoom", "Magnification; 1 fits the whole object into the image.", Unit::none, 0.01,
-                       10000),
-          o.zoom);
-    visit(Field{"sun_azimuth", "Direction of the sun, counter-clockwise from the camera.", Unit::radian,
-                -6.2832, 6.2832},
-          o.sun_azimuth);
-    visit(Field{"sun_elevation", "Height of the sun above the horizon.", Unit::radian, 0.05, 1.5708},
-          o.sun_elevation);
-    visit(common_field("color",
-                       "Colour of the surface: plain, magenta for overlays (signal), or a quantity: "
-                       "deviation and distance are blue inside and red outside, evidence is blue where radii "
-                       "were measured and red where they were estimated."),
-          o.color);
-    visit(Field{"deviation_range", "Deviation from the radius that has the full colour.", Unit::radius, 1e-4,
-                10},
-          o.deviation_range);
-    visit(Field{"distance_range",
-                "Distance that has the full colour; 0 uses the 98 % quantile over the vertices or points.",
-                Unit::metre, 0, 1e6},
-          o.distance_range);
-    visit(common_field("wireframe", "Draw the edges of the faces."), o.wireframe);
-    visit(Field{"wire_width", "Width of the edges in pixels.", Unit::none, 0.2, 20}, o.wire_width);
-    visit(Field{"flat", "Show faces flat, without smoothing across edges."}, o.flat);
-    visit(Field{"ground", "Draw a ground that receives the shadow."}, o.ground);
-    visit(Field{"transparent", "Leave the background transparent."}, o.transparent);
-    visit(
-        Field{"axis_width", "Thickness of a skeleton that is visible through a mesh.", Unit::radius, 0.01, 1},
-        o.axis_width);
-}
+/// Lists the members for front ends.
+void list_fields(RenderOptions& o, FieldList& list);
 
 /// Draws the scene with sun and sky light [Wald2014]. `distance` shows for every point of the mesh, or of the
 /// cloud, how far outside the other surface it is, as in figure 10 of [Zhu2015]; it requires one search for

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "coppice/base/check_fields.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/random.h"
 #include "coppice/points/sampling/near_mesh.h"
@@ -343,6 +344,33 @@ PointSet scan(const PolygonMesh& mesh, const ScanOptions& options, const Context
     PointSet out = scan.points(step, mesh.origin, ctx);
     if (out.empty()) throw InvalidInput("scan: the scanner sees no part of the mesh; reduce the distance");
     return out;
+}
+
+void list_fields(ScanOptions& o, FieldList& list) {
+    list.add(common_field(
+                 "pattern",
+                 "Distribution of the points: as a laser scanner measures them, or uniform on the surface."),
+             o.pattern);
+    list.add(common_field("points", "Approximate number of points.", Unit::none, 1, 1e8), o.points);
+    list.add(common_field("positions", "Number of scanner positions, evenly spaced around the object.",
+                          Unit::none, 1, 1000),
+             o.positions);
+    list.add(common_field("distance",
+                          "Distance of the scanner from the vertical axis through the centre of the object.",
+                          Unit::metre, 1e-3, 1e6),
+             o.distance);
+    list.add(Field{"height", "Height of the scanner above the lowest point.", Unit::metre, -1e6, 1e6},
+             o.height);
+    list.add(Field{"azimuth", "Direction of the first scanner, counter-clockwise from +x seen from above.",
+                   Unit::radian, -6.2832, 6.2832},
+             o.azimuth);
+    list.add(common_field(
+                 "noise",
+                 "Standard deviation of the measured range, or of each coordinate for the uniform pattern.",
+                 Unit::metre, 0, 1e3),
+             o.noise);
+    list.add(common_field("seed", "Seed of the noise and of the beam directions.", Unit::none, 0, 2147483647),
+             o.seed);
 }
 
 }  // namespace coppice

@@ -34,33 +34,8 @@ struct ScanOptions {
     int seed = 0;          ///< of the noise and of the beam directions
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, ScanOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(common_field(
-              "pattern",
-              "Distribution of the points: as a laser scanner measures them, or uniform on the surface."),
-          o.pattern);
-    visit(common_field("points", "Approximate number of points.", Unit::none, 1, 1e8), o.points);
-    visit(common_field("positions", "Number of scanner positions, evenly spaced around the object.",
-                       Unit::none, 1, 1000),
-          o.positions);
-    visit(common_field("distance",
-                       "Distance of the scanner from the vertical axis through the centre of the object.",
-                       Unit::metre, 1e-3, 1e6),
-          o.distance);
-    visit(Field{"height", "Height of the scanner above the lowest point.", Unit::metre, -1e6, 1e6}, o.height);
-    visit(Field{"azimuth", "Direction of the first scanner, counter-clockwise from +x seen from above.",
-                Unit::radian, -6.2832, 6.2832},
-          o.azimuth);
-    visit(common_field(
-              "noise",
-              "Standard deviation of the measured range, or of each coordinate for the uniform pattern.",
-              Unit::metre, 0, 1e3),
-          o.noise);
-    visit(common_field("seed", "Seed of the noise and of the beam directions.", Unit::none, 0, 2147483647),
-          o.seed);
-}
+/// Lists the members for front ends.
+void list_fields(ScanOptions& o, FieldList& list);
 
 /// Returns points on a surface as measured by a terrestrial laser scanner. Each position sends beams at equal
 /// steps of azimuth and elevation through the window that contains the whole surface; a beam ends at the

@@ -6,8 +6,12 @@
 #include <cmath>
 
 #include "coppice/base/ascii.h"
+#include "coppice/base/error.h"
 #include "coppice/base/quote.h"
 #include "coppice/edit/selection.h"
+#include "coppice/options/json.h"
+#include "coppice/options/quantity.h"
+#include "coppice/options/spelling.h"
 
 namespace coppice {
 namespace {
@@ -169,6 +173,68 @@ bool is_object_name(std::string_view name) {
     const auto rest = [&](char c) { return letter(c) || is_digit(c) || c == '-' || c == '.'; };
     return !name.empty() && name.size() <= kLongestName && letter(name.front()) &&
            std::ranges::all_of(name, rest);
+}
+
+Argument argument_of(const OptionField& member) {
+    const Field& field = member.field;
+    Argument a;
+    a.name = field.name;
+    a.help = field.help;
+    a.unit = field.unit;
+    a.low = field.low;
+    a.high = field.high;
+    const auto set_number = [&](ArgumentType type, double value) {
+        a.type = type;
+        a.initial = typed(a, {{}, {in_typed_unit(field.unit, value)}});
+    };
+    if (const auto* flag = std::get_if<bool*>(&member.ref)) {
+        a.type = ArgumentType::flag;
+        a.initial = **flag ? "true" : "false";
+    } else if (const auto* choice = std::get_if<ChoiceRef>(&member.ref)) {
+        a.type = ArgumentType::choice;
+        a.choices.assign(choice->names.begin(), choice->names.end());
+        a.initial = choice->name();
+    } else if (std::holds_alternative<std::vector<std::string>*>(member.ref)) {
+        a.repeats = true;
+    } else if (std::holds_alternative<std::optional<Vec3d>*>(member.ref)) {
+        a.type = ArgumentType::tuple;
+        a.sizes = {3};
+    } else if (const auto* whole = std::get_if<int*>(&member.ref)) {
+        set_number(ArgumentType::whole, **whole);
+    } else {
+        set_number(ArgumentType::number, shortest(*std::get<float*>(member.ref)));
+    }
+    return a;
+}
+
+void visit_members(std::span<const OptionField> members, const std::string& path,
+                   const std::function<void(const std::string&, const OptionField&)>& visit) {
+    for (const OptionField& member : members) {
+        const std::string at = fmt::format("{}.{}", path, member.field.name);
+        if (const auto* nested = std::get_if<std::vector<OptionField>>(&member.ref)) {
+            visit_members(*nested, at, visit);
+        } else {
+            visit(at, member);
+        }
+    }
+}
+
+void add_options(std::vector<Argument>& arguments, std::span<const OptionField> defaults,
+                 const std::string& path, const std::set<std::string>& without,
+                 const std::map<std::string, std::string>& names) {
+    std::size_t renamed = 0;
+    visit_members(defaults, path, [&](const std::string& at, const OptionField& member) {
+        if (without.contains(std::string(member.field.name))) return;
+        Argument a = argument_of(member);
+        a.field = at;
+        if (const auto other = names.find(at); other != names.end()) {
+            a.name = other->second;
+            ++renamed;
+        }
+        for (const Argument& other : arguments) COPPICE_ASSERT(other.name != a.name);
+        arguments.push_back(std::move(a));
+    });
+    COPPICE_ASSERT(renamed == names.size());
 }
 
 }  // namespace coppice

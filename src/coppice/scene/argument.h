@@ -1,19 +1,15 @@
 #pragma once
 
-#include <algorithm>
+#include <functional>
 #include <map>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "coppice/base/error.h"
-#include "coppice/base/fields.h"
-#include "coppice/options/json.h"
-#include "coppice/options/option_fields.h"
-#include "coppice/options/quantity.h"
-#include "coppice/options/spelling.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/scene/object.h"
 #include "coppice/scene/words.h"
 
@@ -85,70 +81,26 @@ std::string takes_text(const Argument& argument);
 bool is_object_name(std::string_view name);
 
 /// Returns an argument that represents a member of an option struct, with the value of the member as default.
-template <class T>
-Argument argument_of(const Field& field, const T& value) {
-    Argument a;
-    a.name = field.name;
-    a.help = field.help;
-    a.unit = field.unit;
-    a.low = field.low;
-    a.high = field.high;
-    if constexpr (std::is_same_v<T, bool>) {
-        a.type = ArgumentType::flag;
-        a.initial = value ? "true" : "false";
-    } else if constexpr (NamedEnum<T>) {
-        a.type = ArgumentType::choice;
-        a.choices.assign(EnumNames<T>::names.begin(), EnumNames<T>::names.end());
-        a.initial = name_of(value);
-    } else if constexpr (std::is_same_v<T, std::vector<std::string>>) {
-        a.repeats = true;
-    } else if constexpr (std::is_same_v<T, std::optional<Vec3d>>) {
-        a.type = ArgumentType::tuple;
-        a.sizes = {3};
-    } else {
-        a.type = std::is_same_v<T, int> ? ArgumentType::whole : ArgumentType::number;
-        double shown = static_cast<double>(value);
-        if constexpr (std::is_same_v<T, float>) shown = shortest(value);
-        a.initial = typed(a, {{}, {in_typed_unit(field.unit, shown)}});
-    }
-    return a;
-}
+Argument argument_of(const OptionField& member);
 
-/// Calls visit(path, field, member) for the members of an option struct and of nested structs; the path has
-/// the form "mesh.control.base".
-template <class Options, class Visitor>
-void visit_members(Options& options, const std::string& path, Visitor&& visit) {
-    visit_fields(options, [&](const Field& field, auto& value) {
-        using T = std::remove_cvref_t<decltype(value)>;
-        const std::string name(field.name);
-        if constexpr (OptionStruct<T>) {
-            visit_members(value, path + "." + name, visit);
-        } else {
-            visit(path + "." + name, field, value);
-        }
-    });
-}
+/// Calls visit(path, member) for the members of an option struct and of nested structs; the path has the form
+/// "mesh.control.base".
+void visit_members(std::span<const OptionField> members, const std::string& path,
+                   const std::function<void(const std::string&, const OptionField&)>& visit);
 
 /// Adds an argument for every member of an option struct, except those in `without`. It has the name of the
 /// member, or the name in `names` for its path. Duplicate names, and paths without a member, are programming
 /// errors.
-template <class Options>
-void add_options(std::vector<Argument>& arguments, const Options& defaults, const std::string& path,
+void add_options(std::vector<Argument>& arguments, std::span<const OptionField> defaults,
+                 const std::string& path, const std::set<std::string>& without = {},
+                 const std::map<std::string, std::string>& names = {});
+
+/// The same for an option struct.
+template <OptionStruct Options>
+void add_options(std::vector<Argument>& arguments, Options defaults, const std::string& path,
                  const std::set<std::string>& without = {},
                  const std::map<std::string, std::string>& names = {}) {
-    std::size_t renamed = 0;
-    visit_members(defaults, path, [&](const std::string& at, const Field& field, const auto& value) {
-        if (without.contains(std::string(field.name))) return;
-        Argument a = argument_of(field, value);
-        a.field = at;
-        if (const auto other = names.find(at); other != names.end()) {
-            a.name = other->second;
-            ++renamed;
-        }
-        for (const Argument& other : arguments) COPPICE_ASSERT(other.name != a.name);
-        arguments.push_back(std::move(a));
-    });
-    COPPICE_ASSERT(renamed == names.size());
+    add_options(arguments, option_fields(defaults), path, without, names);
 }
 
 }  // namespace coppice

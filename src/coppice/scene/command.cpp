@@ -8,6 +8,7 @@
 #include "coppice/base/id.h"
 #include "coppice/base/quote.h"
 #include "coppice/options/renamed.h"
+#include "coppice/options/spelling.h"
 #include "coppice/scene/commands/tables_internal.h"
 #include "coppice/scene/properties_internal.h"
 #include "coppice/scene/script/script.h"
@@ -359,6 +360,31 @@ std::filesystem::path SceneCall::output(std::string_view name) const {
             fmt::format("cannot write '{}': the folder '{}' does not exist", path.string(), folder.string()));
     }
     return path;
+}
+
+void SceneCall::read_members(std::span<const OptionField> members, const std::string& path) const {
+    visit_members(members, path, [&](const std::string& at, const OptionField& member) {
+        if (const Argument* a = by_field(at); a != nullptr && has(a->name)) read(*a, member.ref);
+    });
+}
+
+void SceneCall::read(const Argument& a, const OptionRef& member) const {
+    if (auto* const* flag_value = std::get_if<bool*>(&member)) {
+        **flag_value = flag(a.name);
+    } else if (auto* const* words = std::get_if<std::vector<std::string>*>(&member)) {
+        for (const ArgumentValue& v : values(a.name)) (*words)->push_back(v.text);
+    } else if (auto* const* point = std::get_if<std::optional<Vec3d>*>(&member)) {
+        const std::vector<double>& n = values(a.name).front().numbers;
+        **point = Vec3d(n.at(0), n.at(1), n.at(2));
+    } else if (const auto* choice = std::get_if<ChoiceRef>(&member)) {
+        ChoiceRef chosen = *choice;
+        chosen.set(
+            static_cast<std::size_t>(std::ranges::find(chosen.names, text(a.name)) - chosen.names.begin()));
+    } else if (auto* const* whole = std::get_if<int*>(&member)) {
+        **whole = static_cast<int>(number(a.name));
+    } else {
+        *std::get<float*>(member) = static_cast<float>(number(a.name));
+    }
 }
 
 const Argument* SceneCall::by_field(const std::string& field) const {

@@ -105,11 +105,9 @@ class SceneCall {
 
     /// Returns an option struct with members from the arguments: "grow" for arguments with the fields
     /// "grow.step" and so on.
-    template <class Options>
+    template <OptionStruct Options>
     Options options(const std::string& path, Options out = {}) const {
-        visit_members(out, path, [&](const std::string& at, const Field&, auto& value) {
-            if (const Argument* a = by_field(at)) read(*a, value);
-        });
+        read_members(option_fields(out), path);
         return out;
     }
 
@@ -134,23 +132,9 @@ class SceneCall {
     const T& get(ObjectKind kind, const std::string& name) const {
         return std::get<T>(state_.objects.at({kind, name})->value);
     }
-    template <class T>
-    void read(const Argument& a, T& value) const {
-        if (!has(a.name)) return;
-        if constexpr (std::is_same_v<T, bool>) {
-            value = flag(a.name);
-        } else if constexpr (std::is_same_v<T, std::vector<std::string>>) {
-            for (const ArgumentValue& v : values(a.name)) value.push_back(v.text);
-        } else if constexpr (std::is_same_v<T, std::optional<Vec3d>>) {
-            const std::vector<double>& n = values(a.name).front().numbers;
-            value = Vec3d(n.at(0), n.at(1), n.at(2));
-        } else if constexpr (NamedEnum<T>) {
-            const auto found = std::ranges::find(EnumNames<T>::names, text(a.name));
-            value = static_cast<T>(found - EnumNames<T>::names.begin());
-        } else {
-            value = static_cast<T>(number(a.name));
-        }
-    }
+    /// Sets the members that have arguments; see options().
+    void read_members(std::span<const OptionField> members, const std::string& path) const;
+    void read(const Argument& argument, const OptionRef& member) const;
     const Argument* by_field(const std::string& field) const;
 
     const SceneCommand& command_;

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "coppice/options/json.h"
 #include "coppice/scene/command.h"
 
 namespace coppice {

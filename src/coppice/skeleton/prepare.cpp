@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "coppice/base/check_fields.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/skeleton/chains_internal.h"
 #include "coppice/skeleton/edit_internal.h"
 
@@ -42,6 +43,20 @@ PrepareResult prepare(const Skeleton& skeleton, const PrepareOptions& options) {
         take_over(result, std::move(split));
     }
     return result;
+}
+
+void list_fields(PrepareOptions& o, FieldList& list) {
+    list.add(Field{"merge_branches", "Distance below which two branch nodes are merged; 0 disables merging.",
+                   Unit::radius, 0, 2},
+             o.merge_branches);
+    list.add(
+        Field{"smooth_passes", "Number of passes that average radii along branches.", Unit::none, 0, 1000},
+        o.smooth_passes);
+    list_fields(o.resample, list);
+    list.add(Field{"max_children",
+                   "Maximum number of children, above which a node is split; 0 disables splitting.",
+                   Unit::none, 0, 1000},
+             o.max_children);
 }
 
 }  // namespace coppice

@@ -19,20 +19,8 @@ struct PrepareOptions {
     int max_children = 0;
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, PrepareOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"merge_branches", "Distance below which two branch nodes are merged; 0 disables merging.",
-                Unit::radius, 0, 2},
-          o.merge_branches);
-    visit(Field{"smooth_passes", "Number of passes that average radii along branches.", Unit::none, 0, 1000},
-          o.smooth_passes);
-    visit_fields(o.resample, visit);
-    visit(Field{"max_children",
-                "Maximum number of children, above which a node is split; 0 disables splitting.", Unit::none,
-                0, 1000},
-          o.max_children);
-}
+/// Lists the members for front ends.
+void list_fields(PrepareOptions& o, FieldList& list);
 
 /// Numbers of changes by `prepare`.
 struct PrepareReport {

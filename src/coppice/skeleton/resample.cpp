@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "coppice/base/check_fields.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/skeleton/chains_internal.h"
 #include "coppice/skeleton/segment_cone.h"
 #include "coppice/skeleton/simplify_chain.h"
@@ -273,6 +274,28 @@ ResampleResult resample(const Skeleton& skeleton, const ResampleOptions& options
     if (options.method == ResampleMethod::zhu) return result;
     Splitter(result.skeleton, options).run(result);
     return result;
+}
+
+void list_fields(ResampleOptions& o, FieldList& list) {
+    list.add(Field{"resample", "Method that resamples the nodes between branch nodes."}, o.method);
+    list.add(Field{"tolerance", "Maximum shift of the surface caused by removing nodes.", Unit::radius, 0, 1},
+             o.tolerance);
+    list.add(Field{"min_spacing", "Minimum distance between nodes along a chain.", Unit::radius, 0, 10},
+             o.min_spacing);
+    list.add(
+        Field{"max_length", "Maximum length of a segment, above which it is split.", Unit::radius, 1, 1e6},
+        o.max_length);
+    list.add(
+        Field{"bend_angle", "Turn angle above which a node gets a ring on each side.", Unit::radian, 0, 3.15},
+        o.bend_angle);
+    list.add(Field{"bend_spacing", "Distance of the rings from a sharp turn.", Unit::radius, 0.1, 10},
+             o.bend_spacing);
+    list.add(
+        Field{"zhu_angle", "Turn angle below which the method zhu removes a node.", Unit::radian, 0, 3.15},
+        o.zhu_angle);
+    list.add(Field{"zhu_spacing", "Distance to a neighbour below which the method zhu removes a node.",
+                   Unit::radius, 0, 10},
+             o.zhu_spacing);
 }
 
 }  // namespace coppice

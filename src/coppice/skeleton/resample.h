@@ -36,27 +36,8 @@ struct ResampleOptions {
     float zhu_spacing = 1.1f;
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, ResampleOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"resample", "Method that resamples the nodes between branch nodes."}, o.method);
-    visit(Field{"tolerance", "Maximum shift of the surface caused by removing nodes.", Unit::radius, 0, 1},
-          o.tolerance);
-    visit(Field{"min_spacing", "Minimum distance between nodes along a chain.", Unit::radius, 0, 10},
-          o.min_spacing);
-    visit(Field{"max_length", "Maximum length of a segment, above which it is split.", Unit::radius, 1, 1e6},
-          o.max_length);
-    visit(
-        Field{"bend_angle", "Turn angle above which a node gets a ring on each side.", Unit::radian, 0, 3.15},
-        o.bend_angle);
-    visit(Field{"bend_spacing", "Distance of the rings from a sharp turn.", Unit::radius, 0.1, 10},
-          o.bend_spacing);
-    visit(Field{"zhu_angle", "Turn angle below which the method zhu removes a node.", Unit::radian, 0, 3.15},
-          o.zhu_angle);
-    visit(Field{"zhu_spacing", "Distance to a neighbour below which the method zhu removes a node.",
-                Unit::radius, 0, 10},
-          o.zhu_spacing);
-}
+/// Lists the members for front ends.
+void list_fields(ResampleOptions& o, FieldList& list);
 
 /// Numbers of changes by `resample`.
 struct ResampleReport {

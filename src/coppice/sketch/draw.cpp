@@ -5,6 +5,8 @@
 #include <numbers>
 
 #include "coppice/base/check_fields.h"
+#include "coppice/base/error.h"
+#include "coppice/base/option_fields.h"
 
 namespace coppice {
 namespace {
@@ -114,6 +116,18 @@ Sketch draw_sketch(const Skeleton& skeleton, const std::vector<SketchView>& view
                    const DrawSketchOptions& options) {
     check_fields(options, "sketch");
     return Drawer(skeleton, views, options).run();
+}
+
+void list_fields(DrawSketchOptions& o, FieldList& list) {
+    list.add(common_field("projection", "Projection of the cameras of both views."), o.projection);
+    list.add(common_field("angle", "Angle between the two views, counter-clockwise seen from above.",
+                          Unit::radian, 0.01, 3.1),
+             o.angle);
+    list.add(common_field("size", "Width and height of the pictures in pixels.", Unit::none, 16, 16384),
+             o.size);
+    list.add(Field{"spacing", "Distance in pixels between the points of a stroke; nodes are points as well.",
+                   Unit::none, 0.5, 1000},
+             o.spacing);
 }
 
 }  // namespace coppice

@@ -21,18 +21,8 @@ struct DrawSketchOptions {
     float spacing = 12;        ///< [pixels] distance between points of a stroke; nodes are points as well
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, DrawSketchOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(common_field("projection", "Projection of the cameras of both views."), o.projection);
-    visit(common_field("angle", "Angle between the two views, counter-clockwise seen from above.",
-                       Unit::radian, 0.01, 3.1),
-          o.angle);
-    visit(common_field("size", "Width and height of the pictures in pixels.", Unit::none, 16, 16384), o.size);
-    visit(Field{"spacing", "Distance in pixels between the points of a stroke; nodes are points as well.",
-                Unit::none, 0.5, 1000},
-          o.spacing);
-}
+/// Lists the members for front ends.
+void list_fields(DrawSketchOptions& o, FieldList& list);
 
 /// Returns two level cameras that show the whole skeleton: "front" looks along +y, "side" is rotated by
 /// `angle`. O(n). Throws InvalidInput if an option is out of range.

@@ -5,6 +5,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/base/parallel.h"
 #include "coppice/skeleton/raw.h"
 #include "coppice/skeleton/resample.h"
@@ -143,6 +144,28 @@ SketchResult reconstruct(const Sketch& sketch, const SketchOptions& options, con
         throw InvalidInput(source + ": no branch could be made; " + first->refused);
     }
     return {simplified(repair(nodes, source).skeleton, options.tolerance), std::move(fits)};
+}
+
+void list_fields(SketchOptions& o, FieldList& list) {
+    list.add(Field{"noise", "Standard deviation of drawn points in pixels; 0 measures it along each stroke.",
+                   Unit::none, 0, 100},
+             o.noise);
+    list.add(Field{"bend", "Standard turn of a branch from start to tip; smaller values are smoother.",
+                   Unit::radian, 0.01, 10},
+             o.bend);
+    list.add(common_field("max_error",
+                          "Maximum distance in pixels of a branch from its strokes, as root mean square.",
+                          Unit::none, 0.1, 1000),
+             o.max_error);
+    list.add(Field{"min_angle", "Minimum angle between views; strokes in closer views are refused.",
+                   Unit::radian, 1e-3, 1.5},
+             o.min_angle);
+    list.add(Field{"tolerance", "Maximum displacement of the surface by removing nodes; 0 keeps all nodes.",
+                   Unit::radius, 0, 1},
+             o.tolerance);
+    list.add(Field{"refine_cameras",
+                   "Adjust cameras slightly until starts and tips are on each other's lines of sight."},
+             o.refine_cameras);
 }
 
 }  // namespace coppice

@@ -23,29 +23,8 @@ struct SketchOptions {
     bool refine_cameras = false;
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, SketchOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"noise", "Standard deviation of drawn points in pixels; 0 measures it along each stroke.",
-                Unit::none, 0, 100},
-          o.noise);
-    visit(Field{"bend", "Standard turn of a branch from start to tip; smaller values are smoother.",
-                Unit::radian, 0.01, 10},
-          o.bend);
-    visit(common_field("max_error",
-                       "Maximum distance in pixels of a branch from its strokes, as root mean square.",
-                       Unit::none, 0.1, 1000),
-          o.max_error);
-    visit(Field{"min_angle", "Minimum angle between views; strokes in closer views are refused.",
-                Unit::radian, 1e-3, 1.5},
-          o.min_angle);
-    visit(Field{"tolerance", "Maximum displacement of the surface by removing nodes; 0 keeps all nodes.",
-                Unit::radius, 0, 1},
-          o.tolerance);
-    visit(Field{"refine_cameras",
-                "Adjust cameras slightly until starts and tips are on each other's lines of sight."},
-          o.refine_cameras);
-}
+/// Lists the members for front ends.
+void list_fields(SketchOptions& o, FieldList& list);
 
 /// Result for one stroke.
 struct StrokeFit {

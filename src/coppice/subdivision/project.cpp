@@ -11,6 +11,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/base/parallel.h"
 #include "coppice/subdivision/kernel/flat_ends.h"
 #include "coppice/subdivision/project_internal.h"
@@ -432,6 +433,30 @@ ProjectReport project(std::span<Vec3> positions, std::span<const Vec3> anchors,
             return report;
         },
         sum);
+}
+
+void list_fields(ProjectOptions& o, FieldList& list) {
+    list.add(
+        Field{"method",
+              "Method that moves refined vertices to the surface: along rays from the skeleton, along the "
+              "gradient, or by the plain Newton step of Zhu et al. 2015."},
+        o.method);
+    list.add(Field{"tolerance", "Accepted error of the projection as a fraction of the local radius.",
+                   Unit::radius, 1e-6, 0.1},
+             o.tolerance);
+    list.add(Field{"max_stretch", "Maximum length of a ray, in multiples of its initial length.", Unit::none,
+                   1.01, 100},
+             o.max_stretch);
+    list.add(Field{"max_evaluations", "Maximum number of field evaluations per vertex.", Unit::none, 1, 100},
+             o.max_evaluations);
+    list.add(Field{"damping", "Factor on each step along the gradient.", Unit::none, 0.1, 1}, o.damping);
+    list.add(Field{"relax_passes", "Number of tangential relaxations, each followed by a projection.",
+                   Unit::none, 0, 100},
+             o.relax_passes);
+    list.add(Field{"relax_weight",
+                   "Share of the distance to the neighbours' mean by which a relaxation moves a vertex.",
+                   Unit::none, 0, 1},
+             o.relax_weight);
 }
 
 }  // namespace coppice

@@ -35,30 +35,8 @@ struct ProjectOptions {
     float relax_weight = 0.3f;  ///< share of the distance to the neighbours' mean; in [0, 1]
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, ProjectOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"method",
-                "Method that moves refined vertices to the surface: along rays from the skeleton, along the "
-                "gradient, or by the plain Newton step of Zhu et al. 2015."},
-          o.method);
-    visit(Field{"tolerance", "Accepted error of the projection as a fraction of the local radius.",
-                Unit::radius, 1e-6, 0.1},
-          o.tolerance);
-    visit(Field{"max_stretch", "Maximum length of a ray, in multiples of its initial length.", Unit::none,
-                1.01, 100},
-          o.max_stretch);
-    visit(Field{"max_evaluations", "Maximum number of field evaluations per vertex.", Unit::none, 1, 100},
-          o.max_evaluations);
-    visit(Field{"damping", "Factor on each step along the gradient.", Unit::none, 0.1, 1}, o.damping);
-    visit(Field{"relax_passes", "Number of tangential relaxations, each followed by a projection.",
-                Unit::none, 0, 100},
-          o.relax_passes);
-    visit(Field{"relax_weight",
-                "Share of the distance to the neighbours' mean by which a relaxation moves a vertex.",
-                Unit::none, 0, 1},
-          o.relax_weight);
-}
+/// Lists the members for front ends.
+void list_fields(ProjectOptions& o, FieldList& list);
 
 /// Counts of a projection.
 struct ProjectReport {

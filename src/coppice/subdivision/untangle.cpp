@@ -10,6 +10,7 @@
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
 #include "coppice/base/number_set.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/base/parallel.h"
 #include "coppice/subdivision/fold_clusters_internal.h"
 #include "coppice/subdivision/folded_faces_internal.h"
@@ -270,6 +271,20 @@ UntangleReport untangle(const RefinedQuads& surface, const PatchRefinement& patc
     std::sort(report.still_bad.begin(), report.still_bad.end());
     report.bad_after = report.still_bad.size();
     return report;
+}
+
+void list_fields(UntangleOptions& o, FieldList& list) {
+    list.add(Field{"untangle_passes",
+                   "Maximum number of smoothing passes around folded faces; 0 disables the unfolding.",
+                   Unit::none, 0, 1000},
+             o.passes);
+    list.add(Field{"projected_passes",
+                   "Number of the first smoothing passes, which return to the surface after each smoothing.",
+                   Unit::none, 0, 1000},
+             o.projected_passes);
+    list.add(
+        Field{"untangle_quality", "Scaled Jacobian below which a face counts as folded.", Unit::none, 0, 0.9},
+        o.quality);
 }
 
 }  // namespace coppice

@@ -20,21 +20,8 @@ struct UntangleOptions {
     float quality = 0.2f;       ///< a face is bad if its scaled Jacobian (mesh/shape.h) is less than this
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, UntangleOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"untangle_passes",
-                "Maximum number of smoothing passes around folded faces; 0 disables the unfolding.",
-                Unit::none, 0, 1000},
-          o.passes);
-    visit(Field{"projected_passes",
-                "Number of the first smoothing passes, which return to the surface after each smoothing.",
-                Unit::none, 0, 1000},
-          o.projected_passes);
-    visit(
-        Field{"untangle_quality", "Scaled Jacobian below which a face counts as folded.", Unit::none, 0, 0.9},
-        o.quality);
-}
+/// Lists the members for front ends.
+void list_fields(UntangleOptions& o, FieldList& list);
 
 /// The quads of a refined cage with movable vertices.
 struct RefinedQuads {

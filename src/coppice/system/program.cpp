@@ -81,7 +81,7 @@ class Attributes {
     posix_spawnattr_t attributes_;
 };
 
-/// Ignores SIGPIPE during its lifetime; programs that are started meanwhile do the same.
+/// Ignores SIGPIPE during its lifetime; programs that are started in it do the same.
 class IgnoredPipeSignal {
   public:
     IgnoredPipeSignal() {

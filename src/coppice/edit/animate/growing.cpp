@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "coppice/base/check_fields.h"
+#include "coppice/base/option_fields.h"
 
 namespace coppice {
 namespace {
@@ -90,6 +91,19 @@ Skeleton GrowingTree::at(double part) const {
         ids.push_back(s.stable_id(n));
     }
     return {std::move(parent), std::move(position), std::move(radius), s.origin(), std::move(ids)};
+}
+
+void list_fields(GrowingOptions& o, FieldList& list) {
+    list.add(
+        Field{"age",
+              "Quantity that determines when nodes appear: path length from the root, or the order of the "
+              "nodes, as in grown trees."},
+        o.age);
+    list.add(
+        Field{"exponent",
+              "Exponent of the pipe model by which branches thicken; larger values thicken them earlier.",
+              Unit::none, 1, 10},
+        o.exponent);
 }
 
 }  // namespace coppice

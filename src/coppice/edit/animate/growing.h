@@ -29,18 +29,8 @@ struct GrowingOptions {
     float exponent = 2.5f;
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, GrowingOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"age",
-                "Quantity that determines when nodes appear: path length from the root, or the order of the "
-                "nodes, as in grown trees."},
-          o.age);
-    visit(Field{"exponent",
-                "Exponent of the pipe model by which branches thicken; larger values thicken them earlier.",
-                Unit::none, 1, 10},
-          o.exponent);
-}
+/// Lists the members for front ends.
+void list_fields(GrowingOptions& o, FieldList& list);
 
 /// A tree at every moment of its growth. Each segment grows from its parent, tips taper, and branches thicken
 /// by the pipe model with the length that they carry. At the end each node has the radius of the skeleton.

@@ -6,6 +6,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/base/random.h"
 
 namespace coppice {
@@ -139,6 +140,27 @@ Pose Wind::swayed(const Pose& still, double time) const {
         out.turns[i] = unit(sway[i] * still.turns[i]);
     }
     return out;
+}
+
+void list_fields(WindOptions& o, FieldList& list) {
+    list.add(common_field("speed", "Mean wind speed in metres per second; 0 is calm.", Unit::none, 0, 60),
+             o.speed);
+    list.add(Field{"azimuth", "Direction in which the wind blows, counter-clockwise from +x seen from above.",
+                   Unit::radian, -6.2832, 6.2832},
+             o.azimuth);
+    list.add(Field{"gusts", "Amplitude of the gusts as a fraction of the mean wind speed.", Unit::none, 0, 1},
+             o.gusts);
+    list.add(common_field("flexibility", "Factor on the bending of green wood with the given radii.",
+                          Unit::none, 0, 1000),
+             o.flexibility);
+    list.add(
+        Field{"load",
+              "Ratio of the width that catches the wind, including leaves and twigs, to the width of the "
+              "branch.",
+              Unit::none, 0, 1000},
+        o.load);
+    list.add(Field{"seed", "Seed of the gusts and of the phases of the branches.", Unit::none, 0, 2147483647},
+             o.seed);
 }
 
 }  // namespace coppice

@@ -20,27 +20,8 @@ struct WindOptions {
     int seed = 0;     ///< seed of gusts and phases; in [0, 2^31 - 1]
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, WindOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(common_field("speed", "Mean wind speed in metres per second; 0 is calm.", Unit::none, 0, 60),
-          o.speed);
-    visit(Field{"azimuth", "Direction in which the wind blows, counter-clockwise from +x seen from above.",
-                Unit::radian, -6.2832, 6.2832},
-          o.azimuth);
-    visit(Field{"gusts", "Amplitude of the gusts as a fraction of the mean wind speed.", Unit::none, 0, 1},
-          o.gusts);
-    visit(common_field("flexibility", "Factor on the bending of green wood with the given radii.", Unit::none,
-                       0, 1000),
-          o.flexibility);
-    visit(Field{"load",
-                "Ratio of the width that catches the wind, including leaves and twigs, to the width of the "
-                "branch.",
-                Unit::none, 0, 1000},
-          o.load);
-    visit(Field{"seed", "Seed of the gusts and of the phases of the branches.", Unit::none, 0, 2147483647},
-          o.seed);
-}
+/// Lists the members for front ends.
+void list_fields(WindOptions& o, FieldList& list);
 
 /// Periodic motion of a forest in the wind. Each axis is a cantilever on its parent axis, moves with it, is
 /// bent by the wind pressure on itself and on its load, and oscillates at its own frequency. Gusts travel

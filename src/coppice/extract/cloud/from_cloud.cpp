@@ -10,6 +10,7 @@
 #include "coppice/base/error.h"
 #include "coppice/base/id.h"
 #include "coppice/base/median.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/progress.h"
 #include "coppice/extract/cloud/clean_cloud_internal.h"
@@ -321,6 +322,63 @@ CloudExtraction extract_from_cloud(const PointSet& set, const CloudOptions& opti
     out.report.joined = static_cast<std::uint32_t>(paths.graph.bridges.size()) + paths.graph.wide;
     ctx.report(1);
     return out;
+}
+
+void list_fields(CloudOptions& o, FieldList& list) {
+    list.add(
+        common_field("ground",
+                     "Points to remove as ground: those that look like it, none, or all below a height."),
+        o.ground);
+    list.add(Field{"ground_height", "Height below which points are ground.", Unit::metre, -1e6, 1e6},
+             o.ground_height);
+    list.add(common_field("voxel", "Edge length of the voxels that keep one point each; 0 keeps all points.",
+                          Unit::metre, 0, 1e6),
+             o.voxel);
+    list.add(
+        Field{"max_points", "Maximum number of points; larger clouds are downsampled.", Unit::none, 100, 1e8},
+        o.max_points);
+    list.add(
+        Field{"neighbours", "Number of neighbours of each point in the graph of paths.", Unit::none, 4, 64},
+        o.neighbours);
+    list.add(Field{"outlier_factor",
+                   "Minimum ratio of the distance of an outlier from its neighbours to the usual distance; 0 "
+                   "keeps all points.",
+                   Unit::none, 0, 1e6},
+             o.outlier_factor);
+    list.add(common_field(
+                 "leaves",
+                 "Treatment of leaves: removed where the cloud has some, kept as wood, or always removed."),
+             o.leaves);
+    list.add(Field{"leaf_cluster_distance",
+                   "Minimum distance from all axes of a cluster of leaves that gets a twig to its middle; 0 "
+                   "computes it from the height of the tree.",
+                   Unit::metre, 0, 1e6},
+             o.detail);
+    list.add(Field{"gap",
+                   "Maximum gap that is bridged; 0 computes it from the spacing and the height of the tree.",
+                   Unit::metre, 0, 1e6},
+             o.gap);
+    list.add(Field{"twig_node_spacing", "Distance of nodes on the thinnest twigs, in spacings of the points.",
+                   Unit::none, 0.25, 20},
+             o.step);
+    list.add(Field{"fit_passes", "Number of passes that fit circles and smooth axes.", Unit::none, 0, 50},
+             o.fit_passes);
+    list.add(Field{"min_twig_height",
+                   "Minimum height of a twig above the rest of the surface, in spacings of the points.",
+                   Unit::none, 0, 100},
+             o.twig);
+    list.add(
+        Field{"area_limit",
+              "Maximum total cross-section of the branches at one distance from the foot, relative to that "
+              "of the measured stem; 0 sets no limit.",
+              Unit::none, 0, 1000},
+        o.area_limit);
+    list.add(
+        common_field("max_trees", "Maximum number of trees to keep; 0 keeps all.", Unit::none, 0, 100000),
+        o.max_trees);
+    list.add(Field{"root", "Point closest to the root of the tree; by default the root is the lowest end.",
+                   Unit::metre},
+             o.root);
 }
 
 }  // namespace coppice

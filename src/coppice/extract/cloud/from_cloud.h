@@ -61,60 +61,8 @@ struct CloudOptions {
     std::optional<Vec3d> root;  ///< [m] world: position of the only tree, if set
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, CloudOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(common_field("ground",
-                       "Points to remove as ground: those that look like it, none, or all below a height."),
-          o.ground);
-    visit(Field{"ground_height", "Height below which points are ground.", Unit::metre, -1e6, 1e6},
-          o.ground_height);
-    visit(common_field("voxel", "Edge length of the voxels that keep one point each; 0 keeps all points.",
-                       Unit::metre, 0, 1e6),
-          o.voxel);
-    visit(
-        Field{"max_points", "Maximum number of points; larger clouds are downsampled.", Unit::none, 100, 1e8},
-        o.max_points);
-    visit(Field{"neighbours", "Number of neighbours of each point in the graph of paths.", Unit::none, 4, 64},
-          o.neighbours);
-    visit(Field{"outlier_factor",
-                "Minimum ratio of the distance of an outlier from its neighbours to the usual distance; 0 "
-                "keeps all points.",
-                Unit::none, 0, 1e6},
-          o.outlier_factor);
-    visit(common_field(
-              "leaves",
-              "Treatment of leaves: removed where the cloud has some, kept as wood, or always removed."),
-          o.leaves);
-    visit(Field{"leaf_cluster_distance",
-                "Minimum distance from all axes of a cluster of leaves that gets a twig to its middle; 0 "
-                "computes it from the height of the tree.",
-                Unit::metre, 0, 1e6},
-          o.detail);
-    visit(Field{"gap",
-                "Maximum gap that is bridged; 0 computes it from the spacing and the height of the tree.",
-                Unit::metre, 0, 1e6},
-          o.gap);
-    visit(Field{"twig_node_spacing", "Distance of nodes on the thinnest twigs, in spacings of the points.",
-                Unit::none, 0.25, 20},
-          o.step);
-    visit(Field{"fit_passes", "Number of passes that fit circles and smooth axes.", Unit::none, 0, 50},
-          o.fit_passes);
-    visit(Field{"min_twig_height",
-                "Minimum height of a twig above the rest of the surface, in spacings of the points.",
-                Unit::none, 0, 100},
-          o.twig);
-    visit(Field{"area_limit",
-                "Maximum total cross-section of the branches at one distance from the foot, relative to that "
-                "of the measured stem; 0 sets no limit.",
-                Unit::none, 0, 1000},
-          o.area_limit);
-    visit(common_field("max_trees", "Maximum number of trees to keep; 0 keeps all.", Unit::none, 0, 100000),
-          o.max_trees);
-    visit(Field{"root", "Point closest to the root of the tree; by default the root is the lowest end.",
-                Unit::metre},
-          o.root);
-}
+/// Lists the members for front ends.
+void list_fields(CloudOptions& o, FieldList& list);
 
 /// Counts of the points removed from a cloud.
 struct CloudReport {

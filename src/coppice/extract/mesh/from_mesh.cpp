@@ -6,6 +6,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/id.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/base/progress.h"
 #include "coppice/extract/mesh/contraction_internal.h"
 #include "coppice/extract/mesh/distance_internal.h"
@@ -225,6 +226,41 @@ FromMeshResult extract_from_mesh(const PolygonMesh& mesh, const FromMeshOptions&
         out.nodes = std::move(samples.node);
     });
     return out;
+}
+
+void list_fields(FromMeshOptions& o, FieldList& list) {
+    list.add(Field{"method", "Method that computes the axes from the mesh."}, o.method);
+    list.add(Field{"thickness",
+                   "Statistic of contraction that computes the radius of a node from the distances of the "
+                   "vertices merged into it; initial value of the fit."},
+             o.thickness);
+    list.add(Field{"fit", "Fit the segments to the vertices by least squares."}, o.fit);
+    list.add(common_field("prune", "Minimum height of a branch above its fork; shorter ends are removed.",
+                          Unit::radius, 0, 10),
+             o.prune);
+    list.add(
+        Field{"join",
+              "Maximum distance of an end from the axis of another component for attaching it; 0 disables "
+              "this.",
+              Unit::radius, 0, 10},
+        o.join);
+    list.add(Field{"tolerance", "Maximum change of the surface by removing nodes.", Unit::radius, 0, 1},
+             o.tolerance);
+    list.add(Field{"keep_loops", "Extend an end that was cut off a loop to the place of the cut."},
+             o.keep_loops);
+    list.add(Field{"up", "Axis of the mesh that points up; roots are the lowest ends."}, o.up);
+    list.add(common_field(
+                 "wood",
+                 "Read only the faces of groups or materials with this text in their name; may be repeated."),
+             o.clean.wood);
+    list.add(Field{"cards", "Remove flat components, which are usually leaves."}, o.clean.cards);
+    list.add(
+        Field{"weld", "Maximum distance of vertices that are merged, as a share of the size of the mesh.",
+              Unit::none, 0, 0.01},
+        o.clean.weld);
+    list.add(Field{"root", "Point closest to the root of the tree; by default the root is the lowest end.",
+                   Unit::metre},
+             o.root);
 }
 
 }  // namespace coppice

@@ -60,40 +60,8 @@ struct FromMeshOptions {
                                 ///< roots are the lowest ends
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, FromMeshOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"method", "Method that computes the axes from the mesh."}, o.method);
-    visit(Field{"thickness",
-                "Statistic of contraction that computes the radius of a node from the distances of the "
-                "vertices merged into it; initial value of the fit."},
-          o.thickness);
-    visit(Field{"fit", "Fit the segments to the vertices by least squares."}, o.fit);
-    visit(common_field("prune", "Minimum height of a branch above its fork; shorter ends are removed.",
-                       Unit::radius, 0, 10),
-          o.prune);
-    visit(Field{"join",
-                "Maximum distance of an end from the axis of another component for attaching it; 0 disables "
-                "this.",
-                Unit::radius, 0, 10},
-          o.join);
-    visit(Field{"tolerance", "Maximum change of the surface by removing nodes.", Unit::radius, 0, 1},
-          o.tolerance);
-    visit(Field{"keep_loops", "Extend an end that was cut off a loop to the place of the cut."},
-          o.keep_loops);
-    visit(Field{"up", "Axis of the mesh that points up; roots are the lowest ends."}, o.up);
-    visit(common_field(
-              "wood",
-              "Read only the faces of groups or materials with this text in their name; may be repeated."),
-          o.clean.wood);
-    visit(Field{"cards", "Remove flat components, which are usually leaves."}, o.clean.cards);
-    visit(Field{"weld", "Maximum distance of vertices that are merged, as a share of the size of the mesh.",
-                Unit::none, 0, 0.01},
-          o.clean.weld);
-    visit(Field{"root", "Point closest to the root of the tree; by default the root is the lowest end.",
-                Unit::metre},
-          o.root);
-}
+/// Lists the members for front ends.
+void list_fields(FromMeshOptions& o, FieldList& list);
 
 /// Skeleton and the repairs of the mesh.
 struct FromMeshResult : ExtractResult {

@@ -9,6 +9,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/progress.h"
 #include "coppice/extract/plot/segments_internal.h"
@@ -270,6 +271,21 @@ PlotExtraction extract_plot(const PointSet& set, const PlotOptions& options, con
     check_fields(tree, "extract");  // before any work on the points
     return extract_trees(set, segment_plot(set, options, part_of(ctx, 0, kSegmented)), tree,
                          part_of(ctx, kSegmented, 1));
+}
+
+void list_fields(PlotOptions& o, FieldList& list) {
+    list.add(common_field("min_diameter",
+                          "Minimum diameter at breast height of a tree; thinner stems are understorey.",
+                          Unit::metre, 0.01, 1),
+             o.min_diameter);
+    list.add(Field{"max_diameter", "Maximum diameter of a stem.", Unit::metre, 0.05, 20}, o.max_diameter);
+    list.add(Field{"resolution",
+                   "Edge length of the voxels in which all points belong to one tree; 0 computes it from the "
+                   "number of points.",
+                   Unit::metre, 0, 1},
+             o.resolution);
+    list.add(Field{"widest_gap", "Maximum gap between points of one tree.", Unit::metre, 0.01, 10},
+             o.widest_gap);
 }
 
 }  // namespace coppice

@@ -27,22 +27,8 @@ struct PlotOptions {
     float widest_gap = 0.5f;  ///< [m] maximum gap between points of one tree; in [0.01, 10]
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, PlotOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(common_field("min_diameter",
-                       "Minimum diameter at breast height of a tree; thinner stems are understorey.",
-                       Unit::metre, 0.01, 1),
-          o.min_diameter);
-    visit(Field{"max_diameter", "Maximum diameter of a stem.", Unit::metre, 0.05, 20}, o.max_diameter);
-    visit(Field{"resolution",
-                "Edge length of the voxels in which all points belong to one tree; 0 computes it from the "
-                "number of points.",
-                Unit::metre, 0, 1},
-          o.resolution);
-    visit(Field{"widest_gap", "Maximum gap between points of one tree.", Unit::metre, 0.01, 10},
-          o.widest_gap);
-}
+/// Lists the members for front ends.
+void list_fields(PlotOptions& o, FieldList& list);
 
 /// Replaces the index of a tree for a point of the ground.
 inline constexpr std::uint32_t kPointOfGround = std::numeric_limits<std::uint32_t>::max();

@@ -8,6 +8,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/base/parallel.h"
 #include "coppice/field/weights/normal_equations_internal.h"
 
@@ -204,6 +205,14 @@ NnlsResult nnls(const SparseRows& a, std::span<const double> b, const NnlsOption
     for (std::size_t i = 0; i < z.size(); ++i)
         if (columns.length[i] > 0) out.x[i] = z[i] * (size / columns.length[i]);
     return out;
+}
+
+void list_fields(NnlsOptions& o, FieldList& list) {
+    list.add(Field{"max_pivots", "Maximum number of exchanges of sets before coordinate descent starts.",
+                   Unit::none, 0, 1e6},
+             o.max_pivots);
+    list.add(Field{"max_sweeps", "Maximum number of sweeps of coordinate descent.", Unit::none, 0, 1e6},
+             o.max_sweeps);
 }
 
 }  // namespace coppice

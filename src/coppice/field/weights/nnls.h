@@ -32,15 +32,8 @@ struct NnlsOptions {
     int max_sweeps = 500;  ///< maximum number of sweeps of coordinate descent
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, NnlsOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"max_pivots", "Maximum number of exchanges of sets before coordinate descent starts.",
-                Unit::none, 0, 1e6},
-          o.max_pivots);
-    visit(Field{"max_sweeps", "Maximum number of sweeps of coordinate descent.", Unit::none, 0, 1e6},
-          o.max_sweeps);
-}
+/// Lists the members for front ends.
+void list_fields(NnlsOptions& o, FieldList& list);
 
 /// A solution and its quality.
 struct NnlsResult {

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "coppice/base/check_fields.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/base/progress.h"
 #include "coppice/implicit/polygonize/block_lattice_internal.h"
 
@@ -227,6 +228,15 @@ void CachedField::values(std::span<const Vec3> points, std::span<float> out) con
             out[i] = place.corners.first == nullptr ? constant_[place.block] : place.corners.value();
         }
     }
+}
+
+void list_fields(CacheOptions& o, FieldList& list) {
+    list.add(Field{"cell", "Side of a cell of the cached field; 0 uses 1/64 of the longest side.",
+                   Unit::metre, 0, 1e6},
+             o.cell);
+    list.add(
+        Field{"band", "Maximum difference from the iso value of the stored values.", Unit::none, 0.001, 10},
+        o.band);
 }
 
 }  // namespace coppice

@@ -19,15 +19,8 @@ struct CacheOptions {
                         ///< only on the correct side
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, CacheOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"cell", "Side of a cell of the cached field; 0 uses 1/64 of the longest side.", Unit::metre,
-                0, 1e6},
-          o.cell);
-    visit(Field{"band", "Maximum difference from the iso value of the stored values.", Unit::none, 0.001, 10},
-          o.band);
-}
+/// Lists the members for front ends.
+void list_fields(CacheOptions& o, FieldList& list);
 
 /// A field cached on a grid around its surface: blocks of 8 x 8 x 8 cells that contain a value within `band`
 /// of the iso value [Schmidt2005]. Between corners of cells, values are interpolated trilinearly; gradients

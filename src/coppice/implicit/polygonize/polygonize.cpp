@@ -9,6 +9,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/id.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/base/progress.h"
 #include "coppice/implicit/polygonize/block_lattice_internal.h"
 
@@ -468,6 +469,16 @@ TriMesh polygonize(const SolidField& field, const PolygonizeOptions& options, co
                           {Box3::kInfinity, Box3::kInfinity, Box3::kInfinity}};
     return cut_blocks({lattice, values, field.level(), everywhere, options.refinements}, near,
                       part_of(ctx, kRanged, 1));
+}
+
+void list_fields(PolygonizeOptions& o, FieldList& list) {
+    list.add(Field{"cell", "Side of a cell of the polygonizer; 0 uses 1/64 of the longest side.", Unit::metre,
+                   0, 1e6},
+             o.cell);
+    list.add(
+        Field{"refinements", "Number of times that a vertex is moved along its edge towards the surface.",
+              Unit::none, 0, 20},
+        o.refinements);
 }
 
 }  // namespace coppice

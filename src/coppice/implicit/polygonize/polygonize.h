@@ -20,16 +20,8 @@ struct PolygonizeOptions {
                           ///< the first estimate
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, PolygonizeOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"cell", "Side of a cell of the polygonizer; 0 uses 1/64 of the longest side.", Unit::metre, 0,
-                1e6},
-          o.cell);
-    visit(Field{"refinements", "Number of times that a vertex is moved along its edge towards the surface.",
-                Unit::none, 0, 20},
-          o.refinements);
-}
+/// Lists the members for front ends.
+void list_fields(PolygonizeOptions& o, FieldList& list);
 
 /// Returns the surface of a field as triangles: every cell is divided into six tetrahedra that match those of
 /// its neighbours [Freudenthal1942], and every tetrahedron contains at most two triangles. There is one

@@ -7,6 +7,7 @@
 
 #include "coppice/base/error.h"
 #include "coppice/base/frame.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/implicit/shape/curve_internal.h"
 #include "coppice/implicit/solid/input_internal.h"
 
@@ -326,6 +327,11 @@ void CurveShape::distance(std::span<const Vec3> points, std::span<FieldSample> o
         const Vec3d across = perpendicular(curve_.arcs()[place.arc].tangent(place.t));
         out[i] = {static_cast<float>(d), Vec3(normalized(away, across))};
     }
+}
+
+void list_fields(CurveOptions& o, FieldList& list) {
+    list.add(Field{"kind", "Interpolation of the curve between its points."}, o.kind);
+    list.add(Field{"closed", "Connect the last point to the first by an additional section."}, o.closed);
 }
 
 }  // namespace coppice

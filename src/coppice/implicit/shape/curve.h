@@ -30,12 +30,8 @@ struct CurveOptions {
     bool closed = false;                      ///< an additional section connects the last point to the first
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, CurveOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"kind", "Interpolation of the curve between its points."}, o.kind);
-    visit(Field{"closed", "Connect the last point to the first by an additional section."}, o.closed);
-}
+/// Lists the members for front ends.
+void list_fields(CurveOptions& o, FieldList& list);
 
 /// A cubic c0 + t (c1 + t (c2 + t c3)), 0 <= t <= 1, with a curvature so small that it is within `slack` of
 /// its chord.

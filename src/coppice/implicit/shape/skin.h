@@ -29,16 +29,8 @@ struct SkinOptions {
                       ///< the path is closed
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, SkinOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"blend", "Interpolation between consecutive sections."}, o.blend);
-    visit(Field{"roll", "Angle by which the sections are rotated about the path.", Unit::radian, -1e3, 1e3},
-          o.roll);
-    visit(Field{"twist", "Additional angle by which they rotate from the path's start to its end.",
-                Unit::radian, -1e3, 1e3},
-          o.twist);
-}
+/// Lists the members for front ends.
+void list_fields(SkinOptions& o, FieldList& list);
 
 /// A closed profile at a place of the path. It may have several contours; sections at one place are united,
 /// for example the four legs of a table with a top that is one section at the other end.

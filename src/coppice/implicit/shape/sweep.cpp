@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "coppice/base/check_fields.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/implicit/shape/path_internal.h"
 
 namespace coppice {
@@ -71,6 +72,14 @@ void Sweep::distance(std::span<const Vec3> points, std::span<FieldSample> out) c
     const PathTurn turn{options_.roll, options_.twist};
     for (std::size_t i = 0; i < points.size(); ++i)
         out[i] = sample_along(path_, turn, points[i], reach_, value);
+}
+
+void list_fields(SweepOptions& o, FieldList& list) {
+    list.add(Field{"roll", "Angle by which the profile is rotated about the path.", Unit::radian, -1e3, 1e3},
+             o.roll);
+    list.add(Field{"twist", "Additional angle by which it rotates from the path's start to its end.",
+                   Unit::radian, -1e3, 1e3},
+             o.twist);
 }
 
 }  // namespace coppice

@@ -14,15 +14,8 @@ struct SweepOptions {
                       ///< the path is closed
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, SweepOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"roll", "Angle by which the profile is rotated about the path.", Unit::radian, -1e3, 1e3},
-          o.roll);
-    visit(Field{"twist", "Additional angle by which it rotates from the path's start to its end.",
-                Unit::radian, -1e3, 1e3},
-          o.twist);
-}
+/// Lists the members for front ends.
+void list_fields(SweepOptions& o, FieldList& list);
 
 /// The scale of the profile at a place of the path; linear between places, constant before and after them.
 struct ScaleAt {

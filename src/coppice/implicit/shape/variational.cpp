@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "coppice/base/check_fields.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/implicit/shape/smoothest_internal.h"
 #include "coppice/implicit/shape/variational_internal.h"
 #include "coppice/implicit/solid/input_internal.h"
@@ -104,6 +105,17 @@ void Variational::distance(std::span<const Vec3> points, std::span<FieldSample> 
         out[i] = value >= box.value ? FieldSample{static_cast<float>(value), Vec3(gradient)}
                                     : FieldSample{static_cast<float>(box.value), Vec3(box.gradient)};
     }
+}
+
+void list_fields(VariationalOptions& o, FieldList& list) {
+    list.add(
+        Field{"offset",
+              "Distance along the normals at which the value is prescribed, in sizes of the points' box.",
+              Unit::none, 1e-4, 0.2},
+        o.offset);
+    list.add(Field{"margin", "Distance from the points' box at which the solid ends, in sizes of that box.",
+                   Unit::none, 0, 1},
+             o.margin);
 }
 
 }  // namespace coppice

@@ -16,17 +16,8 @@ struct VariationalOptions {
     float margin = 0.1f;  ///< [size of the points' box] distance from the points' box at which the solid ends
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, VariationalOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"offset",
-                "Distance along the normals at which the value is prescribed, in sizes of the points' box.",
-                Unit::none, 1e-4, 0.2},
-          o.offset);
-    visit(Field{"margin", "Distance from the points' box at which the solid ends, in sizes of that box.",
-                Unit::none, 0, 1},
-          o.margin);
-}
+/// Lists the members for front ends.
+void list_fields(VariationalOptions& o, FieldList& list);
 
 /// The smoothest closed surface through points with outward normals: f(p) = sum of w |p - center|^3 plus a
 /// linear function is 0 at the points, and equal to the offset at points shifted along their normals by it

@@ -8,6 +8,8 @@
 #include <string>
 
 #include "coppice/base/check_fields.h"
+#include "coppice/base/error.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/implicit/solid/solid_internal.h"
 
 namespace coppice {
@@ -240,5 +242,20 @@ std::span<const Solid> Solid::parts() const { return node_->parts; }
 std::uint32_t Solid::part_count() const { return node_->part_count; }
 std::uint32_t Solid::depth() const { return node_->depth; }
 Box3 Solid::bounds_at(float value) const { return compute_box(*this, Affine{}, value); }
+
+void list_fields(PrimitiveOptions& o, FieldList& list) {
+    list.add(Field{"radius", "Distance of the surface from the skeleton.", Unit::metre, 1e-5, 1e5}, o.radius);
+    list.add(
+        Field{"influence",
+              "Distance at which the field ends, 1.1 to 20 radii; 0 uses 2.2 radii, or 2 radii for the law "
+              "soft.",
+              Unit::metre, 0, 1e6},
+        o.influence);
+    list.add(
+        Field{"law",
+              "Falloff of the field with the share x of the influence: (1 - x^2)^3 or -4/9 x^6 + 17/9 x^4 "
+              "- 22/9 x^2 + 1."},
+        o.law);
+}
 
 }  // namespace coppice

@@ -72,20 +72,8 @@ struct PrimitiveOptions {
     FieldLaw law = FieldLaw::cube;  ///< falloff of the field
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, PrimitiveOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"radius", "Distance of the surface from the skeleton.", Unit::metre, 1e-5, 1e5}, o.radius);
-    visit(Field{"influence",
-                "Distance at which the field ends, 1.1 to 20 radii; 0 uses 2.2 radii, or 2 radii for the law "
-                "soft.",
-                Unit::metre, 0, 1e6},
-          o.influence);
-    visit(Field{"law",
-                "Falloff of the field with the share x of the influence: (1 - x^2)^3 or -4/9 x^6 + 17/9 x^4 "
-                "- 22/9 x^2 + 1."},
-          o.law);
-}
+/// Lists the members for front ends.
+void list_fields(PrimitiveOptions& o, FieldList& list);
 
 // Primitives. The skeleton is defined by its points; discs, boxes, cones, cylinders and polygons are solid
 // skeletons, so that their surfaces have rounded edges. They throw InvalidInput for numbers out of range.

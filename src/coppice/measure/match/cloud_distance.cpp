@@ -8,6 +8,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/id.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/base/parallel.h"
 #include "coppice/measure/capsule_tree.h"
 #include "coppice/measure/forks_internal.h"
@@ -264,6 +265,22 @@ CloudDistances cloud_distances(const PolygonMesh& mesh, const PointSet& cloud, c
     out.of_points = std::move(points.distance);
     ctx.report(1);
     return out;
+}
+
+void list_fields(CloudDistanceOptions& o, FieldList& list) {
+    list.add(Field{"samples",
+                   "Number of sample points on the surface that are compared with the cloud; 0 "
+                   "uses the number of points of the cloud, limited to 10,000 to 1,000,000.",
+                   Unit::none, 0, 1e8},
+             o.samples);
+    list.add(Field{"support",
+                   "Distance to the nearest point beyond which the surface is bare; 0 uses three times the "
+                   "median spacing of the cloud.",
+                   Unit::metre, 0, 1e6},
+             o.support);
+    list.add(Field{"fork_reach", "Distance from the node of a fork within which points belong to the fork.",
+                   Unit::radius, 0.1, 100},
+             o.fork_reach);
 }
 
 }  // namespace coppice

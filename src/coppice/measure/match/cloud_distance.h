@@ -23,23 +23,8 @@ struct CloudDistanceOptions {
     float fork_reach = 2;  ///< [radius] of a fork's node: radius of the ball that belongs to the fork
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, CloudDistanceOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"samples",
-                "Number of sample points on the surface that are compared with the cloud; 0 "
-                "uses the number of points of the cloud, limited to 10,000 to 1,000,000.",
-                Unit::none, 0, 1e8},
-          o.samples);
-    visit(Field{"support",
-                "Distance to the nearest point beyond which the surface is bare; 0 uses three times the "
-                "median spacing of the cloud.",
-                Unit::metre, 0, 1e6},
-          o.support);
-    visit(Field{"fork_reach", "Distance from the node of a fork within which points belong to the fork.",
-                Unit::radius, 0.1, 100},
-          o.fork_reach);
-}
+/// Lists the members for front ends.
+void list_fields(CloudDistanceOptions& o, FieldList& list);
 
 /// Statistics of unsigned distances, except for the bias. Quantiles are members of the sample, as in
 /// Statistics.

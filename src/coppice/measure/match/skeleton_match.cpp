@@ -9,6 +9,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/id.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/base/parallel.h"
 #include "coppice/measure/capsule_tree.h"
 #include "coppice/measure/match/match_points_internal.h"
@@ -305,6 +306,17 @@ double unit_ratio(const SkeletonMatch& match, const Skeleton& reference, const S
     const double ratio = double{found.bounds().diagonal()} / reference.bounds().diagonal();
     const double power = std::round(std::log10(ratio));
     return std::fabs(power) < 2 || std::fabs(std::log10(ratio) - power) > kAbout ? 1 : std::pow(10, power);
+}
+
+void list_fields(CompareOptions& o, FieldList& list) {
+    list.add(Field{"step", "Distance of the samples along an axis.", Unit::radius, 0.01, 100}, o.step);
+    list.add(common_field("within", "Maximum distance from an axis at which it counts as covered.",
+                          Unit::radius, 1e-3, 100),
+             o.within);
+    list.add(common_field("tip_reach", "Maximum distance between tips that match.", Unit::radius, 1e-3, 100),
+             o.tip_reach);
+    list.add(Field{"fork_reach", "Maximum distance between junctions that match.", Unit::radius, 1e-3, 100},
+             o.fork_reach);
 }
 
 }  // namespace coppice

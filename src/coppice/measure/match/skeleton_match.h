@@ -19,18 +19,8 @@ struct CompareOptions {
     float fork_reach = 2;  ///< [radius] maximum distance between junctions that match
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, CompareOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"step", "Distance of the samples along an axis.", Unit::radius, 0.01, 100}, o.step);
-    visit(common_field("within", "Maximum distance from an axis at which it counts as covered.", Unit::radius,
-                       1e-3, 100),
-          o.within);
-    visit(common_field("tip_reach", "Maximum distance between tips that match.", Unit::radius, 1e-3, 100),
-          o.tip_reach);
-    visit(Field{"fork_reach", "Maximum distance between junctions that match.", Unit::radius, 1e-3, 100},
-          o.fork_reach);
-}
+/// Lists the members for front ends.
+void list_fields(CompareOptions& o, FieldList& list);
 
 /// One quantity of both skeletons.
 struct Quantity {

@@ -12,6 +12,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/random.h"
 #include "coppice/base/sort.h"
@@ -545,6 +546,20 @@ DartThrowingResult sample_dart_throwing(const PointRegion& region, const RadialK
 DartThrowingResult sample_dart_throwing(const PointRegion& region, const RadialKernel& kernel,
                                         const DartThrowingOptions& options, const Context& ctx) {
     return sample_dart_throwing(region, kernel, PointSet{}, options, ctx);
+}
+
+void list_fields(DartThrowingOptions& o, FieldList& list) {
+    list.add(Field{"count", "Number of points to place; 0 places as many as fit.", Unit::none, 0, 1e8},
+             o.count);
+    list.add(
+        Field{"resolution", "Number of voxels along the longest side of the box; 0 chooses it automatically.",
+              Unit::none, 0, 2048},
+        o.resolution);
+    list.add(Field{"max_factor", "Maximum factor of the density by the kernels of all points together.",
+                   Unit::none, 1, 1e6},
+             o.max_factor);
+    list.add(Field{"seed", "Seed of the random points.", Unit::none, 0, 2147483647}, o.seed);
+    list.add(Field{"max_memory", "Maximum memory in MiB.", Unit::none, 1, 1e6}, o.max_memory);
 }
 
 }  // namespace coppice

@@ -33,20 +33,8 @@ struct DartThrowingOptions {
     int max_memory = 4096;   ///< [MiB] maximum memory; larger requests are refused in advance
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, DartThrowingOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"count", "Number of points to place; 0 places as many as fit.", Unit::none, 0, 1e8}, o.count);
-    visit(
-        Field{"resolution", "Number of voxels along the longest side of the box; 0 chooses it automatically.",
-              Unit::none, 0, 2048},
-        o.resolution);
-    visit(Field{"max_factor", "Maximum factor of the density by the kernels of all points together.",
-                Unit::none, 1, 1e6},
-          o.max_factor);
-    visit(Field{"seed", "Seed of the random points.", Unit::none, 0, 2147483647}, o.seed);
-    visit(Field{"max_memory", "Maximum memory in MiB.", Unit::none, 1, 1e6}, o.max_memory);
-}
+/// Lists the members for front ends.
+void list_fields(DartThrowingOptions& o, FieldList& list);
 
 /// New points and the reason for the end.
 struct DartThrowingResult {

@@ -8,6 +8,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/base/progress.h"
 #include "coppice/points/sampling/dart_throwing_internal.h"
 #include "coppice/points/sampling/eliminate_internal.h"
@@ -165,6 +166,40 @@ GenerateResult generate(const FieldRef& field, const Box3& box, const GenerateOp
     check_fields(options, "points");
     const DensityCurve curve(options.density, field.level(), options.width, options.power);
     return generate(PointRegion{field, box, curve}, options, ctx);
+}
+
+void list_fields(GenerateOptions& o, FieldList& list) {
+    list.add(Field{"pattern", "Distribution of the points relative to each other."}, o.pattern);
+    list.add(Field{"density", "Density of the points as a function of the value of the field."}, o.density);
+    list.add(Field{"width", "Width of a shell at the boundary, in units of the value of the field.",
+                   Unit::none, 1e-6, 1e6},
+             o.width);
+    list.add(
+        Field{"power", "Exponent of the value in proportional and inverse densities.", Unit::none, 0, 16},
+        o.power);
+    list.add(Field{"count", "Number of points; 0 places as many as keep the distance.", Unit::none, 0, 1e8},
+             o.count);
+    list.add(Field{"distance", "Minimum distance between points; 0 computes it from the spacing.",
+                   Unit::metre, 0, 1e9},
+             o.distance);
+    list.add(Field{"spacing",
+                   "Minimum distance between points, relative to that at which the points fill the region.",
+                   Unit::none, 0, 1},
+             o.spacing);
+    list.add(Field{"cluster_reach",
+                   "Distance up to which a point of a cluster attracts others; 0 uses four times the minimum "
+                   "distance.",
+                   Unit::metre, 0, 1e9},
+             o.cluster_reach);
+    list.add(
+        Field{"cluster_gain", "Factor by which a point increases the density near it.", Unit::none, 0, 1e4},
+        o.cluster_gain);
+    list.add(
+        Field{"resolution", "Number of voxels along the longest side of the box; 0 chooses it automatically.",
+              Unit::none, 0, 2048},
+        o.resolution);
+    list.add(Field{"seed", "Seed of the random points.", Unit::none, 0, 2147483647}, o.seed);
+    list.add(Field{"max_memory", "Maximum memory in MiB.", Unit::none, 1, 1e6}, o.max_memory);
 }
 
 }  // namespace coppice

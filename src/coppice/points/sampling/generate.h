@@ -47,39 +47,8 @@ struct GenerateOptions {
     int max_memory = 4096;    ///< [MiB] maximum memory; larger requests are refused in advance
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, GenerateOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"pattern", "Distribution of the points relative to each other."}, o.pattern);
-    visit(Field{"density", "Density of the points as a function of the value of the field."}, o.density);
-    visit(Field{"width", "Width of a shell at the boundary, in units of the value of the field.", Unit::none,
-                1e-6, 1e6},
-          o.width);
-    visit(Field{"power", "Exponent of the value in proportional and inverse densities.", Unit::none, 0, 16},
-          o.power);
-    visit(Field{"count", "Number of points; 0 places as many as keep the distance.", Unit::none, 0, 1e8},
-          o.count);
-    visit(Field{"distance", "Minimum distance between points; 0 computes it from the spacing.", Unit::metre,
-                0, 1e9},
-          o.distance);
-    visit(Field{"spacing",
-                "Minimum distance between points, relative to that at which the points fill the region.",
-                Unit::none, 0, 1},
-          o.spacing);
-    visit(Field{"cluster_reach",
-                "Distance up to which a point of a cluster attracts others; 0 uses four times the minimum "
-                "distance.",
-                Unit::metre, 0, 1e9},
-          o.cluster_reach);
-    visit(Field{"cluster_gain", "Factor by which a point increases the density near it.", Unit::none, 0, 1e4},
-          o.cluster_gain);
-    visit(
-        Field{"resolution", "Number of voxels along the longest side of the box; 0 chooses it automatically.",
-              Unit::none, 0, 2048},
-        o.resolution);
-    visit(Field{"seed", "Seed of the random points.", Unit::none, 0, 2147483647}, o.seed);
-    visit(Field{"max_memory", "Maximum memory in MiB.", Unit::none, 1, 1e6}, o.max_memory);
-}
+/// Lists the members for front ends.
+void list_fields(GenerateOptions& o, FieldList& list);
 
 /// Generated points and the reason for the end.
 struct GenerateResult {

@@ -9,6 +9,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/progress.h"
 #include "coppice/base/random.h"
@@ -121,6 +122,17 @@ PointSet near_mesh(const TriMesh& mesh, const NearMeshOptions& options, const Co
     }
     ctx.report(1);
     return out;
+}
+
+void list_fields(NearMeshOptions& o, FieldList& list) {
+    list.add(Field{"count", "Number of points.", Unit::none, 1, 1e8}, o.count);
+    list.add(Field{"low", "Minimum offset along the normal; negative is inside.", Unit::metre, -1e9, 1e9},
+             o.low);
+    list.add(Field{"high", "Maximum offset along the normal.", Unit::metre, -1e9, 1e9}, o.high);
+    list.add(Field{"choice", "Probability of the selection of a triangle."}, o.choice);
+    list.add(Field{"even", "Distribute the points evenly."}, o.even);
+    list.add(Field{"seed", "Seed of the random points.", Unit::none, 0, 2147483647}, o.seed);
+    list.add(Field{"max_memory", "Maximum memory in MiB.", Unit::none, 1, 1e6}, o.max_memory);
 }
 
 }  // namespace coppice

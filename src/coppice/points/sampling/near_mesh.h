@@ -32,18 +32,8 @@ struct NearMeshOptions {
     int max_memory = 4096;  ///< [MiB] maximum memory; larger requests are refused in advance
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, NearMeshOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"count", "Number of points.", Unit::none, 1, 1e8}, o.count);
-    visit(Field{"low", "Minimum offset along the normal; negative is inside.", Unit::metre, -1e9, 1e9},
-          o.low);
-    visit(Field{"high", "Maximum offset along the normal.", Unit::metre, -1e9, 1e9}, o.high);
-    visit(Field{"choice", "Probability of the selection of a triangle."}, o.choice);
-    visit(Field{"even", "Distribute the points evenly."}, o.even);
-    visit(Field{"seed", "Seed of the random points.", Unit::none, 0, 2147483647}, o.seed);
-    visit(Field{"max_memory", "Maximum memory in MiB.", Unit::none, 1, 1e6}, o.max_memory);
-}
+/// Lists the members for front ends.
+void list_fields(NearMeshOptions& o, FieldList& list);
 
 /// Generates points near a surface: each is at a random point of a triangle plus a random offset between the
 /// limits along the interpolated vertex normal. Triangles should be oriented consistently; those without area

@@ -243,11 +243,14 @@ SceneCommand extract_command() {
     c.makes = ObjectKind::skeleton;
     Argument from = object_option("from", ObjectKind::mesh, "Mesh or points of the scene instead of a file.");
     from.also = {ObjectKind::points};
-    Argument up = argument_of(kFileUpField, FileUp::z);
+    auto default_up = FileUp::z;
+    auto default_rule = TreeRule::stems;
+    std::vector<std::string> no_classes;
+    Argument up = argument_of({kFileUpField, choice_of(default_up)});
     up.field = kFile;
-    Argument wood = argument_of(kWoodClassesField, std::vector<std::string>{});
+    Argument wood = argument_of({kWoodClassesField, &no_classes});
     wood.field = kFile;
-    Argument trees_by = argument_of(kTreesByField, TreeRule::stems);
+    Argument trees_by = argument_of({kTreesByField, choice_of(default_rule)});
     trees_by.field = kFile;
     c.arguments = {new_name("tree", "Name of the new skeleton."),
                    positional(file("file", ArgumentType::input_file,

@@ -23,9 +23,9 @@ constexpr double kReusedShare = 2;    // memory of a deformed surface, relative 
 template <class Options>
 std::map<std::string, std::string> prefixed(const std::string& path, const std::string& prefix) {
     std::map<std::string, std::string> names;
-    const Options options;
-    visit_members(options, path, [&](const std::string& at, const Field& field, const auto&) {
-        names[at] = fmt::format("{}_{}", prefix, field.name);
+    Options options;
+    visit_members(option_fields(options), path, [&](const std::string& at, const OptionField& member) {
+        names[at] = fmt::format("{}_{}", prefix, member.field.name);
     });
     return names;
 }

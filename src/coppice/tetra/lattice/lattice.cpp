@@ -6,6 +6,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/id.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/base/parallel.h"
 #include "coppice/tetra/lattice/select_internal.h"
 
@@ -89,6 +90,17 @@ bool Lattice::grow(std::span<const TetraFace> faces, const Context& ctx) {
     }
     if (grown) s.gather(ctx);
     return grown;
+}
+
+void list_fields(LatticeOptions& o, FieldList& list) {
+    list.add(Field{"cell", "Maximum size of a cell that the surface may cross.", Unit::radius, 0.1, 200},
+             o.cell);
+    list.add(Field{"inside", "Distance from an axis within which all points count as inside.", Unit::radius,
+                   0, 0.99},
+             o.inside);
+    list.add(Field{"outside", "Distance from every axis beyond which all points count as outside.",
+                   Unit::radius, 1.01, 4},
+             o.outside);
 }
 
 }  // namespace coppice

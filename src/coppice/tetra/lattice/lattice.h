@@ -19,18 +19,8 @@ struct LatticeOptions {
     float outside = 1.3f;  ///< [radii] points beyond this distance from every axis count as outside
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, LatticeOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"cell", "Maximum size of a cell that the surface may cross.", Unit::radius, 0.1, 200},
-          o.cell);
-    visit(Field{"inside", "Distance from an axis within which all points count as inside.", Unit::radius, 0,
-                0.99},
-          o.inside);
-    visit(Field{"outside", "Distance from every axis beyond which all points count as outside.", Unit::radius,
-                1.01, 4},
-          o.outside);
-}
+/// Lists the members for front ends.
+void list_fields(LatticeOptions& o, FieldList& list);
 
 /// Tetrahedra around the surface of a skeleton, with sizes proportional to the local radius. The mesh is
 /// conforming for any skeleton: branches may cross, touch, or be shorter than their radius.

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "coppice/base/check_fields.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/tetra/lattice/refinement.h"
 #include "coppice/tetra/march/parts_internal.h"
 #include "coppice/tetra/march/snapping_internal.h"
@@ -80,6 +81,23 @@ MarchResult march(const TetraMesh& mesh, FieldRef field, const InsideAxes& axes,
 MarchResult march_solid(const TetraMesh& mesh, FieldRef field, const InsideAxes& axes,
                         const MarchOptions& options, const Context& ctx) {
     return tetra_internal::march({mesh, field, axes, options, true}, ctx);
+}
+
+void list_accuracy_fields(MarchOptions& o, FieldList& list) {
+    list.add(
+        Field{"snap", "Fraction of an edge within which corners of tetrahedra are moved onto the surface.",
+              Unit::none, 0, 0.5},
+        o.snap);
+    list.add(
+        Field{"refinements", "Number of corrections that move a vertex along its edge towards the surface.",
+              Unit::none, 0, 20},
+        o.refinements);
+}
+
+void list_fields(MarchOptions& o, FieldList& list) {
+    list.add(Field{"levels", "Number of subdivisions of every tetrahedron into eight.", Unit::none, 0, 5},
+             o.levels);
+    list_accuracy_fields(o, list);
 }
 
 }  // namespace coppice

@@ -25,24 +25,10 @@ struct MarchOptions {
 };
 
 /// Visits only the fields that determine the accuracy of the vertices.
-template <class Self, class Visitor>
-requires SameOptions<Self, MarchOptions>
-constexpr void visit_accuracy_fields(Self& o, Visitor&& visit) {
-    visit(Field{"snap", "Fraction of an edge within which corners of tetrahedra are moved onto the surface.",
-                Unit::none, 0, 0.5},
-          o.snap);
-    visit(Field{"refinements", "Number of corrections that move a vertex along its edge towards the surface.",
-                Unit::none, 0, 20},
-          o.refinements);
-}
+void list_accuracy_fields(MarchOptions& o, FieldList& list);
 
-template <class Self, class Visitor>
-requires SameOptions<Self, MarchOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"levels", "Number of subdivisions of every tetrahedron into eight.", Unit::none, 0, 5},
-          o.levels);
-    visit_accuracy_fields(o, visit);
-}
+/// Lists the members for front ends.
+void list_fields(MarchOptions& o, FieldList& list);
 
 /// Throws InvalidInput naming a field that is out of range.
 void check(const MarchOptions& options);

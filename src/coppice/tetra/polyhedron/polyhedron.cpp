@@ -9,6 +9,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/id.h"
+#include "coppice/base/option_fields.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/random.h"
 #include "coppice/base/sort.h"
@@ -385,6 +386,13 @@ bool Polyhedron::grow(std::span<const TetraFace> faces, const Context& ctx) {
     for (const auto& [cell, axis] : found) s.owner[cell] = std::min(s.owner[cell], axis);
     if (!found.empty()) s.gather(ctx);
     return !found.empty();
+}
+
+void list_fields(PolyhedronOptions& o, FieldList& list) {
+    list.add(Field{"section", "Edge length of the square cross-sections.", Unit::radius, 2, 8}, o.section);
+    list.add(Field{"outside", "Distance from every axis beyond which all points count as outside.",
+                   Unit::radius, 1.01, 4},
+             o.outside);
 }
 
 }  // namespace coppice

@@ -19,14 +19,8 @@ struct PolyhedronOptions {
     float outside = 1.2f;  ///< [radii] points beyond this distance from every axis count as outside
 };
 
-template <class Self, class Visitor>
-requires SameOptions<Self, PolyhedronOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"section", "Edge length of the square cross-sections.", Unit::radius, 2, 8}, o.section);
-    visit(Field{"outside", "Distance from every axis beyond which all points count as outside.", Unit::radius,
-                1.01, 4},
-          o.outside);
-}
+/// Lists the members for front ends.
+void list_fields(PolyhedronOptions& o, FieldList& list);
 
 /// Counts of the elements of a polyhedron.
 struct PolyhedronReport {

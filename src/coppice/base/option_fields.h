@@ -5,14 +5,20 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <type_traits>
+#include <utility>
 #include <variant>
 #include <vector>
 
-#include "coppice/base/option_struct.h"
+#include "coppice/base/fields.h"
 #include "coppice/base/vec.h"
 
 namespace coppice {
+
+/// A struct that is listed by `list_fields`; its members may be such structs.
+template <class T>
+concept OptionStruct = requires(T& options, FieldList& list) {
+    list_fields(options, list);
+};
 
 /// Type-erased access to an enum by the names of its values.
 struct ChoiceRef {
@@ -47,21 +53,37 @@ struct OptionField {
     OptionRef ref;  ///< storage of the member
 };
 
-/// Returns the members of an option struct in the order in which it visits them.
+/// Returns the members of an option struct in the order in which they are listed.
+template <OptionStruct Options>
+std::vector<OptionField> option_fields(Options& options);
+
+/// Collects the members of an option struct.
+class FieldList {
+  public:
+    /// Adds a member: a bool, int, float, NamedEnum, std::optional<Vec3d>, std::vector<std::string>, or an
+    /// option struct; the field then contains its members.
+    template <class T>
+    void add(const Field& field, T& member) {
+        if constexpr (OptionStruct<T>) {
+            fields_.push_back({field, option_fields(member)});
+        } else if constexpr (NamedEnum<T>) {
+            fields_.push_back({field, choice_of(member)});
+        } else {
+            fields_.push_back({field, &member});
+        }
+    }
+
+    std::vector<OptionField> take() { return std::move(fields_); }  ///< the members; empties the list
+
+  private:
+    std::vector<OptionField> fields_;
+};
+
 template <OptionStruct Options>
 std::vector<OptionField> option_fields(Options& options) {
-    std::vector<OptionField> out;
-    visit_fields(options, [&](const Field& field, auto& value) {
-        using T = std::remove_cvref_t<decltype(value)>;
-        if constexpr (OptionStruct<T>) {
-            out.push_back({field, option_fields(value)});
-        } else if constexpr (NamedEnum<T>) {
-            out.push_back({field, choice_of(value)});
-        } else {
-            out.push_back({field, &value});
-        }
-    });
-    return out;
+    FieldList list;
+    list_fields(options, list);
+    return list.take();
 }
 
 }  // namespace coppice
