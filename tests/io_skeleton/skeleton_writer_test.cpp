@@ -250,6 +250,7 @@ TEST(SkeletonWriter, Errors) {
               "skeletons are not written as mat; choose swc, cylinders, ply, obj, json, rsml or mtg");
     EXPECT_THROW(encode_skeleton(Skeleton({NodeId::none()}, {Vec3{}}, {1.0f}), {SkeletonFormat::cylinders}),
                  Unsupported);
+    EXPECT_THROW(encode_skeleton(Skeleton(), {SkeletonFormat::swc}), InvalidInput);
     EXPECT_THROW(write_skeleton("no/such/folder/t.swc", fork()), IoError);
     EXPECT_FALSE(std::filesystem::exists("t.mat"));
 }

@@ -54,6 +54,13 @@ TEST(Prepare, KeepsTreesAndTipsAndMapsEveryNode) {
     }
 }
 
+TEST(Prepare, RefusesASkeletonWithoutNodes) {
+    PrepareOptions off;
+    off.resample.method = ResampleMethod::none;
+    EXPECT_THROW(prepare(Skeleton(), off), InvalidInput);
+    EXPECT_THROW(prepare(Skeleton()), InvalidInput);
+}
+
 TEST(Prepare, RefusesOptionsOutOfTheirRange) {
     EXPECT_THROW(prepare(zoo_skeleton("fork_60"), {.merge_branches = -1}), InvalidInput);
     EXPECT_THROW(prepare(zoo_skeleton("fork_60"), {.resample = {.max_length = 0}}), InvalidInput);

@@ -25,6 +25,13 @@ TEST(Skeleton, KnowsChildrenLeadersAndTips) {
     EXPECT_TRUE(s.is_tip(NodeId(5)) && s.is_root(NodeId(5)));
 }
 
+TEST(Skeleton, HasNoNodesByDefault) {
+    const Skeleton none;
+    EXPECT_EQ(none.size(), 0u);
+    EXPECT_EQ(none.tree_count(), 0u);
+    for (const NodeId n : nodes(none)) ADD_FAILURE() << n.index();
+}
+
 TEST(Skeleton, OnlyTheLeaderStartsWithItsParentsRadius) {
     const Skeleton s({kNoNode, NodeId(0), NodeId(0)}, std::vector<Vec3>(3), {5, 1, 2});
     EXPECT_EQ(s.segment(NodeId(1)).radius_a, 1);

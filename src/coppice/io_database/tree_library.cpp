@@ -272,7 +272,7 @@ class TreeLibrary::Database : public Sqlite {
                              .tips = count(10),
                              .orders = count(11),
                              .radius = static_cast<float>(row.real(12))},
-                .tree = {.skeleton = Skeleton({NodeId::none()}, {Vec3{}}, {1}),
+                .tree = {.skeleton = {},
                          .host_radius = static_cast<float>(row.real(4)),
                          .inclination = static_cast<float>(row.real(5)),
                          .leads = row.integer(3) != 0,

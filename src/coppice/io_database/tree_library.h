@@ -19,7 +19,7 @@ struct LibraryEntry {
     std::string source;             ///< name of the source file
     std::vector<std::string> tags;  ///< in alphabetical order
     ChildTreeMeasures measures;     ///< measures of the tree
-    ChildTree tree;                 ///< only a single node if the entries were read without skeletons
+    ChildTree tree;                 ///< its skeleton has no nodes if the entries were read without skeletons
 };
 
 /// Selects the trees of a library that satisfy all conditions.

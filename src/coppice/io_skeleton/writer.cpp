@@ -251,6 +251,7 @@ Skeleton turned(const Skeleton& s, FileUp up) {
 
 std::string encode_skeleton(const Skeleton& skeleton, const WriteSkeletonOptions& options,
                             std::span<const NodeAttribute> attributes, const Context& ctx) {
+    if (skeleton.size() == 0) throw InvalidInput("the skeleton has no nodes");
     if (options.up != FileUp::z) {
         WriteSkeletonOptions in_place = options;
         in_place.up = FileUp::z;

@@ -40,9 +40,9 @@ void list_fields(WriteSkeletonOptions& options, FieldList& list);
 /// stores `type` if all values are integers from 0 to 2^24, and `id` for nodes with an integer from 1 to 2^24
 /// that no previous node has; the other formats store no attributes. The reader restores them.
 ///
-/// Throws IoError if the file cannot be written, Unsupported if the format cannot be written: a read-only
-/// format, a name with an unknown extension, a list of cylinders of a skeleton without segments; Cancelled.
-/// O(n).
+/// Throws InvalidInput if there are no nodes, IoError if the file cannot be written, Unsupported if the
+/// format cannot be written: a read-only format, a name with an unknown extension, a list of cylinders of a
+/// skeleton without segments; Cancelled. O(n).
 void write_skeleton(const std::filesystem::path& path, const Skeleton& skeleton,
                     const WriteSkeletonOptions& options = {}, std::span<const NodeAttribute> attributes = {},
                     const Context& ctx = {});

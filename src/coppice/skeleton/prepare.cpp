@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "coppice/base/check_fields.h"
+#include "coppice/base/error.h"
 #include "coppice/base/option_fields.h"
 #include "coppice/skeleton/chains_internal.h"
 #include "coppice/skeleton/edit_internal.h"
@@ -21,6 +22,7 @@ void take_over(PrepareResult& to, Result&& step) {
 
 PrepareResult prepare(const Skeleton& skeleton, const PrepareOptions& options) {
     check_fields(options, "prepare");
+    if (skeleton.size() == 0) throw InvalidInput("the skeleton has no nodes");
     PrepareResult result{skeleton, {}, all_nodes(skeleton)};
     if (options.merge_branches > 0) {
         EditResult merged = merge_close_branches(result.skeleton, options.merge_branches);

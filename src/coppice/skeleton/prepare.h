@@ -39,7 +39,8 @@ struct PrepareResult {
 
 /// Merges close branch nodes, smooths radii, resamples chains and splits nodes with many children, in this
 /// order: resampling uses the final branch nodes and radii, and the nodes added by splitting are not removed
-/// again. Roots and tips are preserved. Throws InvalidInput if max_children is 1 or negative. O(n log n).
+/// again. Roots and tips are preserved. Throws InvalidInput if max_children is 1 or negative, or if there
+/// are no nodes. O(n log n).
 PrepareResult prepare(const Skeleton& skeleton, const PrepareOptions& options = {});
 
 }  // namespace coppice

@@ -30,6 +30,8 @@ struct Segment {
 /// radius, and the others begin with their own.
 class Skeleton {
   public:
+    /// Creates a skeleton without nodes, to be assigned later. Surfaces and files need at least one node.
+    Skeleton() = default;
     /// Takes columns of equal length. Throws InvalidInput with the node that violates an invariant. O(n).
     /// `origin` is added by writers: positions are local, so that georeferenced data keep their accuracy.
     /// `stable_ids` is empty or has a unique one for each node, which makes the constructor O(n log n).
