@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "coppice/io_mesh/writer.h"
+#include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/pipeline/surface_verdict.h"
 #include "figures.h"
 #include "files.h"

@@ -7,8 +7,8 @@
 #include "coppice/cuda/exec/host_executor_internal.h"
 #include "coppice/cuda/field/upload_field_internal.h"
 #include "coppice/cuda/quads/device_quads.h"
-#include "coppice/pipeline/drag/quad_model.h"
 #include "coppice/pipeline/mesh_skeleton.h"
+#include "coppice/pipeline/quads/quad_build.h"
 #include "device_printed_quads.h"
 #include "gpu_apart.h"
 #include "gpu_costs.h"
@@ -36,28 +36,28 @@ double compute_sum(const std::vector<std::pair<std::string, double>>& stages,
 
 /// All input of the GPU.
 struct Given {
-    QuadModel model;
+    QuadBuild build;
     ConvolutionField field;
     PatchRefinement patches;
 
     Given(const Skeleton& skeleton, const MeshOptions& options, const Context& ctx)
-        : model(quad_model(skeleton, options, ctx)),
-          field(model.skeleton, model.field, ctx),
-          patches(model.control.cage.quads, static_cast<std::uint32_t>(model.control.cage.positions.size()),
+        : build(build_quads(skeleton, options, ctx)),
+          field(build.skeleton, build.field, ctx),
+          patches(build.cage.cage.quads, static_cast<std::uint32_t>(build.cage.cage.positions.size()),
                   options.levels, ctx) {}
 
     cuda::QuadJob job(const MeshOptions& o) const {
-        const ControlMesh& c = model.control;
+        const ControlMesh& c = build.cage;
         return {patches.cage(), patches.levels(), c.cage.positions, c.anchors,
                 c.region,       c.clip,           o.project,        o.untangle};
     }
     cuda::ContactInput contacts() const {
-        return {model.skeleton, {model.tubes, model.tube}, field, model.control};
+        return {build.skeleton, {build.tubes, build.tube}, field, build.cage};
     }
     /// Returns the field with the regions of the surface.
     ConvolutionField with_regions(const Context& ctx) const {
         ConvolutionField out = field;
-        set_regions(out, model, ctx);
+        set_regions(out, build, ctx);
         return out;
     }
 };
@@ -65,7 +65,7 @@ struct Given {
 /// Weights each region by its number of quads.
 FieldWork work_of(const ConvolutionField& field, const Given& given) {
     std::vector<double> weight(field.region_count());
-    for (const std::uint32_t r : given.model.control.region) ++weight[r];
+    for (const std::uint32_t r : given.build.cage.region) ++weight[r];
     return {field, weight};
 }
 
@@ -110,7 +110,7 @@ class Batch {
     std::int64_t apart() const {
         std::int64_t count = 0;
         for (std::size_t i = 0; i < made_.size(); ++i) {
-            const Buffer<Vec3>& rest = trees_[i].model.rest.positions;
+            const Buffer<Vec3>& rest = trees_[i].build.refined;
             count += bench::apart(rest, made_[i].positions, compute_tolerances(rest, made_[i].anchors));
         }
         return count;
@@ -217,7 +217,7 @@ GpuResult measure_printed(const QuadCase& what, const Given& given, const GpuRun
         DevicePrintedQuads device(run.ctx);
         const QuadMesh made = device.make(job, field);
         out.apart = apart(cpu.positions(), made.positions,
-                          tolerances(cpu.positions(), given.model.skeleton, run.ctx));
+                          tolerances(cpu.positions(), given.build.skeleton, run.ctx));
         const auto costs = printed_quad_costs(job, work_of(field, given), cpu.steps());
         time_on_card(
             device, run, costs, [&] { device.repeat(); }, out);

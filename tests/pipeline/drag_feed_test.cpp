@@ -29,9 +29,9 @@ constexpr std::array<double, 5> kSwing{0, 0.11, kMax, -kMax, 0};
 /// launches.
 class ByKernels {
   public:
-    ByKernels(const QuadModel& model, const BranchDrag& drag, const DragPart& part,
+    ByKernels(const QuadBuild& build, const BranchDrag& drag, const DragPart& part,
               const std::optional<cuda::ListRoom>& room = {})
-        : feed_(model, drag, part) {
+        : feed_(build, drag, part) {
         const cuda::DragJob job = feed_.job();
         drawn_ = {exec_.array<Vec3>(job.drawn.size()), exec_.array<Vec3>(job.shaded())};
         exec_.write(job.drawn, drawn_.positions);
@@ -78,13 +78,13 @@ struct Differing {
 };
 
 /// [m] Radius of the closest node.
-float local_radius(const QuadModel& model, const DragPose& pose, Vec3 p) {
+float local_radius(const QuadBuild& build, const DragPose& pose, Vec3 p) {
     float nearest = std::numeric_limits<float>::infinity(), radius = 0;
     for (std::size_t n = 0; n < pose.nodes.size(); ++n) {
         const float away = distance(pose.nodes[n], p);
         if (away >= nearest) continue;
         nearest = away;
-        radius = model.skeleton.radius(NodeId(static_cast<std::uint32_t>(n)));
+        radius = build.skeleton.radius(NodeId(static_cast<std::uint32_t>(n)));
     }
     return radius;
 }
@@ -97,7 +97,7 @@ Differing differing(const Dragged& d, const DragPose& pose, const DraggedSurface
         const float away = distance(p, kernels.positions()[i]);
         if (away == 0) continue;
         // Coordinates have a relative rounding error of 6e-8, several times.
-        out.positions += !(away <= 1e-4f * local_radius(d.model, pose, p) + 1e-6f * length(p));
+        out.positions += !(away <= 1e-4f * local_radius(d.build, pose, p) + 1e-6f * length(p));
     }
     for (std::size_t i = 0; i < d.part.shaded; ++i)
         out.normals += !(distance(cpu.normals()[i], kernels.normals()[i]) <= 1e-2f);
@@ -106,7 +106,7 @@ Differing differing(const Dragged& d, const DragPose& pose, const DraggedSurface
 
 /// Compares a swing frame by frame; returns the total number of different vertices.
 Differing swing(const Dragged& d, ByKernels& kernels) {
-    DraggedSurface cpu(d.model, d.part);
+    DraggedSurface cpu(d.build, d.part);
     DragPose pose = d.drag.rest();
     Differing sum;
     for (const double angle : kSwing) {
@@ -128,7 +128,7 @@ Differing swing(const Dragged& d, ByKernels& kernels) {
 /// `share` of the vertices may differ: rays in a plane of symmetry, or that touch a wall between branches,
 /// end on one side or the other by rounding.
 void expect_same(const Dragged& d, double share = 0) {
-    ByKernels kernels(d.model, d.drag, d.part);
+    ByKernels kernels(d.build, d.drag, d.part);
     const Differing found = swing(d, kernels);
     const auto all = static_cast<double>(found.all);
     EXPECT_GT(found.all, 1000u);
@@ -169,10 +169,10 @@ TEST(DragFeed, InTheZooFewRaysGoElsewhere) {
     Differing sum;
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         SCOPED_TRACE(name);
-        const QuadModel model = quad_model(skeleton);
-        if (!branch_of_about(model.skeleton, 5)) continue;
+        const QuadBuild build = build_quads(skeleton);
+        if (!branch_of_about(build.skeleton, 5)) continue;
         const Dragged d(skeleton, {}, 5);
-        ByKernels kernels(d.model, d.drag, d.part);
+        ByKernels kernels(d.build, d.drag, d.part);
         const Differing found = swing(d, kernels);
         sum.positions += found.positions;
         sum.all += found.all;
@@ -182,7 +182,7 @@ TEST(DragFeed, InTheZooFewRaysGoElsewhere) {
 
 TEST(DragFeed, AFrameBeginsAgainWithMoreRoomForLists) {
     const Dragged d(random_tree(200, 3));
-    ByKernels kernels(d.model, d.drag, d.part, cuda::ListRoom{1, 1}), roomy(d.model, d.drag, d.part);
+    ByKernels kernels(d.build, d.drag, d.part, cuda::ListRoom{1, 1}), roomy(d.build, d.drag, d.part);
     const DragPose pose = d.at(0.2);
     EXPECT_EQ(roomy.make(pose), 1);
     // First the own lists are counted, then those of competing segments.
@@ -194,8 +194,8 @@ TEST(DragFeed, AFrameBeginsAgainWithMoreRoomForLists) {
 
 TEST(DragFeed, NormalsOfWhatStaysAreThoseAtRest) {
     const Dragged d(random_tree(200, 3));
-    ByKernels kernels(d.model, d.drag, d.part);
-    const DraggedSurface rest(d.model, d.part);
+    ByKernels kernels(d.build, d.drag, d.part);
+    const DraggedSurface rest(d.build, d.part);
     kernels.make(d.drag.rest());
     ASSERT_EQ(kernels.normals().size(), d.part.shaded);
     ASSERT_GT(d.part.shaded, d.part.written);

@@ -5,7 +5,7 @@
 
 #include "coppice/pipeline/drag/branch_drag.h"
 #include "coppice/pipeline/drag/drag_part.h"
-#include "coppice/pipeline/drag/quad_model.h"
+#include "coppice/pipeline/quads/quad_build.h"
 
 namespace coppice::test {
 
@@ -13,14 +13,14 @@ inline constexpr double kMax = 20 * std::numbers::pi / 180;  // [rad]
 
 /// A branch of a tree, and the part that it can change.
 struct Dragged {
-    QuadModel model;
+    QuadBuild build;
     BranchDrag drag;
     DragPart part;
 
     explicit Dragged(const Skeleton& tree, const MeshOptions& options = {}, std::uint32_t segments = 40)
-        : model(quad_model(tree, options)),
-          drag(model, branch_of_about(model.skeleton, segments), {0.3, 1, 0.2}),
-          part(drag_part(model, drag, kMax)) {}
+        : build(build_quads(tree, options)),
+          drag(build, branch_of_about(build.skeleton, segments), {0.3, 1, 0.2}),
+          part(drag_part(build, drag, kMax)) {}
 
     DragPose at(double angle) const {
         DragPose pose = drag.rest();

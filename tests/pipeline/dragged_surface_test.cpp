@@ -8,7 +8,7 @@
 #include "coppice/base/rotation.h"
 #include "coppice/pipeline/drag/branch_drag.h"
 #include "coppice/pipeline/drag/drag_part.h"
-#include "coppice/pipeline/drag/quad_model.h"
+#include "coppice/pipeline/quads/quad_build.h"
 #include "coppice/skeleton/random_tree.h"
 #include "drag_scenes.h"
 #include "errors.h"
@@ -22,29 +22,29 @@ using test::kMax;
 
 Skeleton small_tree() { return random_tree(400, 3); }
 
-/// In the order of the model's refined quads.
+/// In the order of the build's refined quads.
 Buffer<Vec3> in_model_order(const DragPart& part, std::span<const Vec3> drawn) {
     Buffer<Vec3> out(drawn.size());
     for (std::size_t i = 0; i < drawn.size(); ++i) out[part.vertex[i]] = drawn[i];
     return out;
 }
 
-TEST(QuadModel, AtRestIsTheMeshThatIsNeitherUnfoldedNorRemeshed) {
+TEST(QuadBuild, AtRestIsTheMeshThatIsNeitherUnfoldedNorRemeshed) {
     const Skeleton tree = small_tree();
     MeshOptions plain;
     plain.overlaps = Overlaps::graft;  // merged branches would separate while they are dragged
     plain.untangle.passes = 0;
     plain.remesh_rounds = 0;
     const MeshResult made = mesh_skeleton(tree, plain);
-    const QuadModel model = quad_model(tree);
-    EXPECT_EQ(model.rest.positions, made.quads().mesh.positions);
-    EXPECT_EQ(model.rest.quads, made.quads().mesh.quads);
+    const QuadBuild build = build_quads(tree);
+    EXPECT_EQ(build.refined, made.quads().mesh.positions);
+    EXPECT_EQ(build.refinement.quads(), made.quads().mesh.quads);
 }
 
-TEST(QuadModel, RefusesWhatHasNoSuchQuads) {
+TEST(QuadBuild, RefusesWhatHasNoSuchQuads) {
     using test::error_of;
     const auto refused = [](const MeshOptions& options) {
-        return error_of([&] { quad_model(small_tree(), options); });
+        return error_of([&] { build_quads(small_tree(), options); });
     };
     EXPECT_EQ(refused({.method = MeshMethod::tetrahedra}),
               "mesh: method must be quads or bmesh for a surface with dragged branches");
@@ -84,7 +84,7 @@ TEST(BranchDrag, SegmentsTurnExactlyAndForksInPart) {
     const DragPose pose = d.at(kMax);
     const Rotation turn = rotation_about(d.drag.axis(), kMax);
     for (const std::uint32_t n : d.drag.nodes()) {
-        const Vec3d arm = Vec3d(d.model.skeleton.position(NodeId(n))) - d.drag.foot();
+        const Vec3d arm = Vec3d(d.build.skeleton.position(NodeId(n))) - d.drag.foot();
         EXPECT_LT(distance(Vec3d(pose.nodes[n]), d.drag.foot() + turn(arm)), 1e-5);
     }
     std::size_t partly = 0;
@@ -97,26 +97,26 @@ TEST(BranchDrag, SegmentsTurnExactlyAndForksInPart) {
     EXPECT_LT(partly, 20u);  // of one fork
     std::size_t moved = 0;
     for (std::size_t v = 0; v < pose.cage.size(); ++v)
-        moved += pose.cage[v] != d.model.control.cage.positions[v] ? 1 : 0;
+        moved += pose.cage[v] != d.build.cage.cage.positions[v] ? 1 : 0;
     EXPECT_EQ(moved, d.drag.cage_vertices().size());
 }
 
 TEST(DraggedSurface, AtAngleZeroIsTheSurfaceAtRestToTheBit) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         SCOPED_TRACE(name);
-        const QuadModel model = quad_model(skeleton);
-        const NodeId top = branch_of_about(model.skeleton, 5);
+        const QuadBuild build = build_quads(skeleton);
+        const NodeId top = branch_of_about(build.skeleton, 5);
         if (!top) continue;
-        const BranchDrag drag(model, top, {1, 0, 0});
-        const DragPart part = drag_part(model, drag, kMax);
-        DraggedSurface surface(model, part);
+        const BranchDrag drag(build, top, {1, 0, 0});
+        const DragPart part = drag_part(build, drag, kMax);
+        DraggedSurface surface(build, part);
         const Buffer<Vec3> normals(surface.normals().begin(), surface.normals().end());
         DragPose pose = drag.rest();
         for (const double angle : {kMax, 0.0}) {
             drag.turn(angle, pose);
             surface.make(pose);
         }
-        EXPECT_EQ(in_model_order(part, surface.positions()), model.rest.positions);
+        EXPECT_EQ(in_model_order(part, surface.positions()), build.refined);
         EXPECT_TRUE(std::ranges::equal(surface.normals(), normals));
     }
 }
@@ -130,12 +130,12 @@ TEST(DraggedSurface, ThePartHasTheBitsOfTheWhole) {
     kept.levels = 0;
     for (const MeshOptions& options : {MeshOptions{}, flat, relaxed, kept}) {
         const Dragged d(small_tree(), options);
-        const DragPart whole = whole_part(d.model);
+        const DragPart whole = whole_part(d.build);
         EXPECT_EQ(whole.written, whole.vertex.size());
         if (options.project.relax_passes == 0) {
             EXPECT_LT(d.part.written, whole.written / 2);
         }
-        DraggedSurface part(d.model, d.part), all(d.model, whole);
+        DraggedSurface part(d.build, d.part), all(d.build, whole);
         for (const double angle : {-kMax, 0.07, kMax}) {
             const DragPose pose = d.at(angle);
             part.make(pose);
@@ -149,8 +149,8 @@ TEST(DraggedSurface, ThePartHasTheBitsOfTheWhole) {
 TEST(DraggedSurface, ThePartHasTheBitsOfTheWholeWhereBranchesRunThroughEachOther) {
     for (const std::uint32_t segments : {5u, 40u, 150u}) {
         const Dragged d(random_tree(600, 4, true), {}, segments);
-        const DragPart whole = whole_part(d.model);
-        DraggedSurface part(d.model, d.part), all(d.model, whole);
+        const DragPart whole = whole_part(d.build);
+        DraggedSurface part(d.build, d.part), all(d.build, whole);
         for (const double angle : {-kMax, -0.11, 0.3}) {
             const DragPose pose = d.at(angle);
             part.make(pose);
@@ -163,7 +163,7 @@ TEST(DraggedSurface, ThePartHasTheBitsOfTheWholeWhereBranchesRunThroughEachOther
 TEST(DraggedSurface, IsTheSameOnAnyNumberOfThreads) {
     const Dragged d(small_tree());
     const DragPose pose = d.at(0.2);
-    DraggedSurface one(d.model, d.part), seven(d.model, d.part);
+    DraggedSurface one(d.build, d.part), seven(d.build, d.part);
     one.make(pose, {.threads = 1});
     seven.make(pose, {.threads = 7});
     EXPECT_TRUE(std::ranges::equal(one.positions(), seven.positions()));
@@ -172,14 +172,14 @@ TEST(DraggedSurface, IsTheSameOnAnyNumberOfThreads) {
 
 TEST(DraggedSurface, WhatTurnsFarFromTheForkKeepsItsShape) {
     const Dragged d(small_tree());
-    DraggedSurface surface(d.model, d.part);
+    DraggedSurface surface(d.build, d.part);
     const Buffer<Vec3> rest(surface.positions().begin(), surface.positions().end());
     const ProjectReport report = surface.make(d.at(kMax));
     EXPECT_LT(report.not_converged, report.vertices / 100);
     // The tip of the branch: its last node, one radius beyond.
     const std::uint32_t tip = d.drag.nodes().back();
-    const Vec3 at = d.model.skeleton.position(NodeId(tip));
-    const float r = d.model.skeleton.radius(NodeId(tip));
+    const Vec3 at = d.build.skeleton.position(NodeId(tip));
+    const float r = d.build.skeleton.radius(NodeId(tip));
     const Rotation turn = rotation_about(d.drag.axis(), kMax);
     std::size_t looked_at = 0;
     for (std::size_t i = 0; i < rest.size(); ++i) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "coppice/mesh/topology.h"
+#include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/pipeline/surface_verdict.h"
 #include "coppice/skeleton/random_tree.h"
 #include "zoo.h"

@@ -2,22 +2,20 @@
 
 #include <gtest/gtest.h>
 
+#include "coppice/pipeline/mesh_skeleton.h"
+#include "coppice/pipeline/quads/built_mesh_internal.h"
 #include "coppice/skeleton/random_tree.h"
-#include "tube_row_search.h"
 
 namespace coppice {
 namespace {
-
-using namespace test;
 
 constexpr std::uint32_t kMany = 1'000'000;
 
 /// Compares the crossings found in a surface with some displaced vertices, and in its remeshed quads.
 std::size_t expect_all_found(const Skeleton& skeleton, float astray, const MeshOptions& options = {}) {
-    const Quads before = quads_of(skeleton, options);
-    const QuadMesh after = std::move(mesh_skeleton(skeleton, options).quads().mesh);
-    pipeline_internal::KeptQuads kept({before.surface.mesh, before.tubes, before.levels}, before.surface.cage,
-                                      after);
+    const pipeline_internal::BuiltMesh built = pipeline_internal::build_mesh(skeleton, options, {});
+    const QuadMesh& after = built.result.quads().mesh;
+    pipeline_internal::KeptQuads kept(built.build, {});
     std::size_t found = 0;
     for (const std::size_t step : {std::size_t{97}, std::size_t{1009}}) {
         PolygonMesh moved = to_polygons(after);
@@ -26,7 +24,7 @@ std::size_t expect_all_found(const Skeleton& skeleton, float astray, const MeshO
             moved.positions[v] = lerp(moved.positions[v], moved.positions[other], astray);
         }
         const FacePairs all = crossing_faces(SurfaceTree(moved), kMany);
-        EXPECT_EQ(kept.crossings(moved, kMany, {}).pairs, all.pairs);
+        EXPECT_EQ(kept.crossings(moved, built.build.tubes, kMany, {}).pairs, all.pairs);
         EXPECT_TRUE(all.complete);
         found += all.pairs.size();
     }
@@ -44,13 +42,16 @@ TEST(KeptQuads, FindTheCrossingsOfTheWholeMesh) {
 }
 
 TEST(KeptQuads, StopAtTheLimit) {
-    const Quads quads = quads_of(random_tree(100, 1), {});
-    pipeline_internal::KeptQuads kept({quads.surface.mesh, quads.tubes, quads.levels}, quads.surface.cage,
-                                      quads.surface.mesh);
-    PolygonMesh moved = to_polygons(quads.surface.mesh);
-    EXPECT_TRUE(kept.crossings(moved, 1, {}).pairs.empty());
+    MeshOptions options;
+    options.remesh_rounds = 0;
+    const pipeline_internal::BuiltMesh built =
+        pipeline_internal::build_mesh(random_tree(100, 1), options, {});
+    const Skeleton& tubes = built.build.tubes;
+    pipeline_internal::KeptQuads kept(built.build, {});
+    PolygonMesh moved = to_polygons(built.result.quads().mesh);
+    EXPECT_TRUE(kept.crossings(moved, tubes, 1, {}).pairs.empty());
     for (Vec3& p : moved.positions) p.z = 0;
-    const FacePairs found = kept.crossings(moved, 1000, {});
+    const FacePairs found = kept.crossings(moved, tubes, 1000, {});
     EXPECT_EQ(found.pairs.size(), 1000u);
     EXPECT_FALSE(found.complete);
 }

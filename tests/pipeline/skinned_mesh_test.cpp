@@ -10,6 +10,7 @@
 #include "coppice/measure/surface_tree.h"
 #include "coppice/mesh/shape.h"
 #include "coppice/pipeline/deform/valid_frames.h"
+#include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/skeleton/random_tree.h"
 #include "zoo.h"
 

@@ -1,4 +1,5 @@
 #include "coppice/pipeline/surface_verdict.h"
+#include "coppice/pipeline/mesh_skeleton.h"
 
 #include <gtest/gtest.h>
 

@@ -14,6 +14,7 @@
 #include "coppice/edit/join.h"
 #include "coppice/edit/rigid.h"
 #include "coppice/edit/thickness.h"
+#include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/skeleton/random_tree.h"
 #include "errors.h"
 

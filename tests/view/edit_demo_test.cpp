@@ -17,17 +17,17 @@ class EditDemoTest : public test::ViewTest {};
 class Frames {
   public:
     Frames()
-        : model_(quad_model(small_tree())),
-          drag_(model_, branch_of_about(model_.skeleton, 30), {1, 0, 0}),
-          part_(drag_part(model_, drag_, kMax)),
-          surface_(model_, part_),
+        : build_(build_quads(small_tree())),
+          drag_(build_, branch_of_about(build_.skeleton, 30), {1, 0, 0}),
+          part_(drag_part(build_, drag_, kMax)),
+          surface_(build_, part_),
           triangles_(triangulate(
               QuadMesh{{surface_.positions().begin(), surface_.positions().end()}, part_.quads, {}})),
           view_({surface_.positions(), surface_.normals(), triangles_.triangles},
                 test::camera_for(surface_.positions(), small_picture()), small_picture()),
           backend_(cpu_backend()),
           pose_(drag_.rest()) {
-        backend_->begin({model_, drag_, part_}, view_.buffers(), {});
+        backend_->begin({build_, drag_, part_}, view_.buffers(), {});
     }
 
     Image rest() {
@@ -44,7 +44,7 @@ class Frames {
     static constexpr double kMax = 0.35;
 
   private:
-    QuadModel model_;
+    QuadBuild build_;
     BranchDrag drag_;
     DragPart part_;
     DraggedSurface surface_;
@@ -69,14 +69,14 @@ TEST_F(EditDemoTest, ADraggedBranchIsSeenAndComesBackToTheBit) {
 }
 
 TEST_F(EditDemoTest, TellsWhatWasDraggedAndHowLongItTook) {
-    const QuadModel model = quad_model(small_tree());
+    const QuadBuild build = build_quads(small_tree());
     const auto backend = cpu_backend();
-    const EditDemoResult result = edit_demo(model, {.frames = 6, .segments = 30}, small_picture(), *backend);
+    const EditDemoResult result = edit_demo(build, {.frames = 6, .segments = 30}, small_picture(), *backend);
     EXPECT_FALSE(result.renderer.empty());
     EXPECT_EQ(result.backend, "CPU");
     EXPECT_EQ(result.frames, 6u);
-    EXPECT_EQ(result.quads, model.rest.quads.size());
-    EXPECT_EQ(result.vertices, model.rest.positions.size());
+    EXPECT_EQ(result.quads, build.refinement.quad_count());
+    EXPECT_EQ(result.vertices, build.refined.size());
     EXPECT_GT(result.written, 0u);
     EXPECT_LT(result.written, result.vertices);
     EXPECT_GT(result.segments, 10u);
@@ -91,7 +91,7 @@ TEST_F(EditDemoTest, TellsWhatWasDraggedAndHowLongItTook) {
 
 /// Four frames of the small tree, and the backend that computed them.
 EditDemoResult small_demo(SurfaceBackend& backend) {
-    return edit_demo(quad_model(small_tree()), {.frames = 4, .segments = 30}, small_picture(), backend);
+    return edit_demo(build_quads(small_tree()), {.frames = 4, .segments = 30}, small_picture(), backend);
 }
 
 TEST_F(EditDemoTest, WithoutACardItIsRefusedByNameAndTheCpuIsUsedOtherwise) {
@@ -124,17 +124,17 @@ TEST_F(EditDemoTest, ACardShowsWhatTheCpuShows) {
 }
 
 TEST_F(EditDemoTest, OfOneFrameShowsTheTreeAtRest) {
-    const QuadModel model = quad_model(small_tree());
+    const QuadBuild build = build_quads(small_tree());
     const auto backend = cpu_backend();
     const auto first = [&](int frames) {
-        return edit_demo(model, {.frames = frames, .segments = 30}, small_picture(), *backend)
+        return edit_demo(build, {.frames = frames, .segments = 30}, small_picture(), *backend)
             .pictures.front();
     };
     EXPECT_EQ(first(1), first(2));
 }
 
 TEST_F(EditDemoTest, RefusesWhatHasNoBranch) {
-    const QuadModel ball = quad_model(Skeleton({NodeId{}}, {Vec3{}}, {1.0f}));
+    const QuadBuild ball = build_quads(Skeleton({NodeId{}}, {Vec3{}}, {1.0f}));
     const auto backend = cpu_backend();
     EXPECT_EQ(test::error_of([&] { edit_demo(ball, {}, small_picture(), *backend); }),
               "view: a tree without segments has no branch to drag");
@@ -143,20 +143,21 @@ TEST_F(EditDemoTest, RefusesWhatHasNoBranch) {
 }
 
 TEST_F(EditDemoTest, StopsWhenItIsAskedTo) {
-    const QuadModel model = quad_model(small_tree());
+    const QuadBuild build = build_quads(small_tree());
     const auto backend = cpu_backend();
     std::stop_source stop;
     int reports = 0;
     const Context ctx{.stop = stop.get_token(), .progress = [&](float) {
                           if (++reports == 2) stop.request_stop();
                       }};
-    EXPECT_THROW(edit_demo(model, {.frames = 50}, small_picture(), *backend, ctx), Cancelled);
+    EXPECT_THROW(edit_demo(build, {.frames = 50}, small_picture(), *backend, ctx), Cancelled);
     EXPECT_EQ(reports, 2);
 }
 
 TEST_F(EditDemoTest, ASurfaceIsDrawnOnce) {
-    const QuadModel model = quad_model(small_tree());
-    const ViewResult result = view_surface(to_polygons(model.rest), small_picture());
+    const QuadBuild build = build_quads(small_tree());
+    const ViewResult result =
+        view_surface(to_polygons(QuadMesh{build.refined, build.refinement.quads()}), small_picture());
     EXPECT_EQ(result.picture.width, 320);
     EXPECT_EQ(result.picture.height, 240);
     EXPECT_NE(result.picture.at(160, 120), result.picture.at(0, 0));

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "command.h"
-#include "coppice/pipeline/drag/quad_model.h"
 #include "coppice/pipeline/mesh_skeleton.h"
+#include "coppice/pipeline/quads/quad_build.h"
 #include "coppice/render/png.h"
 #include "coppice/view/edit_demo.h"
 #include "figures.h"
@@ -49,11 +49,11 @@ Json to_milliseconds(const FrameTimes& times) {
 }
 
 ExitCode drag_branch(Run& run, const ViewFlags& flags, const Skeleton& tree) {
-    const QuadModel model =
-        run.stage("mesh", [&](const Context& ctx) { return quad_model(tree, flags.mesh, ctx); });
+    const QuadBuild build =
+        run.stage("mesh", [&](const Context& ctx) { return build_quads(tree, flags.mesh, ctx); });
     const auto backend = surface_backend(flags.mesh.device);
     const EditDemoResult result = run.stage("frames", [&](const Context& ctx) {
-        return edit_demo(model, flags.demo, flags.view, *backend, ctx);
+        return edit_demo(build, flags.demo, flags.view, *backend, ctx);
     });
     run.stage("write", [&](const Context&) {
         if (!flags.output.empty()) write_picture(flags.output, result.pictures.back());

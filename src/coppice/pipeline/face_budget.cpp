@@ -15,6 +15,7 @@
 #include "coppice/options/quantity.h"
 #include "coppice/pipeline/coarsen/node_levels_internal.h"
 #include "coppice/pipeline/coarsen/selection_internal.h"
+#include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/pipeline/quads/quad_surface_internal.h"
 #include "coppice/pipeline/stages_internal.h"
 #include "coppice/skeleton/chains_internal.h"
@@ -101,12 +102,12 @@ MeshOptions with_density(MeshOptions options, double density) {
     return options;
 }
 
-TubeCage cage_with(const Skeleton& skeleton, const MeshOptions& options, Context ctx) {
+QuadBuild cage_with(const Skeleton& skeleton, const MeshOptions& options, Context ctx) {
     ctx.throw_if_cancelled();
     ctx.progress = {};  // the progress of one cage is not the progress of the plan
     const PrepareResult prepared = prepare(skeleton, options.prepare);
     check_branches(prepared.skeleton);
-    return compute_cage(prepared.skeleton, options, ctx);
+    return build_cage(prepared.skeleton, options, ctx);
 }
 
 // Number of faces of the cage of a skeleton as a function of the density of rings; each density is computed
@@ -125,7 +126,7 @@ class CageFaces {
 
   private:
     double count(const MeshOptions& options) const {
-        return static_cast<double>(cage_with(skeleton_, options, *ctx_).control.cage.quads.size());
+        return static_cast<double>(cage_with(skeleton_, options, *ctx_).cage.cage.quads.size());
     }
 
     Skeleton skeleton_;
@@ -151,7 +152,7 @@ class RadiusPlanner {
 
     // More levels would need too much memory before quads are removed.
     int max_levels(double goal) const {
-        const auto cage_faces = static_cast<double>(cage_.control.cage.quads.size());
+        const auto cage_faces = static_cast<double>(cage_.cage.cage.quads.size());
         const auto most = static_cast<int>(std::log2(kMaxRefinedFaces * goal / cage_faces) / 2);
         return std::clamp(most, 1, kMaxLevels);
     }
@@ -183,12 +184,12 @@ class RadiusPlanner {
         return static_cast<double>(faces_with(levels, chord_error_at(levels))) <= goal;
     }
     std::uint64_t faces_with(int levels, float chord_error) const {
-        return pipeline_internal::faces_by_radius(cage_.control, cage_.tubes, levels, chord_error);
+        return pipeline_internal::faces_by_radius(cage_.cage, cage_.tubes, levels, chord_error);
     }
 
     const Skeleton& skeleton_;
     const MeshOptions& given_;
-    TubeCage cage_;
+    QuadBuild cage_;
     float thickest_;
     std::uint32_t axes_;
 };

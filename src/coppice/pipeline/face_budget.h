@@ -3,7 +3,10 @@
 #include <cstdint>
 #include <string>
 
-#include "coppice/pipeline/mesh_skeleton.h"
+#include "coppice/pipeline/mesh_options.h"
+#include "coppice/pipeline/mesh_result.h"
+#include "coppice/points/point_set.h"
+#include "coppice/skeleton/skeleton.h"
 
 namespace coppice {
 

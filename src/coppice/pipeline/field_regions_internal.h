@@ -5,11 +5,20 @@
 #include <vector>
 
 #include "coppice/field/candidate_lists.h"
+#include "coppice/field/list_kernel.h"
 #include "coppice/mesh/control_mesh.h"
-#include "coppice/pipeline/quads/quad_origin_internal.h"
 #include "coppice/skeleton/skeleton.h"
 
 namespace coppice::pipeline_internal {
+
+/// Completes regions of boxes that contain all of their points: adds a margin and their seeds.
+inline void complete(std::vector<FieldRegion>& regions, std::span<const NodeId> seeds,
+                     const Skeleton& skeleton) {
+    for (std::size_t r = 0; r < regions.size(); ++r) {
+        regions[r].seed = seeds[r];
+        regions[r].box = region_box(regions[r].box, skeleton.radius(seeds[r]));
+    }
+}
 
 /// Positions of the vertices of a cage and of their anchors.
 struct CagePlaces {

@@ -7,7 +7,7 @@
 
 #include "coppice/base/context.h"
 #include "coppice/mesh/mesh.h"
-#include "coppice/pipeline/mesh_skeleton.h"
+#include "coppice/pipeline/mesh_options.h"
 #include "coppice/skeleton/skeleton.h"
 
 namespace coppice {

@@ -35,19 +35,17 @@ FieldOptions surface_field_options(const MeshOptions& options) {
     return field;
 }
 
-ConvolutionField surface_field(const Skeleton& skeleton, const MeshOptions& options,
-                               const PointSet& constraints, std::optional<GlobalWeights>& weights,
-                               const Context& ctx) {
-    const FieldOptions with = surface_field_options(options);
-    ConvolutionField field(skeleton, with, ctx);
-    if (with.weights == Weights::local) return field;
+std::optional<GlobalWeights> apply_global_weights(ConvolutionField& field, const Skeleton& skeleton,
+                                                  const FieldOptions& options, const PointSet& constraints,
+                                                  const Context& ctx) {
+    if (options.weights == Weights::local) return {};
     std::vector<Vec3> points(constraints.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
         points[i] = Vec3(constraints.world(i) - skeleton.origin());
     }
-    weights = global_weights(skeleton, with, points, ctx);
+    std::optional<GlobalWeights> weights = global_weights(skeleton, options, points, ctx);
     field.scale_weights(weights->factors);
-    return field;
+    return weights;
 }
 
 }  // namespace coppice

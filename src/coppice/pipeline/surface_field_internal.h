@@ -3,7 +3,10 @@
 #include <optional>
 
 #include "coppice/field/convolution_field.h"
-#include "coppice/pipeline/mesh_skeleton.h"
+#include "coppice/field/weights/global_weights.h"
+#include "coppice/pipeline/mesh_options.h"
+#include "coppice/points/point_set.h"
+#include "coppice/skeleton/skeleton.h"
 
 namespace coppice {
 
@@ -14,10 +17,10 @@ double corner_radius(double sides);
 /// from the cage's options.
 FieldOptions surface_field_options(const MeshOptions& options);
 
-/// Returns the field of the requested surface, without its regions: with lines that continue beyond flat
-/// ends, and with the requested weights. Constraints have the frame of their origin.
-ConvolutionField surface_field(const Skeleton& skeleton, const MeshOptions& options,
-                               const PointSet& constraints, std::optional<GlobalWeights>& weights,
-                               const Context& ctx);
+/// Fits global weights of a field around a skeleton to constraints, which have the frame of their origin, and
+/// applies them to the field. Returns nullopt, and changes nothing, if the options request local weights.
+std::optional<GlobalWeights> apply_global_weights(ConvolutionField& field, const Skeleton& skeleton,
+                                                  const FieldOptions& options, const PointSet& constraints,
+                                                  const Context& ctx);
 
 }  // namespace coppice

@@ -3,6 +3,7 @@
 #include "coppice/measure/cone_union.h"
 #include "coppice/pipeline/end_shapes_internal.h"
 #include "coppice/pipeline/fit/measured_volume_internal.h"
+#include "coppice/pipeline/mesh_skeleton.h"
 
 namespace coppice {
 namespace {

@@ -6,7 +6,8 @@
 #include "coppice/base/context.h"
 #include "coppice/measure/axes.h"
 #include "coppice/measure/volume_report.h"
-#include "coppice/pipeline/mesh_skeleton.h"
+#include "coppice/pipeline/mesh_result.h"
+#include "coppice/skeleton/skeleton.h"
 
 namespace coppice {
 

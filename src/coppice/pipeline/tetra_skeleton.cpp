@@ -124,7 +124,10 @@ TetraSurface surface_in(Base& base, std::vector<Segment> axes, const MarchOption
     TetraSurface out;
     shorten_flat_ends(axes, task.prepared, task.options.control);
     ConvolutionField field = task.stages.run("weights", 0.25f, [&] {
-        return surface_field(task.prepared, task.options, task.constraints, task.weights, ctx);
+        const FieldOptions options = surface_field_options(task.options);
+        ConvolutionField made(task.prepared, options, ctx);
+        task.weights = apply_global_weights(made, task.prepared, options, task.constraints, ctx);
+        return made;
     });
     Marcher marcher(task);
     for (bool again = true; again;) {

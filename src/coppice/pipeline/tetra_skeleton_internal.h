@@ -1,7 +1,10 @@
 #pragma once
 
-#include "coppice/pipeline/mesh_skeleton.h"
+#include "coppice/pipeline/mesh_options.h"
+#include "coppice/pipeline/mesh_result.h"
 #include "coppice/pipeline/stages_internal.h"
+#include "coppice/points/point_set.h"
+#include "coppice/skeleton/skeleton.h"
 
 namespace coppice {
 

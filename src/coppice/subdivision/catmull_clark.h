@@ -29,6 +29,8 @@ class PatchRefinement {
   public:
     static constexpr int kMaxLevels = 6;  ///< quads become 4096 times as many
 
+    PatchRefinement() = default;  ///< of a cage without quads
+
     /// Throws InvalidInput for a cage that is not manifold (see build_cage_topology), for levels below 0 or
     /// above kMaxLevels, and, before any memory of that size is allocated, if more than 2^31 vertices or
     /// quads would result. O(cage).
@@ -60,8 +62,8 @@ class PatchRefinement {
 
   private:
     CageTopology cage_;
-    int levels_;
-    std::uint32_t vertex_count_;
+    int levels_ = 0;
+    std::uint32_t vertex_count_ = 0;
 };
 
 }  // namespace coppice

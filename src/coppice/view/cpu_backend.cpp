@@ -11,7 +11,7 @@ class CpuBackend : public SurfaceBackend {
     std::string name() const override { return "CPU"; }
 
     void begin(const DragScene& scene, const VertexBuffers& buffers, const Context& ctx) override {
-        surface_.emplace(scene.model, scene.part, ctx);
+        surface_.emplace(scene.build, scene.part, ctx);
         written_ = scene.part.written;
         shaded_ = scene.part.shaded;
         buffers_ = buffers;

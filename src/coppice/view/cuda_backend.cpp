@@ -19,9 +19,9 @@ class CardFrames {
   public:
     CardFrames(const DragScene& scene, const VertexBuffers& buffers, const Context& ctx)
         : buffers_(buffers),
-          feed_(scene.model, scene.drag, scene.part, ctx),
+          feed_(scene.build, scene.drag, scene.part, ctx),
           device_(std::max(0, drawing_device()), ctx) {
-        if (scene.model.field.contact == 0)
+        if (scene.build.field.contact == 0)
             throw DeviceError("the lists of a field without contact are computed on the CPU");
         is_direct_ = attach();
         if (!is_direct_) {

@@ -70,14 +70,14 @@ Vec3d viewing_axis(const ViewOptions& options) {
 }
 
 // Returns the positions that the nodes of the branch reach, on both sides of rest, with their radii.
-std::vector<Vec3> reached_places(const QuadModel& model, const BranchDrag& drag, double swing) {
+std::vector<Vec3> reached_places(const QuadBuild& build, const BranchDrag& drag, double swing) {
     constexpr int kSteps = 8;
     std::vector<Vec3> out;
     DragPose pose = drag.rest();
     for (int k = -kSteps; k <= kSteps; ++k) {
         drag.turn(swing * k / kSteps, pose);
         for (const std::uint32_t n : drag.nodes()) {
-            const float r = model.skeleton.radius(NodeId(n));
+            const float r = build.skeleton.radius(NodeId(n));
             const Vec3 p = pose.nodes[n];
             for (const Vec3 way : {Vec3{r, 0, 0}, Vec3{0, r, 0}, Vec3{0, 0, r}})
                 out.insert(out.end(), {p - way, p + way});
@@ -100,20 +100,20 @@ double compute_angle(int frame, const EditDemoOptions& demo) {
     return demo.swing * std::sin(2 * std::numbers::pi * kSwings * way);
 }
 
-NodeId checked_branch(const QuadModel& model, const EditDemoOptions& demo) {
-    const NodeId top = branch_of_about(model.skeleton, static_cast<std::uint32_t>(demo.segments));
+NodeId checked_branch(const QuadBuild& build, const EditDemoOptions& demo) {
+    const NodeId top = branch_of_about(build.skeleton, static_cast<std::uint32_t>(demo.segments));
     if (!top) throw InvalidInput("view: a tree without segments has no branch to drag");
     return top;
 }
 
 // Returns for each drawn vertex 1 if it belongs to the branch, else 0.
-std::vector<float> vertices_of(const QuadModel& model, const BranchDrag& drag, const DragPart& part) {
+std::vector<float> vertices_of(const QuadBuild& build, const BranchDrag& drag, const DragPart& part) {
     std::vector<float> out(part.vertex.size());
-    std::vector<std::uint8_t> turns(model.control.region_node.size());
+    std::vector<std::uint8_t> turns(build.cage.region_node.size());
     for (const std::uint32_t tube : drag.tube_nodes()) turns[tube] = 1;
-    const std::size_t each = part.quads.size() / model.control.region.size();
+    const std::size_t each = part.quads.size() / build.cage.region.size();
     for (std::size_t q = 0; q < part.quads.size(); ++q) {
-        if (turns[model.control.region[q / each]] == 0) continue;
+        if (turns[build.cage.region[q / each]] == 0) continue;
         for (const std::uint32_t v : part.quads[q]) out[v] = 1;
     }
     return out;
@@ -125,32 +125,32 @@ struct Prepared {
     DragPart part;
     SurfaceView view;
 
-    static SurfaceView view_of(const QuadModel& model, const BranchDrag& drag, const DragPart& part,
+    static SurfaceView view_of(const QuadBuild& build, const BranchDrag& drag, const DragPart& part,
                                const EditDemoOptions& demo, const ViewOptions& options) {
         QuadMesh drawn{{}, part.quads, {}};
-        for (const std::uint32_t v : part.vertex) drawn.positions.push_back(model.rest.positions[v]);
+        for (const std::uint32_t v : part.vertex) drawn.positions.push_back(build.refined[v]);
         const Buffer<Vec3> normals = smooth_normals(drawn.positions, drawn.quads);
         const TriMesh triangles = triangulate(drawn);
-        const std::vector<Vec3> reached = reached_places(model, drag, static_cast<double>(demo.swing));
-        const std::vector<float> marked = vertices_of(model, drag, part);
+        const std::vector<Vec3> reached = reached_places(build, drag, static_cast<double>(demo.swing));
+        const std::vector<float> marked = vertices_of(build, drag, part);
         return {{drawn.positions, normals, triangles.triangles, marked},
                 camera_of(drawn.positions, reached, options),
                 options,
                 reached};
     }
 
-    Prepared(const QuadModel& model, const EditDemoOptions& demo, const ViewOptions& options,
+    Prepared(const QuadBuild& build, const EditDemoOptions& demo, const ViewOptions& options,
              const Context& ctx)
-        : drag(model, checked_branch(model, demo), viewing_axis(options)),
-          part(drag_part(model, drag, static_cast<double>(demo.swing), ctx)),
-          view(view_of(model, drag, part, demo, options)) {}
+        : drag(build, checked_branch(build, demo), viewing_axis(options)),
+          part(drag_part(build, drag, static_cast<double>(demo.swing), ctx)),
+          view(view_of(build, drag, part, demo, options)) {}
 };
 
 // Calls begin() and end() of a backend.
 class Running {
   public:
-    Running(SurfaceBackend& backend, const Prepared& prepared, const QuadModel& model, const Context& ctx)
-        : backend_(backend), scene_{model, prepared.drag, prepared.part} {
+    Running(SurfaceBackend& backend, const Prepared& prepared, const QuadBuild& build, const Context& ctx)
+        : backend_(backend), scene_{build, prepared.drag, prepared.part} {
         try {
             backend.begin(scene_, prepared.view.buffers(), ctx);
         } catch (...) {
@@ -169,17 +169,17 @@ class Running {
 
 }  // namespace
 
-EditDemoResult edit_demo(const QuadModel& model, const EditDemoOptions& demo, const ViewOptions& options,
+EditDemoResult edit_demo(const QuadBuild& build, const EditDemoOptions& demo, const ViewOptions& options,
                          SurfaceBackend& backend, const Context& ctx) {
     check_fields(demo, "view");
     check_fields(options, "view");
-    Prepared prepared(model, demo, options, ctx);
+    Prepared prepared(build, demo, options, ctx);
     const auto& [drag, part, view] = prepared;
     const Context each{.threads = ctx.threads, .stop = ctx.stop};
-    const Running running(backend, prepared, model, each);
+    const Running running(backend, prepared, build, each);
     EditDemoResult out{.renderer = view.context().renderer(),
                        .opengl = view.context().version(),
-                       .branch = model.skeleton.stable_id(drag.top()).index(),
+                       .branch = build.skeleton.stable_id(drag.top()).index(),
                        .segments = static_cast<std::uint32_t>(drag.nodes().size()),
                        .quads = static_cast<std::uint32_t>(part.quads.size()),
                        .vertices = static_cast<std::uint32_t>(part.vertex.size()),

@@ -6,7 +6,7 @@
 
 #include "coppice/base/context.h"
 #include "coppice/mesh/statistics.h"
-#include "coppice/pipeline/drag/quad_model.h"
+#include "coppice/pipeline/quads/quad_build.h"
 #include "coppice/render/image.h"
 #include "coppice/view/surface_backend.h"
 #include "coppice/view/view_options.h"
@@ -69,7 +69,7 @@ void visit_figures(const EditDemoResult& r, Visitor&& visit) {
 ///
 /// Throws InvalidInput if the tree has no branch or an option is out of range, Unsupported if OpenGL is not
 /// available, and the exceptions of the backend.
-EditDemoResult edit_demo(const QuadModel& model, const EditDemoOptions& demo, const ViewOptions& options,
+EditDemoResult edit_demo(const QuadBuild& build, const EditDemoOptions& demo, const ViewOptions& options,
                          SurfaceBackend& backend, const Context& ctx = {});
 
 /// The image of a surface.

@@ -7,14 +7,14 @@
 #include "coppice/cuda/device.h"
 #include "coppice/pipeline/drag/branch_drag.h"
 #include "coppice/pipeline/drag/drag_part.h"
-#include "coppice/pipeline/drag/quad_model.h"
+#include "coppice/pipeline/quads/quad_build.h"
 #include "coppice/view/surface_view.h"
 
 namespace coppice {
 
 /// A dragged branch, and the data that are constant during the drag.
 struct DragScene {
-    const QuadModel& model;  ///< cage, anchors, regions and the skeleton of the field at rest
+    const QuadBuild& build;  ///< cage, anchors, regions and the skeleton of the field at rest
     const BranchDrag& drag;  ///< the moving subset
     const DragPart& part;    ///< the quads that change, and the order of vertices in the buffers
 };

@@ -18,21 +18,20 @@ namespace {
 
 class Coarsening {
   public:
-    Coarsening(QuadSurface& surface, const RefinedQuads& from, const MeshOptions& options, const Context& ctx)
-        : surface_(surface),
-          from_(from),
-          options_(options),
+    Coarsening(QuadMesh& mesh, const QuadBuild& build, const Context& ctx)
+        : mesh_(mesh),
+          build_(build),
           ctx_(ctx),
-          grid_(surface, from),
+          grid_(mesh, build),
           tube_rows_(grid_.tube_rows()),
-          level_(node_levels(grid_, options.chord_error)) {}
+          level_(node_levels(grid_, build.options.chord_error)) {}
 
     CoarsenReport run() {
-        CoarsenReport report{surface_.mesh.quads.size()};
+        CoarsenReport report{mesh_.quads.size()};
         QuadMesh coarse;
         for (Flags is_new(level_.size(), 1); any(is_new); is_new = raise_faulty(coarse, report))
             coarse = without_crossings(is_new, report);
-        surface_.mesh = std::move(coarse);
+        mesh_ = std::move(coarse);
         return report;
     }
 
@@ -56,9 +55,9 @@ class Coarsening {
     // Remeshed quads follow the kept ones.
     std::span<const Quad> remeshed_quads() const {
         std::size_t made = 0;
-        for (const RemeshTrace::RepairPatch& repair_patch : from_.remeshed.repair_patches)
+        for (const RemeshTrace::RepairPatch& repair_patch : build_.remeshed.repair_patches)
             made += repair_patch.quads;
-        return std::span<const Quad>(surface_.mesh.quads).last(made);
+        return std::span<const Quad>(mesh_.quads).last(made);
     }
 
     QuadMesh make_mesh(const Selection& chosen) const {
@@ -72,7 +71,7 @@ class Coarsening {
         }
         used.count();
         QuadMesh out;
-        out.origin = surface_.mesh.origin;
+        out.origin = mesh_.origin;
         for (const std::uint32_t v : used.ascending()) out.positions.push_back(positions[v]);
         for (const Quad& q : chosen.quads) {
             Quad& now = out.quads.emplace_back();
@@ -88,15 +87,15 @@ class Coarsening {
 
     // Returns all vertices of the mesh, at their positions in polygons of fewer sides.
     std::vector<Vec3> moved_vertices(const Selection& chosen) const {
-        std::vector<Vec3> out(surface_.mesh.positions.begin(), surface_.mesh.positions.end());
+        std::vector<Vec3> out(mesh_.positions.begin(), mesh_.positions.end());
         for (std::uint32_t v = 0; v < chosen.growth.size(); ++v) {
             if (chosen.growth[v] == 0) continue;
             Vec3& p = out[grid_.number(v)];
             p += (p - grid_.anchor(v)) * chosen.growth[v];
         }
-        if (options_.control.tips == TipShape::round) {
+        if (build_.options.control.tips == TipShape::round) {
             shape_blunt_tips(
-                surface_.cage, tube_rows_.tubes(), [&](NodeId tip) { return level_[tip.index()] == 0; },
+                build_.cage, tube_rows_.tubes(), [&](NodeId tip) { return level_[tip.index()] == 0; },
                 [&](std::uint32_t v) -> Vec3& { return out[grid_.number(v)]; });
         }
         return out;
@@ -130,13 +129,13 @@ class Coarsening {
 
     // Raises the level of the nodes between which an axis is severed or a tip is short; returns them.
     Flags raise_faulty(const QuadMesh& mesh, CoarsenReport& report) {
-        if (options_.control.base == BaseShape::open) return {};  // a surface with a hole has no inside
-        const Skeleton& skeleton = from_.map.skeleton;
-        const EndShape tips = tip_end(options_.control);
-        const ConeUnion solid(skeleton, mesh.origin, base_end(options_.control), tips, ctx_);
+        if (build_.options.control.base == BaseShape::open) return {};  // a surface with a hole has no inside
+        const Skeleton& skeleton = build_.skeleton;
+        const EndShape tips = tip_end(build_.options.control);
+        const ConeUnion solid(skeleton, mesh.origin, base_end(build_.options.control), tips, ctx_);
         Flags is_raised(level_.size(), 0);
         for (const NodeId n : judge_axes(mesh, skeleton, solid, tips, ctx_).faulty) {
-            for (const NodeId tube : from_.map.wrapping[n.index()]) {
+            for (const NodeId tube : build_.wrapping[n.index()]) {
                 is_raised[tube_rows_.node(tube, 0).index()] = 1;
                 is_raised[tube_rows_.node(tube, 1).index()] = 1;
             }
@@ -165,7 +164,7 @@ class Coarsening {
 
     template <class Visit>
     void for_each_node(std::uint32_t f, const Visit& visit) const {
-        const ControlMesh& control = surface_.cage;
+        const ControlMesh& control = build_.cage;
         const NodeId region(control.region[f]);
         if (control.part[f] == TubePart::fork) {
             visit(region);
@@ -175,9 +174,8 @@ class Coarsening {
         visit(tube_rows_.end_node(region));
     }
 
-    QuadSurface& surface_;
-    const RefinedQuads& from_;
-    const MeshOptions& options_;
+    QuadMesh& mesh_;
+    const QuadBuild& build_;
     const Context& ctx_;
     RefinedGrid grid_;
     const TubeRows& tube_rows_;
@@ -186,9 +184,8 @@ class Coarsening {
 
 }  // namespace
 
-CoarsenReport coarsen_quads(QuadSurface& surface, const RefinedQuads& from, const MeshOptions& options,
-                            const Context& ctx) {
-    return Coarsening(surface, from, options, ctx).run();
+CoarsenReport coarsen_quads(QuadMesh& mesh, const QuadBuild& build, const Context& ctx) {
+    return Coarsening(mesh, build, ctx).run();
 }
 
 }  // namespace coppice::pipeline_internal

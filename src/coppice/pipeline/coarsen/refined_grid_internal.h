@@ -5,41 +5,32 @@
 #include <vector>
 
 #include "coppice/base/number_set.h"
-#include "coppice/pipeline/mesh_skeleton.h"
-#include "coppice/pipeline/repair/repair_intersections_internal.h"
+#include "coppice/mesh/mesh.h"
+#include "coppice/pipeline/quads/quad_build.h"
 #include "coppice/pipeline/repair/tube_quads_internal.h"
-#include "coppice/subdivision/catmull_clark.h"
 #include "coppice/subdivision/kernel/patch_index.h"
 
 namespace coppice::pipeline_internal {
-
-/// The refinement and remeshing of a surface of quads.
-struct RefinedQuads {
-    const TubeMap& map;
-    const PatchRefinement& patches;  ///< from the cage to the refined quads
-    std::span<const Vec3> anchors;   ///< per refined vertex
-    const RemeshTrace& remeshed;     ///< from the refined quads to the mesh
-};
 
 /// The vertices of a surface by their positions in the refined cage.
 class RefinedGrid {
   public:
     /// The arguments must outlive this object. O(vertices).
-    RefinedGrid(const QuadSurface& surface, const RefinedQuads& from)
-        : positions_(surface.mesh.positions),
-          from_(from),
-          tube_rows_(surface.cage, from.map.tubes, from.patches.levels(), from.map.sides),
+    RefinedGrid(const QuadMesh& mesh, const QuadBuild& build)
+        : positions_(mesh.positions),
+          build_(build),
+          tube_rows_(build.cage, build.tubes, build.refinement.levels(), build.sides),
           faces_(faces_of_tubes(tube_rows_)),
-          cage_(from.patches.cage()),
-          size_(1u << from.patches.levels()),
-          gone_(from.patches.vertex_count()) {
-        for (const std::uint32_t v : from.remeshed.gone) gone_.add(v);
+          cage_(build.refinement.cage()),
+          size_(1u << build.refinement.levels()),
+          gone_(build.refinement.vertex_count()) {
+        for (const std::uint32_t v : build.remeshed.gone) gone_.add(v);
         gone_.count();
     }
 
-    const TubeRows& tube_rows() const { return tube_rows_; }                     ///< rows of quads
-    const TubeFaces& faces(NodeId tube) const { return faces_[tube.index()]; }   ///< cage quads of a tube
-    std::uint32_t vertex_count() const { return from_.patches.vertex_count(); }  ///< of refined ones
+    const TubeRows& tube_rows() const { return tube_rows_; }                         ///< rows of quads
+    const TubeFaces& faces(NodeId tube) const { return faces_[tube.index()]; }       ///< cage quads of a tube
+    std::uint32_t vertex_count() const { return build_.refinement.vertex_count(); }  ///< of refined ones
     std::uint32_t size() const { return size_; }  ///< number of quads along the side of a cage quad
     std::uint32_t columns(const CageRun& side) const {
         return side.count * size_;
@@ -57,7 +48,7 @@ class RefinedGrid {
     }
 
     /// Returns whether a row was not remeshed.
-    bool stays(TubeRow s) const { return from_.remeshed.stays(s); }
+    bool stays(TubeRow s) const { return build_.remeshed.stays(s); }
     /// Returns whether no row of a tube was remeshed.
     bool is_whole(NodeId tube) const {
         for (TubeRow s = tube_rows_.first(tube); s <= tube_rows_.last(tube); ++s) {
@@ -73,11 +64,11 @@ class RefinedGrid {
     /// Returns the index in the mesh of a kept refined vertex.
     std::uint32_t number(std::uint32_t v) const { return v - gone_.rank(v); }
     Vec3 position(std::uint32_t v) const { return positions_[number(v)]; }  ///< [m] of a kept vertex
-    Vec3 anchor(std::uint32_t v) const { return from_.anchors[v]; }         ///< [m] of any vertex
+    Vec3 anchor(std::uint32_t v) const { return build_.anchors[v]; }        ///< [m] of any vertex
 
   private:
     std::span<const Vec3> positions_;
-    const RefinedQuads& from_;
+    const QuadBuild& build_;
     TubeRows tube_rows_;
     std::vector<TubeFaces> faces_;  // per tube
     CageView cage_;

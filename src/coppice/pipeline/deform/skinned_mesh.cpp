@@ -15,9 +15,9 @@
 #include "coppice/pipeline/deform/faults_internal.h"
 #include "coppice/pipeline/deform/node_binding_internal.h"
 #include "coppice/pipeline/deform/skin_internal.h"
-#include "coppice/pipeline/quads/quad_origin_internal.h"
-#include "coppice/pipeline/surface_field_internal.h"
-#include "coppice/subdivision/catmull_clark.h"
+#include "coppice/pipeline/field_regions_internal.h"
+#include "coppice/pipeline/fit/kept_quads_internal.h"
+#include "coppice/pipeline/quads/built_mesh_internal.h"
 
 namespace coppice {
 
@@ -44,11 +44,10 @@ void check(const MeshOptions& options) {
 }
 
 // Returns the region of each vertex of a refined cage: that of the cage quad that owns the vertex.
-std::vector<std::uint32_t> regions_of(const ControlMesh& cage, int levels, const Context& ctx) {
-    const PatchRefinement patches(cage.cage.quads, static_cast<std::uint32_t>(cage.cage.positions.size()),
-                                  levels, ctx);
+std::vector<std::uint32_t> regions_of(const QuadBuild& build) {
     std::vector<std::uint32_t> out;
-    for (const std::uint32_t f : patches.owners()) out.push_back(f == kNoIndex ? kNoIndex : cage.region[f]);
+    for (const std::uint32_t f : build.refinement.owners())
+        out.push_back(f == kNoIndex ? kNoIndex : build.cage.region[f]);
     return out;
 }
 
@@ -57,7 +56,7 @@ std::vector<std::uint32_t> regions_of(const ControlMesh& cage, int levels, const
 class SkinnedMesh::Body {
   public:
     Body(const Skeleton& skeleton, const MeshOptions& options, const Context& ctx)
-        : Body(skeleton, options, QuadOrigin{}, ctx) {}
+        : Body(skeleton, build_mesh(skeleton, (check(options), options), ctx), ctx) {}
 
     SkinnedFrame deform(const Pose& pose, std::span<const std::uint32_t> stiff, const Context& ctx);
     std::vector<std::uint32_t> at_fault(const SkinnedFrame& frame) const;
@@ -79,14 +78,11 @@ class SkinnedMesh::Body {
     MeshResult made;
 
   private:
-    Body(const Skeleton& skeleton, const MeshOptions& options, QuadOrigin origin, const Context& ctx)
+    Body(const Skeleton& skeleton, BuiltMesh built, const Context& ctx)
         : rest(skeleton),
-          made(mesh_with_origin(skeleton, (check(options), options), origin, ctx)),
-          options_(options),
-          field_(std::move(origin.field)),
-          tubes_(origin.rows.tubes),
-          source_(std::move(origin.source)),
-          tube_(std::move(origin.tube)),
+          made(std::move(built.result)),
+          build_(std::move(built.build)),
+          field_(build_.skeleton),
           nodes_(skeleton, field_, ctx),
           moved_(to_polygons(mesh())),
           faces_of_(compress_rows<std::uint32_t>(mesh().positions.size(),
@@ -96,12 +92,12 @@ class SkinnedMesh::Body {
                                                              put(v, f);
                                                      }
                                                  })),
-          kept_(std::move(origin.rows), made.quads().cage, mesh()) {
-        bind(origin.anchors, ctx);
+          kept_(build_, ctx) {
+        bind(ctx);
         find_pieces();
         const Buffer<Vec3>& positions = mesh().positions;
         rest_folded_ = folded_faces(mesh().quads, positions, ctx);
-        rest_crossings_ = crossings(positions, tubes_, ctx);
+        rest_crossings_ = crossings(positions, build_.tubes, ctx);
         find_free(ctx);
     }
 
@@ -118,7 +114,13 @@ class SkinnedMesh::Body {
     }
     const QuadMesh& mesh() const { return made.quads().mesh; }
 
-    void bind(std::span<const Vec3> row_anchors, const Context& ctx);
+    /// Returns the refined vertex that a vertex of the mesh is; kNoIndex for those of repair patches, and for
+    /// all vertices of a fitted mesh, which are not on the field.
+    std::uint32_t refined_vertex(std::uint32_t v) const {
+        const std::span<const std::uint32_t> kept = kept_.vertices();
+        return v < kept.size() && build_.options.fit != Fit::volume ? kept[v] : kNoIndex;
+    }
+    void bind(const Context& ctx);
     struct MovedPoints {
         Buffer<Vec3> anchors, positions;
         std::vector<SegmentMove> moves;
@@ -129,13 +131,12 @@ class SkinnedMesh::Body {
     void find_free(const Context& ctx);
     ProjectReport project_onto(const Skeleton& now, std::span<const Vec3> anchors, std::span<Vec3> positions,
                                const Context& ctx) const;
-    std::vector<FacePair> crossings(std::span<const Vec3> positions, Skeleton tubes, const Context& ctx);
+    std::vector<FacePair> crossings(std::span<const Vec3> positions, const Skeleton& tubes,
+                                    const Context& ctx);
     Skeleton moved_tubes(std::span<const SegmentMove> moves) const;
 
-    MeshOptions options_;
-    Skeleton field_;                     // skeleton of the field, prepared and grafted
-    Skeleton tubes_;                     // at rest
-    std::vector<NodeId> source_, tube_;  // see QuadOrigin
+    QuadBuild build_;
+    const Skeleton& field_;  // of the build
     NodeBinding nodes_;
     PolygonMesh moved_;  // the faces, for the search for crossings
     CompressedRows<std::uint32_t> faces_of_;
@@ -149,10 +150,9 @@ class SkinnedMesh::Body {
     std::vector<FacePair> rest_crossings_;
 };
 
-void SkinnedMesh::Body::bind(std::span<const Vec3> row_anchors, const Context& ctx) {
-    const ControlMesh& cage = made.quads().cage;
-    const std::vector<std::uint32_t> row_region = regions_of(cage, options_.levels, ctx);
-    const std::span<const std::uint32_t> row = kept_.old_vertices();
+void SkinnedMesh::Body::bind(const Context& ctx) {
+    const ControlMesh& cage = build_.cage;
+    const std::vector<std::uint32_t> refined_region = regions_of(build_);
     const CapsuleTree capsules(field_, field_.origin(), ctx);
     const AxisWindow window(field_);
     const std::size_t count = mesh().positions.size();
@@ -162,9 +162,10 @@ void SkinnedMesh::Body::bind(std::span<const Vec3> row_anchors, const Context& c
     parallel_for(ctx, count, kSkinnedMeshGrain, [&](std::size_t v) {
         const Vec3 p = mesh().positions[v];
         NodeId segment(0);
-        if (row[v] != kNoIndex && row_region[row[v]] != kNoIndex) {
-            region[v] = row_region[row[v]];
-            anchors_[v] = row_anchors[row[v]];
+        const std::uint32_t refined = refined_vertex(static_cast<std::uint32_t>(v));
+        if (refined != kNoIndex && refined_region[refined] != kNoIndex) {
+            region[v] = refined_region[refined];
+            anchors_[v] = build_.anchors[refined];
             segment = window.nearest_adjacent(cage.region_node[region[v]], p);
         } else {
             const CapsuleTree::Nearest nearest = capsules.nearest(Vec3d(p));
@@ -183,9 +184,9 @@ void SkinnedMesh::Body::bind(std::span<const Vec3> row_anchors, const Context& c
 
 // Finds the connected components of the remeshed faces.
 void SkinnedMesh::Body::find_pieces() {
-    const std::span<const std::uint32_t> row = kept_.old_vertices();
     const auto is_new = [&](std::uint32_t f) {
-        return std::ranges::any_of(mesh().quads[f], [&](std::uint32_t v) { return row[v] == kNoIndex; });
+        return std::ranges::any_of(mesh().quads[f],
+                                   [&](std::uint32_t v) { return refined_vertex(v) == kNoIndex; });
     };
     piece_.assign(mesh().quads.size(), kNoIndex);
     std::uint32_t count = 0;
@@ -213,7 +214,7 @@ void SkinnedMesh::Body::find_pieces() {
 // Vertices that the projection does not move are projected onto the field in all poses: at rest, and for
 // rotations of the whole tree, which change the boxes of the regions.
 void SkinnedMesh::Body::find_free(const Context& ctx) {
-    if (options_.project.method == ProjectionMethod::none || options_.fit == Fit::volume) {
+    if (build_.options.project.method == ProjectionMethod::none || build_.options.fit == Fit::volume) {
         free_ = group_by({}, free_.size());
         return;
     }
@@ -250,8 +251,7 @@ SkinnedMesh::Body::MovedPoints SkinnedMesh::Body::carry_to(const Skeleton& now,
 
 ProjectReport SkinnedMesh::Body::project_onto(const Skeleton& now, std::span<const Vec3> anchors,
                                               std::span<Vec3> positions, const Context& ctx) const {
-    std::optional<GlobalWeights> weights;
-    ConvolutionField field = surface_field(now, options_, {}, weights, ctx);
+    ConvolutionField field(now, build_.field, ctx);
     std::vector<FieldRegion> regions(free_.size());
     parallel_for(ctx, regions.size(), kRegionGrain, [&](std::size_t r) {
         for (const std::uint32_t v : free_[r]) {
@@ -259,29 +259,29 @@ ProjectReport SkinnedMesh::Body::project_onto(const Skeleton& now, std::span<con
             regions[r].box.extend(anchors[v]);
         }
     });
-    complete(regions, made.quads().cage.region_node, now);
-    field.set_regions(regions, {tubes_, tube_, made.quads().cage.joins}, ctx);
-    return project(positions, anchors, free_, FieldRef(field), options_.project, ctx);
+    complete(regions, build_.cage.region_node, now);
+    field.set_regions(regions, {build_.tubes, build_.tube, build_.cage.joins}, ctx);
+    return project(positions, anchors, free_, FieldRef(field), build_.options.project, ctx);
 }
 
-std::vector<FacePair> SkinnedMesh::Body::crossings(std::span<const Vec3> positions, Skeleton tubes,
+std::vector<FacePair> SkinnedMesh::Body::crossings(std::span<const Vec3> positions, const Skeleton& tubes,
                                                    const Context& ctx) {
-    if (options_.overlaps == Overlaps::keep) return {};
+    if (build_.options.overlaps == Overlaps::keep) return {};
     moved_.positions.assign(positions.begin(), positions.end());
-    if (options_.levels == 0 || options_.control.base == BaseShape::open)
+    if (build_.options.levels == 0 || build_.options.control.base == BaseShape::open)
         return crossing_faces(SurfaceTree(moved_, ctx), kMaxCrossings, ctx).pairs;
-    kept_.move_tubes(std::move(tubes));
-    return kept_.crossings(moved_, kMaxCrossings, ctx).pairs;
+    return kept_.crossings(moved_, tubes, kMaxCrossings, ctx).pairs;
 }
 
 Skeleton SkinnedMesh::Body::moved_tubes(std::span<const SegmentMove> moves) const {
-    std::vector<Vec3> places(tubes_.size());
-    for (const NodeId n : nodes(tubes_))
-        places[n.index()] = moved(moves[source_[n.index()].index()], tubes_.position(n));
-    return {{tubes_.parents().begin(), tubes_.parents().end()},
+    const Skeleton& tubes = build_.tubes;
+    std::vector<Vec3> places(tubes.size());
+    for (const NodeId n : nodes(tubes))
+        places[n.index()] = moved(moves[build_.cage.region_node[n.index()].index()], tubes.position(n));
+    return {{tubes.parents().begin(), tubes.parents().end()},
             std::move(places),
-            {tubes_.radii().begin(), tubes_.radii().end()},
-            tubes_.origin()};
+            {tubes.radii().begin(), tubes.radii().end()},
+            tubes.origin()};
 }
 
 std::vector<std::uint32_t> SkinnedMesh::Body::at_fault(const SkinnedFrame& frame) const {

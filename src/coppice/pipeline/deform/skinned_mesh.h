@@ -8,7 +8,8 @@
 #include "coppice/base/context.h"
 #include "coppice/edit/animate/pose.h"
 #include "coppice/measure/intersections.h"
-#include "coppice/pipeline/mesh_skeleton.h"
+#include "coppice/pipeline/mesh_options.h"
+#include "coppice/pipeline/mesh_result.h"
 #include "coppice/skeleton/skeleton.h"
 #include "coppice/subdivision/project.h"
 

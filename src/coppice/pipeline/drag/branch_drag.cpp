@@ -48,9 +48,9 @@ NodeId branch_of_about(const Skeleton& s, std::uint32_t segments) {
     return lateral ? lateral : nearest([&](NodeId n) { return !s.is_root(n); });
 }
 
-BranchDrag::BranchDrag(const QuadModel& model, NodeId top, Vec3d axis)
-    : model_(&model), top_(top), axis_(normalized(axis)) {
-    const Skeleton& s = model.skeleton;
+BranchDrag::BranchDrag(const QuadBuild& build, NodeId top, Vec3d axis)
+    : build_(&build), top_(top), axis_(normalized(axis)) {
+    const Skeleton& s = build.skeleton;
     COPPICE_ASSERT(top && top.index() < s.size() && !s.is_root(top));
     foot_ = Vec3d(s.position(s.parent(top)));
     std::vector<std::uint8_t> turns(s.size());
@@ -64,7 +64,7 @@ BranchDrag::BranchDrag(const QuadModel& model, NodeId top, Vec3d axis)
 }
 
 void BranchDrag::find_shares(const std::vector<std::uint8_t>& turns) {
-    const ControlMesh& control = model_->control;
+    const ControlMesh& control = build_->cage;
     const auto region_turns = [&](std::uint32_t r) { return turns[control.region_node[r].index()] != 0; };
     for (std::uint32_t r = 0; r < control.region_node.size(); ++r) {
         if (region_turns(r)) tube_nodes_.push_back(r);
@@ -87,23 +87,23 @@ void BranchDrag::find_shares(const std::vector<std::uint8_t>& turns) {
 }
 
 DragPose BranchDrag::rest() const {
-    const ControlMesh& control = model_->control;
+    const ControlMesh& control = build_->cage;
     const auto copy = [](std::span<const Vec3> v) { return std::vector<Vec3>(v.begin(), v.end()); };
-    return {.nodes = copy(model_->skeleton.positions()),
-            .tube_nodes = copy(model_->tubes.positions()),
+    return {.nodes = copy(build_->skeleton.positions()),
+            .tube_nodes = copy(build_->tubes.positions()),
             .cage = control.cage.positions,
             .anchors = control.anchors,
             .clips = control.clip};
 }
 
 void BranchDrag::turn(double angle, DragPose& pose) const {
-    const ControlMesh& control = model_->control;
+    const ControlMesh& control = build_->cage;
     const Rotation whole = rotation_about(axis_, angle);
     pose.angle = angle;
     for (const std::uint32_t n : nodes_)
-        pose.nodes[n] = turned_about(foot_, whole, model_->skeleton.position(NodeId(n)));
+        pose.nodes[n] = turned_about(foot_, whole, build_->skeleton.position(NodeId(n)));
     for (const std::uint32_t n : tube_nodes_)
-        pose.tube_nodes[n] = turned_about(foot_, whole, model_->tubes.position(NodeId(n)));
+        pose.tube_nodes[n] = turned_about(foot_, whole, build_->tubes.position(NodeId(n)));
     for (std::size_t i = 0; i < vertices_.size(); ++i) {
         const std::uint32_t v = vertices_[i];
         const Rotation turn =

@@ -6,7 +6,7 @@
 
 #include "coppice/base/column.h"
 #include "coppice/mesh/control_mesh.h"
-#include "coppice/pipeline/drag/quad_model.h"
+#include "coppice/pipeline/quads/quad_build.h"
 #include "coppice/skeleton/skeleton.h"
 
 namespace coppice {
@@ -19,8 +19,8 @@ NodeId branch_of_about(const Skeleton& skeleton, std::uint32_t segments);
 /// The positions of all inputs of a surface while a branch is dragged.
 struct DragPose {
     double angle = 0;              ///< [rad] rotation of the branch from rest
-    std::vector<Vec3> nodes;       ///< [m] of QuadModel::skeleton
-    std::vector<Vec3> tube_nodes;  ///< [m] of QuadModel::tubes
+    std::vector<Vec3> nodes;       ///< [m] of QuadBuild::skeleton
+    std::vector<Vec3> tube_nodes;  ///< [m] of QuadBuild::tubes
     Buffer<Vec3> cage;             ///< [m] positions of the cage's vertices
     Buffer<Vec3> anchors;          ///< [m] their anchors
     std::vector<ClipPlane> clips;  ///< flat ends of the cage
@@ -34,9 +34,9 @@ struct DragPose {
 /// is as smooth as the cage around it. Radii do not change.
 class BranchDrag {
   public:
-    /// `top` is a node of the model's skeleton, not a root; the axis has any length except 0. The model must
+    /// `top` is a node of the build's skeleton, not a root; the axis has any length except 0. The build must
     /// outlive this object. O(n).
-    BranchDrag(const QuadModel& model, NodeId top, Vec3d axis);
+    BranchDrag(const QuadBuild& build, NodeId top, Vec3d axis);
 
     NodeId top() const { return top_; }                                         ///< first node of the branch
     Vec3d foot() const { return foot_; }                                        ///< [m] centre of rotation
@@ -48,7 +48,7 @@ class BranchDrag {
         return shares_;
     }  ///< share of the angle, in (0, 1]; per rotating cage vertex
 
-    /// Returns the pose at rest, bit-identical to the model.
+    /// Returns the pose at rest, bit-identical to the build.
     DragPose rest() const;
     /// Rotates the branch by an angle [rad] from rest, counter-clockwise seen against the axis. Writes only
     /// rotating elements, so that `pose` has to come from rest(); the result for angle 0 is bit-identical to
@@ -58,7 +58,7 @@ class BranchDrag {
   private:
     void find_shares(const std::vector<std::uint8_t>& turns);
 
-    const QuadModel* model_;
+    const QuadBuild* build_;
     NodeId top_;
     Vec3d foot_, axis_;
     std::vector<std::uint32_t> nodes_, tube_nodes_, vertices_, clips_;

@@ -8,17 +8,17 @@
 
 namespace coppice {
 
-DragFeed::DragFeed(const QuadModel& model, const BranchDrag& drag, const DragPart& part, const Context& ctx)
-    : model_(&model),
+DragFeed::DragFeed(const QuadBuild& build, const BranchDrag& drag, const DragPart& part, const Context& ctx)
+    : build_(&build),
       drag_(&drag),
       part_(&part),
-      control_(make_control(model, part)),
-      field_(model.skeleton, model.field, ctx),
-      segments_(model.skeleton, SegmentBuilder(model.field)),
+      control_(make_control(build, part)),
+      field_(build.skeleton, build.field, ctx),
+      segments_(build.skeleton, SegmentBuilder(build.field)),
       moved_nodes_(drag.nodes().size()),
       moved_tubes_(drag.tube_nodes().size()),
       moved_vertices_(drag.cage_vertices().size()) {
-    for (const std::uint32_t v : part.vertex) drawn_.push_back(model.rest.positions[v]);
+    for (const std::uint32_t v : part.vertex) drawn_.push_back(build.refined[v]);
     find_vertices();
     find_quads();
 }
@@ -51,9 +51,9 @@ cuda::DragJob DragFeed::job() const {
                       control_.anchors,
                       control_.region,
                       control_.clip,
-                      model_->options.project,
+                      build_->options.project,
                       {.passes = 0}},
-            .contacts = {model_->skeleton, {model_->tubes, model_->tube}, field_, control_},
+            .contacts = {build_->skeleton, {build_->tubes, build_->tube}, field_, control_},
             .nodes = drag_->nodes(),
             .tube_nodes = drag_->tube_nodes(),
             .vertices = vertices_,

@@ -11,7 +11,7 @@
 #include "coppice/mesh/control_mesh.h"
 #include "coppice/pipeline/drag/branch_drag.h"
 #include "coppice/pipeline/drag/drag_part.h"
-#include "coppice/pipeline/drag/quad_model.h"
+#include "coppice/pipeline/quads/quad_build.h"
 
 namespace coppice {
 
@@ -20,7 +20,7 @@ namespace coppice {
 class DragFeed {
   public:
     /// The arguments must outlive this object. O(n).
-    DragFeed(const QuadModel& model, const BranchDrag& drag, const DragPart& part, const Context& ctx = {});
+    DragFeed(const QuadBuild& build, const BranchDrag& drag, const DragPart& part, const Context& ctx = {});
     DragFeed(const DragFeed&) = delete;             ///< its job refers to it
     DragFeed& operator=(const DragFeed&) = delete;  ///< its job refers to it
 
@@ -33,7 +33,7 @@ class DragFeed {
     void find_vertices();
     void find_quads();
 
-    const QuadModel* model_;
+    const QuadBuild* build_;
     const BranchDrag* drag_;
     const DragPart* part_;
     ControlMesh control_;     // the part at rest

@@ -26,9 +26,9 @@ struct Capsule {
     float radius;
 };
 
-std::vector<Capsule> compute_capsules(const QuadModel& model, const Context& ctx) {
-    const ConvolutionField field(model.skeleton, model.field, ctx);
-    const float reach = std::max(kCompetitorReach, SegmentBuilder(model.field).reach());
+std::vector<Capsule> compute_capsules(const QuadBuild& build, const Context& ctx) {
+    const ConvolutionField field(build.skeleton, build.field, ctx);
+    const float reach = std::max(kCompetitorReach, SegmentBuilder(build.field).reach());
     std::vector<Capsule> out;
     for (const auto& s : field.segments()) {
         const Vec3 start{s.ax, s.ay, s.az}, u{s.ux, s.uy, s.uz};
@@ -42,20 +42,20 @@ std::vector<Capsule> compute_capsules(const QuadModel& model, const Context& ctx
 // Boxes around all positions within the branch's influence, on its way from one maximum angle to the other.
 class SweptBoxes {
   public:
-    SweptBoxes(const QuadModel& model, const BranchDrag& drag, double largest, const Context& ctx)
-        : drag_(drag), capsules_(compute_capsules(model, ctx)), turns_(model.skeleton.size()) {
+    SweptBoxes(const QuadBuild& build, const BranchDrag& drag, double largest, const Context& ctx)
+        : drag_(drag), capsules_(compute_capsules(build, ctx)), turns_(build.skeleton.size()) {
         for (const std::uint32_t n : drag.nodes()) turns_[n] = 1;
         const int steps = std::max(1, static_cast<int>(std::ceil(2 * largest / kStep)));
         half_ = largest / steps;
         for (int k = 0; k < steps; ++k) middles_.push_back((2 * k + 1 - steps) * half_);
-        const auto contents = contents_of(model);
+        const auto contents = contents_of(build);
         for (std::size_t t = 0; t < contents.size(); ++t) add_tube(contents[t]);
         for (const std::uint32_t t : drag.tube_nodes()) {
-            if (contents[t].empty()) add_empty_tube(model.tubes, NodeId(t));
+            if (contents[t].empty()) add_empty_tube(build.tubes, NodeId(t));
         }
         // A segment without a tube has its own box.
         for (const std::uint32_t n : drag.nodes()) {
-            if (!model.tube[n]) add_tube({&n, 1});
+            if (!build.tube[n]) add_tube({&n, 1});
         }
     }
 
@@ -63,10 +63,10 @@ class SweptBoxes {
 
   private:
     // The segments that each tube wraps.
-    static CompressedRows<std::uint32_t> contents_of(const QuadModel& model) {
-        return compress_rows<std::uint32_t>(model.tubes.size(), [&](const auto& put) {
-            for (std::uint32_t n = 0; n < model.tube.size(); ++n) {
-                if (model.tube[n]) put(model.tube[n].index(), n);
+    static CompressedRows<std::uint32_t> contents_of(const QuadBuild& build) {
+        return compress_rows<std::uint32_t>(build.tubes.size(), [&](const auto& put) {
+            for (std::uint32_t n = 0; n < build.tube.size(); ++n) {
+                if (build.tube[n]) put(build.tube[n].index(), n);
             }
         });
     }
@@ -153,14 +153,14 @@ Flags turning_regions(const ControlMesh& control, std::span<const std::uint32_t>
     return regions_of_vertices(control, follows);
 }
 
-Flags changed_regions(const QuadModel& model, const BranchDrag& drag, double largest, const Context& ctx) {
-    const ControlMesh& control = model.control;
-    if (model.options.project.relax_passes > 0) return Flags(control.region_node.size(), 1);
+Flags changed_regions(const QuadBuild& build, const BranchDrag& drag, double largest, const Context& ctx) {
+    const ControlMesh& control = build.cage;
+    if (build.options.project.relax_passes > 0) return Flags(control.region_node.size(), 1);
     Flags out = turning_regions(control, drag.cage_vertices());
-    const SweptBoxes swept(model, drag, largest, ctx);
+    const SweptBoxes swept(build, drag, largest, ctx);
     if (swept.boxes().empty()) return out;
     const BoxTree tree(swept.boxes(), ctx);
-    const auto regions = pipeline_internal::field_regions(control, model.skeleton);
+    const auto regions = pipeline_internal::field_regions(control, build.skeleton);
     for (std::size_t r = 0; r < out.size(); ++r) {
         if (out[r] == 0 && !regions[r].box.empty() && tree.meets(regions[r].box)) out[r] = 1;
     }
@@ -201,7 +201,7 @@ PartCage part_cage(const ControlMesh& control, const Flags& regions) {
     return out;
 }
 
-// Calls visit(quad of the part, that of the model) for all refined quads of the part.
+// Calls visit(quad of the part, that of the whole) for all refined quads of the part.
 template <class Visit>
 void visit_refined(const DragPart& part, const Visit& visit) {
     const std::uint32_t each = 1u << (2 * part.patches.levels());
@@ -212,10 +212,10 @@ void visit_refined(const DragPart& part, const Visit& visit) {
 
 // Numbers the drawn vertices: first those that are written, then those that are only shaded again, then all
 // others.
-void number_vertices(const QuadModel& model, const Flags& changed, DragPart& part, const Context& ctx) {
+void number_vertices(const QuadBuild& build, const Flags& changed, DragPart& part, const Context& ctx) {
     const Buffer<Quad> own = part.patches.quads(ctx);
-    const auto& all = model.rest.quads;
-    std::vector<std::uint32_t> from(model.rest.positions.size(), kNoIndex), drawn(from.size(), kNoIndex);
+    const Buffer<Quad> all = build.refinement.quads(ctx);
+    std::vector<std::uint32_t> from(build.refined.size(), kNoIndex), drawn(from.size(), kNoIndex);
     const std::uint32_t each = 1u << (2 * part.patches.levels());
     visit_refined(part, [&](std::uint32_t q, std::uint32_t of_model) {
         if (changed[part.region[q / each]] == 0) return;
@@ -253,10 +253,10 @@ void number_vertices(const QuadModel& model, const Flags& changed, DragPart& par
     });
 }
 
-DragPart part_of_regions(const QuadModel& model, const Flags& changed, const Context& ctx) {
-    const ControlMesh& control = model.control;
+DragPart part_of_regions(const QuadBuild& build, const Flags& changed, const Context& ctx) {
+    const ControlMesh& control = build.cage;
     PartCage cage = part_cage(control, regions_of_vertices(control, vertices_of_regions(control, changed)));
-    PatchRefinement patches(cage.quads, static_cast<std::uint32_t>(cage.vertex.size()), model.options.levels,
+    PatchRefinement patches(cage.quads, static_cast<std::uint32_t>(cage.vertex.size()), build.options.levels,
                             ctx);
     DragPart part{.cage_vertex = std::move(cage.vertex),
                   .cage_quad = std::move(cage.quad),
@@ -264,14 +264,14 @@ DragPart part_of_regions(const QuadModel& model, const Flags& changed, const Con
                   .clip = std::move(cage.clip),
                   .clip_quad = std::move(cage.clip_quad),
                   .patches = std::move(patches)};
-    number_vertices(model, changed, part, ctx);
+    number_vertices(build, changed, part, ctx);
     return part;
 }
 
 }  // namespace
 
-ControlMesh make_control(const QuadModel& model, const DragPart& part) {
-    const ControlMesh& all = model.control;
+ControlMesh make_control(const QuadBuild& build, const DragPart& part) {
+    const ControlMesh& all = build.cage;
     ControlMesh out{.cage = {{}, part.patches.cage().quads, all.cage.origin},
                     .region = part.region,
                     .region_node = all.region_node,
@@ -293,12 +293,12 @@ std::vector<ClipPlane> clips_of(const DragPart& part, std::span<const ClipPlane>
     return out;
 }
 
-DragPart drag_part(const QuadModel& model, const BranchDrag& drag, double max_angle, const Context& ctx) {
-    return part_of_regions(model, changed_regions(model, drag, std::fabs(max_angle), ctx), ctx);
+DragPart drag_part(const QuadBuild& build, const BranchDrag& drag, double max_angle, const Context& ctx) {
+    return part_of_regions(build, changed_regions(build, drag, std::fabs(max_angle), ctx), ctx);
 }
 
-DragPart whole_part(const QuadModel& model, const Context& ctx) {
-    return part_of_regions(model, Flags(model.control.region_node.size(), 1), ctx);
+DragPart whole_part(const QuadBuild& build, const Context& ctx) {
+    return part_of_regions(build, Flags(build.cage.region_node.size(), 1), ctx);
 }
 
 }  // namespace coppice

@@ -10,7 +10,7 @@
 #include "coppice/mesh/control_mesh.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/pipeline/drag/branch_drag.h"
-#include "coppice/pipeline/drag/quad_model.h"
+#include "coppice/pipeline/quads/quad_build.h"
 #include "coppice/subdivision/catmull_clark.h"
 
 namespace coppice {
@@ -22,17 +22,17 @@ namespace coppice {
 /// its way. The part also contains all tubes adjacent to these, so that the refinement of the part alone is
 /// bit-identical to a refinement of the whole.
 struct DragPart {
-    /// The part as a cage: quads in the order of the model's, with its own vertices. @{
-    std::vector<std::uint32_t> cage_vertex;  ///< per vertex, ascending: that of the model's cage
-    std::vector<std::uint32_t> cage_quad;    ///< per quad, ascending: that of the model's cage
-    std::vector<std::uint32_t> region;       ///< per quad: its region, as in the model
-    std::vector<std::uint32_t> clip;         ///< flat ends of the part, ascending: those of the model
+    /// The part as a cage: quads in the order of the build's, with its own vertices. @{
+    std::vector<std::uint32_t> cage_vertex;  ///< per vertex, ascending: that of the build's cage
+    std::vector<std::uint32_t> cage_quad;    ///< per quad, ascending: that of the build's cage
+    std::vector<std::uint32_t> region;       ///< per quad: its region, as in the build
+    std::vector<std::uint32_t> clip;         ///< flat ends of the part, ascending: those of the build
     std::vector<std::uint32_t> clip_quad;    ///< per flat end: its first quad in the part
-    PatchRefinement patches;                 ///< of these quads, by the model's levels
+    PatchRefinement patches;                 ///< of these quads, by the build's levels
     /// @}
 
     /// Vertices and quads of the whole surface in drawing order. @{
-    std::vector<std::uint32_t> vertex;   ///< per drawn vertex: that of the model's refined quads
+    std::vector<std::uint32_t> vertex;   ///< per drawn vertex: that of the build's refined quads
     Buffer<Quad> quads;                  ///< the refined quads by drawn vertices
     std::uint32_t written = 0;           ///< drawn vertices below this have another position in each frame;
     std::uint32_t shaded = 0;            ///< the following ones below this have another normal
@@ -42,16 +42,16 @@ struct DragPart {
 };
 
 /// Returns the cage of a part with its attributes, by its own vertices and quads. Regions are those of the
-/// model.
-ControlMesh make_control(const QuadModel& model, const DragPart& part);
-/// Returns the flat ends of a part among those of its model's cage, by the part's quads.
+/// build.
+ControlMesh make_control(const QuadBuild& build, const DragPart& part);
+/// Returns the flat ends of a part among those of its build's cage, by the part's quads.
 std::vector<ClipPlane> clips_of(const DragPart& part, std::span<const ClipPlane> clips);
 
 /// Finds the part that a drag can change up to an angle [rad] in both directions. Returns the whole if the
 /// projection relaxes, which propagates from quad to quad. O(n log n).
-DragPart drag_part(const QuadModel& model, const BranchDrag& drag, double max_angle, const Context& ctx = {});
+DragPart drag_part(const QuadBuild& build, const BranchDrag& drag, double max_angle, const Context& ctx = {});
 
 /// Returns the part that contains the whole surface.
-DragPart whole_part(const QuadModel& model, const Context& ctx = {});
+DragPart whole_part(const QuadBuild& build, const Context& ctx = {});
 
 }  // namespace coppice

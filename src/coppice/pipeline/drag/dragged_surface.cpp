@@ -30,25 +30,25 @@ Buffer<Vec3> picked(std::span<const Vec3> values, std::span<const std::uint32_t>
 
 }  // namespace
 
-DraggedSurface::DraggedSurface(const QuadModel& model, const DragPart& part, const Context&)
-    : model_(&model),
+DraggedSurface::DraggedSurface(const QuadBuild& build, const DragPart& part, const Context&)
+    : build_(&build),
       part_(&part),
-      positions_(picked(model.rest.positions, part.vertex)),
+      positions_(picked(build.refined, part.vertex)),
       normals_(smooth_normals(positions_, part.quads)) {}
 
 ProjectReport DraggedSurface::project_part(const DragPose& pose, Buffer<Vec3>& positions,
                                            const Context& ctx) const {
-    const Skeleton skeleton = moved(model_->skeleton, pose.nodes);
-    const Skeleton tubes = moved(model_->tubes, pose.tube_nodes);
-    ConvolutionField field(skeleton, model_->field, ctx);
-    field.set_regions(pipeline_internal::field_regions(model_->control, part_->cage_quad,
-                                                       {pose.cage, pose.anchors}, skeleton),
-                      {tubes, model_->tube}, ctx);
+    const Skeleton skeleton = moved(build_->skeleton, pose.nodes);
+    const Skeleton tubes = moved(build_->tubes, pose.tube_nodes);
+    ConvolutionField field(skeleton, build_->field, ctx);
+    field.set_regions(
+        pipeline_internal::field_regions(build_->cage, part_->cage_quad, {pose.cage, pose.anchors}, skeleton),
+        {tubes, build_->tube}, ctx);
     const std::vector<ClipPlane> clips = clips_of(*part_, pose.clips);
     positions = part_->patches.refine(picked(pose.cage, part_->cage_vertex), ctx);
     const Buffer<Vec3> anchors = part_->patches.refine(picked(pose.anchors, part_->cage_vertex), ctx);
     const ProjectionTarget target{FieldRef(field), part_->region, clips};
-    return project(positions, anchors, part_->patches, target, model_->options.project, ctx);
+    return project(positions, anchors, part_->patches, target, build_->options.project, ctx);
 }
 
 ProjectReport DraggedSurface::make(const DragPose& pose, const Context& ctx) {

@@ -6,14 +6,14 @@
 #include "coppice/base/context.h"
 #include "coppice/pipeline/drag/branch_drag.h"
 #include "coppice/pipeline/drag/drag_part.h"
-#include "coppice/pipeline/drag/quad_model.h"
+#include "coppice/pipeline/quads/quad_build.h"
 #include "coppice/subdivision/project.h"
 
 namespace coppice {
 
 /// Computes the surface of a dragged branch, frame after frame, on the CPU: the cage of the part that changes
 /// is refined, moved onto the field of the posed skeleton, and given normals. At angle 0 it is bit-identical
-/// to the model's surface at rest, and for any part, it is the same as that of the whole. The result does not
+/// to the build's surface at rest, and for any part, it is the same as that of the whole. The result does not
 /// depend on the number of threads.
 ///
 /// If more than a thousand segments are within two diagonals of a region's box, the selection of the segments
@@ -21,7 +21,7 @@ namespace coppice {
 class DraggedSurface {
   public:
     /// Begins at rest. Both must outlive this object. O(n).
-    DraggedSurface(const QuadModel& model, const DragPart& part, const Context& ctx = {});
+    DraggedSurface(const QuadBuild& build, const DragPart& part, const Context& ctx = {});
 
     /// Computes the surface of a pose. O(skeleton) with a small constant for the field, otherwise O(part).
     ProjectReport make(const DragPose& pose, const Context& ctx = {});
@@ -32,7 +32,7 @@ class DraggedSurface {
   private:
     ProjectReport project_part(const DragPose& pose, Buffer<Vec3>& positions, const Context& ctx) const;
 
-    const QuadModel* model_;
+    const QuadBuild* build_;
     const DragPart* part_;
     Buffer<Vec3> positions_, normals_;
 };

@@ -2,6 +2,7 @@
 
 #include "coppice/base/sort.h"
 #include "coppice/pipeline/live/patches_internal.h"
+#include "coppice/pipeline/repair/tube_rows_internal.h"
 
 namespace coppice::pipeline_internal {
 namespace {
@@ -20,20 +21,13 @@ std::vector<NodeId> given_nodes(std::span<const NodeId> new_of_old, const Skelet
 
 // Numbers the vertices and quads of the mesh, and sets the patches that own them.
 void number(SurfacePatches& out, std::vector<std::uint32_t>& owner_of_quad, const QuadMesh& mesh,
-            const QuadTrace& trace, const TubeRows& tube_rows) {
-    const RemeshTrace& remeshed = trace.remeshed;
-    const Buffer<std::uint32_t> cage_quad = trace.patches->owners();
-    out.positions.assign(trace.refined.begin(), trace.refined.end());
+            const QuadBuild& build, const TubeRows& tube_rows) {
+    const RemeshTrace& remeshed = build.remeshed;
+    const Buffer<std::uint32_t> cage_quad = build.refinement.owners();
+    out.positions.assign(build.refined.begin(), build.refined.end());
     for (const std::uint32_t f : cage_quad) out.owner.push_back(tube_rows.tube_of(f).index());
-    std::vector<std::uint32_t> place;  // per vertex of the mesh
-    auto gone = remeshed.gone.begin();
-    for (std::uint32_t v = 0; v < trace.refined.size(); ++v) {
-        if (gone != remeshed.gone.end() && *gone == v) {
-            ++gone;
-        } else {
-            place.push_back(v);
-        }
-    }
+    // Per vertex of the mesh.
+    std::vector<std::uint32_t> place = remeshed.kept_vertices(build.refinement.vertex_count());
     for (std::size_t v = place.size(); v < mesh.positions.size(); ++v) {
         place.push_back(static_cast<std::uint32_t>(out.positions.size()));
         out.positions.push_back(mesh.positions[v]);
@@ -42,7 +36,7 @@ void number(SurfacePatches& out, std::vector<std::uint32_t>& owner_of_quad, cons
     for (Quad& q : out.quads) {
         for (std::uint32_t& v : q) v = place[v];
     }
-    for (std::uint32_t q = 0; q < trace.patches->quad_count(); ++q) {
+    for (std::uint32_t q = 0; q < build.refinement.quad_count(); ++q) {
         const TubeRow s = tube_rows.of_quad(q);
         if (remeshed.stays(s)) owner_of_quad.push_back(tube_rows.tube(s).index());
     }
@@ -60,18 +54,18 @@ void number(SurfacePatches& out, std::vector<std::uint32_t>& owner_of_quad, cons
 
 // Determines the nodes that repair patches cover, and those from which they are made: the field of some
 // segments, and the rings at which they end.
-void find_pieces(SurfacePatches& out, const QuadTrace& trace, const TubeRows& tube_rows,
+void find_pieces(SurfacePatches& out, const QuadBuild& build, const TubeRows& tube_rows,
                  std::span<const NodeId> given, const CompressedRows<std::uint32_t>& given_all) {
     std::uint32_t patch = out.tube_count();
     const auto node_of = [&](TubeRow s) { return out.node[tube_rows.tube(s).index()]; };
-    for (const RemeshTrace::RepairPatch& repair_patch : trace.remeshed.repair_patches) {
+    for (const RemeshTrace::RepairPatch& repair_patch : build.remeshed.repair_patches) {
         std::vector<NodeId>& all = out.piece_nodes.emplace_back();
         for (const TubeRow s : repair_patch.tube_rows) all.push_back(node_of(s));
         sort_unique(all);
         std::vector<NodeId>& needs = out.piece_needs.emplace_back(all);
         for (const TubeRow s : repair_patch.adjacent) needs.push_back(node_of(s));
         for (const NodeId s : repair_patch.segments) {
-            const NodeId n = trace.field_segment[s.index()];
+            const NodeId n = build.prepared_node[s.index()];
             needs.push_back(given[n.index()]);
             for (const std::uint32_t i : given_all[n.index()]) needs.push_back(NodeId(i));
         }
@@ -86,15 +80,15 @@ void find_pieces(SurfacePatches& out, const QuadTrace& trace, const TubeRows& tu
 
 }  // namespace
 
-SurfacePatches take_apart(const QuadSurface& surface, const QuadTrace& trace,
-                          std::span<const NodeId> new_of_old, const Skeleton& prepared) {
-    const Skeleton& tubes = *trace.tubes;
-    const TubeRows tube_rows(surface.cage, tubes, trace.patches->levels());
+SurfacePatches take_apart(const QuadMesh& mesh, const QuadBuild& build, std::span<const NodeId> new_of_old,
+                          const Skeleton& prepared) {
+    const Skeleton& tubes = build.tubes;
+    const TubeRows tube_rows(build.cage, tubes, build.refinement.levels());
     const std::vector<NodeId> given = given_nodes(new_of_old, prepared);
     SurfacePatches out;
     std::vector<std::uint32_t> count(new_of_old.size(), 0), node;
     for (const NodeId t : nodes(tubes)) {
-        const NodeId n = given[trace.segment[t.index()].index()];
+        const NodeId n = given[build.prepared_node[build.cage.region_node[t.index()].index()].index()];
         out.node.push_back(n);
         node.push_back(n.index());
         out.place.push_back(count[n.index()]++);
@@ -103,8 +97,8 @@ SurfacePatches take_apart(const QuadSurface& surface, const QuadTrace& trace,
     for (const NodeId n : new_of_old) stands_for.push_back(n.index());
     out.tubes_of = group_by(node, new_of_old.size());
     std::vector<std::uint32_t> owner_of_quad;
-    number(out, owner_of_quad, surface.mesh, trace, tube_rows);
-    const std::size_t patches = tubes.size() + trace.remeshed.repair_patches.size();
+    number(out, owner_of_quad, mesh, build, tube_rows);
+    const std::size_t patches = tubes.size() + build.remeshed.repair_patches.size();
     out.quads_of = group_by(owner_of_quad, patches);
     out.vertices = group_by(out.owner, patches);
     out.local.resize(out.owner.size());
@@ -112,7 +106,7 @@ SurfacePatches take_apart(const QuadSurface& surface, const QuadTrace& trace,
         const auto row = out.vertices[p];
         for (std::uint32_t i = 0; i < row.size(); ++i) out.local[row[i]] = i;
     }
-    find_pieces(out, trace, tube_rows, given, group_by(stands_for, prepared.size()));
+    find_pieces(out, build, tube_rows, given, group_by(stands_for, prepared.size()));
     return out;
 }
 

@@ -4,7 +4,9 @@
 #include <vector>
 
 #include "coppice/base/compressed_rows.h"
-#include "coppice/pipeline/quads/quad_surface_internal.h"
+#include "coppice/mesh/mesh.h"
+#include "coppice/pipeline/quads/quad_build.h"
+#include "coppice/skeleton/skeleton.h"
 
 namespace coppice::pipeline_internal {
 
@@ -36,7 +38,7 @@ struct SurfacePatches {
 
 /// `new_of_old`: per node of the skeleton the corresponding node of the prepared skeleton, as from prepare().
 /// O(n).
-SurfacePatches take_apart(const QuadSurface& surface, const QuadTrace& trace,
-                          std::span<const NodeId> new_of_old, const Skeleton& prepared);
+SurfacePatches take_apart(const QuadMesh& mesh, const QuadBuild& build, std::span<const NodeId> new_of_old,
+                          const Skeleton& prepared);
 
 }  // namespace coppice::pipeline_internal

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "coppice/cuda/quads/device_quads.h"
-#include "coppice/pipeline/mesh_skeleton.h"
+#include "coppice/pipeline/mesh_result.h"
 
 namespace coppice {
 

@@ -43,30 +43,30 @@ bool is_steep(const Segment& s) { return std::abs(s.radius_a - s.radius_b) > kSt
 
 // Returns whether the end of a segment is much thicker than the tube that wraps it, or than adjacent tubes if
 // there is none.
-bool is_too_thick(const TubeMap& map, NodeId n) {
-    const Skeleton& s = map.skeleton;
+bool is_too_thick(const QuadBuild& build, NodeId n) {
+    const Skeleton& s = build.skeleton;
     float widest = 0;
-    if (const auto wrapping = map.wrapping[n.index()]; !wrapping.empty()) {
+    if (const auto wrapping = build.wrapping[n.index()]; !wrapping.empty()) {
         const NodeId tube = wrapping.back();
         // A tree within one node has the ball of that node as its tube.
-        widest = map.tubes.is_root(tube)
-                     ? map.tubes.radius(tube)
-                     : round_cone<float>(map.tubes.segment(tube)).foot(s.position(n)).radius;
+        widest = build.tubes.is_root(tube)
+                     ? build.tubes.radius(tube)
+                     : round_cone<float>(build.tubes.segment(tube)).foot(s.position(n)).radius;
     } else {
         for_each_segment_at(s, s.parent(n), [&](NodeId neighbour) {
-            if (!map.wrapping[neighbour.index()].empty()) widest = std::max(widest, s.radius(neighbour));
+            if (!build.wrapping[neighbour.index()].empty()) widest = std::max(widest, s.radius(neighbour));
         });
     }
     return s.radius(n) > kThick * widest;
 }
 
 // Returns the nodes at which a part may be missing.
-std::vector<NodeId> doubtful_nodes(const TubeMap& map) {
-    const Skeleton& s = map.skeleton;
+std::vector<NodeId> doubtful_nodes(const QuadBuild& build) {
+    const Skeleton& s = build.skeleton;
     std::vector<std::uint8_t> is_doubtful(s.size(), 0);
     for (const NodeId n : nodes(s)) {
         if (s.is_root(n)) continue;
-        if (is_too_thick(map, n) || is_steep(s.segment(n))) {
+        if (is_too_thick(build, n) || is_steep(s.segment(n))) {
             is_doubtful[n.index()] = is_doubtful[s.parent(n).index()] = 1;
         }
     }
@@ -109,10 +109,10 @@ TubeRow nearest_slice(const CapsuleTree& tubes, const TubeRows& tube_rows, Vec3 
 
 }  // namespace
 
-std::vector<TubeRow> find_lossy_rows(const TubeMap& map, const TubeQuads& quads, const Context& ctx) {
-    const std::vector<NodeId> doubtful = doubtful_nodes(map);
+std::vector<TubeRow> find_lossy_rows(const QuadBuild& build, const TubeQuads& quads, const Context& ctx) {
+    const std::vector<NodeId> doubtful = doubtful_nodes(build);
     if (doubtful.empty()) return {};
-    const Skeleton& s = map.skeleton;
+    const Skeleton& s = build.skeleton;
     const BoxTree balls = balls_about(doubtful, s, ctx);
     const CapsuleTree cones = cones_within(balls, s, ctx);
     const PolygonMesh polygons = some_faces(quads.mesh, quads_near(quads, balls, ctx));
@@ -134,7 +134,7 @@ std::vector<TubeRow> find_lossy_rows(const TubeMap& map, const TubeQuads& quads,
     });
     std::erase(lost, std::nullopt);
     if (lost.empty()) return {};
-    const CapsuleTree tubes(map.tubes, s.origin(), ctx);
+    const CapsuleTree tubes(build.tubes, s.origin(), ctx);
     std::vector<TubeRow> found;
     for (const auto& p : lost) found.push_back(nearest_slice(tubes, quads.tube_rows, *p));
     std::erase(found, kNoIndex);

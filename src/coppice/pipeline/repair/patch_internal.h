@@ -7,7 +7,7 @@
 
 #include "coppice/base/context.h"
 #include "coppice/base/id.h"
-#include "coppice/pipeline/mesh_skeleton.h"
+#include "coppice/pipeline/mesh_options.h"
 #include "coppice/pipeline/repair/removed_rows_internal.h"
 #include "coppice/remesh/quadrangulate.h"
 

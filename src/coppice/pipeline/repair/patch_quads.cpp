@@ -79,8 +79,7 @@ std::vector<Box3> region_boxes(const Skeleton& s, std::span<const PatchVertex> m
 void smooth(PatchQuads& made, const PatchSurface& surface, const MeshOptions& options, const Context& ctx) {
     const std::vector<PatchVertex> moving = moving_vertices(surface, made);
     if (moving.empty()) return;
-    std::optional<GlobalWeights> weights;
-    ConvolutionField field = surface_field(surface.knot.skeleton, options, PointSet{}, weights, ctx);
+    ConvolutionField field(surface.knot.skeleton, surface_field_options(options), ctx);
     field.set_regions(region_boxes(surface.knot.skeleton, moving, made.positions), ctx);
     smooth_patch(made.positions, made.patch.quads, moving, FieldRef(field), kSmoothingPasses, ctx);
 }

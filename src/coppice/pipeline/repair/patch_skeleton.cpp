@@ -143,21 +143,21 @@ void spread_to_bare(const Skeleton& s, std::span<const TubeRow> tube_row, std::v
 
 }  // namespace
 
-PatchSkeletons::PatchSkeletons(const TubeMap& map, const TubeRows& tube_rows)
-    : map_(map), tube_rows_(tube_rows) {
-    wrapped_ = compress_rows<std::uint32_t>(map.tubes.size(), [&](const auto& put) {
-        for (std::uint32_t n = 0; n < map.wrapping.size(); ++n) {
-            for (const NodeId tube : map.wrapping[n]) put(tube.index(), n);
+PatchSkeletons::PatchSkeletons(const QuadBuild& build, const TubeRows& tube_rows)
+    : build_(build), tube_rows_(tube_rows) {
+    wrapped_ = compress_rows<std::uint32_t>(build.tubes.size(), [&](const auto& put) {
+        for (std::uint32_t n = 0; n < build.wrapping.size(); ++n) {
+            for (const NodeId tube : build.wrapping[n]) put(tube.index(), n);
         }
     });
 }
 
 std::vector<NodeId> PatchSkeletons::segments_near(const RowGroup& group, float margin) const {
-    Neighbourhood near(map_.skeleton);
+    Neighbourhood near(build_.skeleton);
     for (std::size_t i = 0; i < group.tube_rows.size(); ++i) {
         const NodeId tube = tube_rows_.tube(group.tube_rows[i]);
         if (i > 0 && tube_rows_.tube(group.tube_rows[i - 1]) == tube) continue;
-        near.add(map_.source[tube.index()]);  // in case it wraps no segment
+        near.add(build_.cage.region_node[tube.index()]);  // in case it wraps no segment
         for (const std::uint32_t n : wrapped_[tube.index()]) near.add(NodeId(n));
     }
     return std::move(near).with_margin(margin);
@@ -177,7 +177,7 @@ NodeId PatchSkeleton::node_at(NodeId segment, float t) const {
 }
 
 PatchSkeleton PatchSkeletons::of(const RowGroup& group, bool wide) const {
-    const Skeleton& s = map_.skeleton;
+    const Skeleton& s = build_.skeleton;
     const std::vector<NodeId> segments = segments_near(group, wide ? kWideMargin : kMargin);
     const std::vector<SeamPlace> places = seam_places(group.cut_rings, tube_rows_);
 
@@ -196,7 +196,7 @@ PatchSkeleton PatchSkeletons::of(const RowGroup& group, bool wide) const {
         return place[n.index()] = cut.append(NodeId::none(), s.position(n), widest, kNoIndex);
     };
     for (const NodeId n : segments) {
-        const std::span<const NodeId> wrapping = map_.wrapping[n.index()];
+        const std::span<const NodeId> wrapping = build_.wrapping[n.index()];
         if (s.is_root(n)) {
             if (s.is_tip(n) && !wrapping.empty())
                 place[n.index()] =

@@ -50,12 +50,10 @@ std::vector<std::uint32_t> ring_vertices(const RowGroup& group) {
     return out;
 }
 
-RemovedRows::RemovedRows(const TubeMap& map, const TubeRows& tube_rows, const QuadMesh& mesh,
-                         const Context& ctx)
-    : map_(map),
-      tube_rows_(tube_rows),
+RemovedRows::RemovedRows(const TubeRows& tube_rows, const QuadMesh& mesh, const Context& ctx)
+    : tube_rows_(tube_rows),
       mesh_(mesh),
-      capsules_(map.tubes, map.tubes.origin(), ctx),
+      capsules_(tube_rows.tubes(), tube_rows.tubes().origin(), ctx),
       gone_(tube_rows.count(), 0),
       excluded_(tube_rows.count(), 0),
       needed_(tube_rows.count(), 0),
@@ -69,7 +67,7 @@ void RemovedRows::mark_removed(TubeRow s) {
 
 // Marks rows as removed along the tube, beginning with one.
 void RemovedRows::mark_along(TubeRow at, bool to_tip, float way) {
-    const Skeleton& s = map_.tubes;
+    const Skeleton& s = tube_rows_.tubes();
     while (at != kNoIndex && way > 0) {
         mark_removed(at);
         const NodeId t = tube_rows_.tube(at);
@@ -87,7 +85,7 @@ void RemovedRows::move_on(const CutRing& cut_ring, float radii) {
 }
 
 void RemovedRows::mark_around(TubeRow tube_row, float radii) {
-    const float way = radii * map_.tubes.radius(tube_rows_.tube(tube_row));
+    const float way = radii * tube_rows_.tubes().radius(tube_rows_.tube(tube_row));
     mark_along(tube_row, true, way);
     mark_along(tube_row, false, way);
 }
@@ -112,7 +110,7 @@ void RemovedRows::exclude(const RowGroup& group) {
 }
 
 void RemovedRows::mark_trees(std::span<const NodeId> trees, std::span<const NodeId> root) {
-    for (const NodeId n : nodes(map_.tubes)) {
+    for (const NodeId n : nodes(tube_rows_.tubes())) {
         const NodeId tree = root[n.index()];
         if (std::binary_search(trees.begin(), trees.end(), tree)) mark_tube(n, tube_rows_.first(tree));
     }
@@ -128,7 +126,7 @@ void RemovedRows::mark_tube(NodeId tube, TubeRow group) {
 }
 
 void RemovedRows::mark_zone(TubeRow tube_row, float radii) {
-    const Skeleton& s = map_.tubes;
+    const Skeleton& s = tube_rows_.tubes();
     const NodeId first = tube_rows_.tube(tube_row);
     struct Step {
         NodeId tube;
@@ -193,7 +191,7 @@ std::optional<std::array<TubeRow, 2>> RemovedRows::adjacent_cut_ring(TubeRow gon
     if (to_tip) return {{gone, kept}};
     // At a root in the middle of a chain both tubes begin: the second is treated as the one that follows the
     // first.
-    const Skeleton& s = map_.tubes;
+    const Skeleton& s = tube_rows_.tubes();
     const NodeId a = tube_rows_.tube(gone), b = tube_rows_.tube(kept);
     if (a != b && s.parent(a) == s.parent(b)) return {{std::min(gone, kept), std::max(gone, kept)}};
     return {{kept, gone}};
@@ -202,7 +200,7 @@ std::optional<std::array<TubeRow, 2>> RemovedRows::adjacent_cut_ring(TubeRow gon
 // Returns whether a cut ring is at a suitable position: the tubes within the window around it are straight
 // and of equal width, without a branch node or an end, and all other tubes are clear of it.
 bool RemovedRows::is_valid_cut(const CutRing& cut_ring) const {
-    const Skeleton& s = map_.tubes;
+    const Skeleton& s = tube_rows_.tubes();
     std::vector<NodeId> own;
     for (const bool to_tip : {true, false}) {
         NodeId tube = tube_rows_.tube(cut_ring.to_tip == to_tip ? cut_ring.kept : cut_ring.gone);
@@ -256,8 +254,8 @@ void RemovedRows::close() {
     for (; closed_ < marked_.size(); ++closed_) {
         const TubeRow gone = marked_[closed_];
         const NodeId t = tube_rows_.tube(gone);
-        if (!map_.tubes.is_root(t)) {
-            if (gone == tube_rows_.first(t)) close_branch_node(map_.tubes.parent(t));
+        if (!tube_rows_.tubes().is_root(t)) {
+            if (gone == tube_rows_.first(t)) close_branch_node(tube_rows_.tubes().parent(t));
             if (gone == tube_rows_.last(t)) close_branch_node(tube_rows_.end_node(t));
         }
         for (const bool to_tip : {false, true}) {
@@ -271,7 +269,7 @@ void RemovedRows::close() {
 }
 
 std::vector<RowGroup> RemovedRows::groups() {
-    const Skeleton& s = map_.tubes;
+    const Skeleton& s = tube_rows_.tubes();
     std::vector<TubeRow> gone = marked_;
     std::sort(gone.begin(), gone.end());
     std::vector<std::array<TubeRow, 2>> cut_rings;  // the second row begins there

@@ -11,6 +11,7 @@
 #include "coppice/base/disjoint_sets.h"
 #include "coppice/measure/capsule_tree.h"
 #include "coppice/mesh/mesh.h"
+#include "coppice/pipeline/quads/quad_build.h"
 #include "coppice/pipeline/repair/tube_rows_internal.h"
 
 namespace coppice::pipeline_internal {
@@ -40,7 +41,7 @@ std::vector<std::uint32_t> ring_vertices(const RowGroup& group);
 class RemovedRows {
   public:
     /// The arguments must outlive this object.
-    RemovedRows(const TubeMap& map, const TubeRows& tube_rows, const QuadMesh& mesh, const Context& ctx);
+    RemovedRows(const TubeRows& tube_rows, const QuadMesh& mesh, const Context& ctx);
 
     void mark_removed(TubeRow s);  ///< marks a row as removed, unless it is excluded
     void require(TubeRow s);       ///< marks a row that must not be kept
@@ -83,7 +84,6 @@ class RemovedRows {
     std::optional<std::array<TubeRow, 2>> adjacent_cut_ring(TubeRow gone, bool to_tip) const;
     CutRing cut_ring_between(TubeRow lower, TubeRow upper) const;
 
-    TubeMap map_;
     const TubeRows& tube_rows_;
     const QuadMesh& mesh_;
     CapsuleTree capsules_;
@@ -117,7 +117,7 @@ struct PatchSkeleton {
 class PatchSkeletons {
   public:
     /// The arguments must outlive this object. O(n).
-    PatchSkeletons(const TubeMap& map, const TubeRows& tube_rows);
+    PatchSkeletons(const QuadBuild& build, const TubeRows& tube_rows);
 
     /// Returns the skeleton with segments cut at the cut rings. `wide`: for a group that has grown, and may
     /// grow again. O(size of the group).
@@ -129,7 +129,7 @@ class PatchSkeletons {
   private:
     std::vector<NodeId> segments_near(const RowGroup& group, float margin) const;
 
-    const TubeMap& map_;
+    const QuadBuild& build_;
     const TubeRows& tube_rows_;
     CompressedRows<std::uint32_t> wrapped_;  // per tube: the nodes of the segments that it wraps
 };

@@ -27,13 +27,13 @@ constexpr int kRoundsForFolds = 3;   // rounds in which cut rings are moved for 
 
 class Remeshing {
   public:
-    Remeshing(const TubeQuads& before, const TubeMap& map, const MeshOptions& options, const Context& ctx)
+    Remeshing(const TubeQuads& before, const QuadBuild& build, const Context& ctx)
         : before_(before),
           tube_rows_(before.tube_rows),
-          rounds_(options.remesh_rounds),
+          rounds_(build.options.remesh_rounds),
           ctx_(ctx),
-          removed_(map, tube_rows_, before.mesh, ctx),
-          repair_patches_(map, tube_rows_, before.mesh, options, ctx),
+          removed_(tube_rows_, before.mesh, ctx),
+          repair_patches_(build, tube_rows_, before.mesh, ctx),
           repair_level_(tube_rows_.count() + 1, RepairLevel::none) {}
 
     // Repairs the initially intersecting pairs, rows that leave something out or sever an axis, and folded
@@ -78,35 +78,35 @@ class Remeshing {
         return report;
     }
 
-    // Inserts the repair patches into the mesh.
-    void finish(QuadMesh& mesh, RemeshReport& report, RemeshTrace* trace) const {
-        NumberSet gone = put_into(mesh, tube_rows_, removed_, repair_patches_, ctx_);
-        if (trace != nullptr) {
-            trace->is_local = taken_trees_.empty() && zone_ == kFirstZone && !removed_.has_excluded() &&
-                              repair_level_.back() == RepairLevel::none;
-            trace->gone = gone.ascending();
-            trace->is_gone.resize(tube_rows_.count());
-            for (const TubeRow s : removed_.marked()) trace->is_gone[s] = 1;
-            for (std::size_t i = 0; i < repair_patches_.size(); ++i) {
-                const PatchSurface& made = repair_patches_[i].surface;
-                std::vector<NodeId> segments = made.marched->segments;
-                for (const PatchSkeleton::Cut& cut : made.knot.cuts) segments.push_back(cut.segment);
-                std::vector<TubeRow> adjacent;
-                for (const CutRing& cut_ring : made.group.cut_rings) adjacent.push_back(cut_ring.kept);
-                trace->repair_patches.push_back(
-                    {made.group.tube_rows,
-                     static_cast<std::uint32_t>(repair_patches_[i].quads.patch.quads.size()),
-                     std::move(adjacent), std::move(segments)});
-            }
-        }
+    // Inserts the repair patches into the mesh, and completes the report.
+    RemeshTrace finish(QuadMesh& mesh, RemeshReport& report) const {
+        RemeshTrace trace;
+        trace.is_local = taken_trees_.empty() && zone_ == kFirstZone && !removed_.has_excluded() &&
+                         repair_level_.back() == RepairLevel::none;
+        trace.gone = put_into(mesh, tube_rows_, removed_, repair_patches_, ctx_).ascending();
+        trace.is_gone.resize(tube_rows_.count());
+        for (const TubeRow s : removed_.marked()) trace.is_gone[s] = 1;
+        for (std::size_t i = 0; i < repair_patches_.size(); ++i)
+            trace.repair_patches.push_back(trace_of(repair_patches_[i]));
         report.parts = count_bodies(tube_rows_, removed_, repair_patches_);
         // A closed mesh of quads has twice as many edges as quads.
         const auto euler =
             static_cast<std::int64_t>(mesh.positions.size()) - static_cast<std::int64_t>(mesh.quads.size());
         report.handles = static_cast<std::int64_t>(report.parts) - euler / 2;
+        return trace;
     }
 
   private:
+    static RemeshTrace::RepairPatch trace_of(const RepairPatch& repair_patch) {
+        const PatchSurface& made = repair_patch.surface;
+        RemeshTrace::RepairPatch out{
+            .tube_rows = made.group.tube_rows, .adjacent = {}, .segments = made.marched->segments};
+        out.quads = static_cast<std::uint32_t>(repair_patch.quads.patch.quads.size());
+        for (const CutRing& cut_ring : made.group.cut_rings) out.adjacent.push_back(cut_ring.kept);
+        for (const PatchSkeleton::Cut& cut : made.knot.cuts) out.segments.push_back(cut.segment);
+        return out;
+    }
+
     // Returns the pairs of which both quads are kept.
     std::vector<FacePair> still_there(std::span<const FacePair> pairs) const {
         std::vector<FacePair> out;
@@ -289,10 +289,10 @@ class Remeshing {
 };
 
 // Returns the quads that could not be unfolded and are inverted, ascending.
-std::vector<std::uint32_t> folded_quads(const QuadSurface& surface) {
+std::vector<std::uint32_t> folded_quads(const QuadMesh& mesh, const UntangleReport& untangled) {
     std::vector<std::uint32_t> out;
-    std::ranges::copy_if(surface.untangled.still_bad, std::back_inserter(out), [&](std::uint32_t q) {
-        return scaled_jacobian(surface.mesh.quads[q], surface.mesh.positions) <= 0;
+    std::ranges::copy_if(untangled.still_bad, std::back_inserter(out), [&](std::uint32_t q) {
+        return scaled_jacobian(mesh.quads[q], mesh.positions) <= 0;
     });
     return out;
 }
@@ -308,25 +308,26 @@ std::vector<NodeId> body_roots(const Skeleton& tubes, std::span<const NodeJoin> 
     return root;
 }
 
-RemeshReport repair_intersections(QuadSurface& surface, const TubeMap& map, int levels,
-                                  const MeshOptions& options, const Context& ctx, RemeshTrace* trace,
-                                  std::span<const std::uint8_t> wanted) {
+RemeshResult repair_intersections(QuadMesh& mesh, const UntangleReport& untangled, const QuadBuild& build,
+                                  std::span<const std::uint8_t> wanted, const Context& ctx) {
+    const MeshOptions& options = build.options;
+    const int levels = build.refinement.levels();
     if (options.remesh_rounds == 0 || options.overlaps == Overlaps::keep || levels == 0 ||
         options.project.method == ProjectionMethod::none || options.control.base == BaseShape::open) {
         return {};
     }
-    const TubeRows tube_rows(surface.cage, map.tubes, levels, map.sides);
-    TubeCrossings found = find_tube_crossings(surface.mesh, tube_rows, ctx);
+    const TubeRows tube_rows(build.cage, build.tubes, levels, build.sides);
+    TubeCrossings found = find_tube_crossings(mesh, tube_rows, ctx);
     const std::size_t count = found.pairs.size();
-    if (count >= kMaxPairs) return {.pairs_before = count, .pairs_after = count};
-    std::vector<TubeRow> lossy = find_lossy_rows(map, found.tubes, ctx);
+    if (count >= kMaxPairs) return {.report = {.pairs_before = count, .pairs_after = count}, .trace = {}};
+    std::vector<TubeRow> lossy = find_lossy_rows(build, found.tubes, ctx);
     // A section that enters another branch is cut off on purpose unless both become one body. Coarse surfaces
     // keep their number of faces, and those of other methods their own joints.
     std::vector<TubeRow> severed;
     if (options.method == MeshMethod::quads && options.overlaps == Overlaps::merge &&
         levels >= kLevelsOfSevered)
-        severed = find_severed_rows(map, found.tubes, ctx);
-    std::vector<std::uint32_t> folded = folded_quads(surface);
+        severed = find_severed_rows(build, found.tubes, ctx);
+    std::vector<std::uint32_t> folded = folded_quads(mesh, untangled);
     if (!wanted.empty()) {
         const auto is_wanted = [&](TubeRow s) { return wanted[tube_rows.tube(s).index()] != 0; };
         const auto has_wanted = [&](std::uint32_t quad) { return is_wanted(tube_rows.of_quad(quad)); };
@@ -337,10 +338,10 @@ RemeshReport repair_intersections(QuadSurface& surface, const TubeMap& map, int 
         std::erase_if(folded, std::not_fn(has_wanted));
     }
     if (found.pairs.empty() && lossy.empty() && severed.empty() && folded.empty()) return {};
-    Remeshing remeshing(found.tubes, map, options, ctx);
-    RemeshReport report = remeshing.run(found.pairs, lossy, severed, folded);
-    remeshing.finish(surface.mesh, report, trace);
-    return report;
+    Remeshing remeshing(found.tubes, build, ctx);
+    RemeshResult out{.report = remeshing.run(found.pairs, lossy, severed, folded), .trace = {}};
+    out.trace = remeshing.finish(mesh, out.report);
+    return out;
 }
 
 }  // namespace coppice::pipeline_internal

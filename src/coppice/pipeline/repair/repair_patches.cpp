@@ -77,12 +77,12 @@ void drop_vertices(QuadMesh& mesh, const NumberSet& gone, const Context& ctx) {
 
 }  // namespace
 
-RepairPatches::RepairPatches(const TubeMap& map, const TubeRows& tube_rows, const QuadMesh& mesh,
-                             const MeshOptions& options, const Context& ctx)
+RepairPatches::RepairPatches(const QuadBuild& build, const TubeRows& tube_rows, const QuadMesh& mesh,
+                             const Context& ctx)
     : mesh_(mesh),
-      options_(with_local_weights(options)),
+      options_(with_local_weights(build.options)),
       ctx_(ctx),
-      skeletons_(map, tube_rows),
+      skeletons_(build, tube_rows),
       owner_(tube_rows.count(), kNoIndex) {}
 
 void RepairPatches::make(RemovedRows& removed, std::span<const RepairLevel> repair_level) {

@@ -23,8 +23,8 @@ struct RepairPatch {
 class RepairPatches {
   public:
     /// The arguments must outlive this object. O(n).
-    RepairPatches(const TubeMap& map, const TubeRows& tube_rows, const QuadMesh& mesh,
-                  const MeshOptions& options, const Context& ctx);
+    RepairPatches(const QuadBuild& build, const TubeRows& tube_rows, const QuadMesh& mesh,
+                  const Context& ctx);
 
     /// Creates a repair patch for every group of removed rows, at the repair level of each row. Removes
     /// further rows until each group has a valid patch, and excludes groups without one. Existing results for

@@ -26,11 +26,11 @@ BasicRoundCone<float> compute_cone(const Skeleton& s, NodeId n) {
 }
 
 // Of the tubes around a segment the one closest to a point of it.
-NodeId nearest_tube(const TubeMap& map, NodeId segment, Vec3 p) {
+NodeId nearest_tube(const QuadBuild& build, NodeId segment, Vec3 p) {
     NodeId best;
     float least = 0;
-    for (const NodeId tube : map.wrapping[segment.index()]) {
-        const float d = length(compute_cone(map.tubes, tube).foot(p).offset);
+    for (const NodeId tube : build.wrapping[segment.index()]) {
+        const float d = length(compute_cone(build.tubes, tube).foot(p).offset);
         if (best && d >= least) continue;
         best = tube;
         least = d;
@@ -72,14 +72,14 @@ bool is_pressed(NodeId tube, const BasicRoundCone<float>& axis, const TubeQuads&
 }
 
 // Per node of the field's skeleton: whether its axis may be severed.
-Flags doubtful_segments(const TubeMap& map, const TubeQuads& quads, const Context& ctx) {
-    Flags out(map.skeleton.size(), 0);
+Flags doubtful_segments(const QuadBuild& build, const TubeQuads& quads, const Context& ctx) {
+    Flags out(build.skeleton.size(), 0);
     parallel_for(ctx, out.size(), kGrain, [&](std::size_t i) {
         const NodeId n(static_cast<std::uint32_t>(i));
-        if (map.skeleton.is_root(n)) return;
-        const auto axis = round_cone<float>(map.skeleton.segment(n));
-        const bool is_near =
-            std::ranges::any_of(map.wrapping[i], [&](NodeId tube) { return is_pressed(tube, axis, quads); });
+        if (build.skeleton.is_root(n)) return;
+        const auto axis = round_cone<float>(build.skeleton.segment(n));
+        const bool is_near = std::ranges::any_of(build.wrapping[i],
+                                                 [&](NodeId tube) { return is_pressed(tube, axis, quads); });
         out[i] = is_near ? 1 : 0;
     });
     return out;
@@ -101,29 +101,29 @@ PolygonMesh faces_about(const Flags& segments, const Skeleton& s, const TubeQuad
 }
 
 // Adds the rows along a section of an axis.
-void add_slices(const SeveredPart& part, const TubeMap& map, const TubeRows& tube_rows,
+void add_slices(const SeveredPart& part, const QuadBuild& build, const TubeRows& tube_rows,
                 std::vector<TubeRow>& out) {
-    const auto axis = round_cone<float>(map.skeleton.segment(part.node));
+    const auto axis = round_cone<float>(build.skeleton.segment(part.node));
     const auto from = static_cast<float>(part.from), share = static_cast<float>(part.to - part.from);
     const float way = length(axis.axis) * share;
     const auto steps = static_cast<int>(std::max(1.0f, std::ceil(way / (kStep * axis.radius(from)))));
     for (int k = 0; k < steps; ++k) {
         const Vec3 p = axis.point(from + share * (static_cast<float>(k) + 0.5f) / static_cast<float>(steps));
-        out.push_back(tube_rows.near(nearest_tube(map, part.node, p), p));
+        out.push_back(tube_rows.near(nearest_tube(build, part.node, p), p));
     }
 }
 
 }  // namespace
 
-std::vector<TubeRow> find_severed_rows(const TubeMap& map, const TubeQuads& quads, const Context& ctx) {
-    const Flags doubtful = doubtful_segments(map, quads, ctx);
-    const Skeleton& s = map.skeleton;
+std::vector<TubeRow> find_severed_rows(const QuadBuild& build, const TubeQuads& quads, const Context& ctx) {
+    const Flags doubtful = doubtful_segments(build, quads, ctx);
+    const Skeleton& s = build.skeleton;
     const PolygonMesh faces = faces_about(doubtful, s, quads, ctx);
     if (faces.face_count() == 0) return {};
     const CapsuleTree segments(s, s.origin(), ctx);
     const std::vector<SeveredPart> parts = severed_parts(faces, s, segments, doubtful, ctx);
     std::vector<TubeRow> out;
-    for (const SeveredPart& part : parts) add_slices(part, map, quads.tube_rows, out);
+    for (const SeveredPart& part : parts) add_slices(part, build, quads.tube_rows, out);
     sort_unique(out);
     return out;
 }

@@ -13,16 +13,6 @@
 
 namespace coppice::pipeline_internal {
 
-/// The tubes of a surface of quads, and the skeleton of the field that they wrap.
-struct TubeMap {
-    const Skeleton& tubes;           ///< a tube is identified by its child node, a ball by its node
-    const Skeleton& skeleton;        ///< skeleton of the field
-    std::span<const NodeId> source;  ///< per node of `tubes`: the corresponding node of `skeleton`
-    const CompressedRows<NodeId>&
-        wrapping;  ///< per node of `skeleton`: the tubes around its segment, in order
-    std::span<const std::array<float, 2>> sides = {};  ///< see TubeRows
-};
-
 /// Returns the number of segments that meet at a node.
 inline std::uint32_t degree(const Skeleton& s, NodeId n) {
     return static_cast<std::uint32_t>(s.children(n).size()) + (s.is_root(n) ? 0 : 1);

@@ -8,6 +8,7 @@
 #include "coppice/base/error.h"
 #include "coppice/options/quantity.h"
 #include "coppice/pipeline/deform/valid_frames.h"
+#include "coppice/pipeline/mesh_skeleton.h"
 
 namespace coppice {
 namespace {
