@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "coppice/base/context.h"
+#include "coppice/mesh/half_edges.h"
 #include "coppice/mesh/mesh.h"
 
 namespace coppice {
@@ -42,9 +43,11 @@ struct TopologyReport {
 /// corners or with a corner that does not exist. O(n).
 void validate(const PolygonMesh& mesh);
 
-/// Analyses a valid mesh. O(n) for bounded valence; about 60 bytes of temporary memory per quad.
+/// Analyses a valid mesh. O(n); the result does not depend on the number of threads.
+/// @{
+TopologyReport topology(const HalfEdges& mesh, const Context& ctx = {});
 TopologyReport topology(const PolygonMesh& mesh, const Context& ctx = {});
-/// Analyses a valid quad mesh.
 TopologyReport topology(const QuadMesh& mesh, const Context& ctx = {});
+/// @}
 
 }  // namespace coppice
