@@ -105,7 +105,7 @@ TEST_F(Batch, HasWhatItIsToBeTestedWith) {
     EXPECT_FALSE(flat.control.clip.empty());
     EXPECT_FALSE(open.patches.cage().closed());
     EXPECT_TRUE(round.patches.cage().closed());
-    EXPECT_TRUE(lone.patches.cage().fans[lone.positions.size() - 1].empty());
+    EXPECT_TRUE(lone.patches.cage().fan(static_cast<std::uint32_t>(lone.positions.size() - 1)).empty());
 }
 
 TEST_F(Batch, GivesEachSurfaceAsItComesOutAlone) {

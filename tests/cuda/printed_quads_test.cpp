@@ -43,21 +43,21 @@ struct Job {
     PatchRefinement patches;
 };
 
-/// Expects edges and fans equal to those of CageTopology, except for the order of edges.
+/// Expects edges and fans equal to those of PatchRefinement, except for the order of edges.
 void expect_connected(const CageView& mesh) {
     std::vector<std::uint32_t> seen(4 * std::size_t{mesh.face_count()});
     for (std::uint32_t e = 0; e < mesh.edge_count(); ++e) {
         const auto [forward, backward] = mesh.edge_half[e];
-        ASSERT_EQ(mesh.side[forward >> 2][forward & 3], 2 * e);
-        ASSERT_EQ(mesh.side[backward >> 2][backward & 3], 2 * e + 1);
-        ASSERT_EQ(mesh.corner(forward), mesh.corner(CageTopology::next(backward)));
-        ASSERT_EQ(mesh.corner(backward), mesh.corner(CageTopology::next(forward)));
+        ASSERT_EQ(mesh.side[forward], 2 * e);
+        ASSERT_EQ(mesh.side[backward], 2 * e + 1);
+        ASSERT_EQ(mesh.corner(forward), mesh.corner(next_half_edge<4>(backward)));
+        ASSERT_EQ(mesh.corner(backward), mesh.corner(next_half_edge<4>(forward)));
         ASSERT_LT(mesh.corner(forward), mesh.corner(backward));
         ++seen[forward];
         ++seen[backward];
     }
     EXPECT_EQ(std::ranges::count(seen, 1u), std::ssize(seen)) << "a half-edge is of no edge, or of two";
-    const CompressedRows<std::uint32_t> fans = vertex_fans(mesh.quads, mesh.vertex_count());
+    const CompressedRows<std::uint32_t> fans = group_by(all_corners(mesh.quads), mesh.vertex_count());
     for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
         ASSERT_TRUE(std::ranges::equal(mesh.fan(v), fans[v])) << v;
 }
@@ -71,7 +71,7 @@ float size_of(const Cage& cage) {
 TEST(PrintedQuadStages, SubdivideAsPatches) {
     int closed = 0;
     for (const auto& [name, cage] : cage_zoo()) {
-        if (!build_cage_topology(cage.quads, cage.vertex_count()).closed()) continue;
+        if (!PatchRefinement(cage.quads, cage.vertex_count(), 0).cage().closed()) continue;
         ++closed;
         for (int levels = 0; levels <= 4; ++levels) {
             SCOPED_TRACE(name + ", levels " + std::to_string(levels));

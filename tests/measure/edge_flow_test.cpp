@@ -16,7 +16,7 @@ using namespace shapes;
 EdgeFlowReport flow(const PolygonMesh& mesh, const Skeleton& s, unsigned threads = 1) {
     const Context ctx{.threads = threads};
     const CapsuleTree capsules(s, mesh.origin, ctx);
-    return edge_flow(mesh, sorted_sides(mesh, ctx), s, capsules, vertex_places(mesh, s, capsules, ctx), ctx);
+    return edge_flow(mesh, HalfEdges(mesh, ctx), s, capsules, vertex_places(mesh, s, capsules, ctx), ctx);
 }
 
 /// Ten metres along z, of radius 0.5, in the given number of segments.

@@ -138,6 +138,29 @@ TEST(PatchRefinement, EveryVertexHasOneOwner) {
     }
 }
 
+TEST(PatchRefinement, EdgesAndVerticesOfTheCageHaveOneOwner) {
+    for (const auto& [name, cage] : cage_zoo()) {
+        SCOPED_TRACE(name);
+        const PatchRefinement patches(cage.quads, cage.vertex_count(), 0);
+        const CageView view = patches.cage();
+        std::uint32_t edges = 0, vertices = 0;
+        for (std::uint32_t h = 0; h < 4 * view.face_count(); ++h) {
+            edges += view.owns_edge(h) ? 1u : 0u;
+            vertices += view.owns_vertex(h) ? 1u : 0u;
+        }
+        EXPECT_EQ(edges, view.edge_count());
+        EXPECT_EQ(vertices, view.vertex_count());
+    }
+}
+
+TEST(PatchRefinement, MarksBoundaryVertices) {
+    const Cage cage = grid_cage(4, 3, false);  // 5 x 4 vertices, 3 x 2 of them inside
+    const PatchRefinement patches(cage.quads, cage.vertex_count(), 0);
+    EXPECT_FALSE(patches.cage().closed());
+    EXPECT_EQ(std::ranges::count(patches.cage().on_boundary, 1), 20 - 6);
+    EXPECT_TRUE(PatchRefinement(hub_cage(3).quads, 8, 0).cage().closed());
+}
+
 TEST(PatchRefinement, SameBitsForAnyNumberOfThreads) {
     const Cage cage = shaken(grid_cage(150, 120, true), 0.01f);
     const auto bits = [&](unsigned threads) {
@@ -195,6 +218,21 @@ TEST(PatchRefinement, RefusesLevelsAndSizesItCannotDo) {
     // 6 levels make 4096 quads of one: 2^31 is exceeded from 524,289 cage quads on, before these are checked.
     const std::vector<Quad> many(524289, Quad{0, 1, 2, 3});
     EXPECT_NE(test::error_of([&] { PatchRefinement(many, 8, 6); }).find("fewer levels"), std::string::npos);
+}
+
+TEST(PatchRefinement, RefusesCagesThatAreNotManifold) {
+    const auto error_of = [](const std::vector<Quad>& quads, std::uint32_t vertices) {
+        return test::error_of([&] { PatchRefinement(quads, vertices, 0); });
+    };
+    EXPECT_NE(error_of({{0, 1, 2, 9}}, 4).find("quad 0"), std::string::npos);
+    EXPECT_NE(error_of({{0, 1, 2, 3}, {0, 1, 1, 3}}, 4).find("quad 1"), std::string::npos);
+    EXPECT_NE(error_of({{0, 1, 0, 3}}, 4).find("quad 0"), std::string::npos);
+    // Three faces on edge 0-1.
+    EXPECT_NE(error_of({{0, 1, 2, 3}, {1, 0, 4, 5}, {0, 1, 6, 7}}, 8).find("edge 0-1"), std::string::npos);
+    // Two faces with the same direction along edge 0-1.
+    EXPECT_NE(error_of({{0, 1, 2, 3}, {0, 1, 4, 5}}, 6).find("edge 0-1"), std::string::npos);
+    EXPECT_NE(error_of({{0, 1, 2, 3}, {5, 4, 1, 0}, {4, 6, 7, 0}, {0, 4, 1, 6}}, 8).find("edge"),
+              std::string::npos);
 }
 
 }  // namespace

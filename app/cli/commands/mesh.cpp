@@ -9,6 +9,7 @@
 #include "coppice/io_mesh/solid_writer.h"
 #include "coppice/io_mesh/writer.h"
 #include "coppice/io_points/reader.h"
+#include "coppice/mesh/half_edges.h"
 #include "coppice/pipeline/face_budget.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/pipeline/restore.h"
@@ -127,14 +128,11 @@ std::string restore(Run& run, const MeshFlags& flags, const PolygonMesh& origina
 PointSet points_of_mesh(const PolygonMesh& mesh, bool edges) {
     PointSet out{mesh.positions, mesh.origin};
     if (!edges) return out;
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> ends;
-    for (std::size_t f = 0; f < mesh.face_count(); ++f) {
-        const auto face = mesh.face(f);
-        for (std::size_t k = 0; k < face.size(); ++k)
-            ends.push_back(std::minmax({face[k], face[(k + 1) % face.size()]}));
+    const HalfEdges half_edges(mesh);
+    for (std::uint32_t e = 0; e < half_edges.edge_count(); ++e) {
+        const auto [a, b] = half_edges.ends(e);
+        out.positions.push_back((mesh.positions[a] + mesh.positions[b]) * 0.5f);
     }
-    sort_unique(ends);
-    for (const auto& [a, b] : ends) out.positions.push_back((mesh.positions[a] + mesh.positions[b]) * 0.5f);
     return out;
 }
 

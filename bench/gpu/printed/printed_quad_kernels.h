@@ -18,17 +18,17 @@
 // All elements are numbered in closed form. With V vertices, E edges and F quads of a closed mesh: vertex v
 // stays v, V + e is on edge e, V + E + f in quad f; quad 4 f + k is at corner k; edges 2 e and 2 e + 1 start
 // at the lower and the higher end of edge e, 2 E + 4 f + k connects the midpoint of side k with that of quad
-// f. Edges point forward from their lower vertex, as in CageTopology, but are numbered in another order.
+// f. Edges point forward from their lower vertex, as in HalfEdges, but are numbered in another order.
 
 namespace coppice::bench {
 
 /// Explicit quads with their edges and fans: a writable CageView.
 struct ExplicitQuads {
     std::span<Vec3> positions;  ///< [m]
-    /// See CageTopology.
+    /// See CageView.
     /// @{
     std::span<Quad> quads;
-    std::span<std::array<std::uint32_t, 4>> side;
+    std::span<std::uint32_t> side;
     std::span<std::array<std::uint32_t, 2>> edge_half;
     std::span<std::uint32_t> fan_first, fan_half;
     /// @}
@@ -63,7 +63,7 @@ struct FacePoints {
         const CageView& mesh = step.coarse;
         const ExplicitQuads& fine = step.fine;
         const Quad& quad = mesh.quads[f];
-        const std::array<std::uint32_t, 4>& side = mesh.side[f];
+        const auto side = mesh.side.subspan(4 * f, 4);
         const std::uint32_t middle = step.face_point(f), inner = 2 * mesh.edge_count() + 4 * f;
         Vec3 sum;
         for (const std::uint32_t v : quad) sum += step.positions[v];
@@ -74,7 +74,10 @@ struct FacePoints {
             const std::uint32_t after = side[k], before = side[last];
             fine.quads[part] = {quad[k], step.edge_point(after >> 1), middle, step.edge_point(before >> 1)};
             // The half of an edge at the start of a side has the number of the side, 2 e or 2 e + 1.
-            fine.side[part] = {2 * after, 2 * (inner + k), 2 * (inner + last) + 1, 2 * (before ^ 1) + 1};
+            fine.side[4 * part] = 2 * after;
+            fine.side[4 * part + 1] = 2 * (inner + k);
+            fine.side[4 * part + 2] = 2 * (inner + last) + 1;
+            fine.side[4 * part + 3] = 2 * (before ^ 1) + 1;
             fine.edge_half[inner + k] = {4 * part + 1, 4 * next + 2};
             fine.fan_half[step.face_fan(f) + k] = 4 * part + 2;
         }
@@ -107,7 +110,7 @@ struct EdgePoints {
     /// Half-edges from the midpoint of a half-edge to its end, and into its face.
     /// @{
     COPPICE_HOST_DEVICE static std::uint32_t to_end(std::uint32_t half) {
-        return 4 * CageTopology::next(half) + 3;
+        return 4 * next_half_edge<4>(half) + 3;
     }
     COPPICE_HOST_DEVICE static std::uint32_t inward(std::uint32_t half) { return 4 * half + 1; }
     /// @}
@@ -130,7 +133,7 @@ struct VertexPoints {
         for (std::uint32_t i = begin; i < end; ++i) {
             const std::uint32_t half = mesh.fan_half[i];
             out += step.fine.positions[step.face_point(half >> 2)] +
-                   (p + step.positions[mesh.corner(CageTopology::next(half))]);
+                   (p + step.positions[mesh.corner(next_half_edge<4>(half))]);
             step.fine.fan_half[i] = 4 * half;
         }
         step.fine.fan_first[v + 1] = end;

@@ -81,7 +81,7 @@ class PrintedQuadStages {
     ExplicitQuads make_copy(const Size& size) {
         const ExplicitQuads out{exec_.template array<Vec3>(size.vertices),
                                 exec_.template array<Quad>(size.faces),
-                                exec_.template array<std::array<std::uint32_t, 4>>(size.faces),
+                                exec_.template array<std::uint32_t>(4 * size.faces),
                                 exec_.template array<std::array<std::uint32_t, 2>>(size.edges),
                                 exec_.template array<std::uint32_t>(size.vertices + 1),
                                 exec_.template array<std::uint32_t>(4 * size.faces)};
@@ -90,12 +90,9 @@ class PrintedQuadStages {
     }
     /// Returns the part of a copy that a level of that size requires.
     static ExplicitQuads part_of(const ExplicitQuads& copy, const Size& size) {
-        return {copy.positions.first(size.vertices),
-                copy.quads.first(size.faces),
-                copy.side.first(size.faces),
-                copy.edge_half.first(size.edges),
-                copy.fan_first.first(size.vertices + 1),
-                copy.fan_half.first(4 * size.faces)};
+        return {copy.positions.first(size.vertices),     copy.quads.first(size.faces),
+                copy.side.first(4 * size.faces),         copy.edge_half.first(size.edges),
+                copy.fan_first.first(size.vertices + 1), copy.fan_half.first(4 * size.faces)};
     }
     static CageView view_of(const ExplicitQuads& mesh) {
         CageView view;

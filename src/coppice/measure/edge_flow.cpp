@@ -15,60 +15,43 @@ namespace {
 
 constexpr std::size_t kEdgeFlowGrain = 1 << 13;
 
-/// The sides of a mesh, and the next side of each along a loop of edges.
+/// The loops of edges of a mesh.
 class EdgeLoops {
   public:
-    EdgeLoops(const PolygonMesh& mesh, const Buffer<Side>& sides, const Context& ctx)
-        : mesh_(mesh),
-          next_(mesh.corners.size()),
-          opposite_(mesh.corners.size(), kNoIndex),
-          faces_(mesh.positions.size()) {
-        parallel_for(ctx, mesh.face_count(), kEdgeFlowGrain, [&](std::size_t f) {
-            const std::uint32_t begin = mesh.first[f], end = mesh.first[f + 1];
-            for (std::uint32_t s = begin; s < end; ++s) next_[s] = s + 1 < end ? s + 1 : begin;
-        });
-        parallel_for(ctx, sides.size(), kEdgeFlowGrain, [&](std::size_t i) {
-            if (!are_edge_of_two(sides, i)) return;
-            const std::uint32_t a = sides[i].number, b = sides[i + 1].number;
-            if (start(a) == start(b)) return;  // not consistently oriented
-            opposite_[a] = b;
-            opposite_[b] = a;
-        });
-        for (const std::uint32_t v : mesh.corners) ++faces_[v];
+    explicit EdgeLoops(const HalfEdges& edges) : edges_(edges), faces_(edges.vertex_count()) {
+        for (std::uint32_t h = 0; h < edges.size(); ++h) ++faces_[edges.origin(h)];
     }
 
     /// Calls visit(vertices) once for each closed loop.
     template <class Visit>
     void for_each_closed(const Visit& visit) const {
-        std::vector<char> seen(next_.size());
+        std::vector<char> seen(edges_.size());
         std::vector<std::uint32_t> loop;
         for (std::uint32_t first = 0; first < seen.size(); ++first) {
-            if (seen[first] != 0 || opposite_[first] == kNoIndex) continue;
+            if (seen[first] != 0 || edges_.twin(first) == kNoIndex) continue;
             loop.clear();
-            std::uint32_t s = first;
+            std::uint32_t h = first;
             do {
-                seen[s] = seen[opposite_[s]] = 1;
-                loop.push_back(start(s));
-                s = straight_on(s);
-            } while (s != kNoIndex && s != first && seen[s] == 0);
-            if (s == first) visit(loop);
+                seen[h] = seen[edges_.twin(h)] = 1;
+                loop.push_back(edges_.origin(h));
+                h = straight_on(h);
+            } while (h != kNoIndex && h != first && seen[h] == 0);
+            if (h == first) visit(loop);
         }
     }
 
   private:
-    std::uint32_t start(std::uint32_t side) const { return mesh_.corners[side]; }
-    // Returns the next side straight across its end vertex, if that has four faces; kNoIndex otherwise and at
-    // borders.
-    std::uint32_t straight_on(std::uint32_t side) const {
-        const std::uint32_t turn = next_[side];
-        if (faces_[start(turn)] != 4 || opposite_[turn] == kNoIndex) return kNoIndex;
-        const std::uint32_t on = next_[opposite_[turn]];
-        return opposite_[on] == kNoIndex ? kNoIndex : on;
+    // Returns the next half-edge straight across the end of one, if that vertex has four faces; kNoIndex
+    // otherwise and at borders.
+    std::uint32_t straight_on(std::uint32_t h) const {
+        const std::uint32_t turn = edges_.next(h), across = edges_.twin(turn);
+        if (faces_[edges_.origin(turn)] != 4 || across == kNoIndex) return kNoIndex;
+        const std::uint32_t on = edges_.next(across);
+        return edges_.twin(on) == kNoIndex ? kNoIndex : on;
     }
 
-    const PolygonMesh& mesh_;
-    std::vector<std::uint32_t> next_, opposite_;  // by side
-    std::vector<std::uint32_t> faces_;            // number of faces, by vertex
+    const HalfEdges& edges_;
+    std::vector<std::uint32_t> faces_;  // number of faces, by vertex
 };
 
 // Returns whether a closed polygon winds once around the axis of a cone, in either direction.
@@ -153,10 +136,10 @@ std::vector<DensityClass> density(const PolygonMesh& mesh, const CapsuleTree& ca
 
 }  // namespace
 
-EdgeFlowReport edge_flow(const PolygonMesh& mesh, const Buffer<Side>& sides, const Skeleton& skeleton,
+EdgeFlowReport edge_flow(const PolygonMesh& mesh, const HalfEdges& edges, const Skeleton& skeleton,
                          const CapsuleTree& capsules, const VertexPlaces& places, const Context& ctx) {
     constexpr double kForkReach = 2;  // [radii]
-    const std::vector<char> on_ring = vertices_on_rings(mesh, EdgeLoops(mesh, sides, ctx), capsules, places);
+    const std::vector<char> on_ring = vertices_on_rings(mesh, EdgeLoops(edges), capsules, places);
     ctx.throw_if_cancelled();
     const measure_internal::Forks forks(skeleton, mesh.origin, kForkReach, ctx);
     using Count = std::array<std::uint64_t, 2>;

@@ -5,8 +5,8 @@
 
 #include "coppice/base/context.h"
 #include "coppice/measure/capsule_tree.h"
-#include "coppice/measure/sides.h"
 #include "coppice/measure/vertex_places.h"
+#include "coppice/mesh/half_edges.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/skeleton/skeleton.h"
 
@@ -40,9 +40,9 @@ struct EdgeFlowReport {
     friend bool operator==(const EdgeFlowReport&, const EdgeFlowReport&) = default;  ///< member by member
 };
 
-/// Follows all loops of edges of a valid mesh. `sides` and `places` must be computed from the mesh and this
+/// Follows all loops of edges of a valid mesh. `edges` and `places` must be computed from the mesh and this
 /// skeleton. O(n + k log k) for n vertices near k nodes. The result does not depend on the number of threads.
-EdgeFlowReport edge_flow(const PolygonMesh& mesh, const Buffer<Side>& sides, const Skeleton& skeleton,
+EdgeFlowReport edge_flow(const PolygonMesh& mesh, const HalfEdges& edges, const Skeleton& skeleton,
                          const CapsuleTree& capsules, const VertexPlaces& places, const Context& ctx = {});
 
 /// Calls visit(name, number) for every member, in order.

@@ -89,13 +89,14 @@ Sum bending(const PolygonMesh& mesh, const std::vector<Vec3d>& normals, const st
     });
 }
 
-// Returns the angles [degrees] at the first side of each edge with two faces, and kNoAngle for other sides.
-std::vector<double> face_angles(const Buffer<Side>& sides, const std::vector<Vec3d>& areas,
-                                const Context& ctx) {
-    std::vector<double> angles(sides.size(), kNoAngle);
-    parallel_for(ctx, sides.size(), kSmoothnessGrain, [&](std::size_t i) {
-        if (!are_edge_of_two(sides, i)) return;
-        const Vec3d a = areas[sides[i].face], b = areas[sides[i + 1].face];
+// Returns the angle [degrees] at each edge with two faces, and kNoAngle for other edges.
+std::vector<double> face_angles(const HalfEdges& edges, const std::vector<Vec3d>& areas, const Context& ctx) {
+    std::vector<double> angles(edges.edge_count(), kNoAngle);
+    parallel_for(ctx, angles.size(), kSmoothnessGrain, [&](std::size_t i) {
+        const auto halves = edges.halves(static_cast<std::uint32_t>(i));
+        if (halves.size() != 2) return;
+        const auto [first, second] = std::minmax(halves[0], halves[1]);
+        const Vec3d a = areas[edges.face(first)], b = areas[edges.face(second)];
         if (!(length(a) > 0) || !(length(b) > 0)) return;
         angles[i] = std::atan2(length(cross(a, b)), dot(a, b)) * (180 / std::numbers::pi);
     });
@@ -103,11 +104,11 @@ std::vector<double> face_angles(const Buffer<Side>& sides, const std::vector<Vec
 }
 
 // Returns the statistics of the edges with both faces at forks, or with both elsewhere.
-Statistics angles_where(const Buffer<Side>& sides, std::vector<double> angles,
-                        const std::vector<char>& at_fork, bool forks) {
-    const auto belongs = [&](std::size_t i) { return (at_fork[sides[i].face] != 0) == forks; };
-    for (std::size_t i = 0; i < angles.size(); ++i) {
-        if (angles[i] != kNoAngle && !(belongs(i) && belongs(i + 1))) angles[i] = kNoAngle;
+Statistics angles_where(const HalfEdges& edges, std::vector<double> angles, const std::vector<char>& at_fork,
+                        bool forks) {
+    const auto belongs = [&](std::uint32_t h) { return (at_fork[edges.face(h)] != 0) == forks; };
+    for (std::uint32_t e = 0; e < angles.size(); ++e) {
+        if (!std::ranges::all_of(edges.halves(e), belongs)) angles[e] = kNoAngle;
     }
     std::erase(angles, kNoAngle);
     return statistics(std::move(angles));
@@ -115,7 +116,7 @@ Statistics angles_where(const Buffer<Side>& sides, std::vector<double> angles,
 
 }  // namespace
 
-SmoothnessReport smoothness(const PolygonMesh& mesh, const Buffer<Side>& sides, const Skeleton* skeleton,
+SmoothnessReport smoothness(const PolygonMesh& mesh, const HalfEdges& edges, const Skeleton* skeleton,
                             const Context& ctx) {
     std::vector<char> at_fork;
     if (skeleton != nullptr)
@@ -126,10 +127,10 @@ SmoothnessReport smoothness(const PolygonMesh& mesh, const Buffer<Side>& sides, 
     SmoothnessReport report;
     const Sum sum = bending(mesh, vertex_normals(mesh, areas), at_fork, ctx);
     ctx.throw_if_cancelled();
-    std::vector<double> angles = face_angles(sides, areas, ctx);
+    std::vector<double> angles = face_angles(edges, areas, ctx);
     if (skeleton != nullptr) {
-        report.forks = Smoothness{sum.forks, angles_where(sides, angles, at_fork, true)};
-        report.chains = Smoothness{sum.all - sum.forks, angles_where(sides, angles, at_fork, false)};
+        report.forks = Smoothness{sum.forks, angles_where(edges, angles, at_fork, true)};
+        report.chains = Smoothness{sum.all - sum.forks, angles_where(edges, angles, at_fork, false)};
     }
     std::erase(angles, kNoAngle);
     report.whole = {sum.all, statistics(std::move(angles))};
@@ -137,7 +138,7 @@ SmoothnessReport smoothness(const PolygonMesh& mesh, const Buffer<Side>& sides, 
 }
 
 SmoothnessReport smoothness(const PolygonMesh& mesh, const Skeleton* skeleton, const Context& ctx) {
-    return smoothness(mesh, sorted_sides(mesh, ctx), skeleton, ctx);
+    return smoothness(mesh, HalfEdges(mesh, ctx), skeleton, ctx);
 }
 
 }  // namespace coppice

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "coppice/base/context.h"
-#include "coppice/measure/sides.h"
+#include "coppice/mesh/half_edges.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/mesh/statistics.h"
 #include "coppice/skeleton/skeleton.h"
@@ -36,8 +36,8 @@ struct SmoothnessReport {
 /// Faces without area, and edges without exactly two faces, are ignored. O(n log m) [n faces, m forks]. The
 /// result does not depend on the number of threads.
 SmoothnessReport smoothness(const PolygonMesh& mesh, const Skeleton* skeleton, const Context& ctx = {});
-/// The same for given sorted sides of the mesh.
-SmoothnessReport smoothness(const PolygonMesh& mesh, const Buffer<Side>& sides, const Skeleton* skeleton,
+/// The same for given half-edges of the mesh.
+SmoothnessReport smoothness(const PolygonMesh& mesh, const HalfEdges& edges, const Skeleton* skeleton,
                             const Context& ctx = {});
 
 }  // namespace coppice

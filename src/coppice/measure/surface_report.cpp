@@ -40,12 +40,13 @@ SurfaceReport check_surface(const PolygonMesh& mesh, const Skeleton* skeleton, c
     check_fields(options, "check");
     validate(mesh);
     SurfaceReport report;
-    report.topology = topology(mesh, ctx);
+    HalfEdges edges(mesh, ctx);
+    report.topology = topology(edges, ctx);
     ctx.throw_if_cancelled();
     report.shape = shape(mesh, ctx);
     ctx.throw_if_cancelled();
-    const Buffer<Side> sides = sorted_sides(mesh, ctx);
-    report.smoothness = smoothness(mesh, sides, skeleton, ctx);
+    report.smoothness = smoothness(mesh, edges, skeleton, ctx);
+    if (skeleton == nullptr) edges = {};  // memory for the next checks
     ctx.throw_if_cancelled();
     ctx.report(0.2f);
     std::optional<CapsuleTree> capsules;
@@ -60,7 +61,7 @@ SurfaceReport check_surface(const PolygonMesh& mesh, const Skeleton* skeleton, c
         const VertexPlaces places = vertex_places(mesh, *skeleton, *tree, ctx);
         report.radius = radius_deviation(mesh, *tree, places, ctx);
         ctx.throw_if_cancelled();
-        report.edge_flow = edge_flow(mesh, sides, *skeleton, *tree, places, ctx);
+        report.edge_flow = edge_flow(mesh, edges, *skeleton, *tree, places, ctx);
     }
     ctx.report(1);
     return report;

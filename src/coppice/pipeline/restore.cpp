@@ -14,7 +14,7 @@
 #include "coppice/measure/surface_tree.h"
 #include "coppice/mesh/topology.h"
 #include "coppice/pipeline/fit/limit_offsets_internal.h"
-#include "coppice/subdivision/cage_topology.h"
+#include "coppice/subdivision/catmull_clark.h"
 
 namespace coppice {
 namespace {
@@ -72,7 +72,8 @@ class Restoration {
           count_(mesh.positions.size()),
           to_original_(mesh.origin - original->mesh().origin),
           start_(mesh.positions),
-          topology_(build_cage_topology(mesh.quads, static_cast<std::uint32_t>(count_), ctx)) {}
+          patches_(mesh.quads, static_cast<std::uint32_t>(count_), 0, ctx),
+          cage_(patches_.cage()) {}
 
     /// `turned`: the original with reversed components, in case they are wrong.
     RestoreResult run(const SurfaceTree* turned) {
@@ -103,9 +104,8 @@ class Restoration {
 
     template <class Visit>
     void visit_fan(std::size_t v, const Visit& visit) const {
-        for (const std::uint32_t half : topology_.fans[v]) {
-            visit(half, topology_.corner(CageTopology::next(half)),
-                  topology_.corner(CageTopology::prev(half)));
+        for (const std::uint32_t half : cage_.fan(static_cast<std::uint32_t>(v))) {
+            visit(half, cage_.corner(next_half_edge<4>(half)), cage_.corner(previous_half_edge<4>(half)));
         }
     }
 
@@ -224,7 +224,8 @@ class Restoration {
     std::size_t count_;
     Vec3d to_original_;
     Buffer<Vec3> start_;
-    CageTopology topology_;
+    PatchRefinement patches_;  // of 0 levels: the topology
+    CageView cage_;
     Buffer<Vec3> normal_;
     std::vector<double> radius_;  // 0: no vertex
     std::vector<std::uint8_t> found_;

@@ -71,7 +71,7 @@ Subdivided::Subdivided(const MainMesh& main, const Context& ctx) : main_(main) {
         for (std::uint32_t k = 0; k < 4; ++k) {
             const std::uint32_t q = paste.first_of_tube + k;
             loop[2 * k] = control.cage.quads[q][0];
-            loop[2 * k + 1] = vertices + (patches.cage().side[q][0] >> 1);
+            loop[2 * k + 1] = vertices + (patches.cage().side[4 * q] >> 1);
         }
         boundary_.push_back(loop);
     }

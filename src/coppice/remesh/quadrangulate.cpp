@@ -4,8 +4,8 @@
 #include <array>
 #include <limits>
 
-#include "coppice/base/compressed_rows.h"
 #include "coppice/base/id.h"
+#include "coppice/mesh/half_edges.h"
 #include "coppice/mesh/shape.h"
 
 namespace coppice {
@@ -14,61 +14,17 @@ namespace {
 constexpr double kWorstPair = 0.3;  // scaled Jacobian below which two triangles are not joined
 constexpr float kFlattest = 0.5f;   // minimum cosine between the normals of two triangles that form a quad
 
-// Triangles by their edges. Half-edge 3 t + k is from corner k of triangle t to the next one.
-class Edges {
-  public:
-    Edges(std::span<const Triangle> triangles, std::size_t vertices)
-        : rows_(compress_rows<Half>(vertices,
-                                    [&](const auto& put) {
-                                        for (std::uint32_t h = 0; h < 3 * triangles.size(); ++h) {
-                                            const auto [a, b] = ends(triangles, h);
-                                            put(std::min(a, b), Half{std::max(a, b), h});
-                                        }
-                                    })),
-          edge_(3 * triangles.size()),
-          twin_(3 * triangles.size(), kNoIndex) {
-        for (std::uint32_t v = 0; v < rows_.size(); ++v) {
-            for (const Half& here : rows_[v]) {
-                edge_[here.half] = find(v, here.high);
-                for (const Half& other : rows_[v]) {
-                    if (other.high == here.high && other.half != here.half) twin_[here.half] = other.half;
-                }
-            }
-        }
-    }
-
-    static std::array<std::uint32_t, 2> ends(std::span<const Triangle> triangles, std::uint32_t half) {
-        const Triangle& t = triangles[half / 3];
-        return {t[half % 3], t[(half + 1) % 3]};
-    }
-    // Returns the next half-edge of the same triangle.
-    static std::uint32_t next(std::uint32_t half) { return half - half % 3 + (half + 1) % 3; }
-
-    std::size_t size() const { return rows_.items.size(); }  // Upper bound of the indices of edges.
-    std::uint32_t edge(std::uint32_t half) const { return edge_[half]; }
-    std::uint32_t twin(std::uint32_t half) const { return twin_[half]; }  // kNoIndex at the boundary
-    // Returns the edge between two vertices, or kNoIndex.
-    std::uint32_t find(std::uint32_t a, std::uint32_t b) const {
-        const std::uint32_t low = std::min(a, b), high = std::max(a, b);
-        for (std::uint32_t i = rows_.first[low]; i < rows_.first[low + 1]; ++i) {
-            if (rows_.items[i].high == high) return i;
-        }
-        return kNoIndex;
-    }
-
-  private:
-    struct Half {
-        std::uint32_t high, half;
-    };
-    CompressedRows<Half> rows_;        // by the smaller end
-    std::vector<std::uint32_t> edge_;  // per half-edge
-    std::vector<std::uint32_t> twin_;
-};
+// Returns another half-edge of the same edge, the last one if there are several; kNoIndex at the boundary.
+std::uint32_t neighbour(const HalfEdges& edges, std::uint32_t half) {
+    const auto halves = edges.halves(edges.edge(half));
+    if (halves.size() == 1) return kNoIndex;
+    return halves.back() != half ? halves.back() : halves[halves.size() - 2];
+}
 
 // Returns the corners of two triangles that share an edge, from the beginning of the half-edge of the first.
-Quad joined(std::span<const Triangle> triangles, std::uint32_t half, std::uint32_t twin) {
-    const auto [a, b] = Edges::ends(triangles, half);
-    return {a, triangles[twin / 3][(twin + 2) % 3], b, triangles[half / 3][(half + 2) % 3]};
+Quad joined(const HalfEdges& edges, std::uint32_t half, std::uint32_t other) {
+    const auto opposite = [&](std::uint32_t h) { return edges.origin(previous_half_edge<3>(h)); };
+    return {edges.origin(half), opposite(other), edges.target(half), opposite(half)};
 }
 
 Vec3 normal(const Triangle& t, std::span<const Vec3> x) {
@@ -76,7 +32,7 @@ Vec3 normal(const Triangle& t, std::span<const Vec3> x) {
 }
 
 // Per triangle: its half-edge across which it joins another, or kNoIndex.
-std::vector<std::uint32_t> pairs_of(std::span<const Triangle> triangles, const Edges& edges,
+std::vector<std::uint32_t> pairs_of(std::span<const Triangle> triangles, const HalfEdges& edges,
                                     std::span<const Vec3> x) {
     struct Pair {
         double quality;
@@ -84,9 +40,9 @@ std::vector<std::uint32_t> pairs_of(std::span<const Triangle> triangles, const E
     };
     std::vector<Pair> good;
     for (std::uint32_t h = 0; h < 3 * triangles.size(); ++h) {
-        const std::uint32_t g = edges.twin(h);
+        const std::uint32_t g = neighbour(edges, h);
         if (g == kNoIndex || g < h) continue;
-        const double quality = scaled_jacobian(joined(triangles, h, g), x);
+        const double quality = scaled_jacobian(joined(edges, h, g), x);
         if (quality < kWorstPair || dot(normal(triangles[h / 3], x), normal(triangles[g / 3], x)) < kFlattest)
             continue;
         good.push_back({quality, h});
@@ -96,7 +52,7 @@ std::vector<std::uint32_t> pairs_of(std::span<const Triangle> triangles, const E
     });
     std::vector<std::uint32_t> out(triangles.size(), kNoIndex);
     for (const Pair& p : good) {
-        const std::uint32_t twin = edges.twin(p.half);
+        const std::uint32_t twin = neighbour(edges, p.half);
         if (out[p.half / 3] != kNoIndex || out[twin / 3] != kNoIndex) continue;
         out[p.half / 3] = p.half;
         out[twin / 3] = twin;
@@ -112,8 +68,8 @@ std::uint32_t append(Buffer<Vec3>& positions, Vec3 p) {
 // Cuts faces of three or four corners into quads around a vertex in their middle.
 class Cutter {
   public:
-    Cutter(const Edges& edges, std::span<const EdgeMiddle> given, Buffer<Vec3>& positions)
-        : edges_(edges), positions_(positions), middle_(edges.size(), kNoIndex) {
+    Cutter(const HalfEdges& edges, std::span<const EdgeMiddle> given, Buffer<Vec3>& positions)
+        : edges_(edges), positions_(positions), middle_(edges.edge_count(), kNoIndex) {
         for (const EdgeMiddle& g : given) {
             const std::uint32_t edge = edges.find(g.a, g.b);
             if (edge != kNoIndex) middle_[edge] = g.middle;
@@ -121,15 +77,14 @@ class Cutter {
     }
 
     // Cuts a face given by its half-edges.
-    void cut(std::span<const Triangle> triangles, std::span<const std::uint32_t> halves) {
+    void cut(std::span<const std::uint32_t> halves) {
         const std::size_t n = halves.size();
         std::array<std::uint32_t, 4> corner{}, middle{};
         Vec3 sum;
         for (std::size_t k = 0; k < n; ++k) {
-            const auto [a, b] = Edges::ends(triangles, halves[k]);
-            corner[k] = a;
-            sum += positions_[a];
-            middle[k] = compute_middle(edges_.edge(halves[k]), a, b);
+            corner[k] = edges_.origin(halves[k]);
+            sum += positions_[corner[k]];
+            middle[k] = compute_middle(halves[k]);
         }
         const std::uint32_t center = append(positions_, sum / static_cast<float>(n));
         for (std::size_t k = 0; k < n; ++k) {
@@ -141,13 +96,15 @@ class Cutter {
     QuadPatch take() && { return std::move(patch_); }
 
   private:
-    std::uint32_t compute_middle(std::uint32_t edge, std::uint32_t a, std::uint32_t b) {
-        if (middle_[edge] == kNoIndex)
-            middle_[edge] = append(positions_, (positions_[a] + positions_[b]) * 0.5f);
-        return middle_[edge];
+    std::uint32_t compute_middle(std::uint32_t half) {
+        std::uint32_t& middle = middle_[edges_.edge(half)];
+        if (middle == kNoIndex)
+            middle = append(positions_,
+                            (positions_[edges_.origin(half)] + positions_[edges_.target(half)]) * 0.5f);
+        return middle;
     }
 
-    const Edges& edges_;
+    const HalfEdges& edges_;
     Buffer<Vec3>& positions_;
     std::vector<std::uint32_t> middle_;  // per edge
     QuadPatch patch_;
@@ -157,18 +114,18 @@ class Cutter {
 
 QuadPatch quadrangulate(std::span<const Triangle> triangles, std::span<const EdgeMiddle> given,
                         Buffer<Vec3>& positions) {
-    const Edges edges(triangles, positions.size());
+    const HalfEdges edges(triangles, static_cast<std::uint32_t>(positions.size()), {.threads = 1});
     const std::vector<std::uint32_t> pair = pairs_of(triangles, edges, positions);
     Cutter cutter(edges, given, positions);
     for (std::uint32_t t = 0; t < triangles.size(); ++t) {
         if (pair[t] == kNoIndex) {
-            cutter.cut(triangles, std::array{3 * t, 3 * t + 1, 3 * t + 2});
+            cutter.cut(std::array{3 * t, 3 * t + 1, 3 * t + 2});
             continue;
         }
-        const std::uint32_t h = pair[t], g = edges.twin(h);
+        const std::uint32_t h = pair[t], g = neighbour(edges, h);
         if (g / 3 < t) continue;
-        cutter.cut(triangles, std::array{Edges::next(g), Edges::next(Edges::next(g)), Edges::next(h),
-                                         Edges::next(Edges::next(h))});
+        cutter.cut(std::array{next_half_edge<3>(g), previous_half_edge<3>(g), next_half_edge<3>(h),
+                              previous_half_edge<3>(h)});
     }
     return std::move(cutter).take();
 }

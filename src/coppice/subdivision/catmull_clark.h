@@ -1,13 +1,14 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 
 #include "coppice/base/column.h"
+#include "coppice/base/compressed_rows.h"
 #include "coppice/base/context.h"
-#include "coppice/base/id.h"
 #include "coppice/mesh/mesh.h"
-#include "coppice/subdivision/cage_topology.h"
+#include "coppice/subdivision/kernel/cage_view.h"
 
 namespace coppice {
 
@@ -31,16 +32,19 @@ class PatchRefinement {
 
     PatchRefinement() = default;  ///< of a cage without quads
 
-    /// Throws InvalidInput for a cage that is not manifold (see build_cage_topology), for levels below 0 or
-    /// above kMaxLevels, and, before any memory of that size is allocated, if more than 2^31 vertices or
-    /// quads would result. O(cage).
+    /// Throws InvalidInput naming the quad or the edge if an index is out of range, a quad repeats a vertex,
+    /// an edge has more than two faces, or its two faces do not have opposite directions along it. Vertices
+    /// without faces are allowed. Throws InvalidInput also for levels below 0 or above kMaxLevels, and,
+    /// before any memory of that size is allocated, if more than 2^31 vertices or quads would result.
+    /// O(cage).
     PatchRefinement(std::span<const Quad> quads, std::uint32_t vertex_count, int levels,
                     const Context& ctx = {});
 
-    const CageTopology& cage() const { return cage_; }            ///< edges and fans of the cage
+    CageView cage() const;                                        ///< edges and fans of the cage
     int levels() const { return levels_; }                        ///< number of refinements
     std::uint32_t vertex_count() const { return vertex_count_; }  ///< of refined ones
-    std::uint32_t quad_count() const { return cage_.face_count() << (2 * levels_); }  ///< of refined ones
+    /// Returns the number of refined quads.
+    std::uint32_t quad_count() const { return static_cast<std::uint32_t>(quads_.size()) << (2 * levels_); }
 
     /// Returns the refined quads, in the order above. O(quads).
     Buffer<Quad> quads(const Context& ctx = {}) const;
@@ -61,9 +65,13 @@ class PatchRefinement {
     Buffer<std::uint32_t> owners() const;
 
   private:
-    CageTopology cage_;
     int levels_ = 0;
     std::uint32_t vertex_count_ = 0;
+    Buffer<Quad> quads_;                              // of the cage, as all members from here on
+    Buffer<std::uint32_t> side_;                      // see HalfEdges::sides
+    Buffer<std::array<std::uint32_t, 2>> edge_half_;  // see HalfEdges::pairs
+    CompressedRows<std::uint32_t> fans_;              // the half-edges that begin at each vertex, ascending
+    Buffer<std::uint8_t> on_boundary_;                // per vertex; empty if no edge is on a boundary
 };
 
 }  // namespace coppice

@@ -2,12 +2,12 @@
 
 #include "coppice/base/error.h"
 #include "coppice/base/parallel.h"
-#include "coppice/subdivision/cage_topology.h"
+#include "coppice/mesh/half_edges.h"
 
 namespace coppice {
 
 TangentialRelaxation::TangentialRelaxation(std::span<const Quad> quads, std::uint32_t vertex_count)
-    : quads_(quads), fans_(vertex_fans(quads, vertex_count)) {}
+    : quads_(quads), fans_(group_by(all_corners(quads), vertex_count)) {}
 
 Vec3 TangentialRelaxation::relaxed(std::uint32_t vertex, std::span<const Vec3> positions,
                                    float weight) const {

@@ -14,7 +14,7 @@ struct JobArrays {
     /// See CageView.
     /// @{
     std::vector<Quad> quads;
-    std::vector<std::array<std::uint32_t, 4>> side;
+    std::vector<std::uint32_t> side;
     std::vector<std::array<std::uint32_t, 2>> edge_half;
     std::vector<std::uint32_t> fan_first, fan_half;
     std::vector<std::uint8_t> on_boundary;

@@ -57,10 +57,7 @@ void JoinedJobs::add(const QuadJob& job, const JobOffsets& at) {
     for (const Quad& q : cage.quads)
         arrays_.quads.push_back(
             {q[0] + at.vertices, q[1] + at.vertices, q[2] + at.vertices, q[3] + at.vertices});
-    for (const auto& s : cage.side) {
-        const std::uint32_t by = 2 * at.edges;
-        arrays_.side.push_back({s[0] + by, s[1] + by, s[2] + by, s[3] + by});
-    }
+    for (const std::uint32_t s : cage.side) arrays_.side.push_back(s + 2 * at.edges);
     for (const auto& pair : cage.edge_half) arrays_.edge_half.push_back({half(pair[0]), half(pair[1])});
     const auto halves = static_cast<std::uint32_t>(arrays_.fan_half.size());
     for (std::uint32_t v = 0; v < cage.vertex_count(); ++v)

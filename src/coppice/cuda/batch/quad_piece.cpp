@@ -70,7 +70,7 @@ ChosenNumbers QuadPiece::vertices_of_faces() const {
 ChosenNumbers QuadPiece::edges_of_faces() const {
     NumberSet chosen(whole_.cage.edge_count());
     for (const std::uint32_t f : faces_) {
-        for (const std::uint32_t side : whole_.cage.side[f]) chosen.add(side >> 1);
+        for (const std::uint32_t side : whole_.cage.side.subspan(4 * f, 4)) chosen.add(side >> 1);
     }
     return ChosenNumbers(std::move(chosen));
 }
@@ -80,9 +80,8 @@ void QuadPiece::take_faces() {
     const auto side = [&](std::uint32_t s) { return 2 * edges_.place(s >> 1) + (s & 1); };
     for (const std::uint32_t f : faces_) {
         const Quad& q = whole_.cage.quads[f];
-        const auto& s = whole_.cage.side[f];
         arrays_.quads.push_back({vertex(q[0]), vertex(q[1]), vertex(q[2]), vertex(q[3])});
-        arrays_.side.push_back({side(s[0]), side(s[1]), side(s[2]), side(s[3])});
+        for (const std::uint32_t s : whole_.cage.side.subspan(4 * f, 4)) arrays_.side.push_back(side(s));
         arrays_.region.push_back(whole_.region[f]);
         arrays_.part.push_back(owns(4 * f) ? 0 : 1);
     }

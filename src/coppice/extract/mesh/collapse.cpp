@@ -92,7 +92,7 @@ Remainder whole_of(const Surface& s, std::span<const Vec3d> at) {
         auto& neighbours = r.neighbours[v];
         for (const std::uint32_t h : s.outgoing(v)) {
             neighbours.push_back(s.to(h));
-            neighbours.push_back(s.from(Surface::previous(h)));
+            neighbours.push_back(s.from(previous_half_edge<3>(h)));
         }
         sort_unique(neighbours);
         for (const std::uint32_t w : neighbours) {

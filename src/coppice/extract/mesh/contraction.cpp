@@ -112,8 +112,8 @@ void center_nodes(const Surface& s, Contraction& c) {
         double area = 1e-300;
         for (const std::uint32_t h : s.outgoing(v)) {
             const Vec3d p(s.positions[v]);
-            area += length(
-                cross(Vec3d(s.positions[s.to(h)]) - p, Vec3d(s.positions[s.from(Surface::previous(h))]) - p));
+            area += length(cross(Vec3d(s.positions[s.to(h)]) - p,
+                                 Vec3d(s.positions[s.from(previous_half_edge<3>(h))]) - p));
         }
         weight[c.node[v]] += area;
         sum[c.node[v]] += Vec3d(s.positions[v]) * area;

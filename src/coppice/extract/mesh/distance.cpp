@@ -64,7 +64,7 @@ std::vector<double> march_distances(const Surface& s, std::span<const std::uint3
         fixed[v] = 1;
         const Vec3d p(s.positions[v]);
         for (const std::uint32_t h : s.outgoing(v)) {
-            const std::uint32_t a = s.to(h), b = s.from(Surface::previous(h));
+            const std::uint32_t a = s.to(h), b = s.from(previous_half_edge<3>(h));
             const Vec3d pa(s.positions[a]), pb(s.positions[b]);
             if (!fixed[a])
                 offer(a, fixed[b] ? arrival(pa, p, d, pb, distance[b]) : d + coppice::distance(p, pa));

@@ -64,7 +64,7 @@ void clean(MeshTree& draft, const PolygonMesh& mesh, const CleanMeshOptions& opt
     draft.origin = cleaned.mesh.origin;
     draft.surface.positions = std::move(cleaned.mesh.positions);
     draft.surface.triangles.assign(cleaned.mesh.triangles.begin(), cleaned.mesh.triangles.end());
-    connect(draft.surface);
+    connect(draft.surface, ctx);
     draft.normals = vertex_normals(draft.surface, ctx);
     draft.samples.positions = draft.surface.positions;
     draft.samples.normals = draft.normals;
@@ -162,7 +162,7 @@ void assign_rest(const Surface& surface, std::span<std::uint32_t> node) {
         if (node[v] != kNoIndex) front.push_back(v);
     for (std::size_t i = 0; i < front.size(); ++i) {
         for (const std::uint32_t h : surface.outgoing(front[i])) {
-            for (const std::uint32_t w : {surface.to(h), surface.from(Surface::previous(h))}) {
+            for (const std::uint32_t w : {surface.to(h), surface.from(previous_half_edge<3>(h))}) {
                 if (node[w] != kNoIndex) continue;
                 node[w] = node[front[i]];
                 front.push_back(w);

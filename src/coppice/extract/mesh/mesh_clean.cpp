@@ -204,10 +204,10 @@ CleanMeshResult clean_mesh(const PolygonMesh& mesh, const CleanMeshOptions& opti
     drop_bad_triangles(s.triangles, out.repairs);
     drop_unused(s);
     if (s.triangles.empty()) throw InvalidInput("the mesh has no face with an area");
-    extract_internal::SurfaceFindings found = connect(s);
+    extract_internal::SurfaceFindings found = connect(s, ctx);
     if (options.cards) {
         drop_cards(s, out.repairs);
-        if (out.repairs.cards > 0) found = connect(s);
+        if (out.repairs.cards > 0) found = connect(s, ctx);
     }
     ctx.throw_if_cancelled();
     out.repairs.open_edges = found.open_edges;

@@ -55,7 +55,7 @@ template <class Visit>
 void for_neighbours(const Surface& s, std::uint32_t v, const Visit& visit) {
     for (const std::uint32_t h : s.outgoing(v)) {
         visit(s.to(h));
-        visit(s.from(Surface::previous(h)));
+        visit(s.from(previous_half_edge<3>(h)));
     }
 }
 
@@ -85,7 +85,7 @@ std::uint32_t ring_at(std::span<const Ring> rings, std::uint32_t ring, double le
 std::uint32_t half_edge(const Surface& s, std::uint32_t v, std::uint32_t w) {
     for (const std::uint32_t h : s.outgoing(v)) {
         if (s.to(h) == w) return h;
-        if (s.from(Surface::previous(h)) == w) return Surface::previous(h);
+        if (s.from(previous_half_edge<3>(h)) == w) return previous_half_edge<3>(h);
     }
     return kNoIndex;
 }
@@ -107,9 +107,9 @@ bool cross_triangles(Walk& walk, std::uint32_t start, double level) {
     std::uint32_t h = start;
     for (std::size_t guard = 0; guard <= walk.surface.triangles.size(); ++guard) {
         cross_edge(walk, h, level);
-        const bool next_is_upper = walk.distance[walk.surface.to(Surface::next(h))] >= level;
+        const bool next_is_upper = walk.distance[walk.surface.to(next_half_edge<3>(h))] >= level;
         const bool same = next_is_upper == (walk.distance[walk.surface.to(h)] >= level);
-        const std::uint32_t exit = same ? Surface::previous(h) : Surface::next(h);
+        const std::uint32_t exit = same ? previous_half_edge<3>(h) : next_half_edge<3>(h);
         h = walk.surface.twin[exit];
         if (h == kNoIndex) {
             cross_edge(walk, exit, level);

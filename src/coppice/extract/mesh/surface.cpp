@@ -15,11 +15,7 @@ Vec3d area_normal(const Surface& s, std::uint32_t t) {
 }
 
 /// Lists the half-edges that leave each vertex.
-void list_outgoing(Surface& s) {
-    s.out = compress_rows<std::uint32_t>(s.size(), [&](const auto& put) {
-        for (std::uint32_t h = 0; h < 3 * s.triangles.size(); ++h) put(s.from(h), h);
-    });
-}
+void list_outgoing(Surface& s) { s.out = group_by(all_corners(s.triangles), s.size()); }
 
 /// Returns the two half-edges of a non-manifold edge that continue each other best: with opposite directions
 /// and the most similar normals.
@@ -40,38 +36,23 @@ std::array<std::uint32_t, 2> best_pair(const Surface& s, std::span<const std::ui
     return best;
 }
 
-SurfaceFindings pair_edges(Surface& s) {
-    struct Edge {
-        std::uint32_t other, half_edge;
-    };
+SurfaceFindings pair_edges(Surface& s, const Context& ctx) {
     // with more half-edges the edge is degenerate: any pair is accepted
     constexpr std::size_t kMaxCompared = 16;
     SurfaceFindings found;
-    std::vector<std::uint32_t> group;
     s.twin.assign(3 * s.triangles.size(), kNoIndex);
-    auto edges = compress_rows<Edge>(s.size(), [&](const auto& put) {
-        for (std::uint32_t h = 0; h < s.twin.size(); ++h)
-            put(std::min(s.from(h), s.to(h)), Edge{std::max(s.from(h), s.to(h)), h});
-    });
-    for (std::uint32_t v = 0; v < s.size(); ++v) {
-        const std::span<Edge> run = edges[v];
-        std::sort(run.begin(), run.end(), [](const Edge& a, const Edge& b) {
-            return a.other != b.other ? a.other < b.other : a.half_edge < b.half_edge;
-        });
-        for (std::size_t i = 0; i < run.size();) {
-            group.clear();
-            const std::uint32_t other = run[i].other;
-            for (; i < run.size() && run[i].other == other; ++i) group.push_back(run[i].half_edge);
-            if (group.size() == 1) {
-                ++found.open_edges;
-                continue;
-            }
-            if (group.size() > 2) ++found.non_manifold_edges;
-            const auto few = std::span(group).first(std::min(group.size(), kMaxCompared));
-            const auto [a, b] = group.size() == 2 ? std::array{group[0], group[1]} : best_pair(s, few);
-            s.twin[a] = b;
-            s.twin[b] = a;
+    const HalfEdges edges(s.triangles, s.size(), ctx);
+    for (std::uint32_t e = 0; e < edges.edge_count(); ++e) {
+        const auto halves = edges.halves(e);
+        if (halves.size() == 1) {
+            ++found.open_edges;
+            continue;
         }
+        if (halves.size() > 2) ++found.non_manifold_edges;
+        const auto few = halves.first(std::min(halves.size(), kMaxCompared));
+        const auto [a, b] = halves.size() == 2 ? std::array{halves[0], halves[1]} : best_pair(s, few);
+        s.twin[a] = b;
+        s.twin[b] = a;
     }
     return found;
 }
@@ -88,7 +69,7 @@ void find_components(Surface& s) {
             const std::uint32_t v = stack.back();
             stack.pop_back();
             for (const std::uint32_t h : s.outgoing(v)) {
-                for (const std::uint32_t w : {s.to(h), s.from(Surface::previous(h))}) {
+                for (const std::uint32_t w : {s.to(h), s.from(previous_half_edge<3>(h))}) {
                     if (s.component[w] != kNoIndex) continue;
                     s.component[w] = s.component_count;
                     stack.push_back(w);
@@ -112,9 +93,9 @@ void flip(Surface& s, std::uint32_t t) {
 
 }  // namespace
 
-SurfaceFindings connect(Surface& surface) {
+SurfaceFindings connect(Surface& surface, const Context& ctx) {
     list_outgoing(surface);
-    const SurfaceFindings found = pair_edges(surface);
+    const SurfaceFindings found = pair_edges(surface, ctx);
     find_components(surface);
     return found;
 }
@@ -161,7 +142,7 @@ std::vector<std::vector<std::uint32_t>> border_loops(const Surface& s) {
     const auto visit_border = [&](std::uint32_t v, const auto& visit) {
         for (const std::uint32_t h : s.outgoing(v)) {
             if (s.twin[h] == kNoIndex) visit(s.to(h));
-            if (s.twin[Surface::previous(h)] == kNoIndex) visit(s.from(Surface::previous(h)));
+            if (s.twin[previous_half_edge<3>(h)] == kNoIndex) visit(s.from(previous_half_edge<3>(h)));
         }
     };
     for (std::uint32_t v = 0; v < s.size(); ++v) {

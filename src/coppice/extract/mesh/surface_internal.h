@@ -8,6 +8,7 @@
 #include "coppice/base/compressed_rows.h"
 #include "coppice/base/context.h"
 #include "coppice/base/id.h"
+#include "coppice/mesh/half_edges.h"
 #include "coppice/mesh/mesh.h"
 
 namespace coppice::extract_internal {
@@ -26,9 +27,7 @@ struct Surface {
 
     std::uint32_t size() const { return static_cast<std::uint32_t>(positions.size()); }
     std::uint32_t from(std::uint32_t h) const { return triangles[h / 3][h % 3]; }
-    std::uint32_t to(std::uint32_t h) const { return triangles[h / 3][(h % 3 + 1) % 3]; }
-    static std::uint32_t next(std::uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
-    static std::uint32_t previous(std::uint32_t h) { return h % 3 == 0 ? h + 2 : h - 1; }
+    std::uint32_t to(std::uint32_t h) const { return from(next_half_edge<3>(h)); }
     std::span<const std::uint32_t> outgoing(std::uint32_t v) const { return out[v]; }
 };
 
@@ -38,8 +37,8 @@ struct SurfaceFindings {
     std::uint32_t non_manifold_edges = 0;  ///< edges of more than two triangles
 };
 
-/// Fills twin, out and component from positions and triangles. O(n log n).
-SurfaceFindings connect(Surface& surface);
+/// Fills twin, out and component from positions and triangles. O(n).
+SurfaceFindings connect(Surface& surface, const Context& ctx = {});
 
 /// Flips triangles so that adjacent ones are oriented consistently and each closed component faces outward.
 /// Returns the number of flipped triangles. O(n).

@@ -12,6 +12,7 @@
 #include "coppice/base/parallel.h"
 #include "coppice/base/sort.h"
 #include "coppice/implicit/solid/input_internal.h"
+#include "coppice/mesh/half_edges.h"
 
 namespace coppice {
 namespace {
@@ -81,24 +82,17 @@ class HalfAngles {
 Vec3d area_vector(Vec3d a, Vec3d b, Vec3d c) { return cross(b - a, c - a) * 0.5; }
 
 /// Returns whether every edge occurs equally often in both directions, so that the mesh has no border.
-bool has_no_border(std::span<const MeshSolid::Triangle> triangles, std::span<const std::uint32_t> number,
+bool has_no_border(std::span<const Triangle> triangles, std::span<const std::uint32_t> number,
                    const Context& ctx) {
-    struct Edge {
-        std::uint32_t low, high;
-        int way;
-    };
-    Buffer<Edge> edges(3 * triangles.size());
-    for (std::size_t i = 0; i < edges.size(); ++i) {
-        const std::uint32_t a = number[triangles[i / 3][i % 3]], b = number[triangles[i / 3][(i + 1) % 3]];
-        edges[i] = {std::min(a, b), std::max(a, b), a < b ? 1 : a > b ? -1 : 0};
-    }
-    radix_sort(ctx, edges, 64, [](const Edge& e) { return std::uint64_t{e.high} << 32 | e.low; });
-    int sum = 0;
-    for (std::size_t i = 0; i < edges.size(); ++i) {
-        sum += edges[i].way;
-        if (i + 1 < edges.size() && edges[i].low == edges[i + 1].low && edges[i].high == edges[i + 1].high)
-            continue;
-        if (sum != 0) return false;
+    Buffer<Triangle> welded(triangles.size());
+    for (std::size_t i = 0; i < welded.size(); ++i)
+        for (std::size_t k = 0; k < 3; ++k) welded[i][k] = number[triangles[i][k]];
+    const HalfEdges edges(welded, static_cast<std::uint32_t>(number.size()), ctx);
+    for (std::uint32_t e = 0; e < edges.edge_count(); ++e) {
+        const auto [low, high] = edges.ends(e);
+        const auto halves = edges.halves(e);
+        const auto backward = std::ranges::count_if(halves, [&](auto h) { return edges.is_backward(h); });
+        if (low != high && 2 * backward != std::ssize(halves)) return false;
     }
     return true;
 }

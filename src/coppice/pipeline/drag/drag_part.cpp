@@ -272,7 +272,8 @@ DragPart part_of_regions(const QuadBuild& build, const Flags& changed, const Con
 
 ControlMesh make_control(const QuadBuild& build, const DragPart& part) {
     const ControlMesh& all = build.cage;
-    ControlMesh out{.cage = {{}, part.patches.cage().quads, all.cage.origin},
+    const auto quads = part.patches.cage().quads;
+    ControlMesh out{.cage = {{}, {quads.begin(), quads.end()}, all.cage.origin},
                     .region = part.region,
                     .region_node = all.region_node,
                     .clip = clips_of(part, all.clip)};

@@ -39,7 +39,7 @@ COPPICE_HOST_DEVICE inline std::uint32_t patch_vertex(const CageView& cage, std:
     if (left || right || low || high) {
         const std::uint32_t s = low ? 0 : right ? 1 : high ? 2 : 3;
         const std::uint32_t along = low ? i : right ? j : high ? n - i : n - j;
-        const std::uint32_t side = cage.side[f][s];
+        const std::uint32_t side = cage.side[4 * f + s];
         return edges + (side >> 1) * m + ((side & 1) != 0 ? m - along : along - 1);
     }
     return edges + cage.edge_count() * m + f * m * m + (j - 1) * m + (i - 1);
@@ -63,12 +63,12 @@ class PatchIndex {
 
     /// Returns point i (0 < i < N) of a half-edge, counted from its beginning.
     COPPICE_HOST_DEVICE std::uint32_t on_side(std::uint32_t half, std::uint32_t i) const {
-        const std::uint32_t side = cage_.side[half >> 2][half & 3];
+        const std::uint32_t side = cage_.side[half];
         return edge_begin(side >> 1) + ((side & 1) != 0 ? N - 1 - i : i - 1);
     }
     /// Returns the neighbour of a half-edge's beginning along it.
     COPPICE_HOST_DEVICE std::uint32_t along(std::uint32_t half) const {
-        if constexpr (N == 1) return cage_.corner(CageTopology::next(half));
+        if constexpr (N == 1) return cage_.corner(next_half_edge<4>(half));
         return on_side(half, 1);
     }
     /// Returns the neighbour of a half-edge's beginning across its quad.
@@ -91,10 +91,10 @@ class PatchIndex {
             constexpr std::uint32_t kM = N - 1;
             constexpr std::array<std::uint32_t, 4> kFirst = {0, kM - 1, kM * kM - 1, kM * (kM - 1)};
             constexpr std::array<std::uint32_t, 4> kStep = {1, kM, 0u - 1u, 0u - kM};
-            row[0] = on_side(CageTopology::prev(half), N - 1);
+            row[0] = on_side(previous_half_edge<4>(half), N - 1);
             std::uint32_t inside = face_begin(f) + kFirst[half & 3];
             for (int i = 1; i < N; ++i, inside += kStep[half & 3]) row[i] = inside;
-            row[N] = on_side(CageTopology::next(half), 1);
+            row[N] = on_side(next_half_edge<4>(half), 1);
         }
     }
 
@@ -113,7 +113,7 @@ class PatchIndex {
         g[N][N] = q[2];
         g[N][0] = q[3];
         if constexpr (N > 1) {
-            const auto& side = cage_.side[f];
+            const auto side = cage_.side.subspan(4 * f, 4);
             const auto walk = [&](int s, const auto& put) {
                 const std::uint32_t begin = edge_begin(side[s] >> 1);
                 if ((side[s] & 1) != 0) {

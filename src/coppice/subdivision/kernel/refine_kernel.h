@@ -71,8 +71,8 @@ COPPICE_HOST_DEVICE void refine_edge(const CageView& cage, const PatchIndex<N>& 
     const auto [forward, backward] = cage.edge_half[e];
     const bool has_forward = forward != kNoIndex;
     std::array<Vec3, N + 1> curve;
-    curve[0] = in[has_forward ? cage.corner(forward) : cage.corner(CageTopology::next(backward))];
-    curve[N] = in[has_forward ? cage.corner(CageTopology::next(forward)) : cage.corner(backward)];
+    curve[0] = in[has_forward ? cage.corner(forward) : cage.corner(next_half_edge<4>(backward))];
+    curve[N] = in[has_forward ? cage.corner(next_half_edge<4>(forward)) : cage.corner(backward)];
     for (int i = 1; i < N; ++i) curve[i] = in[index.edge_begin(e) + static_cast<std::uint32_t>(i - 1)];
     if (has_forward && backward != kNoIndex) {
         std::array<std::uint32_t, N + 1> left;
@@ -96,7 +96,7 @@ COPPICE_HOST_DEVICE Vec3 refine_boundary_vertex(const CageView& cage, const Patc
     Vec3 sum;
     float count = 0;
     for (const std::uint32_t half : cage.fan(v)) {
-        const std::uint32_t before = CageTopology::prev(half);
+        const std::uint32_t before = previous_half_edge<4>(half);
         if (is_boundary(half)) {
             sum += in[index.along(half)];
             count += 1;
