@@ -10,7 +10,7 @@
 namespace coppice {
 namespace {
 
-TEST(AnchorsOfFiles, HoldTheirNodesAlone) {
+TEST(AnchorsOfFiles, SelectExactlyTheirNode) {
     const auto files = test::skeleton_files();
     if (files.empty()) GTEST_SKIP() << "there is no ../shared";
     for (const auto& file : files) {

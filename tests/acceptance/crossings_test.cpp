@@ -9,7 +9,7 @@ namespace {
 
 using namespace test;
 
-TEST(AcceptanceFiles, SlicesFindTheCrossingsOfTheWholeMesh) {
+TEST(AcceptanceFiles, SlicesReportTheSelfIntersectionsOfTheWholeMesh) {
     const std::vector<fs::path> files = skeleton_files();
     if (files.empty()) GTEST_SKIP() << "there is no " << kShared;
     for (const fs::path& file : files) {

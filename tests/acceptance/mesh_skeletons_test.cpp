@@ -13,7 +13,7 @@ namespace {
 
 // Twigs of twelve radii next to a stem fifteen times as thick: the contraction of the stem must not shorten
 // the twigs.
-TEST(AcceptanceMeshSkeletons, TwigsOfAnOakAreFoundByBothMethods) {
+TEST(AcceptanceMeshSkeletons, BothMethodsExtractTheTwigsOfAnOak) {
     const Skeleton oak = read_skeleton(source_dir() / "examples/oak.swc").skeleton;
     const PolygonMesh surface = to_polygons(mesh_skeleton(oak).quads().mesh);
     for (const MeshSkeletonMethod method : {MeshSkeletonMethod::rings, MeshSkeletonMethod::contraction}) {

@@ -112,7 +112,7 @@ void expect_a_part_for_each_tree(const std::string& name, const Skeleton& skelet
 
 constexpr Kernel kQuartic = Kernel::quartic, kCauchy = Kernel::cauchy, kScalis = Kernel::scalis;
 
-TEST(AcceptanceParts, EverySkeletonInTheZoo) {
+TEST(AcceptanceParts, NumberOfComponentsMatchesTheTreesOfTheZoo) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         expect_a_part_for_each_tree(name, skeleton, {{0.5f, 1}, {0, 0.45f}, {kQuartic}});
         if (skeleton.size() > 300) continue;
@@ -121,7 +121,7 @@ TEST(AcceptanceParts, EverySkeletonInTheZoo) {
     }
 }
 
-TEST(AcceptanceParts, RandomTrees) {
+TEST(AcceptanceParts, NumberOfComponentsMatchesTheTreesOfRandomSkeletons) {
     for (std::uint64_t seed = 1; seed <= 6; ++seed) {
         const bool hard = seed % 2 == 0;
         expect_a_part_for_each_tree("random " + std::to_string(seed), random_tree(200, seed, hard),
@@ -129,7 +129,7 @@ TEST(AcceptanceParts, RandomTrees) {
     }
 }
 
-TEST(AcceptancePartsFiles, EverySkeleton) {
+TEST(AcceptancePartsFiles, NumberOfComponentsMatchesTheTreesOfFiles) {
     std::vector<fs::path> files = skeleton_files();
     if (files.empty()) GTEST_SKIP() << "there is no " << kShared;
     for (const fs::path& file : files) {

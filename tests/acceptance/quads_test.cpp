@@ -99,7 +99,7 @@ void expect_faithful(const Skeleton& skeleton) {
 
 class AcceptanceZoo : public testing::TestWithParam<int> {};
 
-TEST_P(AcceptanceZoo, EverySkeletonGivesClosedQuadsThatDoNotCross) {
+TEST_P(AcceptanceZoo, EverySkeletonHasClosedQuadsWithoutSelfIntersections) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         SCOPED_TRACE(name);
         MeshOptions options;
@@ -111,7 +111,7 @@ TEST_P(AcceptanceZoo, EverySkeletonGivesClosedQuadsThatDoNotCross) {
 INSTANTIATE_TEST_SUITE_P(Levels, AcceptanceZoo, testing::Values(0, 2),
                          [](const auto& chosen) { return std::to_string(chosen.param); });
 
-TEST(Acceptance, OpenBaseLeavesOneHoleInTreesThatBeginWithOneBranch) {
+TEST(Acceptance, OpenBaseHasOneHolePerTreeThatStartsWithOneBranch) {
     MeshOptions options;
     options.control.base = BaseShape::open;
     for (const auto& [name, skeleton] : skeleton_zoo()) {
@@ -156,7 +156,7 @@ void expect_disc(const QuadSurface& result, int levels, const ClipPlane& clip, V
     EXPECT_LT(widest_inside, 0.98f);
 }
 
-TEST(Acceptance, FlatEndsAreDiscsAsWideAsTheBranch) {
+TEST(Acceptance, FlatEndsAreDiscsOfTheBranchRadius) {
     const Skeleton bent({NodeId::none(), NodeId(0), NodeId(1), NodeId(2)},
                         {{0.1f, 0.2f, 0.4f}, {0.5f, 0.5f, 1.5f}, {1.3f, 0.7f, 2.3f}, {2.6f, 0.2f, 2.6f}},
                         {0.5f, 0.45f, 0.4f, 0.3f});
@@ -189,7 +189,7 @@ TEST(Acceptance, FlatEndsAreDiscsAsWideAsTheBranch) {
     }
 }
 
-TEST(Acceptance, EverySkeletonInTheZooClosesWithFlatEnds) {
+TEST(Acceptance, EverySkeletonInTheZooIsClosedWithFlatEnds) {
     MeshOptions options;
     options.control = {.tips = TipShape::flat, .base = BaseShape::flat};
     for (const auto& [name, skeleton] : skeleton_zoo()) {
@@ -198,7 +198,7 @@ TEST(Acceptance, EverySkeletonInTheZooClosesWithFlatEnds) {
     }
 }
 
-TEST(Acceptance, SameBitsForAnyNumberOfThreads) {
+TEST(Acceptance, IsBitIdenticalForAnyNumberOfThreads) {
     for (const char* name : {"soma", "forest", "thin_lateral_15", "whorl_on_short_trunk",
                              "short_segments_010", "random_hard_2", "random_large", "random_large_hard"}) {
         SCOPED_TRACE(name);
@@ -206,14 +206,14 @@ TEST(Acceptance, SameBitsForAnyNumberOfThreads) {
     }
 }
 
-TEST(Acceptance, MadeUpTreesAreFaithful) {
+TEST(Acceptance, RandomTreesHaveAccurateSurfaces) {
     for (const std::uint64_t seed : {1u, 6u}) {
         SCOPED_TRACE(seed);
         expect_faithful(random_tree(300, seed));
     }
 }
 
-TEST(Acceptance, CrowdsOfBranchesAreClosed) {
+TEST(Acceptance, BranchesThatAllOverlapAreClosed) {
     // Every branch overlaps hundreds of others: the surface must be closed, and computed soon.
     constexpr std::uint32_t kBranches = 256;
     std::vector<NodeId> parent{NodeId::none(), NodeId(0)};
@@ -230,7 +230,7 @@ TEST(Acceptance, CrowdsOfBranchesAreClosed) {
 
 // --- foreign skeletons ---------------------------------------------------------------------------------
 
-TEST(AcceptanceFiles, EverySkeletonGivesClosedQuadsThatDoNotCross) {
+TEST(AcceptanceFiles, EverySkeletonHasClosedQuadsWithoutSelfIntersections) {
     const std::vector<fs::path> files = skeleton_files();
     if (files.empty()) GTEST_SKIP() << "there is no " << kShared;
     for (const fs::path& file : files) {
@@ -247,12 +247,12 @@ class AcceptanceWorkload : public testing::TestWithParam<const char*> {
     fs::path file() const { return workload(GetParam()); }
 };
 
-TEST_P(AcceptanceWorkload, IsFaithful) {
+TEST_P(AcceptanceWorkload, SurfaceIsAccurate) {
     if (!fs::exists(file())) GTEST_SKIP() << "there is no " << file();
     expect_faithful(read_skeleton(file()).skeleton);
 }
 
-TEST_P(AcceptanceWorkload, SameBitsForAnyNumberOfThreads) {
+TEST_P(AcceptanceWorkload, IsBitIdenticalForAnyNumberOfThreads) {
     if (!fs::exists(file())) GTEST_SKIP() << "there is no " << file();
     expect_same_bits(read_skeleton(file()).skeleton);
 }

@@ -34,7 +34,7 @@ void expect_sound(const QuadSurface& surface) {
     EXPECT_TRUE(crossing_faces(SurfaceTree(to_polygons(surface.mesh)), 1000).pairs.empty());
 }
 
-TEST(Ramifications, CloseTheZoo) {
+TEST(Ramifications, AreClosedOnTheZoo) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         SCOPED_TRACE(name);
         expect_sound(ramified(skeleton));
@@ -45,7 +45,7 @@ TEST(Ramifications, CloseTheZoo) {
     }
 }
 
-TEST(Metaballs, CloseTheZoo) {
+TEST(Metaballs, AreClosedOnTheZoo) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         SCOPED_TRACE(name);
         // Without remeshing, which may join touching surfaces.
@@ -58,7 +58,7 @@ TEST(Metaballs, CloseTheZoo) {
 }
 
 // Before remeshing, which may join touching surfaces.
-TEST(Ramifications, CloseSkeletonsOfOthers) {
+TEST(Ramifications, AreClosedOnFiles) {
     const auto files = test::skeleton_files();
     if (files.empty()) GTEST_SKIP() << "there is no ../shared";
     for (const auto& file : files) {
@@ -68,7 +68,7 @@ TEST(Ramifications, CloseSkeletonsOfOthers) {
     }
 }
 
-TEST(Ramifications, NeverCross) {
+TEST(Ramifications, HaveNoSelfIntersectionsOnFiles) {
     const auto files = test::skeleton_files();
     if (files.empty()) GTEST_SKIP() << "there is no ../shared";
     for (const auto& file : files) {
@@ -79,7 +79,7 @@ TEST(Ramifications, NeverCross) {
     }
 }
 
-TEST(Ramifications, AreOneSphereOnOrdinaryTrees) {
+TEST(Ramifications, AreOneSpherePerTreeOnRandomTrees) {
     for (const char* name : {"tree300", "tree3k"}) {
         if (!test::fs::exists(test::workload(name))) GTEST_SKIP() << "there is no ../shared";
         SCOPED_TRACE(name);

@@ -47,7 +47,7 @@ double share_of_sharp_turns(const Skeleton& s, double least) {
     return sharp / std::max(turns, 1.0);
 }
 
-TEST_P(AcceptanceScans, GivesWhatATreeCanBe) {
+TEST_P(AcceptanceScans, ExtractsPlausibleTrees) {
     const PointSet points = read_points(GetParam());
     const CloudExtraction found = extract_from_cloud(points);
     const Skeleton& s = found.skeleton;

@@ -55,7 +55,7 @@ void expect_solid(const SurfaceReport& r) {
     EXPECT_GT(r.shape.signed_volume, 0);
 }
 
-TEST(AcceptanceTetra, EverySkeletonInTheZooGivesASolid) {
+TEST(AcceptanceTetra, EverySkeletonInTheZooHasAWatertightSolid) {
     for (const int levels : {0, 1, 2}) {
         for (const auto& [name, skeleton] : skeleton_zoo()) {
             SCOPED_TRACE(name + ", level " + std::to_string(levels));
@@ -64,7 +64,7 @@ TEST(AcceptanceTetra, EverySkeletonInTheZooGivesASolid) {
     }
 }
 
-TEST(AcceptanceTetra, EverySkeletonInTheZooGivesASolidInItsPolyhedron) {
+TEST(AcceptanceTetra, EverySkeletonInTheZooHasAWatertightSolidFromItsPolyhedron) {
     for (const float edge : {1.5f, 0.75f}) {
         for (const auto& [name, skeleton] : skeleton_zoo()) {
             SCOPED_TRACE(name + ", edge " + std::to_string(edge));
@@ -75,7 +75,7 @@ TEST(AcceptanceTetra, EverySkeletonInTheZooGivesASolidInItsPolyhedron) {
     }
 }
 
-TEST(AcceptanceTetra, APolyhedronHasCountsOfTheOrderOfThosePrinted) {
+TEST(AcceptanceTetra, PolyhedronCountsMatchThePublishedOrderOfMagnitude) {
     // Rhus of [Zhu2013]: 2,064 tetrahedra, cut three times, and 362,740 triangles; the number of its segments
     // is not published.
     const TetraSurface surface = mesh_skeleton(random_tree(288, 1), polyhedron(0.5f)).tetrahedra();
@@ -87,7 +87,7 @@ TEST(AcceptanceTetra, APolyhedronHasCountsOfTheOrderOfThosePrinted) {
     EXPECT_LT(surface.mesh.triangles.size(), 362'740u * 3);
 }
 
-TEST(AcceptanceTetra, APolyhedronHoldsATreeAsFaithfullyAsItsTetrahedraAreWide) {
+TEST(AcceptanceTetra, PolyhedronSurfaceIsAccurate) {
     const SurfaceReport r = judge(random_tree(288, 1), polyhedron(0.5f));
     expect_solid(r);
     EXPECT_EQ(r.topology.components, 1u);
@@ -95,7 +95,7 @@ TEST(AcceptanceTetra, APolyhedronHoldsATreeAsFaithfullyAsItsTetrahedraAreWide) {
     EXPECT_LE(r.radius->regular.mean_abs, 0.01);
 }
 
-TEST(AcceptanceTetra, APolyhedronIsCutAsOftenAsTheEdgeAsksFor) {
+TEST(AcceptanceTetra, PolyhedronLevelsFollowTheEdgeLength) {
     const auto levels = [](float edge) { return polyhedron_levels(polyhedron(edge).tetra); };
     EXPECT_EQ(levels(4), 1);
     EXPECT_EQ(levels(1.5f), 1);
@@ -105,7 +105,7 @@ TEST(AcceptanceTetra, APolyhedronIsCutAsOftenAsTheEdgeAsksFor) {
     EXPECT_THROW(levels(0.06f), InvalidInput);
 }
 
-TEST(AcceptanceTetra, NoSegmentIsMissingFromHardTrees) {
+TEST(AcceptanceTetra, SurfaceContainsEverySegmentOfHardTrees) {
     for (const char* name :
          {"random_hard_2", "random_large_hard", "whorl_on_short_trunk", "thin_lateral_15"}) {
         SCOPED_TRACE(name);
@@ -114,7 +114,7 @@ TEST(AcceptanceTetra, NoSegmentIsMissingFromHardTrees) {
     }
 }
 
-TEST(AcceptanceTetra, BranchesThatCrossBecomeOneBody) {
+TEST(AcceptanceTetra, IntersectingBranchesBecomeOneBody) {
     // Two trees, each a bar through the middle of the other.
     const Skeleton cross({NodeId::none(), NodeId(0), NodeId::none(), NodeId(2)},
                          {{-2, 0, 0}, {2, 0, 0}, {0, -2, 0}, {0, 2, 0}}, {0.3f, 0.3f, 0.3f, 0.3f});
@@ -124,7 +124,7 @@ TEST(AcceptanceTetra, BranchesThatCrossBecomeOneBody) {
     EXPECT_EQ(r.topology.euler, 2);
 }
 
-TEST(AcceptanceTetra, TreesThatKeepApartStayApart) {
+TEST(AcceptanceTetra, SeparateTreesRemainSeparateBodies) {
     const Skeleton apart({NodeId::none(), NodeId(0), NodeId::none(), NodeId(2)},
                          {{-2, 0, 0}, {2, 0, 0}, {-2, 1, 0}, {2, 1, 0}}, {0.3f, 0.3f, 0.3f, 0.3f});
     const SurfaceReport r = judge(apart);
@@ -133,7 +133,7 @@ TEST(AcceptanceTetra, TreesThatKeepApartStayApart) {
     EXPECT_EQ(r.topology.euler, 4);
 }
 
-TEST(AcceptanceTetra, FlatEndsLieInTheirPlanes) {
+TEST(AcceptanceTetra, FlatEndsAreInTheirPlanes) {
     const Skeleton bar({NodeId::none(), NodeId(0), NodeId(1)}, {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}},
                        {0.25f, 0.25f, 0.25f});
     MeshOptions options = tetrahedra(3);
@@ -157,7 +157,7 @@ TEST(AcceptanceTetra, FlatEndsLieInTheirPlanes) {
     EXPECT_NEAR(round.shape.signed_volume / (cylinder + ball), 1, 0.04);
 }
 
-TEST(AcceptanceTetra, EdgeMeansTheLengthOfEdgesWhateverTheLevels) {
+TEST(AcceptanceTetra, EdgeLengthIsIndependentOfLevels) {
     const Skeleton tree = random_tree(100, 3);
     for (const int levels : {1, 2, 3}) {
         MeshOptions options = tetrahedra(levels);
@@ -168,7 +168,7 @@ TEST(AcceptanceTetra, EdgeMeansTheLengthOfEdgesWhateverTheLevels) {
     }
 }
 
-TEST(AcceptanceTetra, SameBitsForAnyNumberOfThreads) {
+TEST(AcceptanceTetra, IsBitIdenticalForAnyNumberOfThreads) {
     const auto hash = [](const Skeleton& s, unsigned threads) {
         const TriMesh mesh = mesh_skeleton(s, tetrahedra(), {.threads = threads}).tetrahedra().mesh;
         return Hash()
@@ -185,7 +185,7 @@ TEST(AcceptanceTetra, SameBitsForAnyNumberOfThreads) {
     }
 }
 
-TEST(AcceptanceTetraFiles, EverySkeletonGivesASolidInItsPolyhedron) {
+TEST(AcceptanceTetraFiles, EverySkeletonHasAWatertightSolidFromItsPolyhedron) {
     const std::vector<fs::path> files = skeleton_files();
     if (files.empty()) GTEST_SKIP() << "there is no " << kShared;
     for (const fs::path& file : files) {
@@ -195,7 +195,7 @@ TEST(AcceptanceTetraFiles, EverySkeletonGivesASolidInItsPolyhedron) {
     }
 }
 
-TEST(AcceptanceTetraFiles, EverySkeletonGivesASolid) {
+TEST(AcceptanceTetraFiles, EverySkeletonHasAWatertightSolid) {
     const std::vector<fs::path> files = skeleton_files();
     if (files.empty()) GTEST_SKIP() << "there is no " << kShared;
     for (const fs::path& file : files) {
@@ -211,7 +211,7 @@ TEST(AcceptanceTetraFiles, EverySkeletonGivesASolid) {
 
 class AcceptanceTetraWorkload : public testing::TestWithParam<const char*> {};
 
-TEST_P(AcceptanceTetraWorkload, IsFaithful) {
+TEST_P(AcceptanceTetraWorkload, SurfaceIsAccurate) {
     if (!fs::exists(workload(GetParam()))) GTEST_SKIP() << "there is no " << workload(GetParam());
     const SurfaceReport r = judge(read_skeleton(workload(GetParam())).skeleton);
     expect_solid(r);

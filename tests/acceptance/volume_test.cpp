@@ -23,7 +23,7 @@ void expect_volume(const Skeleton& skeleton, MeshOptions options) {
     }
 }
 
-TEST(AcceptanceVolume, OfOtherPeoplesSkeletons) {
+TEST(AcceptanceVolume, MatchesTheSkeletonOnFiles) {
     constexpr std::uint32_t kSmall = 1000;
     int seen = 0;
     for (const fs::path& file : skeleton_files()) {
@@ -37,7 +37,7 @@ TEST(AcceptanceVolume, OfOtherPeoplesSkeletons) {
     if (seen == 0) GTEST_SKIP() << "there is no " << kShared;
 }
 
-TEST(AcceptanceVolume, OfAllLevels) {
+TEST(AcceptanceVolume, MatchesTheSkeletonAtEveryLevel) {
     for (const fs::path& file : {source_dir() / "examples/oak.swc", workload("tree300")}) {
         if (!fs::exists(file)) continue;
         const Skeleton skeleton = read_skeleton(file).skeleton;

@@ -5,12 +5,12 @@
 namespace coppice {
 namespace {
 
-TEST(Ascii, OnlyLettersOfAsciiChange) {
+TEST(Ascii, ToLowerChangesAsciiLettersOnly) {
     EXPECT_EQ(to_lower(std::string_view("Qu_ERCUS-9 \xC3\x84z")), "qu_ercus-9 \xC3\x84z");
     EXPECT_EQ(to_lower(std::string_view()), "");
 }
 
-TEST(Ascii, NeighboursOfLettersAndDigitsAreNone) {
+TEST(Ascii, NeighboursOfLettersAndDigitsAreNeither) {
     for (const char c : {'@', '[', '`', '{', '/', ':', '_', '\xC4', '\0'}) {
         EXPECT_FALSE(is_letter(c) || is_digit(c)) << int{c};
         EXPECT_EQ(to_lower(c), c);

@@ -26,7 +26,7 @@ TEST(Box3, TheDefaultIsEmpty) {
     EXPECT_TRUE(none.inflated(1).empty());
 }
 
-TEST(Box3, OfOnePointHasNoSize) {
+TEST(Box3, OnePointHasSizeZero) {
     Box3 box;
     box.extend(Vec3{1, -2, 3});
     EXPECT_FALSE(box.empty());
@@ -37,7 +37,7 @@ TEST(Box3, OfOnePointHasNoSize) {
     EXPECT_TRUE(box.overlaps(box));
 }
 
-TEST(Box3, GrowsAxisByAxis) {
+TEST(Box3, ExtendsEveryAxisSeparately) {
     const Box3 box = two_corners();
     EXPECT_EQ(box.low, (Vec3{-1, 2, -2}));
     EXPECT_EQ(box.high, (Vec3{1, 5, 3}));
@@ -46,7 +46,7 @@ TEST(Box3, GrowsAxisByAxis) {
     EXPECT_FLOAT_EQ(box.diagonal(), std::sqrt(38.0f));  // 4 + 9 + 25
 }
 
-TEST(Box3, ExtendedByABoxHoldsBoth) {
+TEST(Box3, ContainsBothBoxesAfterExtend) {
     Box3 box = two_corners();
     Box3 other;
     other.extend(Vec3{0, 0, 0});
@@ -56,7 +56,7 @@ TEST(Box3, ExtendedByABoxHoldsBoth) {
     EXPECT_EQ(box.high, (Vec3{1, 9, 3}));
 }
 
-TEST(Box3, ExtendedByAnEmptyBoxStaysAsItIs) {
+TEST(Box3, ExtendByAnEmptyBoxChangesNothing) {
     Box3 box = two_corners();
     box.extend(Box3{});
     EXPECT_EQ(box.low, two_corners().low);
@@ -66,13 +66,13 @@ TEST(Box3, ExtendedByAnEmptyBoxStaysAsItIs) {
     EXPECT_TRUE(none.empty());
 }
 
-TEST(Box3, InflatedReachesFartherOnEverySide) {
+TEST(Box3, InflatedExtendsEverySide) {
     const Box3 box = two_corners().inflated(0.5f);
     EXPECT_EQ(box.low, (Vec3{-1.5f, 1.5f, -2.5f}));
     EXPECT_EQ(box.high, (Vec3{1.5f, 5.5f, 3.5f}));
 }
 
-TEST(Box3, OverlapsWhatItTouchesAndNothingBeside) {
+TEST(Box3, OverlapsTouchingBoxesButNotSeparateOnes) {
     const Box3 unit{{0, 0, 0}, {1, 1, 1}};
     EXPECT_TRUE(unit.overlaps({{0.5f, 0.5f, 0.5f}, {2, 2, 2}}));
     EXPECT_TRUE(unit.overlaps({{1, 1, 1}, {2, 2, 2}}));  // a common corner
@@ -89,7 +89,7 @@ TEST(Box3, OverlapsWhatItTouchesAndNothingBeside) {
     }
 }
 
-TEST(CapsuleBox, IsTheBoxOfTheEndsWithTheRadiusAround) {
+TEST(CapsuleBox, ContainsTheEndsWithTheRadiusAround) {
     const Box3 box = capsule_box({1, 0, -2}, {0, 3, 0}, 0.5f);
     EXPECT_EQ(box.low, (Vec3{-0.5f, -0.5f, -2.5f}));
     EXPECT_EQ(box.high, (Vec3{1.5f, 3.5f, 0.5f}));

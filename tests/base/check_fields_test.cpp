@@ -54,43 +54,43 @@ std::string complaint(const CarveOptions& options) {
     return test::error_of([&] { check_fields(options, "carve"); });
 }
 
-TEST(CheckFields, TakesWhatLiesInRange) {
+TEST(CheckFields, AcceptsValuesInRange) {
     EXPECT_EQ(complaint({}), "no error");
     EXPECT_EQ(complaint({.count = 1, .depth = 0.5f, .polish = true}), "no error");
     EXPECT_EQ(complaint({.count = 8}), "no error");
 }
 
-TEST(CheckFields, TakesABoundThatAFloatCannotHold) {
+TEST(CheckFields, AcceptsABoundThatFloatCannotRepresent) {
     // 0.7 is 0.699999988 as a float: the default is at the bound, and not below it.
     EXPECT_EQ(complaint({.depth = 0.7f}), "no error");
     EXPECT_NE(complaint({.depth = std::nextafter(0.7f, 1.0f)}), "no error");
 }
 
-TEST(CheckFields, NamesSourceFieldRangeAndValue) {
+TEST(CheckFields, ReportsSourceFieldRangeAndValue) {
     EXPECT_EQ(complaint({.count = 0}), "carve: count must be between 1 and 8, but is 0");
     EXPECT_EQ(complaint({.count = 9}), "carve: count must be between 1 and 8, but is 9");
     EXPECT_EQ(complaint({.depth = 0.25f}), "carve: depth must be between 0.5 and 0.7, but is 0.25");
 }
 
-TEST(CheckFields, ReachesStructsWithinAndEnums) {
+TEST(CheckFields, ChecksNestedStructsAndEnums) {
     EXPECT_EQ(complaint({.chisel = {.width = 3}}), "carve: chisel.width must be between 0 and 2, but is 3");
     EXPECT_EQ(complaint({.chisel = {.handle = static_cast<Wood>(2)}}),
               "carve: chisel.handle must be one of oak, pear");
     EXPECT_EQ(complaint({.chisel = {.width = 2, .handle = Wood::pear}}), "no error");
 }
 
-TEST(CheckFields, NamesTheFirstFieldThatIsWrong) {
+TEST(CheckFields, ReportsTheFirstInvalidField) {
     EXPECT_EQ(complaint({.count = -1, .depth = -1}).find("carve: count"), 0u);
 }
 
-TEST(CheckFields, RefusesWhatIsNoNumber) {
+TEST(CheckFields, RejectsNonFiniteNumbers) {
     EXPECT_EQ(complaint({.depth = std::numeric_limits<float>::quiet_NaN()}),
               "carve: depth must be between 0.5 and 0.7, but is nan");
     EXPECT_EQ(complaint({.depth = std::numeric_limits<float>::infinity()}),
               "carve: depth must be between 0.5 and 0.7, but is inf");
 }
 
-TEST(CheckFields, AFieldWithoutARangeTakesEverything) { EXPECT_EQ(complaint({.lean = -1e30f}), "no error"); }
+TEST(CheckFields, AcceptsAnyValueWithoutARange) { EXPECT_EQ(complaint({.lean = -1e30f}), "no error"); }
 
 }  // namespace
 }  // namespace coppice

@@ -29,7 +29,7 @@ TEST(Column, IsAnArrayIndexedByIds) {
     EXPECT_FALSE(column == (Column<NodeId, int>{9, 7, 5}));
 }
 
-TEST(Column, TakesOneKindOfIdOnly) {
+TEST(Column, AcceptsOneTypeOfIdOnly) {
     static_assert(std::is_invocable_v<decltype([](auto& c, auto i) -> decltype(c[i]) { return c[i]; }),
                                       Column<NodeId, int>&, NodeId>);
     static_assert(!std::is_invocable_v<decltype([](auto& c, auto i) -> decltype(c[i]) { return c[i]; }),
@@ -38,7 +38,7 @@ TEST(Column, TakesOneKindOfIdOnly) {
                                        Column<NodeId, int>&, int>);
 }
 
-TEST(Column, GrowsWithValuesThatAreSet) {
+TEST(Column, ResizesWithDefaultOrGivenValues) {
     Column<NodeId, float> column(2, 1.5f);
     column.push_back(2.5f);
     column.resize(5);
@@ -48,7 +48,7 @@ TEST(Column, GrowsWithValuesThatAreSet) {
     EXPECT_EQ((Column<NodeId, int>(std::vector<int>{1, 2})), (Column<NodeId, int>{1, 2}));
 }
 
-TEST(Buffer, HoldsWhatIsWrittenAlsoWhereItIsLarge) {
+TEST(Buffer, PreservesValuesOfSmallAndLargeBuffers) {
     // Counts just below, equal to and above the size from which pages are allocated by the system.
     for (const std::size_t count : {kLarge / sizeof(std::uint32_t) - 1, kLarge / sizeof(std::uint32_t),
                                     kLarge / sizeof(std::uint32_t) + 1}) {
@@ -63,12 +63,12 @@ TEST(Buffer, HoldsWhatIsWrittenAlsoWhereItIsLarge) {
     }
 }
 
-TEST(Buffer, SetsTheValuesThatItIsGiven) {
+TEST(Buffer, FillsWithTheGivenValue) {
     const Buffer<int> sevens(100, 7);
     EXPECT_EQ(std::count(sevens.begin(), sevens.end(), 7), 100);
 }
 
-TEST(Buffer, MakesValuesThatHaveToBeMade) {
+TEST(Buffer, ConstructsNonTrivialValues) {
     Buffer<std::string> words(3);
     words[1] = "a word that is too long for the internal buffer of a string";
     words.resize(40);
@@ -77,12 +77,12 @@ TEST(Buffer, MakesValuesThatHaveToBeMade) {
     EXPECT_EQ(words[39], "");
 }
 
-TEST(Buffer, LargeBlocksBeginAtAPage) {
+TEST(Buffer, LargeBlocksAreAlignedToPages) {
     Buffer<char> buffer(kLarge);
     EXPECT_EQ(reinterpret_cast<std::uintptr_t>(buffer.data()) % 4096, 0u);
 }
 
-TEST(Buffer, MoreThanMemoryCanNameIsRefused) {
+TEST(Buffer, RejectsSizesBeyondTheAddressSpace) {
     constexpr std::size_t kMax = std::numeric_limits<std::size_t>::max();
     EXPECT_THROW(UninitializedAllocator<double>().allocate(kMax / 4), std::bad_array_new_length);
     EXPECT_THROW(allocate_large(kMax), std::bad_alloc);  // rounding up to pages must not overflow to 0

@@ -25,7 +25,7 @@ TEST(CompressedRows, GroupsByKeyInOrder) {
     EXPECT_EQ(rows.items.size(), 5u);  // item 2 is in no row
 }
 
-TEST(CompressedRows, TakesItemsOfAnyKind) {
+TEST(CompressedRows, AcceptsItemsOfAnyType) {
     struct Item {
         char letter;
         int number;
@@ -42,7 +42,7 @@ TEST(CompressedRows, TakesItemsOfAnyKind) {
     EXPECT_EQ(rows.items[2].number, 4);
 }
 
-TEST(CompressedRows, OfNothing) {
+TEST(CompressedRows, AcceptsEmptyInput) {
     EXPECT_EQ(CompressedRows<int>().size(), 0u);
     EXPECT_EQ(group_by({}, 0).size(), 0u);
     EXPECT_EQ(group_by({}, 3).size(), 3u);

@@ -10,14 +10,14 @@
 namespace coppice {
 namespace {
 
-TEST(Context, TheDefaultNeitherStopsNorTells) {
+TEST(Context, DefaultNeitherStopsNorReports) {
     const Context ctx;
     EXPECT_EQ(ctx.threads, 0u);
     EXPECT_EQ(test::error_of<Error>([&] { ctx.throw_if_cancelled(); }), "no error");
     EXPECT_EQ(test::error_of<std::exception>([&] { ctx.report(0.5f); }), "no error");
 }
 
-TEST(Context, ThrowsFromTheMomentThatAStopIsAskedFor) {
+TEST(Context, ThrowsOnceAStopIsRequested) {
     std::stop_source source;
     const Context ctx{.stop = source.get_token()};
     EXPECT_EQ(test::error_of<Cancelled>([&] { ctx.throw_if_cancelled(); }), "no error");
@@ -27,7 +27,7 @@ TEST(Context, ThrowsFromTheMomentThatAStopIsAskedFor) {
     EXPECT_THROW(copy.throw_if_cancelled(), Cancelled);
 }
 
-TEST(Context, HandsOnEveryFraction) {
+TEST(Context, ForwardsEveryFraction) {
     std::vector<float> reported;
     const Context ctx{.progress = [&](float fraction) { reported.push_back(fraction); }};
     ctx.report(0);

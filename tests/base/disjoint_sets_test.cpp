@@ -8,7 +8,7 @@
 namespace coppice {
 namespace {
 
-TEST(DisjointSets, TheLeastMemberStandsForItsSet) {
+TEST(DisjointSets, RepresentativeIsTheSmallestMember) {
     DisjointSets sets(6);
     EXPECT_TRUE(sets.join(5, 3));
     EXPECT_TRUE(sets.join(4, 1));
@@ -21,7 +21,7 @@ TEST(DisjointSets, TheLeastMemberStandsForItsSet) {
     for (std::uint32_t i = 0; i < 4; ++i) EXPECT_EQ(sets.find(i), i);
 }
 
-TEST(DisjointSets, JoinsOfSeveralThreadsAreAllThere) {
+TEST(DisjointSets, ContainsTheJoinsOfSeveralThreads) {
     // Numbers of equal remainder belong together: 1000 sets of 100. Every thread joins each fourth pair, two
     // of them in reverse order.
     constexpr std::uint32_t kCount = 100'000, kSets = 1000, kThreads = 4;

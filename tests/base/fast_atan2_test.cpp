@@ -7,7 +7,7 @@
 namespace coppice {
 namespace {
 
-TEST(FastAtan2, IsNearTheTrueAngleAllAround) {
+TEST(FastAtan2, IsCloseToTheExactAngleInAllDirections) {
     constexpr int kSteps = 200000;
     for (const double length : {1e-30, 1.0, 1e30}) {
         double worst = 0;
@@ -21,7 +21,7 @@ TEST(FastAtan2, IsNearTheTrueAngleAllAround) {
     }
 }
 
-TEST(FastAtan2, AxesAndNothing) {
+TEST(FastAtan2, IsExactOnAxesAndAtTheOrigin) {
     EXPECT_EQ(fast_atan2(0, 1), 0);
     EXPECT_FLOAT_EQ(fast_atan2(1, 0), std::numbers::pi_v<float> / 2);
     EXPECT_FLOAT_EQ(fast_atan2(0, -1), std::numbers::pi_v<float>);

@@ -8,25 +8,25 @@
 namespace coppice {
 namespace {
 
-TEST(Id, TheDefaultNamesNothing) {
+TEST(Id, DefaultIsNone) {
     EXPECT_FALSE(NodeId());
     EXPECT_FALSE(NodeId::none());
     EXPECT_EQ(NodeId(), NodeId::none());
 }
 
-TEST(Id, OfAnIndexNamesAlsoTheFirst) {
+TEST(Id, IndexZeroIsNotNone) {
     EXPECT_TRUE(NodeId(0));
     EXPECT_EQ(NodeId(0).index(), 0u);
     EXPECT_EQ(NodeId(41).index(), 41u);
     EXPECT_NE(NodeId(0), NodeId::none());
 }
 
-TEST(Id, OrdersByIndexAndNoneComesLast) {
+TEST(Id, OrdersByIndexWithNoneLast) {
     EXPECT_LT(NodeId(1), NodeId(2));
     EXPECT_LT(NodeId(std::numeric_limits<std::uint32_t>::max() - 1), NodeId::none());
 }
 
-TEST(Id, KindsDoNotMixAndNumbersDoNotTurnIntoIds) {
+TEST(Id, TypesOfIdsAndNumbersDoNotConvert) {
     static_assert(!std::is_constructible_v<NodeId, FaceId>);
     static_assert(!std::is_convertible_v<std::uint32_t, NodeId>);
     static_assert(!std::is_convertible_v<NodeId, std::uint32_t>);

@@ -23,7 +23,7 @@ TEST(LocalOrigin, IsTheAnchorRoundedToAFractionOfTheDiagonal) {
     EXPECT_EQ(std::ldexp(tiny.x, 33), std::round(std::ldexp(tiny.x, 33)));
 }
 
-TEST(LocalOrigin, FollowsAPowerOfTwoExactly) {
+TEST(LocalOrigin, ScalesExactlyByPowersOfTwo) {
     const Vec3d low{1.1, -20.3, 5000.7}, high{2.9, -18.4, 5001.1}, anchor{1.3, -19.9, 5000.9};
     const Vec3d once = local_origin(low, high, anchor);
     for (int power = -60; power <= 60; ++power) {

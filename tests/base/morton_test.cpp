@@ -5,7 +5,7 @@
 namespace coppice {
 namespace {
 
-TEST(Morton, TakesTheBitsInTurn) {
+TEST(Morton, InterleavesTheBitsOfTheAxes) {
     EXPECT_EQ(morton_code(0, 0, 0), 0u);
     EXPECT_EQ(morton_code(1, 0, 0), 1u);
     EXPECT_EQ(morton_code(0, 1, 0), 2u);
@@ -13,7 +13,7 @@ TEST(Morton, TakesTheBitsInTurn) {
     EXPECT_EQ(morton_code(5, 3, 6), 0b101'110'011u);  // x = 101, y = 011, z = 110: highest bits z y x first
 }
 
-TEST(Morton, TheLastCellFillsAllBits) {
+TEST(Morton, LastCellHasAllBits) {
     constexpr std::uint64_t kLast = kMortonCells - 1;
     EXPECT_EQ(morton_code(kLast, kLast, kLast), (std::uint64_t{1} << 63) - 1);
     EXPECT_EQ(morton_code(kLast, 0, 0), kMortonAxis);

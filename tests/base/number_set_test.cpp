@@ -5,7 +5,7 @@
 namespace coppice {
 namespace {
 
-TEST(NumberSet, CountsItsMembersInOrder) {
+TEST(NumberSet, CountsAndRanksItsMembersInOrder) {
     NumberSet set(200);
     for (const std::uint32_t i : {130u, 0u, 63u, 64u, 199u, 64u}) set.add(i);
     EXPECT_EQ(set.ascending(), (std::vector<std::uint32_t>{0, 63, 64, 130, 199}));
@@ -16,7 +16,7 @@ TEST(NumberSet, CountsItsMembersInOrder) {
     EXPECT_EQ(set.rank(199), 4u);
 }
 
-TEST(NumberSet, TellsWhatIsNew) {
+TEST(NumberSet, AddReportsNewMembers) {
     NumberSet set(70);
     EXPECT_TRUE(set.add(65));
     EXPECT_FALSE(set.add(65));
@@ -25,7 +25,7 @@ TEST(NumberSet, TellsWhatIsNew) {
     EXPECT_TRUE(set.add(65));
 }
 
-TEST(NumberSet, MayBeEmpty) {
+TEST(NumberSet, AcceptsEmptySets) {
     EXPECT_TRUE(NumberSet(0).ascending().empty());
     EXPECT_TRUE(NumberSet(65).ascending().empty());
 }

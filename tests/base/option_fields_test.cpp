@@ -30,7 +30,7 @@ struct EnumNames<Bark> {
 
 namespace {
 
-TEST(OptionFields, AnEnumIsNamedOnlyWhereItHasNames) {
+TEST(OptionFields, OnlyEnumsWithNamesAreNamedEnums) {
     static_assert(NamedEnum<Bark>);
     static_assert(!NamedEnum<Nameless>);
     static_assert(!NamedEnum<int>);
@@ -38,13 +38,13 @@ TEST(OptionFields, AnEnumIsNamedOnlyWhereItHasNames) {
     EXPECT_EQ(name_of(Bark::rough), "rough");
 }
 
-TEST(OptionFields, AFieldSaysNothingOfUnitAndRangeUnlessTold) {
+TEST(OptionFields, FieldHasNoUnitAndNoRangeByDefault) {
     constexpr Field kPlain{"bark", "how it feels"};
     EXPECT_EQ(kPlain.unit, Unit::none);
     EXPECT_GE(kPlain.low, kPlain.high);  // no range
 }
 
-TEST(OptionFields, RefersToTheMembersInOrder) {
+TEST(OptionFields, ReferencesTheMembersInOrder) {
     TrunkOptions options;
     const std::vector<OptionField> members = option_fields(options);
     ASSERT_EQ(members.size(), 2u);

@@ -17,7 +17,7 @@ namespace {
 constexpr unsigned kThreads[] = {0, 1, 2, 7};
 
 // Seven ranges wait for each other: with fewer threads than ranges the loop would never end.
-TEST(ParallelGuest, MoreThreadsThanTheMachineHasRunAtOnce) {
+TEST(ParallelGuest, RunsMoreThreadsThanCoresConcurrently) {
     constexpr unsigned kWanted = 7;
     std::latch all(kWanted);
     std::atomic<bool> together = true;
@@ -33,7 +33,7 @@ TEST(ParallelGuest, MoreThreadsThanTheMachineHasRunAtOnce) {
     EXPECT_TRUE(together);
 }
 
-TEST(ParallelGuest, TheLimitOfTheHostsThreadsIsLeftAlone) {
+TEST(ParallelGuest, PreservesTheThreadLimitOfTheHost) {
     using oneapi::tbb::global_control;
     const auto limit = [] { return global_control::active_value(global_control::max_allowed_parallelism); };
     for (const std::size_t host : {std::size_t{1}, std::size_t{2}, std::size_t{5}}) {
@@ -48,7 +48,7 @@ TEST(ParallelGuest, TheLimitOfTheHostsThreadsIsLeftAlone) {
     }
 }
 
-TEST(ParallelGuest, WhatTheBodyThrowsIsThrownToTheCaller) {
+TEST(ParallelGuest, RethrowsExceptionsOfTheBody) {
     for (const unsigned threads : kThreads) {
         const auto loop = [&](std::size_t count) {
             parallel_for_ranges({.threads = threads}, count, 1, [](IndexRange r) {

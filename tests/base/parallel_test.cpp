@@ -40,7 +40,7 @@ TEST(ParallelForRanges, CutsAtMultiplesOfTheGrainForAnyNumberOfThreads) {
     }
 }
 
-TEST(ParallelForRanges, OneThreadIsALoopInOrderOnTheCallersThread) {
+TEST(ParallelForRanges, RunsInOrderOnTheCallersThreadForOneThread) {
     std::vector<std::size_t> begins;
     const std::thread::id caller = std::this_thread::get_id();
     bool here = true;
@@ -52,7 +52,7 @@ TEST(ParallelForRanges, OneThreadIsALoopInOrderOnTheCallersThread) {
     EXPECT_TRUE(here);
 }
 
-TEST(ParallelForRanges, TwoThreadsWorkAtTheSameTime) {
+TEST(ParallelForRanges, RunsTwoThreadsConcurrently) {
     // Each of the two ranges waits for the other to begin; on one thread the loop times out.
     std::atomic<int> begun = 0;
     std::atomic<bool> met = true;
@@ -65,7 +65,7 @@ TEST(ParallelForRanges, TwoThreadsWorkAtTheSameTime) {
     EXPECT_TRUE(met);
 }
 
-TEST(ParallelForRanges, NeverRunsOnMoreThreadsThanItIsGiven) {
+TEST(ParallelForRanges, NeverExceedsTheNumberOfThreads) {
     for (const unsigned threads : {1u, 2u, 3u}) {
         std::atomic<unsigned> inside = 0, most = 0;
         parallel_for_ranges({.threads = threads}, 200, 1, [&](IndexRange) {
@@ -79,7 +79,7 @@ TEST(ParallelForRanges, NeverRunsOnMoreThreadsThanItIsGiven) {
     }
 }
 
-TEST(ParallelForRanges, MayBeNested) {
+TEST(ParallelForRanges, AcceptsNestedLoops) {
     for (const unsigned threads : kThreads) {
         std::vector<std::size_t> cells(20 * 30, 0);
         parallel_for({.threads = threads}, 20, 1, [&](std::size_t row) {
@@ -109,7 +109,7 @@ float compute_sum(IndexRange range) {
     return sum;
 }
 
-TEST(ParallelForUneven, GivesLargeOnesAllThreadsAndSmallOnesOne) {
+TEST(ParallelForUneven, AssignsAllThreadsToLargeItemsAndOneToSmallItems) {
     std::vector<unsigned> threads(9, 0);
     const auto is_large = [](std::size_t i) { return i % 4 == 0; };
     parallel_for_uneven({.threads = 3}, threads.size(), 2, is_large,
@@ -139,13 +139,13 @@ TEST(ParallelReduce, AddsTheRangesInIndexOrderForAnyNumberOfThreads) {
     }
 }
 
-TEST(ParallelReduce, OfNothingIsTheStart) {
+TEST(ParallelReduce, ReturnsTheInitialValueForNoIndices) {
     EXPECT_EQ(parallel_reduce(
                   {}, 0, 8, 42, [](IndexRange) { return 1; }, std::plus<>()),
               42);
 }
 
-TEST(ExclusiveScan, GivesEachTheSumBeforeIt) {
+TEST(ExclusiveScan, ReplacesEachValueByTheSumBeforeIt) {
     std::vector<int> counts{3, 0, 4, 1};
     EXPECT_EQ(exclusive_scan<int>(counts), 8);
     EXPECT_EQ(counts, (std::vector<int>{0, 3, 3, 7}));
@@ -153,7 +153,7 @@ TEST(ExclusiveScan, GivesEachTheSumBeforeIt) {
     EXPECT_EQ(exclusive_scan<int>(none), 0);
 }
 
-TEST(ParallelForRanges, NoRangeBeginsOnceAStopWasAskedFor) {
+TEST(ParallelForRanges, StartsNoRangeAfterAStopRequest) {
     for (const unsigned threads : kThreads) {
         std::stop_source source;
         const Context ctx{.threads = threads, .stop = source.get_token()};
@@ -172,7 +172,7 @@ TEST(ParallelForRanges, NoRangeBeginsOnceAStopWasAskedFor) {
     }
 }
 
-TEST(ParallelForRanges, AGrainOfNothingIsRefused) {
+TEST(ParallelForRanges, RejectsAGrainOfZero) {
     EXPECT_THROW(parallel_for_ranges({.threads = 1}, 1, 0, [](IndexRange) {}), PreconditionBroken);
 }
 

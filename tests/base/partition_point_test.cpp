@@ -8,7 +8,7 @@
 namespace coppice {
 namespace {
 
-TEST(PartitionPointTest, IsThatOfTheStandardLibrary) {
+TEST(PartitionPointTest, MatchesTheStandardLibrary) {
     constexpr std::array<std::uint32_t, 9> kAscending{0, 2, 2, 2, 5, 7, 8, 8, 11};
     for (std::size_t size = 0; size <= kAscending.size(); ++size) {
         const std::span<const std::uint32_t> items(kAscending.data(), size);

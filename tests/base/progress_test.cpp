@@ -7,7 +7,7 @@
 namespace coppice {
 namespace {
 
-TEST(Progress, APartReportsWithinItsPartOfTheWhole) {
+TEST(Progress, PartReportsWithinItsRange) {
     std::vector<float> reported;
     const Context whole{.progress = [&](float f) { reported.push_back(f); }};
     const Context half = part_of(whole, 0.5f, 1), last = part_of(half, 0.5f, 1);
@@ -19,7 +19,7 @@ TEST(Progress, APartReportsWithinItsPartOfTheWhole) {
     part_of({}, 0, 1).report(0.5f);  // no callback
 }
 
-TEST(Progress, ALookTellsOrThrows) {
+TEST(Progress, CheckInReportsOrThrows) {
     std::stop_source source;
     std::vector<float> reported;
     const Context ctx{.stop = source.get_token(), .progress = [&](float f) { reported.push_back(f); }};
@@ -31,7 +31,7 @@ TEST(Progress, ALookTellsOrThrows) {
     EXPECT_EQ(reported, (std::vector<float>{0.25f}));
 }
 
-TEST(Progress, ALoopWithProgressRunsTheRangesOfALoopWithoutAndTellsOfSteps) {
+TEST(Progress, LoopHasTheRangesOfParallelForAndReportsSteps) {
     const auto compute_ranges = [](const Context& ctx) {
         std::vector<std::size_t> end(100'003, 0);
         parallel_with_progress(ctx, end.size(), 7, [&](IndexRange r) {

@@ -41,7 +41,7 @@ void expect_same_order(std::uint32_t seed, std::uint32_t start, std::uint32_t mo
     EXPECT_TRUE(heap.empty());
 }
 
-TEST(RadixHeap, TakesOutInTheOrderOfCostsThenValues) {
+TEST(RadixHeap, PopsInOrderOfCostThenValue) {
     const auto uniform = [](auto& random) { return std::uniform_real_distribution<double>(0, 3)(random); };
     const auto skewed = [](auto& random) { return std::exp(std::normal_distribution<double>(0, 8)(random)); };
     const auto ties = [](auto& random) { return 0.25 * (random() % 4); };
@@ -55,7 +55,7 @@ TEST(RadixHeap, TakesOutInTheOrderOfCostsThenValues) {
     }
 }
 
-TEST(RadixHeap, ManyEntriesOfOneCost) {
+TEST(RadixHeap, AcceptsManyEntriesOfOneCost) {
     // More entries than the front may contain where costs differ; and costs just above and below others.
     RadixHeap heap;
     for (std::uint32_t i = 0; i < 2000; ++i) heap.push(1, 1999 - i);

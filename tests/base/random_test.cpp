@@ -10,7 +10,7 @@
 namespace coppice {
 namespace {
 
-TEST(MixBits, IsSplitMix64) {
+TEST(MixBits, MatchesSplitMix64) {
     // SplitMix64 from seed 0 adds 0x9e3779b97f4a7c15 before every draw, as mix_bits does once: its first
     // three draws, as the authors' program prints them.
     constexpr std::uint64_t kStep = 0x9e3779b97f4a7c15ull;
@@ -30,7 +30,7 @@ TEST(MixBits, EveryInputBitChangesHalfOfTheOutputBits) {
     }
 }
 
-TEST(CounterRandom, DependsOnSeedStageAndIndexAlone) {
+TEST(CounterRandom, DependsOnSeedStageAndIndexOnly) {
     const CounterRandom random(5, 2);
     const std::uint64_t ninth = random.bits(9);
     for (std::uint64_t i = 0; i < 9; ++i) random.bits(i);
@@ -41,7 +41,7 @@ TEST(CounterRandom, DependsOnSeedStageAndIndexAlone) {
     EXPECT_NE(CounterRandom(2, 5).bits(9), ninth);  // seed and stage are not interchangeable
 }
 
-TEST(CounterRandom, SeedsAndStagesOfNeighboursShareNoDraws) {
+TEST(CounterRandom, AdjacentSeedsAndStagesShareNoDraws) {
     // 64 streams of 64 draws: among 4096 draws of 64 bits, two are equal once in 2 * 10^12 times.
     std::set<std::uint64_t> draws;
     for (std::uint64_t seed = 0; seed < 8; ++seed) {
@@ -53,7 +53,7 @@ TEST(CounterRandom, SeedsAndStagesOfNeighboursShareNoDraws) {
     EXPECT_EQ(draws.size(), 4096u);
 }
 
-TEST(CounterRandom, UniformNumbersFillTheirRangeEvenly) {
+TEST(CounterRandom, UniformNumbersAreEvenlyDistributed) {
     constexpr int kDraws = 100'000, kBins = 100;
     const CounterRandom random(1, 1);
     std::array<int, kBins> bins{};
@@ -72,7 +72,7 @@ TEST(CounterRandom, UniformNumbersFillTheirRangeEvenly) {
     EXPECT_NEAR(chi, 99, 70);
 }
 
-TEST(CounterRandom, DrawsSideBySideAreIndependent) {
+TEST(CounterRandom, AdjacentDrawsAreIndependent) {
     constexpr int kDraws = 100'000;
     const CounterRandom random(1, 1), other(1, 2);
     double next = 0, stage = 0;
@@ -87,7 +87,7 @@ TEST(CounterRandom, DrawsSideBySideAreIndependent) {
     EXPECT_NEAR(stage / kDraws, 0, 0.0013);
 }
 
-TEST(CounterRandom, ARangeIsTheUnitRangeStretched) {
+TEST(CounterRandom, RangeIsTheScaledUnitRange) {
     const CounterRandom random(3, 4);
     for (std::uint64_t i = 0; i < 1000; ++i) {
         const double u = random.uniform(i, -2, 6);

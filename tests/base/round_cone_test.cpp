@@ -8,7 +8,7 @@ namespace {
 // From (0, 0, 0) with radius 1 to (0, 0, 4) with radius 0.5.
 constexpr Vec3d kA{0, 0, 0}, kB{0, 0, 4};
 
-TEST(RoundCone, FootsOfPointsBesideAndBeyond) {
+TEST(RoundCone, ComputesTheFootInsideAndBeyondTheSegment) {
     const RoundCone cone = round_cone(kA, kB, 1.0, 0.5);
     const RoundCone::Foot adjacent = cone.foot({3, 0, 2});
     EXPECT_DOUBLE_EQ(adjacent.t, 0.5);
@@ -25,7 +25,7 @@ TEST(RoundCone, FootsOfPointsBesideAndBeyond) {
     EXPECT_DOUBLE_EQ(cone.foot({0.25, 0, 2}).signed_distance(), -0.5);  // inside
 }
 
-TEST(RoundCone, EndsAndLine) {
+TEST(RoundCone, HasEndsAndLineParameter) {
     const RoundCone cone = round_cone(kA, kB, 1.0, 0.5);
     EXPECT_EQ(cone.b(), kB);
     EXPECT_DOUBLE_EQ(cone.radius_b(), 0.5);
@@ -33,7 +33,7 @@ TEST(RoundCone, EndsAndLine) {
     EXPECT_DOUBLE_EQ(cone.foot_at(0.25, {2, 0, 1}).signed_distance(), 2 - 0.875);
 }
 
-TEST(RoundCone, WithoutLengthIsTheGreaterBall) {
+TEST(RoundCone, IsTheLargerBallForLengthZero) {
     for (const double a : {1.0, 2.0}) {
         const RoundCone ball = round_cone(kB, kB, a, 3 - a);
         EXPECT_DOUBLE_EQ(ball.foot({5, 0, 4}).signed_distance(), 3);

@@ -14,12 +14,12 @@ TEST(ClosestParameter, IsTheFootOfThePerpendicularWithinTheSegment) {
     EXPECT_EQ(closest_parameter(Vec3d{9, 1, 1}, a, d), 1);     // beyond the end
 }
 
-TEST(ClosestParameter, OfASegmentWithoutLengthIsWhatIsAskedFor) {
+TEST(ClosestParameter, ReturnsTheGivenParameterForASegmentOfLengthZero) {
     EXPECT_EQ(closest_parameter(Vec3d{1, 2, 3}, {0, 0, 0}, {0, 0, 0}), 0);
     EXPECT_EQ(closest_parameter(Vec3d{1, 2, 3}, {0, 0, 0}, {0, 0, 0}, 0.5), 0.5);
 }
 
-TEST(SegmentDistance, WhereTheySkewPastEachOther) {
+TEST(SegmentDistance, IsComputedForSkewSegments) {
     // Along x at height 0 and along y at height 3, above (1, 0): a quarter and a half of the way.
     const Vec3d a0{0, 0, 0}, a1{4, 0, 0}, b0{1, -2, 3}, b1{1, 2, 3};
     const ClosestParameters c = closest_parameters(a0, a1, b0, b1);
@@ -28,11 +28,11 @@ TEST(SegmentDistance, WhereTheySkewPastEachOther) {
     EXPECT_DOUBLE_EQ(segment_distance(a0, a1, b0, b1), 3);
 }
 
-TEST(SegmentDistance, WhereTheyCross) {
+TEST(SegmentDistance, IsZeroForIntersectingSegments) {
     EXPECT_DOUBLE_EQ(segment_distance({-1, -1, 0}, {1, 1, 0}, {-1, 1, 0}, {1, -1, 0}), 0);
 }
 
-TEST(SegmentDistance, BetweenEnds) {
+TEST(SegmentDistance, IsComputedBetweenEnds) {
     // From (1, 0, 0) to (4, 4, 0): 3 and 4 make 5.
     EXPECT_DOUBLE_EQ(segment_distance({0, 0, 0}, {1, 0, 0}, {4, 4, 0}, {8, 8, 0}), 5);
     // The end of one segment near the middle of the other.
@@ -40,7 +40,7 @@ TEST(SegmentDistance, BetweenEnds) {
     EXPECT_DOUBLE_EQ(segment_distance({2, 1, 0}, {2, 9, 0}, {0, 0, 0}, {4, 0, 0}), 1);
 }
 
-TEST(SegmentDistance, OfParallels) {
+TEST(SegmentDistance, IsComputedForParallelSegments) {
     EXPECT_DOUBLE_EQ(segment_distance({0, 0, 0}, {4, 0, 0}, {1, 2, 0}, {9, 2, 0}), 2);  // parallel
     EXPECT_DOUBLE_EQ(segment_distance({0, 0, 0}, {4, 0, 0}, {9, 2, 0}, {1, 2, 0}), 2);  // antiparallel
     EXPECT_DOUBLE_EQ(segment_distance({0, 0, 0}, {1, 0, 0}, {4, 4, 0}, {9, 4, 0}),
@@ -50,7 +50,7 @@ TEST(SegmentDistance, OfParallels) {
                      0);  // collinear with overlap
 }
 
-TEST(SegmentDistance, OfPoints) {
+TEST(SegmentDistance, IsComputedForSegmentsOfLengthZero) {
     EXPECT_DOUBLE_EQ(segment_distance({0, 0, 0}, {0, 0, 0}, {1, 2, 2}, {1, 2, 2}), 3);  // 1 + 4 + 4
     EXPECT_DOUBLE_EQ(segment_distance({2, 5, 0}, {2, 5, 0}, {0, 0, 0}, {4, 0, 0}), 5);
     EXPECT_DOUBLE_EQ(segment_distance({0, 0, 0}, {4, 0, 0}, {2, 5, 0}, {2, 5, 0}), 5);
@@ -69,7 +69,7 @@ double sampled_distance(Vec3d a0, Vec3d a1, Vec3d b0, Vec3d b1, int steps) {
     return least;
 }
 
-TEST(SegmentDistance, IsTheLeastOfAllPairsOfPoints) {
+TEST(SegmentDistance, IsTheMinimumOverAllPairsOfPoints) {
     constexpr int kSteps = 50;
     const CounterRandom random(1, 1);
     std::uint64_t draw = 0;

@@ -22,7 +22,7 @@ Buffer<Item> items(std::size_t n, std::uint64_t keys) {
     return out;
 }
 
-TEST(SortUnique, LeavesOneOfEachInOrder) {
+TEST(SortUnique, SortsAndRemovesDuplicates) {
     std::vector<int> numbers{3, 1, 3, 2, 1, 3};
     sort_unique(numbers);
     EXPECT_EQ(numbers, (std::vector{1, 2, 3}));
@@ -45,7 +45,7 @@ TEST(RadixSort, SortsStablyForAnyNumberOfThreads) {
     }
 }
 
-TEST(RadixSort, LooksAtTheGivenBitsOnly) {
+TEST(RadixSort, SortsByTheGivenBitsOnly) {
     Buffer<Item> few{{0x1800, 0}, {0x1001, 1}, {0x0000, 2}};
     radix_sort({}, few, 11, [](const Item& i) { return i.key; });
     EXPECT_EQ(few[0].number, 0u);
@@ -53,7 +53,7 @@ TEST(RadixSort, LooksAtTheGivenBitsOnly) {
     EXPECT_EQ(few[2].number, 1u);
 }
 
-TEST(RadixSort, OfNothing) {
+TEST(RadixSort, AcceptsEmptyInput) {
     Buffer<Item> none;
     radix_sort({}, none, 64, [](const Item& i) { return i.key; });
     EXPECT_TRUE(none.empty());

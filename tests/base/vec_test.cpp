@@ -26,7 +26,7 @@ TEST(Vec3, AddsAndScalesByComponent) {
     EXPECT_EQ(c, (Vec3{20, -28, 2}));
 }
 
-TEST(Vec3, HasThreeAxes) {
+TEST(Vec3, IndexesThreeComponents) {
     Vec3 a{1, 2, 3};
     a[0] = 4;
     a[1] = 5;
@@ -40,14 +40,14 @@ TEST(Vec3, HasThreeAxes) {
     EXPECT_NE(a, (Vec3{4, 5, 7}));
 }
 
-TEST(Vec3, ChangesPrecisionOnlyWhereAsked) {
+TEST(Vec3, ConvertsPrecisionOnlyExplicitly) {
     static_assert(!std::is_convertible_v<Vec3d, Vec3>);
     static_assert(!std::is_convertible_v<Vec3, Vec3d>);
     EXPECT_EQ(Vec3(Vec3d{0.1, 0.5, 1e-50}), (Vec3{0.1f, 0.5f, 0}));
     EXPECT_EQ(Vec3d(Vec3{0.1f, 0.5f, 2}), (Vec3d{static_cast<double>(0.1f), 0.5, 2}));
 }
 
-TEST(Vec3, Products) {
+TEST(Vec3, ComputesDotAndCrossProducts) {
     const Vec3 a{1, 2, 3}, b{4, -5, 6};
     EXPECT_EQ(dot(a, b), 12);                    // 4 - 10 + 18
     EXPECT_EQ(cross(a, b), (Vec3{27, 6, -13}));  // 12 + 15, 12 - 6, -5 - 8
@@ -56,14 +56,14 @@ TEST(Vec3, Products) {
     EXPECT_EQ(cross(kZ, kX), kY);
 }
 
-TEST(Vec3, Lengths) {
+TEST(Vec3, ComputesLengthsAndInterpolation) {
     EXPECT_EQ(length_squared(Vec3{2, -3, 6}), 49);  // 4 + 9 + 36
     EXPECT_EQ(length(Vec3{2, -3, 6}), 7);
     EXPECT_EQ(distance(Vec3{1, 1, 1}, Vec3{3, -2, 7}), 7);
     EXPECT_EQ(lerp(Vec3{1, 2, 3}, Vec3{5, 2, 1}, 0.25f), (Vec3{2, 2, 2.5f}));
 }
 
-TEST(Vec3, NormalizedHasLengthOneAndTheSameDirection) {
+TEST(Vec3, NormalizedHasLengthOneAndPreservesTheDirection) {
     EXPECT_EQ(normalized(Vec3{0, -5, 0}), (Vec3{0, -1, 0}));
     const Vec3d n = normalized(Vec3d{2, -3, 6});
     EXPECT_DOUBLE_EQ(n.x, 2.0 / 7);
@@ -72,7 +72,7 @@ TEST(Vec3, NormalizedHasLengthOneAndTheSameDirection) {
     EXPECT_EQ(normalized(Vec3{0, 1e-15f, 0}), kY);  // short, but it still has a direction
 }
 
-TEST(Vec3, NormalizedOfNothingIsTheFallback) {
+TEST(Vec3, NormalizedZeroIsTheFallback) {
     EXPECT_EQ(normalized(Vec3{}), kZ);
     EXPECT_EQ(normalized(Vec3{}, kX), kX);
     EXPECT_EQ(normalized(Vec3{1e-30f, 0, 0}, kX), kX);  // its square is 0 as a float
@@ -96,7 +96,7 @@ TEST(Vec3, PerpendicularIsAUnitVectorAtARightAngle) {
     EXPECT_EQ(dot(perpendicular(Vec3{1, 0, -0.0f}), kX), 0);
 }
 
-TEST(Vec3, IsFiniteInEveryComponent) {
+TEST(Vec3, IsFiniteIfEveryComponentIsFinite) {
     EXPECT_TRUE(is_finite(Vec3{1, -2, std::numeric_limits<float>::max()}));
     for (const float bad : {std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
                             std::numeric_limits<float>::quiet_NaN()}) {

@@ -35,7 +35,7 @@ void expect_spheres(const ControlMesh& m, std::uint32_t trees) {
     EXPECT_EQ(t.vertices, m.cage.positions.size()) << "every vertex is used";
 }
 
-TEST(BuildControlMesh, EverySkeletonInTheZooGivesOneSpherePerTree) {
+TEST(BuildControlMesh, EverySkeletonInTheZooHasOneSpherePerTree) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         SCOPED_TRACE(name);
         const ControlMesh m = compute_cage(skeleton);
@@ -47,7 +47,7 @@ TEST(BuildControlMesh, EverySkeletonInTheZooGivesOneSpherePerTree) {
     }
 }
 
-TEST(BuildControlMesh, EveryPartedSkeletonInTheZooGivesOneSpherePerTree) {
+TEST(BuildControlMesh, EveryPartedSkeletonInTheZooHasOneSpherePerTree) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         SCOPED_TRACE(name);
         const PartResult parted = part_branches(skeleton, {}, {});
@@ -73,7 +73,7 @@ void expect_merged(const Skeleton& skeleton) {
     }
 }
 
-TEST(BuildControlMesh, BranchesThatAreMergedHaveOneClosedCage) {
+TEST(BuildControlMesh, MergedBranchesHaveOneClosedCage) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         SCOPED_TRACE(name);
         expect_merged(skeleton);
@@ -100,7 +100,7 @@ TEST(BuildControlMesh, ACrossingHasEightVerticesOfValenceFive) {
     EXPECT_EQ(std::ranges::count(m.part, TubePart::fork), 2);
 }
 
-TEST(BuildControlMesh, EverySideCountCloses) {
+TEST(BuildControlMesh, EveryNumberOfSidesIsClosed) {
     for (const int sides : {4, 8, 16}) {
         for (const auto& [name, skeleton] : skeleton_zoo()) {
             SCOPED_TRACE(name + " with " + std::to_string(sides) + " sides");
@@ -132,7 +132,7 @@ Skeleton stem_with(const std::vector<Vec3>& laterals, float lateral_radius) {
 }
 
 // A fork only adds two poles of valence 6; each tip adds the four corners of its cap.
-TEST(BuildControlMesh, AForkHasTwoIrregularPoles) {
+TEST(BuildControlMesh, ForkHasTwoExtraordinaryVertices) {
     const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(1)},
                      {{0, 0, 0}, {0, 0, 1}, {1, 0, 1.7f}, {-1, 0, 1.7f}}, {0.1f, 0.1f, 0.08f, 0.08f});
     const ControlMesh m = compute_cage(s, {.base = BaseShape::round});
@@ -142,7 +142,7 @@ TEST(BuildControlMesh, AForkHasTwoIrregularPoles) {
 
 // Four vertices of valence 5; a thick one occupies one of the four faces around the node, a thin one leaves a
 // ring of four within it.
-TEST(BuildControlMesh, ALateralLeavesThroughAnOpening) {
+TEST(BuildControlMesh, LateralStartsAtAnOpening) {
     for (const float radius : {0.07f, 0.04f, 0.005f}) {
         for (const Vec3 direction : {Vec3{1, 0, 0}, Vec3{0.3f, 0.6f, 0.7f}, Vec3{-0.5f, 0.6f, -0.4f}}) {
             SCOPED_TRACE(radius);
@@ -157,7 +157,7 @@ TEST(BuildControlMesh, ALateralLeavesThroughAnOpening) {
 }
 
 // The rings of the stem and its leader are perpendicular to them, for any direction of the lateral.
-TEST(BuildControlMesh, RingsBesideAnOpeningStandAcross) {
+TEST(BuildControlMesh, RingsNextToAnOpeningArePerpendicularToTheStem) {
     const Skeleton s = stem_with({{0.4f, 0.3f, 0.5f}}, 0.05f);
     const ControlMesh m = compute_cage(s, {.base = BaseShape::round});
     for (std::size_t f = 0; f < m.cage.quads.size(); ++f) {
@@ -171,7 +171,7 @@ TEST(BuildControlMesh, RingsBesideAnOpeningStandAcross) {
 }
 
 // If two leave on opposite sides, each has a face; if there is no room for one, a hub replaces it.
-TEST(BuildControlMesh, SeveralLateralsShareTheFaces) {
+TEST(BuildControlMesh, SeveralLateralsShareTheFacesOfANode) {
     const auto with = [](const std::vector<Vec3>& laterals) {
         const ControlMesh m = compute_cage(stem_with(laterals, 0.03f), {.base = BaseShape::round});
         expect_spheres(m, 1);
@@ -183,7 +183,7 @@ TEST(BuildControlMesh, SeveralLateralsShareTheFaces) {
     EXPECT_EQ(with({{0.05f, 0, 1}}), 0) << "along the leader";
 }
 
-TEST(BuildControlMesh, AnOpenBaseLeavesOneHoleOfFourEdges) {
+TEST(BuildControlMesh, OpenBaseHasOneHoleOfFourEdges) {
     const Skeleton s({NodeId::none(), NodeId(0)}, {{0, 0, 0}, {0, 0, 1}}, {0.1f, 0.1f});
     const ControlMesh m = compute_cage(s, {.base = BaseShape::open});
     const TopologyReport t = topology(m.cage);
@@ -194,7 +194,7 @@ TEST(BuildControlMesh, AnOpenBaseLeavesOneHoleOfFourEdges) {
     for (std::size_t v = 0; v < 4; ++v) EXPECT_EQ(m.cage.positions[v].z, 0) << "the border is in the plane";
 }
 
-TEST(BuildControlMesh, TheBaseIsFlatUnlessToldOtherwise) {
+TEST(BuildControlMesh, BaseIsFlatByDefault) {
     const Skeleton s = zoo_skeleton("one_segment");
     EXPECT_EQ(compute_cage(s).clip.size(), 1u);
     EXPECT_TRUE(compute_cage(s, {.base = BaseShape::round}).clip.empty());
@@ -231,7 +231,7 @@ TEST(BuildControlMesh, FlatEndsAreCutAtTheirNodes) {
     }
 }
 
-TEST(BuildControlMesh, EverySkeletonWithFlatEndsGivesOneSpherePerTree) {
+TEST(BuildControlMesh, EverySkeletonWithFlatEndsHasOneSpherePerTree) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         SCOPED_TRACE(name);
         const ControlMesh m = compute_cage(skeleton, {.tips = TipShape::flat, .base = BaseShape::flat});
@@ -247,7 +247,7 @@ TEST(BuildControlMesh, EverySkeletonWithFlatEndsGivesOneSpherePerTree) {
     }
 }
 
-TEST(BuildControlMesh, SameBitsForAnyNumberOfThreads) {
+TEST(BuildControlMesh, IsBitIdenticalForAnyNumberOfThreads) {
     const Skeleton s = zoo_skeleton("random_large_hard");
     const ControlMesh one = compute_cage(s, {}, 1);
     for (const unsigned threads : {2u, 7u}) {
@@ -258,7 +258,7 @@ TEST(BuildControlMesh, SameBitsForAnyNumberOfThreads) {
     }
 }
 
-TEST(BuildControlMesh, RefusesAnOddNumberOfSides) {
+TEST(BuildControlMesh, RejectsSixSides) {
     EXPECT_THROW(compute_cage(zoo_skeleton("one_segment"), {.sides = 6}), InvalidInput);
 }
 

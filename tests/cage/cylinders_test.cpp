@@ -26,7 +26,7 @@ std::uint32_t find_axes(const Skeleton& s) {
     return axes;
 }
 
-TEST(Cylinders, CloseEveryTubeOfTheZoo) {
+TEST(Cylinders, EveryTubeOfTheZooIsClosed) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         for (const int sides : {3, 4, 5, 6, 16, 32}) {
             SCOPED_TRACE(name + ", sides " + std::to_string(sides));
@@ -46,7 +46,7 @@ TEST(Cylinders, CloseEveryTubeOfTheZoo) {
 
 // Texture coordinates: around the axis, the faces divide the range without inversions; along the axis, the
 // range extends from cap to cap.
-TEST(Cylinders, LieOnATextureWithoutATwist) {
+TEST(Cylinders, TextureCoordinatesHaveNoInversions) {
     for (const int sides : {3, 4, 5, 16}) {
         SCOPED_TRACE(sides);
         const CylinderMesh made =
@@ -73,7 +73,7 @@ TEST(Cylinders, LieOnATextureWithoutATwist) {
     }
 }
 
-TEST(Cylinders, LieOnTheCylinderAndReachToItsEnds) {
+TEST(Cylinders, VerticesAreOnTheCylinderAndItsEnds) {
     const Skeleton bar = chain({{0, 0, 0}, {0, 0, 3}}, {0.5f, 0.5f});
     const CylinderMesh made = cylinders(bar, {.sides = 16, .rows = 3});
     float low = 1, high = 0;
@@ -120,7 +120,7 @@ TEST(Cylinders, SplinePassesThroughTheNodesWithoutLoops) {
 
 // A rotation about the axis would move the first row of vertices out of the plane of the bend and back: along
 // a planar bend the first normal keeps its angle to that plane.
-TEST(Cylinders, FramesDoNotTurnAboutABendInAPlane) {
+TEST(Cylinders, FramesDoNotTwistAlongAPlanarBend) {
     std::vector<Vec3> arc;
     for (int i = 0; i <= 12; ++i) {
         const float a = 0.2f * static_cast<float>(i);
@@ -135,7 +135,7 @@ TEST(Cylinders, FramesDoNotTurnAboutABendInAPlane) {
 }
 
 // With the same chord error, a tube of a quarter of the radius needs half as many sides.
-TEST(Cylinders, ThinAxesMayHaveFewerSides) {
+TEST(Cylinders, ThinAxesHaveFewerSidesIfRequested) {
     const Skeleton fork({NodeId::none(), NodeId(0), NodeId(1), NodeId(1)},
                         {{0, 0, 0}, {0, 0, 2}, {0, 0, 4}, {2, 0, 3}}, {0.4f, 0.4f, 0.4f, 0.1f});
     const CylinderMesh made = cylinders(fork, {.sides = 16, .thin = TubeSides::by_radius});
@@ -144,14 +144,14 @@ TEST(Cylinders, ThinAxesMayHaveFewerSides) {
     EXPECT_TRUE(topology(made.mesh).watertight());
 }
 
-TEST(Cylinders, SameBitsForAnyNumberOfThreads) {
+TEST(Cylinders, AreBitIdenticalForAnyNumberOfThreads) {
     const Skeleton tree = zoo_skeleton("helix");
     const CylinderMesh one = cylinders(tree, {}, {.threads = 1}), many = cylinders(tree, {}, {.threads = 5});
     EXPECT_TRUE(one.mesh.positions == many.mesh.positions);
     EXPECT_EQ(one.mesh.corners, many.mesh.corners);
 }
 
-TEST(Cylinders, RefuseOptionsOutOfRange) {
+TEST(Cylinders, RejectOptionsOutOfRange) {
     const Skeleton bar = chain({{0, 0, 0}, {0, 0, 3}}, {0.5f, 0.5f});
     EXPECT_THROW(cylinders(bar, {.sides = 2}), InvalidInput);
     EXPECT_THROW(cylinders(bar, {.rows = 0}), InvalidInput);

@@ -46,7 +46,7 @@ void expect_sound(const Skeleton& given, const GraftResult& r) {
     }
 }
 
-TEST(GraftBranches, APieceEndsAtTheBarkAndTheRestSpringsFromThere) {
+TEST(GraftBranches, ClosedPieceEndsAtTheBarkAndTheRestStartsThere) {
     for (const float offset : {0.0f, 0.02f, 0.08f}) {
         const Skeleton s = loop(offset);
         const GraftResult r = graft_branches(s, kDepth, PieceEnd::closed, {});
@@ -66,7 +66,7 @@ TEST(GraftBranches, APieceEndsAtTheBarkAndTheRestSpringsFromThere) {
     }
 }
 
-TEST(GraftBranches, APieceThatIsJoinedEndsInANodeOfTheOtherBranch) {
+TEST(GraftBranches, JoinedPieceEndsAtANodeOfTheOtherBranch) {
     for (const float offset : {0.0f, 0.02f, 0.08f}) {
         const Skeleton s = loop(offset);
         const GraftResult r = graft_branches(s, kDepth, PieceEnd::joined, {});
@@ -85,7 +85,7 @@ TEST(GraftBranches, APieceThatIsJoinedEndsInANodeOfTheOtherBranch) {
 
 // Equal limbs that cross, cut into segments: one continues without interruption, for any thickness of
 // segments there.
-TEST(GraftBranches, OfTwoAlikeOneHasAllOfTheCrossing) {
+TEST(GraftBranches, OneOfTwoEqualBranchesContinuesThroughTheCrossing) {
     std::vector<NodeId> parent;
     std::vector<Vec3> position;
     std::vector<float> radius;
@@ -103,7 +103,7 @@ TEST(GraftBranches, OfTwoAlikeOneHasAllOfTheCrossing) {
     EXPECT_EQ(r.tubes.tree_count(), 2u);
 }
 
-TEST(GraftBranches, NoTwoTubesCrossAfterwards) {
+TEST(GraftBranches, ResultHasNoIntersectingTubes) {
     const GraftResult r = graft_branches(loop(0.03f), kDepth, PieceEnd::closed, {});
     for (const NodeId a : nodes(r.tubes)) {
         for (const NodeId b : nodes(r.tubes)) {
@@ -114,7 +114,7 @@ TEST(GraftBranches, NoTwoTubesCrossAfterwards) {
     }
 }
 
-TEST(GraftBranches, TheThickBranchStandsWhereverItComesFrom) {
+TEST(GraftBranches, ThickBranchCutsTheThinStem) {
     // The loop is the thick one now: it cuts the stem's thin top.
     const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(0), NodeId(3), NodeId(4)},
                      {{0, 0, 0}, {0, 0, 1}, {0, 0, 4}, {3, 0, 0}, {3, 0, 3}, {-3, 0, 3}},
@@ -128,7 +128,7 @@ TEST(GraftBranches, TheThickBranchStandsWhereverItComesFrom) {
     }
 }
 
-TEST(GraftBranches, ATwigThatEndsInsideABranchIsCutThere) {
+TEST(GraftBranches, TwigThatEndsInsideABranchIsCut) {
     const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(2), NodeId(3)},
                      {{0, 0, 0}, {0, 0, 4}, {4, 0, 4}, {4, 0, 2}, {0, 0, 2}},
                      {0.3f, 0.3f, 0.3f, 0.05f, 0.05f});
@@ -139,7 +139,7 @@ TEST(GraftBranches, ATwigThatEndsInsideABranchIsCutThere) {
     EXPECT_EQ(r.report.nodes_inside, 1u);
 }
 
-TEST(GraftBranches, OrdinaryTreesAndShallowOverlapsStayAsTheyAre) {
+TEST(GraftBranches, TreesWithoutDeepOverlapsAreUnchanged) {
     for (const Skeleton& s : {loop(0.13f), loop(1), Skeleton({NodeId::none()}, {{}}, {1})}) {
         const GraftResult r = graft_branches(s, kDepth, PieceEnd::closed, {});
         EXPECT_EQ(r.report.cut, 0u);
@@ -160,7 +160,7 @@ TEST(GraftBranches, DepthZeroChangesNothing) {
     EXPECT_TRUE(std::ranges::equal(r.tubes.parents(), s.parents()));
 }
 
-TEST(GraftBranches, BranchesOfTwoTreesAreGraftedAsThoseOfOne) {
+TEST(GraftBranches, BranchesOfTwoTreesAreGrafted) {
     const Skeleton s({NodeId::none(), NodeId(0), NodeId::none(), NodeId(2)},
                      {{0, 0, 0}, {0, 0, 4}, {-2, 0, 2}, {2, 0, 2}}, {0.1f, 0.1f, 0.05f, 0.05f});
     const GraftResult r = graft_branches(s, kDepth, PieceEnd::closed, {});
@@ -175,7 +175,7 @@ TEST(GraftBranches, BranchesOfTwoTreesAreGraftedAsThoseOfOne) {
     }
 }
 
-TEST(GraftBranches, ATreeThatStandsInAnothersWoodIsABranchOfThat) {
+TEST(GraftBranches, TreeWithItsRootInAnotherTreeIsGrafted) {
     const Skeleton s({NodeId::none(), NodeId(0), NodeId::none(), NodeId(2)},
                      {{0, 0, 0}, {0, 0, 4}, {0.02f, 0, 2}, {2, 0, 3}}, {0.1f, 0.1f, 0.05f, 0.05f});
     const GraftResult r = graft_branches(s, kDepth, PieceEnd::closed, {});
@@ -188,14 +188,14 @@ TEST(GraftBranches, ATreeThatStandsInAnothersWoodIsABranchOfThat) {
     }
 }
 
-TEST(GraftBranches, EverySkeletonOfTheZooGivesATree) {
+TEST(GraftBranches, EverySkeletonOfTheZooHasASoundResult) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         SCOPED_TRACE(name);
         expect_sound(skeleton, graft_branches(skeleton, kDepth, PieceEnd::closed, {}));
     }
 }
 
-TEST(GraftBranches, TanglesEndAndGiveATree) {
+TEST(GraftBranches, TangledSegmentsTerminateWithASoundResult) {
     // Every second node of a zigzag returns to nearly the same two positions, so that all segments cross.
     std::vector<NodeId> parent;
     std::vector<Vec3> position;
@@ -208,7 +208,7 @@ TEST(GraftBranches, TanglesEndAndGiveATree) {
     expect_sound(s, graft_branches(s, kDepth, PieceEnd::closed, {}));
 }
 
-TEST(GraftBranches, IsTheSameForAnyNumberOfThreads) {
+TEST(GraftBranches, IsBitIdenticalForAnyNumberOfThreads) {
     const Skeleton s = loop(0.02f);
     Context one, seven;
     one.threads = 1;

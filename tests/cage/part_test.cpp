@@ -26,7 +26,7 @@ Skeleton stem_with_lateral(float degrees) {
             {0.2f, 0.2f, 0.2f, 0.1f, 0.08f, 0.08f, 0.05f}};
 }
 
-TEST(PartBranches, LeavesAWideForkAlone) {
+TEST(PartBranches, WideForkIsUnchanged) {
     const Skeleton s = stem_with_lateral(80);
     const PartResult r = part_branches(s, {}, {});
     EXPECT_EQ(r.skeleton.size(), s.size());
@@ -45,13 +45,13 @@ TEST(PartBranches, MovesTheForkOfAnAcuteLateralTowardsItsCrotch) {
     EXPECT_GT(highest, 1.3f);
 }
 
-TEST(PartBranches, ATipInsideAnotherBranchIsSwallowed) {
+TEST(PartBranches, TipInsideAnotherBranchIsHidden) {
     const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(1)},
                      {{0, 0, 0}, {0, 0, 1}, {0, 0, 3}, {0.1f, 0, 1}}, {0.5f, 0.5f, 0.5f, 0.05f});
     EXPECT_EQ(part_branches(s, {}, {}).report.hidden_tips, 1u);
 }
 
-TEST(PartBranches, StemsThatLeaveInOppositeDirectionsPartAtOnce) {
+TEST(PartBranches, StemsInOppositeDirectionsAreUnchanged) {
     // With equal radii they separate at the ball around their node; the quotient for the crotch is 0 / 0
     // there.
     const Skeleton s = zoo_skeleton("opposite_stems");
@@ -81,7 +81,7 @@ Skeleton random_chains(std::uint64_t seed, float far) {
 }
 
 // At 1e8 floats are 8 apart: nodes cannot be moved by less.
-TEST(PartBranches, EndsWhereFloatsCannotTellPlacesApart) {
+TEST(PartBranches, TerminatesWherePositionsExceedFloatPrecision) {
     for (const float far : {0.0f, 1e6f, 1e7f, 1e8f, 1e9f}) {
         for (std::uint64_t seed = 1; seed <= 200; ++seed) {
             const Skeleton s = random_chains(seed, far);
@@ -91,7 +91,7 @@ TEST(PartBranches, EndsWhereFloatsCannotTellPlacesApart) {
     }
 }
 
-TEST(PartBranches, FollowsAPowerOfTwoExactly) {
+TEST(PartBranches, ScalesExactlyByPowersOfTwo) {
     for (std::uint64_t seed = 1; seed <= 50; ++seed) {
         const Skeleton s = random_chains(seed, 0);
         const PartResult one = part_branches(s, {}, {});
@@ -124,7 +124,7 @@ TEST(PartBranches, EveryNodeHasATubeAndEverySourceIsANode) {
     }
 }
 
-TEST(PartBranches, TipsStayUnlessSwallowed) {
+TEST(PartBranches, PreservesAllTipsButHiddenOnes) {
     for (const auto& [name, s] : skeleton_zoo()) {
         SCOPED_TRACE(name);
         const PartResult r = part_branches(s, {}, {});
@@ -138,7 +138,7 @@ TEST(PartBranches, TipsStayUnlessSwallowed) {
     }
 }
 
-TEST(PartBranches, NodesComeInDepthFirstOrder) {
+TEST(PartBranches, NodesAreInDepthFirstOrder) {
     for (const auto& [name, s] : skeleton_zoo()) {
         SCOPED_TRACE(name);
         const Skeleton parted = part_branches(s, {}, {}).skeleton;

@@ -40,7 +40,7 @@ TEST(ChildTrees, AreAllBranchesOfBranchNodesInTheirOwnFrame) {
     EXPECT_FLOAT_EQ(s.radius(NodeId(0)), 0.1f);
 }
 
-TEST(ChildTrees, AreMeasured) {
+TEST(ChildTrees, HaveMeasures) {
     const ChildTreeMeasures m = measure(child_trees(small_tree())[1]);
     EXPECT_NEAR(m.length, 3, 1e-6);
     EXPECT_NEAR(m.extent, 2, 1e-6);
@@ -51,14 +51,14 @@ TEST(ChildTrees, AreMeasured) {
     EXPECT_GT(m.volume, 0);
 }
 
-TEST(ChildTrees, AreChosenByLengthAndByWhetherTheyLead) {
+TEST(ChildTrees, AreSelectedByLengthAndLeadership) {
     for (const ChildTree& t : child_trees(small_tree(), {.leaders = false})) EXPECT_FALSE(t.leads);
     EXPECT_EQ(child_trees(small_tree(), {.leaders = false}).size(), 2u);
     EXPECT_EQ(child_trees(small_tree(), {.min_length = 2}).size(), 1u);
     EXPECT_THROW(child_trees(small_tree(), {.min_length = -1}), InvalidInput);
 }
 
-TEST(ChildTrees, BeginAtNamedNodes) {
+TEST(ChildTrees, StartAtTheGivenNodes) {
     const auto trees = child_trees_at(small_tree(), {NodeId(5)});
     ASSERT_EQ(trees.size(), 1u);
     EXPECT_EQ(trees[0].source_node, 5u);
@@ -67,7 +67,7 @@ TEST(ChildTrees, BeginAtNamedNodes) {
     EXPECT_THROW(child_trees_at(small_tree(), {NodeId(0)}), InvalidInput);
 }
 
-TEST(ChildTrees, KeepLengthsAndRadii) {
+TEST(ChildTrees, PreserveLengthsAndRadii) {
     const Skeleton tree = random_tree(500, 3);
     const auto trees = child_trees(tree);
     ASSERT_GT(trees.size(), 100u);

@@ -55,7 +55,7 @@ Skeleton small_tree_of_length(float length) {
             {0.2f, 0.2f, 0.15f, 0.1f}};
 }
 
-TEST(Compose, PutsABranchBackWhereItWas) {
+TEST(Compose, RestoresABranchFromItsOwnTemplate) {
     // A tree with one lateral, thinner than its leader.
     const Skeleton tree{{NodeId::none(), NodeId(0), NodeId(1), NodeId(1), NodeId(3), NodeId(3)},
                         {{5, 5, 0}, {5.1f, 5, 1}, {5, 5.1f, 2}, {6, 5, 1.4f}, {7, 5.2f, 1.5f}, {6, 6, 1.9f}},
@@ -79,7 +79,7 @@ Skeleton trunk_with_lateral(float radius, float lateral_radius, float first, flo
             {radius, radius, radius, lateral_radius, lateral_radius}};
 }
 
-TEST(Compose, BranchesAreAsFarFromTheBarkAndAsThickAsTheirLengthAsks) {
+TEST(Compose, BranchesHaveTheGapAndRadiusForTheirLength) {
     const auto lateral = child_trees_at(trunk_with_lateral(0.1f, 0.05f, 0.3f, 1.7f), {NodeId(3)});
     ComposeOptions options = exact();
     options.tolerance = 2;
@@ -106,7 +106,7 @@ TEST(Compose, BranchesAreAsFarFromTheBarkAndAsThickAsTheirLengthAsks) {
     EXPECT_NEAR(thin.radii().back(), 0.02f, 1e-6);
 }
 
-TEST(Compose, IsTheSameForTheSameSeedAndAnotherForAnother) {
+TEST(Compose, DependsOnTheSeedOnly) {
     const Skeleton tree = random_tree(300, 1);
     const TreeComposer composer(child_trees(random_tree(300, 2)), {});
     const ComposeResult a = composer.compose(tree, 5), b = composer.compose(tree, 5),
@@ -118,7 +118,7 @@ TEST(Compose, IsTheSameForTheSameSeedAndAnotherForAnother) {
     EXPECT_LE(a.report.depth, 3u);
 }
 
-TEST(Compose, LeavesATreeAloneWhereNothingIsChosenOrLikeIt) {
+TEST(Compose, TreeIsUnchangedIfNoBranchIsSelectedOrSimilar) {
     const Skeleton tree = random_tree(300, 1);
     const auto library = child_trees(tree);
     const ComposeResult none = TreeComposer(library, {.probability = 0}).compose(tree, 1);
@@ -130,7 +130,7 @@ TEST(Compose, LeavesATreeAloneWhereNothingIsChosenOrLikeIt) {
     EXPECT_EQ(unlike.report.unmatched, unlike.report.chosen);
 }
 
-TEST(Compose, AddsNoCrossings) {
+TEST(Compose, AddsNoIntersections) {
     const Skeleton tree = random_tree(300, 1);
     const TreeComposer composer(child_trees(tree), {.probability = 1, .tries = 4});
     std::uint32_t crossed = 0;
@@ -142,7 +142,7 @@ TEST(Compose, AddsNoCrossings) {
     EXPECT_GT(crossed, 0u);
 }
 
-TEST(Compose, KeepsWithinACrown) {
+TEST(Compose, BranchesRemainInsideACrown) {
     const Skeleton tree = random_tree(300, 1);
     const Box3 box = tree.bounds();
     const SolidField crown(sphere(box.center(), {.radius = 0.35f * box.diagonal()}));
@@ -157,7 +157,7 @@ TEST(Compose, KeepsWithinACrown) {
     }
 }
 
-TEST(Compose, MakesNoLateralThickerThanTheLeaderAndNoBranchThickerThanItsHost) {
+TEST(Compose, LateralsAreNotThickerThanTheirParent) {
     const Skeleton tree = random_tree(300, 1);
     for (const ComposeRadii radii : {ComposeRadii::scaled, ComposeRadii::xu}) {
         const auto [made, report] =
@@ -171,7 +171,7 @@ TEST(Compose, MakesNoLateralThickerThanTheLeaderAndNoBranchThickerThanItsHost) {
     }
 }
 
-TEST(Compose, GivesRadiiByThePipeModel) {
+TEST(Compose, RadiiFollowThePipeModel) {
     const Skeleton tree = random_tree(300, 1);
     const auto made =
         TreeComposer(child_trees(tree), {.radii = ComposeRadii::pipes, .pipe_exponent = 2}).compose(tree, 3);
@@ -183,7 +183,7 @@ TEST(Compose, GivesRadiiByThePipeModel) {
     }
 }
 
-TEST(Compose, TakesTheZoo) {
+TEST(Compose, AcceptsEverySkeletonOfTheZoo) {
     std::vector<ChildTree> library = child_trees(random_tree(200, 4));
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         SCOPED_TRACE(name);
@@ -199,7 +199,7 @@ TEST(Compose, TakesTheZoo) {
     }
 }
 
-TEST(Compose, RefusesWhatMakesNoSense) {
+TEST(Compose, RejectsInvalidInput) {
     EXPECT_THROW(TreeComposer({}, {}), InvalidInput);
     const auto library = child_trees(random_tree(50, 1));
     EXPECT_THROW(TreeComposer(library, {.probability = 2}), InvalidInput);

@@ -36,7 +36,7 @@ Skeleton stem(const std::vector<Vec3>& sides, Vec3d origin = {}) {
 
 void expect_near(Vec3 a, Vec3 b) { EXPECT_LT(distance(a, b), 1e-5f) << a.x << " " << a.y << " " << a.z; }
 
-TEST(PlacedBranch, SetsOffAsItIsTold) {
+TEST(PlacedBranch, StartsInTheGivenDirection) {
     const Skeleton tree = stem({}, {7, 0, 0});
     const Skeleton s =
         placed_branch(straight(), tree, host_place(tree, NodeId(1)), {.direction = Vec3d{0, 3, 0}});
@@ -50,7 +50,7 @@ TEST(PlacedBranch, SetsOffAsItIsTold) {
                  InvalidInput);
 }
 
-TEST(PlacedBranch, RollsAboutItself) {
+TEST(PlacedBranch, RollRotatesItAboutItsAxis) {
     const Skeleton tree = stem({});
     const Skeleton s = placed_branch(straight(), tree, host_place(tree, NodeId(1)),
                                      {.direction = Vec3d{0, 1, 0}, .roll = double{kTurn}});
@@ -60,7 +60,7 @@ TEST(PlacedBranch, RollsAboutItself) {
 }
 
 // The parent branch is twice as thick as the original one: the first segment is longer by the difference.
-TEST(PlacedBranch, StaysAsFarFromTheBark) {
+TEST(PlacedBranch, PreservesTheGapToTheBark) {
     const Skeleton tree = stem({});
     const Skeleton s = placed_branch(straight(), tree, host_place(tree, NodeId(1)),
                                      {.direction = Vec3d{0, 1, 0}, .scale = 0.5});
@@ -73,7 +73,7 @@ TEST(PlacedBranch, StaysAsFarFromTheBark) {
                 {0, 1.2f, 2});
 }
 
-TEST(PlacedBranch, GoesToTheSideWithMostRoom) {
+TEST(PlacedBranch, StartsTowardsTheLargestFreeSide) {
     const auto side = [](const std::vector<Vec3>& others) {
         const Skeleton tree = stem(others);
         const Skeleton s = placed_branch(straight(), tree, host_place(tree, NodeId(1)));
@@ -84,7 +84,7 @@ TEST(PlacedBranch, GoesToTheSideWithMostRoom) {
     expect_near(side({{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}}), {0, -1, 0});
 }
 
-TEST(PlacedBranch, AHostIsAPlaceOnASegment) {
+TEST(PlacedBranch, HostPlaceIsAPointOnASegment) {
     const Skeleton tree = stem({{2, 0, 0}});
     const HostPlace half = host_place(tree, NodeId(3), 0.5);
     EXPECT_LT(distance(half.position, Vec3d{1, 0, 2}), 1e-6);

@@ -65,7 +65,7 @@ Lists lists_of(HostExecutor& exec, const RegionLists& lists, std::size_t begin, 
     return out;
 }
 
-TEST_F(ListBatch, HasTheListsOfEachAlone) {
+TEST_F(ListBatch, ListsMatchThoseOfEachJobAlone) {
     HostExecutor exec({.threads = 2});
     const ContactTables tables = upload_contacts(exec, contact_topology(contacts));
     const ContactGeometry geometry = upload_geometry(exec, contacts);
@@ -110,7 +110,7 @@ std::vector<Made> made_of(std::span<const QuadJob> jobs, std::span<const Contact
     return out;
 }
 
-TEST_F(ListBatch, MakesEachSurfaceAsAlone) {
+TEST_F(ListBatch, SurfacesMatchThoseOfEachJobAlone) {
     const std::vector<Made> together = made_of(jobs, contacts);
     for (std::size_t i = 0; i < jobs.size(); ++i) {
         SCOPED_TRACE(i);
@@ -122,13 +122,13 @@ TEST_F(ListBatch, MakesEachSurfaceAsAlone) {
     EXPECT_EQ(together[0].positions, together[3].positions);  // the same tree
 }
 
-TEST_F(ListBatch, SaysWhereNotAllHaveRoom) {
+TEST_F(ListBatch, ReportsWhenNotAllJobsFitIntoMemory) {
     HostExecutor exec({}, kSlackBytes + 2 * bytes_of_job(jobs[0]));
     QuadRun<HostExecutor> run(exec);
     EXPECT_FALSE(run.begin(jobs, contacts));
 }
 
-TEST_F(ListBatch, CutsToPiecesOneThatDoesNotFit) {
+TEST_F(ListBatch, SplitsAJobThatDoesNotFitIntoMemory) {
     const Tree large(random_tree(1500, 1));
     const ContactInput input = input_of(large.scene, large.field);
     const Scene& s = large.scene;

@@ -101,14 +101,14 @@ class Batch : public testing::Test {
     }
 };
 
-TEST_F(Batch, HasWhatItIsToBeTestedWith) {
+TEST_F(Batch, FixtureHasTheIntendedCases) {
     EXPECT_FALSE(flat.control.clip.empty());
     EXPECT_FALSE(open.patches.cage().closed());
     EXPECT_TRUE(round.patches.cage().closed());
     EXPECT_TRUE(lone.patches.cage().fan(static_cast<std::uint32_t>(lone.positions.size() - 1)).empty());
 }
 
-TEST_F(Batch, GivesEachSurfaceAsItComesOutAlone) {
+TEST_F(Batch, SurfacesMatchThoseOfEachJobAlone) {
     for (const ProjectOptions& project :
          {ProjectOptions{}, ProjectOptions{.method = ProjectionMethod::gradient, .relax_passes = 2}}) {
         const std::vector<QuadTask> all = tasks(project);
@@ -124,9 +124,9 @@ TEST_F(Batch, GivesEachSurfaceAsItComesOutAlone) {
     }
 }
 
-TEST_F(Batch, OfNothingIsNothing) { EXPECT_TRUE(made_of({}).empty()); }
+TEST_F(Batch, IsEmptyForNoJobs) { EXPECT_TRUE(made_of({}).empty()); }
 
-TEST_F(Batch, TakesSeveralRoundsWhereThereIsLittleRoom) {
+TEST_F(Batch, RunsSeveralRoundsIfMemoryIsShort) {
     const std::vector<QuadTask> all = tasks();
     const std::vector<Made> together = made_of(all);
     // The largest fits by itself, but not with another.
@@ -148,7 +148,7 @@ TEST_F(Batch, TakesSeveralRoundsWhereThereIsLittleRoom) {
     }
 }
 
-TEST_F(Batch, RepeatsWhatItDid) {
+TEST_F(Batch, RepeatComputesTheSamePositions) {
     HostExecutor exec;
     QuadRun<HostExecutor> run(exec);
     run.begin(tasks());
@@ -185,7 +185,7 @@ Made pieced_together(const QuadTask& task, std::size_t quads) {
     return out;
 }
 
-TEST_F(Batch, PiecesAreTheWholeToTheBit) {
+TEST_F(Batch, PiecesAreBitIdenticalToTheWhole) {
     for (const int relax_passes : {0, 1, 3}) {
         for (QuadTask t : tasks({.relax_passes = relax_passes})) {
             SCOPED_TRACE(std::to_string(relax_passes) + " " + std::to_string(t.job.cage.face_count()));
@@ -196,7 +196,7 @@ TEST_F(Batch, PiecesAreTheWholeToTheBit) {
     }
 }
 
-TEST(QuadPiece, PiecesOfTheZooAreTheWholes) {
+TEST(QuadPiece, PiecesOfTheZooAreBitIdenticalToTheWhole) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         if (skeleton.size() > 100) continue;
         for (const int levels : {0, 2}) {
@@ -208,7 +208,7 @@ TEST(QuadPiece, PiecesOfTheZooAreTheWholes) {
     }
 }
 
-TEST_F(Batch, CutsToPiecesWhatDoesNotFit) {
+TEST_F(Batch, SplitsAJobThatDoesNotFitIntoMemory) {
     const QuadCase large(random_tree(1200, 1), kLevels, kOverTheEnds, ends(TipShape::flat, BaseShape::flat));
     QuadTask task{large.job(), &large.field};
     const auto entries =
@@ -227,7 +227,7 @@ TEST_F(Batch, CutsToPiecesWhatDoesNotFit) {
     expect_same_bits(made_of({&task, 1}).front(), pieces);
 }
 
-TEST_F(Batch, SaysHowMuchWouldBeNeeded) {
+TEST_F(Batch, ReportsTheFreeMemoryIfItDoesNotSuffice) {
     const QuadTask t = task(round);
     HostExecutor exec({}, kSlackBytes);
     QuadRun<HostExecutor> run(exec);
@@ -239,7 +239,7 @@ TEST_F(Batch, SaysHowMuchWouldBeNeeded) {
     }
 }
 
-TEST_F(Batch, TakesNoMoreThanItSays) {
+TEST_F(Batch, UsesNoMoreMemoryThanEstimated) {
     const QuadCase large(random_tree(1200, 1), kLevels);
     for (const QuadTask& t : {task(large), task(large, {.relax_passes = 1}), task(flat)}) {
         const auto entries =
@@ -258,7 +258,7 @@ TEST_F(Batch, TakesNoMoreThanItSays) {
     }
 }
 
-TEST(QuadPiece, CutsNoFlatEnd) {
+TEST(QuadPiece, DoesNotSplitAFlatEnd) {
     std::vector<ClipPlane> clips(2);
     clips[0].first_quad = 3;
     clips[0].quad_count = 4;  // [3, 7)
@@ -272,7 +272,7 @@ TEST(QuadPiece, CutsNoFlatEnd) {
     EXPECT_EQ(QuadPiece::cut(clips, {19, 20}, 19), 20u);
 }
 
-TEST_F(Batch, IsPlannedByWhatThereIsRoomFor) {
+TEST_F(Batch, RoundsFollowTheFreeMemory) {
     const QuadJob job = round.job();
     const std::vector<QuadJob> jobs(5, job);
     const std::vector<JobBytes> bytes{{600, 200}, {100, 100}, {50, 50}, {3000, 100}, {100, 0}};

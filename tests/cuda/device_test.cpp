@@ -5,7 +5,7 @@
 namespace coppice {
 namespace {
 
-TEST(Device, IsThereOrItIsSaidWhyNot) {
+TEST(Device, FindReturnsADeviceOrTheReasonWhyNot) {
     const DeviceSearch search = find_device();
     EXPECT_NE(search.device.has_value(), !search.missing.empty());
     EXPECT_TRUE(has_cuda() || !search.device);

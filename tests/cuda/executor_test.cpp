@@ -11,7 +11,7 @@ namespace {
 INSTANTIATE_TYPED_TEST_SUITE_P(Host, ExecutorOn, HostExecutor);
 INSTANTIATE_TYPED_TEST_SUITE_P(Strict, ExecutorOn, StrictExecutor);
 
-TEST(StrictExecutor, SeesKernelsThatAreGivenMemoryOfTheHost) {
+TEST(StrictExecutor, ReportsKernelsThatUseHostMemory) {
     std::vector<std::uint32_t> numbers(10, 3);
     StrictExecutor exec;
     [[maybe_unused]] const auto out = exec.array<std::uint32_t>(numbers.size());
@@ -21,7 +21,7 @@ TEST(StrictExecutor, SeesKernelsThatAreGivenMemoryOfTheHost) {
     EXPECT_NONFATAL_FAILURE(exec.clear(std::span(numbers)), "is_there");
 }
 
-TEST(StrictExecutorDeathTest, HasNothingForTheHostToRead) {
+TEST(StrictExecutorDeathTest, DeviceArraysAreNotReadableByTheHost) {
     StrictExecutor exec;
     const auto out = exec.array<std::uint32_t>(10);
     exec.clear(out);

@@ -144,7 +144,7 @@ struct Count {
     }
 };
 
-TYPED_TEST_P(ExecutorOn, CountsWholeNumbersTogether) {
+TYPED_TEST_P(ExecutorOn, AddsIntegersAtomically) {
     TypeParam exec(Context{.threads = 2});
     const auto numbers = random_numbers<std::uint32_t>(20'000, 640);
     const auto sums = exec.template array<std::uint32_t>(3), largest = exec.template array<std::uint32_t>(1);
@@ -169,14 +169,14 @@ TYPED_TEST_P(ExecutorOn, CountsWholeNumbersTogether) {
     EXPECT_TRUE(std::ranges::equal(downloaded(exec, bits), occur));
 }
 
-TYPED_TEST_P(ExecutorOn, Scans) {
+TYPED_TEST_P(ExecutorOn, ComputesExclusiveScans) {
     for (const std::size_t count : {0u, 1u, 1000u, 300'000u}) {
         this->template expect_scanned<std::uint32_t>(count);
         this->template expect_scanned<std::uint64_t>(count);
     }
 }
 
-TYPED_TEST_P(ExecutorOn, SortsStablyBySomeBits) {
+TYPED_TEST_P(ExecutorOn, SortsStablyByTheGivenBits) {
     for (const std::size_t count : {0u, 1u, 4u, 100'000u}) {
         for (const int bits : {8, 42, 64}) {
             SCOPED_TRACE(testing::Message() << count << " by " << bits);
@@ -199,7 +199,7 @@ TYPED_TEST_P(ExecutorOn, SortsStablyBySomeBits) {
     }
 }
 
-TYPED_TEST_P(ExecutorOn, KeepsWhatWasThereBeforeAMark) {
+TYPED_TEST_P(ExecutorOn, ResetToAMarkPreservesEarlierArrays) {
     TypeParam exec;
     const auto numbers = random_numbers<std::uint32_t>(1'000'000, 1000);
     const std::span<const std::uint32_t> all(numbers);
@@ -230,7 +230,7 @@ TYPED_TEST_P(ExecutorOn, StopsBeforeTheNextKernel) {
 }
 
 // The first call, the recording call, and repeated calls; then again after clear().
-TYPED_TEST_P(ExecutorOn, RepeatsLaunchesOnWhatIsThereNow) {
+TYPED_TEST_P(ExecutorOn, RecordingRepeatsLaunchesOnCurrentData) {
     constexpr std::uint32_t kCount = 5000;
     TypeParam exec;
     typename TypeParam::Recording recording;
@@ -254,8 +254,8 @@ TYPED_TEST_P(ExecutorOn, RepeatsLaunchesOnWhatIsThereNow) {
 }
 
 REGISTER_TYPED_TEST_SUITE_P(ExecutorOn, RunsKernelsOverArrays, GroupsSelectInOrder, GroupsWaitAfterEveryStep,
-                            CountsWholeNumbersTogether, Scans, SortsStablyBySomeBits,
-                            KeepsWhatWasThereBeforeAMark, StopsBeforeTheNextKernel,
-                            RepeatsLaunchesOnWhatIsThereNow);
+                            AddsIntegersAtomically, ComputesExclusiveScans, SortsStablyByTheGivenBits,
+                            ResetToAMarkPreservesEarlierArrays, StopsBeforeTheNextKernel,
+                            RecordingRepeatsLaunchesOnCurrentData);
 
 }  // namespace coppice::cuda

@@ -17,7 +17,7 @@ INSTANTIATE_TYPED_TEST_SUITE_P(Strict, ListsOn, StrictExecutor);
 INSTANTIATE_TYPED_TEST_SUITE_P(Host, BoxesOn, HostExecutor);
 INSTANTIATE_TYPED_TEST_SUITE_P(Strict, BoxesOn, StrictExecutor);
 
-TEST(FindContacts, FindsThemForEveryKernelAndBlend) {
+TEST(FindContacts, MatchesTheCpuForEveryKernelAndBlend) {
     const Scene scene = wrap(zoo_skeleton("random_large_hard"));
     for (const Kernel kernel : {Kernel::quartic, Kernel::cauchy, Kernel::scalis, Kernel::balls}) {
         for (const int blend : {1, 2, 8}) {
@@ -30,7 +30,7 @@ TEST(FindContacts, FindsThemForEveryKernelAndBlend) {
 
 class Workload : public testing::TestWithParam<const char*> {};
 
-TEST_P(Workload, HasTheListsOfTheCpu) {
+TEST_P(Workload, ListsMatchThoseOfTheCpu) {
     const std::optional<Skeleton> tree = workload(GetParam());
     if (!tree) GTEST_SKIP() << "no workloads next to the checkout";
     for (const float graft : {0.0f, 0.6f}) {
@@ -55,7 +55,7 @@ INSTANTIATE_TEST_SUITE_P(Shared, Workload,
                              return name.substr(0, name.find('.'));
                          });
 
-TEST(ContactTopology, NeedsTubesInDepthFirstOrderAndContact) {
+TEST(ContactTopology, RequiresTubesInDepthFirstOrderAndContact) {
     // The second child of the root precedes the child of the first one.
     const Skeleton skeleton({NodeId::none(), NodeId(0), NodeId(0), NodeId(1)},
                             {{0, 0, 0}, {0, 0, 1}, {0, 1, 1}, {0, 0, 2}}, {0.1f, 0.1f, 0.1f, 0.1f});

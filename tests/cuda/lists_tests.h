@@ -79,7 +79,7 @@ class ListsOn : public OnExecutor<Exec> {
 };
 TYPED_TEST_SUITE_P(ListsOn);
 
-TYPED_TEST_P(ListsOn, AreThoseOfTheCpuForTheWholeZoo) {
+TYPED_TEST_P(ListsOn, MatchTheCpuForTheWholeZoo) {
     std::size_t own = 0, competitors = 0;
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         for (const float graft : {0.0f, 0.6f}) {
@@ -94,7 +94,7 @@ TYPED_TEST_P(ListsOn, AreThoseOfTheCpuForTheWholeZoo) {
     EXPECT_GT(competitors, 100u);
 }
 
-TYPED_TEST_P(ListsOn, OfAHubAreThoseOfTheCpuUntilOneIsCut) {
+TYPED_TEST_P(ListsOn, OfAHubMatchTheCpuUntilOneIsTruncated) {
     for (const std::uint32_t twigs : {64u, 65u, 200u, 511u}) {
         SCOPED_TRACE(twigs);
         const Skeleton skeleton = hub(twigs);
@@ -114,7 +114,7 @@ TYPED_TEST_P(ListsOn, OfAHubAreThoseOfTheCpuUntilOneIsCut) {
 }
 
 // Only the region of the root, to which all segments are related, would be truncated: it has no box.
-TYPED_TEST_P(ListsOn, GiveNoPlaceOfRelativesToOthers) {
+TYPED_TEST_P(ListsOn, ContainAllRelatedSegmentsInACrowd) {
     const Skeleton stem = crowded_stem();
     std::vector<Box3> boxes(stem.size());
     boxes.back() = {{-1, -1, -1}, {1, 1, 2}};
@@ -123,7 +123,7 @@ TYPED_TEST_P(ListsOn, GiveNoPlaceOfRelativesToOthers) {
     EXPECT_EQ(c.longest, 1u + 9u + 99u);
 }
 
-TYPED_TEST_P(ListsOn, NameTheNearestOfACrowd) {
+TYPED_TEST_P(ListsOn, ContainTheNearestSegmentsOfACrowd) {
     const Skeleton skeleton = stems(100, 0.01f, 2);
     // The boxes differ, so that each region has different neighbours.
     std::vector<Box3> boxes;
@@ -140,7 +140,7 @@ TYPED_TEST_P(ListsOn, NameTheNearestOfACrowd) {
         in_boxes(stems(60, 0, 0.1f), std::vector<Box3>(120, Box3{{-1, -1, 0}, {1, 1, 1}}))));
 }
 
-TYPED_TEST_P(ListsOn, AreOfSoManyThatAreLookedAtInTheOrderOfTheCpu) {
+TYPED_TEST_P(ListsOn, OfMoreCandidatesThanTestedMatchTheOrderOfTheCpu) {
     const Skeleton skeleton = stems(1100, 0.001f, 2);
     std::vector<Box3> boxes(skeleton.size());
     boxes[1] = {{1, -1, 0}, {1.2f, 1, 1}};  // the closest are tested last, or not at all
@@ -149,7 +149,7 @@ TYPED_TEST_P(ListsOn, AreOfSoManyThatAreLookedAtInTheOrderOfTheCpu) {
     EXPECT_EQ(c.competitors, kMaxCompetitors);
 }
 
-TYPED_TEST_P(ListsOn, FollowABranchThatMovesWithTheTablesOfBefore) {
+TYPED_TEST_P(ListsOn, FollowAMovingBranchWithTheSameTables) {
     Scene scene = wrap(zoo_skeleton("random_large_hard"));
     ConvolutionField field(scene.skeleton, {});
     TypeParam executor;
@@ -179,7 +179,7 @@ TYPED_TEST_P(ListsOn, FollowABranchThatMovesWithTheTablesOfBefore) {
     EXPECT_GT(c.own_differ, c.lists / 20) << "no list has changed";
 }
 
-TYPED_TEST_P(ListsOn, WithoutRoomAreEmptyAndThenMadeAgain) {
+TYPED_TEST_P(ListsOn, AreEmptyWithoutRoomAndThenRecomputed) {
     const Scene scene = wrap(zoo_skeleton("random_large_hard"));
     ConvolutionField field(scene.skeleton, {});
     field.set_regions(regions_of(scene), scene.tree());
@@ -199,7 +199,7 @@ TYPED_TEST_P(ListsOn, WithoutRoomAreEmptyAndThenMadeAgain) {
     this->expect_alike(compare(executor, scene, field, lists));
 }
 
-TYPED_TEST_P(ListsOn, AreOfTheRegionsOfTheCpu) {
+TYPED_TEST_P(ListsOn, RegionBoxesMatchTheCpu) {
     const Scene scene = wrap(zoo_skeleton("random_large_hard"));
     const ConvolutionField field(scene.skeleton, {});
     TypeParam executor;
@@ -259,7 +259,7 @@ class BoxesOn : public OnExecutor<Exec> {
 };
 TYPED_TEST_SUITE_P(BoxesOn);
 
-TYPED_TEST_P(BoxesOn, HaveTheOrderTheTreeAndTheVisitsOfTheCpu) {
+TYPED_TEST_P(BoxesOn, MatchTheOrderTheTreeAndTheVisitsOfTheCpu) {
     for (const std::size_t count : {1, 2, 7, 8, 9, 63, 64, 65, 511, 512, 513, 5000, 70000}) {
         SCOPED_TRACE(count);
         const std::vector<Box3> boxes = random_boxes(count, 3);
@@ -295,7 +295,7 @@ TYPED_TEST_P(BoxesOn, HaveTheOrderTheTreeAndTheVisitsOfTheCpu) {
     }
 }
 
-TYPED_TEST_P(BoxesOn, AreFoundWhenTheyHaveMovedSinceTheyWereSorted) {
+TYPED_TEST_P(BoxesOn, AreFoundAfterTheyHaveMovedWithTheOldOrder) {
     const std::vector<Box3> boxes = random_boxes(3000, 5), moved = random_boxes(3000, 6);
     TypeParam executor;
     const auto order = box_order(executor, executor.upload(std::span<const Box3>(boxes)));
@@ -311,12 +311,12 @@ TYPED_TEST_P(BoxesOn, AreFoundWhenTheyHaveMovedSinceTheyWereSorted) {
     EXPECT_GT(found.size(), 10u);
 }
 
-REGISTER_TYPED_TEST_SUITE_P(ListsOn, AreThoseOfTheCpuForTheWholeZoo, OfAHubAreThoseOfTheCpuUntilOneIsCut,
-                            GiveNoPlaceOfRelativesToOthers, NameTheNearestOfACrowd,
-                            AreOfSoManyThatAreLookedAtInTheOrderOfTheCpu,
-                            FollowABranchThatMovesWithTheTablesOfBefore, WithoutRoomAreEmptyAndThenMadeAgain,
-                            AreOfTheRegionsOfTheCpu);
-REGISTER_TYPED_TEST_SUITE_P(BoxesOn, HaveTheOrderTheTreeAndTheVisitsOfTheCpu,
-                            AreFoundWhenTheyHaveMovedSinceTheyWereSorted);
+REGISTER_TYPED_TEST_SUITE_P(ListsOn, MatchTheCpuForTheWholeZoo, OfAHubMatchTheCpuUntilOneIsTruncated,
+                            ContainAllRelatedSegmentsInACrowd, ContainTheNearestSegmentsOfACrowd,
+                            OfMoreCandidatesThanTestedMatchTheOrderOfTheCpu,
+                            FollowAMovingBranchWithTheSameTables, AreEmptyWithoutRoomAndThenRecomputed,
+                            RegionBoxesMatchTheCpu);
+REGISTER_TYPED_TEST_SUITE_P(BoxesOn, MatchTheOrderTheTreeAndTheVisitsOfTheCpu,
+                            AreFoundAfterTheyHaveMovedWithTheOldOrder);
 
 }  // namespace coppice::cuda

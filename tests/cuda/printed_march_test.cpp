@@ -75,7 +75,7 @@ void expect_connected(const ExplicitTetra& mesh) {
     EXPECT_EQ(std::set(of_face.begin(), of_face.end()).size(), of_face.size());
 }
 
-TEST(PrintedMarch, SubdividesIntoEight) {
+TEST(PrintedMarch, SubdividesIntoEightEqualVolumes) {
     for (const TetraMesh& mesh :
          {one_tetra(), shuffled(bent(bcc_block({3, 3, 2}, 1, {0, 0, 0}), 0.15f, 5), 6)}) {
         HostExecutor exec;
@@ -101,7 +101,7 @@ TEST(PrintedMarch, SubdividesIntoEight) {
     }
 }
 
-TEST(PrintedMarch, CutsAlongTheShortestDiagonalAsTheRefinementDoes) {
+TEST(PrintedMarch, SubdividesAlongTheShortestDiagonalAsTheRefinementDoes) {
     const TetraMesh mesh = shuffled(bent(bcc_block({3, 3, 3}, 1, {0, 0, 0}), 0.15f, 7), 8);
     HostExecutor exec;
     const TetraMesh fine = as_mesh(subdivided(exec, mesh, 1));
@@ -121,7 +121,7 @@ TEST(PrintedMarch, CutsAlongTheShortestDiagonalAsTheRefinementDoes) {
         ASSERT_LT(distance(fine.positions[v], expected.positions[v]), 1e-6f);
 }
 
-TEST(PrintedMarch, NamesARegionThatHasEachVertex) {
+TEST(PrintedMarch, RegionOfAVertexContainsIt) {
     const TetraMesh mesh = bent(bcc_block({3, 3, 3}, 1, {0, 0, 0}), 0.1f, 9);
     HostExecutor exec;
     const ExplicitTetra fine = subdivided(exec, mesh, 2);
@@ -136,7 +136,7 @@ TEST(PrintedMarch, NamesARegionThatHasEachVertex) {
     for (std::size_t v = 0; v < regions.size(); ++v) ASSERT_TRUE(regions[v].contains(fine.regions[v]));
 }
 
-TEST(PrintedMarch, MakesTheTrianglesOfMarchingWithoutSnapping) {
+TEST(PrintedMarch, TrianglesMatchMarchWithoutSnapping) {
     const TetraMesh mesh = shuffled(bent(bcc_block({5, 5, 5}, 1, {0, 0, 0}), 0.1f, 21), 22);
     const AnyField field{[](Vec3 p) {
         return std::max(1.1f - distance(p, {2.3f, 2.4f, 2.2f}),
@@ -173,7 +173,7 @@ TEST(PrintedMarch, MakesTheTrianglesOfMarchingWithoutSnapping) {
     }
 }
 
-TEST(PrintedMarch, LeavesTheWeldOut) {
+TEST(PrintedMarch, SkipsWeldingIfRequested) {
     const TetraMesh mesh = bcc_block({4, 4, 4}, 1, {0, 0, 0});
     const KernelField field = ball_field({2.1f, 2, 2}, 0.8f);
     HostExecutor exec;
@@ -204,7 +204,7 @@ Printed printed(const CutScene& scene) {
             cuda::downloaded(exec, found.welded)};
 }
 
-TEST(PrintedMarch, NeedsNothingOfTheHostNorAnyOrder) {
+TEST(PrintedMarch, MatchesTheHostExecutorOnTheStrictOne) {
     const CutScene scene(random_tree(60, 4, true), 1, 0.6f);
     const Printed host = printed<HostExecutor>(scene), strict = printed<cuda::StrictExecutor>(scene);
     ASSERT_GT(host.triangles.size(), 100u);

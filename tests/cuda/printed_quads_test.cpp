@@ -68,7 +68,7 @@ float size_of(const Cage& cage) {
     return box.diagonal();
 }
 
-TEST(PrintedQuadStages, SubdivideAsPatches) {
+TEST(PrintedQuadStages, SubdivideAsPatchRefinement) {
     int closed = 0;
     for (const auto& [name, cage] : cage_zoo()) {
         if (!PatchRefinement(cage.quads, cage.vertex_count(), 0).cage().closed()) continue;
@@ -91,13 +91,13 @@ TEST(PrintedQuadStages, SubdivideAsPatches) {
     EXPECT_EQ(closed, 9);
 }
 
-TEST(PrintedQuadStages, RefuseBoundaries) {
+TEST(PrintedQuadStages, RejectBoundaries) {
     HostExecutor exec;
     const Job job(grid_cage(4, 3, false), 1);
     EXPECT_THROW(Stages(exec, job), InvalidInput);
 }
 
-TEST(PrintedQuadStages, VerticesWithoutQuadsStay) {
+TEST(PrintedQuadStages, PreserveVerticesWithoutQuads) {
     Cage cage = hub_cage(3);
     cage.points.push_back({5, 6, 7});
     const Job job(cage, 2);
@@ -116,7 +116,7 @@ struct Balls {
 };
 
 // Each step leaves 1 - 0.95 of the distance: 1/400 after two steps.
-TEST(PrintedQuadStages, EvolveByEquationFive) {
+TEST(PrintedQuadStages, MoveVerticesByEquationFive) {
     const Job job(shaken(hub_cage(3), 0.05f), 2);
     HostExecutor exec;
     Stages stages(exec, job);
@@ -141,7 +141,7 @@ struct Nothing {
     }
 };
 
-TEST(PrintedQuadStages, StayWhereTheFieldLeadsNowhere) {
+TEST(PrintedQuadStages, PreservePositionsIfTheGradientIsZero) {
     const Job job(hub_cage(4), 1);
     HostExecutor exec;
     Stages stages(exec, job);
@@ -162,7 +162,7 @@ ControlMesh cage_about(const Skeleton& skeleton) {
 
 // ProjectionMethod::newton executes the same steps, except that it stops vertices that are close enough or
 // too far away.
-TEST(PrintedQuadStages, EvolveAsNewtonOnTrees) {
+TEST(PrintedQuadStages, MatchNewtonProjectionOnTrees) {
     std::size_t near = 0, all = 0;
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         if (skeleton.size() > 200) continue;
@@ -209,7 +209,7 @@ TEST(PrintedQuadStages, EvolveAsNewtonOnTrees) {
     EXPECT_GT(near, all * 9 / 10) << all;
 }
 
-TEST(PrintedQuadStages, GiveTheSameBitsForAnyThreads) {
+TEST(PrintedQuadStages, AreBitIdenticalForAnyNumberOfThreads) {
     const Job job(shaken(grid_cage(60, 40, true), 0.01f), 2);
     std::vector<Vec3> one;
     for (const unsigned threads : {1u, 2u, 7u}) {
@@ -224,7 +224,7 @@ TEST(PrintedQuadStages, GiveTheSameBitsForAnyThreads) {
 }
 
 // Each repetition starts from the same cage.
-TEST(PrintedQuadStages, RepeatTheirWork) {
+TEST(PrintedQuadStages, RepeatedRefinementIsIdentical) {
     const Job job(shaken(branching_cage(), 0.01f), 3);
     HostExecutor exec;
     Stages stages(exec, job);

@@ -11,14 +11,14 @@ namespace {
 INSTANTIATE_TYPED_TEST_SUITE_P(Host, QuadStagesOn, HostExecutor);
 INSTANTIATE_TYPED_TEST_SUITE_P(Strict, QuadStagesOn, StrictExecutor);
 
-TEST(QuadStages, GiveTheSameBitsForAnyThreads) {
+TEST(QuadStages, AreBitIdenticalForAnyNumberOfThreads) {
     const QuadCase c(zoo_skeleton("random_1"), 2);
     EXPECT_EQ(by_kernels<HostExecutor>(c, {}, {}, 1).positions,
               by_kernels<HostExecutor>(c, {}, {}, 4).positions);
 }
 
 // Tests that the memory estimate before a job is at least the used memory, and at most a third more.
-TEST(BytesOf, AreWhatAJobTakes) {
+TEST(BytesOf, EstimatesTheMemoryOfAJob) {
     const QuadCase c(random_tree(3000, 8), 3);
     const QuadJob job = c.job();
     StrictExecutor exec;

@@ -91,7 +91,7 @@ TYPED_TEST_P(QuadStagesOn, UnfoldAsTheCpu) {
     EXPECT_TRUE(near(left, left_by_kernels, 0.05)) << left << " " << left_by_kernels;
 }
 
-TYPED_TEST_P(QuadStagesOn, Refine) {
+TYPED_TEST_P(QuadStagesOn, RefineToTheQuadsOfTheCpu) {
     const QuadCase c(zoo_skeleton("random_1"), 4);
     const ProjectOptions none{.method = ProjectionMethod::none};
     const Surface cpu = on_cpu(c, none, {}), kernels = by_kernels<TypeParam>(c, none, {});
@@ -110,7 +110,7 @@ TYPED_TEST_P(QuadStagesOn, Refine) {
     EXPECT_EQ(downloaded(exec, stages.quads()), c.patches.quads());
 }
 
-TYPED_TEST_P(QuadStagesOn, KnowEveryKernelAndMethod) {
+TYPED_TEST_P(QuadStagesOn, ProjectWithEveryKernelAndMethodAsTheCpu) {
     for (const auto& [kernel, blend] : {std::pair{Kernel::quartic, 1},
                                         {Kernel::quartic, 2},
                                         {Kernel::quartic, 8},
@@ -137,13 +137,13 @@ TYPED_TEST_P(QuadStagesOn, CutFlatEnds) {
     expect_same(cpu, kernels, 0);
 }
 
-TYPED_TEST_P(QuadStagesOn, GiveTheSameBitsAgain) {
+TYPED_TEST_P(QuadStagesOn, AreIdenticalInASecondRun) {
     const QuadCase c(zoo_skeleton("random_1"), 2);
     const Surface once = by_kernels<TypeParam>(c, {}, {}, 1);
     EXPECT_EQ(once.positions, by_kernels<TypeParam>(c, {}, {}, 4).positions);
 }
 
-TYPED_TEST_P(QuadStagesOn, NormalsLookOutward) {
+TYPED_TEST_P(QuadStagesOn, NormalsPointOutward) {
     const QuadCase c(zoo_skeleton("random_1"), 2);
     TypeParam exec;
     QuadStages<TypeParam> stages(exec, c.job());
@@ -160,7 +160,8 @@ TYPED_TEST_P(QuadStagesOn, NormalsLookOutward) {
     EXPECT_GT(outward, normals.size() * 99 / 100);
 }
 
-REGISTER_TYPED_TEST_SUITE_P(QuadStagesOn, ProjectAsTheCpu, UnfoldAsTheCpu, Refine, KnowEveryKernelAndMethod,
-                            CutFlatEnds, GiveTheSameBitsAgain, NormalsLookOutward);
+REGISTER_TYPED_TEST_SUITE_P(QuadStagesOn, ProjectAsTheCpu, UnfoldAsTheCpu, RefineToTheQuadsOfTheCpu,
+                            ProjectWithEveryKernelAndMethodAsTheCpu, CutFlatEnds, AreIdenticalInASecondRun,
+                            NormalsPointOutward);
 
 }  // namespace coppice::cuda

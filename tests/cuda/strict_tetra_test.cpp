@@ -42,7 +42,7 @@ MarchResult marched(const CutTree& tree, int levels) {
     return downloaded(exec, *march(exec, job));
 }
 
-TEST(MarchStages, NeedNothingOfTheHostNorAnyOrder) {
+TEST(MarchStages, MatchTheHostExecutorOnTheStrictOne) {
     const CutTree tree;
     for (const int levels : {0, 1, 2}) {
         SCOPED_TRACE(levels);

@@ -16,7 +16,7 @@
 namespace coppice::cuda {
 namespace {
 
-TEST(TetraPieces, KeepTheOrderOfWhatTheyTake) {
+TEST(TetraPieces, PreserveTheOrderOfTetrahedraAndVertices) {
     const TetraMesh mesh = shuffled(bcc_block({3, 3, 20}, 1, {0, 0, 0}), 1);
     const TetraRefinement whole(mesh, 2);
     const IndexRange regions{70, 80};
@@ -49,7 +49,7 @@ TEST(TetraPieces, KeepTheOrderOfWhatTheyTake) {
     }
 }
 
-TEST(TetraPieces, HaveRowsOfTheirRegions) {
+TEST(TetraPieces, ContainTheRowsOfTheirRegions) {
     const TetraMesh mesh = bcc_block({3, 3, 20}, 1, {0, 0, 0});
     const TetraRefinement whole(mesh, 1);
     const TetraPiece piece(whole, {30, 40}, 1);
@@ -81,7 +81,7 @@ MarchResult march_in(std::size_t count, const TetraMesh& mesh, const F& field, c
 }
 
 // Noise creates more folds than any tree, so that vertices are moved back in many rounds.
-TEST(MarchPieces, MakeTheSameBitsOnNoise) {
+TEST(MarchPieces, AreBitIdenticalToMarchOnNoise) {
     std::uint64_t freed = 0;
     for (std::uint64_t seed = 0; seed < 4; ++seed) {
         const std::array<std::uint32_t, 3> cells{4, 4, seed == 3 ? 60u : 24u};
@@ -103,7 +103,7 @@ TEST(MarchPieces, MakeTheSameBitsOnNoise) {
 }
 
 // The result of the first tile at its border is invalid if another one needs more rounds.
-TEST(MarchPieces, ComeAgainWithMoreAroundThemAfterMoreRounds) {
+TEST(MarchPieces, ReturnAgainWithMoreTetrahedraAfterMoreRounds) {
     const TetraMesh mesh = bcc_block({3, 3, 60}, 1, {0, 0, 0});
     MarchPieces pieces(mesh, 2, 2);
     const auto size_of_next = [&](int rounds) {
@@ -120,7 +120,7 @@ TEST(MarchPieces, ComeAgainWithMoreAroundThemAfterMoreRounds) {
     EXPECT_EQ(size_of_next(0), 0u);
 }
 
-TEST(MarchPieces, NameTheSameOpenFaces) {
+TEST(MarchPieces, ReportTheSameOpenFaces) {
     const TetraMesh mesh = bcc_block({4, 4, 24}, 1, {0, 0, 0});
     const KernelField field = ball_field({0.9f, 2, 12}, 1.7f);
     const MarchResult expected = march(mesh, FieldRef(field), {});
@@ -142,7 +142,7 @@ struct WholeTree {
     std::size_t bytes = 0;  ///< memory used
 };
 
-TEST(MarchPieces, MakeTheSameBitsOfTreesInLessMemory) {
+TEST(MarchPieces, AreBitIdenticalToMarchOfTreesInLessMemory) {
     for (const bool hard : {false, true}) {
         for (int levels = 1; levels <= 2; ++levels) {
             SCOPED_TRACE(testing::Message() << "hard " << hard << " levels " << levels);
@@ -157,13 +157,13 @@ TEST(MarchPieces, MakeTheSameBitsOfTreesInLessMemory) {
     }
 }
 
-TEST(MarchPieces, NeedNothingOfTheHostNorAnyOrder) {
+TEST(MarchPieces, MatchMarchOnTheStrictExecutor) {
     const WholeTree tree(random_tree(150, 4, true), 1, 0.6f);
     StrictExecutor exec;
     expect_same(march_in_pieces(exec, tree.input()), tree.expected);
 }
 
-TEST(MarchPieces, GiveUpWhereThereIsNoRoom) {
+TEST(MarchPieces, ThrowIfMemoryIsTooSmall) {
     const WholeTree tree(random_tree(100, 5), 1, 0.5f);
     for (const std::size_t room : {std::size_t{1} << 14, tree.bytes / 20}) {
         HostExecutor exec({}, room);
@@ -171,7 +171,7 @@ TEST(MarchPieces, GiveUpWhereThereIsNoRoom) {
     }
 }
 
-TEST(MarchPieces, RefuseWhatMarchRefuses) {
+TEST(MarchPieces, RejectTheInputThatMarchRejects) {
     const WholeTree tree(random_tree(20, 5), 1, 0.5f);
     TetraMesh bad = tree.scene.mesh();
     std::swap(bad.tetra[5][0], bad.tetra[5][1]);

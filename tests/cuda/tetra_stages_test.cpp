@@ -58,7 +58,7 @@ void expect_same_refinement(const TetraMesh& mesh, int levels) {
     }
 }
 
-TEST(RefinementStages, NumberPartsAsTheCpuDoes) {
+TEST(RefinementStages, MatchTheCpu) {
     TetraMesh block = shuffled(bent(bcc_block({4, 3, 3}, 1, {0, 0, 0}), 0.12f, 1), 1);
     block.positions.push_back({2, 2, 2});  // without a tetrahedron
     for (int levels = 0; levels <= 5; ++levels) {
@@ -90,7 +90,7 @@ void expect_refused_alike(const TetraMesh& mesh, int levels) {
     EXPECT_EQ(said_by([&] { cuda::refine(exec, mesh, levels); }), expected);
 }
 
-TEST(RefinementStages, RefuseWhatTheCpuRefuses) {
+TEST(RefinementStages, RejectTheInputThatTheCpuRejects) {
     const TetraMesh one = one_tetra();
     expect_refused_alike(one, -1);
     expect_refused_alike(one, 6);
@@ -132,7 +132,7 @@ std::size_t expect_same_held(const TetraMesh& mesh, const InsideAxes& axes, int 
     return expected.list.size();
 }
 
-TEST(AxesStages, HoldWhatTheCpuHolds) {
+TEST(AxesStages, HeldVerticesMatchTheCpu) {
     std::size_t held = 0;
     for (const auto& [name, skeleton] : small_trees()) {
         SCOPED_TRACE(name);
@@ -147,7 +147,7 @@ TEST(AxesStages, HoldWhatTheCpuHolds) {
     EXPECT_GT(held, 10000u);
 }
 
-TEST(TouchingStages, ListWhatTheCpuLists) {
+TEST(TouchingStages, ListsMatchTheCpu) {
     std::size_t entries = 0, turn = 0;
     for (const auto& [name, skeleton] : small_trees()) {
         for (const Weights weights : {Weights::local, Weights::global}) {  // blended by axes, or summed
@@ -175,7 +175,7 @@ TEST(TouchingStages, ListWhatTheCpuLists) {
 }
 
 // 300 twigs end in one cell: more than a list can store.
-TEST(TouchingStages, SayWhereTooManyMeet) {
+TEST(TouchingStages, ThrowIfTooManySegmentsMeet) {
     std::vector<NodeId> parents{NodeId()};
     std::vector<Vec3> positions{{0, 0, 0}};
     for (int y = 0; y < 15; ++y) {
@@ -203,7 +203,7 @@ struct JoinPairs {
     void operator()(std::uint32_t i) const { sets.join(pairs[i][0], pairs[i][1]); }
 };
 
-TEST(DeviceSets, NameTheLeastMemberWhateverTheOrder) {
+TEST(DeviceSets, RootIsTheSmallestMemberInAnyOrder) {
     constexpr std::uint32_t kNumbers = 20000;
     const CounterRandom random(1, 2);
     std::vector<std::array<std::uint32_t, 2>> pairs(kNumbers);
@@ -258,7 +258,7 @@ void expect_same_parts(const std::vector<Ball>& balls, const std::vector<Vec3>& 
     EXPECT_TRUE(same(found.triangles, std::span<const Triangle>(mesh.triangles)));
 }
 
-TEST(PartsStages, DropWhatTheCpuDrops) {
+TEST(PartsStages, RemoveTheComponentsThatTheCpuRemoves) {
     const Ball large{{0, 0, 0}, 4}, hollow{{1, 0, 0}, 0.5f, true}, aside{{9, 0, 0}, 1};
     expect_same_parts({large}, {{0, 0, 0}}, 0);
     expect_same_parts({aside, large}, {{0, 0, 0}}, 1);

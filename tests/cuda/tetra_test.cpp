@@ -35,7 +35,7 @@ MarchResult march_by_kernels(const TetraMesh& mesh, const F& field, const Inside
                                         options.refinements, ctx));
 }
 
-TEST(MarchKernels, MakeTheSameBitsOnNoise) {
+TEST(MarchKernels, AreBitIdenticalToMarchOnNoise) {
     std::uint64_t freed = 0, triangles = 0;
     for (std::uint64_t seed = 0; seed < 3; ++seed) {
         TetraMesh mesh = bcc_block({5, 5, 5}, 1, {0, 0, 0});
@@ -58,7 +58,7 @@ TEST(MarchKernels, MakeTheSameBitsOnNoise) {
     EXPECT_GT(triangles, 1000u);
 }
 
-TEST(MarchKernels, TakeFieldsThatAreNoNumbers) {
+TEST(MarchKernels, AcceptNonFiniteFieldValues) {
     const TetraMesh mesh = bcc_block({5, 5, 5}, 1, {0, 0, 0});
     const AnyField field{[](Vec3 p) {
         if (p.x < 2) return std::numeric_limits<float>::quiet_NaN();
@@ -72,7 +72,7 @@ TEST(MarchKernels, TakeFieldsThatAreNoNumbers) {
     }
 }
 
-TEST(MarchKernels, NameOpenFaces) {
+TEST(MarchKernels, ReportOpenFaces) {
     const TetraMesh mesh = bcc_block({4, 4, 4}, 1, {0, 0, 0});
     const KernelField field = ball_field({0.9f, 2, 2}, 0.8f);
     const CompressedRows<std::uint32_t> none;
@@ -81,7 +81,7 @@ TEST(MarchKernels, NameOpenFaces) {
     expect_same(march_by_kernels(mesh, field, InsideAxes{{}, none}, {}), expected);
 }
 
-TEST(MarchKernels, MakeTheSameBitsOfTrees) {
+TEST(MarchKernels, AreBitIdenticalToMarchOfTrees) {
     for (const auto& [name, skeleton] : small_trees()) {
         for (int levels = 0; levels <= 2; ++levels) {
             SCOPED_TRACE(testing::Message() << name << " levels " << levels);
@@ -97,7 +97,7 @@ TEST(MarchKernels, MakeTheSameBitsOfTrees) {
 
 // With a twentieth of its weight the field is below its iso value everywhere: axes are held by corners that
 // move.
-TEST(MarchKernels, HoldAxesThatTheFieldLoses) {
+TEST(MarchKernels, PreserveAxesOutsideOfTheIsoSurface) {
     for (const float factor : {0.05f, 0.9f}) {
         TetraScene scene(random_tree(60, 4, true), 1, 0.9f, {}, 0);
         scene.field.scale_weights(std::vector<float>(scene.skeleton.size(), factor));
@@ -142,7 +142,7 @@ void expect_same_snapping(const TetraMesh& mesh, int levels, const F& field, Sna
     found.unknown += std::ranges::count(fans, tetra_kernel::Fan::unknown);
 }
 
-TEST(MarchKernels, FindTheSameFoldsAndFans) {
+TEST(MarchKernels, ReportTheSameFoldsAndFans) {
     Snapping found;
     for (int levels = 0; levels <= 2; ++levels) {
         SCOPED_TRACE(levels);
@@ -157,7 +157,7 @@ TEST(MarchKernels, FindTheSameFoldsAndFans) {
     EXPECT_GT(found.unknown, 10);
 }
 
-TEST(MarchKernels, GiveTheSameBitsForAnyNumberOfThreads) {
+TEST(MarchKernels, AreBitIdenticalForAnyNumberOfThreads) {
     const TetraScene scene(random_tree(60, 4, true), 1, 0.5f);
     const MarchOptions options{.levels = 1};
     const MarchResult one = march_by_kernels(scene.lattice.mesh(), scene.field, scene.inside(), options, 1);
@@ -174,7 +174,7 @@ MarchResult march_as_a_card(const TetraMesh& mesh, const CutConvolution& field, 
     return cuda::downloaded(exec, cuda::march(exec, job).value());
 }
 
-TEST(MarchKernels, AgreeWithTheFieldOfACard) {
+TEST(MarchKernels, MatchMarchWithTheFieldOfACard) {
     std::size_t same = 0, all = 0, turn = 0;
     for (const auto& [name, skeleton] : small_trees()) {
         for (const Kernel kernel : {Kernel::quartic, Kernel::cauchy, Kernel::scalis, Kernel::balls}) {
@@ -195,7 +195,7 @@ TEST(MarchKernels, AgreeWithTheFieldOfACard) {
     EXPECT_GT(same, all / 2) << "positions were hardly compared";
 }
 
-TEST(MarchKernels, AgreeOnTheWorkloads) {
+TEST(MarchKernels, MatchMarchOnTheWorkloads) {
     for (const char* name : {"tree300.swc", "tree300hard.swc", "tree3k.swc"}) {
         const std::optional<Skeleton> tree = workload(name);
         if (!tree) GTEST_SKIP() << "no workloads next to the checkout";
@@ -225,7 +225,7 @@ TEST(CutConvolution, EndsInAPlane) {
     EXPECT_GT(lowest, -0.15f * radius) << "the field extends by 1.5 radii";
 }
 
-TEST(DeviceMarcher, SaysThatThereIsNoCard) {
+TEST(DeviceMarcher, ThrowsWithoutADevice) {
     if (find_device().device) GTEST_SKIP() << "there is a device";
     EXPECT_THROW(DeviceMarcher(), DeviceError);
 }

@@ -28,7 +28,7 @@ TEST(Anchor, BindsToItsOwnNode) {
     }
 }
 
-TEST(Anchor, FindsTheNodeOfATreeThatIsLargerNumberedOtherwiseAndElsewhere) {
+TEST(Anchor, BindsInAScaledMovedAndRenumberedTree) {
     const Skeleton s = random_tree(300, 1);
     std::vector<StableId> other;
     std::vector<Vec3> place;
@@ -48,7 +48,7 @@ TEST(Anchor, FindsTheNodeOfATreeThatIsLargerNumberedOtherwiseAndElsewhere) {
     }
 }
 
-TEST(Anchor, SaysWhyAndNamesTheNearestWhereNothingIsLikeEnough) {
+TEST(Anchor, ReportsTheReasonAndTheNearestNodeIfNoNodeMatches) {
     EditableTree tree(test::stem_with_branches());
     const AnchorFrame frame = anchor_frame(tree);  // 4 m along x
     const Anchor tip = anchor_of(tree, frame, id(6));
@@ -70,7 +70,7 @@ NodeSet held(const EditableTree& tree, const std::string& text) {
     return selected(tree, parse_selection(text));
 }
 
-TEST(AnchorText, HoldsItsNodeAloneInEveryTreeOfTheZoo) {
+TEST(AnchorText, SelectsExactlyItsNodeInEveryTreeOfTheZoo) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         const EditableTree tree(skeleton);
         for (const StableId n : tree.nodes()) {
@@ -80,13 +80,13 @@ TEST(AnchorText, HoldsItsNodeAloneInEveryTreeOfTheZoo) {
     }
 }
 
-TEST(AnchorText, IsShortWhereNothingElseIsLikeTheNode) {
+TEST(AnchorText, IsShortForAUniqueNode) {
     const EditableTree tree(test::stem_with_branches());
     EXPECT_EQ(anchor_text(tree, id(2)), "at(0,0,2,0,0.08)");
     EXPECT_EQ(anchor_text(tree, id(7)), "at(2,1,1,2,0.02)");
 }
 
-TEST(AnchorText, TellsNodesApartThatAreTheSameByTheirIds) {
+TEST(AnchorText, DistinguishesIdenticalNodesByTheirIds) {
     const Skeleton one = test::stem_with_branches();
     const EditableTree twice(joined(std::vector{&one, &one}));
     for (const StableId n : twice.nodes()) EXPECT_EQ(held(twice, anchor_text(twice, n)), NodeSet{n});
@@ -95,7 +95,7 @@ TEST(AnchorText, TellsNodesApartThatAreTheSameByTheirIds) {
                 }).starts_with("nodes 2 and 11 are both like at(0,0,2,0,0.08)"));
 }
 
-TEST(AnchorText, IsNotLikeTheNeighboursOfABranchThatIsGone) {
+TEST(AnchorText, DoesNotMatchTheNeighboursOfARemovedBranch) {
     const Skeleton s = random_tree(300, 1);
     std::size_t refused = 0;
     for (const NodeId gone : nodes(s)) {

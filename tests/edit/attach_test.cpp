@@ -32,7 +32,7 @@ Skeleton superimposed() {
                     {0.1f, 0.1f, 0.2f, 0.15f, 0.05f, 0.04f, 0.1f, 0.1f});
 }
 
-TEST(Attach, HangsTreesWhoseRootsLieInWood) {
+TEST(Attach, ConnectsTreesWithRootsInsideBranches) {
     EditableTree tree(superimposed());
     const EditChange change = attach(tree, tree.nodes());
     EXPECT_EQ(tree.skeleton().tree_count(), 2u);
@@ -46,7 +46,7 @@ TEST(Attach, HangsTreesWhoseRootsLieInWood) {
     EXPECT_TRUE(test::same(tree.skeleton(), superimposed()));
 }
 
-TEST(Attach, NeverHangsATreeOnItself) {
+TEST(Attach, NeverConnectsATreeToItself) {
     // Each root is inside the other branch.
     const NodeId none;
     EditableTree tree(Skeleton({none, NodeId(0), none, NodeId(2)},
@@ -79,7 +79,7 @@ class Chains {
     std::vector<float> radii_;
 };
 
-TEST(AttachCrossings, CutsTheThinnerWhereItRunsThroughTheThicker) {
+TEST(AttachCrossings, CutsTheThinnerBranchInsideTheThicker) {
     EditableTree tree = Chains()
                             .add({{0, 0, 0}, {0, 0, 2}}, 0.1f)
                             .add({{-1, 0.02f, 1}, {-0.5f, 0.02f, 1}, {1, 0.02f, 1}, {2, 0, 1}}, 0.05f)
@@ -101,7 +101,7 @@ TEST(AttachCrossings, CutsTheThinnerWhereItRunsThroughTheThicker) {
     EXPECT_TRUE(test::same(tree.skeleton(), before));
 }
 
-TEST(AttachCrossings, CutsABranchAsOftenAsItRunsThroughWood) {
+TEST(AttachCrossings, CutsABranchAtEveryBranchItPasses) {
     EditableTree tree = Chains()
                             .add({{0, 0, 0}, {0, 0, 2}}, 0.1f)
                             .add({{1, 0, 0}, {1, 0, 2}}, 0.1f)
@@ -121,7 +121,7 @@ TEST(AttachCrossings, CutsABranchAsOftenAsItRunsThroughWood) {
     }
 }
 
-TEST(AttachCrossings, OfBranchesThatHangOnEachOtherCutsTheOuterOne) {
+TEST(AttachCrossings, CutsTheOuterOfTwoConnectedBranches) {
     // A twig that returns through its parent limb and is thicker than it.
     EditableTree tree = Chains()
                             .add({{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {2, 0, 1}, {3, 0, 1}}, 0.1f)
@@ -133,7 +133,7 @@ TEST(AttachCrossings, OfBranchesThatHangOnEachOtherCutsTheOuterOne) {
     EXPECT_EQ(tree.parent(tree.parent(id(7))), id(3));
 }
 
-TEST(AttachCrossings, LeavesAloneWhatBeginsOrEndsInWoodAndWhatIsNotSelected) {
+TEST(AttachCrossings, PreservesBranchesThatStartOrEndInsideAndUnselectedOnes) {
     EditableTree plain(test::stem_with_branches());
     EXPECT_TRUE(attach(plain, plain.nodes(), Crossings::join).empty());
     // At an acute angle, over several segments inside the parent branch.
@@ -151,7 +151,7 @@ TEST(AttachCrossings, LeavesAloneWhatBeginsOrEndsInWoodAndWhatIsNotSelected) {
     EXPECT_FALSE(attach(ends, ids({5}), Crossings::join).empty());
 }
 
-TEST(AttachCrossings, TakesTheZooAndFindsLessTheSecondTime) {
+TEST(AttachCrossings, AcceptsTheZooAndJoinsFewerTheSecondTime) {
     std::size_t first = 0, second = 0;
     const auto joins = [&](const Skeleton& skeleton) {
         EditableTree tree(skeleton);

@@ -44,7 +44,7 @@ double min_gap(const Skeleton& s, std::uint32_t first_of_second) {
     return least;
 }
 
-TEST(BendApart, TheThinOneGivesWayAndBothStayWhole) {
+TEST(BendApart, MovesTheThinBranchAndPreservesBoth) {
     for (const float offset : {0.0f, 0.03f, -0.08f}) {
         const Skeleton s = stem_and_branch(offset);
         const BendApartResult r = bend_apart(s);
@@ -68,7 +68,7 @@ TEST(BendApart, TheThinOneGivesWayAndBothStayWhole) {
     }
 }
 
-TEST(BendApart, TreesThatAreApartAndCrossingsWithinATreeStay) {
+TEST(BendApart, SeparateTreesAndIntersectionsWithinATreeAreUnchanged) {
     const Skeleton apart = stem_and_branch(0.5f);
     EXPECT_TRUE(test::same(bend_apart(apart).skeleton, apart));
     const Skeleton hard = random_tree(300, 5, true);
@@ -77,7 +77,7 @@ TEST(BendApart, TreesThatAreApartAndCrossingsWithinATreeStay) {
     EXPECT_EQ(r.report.rounds, 0);
 }
 
-TEST(BendApart, ARootInTheWoodStaysAndIsTold) {
+TEST(BendApart, RootInsideABranchIsUnchangedAndReported) {
     const NodeId none;
     const Skeleton s({none, NodeId(0), none, NodeId(2)}, {{0, 0, 0}, {0, 0, 2}, {0.05f, 0, 0}, {0.05f, 0, 2}},
                      {0.1f, 0.1f, 0.1f, 0.1f});
@@ -89,7 +89,7 @@ TEST(BendApart, ARootInTheWoodStaysAndIsTold) {
     EXPECT_LE(r.report.farthest, 1.0f);
 }
 
-TEST(BendApart, OnlyWhatIsSelectedMovesAndUndoingGivesItBack) {
+TEST(BendApart, MovesOnlyTheSelectionAndCanBeUndone) {
     const Skeleton s = stem_and_branch(0.01f);
     EditableTree tree(s);
     const EditChange change = bend_apart(tree, ids({3}));
@@ -106,7 +106,7 @@ TEST(BendApart, OnlyWhatIsSelectedMovesAndUndoingGivesItBack) {
     EXPECT_NE(error_of([&] { bend_apart(tree, ids({3}), {.gap = -1}); }).find("gap"), std::string::npos);
 }
 
-TEST(BendApart, TwoCrownsMovedIntoEachOther) {
+TEST(BendApart, SeparatesTwoOverlappingCrowns) {
     const Skeleton one = random_tree(1000, 3, false), two = random_tree(1000, 4, false);
     std::vector<NodeId> parent;
     std::vector<Vec3> place;

@@ -14,7 +14,7 @@ using test::id;
 using test::ids;
 using test::near;
 
-TEST(Cut, SplitsSegmentsAndLeavesTheSurface) {
+TEST(Cut, SplitsSegmentsAndPreservesTheSurface) {
     EditableTree tree(test::stem_with_branches());
     const EditChange change = split(tree, ids({2, 4}), 4);
     EXPECT_EQ(change.added, ids({9, 10, 11, 12, 13, 14}));
@@ -27,7 +27,7 @@ TEST(Cut, SplitsSegmentsAndLeavesTheSurface) {
     EXPECT_TRUE(near(tree.position(id(15)), {0, 0, 2.25f}));
 }
 
-TEST(Cut, DetachesWithTheFirstSegment) {
+TEST(Cut, DetachesABranchWithItsFirstSegment) {
     EditableTree tree(test::stem_with_branches());
     const EditChange change = detach(tree, ids({4}));
     EXPECT_EQ(change.added, ids({9}));
@@ -40,7 +40,7 @@ TEST(Cut, DetachesWithTheFirstSegment) {
               std::string::npos);
 }
 
-TEST(Cut, RemovesBranchesOrNodesAlone) {
+TEST(Cut, RemovesBranchesOrSingleNodes) {
     EditableTree tree(test::stem_with_branches());
     EXPECT_EQ(remove_branches(tree, ids({5, 8})).removed, ids({5, 6, 7, 8}));
     tree.undo();
@@ -51,7 +51,7 @@ TEST(Cut, RemovesBranchesOrNodesAlone) {
     EXPECT_TRUE(tree.is_root(id(1)));
 }
 
-TEST(Cut, SpacesNodesEvenly) {
+TEST(Cut, ResamplesEvenly) {
     EditableTree tree(test::stem_with_branches());
     resample(tree, tree.nodes(), 0.25);
     // Between forks, each metre has four segments: seven sections of 1 m, with 8 between the fork and the tip
@@ -70,7 +70,7 @@ TEST(Cut, SpacesNodesEvenly) {
               std::string::npos);
 }
 
-TEST(Prune, CutsByRadiusLengthAndOrder) {
+TEST(Prune, RemovesByRadiusLengthAndOrder) {
     EditableTree tree(test::stem_with_branches());
     EXPECT_EQ(prune(tree, tree.nodes(), {.radius = 0.035f}).removed, ids({6, 7, 8}));
     tree.undo();
@@ -82,7 +82,7 @@ TEST(Prune, CutsByRadiusLengthAndOrder) {
     EXPECT_TRUE(prune(tree, tree.nodes(), {}).empty());
 }
 
-TEST(Prune, CountsTipsAboveAsShade) {
+TEST(Prune, ShadeCountsTheTipsAbove) {
     // A stem to z = 10 with horizontal branches at 1 and 3; the lower one is directly below the upper one.
     const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(2), NodeId(1), NodeId(2)},
                      {{0.5f, 0.5f, 0.5f},
@@ -107,7 +107,7 @@ TEST(Prune, CountsTipsAboveAsShade) {
 }
 
 // The meaning of a shade of 1 differs between trees; a fraction of the tips does not.
-TEST(Prune, TakesAShareOfTheTipsThoseInMostShade) {
+TEST(Prune, RemovesAFractionOfTheMostShadedTips) {
     for (const std::uint64_t seed : {1, 2, 3}) {
         EditableTree tree(random_tree(400, seed));
         const auto shade = shade_of_tips(tree, 0.1);
@@ -133,7 +133,7 @@ TEST(Prune, TakesAShareOfTheTipsThoseInMostShade) {
     }
 }
 
-TEST(Prune, TrimsToASolidAtItsSurface) {
+TEST(Prune, TrimsToTheSurfaceOfASolid) {
     EditableTree tree(test::stem_with_branches());
     const Solid crown = sphere({0, 0, 2}, {.radius = 1.5f});
     const EditChange change = prune_by_solid(tree, tree.nodes(), crown);
@@ -148,7 +148,7 @@ TEST(Prune, TrimsToASolidAtItsSurface) {
               std::string::npos);
 }
 
-TEST(Prune, CutsWhatEntersASolid) {
+TEST(Prune, CutsBranchesThatEnterASolid) {
     EditableTree tree(test::stem_with_branches());
     const EditChange change = prune_by_solid(tree, tree.nodes(), sphere({2, 0, 1}, {.radius = 0.5f}), false);
     EXPECT_EQ(change.removed, ids({5, 6, 7}));  // 6 is beyond the wires, and is removed too

@@ -34,7 +34,7 @@ EditableTree level_branch() {
     return EditableTree(Skeleton(parent, place, radius));
 }
 
-TEST(Bend, KeepsTheFirstSegmentAndTurnsTheLastByTheAngle) {
+TEST(Bend, PreservesTheFirstSegmentAndTurnsTheLastByTheAngle) {
     EditableTree tree = level_branch();
     bend(tree, ids({3}), kQuarter);
     EXPECT_TRUE(near(tree.position(id(3)), {0.1f, 0, 1}));
@@ -46,7 +46,7 @@ TEST(Bend, KeepsTheFirstSegmentAndTurnsTheLastByTheAngle) {
     EXPECT_NEAR(tree.position(id(23)).y, 0.5, 1e-6);  // the bend is about y
 }
 
-TEST(Bend, RefusesASingleSegment) {
+TEST(Bend, RejectsASingleSegment) {
     EditableTree tree(test::stem_with_branches());
     EXPECT_EQ(error_of([&] { bend(tree, ids({8}), 1); }),
               "the axis of node 8 has a single segment, which cannot bend; resample or split it first");
@@ -57,14 +57,14 @@ TEST(Bend, RefusesASingleSegment) {
     EXPECT_TRUE(test::same(tree.skeleton(), test::stem_with_branches()));
 }
 
-TEST(Twist, TurnsLateralsByTheirShareOfTheLength) {
+TEST(Twist, TurnsLateralsInProportionToTheLength) {
     EditableTree tree = level_branch();
     const EditChange change = twist(tree, ids({3}), 2 * kQuarter);
     EXPECT_EQ(change.moved, ids({23}));  // half of the angle: a quarter turn about x maps y to z
     EXPECT_TRUE(near(tree.position(id(23)), {1, 0, 1.5f}));
 }
 
-TEST(Straighten, KeepsJointAndTip) {
+TEST(Straighten, PreservesJointAndTip) {
     EditableTree tree = level_branch();
     bend(tree, ids({3}), kQuarter);
     const Vec3 tip = tree.position(id(22));
@@ -75,7 +75,7 @@ TEST(Straighten, KeepsJointAndTip) {
         EXPECT_LT(length(cross(way, tree.position(id(i)) - tree.position(id(1)))), 1e-5f);
 }
 
-TEST(Smooth, TakesAKinkAwayAndLateralsAlong) {
+TEST(Smooth, HalvesAKinkAndMovesLateralsAlong) {
     EditableTree tree = level_branch();
     move_node(tree, id(12), {1.0, 0, 1.1}, 0.05);  // a kink at a single node
     EXPECT_TRUE(near(tree.position(id(12)), {1, 0, 1.1f}));
@@ -86,7 +86,7 @@ TEST(Smooth, TakesAKinkAwayAndLateralsAlong) {
     EXPECT_TRUE(near(tree.position(id(23)) - tree.position(id(12)), lateral));
 }
 
-TEST(MoveNode, BringsTheNodeThereAndKeepsLengthsAndFarNodes) {
+TEST(MoveNode, MovesTheNodeAndPreservesLengthsAndFarNodes) {
     EditableTree tree = level_branch();
     const EditChange change = move_node(tree, id(12), {1.0, 0, 1.2}, 0.55);
     EXPECT_TRUE(near(tree.position(id(12)), {1, 0, 1.2f}));
@@ -103,7 +103,7 @@ TEST(MoveNode, BringsTheNodeThereAndKeepsLengthsAndFarNodes) {
     }
 }
 
-TEST(MoveNode, LetsTheTipGoWithItsTail) {
+TEST(MoveNode, MovesTheTipWithTheEndOfItsBranch) {
     EditableTree tree = level_branch();
     move_node(tree, id(22), {1.9, 0.3, 1});  // the tip itself; the branch follows up to the stem
     EXPECT_TRUE(near(tree.position(id(22)), {1.9f, 0.3f, 1}));
@@ -116,7 +116,7 @@ TEST(MoveNode, LetsTheTipGoWithItsTail) {
     EXPECT_GT(tree.position(id(22)).y, 0.2f);
 }
 
-TEST(MoveNode, MovesALoneRoot) {
+TEST(MoveNode, MovesASingleRoot) {
     EditableTree tree(Skeleton({NodeId::none()}, {{0, 0, 0}}, {0.1f}));
     move_node(tree, id(0), {1, 2, 3});
     EXPECT_EQ(tree.position(id(0)), (Vec3{1, 2, 3}));

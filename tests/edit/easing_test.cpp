@@ -5,7 +5,7 @@
 namespace coppice {
 namespace {
 
-TEST(Easing, LeadsFromNothingToAllAndNeverBack) {
+TEST(Easing, IncreasesFromZeroToOne) {
     for (const Easing e : {Easing::smooth, Easing::linear, Easing::in, Easing::out, Easing::hold}) {
         SCOPED_TRACE(name_of(e));
         EXPECT_EQ(eased(e, 0), 0);
@@ -14,7 +14,7 @@ TEST(Easing, LeadsFromNothingToAllAndNeverBack) {
     }
 }
 
-TEST(Easing, StartsAndEndsAsItsNameSays) {
+TEST(Easing, HasTheEndSpeedsOfItsName) {
     constexpr double kStep = 1e-4;
     const auto speed_at_start = [](Easing e) { return eased(e, kStep) / kStep; };
     const auto speed_at_end = [](Easing e) { return (1 - eased(e, 1 - kStep)) / kStep; };

@@ -13,7 +13,7 @@ using test::error_of;
 using test::id;
 using test::ids;
 
-TEST(EditableTree, GivesBackTheSkeletonThatItWasMadeOf) {
+TEST(EditableTree, PreservesTheSkeletonOfTheZoo) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         SCOPED_TRACE(name);
         const EditableTree tree(skeleton);
@@ -26,7 +26,7 @@ TEST(EditableTree, GivesBackTheSkeletonThatItWasMadeOf) {
     }
 }
 
-TEST(EditableTree, KeepsStableIdsInAnyOrder) {
+TEST(EditableTree, PreservesStableIdsInAnyOrder) {
     const Skeleton s({NodeId::none(), NodeId(0), NodeId(1)}, {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}},
                      {0.1f, 0.1f, 0.1f}, {}, {id(7), id(2), id(5)});
     const EditableTree tree(s);
@@ -36,13 +36,13 @@ TEST(EditableTree, KeepsStableIdsInAnyOrder) {
     EXPECT_TRUE(test::same(tree.skeleton(), s));  // 2 can only be added after its parent 7
 }
 
-TEST(EditableTree, RefusesIdsThatWouldTakeTooMuchMemory) {
+TEST(EditableTree, RejectsIdsThatNeedTooMuchMemory) {
     const Skeleton s({NodeId::none()}, {{0, 0, 0}}, {0.1f}, {}, {id(4'000'000'000)});
     EXPECT_EQ(error_of([&] { const EditableTree tree(s); }),
               "the stable ids go up to 4000000000 for 1 nodes; leave them out to number the nodes from 0");
 }
 
-TEST(EditableTree, NamesWhatAnEditChanged) {
+TEST(EditableTree, ReportsTheChangesOfAnEdit) {
     EditableTree tree(test::stem_with_branches());
     TreeEdit edit(tree);
     const StableId added = edit.add(id(3), {0, 0, 4}, 0.05f);
@@ -66,7 +66,7 @@ TEST(EditableTree, NamesWhatAnEditChanged) {
     EXPECT_EQ(tree.slots(), 9u);
 }
 
-TEST(EditableTree, RedoesWhatWasUndone) {
+TEST(EditableTree, RedoRestoresAnUndoneEdit) {
     EditableTree tree(test::stem_with_branches());
     {
         TreeEdit edit(tree);
@@ -87,7 +87,7 @@ TEST(EditableTree, RedoesWhatWasUndone) {
     EXPECT_EQ(tree.redo_depth(), 0u);
 }
 
-TEST(EditableTree, PutsParentsFirstAfterAGraft) {
+TEST(EditableTree, OrdersParentsFirstAfterAGraft) {
     EditableTree tree(test::stem_with_branches());
     TreeEdit edit(tree);
     edit.set_parent(id(2), id(6));
@@ -98,7 +98,7 @@ TEST(EditableTree, PutsParentsFirstAfterAGraft) {
     EXPECT_TRUE(test::same(EditableTree(s).skeleton(), s));
 }
 
-TEST(TreeEdit, TakesAllBackThatIsNotCommitted) {
+TEST(TreeEdit, DiscardsUncommittedChanges) {
     EditableTree tree(test::stem_with_branches());
     {
         TreeEdit edit(tree);
@@ -112,7 +112,7 @@ TEST(TreeEdit, TakesAllBackThatIsNotCommitted) {
     EXPECT_EQ(tree.slots(), 9u);
 }
 
-TEST(TreeEdit, RefusesWhatWouldBreakAnInvariant) {
+TEST(TreeEdit, RejectsChangesThatBreakAnInvariant) {
     EditableTree tree(test::stem_with_branches());
     const auto refused = [&](auto change) {
         return error_of([&] {
@@ -148,7 +148,7 @@ TEST(TreeEdit, RefusesWhatWouldBreakAnInvariant) {
     EXPECT_TRUE(test::same(tree.skeleton(), test::stem_with_branches()));
 }
 
-TEST(TreeEdit, LeavesNodesThatLayOnEachOtherFromTheBeginning) {
+TEST(TreeEdit, AcceptsNodesThatCoincidedBefore) {
     const Skeleton s({NodeId::none(), NodeId(0), NodeId(1)}, {{0, 0, 0}, {0, 0, 0}, {0, 0, 1}},
                      {0.1f, 0.1f, 0.1f});
     EditableTree tree(s);
@@ -158,7 +158,7 @@ TEST(TreeEdit, LeavesNodesThatLayOnEachOtherFromTheBeginning) {
     EXPECT_EQ(edit.commit().moved, ids({0, 1}));
 }
 
-TEST(EditableTree, ForgetsTheOldestStepsFirst) {
+TEST(EditableTree, DiscardsTheOldestStepsFirst) {
     EditableTree tree(test::stem_with_branches());
     for (int i = 1; i <= 100; ++i) {
         TreeEdit edit(tree);

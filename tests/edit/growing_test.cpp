@@ -21,14 +21,14 @@ double compute_length(const Skeleton& s) {
 
 class Growing : public testing::TestWithParam<Age> {};
 
-TEST_P(Growing, EndsAsTheSkeleton) {
+TEST_P(Growing, EqualsTheSkeletonAtTheEnd) {
     const Skeleton s = random_tree(200, 1);
     const Skeleton grown = GrowingTree(s, {.age = GetParam()}).at(1);
     EXPECT_TRUE(std::ranges::equal(grown.positions(), s.positions()));
     EXPECT_TRUE(std::ranges::equal(grown.radii(), s.radii()));
 }
 
-TEST_P(Growing, OnlyAddsAndThickens) {
+TEST_P(Growing, LengthAndRadiiNeverDecrease) {
     const Skeleton s = random_tree(200, 2);
     const GrowingTree tree(s, {.age = GetParam()});
     std::map<std::uint32_t, float> before;
@@ -48,7 +48,7 @@ TEST_P(Growing, OnlyAddsAndThickens) {
     }
 }
 
-TEST_P(Growing, BeginsWithLittle) {
+TEST_P(Growing, StartsWithFewThinNodes) {
     const Skeleton s = random_tree(200, 3);
     const Skeleton seed = GrowingTree(s, {.age = GetParam()}).at(0);
     EXPECT_LE(seed.size(), 2u);
@@ -57,7 +57,7 @@ TEST_P(Growing, BeginsWithLittle) {
 
 INSTANTIATE_TEST_SUITE_P(Ages, Growing, testing::Values(Age::length, Age::order));
 
-TEST(GrowingTree, GrowsAllBranchesAtOneSpeedByLength) {
+TEST(GrowingTree, GrowsAllBranchesAtEqualSpeedByLength) {
     const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(1)},
                      {{0, 0, 0}, {0, 0, 1}, {0, 0, 4}, {1, 0, 1}}, {0.2f, 0.2f, 0.1f, 0.1f});
     const Skeleton half = GrowingTree(s).at(0.5);
@@ -68,7 +68,7 @@ TEST(GrowingTree, GrowsAllBranchesAtOneSpeedByLength) {
     EXPECT_LT(half.radius(NodeId(2)), 0.1f);
 }
 
-TEST(GrowingTree, RefusesWhatIsOutOfRange) {
+TEST(GrowingTree, RejectsOptionsOutOfRange) {
     const Skeleton s = random_tree(20, 1);
     EXPECT_THROW(GrowingTree(s, {.exponent = 0.5f}), InvalidInput);
 }

@@ -27,7 +27,7 @@ TEST(Draw, SnapsToTheNearestAxis) {
     EXPECT_GT(tree.radius(id(10)), tree.radius(id(11)));
 }
 
-TEST(Draw, RefusesWhatIsFarFromAnyAxisUnlessAlone) {
+TEST(Draw, RejectsPointsFarFromAnyAxisUnlessAlone) {
     EditableTree tree(test::stem_with_branches());
     const std::vector<Vec3d> points{{0, 4, 1.5}, {0, 5, 2}};
     EXPECT_EQ(error_of([&] { draw(tree, points); }),
@@ -66,7 +66,7 @@ TEST(Graft, MovesABranchToAnotherHost) {
     EXPECT_TRUE(near(tree.position(id(8)), {2, 0, 2}));
 }
 
-TEST(Graft, LimitsRadiiByTheHost) {
+TEST(Graft, LimitsRadiiToTheHost) {
     EditableTree tree(test::stem_with_branches());
     EXPECT_EQ(graft(tree, id(4), id(8)).resized, ids({4, 5, 6}));
     EXPECT_FLOAT_EQ(tree.radius(id(4)), 0.02f);
@@ -75,7 +75,7 @@ TEST(Graft, LimitsRadiiByTheHost) {
 }
 
 // A separate skeleton is attached with its root at the host, and gets new ids.
-TEST(Graft, TakesABranchFromElsewhere) {
+TEST(Graft, AttachesASeparateSkeleton) {
     EditableTree tree(test::stem_with_branches());
     const Skeleton twig({NodeId::none(), NodeId(0), NodeId(1)}, {{5, 5, 5}, {5, 6, 5}, {5, 7, 6}},
                         {0.3f, 0.3f, 0.01f});
@@ -100,7 +100,7 @@ TEST(Graft, TakesABranchFromElsewhere) {
     EXPECT_NE(error_of([&] { graft(tree, ball, id(3)); }).find("single tree"), std::string::npos);
 }
 
-TEST(Graft, BringsDetachedBranchesBackToTheirPlace) {
+TEST(Graft, RestoresDetachedBranches) {
     EditableTree tree(test::stem_with_branches());
     detach(tree, ids({4}));
     const EditChange change = graft(tree, id(9), id(1));
@@ -111,7 +111,7 @@ TEST(Graft, BringsDetachedBranchesBackToTheirPlace) {
         EXPECT_EQ(tree.position(n), EditableTree(test::stem_with_branches()).position(n));
 }
 
-TEST(Graft, RefusesCyclesAndLoneNodes) {
+TEST(Graft, RejectsCyclesAndSingleNodes) {
     EditableTree tree(test::stem_with_branches());
     EXPECT_EQ(error_of([&] { graft(tree, id(4), id(7)); }),
               "node 7 hangs on node 4, so that 4 would be grafted into itself; choose a host outside the "

@@ -26,20 +26,20 @@ Vec3d seen_from_parent(const Skeleton& s, const Pose& pose, NodeId n) {
     return inverse(pose.turns[p])(Vec3d(pose.positions[i]) - Vec3d(pose.positions[p]));
 }
 
-TEST(Pose, OfRestIsTheSkeleton) {
+TEST(Pose, RestPoseReproducesTheSkeleton) {
     const Skeleton s = random_tree(50, 1);
     const Skeleton same = posed(s, rest_pose(s));
     EXPECT_TRUE(std::ranges::equal(same.positions(), s.positions()));
     EXPECT_TRUE(std::ranges::equal(same.parents(), s.parents()));
 }
 
-TEST(Pose, WithNothingHeldIsTheOneThatIsWanted) {
+TEST(Pose, FreezeWithoutFrozenNodesReturnsTheWantedPose) {
     const Skeleton s = random_tree(80, 2);
     const Pose wanted = bent(s, 0.1);
     EXPECT_EQ(freeze(s, wanted, rest_pose(s), std::vector<std::uint8_t>(s.size())), wanted);
 }
 
-TEST(Pose, OnTheWayKeepsLengthsAndEndsWhereItShould) {
+TEST(Pose, InterpolationPreservesLengthsAndMatchesBothEnds) {
     const Skeleton s = random_tree(100, 4);
     const Pose rest = rest_pose(s), far = bent(s, 0.4);
     for (std::size_t i = 0; i < s.size(); ++i) {
@@ -55,7 +55,7 @@ TEST(Pose, OnTheWayKeepsLengthsAndEndsWhereItShould) {
     }
 }
 
-TEST(Pose, HeldNodesStandToTheirParentsAsBefore) {
+TEST(Pose, FrozenNodesPreserveTheirPoseRelativeToTheirParents) {
     const Skeleton s = random_tree(200, 3);
     const Pose last = bent(s, 0.05), wanted = bent(s, 0.2);
     std::vector<std::uint8_t> is_frozen(s.size());
@@ -68,7 +68,7 @@ TEST(Pose, HeldNodesStandToTheirParentsAsBefore) {
     }
 }
 
-TEST(Pose, HoldsTheWayBetweenTwoNodesButNotTheirCommonOne) {
+TEST(Pose, FreezesThePathBetweenTwoNodesButNotTheirFork) {
     // 0 - 1 - 2, 1 - 3 - 4
     const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(1), NodeId(3)},
                      {{0, 0, 0}, {0, 0, 1}, {1, 0, 2}, {-1, 0, 2}, {-2, 0, 3}}, std::vector<float>(5, 0.1f));
@@ -77,7 +77,7 @@ TEST(Pose, HoldsTheWayBetweenTwoNodesButNotTheirCommonOne) {
     EXPECT_EQ(is_frozen, (std::vector<std::uint8_t>{0, 0, 1, 1, 1}));
 }
 
-TEST(Pose, HoldsTwoTreesWhereTheyStand) {
+TEST(Pose, FreezesThePathsToTheRootsInTwoTrees) {
     const Skeleton s({NodeId::none(), NodeId::none(), NodeId(0), NodeId(1)},
                      {{0, 0, 0}, {5, 0, 0}, {0, 0, 1}, {5, 0, 1}}, std::vector<float>(4, 0.1f));
     std::vector<std::uint8_t> is_frozen(4);

@@ -18,7 +18,7 @@ using test::near;
 
 constexpr double kQuarter = std::numbers::pi / 2;
 
-TEST(Rigid, MovesABranchWithAllThatHangsOnIt) {
+TEST(Rigid, MovesABranchWithItsDescendants) {
     EditableTree tree(test::stem_with_branches());
     // 6 is a descendant of 4, and moves once
     const EditChange change = translate(tree, ids({4, 6}), {0, 0, 0.5});
@@ -43,7 +43,7 @@ TEST(Rigid, TurnsABranchAboutItsJoint) {
     EXPECT_TRUE(near(tree.position(id(7)), {2, 0, 2}));
 }
 
-TEST(Rigid, ScalesFromTheJointWithRadii) {
+TEST(Rigid, ScalesPositionsAndRadiiFromTheJoint) {
     EditableTree tree(test::stem_with_branches());
     scale(tree, ids({4}), 0.5);
     EXPECT_TRUE(near(tree.position(id(6)), {1.5f, 0, 1}));
@@ -64,7 +64,7 @@ TEST(Rigid, MirrorsABranchOrACopyOfIt) {
     EXPECT_TRUE(near(tree.position(change.added[1]), {-2, 0, 1}));
 }
 
-TEST(Rigid, RefusesWhatMakesNoSense) {
+TEST(Rigid, RejectsInvalidInput) {
     EditableTree tree(test::stem_with_branches());
     EXPECT_EQ(error_of([&] {
                   translate(tree, {}, {1, 0, 0});
@@ -104,7 +104,7 @@ double bytes_for_each_moved(const Skeleton& skeleton, const Edit& edit) {
 }
 
 // Rotating floats and back changes them: the history stores the motion of a limb, and the rounding errors.
-TEST(Rigid, KeepsLittleOfLimbsThatMoveAsAWhole) {
+TEST(Rigid, HistoryOfLimbsThatMoveRigidlyIsSmall) {
     const Skeleton tree = random_tree(4000, 7);
     const NodeSet top = ids({1});
     const auto bytes = [&](const auto& edit) { return bytes_for_each_moved(tree, edit); };

@@ -18,7 +18,7 @@ NodeSet of(const EditableTree& tree, std::string_view text) {
                     [&](const std::string& name) { return name == "ball" ? &ball : nullptr; });
 }
 
-TEST(Selection, FindsNodesByEveryQuestion) {
+TEST(Selection, SelectsNodesByEveryPredicate) {
     const EditableTree tree(test::stem_with_branches());
     EXPECT_EQ(of(tree, "all").size(), 9u);
     EXPECT_EQ(of(tree, "roots"), ids({0}));
@@ -43,7 +43,7 @@ TEST(Selection, FindsNodesByEveryQuestion) {
     EXPECT_EQ(of(tree, "near(2,1.4,1)"), ids({7}));
 }
 
-TEST(Selection, CombinesQuestions) {
+TEST(Selection, CombinesPredicates) {
     const EditableTree tree(test::stem_with_branches());
     EXPECT_EQ(of(tree, "subtree(4) & !tips"), ids({4, 5}));
     EXPECT_EQ(of(tree, "tips and not subtree(4) or roots"), ids({0, 3, 8}));
@@ -52,7 +52,7 @@ TEST(Selection, CombinesQuestions) {
     EXPECT_TRUE(of(tree, "roots & tips").empty());
 }
 
-TEST(Selection, FindsNodesByAPlaceAndWhatIsThere) {
+TEST(Selection, SelectsNodesByPositionAndAttributes) {
     const EditableTree tree(test::stem_with_branches());  // 4 m along x
     EXPECT_EQ(of(tree, "at(2.05,0,1,1,0.05)"), ids({5}));
     EXPECT_EQ(of(tree, "at(2,0,1,1,0.04,0.67,3)"), ids({5}));
@@ -68,7 +68,7 @@ TEST(Selection, FindsNodesByAPlaceAndWhatIsThere) {
     EXPECT_THROW(of(tree, "at(2,0,1,1,0.04) | at(2,0,1,1,0.1)"), InvalidInput);
 }
 
-TEST(Selection, FindsByOtherSelectionsWhatItFindsByIds) {
+TEST(Selection, NestedSelectionsMatchSelectionsById) {
     const EditableTree tree(test::stem_with_branches());
     EXPECT_EQ(of(tree, "subtree(near(1,0,1))"), of(tree, "subtree(4)"));
     EXPECT_EQ(of(tree, "subtree(4|5|7)"), of(tree, "subtree(4)"));
@@ -81,7 +81,7 @@ TEST(Selection, FindsByOtherSelectionsWhatItFindsByIds) {
     EXPECT_EQ(of(tree, "subtree(id(4))"), of(tree, "subtree(4)"));
 }
 
-TEST(Selection, IsReadAgainAsItIsWritten) {
+TEST(Selection, ParsesItsOwnText) {
     for (const char* text :
          {"all", "4", "id(1,3-5,9)", "subtree(4)&!tips", "(tips|roots)&!(order(1,)|solid(a.b-c))",
           "radius(,0.25)", "order(2)", "order(,2)", "near(1,-2.5,3e-05)", "box(0,0,0,1,2,3)",
@@ -91,13 +91,13 @@ TEST(Selection, IsReadAgainAsItIsWritten) {
     }
 }
 
-TEST(Selection, HandsOutItsIdsToBeChanged) {
+TEST(Selection, ForEachIdChangesItsIds) {
     Selection s = parse_selection("subtree(4) & !(id(5-6) | tips)");
     for_each_id(s, [](StableId& n) { n = StableId(n.index() + 10); });
     EXPECT_EQ(to_text(s), "subtree(14)&!(id(15-16)|tips)");
 }
 
-TEST(Selection, SaysWhatItDoesNotUnderstand) {
+TEST(Selection, ReportsSyntaxErrors) {
     EXPECT_EQ(error_of([] { parse_selection("subtree 4"); }),
               "the selection 'subtree 4' needs ( after subtree at its '4'");
     EXPECT_EQ(
@@ -120,7 +120,7 @@ TEST(Selection, SaysWhatItDoesNotUnderstand) {
               std::string::npos);
 }
 
-TEST(Selection, SaysWhatIsNotThere) {
+TEST(Selection, ReportsMissingNodesAndSolids) {
     const EditableTree tree(test::stem_with_branches());
     EXPECT_EQ(error_of([&] { of(tree, "subtree(40)"); }),
               "there is no node 40; 9 ids from 0 to 8 are in use, and select lists them");

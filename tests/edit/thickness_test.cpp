@@ -42,7 +42,7 @@ TEST(Thickness, SmoothsAlongAxes) {
     EXPECT_FLOAT_EQ(tree.radius(id(4)), 0.05f);  // the first node of its axis
 }
 
-TEST(Thickness, PipesRadiiDownwards) {
+TEST(Thickness, AppliesThePipeModelTowardsTheRoot) {
     EditableTree tree(test::stem_with_branches());
     const EditChange change = pipe_radii(tree, ids({7}), 2);
     EXPECT_EQ(change.resized, ids({0, 1, 4, 5}));

@@ -33,14 +33,14 @@ double mean_lean(const Skeleton& s, const WindOptions& options) {
     return sum;
 }
 
-TEST(Wind, OfNoSpeedMovesNothing) {
+TEST(Wind, OfSpeedZeroMovesNothing) {
     const Skeleton s = random_tree(100, 1);
     const Pose rest = rest_pose(s);
     const Pose now = Wind(s, {.speed = 0}, kPeriod, 20).swayed(rest, 1.3);
     EXPECT_EQ(now.positions, rest.positions);
 }
 
-TEST(Wind, KeepsLengthsAndRoots) {
+TEST(Wind, PreservesLengthsAndRoots) {
     const Skeleton s = random_tree(300, 2);
     const Pose now = Wind(s, {.speed = 20, .flexibility = 10}, kPeriod, 20).swayed(rest_pose(s), 3);
     for (const NodeId n : nodes(s)) {
@@ -55,7 +55,7 @@ TEST(Wind, KeepsLengthsAndRoots) {
     }
 }
 
-TEST(Wind, BeginsAnewAfterItsPeriod) {
+TEST(Wind, IsPeriodic) {
     const Skeleton s = random_tree(100, 3);
     const Wind wind(s, {.speed = 15, .flexibility = 10}, kPeriod, 20);
     const Pose a = wind.swayed(rest_pose(s), 1.7), b = wind.swayed(rest_pose(s), 1.7 + kPeriod);
@@ -63,7 +63,7 @@ TEST(Wind, BeginsAnewAfterItsPeriod) {
         EXPECT_LT(distance(a.positions[i], b.positions[i]), 1e-5f);
 }
 
-TEST(Wind, BendsThinPolesAndStrongWindsMore) {
+TEST(Wind, BendsMoreForThinPolesAndStrongWinds) {
     const double usual = mean_lean(pole(0), {.speed = 10});
     EXPECT_GT(usual, 0);
     EXPECT_GT(mean_lean(pole(0, 0.03f), {.speed = 10}), 2 * usual);
@@ -71,7 +71,7 @@ TEST(Wind, BendsThinPolesAndStrongWindsMore) {
     EXPECT_LT(mean_lean(pole(0), {.speed = 10, .azimuth = 3.14159f}), 0);
 }
 
-TEST(Wind, GustsComeLaterDownwind) {
+TEST(Wind, GustsAreDelayedDownwind) {
     // Stiff thick poles follow only the gusts: 12 m downwind the sway is the same, delayed by the travel
     // time.
     const WindOptions options{.speed = 6, .gusts = 1, .flexibility = 3};
@@ -91,7 +91,7 @@ TEST(Wind, GustsComeLaterDownwind) {
     EXPECT_LT(late, same);
 }
 
-TEST(Wind, RefusesWhatIsOutOfRange) {
+TEST(Wind, RejectsOptionsOutOfRange) {
     EXPECT_THROW(Wind(pole(0), {.speed = -1}, kPeriod, 20), InvalidInput);
     EXPECT_THROW(Wind(pole(0), {}, 0, 20), InvalidInput);
 }

@@ -29,7 +29,7 @@ InitialTree chain(const std::vector<Vec3d>& at, double radius) {
     return t;
 }
 
-TEST(FitCapsules, FindsACylinder) {
+TEST(FitCapsules, FitsACylinder) {
     const std::vector<Vec3> points = cylinder(0.2, 0, 3);
     InitialTree tree = chain({{0.05, 0, 0}, {-0.04, 0.05, 1}, {0.03, -0.05, 2}, {0, 0.04, 3}}, 0.15);
     FitSamples samples{points, {}, std::vector<std::uint32_t>(points.size(), 1)};
@@ -41,7 +41,7 @@ TEST(FitCapsules, FindsACylinder) {
     for (const float r : fit_residuals(tree, samples, {})) EXPECT_LT(std::abs(r), 0.01f);
 }
 
-TEST(FitCapsules, StrayPlacesHardlyCount) {
+TEST(FitCapsules, OutliersHaveLittleInfluence) {
     std::vector<Vec3> points = cylinder(0.2, 0, 3);
     for (int i = 0; i < 200; ++i) points.push_back({0.6f, 0, 0.015f * static_cast<float>(i)});
     InitialTree tree = chain({{0, 0, 0}, {0, 0, 1.5}, {0, 0, 3}}, 0.17);
@@ -51,7 +51,7 @@ TEST(FitCapsules, StrayPlacesHardlyCount) {
 }
 
 // Of two touching tubes, a sample belongs to the one with a surface normal similar to its own.
-TEST(FitCapsules, NormalsTellNeighboursApart) {
+TEST(FitCapsules, NormalsDistinguishAdjacentBranches) {
     InitialTree tree;
     tree.add(kNoIndex, {0, 0, 0}, 0.1);
     tree.add(0, {-0.1, 0, 2}, 0.1);
@@ -62,7 +62,7 @@ TEST(FitCapsules, NormalsTellNeighboursApart) {
     EXPECT_EQ(samples.node[0], 1u);
 }
 
-TEST(FitCapsules, NodesWithoutSamplesStayFinite) {
+TEST(FitCapsules, NodesWithoutSamplesRemainFinite) {
     const std::vector<Vec3> points = cylinder(0.2, 0, 1);
     InitialTree tree = chain({{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {0, 0, 2}, {0, 0, 2}}, 0.2);
     FitSamples samples{points, {}, std::vector<std::uint32_t>(points.size(), 1)};
@@ -73,7 +73,7 @@ TEST(FitCapsules, NodesWithoutSamplesStayFinite) {
     }
 }
 
-TEST(FitCapsules, BitsDoNotDependOnThreads) {
+TEST(FitCapsules, IsBitIdenticalForAnyNumberOfThreads) {
     const std::vector<Vec3> points = cylinder(0.2, 0, 3);
     const auto fitted = [&](unsigned threads) {
         InitialTree tree = chain({{0.05, 0, 0}, {-0.04, 0.05, 1}, {0.03, -0.05, 2}, {0, 0.04, 3}}, 0.15);

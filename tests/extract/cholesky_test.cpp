@@ -41,7 +41,7 @@ TEST(SparseCholesky, SolvesForSeveralMatricesOfOnePattern) {
     }
 }
 
-TEST(SparseCholesky, TellsWhatIsNotPositiveDefinite) {
+TEST(SparseCholesky, ReportsMatricesThatAreNotPositiveDefinite) {
     SparseCholesky solver;
     solver.analyze(grid(5, 1));
     EXPECT_FALSE(solver.factorize(grid(5, -1), {}));

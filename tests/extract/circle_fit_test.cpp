@@ -30,7 +30,7 @@ TEST(CircleFit, IsExactWithoutNoise) {
     EXPECT_EQ(fit.used, 7u);
 }
 
-TEST(CircleFit, SeesTheWholeFromHalf) {
+TEST(CircleFit, FitsAHalfCircle) {
     const CircleFit fit = fit_circle(arc(0, std::numbers::pi, 60, 0.01), 10);
     EXPECT_TRUE(fit.good);
     EXPECT_NEAR(fit.x, 3, 0.01);
@@ -40,7 +40,7 @@ TEST(CircleFit, SeesTheWholeFromHalf) {
     EXPECT_NEAR(fit.residual, 0.0058, 0.001);
 }
 
-TEST(CircleFit, LeavesOutliersOut) {
+TEST(CircleFit, ExcludesOutliers) {
     auto points = arc(0, 2 * std::numbers::pi, 40, 0.005);
     for (int i = 0; i < 10; ++i) points.push_back({3.8 + 0.05 * i, -2.2, 1});
     const CircleFit fit = fit_circle(points, 10);
@@ -49,7 +49,7 @@ TEST(CircleFit, LeavesOutliersOut) {
     EXPECT_NEAR(fit.radius, 0.5, 0.005);
 }
 
-TEST(CircleFit, OwnsUpWherePointsDoNotTell) {
+TEST(CircleFit, ReportsAmbiguousPoints) {
     EXPECT_FALSE(fit_circle(arc(0, 2 * std::numbers::pi, 5, 0), 10).good);      // too few
     EXPECT_FALSE(fit_circle(arc(0, 0.5, 40, 0.01), 10).good);                   // a short arc
     EXPECT_FALSE(fit_circle(arc(0, 2 * std::numbers::pi, 40, 0), 0.4).good);    // larger than the maximum

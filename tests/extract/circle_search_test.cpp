@@ -34,7 +34,7 @@ void add_clutter(std::vector<PlanePoint>& points, int count) {
     }
 }
 
-TEST(CircleSearch, FindsACircleAndSaysHowSureItIs) {
+TEST(CircleSearch, FindsACircleWithItsCoverageAndDeviation) {
     const FoundCircle c = find_circle(arc(0, 2 * kPi, 200, 0.004), {.noise = 0.004});
     EXPECT_NEAR(c.radius, 0.2, 0.001);
     EXPECT_NEAR(c.x, 5, 0.001);
@@ -45,7 +45,7 @@ TEST(CircleSearch, FindsACircleAndSaysHowSureItIs) {
     EXPECT_NEAR(c.deviation, 0.00019, 0.00004);
 }
 
-TEST(CircleSearch, FindsHalfAStemBesideLeaves) {
+TEST(CircleSearch, FindsHalfAStemNextToLeaves) {
     std::vector<PlanePoint> points = arc(0.5 * kPi, 1.5 * kPi, 120, 0.003);
     add_clutter(points, 150);
     const FoundCircle c = find_circle(points, {.noise = 0.004});
@@ -55,7 +55,7 @@ TEST(CircleSearch, FindsHalfAStemBesideLeaves) {
     EXPECT_GT(c.deviation, 0.0002);  // half of it determines the radius less than the whole
 }
 
-TEST(CircleSearch, FindsNothingAmidLeavesAlone) {
+TEST(CircleSearch, FindsNothingAmongLeavesAlone) {
     std::vector<PlanePoint> points;
     add_clutter(points, 60);
     const FoundCircle c = find_circle(points, {.min_radius = 0.1, .max_radius = 0.3, .noise = 0.004});
@@ -64,7 +64,7 @@ TEST(CircleSearch, FindsNothingAmidLeavesAlone) {
     EXPECT_EQ(find_circle(std::vector<PlanePoint>(50, {1, 1, 1}), {}).used, 0u);
 }
 
-TEST(CircleSearch, ContrastTellsAStemFromPointsStrewnEvenly) {
+TEST(CircleSearch, ContrastDistinguishesAStemFromEvenlyDistributedPoints) {
     const CircleSearch search{
         .min_radius = 0.1, .max_radius = 0.3, .noise = 0.008, .anywhere = false, .reach = 0.15};
     const double least = std::log(kPi * 0.15 * 0.15 * 0.2 / std::pow(2 * search.noise, 3) / 0.01);
@@ -89,14 +89,14 @@ TEST(CircleSearch, ContrastTellsAStemFromPointsStrewnEvenly) {
     EXPECT_LE(passed, 2);
 }
 
-TEST(CircleSearch, KeepsToWhereItIsToLook) {
+TEST(CircleSearch, SearchesTheGivenAreaOnly) {
     std::vector<PlanePoint> points = arc(0, 2 * kPi, 100, 0.001);
     for (const PlanePoint& p : arc(0, 2 * kPi, 300, 0.001)) points.push_back({p.x + 0.6, p.y, 1});
     const CircleSearch search{.noise = 0.004, .anywhere = false, .x = 5, .y = 3, .reach = 0.1};
     EXPECT_NEAR(find_circle(points, search).x, 5, 0.001);
 }
 
-TEST(CircleSearch, OutlinesASectionThatIsNoCircle) {
+TEST(CircleSearch, OutlineRadiusOfANonCircularSectionHasEqualArea) {
     // r = 0.2 (1 + 0.3 cos 3t): the circle of equal area has r^2 = 0.04 (1 + 0.09 / 2).
     std::vector<PlanePoint> points;
     for (int i = 0; i < 720; ++i) {
@@ -110,7 +110,7 @@ TEST(CircleSearch, OutlinesASectionThatIsNoCircle) {
     EXPECT_EQ(outline_radius(points, circle, 0.004), 0.19);
 }
 
-TEST(CircleSearch, ThinsToOnePointASquare) {
+TEST(CircleSearch, ThinsToOnePointPerSquare) {
     std::vector<PlanePoint> points;
     for (int i = 0; i < 1000; ++i) points.push_back({0.001 * i, 0, 1});
     EXPECT_EQ(thin_plane(points, 0.1).size(), 10u);

@@ -37,7 +37,7 @@ InitialTree stem() {
     return tree;
 }
 
-TEST(CloudAssignment, PointsBelongToTheSurfaceTheyLieOn) {
+TEST(CloudAssignment, PointsBelongToTheSurfaceTheyAreOn) {
     PointSet set;
     strew_cone(set, {0, 0, 0}, {0, 0, 2}, 0.1, 0.1, 3000, 0.002);
     const std::size_t on = set.size();
@@ -54,7 +54,7 @@ TEST(CloudAssignment, PointsBelongToTheSurfaceTheyLieOn) {
     EXPECT_NEAR(distances.noise, 0.001, 0.0002);
 }
 
-TEST(CloudAssignment, DropsTheSecondOfTwoAxesAndKeepsWhatStandsClear) {
+TEST(CloudAssignment, RemovesTheSecondOfTwoAxesAndPreservesSeparateOnes) {
     PointSet set;
     strew_cone(set, {0, 0, 0}, {0, 0, 2}, 0.1, 0.1, 3000, 0.002);
     strew_cone(set, {0.1, 0, 1}, {0.5, 0, 1.2}, 0.03, 0.03, 400, 0.002);
@@ -74,7 +74,7 @@ TEST(CloudAssignment, DropsTheSecondOfTwoAxesAndKeepsWhatStandsClear) {
     EXPECT_EQ(prune_redundant(tree, p.samples, p.spacing, distances.noise, {}), 0u);
 }
 
-TEST(CloudAssignment, DropsABranchWithoutPointsAndDividesByNothing) {
+TEST(CloudAssignment, RemovesABranchWithoutPointsWithoutDividingByZero) {
     PointSet set;
     strew_cone(set, {0, 0, 0}, {0, 0, 2}, 0.1, 0.1, 3000, 0.002);
     Prepared p(set);
@@ -85,7 +85,7 @@ TEST(CloudAssignment, DropsABranchWithoutPointsAndDividesByNothing) {
     EXPECT_FALSE(std::fetestexcept(FE_INVALID | FE_DIVBYZERO));
 }
 
-TEST(CloudChains, FollowATwigOfTenPointsBackToTheStem) {
+TEST(CloudChains, FollowATwigOfTenPointsToTheStem) {
     PointSet set;
     strew_cone(set, {0, 0, 0}, {0, 0, 2}, 0.1, 0.1, 3000);
     strew_cone(set, {0.1, 0, 1}, {0.4, 0, 1}, 0.01, 0.01, 10);
@@ -149,7 +149,7 @@ TEST(CloudLaterals, LateralsStartWhereTheirAxesMeet) {
     EXPECT_EQ(std::ranges::count(tree.position, Vec3d(0.03, 0, 1.3)), 0);
 }
 
-TEST(CloudCenterline, WidensToAllOfAClosedTubeButNotToItsNeighbour) {
+TEST(CloudCenterline, WidensToAWholeTubeButNotToItsNeighbour) {
     PointSet set;
     strew_cone(set, {0, 0, 0}, {0, 0, 1}, 0.05, 0.05, 600);
     strew_cone(set, {0.3, 0, 0}, {0.3, 0, 1}, 0.05, 0.05, 600, 0, false, 2);
@@ -169,7 +169,7 @@ TEST(CloudCenterline, WidensToAllOfAClosedTubeButNotToItsNeighbour) {
     for (const BranchPoint& m : branch.members) EXPECT_LT(m.point, 600u);
 }
 
-TEST(FittedTree, ShortThickPiecesBecomeAsThinAsWhatBearsThem) {
+TEST(FittedTree, LimitsTheRadiiOfShortThickSections) {
     InitialTree tree;
     tree.add(kNoIndex, {0, 0, 0}, 0.1);
     for (std::uint32_t i = 1; i <= 10; ++i) tree.add(i - 1, {0, 0, 0.1 * i}, 0.01);
@@ -186,7 +186,7 @@ TEST(FittedTree, ShortThickPiecesBecomeAsThinAsWhatBearsThem) {
     EXPECT_EQ(tree.radius, before);
 }
 
-TEST(CloudAttach, ShortTubesMuchThickerThanWhatBearsThemAreNone) {
+TEST(CloudAttach, RemovesShortTubesMuchThickerThanTheirParent) {
     PointSet set;
     strew_cone(set, {0, 0, 0}, {0, 0, 2}, 0.1, 0.1, 3000);
     strew_cone(set, {0.1, 0, 1}, {0.5, 0, 1}, 0.01, 0.01, 200);

@@ -25,7 +25,7 @@ std::vector<Vec3> strewn(std::uint64_t count, std::uint64_t seed) {
     return points;
 }
 
-TEST(CloudGraph, NeighboursAreTheNearestOnes) {
+TEST(CloudGraph, NeighboursAreTheNearestPoints) {
     const auto points = strewn(300, 1);
     const Neighbours near = nearest_neighbours(points, 5, {});
     for (std::uint32_t i = 0; i < points.size(); ++i) {
@@ -84,7 +84,7 @@ TEST(CloudGraph, PathsPreferManyShortSteps) {
     EXPECT_NEAR(paths.distance[3], 3.02, 1e-5);
 }
 
-TEST(CloudGraph, PathsFromTakenPointsAreTheShortest) {
+TEST(CloudGraph, PathsFromAssignedPointsAreTheShortest) {
     // Nine of ten points are taken and are sources, some twice, most with only taken neighbours.
     const auto points = strewn(600, 6);
     const Neighbours near = nearest_neighbours(points, 4, {});
@@ -127,7 +127,7 @@ TEST(CloudGraph, PathsFromTakenPointsAreTheShortest) {
     EXPECT_EQ(std::ranges::count(shortest_paths(graph, twice, free, {spacing}, {}).order, 5u), 1);
 }
 
-TEST(CloudGraph, ComponentsNeedNoGraph) {
+TEST(CloudGraph, ComponentsMatchThoseOfTheGraph) {
     const auto points = strewn(400, 7);
     const Neighbours near = nearest_neighbours(points, 3, {});
     std::vector<std::uint8_t> ignored(points.size(), 0);
@@ -140,7 +140,7 @@ TEST(CloudGraph, ComponentsNeedNoGraph) {
     EXPECT_EQ(found.size, expected.size);
 }
 
-TEST(CloudGraph, StopsWhenAskedTo) {
+TEST(CloudGraph, StopsWhenCancelled) {
     const auto points = strewn(100, 3);
     const Neighbours near = nearest_neighbours(points, 6, {});
     std::stop_source source;
@@ -169,7 +169,7 @@ TEST(CloudGraph, IgnoredPointsHaveNoLinks) {
     EXPECT_EQ(both, graph.to.size());
 }
 
-TEST(CloudClean, SortsAndDropsDuplicates) {
+TEST(CloudClean, SortsAndRemovesDuplicates) {
     auto points = strewn(500, 4);
     const auto once = sorted_without_duplicates(points, {});
     EXPECT_EQ(once.size(), points.size());
@@ -179,7 +179,7 @@ TEST(CloudClean, SortsAndDropsDuplicates) {
     EXPECT_EQ(sorted_without_duplicates(points, {}).size(), once.size() + 1);
 }
 
-TEST(CloudClean, ThinsToOnePointACube) {
+TEST(CloudClean, DownsamplesToOnePointPerVoxel) {
     const std::vector<Vec3> points{{0, 0, 0}, {0.2f, 0, 0}, {0.4f, 0, 0}, {1.5f, 0, 0}};
     const auto kept = voxel_downsample(points, 1, {});
     ASSERT_EQ(kept.size(), 2u);
@@ -191,7 +191,7 @@ TEST(CloudClean, ThinsToOnePointACube) {
     EXPECT_GE(few.size(), 200u);
 }
 
-TEST(CloudGraph, PathsGoOnStraightAndOutward) {
+TEST(CloudGraph, PathsPreferStraightAndOutwardSteps) {
     // From 0 to 4 there are two paths of two equal steps: one is straight, the other one turns by 90 degrees.
     const std::vector<Vec3> points{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {1, 1, 0}, {2, 1, 0}};
     const std::vector<Link> links{{0, 1, 1}, {1, 2, 1}, {1, 3, 1}, {2, 4, 1}, {3, 4, 1}};
@@ -205,7 +205,7 @@ TEST(CloudGraph, PathsGoOnStraightAndOutward) {
     EXPECT_EQ(shortest_paths(graph, root, free, {spacing, aside, outward}, {}).parent[4], 2u);
 }
 
-TEST(CloudGraph, BridgesWideGapsToWhatIsLarge) {
+TEST(CloudGraph, BridgesWideGapsToLargeComponentsOnly) {
     // Rows of 40 and 30 points at intervals of 0.1, a gap of 0.8 between them, and an outlier at the same
     // distance.
     std::vector<Vec3> points;

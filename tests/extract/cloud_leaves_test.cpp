@@ -107,7 +107,7 @@ NormalDispersion compute_dispersion(const PointSet& set) {
     return normal_dispersion(points, nearest_neighbours(points, 12, {}), {});
 }
 
-TEST(NormalDispersion, IsNoneOnPlanesAndTubesOfAnyThickness) {
+TEST(NormalDispersion, IsNearZeroOnPlanesAndTubesOfAnyThickness) {
     PointSet plane, tubes;
     const CounterRandom random(3, 1);
     for (std::uint64_t i = 0; i < 4000; ++i) {
@@ -123,7 +123,7 @@ TEST(NormalDispersion, IsNoneOnPlanesAndTubesOfAnyThickness) {
     EXPECT_GE(std::ranges::count_if(d.value, [](float v) { return v < 0.02f; }), 15000);
 }
 
-TEST(NormalDispersion, IsAThirdWhereNormalsPointEverywhere) {
+TEST(NormalDispersion, IsAThirdForRandomNormals) {
     PointSet leaves;
     const CounterRandom random(5, 1);
     std::uint64_t draw = 0;
@@ -138,13 +138,13 @@ TEST(NormalDispersion, IsAThirdWhereNormalsPointEverywhere) {
     EXPECT_GT(std::ranges::max(d.value), 0.27f);
 }
 
-TEST(NormalDispersion, IsThatOfThePlaneWhereTwoPointsAreAll) {
+TEST(NormalDispersion, IsZeroForTwoPoints) {
     const std::vector<Vec3> points{{0, 0, 0}, {1, 0, 0}};
     EXPECT_LT(std::ranges::max(normal_dispersion(points, nearest_neighbours(points, 12, {}), {}).value),
               1e-6f);
 }
 
-TEST(VoxelGrid, HasTheMeansOfCubes) {
+TEST(VoxelGrid, ContainsTheMeanPointOfEachVoxel) {
     const PointSet set = fork_cloud();
     const Buffer<Vec3> points = sorted_without_duplicates(set.positions, {});
     const Box3 box = bounds(set);
@@ -171,13 +171,13 @@ TEST(VoxelGrid, HasTheMeansOfCubes) {
     EXPECT_EQ(voxel_grid(points, 100, {}).centroid.size(), 1u);
 }
 
-TEST(CloudLeaves, NoWoodIsLostOfTreesWithoutLeaves) {
+TEST(CloudLeaves, MarkNoWoodOfTreesWithoutLeaves) {
     for (const PointSet& set : {fork_cloud(), fork_cloud(0.004), fork_cloud(0.05), leafy_tree(0).set}) {
         EXPECT_EQ(std::ranges::count(leaves_of(set).leaf, 1), 0);
     }
 }
 
-TEST(CloudLeaves, AreToldFromWood) {
+TEST(CloudLeaves, AreDistinguishedFromWood) {
     const LeafyTree tree = leafy_tree(100);
     const Found found = leaves_of(tree.set);
     const Recall r = recall(tree, found);
@@ -209,14 +209,14 @@ TEST(CloudLeaves, AreFoundAtAnyDensity) {
     EXPECT_GT(r.leaves, 0.75);
 }
 
-TEST(CloudLeaves, DependOnNoNumberOfNeighboursBelowTwelve) {
+TEST(CloudLeaves, IgnoreTheNumberOfNeighboursBelowTwelve) {
     const PointSet set = leafy_tree(100).set;
     const auto leaf = leaves_of(set).leaf;
     EXPECT_EQ(leaves_of(set, false, 4).leaf, leaf);
     EXPECT_EQ(leaves_of(set, false, 8).leaf, leaf);
 }
 
-TEST(CloudLeaves, IgnoredPointsAreNotMarked) {
+TEST(CloudLeaves, ExcludeIgnoredPoints) {
     const Buffer<Vec3> points = sorted_without_duplicates(leafy_tree(100).set.positions, {});
     std::vector<std::uint8_t> ignored(points.size(), 0);
     for (std::size_t i = 0; i < ignored.size(); i += 7) ignored[i] = 1;
@@ -226,13 +226,13 @@ TEST(CloudLeaves, IgnoredPointsAreNotMarked) {
     for (std::size_t i = 0; i < ignored.size(); i += 7) EXPECT_EQ(leaf[i], 0);
 }
 
-TEST(CloudLeaves, AreTheSameForAnyNumberOfThreads) {
+TEST(CloudLeaves, AreBitIdenticalForAnyNumberOfThreads) {
     const PointSet set = leafy_tree(100).set;
     const auto one = leaves_of(set, false, 12, 1).leaf;
     for (const unsigned threads : {2u, 7u}) EXPECT_EQ(leaves_of(set, false, 12, threads).leaf, one);
 }
 
-TEST(CloudLeaves, RuleDecidesWhatIsLeftOut) {
+TEST(CloudLeaves, RuleSelectsThePointsToExclude) {
     const LeafyTree tree = leafy_tree(100);
     const CloudExtraction kept = extract_from_cloud(tree.set, {.leaves = LeafRule::keep});
     const CloudExtraction separated = extract_from_cloud(tree.set, {.detail = 1});

@@ -8,7 +8,7 @@
 namespace coppice {
 namespace {
 
-TEST(Crown, OfABoxOfPointsIsTheBox) {
+TEST(Crown, MatchesABoxOfPoints) {
     // 2 x 1 x 1 m above z = 13, and a stem below, which is ignored.
     PointSet points{{}, {500000, 5400000, 10}};
     for (int i = 0; i < 8; ++i)
@@ -28,7 +28,7 @@ TEST(Crown, OfABoxOfPointsIsTheBox) {
     EXPECT_EQ(crown.hull.origin, points.origin);
 }
 
-TEST(Crown, WidthIsThatOfTheFarthestCorners) {
+TEST(Crown, WidthIsTheMaximumDistanceOfCorners) {
     // A slanted strip, a triangle with its maximum width along one side, and a regular polygon.
     const auto width = [](std::vector<Vec3> corners) {
         PointSet points{{}, {}};
@@ -45,7 +45,7 @@ TEST(Crown, WidthIsThatOfTheFarthestCorners) {
     EXPECT_NEAR(width(polygon), 2, 1e-6);
 }
 
-TEST(Crown, IsNothingWithoutAnOutline) {
+TEST(Crown, IsEmptyWithoutAnOutline) {
     PointSet points{{}, {}};
     points.positions.assign(5, Vec3{1, 1, 4});
     for (const double above : {0.0, 9.0}) {
@@ -57,7 +57,7 @@ TEST(Crown, IsNothingWithoutAnOutline) {
     }
 }
 
-TEST(Crown, BasesAreThoseOfEachTree) {
+TEST(Crown, BasesAreComputedPerTree) {
     // A stem of 4 m with a branch of 1 m at 2 m and a twig of 0.3 m below it; then a bare pole of 3 m.
     const Skeleton trees(
         {NodeId::none(), NodeId(0), NodeId(1), NodeId(2), NodeId(1), NodeId(2), NodeId::none(), NodeId(6)},

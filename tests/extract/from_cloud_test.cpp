@@ -56,7 +56,7 @@ TEST(FromCloud, FindsTheAxisOfACylinder) {
         EXPECT_LT(distance_to_axis(found.skeleton, {1, 2, z}), 0.01) << z;
 }
 
-TEST(FromCloud, FitsWhereOnlyOneSideIsSeen) {
+TEST(FromCloud, FitsAStemSeenFromOneSide) {
     PointSet set;
     strew_cone(set, {0, 0, 0}, {0, 0, 3}, 0.1, 0.1, 4000, 0.002, true);
     const CloudExtraction found = extract_from_cloud(set);
@@ -122,7 +122,7 @@ TEST(FromCloud, FindsSeveralTrees) {
     EXPECT_EQ(one.cleaning.unreached, 3000u);
 }
 
-TEST(FromCloud, StartsAtTheRootThatIsGiven) {
+TEST(FromCloud, StartsAtTheGivenRoot) {
     PointSet set;
     set.origin = {500000, 4000000, 100};
     strew_cone(set, {0, 0, 0}, {0, 0, 2}, 0.05, 0.05, 3000);
@@ -131,7 +131,7 @@ TEST(FromCloud, StartsAtTheRootThatIsGiven) {
     EXPECT_EQ(found.skeleton.origin(), set.origin);
 }
 
-TEST(FromCloud, BridgesGapsUpToTheirWidth) {
+TEST(FromCloud, BridgesGapsUpToTheGivenWidth) {
     PointSet set;
     strew_cone(set, {0, 0, 0}, {0, 0, 1}, 0.05, 0.05, 2000);
     strew_cone(set, {0.25, 0, 0.9}, {1, 0, 1.2}, 0.05, 0.05, 1600);
@@ -158,7 +158,7 @@ PointSet limbs_with_a_band() {
     return set;
 }
 
-TEST(FromCloud, LeadsLimbsStraightOverAGap) {
+TEST(FromCloud, ContinuesLimbsStraightAcrossAGap) {
     const CloudExtraction found = extract_from_cloud(limbs_with_a_band());
     const SkeletonMeasures m = measure(found.skeleton);
     EXPECT_EQ(m.trees, 1u);
@@ -169,7 +169,7 @@ TEST(FromCloud, LeadsLimbsStraightOverAGap) {
     }
 }
 
-TEST(FromCloud, TakesNoTreesForWhatHangsInACrown) {
+TEST(FromCloud, DoesNotExtractTreesFromLoosePartsOfACrown) {
     PointSet set = limbs_with_a_band();
     strew_cone(set, {0.1, 0.1, 6}, {0.4, 0.1, 8}, 0.03, 0.03, 2500, 0.002);  // beyond any gap
     const CloudExtraction found = extract_from_cloud(set);
@@ -177,7 +177,7 @@ TEST(FromCloud, TakesNoTreesForWhatHangsInACrown) {
     EXPECT_EQ(found.cleaning.unreached, 2500u);
 }
 
-TEST(FromCloud, KeepsATreeThatStandsHigherOnASlope) {
+TEST(FromCloud, ExtractsATreeHigherOnASlope) {
     PointSet set;
     for (const double x : {0.0, 3.0}) {
         strew_cone(set, {x, 0, x}, {x, 0, x + 4}, 0.08, 0.05, 5000, 0.002);
@@ -188,7 +188,7 @@ TEST(FromCloud, KeepsATreeThatStandsHigherOnASlope) {
     EXPECT_LT(found.cleaning.unreached, 10u);
 }
 
-TEST(FromCloud, CountsNoOutlierOnAStemAsReached) {
+TEST(FromCloud, OutliersWithinReachAreNotCountedAsReached) {
     PointSet set;
     strew_cone(set, {0, 0, 0}, {0, 0, 4}, 0.1, 0.08, 8000, 0.002);
     for (int k = 0; k < 5; ++k)  // not on the stem, but within its reach
@@ -200,7 +200,7 @@ TEST(FromCloud, CountsNoOutlierOnAStemAsReached) {
     EXPECT_LT(found.cleaning.unreached, 100u);
 }
 
-TEST(FromCloud, GivesFewTwigsToNeedles) {
+TEST(FromCloud, ExtractsFewTwigsFromNeedles) {
     PointSet set;
     strew_cone(set, {0, 0, 0}, {0, 0, 5}, 0.08, 0.05, 3000, 0.002);
     for (int k = 0; k < 6; ++k) {
@@ -222,7 +222,7 @@ PointSet tree_on_ground() {
     return set;
 }
 
-TEST(FromCloud, LeavesTheGroundOut) {
+TEST(FromCloud, ExcludesTheGround) {
     const PointSet set = tree_on_ground();
     const CloudExtraction found = extract_from_cloud(set);
     EXPECT_GE(found.cleaning.ground, 8000u);
@@ -233,7 +233,7 @@ TEST(FromCloud, LeavesTheGroundOut) {
     EXPECT_EQ(extract_from_cloud(fork_cloud()).cleaning.ground, 0u);
 }
 
-TEST(FromCloud, LeavesOutWhatGrowsBesideTheStem) {
+TEST(FromCloud, ExcludesUnderstorey) {
     PointSet set;
     strew_cone(set, {0, 0, 0}, {0, 0, 4}, 0.08, 0.05, 6000, 0.002);
     const CounterRandom random(9, 1);
@@ -250,7 +250,7 @@ TEST(FromCloud, LeavesOutWhatGrowsBesideTheStem) {
     EXPECT_NEAR(measure(found.skeleton).length, measure(alone.skeleton).length, 0.1);
 }
 
-TEST(FromCloud, LeavesOutWhatLiesBelowAHeight) {
+TEST(FromCloud, ExcludesPointsBelowAHeight) {
     PointSet set = fork_cloud();
     set.origin = {0, 0, 100};
     const CloudExtraction found =
@@ -259,7 +259,7 @@ TEST(FromCloud, LeavesOutWhatLiesBelowAHeight) {
     EXPECT_GT(found.skeleton.bounds().low.z, 0.85f);
 }
 
-TEST(FromCloud, CleansAndCountsIt) {
+TEST(FromCloud, CleansTheCloudAndCountsTheRemovedPoints) {
     PointSet set = fork_cloud();
     const std::size_t clean = set.size();
     for (std::size_t i = 0; i < 50; ++i) set.positions.push_back(set.positions[i]);
@@ -276,7 +276,7 @@ TEST(FromCloud, CleansAndCountsIt) {
     EXPECT_LE(few.report.samples, 1000u);
 }
 
-TEST(FromCloud, SaysHowSureItIs) {
+TEST(FromCloud, ReportsConfidenceAndResidual) {
     const CloudExtraction found = extract_from_cloud(fork_cloud(0.002));
     ASSERT_EQ(found.confidence.size(), found.skeleton.size());
     std::uint64_t samples = 0;
@@ -287,7 +287,7 @@ TEST(FromCloud, SaysHowSureItIs) {
     EXPECT_LT(found.report.residual, 0.1f);
 }
 
-TEST(FromCloud, SaysBetweenWhatRadiiLie) {
+TEST(FromCloud, ReportsBoundsOfRadii) {
     const CloudExtraction found = extract_from_cloud(fork_cloud(0.002));
     double seen = 0;
     for (const NodeId n : nodes(found.skeleton)) {
@@ -315,7 +315,7 @@ PointSet clusters() {
     return set;
 }
 
-TEST(FromCloud, GrowsNoThickerOutward) {
+TEST(FromCloud, RadiiNeverIncreaseTowardsTheTips) {
     for (const PointSet& set : {fork_cloud(0.004), tree_on_ground(), clusters()}) {
         const Skeleton s = extract_from_cloud(set).skeleton;
         for (const NodeId n : nodes(s)) {
@@ -326,7 +326,7 @@ TEST(FromCloud, GrowsNoThickerOutward) {
     }
 }
 
-TEST(FromCloud, TakesClustersForNoThickWood) {
+TEST(FromCloud, DoesNotExtractThickBranchesFromClusters) {
     const CloudExtraction found = extract_from_cloud(clusters(), {.leaves = LeafRule::keep});
     const Skeleton& s = found.skeleton;
     // The limbs are 5 cm thick at their ends; the clusters have a size of half a metre, and a branch leads to
@@ -344,7 +344,7 @@ TEST(FromCloud, TakesClustersForNoThickWood) {
     EXPECT_GT(found.report.inferred, 0.3);
 }
 
-TEST(FromCloud, GivesTheSameBitsForAnyNumberOfThreads) {
+TEST(FromCloud, IsBitIdenticalForAnyNumberOfThreads) {
     const PointSet set = tree_on_ground();
     const CloudExtraction one = extract_from_cloud(set, {}, {.threads = 1});
     for (const unsigned threads : {2u, 7u}) {
@@ -357,7 +357,7 @@ TEST(FromCloud, GivesTheSameBitsForAnyNumberOfThreads) {
     }
 }
 
-TEST(FromCloud, RefusesWhatIsNoTree) {
+TEST(FromCloud, RejectsCloudsWithoutATree) {
     PointSet set;
     EXPECT_EQ(error_of(set), "extract: 0 points are left in the cloud, but a skeleton needs at least 20");
     for (int i = 0; i < 1000; ++i) set.positions.push_back({1, 2, 3});
@@ -368,7 +368,7 @@ TEST(FromCloud, RefusesWhatIsNoTree) {
               "extract: neighbours must be between 4 and 64, but is 3");
 }
 
-TEST(FromCloud, EndsOnOddClouds) {
+TEST(FromCloud, TerminatesOnDegenerateClouds) {
     PointSet line, grid, far;
     const CounterRandom random(4, 1);
     for (int i = 0; i < 300; ++i) line.positions.push_back({0, 0, static_cast<float>(i)});
@@ -389,7 +389,7 @@ TEST(FromCloud, EndsOnOddClouds) {
     }
 }
 
-TEST(FromCloud, CanBeStoppedAndTellsHowFarItIs) {
+TEST(FromCloud, StopsWhenCancelledAndReportsProgress) {
     std::stop_source source;
     source.request_stop();
     EXPECT_THROW(extract_from_cloud(fork_cloud(), {}, {.stop = source.get_token()}), Cancelled);
@@ -405,7 +405,7 @@ TEST(FromCloud, CanBeStoppedAndTellsHowFarItIs) {
 
 // Requests cancellation at each progress report from the first to the last but one; uses counts of reports
 // instead of a clock.
-TEST(FromCloud, HeedsAStopBeforeItReportsAgain) {
+TEST(FromCloud, StopsBeforeTheNextProgressReport) {
     const PointSet set = whorl_cloud(5'000);
     int all = 0;
     extract_from_cloud(set, {}, {.progress = [&](float) { ++all; }});

@@ -86,7 +86,7 @@ TEST(FromMesh, AnOpenTubeHasItsAxis) {
               0.02);
 }
 
-TEST_P(BothMethods, TaperIsKept) {
+TEST_P(BothMethods, PreservesTaper) {
     const FromMeshResult r =
         extract_from_mesh(tube({0, 0, 0}, {0, 0, 4}, 0.3f, {.rings = 41, .radius_end = 0.1f}), options());
     EXPECT_NEAR(measure(r.skeleton).length, 4, 0.5);  // within a radius at either end
@@ -97,7 +97,7 @@ TEST_P(BothMethods, TaperIsKept) {
     }
 }
 
-TEST_P(BothMethods, AForkIsFoundWhereItIs) {
+TEST_P(BothMethods, FindsAForkAtItsPosition) {
     const Skeleton truth = fork();
     // Contraction creates tips that the fit moves only part of the way.
     const double tip = GetParam() == MeshSkeletonMethod::rings ? 0.05 : 0.15;
@@ -119,7 +119,7 @@ TEST_P(BothMethods, AForkIsFoundWhereItIs) {
     EXPECT_LT(distance(r.skeleton.position(NodeId(0)), Vec3()), 0.05);
 }
 
-TEST_P(BothMethods, EveryVertexIsMappedToTheNodeThatItIsAbout) {
+TEST_P(BothMethods, MapsEveryVertexToANodeNearIt) {
     const FromMeshResult r = extract_from_mesh(surface_of(fork(), 0.05f), options());
     ASSERT_EQ(r.nodes.size(), r.vertices.size());
     ASSERT_EQ(r.vertices.size(), r.report.samples);
@@ -150,7 +150,7 @@ TEST(FromMesh, ThicknessIsTheMedianOrTheMean) {
 }
 
 // Six arms from one node: at most five forks, six ends.
-TEST_P(BothMethods, AStarHasAllItsArms) {
+TEST_P(BothMethods, FindsAllArmsOfAStar) {
     std::vector<NodeId> parent{NodeId()};
     std::vector<Vec3> at{{0, 0, 0}};
     for (const Vec3 d :
@@ -165,7 +165,7 @@ TEST_P(BothMethods, AStarHasAllItsArms) {
     EXPECT_LT(farthest(star, r.skeleton), 0.1);
 }
 
-TEST_P(BothMethods, ARingIsCutOnce) {
+TEST_P(BothMethods, CutsARingOnce) {
     const float circumference = 2 * std::numbers::pi_v<float>;
     const FromMeshResult r = extract_from_mesh(torus(1, 0.1f, 120, 16), options());
     EXPECT_EQ(r.report.loops, 1u);
@@ -183,7 +183,7 @@ TEST_P(BothMethods, TwoTreesHaveTwoRoots) {
     EXPECT_NEAR(measure(r.skeleton).length, 5, 0.1);
 }
 
-TEST_P(BothMethods, BitsDoNotDependOnThreads) {
+TEST_P(BothMethods, IsBitIdenticalForAnyNumberOfThreads) {
     const PolygonMesh mesh = surface_of(fork(), 0.05f);
     Context ctx;
     ctx.threads = 1;
@@ -198,7 +198,7 @@ TEST_P(BothMethods, BitsDoNotDependOnThreads) {
     }
 }
 
-TEST_P(BothMethods, AStopIsObeyed) {
+TEST_P(BothMethods, StopsWhenCancelled) {
     std::stop_source source;
     source.request_stop();
     Context ctx;
@@ -207,7 +207,7 @@ TEST_P(BothMethods, AStopIsObeyed) {
 }
 
 // The skeleton does not depend on the representation of the surface.
-TEST(FromMesh, SplitAndInwardFacesChangeNothing) {
+TEST(FromMesh, IgnoresSplitVerticesAndInwardFaces) {
     const PolygonMesh mesh = surface_of(fork(), 0.05f);
     const FromMeshResult plain = extract_from_mesh(mesh);
     const FromMeshResult repaired = extract_from_mesh(inverted(soup(mesh)));
@@ -217,7 +217,7 @@ TEST(FromMesh, SplitAndInwardFacesChangeNothing) {
     EXPECT_EQ(measure(plain.skeleton).tips, measure(repaired.skeleton).tips);
 }
 
-TEST(FromMesh, LeavesAreLeftOut) {
+TEST(FromMesh, ExcludesLeaves) {
     PolygonMesh mesh = surface_of(fork(), 0.05f);
     const FromMeshResult bare = extract_from_mesh(mesh);
     for (int i = 0; i < 20; ++i) mesh = both(mesh, card({1, 0, 3 + 0.1f * static_cast<float>(i)}, 0.2f));
@@ -228,7 +228,7 @@ TEST(FromMesh, LeavesAreLeftOut) {
 }
 
 // A lateral tube with an open base on the axis of the trunk, as generators create them.
-TEST(FromMesh, OverlappingTubesAreJoined) {
+TEST(FromMesh, JoinsOverlappingTubes) {
     const PolygonMesh mesh =
         both(tube({0, 0, 0}, {0, 0, 3}, 0.2f, kOpen), tube({0, 0, 1.5f}, {1.5f, 0, 2.5f}, 0.1f, kOpen));
     const FromMeshResult r = extract_from_mesh(mesh);
@@ -245,7 +245,7 @@ TEST(FromMesh, OverlappingTubesAreJoined) {
     EXPECT_EQ(extract_from_mesh(mesh, apart).skeleton.tree_count(), 2u);
 }
 
-TEST(FromMesh, TheRootIsWhereItIsWanted) {
+TEST(FromMesh, RootFollowsTheOptions) {
     const PolygonMesh mesh = surface_of(fork(), 0.05f);
     FromMeshOptions options;
     options.root = Vec3d(1, 0, 3);
@@ -257,7 +257,7 @@ TEST(FromMesh, TheRootIsWhereItIsWanted) {
               0.1);
 }
 
-TEST(FromMesh, TheOriginIsHandedOn) {
+TEST(FromMesh, PreservesTheOrigin) {
     PolygonMesh mesh = tube({0, 0, 0}, {0, 0, 2}, 0.1f);
     mesh.origin = {500000, 4e6, 100};
     FromMeshOptions options;
@@ -268,7 +268,7 @@ TEST(FromMesh, TheOriginIsHandedOn) {
 }
 
 // A bump as wide as the trunk and a quarter of its radius high is bark, not a branch.
-TEST(FromMesh, NoiseGrowsNoTwigs) {
+TEST(FromMesh, NoiseCausesNoTwigs) {
     PolygonMesh mesh = tube({0, 0, 0}, {0, 0, 4}, 0.2f, {.sides = 32, .rings = 161});
     const CounterRandom random(1, 1);
     for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
@@ -282,7 +282,7 @@ TEST(FromMesh, NoiseGrowsNoTwigs) {
     EXPECT_NEAR(measure(r.skeleton).length, 4, 0.2);
 }
 
-TEST(FromMesh, HolesAreBridged) {
+TEST(FromMesh, BridgesHoles) {
     const PolygonMesh whole = tube({0, 0, 0}, {0, 0, 3}, 0.2f, {.sides = 24, .rings = 61});
     PolygonMesh holed;
     holed.positions = whole.positions;
@@ -314,7 +314,7 @@ TEST(FromMesh, StraightPartsHaveFewNodes) {
     EXPECT_LE(extract_from_mesh(tube({0, 0, 0}, {0, 0, 9}, 0.1f, {.rings = 181})).skeleton.size(), 6u);
 }
 
-TEST(FromMesh, PiecesWithoutAnAxisAreRefused) {
+TEST(FromMesh, RejectsComponentsWithoutAnAxis) {
     FromMeshOptions options;
     options.clean.cards = false;
     PolygonMesh point = card({0, 0, 0}, 0.1f);
@@ -325,7 +325,7 @@ TEST(FromMesh, PiecesWithoutAnAxisAreRefused) {
 }
 
 // A hub with 20,000 spokes: each of its collapses would visit all of them, 400 million in total.
-TEST(FromMesh, HubsAreNotContracted) {
+TEST(FromMesh, ContractionRejectsHubs) {
     const PolygonMesh mesh = tube({0, 0, 0}, {0, 0, 3}, 1, {.sides = 20000, .rings = 2});
     EXPECT_NEAR(measure(extract_from_mesh(mesh).skeleton).length, 3, 0.5);
     FromMeshOptions options;
@@ -334,7 +334,7 @@ TEST(FromMesh, HubsAreNotContracted) {
 }
 
 // Random triangles: any result is accepted, but the function must return.
-TEST(FromMesh, AnythingEnds) {
+TEST(FromMesh, TerminatesOnRandomTriangles) {
     const CounterRandom random(3, 1);
     int answered = 0;
     for (std::uint64_t round = 0; round < 40; ++round) {

@@ -17,7 +17,7 @@ InitialTree chain(const std::vector<Vec3d>& at, double radius) {
     return t;
 }
 
-TEST(InitialTree, RootingTurnsTheWayRound) {
+TEST(InitialTree, RerootReversesThePathToTheRoot) {
     InitialTree t = chain({{0, 0, 0}, {0, 0, 1}, {0, 0, 2}}, 1);
     t.add(1, {1, 0, 1}, 1);
     reroot(t, 3);
@@ -28,7 +28,7 @@ TEST(InitialTree, RootingTurnsTheWayRound) {
 }
 
 // A ring of eight nodes, closed between the last and the first, thinnest between nodes 2 and 3.
-TEST(CutLoops, TheThinnestPlaceIsCut) {
+TEST(CutLoops, CutsTheThinnestSegment) {
     InitialTree t;
     for (std::uint32_t i = 0; i < 8; ++i) {
         const double a = std::numbers::pi * i / 4;
@@ -45,7 +45,7 @@ TEST(CutLoops, TheThinnestPlaceIsCut) {
     EXPECT_EQ(kept.size(), 9u);  // node 3 is extended to the position of node 2
 }
 
-TEST(JoinTrees, ThinEndsHangOnThickAxes) {
+TEST(JoinTrees, AttachesThinEndsToThickAxes) {
     InitialTree t = chain({{0, 0, 0}, {0, 0, 3}}, 0.2);
     t.add(kNoIndex, {1, 0, 2}, 0.1);
     t.add(2, {0.1, 0, 1}, 0.1);
@@ -62,7 +62,7 @@ TEST(JoinTrees, ThinEndsHangOnThickAxes) {
     EXPECT_EQ(forks, 1u);
 }
 
-TEST(JoinTrees, ThickStartsHangOnThinAxesThatTheyHold) {
+TEST(JoinTrees, AttachesThickStartsToThinAxesWithinReach) {
     // A needle of twice the twig's radius that starts 1.3 radii of the twig from its axis.
     const auto joined = [](double radius, double distance) {
         InitialTree t = chain({{0, 0, 0}, {0, 0, 3}}, 0.1);
@@ -75,7 +75,7 @@ TEST(JoinTrees, ThickStartsHangOnThinAxesThatTheyHold) {
     EXPECT_EQ(joined(0.26, 0.05), 0u);  // a trunk next to a twig
 }
 
-TEST(RemoveReversals, ANodePastItsForkGoes) {
+TEST(RemoveReversals, RemovesANodeBeyondItsFork) {
     InitialTree t = chain({{0, 0, 0}, {0, 0, 1.2}, {0, 0, 1}, {0, 0, 2}}, 0.1);
     t.add(2, {1, 0, 1}, 0.1);
     FitSamples samples{{}, {}, {0, 1, 2, 3, 4}};
@@ -85,7 +85,7 @@ TEST(RemoveReversals, ANodePastItsForkGoes) {
     EXPECT_EQ(samples.node, (std::vector<std::uint32_t>{0, 1, 1, 2, 3}));
 }
 
-TEST(PruneStubs, BumpsGoAndTwigsStay) {
+TEST(PruneStubs, RemovesBumpsAndPreservesTwigs) {
     InitialTree t = chain({{0, 0, 0}, {0, 0, 1}, {0, 0, 2}}, 0.2);
     t.add(1, {0.15, 0, 1}, 0.1);  // rises by 0.05, a quarter of the radius
     t.add(1, {0, 0.5, 1}, 0.1);   // by 0.4

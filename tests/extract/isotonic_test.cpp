@@ -35,13 +35,13 @@ double cost(const Problem& p, const std::vector<double>& x) {
     return sum;
 }
 
-TEST(Isotonic, LeavesAloneWhatFallsAlready) {
+TEST(Isotonic, PreservesDecreasingValues) {
     const std::vector<std::uint32_t> parent{kNoIndex, 0, 1, 0};
     const std::vector<double> value{4, 3, 1, 4}, weight{1, 2, 3, 4};
     EXPECT_EQ(isotonic_on_tree(parent, value, weight), value);
 }
 
-TEST(Isotonic, SharesTheMeanWhereValuesWouldGrow) {
+TEST(Isotonic, AveragesIncreasingValues) {
     const std::vector<std::uint32_t> parent{kNoIndex, 0, 1, 0};
     const auto x =
         isotonic_on_tree(parent, std::vector<double>{2, 1, 5, 1.5}, std::vector<double>{1, 1, 1, 1});
@@ -51,7 +51,7 @@ TEST(Isotonic, SharesTheMeanWhereValuesWouldGrow) {
 
 // A feasible point is the least squares solution if no block of nodes with a common value improves by a
 // feasible move: within a block, the nodes towards the tips tend upward and the others downward.
-TEST(Isotonic, IsTheBestOfAllThatFall) {
+TEST(Isotonic, IsTheLeastSquaresSolution) {
     for (std::uint64_t seed = 1; seed <= 60; ++seed) {
         const Problem p = random_problem(40, seed, seed % 3 == 0);
         const auto x = isotonic_on_tree(p.parent, p.value, p.weight);
@@ -75,7 +75,7 @@ TEST(Isotonic, IsTheBestOfAllThatFall) {
     }
 }
 
-TEST(Isotonic, TakesLongChains) {
+TEST(Isotonic, AcceptsLongChains) {
     std::vector<std::uint32_t> parent(200000);
     std::iota(parent.begin() + 1, parent.end(), 0u);
     parent[0] = kNoIndex;

@@ -25,7 +25,7 @@ PointCloud points_at(std::vector<Vec3> places) {
     return out;
 }
 
-TEST(LabelPoints, WoodLiesOnTheSurfaceOfTheClosestBranch) {
+TEST(LabelPoints, WoodIsNearTheSurfaceOfTheClosestBranch) {
     PointCloud scan =
         points_at({{-0.1f, 0, 0.5f}, {0.7f, 0.05f, 1}, {0.7f, 0.2f, 1}, {0, 0, 0.5f}, {0, 3, 1}});
     const std::vector<std::uint32_t> which{0, 1, 2, 3};
@@ -38,20 +38,20 @@ TEST(LabelPoints, WoodLiesOnTheSurfaceOfTheClosestBranch) {
     EXPECT_TRUE(std::isnan(scan.distances[4]));
 }
 
-TEST(LabelPoints, SpacingWidensWhatIsWood) {
+TEST(LabelPoints, SpacingIncreasesTheToleranceOfWood) {
     PointCloud scan = points_at({{0.7f, 0.2f, 1}});
     label_points(scan, std::vector<std::uint32_t>{0}, tree(), 0.33);
     EXPECT_EQ(scan.wood, (std::vector<std::uint8_t>{1}));
 }
 
-TEST(LabelPoints, TreesOfAPlotLabelTheirOwnPoints) {
+TEST(LabelPoints, LabelsThePointsOfEachTreeOfAPlot) {
     PointCloud scan = points_at({{-0.1f, 0, 0.5f}, {0.1f, 0, 0.5f}});
     label_points(scan, std::vector<std::uint32_t>{0}, tree(), 0.01);
     label_points(scan, std::vector<std::uint32_t>{1}, tree(), 0.01);
     EXPECT_EQ(scan.wood, (std::vector<std::uint8_t>{1, 1}));
 }
 
-TEST(LabelPoints, ASkeletonWithoutSegmentsLabelsNothing) {
+TEST(LabelPoints, SkeletonWithoutSegmentsLabelsNoWood) {
     PointCloud scan = points_at({{0, 0, 0}});
     const ExtractResult point{
         Skeleton({NodeId::none()}, {{0, 0, 0}}, {1}), std::vector<NodeConfidence>(1), {}};

@@ -21,7 +21,7 @@ Skeleton pieces(const std::vector<std::pair<Vec3, Vec3>>& ends) {
     return Skeleton(std::move(parents), std::move(positions), std::move(radii), {1000, 2000, 300});
 }
 
-TEST(LooseParts, WhatIsShortAndHangsIsLoose) {
+TEST(LooseParts, ShortPartsAboveTheGroundAreLoose) {
     const Skeleton s = pieces({{{0, 0, 0}, {0, 0, 20}}, {{3, 0, 12}, {4, 0, 12}}, {{0, 2, 9}, {0, 2, 12}}});
     const LooseParts parts = find_loose_parts(s);
     EXPECT_EQ(parts.trees, (std::vector<NodeId>{NodeId(0)}));
@@ -30,7 +30,7 @@ TEST(LooseParts, WhatIsShortAndHangsIsLoose) {
     EXPECT_DOUBLE_EQ(parts.share, 4.0 / 24);
 }
 
-TEST(LooseParts, SmallTreesStandOnTheGround) {
+TEST(LooseParts, SmallPartsOnTheGroundAreTrees) {
     // Next to a tall tree: one of 3 m, one at a position 4 m higher because of a slope of 1 in 5, and a
     // stump. The second tree may have its root at its tip.
     const Skeleton s = pieces({{{0, 0, 0}, {0, 0, 20}},
@@ -40,20 +40,20 @@ TEST(LooseParts, SmallTreesStandOnTheGround) {
     EXPECT_EQ(find_loose_parts(s).trees, (std::vector<NodeId>{NodeId(0), NodeId(2), NodeId(4)}));
 }
 
-TEST(LooseParts, WhatIsLongIsATreeWhereverItBegins) {
+TEST(LooseParts, LongPartsAreTreesAtAnyHeight) {
     const Skeleton s =
         pieces({{{0, 0, 0}, {0, 0, 20}}, {{3, 0, 9}, {3, 0, 14}}, {{-6, 0, 9}, {-6, 0, 13.9f}}});
     EXPECT_EQ(find_loose_parts(s).trees, (std::vector<NodeId>{NodeId(0), NodeId(2)}));
 }
 
-TEST(LooseParts, SinglePointsAreTreesWhereNothingElseIs) {
+TEST(LooseParts, SinglePointsAreTreesIfThereAreNoOtherParts) {
     const Skeleton s({NodeId::none(), NodeId::none()}, {{0, 0, 0}, {0, 0, 9}}, {1, 1});
     const LooseParts parts = find_loose_parts(s);
     EXPECT_EQ(parts.trees.size(), 2u);
     EXPECT_EQ(parts.share, 0);
 }
 
-TEST(LooseParts, PartsKeepTheirNodesAndIds) {
+TEST(LooseParts, PartsPreserveTheirNodesAndIds) {
     const Skeleton s = pieces({{{0, 0, 0}, {0, 0, 20}}, {{3, 0, 12}, {4, 0, 12}}, {{0, 2, 0}, {0, 2, 12}}});
     const Skeleton trees = parts_of(s, find_loose_parts(s).trees);
     ASSERT_EQ(trees.size(), 4u);

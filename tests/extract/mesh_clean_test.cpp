@@ -33,7 +33,7 @@ double volume(const TriMesh& m) {
     return sum;
 }
 
-TEST(MeshClean, ASoundMeshIsLeftAlone) {
+TEST(MeshClean, SoundMeshIsUnchanged) {
     const CleanMeshResult r = clean_mesh(closed_tube());
     EXPECT_EQ(r.repairs, MeshRepairs{});
     // 16 x 20 quads and two fans of 16.
@@ -42,7 +42,7 @@ TEST(MeshClean, ASoundMeshIsLeftAlone) {
     EXPECT_TRUE(topology(as_polygons(r.mesh)).watertight());
 }
 
-TEST(MeshClean, SplitVerticesAreWelded) {
+TEST(MeshClean, WeldsSplitVertices) {
     const PolygonMesh apart = soup(closed_tube());
     const CleanMeshResult r = clean_mesh(apart);
     EXPECT_EQ(r.mesh.positions.size(), 338u);
@@ -50,7 +50,7 @@ TEST(MeshClean, SplitVerticesAreWelded) {
     EXPECT_TRUE(topology(as_polygons(r.mesh)).watertight());
 }
 
-TEST(MeshClean, WeldingGoesByTheSizeOfTheMesh) {
+TEST(MeshClean, WeldToleranceIsRelativeToTheSizeOfTheMesh) {
     PolygonMesh m = soup(closed_tube());
     for (std::size_t v = 0; v < m.positions.size(); v += 2) m.positions[v].x += 1e-3f;
     EXPECT_GT(clean_mesh(m, {.weld = 1e-6f}).repairs.open_edges, 0u);
@@ -60,13 +60,13 @@ TEST(MeshClean, WeldingGoesByTheSizeOfTheMesh) {
 
 // Cells of 1e-22 of the size have indices beyond 64 bits: a regression test, all vertices were merged into
 // one.
-TEST(MeshClean, TheFinestWeldingIsExact) {
+TEST(MeshClean, SmallestWeldToleranceIsExact) {
     const PolygonMesh m = soup(closed_tube());
     for (const float weld : {0.0f, 1e-22f, 1e-30f})
         EXPECT_EQ(clean_mesh(m, {.weld = weld}).mesh.positions.size(), 338u);
 }
 
-TEST(MeshClean, DegenerateAndDoubleFacesGo) {
+TEST(MeshClean, RemovesDegenerateAndDuplicateFaces) {
     PolygonMesh m = closed_tube();
     m.add_face(std::vector<std::uint32_t>{0, 1, 1});
     m.add_face(std::vector<std::uint32_t>{336, 1, 0});  // the first triangle of the lower fan
@@ -76,7 +76,7 @@ TEST(MeshClean, DegenerateAndDoubleFacesGo) {
     EXPECT_TRUE(topology(as_polygons(r.mesh)).watertight());
 }
 
-TEST(MeshClean, InwardPiecesAreTurned) {
+TEST(MeshClean, ReversesInwardComponents) {
     const PolygonMesh right = closed_tube();
     const CleanMeshResult r = clean_mesh(inverted(right));
     EXPECT_EQ(r.repairs.flipped, 672u);
@@ -84,7 +84,7 @@ TEST(MeshClean, InwardPiecesAreTurned) {
     EXPECT_GT(volume(r.mesh), 0);
 }
 
-TEST(MeshClean, NeighboursAreMadeToAgree) {
+TEST(MeshClean, OrientsAdjacentFacesConsistently) {
     PolygonMesh m;
     const PolygonMesh right = closed_tube();
     m.positions = right.positions;
@@ -98,7 +98,7 @@ TEST(MeshClean, NeighboursAreMadeToAgree) {
     EXPECT_NEAR(volume(r.mesh), volume(clean_mesh(right).mesh), 1e-9);
 }
 
-TEST(MeshClean, EdgesOfThreeTrianglesAreToldAndStay) {
+TEST(MeshClean, NonManifoldEdgesAreReportedAndPreserved) {
     PolygonMesh m = closed_tube();
     m.positions.push_back({1, 0, 1});
     m.add_face(std::vector<std::uint32_t>{0, 16, 338});  // a fin on the edge between two rings
@@ -108,7 +108,7 @@ TEST(MeshClean, EdgesOfThreeTrianglesAreToldAndStay) {
     EXPECT_EQ(r.mesh.triangles.size(), 673u);
 }
 
-TEST(MeshClean, FlatPiecesAreLeaves) {
+TEST(MeshClean, FlatComponentsAreLeaves) {
     PolygonMesh m = closed_tube();
     for (int i = 0; i < 5; ++i) m = both(m, card({1, 0, static_cast<float>(i)}, 0.1f));
     const CleanMeshResult r = clean_mesh(m);
@@ -118,7 +118,7 @@ TEST(MeshClean, FlatPiecesAreLeaves) {
     EXPECT_EQ(clean_mesh(m, {.cards = false}).mesh.triangles.size(), 682u);
 }
 
-TEST(MeshClean, AMeshOfLeavesHasNoWood) {
+TEST(MeshClean, RejectsAMeshOfLeavesOnly) {
     EXPECT_THROW(
         {
             try {
@@ -139,14 +139,14 @@ PolygonMesh with_groups() {
     return m;
 }
 
-TEST(MeshClean, WoodIsChosenByName) {
+TEST(MeshClean, SelectsWoodByGroupName) {
     const CleanMeshResult r = clean_mesh(with_groups(), {.wood = {"bark"}});
     EXPECT_EQ(r.repairs.other_material, 1u);
     EXPECT_EQ(r.repairs.cards, 0u);
     EXPECT_EQ(r.mesh.triangles.size(), 672u);
 }
 
-TEST(MeshClean, AnUnknownNameIsRefusedWithThoseThereAre) {
+TEST(MeshClean, RejectsAnUnknownGroupAndListsTheExistingOnes) {
     try {
         clean_mesh(with_groups(), {.wood = {"stem"}});
         FAIL();
@@ -156,7 +156,7 @@ TEST(MeshClean, AnUnknownNameIsRefusedWithThoseThereAre) {
     EXPECT_THROW(clean_mesh(closed_tube(), {.wood = {"stem"}}), InvalidInput);
 }
 
-TEST(MeshClean, BadInputIsRefused) {
+TEST(MeshClean, RejectsInvalidInput) {
     PolygonMesh m = closed_tube();
     m.add_face(std::vector<std::uint32_t>{0, 1, 9999});
     EXPECT_THROW(clean_mesh(m), InvalidInput);

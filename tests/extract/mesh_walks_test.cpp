@@ -24,7 +24,7 @@ Surface surface(const PolygonMesh& mesh) {
     return s;
 }
 
-TEST(Surface, TwinsLieOnTheSameEdge) {
+TEST(Surface, TwinsAreOnTheSameEdge) {
     const Surface s = surface(tube({0, 0, 0}, {0, 0, 1}, 0.1f));
     for (std::uint32_t h = 0; h < s.twin.size(); ++h) {
         ASSERT_NE(s.twin[h], kNoIndex);
@@ -43,7 +43,7 @@ TEST(Surface, AnOpenTubeHasTwoBorders) {
 }
 
 // Of three triangles on an edge the two coplanar ones are adjacent.
-TEST(Surface, TheFlattestPairStaysTogether) {
+TEST(Surface, CoplanarTrianglesAtANonManifoldEdgeAreTwins) {
     PolygonMesh m;
     for (const Vec3 p : {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, -1, 0), Vec3(0, 0, 1)})
         m.positions.push_back(p);
@@ -56,7 +56,7 @@ TEST(Surface, TheFlattestPairStaysTogether) {
     EXPECT_EQ(s.component_count, 1u);
 }
 
-TEST(MarchDistances, OnAPlaneTheyAreStraight) {
+TEST(MarchDistances, AreNearlyStraightOnAPlane) {
     // A grid of 21 x 21 points at intervals of 0.1, with diagonals.
     PolygonMesh m;
     for (int y = 0; y <= 20; ++y)
@@ -77,7 +77,7 @@ TEST(MarchDistances, OnAPlaneTheyAreStraight) {
     EXPECT_NEAR(d[20], 2, 1e-6);
 }
 
-TEST(MarchDistances, OtherPiecesAreNotReached) {
+TEST(MarchDistances, AreInfiniteOnOtherComponents) {
     const Surface s =
         surface(shapes::both(tube({0, 0, 0}, {0, 0, 1}, 0.1f), tube({2, 0, 0}, {2, 0, 1}, 0.1f)));
     const std::vector<std::uint32_t> source{0};
@@ -86,7 +86,7 @@ TEST(MarchDistances, OtherPiecesAreNotReached) {
         EXPECT_EQ(std::isfinite(d[v]), s.component[v] == s.component[0]);
 }
 
-TEST(MeasureRing, ACircleIsItself) {
+TEST(MeasureRing, CircleHasItsCenterAndRadius) {
     std::vector<Vec3d> points;
     for (int i = 0; i < 60; ++i) {
         const double a = std::numbers::pi * i / 30;
@@ -120,7 +120,7 @@ TEST(MeasureRing, AnArcHasTheCenterOfItsCircle) {
     EXPECT_NEAR(r.radius, 2, 0.01);
 }
 
-TEST(FollowChains, AForkIsTwoChains) {
+TEST(FollowChains, ForkHasTwoChains) {
     const Surface s = surface(shapes::surface_of(shapes::fork(), 0.04f));
     std::uint32_t low = 0;
     for (std::uint32_t v = 0; v < s.size(); ++v)
@@ -135,7 +135,7 @@ TEST(FollowChains, AForkIsTwoChains) {
     for (const RingChain& chain : forest.chains) EXPECT_EQ(chain.touched, kNoIndex);
 }
 
-TEST(FollowChains, AHandleTouchesWhatItMeets) {
+TEST(FollowChains, HandleHasOneChainThatTouchesAnother) {
     const Surface s = surface(shapes::torus(1, 0.1f, 120, 16));
     const std::vector<std::uint32_t> source{0};
     const RingForest forest = follow_chains(s, march_distances(s, source, {}), std::vector<char>(1, 0), {});

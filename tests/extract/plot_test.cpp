@@ -65,7 +65,7 @@ std::size_t found_at(const std::vector<StemForm>& found, const Standing& tree) {
     return found.size();
 }
 
-TEST(Plot, FindsTreesOnASlopeAndGivesThemTheirPoints) {
+TEST(Plot, FindsTreesOnASlopeAndAssignsTheirPoints) {
     const TruePlot plot = make_plot();
     const PlotSegments segments = segment_plot(plot.points);
     EXPECT_TRUE(segments.terrain.is_ground);
@@ -93,7 +93,7 @@ TEST(Plot, FindsTreesOnASlopeAndGivesThemTheirPoints) {
     EXPECT_GT(ground_right / ground, 0.98);
 }
 
-TEST(Plot, TakesTreesByTheIdsOfTheirPoints) {
+TEST(Plot, SegmentsByTheTreeIdsOfPoints) {
     const TruePlot plot = make_plot();
     // Unsorted ids; the bush is also a tree because it has an id, but 30 points of ground are not.
     constexpr std::array<std::uint32_t, 4> kIds{9, 2, 70000, 4};
@@ -140,7 +140,7 @@ TEST(Plot, ExtractsEachTreeFromTheGroundUp) {
     }
 }
 
-TEST(Plot, OneBadTreeSaysSoAndStopsNothing) {
+TEST(Plot, FailingTreesAreReportedWithoutStopping) {
     const TruePlot plot = make_plot();
     CloudOptions options;
     options.voxel = 20;  // no points of any tree are left
@@ -154,7 +154,7 @@ TEST(Plot, OneBadTreeSaysSoAndStopsNothing) {
     }
 }
 
-TEST(Plot, BranchesThatCrossGoStraightOn) {
+TEST(Plot, IntersectingBranchesContinueStraight) {
     // Two branches cross at right angles at (1.5, 1.5, 3): 2.1 m from the first stem, 2.9 m from the second.
     PointSet set;
     const Vec3d cross_at{1.5, 1.5, 3};
@@ -201,7 +201,7 @@ TEST(Plot, ForkedStemsAreOneTree) {
     EXPECT_EQ(stems, 2u);
 }
 
-TEST(Plot, KeepsToTheFrameOfTheFile) {
+TEST(Plot, IsIndependentOfTheOrigin) {
     TruePlot plot = make_plot();
     const PlotSegments here = segment_plot(plot.points);
     plot.points.origin = {432'100, 5'712'300, 250};
@@ -214,7 +214,7 @@ TEST(Plot, KeepsToTheFrameOfTheFile) {
     }
 }
 
-TEST(Plot, SameBitsForAnyNumberOfThreads) {
+TEST(Plot, IsBitIdenticalForAnyNumberOfThreads) {
     const TruePlot plot = make_plot();
     const PlotSegments one = segment_plot(plot.points, {}, {.threads = 1, .stop = {}, .progress = {}});
     for (const unsigned threads : {2u, 7u}) {
@@ -227,7 +227,7 @@ TEST(Plot, SameBitsForAnyNumberOfThreads) {
     }
 }
 
-TEST(Plot, WithoutGroundTreesStandOnTheirFeet) {
+TEST(Plot, FindsTreesWithoutGround) {
     TruePlot plot = make_plot();
     PointSet trees{{}, {}};
     for (std::size_t i = 0; i < plot.owner.size(); ++i)
@@ -245,7 +245,7 @@ TEST(Plot, WithoutGroundTreesStandOnTheirFeet) {
     }
 }
 
-TEST(Plot, RefusesWhatIsNoPlot) {
+TEST(Plot, RejectsInputWithoutAPlot) {
     EXPECT_THROW(segment_plot(PointSet{{{0, 0, 0}}, {}}), InvalidInput);
     const TruePlot plot = make_plot();
     EXPECT_THROW(segment_plot(plot.points, {.min_diameter = 0}), InvalidInput);

@@ -55,7 +55,7 @@ Scene trunk(double radius = 0.2) {
     return s;
 }
 
-TEST(Evidence, TellsTubesFromWhatIsFilled) {
+TEST(Evidence, DistinguishesTubesFromFilledVolumes) {
     Scene s = trunk();
     const std::uint32_t tube = s.add_axis(10, {2, 0, 6}, 8, 0.05, 0.05, 30, true);
     const std::uint32_t cluster = s.add_axis(10, {-2, 0, 6}, 8, 0.1, 0.15, 30, false);
@@ -67,14 +67,14 @@ TEST(Evidence, TellsTubesFromWhatIsFilled) {
     EXPECT_LT(e[cluster - 3].precision(), 0.5 * e[tube - 3].precision());
 }
 
-TEST(Evidence, MeasuresWhatTheRadiusShouldHaveBeen) {
+TEST(Evidence, MeasuresTheRadiusOfThePoints) {
     Scene s;
     s.tree.add(kNoIndex, {}, 0.1);
     s.add_axis(0, {0, 0, 5}, 10, 0.1, 0.2, 60, true);
     EXPECT_NEAR(s.evidence()[5].radius, 0.2, 1e-3);
 }
 
-TEST(Evidence, IsNoneWithoutPoints) {
+TEST(Evidence, PrecisionIsZeroWithoutPoints) {
     Scene s = trunk();
     const std::uint32_t tip = s.add_axis(10, {2, 0, 6}, 8, 0.05, 0.05, 0, true);
     const NodeEvidence e = s.evidence()[tip];
@@ -82,7 +82,7 @@ TEST(Evidence, IsNoneWithoutPoints) {
     EXPECT_FLOAT_EQ(static_cast<float>(e.spacing), kSpacing);
 }
 
-TEST(Radii, GrowNowhereAndKeepWhatIsSeen) {
+TEST(Radii, NeverIncreaseTowardsTheTipsAndMatchTheMeasurement) {
     Scene s = trunk();
     s.add_axis(10, {2, 0, 6}, 8, 0.06, 0.06, 40, true);
     const RadiusEstimate belief = believe_radii(s.tree, s.evidence(), 0);
@@ -96,7 +96,7 @@ TEST(Radii, GrowNowhereAndKeepWhatIsSeen) {
     EXPECT_GT(belief.measured[15], 0.9);
 }
 
-TEST(Radii, OfClustersAreThoseOfWhatBearsLittle) {
+TEST(Radii, OfClustersFollowThePrior) {
     Scene s = trunk();
     // A ball of leaves half a metre wide at the end of a twig without points.
     const std::uint32_t twig = s.add_axis(10, {1, 0, 6}, 4, 0.05, 0.05, 0, true);
@@ -108,7 +108,7 @@ TEST(Radii, OfClustersAreThoseOfWhatBearsLittle) {
     EXPECT_NEAR(s.tree.radius[5], 0.2, 0.004);
 }
 
-TEST(Radii, AreThoseThatAMeasuredStemCanBear) {
+TEST(Radii, OfManyBranchesAreLimitedByAMeasuredStem) {
     Scene s = trunk();
     const std::uint32_t top = s.tree.size() - 1;
     std::vector<std::uint32_t> tips;
@@ -133,7 +133,7 @@ TEST(Radii, AreThoseThatAMeasuredStemCanBear) {
     EXPECT_NEAR(s.tree.radius[top], 0.2, 1e-3);
 }
 
-TEST(Radii, FollowWhatMostWoodShows) {
+TEST(Radii, PriorFollowsTheMeasuredBranches) {
     Scene s = trunk();
     // All measured branches are twice as thick as usual, and so is the twig without points.
     for (int k = 0; k < 6; ++k)
@@ -147,7 +147,7 @@ TEST(Radii, FollowWhatMostWoodShows) {
     EXPECT_NEAR(std::exp(thick.log_foot[0]), 0.2, 0.01);
 }
 
-TEST(SmoothAxes, OpensSharpTurnsAndLeavesWellSeenOnesAlone) {
+TEST(SmoothAxes, StraightensSharpTurnsAndPreservesWellMeasuredAxes) {
     Scene s = trunk();
     std::uint32_t n = 10;
     for (int k = 1; k <= 12; ++k)
@@ -162,7 +162,7 @@ TEST(SmoothAxes, OpensSharpTurnsAndLeavesWellSeenOnesAlone) {
     for (std::uint32_t m = 1; m < 9; ++m) EXPECT_LT(distance(s.tree.position[m], before.position[m]), 0.02);
 }
 
-TEST(SmoothAxes, TakesNodesInOnePlace) {
+TEST(SmoothAxes, AcceptsCoincidentNodes) {
     Scene s = trunk();
     const std::uint32_t a = s.tree.add(10, s.tree.position[10], 0.05);
     const std::uint32_t b = s.tree.add(a, s.tree.position[10], 0.05);

@@ -14,7 +14,7 @@ InitialTree stem(const std::vector<double>& heights, double radius) {
     return t;
 }
 
-TEST(Simplify, NodesThatNothingNeedsGoAndTheirSamplesGoTowardsTheTip) {
+TEST(Simplify, RemovesRedundantNodesAndMovesTheirSamplesToTheTip) {
     InitialTree t = stem({0, 1, 2, 3, 4}, 0.1);
     t.radius[2] = 0.15;
     FitSamples samples{{}, {}, {0, 1, 2, 3, kNoIndex}};
@@ -27,7 +27,7 @@ TEST(Simplify, NodesThatNothingNeedsGoAndTheirSamplesGoTowardsTheTip) {
     EXPECT_EQ(samples.node, (std::vector<std::uint32_t>{0, 1, 1, 1, kNoIndex}));
 }
 
-TEST(Simplify, ForksNearerThanHalfARadiusAreOne) {
+TEST(Simplify, MergesForksNearerThanHalfARadius) {
     for (const double apart : {0.05, 0.15}) {  // a quarter of a radius, and three quarters
         InitialTree t = stem({0, 1, 1 + apart, 2}, 0.2);
         t.radius[2] = 0.21;
@@ -43,7 +43,7 @@ TEST(Simplify, ForksNearerThanHalfARadiusAreOne) {
     }
 }
 
-TEST(Simplify, NothingIsRounded) {
+TEST(Simplify, PreservesCoordinatesExactly) {
     InitialTree t = stem({0, 1.0 / 3, 1}, 1.0 / 30);
     t.position[1].x = 1.0 / 7;
     const InitialTree before = t;
@@ -53,7 +53,7 @@ TEST(Simplify, NothingIsRounded) {
     EXPECT_EQ(t.radius, before.radius);
 }
 
-TEST(Simplify, OfTwoNodesNearEachOtherOneStays) {
+TEST(Simplify, MergesNodesNearerThanTheirRadius) {
     // A kink of two nodes 0.05 apart, half a radius, then the same five radii apart.
     for (const double apart : {0.05, 0.5}) {
         InitialTree t;
@@ -67,7 +67,7 @@ TEST(Simplify, OfTwoNodesNearEachOtherOneStays) {
     }
 }
 
-TEST(Simplify, TheSameChildLeads) {
+TEST(Simplify, PreservesTheLeader) {
     // The node that makes the stem the leader is on the axis towards a thinner one, and is not required
     // otherwise.
     InitialTree t = stem({0, 1, 1.5, 2}, 0.1);

@@ -21,7 +21,7 @@ std::vector<StemAxis> find_axes(const PointSet& set, const StemAxisSearch& searc
     return find_stem_axes(set.positions, {}, search, {});
 }
 
-TEST(StemAxis, StandsAtTheFootAndFollowsTheStem) {
+TEST(StemAxis, StartsAtTheFootAndFollowsTheStem) {
     PointSet set;
     add_stem(set, {0, 0, 0}, 0.15);
     const auto axes = find_axes(set);
@@ -42,7 +42,7 @@ TEST(StemAxis, StandsAtTheFootAndFollowsTheStem) {
     EXPECT_FALSE(is_on_stem(axes, {0.4, 0.2, 4}, 0.01));
 }
 
-TEST(StemAxis, CutsNoCornerWhereTheStemBends) {
+TEST(StemAxis, FollowsABendOfTheStem) {
     PointSet set;
     strew_cone(set, {0, 0, 0}, {0, 0, 4}, 0.1, 0.09, 12000, 0.002, false, 1);
     strew_cone(set, {0, 0, 4}, {1.5, 0, 6}, 0.09, 0.07, 8000, 0.002, false, 2);
@@ -54,7 +54,7 @@ TEST(StemAxis, CutsNoCornerWhereTheStemBends) {
     }
 }
 
-TEST(StemAxis, IsOneTreesWhereStemsStandApart) {
+TEST(StemAxis, FindsOneAxisPerStemOnTheGround) {
     PointSet set;
     add_stem(set, {0, 0, 0}, 0.15, 20000, 1);
     add_stem(set, {3, 0, 0}, 0.1, 15000, 2);
@@ -71,7 +71,7 @@ TEST(StemAxis, IsOneTreesWhereStemsStandApart) {
     EXPECT_NEAR(chosen[0].position.front().x, 3, 0.05);
 }
 
-TEST(StemAxis, BranchesGrowAwayFromALowerPlaceOfTheStem) {
+TEST(StemAxis, GrowthDirectionsPointAwayFromALowerPointOfTheStem) {
     StemAxis stem;
     stem.position = {{0, 0, 0}, {0, 0, 10}};
     stem.radius = {0.1, 0.1};
@@ -95,7 +95,7 @@ PointSet limbed_tree() {
     return set;
 }
 
-TEST(StemAxis, IsWhatTheSkeletonStartsWith) {
+TEST(StemAxis, SkeletonStartsWithTheStemAxis) {
     PointSet set = limbed_tree();
     // Outliers about the tree and below it, as caused by rain or dust.
     const CounterRandom random(3, 1);
@@ -121,7 +121,7 @@ TEST(StemAxis, IsWhatTheSkeletonStartsWith) {
     EXPECT_LT(tree.volume_high / tree.volume_low, 1.6);
 }
 
-TEST(TreeFigures, DoubtWhatIsNotPlausible) {
+TEST(TreeFigures, ReportDoubtAboutImplausibleTrees) {
     // A stem of 10 m with a radius of 0.1 m, and a limb of ten times its volume.
     const std::vector<NodeId> parents{NodeId(), NodeId(0), NodeId(1)};
     const std::vector<Vec3> positions{{0, 0, 0}, {0, 0, 10}, {10, 0, 10}};
@@ -148,7 +148,7 @@ TEST(TreeFigures, DoubtWhatIsNotPlausible) {
     EXPECT_EQ(doubts({seen})[0], "the diameter at breast height is 20.0 cm, but 30.0 cm in the points");
 }
 
-TEST(TreeFigures, VolumesLieBetweenBoundsOfRadii) {
+TEST(TreeFigures, VolumeBoundsFollowTheBoundsOfRadii) {
     const std::vector<NodeId> parents{NodeId(), NodeId(0)};
     const std::vector<Vec3> positions{{0, 0, 0}, {0, 0, 12}};
     const std::vector<float> radii{0.1f, 0.1f};
@@ -174,7 +174,7 @@ struct HalfSeen {
     std::vector<NodeConfidence> confidence{{}, {.samples = 400}, {.evidence = 0}};
 };
 
-TEST(TreeFigures, LengthsAreOpenWhereWoodIsInferred) {
+TEST(TreeFigures, LengthBoundsWidenWithInferredBranches) {
     const HalfSeen tree;
     const TreeFigures known = tree_figures(tree.skeleton, tree.confidence, {}).at(0);
     EXPECT_NEAR(known.length, 16, 1e-5);
@@ -188,7 +188,7 @@ TEST(TreeFigures, LengthsAreOpenWhereWoodIsInferred) {
     EXPECT_NEAR(all.length_high, 16 * std::exp(0.03), 1e-4);
 }
 
-TEST(TreeFigures, HeightsAreKnownToTheSpacingOfThePoints) {
+TEST(TreeFigures, HeightBoundsFollowTheSpacingOfPoints) {
     const HalfSeen tree;
     // 400 points on pi (12 (0.1 + 0.1) + 4 (0.1 + 0.05)) m2.
     const double margin = 0.02 + 2 * std::sqrt(3.14159 * 3 / 400);

@@ -37,7 +37,7 @@ void add_ground(PointSet& set, double slope, double wide = 4) {
 // At 1.3 m above the foot the stem has a radius of 0.15 - 0.1 * 1.3 / 8 = 0.13375 m.
 constexpr double kBreast = 0.2675;
 
-TEST(StemForm, StemAloneHasTheVolumeOfItsCone) {
+TEST(StemForm, StemSkeletonHasTheVolumeOfItsCone) {
     PointSet points = leaning_stem();
     points.origin = {500000, 5400000, 300};
     const auto stem = stem_skeleton(stem_form(points));
@@ -53,7 +53,7 @@ TEST(StemForm, StemAloneHasTheVolumeOfItsCone) {
     EXPECT_FALSE(stem_skeleton({}));
 }
 
-TEST(StemForm, ReadsDiameterAndHeightOfALeaningStem) {
+TEST(StemForm, MeasuresDiameterAndHeightOfALeaningStem) {
     const StemForm form = stem_form(leaning_stem());
     EXPECT_FALSE(form.on_ground);
     EXPECT_EQ(form.stems, 1u);
@@ -65,7 +65,7 @@ TEST(StemForm, ReadsDiameterAndHeightOfALeaningStem) {
     EXPECT_NEAR(form.foot.z, 0, 0.02);
 }
 
-TEST(StemForm, FollowsTheTaperToTheTop) {
+TEST(StemForm, TaperReachesTheTop) {
     const StemForm form = stem_form(leaning_stem());
     ASSERT_GT(form.taper.size(), 25u);
     EXPECT_LT(form.taper.front().height, 0.5);
@@ -77,7 +77,7 @@ TEST(StemForm, FollowsTheTaperToTheTop) {
     }
 }
 
-TEST(StemForm, HalfAStemIsEnough) {
+TEST(StemForm, MeasuresHalfAStem) {
     const StemForm form = stem_form(leaning_stem(0.004, true));
     EXPECT_NEAR(form.breast.diameter, kBreast, 0.03 * kBreast);
     EXPECT_LT(form.breast.coverage, 0.6);
@@ -93,7 +93,7 @@ TEST(StemForm, MeasuresAboveTheGroundOnASlope) {
     EXPECT_NEAR(form.breast.diameter, kBreast, 0.01 * kBreast);
 }
 
-TEST(StemForm, KeepsToTheFrameOfTheFile) {
+TEST(StemForm, IsIndependentOfTheOrigin) {
     PointSet set = leaning_stem();
     const StemForm at_home = stem_form(set);
     set.origin = {500'000, 5'200'000, 300};
@@ -103,7 +103,7 @@ TEST(StemForm, KeepsToTheFrameOfTheFile) {
     EXPECT_NEAR(far.foot.z - at_home.foot.z, 300, 1e-6);
 }
 
-TEST(StemForm, StraysDoNoHarm) {
+TEST(StemForm, IgnoresOutliers) {
     PointSet set = leaning_stem();
     set.positions.push_back({20, 3, -5});
     set.positions.push_back({-12, 3, 30});
@@ -112,7 +112,7 @@ TEST(StemForm, StraysDoNoHarm) {
     EXPECT_NEAR(form.breast.diameter, kBreast, 0.01 * kBreast);
 }
 
-TEST(StemForm, SaysNothingOfWhatIsNoStem) {
+TEST(StemForm, HasNoStemsWithoutAStem) {
     PointSet ball;
     const CounterRandom random(3, 3);
     for (std::uint64_t i = 0; ball.size() < 4000; ++i) {
@@ -127,7 +127,7 @@ TEST(StemForm, SaysNothingOfWhatIsNoStem) {
     EXPECT_THROW(stem_form(PointSet{{{0, 0, 0}, {0, 0, 1}}, {}}), InvalidInput);
 }
 
-TEST(StemForm, EndsWhereTheCrownShowsNoStem) {
+TEST(StemForm, TaperEndsInsideADenseCrown) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
         PointSet set;
         strew_cone(set, {0, 0, 0}, {0, 0, 3}, 0.08, 0.06, 3000, 0.004);
@@ -145,7 +145,7 @@ TEST(StemForm, EndsWhereTheCrownShowsNoStem) {
     }
 }
 
-TEST(StemForm, SameBitsForAnyNumberOfThreads) {
+TEST(StemForm, IsBitIdenticalForAnyNumberOfThreads) {
     const PointSet set = leaning_stem();
     const StemForm one = stem_form(set, {.threads = 1, .stop = {}, .progress = {}});
     for (const unsigned threads : {2u, 7u}) {
@@ -155,7 +155,7 @@ TEST(StemForm, SameBitsForAnyNumberOfThreads) {
     }
 }
 
-TEST(StemForm, OfASkeletonIsWhatItsNodesSay) {
+TEST(StemForm, OfASkeletonFollowsItsNodes) {
     // The stem has a radius of 0.2 - 0.05 z at height z: 0.135 m at breast height, the mean from 1.1 to 1.5
     // m.
     const Skeleton s({NodeId(), NodeId(0), NodeId(1), NodeId(1), NodeId()},
@@ -172,7 +172,7 @@ TEST(StemForm, OfASkeletonIsWhatItsNodesSay) {
     EXPECT_EQ(forms[1].breast.diameter, 0);  // it ends below breast height
 }
 
-TEST(StemForm, TheStemOfASkeletonPassesByButtresses) {
+TEST(StemForm, OfASkeletonIgnoresButtresses) {
     // At 0.4 m a buttress of 0.2 m radius ends at 0.6 m next to the stem of 0.1 m.
     const Skeleton s({NodeId(), NodeId(0), NodeId(1), NodeId(1)},
                      {{0, 0, 0}, {0, 0, 0.4f}, {0.3f, 0, 0.6f}, {0, 0, 8}}, {0.2f, 0.2f, 0.2f, 0.1f});

@@ -36,7 +36,7 @@ PointSet wood(bool with_ground) {
     return set;
 }
 
-TEST(Terrain, FollowsSlopesAndHummocksUnderTrees) {
+TEST(Terrain, FollowsSlopesAndMoundsBelowTrees) {
     const Terrain terrain = find_terrain(wood(true).positions);
     EXPECT_TRUE(terrain.is_ground);
     EXPECT_GT(terrain.share, 0.9);
@@ -53,7 +53,7 @@ TEST(Terrain, FollowsSlopesAndHummocksUnderTrees) {
     EXPECT_LT(terrain.clearance, 0.26);
 }
 
-TEST(Terrain, StraysBelowDoNotPullItDown) {
+TEST(Terrain, IgnoresOutliersBelowTheGround) {
     PointSet set = wood(true);
     for (int i = 0; i < 30; ++i) {
         const double x = 0.6 * i + 1, y = 19 - 0.5 * i;
@@ -67,7 +67,7 @@ TEST(Terrain, StraysBelowDoNotPullItDown) {
     }
 }
 
-TEST(Terrain, StraysFarAwayDoNotMakeItCoarse) {
+TEST(Terrain, OutliersFarAwayDoNotReduceItsResolution) {
     PointSet set = wood(true);
     for (int i = 0; i < 5; ++i) set.positions.push_back({-2000.0f * static_cast<float>(i + 1), 3000, 50});
     const Terrain terrain = find_terrain(set.positions);
@@ -75,7 +75,7 @@ TEST(Terrain, StraysFarAwayDoNotMakeItCoarse) {
     for (double x = 0.5; x < 20; x += 1) EXPECT_NEAR(terrain.height(x, 5), hill(x, 5), 0.15) << x;
 }
 
-TEST(Terrain, IsNoGroundWhereThereAreOnlyTrees) {
+TEST(Terrain, HasNoGroundIfThereAreOnlyTrees) {
     EXPECT_FALSE(find_terrain(wood(false).positions).is_ground);
     EXPECT_FALSE(find_terrain(fork_cloud().positions).is_ground);
     EXPECT_FALSE(find_terrain({}).is_ground);

@@ -19,7 +19,7 @@ SegmentConstants<double> along_x(double length, int balls, double radius = 1, do
     return {0, 0, 0, 1, 0, 0, 0, length, length, radius, slope, 1, balls};
 }
 
-TEST(BallKernel, AddsTheWeighedBallsOfItsDefinition) {
+TEST(BallKernel, AddsWeightedBalls) {
     // Three balls at 0, 1 and 2; those at the ends have half weight; only the first ball reaches the second
     // point.
     const auto s = along_x(2, 2);
@@ -32,7 +32,7 @@ TEST(BallKernel, AddsTheWeighedBallsOfItsDefinition) {
     EXPECT_EQ(sample_segment(kBalls, along_x(2, 0), {1, 0, 0}).value, 0);
 }
 
-TEST(BallKernel, GradientIsThatOfTheValueOnACone) {
+TEST(BallKernel, GradientMatchesFiniteDifferencesOnACone) {
     const CounterRandom random(8, 1);
     const auto s = along_x(3, 5, 1, -0.2);
     for (std::uint64_t i = 0; i < 100; ++i) {
@@ -43,7 +43,7 @@ TEST(BallKernel, GradientIsThatOfTheValueOnACone) {
     }
 }
 
-TEST(BallKernel, ManyBallsAreTheLine) {
+TEST(BallKernel, ManyBallsConvergeToTheLineIntegral) {
     for (const double slope : {0.0, -0.1}) {
         auto s = along_x(4, 4000, 1, slope);
         const Vec3d p{1.7, 0.6, 0.3};
@@ -53,7 +53,7 @@ TEST(BallKernel, ManyBallsAreTheLine) {
     }
 }
 
-TEST(BallChain, CloserBallsAreAsSmooth) {
+TEST(BallChain, SmallerSpacingIsAtLeastAsSmooth) {
     for (const double support : {1.5, 2.0}) {
         double wider = 0;
         for (const double bulge : {0.001, 0.01, 0.05, 0.3}) {
@@ -68,7 +68,7 @@ TEST(BallChain, CloserBallsAreAsSmooth) {
     }
 }
 
-TEST(BallChain, IsWhatTheFieldHas) {
+TEST(BallChain, SwellingMatchesTheField) {
     // 1.6 radii apart: the surface swells by 0.08 at balls, and sinks by the same amount between them.
     const BallChain chain = compute_ball_chain(1.5, 1.6);
     EXPECT_NEAR(chain.at_balls, 1.082, 1e-3);
@@ -78,7 +78,7 @@ TEST(BallChain, IsWhatTheFieldHas) {
     EXPECT_NEAR(sample_segment(kBalls, s, {1.6 * 10.5, chain.between, 0}).value, 1, 1e-6);
 }
 
-TEST(SegmentBuilder, PlacesBallsAsCloseAsAskedForAtTheThinEnd) {
+TEST(SegmentBuilder, SpacingOfBallsFollowsTheThinEnd) {
     const SegmentBuilder builder({.kernel = Kernel::balls, .ball_bulge = 0.02f});
     const double spacing = builder.chain().spacing;
     const auto count = [&](float length, float a, float b) {

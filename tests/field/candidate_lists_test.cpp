@@ -85,7 +85,7 @@ bool hangs_together(const Skeleton& s, std::span<const std::uint32_t> list) {
     return left.empty();
 }
 
-TEST(CandidateLists, HoldWhatContributesAndHangsTogetherOnTheZoo) {
+TEST(CandidateLists, ContainAllConnectedContributorsOnTheZoo) {
     std::size_t contributors = 0;
     for (const auto& [name, s] : skeleton_zoo()) {
         if (s.size() > 300) continue;
@@ -117,7 +117,7 @@ std::vector<Box3> compute_boxes(const std::vector<FieldRegion>& regions) {
     return boxes;
 }
 
-TEST(TouchingLists, GiveTheFieldOfAllSegmentsOnTheZoo) {
+TEST(TouchingLists, MatchTheFieldOfAllSegmentsOnTheZoo) {
     for (const auto& [name, s] : skeleton_zoo()) {
         if (s.size() > 300) continue;
         SCOPED_TRACE(name);
@@ -139,7 +139,7 @@ TEST(TouchingLists, GiveTheFieldOfAllSegmentsOnTheZoo) {
     }
 }
 
-TEST(TouchingLists, HoldABranchThatMerelyPassesByAndNothingFar) {
+TEST(TouchingLists, ContainAPassingBranchButNoFarSegments) {
     const Skeleton s({NodeId{}, NodeId(0), NodeId{}, NodeId(2), NodeId{}, NodeId(4)},
                      {{0, 0, 0}, {0, 0, 10}, {2.2f, 0, 0}, {2.2f, 0, 10}, {4.5f, 0, 0}, {4.5f, 0, 10}},
                      {1, 1, 1, 1, 1, 1});
@@ -155,7 +155,7 @@ TEST(TouchingLists, HoldABranchThatMerelyPassesByAndNothingFar) {
     EXPECT_EQ(nothing[0].value, 0.0f);
 }
 
-TEST(TouchingLists, KeepTheNearestOfTooMany) {
+TEST(TouchingLists, ContainTheNearestIfThereAreTooMany) {
     // Balls of radius 1 in a row; the box is around the first of them, but all supports reach it.
     constexpr std::uint32_t kCount = 600;
     std::vector<SegmentSupport> supports;
@@ -174,7 +174,7 @@ TEST(TouchingLists, KeepTheNearestOfTooMany) {
     }
 }
 
-TEST(CandidateLists, LeaveOutABranchThatMerelyPassesBy) {
+TEST(CandidateLists, ExcludeAPassingBranch) {
     // A hairpin: up, over, and down again at a distance of 2.2 radii; its legs are in each other's support.
     const Skeleton s({NodeId{}, NodeId(0), NodeId(1), NodeId(2), NodeId(3), NodeId(4)},
                      {{0, 0, 0}, {0, 0, 10}, {0, 0, 20}, {2.2f, 0, 20}, {2.2f, 0, 10}, {2.2f, 0, 0}},
@@ -193,7 +193,7 @@ TEST(CandidateLists, LeaveOutABranchThatMerelyPassesBy) {
     EXPECT_GT(all[0].value, 1.5f * by_list[0].value);
 }
 
-TEST(CandidateLists, ARootNamesItsLeader) {
+TEST(CandidateLists, RootHasTheSegmentOfItsLeader) {
     const Skeleton s = zoo_skeleton("one_segment");
     ConvolutionField field(s, {});
     const FieldRegion regions[] = {{s.bounds(), NodeId(0)}};
@@ -215,7 +215,7 @@ Skeleton star(std::uint32_t spokes) {
     return Skeleton(parent, position, std::vector<float>(spokes + 1, 1.0f));
 }
 
-TEST(CandidateLists, ManyChildrenAreFoundThroughTheirTree) {
+TEST(CandidateLists, ContainManyChildrenOfANode) {
     const Skeleton s = star(500);
     const ConvolutionField field(s, kPlainSum);
     std::vector<FieldRegion> regions;
@@ -237,7 +237,7 @@ TEST(CandidateLists, ManyChildrenAreFoundThroughTheirTree) {
     }
 }
 
-TEST(CandidateLists, AHubOfManyChildrenStaysLimited) {
+TEST(CandidateLists, OfManyChildrenAreLimited) {
     const Skeleton s = star(20000);
     ConvolutionField field(s, kPlainSum);
     std::vector<FieldRegion> regions;
@@ -253,7 +253,7 @@ TEST(CandidateLists, AHubOfManyChildrenStaysLimited) {
     }
 }
 
-TEST(CandidateLists, AreTheSameForAnyNumberOfThreads) {
+TEST(CandidateLists, AreBitIdenticalForAnyNumberOfThreads) {
     const Skeleton s = zoo_skeleton("random_large_hard");
     const auto regions = region_per_segment(s);
     std::vector<std::vector<std::uint32_t>> all;

@@ -15,7 +15,7 @@ using kernel::CauchyKernel;
 
 CauchyKernel<double> cauchy_kernel(double width) { return {width, CauchyKernel<double>::line_weight(width)}; }
 
-TEST(CauchyKernel, IsTheIntegralOfItsDefinition) {
+TEST(CauchyKernel, MatchesTheIntegralOfItsDefinition) {
     const CounterRandom random(2, 1);
     for (std::uint64_t i = 0; i < 400; ++i) {
         const double k = random.uniform(5 * i, 0.5, 8), h2 = random.uniform(5 * i + 1, 0, 9);
@@ -28,12 +28,12 @@ TEST(CauchyKernel, IsTheIntegralOfItsDefinition) {
     }
 }
 
-TEST(CauchyKernel, AnInfiniteLineHasTheLevelAtItsRadius) {
+TEST(CauchyKernel, InfiniteLineHasTheIsoValueAtItsRadius) {
     for (const double k : {0.5, 1.0, 2.0, 3.0, 8.0})
         EXPECT_NEAR(cauchy_kernel(k)(1, -1e5, 1e5).value, 1, 1e-12);
 }
 
-TEST(CauchyKernel, DerivativesAreThoseOfTheValue) {
+TEST(CauchyKernel, DerivativesMatchFiniteDifferences) {
     const CounterRandom random(2, 2);
     for (std::uint64_t i = 0; i < 200; ++i) {
         const auto f = cauchy_kernel(random.uniform(5 * i, 0.5, 4));

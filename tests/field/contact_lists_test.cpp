@@ -42,7 +42,7 @@ TEST(FindContacts, UnrelatedNeighboursAreCompetitors) {
     EXPECT_TRUE(std::ranges::equal(field.competitors(3), std::array{1u}));
 }
 
-TEST(FindContacts, AncestorsDescendantsAndSiblingsAreNot) {
+TEST(FindContacts, AncestorsDescendantsAndSiblingsAreNoCompetitors) {
     const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(1)},
                      {{0, 0, 0}, {0, 0, 1}, {0.3f, 0, 1.5f}, {-0.3f, 0, 1.5f}}, {0.1f, 0.1f, 0.1f, 0.1f});
     const std::vector<NodeId> tube{NodeId(0), NodeId(1), NodeId(2), NodeId(3)};
@@ -57,7 +57,7 @@ TEST(FindContacts, AncestorsDescendantsAndSiblingsAreNot) {
 }
 
 // A stem, and a branch of another tree that ends in its middle.
-TEST(FindContacts, WhatIsJoinedGrowsTogether) {
+TEST(FindContacts, JoinedBranchesAreNoCompetitors) {
     const NodeId none;
     const Skeleton s({none, NodeId(0), NodeId(1), none, NodeId(3)},
                      {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {2, 0, 1}, {0, 0, 1}}, {0.1f, 0.1f, 0.1f, 0.1f, 0.1f});
@@ -76,7 +76,7 @@ TEST(FindContacts, WhatIsJoinedGrowsTogether) {
     }
 }
 
-TEST(FindContacts, OthersTakeNoPlaceOfRelatives) {
+TEST(FindContacts, CompetitorsDoNotReplaceRelatedSegments) {
     const Skeleton s = crowded_stem();
     std::vector<NodeId> tube;
     std::vector<FieldRegion> regions;
@@ -89,7 +89,7 @@ TEST(FindContacts, OthersTakeNoPlaceOfRelatives) {
     EXPECT_EQ(field.candidates(s.size() - 1).size(), 1u + 9u + 99u);
 }
 
-TEST(FindContacts, OfACrowdTheNearestArePicked) {
+TEST(FindContacts, SelectsTheNearestOfManyCompetitors) {
     // A hundred stems along x, all of which meet the first region's box.
     constexpr std::uint32_t kStems = 100;
     std::vector<NodeId> parent, tube;
@@ -111,7 +111,7 @@ TEST(FindContacts, OfACrowdTheNearestArePicked) {
     for (const std::uint32_t competitor : field.competitors(1)) EXPECT_LT(competitor, 2 * 49u);
 }
 
-TEST(Contact, OverlappingStemsLeaveAGapBetweenThem) {
+TEST(Contact, OverlappingStemsHaveAGapBetweenThem) {
     const TwoStems s;
     ConvolutionField field(s.skeleton, {});
     field.set_regions(s.regions, s.tubes());
@@ -123,7 +123,7 @@ TEST(Contact, OverlappingStemsLeaveAGapBetweenThem) {
     EXPECT_NEAR(value_at(field, 1, {-0.1f, 0, 1}), 1, 1e-4f);
 }
 
-TEST(Contact, ZeroTurnsItOff) {
+TEST(Contact, ZeroDisablesIt) {
     const TwoStems s;
     ConvolutionField field(s.skeleton, {.contact = 0});
     field.set_regions(s.regions, s.tubes());
@@ -131,7 +131,7 @@ TEST(Contact, ZeroTurnsItOff) {
     EXPECT_GT(value_at(field, 1, {0.075f, 0, 1}), 1);
 }
 
-TEST(Contact, GradientsAgreeWithDifferences) {
+TEST(Contact, GradientsMatchFiniteDifferences) {
     const TwoStems s;
     ConvolutionField field(s.skeleton, {});
     field.set_regions(s.regions, s.tubes());

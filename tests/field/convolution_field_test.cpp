@@ -92,7 +92,7 @@ std::vector<Vec3> points_near(const Skeleton& s, std::size_t count, std::uint64_
     return points;
 }
 
-TEST(ConvolutionField, VectorsOfFloatsAgreeWithDoubles) {
+TEST(ConvolutionField, VectorizedFloatsMatchDoubles) {
     for (const std::string name : {"random_large", "random_hard_1", "whorl_8", "short_segments_010"}) {
         const Skeleton s = zoo_skeleton(name);
         for (const auto& [k, blend] : kFields) {
@@ -112,7 +112,7 @@ TEST(ConvolutionField, VectorsOfFloatsAgreeWithDoubles) {
     }
 }
 
-TEST(ConvolutionField, GradientIsThatOfTheValueOnATree) {
+TEST(ConvolutionField, GradientMatchesFiniteDifferencesOnATree) {
     const Skeleton s = zoo_skeleton("random_1");
     for (const auto& [k, blend] : kFields) {
         const ConvolutionField field(s, with_kernel(k, blend));
@@ -124,7 +124,7 @@ TEST(ConvolutionField, GradientIsThatOfTheValueOnATree) {
     }
 }
 
-TEST(ConvolutionField, BitsOfASampleDoNotDependOnTheBatch) {
+TEST(ConvolutionField, SamplesAreBitIdenticalInAnyBatch) {
     const Skeleton s = zoo_skeleton("random_1");
     const auto points = points_near(s, 61, 3);
     for (const auto& [k, blend] : kFields) {
@@ -142,7 +142,7 @@ TEST(ConvolutionField, BitsOfASampleDoNotDependOnTheBatch) {
     }
 }
 
-TEST(ConvolutionField, ListsGiveWhatAllSegmentsGiveWhereNothingPassesBy) {
+TEST(ConvolutionField, ListsMatchAllSegmentsWithoutPassingBranches) {
     for (const std::string name :
          {"straight_chain", "fork_60", "whorl_8", "short_segments_045", "thin_lateral_90", "soma"}) {
         const Skeleton s = zoo_skeleton(name);
@@ -180,7 +180,7 @@ TEST(ConvolutionField, ASingleNodeIsABall) {
     }
 }
 
-TEST(ConvolutionField, EveryNodeOfTheZooLiesInside) {
+TEST(ConvolutionField, ContainsEveryNodeOfTheZoo) {
     for (const auto& [name, s] : skeleton_zoo()) {
         for (const Kernel k : kKernels) {
             const ConvolutionField field(s, with_kernel(k));
@@ -229,7 +229,7 @@ TEST(ConvolutionField, TheSurfaceEndsOneRadiusBeyondTips) {
     }
 }
 
-TEST(ConvolutionField, AScaleWidensBranchesButTipsReachAsFar) {
+TEST(ConvolutionField, RadiusScaleWidensBranchesButPreservesTips) {
     for (const Kernel k : {Kernel::quartic, Kernel::scalis}) {
         for (const float scale : {0.9f, 1.013f, 1.25f}) {
             const Skeleton s({NodeId{}, NodeId(0)}, {{0, 0, 0}, {0, 0, 10}}, {1, 0.8f});
@@ -243,7 +243,7 @@ TEST(ConvolutionField, AScaleWidensBranchesButTipsReachAsFar) {
     }
 }
 
-TEST(ConvolutionField, RootsAreAsThickAsTheirRadiusSaysWhereABaseIsCut) {
+TEST(ConvolutionField, RootsHaveTheirRadiusAtACutBase) {
     const Skeleton s({NodeId{}, NodeId(0)}, {{0, 0, 0}, {0, 0, 10}}, {1, 0.9f});
     for (const auto& [kernel, tolerance] :
          {std::pair{Kernel::quartic, 0.01f}, {Kernel::cauchy, 0.03f}, {Kernel::scalis, 0.01f}}) {
@@ -253,7 +253,7 @@ TEST(ConvolutionField, RootsAreAsThickAsTheirRadiusSaysWhereABaseIsCut) {
     }
 }
 
-TEST(ConvolutionField, PointsFarAlongALongSegmentKeepTheirRadius) {
+TEST(ConvolutionField, RadiusIsAccurateAlongALongSegment) {
     const Skeleton s({NodeId{}, NodeId(0)}, {{0, 0, 0}, {3000, 4000, 0}}, {1, 1});
     const ConvolutionField field(s, {});
     const Vec3 middle{2100, 2800, 0};
@@ -275,7 +275,7 @@ TEST(ConvolutionField, AnAxisFollowsTheLeader) {
     EXPECT_EQ(std::vector(list.begin(), list.end()), (std::vector<std::uint32_t>{1, 2, 3, 4, 6, 5}));
 }
 
-TEST(ConvolutionField, ASingleAxisHasThePlainSum) {
+TEST(ConvolutionField, SingleAxisIsThePlainSumForAnyBlend) {
     const Skeleton s = zoo_skeleton("straight_chain");
     const auto points = points_near(s, 200, 6);
     for (const Kernel k : kKernels) {
@@ -303,7 +303,7 @@ TEST(ConvolutionField, ASingleAxisHasThePlainSum) {
     }
 }
 
-TEST(ConvolutionField, GreaterBlendsKeepLateralsThinNearTheirTrunk) {
+TEST(ConvolutionField, LargerBlendReducesTheSwellingOfLaterals) {
     // A lateral with a tenth of the trunk's radius, at a right angle, measured at one and four of its radii
     // above the trunk's surface. Expected: F_lateral^n = 1 - F_trunk^n on long lines.
     const Skeleton s({NodeId{}, NodeId(0), NodeId(1), NodeId(1)},
@@ -319,7 +319,7 @@ TEST(ConvolutionField, GreaterBlendsKeepLateralsThinNearTheirTrunk) {
     }
 }
 
-TEST(ConvolutionField, GreaterBlendsSwellForksLess) {
+TEST(ConvolutionField, LargerBlendReducesTheSwellingAtForks) {
     // Two equal children at 60 degrees from the trunk's direction: radius perpendicular to their plane, and
     // upwards.
     const float sine = std::sqrt(0.75f);
@@ -333,7 +333,7 @@ TEST(ConvolutionField, GreaterBlendsSwellForksLess) {
     }
 }
 
-TEST(ConvolutionField, BlendsOfTwoEqualAxesAreTheirNorm) {
+TEST(ConvolutionField, BlendOfTwoEqualAxesIsTheirNorm) {
     // Two coincident trees: two axes with the same value everywhere.
     const Skeleton s({NodeId{}, NodeId(0), NodeId{}, NodeId(2)},
                      {{0, 0, 0}, {0, 0, 10}, {0, 0, 0}, {0, 0, 10}}, {1, 1, 1, 1});
@@ -348,7 +348,7 @@ TEST(ConvolutionField, BlendsOfTwoEqualAxesAreTheirNorm) {
     }
 }
 
-TEST(ConvolutionField, BlendsStayFiniteFromFarAwayToTheMiddleOfCrowds) {
+TEST(ConvolutionField, BlendedValuesAreFiniteEverywhere) {
     // 500 coincident spokes back and forth result in values of thousands; beyond the support everything is 0.
     std::vector<NodeId> parent{NodeId{}};
     std::vector<Vec3> position{{0, 0, 0}};
@@ -380,7 +380,7 @@ TEST(ConvolutionField, BlendsStayFiniteFromFarAwayToTheMiddleOfCrowds) {
     }
 }
 
-TEST(ConvolutionField, BlendsOtherThanPowersOfTwoAreRefused) {
+TEST(ConvolutionField, RejectsBlendsThatAreNotPowersOfTwo) {
     const Skeleton s = zoo_skeleton("one_segment");
     EXPECT_EQ(test::error_of([&] { ConvolutionField(s, {.blend = 3}); }),
               "field: blend must be 1, 2, 4 or 8, but is 3");
@@ -388,7 +388,7 @@ TEST(ConvolutionField, BlendsOtherThanPowersOfTwoAreRefused) {
     EXPECT_THROW(ConvolutionField(s, {.blend = 16}), InvalidInput);
 }
 
-TEST(ConvolutionField, ServesAsAFieldRef) {
+TEST(ConvolutionField, SatisfiesFieldRef) {
     const Skeleton s = zoo_skeleton("one_segment");
     ConvolutionField field(s, {});
     const FieldRegion regions[] = {{s.bounds(), NodeId(1)}};

@@ -9,7 +9,7 @@
 namespace coppice {
 namespace {
 
-TEST(FieldOptions, EveryMemberIsVisitedAndItsDefaultLiesInRange) {
+TEST(FieldOptions, EveryMemberIsDescribedWithADefaultInRange) {
     test::expect_described<FieldOptions>();
     EXPECT_EQ(name_of(FieldOptions{}.kernel), "quartic");
     EXPECT_EQ(name_of(Kernel::scalis), "scalis");

@@ -36,7 +36,7 @@ double rho(const Segment& s, Vec3 p) {
            (s.radius_a + c.on_a * (double{s.radius_b} - s.radius_a));
 }
 
-TEST(SurfaceConstraints, LieOnTheSurfaceAndOutsideOfOtherBranches) {
+TEST(SurfaceConstraints, AreOnTheSurfaceAndOutsideOfOtherBranches) {
     for (const auto& [name, s] : skeleton_zoo()) {
         SCOPED_TRACE(name);
         const auto points = surface_constraints(s, {});
@@ -58,7 +58,7 @@ TEST(SurfaceConstraints, LieOnTheSurfaceAndOutsideOfOtherBranches) {
     }
 }
 
-TEST(SurfaceConstraints, AreInProportionToLengthOverRadius) {
+TEST(SurfaceConstraints, AreProportionalToLengthOverRadius) {
     // Two trees far apart: 10 radii long each, but the second ten times as large; then one of 20 radii.
     const Skeleton s({NodeId{}, NodeId(0), NodeId{}, NodeId(2), NodeId{}, NodeId(4)},
                      {{0, 0, 0}, {0, 0, 10}, {500, 0, 0}, {500, 0, 100}, {0, 500, 0}, {0, 500, 20}},
@@ -74,7 +74,7 @@ TEST(SurfaceConstraints, AreInProportionToLengthOverRadius) {
     EXPECT_EQ(count(5), 48);
 }
 
-TEST(GlobalWeights, ALongSegmentGetsTheLocalWeight) {
+TEST(GlobalWeights, LongSegmentHasTheLocalWeight) {
     const Skeleton s({NodeId{}, NodeId(0)}, {{0, 0, 0}, {0, 0, 200}}, {1, 1});
     for (const Kernel k : {Kernel::quartic, Kernel::cauchy, Kernel::scalis, Kernel::balls}) {
         const GlobalWeights w = global_weights(s, global(k));
@@ -87,12 +87,12 @@ TEST(GlobalWeights, ALongSegmentGetsTheLocalWeight) {
     }
 }
 
-TEST(GlobalWeights, ABallKeepsItsRadius) {
+TEST(GlobalWeights, BallPreservesItsRadius) {
     const Skeleton s({NodeId{}}, {{1, 2, 3}}, {0.5f});
     EXPECT_NEAR(global_weights(s, global()).factors[0], 1, 1e-3);
 }
 
-TEST(GlobalWeights, TwoSegmentsInOnePlaceShareTheirWeight) {
+TEST(GlobalWeights, TwoCoincidentSegmentsShareTheirWeight) {
     const Skeleton s({NodeId{}, NodeId(0), NodeId{}, NodeId(2)},
                      {{0, 0, 0}, {0, 0, 30}, {0, 0, 0}, {0, 0, 30}}, {1, 1, 1, 1});
     // The trees are not connected: each fits only its own points. As one tree their weights would be halved.
@@ -104,7 +104,7 @@ TEST(GlobalWeights, TwoSegmentsInOnePlaceShareTheirWeight) {
     EXPECT_LT(w.global.rms, 0.05);
 }
 
-TEST(GlobalWeights, AveragingTakesTheMeanOfAllThatMeet) {
+TEST(GlobalWeights, AveragingMixesAdjacentSegments) {
     // A stem with a fork of a thick and a thin branch, the thin one of two segments; and a separate tree.
     const Skeleton s({NodeId{}, NodeId(0), NodeId(1), NodeId(1), NodeId(3), NodeId{}, NodeId(5)},
                      {{0, 0, 0}, {0, 0, 9}, {5, 0, 14}, {-3, 0, 12}, {-7, 0, 13}, {90, 0, 0}, {90, 0, 5}},
@@ -124,7 +124,7 @@ TEST(GlobalWeights, AveragingTakesTheMeanOfAllThatMeet) {
     EXPECT_NEAR(many[4], many[1], 1e-3);
 }
 
-TEST(GlobalWeights, FitNoWorseThanLocalOnesOnTheWholeZoo) {
+TEST(GlobalWeights, ResidualsAreNotAboveThoseOfLocalWeightsOnTheZoo) {
     for (const auto& [name, s] : skeleton_zoo()) {
         for (const Kernel k : {Kernel::quartic, Kernel::cauchy, Kernel::scalis}) {
             SCOPED_TRACE(name + ", " + std::string(name_of(k)));
@@ -136,7 +136,7 @@ TEST(GlobalWeights, FitNoWorseThanLocalOnesOnTheWholeZoo) {
     }
 }
 
-TEST(GlobalWeights, TheResidualIsThatOfTheField) {
+TEST(GlobalWeights, ResidualMatchesTheField) {
     const Skeleton s = random_tree(80, 3);
     const GlobalWeights w = global_weights(s, global());
     ConvolutionField field(s, global());
@@ -160,7 +160,7 @@ TEST(GlobalWeights, TheResidualIsThatOfTheField) {
     EXPECT_LT(w.global.rms, w.local.rms);
 }
 
-TEST(GlobalWeights, TakesGivenPoints) {
+TEST(GlobalWeights, AcceptsGivenPoints) {
     // Points on a circle of 1.2 radii around the middle: the segment must get the weight of that thickness.
     const Skeleton s({NodeId{}, NodeId(0)}, {{0, 0, 0}, {0, 0, 20}}, {1, 1});
     std::vector<Vec3> points;
@@ -178,7 +178,7 @@ TEST(GlobalWeights, TakesGivenPoints) {
     EXPECT_NEAR(w.factors[1], 1 / before[0].value, 1e-4);
 }
 
-TEST(GlobalWeights, SegmentsWithoutConstraintsKeepTheirLocalWeight) {
+TEST(GlobalWeights, SegmentsWithoutConstraintsHaveTheirLocalWeight) {
     const Skeleton s({NodeId{}, NodeId(0), NodeId(1)}, {{0, 0, 0}, {0, 0, 20}, {0, 0, 40}}, {1, 1, 1});
     const std::vector<Vec3> points{{1.1f, 0, 10}, {0, 1.1f, 10}};
     const GlobalWeights w = global_weights(s, global(), points);
@@ -187,7 +187,7 @@ TEST(GlobalWeights, SegmentsWithoutConstraintsKeepTheirLocalWeight) {
     EXPECT_EQ(w.unseen, 1u);
 }
 
-TEST(GlobalWeights, BitsDoNotDependOnThreads) {
+TEST(GlobalWeights, AreBitIdenticalForAnyNumberOfThreads) {
     const Skeleton s = random_tree(700, 5);
     const GlobalWeights one = global_weights(s, global(), {}, {.threads = 1});
     for (const unsigned threads : {2u, 7u}) {
@@ -198,7 +198,7 @@ TEST(GlobalWeights, BitsDoNotDependOnThreads) {
     }
 }
 
-TEST(GlobalWeights, TheFieldTakesBlendForOne) {
+TEST(GlobalWeights, FieldUsesTheBlendOne) {
     const Skeleton s = zoo_skeleton("fork_60");
     const Vec3 p = s.position(NodeId(1)) + Vec3{0, 0.7f * s.radius(NodeId(1)), 0};
     FieldSample sum[1], with_blend[1];
@@ -209,7 +209,7 @@ TEST(GlobalWeights, TheFieldTakesBlendForOne) {
     EXPECT_THROW(ConvolutionField(s, {.blend = 3, .weights = Weights::global}), InvalidInput);
 }
 
-TEST(GlobalWeights, RefusesWhatCannotBeFitted) {
+TEST(GlobalWeights, RejectsUnsolvableConstraints) {
     const Skeleton s({NodeId{}, NodeId(0)}, {{0, 0, 0}, {0, 0, 20}}, {1, 1});
     const std::vector<Vec3> far{{50, 0, 0}},
         broken{{1, 0, 0}, {std::numeric_limits<float>::quiet_NaN(), 0, 0}};

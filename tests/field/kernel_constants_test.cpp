@@ -44,7 +44,7 @@ void expect_row(const char* row, const std::array<double, 7>& expected, const Me
     }
 }
 
-TEST(KernelConstants, RadiusAtFreeEnds) {
+TEST(KernelConstants, RadiusAtFreeEndsMatchesTheTable) {
     const auto line = [](const auto& k) { return DoubleField(k).add({-kFar, 0, 0}, kOrigin); };
     expect_row("radius at the end", {0.51, 0.73, 0.77, 0.78, 0.20, 0, 0.59},
                [&](const auto& k) { return line(k).reach(kOrigin, kZ); });
@@ -56,7 +56,7 @@ TEST(KernelConstants, RadiusAtFreeEnds) {
     });
 }
 
-TEST(KernelConstants, RadiusInTheMiddleOfShortSegments) {
+TEST(KernelConstants, RadiusInTheMiddleOfShortSegmentsMatchesTheTable) {
     const auto middle = [](double l) {
         return [l](const auto& k) {
             return DoubleField(k).add({-l / 2, 0, 0}, {l / 2, 0, 0}).reach(kOrigin, kZ);
@@ -72,7 +72,7 @@ TEST(KernelConstants, RadiusInTheMiddleOfShortSegments) {
     EXPECT_GT(DoubleField(test::quartic(2)).add({-0.55, 0, 0}, {0.55, 0, 0}).value(kOrigin), 1);
 }
 
-TEST(KernelConstants, RadiusAtBends) {
+TEST(KernelConstants, RadiusAtBendsMatchesTheTable) {
     const auto bend = [](double degrees, double side) {
         const double h = degrees * kPi / 360;
         return [h, side](const auto& k) {
@@ -88,7 +88,7 @@ TEST(KernelConstants, RadiusAtBends) {
     expect_row("90 inner", {1.95, 1.79, 1.75, 1.61, 1.86, 2.39, 1.75}, bend(90, -1));
 }
 
-TEST(KernelConstants, RadiusAtNodesWithEqualChildren) {
+TEST(KernelConstants, RadiusAtNodesWithEqualChildrenMatchesTheTable) {
     const auto node = [](const auto& k, int children, double degrees) {
         DoubleField f(k);
         f.add({0, 0, -kFar}, kOrigin);
@@ -122,7 +122,7 @@ TEST(KernelConstants, RadiusAtNodesWithEqualChildren) {
     expect_row("7 at 45 up", {3.41, 2.85, 2.73, 1.83, 2.29, 3.26, 2.14}, up(7, 45), 0.016);
 }
 
-TEST(KernelConstants, RadiusOfThinLateralsOnATrunk) {
+TEST(KernelConstants, RadiusOfThinLateralsOnATrunkMatchesTheTable) {
     const auto lateral = [](double height) {
         return [height](const auto& k) {
             return DoubleField(k)
@@ -156,7 +156,7 @@ double taper_error(const KernelConstants& k, double ratio, double weight = 1) {
     return worst;
 }
 
-TEST(KernelConstants, RadiusOfTapersWithTheLocalRadiusAtTheFootPoint) {
+TEST(KernelConstants, TaperErrorWithTheLocalRadiusIsBounded) {
     EXPECT_LT(std::abs(taper_error(test::quartic(1.5), 0.7)), 0.014);
     EXPECT_LT(std::abs(taper_error(test::quartic(1.5), 0.5)), 0.023);
     EXPECT_LT(std::abs(taper_error(test::quartic(2), 0.7)), 0.028);
@@ -165,7 +165,7 @@ TEST(KernelConstants, RadiusOfTapersWithTheLocalRadiusAtTheFootPoint) {
     EXPECT_LT(std::abs(taper_error(test::cauchy(2), 0.5)), 0.031);
 }
 
-TEST(KernelConstants, RadiusOfTapersWithScalis) {
+TEST(KernelConstants, ScalisWeightCompensatesForTheTaper) {
     EXPECT_NEAR(taper_error(test::scalis(), 0.7), 0.009, 0.001);
     EXPECT_NEAR(taper_error(test::scalis(), 0.5), 0.025, 0.0015);
     // The builder's weight compensates for the slope.
@@ -211,7 +211,7 @@ TEST(KernelConstants, NewtonConvergesFasterOnTheTransformedField) {
     EXPECT_EQ(steps(test::quartic(2), inner, two_fifths), (std::vector{0, 4, 4, 3, 3, 3, 3, 4, 0}));
 }
 
-TEST(KernelConstants, TipExtensionBringsTheSurfaceOneRadiusBeyondTheTip) {
+TEST(KernelConstants, TipExtensionMovesTheSurfaceOneRadiusBeyondTheTip) {
     const auto extension = [](const FieldOptions& o) { return SegmentBuilder(o).tip_extension(); };
     EXPECT_NEAR(extension({.kernel = Kernel::quartic, .support = 1.5f}), 0.540, 0.002);
     EXPECT_NEAR(extension({.kernel = Kernel::quartic, .support = 2.0f}), 0.973, 0.002);
@@ -219,7 +219,7 @@ TEST(KernelConstants, TipExtensionBringsTheSurfaceOneRadiusBeyondTheTip) {
     EXPECT_NEAR(extension({.kernel = Kernel::scalis}), 0.750, 0.002);
 }
 
-TEST(KernelConstants, SteepSegmentsStayInTheRangeOfScalis) {
+TEST(KernelConstants, SteepSegmentsRemainInTheRangeOfScalis) {
     const SegmentBuilder builder({.kernel = Kernel::scalis});
     const auto s = builder.build({{0, 0, 0}, {1, 0, 0}, 5, 0.5f}, {0, 0, 1}, true, RootEnd::base);
     EXPECT_FLOAT_EQ(s.slope, -0.4f);
@@ -228,7 +228,7 @@ TEST(KernelConstants, SteepSegmentsStayInTheRangeOfScalis) {
     EXPECT_GT(s.radius + s.slope * s.begin, 0);
 }
 
-TEST(KernelConstants, OptionsOutOfRangeAreRefusedByName) {
+TEST(KernelConstants, RejectsOptionsOutOfRangeByName) {
     EXPECT_EQ(test::error_of([] { SegmentBuilder({.support = 0.5f}); }),
               "field: support must be between 1.1 and 4, but is 0.5");
     EXPECT_THROW(SegmentBuilder({.width = NAN}), InvalidInput);

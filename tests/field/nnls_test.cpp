@@ -127,7 +127,7 @@ std::vector<double> least_squares(const SparseRows& a, std::span<const double> b
     return x;
 }
 
-TEST(Nnls, TwoUnknownsByHand) {
+TEST(Nnls, SolvesTwoUnknowns) {
     // A = [1 1; 0 1]: with b = (1, 2) both are free: x2 = 2, x1 = -1 < 0, so x1 = 0 and x2 = (1 + 2) / 2.
     const SparseRows a = rows_of(2, 2, [](std::size_t j, std::uint32_t i) { return j > i ? 0.0 : 1.0; });
     const NnlsResult r = nnls(a, std::vector<double>{1, 2});
@@ -162,7 +162,7 @@ TEST(Nnls, IsOptimalOnDenseAndSparseProblems) {
     expect_optimal(a, b, r.x, 1e-9);
 }
 
-TEST(Nnls, NoSetOfUnknownsDoesBetter) {
+TEST(Nnls, MatchesExhaustiveSearch) {
     for (std::uint64_t seed = 1; seed <= 60; ++seed) {
         const auto columns = static_cast<std::uint32_t>(1 + seed % 8);
         const SparseRows a = random_rows(4 + seed % 9, columns, seed % 3 == 0 ? 0.5 : 1, -1, seed);
@@ -179,7 +179,7 @@ TEST(Nnls, NoSetOfUnknownsDoesBetter) {
     }
 }
 
-TEST(Nnls, FindsWeightsThatFitExactly) {
+TEST(Nnls, FindsExactSolutions) {
     for (const double fill : {1.0, 0.1}) {
         const SparseRows a = random_rows(400, 80, fill, 0, 9);
         std::vector<double> x = random_vector(80, -1, 1, 9);
@@ -189,7 +189,7 @@ TEST(Nnls, FindsWeightsThatFitExactly) {
     }
 }
 
-TEST(Nnls, ColumnsOfAnySizeCountAlike) {
+TEST(Nnls, IsIndependentOfTheScaleOfColumns) {
     const SparseRows a = random_rows(60, 20, 1, -1, 11);
     SparseRows scaled = a;
     for (std::size_t e = 0; e < a.entries(); ++e)
@@ -201,7 +201,7 @@ TEST(Nnls, ColumnsOfAnySizeCountAlike) {
         EXPECT_NEAR(s.x[i] * std::pow(10.0, i % 7 * 4.0 - 12), r.x[i], 1e-9) << i;
 }
 
-TEST(Nnls, EqualColumnsShareAndZeroColumnsStayZero) {
+TEST(Nnls, AcceptsEqualAndZeroColumns) {
     // Columns 0 and 1 are equal, 2 is twice as long in the same direction, 3 is 0, 4 is empty.
     const SparseRows a = rows_of(3, 5, [](std::size_t j, std::uint32_t i) {
         const double base = static_cast<double>(j + 1);
@@ -233,7 +233,7 @@ TEST(Nnls, EqualColumnsShareAndZeroColumnsStayZero) {
     }
 }
 
-TEST(Nnls, NothingToDo) {
+TEST(Nnls, AcceptsEmptyAndZeroProblems) {
     EXPECT_TRUE(nnls({}, {}).converged);
     const SparseRows a = random_rows(5, 3, 1, 0, 1);
     EXPECT_EQ(nnls(a, std::vector<double>(5, 0.0)).x, std::vector<double>(3, 0.0));
@@ -244,7 +244,7 @@ TEST(Nnls, NothingToDo) {
     EXPECT_EQ(nnls(empty, std::vector<double>(2, 1.0)).x, std::vector<double>(4, 0.0));
 }
 
-TEST(Nnls, DescentAloneComesToTheSame) {
+TEST(Nnls, DescentMatchesPivoting) {
     const SparseRows a = random_rows(300, 40, 0.5, -1, 3);
     const std::vector<double> b = random_vector(300, -1, 1, 3);
     const NnlsResult pivoted = nnls(a, b), descended = nnls(a, b, {.max_pivots = 0});
@@ -263,7 +263,7 @@ TEST(Nnls, DescentAloneComesToTheSame) {
     for (std::size_t i = 0; i < 40; ++i) EXPECT_NEAR(stopped.x[i], pivoted.x[i], 1e-8) << i;
 }
 
-TEST(Nnls, SystemsTooLargeToFactorizeAreLeftToDescent) {
+TEST(Nnls, LargeSystemsAreSolvedByDescent) {
     // 6,000 unknowns that all share rows: the matrix is too large for the dense solver.
     const SparseRows a = random_rows(40, 6000, 1, 0, 8);
     const std::vector<double> b = random_vector(40, 0, 1, 8);
@@ -279,7 +279,7 @@ TEST(Nnls, SystemsTooLargeToFactorizeAreLeftToDescent) {
     EXPECT_EQ(s.sweeps, 3);
 }
 
-TEST(Nnls, BitsDoNotDependOnThreads) {
+TEST(Nnls, IsBitIdenticalForAnyNumberOfThreads) {
     for (const SparseRows& a : {random_rows(500, 150, 1, -1, 6), chain_rows(2000, 3, 6)}) {
         const std::vector<double> b = random_vector(a.rows(), -0.2, 1, 6);
         const NnlsResult one = nnls(a, b, {}, {.threads = 1});
@@ -291,7 +291,7 @@ TEST(Nnls, BitsDoNotDependOnThreads) {
     }
 }
 
-TEST(Nnls, RefusesWhatIsNotAProblem) {
+TEST(Nnls, RejectsInvalidInput) {
     const SparseRows a = random_rows(3, 2, 1, 0, 1);
     EXPECT_THROW(nnls(a, std::vector<double>{1, 2}), InvalidInput);
     EXPECT_THROW(nnls(a, std::vector<double>{1, 2, std::nan("")}), InvalidInput);

@@ -27,7 +27,7 @@ double by_quadrature(double support, double h2, double x0, double x1) {
     return lambda * test::integrate(f, std::clamp(x0, -b, b), std::clamp(x1, -b, b), 10);
 }
 
-TEST(QuarticKernel, IsTheIntegralOfItsDefinition) {
+TEST(QuarticKernel, MatchesTheIntegralOfItsDefinition) {
     const CounterRandom random(1, 1);
     for (std::uint64_t i = 0; i < 400; ++i) {
         const double support = random.uniform(5 * i, 1.1, 4);
@@ -37,13 +37,13 @@ TEST(QuarticKernel, IsTheIntegralOfItsDefinition) {
     }
 }
 
-TEST(QuarticKernel, AnInfiniteLineHasTheLevelAtItsRadius) {
+TEST(QuarticKernel, InfiniteLineHasTheIsoValueAtItsRadius) {
     for (const double support : {1.1, 1.5, 2.0, 3.0, 4.0}) {
         EXPECT_NEAR(quartic_kernel(support)(1, -100, 100).value, 1, 1e-12);
     }
 }
 
-TEST(QuarticKernel, DerivativesAreThoseOfTheValue) {
+TEST(QuarticKernel, DerivativesMatchFiniteDifferences) {
     const CounterRandom random(1, 2);
     for (std::uint64_t i = 0; i < 200; ++i) {
         const auto f = quartic_kernel(random.uniform(5 * i, 1.3, 4));
@@ -53,7 +53,7 @@ TEST(QuarticKernel, DerivativesAreThoseOfTheValue) {
     }
 }
 
-TEST(QuarticKernel, IsNothingBeyondItsSupport) {
+TEST(QuarticKernel, IsZeroBeyondItsSupport) {
     const auto f = quartic_kernel(1.5);
     for (const auto& [h2, x0, x1] : {std::array{2.26, -1.0, 1.0}, {0.5, 1.5, 9.0}, {0.5, -9.0, -1.5}}) {
         const auto n = f(h2, x0, x1);

@@ -40,14 +40,14 @@ double worst_error(double slope, std::uint64_t stage) {
     return worst;
 }
 
-TEST(ScalisKernel, IsTheIntegralOfItsDefinition) {
+TEST(ScalisKernel, MatchesTheIntegralOfItsDefinition) {
     EXPECT_LT(worst_error(0, 1), 1e-9);
     EXPECT_LT(worst_error(0.03, 2), 2e-5);
     EXPECT_LT(worst_error(0.06, 3), 2e-4);
     EXPECT_LT(worst_error(0.15, 4), 3e-3);
 }
 
-TEST(ScalisKernel, ACylinderHasTheLevelAtItsRadius) {
+TEST(ScalisKernel, CylinderHasTheIsoValueAtItsRadius) {
     for (const double radius : {1e-3, 1.0, 50.0}) {
         const auto f =
             sample_segment(test::scalis(), along_x(20 * radius, radius, 0), {10 * radius, 0, radius});
@@ -55,7 +55,7 @@ TEST(ScalisKernel, ACylinderHasTheLevelAtItsRadius) {
     }
 }
 
-TEST(ScalisKernel, GradientIsThatOfTheValue) {
+TEST(ScalisKernel, GradientMatchesFiniteDifferences) {
     const CounterRandom random(3, 5);
     for (std::uint64_t i = 0; i < 100; ++i) {
         const Constants s = along_x(random.uniform(4 * i, 0.5, 5), 1, random.uniform(4 * i + 1, -0.05, 0.05));
@@ -66,7 +66,7 @@ TEST(ScalisKernel, GradientIsThatOfTheValue) {
     }
 }
 
-TEST(ScalisKernel, SteepConesAndFarPointsStayFinite) {
+TEST(ScalisKernel, IsFiniteForSteepConesAndFarPoints) {
     for (const double slope : {-0.4, 0.4}) {
         const Constants s = along_x(2, 1, slope);
         for (const double x : {-1e6, -10.0, -2.5, 0.0, 1.0, 2.0, 2.5, 7.5, 1e6}) {

@@ -14,7 +14,7 @@ using test::DoubleField;
 
 const KernelConstants kNormalForms[] = {test::quartic(1.5), test::quartic(2), test::cauchy(2)};
 
-TEST(SegmentKernel, ALongConeHasTheLevelAtItsLocalRadius) {
+TEST(SegmentKernel, LongConeHasTheIsoValueAtItsLocalRadius) {
     for (const auto& k : kNormalForms) {
         // At least 45 radii from both ends.
         const auto f = DoubleField(k).add({0, 0, 0}, {0, 0, 1000}, 11, 1);
@@ -22,7 +22,7 @@ TEST(SegmentKernel, ALongConeHasTheLevelAtItsLocalRadius) {
     }
 }
 
-TEST(SegmentKernel, GradientHasTheTermOfTheRadius) {
+TEST(SegmentKernel, GradientIncludesTheSlopeOfTheRadius) {
     const CounterRandom random(4, 1);
     for (const auto& k : kNormalForms) {
         for (std::uint64_t i = 0; i < 100; ++i) {

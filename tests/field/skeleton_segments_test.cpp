@@ -27,7 +27,7 @@ std::vector<std::uint32_t> subtree(const Skeleton& s, NodeId top) {
     return out;
 }
 
-TEST(SkeletonSegments, OfNodesThatMovedAreThoseOfTheFieldAboutThem) {
+TEST(SkeletonSegments, OfMovedNodesMatchANewField) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         SCOPED_TRACE(name);
         const FieldOptions options{.kernel = Kernel::scalis};

@@ -79,7 +79,7 @@ std::vector<Sample> samples() {
     };
 }
 
-TEST(FileProgress, EveryReaderStopsWhenAskedTo) {
+TEST(FileProgress, EveryReaderStopsWhenCancelled) {
     std::stop_source source;
     source.request_stop();
     for (const Sample& sample : samples()) {
@@ -88,7 +88,7 @@ TEST(FileProgress, EveryReaderStopsWhenAskedTo) {
     }
 }
 
-TEST(FileProgress, StopsInTheMiddleOfAFileAndNeverFalls) {
+TEST(FileProgress, ReadersStopInTheMiddleAndProgressNeverDecreases) {
     for (const Sample& sample : samples()) {
         if (sample.name == "json") continue;  // its size is unknown until the end
         std::stop_source source;
@@ -104,7 +104,7 @@ TEST(FileProgress, StopsInTheMiddleOfAFileAndNeverFalls) {
     }
 }
 
-TEST(FileProgress, APipeThatGivesNothingIsLeft) {
+TEST(FileProgress, ReadOfAnEmptyPipeStopsWhenCancelled) {
     std::array<int, 2> ends{};
     ASSERT_EQ(pipe(ends.data()), 0);
     std::stop_source source;
@@ -118,7 +118,7 @@ TEST(FileProgress, APipeThatGivesNothingIsLeft) {
     close(ends[1]);
 }
 
-TEST(FileProgress, WritersStopToo) {
+TEST(FileProgress, EveryWriterStopsWhenCancelled) {
     std::stop_source source;
     source.request_stop();
     const Skeleton tree = random_tree(100, 1);

@@ -43,13 +43,13 @@ std::string written(const std::filesystem::path& folder) {
     return bytes;
 }
 
-TEST_F(Locale, OfThePersonChangesNoByteThatIsWritten) {
+TEST_F(Locale, DoesNotAffectWrittenFiles) {
     const std::string plain = written(folder_);
     const test::CommaLocale comma;
     EXPECT_EQ(written(folder_), plain);
 }
 
-TEST_F(Locale, OfThePersonChangesNothingThatIsRead) {
+TEST_F(Locale, DoesNotAffectReadFiles) {
     written(folder_);
     const Skeleton tree = random_tree(1500, 3);
     const PointSet points = read_points(folder_ / "p.xyz");

@@ -15,7 +15,7 @@ using test::error_of;
 
 std::string named(std::string_view bytes) { return std::string(unread_format(bytes).value_or("none")); }
 
-TEST(UnreadFormats, AreNamedWithTheirRemedy) {
+TEST(UnreadFormats, AreReportedWithTheirRemedy) {
     EXPECT_EQ(named("ncols 4\nnrows 3\nxllcorner 0\n1 2 3 4\n").find("an ESRI ASCII grid"), 0u);
     EXPECT_EQ(named("NCOLS        4\r\nNROWS 3\r\n").find("an ESRI ASCII grid"), 0u);
     EXPECT_EQ(named("; V3 text file\n(ImageCoords)\n").find("a Neurolucida tracing"), 0u);
@@ -30,7 +30,7 @@ TEST(UnreadFormats, AreNamedWithTheirRemedy) {
     EXPECT_EQ(named(std::string("SQLite format 3\0", 16)).find("an SQLite database"), 0u);
 }
 
-TEST(UnreadFormats, AreNotWhatIsRead) {
+TEST(UnreadFormats, ExcludeReadableFiles) {
     for (const char* text :
          {"", "1 2 3\n", "# ncols nrows\n1 2 3\n", "(1,2,3)\n", "\"x\" \"y\" \"z\"\n1 2 3\n", "{}", "<rsml>",
           "ncols 1 2\n", "; a comment\n1 2 3\n"}) {
@@ -38,7 +38,7 @@ TEST(UnreadFormats, AreNotWhatIsRead) {
     }
 }
 
-TEST(UnreadFormats, AreRefusedByTheReaders) {
+TEST(UnreadFormats, AreRejectedByTheReaders) {
     const std::string tracing = "( (Color Blue)\n  (Axon)\n  (1 2 3 0.5)\n)\n";
     EXPECT_EQ(error_of<Unsupported>([&] {
                   parse_skeleton(tracing, "cell.asc");

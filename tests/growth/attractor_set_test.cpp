@@ -53,7 +53,7 @@ Expected brute_force(const std::vector<Vec3>& attractors, const std::vector<Vec3
     return e;
 }
 
-TEST(AttractorSet, AgreesWithTryingAllPairs) {
+TEST(AttractorSet, MatchesExhaustiveSearch) {
     for (const std::size_t count : {1u, 7u, 8u, 9u, 65u, 2000u}) {
         const std::vector<Vec3> attractors = random_points(count, 0), nodes = random_points(400, 1);
         const float influence = 0.2f, kill = 0.05f;
@@ -76,7 +76,7 @@ TEST(AttractorSet, AgreesWithTryingAllPairs) {
 }
 
 // Batches of several ranges, shared by threads: each visits most attractors many times.
-TEST(AttractorSet, TheSameBitsForAnyNumberOfThreads) {
+TEST(AttractorSet, IsBitIdenticalForAnyNumberOfThreads) {
     const std::vector<Vec3> attractors = random_points(5000, 0), nodes = random_points(8000, 1);
     std::uint64_t first_hash = 0;
     for (const unsigned threads : {1u, 2u, 7u, 7u}) {
@@ -93,7 +93,7 @@ TEST(AttractorSet, TheSameBitsForAnyNumberOfThreads) {
     }
 }
 
-TEST(AttractorSet, LeavesNothingBehindWhenAttractorsChangeOver) {
+TEST(AttractorSet, PullIsZeroAfterAttractorsChangeTheirNode) {
     const std::vector<Vec3> attractors{{1, 0.3f, 0.2f}, {0.9f, -0.1f, 0.7f}};
     const std::vector<Vec3> nodes{{0, 0, 0}, {0.5f, 0, 0.3f}};
     AttractorSet set(attractors, 5, 0.1f, {});
@@ -109,7 +109,7 @@ TEST(AttractorSet, LeavesNothingBehindWhenAttractorsChangeOver) {
     EXPECT_EQ(pulls[1].count, 2u);
 }
 
-TEST(AttractorSet, FindsTheNearestOfANodeAndOfAll) {
+TEST(AttractorSet, FindsTheNearestAttractorOfANodeAndOfAll) {
     const std::vector<Vec3> attractors{{1, 0, 0}, {3, 0, 0}, {0, 0.5f, 0}};
     const std::vector<Vec3> nodes{{0, 0, 0}, {2.5f, 0, 0}};
     AttractorSet set(attractors, 2, 0.1f, {});
@@ -130,7 +130,7 @@ TEST(AttractorSet, FindsTheNearestOfANodeAndOfAll) {
     EXPECT_EQ(pulls[2].count, 1u);
 }
 
-TEST(AttractorSet, AnEmptySetIsAllowed) {
+TEST(AttractorSet, AcceptsAnEmptySet) {
     AttractorSet set({}, 1, 0.5f, {});
     std::vector<Pull> pulls(1);
     const std::vector<Vec3> nodes{{0, 0, 0}};

@@ -42,7 +42,7 @@ std::uint64_t compute_hash(const GrowResult& r) {
     return hash.add(r.iterations).add(r.stalls).add(r.dropped).value();
 }
 
-TEST(Grow, WalksStraightToASingleAttractor) {
+TEST(Grow, GrowsStraightToASingleAttractor) {
     // From a distance of 1 in steps of 1/4: spent when the third node is 1/4 away.
     const GrowResult r =
         grow_at_origin({{0, 0, 1}}, {.influence_radius = 2, .kill_radius = 0.25f, .step = 0.25f});
@@ -55,7 +55,7 @@ TEST(Grow, WalksStraightToASingleAttractor) {
     EXPECT_TRUE(r.unreached.empty());
 }
 
-TEST(Grow, GoesAlongTheMeanDirectionAndSplits) {
+TEST(Grow, FollowsTheMeanDirectionAndForks) {
     const GrowOptions options{.influence_radius = 3, .kill_radius = 0.1f, .step = 0.1f};
     const GrowResult r = grow_at_origin({{1, 0, 1}, {-1, 0, 1}}, options);
     EXPECT_EQ(r.stop, StopReason::attractors_spent);
@@ -65,7 +65,7 @@ TEST(Grow, GoesAlongTheMeanDirectionAndSplits) {
     EXPECT_EQ(forks, 1u);
 }
 
-TEST(Grow, OppositeAttractorsDoNotHoldANodeFast) {
+TEST(Grow, OppositeAttractorsDoNotStopGrowth) {
     // The pulls cancel. Three steps of 1/4 to both sides bring a node within 1/4.
     const GrowResult r =
         grow_at_origin({{1, 0, 0}, {-1, 0, 0}}, {.influence_radius = 2, .kill_radius = 0.25f, .step = 0.25f});
@@ -75,7 +75,7 @@ TEST(Grow, OppositeAttractorsDoNotHoldANodeFast) {
     for (const NodeId n : nodes(r.skeleton)) EXPECT_EQ(r.skeleton.position(n).z, 0);
 }
 
-TEST(Grow, DoesNotMakeTheSameChildAgainAndAgain) {
+TEST(Grow, DoesNotRepeatTheSameChild) {
     // The sum points straight up, where a child is nearer to neither: it would be created forever.
     const GrowResult r = grow_at_origin({{1, 0, 0.01f}, {-1, 0, 0.01f}},
                                         {.influence_radius = 2, .kill_radius = 0.25f, .step = 0.25f});
@@ -87,7 +87,7 @@ TEST(Grow, DoesNotMakeTheSameChildAgainAndAgain) {
     for (const NodeId n : nodes(r.skeleton)) EXPECT_LT(r.skeleton.position(n).z, 0.02f);
 }
 
-TEST(Grow, ARingOfAttractorsEnds) {
+TEST(Grow, TerminatesOnARingOfAttractors) {
     std::vector<Vec3> ring;
     for (int i = 0; i < 100; ++i) {
         const double a = 2 * 3.14159265358979 * i / 100;
@@ -98,7 +98,7 @@ TEST(Grow, ARingOfAttractorsEnds) {
     EXPECT_LT(r.skeleton.size(), 3000u);
 }
 
-TEST(Grow, RootsCompete) {
+TEST(Grow, RootsCompeteForAttractors) {
     std::vector<Vec3> attractors = ball(300, {2, 0, 1}, 1);
     const std::vector<Vec3> left = ball(300, {-2, 0, 1}, 1, 2);
     attractors.insert(attractors.end(), left.begin(), left.end());
@@ -119,7 +119,7 @@ TEST(Grow, RootsCompete) {
     EXPECT_GT(size[1], 50u);
 }
 
-TEST(Grow, EqualRootsShareByNumber) {
+TEST(Grow, FirstOfEqualRootsReceivesTheAttractor) {
     const std::vector<Root> roots{{{0, 0, 0}, {}}, {{0, 0, 0}, {}}};
     const std::vector<Vec3> attractors{{0, 0, 1}};
     const GrowResult r = grow({.attractors = attractors, .roots = roots});
@@ -136,7 +136,7 @@ TEST(Grow, TropismBendsTheDirection) {
     EXPECT_EQ(r.stop, StopReason::attractors_spent);
 }
 
-TEST(Grow, StrongTropismAwayFromEverythingEnds) {
+TEST(Grow, TerminatesWithStrongOpposingTropism) {
     const GrowResult r = grow_at_origin(ball(500, {0, 0, 1}, 0.8), {.tropism_z = -1, .tropism_weight = 10});
     EXPECT_EQ(r.stop, StopReason::attractors_spent);
     EXPECT_LT(r.skeleton.size(), 5000u);
@@ -158,7 +158,7 @@ TEST(Grow, AttractorsAreSpentExactlyWithinTheKillRadius) {
     }
 }
 
-TEST(Grow, KeepsStepSpacingAndOrder) {
+TEST(Grow, StepsAndSpacingMatchTheOptions) {
     const GrowOptions options{
         .influence_radius = 0.5f, .kill_radius = 0.11f, .step = 0.06f, .min_spacing = 0.5f};
     const GrowResult r = grow_at_origin(ball(800, {0, 0, 1}, 1), options);
@@ -174,7 +174,7 @@ TEST(Grow, KeepsStepSpacingAndOrder) {
     }
 }
 
-TEST(Grow, TrunkReachesForTheCrownAndKeepsItsDirectionFirst) {
+TEST(Grow, TrunkStartsInItsDirectionAndReachesTheCrown) {
     const std::vector<Vec3> attractors{{3, 0, 6}};
     const GrowOptions options{.influence_radius = 0.5f, .kill_radius = 0.2f, .step = 0.1f};
     const GrowResult free = grow_at_origin(attractors, options);
@@ -195,7 +195,7 @@ TEST(Grow, TrunkReachesForTheCrownAndKeepsItsDirectionFirst) {
     }
 }
 
-TEST(Grow, WithoutATrunkAttractorsOutOfReachStay) {
+TEST(Grow, WithoutATrunkFarAttractorsRemainUnreached) {
     const GrowResult r = grow_at_origin({{0, 0, 5}, {0, 0, 7}}, {.trunk = false});
     EXPECT_EQ(r.stop, StopReason::no_progress);
     EXPECT_EQ(r.skeleton.size(), 1u);
@@ -203,7 +203,7 @@ TEST(Grow, WithoutATrunkAttractorsOutOfReachStay) {
     EXPECT_EQ(r.iterations, 0);
 }
 
-TEST(Grow, WithoutAttractorsThereAreTheRoots) {
+TEST(Grow, WithoutAttractorsReturnsTheRoots) {
     const GrowResult r = grow_at_origin({});
     EXPECT_EQ(r.stop, StopReason::attractors_spent);
     EXPECT_EQ(r.skeleton.size(), 1u);
@@ -228,7 +228,7 @@ TEST(Grow, StopsAtItsLimits) {
     EXPECT_EQ(trunk.skeleton.size(), 100u);
 }
 
-TEST(Grow, TurnsNoMoreThanAllowed) {
+TEST(Grow, TurnsAreLimitedToTheMaximumAngle) {
     const GrowOptions options{.influence_radius = 0.6f, .kill_radius = 0.1f, .step = 0.05f, .max_turn = 0.5f};
     const GrowResult r = grow_at_origin(ball(600, {0, 0, 1}, 1), options);
     const Skeleton& s = r.skeleton;
@@ -242,7 +242,7 @@ TEST(Grow, TurnsNoMoreThanAllowed) {
     }
 }
 
-TEST(Grow, BudsLimitChildrenAndTheirPlaces) {
+TEST(Grow, LimitsChildrenAndTheNodesWithBuds) {
     const std::vector<Vec3> attractors = ball(600, {0, 0, 1}, 1);
     const Skeleton two = grow_at_origin(attractors, {.max_children = 2}).skeleton;
     const Skeleton any = grow_at_origin(attractors).skeleton;
@@ -270,7 +270,7 @@ TEST(Grow, BudsLimitChildrenAndTheirPlaces) {
     EXPECT_GT(forks, 3);
 }
 
-TEST(Grow, JitterFollowsTheSeed) {
+TEST(Grow, JitterDependsOnTheSeed) {
     const std::vector<Vec3> attractors = ball(300, {0, 0, 1}, 1);
     const auto with = [&](float jitter, int seed) {
         return compute_hash(grow_at_origin(attractors, {.jitter = jitter, .seed = seed}));
@@ -280,7 +280,7 @@ TEST(Grow, JitterFollowsTheSeed) {
     EXPECT_EQ(with(0, 1), with(0, 2));
 }
 
-TEST(Grow, TheSameBitsForAnyNumberOfThreads) {
+TEST(Grow, IsBitIdenticalForAnyNumberOfThreads) {
     const std::vector<Vec3> attractors = ball(5000, {0, 0, 1.2f}, 1);
     const SphereField solid{{0.2f, 0, 1.3f}, 0.3f};
     const Guard guard{FieldRef(solid)};
@@ -304,7 +304,7 @@ TEST(Grow, TheSameBitsForAnyNumberOfThreads) {
     }
 }
 
-TEST(Grow, AMillionAttractorsInOnePlaceAreOne) {
+TEST(Grow, MillionCoincidentAttractorsActAsOne) {
     const std::vector<Vec3> attractors(1'000'000, Vec3{0, 0, 0.5f});
     const GrowResult r = grow_at_origin(attractors, {.kill_radius = 0.1f, .step = 0.1f});
     EXPECT_EQ(r.stop, StopReason::attractors_spent);
@@ -317,7 +317,7 @@ TEST(Grow, AttractorsAtTheRootsAreSpentAtOnce) {
     EXPECT_EQ(r.skeleton.size(), 1u);
 }
 
-TEST(Grow, KeepsTheOrigin) {
+TEST(Grow, PreservesTheOrigin) {
     const GrowResult r = grow({.roots = kOrigin, .origin = {5e6, 4e5, 100}});
     EXPECT_EQ(r.skeleton.origin(), Vec3d(5e6, 4e5, 100));
 }
@@ -330,7 +330,7 @@ TEST(Grow, CanBeCancelled) {
                  Cancelled);
 }
 
-TEST(Grow, ReportsRisingProgress) {
+TEST(Grow, ReportsIncreasingProgress) {
     const std::vector<Vec3> attractors = ball(300, {0, 0, 1}, 1);
     float last = 0;
     int calls = 0;
@@ -346,7 +346,7 @@ TEST(Grow, ReportsRisingProgress) {
     EXPECT_EQ(last, 1);
 }
 
-TEST(Grow, TellsOfWhatHasGrownAndIsNotChangedByThat) {
+TEST(Grow, WatchReportsTheGrowthAndDoesNotAffectIt) {
     const std::vector<Vec3> attractors = ball(500, {0, 0, 3}, 2);
     const GrowOptions options{.influence_radius = 1, .kill_radius = 0.3f, .step = 0.1f};
     std::vector<int> rounds;
@@ -370,7 +370,7 @@ TEST(Grow, TellsOfWhatHasGrownAndIsNotChangedByThat) {
     EXPECT_LT(stopped.skeleton.size(), watched.skeleton.size());
 }
 
-TEST(Grow, RefusesOptionsOutOfRangeByName) {
+TEST(Grow, RejectsOptionsOutOfRangeByName) {
     const float kNan = std::numeric_limits<float>::quiet_NaN(),
                 kHuge = std::numeric_limits<float>::infinity();
     GrowOptions probe;
@@ -400,7 +400,7 @@ TEST(Grow, RefusesOptionsOutOfRangeByName) {
     }
 }
 
-TEST(Grow, RefusesWhatDoesNotFitTogether) {
+TEST(Grow, RejectsInconsistentInput) {
     const auto error = [](const std::vector<Vec3>& a, const std::vector<Root>& roots,
                           const GrowOptions& o = {}) {
         return test::error_of([&] { grow({.attractors = a, .roots = roots}, o); });
@@ -432,7 +432,7 @@ Skeleton young_tree(Vec3d origin = {}) {
 
 const GrowOptions kOfYoungTree{.influence_radius = 2, .kill_radius = 0.3f, .step = 0.2f};
 
-TEST(GrowFromTree, KeepsTheOldNodesAndAttachesNewOnes) {
+TEST(GrowFromTree, PreservesOldNodesAndAttachesNewOnes) {
     const Skeleton tree = young_tree({100, 0, 0});
     const auto points = ball(300, {0, 0, 5}, 1.5);
     const GrowResult r = grow({.attractors = points, .roots = {}, .tree = &tree}, kOfYoungTree);
@@ -456,7 +456,7 @@ TEST(GrowFromTree, KeepsTheOldNodesAndAttachesNewOnes) {
     }
 }
 
-TEST(GrowFromTree, ATreeOutOfReachGrowsATrunkFromItsNearestNode) {
+TEST(GrowFromTree, FarTreeGrowsATrunkFromItsNearestNode) {
     const Skeleton tree = young_tree();
     const std::vector<Vec3> points{{4, 0, 2.5f}};
     const GrowResult r = grow({.attractors = points, .roots = {}, .tree = &tree}, kOfYoungTree);
@@ -468,7 +468,7 @@ TEST(GrowFromTree, ATreeOutOfReachGrowsATrunkFromItsNearestNode) {
     EXPECT_EQ(none.stop, StopReason::no_progress);
 }
 
-TEST(GrowFromTree, RootsMayGrowBesideIt) {
+TEST(GrowFromTree, AcceptsAdditionalRoots) {
     const Skeleton tree = young_tree();
     const std::vector<Root> roots{{{10, 0, 0}, {0, 0, 1}}};
     std::vector<Vec3> points = ball(100, {0, 0, 5}, 1);
@@ -479,7 +479,7 @@ TEST(GrowFromTree, RootsMayGrowBesideIt) {
     EXPECT_GT(s.position(s.children(NodeId(6)).front()).z, 0.199f);  // straight on, as specified
 }
 
-TEST(GrowFromTree, InTwoStagesReachesWhatWasOutOfReach) {
+TEST(GrowFromTree, SecondStageReachesFartherAttractors) {
     const std::vector<Vec3> low = ball(200, {0, 0, 2}, 1), high = ball(200, {0, 0, 6}, 1);
     const Skeleton first = grow({.attractors = low, .roots = kOrigin}, kOfYoungTree).skeleton;
     const GrowResult second = grow({.attractors = high, .roots = {}, .tree = &first}, kOfYoungTree);
@@ -488,7 +488,7 @@ TEST(GrowFromTree, InTwoStagesReachesWhatWasOutOfReach) {
     EXPECT_EQ(second.skeleton.tree_count(), 1u);
 }
 
-TEST(GrowFromTree, TheLeaderCountsOnAlongTheAxis) {
+TEST(GrowFromTree, BudsAreCountedAlongTheExistingAxis) {
     // Laterals start only at every second node: 1 and 3 of the stem have no bud, although the twig at 2 was
     // added later.
     const Skeleton tree = young_tree();
@@ -500,7 +500,7 @@ TEST(GrowFromTree, TheLeaderCountsOnAlongTheAxis) {
     EXPECT_EQ(s.children(NodeId(2)).size(), 3u);
 }
 
-TEST(GrowFromTree, ADenseTreeTakesNoLonger) {
+TEST(GrowFromTree, DenseTreeIsNotSlow) {
     // All nodes in one cell of the grid that keeps nodes apart.
     std::vector<NodeId> parents{NodeId::none()};
     std::vector<Vec3> positions{{0, 0, 0}};
@@ -515,7 +515,7 @@ TEST(GrowFromTree, ADenseTreeTakesNoLonger) {
     EXPECT_GT(r.skeleton.size(), tree.size() + 200);
 }
 
-TEST(GrowFromTree, Refusals) {
+TEST(GrowFromTree, RejectsInvalidInput) {
     const Skeleton tree = young_tree();
     const std::vector<Vec3> points{{0, 0, 5}};
     EXPECT_EQ(

@@ -32,7 +32,7 @@ std::vector<Vec3> shell_points(const Field& field, std::size_t count, float dept
     return points;
 }
 
-TEST(Guard, KnowsItsSideShellAndClearance) {
+TEST(Guard, AllowsPointsBySideShellAndClearance) {
     const Guard outside{FieldRef(kBall)};
     EXPECT_TRUE(outside.allows({1.1f, 0, 0}));
     EXPECT_FALSE(outside.allows({0.9f, 0, 0}));
@@ -56,7 +56,7 @@ TEST(Guard, ChecksSegmentsAlongTheirLength) {
     EXPECT_FALSE(outside.allows_segment({0, 0, 0.5f}, {0, 0, 3}));
 }
 
-TEST(Guard, StepsStraightWhereTheWayIsClearAndSlidesElsewhere) {
+TEST(Guard, StepsStraightIfFreeAndSlidesOtherwise) {
     const Guard outside{FieldRef(kBall)};
     const auto away = outside.step({0, 0, 1.05f}, {0, 0, 1}, 0.2f);
     ASSERT_TRUE(away);
@@ -68,7 +68,7 @@ TEST(Guard, StepsStraightWhereTheWayIsClearAndSlidesElsewhere) {
     EXPECT_TRUE(outside.allows_segment({0, 0, 1.05f}, *slid));
 }
 
-TEST(Guard, FindsNoWayWhereThereIsNone) {
+TEST(Guard, ReturnsNoStepIfThereIsNone) {
     // A shell much thinner than the step: any segment of that length leaves it.
     const Guard thin(FieldRef(kBall), {.shell = 0.01f});
     EXPECT_FALSE(thin.step({0, 0, 1.005f}, {1, 0, 0}, 0.9f));
@@ -82,7 +82,7 @@ struct NoField {
     }
 };
 
-TEST(Guard, AFieldThatIsNoNumberBarsEverything) {
+TEST(Guard, NonFiniteFieldAllowsNothing) {
     const NoField field;
     const Guard guard{FieldRef(field)};
     EXPECT_FALSE(guard.allows({0, 0, 0}));
@@ -90,7 +90,7 @@ TEST(Guard, AFieldThatIsNoNumberBarsEverything) {
     EXPECT_FALSE(guard.step({0, 0, 0}, {1, 0, 0}, 1));
 }
 
-TEST(Guard, RefusesOptionsOutOfRange) {
+TEST(Guard, RejectsOptionsOutOfRange) {
     const float kNan = std::numeric_limits<float>::quiet_NaN();
     EXPECT_THROW(Guard(FieldRef(kBall), {.shell = -1}), InvalidInput);
     EXPECT_THROW(Guard(FieldRef(kBall), {.shell = kNan}), InvalidInput);
@@ -98,7 +98,7 @@ TEST(Guard, RefusesOptionsOutOfRange) {
     EXPECT_THROW(Guard(FieldRef(kBall), {.clearance = 1e9f}), InvalidInput);
 }
 
-TEST(Guard, RootsWhereItBarsGrowthAreRefused) {
+TEST(Guard, RejectsRootsInTheExcludedRegion) {
     const Guard outside{FieldRef(kBall)};
     const std::vector<Root> roots{{{0, 0, 2}, {}}, {{0, 0, 0.5f}, {}}};
     const std::string error = test::error_of([&] { grow({.roots = roots, .guard = &outside}); });
@@ -106,7 +106,7 @@ TEST(Guard, RootsWhereItBarsGrowthAreRefused) {
 }
 
 // Figure 7.7 a of the thesis: two marker points on opposite sides of a bulge pull a node into the solid.
-TEST(Guard, TwoPointsAcrossABulgeDoNotDrawBranchesInside) {
+TEST(Guard, AttractorsAroundABulgeCauseNoBranchesInside) {
     const std::vector<Vec3> attractors{{1.05f, 0, 0}, {-1.05f, 0, 0}};
     const std::vector<Root> roots{{{0, 0, 1.05f}, {}}};
     const GrowOptions options{.influence_radius = 3, .kill_radius = 0.1f, .step = 0.05f};
@@ -120,7 +120,7 @@ TEST(Guard, TwoPointsAcrossABulgeDoNotDrawBranchesInside) {
 }
 
 // Figure 7.7 b: points on the far side of a torus pull branches away from its surface, across the hole.
-TEST(Guard, BranchesStayByTheSurfaceOfATorus) {
+TEST(Guard, BranchesFollowTheSurfaceOfATorus) {
     const TorusField torus{1, 0.3f};
     const std::vector<Vec3> attractors = shell_points(torus, 4000, 0.08f, 1.5);
     const std::vector<Root> roots{{{1.34f, 0, 0}, {}}};
@@ -137,7 +137,7 @@ TEST(Guard, BranchesStayByTheSurfaceOfATorus) {
     EXPECT_LT(kept.unreached.size(), attractors.size() / 50);
 }
 
-TEST(Guard, PointsFarAwayAcrossTheHoleAreNotReachedThroughTheAir) {
+TEST(Guard, AttractorsAcrossAHoleAreNotReachedThroughIt) {
     const TorusField torus{1, 0.3f};
     // From the inner rim towards the opposite one: only air between.
     const std::vector<Vec3> attractors{{-0.65f, 0, 0}, {-0.64f, 0.05f, 0}};
@@ -152,7 +152,7 @@ TEST(Guard, PointsFarAwayAcrossTheHoleAreNotReachedThroughTheAir) {
     EXPECT_GT(range.low, -0.15f);
 }
 
-TEST(Guard, BranchesStayInsideWithClearance) {
+TEST(Guard, BranchesRemainInsideWithClearance) {
     std::vector<Vec3> attractors = shell_points(SphereField{{0, 0, 0}, 0}, 2000, 1.2f, 1.2);
     const std::vector<Root> roots{{{0, 0, -0.7f}, {}}};
     const Guard guard(FieldRef(kBall), {.side = GuardSide::inside, .clearance = 0.2f});

@@ -16,7 +16,7 @@ Skeleton fork() {
                     {{0, 0, 0}, {0, 0, 1}, {1, 0, 2}, {-1, 0, 2}}, {1, 1, 1, 1}, {10, 20, 30});
 }
 
-TEST(Radii, FollowThePipeModelByHand) {
+TEST(Radii, FollowThePipeModel) {
     const Skeleton square = with_pipe_radii(fork(), {.tip_radius = 3, .pipe_exponent = 2, .leaf_share = 0});
     EXPECT_FLOAT_EQ(square.radius(NodeId(3)), 3);
     EXPECT_FLOAT_EQ(square.radius(NodeId(1)), std::sqrt(18.0f));
@@ -26,14 +26,14 @@ TEST(Radii, FollowThePipeModelByHand) {
     EXPECT_FLOAT_EQ(cube.radius(NodeId(0)), std::cbrt(2.5f));
 }
 
-TEST(Radii, KeepEverythingElse) {
+TEST(Radii, PreserveAllOtherProperties) {
     const Skeleton s = with_pipe_radii(fork());
     EXPECT_EQ(s.origin(), Vec3d(10, 20, 30));
     EXPECT_TRUE(std::ranges::equal(s.positions(), fork().positions()));
     EXPECT_TRUE(std::ranges::equal(s.parents(), fork().parents()));
 }
 
-TEST(Radii, RefuseOptionsOutOfRange) {
+TEST(Radii, RejectOptionsOutOfRange) {
     const float kNan = std::numeric_limits<float>::quiet_NaN();
     EXPECT_THROW(with_pipe_radii(fork(), {.tip_radius = 0}), InvalidInput);
     EXPECT_THROW(with_pipe_radii(fork(), {.tip_radius = kNan}), InvalidInput);

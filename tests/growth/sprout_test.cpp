@@ -56,11 +56,11 @@ double compute_angle(const Skeleton& s, NodeId n) {
     return std::acos(std::clamp(dot(direction(s, n), direction(s, s.parent(n))), -1.0, 1.0));
 }
 
-TEST(Sprout, OptionsAreDescribed) {
+TEST(Sprout, DescribesEveryOption) {
     test::expect_described<SproutOptions>(3);  // bytes of padding after the bool
 }
 
-TEST(Sprout, BranchesLeaveAtTheAngleThatIsAskedFor) {
+TEST(Sprout, LateralsHaveTheBranchingAngle) {
     for (const double degrees : {25.0, 60.0, 90.0}) {
         SproutOptions o = plain();
         o.branching_angle = static_cast<float>(degrees * kDegree);
@@ -88,7 +88,7 @@ TEST(Sprout, BranchesLeaveAtTheAngleThatIsAskedFor) {
     EXPECT_NEAR(deviation, 8, 1.4);
 }
 
-TEST(Sprout, BranchesGoRoundTheStemByPhyllotaxis) {
+TEST(Sprout, LateralsFollowThePhyllotaxisAngle) {
     SproutOptions o = plain();
     o.apical_dominance = 0;
     o.shed_light = 0;
@@ -106,7 +106,7 @@ TEST(Sprout, BranchesGoRoundTheStemByPhyllotaxis) {
     for (const double a : azimuth) EXPECT_NEAR(std::remainder(a - azimuth[0], 2 * std::numbers::pi), 0, 1e-2);
 }
 
-TEST(Sprout, OppositeBudsAndWhorls) {
+TEST(Sprout, WhorlsHaveTheGivenNumberOfBuds) {
     SproutOptions o = plain();
     o.seasons = 4;
     o.buds = 3;
@@ -131,7 +131,7 @@ double stem_share(const Skeleton& s) {
     return stem / double{s.bounds().high.z};
 }
 
-TEST(Sprout, ApicalControlMakesALeaderOrSpreads) {
+TEST(Sprout, ApicalControlDeterminesTheShareOfTheStem) {
     SproutOptions o = plain();
     o.shade = 0.03f;
     o.seasons = 12;
@@ -144,7 +144,7 @@ TEST(Sprout, ApicalControlMakesALeaderOrSpreads) {
     EXPECT_GT(excurrent.bounds().high.z, 1.3f * decurrent.bounds().high.z);
 }
 
-TEST(Sprout, BudsNearLivingTipsWait) {
+TEST(Sprout, BudsNearGrowingTipsRemainDormant) {
     SproutOptions o = plain();
     o.apical_dominance = 5;
     const Skeleton s = grown(o).skeleton;
@@ -166,7 +166,7 @@ TEST(Sprout, BudsNearLivingTipsWait) {
     }
 }
 
-TEST(Sprout, TreesBesideEachOtherShareTheLight) {
+TEST(Sprout, AdjacentTreesLeanAwayFromEachOther) {
     SproutOptions o;
     o.seasons = 14;
     const auto lean = [](const Skeleton& s, NodeId root) {
@@ -209,7 +209,7 @@ double darkest_tenth(const Skeleton& s, const SproutOptions& o) {
     return sum / static_cast<double>(tenth);
 }
 
-TEST(Sprout, BranchesInTheShadeAreShed) {
+TEST(Sprout, ShedsShadedBranches) {
     SproutOptions o;
     o.seasons = 14;
     o.shed_light = 0.5f;
@@ -225,7 +225,7 @@ TEST(Sprout, BranchesInTheShadeAreShed) {
     EXPECT_EQ(grown(o).shed, 0u);
 }
 
-TEST(Sprout, LessLightMeansLessGrowth) {
+TEST(Sprout, ShadeReducesGrowth) {
     SproutOptions o;
     o.seasons = 12;
     std::uint32_t last = 0xffffffffu;
@@ -258,7 +258,7 @@ TEST(Sprout, TropismsBendStemsAndBranches) {
     EXPECT_GT(down, 0.6 * tips);
 }
 
-TEST(Sprout, KeepsToItsGuard) {
+TEST(Sprout, RemainsInsideItsGuard) {
     const SphereField ball{{0, 0, 2}, 1};
     const Guard within(FieldRef(ball), {.side = GuardSide::inside});
     SproutOptions o;
@@ -272,7 +272,7 @@ TEST(Sprout, KeepsToItsGuard) {
               std::string::npos);
 }
 
-TEST(Sprout, StopsWhereItIsTold) {
+TEST(Sprout, StopsAtItsLimitsAndWhenCancelled) {
     SproutOptions o;
     o.max_nodes = 200;
     const SproutResult full = grown(o);
@@ -293,7 +293,7 @@ TEST(Sprout, StopsWhereItIsTold) {
     EXPECT_NE(error_of([&] { grown({.tropism_z = 0}); }).find("tropism"), std::string::npos);
 }
 
-TEST(Sprout, SameBitsForAnyNumberOfThreadsAndOthersForAnotherSeed) {
+TEST(Sprout, IsBitIdenticalForAnyNumberOfThreadsAndDependsOnTheSeed) {
     SproutOptions o;
     o.seasons = 12;
     const Skeleton one = grown(o, {Root{}}, {.threads = 1}).skeleton;
@@ -304,7 +304,7 @@ TEST(Sprout, SameBitsForAnyNumberOfThreadsAndOthersForAnotherSeed) {
     EXPECT_FALSE(std::ranges::equal(one.positions(), grown(o).skeleton.positions()));
 }
 
-TEST(ShadeGrid, WhatGoesLeavesNothing) {
+TEST(ShadeGrid, RemoveRevertsAdd) {
     ShadeGrid grid({0.5f, 0.3f, 0.7f, 4});
     grid.add({0.1f, 0.1f, 10});
     EXPECT_NEAR(grid.shade({0.1f, 0.1f, 10}), 0.3, 1e-4);
@@ -319,7 +319,7 @@ TEST(ShadeGrid, WhatGoesLeavesNothing) {
     for (float z = 7; z < 11; z += 0.25f) EXPECT_EQ(grid.shade({0.1f, 0.1f, z}), 0);
 }
 
-TEST(Sprout, TellsOfWhatHasGrownAndIsNotChangedByThat) {
+TEST(Sprout, WatchReportsTheGrowthAndDoesNotAffectIt) {
     const std::vector<Root> roots{Root{}};
     const SproutOptions options{.seasons = 6};
     std::vector<std::uint32_t> nodes;

@@ -41,7 +41,7 @@ Skeleton grown_around(const SphereField& solid, const Guard* guard) {
                            {.tip_radius = 0.002f});
 }
 
-TEST(Tidy, DoesNothingWhenNothingIsAsked) {
+TEST(Tidy, ChangesNothingIfAllStepsAreDisabled) {
     const Skeleton s = chain({{0, 0, 0}, {0, 0, 1}, {0, 1, 1}});
     const TidyResult r = tidy(s, kNothing);
     EXPECT_TRUE(std::ranges::equal(r.skeleton.positions(), s.positions()));
@@ -58,7 +58,7 @@ TEST(Tidy, RelaxationMovesNodesHalfwayToTheirParents) {
     EXPECT_EQ(r.skeleton.position(NodeId(2)), Vec3(1, 0, 2));
 }
 
-TEST(Tidy, SmoothingStraightensAxesAndKeepsTheirEnds) {
+TEST(Tidy, SmoothingStraightensAxesAndPreservesTheirEnds) {
     TidyOptions options = kNothing;
     options.smooth_passes = 1;
     const TidyResult r = tidy(chain({{0, 0, 0}, {1, 0, 1}, {0, 0, 2}}), options);
@@ -66,7 +66,7 @@ TEST(Tidy, SmoothingStraightensAxesAndKeepsTheirEnds) {
     EXPECT_EQ(r.skeleton.position(NodeId(2)), Vec3(0, 0, 2));
 }
 
-TEST(Tidy, ContractsTinySteps) {
+TEST(Tidy, ContractsShortSegments) {
     TidyOptions options = kNothing;
     options.shortest = 0.5f;
     // Lengths 1, 0.1, 1.9: the mean is 1.
@@ -79,7 +79,7 @@ TEST(Tidy, ContractsTinySteps) {
     EXPECT_EQ(r.new_of_old[3], NodeId(2));
 }
 
-TEST(Tidy, LeavesNoSegmentShorterThanAsked) {
+TEST(Tidy, ContractsEverySegmentBelowTheMinimumLength) {
     const SphereField solid{{0, 0, 0}, 1};
     const Skeleton s = grown_around(solid, nullptr);
     const TidyResult r = tidy(s);
@@ -104,7 +104,7 @@ Skeleton trunk_with_lateral() {
     return Skeleton(parents, positions, {1, 1, 1, 0.1f, 0.1f, 0.1f, 0.1f});
 }
 
-TEST(Tidy, ContractsWhatLiesInTheWoodBelow) {
+TEST(Tidy, ContractsNodesInsideTheRadiusOfTheirParent) {
     TidyOptions options = kNothing;
     options.within = 1;
     const TidyResult r = tidy(trunk_with_lateral(), options);
@@ -117,27 +117,27 @@ TEST(Tidy, ContractsWhatLiesInTheWoodBelow) {
     EXPECT_EQ(r.new_of_old[6], NodeId(1));
 }
 
-TEST(Tidy, WhatIsFarFromTheNodeBelowStays) {
+TEST(Tidy, PreservesNodesFarFromTheirParent) {
     TidyOptions options = kNothing;
     EXPECT_EQ(tidy(trunk_with_lateral(), options).contracted, 0u);
     options.within = 0.45f;  // within 0.45 of the radius 1 there is only node 3, at 0.4
     EXPECT_EQ(tidy(trunk_with_lateral(), options).contracted, 1u);
 }
 
-TEST(Tidy, ASinglePointStays) {
+TEST(Tidy, SinglePointIsUnchanged) {
     const TidyResult r = tidy(chain({{1, 2, 3}}));
     EXPECT_EQ(r.skeleton.size(), 1u);
     EXPECT_EQ(r.skeleton.position(NodeId(0)), Vec3(1, 2, 3));
 }
 
-TEST(Tidy, CoincidentNodesBecomeOne) {
+TEST(Tidy, MergesCoincidentNodes) {
     TidyOptions options = kNothing;
     options.shortest = 0.5f;
     const TidyResult r = tidy(chain({{0, 0, 0}, {0, 0, 0}, {0, 0, 1}, {0, 0, 1}}), options);
     EXPECT_EQ(r.skeleton.size(), 2u);
 }
 
-TEST(Tidy, TheGuardHoldsSegmentsOutOfTheSolid) {
+TEST(Tidy, GuardPreventsSegmentsInsideTheSolid) {
     const SphereField solid{{0, 0, 0}, 1};
     const Guard guard{FieldRef(solid)};
     const Skeleton s = grown_around(solid, &guard);
@@ -156,7 +156,7 @@ TEST(Tidy, TheGuardHoldsSegmentsOutOfTheSolid) {
     }
 }
 
-TEST(Tidy, RefusesOptionsOutOfRange) {
+TEST(Tidy, RejectsOptionsOutOfRange) {
     const float kNan = std::numeric_limits<float>::quiet_NaN();
     const Skeleton s = chain({{0, 0, 0}, {0, 0, 1}});
     EXPECT_THROW(tidy(s, {.relax_passes = -1}), InvalidInput);

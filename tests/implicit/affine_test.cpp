@@ -17,13 +17,13 @@ TEST(Affine, RotationIsRightHanded) {
     EXPECT_NEAR(quarter.determinant(), 1, 1e-12);
 }
 
-TEST(Affine, ProductsApplyTheRightOneFirst) {
+TEST(Affine, ProductAppliesTheRightFactorFirst) {
     const Affine move = Affine::translation({1, 0, 0}), grow = Affine::scaling({2, 3, 4});
     expect_near((grow * move).point({1, 1, 1}), {4, 3, 4});
     expect_near((move * grow).point({1, 1, 1}), {3, 3, 4});
 }
 
-TEST(Affine, InversesTakeBack) {
+TEST(Affine, InverseRevertsTheMap) {
     TreeMaker maker(3);
     for (int i = 0; i < 50; ++i) {
         const Affine m{Vec3d(maker.point(2)), Vec3d(maker.point(2)), Vec3d(maker.point(2)),
@@ -34,7 +34,7 @@ TEST(Affine, InversesTakeBack) {
     }
 }
 
-TEST(Affine, FramesAreRigidAndStandOnTheirOrigin) {
+TEST(Affine, FrameIsRigidAtItsOrigin) {
     for (const Vec3d axis : {Vec3d{0, 0, 1}, Vec3d{0, 0, -1}, Vec3d{0.6, 0, 0.8}}) {
         const Affine f = Affine::frame({1, 2, 3}, axis);
         expect_near(f.point({0, 0, 2}), Vec3d{1, 2, 3} + axis * 2.0);

@@ -33,7 +33,7 @@ float max_error(const SolidField& field, const CachedField& cached, float band, 
     return error;
 }
 
-TEST(CachedField, ErrorOfOnePrimitiveIsAsStated) {
+TEST(CachedField, ErrorOfAPrimitiveIsWithinItsBound) {
     const PrimitiveOptions o{.radius = 0.5f, .influence = 1.1f};
     const double factor = wyvill(0, o);
     for (const float cell : {0.2f, 0.1f, 0.05f}) {
@@ -48,7 +48,7 @@ TEST(CachedField, ErrorOfOnePrimitiveIsAsStated) {
     }
 }
 
-TEST(CachedField, ErrorOfTreesWithEdgesIsAsStated) {
+TEST(CachedField, ErrorOfTreesWithEdgesIsWithinItsBound) {
     for (std::uint64_t seed = 0; seed < 12; ++seed) {
         SCOPED_TRACE(seed);
         TreeMaker maker(400 + seed);
@@ -64,7 +64,7 @@ TEST(CachedField, ErrorOfTreesWithEdgesIsAsStated) {
     }
 }
 
-TEST(CachedField, GradientsAreThoseOfTheInterpolation) {
+TEST(CachedField, GradientsMatchTheInterpolation) {
     const SolidField field(blend(std::array{sphere({}), sphere({1, 0, 0})}));
     const CachedField cached(field, {.band = 0.2f});
     const auto points = random_points_in(field.surface_bounds(), 4000);
@@ -83,7 +83,7 @@ TEST(CachedField, GradientsAreThoseOfTheInterpolation) {
     EXPECT_GT(checked, 200);
 }
 
-TEST(CachedField, NothingThinIsMissed) {
+TEST(CachedField, ContainsThinParts) {
     // A wire a tenth of a cell thick.
     const SolidField field(unite(std::array{sphere({}), line({0, 0, 0}, {5, 5, 5}, {.radius = 0.005f})}));
     const CachedField cached(field, {.cell = 0.05f});
@@ -96,7 +96,7 @@ TEST(CachedField, NothingThinIsMissed) {
     }
 }
 
-TEST(CachedField, CellsBetweenHoldAllSuchValues) {
+TEST(CachedField, CellsBetweenContainAllSuchValues) {
     const SolidField field(blend(std::array{sphere({}), sphere({1, 0, 0})}));
     const CachedField cached(field);
     const auto cells = cached.cells_between(0.42f, 0.45f);
@@ -117,7 +117,7 @@ TEST(CachedField, CellsBetweenHoldAllSuchValues) {
     EXPECT_TRUE(cached.cells_between(5, 6).empty());
 }
 
-TEST(CachedField, AnyFieldCanBeCached) {
+TEST(CachedField, AcceptsAnyField) {
     const SolidField field(circle({}, {0, 0, 1}, 1, {.radius = 0.4f}));
     const CachedField plain(FieldRef(field), field.bounds(), {.cell = 0.05f}), known(field, {.cell = 0.05f});
     EXPECT_LT(max_error(field, plain, 0.1f, field.bounds()), 0.05f);
@@ -125,7 +125,7 @@ TEST(CachedField, AnyFieldCanBeCached) {
     EXPECT_EQ(plain.level(), 0.5f);
 }
 
-TEST(CachedField, SameBitsForAnyNumberOfThreads) {
+TEST(CachedField, IsBitIdenticalForAnyNumberOfThreads) {
     TreeMaker maker(77);
     const SolidField field(maker.tree(4).solid);
     const auto points = random_points_in(field.surface_bounds(), 5000);
@@ -136,7 +136,7 @@ TEST(CachedField, SameBitsForAnyNumberOfThreads) {
     }
 }
 
-TEST(CachedField, RefusesWhatIsTooMuchOrNoNumber) {
+TEST(CachedField, RejectsInvalidCellsAndBoxes) {
     const SolidField field(sphere({}));
     EXPECT_NO_THROW(check_fields(CacheOptions{}, "cache"));
     EXPECT_THROW(CachedField(field, {.cell = 1e-6f}), InvalidInput);
@@ -148,7 +148,7 @@ TEST(CachedField, RefusesWhatIsTooMuchOrNoNumber) {
     EXPECT_NO_THROW(CachedField(field, {.cell = 1}));
 }
 
-TEST(CachedField, NothingAndOutsideAreZero) {
+TEST(CachedField, IsZeroOutsideAndForEmptySolids) {
     const SolidField nothing(intersect(std::array{sphere({0, 0, 0}), sphere({100, 0, 0})}));
     const CachedField cached(nothing);
     EXPECT_TRUE(cached.blocks().empty());

@@ -42,7 +42,7 @@ bool winds_around(std::span<const PlaneSegment> segments, Vec2d p) {
     return std::abs(angle) > std::numbers::pi;
 }
 
-TEST(ContourIndex, AgreesWithAllSegments) {
+TEST(ContourIndex, MatchesAllSegments) {
     for (const int points : {3, 10, 500}) {
         const std::vector<PlaneSegment> segments = closed(star(points, 0.4));
         const ContourIndex index(segments, true);
@@ -68,7 +68,7 @@ TEST(ContourIndex, RaysThroughCornersCountOnce) {
     EXPECT_TRUE(index.inside({-0.25, 0.5}));
 }
 
-TEST(ContourIndex, TallZigzagsDoNotTakeMuchMemory) {
+TEST(ContourIndex, HighZigzagsNeedLittleMemory) {
     // 20,000 segments of the full height: with one stripe each, the lists would have 400 million entries.
     std::vector<Vec2d> corners;
     for (int i = 0; i < 20000; ++i) corners.push_back({static_cast<double>(i), i % 2 ? 10000.0 : 0.0});
@@ -80,7 +80,7 @@ TEST(ContourIndex, TallZigzagsDoNotTakeMuchMemory) {
     EXPECT_NEAR(index.distance({10000.3, 10100}).value, std::hypot(0.7, 100), 1e-9);
 }
 
-TEST(ContourIndex, PointsThatAreNotNumbersAreInfinitelyFar) {
+TEST(ContourIndex, NonFinitePointsHaveInfiniteDistance) {
     const ContourIndex index(closed(star(5, 0.4)), true);
     EXPECT_EQ(index.distance({kNan, 0}).value, kInfinite);
     EXPECT_FALSE(index.inside({0, kNan}));

@@ -48,7 +48,7 @@ TEST(Curve, PassesThroughItsPoints) {
         }
 }
 
-TEST(Curve, TangentsAreContinuousAndNaturalSplinesCurveContinuously) {
+TEST(Curve, TangentsAndCurvatureOfNaturalSplinesAreContinuous) {
     const std::vector<Vec3> points{{0, 0, 0}, {1, 0, 0}, {1.5f, 2, 0.5f}, {0, 3, 1}, {-4, 0, 2}};
     for (const bool closed : {false, true}) {
         for (const CurveKind kind : {CurveKind::catmull_rom, CurveKind::natural}) {
@@ -71,7 +71,7 @@ TEST(Curve, TangentsAreContinuousAndNaturalSplinesCurveContinuously) {
     }
 }
 
-TEST(Curve, MeasuresLength) {
+TEST(Curve, ComputesLength) {
     const Curve line(std::vector<Vec3>{{0, 0, 0}, {3, 4, 0}, {3, 4, 2}}, {.kind = CurveKind::polyline});
     EXPECT_DOUBLE_EQ(line.length(), 7);
     EXPECT_NEAR(line.fraction(line.at_index(1)), 5.0 / 7, 1e-12);
@@ -82,7 +82,7 @@ TEST(Curve, MeasuresLength) {
         EXPECT_NEAR(Curve(ring(64), {.kind = kind, .closed = true}).length(), 2 * std::numbers::pi, 1e-5);
 }
 
-TEST(Curve, FractionAndPlaceInvertEachOther) {
+TEST(Curve, FractionAndPlaceAreInverse) {
     for (const CurveKind kind : kKinds) {
         const Curve curve(helix(9, 1.5f, 0.2f), {.kind = kind});
         for (int i = 0; i <= 100; ++i)
@@ -92,7 +92,7 @@ TEST(Curve, FractionAndPlaceInvertEachOther) {
     }
 }
 
-TEST(Curve, FindsTheNearestPointOfSpirals) {
+TEST(Curve, FindsTheClosestPointOfSpirals) {
     // Turns are 0.13 apart along the axis: many local minima.
     for (const CurveKind kind : kKinds) {
         const Curve curve(helix(200, 12, 0.02f), {.kind = kind});
@@ -105,7 +105,7 @@ TEST(Curve, FindsTheNearestPointOfSpirals) {
     }
 }
 
-TEST(Curve, NearestPointOfATightLoopIsGlobal) {
+TEST(Curve, ClosestPointOfATightLoopIsGlobal) {
     const Curve curve(
         std::vector<Vec3>{{0, 0, 0}, {2, 0, 0}, {2, 0.2f, 0}, {0, 0.2f, 0}, {1, 2, 0}, {1, -2, 0.3f}});
     for (const Vec3 p : points_in(curve.bounds(), 500, 0.5f)) {
@@ -114,7 +114,7 @@ TEST(Curve, NearestPointOfATightLoopIsGlobal) {
     }
 }
 
-TEST(Curve, HintChangesNothing) {
+TEST(Curve, HintDoesNotAffectTheClosestPoint) {
     const Curve curve(helix(50, 5, 0.05f));
     for (const Vec3 p : points_in(curve.bounds(), 200, 0.2f)) {
         const CurvePlace plain = curve.closest(Vec3d(p)),
@@ -124,7 +124,7 @@ TEST(Curve, HintChangesNothing) {
     }
 }
 
-TEST(Curve, FramesAreOrthonormalAndDoNotTurnAboutTheTangent) {
+TEST(Curve, FramesAreOrthonormalAndRotationMinimizing) {
     const Curve curve(helix(40, 3, 0.1f));
     Vec3d last = curve.frame({0, 0}).normal;
     for (int i = 0; i <= 1000; ++i) {
@@ -140,7 +140,7 @@ TEST(Curve, FramesAreOrthonormalAndDoNotTurnAboutTheTangent) {
     }
 }
 
-TEST(Curve, FramesOfAHelixHaveTheTurnTheoryGives) {
+TEST(Curve, FramesOfAHelixHaveTheTheoreticalRotation) {
     // Relative to Frenet's frame, the rotation-minimizing one turns by minus torsion times length. Radius 1
     // and rise 0.5 per radian: torsion 0.5 / 1.25 = 0.4, length sqrt(1.25) per radian; one turn: -2.8099.
     const Curve curve(helix(400, 1, 0.5f), {.kind = CurveKind::natural});
@@ -155,7 +155,7 @@ TEST(Curve, FramesOfAHelixHaveTheTurnTheoryGives) {
                 2e-3);
 }
 
-TEST(Curve, FramesOfClosedCurvesMeet) {
+TEST(Curve, FramesOfClosedCurvesAgreeAtTheSeam) {
     std::vector<Vec3> points = ring(12);
     for (std::size_t i = 0; i < points.size(); ++i)
         points[i].z = 0.6f * std::sin(static_cast<float>(i) * 2.5f);
@@ -168,20 +168,20 @@ TEST(Curve, FramesOfClosedCurvesMeet) {
     }
 }
 
-TEST(Curve, StartsWithTheWorldsAxesAlongZ) {
+TEST(Curve, FrameOfAVerticalLineHasTheWorldAxes) {
     const Curve up(std::vector<Vec3>{{0, 0, 0}, {0, 0, 1}});
     EXPECT_EQ(up.frame({0, 0.5}).normal, (Vec3d{1, 0, 0}));
     EXPECT_EQ(up.frame({0, 0.5}).binormal, (Vec3d{0, 1, 0}));
 }
 
-TEST(Curve, CentripetalSplinesDoNotLoopBesideShortPieces) {
+TEST(Curve, CentripetalSplinesHaveNoLoopsAtShortPieces) {
     const Curve curve(std::vector<Vec3>{{0, 0, 0}, {10, 0, 0}, {10.01f, 0.01f, 0}, {10, 10, 0}});
     const Box3 box = curve.bounds();
     EXPECT_LT(box.high.x, 10.5f);
     EXPECT_GT(box.low.y, -0.5f);
 }
 
-TEST(CurveShape, KnowsItsDistanceAndGradient) {
+TEST(CurveShape, ComputesDistanceAndGradient) {
     const CurveShape line(Curve(std::vector<Vec3>{{0, 0, 0}, {2, 0, 0}}, {.kind = CurveKind::polyline}));
     EXPECT_FALSE(line.is_closed());
     EXPECT_EQ(at(line, {1, 3, 4}).value, 5);
@@ -197,7 +197,7 @@ TEST(CurveShape, KnowsItsDistanceAndGradient) {
     }
 }
 
-TEST(Curve, RefusesBadPoints) {
+TEST(Curve, RejectsInvalidPoints) {
     const auto curve = [](std::vector<Vec3> points, bool closed = false) {
         return error_of([&] { Curve(points, {.closed = closed}); });
     };

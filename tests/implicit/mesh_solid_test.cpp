@@ -60,7 +60,7 @@ Triangles sphere(std::uint32_t rings, float radius) {
     return m;
 }
 
-TEST(MeshSolid, DistanceToABox) {
+TEST(MeshSolid, ComputesTheDistanceToABox) {
     const MeshSolid solid = box({0, 0, 0}, {2, 4, 6}).solid();
     EXPECT_TRUE(solid.is_closed());
     EXPECT_TRUE(solid.is_watertight());
@@ -74,7 +74,7 @@ TEST(MeshSolid, DistanceToABox) {
     EXPECT_EQ(solid.bounds().high, (Vec3{2, 4, 6}));
 }
 
-TEST(MeshSolid, WindsOnceAroundTheInside) {
+TEST(MeshSolid, WindingNumberMatchesTheSumOverTriangles) {
     const Triangles ball = sphere(40, 1);
     const MeshSolid solid = ball.solid();
     double worst = 0;
@@ -95,7 +95,7 @@ TEST(MeshSolid, WindsOnceAroundTheInside) {
     EXPECT_LT(worst, 0.05);
 }
 
-TEST(MeshSolid, SmallHolesAreClosed) {
+TEST(MeshSolid, ClosesSmallHoles) {
     Triangles ball = sphere(32, 1);
     std::erase_if(ball.triangles, [&](const Triangle& t) {
         const Vec3 p = ball.positions[t[0]];
@@ -109,7 +109,7 @@ TEST(MeshSolid, SmallHolesAreClosed) {
     }
 }
 
-TEST(MeshSolid, OverlapsAndPartsWithinPartsAreInside) {
+TEST(MeshSolid, OverlappingAndNestedPartsAreInside) {
     Triangles both = box({0, 0, 0}, {2, 2, 2});
     both.add(box({1, 0.5f, 0.5f}, {4, 1.5f, 1.5f}));
     const MeshSolid solid = both.solid();
@@ -123,14 +123,14 @@ TEST(MeshSolid, OverlapsAndPartsWithinPartsAreInside) {
     EXPECT_FLOAT_EQ(at(hollow.solid(), {2, 2, 0.5f}).value, -0.5f);
 }
 
-TEST(MeshSolid, MeshesInsideOutAreTurned) {
+TEST(MeshSolid, ReversesInsideOutMeshes) {
     Triangles m = box({0, 0, 0}, {2, 2, 2});
     m.turn();
     EXPECT_FLOAT_EQ(at(m.solid(), {1, 1, 1}).value, -1);
     EXPECT_LT(length(at(m.solid(), {2, 0.7f, 1}).gradient - Vec3{1, 0, 0}), 1e-6f);
 }
 
-TEST(MeshSolid, TrianglesThatShareNoPositionsAreWatertightToo) {
+TEST(MeshSolid, TriangleSoupIsWatertight) {
     const Triangles joined = box({0, 0, 0}, {2, 2, 2});
     Triangles soup;
     for (const Triangle& t : joined.triangles) {
@@ -143,7 +143,7 @@ TEST(MeshSolid, TrianglesThatShareNoPositionsAreWatertightToo) {
     EXPECT_FALSE(soup.solid().is_watertight());
 }
 
-TEST(MeshSolid, TrianglesWithoutAreaDoNoHarm) {
+TEST(MeshSolid, IgnoresDegenerateTriangles) {
     Triangles m = box({0, 0, 0}, {2, 2, 2});
     m.triangles.push_back({0, 0, 1});
     m.triangles.push_back({5, 5, 5});
@@ -151,7 +151,7 @@ TEST(MeshSolid, TrianglesWithoutAreaDoNoHarm) {
     EXPECT_FLOAT_EQ(at(m.solid(), {1, 1, 5}).value, 3);
 }
 
-TEST(MeshSolid, AgreesWithTheSphere) {
+TEST(MeshSolid, MatchesTheSphere) {
     const MeshSolid solid = sphere(100, 2).solid();
     for (const Vec3 p : points_in(solid.bounds(), 2000, 0.3f))
         EXPECT_NEAR(at(solid, p).value, length(p) - 2, 2e-3);
@@ -161,7 +161,7 @@ TEST(MeshSolid, AgreesWithTheSphere) {
     expect_batch_does_not_matter(solid);
 }
 
-TEST(MeshSolid, ThreadsDoNotChangeBits) {
+TEST(MeshSolid, IsBitIdenticalForAnyNumberOfThreads) {
     const Triangles m = sphere(80, 1);
     const MeshSolid one = m.solid(1), seven = m.solid(7);
     const std::vector<Vec3> points = points_in(one.bounds(), 500, 0.2f);
@@ -172,7 +172,7 @@ TEST(MeshSolid, ThreadsDoNotChangeBits) {
     }
 }
 
-TEST(MeshSolid, RefusesWhatIsNoSolid) {
+TEST(MeshSolid, RejectsInvalidMeshes) {
     const auto mesh = [](auto change) {
         Triangles m = box({0, 0, 0}, {1, 1, 1});
         change(m);

@@ -55,7 +55,7 @@ double volume(const TriMesh& s) {
     return sum;
 }
 
-TEST(Polygonize, SphereHasItsVolumeAndLiesOnTheSurface) {
+TEST(Polygonize, SphereHasItsVolumeAndRadius) {
     const SolidField field(sphere({1, 2, 3}, {.radius = 2}));
     const TriMesh s = polygonize(field, {.cell = 0.125f});
     expect_closed_manifold(s);
@@ -69,7 +69,7 @@ TEST(Polygonize, SphereHasItsVolumeAndLiesOnTheSurface) {
         ASSERT_NEAR(length(p - Vec3{1, 2, 3}), 2, 0.011 * 0.125 * std::sqrt(3.0));
 }
 
-TEST(Polygonize, RefinementsBringVerticesNearer) {
+TEST(Polygonize, RefinementsReduceTheError) {
     const SolidField field(intersect(std::array{box({{-1, -1, -1}, {1, 1, 1}}, {.radius = 0.2f}),
                                                 sphere({}, {.radius = 1.3f, .influence = 1.6f})}));
     std::array<double, 3> worst{};
@@ -86,7 +86,7 @@ TEST(Polygonize, RefinementsBringVerticesNearer) {
     EXPECT_LE(worst[2], worst[1]);
 }
 
-TEST(Polygonize, TorusHasAHole) {
+TEST(Polygonize, TorusHasOneHandle) {
     const TriMesh s = polygonize(SolidField(circle({}, {1, 2, 3}, 2, {.radius = 0.5f})), {.cell = 0.1f});
     expect_closed_manifold(s);
     EXPECT_EQ(euler(s), 0);
@@ -107,7 +107,7 @@ TEST(Polygonize, RandomTreesAreClosedManifolds) {
     EXPECT_GT(drawn, 15);
 }
 
-TEST(Polygonize, SkippingBlocksChangesNothing) {
+TEST(Polygonize, SkippingBlocksDoesNotAffectTheMesh) {
     for (std::uint64_t seed = 0; seed < 10; ++seed) {
         SCOPED_TRACE(seed);
         TreeMaker maker(600 + seed);
@@ -137,7 +137,7 @@ struct BallInRegions {
     }
 };
 
-TEST(Polygonize, RegionsGiveWhatTheWholeBoxGives) {
+TEST(Polygonize, RegionsMatchTheWholeBox) {
     const Box3 box{{-0.8f, -0.9f, -1}, {1.1f, 0.7f, 1}};
     const PolygonizeOptions options{.cell = 0.03f};
     BallInRegions field;
@@ -160,7 +160,7 @@ TEST(Polygonize, RegionsGiveWhatTheWholeBoxGives) {
     }
 }
 
-TEST(Polygonize, RegionsOfNothingAndBeyondTheBox) {
+TEST(Polygonize, AcceptsEmptyAndOutsideRegions) {
     const BallInRegions field;
     const Box3 box{{-1, -1, -1}, {1, 1, 1}};
     const PolygonizeRegions none = regions_touching(box, {});
@@ -191,7 +191,7 @@ struct Noise {
     }
 };
 
-TEST(Polygonize, EvenNoiseGivesAClosedManifold) {
+TEST(Polygonize, NoiseIsAClosedManifold) {
     const Noise noise;
     const TriMesh s = polygonize(FieldRef(noise), {{0, 0, 0}, {1, 1, 1}}, {.cell = 0.08f});
     expect_closed_manifold(s);
@@ -210,7 +210,7 @@ struct Full {
     }
 };
 
-TEST(Polygonize, ClosesWhatLeavesTheBox) {
+TEST(Polygonize, ClosesTheSurfaceAtTheBox) {
     const Full full;
     const TriMesh s = polygonize(FieldRef(full), {{0, 0, 0}, {1, 2, 3}}, {.cell = 0.125f});
     expect_closed_manifold(s);
@@ -219,7 +219,7 @@ TEST(Polygonize, ClosesWhatLeavesTheBox) {
     EXPECT_LT(volume(s), 1.25 * 2.25 * 3.25);
 }
 
-TEST(Polygonize, SameBitsForAnyNumberOfThreads) {
+TEST(Polygonize, IsBitIdenticalForAnyNumberOfThreads) {
     TreeMaker maker(9);
     const SolidField field(maker.tree(4).solid);
     const TriMesh one = polygonize(field, {}, {.threads = 1});
@@ -231,13 +231,13 @@ TEST(Polygonize, SameBitsForAnyNumberOfThreads) {
     }
 }
 
-TEST(Polygonize, NothingGivesNothing) {
+TEST(Polygonize, EmptySolidIsAnEmptyMesh) {
     EXPECT_TRUE(
         polygonize(SolidField(intersect(std::array{sphere({}), sphere({9, 0, 0})}))).triangles.empty());
     EXPECT_TRUE(polygonize(FieldRef(SolidField(sphere({}))), Box3{}).triangles.empty());
 }
 
-TEST(Polygonize, RefusesWhatIsTooMuchOrNoNumber) {
+TEST(Polygonize, RejectsInvalidOptionsAndBoxes) {
     const SolidField field(sphere({}));
     EXPECT_NO_THROW(check_fields(PolygonizeOptions{}, "polygonize"));
     EXPECT_THROW(polygonize(field, {.cell = 1e-5f}), InvalidInput);
@@ -257,7 +257,7 @@ struct TwoMinded {
     }
 };
 
-TEST(Polygonize, RefusesAFieldThatGivesTwoAnswersForOnePoint) {
+TEST(Polygonize, RejectsAFieldWithTwoValuesAtOnePoint) {
     const Box3 box{{-2, -2, -2}, {2, 2, 2}};
     for (const TwoMinded& field : {TwoMinded{1, 1.3f}, TwoMinded{1.3f, 1}}) {
         EXPECT_THROW(polygonize(FieldRef(field), box, {.cell = 0.1f}), InvalidInput);
@@ -267,7 +267,7 @@ TEST(Polygonize, RefusesAFieldThatGivesTwoAnswersForOnePoint) {
     expect_closed_manifold(polygonize(FieldRef(sure), box, {.cell = 0.1f}));
 }
 
-TEST(Polygonize, StopsWhenAsked) {
+TEST(Polygonize, StopsWhenCancelled) {
     std::stop_source source;
     source.request_stop();
     EXPECT_THROW(polygonize(SolidField(sphere({})), {}, {.stop = source.get_token()}), Cancelled);

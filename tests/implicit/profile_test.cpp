@@ -7,7 +7,7 @@ namespace {
 
 const std::vector<Vec2d> kSquare{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
 
-TEST(Profile, DistanceToASquare) {
+TEST(Profile, ComputesTheDistanceToASquare) {
     const Profile square(kSquare);
     EXPECT_DOUBLE_EQ(square.distance({0, 0}).value, -1);
     EXPECT_DOUBLE_EQ(square.distance({0.5, 0.25}).value, -0.5);
@@ -20,7 +20,7 @@ TEST(Profile, DistanceToASquare) {
     EXPECT_DOUBLE_EQ(square.reach(), std::sqrt(2));
 }
 
-TEST(Profile, TheWayRoundDoesNotMatter) {
+TEST(Profile, IsIndependentOfTheOrientation) {
     std::vector<Vec2d> turned(kSquare.rbegin(), kSquare.rend());
     const Profile a(kSquare), b(turned);
     for (const Vec2d p : {Vec2d{0.2, 0.1}, {1, 0.3}, {2, 2}, {-1, 0.5}}) {
@@ -29,7 +29,7 @@ TEST(Profile, TheWayRoundDoesNotMatter) {
     }
 }
 
-TEST(Profile, ContoursWithinContoursAreHoles) {
+TEST(Profile, NestedContoursAreHoles) {
     const std::vector<std::vector<Vec2d>> contours{
         kSquare, circle_contour({0, 0}, 0.5, 256), {{3, 0}, {4, 0}, {4, 1}}};
     const Profile profile(contours);
@@ -39,7 +39,7 @@ TEST(Profile, ContoursWithinContoursAreHoles) {
     EXPECT_EQ(profile.contours().size(), 3u);
 }
 
-TEST(Profile, SplinesComeNearTheCircle) {
+TEST(Profile, SplinesApproximateTheCircle) {
     const std::vector<Vec2d> points = circle_contour({0, 0}, 1, 16);
     for (const CurveKind kind : {CurveKind::catmull_rom, CurveKind::natural}) {
         const Profile round(points, kind);
@@ -60,7 +60,7 @@ TEST(Profile, OpenLinesHaveNoInside) {
     EXPECT_DOUBLE_EQ(open.distance({0, 1}).value, 1);
 }
 
-TEST(Profile, BatchesAreTheSame) {
+TEST(Profile, BatchesMatchSinglePoints) {
     const Profile square(kSquare);
     const std::vector<Vec2d> points{{0, 0}, {2, 1}, {100, -3}};
     std::vector<PlaneSample> samples(3);
@@ -68,7 +68,7 @@ TEST(Profile, BatchesAreTheSame) {
     for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(samples[i].value, square.distance(points[i]).value);
 }
 
-TEST(Profile, RefusesWhatIsNoProfile) {
+TEST(Profile, RejectsInvalidContours) {
     const auto profile = [](std::vector<Vec2d> points, bool closed = true) {
         return error_of([&] { Profile(points, CurveKind::polyline, closed); });
     };

@@ -9,7 +9,7 @@ Profile open_line(std::vector<Vec2d> points, CurveKind kind = CurveKind::polylin
     return Profile(points, kind, false);
 }
 
-TEST(Revolution, ALineBesideTheAxisMakesACylinder) {
+TEST(Revolution, LineParallelToTheAxisIsACylinder) {
     const Revolution cylinder(open_line({{1, 0}, {1, 3}}));
     EXPECT_TRUE(cylinder.is_closed());
     EXPECT_FLOAT_EQ(at(cylinder, {0, 0, 1.5f}).value, -1);
@@ -23,7 +23,7 @@ TEST(Revolution, ALineBesideTheAxisMakesACylinder) {
     EXPECT_NEAR(box.high.z, 3, 1e-6);
 }
 
-TEST(Revolution, AHalfCircleMakesASphere) {
+TEST(Revolution, HalfCircleIsASphere) {
     std::vector<Vec2d> half;
     for (int i = 0; i <= 512; ++i) {
         const double a = std::numbers::pi * (i / 512.0 - 0.5);
@@ -43,7 +43,7 @@ TEST(Revolution, AHalfCircleMakesASphere) {
     }
 }
 
-TEST(Revolution, AClosedProfileMakesARing) {
+TEST(Revolution, ClosedProfileIsATorus) {
     const Revolution torus(Profile(circle_contour({3, 0}, 1, 1024)));
     for (const Vec3 p : points_in(torus.bounds(), 500, 0.3f)) {
         const float r = std::hypot(p.x, p.y) - 3;
@@ -51,7 +51,7 @@ TEST(Revolution, AClosedProfileMakesARing) {
     }
 }
 
-TEST(Revolution, GradientsAgreeWithDifferences) {
+TEST(Revolution, GradientsMatchFiniteDifferences) {
     const Revolution vase(open_line({{0, 0}, {1, 0.2}, {0.4, 1}, {0.9, 2}, {0, 2.5}}, CurveKind::catmull_rom),
                           {.direction = {0, 1, 2}});
     EXPECT_LT(share_of_wrong_gradients(vase, points_in(vase.bounds(), 1000, 0.3f), 1e-3f, 0.02f), 0.03);
@@ -60,7 +60,7 @@ TEST(Revolution, GradientsAgreeWithDifferences) {
     expect_batch_does_not_matter(vase);
 }
 
-TEST(Revolution, RefusesWhatCannotTurn) {
+TEST(Revolution, RejectsInvalidProfiles) {
     EXPECT_NE(error_of([] {
                   Revolution(open_line({{-1, 0}, {1, 1}}));
               }).find("beyond the axis"),

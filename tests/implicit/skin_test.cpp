@@ -45,7 +45,7 @@ TEST(Skin, BlendsRadiiOfCircles) {
     EXPECT_NEAR(radius(SkinBlend::smooth), 1.5, 1e-3);  // tangents of two sections are their chord
 }
 
-TEST(Skin, SmoothFlowsThroughSections) {
+TEST(Skin, SmoothBlendHasContinuousTangentsAtSections) {
     // Radii 1, 2, 1, 2 at thirds: tangents vanish at both inner sections. Halfway u = 1/2: 1.5; at u = 1/4 of
     // the middle interval the Hermite weight is 0.15625.
     const Skin wave(upright(3),
@@ -76,7 +76,7 @@ TEST(Skin, PassesThroughEachSection) {
     }
 }
 
-TEST(Skin, TheTableStandsOnFourLegs) {
+TEST(Skin, TableHasFourLegs) {
     for (const SkinBlend blend : kBlends) {
         const Skin t = table(blend);
         EXPECT_EQ(t.station_count(), 2u);
@@ -109,14 +109,14 @@ TEST(Skin, OneSectionIsASweep) {
     EXPECT_FLOAT_EQ(at(skin, {0, 0, 3.75f}).value, -0.25f);
 }
 
-TEST(Skin, SectionsGoOnBeyondTheFirstAndTheLast) {
+TEST(Skin, ExtendsTheFirstAndTheLastSection) {
     const Skin skin(upright(4), {{0.25f, circle(1)}, {0.75f, circle(2)}});
     EXPECT_NEAR(at(skin, {4, 0, 0.5f}).value, 3, 1e-4);
     EXPECT_NEAR(at(skin, {4, 0, 2}).value, 2.5, 1e-4);
     EXPECT_NEAR(at(skin, {4, 0, 3.5f}).value, 2, 1e-4);
 }
 
-TEST(Skin, ClosedPathsGoRound) {
+TEST(Skin, ClosedPathIsInterpolatedAcrossItsStart) {
     std::vector<Vec3> ring;
     for (int i = 0; i < 64; ++i) {
         const float a = std::numbers::pi_v<float> * static_cast<float>(i) / 32;
@@ -139,7 +139,7 @@ TEST(Skin, ClosedPathsGoRound) {
     EXPECT_EQ(same.station_count(), 1u);
 }
 
-TEST(Skin, GradientsAgreeWithDifferences) {
+TEST(Skin, GradientsMatchFiniteDifferences) {
     for (const SkinBlend blend : kBlends) {
         const Skin skin(
             bent(),
@@ -153,7 +153,7 @@ TEST(Skin, GradientsAgreeWithDifferences) {
     }
 }
 
-TEST(Skin, ManySectionsStayCheap) {
+TEST(Skin, AcceptsManySections) {
     std::vector<SkinSection> sections;
     for (int i = 0; i <= 1000; ++i)
         sections.push_back(
@@ -163,7 +163,7 @@ TEST(Skin, ManySectionsStayCheap) {
     EXPECT_NEAR(at(skin, {1 + 0.5f * std::sin(25.0f), 0, 5}).value, 0, 1e-4);
 }
 
-TEST(Skin, RefusesWhatCannotBeSkinned) {
+TEST(Skin, RejectsInvalidSections) {
     EXPECT_NE(error_of([] { Skin(upright(1), {}); }).find("1 to 10000 sections"), std::string::npos);
     EXPECT_NE(error_of([] { Skin(upright(1), {{kNan, circle(1)}}); }).find("section 1"), std::string::npos);
     EXPECT_NE(error_of([] {

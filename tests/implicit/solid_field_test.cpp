@@ -63,7 +63,7 @@ int expect_gradients(const Twin& twin, int count) {
 }
 
 // Wyvill's (1 - d^2/R^2)^3 with R = 2: (3/4)^3 at d = 1, and its slope -6 d/R^2 (3/4)^2 there.
-TEST(SolidField, SphereByHand) {
+TEST(SolidField, SphereMatchesTheWyvillLaw) {
     const double radius = 2 * std::sqrt(1 - std::cbrt(0.5));
     const Solid s = sphere({}, {.radius = static_cast<float>(radius)});
     EXPECT_NEAR(at(s, {}).value, 1, 1e-6);
@@ -129,7 +129,7 @@ TEST(SolidField, RandomTreesMatchDoublePrecision) {
     }
 }
 
-TEST(SolidField, ClosedShapesFallFromOneToZeroAboutTheirSurface) {
+TEST(SolidField, ClosedShapesDecreaseFromOneToZeroAcrossTheSurface) {
     const auto ball = std::make_shared<BallShape>(Vec3{1, 0, 0}, 2.0f);
     const Solid s = make_solid(ball, {.influence = 0.8f});
     EXPECT_NEAR(at(s, {3, 0, 0}).value, 0.5, 1e-6);
@@ -145,7 +145,7 @@ TEST(SolidField, ClosedShapesFallFromOneToZeroAboutTheirSurface) {
     EXPECT_NEAR(at(moved, {6, 0, 0}).gradient.x, -15.0 / 16 / 1.6, 1e-4);
 }
 
-TEST(SolidField, ClosedShapesByTheSoftLawHaveItsSkeletonAtTheDepthOfTheInfluence) {
+TEST(SolidField, SoftLawOfClosedShapesIsOneAtTheDepthOfTheInfluence) {
     const PrimitiveOptions o{.influence = 0.8f, .law = FieldLaw::soft};
     const Solid s = make_solid(std::make_shared<BallShape>(Vec3{1, 0, 0}, 2.0f), o);
     // So the law's influence is 1.6, and its slope at the half is -19/12 divided by that.
@@ -158,7 +158,7 @@ TEST(SolidField, ClosedShapesByTheSoftLawHaveItsSkeletonAtTheDepthOfTheInfluence
     EXPECT_NEAR(s.surface_bounds().high.x, 3, 1e-4);
 }
 
-TEST(SolidField, CombinationsKeepTheLawsOfSets) {
+TEST(SolidField, CombinationsSatisfyTheLawsOfSets) {
     const Solid a = sphere({0, 0, 0}), b = sphere({1, 0, 0}),
                 c = line({0, -1, 0}, {0, 1, 1}, {.radius = 0.6f});
     const auto points = random_points_in({{-2, -2, -2}, {3, 2, 2}}, 3000);
@@ -182,7 +182,7 @@ TEST(SolidField, CombinationsKeepTheLawsOfSets) {
     }
 }
 
-TEST(SolidField, RicciBlendByHand) {
+TEST(SolidField, RicciBlendOfTwoEqualValuesIsTheirNorm) {
     // The blend of two equal values v is 2^(1/n) v.
     const Solid a = sphere({0, 0, 0}), b = sphere({1, 0, 0});
     const float v = at(a, {0.5f, 0.3f, 0}).value;
@@ -192,7 +192,7 @@ TEST(SolidField, RicciBlendByHand) {
     }
 }
 
-TEST(SolidField, OnePointSaysTheSameInAnyBatch) {
+TEST(SolidField, SamplesAreIdenticalInAnyBatch) {
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
         SCOPED_TRACE(seed);
         TreeMaker maker(100 + seed);
@@ -212,7 +212,7 @@ TEST(SolidField, OnePointSaysTheSameInAnyBatch) {
     }
 }
 
-TEST(SolidField, EveryInstructionSetSaysTheSame) {
+TEST(SolidField, EveryInstructionSetMatches) {
     for (std::uint64_t seed = 0; seed < 12; ++seed) {
         TreeMaker maker(700 + seed);
         const SolidField field(maker.tree(3).solid);
@@ -231,7 +231,7 @@ TEST(SolidField, EveryInstructionSetSaysTheSame) {
     }
 }
 
-TEST(SolidField, ManyPartsAreGroupedWithoutAChange) {
+TEST(SolidField, GroupingManyPartsPreservesTheField) {
     std::vector<Solid> spheres;
     const CounterRandom random(1, 1);
     std::vector<Vec3> centers;
@@ -302,7 +302,7 @@ void expect_ranges(const Solid& solid, float size, std::uint64_t seed) {
     }
 }
 
-TEST(SolidField, RangesHoldEveryValue) {
+TEST(SolidField, RangesContainEveryValue) {
     for (std::uint64_t seed = 0; seed < 40; ++seed) {
         SCOPED_TRACE(seed);
         TreeMaker maker(200 + seed);
@@ -312,7 +312,7 @@ TEST(SolidField, RangesHoldEveryValue) {
     }
 }
 
-TEST(SolidField, RangesOfTheSoftLawHoldEveryValue) {
+TEST(SolidField, RangesOfTheSoftLawContainEveryValue) {
     for (const Twin& twin : primitive_twins(FieldLaw::soft)) {
         SCOPED_TRACE(twin.solid.kind());
         expect_ranges(twin.solid, 0.02f, 3);
@@ -321,7 +321,7 @@ TEST(SolidField, RangesOfTheSoftLawHoldEveryValue) {
     expect_ranges(make_solid(std::make_shared<BallShape>(Vec3{1, 0, 0}, 2.0f), o), 0.05f, 4);
 }
 
-TEST(SolidField, RangesOfStrongWarpsHoldEveryValue) {
+TEST(SolidField, RangesOfStrongWarpsContainEveryValue) {
     const Solid rod = line({1, 0, -2}, {1, 0.2f, 2}, {.radius = 0.2f});
     for (const float size : {0.002f, 0.01f, 0.05f}) {
         expect_ranges(twisted(rod, {}, {0, 0, 1}, 4), size, 1);
@@ -330,7 +330,7 @@ TEST(SolidField, RangesOfStrongWarpsHoldEveryValue) {
     }
 }
 
-TEST(SolidField, RangesOfSmallBoxesAreClose) {
+TEST(SolidField, RangesOfSmallBoxesAreTight) {
     const SolidField field(blend(std::array{sphere({0, 0, 0}), sphere({1, 0, 0})}));
     const Box3 box{{0.99f, 0.29f, -0.01f}, {1.01f, 0.31f, 0.01f}};
     ValueRange range;
@@ -341,7 +341,7 @@ TEST(SolidField, RangesOfSmallBoxesAreClose) {
     EXPECT_EQ(range.high, 0);
 }
 
-TEST(SolidField, PointsThatAreNoNumbersHaveNoValueAndHarmNoOthers) {
+TEST(SolidField, NonFinitePointsAreZeroAndDoNotAffectOthers) {
     const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
     const SolidField field(
         unite(std::array{sphere({}), twisted(box({{-1, -1, -1}, {1, 1, 1}}), {}, {0, 0, 1}, 1)}));
@@ -355,7 +355,7 @@ TEST(SolidField, PointsThatAreNoNumbersHaveNoValueAndHarmNoOthers) {
     EXPECT_GT(got[3].value, 0.4f);
 }
 
-TEST(SolidField, NothingIsZeroEverywhere) {
+TEST(SolidField, EmptySolidIsZeroEverywhere) {
     const SolidField field(intersect(std::array{sphere({0, 0, 0}), sphere({100, 0, 0})}));
     EXPECT_TRUE(field.bounds().empty());
     const Vec3 p{};

@@ -39,7 +39,7 @@ TEST(Solid, BoxesOfPrimitivesAreTight) {
     expect_box(ellipsoid.surface_bounds(), {-1, -3, -1}, {1, 3, 1});
 }
 
-TEST(Solid, BoxesOfWarpsByHand) {
+TEST(Solid, BoxesOfWarpsAreTight) {
     const PrimitiveOptions o{.radius = 0.1f, .influence = 0.2f};
     // A rod along z of length pi, bent into a half circle of radius 1 towards x.
     const Solid rod = line({0, 0, 0}, {0, 0, std::numbers::pi_v<float>}, o);
@@ -51,7 +51,7 @@ TEST(Solid, BoxesOfWarpsByHand) {
     expect_box(cup.surface_bounds(), {-2.2f, -2.2f, -0.1f}, {2.2f, 2.2f, 2.1f});
 }
 
-TEST(Solid, BoundsHoldTheSupportAndTheSurface) {
+TEST(Solid, BoundsContainTheSupportAndTheSurface) {
     std::vector<Twin> twins = primitive_twins(FieldLaw::soft);
     for (std::uint64_t seed = 0; seed < 80; ++seed)
         twins.push_back(TreeMaker(300 + seed).tree(static_cast<int>(seed % 5)));
@@ -70,7 +70,7 @@ TEST(Solid, BoundsHoldTheSupportAndTheSurface) {
     }
 }
 
-TEST(Solid, BoundsOfManyBlendedPartsHoldWhatTheyAddUpTo) {
+TEST(Solid, BoundsOfManyBlendedPartsContainTheirSum) {
     // A hundred spheres at one place: the sum is 0.5 where one alone is 0.005.
     const std::vector<Solid> many(100, sphere({}));
     const Solid all = blend(many);
@@ -79,7 +79,7 @@ TEST(Solid, BoundsOfManyBlendedPartsHoldWhatTheyAddUpTo) {
     expect_box(all.surface_bounds(), {-f, -f, -f}, {f, f, f}, 1e-3f);
 }
 
-TEST(Solid, KindsPartsAndDepth) {
+TEST(Solid, HasKindPartsAndDepth) {
     const Solid s = unite(std::array{sphere({}), translated(line({0, 0, 0}, {1, 0, 0}), {0, 0, 1})});
     EXPECT_EQ(s.kind(), "union");
     ASSERT_EQ(s.parts().size(), 2u);
@@ -94,7 +94,7 @@ TEST(Solid, KindsPartsAndDepth) {
 
 TEST(Solid, OptionsHaveDefaultsInRange) { EXPECT_NO_THROW(check_fields(PrimitiveOptions{}, "primitive")); }
 
-TEST(Solid, RefusesNumbersWithoutMeaning) {
+TEST(Solid, RejectsInvalidNumbers) {
     const Solid s = sphere({});
     const std::vector<Solid> none;
     for (const float bad : {kNan, kInf, -kInf, -1.0f, 1e30f}) {
@@ -148,7 +148,7 @@ TEST(Solid, RefusesNumbersWithoutMeaning) {
     EXPECT_THROW(bent(s, {0, 0, 0}, {0, 0, 1}, {1, 0, 0}, 1), InvalidInput);
 }
 
-TEST(Solid, RefusesWhatWouldGrowWithoutEnd) {
+TEST(Solid, LimitsPartsDepthAndExtent) {
     Solid s = sphere({});
     int doublings = 0;
     EXPECT_THROW(

@@ -30,7 +30,7 @@ TEST(Sweep, ASquareAlongALineIsABox) {
     EXPECT_NEAR(box.bounds().high.x, 1, 1e-5);
 }
 
-TEST(Sweep, ACircleAroundARingIsATorus) {
+TEST(Sweep, CircleAlongARingIsATorus) {
     std::vector<Vec3> points;
     for (int i = 0; i < 128; ++i) {
         const float a = std::numbers::pi_v<float> * static_cast<float>(i) / 64;
@@ -44,7 +44,7 @@ TEST(Sweep, ACircleAroundARingIsATorus) {
     }
 }
 
-TEST(Sweep, ACircleAlongAnySplineIsATubeAroundIt) {
+TEST(Sweep, CircleAlongASplineIsATube) {
     const Curve path = arch();
     const Sweep tube(path, circle(0.5));
     const CurveShape axis(path);
@@ -70,7 +70,7 @@ TEST(Sweep, CornersOfPolylinesAreRounded) {
         EXPECT_NEAR(at(beam, {3.9999f, -2, z}).value, at(beam, {4.0001f, -2, z}).value, 1e-3);
 }
 
-TEST(Sweep, ScaleAndTwist) {
+TEST(Sweep, AppliesScaleTwistAndRoll) {
     const std::vector<ScaleAt> scales{{0, 1}, {1, 2}};
     const Sweep cone(line({{0, 0, 0}, {0, 0, 10}}), circle(1), scales);
     // At half height the radius is 1.5; the value is a distance in the plane.
@@ -99,7 +99,7 @@ TEST(Sweep, ValuesAreContinuousAcrossTheMedialAxisOfThePath) {
     }
 }
 
-TEST(Sweep, GradientsAgreeWithDifferences) {
+TEST(Sweep, GradientsMatchFiniteDifferences) {
     const std::vector<ScaleAt> scales{{0.1f, 1}, {0.6f, 0.5f}, {1, 1.2f}};
     const Sweep all(arch(), Profile(circle_contour({0.1, 0.2}, 0.7, 7)), scales, {.roll = 0.3f, .twist = 2});
     // Creases are where the nearest edge, cap, or section of the path changes.
@@ -109,7 +109,7 @@ TEST(Sweep, GradientsAgreeWithDifferences) {
     expect_batch_does_not_matter(all);
 }
 
-TEST(Sweep, BoundsHoldWhatPolylinesSweep) {
+TEST(Sweep, BoundsContainSweptPolylines) {
     expect_bounds_hold_the_inside(
         Sweep(line({{0, 0, 0}, {4, 0, 0}, {4, 4, 1}, {0, 5, 2}}), Profile(circle_contour({0.3, 0}, 0.6, 5))));
     expect_bounds_hold_the_inside(Sweep(line({{0, 0, 0}, {4, 0, 0}, {4, 4, 1}}, true),
@@ -117,7 +117,7 @@ TEST(Sweep, BoundsHoldWhatPolylinesSweep) {
                                         {.twist = 4 * std::numbers::pi_v<float>}));
 }
 
-TEST(Sweep, RefusesWhatCannotBeSwept) {
+TEST(Sweep, RejectsInvalidOptions) {
     const auto with_scales = [](std::vector<ScaleAt> scales) {
         return error_of([&] { Sweep(line({{0, 0, 0}, {0, 0, 1}}), circle(1), scales); });
     };

@@ -26,7 +26,7 @@ std::vector<OrientedPoint> both(std::vector<OrientedPoint> a, const std::vector<
     return a;
 }
 
-TEST(VariationalCurve, PointsOfACircleGiveTheCircle) {
+TEST(VariationalCurve, ReconstructsACircle) {
     const Profile p = variational_profile(ring(24, 2, {10, -5}));
     ASSERT_EQ(p.contours().size(), 1u);
     EXPECT_TRUE(p.closed());
@@ -34,7 +34,7 @@ TEST(VariationalCurve, PointsOfACircleGiveTheCircle) {
     EXPECT_NEAR(contour_area(p.contours()[0]), 4 * std::numbers::pi, 0.02);  // counter-clockwise
 }
 
-TEST(VariationalCurve, PassesThroughItsPointsAndIsTheSmootherLine) {
+TEST(VariationalCurve, PassesThroughItsPointsSmoothly) {
     // An L of six corners: the curve passes through all, and swells where two are far apart.
     const std::vector<Vec2d> corners{{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
     const Profile p = variational_profile(with_normals(corners));
@@ -48,7 +48,7 @@ TEST(VariationalCurve, PassesThroughItsPointsAndIsTheSmootherLine) {
                 p.distance({0.5, 0.5}).value, 1e-9);
 }
 
-TEST(VariationalCurve, NormalsAskForSeveralContoursAndHoles) {
+TEST(VariationalCurve, NormalsDetermineSeveralContoursAndHoles) {
     const Profile two = variational_profile(both(ring(16, 1, {-3, 0}), ring(16, 1, {3, 0})));
     EXPECT_EQ(two.contours().size(), 2u);
     EXPECT_LT(two.distance({3, 0}).value, -0.9);
@@ -60,7 +60,7 @@ TEST(VariationalCurve, NormalsAskForSeveralContoursAndHoles) {
     EXPECT_LT(hollow.distance({1.5, 0}).value, -0.45);
 }
 
-TEST(VariationalCurve, EndsAtTheMarginWherePointsAreMissing) {
+TEST(VariationalCurve, EndsAtTheMarginWithoutPoints) {
     // Half a ring: the rest of the area is open, and ends at the box.
     std::vector<OrientedPoint> half = ring(24, 1, {0, 0});
     half.resize(13);
@@ -71,14 +71,14 @@ TEST(VariationalCurve, EndsAtTheMarginWherePointsAreMissing) {
     for (const OrientedPoint& o : half) EXPECT_NEAR(p.distance(o.position).value, 0, 1e-3);
 }
 
-TEST(VariationalCurve, ThreadsDoNotChangeBits) {
+TEST(VariationalCurve, IsBitIdenticalForAnyNumberOfThreads) {
     const auto points = ring(40, 1, {0, 0});
     const Profile one = variational_profile(points, {}, {.threads = 1});
     const Profile more = variational_profile(points, {}, {.threads = 7});
     EXPECT_TRUE(std::ranges::equal(one.contours(), more.contours()));
 }
 
-TEST(VariationalCurve, RefusesWhatItCannotSolve) {
+TEST(VariationalCurve, RejectsUnsolvablePoints) {
     const auto refused = [](std::vector<OrientedPoint> points) {
         EXPECT_THROW(variational_profile(points), InvalidInput);
     };

@@ -23,7 +23,7 @@ Sample ball(int count, float radius, Vec3 center) {
     return s;
 }
 
-TEST(Variational, PointsOfASphereGiveTheSphere) {
+TEST(Variational, ReconstructsASphere) {
     const Vec3 center{10, -20, 5};
     const Sample s = ball(200, 3, center);
     const Variational v(s.points, s.normals);
@@ -42,7 +42,7 @@ TEST(Variational, PointsOfASphereGiveTheSphere) {
     EXPECT_GT(at(v, {100, 0, 0}).value, 80);
 }
 
-TEST(Variational, GradientsAgreeWithDifferences) {
+TEST(Variational, GradientsMatchFiniteDifferences) {
     Sample s = ball(60, 1, {});
     for (Vec3& p : s.points)
         p = {2 * p.x, p.y,
@@ -55,7 +55,7 @@ TEST(Variational, GradientsAgreeWithDifferences) {
     expect_batch_does_not_matter(v);
 }
 
-TEST(Variational, SumsOfCubesByHand) {
+TEST(Variational, ComputesSumsOfCubes) {
     // One centre at the origin of weight 2, p = (3, 4, 0): r = 5; value 250, gradient 6 r p, and in xy 6 x y
     // / r.
     const std::vector<double> zero{0}, two{2};
@@ -72,7 +72,7 @@ TEST(Variational, SumsOfCubesByHand) {
     EXPECT_DOUBLE_EQ(sum_cubes({x, x, x, w}, {0, 0, 2}).value, 88);
 }
 
-TEST(Variational, EndsAtTheMarginWherePointsAreMissing) {
+TEST(Variational, EndsAtTheMarginWithoutPoints) {
     const Sample whole = ball(200, 1, {});
     Sample half;
     for (std::size_t i = 0; i < whole.points.size(); ++i) {
@@ -88,14 +88,14 @@ TEST(Variational, EndsAtTheMarginWherePointsAreMissing) {
         }
 }
 
-TEST(Variational, ThreadsDoNotChangeBits) {
+TEST(Variational, IsBitIdenticalForAnyNumberOfThreads) {
     const Sample s = ball(150, 2, {1, 1, 1});
     const Variational one(s.points, s.normals, {}, {.threads = 1}),
         seven(s.points, s.normals, {}, {.threads = 7});
     for (const Vec3 p : points_in(one.bounds(), 100, 0.2f)) EXPECT_EQ(at(one, p).value, at(seven, p).value);
 }
 
-TEST(Variational, RefusesWhatItCannotSolve) {
+TEST(Variational, RejectsUnsolvablePoints) {
     const Sample s = ball(20, 1, {});
     const auto with = [&](auto change) {
         Sample other = s;

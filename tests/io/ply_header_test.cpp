@@ -50,7 +50,7 @@ std::vector<double> all_values(const std::string& file) {
 
 const std::vector<double> kValues{1.5, 255, -2.25, 7, 3, 0, 1, -1, 0.1};
 
-TEST(PlyHeader, NamesElementsAndProperties) {
+TEST(PlyHeader, HasElementsAndProperties) {
     const PlyHeader header = parse_ply_header(kHead, "t.ply");
     EXPECT_EQ(header.encoding, PlyEncoding::ascii);
     ASSERT_EQ(header.elements.size(), 2u);
@@ -67,11 +67,11 @@ TEST(PlyHeader, NamesElementsAndProperties) {
     EXPECT_EQ(header.data_offset, kHead.size());
 }
 
-TEST(PlyRows, AsciiAnywhereOnLines) {
+TEST(PlyRows, AsciiValuesMaySpanLines) {
     EXPECT_EQ(all_values(kHead + "1.5 255\r\n-2.25\n7\n3 0 1 -1 0.1"), kValues);
 }
 
-TEST(PlyRows, BothByteOrders) {
+TEST(PlyRows, ReadsBothByteOrders) {
     const std::string little = bytes_of(1.5f) + bytes_of<std::uint8_t>(255) + bytes_of(-2.25f) +
                                bytes_of<std::uint8_t>(7) + bytes_of<std::uint8_t>(3) + bytes_of(0) +
                                bytes_of(1) + bytes_of(-1) + bytes_of(0.1);
@@ -82,7 +82,7 @@ TEST(PlyRows, BothByteOrders) {
     EXPECT_EQ(all_values(with_format("binary_big_endian") + big), kValues);
 }
 
-TEST(PlyRows, FixedRowsAreTakenWhole) {
+TEST(PlyRows, FixedRowsAreReturnedAsOneBlock) {
     const std::string file =
         "ply\nformat binary_little_endian 1.0\nelement a 2\nproperty uchar v\nelement b 1\nproperty uchar v\n"
         "end_header\nabc";
@@ -95,7 +95,7 @@ TEST(PlyRows, FixedRowsAreTakenWhole) {
     EXPECT_EQ(rows.offset(), file.size());
 }
 
-TEST(PlyRows, TruncatedFilesAreRefusedAtEveryLength) {
+TEST(PlyRows, RejectsTruncatedFilesOfEveryLength) {
     const std::string binary =
         with_format("binary_little_endian") + std::string(10, '\0') + "\x01" + std::string(12, '\0');
     ASSERT_NO_THROW(all_values(binary));
@@ -104,7 +104,7 @@ TEST(PlyRows, TruncatedFilesAreRefusedAtEveryLength) {
     }
 }
 
-TEST(PlyRows, AbsurdCountsAreRefusedBeforeMemoryIsTaken) {
+TEST(PlyRows, RejectsHugeCountsBeforeAllocation) {
     std::string head = kHead;
     head.replace(head.find("vertex 2"), 8, "vertex 9007199254740992");
     EXPECT_EQ(error_of<InvalidInput>([&] { all_values(head + "1 2 3 4"); }),
@@ -118,7 +118,7 @@ TEST(PlyRows, AbsurdCountsAreRefusedBeforeMemoryIsTaken) {
     EXPECT_THROW(all_values(kHead + "1 2 3 4 nan 1 2"), InvalidInput);
 }
 
-TEST(PlyHeader, ErrorsNameTheLine) {
+TEST(PlyHeader, ErrorsReportTheLine) {
     const auto error = [](const std::string& text) {
         return error_of<InvalidInput>([&] { parse_ply_header(text, "t.ply"); });
     };

@@ -58,7 +58,7 @@ class MapFileTest : public test::FolderTest {
 
 using Rows = std::vector<std::string>;
 
-TEST_F(MapFileTest, GeoJsonHasPointsPolygonsAndTheirProperties) {
+TEST_F(MapFileTest, GeoJsonContainsPointsPolygonsAndProperties) {
     const auto map = nlohmann::json::parse(written("a.geojson", {.epsg = 32632}));
     EXPECT_EQ(map["type"], "FeatureCollection");
     EXPECT_EQ(map["crs"]["properties"]["name"], "urn:ogc:def:crs:EPSG::32632");
@@ -74,7 +74,7 @@ TEST_F(MapFileTest, GeoJsonHasPointsPolygonsAndTheirProperties) {
     EXPECT_EQ(ring, nlohmann::json::parse("[[0.0,0.0],[4.0,0.0],[0.0,3.0],[0.0,0.0]]"));
 }
 
-TEST_F(MapFileTest, GeoJsonNamesNoUnknownSystem) {
+TEST_F(MapFileTest, GeoJsonOmitsAnUnknownReferenceSystem) {
     EXPECT_FALSE(nlohmann::json::parse(written("a.geojson", {})).contains("crs"));
     EXPECT_FALSE(
         nlohmann::json::parse(written("b.geojson", {.epsg = 0, .wkt = "LOCAL_CS[]"})).contains("crs"));
@@ -111,7 +111,7 @@ TEST_F(MapFileTest, GeoPackageGeometriesAreWellKnownBinary) {
     EXPECT_EQ(crown[0].size(), 2 * (8 + 13 + 64u));
 }
 
-TEST_F(MapFileTest, GeoPackageKeepsSystemsByTheirText) {
+TEST_F(MapFileTest, GeoPackagePreservesReferenceSystemsAsText) {
     written("a.gpkg", {.epsg = 0, .wkt = "LOCAL_CS[\"plot\"]"});
     EXPECT_EQ(rows("a.gpkg",
                    "SELECT definition FROM gpkg_spatial_ref_sys WHERE srs_id = "
@@ -121,12 +121,12 @@ TEST_F(MapFileTest, GeoPackageKeepsSystemsByTheirText) {
 
 TEST_F(MapFileTest, TheSameMapHasTheSameBytes) { EXPECT_EQ(written("a.gpkg", {}), written("b.gpkg", {})); }
 
-TEST_F(MapFileTest, OtherEndingsAreRefused) {
+TEST_F(MapFileTest, RejectsOtherExtensions) {
     EXPECT_EQ(test::error_of<Unsupported>([&] { write_map("trees.shp", small_map()); }),
               "'trees.shp' is no name of a map; use the ending .geojson or .gpkg");
 }
 
-TEST(MapCrs, IsNamedByANumberOfEpsg) {
+TEST(MapCrs, AcceptsEpsgNumbersOnly) {
     EXPECT_EQ(parse_crs("EPSG:32632").epsg, 32632);
     EXPECT_EQ(parse_crs("epsg:4326").epsg, 4326);
     for (const char* const text :

@@ -44,7 +44,7 @@ class TreeLibraryTest : public test::FolderTest {
     }
 };
 
-TEST_F(TreeLibraryTest, GivesBackWhatWasPutIn) {
+TEST_F(TreeLibraryTest, ReturnsTheAddedTrees) {
     const std::vector<ChildTree> trees = fill({"oak", "young"});
     const std::vector<LibraryEntry> entries = read();
     ASSERT_EQ(entries.size(), trees.size());
@@ -66,7 +66,7 @@ TEST_F(TreeLibraryTest, GivesBackWhatWasPutIn) {
     }
 }
 
-TEST_F(TreeLibraryTest, HoldsNothingTwice) {
+TEST_F(TreeLibraryTest, ContainsNoDuplicates) {
     const std::vector<ChildTree> trees = fill();
     TreeLibrary library(file(), LibraryAccess::write);
     const TreeLibrary::Added again = library.add(trees, "copy.swc", std::vector<std::string>{"late"});
@@ -75,7 +75,7 @@ TEST_F(TreeLibraryTest, HoldsNothingTwice) {
     EXPECT_EQ(library.list({.tags = {"late"}}).size(), trees.size());
 }
 
-TEST_F(TreeLibraryTest, FiltersTagsAndRemoves) {
+TEST_F(TreeLibraryTest, FiltersTagsAndRemovesTrees) {
     const std::vector<ChildTree> trees = fill({"oak"});
     TreeLibrary library(file(), LibraryAccess::write);
     const auto longest = library.list({.min_length = 1.0f});
@@ -98,7 +98,7 @@ TEST_F(TreeLibraryTest, FiltersTagsAndRemoves) {
               std::string::npos);
 }
 
-TEST_F(TreeLibraryTest, TwoWritersLoseNothing) {
+TEST_F(TreeLibraryTest, ConcurrentWritersLoseNothing) {
     fill();
     const std::size_t before = read().size();
     std::vector<std::thread> writers;
@@ -119,7 +119,7 @@ TEST_F(TreeLibraryTest, TwoWritersLoseNothing) {
     EXPECT_EQ(read().size(), expected);
 }
 
-TEST_F(TreeLibraryTest, RefusesWhatIsNoLibrary) {
+TEST_F(TreeLibraryTest, RejectsFilesThatAreNotLibraries) {
     EXPECT_NE(error_of<IoError>([&] { read(); }).find("no such file"), std::string::npos);
     std::ofstream(file()) << "not a database, but long enough to be looked at as one "
                           << std::string(2000, 'x');
@@ -133,7 +133,7 @@ TEST_F(TreeLibraryTest, RefusesWhatIsNoLibrary) {
               std::string::npos);
 }
 
-TEST_F(TreeLibraryTest, RefusesOtherVersionsViewsAndDamage) {
+TEST_F(TreeLibraryTest, RejectsOtherVersionsViewsAndDamage) {
     fill();
     execute("PRAGMA user_version = 2");
     expect_refused("version 2");
@@ -151,7 +151,7 @@ TEST_F(TreeLibraryTest, RefusesOtherVersionsViewsAndDamage) {
     EXPECT_GT(read().size(), 0u);
 }
 
-TEST_F(TreeLibraryTest, RefusesValuesThatNoTreeHas) {
+TEST_F(TreeLibraryTest, RejectsInvalidValues) {
     fill();
     for (const char* value :
          {"nodes = -1", "tips = 'many'", "orders = 0", "length = -2", "volume = 9e999", "radius = x'00'",
@@ -168,7 +168,7 @@ TEST_F(TreeLibraryTest, RefusesValuesThatNoTreeHas) {
     EXPECT_EQ(TreeLibrary(file(), LibraryAccess::write).remove({.ids = {"-7"}}), 1u);
 }
 
-TEST_F(TreeLibraryTest, ListsControlCharactersOfForeignTextEscaped) {
+TEST_F(TreeLibraryTest, EscapesControlCharactersInLists) {
     fill({"oak"});
     execute(
         "UPDATE tree SET source = 'a' || char(27) || '[2J' || char(10) || 'b'; UPDATE tag SET name = "
@@ -178,7 +178,7 @@ TEST_F(TreeLibraryTest, ListsControlCharactersOfForeignTextEscaped) {
     EXPECT_EQ(table.find('\x1b'), std::string::npos);
 }
 
-TEST_F(TreeLibraryTest, LeavesNoNewFileWhereNothingIsAdded) {
+TEST_F(TreeLibraryTest, CreatesNoFileIfNothingIsAdded) {
     const std::vector<ChildTree> trees = child_trees(random_tree(60, 1));
     const std::vector<std::string> bad{"a b"};
     EXPECT_THROW(TreeLibrary(file(), LibraryAccess::create).add(trees, "oak.swc", bad), InvalidInput);
@@ -196,7 +196,7 @@ TEST_F(TreeLibraryTest, LeavesNoNewFileWhereNothingIsAdded) {
     EXPECT_EQ(read().size(), 0u);
 }
 
-TEST_F(TreeLibraryTest, AddsAllBatchesOrNone) {
+TEST_F(TreeLibraryTest, AddsAllBatchesTogether) {
     const std::vector<ChildTree> trees = child_trees(random_tree(60, 1));
     std::vector<ChildTree> others = child_trees(random_tree(30, 2));
     const std::vector<TreeLibrary::Batch> batches{{trees, "a.swc"}, {others, "b.swc"}};
@@ -205,7 +205,7 @@ TEST_F(TreeLibraryTest, AddsAllBatchesOrNone) {
     EXPECT_EQ(TreeLibrary(file(), LibraryAccess::read).list({.from = {"b.swc"}}).size(), others.size());
 }
 
-TEST_F(TreeLibraryTest, RefusesATornFile) {
+TEST_F(TreeLibraryTest, RejectsATruncatedFile) {
     fill();
     std::filesystem::resize_file(file(), std::filesystem::file_size(file()) / 2);
     const std::string said = error_of<IoError>([&] { read(); });

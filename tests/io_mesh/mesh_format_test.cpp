@@ -19,7 +19,7 @@ TEST(MeshFormat, FollowsTheLastExtension) {
     }
 }
 
-TEST(MeshFormat, ShowsInTheFirstBytes) {
+TEST(MeshFormat, FollowsTheFirstBytes) {
     EXPECT_EQ(mesh_format_of_content("ply\nformat ascii 1.0\n"), MeshFormat::ply);
     EXPECT_EQ(mesh_format_of_content("ply\r\n"), MeshFormat::ply);
     EXPECT_EQ(mesh_format_of_content("glTF\2"), MeshFormat::glb);
@@ -32,7 +32,7 @@ TEST(MeshFormat, ShowsInTheFirstBytes) {
     }
 }
 
-TEST(MeshFormat, BinaryStlIsKnownByItsLength) {
+TEST(MeshFormat, RecognizesBinaryStlByItsLength) {
     std::string file(84 + 50, '\0');
     file[80] = 1;
     EXPECT_EQ(mesh_format_of_content(file), MeshFormat::stl);

@@ -118,7 +118,7 @@ const std::string kAsciiStl =
     "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 1 0\nvertex -0 1 0\nendloop\nendfacet\nendsolid "
     "s\n";
 
-TEST(MeshReader, Obj) {
+TEST(MeshReader, ReadsObj) {
     const PolygonMesh mesh = parse_mesh(kObj, MeshFormat::obj, "f");
     ASSERT_EQ(mesh.positions.size(), 4u);
     EXPECT_EQ(mesh.positions[2], Vec3(1.5f, 1, 0));
@@ -145,7 +145,7 @@ TEST(MeshReader, ObjGroupsAreNamedByObjectGroupAndMaterial) {
     EXPECT_EQ(named.group, (std::vector<std::uint32_t>{0, 2, 3, 2}));
 }
 
-TEST(MeshReader, ObjErrorsNameTheLine) {
+TEST(MeshReader, ObjErrorsReportTheLine) {
     const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
     const auto error = [](const std::string& text) { return error_of(text, MeshFormat::obj); };
     EXPECT_EQ(error(three + "f 1 2 9\n"), "f:4: a face refers to vertex 9, but the vertices are 1 to 3");
@@ -163,7 +163,7 @@ TEST(MeshReader, ObjErrorsNameTheLine) {
     EXPECT_EQ(error("hello\n"), "f: no mesh was found; OBJ, PLY, OFF, STL and GLB are read");
 }
 
-TEST(MeshReader, PlyInAllEncodings) {
+TEST(MeshReader, ReadsPlyInAllEncodings) {
     EXPECT_EQ(faces_of(parse_mesh(kAsciiPly, MeshFormat::ply, "f")), (Faces{{0, 1, 2, 3}}));
     for (const bool big : {false, true}) {
         const PolygonMesh mesh = parse_mesh(binary_ply(big), MeshFormat::ply, "f");
@@ -172,7 +172,7 @@ TEST(MeshReader, PlyInAllEncodings) {
     }
 }
 
-TEST(MeshReader, PlyErrorsNameTheFace) {
+TEST(MeshReader, PlyErrorsReportTheFace) {
     const auto error = [](const char* from, const char* to) {
         return error_of(replaced(kAsciiPly, from, to), MeshFormat::ply);
     };
@@ -189,13 +189,13 @@ TEST(MeshReader, PlyErrorsNameTheFace) {
     EXPECT_EQ(error_of("hello", MeshFormat::ply), "f: not a PLY file: it does not start with 'ply'");
 }
 
-TEST(MeshReader, PlyCoordinatesAsListsAreRefused) {
+TEST(MeshReader, RejectsPlyCoordinatesAsLists) {
     EXPECT_EQ(
         error_of(replaced(kAsciiPly, "property float y", "property list uchar float y"), MeshFormat::ply),
         "f: the coordinates of the vertices are lists");
 }
 
-TEST(MeshReader, OffWithColoursAndComments) {
+TEST(MeshReader, ReadsOffWithColoursAndComments) {
     const PolygonMesh mesh = parse_mesh(kOff, MeshFormat::off, "f");
     EXPECT_EQ(mesh.positions[3], Vec3(0, 1, 7));
     EXPECT_EQ(faces_of(mesh), (Faces{{0, 1, 2}, {0, 2, 3}}));
@@ -206,7 +206,7 @@ TEST(MeshReader, OffWithColoursAndComments) {
     }
 }
 
-TEST(MeshReader, OffErrorsNameTheLine) {
+TEST(MeshReader, OffErrorsReportTheLine) {
     const auto error = [](const char* from, const char* to) {
         return error_of(replaced(kOff, from, to), MeshFormat::off);
     };
@@ -222,7 +222,7 @@ TEST(MeshReader, OffErrorsNameTheLine) {
     EXPECT_NE(error("COFF", "OFF BINARY").find("binary OFF is not read"), std::string::npos);
 }
 
-TEST(MeshReader, StlIsWelded) {
+TEST(MeshReader, WeldsStl) {
     const auto text = parse_mesh(kAsciiStl, MeshFormat::stl, "f");
     EXPECT_EQ(text.positions.size(), 4u);
     EXPECT_EQ(faces_of(text), (Faces{{0, 1, 2}, {0, 2, 3}}));
@@ -233,7 +233,7 @@ TEST(MeshReader, StlIsWelded) {
     EXPECT_EQ(binary.positions[2], Vec3(1, 1, 0));
 }
 
-TEST(MeshReader, StlErrors) {
+TEST(MeshReader, ReportsStlErrors) {
     const auto error = [](const char* from, const char* to) {
         return error_of(replaced(kAsciiStl, from, to), MeshFormat::stl);
     };
@@ -246,7 +246,7 @@ TEST(MeshReader, StlErrors) {
               "f: the header specifies 1 triangles, but the file is too short for them; it is truncated");
 }
 
-TEST(MeshReader, GlbTurnsUpright) {
+TEST(MeshReader, GlbIsConvertedToZUp) {
     const auto mesh = parse_mesh(triangle_glb(R"([{"mesh":0}])"), MeshFormat::glb, "f");
     EXPECT_EQ(mesh.positions[1], Vec3(1, 0, 0));
     EXPECT_EQ(mesh.positions[2], Vec3(0, 0, 2));  // Y up became Z up
@@ -280,12 +280,12 @@ TEST(MeshReader, GlbTransformsAreApplied) {
     for (std::size_t v = 0; v < 3; ++v) expect_near(same.positions[v], mesh.positions[v]);
 }
 
-TEST(MeshReader, GlbMirrorsKeepTheOutside) {
+TEST(MeshReader, GlbMirrorsPreserveTheOutside) {
     const auto mesh = parse_mesh(triangle_glb(R"([{"mesh":0,"scale":[-1,1,1]}])"), MeshFormat::glb, "f");
     EXPECT_EQ(faces_of(mesh), (Faces{{0, 2, 1}}));
 }
 
-TEST(MeshReader, GlbErrors) {
+TEST(MeshReader, ReportsGlbErrors) {
     const std::string good = triangle_glb(R"([{"mesh":0}])");
     const auto with_nodes = [](const char* nodes) { return error_of(triangle_glb(nodes), MeshFormat::glb); };
     EXPECT_EQ(with_nodes(R"([{"children":[0]}])"), "f: node 0 has two parents or is its own ancestor");
@@ -321,7 +321,7 @@ TEST(MeshReader, GlbErrors) {
               std::string::npos);
 }
 
-TEST(MeshReader, GlbBuffersInOtherFilesAreRefused) {
+TEST(MeshReader, RejectsGlbBuffersInOtherFiles) {
     const auto file = glb(R"({"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
         "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],
         "bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"uri":"a.bin","byteLength":36}]})",
@@ -329,7 +329,7 @@ TEST(MeshReader, GlbBuffersInOtherFilesAreRefused) {
     EXPECT_NE(error_of(file, MeshFormat::glb).find("stores data in other files"), std::string::npos);
 }
 
-TEST(MeshReader, GlbEmptyAccessorsMayStartAnywhere) {
+TEST(MeshReader, GlbEmptyAccessorsMayHaveAnyOffset) {
     const auto file = glb(R"({"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
         "accessors":[{"bufferView":0,"byteOffset":4,"componentType":5126,"count":0,"type":"VEC3"}],
         "bufferViews":[{"byteLength":0}],"buffers":[{"byteLength":0}]})",
@@ -337,7 +337,7 @@ TEST(MeshReader, GlbEmptyAccessorsMayStartAnywhere) {
     EXPECT_EQ(error_of(file, MeshFormat::glb), "f: it contains no faces, so it is not a surface");
 }
 
-TEST(MeshReader, LargeCoordinatesKeepTheirDigits) {
+TEST(MeshReader, LargeCoordinatesPreserveTheirDigits) {
     const auto mesh =
         parse_mesh("v 500000.125 5200000.0625 300\nv 500001.375 5200000 300\nv 500000 5200001 301\nf 1 2 3\n",
                    MeshFormat::obj, "f");
@@ -347,7 +347,7 @@ TEST(MeshReader, LargeCoordinatesKeepTheirDigits) {
 }
 
 /// Every prefix of a file is read as a mesh or refused with one of our errors.
-TEST(MeshReader, FilesCutAtAnyByte) {
+TEST(MeshReader, TruncatedFilesAreReadOrRejected) {
     const std::vector<std::pair<std::string, MeshFormat>> files{
         {kObj, MeshFormat::obj},
         {kAsciiPly, MeshFormat::ply},
@@ -389,14 +389,14 @@ class ReadMeshFile : public test::FolderTest {
     }
 };
 
-TEST_F(ReadMeshFile, TheContentGoesBeforeTheName) {
+TEST_F(ReadMeshFile, ContentTakesPrecedenceOverTheName) {
     EXPECT_EQ(read_mesh(put("a.obj", kOff)).face_count(), 2u);
     EXPECT_EQ(read_mesh(put("a.ply", triangle_glb(R"([{"mesh":0}])"))).face_count(), 1u);
     EXPECT_EQ(read_mesh(put("a.txt", kObj)).face_count(), 2u);
     EXPECT_EQ(read_mesh(put("a.OFF", "3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")).face_count(), 1u);
 }
 
-TEST_F(ReadMeshFile, OtherKindsOfFilesAreNamed) {
+TEST_F(ReadMeshFile, ReportsOtherFormats) {
     EXPECT_EQ(error_of_file("a.obj", ""), ": the file is empty");
     EXPECT_EQ(error_of_file("a.fbx", "Kaydara FBX Binary  "),
               ": FBX is not read; export the mesh as GLB, PLY or OBJ");
@@ -409,7 +409,7 @@ TEST_F(ReadMeshFile, OtherKindsOfFilesAreNamed) {
 }
 
 /// Numbers of faces and welded vertices as counted by the collectors of the files (see data/README.md there).
-TEST(MeshReader, RealFiles) {
+TEST(MeshReader, ReadsRealFiles) {
     const fs::path data = source_dir().parent_path() / "shared" / "data";
     if (!fs::exists(data)) GTEST_SKIP() << "the collection of real files is not here";
     const std::map<std::string, std::array<std::size_t, 2>> expected{

@@ -81,7 +81,7 @@ class MeshWriter : public test::FolderTest {
 };
 
 // Two adjacent quads: they share the middle edge, with a texture seam at one of its ends.
-TEST_F(MeshWriter, PutsCornersOnATexture) {
+TEST_F(MeshWriter, WritesTextureCoordinates) {
     PolygonMesh mesh;
     mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {2, 0, 0}, {2, 1, 0}};
     for (const Quad q : {Quad{0, 1, 2, 3}, Quad{1, 4, 5, 2}}) mesh.add_face(q);
@@ -101,7 +101,7 @@ TEST_F(MeshWriter, PutsCornersOnATexture) {
         std::string::npos);
 }
 
-TEST_F(MeshWriter, QuadsComeBackFromObjAndPlyBitForBit) {
+TEST_F(MeshWriter, QuadsAreReadBackBitIdenticallyFromObjAndPly) {
     const QuadMesh mesh = sheet(150);  // 22,500 quads: three runs
     const PolygonMesh expected = to_polygons(mesh);
     for (const char* name : {"a.obj", "a.ply"}) {
@@ -112,7 +112,7 @@ TEST_F(MeshWriter, QuadsComeBackFromObjAndPlyBitForBit) {
     }
 }
 
-TEST_F(MeshWriter, ObjIsWhatItShouldBe) {
+TEST_F(MeshWriter, ObjHasTheExpectedText) {
     QuadMesh mesh;
     mesh.positions = {{0, 0, 0}, {0.1f, 0, 0}, {1, 1, 1e-7f}, {-2.5f, 1, 0}};
     mesh.quads = {{0, 1, 2, 3}};
@@ -122,7 +122,7 @@ TEST_F(MeshWriter, ObjIsWhatItShouldBe) {
     EXPECT_NE(written("a.obj", mesh).find("\nv 499997.5 1.5 0\n"), std::string::npos);
 }
 
-TEST_F(MeshWriter, TrianglesKeepTheVolumeAndTheOutside) {
+TEST_F(MeshWriter, TrianglesPreserveTheVolumeAndTheOutside) {
     const QuadMesh mesh = cuboid();
     for (const char* name : {"a.obj", "a.ply", "a.stl", "a.glb"}) {
         const PolygonMesh back = round_trip(name, mesh);
@@ -135,7 +135,7 @@ TEST_F(MeshWriter, TrianglesKeepTheVolumeAndTheOutside) {
 
 // 100 m from zero floats are 7.6e-6 m apart, so that rounding alone would map the eight corners of the small
 // cuboid to one or two positions.
-TEST_F(MeshWriter, StlKeepsVerticesApartThatRoundingPutsIntoOnePlace) {
+TEST_F(MeshWriter, StlSeparatesVerticesThatRoundToOnePosition) {
     QuadMesh mesh = cuboid();
     for (const Vec3 p : cuboid().positions) mesh.positions.push_back(Vec3{2, 1, 1} + p * 1e-6f);
     for (Quad q : cuboid().quads) {
@@ -152,7 +152,7 @@ TEST_F(MeshWriter, StlKeepsVerticesApartThatRoundingPutsIntoOnePlace) {
 }
 
 // A texture seam disappears if vertices are welded.
-TEST_F(MeshWriter, StlKeepsVerticesTogetherThatAreInOnePlace) {
+TEST_F(MeshWriter, StlMergesCoincidentVertices) {
     QuadMesh mesh;
     mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}};
     mesh.quads = {{0, 1, 2, 3}, {4, 5, 6, 7}};
@@ -160,7 +160,7 @@ TEST_F(MeshWriter, StlKeepsVerticesTogetherThatAreInOnePlace) {
     EXPECT_EQ(round_trip("a.stl", mesh).positions.size(), 6u);
 }
 
-TEST_F(MeshWriter, AMeshWithoutFacesIsNotWritten) {
+TEST_F(MeshWriter, RejectsAMeshWithoutFaces) {
     QuadMesh mesh = cuboid();
     mesh.quads.clear();
     for (const char* name : {"a.obj", "a.ply", "a.stl", "a.glb", "a.usda"}) {
@@ -171,7 +171,7 @@ TEST_F(MeshWriter, AMeshWithoutFacesIsNotWritten) {
     EXPECT_THROW(write_cage(folder_ / "c.usda", mesh), InvalidInput);
 }
 
-TEST_F(MeshWriter, QuadsAreCutAlongTheShorterDiagonal) {
+TEST_F(MeshWriter, SplitsQuadsAlongTheShorterDiagonal) {
     QuadMesh mesh;
     mesh.positions = {{0, 0, 0}, {1, 0, 0}, {3, 3, 0}, {0, 1, 0}};  // 0-2 is longer than 1-3
     mesh.quads = {{0, 1, 2, 3}};
@@ -179,7 +179,7 @@ TEST_F(MeshWriter, QuadsAreCutAlongTheShorterDiagonal) {
     ASSERT_EQ(back.corners, (std::vector<std::uint32_t>{1, 2, 3, 1, 3, 0}));
 }
 
-TEST_F(MeshWriter, AllMeshTypesAndLargeFaces) {
+TEST_F(MeshWriter, WritesAllMeshTypesAndLargeFaces) {
     PolygonMesh mesh;
     std::vector<std::uint32_t> ring;
     for (std::uint32_t i = 0; i < 300; ++i) {  // more corners than a byte can represent
@@ -200,7 +200,7 @@ TEST_F(MeshWriter, AllMeshTypesAndLargeFaces) {
     }
 }
 
-TEST_F(MeshWriter, TheOriginKeepsItsDigits) {
+TEST_F(MeshWriter, OriginPreservesItsDigits) {
     QuadMesh mesh = cuboid();
     mesh.positions[6] = {1.0625f, 2, 3.03125f};
     mesh.origin = {512345.25, -5212345.5, 310.125};
@@ -212,7 +212,7 @@ TEST_F(MeshWriter, TheOriginKeepsItsDigits) {
     }
 }
 
-TEST_F(MeshWriter, StlTakesANearOriginOnly) {
+TEST_F(MeshWriter, StlAcceptsOnlyOriginsNearZero) {
     QuadMesh mesh = cuboid();
     mesh.origin = {1, 2, 3};
     const PolygonMesh back = round_trip("a.stl", mesh);
@@ -225,7 +225,7 @@ TEST_F(MeshWriter, StlTakesANearOriginOnly) {
                   "instead");
 }
 
-TEST_F(MeshWriter, StlNormalsAreThoseOfTheCorners) {
+TEST_F(MeshWriter, StlNormalsMatchTheCorners) {
     const std::string bytes = written("a.stl", cuboid());
     ASSERT_EQ(bytes.size(), 84u + 12 * 50);
     for (std::size_t t = 0; t < 12; ++t) {
@@ -235,7 +235,7 @@ TEST_F(MeshWriter, StlNormalsAreThoseOfTheCorners) {
     }
 }
 
-TEST_F(MeshWriter, Usda) {
+TEST_F(MeshWriter, WritesUsda) {
     QuadMesh mesh;
     mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
     mesh.quads = {{0, 1, 2, 3}};
@@ -254,18 +254,18 @@ TEST_F(MeshWriter, Usda) {
               std::string::npos);
 }
 
-TEST_F(MeshWriter, CagesAreSubdividedByTheReader) {
+TEST_F(MeshWriter, CagesHaveASubdivisionScheme) {
     write_cage(folder_ / "cage.usda", cuboid());
     const std::string text = read_file(folder_ / "cage.usda");
     EXPECT_NE(text.find("subdivisionScheme = \"catmullClark\""), std::string::npos);
     EXPECT_EQ(text.find("normals"), std::string::npos);
 }
 
-TEST_F(MeshWriter, TheOptionGoesBeforeTheName) {
+TEST_F(MeshWriter, OptionTakesPrecedenceOverTheName) {
     EXPECT_TRUE(written("a.txt", cuboid(), {.format = MeshFormat::ply}).starts_with("ply\n"));
 }
 
-TEST_F(MeshWriter, SameBytesForAnyNumberOfThreads) {
+TEST_F(MeshWriter, FilesAreIdenticalForAnyNumberOfThreads) {
     const QuadMesh mesh = sheet(200);
     for (const char* name : {"a.obj", "a.ply", "a.stl", "a.glb", "a.usda"}) {
         Context one;
@@ -276,7 +276,7 @@ TEST_F(MeshWriter, SameBytesForAnyNumberOfThreads) {
     }
 }
 
-TEST_F(MeshWriter, ProgressNeverFalls) {
+TEST_F(MeshWriter, ProgressNeverDecreases) {
     Context ctx;
     std::vector<float> seen;
     ctx.progress = [&](float f) { seen.push_back(f); };
@@ -288,7 +288,7 @@ TEST_F(MeshWriter, ProgressNeverFalls) {
     }
 }
 
-TEST_F(MeshWriter, CancellingLeavesNothing) {
+TEST_F(MeshWriter, CreatesNoFileIfCancelled) {
     std::stop_source stop;
     stop.request_stop();
     Context ctx;
@@ -297,7 +297,7 @@ TEST_F(MeshWriter, CancellingLeavesNothing) {
     EXPECT_TRUE(fs::is_empty(folder_));
 }
 
-TEST_F(MeshWriter, Errors) {
+TEST_F(MeshWriter, ReportsErrors) {
     const std::string start = "cannot write " + folder_.string() + "/";
     EXPECT_EQ(error_of("a.xyz", cuboid()),
               start + "a.xyz: a mesh file must have the extension .obj, .ply, .stl, .glb or .usda");

@@ -54,7 +54,7 @@ struct Glb {
     }
 };
 
-TEST_F(MotionWriterTest, WritesMorphTargetsThatFollowEachOther) {
+TEST_F(MotionWriterTest, WritesSuccessiveMorphTargets) {
     const QuadMesh mesh = cube();
     const auto path = folder_ / "m.glb";
     MotionWriter writer(path, mesh, 3, 10);
@@ -88,7 +88,7 @@ TEST_F(MotionWriterTest, WritesTimeSamples) {
         EXPECT_NE(text.find(part), std::string::npos) << part;
 }
 
-TEST_F(MotionWriterTest, WritesFramesWithFacesOfTheirOwn) {
+TEST_F(MotionWriterTest, WritesFramesWithDifferentFaces) {
     std::vector<QuadMesh> frames{cube(), cube()};
     frames[0].quads.resize(2);
     write_changing_mesh(folder_ / "c.usda", frames, 12);
@@ -100,7 +100,7 @@ TEST_F(MotionWriterTest, WritesFramesWithFacesOfTheirOwn) {
         std::string::npos);
 }
 
-TEST_F(MotionWriterTest, LeavesNothingBehindWithoutItsEnd) {
+TEST_F(MotionWriterTest, CreatesNoFileIfUnfinished) {
     const QuadMesh mesh = cube();
     {
         MotionWriter writer(folder_ / "m.usda", mesh, 2, 24);
@@ -109,7 +109,7 @@ TEST_F(MotionWriterTest, LeavesNothingBehindWithoutItsEnd) {
     EXPECT_FALSE(std::filesystem::exists(folder_ / "m.usda"));
 }
 
-TEST_F(MotionWriterTest, RefusesOtherNames) {
+TEST_F(MotionWriterTest, RejectsOtherFormatsAndEmptyMeshes) {
     const QuadMesh mesh = cube();
     EXPECT_THROW(MotionWriter(folder_ / "m.ply", mesh, 2, 24), Unsupported);
     EXPECT_THROW(MotionWriter(folder_ / "m.glb", QuadMesh{}, 2, 24), InvalidInput);

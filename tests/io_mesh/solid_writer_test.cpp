@@ -35,7 +35,7 @@ T number_at(const std::string& bytes, std::size_t at) {
     return out;
 }
 
-TEST_F(SolidWriter, KnowsItsFormatsByName) {
+TEST_F(SolidWriter, DeterminesTheFormatByName) {
     EXPECT_EQ(solid_format_of_name("a.vtu"), SolidFormat::vtu);
     EXPECT_EQ(solid_format_of_name("a.msh"), SolidFormat::msh);
     EXPECT_EQ(solid_format_of_name("a.ply"), std::nullopt);
@@ -72,7 +72,7 @@ TEST_F(SolidWriter, WritesGmshNumberedFromOne) {
     EXPECT_TRUE(bytes.ends_with("\n$EndElements\n"));
 }
 
-TEST_F(SolidWriter, WritesManyInOrder) {
+TEST_F(SolidWriter, WritesManyItemsInOrder) {
     // More than one run of items.
     SolidMesh many;
     for (int i = 0; i < 100'000; ++i) many.positions.push_back({static_cast<float>(i), 0, 0});

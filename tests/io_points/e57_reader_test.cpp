@@ -140,7 +140,7 @@ TEST(E57Reader, ReadsSphericalCoordinatesAndInvalidStates) {
     EXPECT_EQ(parse_points(e57_file::make({cartesian}), "p.e57").size(), 1u);
 }
 
-TEST(E57Reader, GivesWhatIsKnownOfPoints) {
+TEST(E57Reader, ReadsPointAttributes) {
     Scan scan = scan_of(2);
     scan.fields.push_back({"intensity", kSingle, 32, {bits_of(0.25f), bits_of(1.0f)}});
     scan.fields.push_back({"colorRed", "type=\"Integer\" minimum=\"0\" maximum=\"255\"", 8, {0, 255}});
@@ -164,7 +164,7 @@ TEST(E57Reader, GivesWhatIsKnownOfPoints) {
     EXPECT_EQ(found.point_cloud.return_counts, (std::vector<std::uint8_t>{1, 4}));
 }
 
-TEST(E57Reader, RefusesDamage) {
+TEST(E57Reader, RejectsDamagedFiles) {
     const std::string good = e57_file::make({scan_of(500)});
     std::string bytes = good;
     bytes[2000] = static_cast<char>(bytes[2000] ^ 1);
@@ -199,13 +199,13 @@ TEST(E57Reader, ChecksCountsAgainstTheFile) {
               "p.e57: the E57 file is damaged: its XML specifies more points than it can contain");
 }
 
-TEST(E57Reader, RefusesEveryTruncation) {
+TEST(E57Reader, RejectsEveryTruncation) {
     const std::string bytes = e57_file::make({scan_of(100)});
     for (std::size_t size = 8; size < bytes.size(); size += 5)
         EXPECT_THROW(parse_points(std::string_view(bytes).substr(0, size), "p.e57"), InvalidInput) << size;
 }
 
-TEST(E57Reader, SurvivesDamage) {
+TEST(E57Reader, DamagedFilesAreReadOrRejected) {
     const std::string good = e57_file::make({scan_of(40), scan_of(30, true)}, 9);
     const CounterRandom random(3, 1);
     for (std::uint64_t turn = 0; turn < 3000; ++turn) {

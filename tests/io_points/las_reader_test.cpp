@@ -71,7 +71,7 @@ TEST(LasReader, ReadsAllVersionsAndFormats) {
     }
 }
 
-TEST(LasReader, KeepsTheDigitsOfCoordinatesFarAway) {
+TEST(LasReader, PreservesTheDigitsOfDistantCoordinates) {
     // Swiss coordinates in multiples of 0.1 mm, over 40 m: the origin is within 64 m, and half a step of
     // floats below 64 is 1.9e-6.
     std::string bytes = las_file({2, 3, 34});
@@ -93,7 +93,7 @@ TEST(LasReader, KeepsTheDigitsOfCoordinatesFarAway) {
     }
 }
 
-TEST(LasReader, GivesWhatIsKnownOfPoints) {
+TEST(LasReader, ReadsPointAttributes) {
     std::string bytes = las_file({2, 3, 34});
     put<std::uint16_t>(bytes, 227 + 12, 700);
     bytes[227 + 14] = 2 | 3 << 3;              // the second of three returns
@@ -116,7 +116,7 @@ TEST(LasReader, GivesWhatIsKnownOfPoints) {
     EXPECT_EQ(places.points, found.points);
 }
 
-TEST(LasReader, PassesOverWithheldPoints) {
+TEST(LasReader, SkipsWithheldPoints) {
     std::string old = las_file({2, 3, 34});
     put<std::uint8_t>(old, 227 + 34 + 15, 0x82);
     EXPECT_EQ(parse_points(old, "p.las").size(), 2u);
@@ -125,7 +125,7 @@ TEST(LasReader, PassesOverWithheldPoints) {
     EXPECT_EQ(parse_points(recent, "p.las").size(), 2u);
 }
 
-TEST(LasReader, RefusesWhatItCannotRead) {
+TEST(LasReader, RejectsUnsupportedAndInvalidFiles) {
     std::string bytes = las_file({2, 3, 34});
     put<std::uint8_t>(bytes, 25, 5);
     EXPECT_EQ(error_of(bytes),
@@ -148,7 +148,7 @@ TEST(LasReader, RefusesWhatItCannotRead) {
     EXPECT_EQ(error_of(bytes), "p.las: it contains no points");
 }
 
-TEST(LasReader, RefusesCountsBeyondTheFile) {
+TEST(LasReader, RejectsCountsBeyondTheFile) {
     std::string bytes = las_file({4, 6, 30});
     put<std::uint64_t>(bytes, 247, std::uint64_t{1} << 62);
     EXPECT_EQ(error_of(bytes),
@@ -162,7 +162,7 @@ TEST(LasReader, RefusesCountsBeyondTheFile) {
     EXPECT_NE(error_of(bytes).find("cut off or damaged"), std::string::npos);
 }
 
-TEST(LasReader, TakesWhatIsThereOfATruncatedFile) {
+TEST(LasReader, ReadsTheCompletePointsOfATruncatedFile) {
     // the second lacks its last byte
     const std::string bytes = las_file({2, 3, 34}).substr(0, 227 + 34 + 33);
     const PointFile file = parse_point_file(bytes, "p.las", {}, {.allow_truncated = true});
@@ -231,7 +231,7 @@ TEST(LasReader, ReadsExtraDimensions) {
     EXPECT_TRUE(parse_point_file(bytes, "p.las").dimensions.empty());
 }
 
-TEST(LasReader, PassesOverDimensionsBeyondTheRecord) {
+TEST(LasReader, SkipsDimensionsBeyondTheRecord) {
     std::string bytes = las_file({4, 6, 34});
     put<std::uint32_t>(bytes, 375 + 30, 5);
     add_record(bytes, "LASF_Spec", 4, dimension("label", 5) + dimension("treeID", 5));
@@ -240,7 +240,7 @@ TEST(LasReader, PassesOverDimensionsBeyondTheRecord) {
     EXPECT_EQ(file.dimensions.size(), 1u);
 }
 
-TEST(LasReader, NamesTheCoordinateSystem) {
+TEST(LasReader, ReadsTheNameOfTheCoordinateSystem) {
     const auto named = [](std::uint16_t id, std::string_view data) {
         std::string bytes = las_file({4, 6, 30});
         add_record(bytes, "LASF_Projection", id, data);
@@ -260,7 +260,7 @@ TEST(LasReader, NamesTheCoordinateSystem) {
     EXPECT_EQ(parse_point_file(las_file({4, 6, 30}), "p.las").system.name(), "");
 }
 
-TEST(LasReader, RefusesEveryTruncation) {
+TEST(LasReader, RejectsEveryTruncation) {
     for (const LasKind& kind : {kKinds[2], kKinds[6]}) {
         const std::string bytes = las_file(kind);
         for (std::size_t size = 4; size < bytes.size(); ++size) {
@@ -270,7 +270,7 @@ TEST(LasReader, RefusesEveryTruncation) {
     }
 }
 
-TEST(LasReader, SurvivesDamage) {
+TEST(LasReader, DamagedFilesAreReadOrRejected) {
     const CounterRandom random(5, 1);
     for (std::uint64_t turn = 0; turn < 3000; ++turn) {
         std::string bytes = las_file(kKinds[turn % std::size(kKinds)]);

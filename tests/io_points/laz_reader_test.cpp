@@ -119,7 +119,7 @@ TEST(LazReader, ReadsAScan) {
     EXPECT_EQ(read_points(scan).size(), 73851u);  // as its header specifies
 }
 
-TEST(LazReader, GivesTheSameForAnyNumberOfThreads) {
+TEST(LazReader, IsBitIdenticalForAnyNumberOfThreads) {
     for (const LazFile& file : kFiles) {
         SCOPED_TRACE(file.name);
         const std::string bytes = file.bytes();
@@ -129,7 +129,7 @@ TEST(LazReader, GivesTheSameForAnyNumberOfThreads) {
     }
 }
 
-TEST(LazReader, ReadsTheTableFromTheEndAsPipesLeaveIt) {
+TEST(LazReader, ReadsAChunkTableReferencedAtTheEnd) {
     for (const char* name : {"format0", "format7_varying"}) {
         std::string bytes = laz_file(name);
         const auto data = get<std::uint32_t>(bytes, 96);
@@ -141,7 +141,7 @@ TEST(LazReader, ReadsTheTableFromTheEndAsPipesLeaveIt) {
     }
 }
 
-TEST(LazReader, ReadsCopcWhole) {
+TEST(LazReader, ReadsCopc) {
     // COPC: a record before that of LASzip, chunks of several sizes, and its index after their table.
     constexpr std::uint32_t kCopcVlr = 54 + 160;
     std::string bytes = laz_file("format7_varying");
@@ -158,7 +158,7 @@ TEST(LazReader, ReadsCopcWhole) {
     expect_made_points(parse_point_cloud(bytes, "p.copc.laz"), {"format7_varying", 7});
 }
 
-TEST(LazReader, ReadsFilesWithoutATableOfEqualChunks) {
+TEST(LazReader, ReadsEqualChunksWithoutAChunkTable) {
     for (const LazFile& file : {kFiles[3], kFiles[7], kFiles[10], kFiles[11]}) {
         SCOPED_TRACE(file.name);
         std::string bytes = file.bytes();
@@ -173,7 +173,7 @@ TEST(LazReader, ReadsFilesWithoutATableOfEqualChunks) {
               std::string::npos);
 }
 
-TEST(LazReader, RefusesFieldsThatTheFormatHasNot) {
+TEST(LazReader, RejectsFieldsThatDifferFromTheFormat) {
     const std::string bytes = laz_file("format3");
     const std::string wanted =
         "p.laz: its compressed points are damaged: their fields differ from those of their format";
@@ -195,7 +195,7 @@ TEST(LazReader, RefusesFieldsThatTheFormatHasNot) {
     EXPECT_NE(error_of(other).find("the record about their compression is missing"), std::string::npos);
 }
 
-TEST(LazReader, RefusesBytesThatNobodyHas) {
+TEST(LazReader, RejectsTooManyExtraBytes) {
     std::string bytes = laz_file("format2");
     put<std::uint16_t>(bytes, 105, 26 + 5000);
     put<std::uint16_t>(bytes, packing_at(bytes) + 34 + 12 + 2, 5000);
@@ -203,7 +203,7 @@ TEST(LazReader, RefusesBytesThatNobodyHas) {
               "p.laz: its points have 5000 extra bytes, but at most 4096 can be unpacked; convert it to LAS");
 }
 
-TEST(LazReader, RefusesCountsBeyondTheFile) {
+TEST(LazReader, RejectsCountsBeyondTheFile) {
     std::string bytes = laz_file("format0");
     put<std::uint32_t>(bytes, 107, 0xffffffffu);
     EXPECT_EQ(error_of(bytes),
@@ -218,7 +218,7 @@ TEST(LazReader, RefusesCountsBeyondTheFile) {
     EXPECT_EQ(error_of(bytes), "p.laz: its compressed points are damaged: chunk 4 of 4 cannot be unpacked");
 }
 
-TEST(LazReader, RefusesTablesThatCannotBeTrue) {
+TEST(LazReader, RejectsInvalidChunkTables) {
     std::string bytes = laz_file("format0");
     const auto data = get<std::uint32_t>(bytes, 96);
     put<std::uint32_t>(bytes, static_cast<std::size_t>(get<std::int64_t>(bytes, data)) + 4, 0xffffffffu);
@@ -229,7 +229,7 @@ TEST(LazReader, RefusesTablesThatCannotBeTrue) {
     EXPECT_NE(error_of(bytes).find("the file is cut off"), std::string::npos);
 }
 
-TEST(LazReader, RefusesLayersBeyondTheFile) {
+TEST(LazReader, RejectsLayersBeyondTheFile) {
     const std::string bytes = laz_file("format6");
     const std::size_t chunk = get<std::uint32_t>(bytes, 96) + 8u;
     EXPECT_EQ(get<std::uint32_t>(bytes, chunk + 30), made::kChunk);  // points in the first chunk
@@ -275,7 +275,7 @@ TEST(LazReader, ReadsExtraBytes) {
     }
 }
 
-TEST(LazReader, TakesWholeChunksOfATruncatedFile) {
+TEST(LazReader, ReadsTheCompleteChunksOfATruncatedFile) {
     for (const char* name : {"format1", "format7"}) {
         SCOPED_TRACE(name);
         const std::string bytes = laz_file(name);
@@ -299,7 +299,7 @@ TEST(LazReader, TakesWholeChunksOfATruncatedFile) {
                  InvalidInput);
 }
 
-TEST(LazReader, RefusesEveryTruncation) {
+TEST(LazReader, RejectsEveryTruncation) {
     for (const char* name : {"format1", "format7", "format1_whole"}) {
         SCOPED_TRACE(name);
         const std::string bytes = laz_file(name);
@@ -314,7 +314,7 @@ TEST(LazReader, RefusesEveryTruncation) {
     }
 }
 
-TEST(LazReader, SurvivesDamage) {
+TEST(LazReader, DamagedFilesAreReadOrRejected) {
     const CounterRandom random(5, 2);
     std::vector<std::string> files;
     for (const LazFile& file : kFiles) files.push_back(file.bytes());

@@ -88,12 +88,12 @@ TEST(PcdReader, FindsTheFieldsByName) {
     EXPECT_EQ(set.world(0), Vec3d(0.25, -100000, -7));
 }
 
-TEST(PcdReader, PassesOverPointsWithoutPlace) {
+TEST(PcdReader, SkipsPointsWithoutAPosition) {
     const std::string bytes = with(kAscii, "1 2 3 0", "nan nan nan 0");
     EXPECT_EQ(parse_points(bytes, "p.pcd").size(), 1u);
 }
 
-TEST(PcdReader, SaysWhatIsWrong) {
+TEST(PcdReader, ReportsErrors) {
     EXPECT_EQ(error_of(with(kAscii, "4 5.5 6 16711680\n", "")),
               "p.pcd: the file is cut off: its header specifies 2 points, but it contains 1");
     EXPECT_EQ(error_of(with(kAscii, "5.5", "x5")), "p.pcd:13: 'x5' is not a number");
@@ -110,7 +110,7 @@ TEST(PcdReader, SaysWhatIsWrong) {
     EXPECT_EQ(error_of(with(kAscii, "4 5.5", "1e40 5.5")), "p.pcd: point 1 is not finite or beyond 1e30");
 }
 
-TEST(PcdReader, RefusesDamagedCompression) {
+TEST(PcdReader, RejectsDamagedCompression) {
     const std::string good = compressed_file();
     const std::size_t data = good.find("compressed\n") + 11;
     for (std::size_t size = data; size < good.size(); ++size) {
@@ -124,7 +124,7 @@ TEST(PcdReader, RefusesDamagedCompression) {
     EXPECT_EQ(error_of(bytes), "p.pcd: its compressed points are cut off or damaged");
 }
 
-TEST(PcdReader, SurvivesDamage) {
+TEST(PcdReader, DamagedFilesAreReadOrRejected) {
     const CounterRandom random(6, 1);
     for (const std::string& good : {kAscii, kBinary, compressed_file()}) {
         for (std::uint64_t turn = 0; turn < 2000; ++turn) {

@@ -33,7 +33,7 @@ std::string error_of(std::string_view bytes) {
 
 class PointFiles : public test::FolderTest {};
 
-TEST_F(PointFiles, ComeBackBitForBit) {
+TEST_F(PointFiles, AreReadBackBitIdentically) {
     const PointSet set = many(20000);  // three runs of the writer
     for (const char* name : {"a.xyz", "a.txt", "a.csv", "a.ply", "a.PLY"}) {
         write_points(folder_ / name, set);
@@ -41,7 +41,7 @@ TEST_F(PointFiles, ComeBackBitForBit) {
     }
 }
 
-TEST_F(PointFiles, PlyHasDistancesAndColoursWhereThereAreAny) {
+TEST_F(PointFiles, PlyPreservesDistancesAndColours) {
     PointCloud point_cloud{many(20000), {}, {}};
     for (std::size_t i = 0; i < point_cloud.points.size(); ++i) {
         point_cloud.distances.push_back(static_cast<float>(i) / 7 - 3);
@@ -86,7 +86,7 @@ void expect_same_columns(const PointCloud& a, const PointCloud& b) {
     EXPECT_EQ(a.tree_ids, b.tree_ids);
 }
 
-TEST_F(PointFiles, KeepWhatIsKnownOfPoints) {
+TEST_F(PointFiles, PreservePointAttributes) {
     PointCloud points = known_points(20000);
     for (const Vec3d origin : {Vec3d{}, Vec3d{500000, 4.5e6, 0.5}}) {
         points.points.origin = origin;
@@ -105,7 +105,7 @@ TEST_F(PointFiles, KeepWhatIsKnownOfPoints) {
     EXPECT_TRUE(read_point_cloud(folder_ / "a.xyz").classes.empty());
 }
 
-TEST_F(PointFiles, LasIsAsFineAs32BitsAllow) {
+TEST_F(PointFiles, LasHasTheMaximumResolutionOf32Bits) {
     PointCloud points{many(3), {}, {}};
     points.points.positions[0] = {-3e5f, 0, 0};  // 6e5 m: 0.1 mm would need 33 bits
     points.points.positions[1] = {3e5f, 0.002f, 0.25f};
@@ -117,7 +117,7 @@ TEST_F(PointFiles, LasIsAsFineAs32BitsAllow) {
     EXPECT_EQ(back.intensities, (std::vector<float>{0, 32768, 65535}));  // 32767.5 is rounded up
 }
 
-TEST_F(PointFiles, LasKeepsTheCoordinateSystem) {
+TEST_F(PointFiles, LasPreservesTheCoordinateSystem) {
     const CoordinateSystem system{{{34735, std::string("\1\0\1\0", 4)}, {2112, "PROJCS[\"here\"]"}}};
     write_point_cloud(folder_ / "a.las", known_points(10), {.system = system});
     const PointFile back = read_point_file(folder_ / "a.las", {.ranges = true});
@@ -130,7 +130,7 @@ TEST_F(PointFiles, LasKeepsTheCoordinateSystem) {
     expect_same_columns(back.point_cloud, known_points(10));
 }
 
-TEST_F(PointFiles, OnlyColoursOfBytesAreTaken) {
+TEST_F(PointFiles, ReadsColoursOfBytesOnly) {
     const auto read = [&](const char* type) {
         AtomicFile file(folder_ / "a.ply");
         file.write(std::string("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float "
@@ -145,7 +145,7 @@ TEST_F(PointFiles, OnlyColoursOfBytesAreTaken) {
     EXPECT_TRUE(read("uchar").distances.empty());  // a list is not a number
 }
 
-TEST_F(PointFiles, KeepTheDigitsOfPointsFarFromZero) {
+TEST_F(PointFiles, PreserveTheDigitsOfDistantPoints) {
     PointSet set = many(1000);
     set.origin = {500000, 4.5e6, 0.5};
     for (const char* name : {"a.xyz", "a.ply"}) {
@@ -158,7 +158,7 @@ TEST_F(PointFiles, KeepTheDigitsOfPointsFarFromZero) {
     }
 }
 
-TEST_F(PointFiles, HoldTheSameBytesForAnyNumberOfThreads) {
+TEST_F(PointFiles, AreIdenticalForAnyNumberOfThreads) {
     const PointSet set = many(30000);
     for (const char* name : {"a.xyz", "a.ply", "a.las"}) {
         write_points(folder_ / name, set, {.threads = 1});
@@ -168,7 +168,7 @@ TEST_F(PointFiles, HoldTheSameBytesForAnyNumberOfThreads) {
     }
 }
 
-TEST_F(PointFiles, WhatCannotBeWrittenLeavesNothing) {
+TEST_F(PointFiles, RejectedOutputCreatesNoFile) {
     PointSet set = many(3);
     EXPECT_THROW(write_points(folder_ / "a.obj", set), Unsupported);
     EXPECT_THROW(write_points(folder_ / "a.laz", set), Unsupported);
@@ -191,7 +191,7 @@ std::string rays(std::string_view nx, std::string_view last = "property uchar al
     return text;
 }
 
-TEST(PointPly, LeavesOutRaysWithoutReturn) {
+TEST(PointPly, SkipsRaysWithoutReturn) {
     const PointFile found = parse_point_file(rays("2.5"), "p.ply");
     EXPECT_EQ(found.without_return, 1u);
     EXPECT_EQ(found.format, "ray cloud (PLY)");
@@ -199,7 +199,7 @@ TEST(PointPly, LeavesOutRaysWithoutReturn) {
     EXPECT_EQ(found.point_cloud.colors, (std::vector<Rgb>{{1, 2, 3}, {7, 8, 9}}));
 }
 
-TEST(PointPly, KeepsTransparentPointsWithNormals) {
+TEST(PointPly, PreservesTransparentPointsWithNormals) {
     for (const std::string& text :
          {rays("1"), rays("0"), rays("2.5", "property uchar a"), rays("2.5", "property float alpha")}) {
         const PointFile found = parse_point_file(text, "p.ply");
@@ -209,7 +209,7 @@ TEST(PointPly, KeepsTransparentPointsWithNormals) {
     }
 }
 
-TEST(PointText, ReadsIdsOfTrees) {
+TEST(PointText, ReadsTreeIds) {
     const PointCloud found = parse_point_cloud(
         "x,y,z,label,treeID\n1,2,3,9,4\n2,2,3,9,NA\n3,2,3,9,-1\n4,2,3,9,4294967295\n", "p.csv");
     EXPECT_EQ(found.tree_ids, (std::vector<std::uint32_t>{4, 0, 0, 4294967295}));
@@ -218,7 +218,7 @@ TEST(PointText, ReadsIdsOfTrees) {
     EXPECT_TRUE(parse_point_cloud("x y z height_of_tree\n1 2 3 8\n", "p.txt").tree_ids.empty());
 }
 
-TEST(PointText, IsReadInAllItsWritings) {
+TEST(PointText, ReadsAllNotations) {
     PointSet expected;
     expected.positions = {{1, 2, 3}, {-0.5f, 1000, 0}};
     EXPECT_EQ(parse_points("1 2 3\n-.5 1e3 0\n", "p"), expected);
@@ -232,7 +232,7 @@ TEST(PointText, IsReadInAllItsWritings) {
         expected);
 }
 
-TEST(PointText, ColumnsAreTakenByTheirNames) {
+TEST(PointText, ReadsNamedColumns) {
     PointSet expected;
     expected.positions = {{1, 2, 3}, {-0.5f, 1000, 0}};
     for (const char* text :
@@ -251,7 +251,7 @@ TEST(PointText, ColumnsAreTakenByTheirNames) {
     EXPECT_EQ(parse_points("# made by z and y\n# x\n1 2 3\n-0.5 1000 0\n", "p"), expected);
 }
 
-TEST(PointText, NamesWithoutCoordinatesAreRefused) {
+TEST(PointText, RejectsNamesWithoutCoordinates) {
     EXPECT_EQ(error_of("id,east,red\n1,2,3\n"),
               "p.xyz:1: the columns are named 'id', 'east', 'red', but x, y and z are not among them");
     EXPECT_EQ(error_of("id x y z\n1 2 3\n"), "p.xyz:2: it has 3 values for 4 named columns");
@@ -259,7 +259,7 @@ TEST(PointText, NamesWithoutCoordinatesAreRefused) {
     EXPECT_EQ(error_of("tree1 2 3 4\n"), "p.xyz:1: 'tree1' is not a number");
 }
 
-TEST(PointText, RowNamesOfRArePassedOver) {
+TEST(PointText, SkipsRowNamesOfR) {
     PointSet expected;
     expected.positions = {{5, 2, 3}, {-0.5f, 1000, 0}, {1, 1, 7}};
     EXPECT_EQ(parse_points("\"X\" \"Y\" \"Z\"\n\"1\" 5 2 3\n\"2\" -0.5 1000 0\n\"9\" 1 1 7\n", "p"),
@@ -271,7 +271,7 @@ TEST(PointText, RowNamesOfRArePassedOver) {
     EXPECT_EQ(parse_points("X Y Z\n5 2 3 9\n-0.5 1000 0 8\n1 1 7 7\n", "p"), expected);
 }
 
-TEST(PointText, DecimalCommasAreRefused) {
+TEST(PointText, RejectsDecimalCommas) {
     for (const char* text : {"1,5;2,25;3\n", "1,5 2,25 3\n", "x;y;z\n1,5;2,25;3,0\n", "0 0 0\n1,5\t2\t3\n",
                              "x,y,z\n1,5,2,25,3,0\n"})
         EXPECT_NE(error_of(text).find("its numbers have decimal commas"), std::string::npos) << text;
@@ -282,7 +282,7 @@ TEST(PointText, DecimalCommasAreRefused) {
     EXPECT_EQ(parse_points("x,y,z\n1,2,3,4.5,5,6\n", "p"), expected);
 }
 
-TEST(PointText, ColumnsWithNamesAreKept) {
+TEST(PointText, PreservesNamedColumns) {
     const PointCloud found = parse_point_cloud(
         "//X Y Z R G B Scalar_Classification Intensity\n1 2 3 255 0 10 4 -0.5\n4 5 6 1 2 3 2 7e2\n", "p");
     EXPECT_EQ(found.colors, (std::vector<Rgb>{{255, 0, 10}, {1, 2, 3}}));
@@ -299,7 +299,7 @@ TEST(PointText, ColumnsWithNamesAreKept) {
     EXPECT_EQ(ply.intensities, (std::vector<float>{-12.5f}));
 }
 
-TEST(ScannerText, PtsIsReadBlockByBlock) {
+TEST(ScannerText, ReadsPtsByBlocks) {
     const PointCloud found =
         parse_point_cloud("2\n1 2 3 -700 10 20 30\n4 5 6 900 1 2 3\n\n1\r\n7 8 9 0 0 0 255\n", "p");
     PointSet expected;
@@ -313,7 +313,7 @@ TEST(ScannerText, PtsIsReadBlockByBlock) {
     EXPECT_EQ(error_of("2\n1 2 3\n1 2 x\n"), "p.xyz:3: 'x' is not a number");
 }
 
-TEST(ScannerText, PtxScansAreMovedToTheirPlace) {
+TEST(ScannerText, MovesPtxScansToTheirPoses) {
     // A quarter turn about z, then a translation by (10, 20, 30): (1, 2, 3) is mapped to (-2, 1, 3) + (10,
     // 20, 30).
     const std::string turned =
@@ -332,7 +332,7 @@ TEST(ScannerText, PtxScansAreMovedToTheirPlace) {
     EXPECT_EQ(error_of(turned + "0 0 0 0\n0 0 0 0\n"), "p.xyz: it contains no points");
 }
 
-TEST(PointFormats, OthersAreRefusedWithWhatToDo) {
+TEST(PointFormats, ReportsOtherFormatsWithTheirRemedy) {
     const auto refusal = [](std::string_view bytes) -> std::string {
         try {
             parse_points(bytes, "p");
@@ -345,7 +345,7 @@ TEST(PointFormats, OthersAreRefusedWithWhatToDo) {
     EXPECT_NE(refusal("PK\3\4").find("a ZIP archive"), std::string::npos);
 }
 
-TEST(PointText, AnOffFileWithoutFacesIsPoints) {
+TEST(PointText, ReadsAnOffFileWithoutFaces) {
     PointSet expected;
     expected.positions = {{1, 2, 3}, {-0.5f, 1000, 0}};
     EXPECT_EQ(parse_points("OFF\n2 0 0\n1 2 3\n-0.5 1000 0\n", "p"), expected);
@@ -356,7 +356,7 @@ TEST(PointText, AnOffFileWithoutFacesIsPoints) {
               "p.xyz:3: the file ends after 1 of 2 vertices; it is truncated");
 }
 
-TEST(PointText, DamagedFilesAreRefusedWithTheirLine) {
+TEST(PointText, ErrorsReportTheLine) {
     EXPECT_EQ(error_of(""), "p.xyz: it contains no points");
     EXPECT_EQ(error_of("# nothing\n"), "p.xyz: it contains no points");
     EXPECT_EQ(error_of("1 2 3\n1 2\n"), "p.xyz:2: a point needs three coordinates");
@@ -368,7 +368,7 @@ TEST(PointText, DamagedFilesAreRefusedWithTheirLine) {
     EXPECT_NE(error_of(std::string("\0\1\2\3", 4)), "no error");
 }
 
-TEST(PointText, DamagedPlyIsRefused) {
+TEST(PointText, RejectsDamagedPly) {
     const std::string head = "ply\nformat binary_little_endian 1.0\nelement vertex ";
     const std::string xyz = "\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
     EXPECT_NE(error_of(head + "99999999999" + xyz).find("too short"), std::string::npos);

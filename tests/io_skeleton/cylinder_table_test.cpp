@@ -17,20 +17,20 @@ constexpr const char* kTreeQsmRow =
     "0.5\t2\t1\t2\t3\t0\t0\t1\t0\t2\t1\t0\t1\t0.001\t0.9\t0\t0.5\t\n0."
     "25\t1\t1\t2\t5\t1\t0\t0\t1\t0\t1\t0\t2\t0.001\t0.9\t0\t0.25\n";
 
-TEST(CylinderTable, TreeQsmWithThirteenNamesForSeventeenColumns) {
+TEST(CylinderTable, ReadsTreeQsmWithThirteenNamesForSeventeenColumns) {
     const std::string head =
         "radius (m)\tlength (m)\tstart_point\taxis_direction\tparent\textension\tbranch\tbranch_order\t"
         "position_in_branch\tmad\tSurfCov\tadded\tUnmodRadius (m)\n";
     expect_two_cylinders(parse_cylinders(head + kTreeQsmRow, "t.txt"));
 }
 
-TEST(CylinderTable, TreeQsmWithoutHeader) {
+TEST(CylinderTable, ReadsTreeQsmWithoutHeader) {
     expect_two_cylinders(parse_cylinders(kTreeQsmRow, "t.txt"));
     expect_two_cylinders(parse_cylinders(
         "0.5 2 1 2 3 0 0 1 0 2 0 .5 1 0 1\r\n0.25 1 1 2 5 1 0 0 1 0 0 .25 1 0 2\r\n", "t.txt"));
 }
 
-TEST(CylinderTable, SimpleForestInAnyOrderAndCase) {
+TEST(CylinderTable, ReadsSimpleForestInAnyOrderAndCase) {
     expect_two_cylinders(parse_cylinders(
         " id, PARENTID, startX, startY, startZ, endX, endY, endZ, radius, length, growthLength\n"
         "0,-1,1,2,3,1,2,5,0.5,2,3\n1,0,1,2,5,2,2,5,0.25,1,1\n",
@@ -41,7 +41,7 @@ TEST(CylinderTable, SimpleForestInAnyOrderAndCase) {
                         "t.csv"));
 }
 
-TEST(CylinderTable, ArchiArborAndTreegraphNames) {
+TEST(CylinderTable, ReadsTheNamesOfArchiArborAndTreegraph) {
     expect_two_cylinders(parse_cylinders(
         "startX,startY,startZ,endX,endY,endZ,cyl_ID,parent_ID,extension_ID,radius_cyl,length\n"
         "1,2,3,1,2,5,1,0,2,0.5,2\n1,2,5,2,2,5,2,1,0,0.25,1\n",
@@ -56,7 +56,7 @@ TEST(CylinderTable, ArchiArborAndTreegraphNames) {
         "t.csv"));
 }
 
-TEST(CylinderTable, RowsWithMoreValuesThanColumnsAreRefused) {
+TEST(CylinderTable, RejectsRowsWithMoreValuesThanColumns) {
     // 0,1,1,5,... would be read as a start at 1, 5 instead of 1.5.
     EXPECT_EQ(error_of<InvalidInput>([] {
                   parse_cylinders(
@@ -68,7 +68,7 @@ TEST(CylinderTable, RowsWithMoreValuesThanColumnsAreRefused) {
               "points, or separate the columns by semicolons");
 }
 
-TEST(CylinderTable, QuotedNamesAndRowNamesOfR) {
+TEST(CylinderTable, ReadsQuotedNamesAndRowNamesOfR) {
     expect_two_cylinders(
         parse_cylinders("\"startX\",\"startY\",\"startZ\",\"endX\",\"endY\",\"endZ\",\"cyl_ID\",\"parent_"
                         "ID\",\"radius_cyl\"\n"
@@ -76,7 +76,7 @@ TEST(CylinderTable, QuotedNamesAndRowNamesOfR) {
                         "t.csv"));
 }
 
-TEST(CylinderTable, ErrorsNameWhatIsMissing) {
+TEST(CylinderTable, ErrorsReportMissingColumns) {
     const auto error = [](const std::string& text) {
         return error_of<InvalidInput>([&] { parse_cylinders(text, "t.csv"); });
     };
@@ -103,7 +103,7 @@ TEST(CylinderTable, ErrorsNameWhatIsMissing) {
 
 constexpr const char* kRows = "0,0.5,1,2,3,1,2,5,2,0,0,1\n1,0.25,1,2,5,2,2,5,1,1,0,0\n";
 
-TEST(CylinderTable, CoordinatesNumberedOrNamedInAnyWay) {
+TEST(CylinderTable, ReadsAnyNamesOfCoordinates) {
     const auto read = [](const std::string& start, const std::string& end, const std::string& axis) {
         return parse_cylinders("parent,radius," + start + "," + end + ",length," + axis + "\n" + kRows,
                                "t.csv");
@@ -118,14 +118,14 @@ TEST(CylinderTable, CoordinatesNumberedOrNamedInAnyWay) {
     expect_two_cylinders(read("start_1,start_2,start_3", "end_1,end_2,end_3", "u,v,w"));
 }
 
-TEST(CylinderTable, DiametersStandForRadii) {
+TEST(CylinderTable, ReadsDiametersAsRadii) {
     expect_two_cylinders(
         parse_cylinders("ID;parentID;startX;startY;startZ;endX;endY;endZ;Diameter (m)\n"
                         "0;-1;1;2;3;1;2;5;1\n1;0;1;2;5;2;2;5;0,5\n",
                         "t.csv"));
 }
 
-TEST(CylinderTable, UnitsOfNamesBelongToTheirColumns) {
+TEST(CylinderTable, ConvertsTheUnitsInColumnNames) {
     const std::string rows = "0;1;2;3;0;0;1;50;2000\n1;1;2;5;1;0;0;25;1000\n";
     expect_two_cylinders(parse_cylinders(
         "parent;startX (m);startY (m);startZ (m);ax;ay;az;radius [cm];length (mm)\n" + rows, "t.csv"));
@@ -152,7 +152,7 @@ std::vector<double> values_of(const RawCylinders& read, std::string_view name) {
     return {};
 }
 
-TEST(CylinderTable, OrdersAndBranchesAreKept) {
+TEST(CylinderTable, PreservesOrdersAndBranches) {
     const auto read = parse_cylinders(
         "type, ID, parentID, startX, startY, startZ, endX, endY, endZ, radius, volume,branchOrder, branchID\n"
         "cylinder, 0, -1, 1, 2, 3, 1, 2, 5, 0.5, 9, 0, 4\ncylinder, 1, 0, 1, 2, 5, 2, 2, 5, 0.25, 9, 1, 7\n",
@@ -162,7 +162,7 @@ TEST(CylinderTable, OrdersAndBranchesAreKept) {
     EXPECT_EQ(values_of(read, "axis"), (std::vector<double>{4, 7}));
 }
 
-TEST(CylinderTable, OrdersOfTablesWithoutNamesBelongToTheirVersion) {
+TEST(CylinderTable, ReadsOrdersByTheVersionOfTheTable) {
     // After the extension: branch, order, position; or added, unmodified radius, branch, order, position.
     const std::vector<double> orders{0, 1}, branches{3, 8};
     for (const char* text : {"0.5 2 1 2 3 0 0 1 0 2 3 0 1 0\n0.25 1 1 2 5 1 0 0 1 0 8 1 1 0\n",
@@ -176,7 +176,7 @@ TEST(CylinderTable, OrdersOfTablesWithoutNamesBelongToTheirVersion) {
     EXPECT_TRUE(parse_cylinders("0.5 2 1 2 3 0 0 1 0 2\n", "t.txt").attributes.empty());
 }
 
-TEST(CylinderTable, OrdersThatAreNotKnownOfAllAreLeftOut) {
+TEST(CylinderTable, OmitsIncompleteOrders) {
     const SkeletonFile file = parse_skeleton(
         "ID,parentID,startX,startY,startZ,endX,endY,endZ,radius,branchOrder,branchID\n"
         "0,-1,0,0,0,0,0,2,.5,0,1\n1,0,0,0,2,1,0,4,.25,NA,1\n",
@@ -204,7 +204,7 @@ TEST(CylinderTable, NodesHaveTheOrderOfTheirCylinder) {
         EXPECT_EQ(order[n.index()], file.skeleton.position(n).x > 1 ? 1 : 0) << n.index();
 }
 
-TEST(CylinderTable, TreesOfOneTableAreNumberedEachOnItsOwn) {
+TEST(CylinderTable, IdsAreUniquePerTree) {
     const std::string head = "tree_id,ID,parentID,startX,startY,startZ,endX,endY,endZ,radius\n";
     const auto read = parse_cylinders(head +
                                           "7,1,0,0,0,0,0,0,2,.5\n9,1,0,5,0,0,5,0,2,.5\n"
@@ -222,7 +222,7 @@ TEST(CylinderTable, TreesOfOneTableAreNumberedEachOnItsOwn) {
         "t.csv, line 3: the id 1 was used before in this tree; give every cylinder of a tree a unique id");
 }
 
-TEST(CylinderTable, TreesWithoutIdsCountTheirOwnCylinders) {
+TEST(CylinderTable, TreesWithoutIdsHaveParentsByRowOrByTree) {
     const std::string head = "tree,parent,radius,start_1,start_2,start_3,end_1,end_2,end_3\n";
     const auto own = parse_cylinders(head +
                                          "1,0,.5,0,0,0,0,0,2\n1,1,.4,0,0,2,0,0,3\n"
@@ -238,7 +238,7 @@ TEST(CylinderTable, TreesWithoutIdsCountTheirOwnCylinders) {
         parse_skeleton(head + "1,0,.5,0,0,0,0,0,2\n2,0,.5,5,0,0,5,0,2\n", "t.csv").skeleton.tree_count(), 2u);
 }
 
-TEST(CylinderTable, TreegraphRunsFromItsNodesToTheirParents) {
+TEST(CylinderTable, TreegraphCylindersEndAtTheirParents) {
     // Each cylinder starts at its own node and ends at that of its parent; node 0, the base, has none.
     const SkeletonFile file = parse_skeleton(
         "p1,p2,sx,sy,sz,ax,ay,az,radius,length,nbranch,is_tip\n"
@@ -250,7 +250,7 @@ TEST(CylinderTable, TreegraphRunsFromItsNodesToTheirParents) {
     EXPECT_EQ(file.skeleton.bounds().high.z, 3.4f);
 }
 
-TEST(CylinderTable, TreegraphJsonHoldsItsTableAsText) {
+TEST(CylinderTable, ReadsTheTableInTreegraphJson) {
     const std::string cylinders =
         R"({"p1":{"0":1,"1":2},"p2":{"0":0,"1":1},"sx":{"0":1.0,"1":2.0},"sy":{"0":2.0,"1":2.0},)"
         R"("sz":{"0":5.0,"1":5.0},"ax":{"0":0,"1":-1},"ay":{"0":0,"1":0},"az":{"0":-1,"1":0},)"
@@ -282,7 +282,7 @@ TEST(CylinderTable, TreegraphJsonHoldsItsTableAsText) {
               std::string::npos);
 }
 
-TEST(CylinderTable, WithoutParentsCylindersJoinTheNearest) {
+TEST(CylinderTable, CylindersWithoutParentsJoinTheNearest) {
     // A trunk of two cylinders, a lateral that starts at the side of the first one, and its continuation over
     // a gap.
     const std::string head = "name , startX, startY, startZ, endX, endY, endZ, volume, radius, length, \n";
@@ -303,7 +303,7 @@ TEST(CylinderTable, WithoutParentsCylindersJoinTheNearest) {
     EXPECT_EQ(parse_cylinders(head + rows + "elm,50,0,0,50,0,3,0,.1,3\n", "t.csv").cylinders[4].parent, -1);
 }
 
-TEST(CylinderTable, WithoutParentsHostilePlacesAreNoTrouble) {
+TEST(CylinderTable, CylindersWithoutParentsMayCoincideOrFormARing) {
     const std::string head = "startX,startY,startZ,endX,endY,endZ,radius\n";
     // A ring, cylinders at the same position, and without radius.
     const auto ring = parse_cylinders(head + "0,0,0,1,0,0,.1\n1,0,0,0,1,0,.1\n0,1,0,0,0,0,.1\n", "t.csv");
@@ -328,7 +328,7 @@ constexpr const char* kBranches =
     "order\tparent\tdiameter (m)\tvolume (L)\tarea (m^2)\tlength (m)\n0\t0\t1\t2\t3\t4\n1\t1\t1\t2\t3\t4\n";
 constexpr const char* kFigures = "TotalVolume\t 12.5\nDBHqsm\t 0.4\n";
 
-TEST(CylinderTable, OtherTablesAndListsOfTheFileArePassedOver) {
+TEST(CylinderTable, SkipsOtherTablesAndLists) {
     const std::string cylinders = std::string(kHead) + kTreeQsmRow;
     for (const std::string& text : {cylinders + kBranches + kFigures, cylinders + kFigures + kBranches,
                                     cylinders + "\n# branches\n" + kBranches, kFigures + cylinders,
@@ -345,7 +345,7 @@ TEST(CylinderTable, OtherTablesAndListsOfTheFileArePassedOver) {
               "5 lines, from line 4 on, contain no cylinders and were skipped");
 }
 
-TEST(CylinderTable, TablesWithoutNamesEndWhereTheirWidthDoes) {
+TEST(CylinderTable, TablesWithoutNamesEndAtADifferentWidth) {
     const std::string cylinders = "0.5 2 1 2 3 0 0 1 0 2 1 0 1 0\n0.25 1 1 2 5 1 0 0 1 0 2 1 1 0\n";
     const std::string branches = "0 0 492 3.4 0 1.3\n1 1 209 2.4 45 1.7\n", figures = "1.12\n0.49\n";
     expect_two_cylinders(parse_cylinders(

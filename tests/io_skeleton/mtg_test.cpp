@@ -52,7 +52,7 @@ std::string tree(const Skeleton& s) {
 
 std::string tree_of(const std::string& rows) { return tree(read(kPlaced + rows).skeleton); }
 
-TEST(Mtg, RowsGoOnFromTheColumnBeforeThemOrWithACaretFromTheirOwn) {
+TEST(Mtg, RowsContinueThePreviousOrTheirOwnColumn) {
     const SkeletonFile file = read(kPlaced +
                                    "/P1\n"
                                    "^/A1/U1/E1\t\t\t0\t0\t0\t0.5\n"
@@ -71,7 +71,7 @@ TEST(Mtg, RowsGoOnFromTheColumnBeforeThemOrWithACaretFromTheirOwn) {
               "MTG specifies no unit: lengths were assumed to be in metres; set scale for another unit");
 }
 
-TEST(Mtg, NamesMayBeWrittenInEveryWay) {
+TEST(Mtg, ReadsAllNotationsOfEntities) {
     const std::string expected = "0(0 0 0) 0>1(0 0 1) 1>2(1 0 1) 1>3(0 0 2)";
     // A branch named in a separate row, its continuation in the next column, then the stem continues.
     EXPECT_EQ(tree_of("/P1\n\t/A1/U1\n\t^/E1\t\t0\t0\t0\n\t^<E2\t\t0\t0\t1\n\t^+A2\n\t\t/U1/E1\t1\t0\t1\n"
@@ -98,7 +98,7 @@ TEST(Mtg, NamesMayBeWrittenInEveryWay) {
               "0(0 0 0) 0>1(0 0 1) 1>2(0 0 2) 1>3(1 0 1)");
 }
 
-TEST(Mtg, OddFilesAreRead) {
+TEST(Mtg, ReadsUnusualFiles) {
     // Comments up to the next tab, CR LF, blanks in cells, decimal commas, rows that end early, an entity
     // observed on two days, labels without numbers, a repeated position.
     EXPECT_EQ(
@@ -119,7 +119,7 @@ TEST(Mtg, OddFilesAreRead) {
         tree(read(blanks).skeleton));
 }
 
-TEST(Mtg, EntitiesBetweenPlacesBearTheirBranchesThere) {
+TEST(Mtg, BranchesStartAtInterpolatedEntities) {
     // E1 to E4 represent four entities; the branch leaves the second.
     EXPECT_EQ(tree_of("/P1/A1/U1\t\t\t0\t0\t0\n^/E1<E2\n\t+A2/U1/E1\t\t1\t0\t2\n^<E3<<E4\t\t\t0\t0\t4\n"),
               "0(0 0 0) 0>1(0 0 2) 1>2(1 0 2) 1>3(0 0 4)");
@@ -134,7 +134,7 @@ TEST(Mtg, EntitiesBetweenPlacesBearTheirBranchesThere) {
         1u);
 }
 
-TEST(Mtg, PlacesOfWholesAreTheirBasesOrTheirTops) {
+TEST(Mtg, CoordinatesOfComplexesAreAtTheirBaseOrTop) {
     // The coordinates of an axis at its beginning, next to its parent branch.
     EXPECT_EQ(
         tree_of("/P1/A1/U1/E1\t\t\t0\t0\t0\n^<E2\t\t\t0\t0\t4\n\t+A2\t\t0.5\t0\t4\n\t^/U1/E1\t\t3\t0\t4\n"
@@ -146,7 +146,7 @@ TEST(Mtg, PlacesOfWholesAreTheirBasesOrTheirTops) {
               "0(0 0 0) 0>1(0 0 4) 1>2(3 0 4) 2>3(5 0 4)");
 }
 
-TEST(Mtg, PlantsAreLaidOutByTheirLengths) {
+TEST(Mtg, PlantsWithoutCoordinatesAreLaidOutByLengths) {
     const std::string text =
         head("longueur diabase diasom alpha azimuth", "TOPO\t\tlongueur\tdiabase\tdiasom\talpha\tazimuth");
     const SkeletonFile file =
@@ -170,7 +170,7 @@ TEST(Mtg, PlantsAreLaidOutByTheirLengths) {
     EXPECT_NE(file.notes[0].find("lengths and no coordinates"), std::string::npos);
 }
 
-TEST(Mtg, DiametersInAFinerUnitAreTold) {
+TEST(Mtg, DetectsDiametersInASmallerUnit) {
     const std::string text = head("XX YY ZZ TopDia", "ENTITY-CODE\t\t\tXX\tYY\tZZ\tTopDia");
     const auto radius = [&](int diameter) {
         const SkeletonFile file =
@@ -183,7 +183,7 @@ TEST(Mtg, DiametersInAFinerUnitAreTold) {
     EXPECT_EQ(radius(2000), std::pair(10.0f, std::size_t{2}));  // hundredths
 }
 
-TEST(Mtg, ColumnsThatAllNodesHaveAreAttributes) {
+TEST(Mtg, CompleteColumnsAreAttributes) {
     const std::string text = head("XX YY ZZ radius NbFe age", "ENTITY-CODE\t\tXX\tYY\tZZ\tradius\tNbFe\tage");
     const SkeletonFile file =
         read(text + "/P1\n^/A1/U1/E1\t\t0\t0\t0\t1\t7\t1\n^<E2\t\t0\t0\t5\t1\t8.5\tNA\n");
@@ -193,7 +193,7 @@ TEST(Mtg, ColumnsThatAllNodesHaveAreAttributes) {
     EXPECT_TRUE(file.attribute("xx").empty());
 }
 
-TEST(Mtg, BranchesOnBranchesWithoutEndMakeNoTableWithoutEnd) {
+TEST(Mtg, DeeplyNestedBranchesAreWrittenInFewColumns) {
     // Every node has a thick stub, which leads, and a thin branch, which continues.
     constexpr std::uint32_t kNodes = 20'000;
     std::vector<NodeId> parent{NodeId::none()};
@@ -213,7 +213,7 @@ TEST(Mtg, BranchesOnBranchesWithoutEndMakeNoTableWithoutEnd) {
     EXPECT_TRUE(std::ranges::equal(back.positions(), s.positions()));
 }
 
-TEST(Mtg, Errors) {
+TEST(Mtg, ReportsErrors) {
     const auto error = [](const std::string& text) { return error_of([&] { read(text); }); };
     EXPECT_EQ(error("CODE: FORM-A\n"),
               "t.mtg: this is not an MTG file: it needs a section MTG with a first line, ENTITY-CODE or "
@@ -236,14 +236,14 @@ TEST(Mtg, Errors) {
               "t.mtg, line 27: a coordinate is not a finite number");
 }
 
-TEST(Mtg, IsToldByItsContent) {
+TEST(Mtg, IsRecognizedByItsContent) {
     EXPECT_EQ(format_of_content(kPlaced), SkeletonFormat::mtg);
     EXPECT_EQ(format_of_content("CODE:\tFORM-A\n"), SkeletonFormat::mtg);
     EXPECT_EQ(format_of_content("CODE\tNAME\n1\t2\n"), std::nullopt);
     EXPECT_EQ(format_of_extension("a.MTG"), SkeletonFormat::mtg);
 }
 
-TEST(Mtg, StopsWhenToldTo) {
+TEST(Mtg, StopsWhenCancelled) {
     std::stop_source stop;
     stop.request_stop();
     EXPECT_THROW(parse_skeleton(kPlaced + "/P1\n", "t.mtg", {}, {.stop = stop.get_token()}), Cancelled);

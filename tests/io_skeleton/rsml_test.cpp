@@ -39,7 +39,7 @@ std::string line(std::string_view points) {
 
 constexpr std::string_view kMetres = "<unit>m</unit><resolution>1</resolution>";
 
-TEST(Rsml, DrawingsStandUprightAndRootsHangTogether) {
+TEST(Rsml, DrawingsAreRotatedUprightAndRootsAreConnected) {
     // Two pixels per centimetre. The lateral starts next to its parent, a third of the way down.
     const SkeletonFile file = read(file_of(
         "<unit>cm</unit><resolution>2</resolution>",
@@ -69,7 +69,7 @@ TEST(Rsml, DrawingsStandUprightAndRootsHangTogether) {
     EXPECT_EQ(file.notes[0], "the y axis of the file, which points down, was rotated to z");
 }
 
-TEST(Rsml, TheSideOfYThatRootsGrowToIsDown) {
+TEST(Rsml, TheDirectionOfRootsAlongYIsDown) {
     const auto tip = [](std::string_view points) {
         const SkeletonFile file =
             read(file_of(kMetres, fmt::format("<plant><root>{}</root></plant>", line(points))));
@@ -83,7 +83,7 @@ TEST(Rsml, TheSideOfYThatRootsGrowToIsDown) {
     EXPECT_EQ(tip("<point x='0' y='0' z='0'/><point x='1' y='2' z='-5'/>"), Vec3d(1, 2, -5));
 }
 
-TEST(Rsml, Units) {
+TEST(Rsml, ConvertsUnits) {
     const auto length = [](const std::string& metadata) {
         const SkeletonFile file =
             read(file_of(metadata, "<plant><root>" + line("<point x='0' y='0'/><point x='0' y='300'/>") +
@@ -103,7 +103,7 @@ TEST(Rsml, Units) {
     EXPECT_EQ(length(""), std::pair(300.0, std::size_t{3}));
 }
 
-TEST(Rsml, ParentNodesCountFromZeroOrOneAsFits) {
+TEST(Rsml, ParentNodesMayCountFromZeroOrOne) {
     const auto parent_z = [](int number) {
         const std::string stem =
             line("<point x='0' y='0' z='0'/><point x='0' y='0' z='-1'/><point x='0' y='0' z='-2'/>");
@@ -121,7 +121,7 @@ TEST(Rsml, ParentNodesCountFromZeroOrOneAsFits) {
     EXPECT_EQ(parent_z(99), -1);
 }
 
-TEST(Rsml, FunctionsOfAllDomains) {
+TEST(Rsml, ReadsFunctionsOfAllDomains) {
     const SkeletonFile file = read(
         file_of(kMetres,
                 "<plant><root>" +
@@ -140,7 +140,7 @@ TEST(Rsml, FunctionsOfAllDomains) {
     EXPECT_TRUE(file.attribute("hair").empty()) << "it is not known everywhere";
 }
 
-TEST(Rsml, OddFilesAreRead) {
+TEST(Rsml, ReadsUnusualFiles) {
     // Capitals, a namespace for everything, CR LF, comments, annotations with points, empty and single lines,
     // a spline in addition to the line, several plants, a root within one without points.
     const SkeletonFile file = read(
@@ -161,7 +161,7 @@ TEST(Rsml, OddFilesAreRead) {
     EXPECT_EQ(file.report.total(), 0u);
 }
 
-TEST(Rsml, RootsOfAPlantFromOnePointAreOneTree) {
+TEST(Rsml, RootsOfAPlantThatStartTogetherAreOneTree) {
     const std::string two = "<root>" + line("<point x='0' y='0' z='0'/><point x='0' y='0' z='-1'/>") +
                             "</root><root>" + line("<point x='0' y='0' z='0'/><point x='1' y='0' z='-1'/>") +
                             "</root>";
@@ -172,7 +172,7 @@ TEST(Rsml, RootsOfAPlantFromOnePointAreOneTree) {
     EXPECT_EQ(read(file_of(kMetres, two)).skeleton.tree_count(), 1u) << "straight in the scene";
 }
 
-TEST(Rsml, Errors) {
+TEST(Rsml, ReportsErrors) {
     const auto error = [](const std::string& text) { return error_of([&] { read(text); }); };
     EXPECT_EQ(error("<rsml>\n<scene><plant>\n"), "t.rsml:3: this is not valid XML: no element found");
     EXPECT_EQ(error("<html></html>"), "t.rsml:1: this XML is not RSML: it starts with 'html'");
@@ -187,7 +187,7 @@ TEST(Rsml, Errors) {
               "t.rsml:2: the DOCTYPE declares entities, which RSML does not use; remove the declaration");
 }
 
-TEST(Rsml, DeepAndKnottedFilesTakeNoLongerThanOthers) {
+TEST(Rsml, ReadsDeeplyNestedAndTangledFiles) {
     std::string deep;
     for (int i = 0; i < 100'000; ++i) deep += "<root>";
     deep += line("<point x='0' y='0'/><point x='0' y='1'/>");
@@ -209,7 +209,7 @@ TEST(Rsml, DeepAndKnottedFilesTakeNoLongerThanOthers) {
     EXPECT_GE(file.skeleton.size(), 39'000u);
 }
 
-TEST(Rsml, IsToldByItsContent) {
+TEST(Rsml, IsRecognizedByItsContent) {
     EXPECT_EQ(format_of_content("<?xml version='1.0'?>\n<rsml>"), SkeletonFormat::rsml);
     EXPECT_EQ(format_of_content("<!-- a <b> -->\n<r:RSML xmlns:r='x'>"), SkeletonFormat::rsml);
     EXPECT_EQ(format_of_content("<?xml version='1.0'?><svg/>"), std::nullopt);
@@ -218,7 +218,7 @@ TEST(Rsml, IsToldByItsContent) {
     EXPECT_EQ(format_of_extension("a.RSML"), SkeletonFormat::rsml);
 }
 
-TEST(Rsml, StopsWhenToldTo) {
+TEST(Rsml, StopsWhenCancelled) {
     std::stop_source stop;
     stop.request_stop();
     const std::string text =

@@ -87,7 +87,7 @@ TEST(SkeletonData, EveryCylinderListIsOneTree) {
     EXPECT_EQ(read, 13);
 }
 
-TEST(SkeletonData, CylindersAddUpToWhatTreeQsmStates) {
+TEST(SkeletonData, CylinderSumsMatchTreeQsm) {
     // TotalVolume [l], TotalLength [m] and TotalArea [m^2] of treedata in each file.
     const std::map<std::string, std::array<double, 3>> stated{
         {"itsme_buttressed_tree_1_qsm_1.mat", {1027.1587, 49.521217, 20.044167}},
@@ -113,7 +113,7 @@ TEST(SkeletonData, CylindersAddUpToWhatTreeQsmStates) {
     EXPECT_EQ(compared, stated.size());
 }
 
-TEST(SkeletonData, BranchesAreThoseThatTreeQsmNumbers) {
+TEST(SkeletonData, BranchesMatchTreeQsm) {
     const auto files = files_in("qsm");
     if (files.empty()) GTEST_SKIP() << "no data next to the checkout";
     int compared = 0;
@@ -133,7 +133,7 @@ TEST(SkeletonData, BranchesAreThoseThatTreeQsmNumbers) {
     EXPECT_EQ(compared, 6);
 }
 
-TEST(SkeletonData, WithoutParentsCylindersFindThem) {
+TEST(SkeletonData, CylindersWithoutParentsFindTheirParents) {
     const auto files = files_in("qsm");
     if (files.empty()) GTEST_SKIP() << "no data next to the checkout";
     for (const char* name : {"rtwig_QSM.csv", "rtwig_QSM2.csv", "qsm2shade_walnut.cylinders.csv"}) {
@@ -151,7 +151,7 @@ TEST(SkeletonData, WithoutParentsCylindersFindThem) {
     }
 }
 
-TEST(SkeletonData, MatFilesHoldTheCylindersOfTheirTables) {
+TEST(SkeletonData, MatFilesMatchTheirTables) {
     const auto files = files_in("qsm");
     if (files.empty()) GTEST_SKIP() << "no data next to the checkout";
     for (const auto& path : files) {
@@ -186,7 +186,7 @@ std::string read_damaged(const std::string& bytes, const std::vector<RawCylinder
     });
 }
 
-TEST(SkeletonData, DamagedMatFilesAreRefusedOrReadAsTheyWere) {
+TEST(SkeletonData, DamagedMatFilesAreRejectedOrReadUnchanged) {
     const auto files = files_in("qsm");
     if (files.empty()) GTEST_SKIP() << "no data next to the checkout";
     const std::string whole = read_file(kData / "qsm" / "itsme_tree_1_qsm.mat");
@@ -211,7 +211,7 @@ TEST(SkeletonData, DamagedMatFilesAreRefusedOrReadAsTheyWere) {
     }
 }
 
-TEST(SkeletonData, PointCloudsAreNotTakenForSkeletons) {
+TEST(SkeletonData, PointCloudsAreNotReadAsSkeletons) {
     for (const char* name : {"qsm/rtwig_cloud.txt", "qsm/itsme_buttressed_tree_1_pc.txt"}) {
         if (!std::filesystem::exists(kData / name)) GTEST_SKIP() << "no data next to the checkout";
         EXPECT_THROW(read_skeleton(kData / name), Unsupported);

@@ -10,13 +10,13 @@ namespace {
 constexpr auto kSwc = SkeletonFormat::swc;
 constexpr auto kCylinders = SkeletonFormat::cylinders;
 
-TEST(SkeletonFormat, IsToldByNames) {
+TEST(SkeletonFormat, IsRecognizedByNames) {
     EXPECT_EQ(format_of_extension("a/Tree.SWC"), kSwc);
     EXPECT_EQ(format_of_extension("tree.csv"), kCylinders);
     EXPECT_EQ(format_of_extension("tree.txt"), std::nullopt);
 }
 
-TEST(SkeletonFormat, IsToldByMarks) {
+TEST(SkeletonFormat, IsRecognizedByContent) {
     EXPECT_EQ(format_of_content("ply\nformat ascii 1.0\n"), SkeletonFormat::ply);
     EXPECT_EQ(format_of_content("# made by hand\n\n{\"format\": 1}"), SkeletonFormat::json);
     EXPECT_EQ(format_of_content("v 0 0 0\nl 1 2\n"), SkeletonFormat::obj);
@@ -25,7 +25,7 @@ TEST(SkeletonFormat, IsToldByMarks) {
     EXPECT_EQ(format_of_content(""), std::nullopt);
 }
 
-TEST(SkeletonFormat, NodesOfSwcAreRowsThatHangTogether) {
+TEST(SkeletonFormat, RowsWithConsistentParentsAreSwc) {
     EXPECT_EQ(format_of_content("1 0 0 0 0 1 -1\n"), kSwc);
     EXPECT_EQ(format_of_content("# id type x y z r parent\n1 1 0 0 0 1 -1\n2 1 0 0 1 1 1\n"), kSwc);
     // As printed by MATLAB, after or before their parents, with a remark.
@@ -34,7 +34,7 @@ TEST(SkeletonFormat, NodesOfSwcAreRowsThatHangTogether) {
     EXPECT_EQ(format_of_content("1 1 0 0 0 1 -1\n2 1 0 0 1 1 1\n3 1 0"), kSwc);  // cut off
 }
 
-TEST(SkeletonFormat, PointsWithSevenColumnsAreNoNodes) {
+TEST(SkeletonFormat, PointsWithSevenColumnsAreNotSwc) {
     EXPECT_EQ(format_of_content("0.5 1 2 100 255 0 17\n"), std::nullopt);
     EXPECT_EQ(format_of_content("5 1 2 0.3 255 0 17.5\n"), std::nullopt);
     // Integer millimetres, an intensity and a colour: ids are repeated, or parents do not exist.
@@ -49,7 +49,7 @@ TEST(SkeletonFormat, PointsWithSevenColumnsAreNoNodes) {
     EXPECT_EQ(format_of_content("nan 1 2 3 4 5 nan\n"), std::nullopt);
 }
 
-TEST(SkeletonFormat, TablesWithoutNamesHaveAnAxis) {
+TEST(SkeletonFormat, TablesWithoutNamesNeedAUnitAxis) {
     EXPECT_EQ(format_of_content("0.1 1 0 0 0 0 0 1 0 2 0\n"), kCylinders);
     EXPECT_EQ(format_of_content("0.1,1,0,0,0,0.6,0,0.8,0,2\n"), kCylinders);
     // Points with a normal, a colour and more.

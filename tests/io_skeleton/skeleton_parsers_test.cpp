@@ -23,7 +23,7 @@ namespace {
 using test::bytes_of;
 using test::error_of;
 
-TEST(Text, NumbersOfAllSpellings) {
+TEST(Text, ParsesNumbersInAllNotations) {
     EXPECT_EQ(parse_number("1.0000e+000"), 1.0);
     EXPECT_EQ(parse_number("-1."), -1.0);
     EXPECT_EQ(parse_number("+.5"), 0.5);
@@ -39,7 +39,7 @@ TEST(Text, NumbersOfAllSpellings) {
     }
 }
 
-TEST(Text, LinesOfAllSystems) {
+TEST(Text, ReadsLinesOfAllSystems) {
     LineReader lines(
         "\xEF\xBB\xBF"
         "a\r\nb\n\rc");
@@ -49,7 +49,7 @@ TEST(Text, LinesOfAllSystems) {
     EXPECT_EQ(lines.number(), 4u);
 }
 
-TEST(Text, CellsWithQuotes) {
+TEST(Text, SplitsQuotedCells) {
     std::vector<std::string_view> cells;
     split_at(" a ,\"b, c\",, \"d\" ,", ',', cells);
     EXPECT_EQ(cells, (std::vector<std::string_view>{"a", "b, c", "", "d"}));
@@ -57,7 +57,7 @@ TEST(Text, CellsWithQuotes) {
     EXPECT_EQ(cells, (std::vector<std::string_view>{"\"open", "x"}));
 }
 
-TEST(Raycloud, SeveralTreesWithAttributes) {
+TEST(Raycloud, ReadsSeveralTreesWithAttributes) {
     const auto nodes = parse_raycloud(
         "# Tree file\nheight,crown, x,y,z,radius,parent_id,section\n"
         "7,2, 0,0,0,9,-1,0, 0,0,1,0.5,0,0, 1,0,2,0.25,1,0\n8,3, 5,0,0,0.75,-1,0\n",
@@ -72,7 +72,7 @@ TEST(Raycloud, SeveralTreesWithAttributes) {
     EXPECT_EQ(nodes[3].line, 4u);
 }
 
-TEST(Raycloud, Errors) {
+TEST(Raycloud, ReportsErrors) {
     const auto error = [](const std::string& text) {
         return error_of<InvalidInput>([&] { parse_raycloud(text, "t.txt"); });
     };
@@ -96,7 +96,7 @@ std::vector<std::int64_t> find_parents(const Forest& forest) {
     return parents;
 }
 
-TEST(EdgeGraph, RootsAtTheLowestEndAndCutsLoops) {
+TEST(EdgeGraph, RootIsTheLowestEndAndLoopsAreCut) {
     // A square 1-2-3-4 on a stem 0-1, and an isolated node.
     EdgeGraph graph;
     graph.position = {{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 2}, {0, 0, 2}, {9, 9, 9}};
@@ -108,7 +108,7 @@ TEST(EdgeGraph, RootsAtTheLowestEndAndCutsLoops) {
     EXPECT_EQ(make_forest(graph, "t").nodes.size(), 5u);
 }
 
-TEST(EdgeGraph, RootsAtTheThickestEnd) {
+TEST(EdgeGraph, RootIsTheThickestEnd) {
     EdgeGraph graph;
     graph.position = {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}};
     graph.edges = {{0, 1}, {1, 2}};
@@ -122,14 +122,14 @@ TEST(EdgeGraph, RootsAtTheThickestEnd) {
     EXPECT_EQ(make_forest(graph, "t").loops_cut, 1u);
 }
 
-TEST(EdgeGraph, PositionsMustBeFinite) {
+TEST(EdgeGraph, RejectsNonFinitePositions) {
     EdgeGraph graph;
     graph.position = {{0, 0, 0}, {0, std::nan(""), 1}};
     EXPECT_EQ(error_of<InvalidInput>([&] { make_forest(graph, "t"); }),
               "t: the position of vertex 2 is not finite");
 }
 
-TEST(Gel, NodesAndConnections) {
+TEST(Gel, ReadsNodesAndConnections) {
     const Forest forest =
         make_forest(parse_gel("n 0 0 1\nn 0 0 0\nn 0 1 1.5\nc 0 1\nc 2 0\n", "t.graph"), "t.graph");
     EXPECT_EQ(find_parents(forest), (std::vector<std::int64_t>{1, -1, 0}));
@@ -143,7 +143,7 @@ TEST(Gel, NodesAndConnections) {
     EXPECT_EQ(error("x 0 0\n"), "t.graph:1: a line of a GEL graph must begin with 'n' or 'c', not with 'x'");
 }
 
-TEST(ObjLines, PolylinesWithAllKindsOfIndices) {
+TEST(ObjLines, ReadsPolylinesWithAllKindsOfIndices) {
     const EdgeGraph graph =
         parse_obj_lines("o tree\nv 0 0 0\nv 0 0 1 1.0\nv 0 0 2\nl 1 2/7 -1\nv 5 5 5\n", "t.obj");
     EXPECT_EQ(graph.edges, (std::vector<std::array<std::uint32_t, 2>>{{0, 1}, {1, 2}}));
@@ -179,7 +179,7 @@ TEST(EdgePly, WeldsThePolylinesOfAdTree) {
     }
 }
 
-TEST(EdgePly, AsciiWithEndsAsTwoNumbers) {
+TEST(EdgePly, ReadsAsciiWithTwoVertexProperties) {
     const std::string head =
         "ply\nformat ascii 1.0\nelement vertex 2\nproperty double x\nproperty double y\nproperty double z\n";
     const EdgeGraph graph = parse_edge_ply(
@@ -202,7 +202,7 @@ TEST(EdgePly, AsciiWithEndsAsTwoNumbers) {
         "t.ply: an edge refers to vertex -2, which cannot exist");
 }
 
-TEST(SkeletonJson, ColumnsInAnyOrderBesideOtherThings) {
+TEST(SkeletonJson, ReadsColumnsInAnyOrderAmongOthers) {
     const auto [nodes, attributes, notes] = parse_skeleton_json(
         R"({"radius": [1, null], "sure": [0.5, null], "Loud": [1, 2], "words": ["a", 3], "notes": {"parent": [9, {"a": []}]}, "parent": [-1, 0],
             "position": [[0, 0, 0], [0, 0.5, 1]], "origin": [100, 0, 0], "format": "coppice-skeleton"})",
@@ -219,7 +219,7 @@ TEST(SkeletonJson, ColumnsInAnyOrderBesideOtherThings) {
     EXPECT_EQ(attributes[1].name, "words");
 }
 
-TEST(SkeletonJson, Errors) {
+TEST(SkeletonJson, ReportsErrors) {
     const auto error = [](const std::string& text) {
         return error_of<InvalidInput>([&] { parse_skeleton_json(text, "t.json"); });
     };
@@ -290,7 +290,7 @@ RawCylinders read_mat(const std::filesystem::path& path, int model) {
     return parse_mat(read_file(path), path.string(), model);
 }
 
-TEST(Mat, StructOfColumns) {
+TEST(Mat, ReadsAStructOfColumns) {
     MatWriter writer("struct");
     std::size_t dims[2]{1, 1};
     const char* fields[]{"rundata", "cylinder"};
@@ -305,7 +305,7 @@ TEST(Mat, StructOfColumns) {
               path.string() + ": there is no model 2; the file contains 1");
 }
 
-TEST(Mat, SeveralModelsAskWhich) {
+TEST(Mat, RequiresAChoiceAmongSeveralModels) {
     MatWriter writer("several");
     std::size_t dims[2]{1, 2};
     const char* fields[]{"cylinder"};
@@ -325,7 +325,7 @@ TEST(Mat, SeveralModelsAskWhich) {
     EXPECT_EQ(read_mat(path, 3).cylinders[0].start.x, 10);
 }
 
-TEST(Mat, VariablesOfTheOldLayout) {
+TEST(Mat, ReadsVariablesOfTheOldLayout) {
     MatWriter writer("old");
     writer.add(MatWriter::doubles("Rad", 2, 1, {0.5, 0.25}), MAT_COMPRESSION_NONE);
     writer.add(MatWriter::doubles("Len", 2, 1, {2, 1}));
@@ -335,7 +335,7 @@ TEST(Mat, VariablesOfTheOldLayout) {
     expect_two_cylinders(read_mat(writer.close(), 0));
 }
 
-TEST(Mat, WrongShapesAndValues) {
+TEST(Mat, RejectsWrongShapesAndValues) {
     const auto error = [](const char* name, matvar_t* radius, matvar_t* start, std::vector<double> parent) {
         MatWriter writer(name);
         writer.add(radius);
@@ -361,7 +361,7 @@ TEST(Mat, WrongShapesAndValues) {
               "the parent of cylinder 1 is 0.5; it should be 0 to 2");
 }
 
-TEST(Mat, FilesWithoutCylindersAndDamagedFiles) {
+TEST(Mat, RejectsFilesWithoutCylindersAndDamagedFiles) {
     MatWriter writer("none");
     writer.add(MatWriter::doubles("Rad", 1, 1, {1}));
     const auto path = writer.close();
@@ -428,7 +428,7 @@ class RawMat {
     std::string bytes_;
 };
 
-TEST(Mat, BothByteOrders) {
+TEST(Mat, ReadsBothByteOrders) {
     for (const bool big_endian : {false, true}) {
         const RawMat mat(big_endian);
         expect_two_cylinders(parse_mat(
@@ -439,7 +439,7 @@ TEST(Mat, BothByteOrders) {
     }
 }
 
-TEST(Mat, ClaimsBeyondTheFileAreRefused) {
+TEST(Mat, RejectsSizesBeyondTheFile) {
     const RawMat mat(false);
     const auto error = [&](const std::string& variable) {
         return error_of<InvalidInput>([&] { parse_mat(mat.with(variable), "t.mat", 0); });

@@ -17,7 +17,7 @@ using test::error_of;
 const std::string kSwc = "1 0 0 0 0 0.5 -1\n2 0 0 0 4 0.25 1\n";
 const std::string kGel = "n 0 0 0\nn 0 0 4\nc 0 1\n";
 
-TEST(SkeletonReader, TellsFormatsByContentWhereTheNameDoesNot) {
+TEST(SkeletonReader, RecognizesFormatsByContentIfTheNameDoesNot) {
     const auto format = [](const std::string& text, const std::string& name) {
         return parse_skeleton(text, name).format;
     };
@@ -42,7 +42,7 @@ TEST(SkeletonReader, TellsFormatsByContentWhereTheNameDoesNot) {
     EXPECT_EQ(format(kSwc, "TREE.SWC"), "swc");
 }
 
-TEST(SkeletonReader, AttributesStayWithTheirNodesWhenNodesMove) {
+TEST(SkeletonReader, AttributesFollowReorderedNodes) {
     // Node 0 precedes its parent, and node 3 coincides with its parent.
     const SkeletonFile file = parse_skeleton(
         R"({"a": [10, 11, 12, 13], "b": [1, 2, 3], "c": [1, 1e99, 3, 4], "a": [0, 0, 0, 0], "d": [1, null, 1, 1],
@@ -54,7 +54,7 @@ TEST(SkeletonReader, AttributesStayWithTheirNodesWhenNodesMove) {
     EXPECT_EQ(file.attributes[0].values, (std::vector<float>{11, 10, 12}));
 }
 
-TEST(SkeletonReader, UnitsAreStatedOrThoseOfANeuron) {
+TEST(SkeletonReader, ReadsStatedUnitsAndRecognizesNeurons) {
     const auto units = [](const std::string& text, const std::string& name,
                           ReadSkeletonOptions options = {}) {
         return name_of(parse_skeleton(text, name, options).units);
@@ -72,7 +72,7 @@ TEST(SkeletonReader, UnitsAreStatedOrThoseOfANeuron) {
     EXPECT_EQ(parse_skeleton(neuron, "t.swc").notes.size(), 1u) << "assumptions are reported";
 }
 
-TEST(SkeletonReader, UnknownFilesAreRefused) {
+TEST(SkeletonReader, RejectsUnknownFiles) {
     EXPECT_EQ(error_of<Unsupported>([] { parse_skeleton("1 2 3\n4 5 6\n", "cloud.txt"); }),
               "cloud.txt: neither its name nor its first line is that of a skeleton file; supported are SWC, "
               "cylinder tables, TreeQSM .mat, raycloudtools trees, edge PLY, GEL graphs, OBJ lines, RSML, "
@@ -85,7 +85,7 @@ TEST(SkeletonReader, UnknownFilesAreRefused) {
     EXPECT_THROW(read_skeleton("no/such/file.swc"), IoError);
 }
 
-TEST(SkeletonReader, AFormatThatIsAskedForIsTaken) {
+TEST(SkeletonReader, UsesTheRequestedFormat) {
     EXPECT_EQ(parse_skeleton(kSwc, "t.obj", {.format = SkeletonFormat::swc}).skeleton.size(), 2u);
     EXPECT_THROW(parse_skeleton(kSwc, "t.swc", {.format = SkeletonFormat::gel}), InvalidInput);
 }
@@ -101,7 +101,7 @@ TEST(SkeletonReader, ScalesPositionsAndRadiiExactly) {
     EXPECT_NEAR(far.origin().x + far.position(NodeId(0)).x, 500.00025, 1e-7);
 }
 
-TEST(SkeletonReader, FilesWithoutRadiiTakeTheDefaultOrSaySo) {
+TEST(SkeletonReader, FilesWithoutRadiiHaveTheDefaultOrANote) {
     const SkeletonFile given = parse_skeleton(kGel, "t.graph", {.default_radius = 0.125f});
     EXPECT_EQ(given.skeleton.radius(NodeId(1)), 0.125f);
     EXPECT_TRUE(given.notes.empty());
@@ -113,14 +113,14 @@ TEST(SkeletonReader, FilesWithoutRadiiTakeTheDefaultOrSaySo) {
     EXPECT_EQ(parse_skeleton(kSwc, "t.swc", {.default_radius = 0.125f}).skeleton.radius(NodeId(0)), 0.5f);
 }
 
-TEST(SkeletonReader, LoopsThatWereCutAreNoted) {
+TEST(SkeletonReader, ReportsCutLoops) {
     const SkeletonFile file = parse_skeleton("n 0 0 0\nn 0 0 1\nn 0 1 1\nc 0 1\nc 1 2\nc 2 0\n", "t.graph",
                                              {.default_radius = 0.1f});
     ASSERT_EQ(file.notes.size(), 1u);
     EXPECT_EQ(file.notes[0], "1 edges that closed loops were omitted");
 }
 
-TEST(SkeletonReader, OptionsAreChecked) {
+TEST(SkeletonReader, RejectsInvalidOptions) {
     EXPECT_THROW(parse_skeleton(kSwc, "t.swc", {.scale = 0}), InvalidInput);
     EXPECT_THROW(parse_skeleton(kSwc, "t.swc", {.model = -1}), InvalidInput);
     EXPECT_THROW(parse_skeleton(kSwc, "t.swc", {.model = 2}), InvalidInput);
@@ -128,11 +128,11 @@ TEST(SkeletonReader, OptionsAreChecked) {
     EXPECT_NO_THROW(parse_skeleton(kSwc, "t.swc", {.model = 1}));
 }
 
-TEST(SkeletonReader, EveryOptionIsVisitedWithADefaultInRange) {
+TEST(SkeletonReader, EveryOptionIsDescribedWithADefaultInRange) {
     test::expect_described<ReadSkeletonOptions>();
 }
 
-TEST(SkeletonReader, BinaryGarbageIsRefusedByEveryParser) {
+TEST(SkeletonReader, EveryParserRejectsBinaryGarbage) {
     std::string garbage;
     for (std::uint32_t i = 0; i < 4096; ++i) garbage += static_cast<char>((i * 2654435761u) >> 13);
     for (const SkeletonFormat format :
@@ -142,7 +142,7 @@ TEST(SkeletonReader, BinaryGarbageIsRefusedByEveryParser) {
     }
 }
 
-TEST(SkeletonReader, ReadsFromDisk) {
+TEST(SkeletonReader, ReadsFiles) {
     const auto path = std::filesystem::path(testing::TempDir()) / "reader_test.swc";
     std::ofstream(path) << kSwc;
     const SkeletonFile file = read_skeleton(path);

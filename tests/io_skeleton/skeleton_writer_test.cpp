@@ -38,7 +38,7 @@ const std::vector<WriteSkeletonOptions> kLossless{
     {SkeletonFormat::swc},        {SkeletonFormat::json}, {SkeletonFormat::obj}, {SkeletonFormat::ply, true},
     {SkeletonFormat::ply, false}, {SkeletonFormat::rsml}, {SkeletonFormat::mtg}};
 
-TEST(SkeletonWriter, WhatIsReadBackHasTheSameBits) {
+TEST(SkeletonWriter, LosslessFormatsAreReadBackBitIdentically) {
     for (const WriteSkeletonOptions& options : kLossless) {
         SCOPED_TRACE(name_of(options.format));
         const SkeletonFile file =
@@ -49,7 +49,7 @@ TEST(SkeletonWriter, WhatIsReadBackHasTheSameBits) {
     }
 }
 
-TEST(SkeletonWriter, WholeTreesAndTheirAttributesAreReadBackWithTheSameBits) {
+TEST(SkeletonWriter, TreesWithAttributesAreReadBackBitIdentically) {
     using enum SkeletonFormat;
     for (const char* name : {"tree300.swc", "tree300hard.swc", "tree3k.swc"}) {
         const auto path = source_dir() / ".." / "shared" / "workloads" / name;
@@ -71,7 +71,7 @@ TEST(SkeletonWriter, WholeTreesAndTheirAttributesAreReadBackWithTheSameBits) {
     }
 }
 
-TEST(SkeletonWriter, GeoreferencedTreesKeepTheirDigits) {
+TEST(SkeletonWriter, PreservesTheDigitsOfGeoreferencedTrees) {
     const Vec3d origin{5123456, 612345, -100};
     const Skeleton s = fork(origin);
     for (const WriteSkeletonOptions& options : kLossless) {
@@ -104,7 +104,7 @@ TEST(SkeletonWriter, CylindersHaveTheVolumeOfTheirSegments) {
     EXPECT_EQ(file.skeleton.tree_count(), 1u);
 }
 
-TEST(SkeletonWriter, CylindersKeepTheOrdersAxesAndTreesOfTheirNodes) {
+TEST(SkeletonWriter, CylindersPreserveOrdersAxesAndTrees) {
     const std::uint32_t count = fork().size();
     const std::vector<NodeAttribute> known{{"order", std::vector<float>(count, 3)},
                                            {"axis", std::vector<float>(count, 9)},
@@ -125,7 +125,7 @@ TEST(SkeletonWriter, CylindersKeepTheOrdersAxesAndTreesOfTheirNodes) {
               encode_skeleton(fork(), {SkeletonFormat::cylinders}));
 }
 
-TEST(SkeletonWriter, FilesAreNamedByTheirEnding) {
+TEST(SkeletonWriter, DeterminesTheFormatByTheExtension) {
     const std::filesystem::path folder(testing::TempDir());
     for (const char* name : {"w.swc", "w.JSON", "w.obj", "w.ply", "w.rsml", "w.mtg"}) {
         write_skeleton(folder / name, fork());
@@ -135,7 +135,7 @@ TEST(SkeletonWriter, FilesAreNamedByTheirEnding) {
     EXPECT_EQ(read_skeleton(folder / "w.txt").format, "swc");
 }
 
-TEST(SkeletonWriter, AttributesStandBesideTheNodesAndAreReadAgain) {
+TEST(SkeletonWriter, WritesAttributesThatAreReadBack) {
     const Skeleton s({NodeId::none(), NodeId(0)}, {{0, 0, 0}, {0, 0, 1}}, {0.1f, 0.05f});
     const std::vector<NodeAttribute> attributes{{"samples", {12, 7}}, {"residual", {0.25f, 0.5f}}};
     const std::string json = encode_skeleton(s, {.format = SkeletonFormat::json}, attributes);
@@ -159,7 +159,7 @@ TEST(SkeletonWriter, AttributesStandBesideTheNodesAndAreReadAgain) {
     }
 }
 
-TEST(SkeletonWriter, TypesOfSwcGoThroughOtherFormatsAndBack) {
+TEST(SkeletonWriter, PreservesSwcTypesThroughOtherFormats) {
     const std::string swc =
         "# SWC written by Coppice; units: m\n# id type x y z radius parent\n"
         "1 1 0 0 0 5 -1\n2 3 0 0 9 1 1\n3 256 4 0 12 0.5 2\n";
@@ -178,7 +178,7 @@ TEST(SkeletonWriter, TypesOfSwcGoThroughOtherFormatsAndBack) {
         << "invalid types are not written";
 }
 
-TEST(SkeletonWriter, IdsOfSwcAreKept) {
+TEST(SkeletonWriter, PreservesSwcIds) {
     const std::string head = "# SWC written by Coppice; units: m\n# id type x y z radius parent\n";
     const auto converted = [&](const std::string& rows) {
         const SkeletonFile file = parse_skeleton(head + rows, "t.swc");
@@ -205,7 +205,7 @@ TEST(SkeletonWriter, IdsOfSwcAreKept) {
     EXPECT_TRUE(parse_skeleton(head + "1 0 0 0 0 5 -1\n2 0 0 0 9 1 1\n", "t.swc").attributes.empty());
 }
 
-TEST(SkeletonWriter, NodesWithoutAnIdOfTheirOwnAreNumberedAfterTheOthers) {
+TEST(SkeletonWriter, NodesWithoutAUniqueIdAreNumberedAfterTheOthers) {
     // The first of the nodes with id 4 keeps it; 0 and 2.5 are not ids.
     const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(2), NodeId(3)},
                      {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {0, 0, 3}, {0, 0, 4}}, {1, 1, 1, 1, 1});
@@ -217,7 +217,7 @@ TEST(SkeletonWriter, NodesWithoutAnIdOfTheirOwnAreNumberedAfterTheOthers) {
         << text;
 }
 
-TEST(SkeletonWriter, FilesSayWhatAUnitIs) {
+TEST(SkeletonWriter, WritesUnits) {
     for (const char* name : {"swc", "json", "obj", "ply"}) {
         const SkeletonFormat format = *format_of_extension(std::string("t.") + name);
         for (const LengthUnit units : {LengthUnit::m, LengthUnit::um, LengthUnit::inch}) {
@@ -227,7 +227,7 @@ TEST(SkeletonWriter, FilesSayWhatAUnitIs) {
     }
 }
 
-TEST(NodeAttribute, ThoseOfEditedTreesAreCarried) {
+TEST(NodeAttribute, IsPreservedThroughEdits) {
     const auto node = [](std::uint32_t i) { return NodeId(i); };
     const Skeleton before({NodeId::none(), node(0), node(1)}, {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}}, {1, 1, 1});
     // The last node is removed; one is new between the two remaining ones, with a twig, and there is another
@@ -242,7 +242,7 @@ TEST(NodeAttribute, ThoseOfEditedTreesAreCarried) {
     EXPECT_TRUE(kept_attributes({}, before, after).empty());
 }
 
-TEST(SkeletonWriter, Errors) {
+TEST(SkeletonWriter, ReportsErrors) {
     EXPECT_EQ(error_of<Unsupported>([] { write_skeleton("t.xyz", fork()); }),
               "t.xyz: the extension is not that of a skeleton format; use .swc, .csv, .ply, .obj, .json, "
               ".rsml or .mtg");

@@ -11,7 +11,7 @@ namespace {
 
 using test::error_of;
 
-TEST(Swc, NodesWithCommentsBlanksAndOddNumbers) {
+TEST(Swc, ReadsCommentsBlanksAndNumbersInAllNotations) {
     const auto [nodes, attributes, notes] = parse_swc(
         "\xEF\xBB\xBF# head\r\n\r\n  1 1 0.5 -1 2. 0.25 -1.\r\n 7\t5 1 2 3 1.0e+000 1.0000e+000 # tip\r\n",
         "t.swc");
@@ -34,7 +34,7 @@ TEST(Swc, ParentZeroIsARootUnlessThereIsANodeZero) {
     EXPECT_EQ(parse_swc("0 0 0 0 0 1 -1\n1 0 0 0 1 1 0\n", "t").nodes.back().parent, 0);
 }
 
-TEST(Swc, ErrorsNameLineAndColumn) {
+TEST(Swc, ErrorsReportLineAndColumn) {
     const auto error = [](const std::string& text) {
         return error_of<InvalidInput>([&] { parse_swc(text, "tree.swc"); });
     };
@@ -48,7 +48,7 @@ TEST(Swc, ErrorsNameLineAndColumn) {
               "tree.swc:1: 1 values, but a node of SWC has 7: id type x y z radius parent");
 }
 
-TEST(Swc, DecimalCommasAreRefused) {
+TEST(Swc, RejectsDecimalCommas) {
     for (const char* text :
          {"1 1 0,0 0,5 0,0 0,1 -1\n", "1;1;0,0;0,5;0;0,1;-1\n", "1\t1\t-0,25\t1e2\t0\t1\t-1\n",
           "1 1 0 0 0 1 -1\n2 1 0 0 1,5 1 1\n", "1,1,0,0,0,5,0,0,0,1,-1\n"}) {
@@ -62,7 +62,7 @@ TEST(Swc, DecimalCommasAreRefused) {
         EXPECT_EQ(parse_swc(text, "t.swc").nodes.size(), 1u) << text;
 }
 
-TEST(Swc, ColumnsBehindTheSeventhAreAllowedWhereTheFirstSevenAreThoseOfSwc) {
+TEST(Swc, AcceptsAdditionalColumnsAfterTheSevenOfSwc) {
     // Columns appended by Vaa3D: segment, level, mode, time.
     const auto nodes =
         parse_swc(

@@ -36,7 +36,7 @@ class Colmap : public test::FolderTest {
     }
 };
 
-TEST_F(Colmap, CamerasAreRead) {
+TEST_F(Colmap, ReadsCameras) {
     const SketchView a = read_colmap_view(folder_, "a.jpg");
     EXPECT_EQ(a.width, 4000);
     EXPECT_EQ(a.k, (Matrix3{{{3100, 0, 2000}, {0, 3110, 1500}, {0, 0, 1}}}));
@@ -49,7 +49,7 @@ TEST_F(Colmap, CamerasAreRead) {
     EXPECT_NEAR(length(b.r * Vec3d{1, 0, 0} - Vec3d{0, 0, 1}), 0, 1e-7);
 }
 
-TEST_F(Colmap, WhatIsWrongIsNamed) {
+TEST_F(Colmap, ReportsErrors) {
     const std::string path = folder_.string();
     EXPECT_EQ(error_of([&] { read_colmap_view(folder_, "d.jpg"); }),
               path + "/images.txt: no image is named 'd.jpg'");
@@ -66,7 +66,7 @@ TEST_F(Colmap, WhatIsWrongIsNamed) {
     EXPECT_NE(error_of<IoError>([&] { read_colmap_view(folder_ / "gone", "a.jpg"); }), "no error");
 }
 
-TEST_F(Colmap, SketchesNameTheirPictures) {
+TEST_F(Colmap, ReadsSketchesWithColmapCameras) {
     // COLMAP's y points down as in its first image, and its unit is half a metre.
     const std::string text =
         R"({"format": "coppice-sketch", "version": 1, "world": {"up": [0, -1, 0], "metres_per_unit": 0.5},
@@ -80,7 +80,7 @@ TEST_F(Colmap, SketchesNameTheirPictures) {
     EXPECT_EQ(parse_sketch(text, "x", FolderSandbox(folder_)).views[0].t, sketch.views[0].t);
 }
 
-TEST_F(Colmap, SketchesOfAJailReadNothingOutside) {
+TEST_F(Colmap, SketchesInASandboxReadNothingOutside) {
     std::filesystem::create_directory(folder_ / "home");
     std::filesystem::create_directory_symlink(folder_, folder_ / "home" / "link");
     const FolderSandbox sandbox(folder_ / "home");
@@ -98,7 +98,7 @@ TEST_F(Colmap, SketchesOfAJailReadNothingOutside) {
     }
 }
 
-TEST(Rotation, VectorsAndQuaternionsAgree) {
+TEST(Rotation, VectorsAndQuaternionsMatch) {
     // A third of a turn about (1, 1, 1) maps x to y and y to z.
     const double angle = 2 * std::numbers::pi / 3 / std::sqrt(3);
     const Matrix3 r = rotation_about({angle, angle, angle});

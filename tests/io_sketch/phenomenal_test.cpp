@@ -31,7 +31,7 @@ class Phenomenal : public test::FolderTest {
     }
 };
 
-TEST_F(Phenomenal, CamerasAreRead) {
+TEST_F(Phenomenal, ReadsCameras) {
     const SketchView side = read_phenomenal_view(folder_ / "c.json", "side", 0);
     EXPECT_EQ(side.width, 600);
     EXPECT_EQ(side.height, 800);
@@ -45,7 +45,7 @@ TEST_F(Phenomenal, CamerasAreRead) {
     EXPECT_NEAR(project(side, {0, 0, 0.3}).y, 400 - 44, 0.01);
 }
 
-TEST_F(Phenomenal, TheTableTurnsThePlant) {
+TEST_F(Phenomenal, AngleRotatesThePlant) {
     // 45 degrees by a factor of 2 clockwise: points to the right of the side camera are then in front of it.
     const double angle = std::numbers::pi / 4;
     const SketchView side = read_phenomenal_view(folder_ / "c.json", "side", angle);
@@ -57,7 +57,7 @@ TEST_F(Phenomenal, TheTableTurnsThePlant) {
     EXPECT_NEAR(project(top, {1, 0, 0}).y, 300 + 500, 1e-9);
 }
 
-TEST_F(Phenomenal, SketchesNameThem) {
+TEST_F(Phenomenal, ReadsSketchesWithPhenomenalCameras) {
     const std::string view = R"({"name": "a", "phenomenal": "c.json", "camera": "side", "angle": 45})";
     const std::string text = R"({"format": "coppice-sketch", "version": 1, "views": [)" + view + R"(,
         {"name": "b", "phenomenal": "c.json", "camera": "top", "angle": 45}], "branches": [
@@ -66,7 +66,7 @@ TEST_F(Phenomenal, SketchesNameThem) {
     EXPECT_NEAR(depth(sketch.views[0], {1, 0, 0.1}), 4, 2e-3);
 }
 
-TEST_F(Phenomenal, WhatIsWrongIsNamed) {
+TEST_F(Phenomenal, ReportsErrors) {
     const std::string file = (folder_ / "c.json").string();
     EXPECT_EQ(error_of([&] { read_phenomenal_view(file, "back", 0); }),
               file + ": cameras_parameters has no 'back'; there are side, top");

@@ -29,7 +29,7 @@ std::string said_of(const std::string& from, const std::string& to) {
     return error_of([&] { parse_sketch(file_with(from, to), "a.sketch.json"); });
 }
 
-TEST(SketchFile, IsReadAsWritten) {
+TEST(SketchFile, ReadsAllFields) {
     const Sketch sketch = parse_sketch(file_with(), "a.sketch.json");
     ASSERT_EQ(sketch.views.size(), 2u);
     EXPECT_EQ(sketch.views[0].image, "a.png");
@@ -44,7 +44,7 @@ TEST(SketchFile, IsReadAsWritten) {
     EXPECT_EQ(sketch.branches[1].strokes[0].widths, (std::vector<double>{10, 5}));
 }
 
-TEST(SketchFile, WhatIsWrittenIsReadAgain) {
+TEST(SketchFile, ReadsBackItsOutput) {
     const Sketch sketch = parse_sketch(file_with(), "a.sketch.json");
     const std::string text = encode_sketch(sketch);
     const Sketch again = parse_sketch(text, "again");
@@ -53,7 +53,7 @@ TEST(SketchFile, WhatIsWrittenIsReadAgain) {
     EXPECT_EQ(again.branches[0].diameters, sketch.branches[0].diameters);
 }
 
-TEST(SketchFile, WhatIsWrongIsNamed) {
+TEST(SketchFile, ReportsErrors) {
     EXPECT_EQ(said_of("\"views\": [", "\"views\": [,"), "a.sketch.json:1: this is not valid JSON");
     EXPECT_EQ(said_of("coppice-sketch", "coppice-skeleton"),
               "a.sketch.json: this JSON is not a sketch: it needs \"format\": \"coppice-sketch\"");
@@ -89,13 +89,13 @@ TEST(SketchFile, WhatIsWrongIsNamed) {
               "a.sketch.json: version 2 of coppice-sketch is newer than this program");
 }
 
-TEST(SketchFile, RotationsMayBeVectors) {
+TEST(SketchFile, AcceptsRotationVectors) {
     const std::string text =
         file_with("\"R\": [[1, 0, 0], [0, 0, -1], [0, 1, 0]]", "\"rvec\": [1.5707963267948966, 0, 0]");
     EXPECT_NEAR(length(parse_sketch(text, "a").views[0].r * Vec3d{0, 1, 0} - Vec3d{0, 0, 1}), 0, 1e-12);
 }
 
-TEST(SketchFile, AHeightIsEnoughForTwoPictures) {
+TEST(SketchFile, HeightSufficesForTwoDrawings) {
     // The stem is 200 pixels high in both.
     std::string text = file_with(R"(, "pixels_per_metre": 100, "origin": [200, 300])", "");
     EXPECT_EQ(error_of([&] { parse_sketch(text, "a.sketch.json"); }), "a.sketch.json: height is missing");
@@ -103,7 +103,7 @@ TEST(SketchFile, AHeightIsEnoughForTwoPictures) {
     EXPECT_EQ(project(parse_sketch(text, "a").views[1], {0, 0, 4}), (PicturePoint{200, 100}));
 }
 
-TEST(SketchFile, IsToldByItsName) {
+TEST(SketchFile, IsRecognizedByItsName) {
     EXPECT_TRUE(is_sketch_name("oak.sketch.json"));
     EXPECT_FALSE(is_sketch_name("oak.json"));
     EXPECT_FALSE(is_sketch_name("sketch.json"));

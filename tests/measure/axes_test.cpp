@@ -36,7 +36,7 @@ AxesReport judge(const PolygonMesh& m, const Skeleton& s, EndShape tips = EndSha
 /// The pole in two components, with a gap from 4.5 to 5.5 m.
 PolygonMesh broken_pole() { return both(capsule(32, 16, 0.5f, 0, 4), capsule(32, 16, 0.5f, 6, 10)); }
 
-TEST(Axes, OfATrueSurfaceAreWhole) {
+TEST(Axes, OfAnExactSurfaceAreWhole) {
     const AxesFound found = find(capsule(64, 16, 0.5f, 0, 10), pole());
     const AxesReport& r = found.report;
     EXPECT_NEAR(r.length, 10 - 2 * 0.6, 0.25);  // without the ends, within the spacing of the points
@@ -73,7 +73,7 @@ TEST(Axes, AreSeveredWhereTheSurfaceIsThin) {
     EXPECT_EQ(thin.missing, 0u);
 }
 
-TEST(Axes, OfMissingBranchesLieOutside) {
+TEST(Axes, OfMissingBranchesAreOutside) {
     EXPECT_EQ(judge(PolygonMesh{}, pole()).missing, 1u);
     EXPECT_EQ(judge(cube(), pole()).missing, 1u);
     // A twig of two segments that is missing in the surface.
@@ -90,7 +90,7 @@ TEST(Axes, OfMissingBranchesLieOutside) {
     EXPECT_FALSE(r.is_whole());
 }
 
-TEST(Axes, MayRunInsideOfOtherBranches) {
+TEST(Axes, MayBeInsideOtherBranches) {
     // The axis of a twig begins in the middle of a stem that is fifty times as thick.
     const Skeleton s({kRoot, NodeId(0), NodeId(1), NodeId(1)},
                      {{0, 0, 0}, {0, 0, 5}, {0, 0, 10}, {0.3f, 0, 5}}, {0.5f, 0.5f, 0.5f, 0.01f});
@@ -101,7 +101,7 @@ TEST(Axes, MayRunInsideOfOtherBranches) {
     EXPECT_EQ(r.tip_reach.n, 1u);  // the twig's tip is inside the stem
 }
 
-TEST(Tips, AreReached) {
+TEST(Tips, OfACompleteSurfaceAreReached) {
     const AxesReport r = judge(capsule(64, 16, 0.5f, 0, 10), pole());
     EXPECT_EQ(r.tips, 1u);
     EXPECT_EQ(r.tip_reach.n, 1u);
@@ -110,7 +110,7 @@ TEST(Tips, AreReached) {
     EXPECT_NEAR(judge(capsule(32, 8, 0.6f, 0, 10), pole()).tip_reach.p50, 1.2, 1e-5);
 }
 
-TEST(Tips, AreShort) {
+TEST(Tips, OfATruncatedSurfaceAreShort) {
     const AxesReport r = judge(capsule(32, 8, 0.5f, 0, 9), pole());
     EXPECT_NEAR(r.tip_reach.p50, -1, 1e-5);  // half a metre short of the tip
     ASSERT_EQ(r.short_tips, 1u);
@@ -126,7 +126,7 @@ TEST(Tips, MayBeFlat) {
     EXPECT_FALSE(judge(flat, pole(), EndShape::round).reaches_tips());
 }
 
-TEST(Axes, DoNotMindTheOrderOfFacesOrTheOrigin) {
+TEST(Axes, AreIndependentOfTheOrderOfFacesAndTheOrigin) {
     const PolygonMesh whole = broken_pole();
     PolygonMesh shuffled;
     shuffled.positions = whole.positions;
@@ -144,7 +144,7 @@ TEST(Axes, DoNotMindTheOrderOfFacesOrTheOrigin) {
     EXPECT_EQ(b.longest[0].place, a.longest[0].place + Vec3d(5e5, 4e6, 100));
 }
 
-TEST(Axes, PartsAreSeveredWhereSegmentsAreWanted) {
+TEST(Axes, SeveredPartsAreLimitedToTheGivenSegments) {
     const PolygonMesh broken = broken_pole();
     const Skeleton s = dense_pole();
     const CapsuleTree segments(s, broken.origin);

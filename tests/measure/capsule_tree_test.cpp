@@ -18,7 +18,7 @@ Skeleton fork(Vec3d origin = {}) {
                     {1, 1, 0.5f, 0.25f}, origin);
 }
 
-TEST(CapsuleTree, RhoByHand) {
+TEST(CapsuleTree, ComputesRho) {
     const CapsuleTree tree(fork(), {});
     ASSERT_EQ(tree.size(), 3u);
     const auto adjacent = tree.nearest({0, 3, 2});
@@ -34,30 +34,30 @@ TEST(CapsuleTree, RhoByHand) {
     EXPECT_DOUBLE_EQ(tree.nearest({1, 0, 4}).rho, 0);  // on the lateral's axis
 }
 
-TEST(CapsuleTree, TiesGoToTheFirst) {
+TEST(CapsuleTree, TiesReturnTheFirstCapsule) {
     const CapsuleTree tree(fork(), {});
     EXPECT_EQ(tree.nearest({0, 2, 4}).capsule, 0u);  // trunk and leader both end there
     EXPECT_EQ(tree.nearest({0, 2, 4}, 1).capsule, 0u);
 }
 
-TEST(CapsuleTree, OriginsAreBroughtTogether) {
+TEST(CapsuleTree, ConvertsOrigins) {
     const CapsuleTree tree(fork({1e6, 2e6, 100}), {1e6 - 10, 2e6, 100});
     EXPECT_DOUBLE_EQ(tree.nearest({10, 3, 2}).rho, 3);
 }
 
-TEST(CapsuleTree, NodesWithoutSegmentsAreNotSeen) {
+TEST(CapsuleTree, NodesWithoutSegmentsAreExcluded) {
     const CapsuleTree tree(Skeleton({kRoot}, {{0, 0, 0}}, {1}), {});
     EXPECT_EQ(tree.size(), 0u);
     EXPECT_EQ(tree.nearest({1, 1, 1}).capsule, kNoIndex);
     EXPECT_FALSE(tree.any_within({0, 0, 0}, 10, 0));
 }
 
-TEST(CapsuleTree, SegmentsWithoutLengthAreBalls) {
+TEST(CapsuleTree, SegmentsOfLengthZeroAreBalls) {
     const CapsuleTree tree(Skeleton({kRoot, NodeId(0)}, {{0, 0, 0}, {0, 0, 0}}, {1, 0.5f}), {});
     EXPECT_DOUBLE_EQ(tree.nearest({3, 0, 0}).rho, 3);
 }
 
-TEST(CapsuleTree, AxisDistanceDoesNotMindRadii) {
+TEST(CapsuleTree, AxisDistanceIgnoresRadii) {
     const CapsuleTree tree(fork(), {});
     EXPECT_DOUBLE_EQ(tree.axis_distance({0, 3, 2}), 3);
     EXPECT_DOUBLE_EQ(tree.axis_distance({4, 1, 4.5}), std::hypot(1, 0.5));
@@ -65,7 +65,7 @@ TEST(CapsuleTree, AxisDistanceDoesNotMindRadii) {
     EXPECT_TRUE(std::isinf(CapsuleTree(Skeleton({kRoot}, {{0, 0, 0}}, {1}), {}).axis_distance({0, 0, 0})));
 }
 
-TEST(CapsuleTree, VisitsWhatLiesNearAndNothingElse) {
+TEST(CapsuleTree, VisitsOnlyCapsulesWithinTheLimit) {
     const CapsuleTree tree(fork(), {});
     std::vector<std::uint32_t> seen;
     const double limit = 1;
@@ -76,7 +76,7 @@ TEST(CapsuleTree, VisitsWhatLiesNearAndNothingElse) {
     EXPECT_EQ(seen, std::vector<std::uint32_t>{2});  // the lateral; the leader is two metres away
 }
 
-TEST(CapsuleTree, AgreesWithTryingAll) {
+TEST(CapsuleTree, MatchesExhaustiveSearch) {
     const CounterRandom random(5, 0);
     std::vector<NodeId> parent;
     std::vector<Vec3> x;
@@ -117,7 +117,7 @@ TEST(CapsuleTree, AgreesWithTryingAll) {
 
 RoundCone axis(Vec3d a, Vec3d b) { return round_cone(a, b, 1.0, 1.0); }
 
-TEST(Gap, OfSegments) {
+TEST(Gap, IsTheDistanceBetweenSegments) {
     const RoundCone x = axis({0, 0, 0}, {4, 0, 0});
     const auto crossing = gap(x, axis({1, -2, 3}, {1, 2, 3}));
     EXPECT_DOUBLE_EQ(crossing.distance, 3);
@@ -131,7 +131,7 @@ TEST(Gap, OfSegments) {
     EXPECT_DOUBLE_EQ(gap(axis({2, 0, 5}, {2, 0, 5}), x).distance, 5);
 }
 
-TEST(CapsuleTree, FindsTheSameForManyPointsAsForEach) {
+TEST(CapsuleTree, SearchForManyPointsMatchesSingleSearches) {
     // Points near each other, points far apart, and so many axes around them that no candidate list is long
     // enough.
     for (const std::uint32_t laterals : {3u, 200u}) {

@@ -57,7 +57,7 @@ PointSet shell(double radius) {
     return out;
 }
 
-TEST(CloudDistances, OfALayerAboveAPlane) {
+TEST(CloudDistances, OfALayerAboveAPlaneAreItsHeight) {
     const CloudDistances found = cloud_distances(square(10), layer(50, 0.1f), nullptr);
     const CloudDistanceReport& r = found.report;
     EXPECT_FALSE(r.closed);
@@ -79,14 +79,14 @@ TEST(CloudDistances, OfALayerAboveAPlane) {
     EXPECT_NEAR(found.of_points[17], 0.1, 1e-7);
 }
 
-TEST(CloudDistances, BehindAnOpenSurfaceIsNegativeForThePointAlone) {
+TEST(CloudDistances, BehindAnOpenSurfaceAreNegativePerPointOnly) {
     const CloudDistances found = cloud_distances(square(10), layer(50, -0.1f), nullptr);
     EXPECT_NEAR(found.of_points[17], -0.1, 1e-7);
     EXPECT_NEAR(found.report.whole.to_surface.mean, 0.1, 1e-7);
     EXPECT_FALSE(found.report.whole.to_surface.bias);
 }
 
-TEST(CloudDistances, SurfaceWithoutPointsNearIsBare) {
+TEST(CloudDistances, SurfaceFarFromPointsIsBare) {
     // Points over x < 0.5, the last at 0.49: with a support of 0.1 the surface beyond 0.49 + sqrt(0.1^2 -
     // 0.01^2) = 0.5895 is bare, except for the gaps between points, less than 0.0002 in length.
     const CloudDistances found =
@@ -96,7 +96,7 @@ TEST(CloudDistances, SurfaceWithoutPointsNearIsBare) {
     EXPECT_NEAR(found.report.whole.to_cloud.max, 0.51, 0.01);
 }
 
-TEST(CloudDistances, BiasTellsInsideFromOutside) {
+TEST(CloudDistances, BiasDistinguishesInsideFromOutside) {
     // 256 sides and radius 0.5: the chords are at most 0.5 (1 - cos(pi / 256)) = 3.8e-5 inside.
     const PolygonMesh pole = capsule(256, 32, 0.5f, 0, 10);
     for (const double shift : {0.05, -0.05}) {
@@ -111,7 +111,7 @@ TEST(CloudDistances, BiasTellsInsideFromOutside) {
     EXPECT_FALSE(turned.closed);
 }
 
-TEST(CloudDistances, SharesOfTheRadiusAreThoseOfTheSkeletonThere) {
+TEST(CloudDistances, InRadiiAreRelativeToTheSkeleton) {
     const Skeleton axis({kRoot, NodeId(0)}, {{0, 0, 0}, {0, 0, 10}}, {0.5f, 0.5f});
     const CloudDistanceReport r = cloud_distances(capsule(256, 32, 0.5f, 0, 10), shell(0.55), &axis).report;
     EXPECT_NEAR(r.whole.to_surface_radius.mean, 0.1, 1e-4);
@@ -121,7 +121,7 @@ TEST(CloudDistances, SharesOfTheRadiusAreThoseOfTheSkeletonThere) {
     EXPECT_EQ(r.at_forks, CloudDistanceSummary{});
 }
 
-TEST(CloudDistances, AtForksIsWithinTheirRadii) {
+TEST(CloudDistances, AtForksAreLimitedToTwoRadii) {
     // The node with three neighbours is at the centre of the square, the radius of its ball of two radii is
     // 0.2. Points in it are 0.01 above, the others 0.02.
     const Skeleton fork({kRoot, NodeId(0), NodeId(1), NodeId(1)},
@@ -147,7 +147,7 @@ TEST(CloudDistances, AtForksIsWithinTheirRadii) {
     EXPECT_EQ(wide.at_forks, wide.whole);
 }
 
-TEST(CloudDistances, OriginsAreRespected) {
+TEST(CloudDistances, RespectOrigins) {
     const Vec3d far{500'000, 5'000'000, 250};
     PolygonMesh plane = square(10);
     PointSet cloud = layer(50, 0.1f);
@@ -160,7 +160,7 @@ TEST(CloudDistances, OriginsAreRespected) {
     EXPECT_EQ(cloud_distances(plane, cloud, nullptr).report, before.report);
 }
 
-TEST(CloudDistances, AreTheSameForAnyNumberOfThreads) {
+TEST(CloudDistances, AreBitIdenticalForAnyNumberOfThreads) {
     const Skeleton axis({kRoot, NodeId(0)}, {{0, 0, 0}, {0, 0, 10}}, {0.5f, 0.5f});
     const PolygonMesh pole = capsule(64, 16, 0.5f, 0, 10);
     const PointSet cloud = merged(shell(0.52), shell(0.47));
@@ -172,7 +172,7 @@ TEST(CloudDistances, AreTheSameForAnyNumberOfThreads) {
     }
 }
 
-TEST(CloudDistances, RefusesWhatCannotBeMeasured) {
+TEST(CloudDistances, RejectInvalidInput) {
     const auto error = [](const PolygonMesh& mesh, const PointSet& cloud, CloudDistanceOptions options = {}) {
         return test::error_of([&] { cloud_distances(mesh, cloud, nullptr, options); });
     };
@@ -199,7 +199,7 @@ TEST(CloudDistances, RefusesWhatCannotBeMeasured) {
     EXPECT_NE(error(square(2), kilometres).find("about 0.001 times as large"), std::string::npos);
 }
 
-TEST(CloudDistances, OfASmallPartOrOfMuchAroundAreMeasured) {
+TEST(CloudDistances, AcceptPartialCloudsAndSurroundings) {
     PointSet few = layer(50, 0);
     for (Vec3& p : few.positions) p = p / 100;  // only a corner was scanned
     EXPECT_LT(cloud_distances(square(2), few, nullptr).report.whole.to_surface.max, 1e-9);
@@ -211,7 +211,7 @@ TEST(CloudDistances, OfASmallPartOrOfMuchAroundAreMeasured) {
     EXPECT_LT(cloud_distances(square(2), stand, nullptr).report.whole.to_cloud.p95, 0.02);
 }
 
-TEST(CloudDistances, OfOnePoint) {
+TEST(CloudDistances, AcceptOnePoint) {
     PointSet one;
     one.positions.push_back({0.5f, 0.5f, 0.5f});
     const CloudDistanceReport r = cloud_distances(square(2), one, nullptr).report;

@@ -8,7 +8,7 @@ namespace {
 
 ConeUnion round_union(const Skeleton& s) { return {s, s.origin(), EndShape::round, EndShape::round}; }
 
-TEST(ConeUnion, HasWhatIsWithinTheRadiusAtTheFoot) {
+TEST(ConeUnion, ContainsPointsWithinTheLocalRadius) {
     const Skeleton s({kRoot, NodeId(0)}, {{0, 0, 0}, {0, 0, 10}}, {1, 2});
     const ConeUnion solid = round_union(s);
     EXPECT_TRUE(solid.contains({1.45, 0, 5}));  // the radius is 1.5 in the middle
@@ -18,7 +18,7 @@ TEST(ConeUnion, HasWhatIsWithinTheRadiusAtTheFoot) {
     EXPECT_TRUE(solid.contains({0, 0, -0.9}));
 }
 
-TEST(ConeUnion, HasTreesOfOneNode) {
+TEST(ConeUnion, ContainsTreesOfOneNode) {
     const Skeleton s({kRoot, kRoot}, {{0, 0, 0}, {9, 0, 0}}, {1, 2}, {100, 0, 0});
     const ConeUnion solid(s, {99, 0, 0}, EndShape::flat, EndShape::flat);
     EXPECT_EQ(solid.capsules().size(), 2u);
@@ -28,7 +28,7 @@ TEST(ConeUnion, HasTreesOfOneNode) {
     EXPECT_TRUE(solid.cuts().empty());
 }
 
-TEST(ConeUnion, FlatEndsTakeHalfBallsAlsoOfTheSegmentsNear) {
+TEST(ConeUnion, FlatEndsCutHalfBallsAndAdjacentSegments) {
     // The first node is half a radius above the root, so its ball extends below the root.
     const Skeleton s({kRoot, NodeId(0), NodeId(1)}, {{0, 0, 0}, {0, 0, 0.5f}, {0, 0, 10}}, {1, 1, 1});
     const ConeUnion flat_base(s, {}, EndShape::flat, EndShape::round);
@@ -42,7 +42,7 @@ TEST(ConeUnion, FlatEndsTakeHalfBallsAlsoOfTheSegmentsNear) {
     EXPECT_EQ(flat_tips.cuts()[0].outward, Vec3d(0, 0, 1));
 }
 
-TEST(ConeUnion, ACutIsFeltOnlyNearItsEnd) {
+TEST(ConeUnion, CutsAreLimitedToTheirEnd) {
     // A branch from far up comes down next to the trunk and crosses the root's plane.
     const Skeleton s({kRoot, NodeId(0), NodeId(1), NodeId(1)},
                      {{0, 0, 0}, {0, 0, 10}, {0, 0, 20}, {2, 0, -10}}, {1, 1, 1, 0.5f});
@@ -57,7 +57,7 @@ TEST(ConeUnion, ARootWithTwoChildrenHasNoBase) {
     EXPECT_TRUE(ConeUnion(s, {}, EndShape::flat, EndShape::round).cuts().empty());
 }
 
-TEST(ConeUnion, HasTheBallOfARootThatIsMuchThickerThanItsBranches) {
+TEST(ConeUnion, ContainsTheBallOfARootThickerThanItsBranches) {
     const Skeleton soma({kRoot, NodeId(0), NodeId(0)}, {{0, 0, 0}, {0, 0, 5}, {5, 0, 0}}, {4, 0.5f, 0.4f});
     EXPECT_TRUE(round_union(soma).contains({0, 0, 3.9}));
     EXPECT_TRUE(round_union(soma).contains({-3.9, 0, 0}));

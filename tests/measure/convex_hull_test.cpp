@@ -39,7 +39,7 @@ std::vector<Vec3> ball(std::size_t size, bool only_surface) {
     return out;
 }
 
-TEST(ConvexHull, HoldsTheCornersOfABoxOfPoints) {
+TEST(ConvexHull, OfABoxOfPointsIsTheBox) {
     // A grid of 5 x 4 x 3 points; all faces and edges contain additional points: 4 x 3 x 2 = 24.
     std::vector<Vec3> points;
     for (int x = 0; x < 5; ++x)
@@ -60,7 +60,7 @@ TEST(ConvexHull, OfATetrahedronIsItself) {
     EXPECT_NEAR(signed_volume(to_polygons(hull)), 1.0 / 6, 1e-12);
 }
 
-TEST(ConvexHull, EnclosesBallsOfPoints) {
+TEST(ConvexHull, ContainsBallsOfPoints) {
     for (const bool only_surface : {false, true}) {
         const std::vector<Vec3> points = ball(3000, only_surface);
         const TriMesh hull = convex_hull(points);
@@ -72,7 +72,7 @@ TEST(ConvexHull, EnclosesBallsOfPoints) {
     }
 }
 
-TEST(ConvexHull, OfAConeIsItsRimAndItsApex) {
+TEST(ConvexHull, OfAConeHasItsRimAndApex) {
     // Many corners share one: the apex is inserted after most of the rim.
     constexpr int kRim = 4000;
     std::vector<Vec3> points{{0, 0, 3}};
@@ -84,7 +84,7 @@ TEST(ConvexHull, OfAConeIsItsRimAndItsApex) {
     EXPECT_NEAR(signed_volume(to_polygons(convex_hull(points))), 4 * std::numbers::pi, 0.02);
 }
 
-TEST(ConvexHull, IsEmptyWithoutASolid) {
+TEST(ConvexHull, IsEmptyForFlatInput) {
     EXPECT_TRUE(convex_hull({}).triangles.empty());
     EXPECT_TRUE(convex_hull(std::vector<Vec3>(9, Vec3{1, 2, 3})).positions.empty());
     std::vector<Vec3> line, plane;
@@ -96,7 +96,7 @@ TEST(ConvexHull, IsEmptyWithoutASolid) {
     EXPECT_TRUE(convex_hull(plane).triangles.empty());
 }
 
-TEST(ConvexHull, TakesWhatIsNearlyFlat) {
+TEST(ConvexHull, AcceptsNearlyFlatInput) {
     // A plane of points, one of which is offset by the smallest possible number.
     std::vector<Vec3> points;
     for (int i = 0; i < 100; ++i) points.emplace_back(float(i % 10), float(i / 10), 1.f);

@@ -63,27 +63,27 @@ TEST(EdgeFlow, RowsOfATubeAreRings) {
     }
 }
 
-TEST(EdgeFlow, RowsOfASpiralAreNot) {
+TEST(EdgeFlow, RowsOfASpiralAreNotRings) {
     const EdgeFlowReport r = flow(spiral_tube(16, 40, 1), pole());
     EXPECT_GT(r.vertices, 16u * 25);
     EXPECT_EQ(r.on_rings, 0u);
     EXPECT_EQ(flow(spiral_tube(16, 40, 0), pole()).on_rings_percent(), 100);
 }
 
-TEST(EdgeFlow, LoopsBesideTheAxisAreNot) {
+TEST(EdgeFlow, LoopsOutsideTheAxisAreNotRings) {
     Skeleton adjacent({kRoot, NodeId(0)}, {{0.7f, 0, 0}, {0.7f, 0, 10}}, {0.5f, 0.5f});
     const EdgeFlowReport r = flow(tube(16, 40, 0.5f, 10), adjacent);
     EXPECT_GT(r.vertices, 0u);
     EXPECT_EQ(r.on_rings, 0u);
 }
 
-TEST(EdgeFlow, TrianglesBreakLoops) {
+TEST(EdgeFlow, TrianglesInterruptLoops) {
     PolygonMesh mesh = tube(16, 40, 0.5f, 10);
     const PolygonMesh cut = to_polygons(triangulate(mesh));
     EXPECT_EQ(flow(cut, pole()).on_rings, 0u);
 }
 
-TEST(EdgeFlow, DensityIsByRadius) {
+TEST(EdgeFlow, DensityIsClassifiedByRadius) {
     // Ten metres of radius 0.5, then ten of 0.1.
     const Skeleton s({kRoot, NodeId(0), NodeId(1), NodeId(2)},
                      {{0, 0, 0}, {0, 0, 10}, {0, 0, 10.001f}, {0, 0, 20}}, {0.5f, 0.5f, 0.1f, 0.1f});
@@ -97,7 +97,7 @@ TEST(EdgeFlow, DensityIsByRadius) {
     EXPECT_LT(r.classes.back().per_radius(), 0.2);
 }
 
-TEST(EdgeFlow, IsTheSameForAnyNumberOfThreads) {
+TEST(EdgeFlow, IsBitIdenticalForAnyNumberOfThreads) {
     const PolygonMesh mesh = tube(32, 400, 0.5f, 10);
     EXPECT_EQ(flow(mesh, pole(), 1), flow(mesh, pole(), 4));
     EXPECT_EQ(flow(PolygonMesh{}, pole()).vertices, 0u);

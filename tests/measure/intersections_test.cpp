@@ -17,7 +17,7 @@ constexpr std::uint32_t kMany = 1'000'000;
 
 std::size_t count(const PolygonMesh& m) { return crossing_faces(SurfaceTree(m), kMany).pairs.size(); }
 
-TEST(CrossingFaces, OfSoundSurfacesAreNone) {
+TEST(CrossingFaces, FindsNoPairsOfSoundSurfaces) {
     EXPECT_EQ(count(cube()), 0u);
     EXPECT_EQ(count(torus(16, 40, 1, 3)), 0u);
     EXPECT_EQ(count(capsule(16, 4, 1, 0, 5)), 0u);
@@ -26,7 +26,7 @@ TEST(CrossingFaces, OfSoundSurfacesAreNone) {
     EXPECT_EQ(count(PolygonMesh{}), 0u);
 }
 
-TEST(CrossingFaces, OfTwoBoxes) {
+TEST(CrossingFaces, FindsPairsOfTwoBoxes) {
     // Each of the three faces of one box that extend into the other intersects the two opposite faces.
     EXPECT_EQ(count(both(cube(), box({0.5f, 0.5f, 0.5f}, {1.5f, 1.5f, 1.5f}))), 6u);
     // A bar through a slab: its four sides intersect both faces of the slab.
@@ -35,7 +35,7 @@ TEST(CrossingFaces, OfTwoBoxes) {
     EXPECT_EQ(count(both(box({0, 0, 0}, {9, 9, 9}), box({4, 4, 4}, {5, 5, 5}))), 0u);
 }
 
-TEST(CrossingFaces, OfTouchingBoxesTouch) {
+TEST(CrossingFaces, FindsPairsOfTouchingBoxes) {
     // Five faces of each box touch the common square: the two in it meet all five, and a side meets all but
     // its opposite.
     EXPECT_EQ(count(both(cube(), box({1, 0, 0}, {2, 1, 1}))), 5u + 4 * 4);
@@ -43,7 +43,7 @@ TEST(CrossingFaces, OfTouchingBoxesTouch) {
     EXPECT_EQ(count(both(cube(), box({std::nextafter(1.f, 2.f), 0, 0}, {2, 1, 1}))), 0u);
 }
 
-TEST(CrossingFaces, ThatShareCorners) {
+TEST(CrossingFaces, FindsPairsThatShareCorners) {
     // Folded flat onto each other along an edge; unfolded; upright.
     EXPECT_EQ(count(polygons({{0, 0, 0}, {2, 0, 0}, {1, 2, 0}, {1, 1, 0}}, {{0, 1, 2}, {1, 0, 3}})), 1u);
     EXPECT_EQ(count(polygons({{0, 0, 0}, {2, 0, 0}, {1, 2, 0}, {1, -1, 0}}, {{0, 1, 2}, {1, 0, 3}})), 0u);
@@ -55,7 +55,7 @@ TEST(CrossingFaces, ThatShareCorners) {
         1u);
 }
 
-TEST(CrossingFaces, CountOncePerPairOfFaces) {
+TEST(CrossingFaces, CountsEveryPairOfFacesOnce) {
     // A disc of twelve corners, ten triangles, and a blade through its centre that intersects many of them.
     PolygonMesh m;
     for (std::uint32_t i = 0; i < 12; ++i)
@@ -69,7 +69,7 @@ TEST(CrossingFaces, CountOncePerPairOfFaces) {
     EXPECT_TRUE(found.complete);
 }
 
-TEST(CrossingFaces, IgnoreFacesWithoutArea) {
+TEST(CrossingFaces, IgnoresDegenerateFaces) {
     EXPECT_EQ(
         count(both(cube(), polygons({{-1, 0.5f, 0.5f}, {2, 0.5f, 0.5f}, {0, 0.5f, 0.5f}}, {{0, 1, 2}}))), 0u);
 }
@@ -81,7 +81,7 @@ PolygonMesh stack(std::uint32_t n) {
     return m;
 }
 
-TEST(CrossingFaces, EndAtTheLimit) {
+TEST(CrossingFaces, StopsAtTheLimit) {
     const PolygonMesh m = stack(100);
     EXPECT_EQ(count(m), 100u * 99 / 2);
     const FacePairs few = crossing_faces(SurfaceTree(m), 1000);
@@ -97,7 +97,7 @@ TEST(CrossingFaces, CanBeCancelled) {
     EXPECT_THROW(crossing_faces(SurfaceTree(m), kMany, {.stop = source.get_token()}), Cancelled);
 }
 
-TEST(CrossingsAmong, AreThoseOfTheWholeByTheSameNumbers) {
+TEST(CrossingsAmong, MatchesTheWholeMeshByFaceIndices) {
     const PolygonMesh m =
         both(both(cube(), box({9, 9, 9}, {10, 10, 10})), box({0.5f, 0.5f, 0.5f}, {1.5f, 1.5f, 1.5f}));
     const std::vector<FacePair> all = crossing_faces(SurfaceTree(m), kMany).pairs;
@@ -113,7 +113,7 @@ TEST(CrossingsAmong, AreThoseOfTheWholeByTheSameNumbers) {
     EXPECT_FALSE(crossings_among(m, faces, 5).complete);
 }
 
-TEST(FacesNear, AreThoseWhoseBoxesMeetOne) {
+TEST(FacesNear, ReturnsTheFacesThatOverlapABox) {
     // A strip of unit quads along x.
     const PolygonMesh m = grid(2, 3000, false, [](std::uint32_t i, std::uint32_t j) {
         return Vec3{static_cast<float>(j), static_cast<float>(i), 0};
@@ -149,7 +149,7 @@ Skeleton two_trees(float radius) {
                     {{-1, 0, 0}, {5, 0, 0}, {0, -1, 0.5f}, {0, 5, 0.5f}}, {radius, radius, radius, radius});
 }
 
-TEST(Classify, ByWayAndByCapsules) {
+TEST(Classify, ComparesPathLengthsAndCapsules) {
     const IntersectionReport remote = kinds(two_trees(0.2f));
     EXPECT_EQ(remote.total, 8u);
     EXPECT_EQ(remote.remote, 8u);
@@ -160,7 +160,7 @@ TEST(Classify, ByWayAndByCapsules) {
     EXPECT_EQ(near.overlap, 8u);
 }
 
-TEST(Classify, ByStepsAlongTheSkeleton) {
+TEST(Classify, CountsStepsAlongTheSkeleton) {
     // From the end of the bar along x over `joints` nodes of a long detour to the bar along y.
     const auto chain = [](std::uint32_t joints) {
         std::vector<NodeId> parent{kRoot, NodeId(0)};
@@ -179,7 +179,7 @@ TEST(Classify, ByStepsAlongTheSkeleton) {
     EXPECT_EQ(kinds(chain(2)).remote, 8u);  // four
 }
 
-TEST(Classify, AShortWayIsLocalWhateverItsSteps) {
+TEST(Classify, ShortPathIsLocalForAnyNumberOfSteps) {
     // Eight steps of a centimetre each, for radii of 0.2.
     std::vector<NodeId> parent{kRoot, NodeId(0)};
     std::vector<Vec3> x{{5, 0, 0}, {-1, 0, 0}};
@@ -201,14 +201,15 @@ TEST(Classify, AShortWayIsLocalWhateverItsSteps) {
     EXPECT_EQ(with_radius(0.2f).local, with_radius(0.2f).total);
 }
 
-TEST(Classify, WithoutASkeletonAllAreLocal) {
+TEST(Classify, AllPairsAreLocalWithoutASkeleton) {
     const PolygonMesh m = crossing_bars();
     const IntersectionReport r = classify(crossing_faces(SurfaceTree(m), kMany), m, nullptr, nullptr);
     EXPECT_EQ(r.total, 8u);
     EXPECT_EQ(r.local, 8u);
 }
 
-/// A bar through a slab at `x`: eight pairs (see CrossingFaces.OfTwoBoxes); if the bar ends in it, four.
+/// A bar through a slab at `x`: eight pairs (see CrossingFaces.FindsPairsOfTwoBoxes); if the bar ends in it,
+/// four.
 PolygonMesh pierced(float x, bool through) {
     return both(box({x, 0, 0}, {x + 9, 9, 1}), box({x + 4, 4, through ? -3 : 0.5f}, {x + 5, 5, 3}));
 }
@@ -220,7 +221,7 @@ CrossingPlaces find_places(const PolygonMesh& m, const Skeleton* s, std::size_t 
                            max_named);
 }
 
-TEST(CrossingPlaces, ComeByTheNumberOfTheirPairs) {
+TEST(CrossingPlaces, AreSortedByTheirNumberOfPairs) {
     PolygonMesh m = both(both(pierced(0, false), pierced(20, true)), pierced(40, false));
     m.origin = {1000, 0, 0};
     const CrossingPlaces all = find_places(m, nullptr, 9);
@@ -243,7 +244,7 @@ TEST(CrossingPlaces, ComeByTheNumberOfTheirPairs) {
     EXPECT_EQ(find_places(cube(), nullptr, 5), CrossingPlaces{});
 }
 
-TEST(CrossingPlaces, NameTheNearestNodesOfASkeleton) {
+TEST(CrossingPlaces, HaveTheNearestNodesOfASkeleton) {
     // The bar follows nodes 0 to 2 along z, the slab nodes 3 and 4 along x; the place is at z = 0.25.
     const Skeleton s(
         {kRoot, NodeId(0), NodeId(1), kRoot, NodeId(3)},

@@ -43,37 +43,37 @@ Matches by_trying_all(const std::vector<Vec3d>& a, double reach, const std::vect
     return of_a;
 }
 
-TEST(MatchPoints, TheNearestPairComesFirst) {
+TEST(MatchPoints, PairsTheNearestPointsFirst) {
     // 1.0 is nearest to 1.2, so 0.0 is paired with 2.0, which is farther than 1.2.
     EXPECT_EQ(match({{0, 0, 0}, {1, 0, 0}}, 3, {{1.2, 0, 0}, {2, 0, 0}}), (Matches{1, 0}));
     EXPECT_EQ(match({{0, 0, 0}, {1, 0, 0}}, 1.9, {{1.2, 0, 0}, {2, 0, 0}}), (Matches{kNoIndex, 0}));
 }
 
-TEST(MatchPoints, TheReachIsThatOfA) {
+TEST(MatchPoints, ReachBelongsToTheFirstSet) {
     EXPECT_EQ(match_points(std::vector<Vec3d>{{0, 0, 0}, {5, 0, 0}}, std::vector<double>{1, 2},
                            std::vector<Vec3d>{{0, 0, 1.5}, {5, 0, 1.5}}, {}),
               (Matches{kNoIndex, 1}));
 }
 
-TEST(MatchPoints, NothingWithNothing) {
+TEST(MatchPoints, AcceptsEmptySets) {
     EXPECT_EQ(match({}, 1, {{0, 0, 0}}), Matches{});
     EXPECT_EQ(match({{0, 0, 0}}, 1, {}), Matches{kNoIndex});
 }
 
-TEST(MatchPoints, AgreesWithTryingAllPairs) {
+TEST(MatchPoints, MatchesExhaustiveSearch) {
     const auto a = cloud(300, 1), b = cloud(250, 2);
     for (const double reach : {0.01, 0.05, 0.15})
         EXPECT_EQ(match(a, reach, b), by_trying_all(a, reach, b)) << reach;
 }
 
-TEST(MatchPoints, PointsAtOnePlaceAllFindAPartner) {
+TEST(MatchPoints, CoincidentPointsAllHaveAPartner) {
     const std::vector<Vec3d> a(20000, Vec3d{1, 2, 3});
     Matches m = match(a, 1, a);
     std::sort(m.begin(), m.end());
     for (std::uint32_t i = 0; i < m.size(); ++i) ASSERT_EQ(m[i], i);
 }
 
-TEST(MatchPoints, ACrowdDoesNotTakeForEver) {
+TEST(MatchPoints, WorstCaseTerminates) {
     // Every point of a prefers the same point of b, then the same next one, and so on: the worst case.
     std::vector<Vec3d> a, b;
     for (int i = 0; i < 20000; ++i) {
@@ -86,7 +86,7 @@ TEST(MatchPoints, ACrowdDoesNotTakeForEver) {
     EXPECT_GE(matched, 32);
 }
 
-TEST(MatchPoints, TheSameForAnyNumberOfThreads) {
+TEST(MatchPoints, IsBitIdenticalForAnyNumberOfThreads) {
     const auto a = cloud(2000, 3), b = cloud(2000, 4);
     const Matches one = match(a, 0.05, b, 1);
     EXPECT_EQ(one, match(a, 0.05, b, 2));

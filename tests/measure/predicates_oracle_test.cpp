@@ -40,7 +40,7 @@ class Points {
 
 constexpr int kTrials = 40'000;
 
-TEST(PredicatesOracle, Orientation) {
+TEST(PredicatesOracle, OrientationMatchesCgal) {
     Points points(1);
     int zeros = 0;
     for (int i = 0; i < kTrials; ++i) {
@@ -53,7 +53,7 @@ TEST(PredicatesOracle, Orientation) {
     EXPECT_GT(zeros, kTrials / 20);
 }
 
-TEST(PredicatesOracle, TrianglesMeet) {
+TEST(PredicatesOracle, TrianglesMeetMatchesCgal) {
     Points points(2);
     int met = 0;
     for (int i = 0; i < kTrials; ++i) {
@@ -67,7 +67,7 @@ TEST(PredicatesOracle, TrianglesMeet) {
     EXPECT_LT(met, kTrials * 9 / 10);
 }
 
-TEST(PredicatesOracle, TrianglesMeetInOnePlane) {
+TEST(PredicatesOracle, TrianglesMeetInOnePlaneMatchesCgal) {
     Points points(3);
     int met = 0;
     for (int i = 0; i < kTrials; ++i) {
@@ -82,7 +82,7 @@ TEST(PredicatesOracle, TrianglesMeetInOnePlane) {
     EXPECT_GT(met, kTrials / 10);
 }
 
-TEST(PredicatesOracle, TrianglesThatShareACorner) {
+TEST(PredicatesOracle, TrianglesThatShareACornerMatchCgal) {
     Points points(4);
     int met = 0;
     for (int i = 0; i < kTrials; ++i) {
@@ -99,7 +99,7 @@ TEST(PredicatesOracle, TrianglesThatShareACorner) {
     EXPECT_GT(met, kTrials / 10);
 }
 
-TEST(PredicatesOracle, TrianglesThatShareAnEdge) {
+TEST(PredicatesOracle, TrianglesThatShareAnEdgeMatchCgal) {
     Points points(5);
     int met = 0;
     for (int i = 0; i < kTrials; ++i) {

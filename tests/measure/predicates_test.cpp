@@ -9,7 +9,7 @@ namespace {
 
 constexpr Vec3 kO{0, 0, 0}, kX{1, 0, 0}, kY{0, 1, 0}, kZ{0, 0, 1};
 
-TEST(Orientation, OfUnitVectors) {
+TEST(Orientation, IsPositiveForUnitVectors) {
     EXPECT_EQ(orientation(kO, kX, kY, kZ), 1);
     EXPECT_EQ(orientation(kO, kY, kX, kZ), -1);
     EXPECT_EQ(orientation(kO, kX, kY, {5, -7, 0}), 0);
@@ -19,7 +19,7 @@ TEST(Orientation, OfUnitVectors) {
     EXPECT_EQ(orientation_2d(kO, kX, {3, 0, 9}, 2), 0);
 }
 
-TEST(Orientation, SeesTheLeastStepOffAPlane) {
+TEST(Orientation, DetectsTheSmallestOffsetFromAPlane) {
     // The plane x + y + z = 3 through points that are exact in single precision; a step of one ulp in one
     // coordinate leaves it.
     const Vec3 a{1, 1, 1}, b{1 + 0x1p-20f, 1 - 0x1p-20f, 1}, c{1, 1 + 0x1p-22f, 1 - 0x1p-22f};
@@ -31,7 +31,7 @@ TEST(Orientation, SeesTheLeastStepOffAPlane) {
     EXPECT_EQ(up, -down);
 }
 
-TEST(Orientation, StandsExtremeNumbers) {
+TEST(Orientation, AcceptsExtremeNumbers) {
     constexpr float kMax = std::numeric_limits<float>::max(), kMin = std::numeric_limits<float>::denorm_min();
     EXPECT_EQ(orientation({}, {kMax, 0, 0}, {0, kMax, 0}, {0, 0, kMin}), 1);
     EXPECT_EQ(orientation({-kMax, -kMax, 0}, {kMax, -kMax, 0}, {kMax, kMax, 0}, {-kMax, kMax, -kMin}), -1);
@@ -40,7 +40,7 @@ TEST(Orientation, StandsExtremeNumbers) {
     EXPECT_EQ(orientation_2d({-kMax, -kMax, 0}, {kMax, kMax, 0}, {kMin, 0, 0}, 2), -1);
 }
 
-TEST(Triangles, AreDegenerateOnALineOnly) {
+TEST(Triangles, AreDegenerateIfCollinear) {
     EXPECT_TRUE(is_degenerate({kO, kX, {2, 0, 0}}));
     EXPECT_TRUE(is_degenerate({kO, kO, kZ}));
     EXPECT_TRUE(is_degenerate({Vec3{0.1f, 0.1f, 0.1f}, {0.2f, 0.2f, 0.2f}, {0.7f, 0.7f, 0.7f}}));
@@ -50,7 +50,7 @@ TEST(Triangles, AreDegenerateOnALineOnly) {
 
 constexpr TrianglePoints kFloor{Vec3{0, 0, 0}, Vec3{4, 0, 0}, Vec3{0, 4, 0}};
 
-TEST(Triangles, MeetInALineAPointOrNot) {
+TEST(Triangles, MeetInALineOrAPoint) {
     EXPECT_TRUE(triangles_meet(kFloor, {Vec3{1, 1, -1}, Vec3{1, 1, 1}, Vec3{9, 9, 0}}));  // intersects
     EXPECT_TRUE(
         triangles_meet(kFloor, {Vec3{1, 1, 0}, Vec3{1, 1, 1}, Vec3{1, 2, 1}}));  // touches it with a corner
@@ -60,7 +60,7 @@ TEST(Triangles, MeetInALineAPointOrNot) {
         triangles_meet(kFloor, {Vec3{3, 3, -1}, Vec3{3, 3, 1}, Vec3{9, 9, 0}}));  // passes next to it
 }
 
-TEST(Triangles, OfOnePlaneMeetWhereTheyOverlap) {
+TEST(Triangles, CoplanarTrianglesMeetIfTheyOverlap) {
     EXPECT_TRUE(triangles_meet(kFloor, {Vec3{1, 1, 0}, Vec3{1.5f, 1, 0}, Vec3{1, 1.5f, 0}}));  // is inside
     EXPECT_TRUE(triangles_meet({Vec3{1, 1, 0}, Vec3{1.5f, 1, 0}, Vec3{1, 1.5f, 0}},
                                kFloor));  // and the other way round
@@ -71,7 +71,7 @@ TEST(Triangles, OfOnePlaneMeetWhereTheyOverlap) {
     EXPECT_FALSE(triangles_meet(kFloor, {Vec3{2.5f, 2.5f, 0}, Vec3{6, 0, 0}, Vec3{6, 6, 0}}));
 }
 
-TEST(Triangles, ThatShareACornerMeetBeyondIt) {
+TEST(Triangles, WithACommonCornerMeetBeyondIt) {
     EXPECT_FALSE(triangles_meet_beyond_corner(kFloor, {kO, {1, 1, 1}, {1, 2, 1}}));
     EXPECT_FALSE(triangles_meet_beyond_corner(kFloor, {kO, {-1, -1, 1}, {-1, -1, -1}}));
     EXPECT_TRUE(triangles_meet_beyond_corner(kFloor, {kO, {1, 1, 1}, {1, 1, -1}}));
@@ -81,7 +81,7 @@ TEST(Triangles, ThatShareACornerMeetBeyondIt) {
     EXPECT_FALSE(triangles_meet_beyond_corner(kFloor, {kO, {-1, 0, 0}, {0, -1, 0}}));  // flat, opposite
 }
 
-TEST(Triangles, ThatShareAnEdgeOverlapWhenFolded) {
+TEST(Triangles, WithACommonEdgeOverlapIfFolded) {
     EXPECT_FALSE(triangles_overlap_beyond_edge(kFloor, {kFloor[0], kFloor[1], {1, -1, 0}}));
     EXPECT_TRUE(triangles_overlap_beyond_edge(kFloor, {kFloor[0], kFloor[1], {1, 1, 0}}));
     EXPECT_FALSE(triangles_overlap_beyond_edge(kFloor, {kFloor[0], kFloor[1], {1, 1, 0x1p-100f}}));

@@ -20,7 +20,7 @@ RadiusReport radius(const PolygonMesh& m, const Skeleton& s) {
     const CapsuleTree capsules(s, m.origin);
     return radius_deviation(m, capsules, vertex_places(m, s, capsules));
 }
-TEST(RadiusDeviation, OfATrueCapsuleIsNone) {
+TEST(RadiusDeviation, IsZeroForAnExactCapsule) {
     const PolygonMesh m = capsule(64, 16, 0.5f, 0, 10);
     const RadiusReport r = radius(m, pole());
     EXPECT_EQ(r.all.n, m.positions.size());
@@ -30,7 +30,7 @@ TEST(RadiusDeviation, OfATrueCapsuleIsNone) {
     EXPECT_EQ(r.regular.n, 13u * 64);
 }
 
-TEST(RadiusDeviation, OverAreasSeesThatChordsLieInside) {
+TEST(RadiusDeviation, OverAreasIncludesTheChords) {
     // Four sides: distances on a chord are r cos(pi / 4) sqrt(1 + x^2), x uniform in [-1, 1]; the mean of the
     // root is (sqrt 2 + asinh 1) / 2.
     const double mean = std::cos(std::numbers::pi / 4) * (std::numbers::sqrt2 + std::asinh(1.0)) / 2 - 1;
@@ -40,7 +40,7 @@ TEST(RadiusDeviation, OverAreasSeesThatChordsLieInside) {
     EXPECT_EQ(r.areas.n, 10'000u);
 }
 
-TEST(RadiusDeviation, OfThickerAndThinnerOnes) {
+TEST(RadiusDeviation, HasTheSignOfTheDeviation) {
     const RadiusReport thick = radius(capsule(32, 8, 0.6f, 0, 10), pole());
     EXPECT_NEAR(thick.regular.mean, 0.2, 1e-5);
     const RadiusReport thin = radius(capsule(32, 8, 0.4f, 0, 10), pole());
@@ -48,7 +48,7 @@ TEST(RadiusDeviation, OfThickerAndThinnerOnes) {
     EXPECT_NEAR(thin.regular.mean_abs, 0.2, 1e-5);
 }
 
-TEST(RadiusDeviation, RegularMeansAwayFromBranchNodesButNotFromJoints) {
+TEST(RadiusDeviation, RegularExcludesForksButNotOtherNodes) {
     const PolygonMesh m = capsule(32, 16, 0.5f, 0, 10);
     const Skeleton joint({kRoot, NodeId(0), NodeId(1)}, {{0, 0, 0}, {0, 0, 4.9f}, {0, 0, 10}},
                          {0.5f, 0.5f, 0.5f});
@@ -59,18 +59,18 @@ TEST(RadiusDeviation, RegularMeansAwayFromBranchNodesButNotFromJoints) {
     EXPECT_EQ(radius(m, fork).regular.n, 10u * 32);
 }
 
-TEST(RadiusDeviation, LeavesOutVerticesThatNoFaceUses) {
+TEST(RadiusDeviation, IgnoresUnusedVertices) {
     PolygonMesh m = capsule(16, 4, 0.5f, 0, 10);
     m.positions.push_back({0, 0, 99});
     EXPECT_NEAR(radius(m, pole()).all.max, 0, 1e-5);
 }
 
-TEST(RadiusDeviation, OfASingleNodeIsNotKnown) {
+TEST(RadiusDeviation, IsEmptyForASingleNode) {
     const RadiusReport r = radius(cube(), Skeleton({kRoot}, {{0, 0, 0}}, {1}));
     EXPECT_EQ(r.all.n, 0u);
 }
 
-TEST(RadiusDeviation, DoesNotMindDifferentOrigins) {
+TEST(RadiusDeviation, ConvertsOrigins) {
     PolygonMesh m = capsule(32, 8, 0.5f, -2, 8);
     m.origin = {5e5, 4e6, 102};
     const Skeleton s({kRoot, NodeId(0)}, {{1, 0, 0}, {1, 0, 10}}, {0.5f, 0.5f}, {5e5 - 1, 4e6, 100});

@@ -92,7 +92,7 @@ TEST(SkeletonMatch, OfASkeletonWithItselfIsPerfect) {
     EXPECT_NEAR(m.found_nodes_r.max, 0, 1e-6);
 }
 
-TEST(SkeletonMatch, ShiftedByHalfARadius) {
+TEST(SkeletonMatch, ShiftByHalfARadiusIsMatched) {
     const SkeletonMatch m = compare(pole(), pole(0.5f, {0.25f, 0, 0}));
     expect_perfect(m);
     EXPECT_NEAR(m.off_axis, 0.5, 1e-9);
@@ -102,7 +102,7 @@ TEST(SkeletonMatch, ShiftedByHalfARadius) {
     EXPECT_EQ(compare(pole(), pole(0.5f, {0.6f, 0, 0})).covered_percent, 0) << "0.6 m are 1.2 radii";
 }
 
-TEST(SkeletonMatch, EveryRadiusIsThatOfTheReference) {
+TEST(SkeletonMatch, DistancesAreRelativeToRadiiOfTheReference) {
     // 0.4 m apart: within one radius of the thick one, but not of the thin one.
     const Skeleton thick = pole(0.5f), thin = pole(0.25f, {0.4f, 0, 0});
     EXPECT_EQ(compare(thick, thin).covered_percent, 100);
@@ -113,7 +113,7 @@ TEST(SkeletonMatch, EveryRadiusIsThatOfTheReference) {
     EXPECT_NEAR(compare(thin, thick).off_axis, 1.6, 1e-6);
 }
 
-TEST(SkeletonMatch, RadiiOffByATenth) {
+TEST(SkeletonMatch, ReportsRadiusErrors) {
     const SkeletonMatch m = compare(fork(), with_radii_times(fork(), 0.9f));
     expect_perfect(m);
     EXPECT_NEAR(m.radius_error.min, 0.1, 1e-6);
@@ -123,14 +123,14 @@ TEST(SkeletonMatch, RadiiOffByATenth) {
     EXPECT_NEAR(m.length.ratio(), 1, 1e-12);
 }
 
-TEST(SkeletonMatch, ALateralIsNotHeldAgainstTheTrunkItLeaves) {
+TEST(SkeletonMatch, LateralsAreNotComparedWithTheirParentBranch) {
     // Where the lateral is 0.1 off its true position, the trunk's axis is nearer to its first section.
     const Skeleton found({kRoot, NodeId(0), NodeId(1), NodeId(1)},
                          {{0, 0, 0}, {0, 0, 4}, {0, 0, 8}, {5, 0, 4.1f}}, {0.5f, 0.5f, 0.5f, 0.25f});
     EXPECT_EQ(compare(fork(), found).radius_error.max, 0);
 }
 
-TEST(SkeletonMatch, ABranchIsMissing) {
+TEST(SkeletonMatch, ReportsAMissingBranch) {
     const Skeleton trunk({kRoot, NodeId(0), NodeId(1)}, {{0, 0, 0}, {0, 0, 4}, {0, 0, 8}},
                          {0.5f, 0.5f, 0.5f});
     const SkeletonMatch m = compare(fork(), trunk);
@@ -152,7 +152,7 @@ TEST(SkeletonMatch, ABranchIsMissing) {
     EXPECT_EQ(back.junctions.spurious(), 1u);
 }
 
-TEST(SkeletonMatch, ATipCutOff) {
+TEST(SkeletonMatch, ReportsAShortenedBranch) {
     // The leader ends 0.9, then 1.1 metres early: 1.8 and 2.2 radii.
     const SkeletonMatch near = compare(fork(), fork(7.1f)), far = compare(fork(), fork(6.9f));
     EXPECT_EQ(near.tips.matched, 2u);
@@ -165,7 +165,7 @@ TEST(SkeletonMatch, ATipCutOff) {
     EXPECT_EQ(compare(fork(), fork(9.5f)).tips_reached, 100);
 }
 
-TEST(SkeletonMatch, NeitherNodesNorRootsMatter) {
+TEST(SkeletonMatch, IsIndependentOfNodesAndRoots) {
     const Skeleton tree = random_tree(300, 2);
     const Skeleton denser = resample(tree, {.tolerance = 0, .min_spacing = 0, .max_length = 1}).skeleton;
     ASSERT_GT(denser.size(), 2 * tree.size());
@@ -178,14 +178,14 @@ TEST(SkeletonMatch, NeitherNodesNorRootsMatter) {
     EXPECT_EQ(turned.tips.found, 1u);
 }
 
-TEST(SkeletonMatch, OriginsAreBroughtTogether) {
+TEST(SkeletonMatch, ConvertsOrigins) {
     expect_perfect(compare(fork(), moved(moved(fork(), {1e6, -2e6, 50}), {-1e6, 2e6, -50})));
     const Skeleton local({kRoot, NodeId(0)}, {{-100, 0, 0}, {-100, 0, 10}}, {0.5f, 0.5f}, {100, 0, 0});
     expect_perfect(compare(pole(), local));
     EXPECT_EQ(compare(pole(), moved(pole(), {100, 0, 0})).covered_percent, 0);
 }
 
-TEST(SkeletonMatch, FarApart) {
+TEST(SkeletonMatch, DistantSkeletonsDoNotMatch) {
     const SkeletonMatch m = compare(fork(), moved(fork(), {1000, 0, 0}));
     EXPECT_EQ(m.covered_percent, 0);
     EXPECT_EQ(m.true_percent, 0);
@@ -209,7 +209,7 @@ TEST(SkeletonMatch, SingleNodesHaveNoAxis) {
     EXPECT_EQ(compare(dots, pole()).reference_nodes_m.n, 2u);
 }
 
-TEST(SkeletonMatch, SegmentsWithoutLengthWeighNothing) {
+TEST(SkeletonMatch, SegmentsOfLengthZeroHaveNoWeight) {
     const Skeleton s({kRoot, NodeId(0), NodeId(1)}, {{0, 0, 0}, {0, 0, 0}, {0, 0, 10}}, {0.5f, 0.5f, 0.5f});
     expect_perfect(compare(pole(), s));
     const Skeleton none({kRoot, NodeId(0)}, {{0, 0, 0}, {0, 0, 0}}, {0.5f, 0.5f});
@@ -217,13 +217,13 @@ TEST(SkeletonMatch, SegmentsWithoutLengthWeighNothing) {
     EXPECT_EQ(compare(pole(), none).true_percent, 0);
 }
 
-TEST(SkeletonMatch, VeryThinLongSegmentsAreSampledMoreCoarsely) {
+TEST(SkeletonMatch, LongThinSegmentsAreSampledCoarsely) {
     const Skeleton thread({kRoot, NodeId(0)}, {{0, 0, 0}, {0, 0, 1e4f}}, {1e-6f, 1e-6f});
     EXPECT_NEAR(compare(thread, pole()).covered_percent, 0.1, 0.01) << "10 m of 10 km";
     EXPECT_LE(compare(thread, thread).radius_error.n, 64u + 65536u + 1u);
 }
 
-TEST(SkeletonMatch, SamplesOfAStarGrowInProportionToItsLeaves) {
+TEST(SkeletonMatch, SamplesOfAStarAreProportionalToItsSpokes) {
     const Skeleton few = star(100),
                    many = star(2000);  // spokes of 100 radii: 400 samples are requested for each
     const auto n = static_cast<double>(compare(few, few).radius_error.n);
@@ -231,7 +231,7 @@ TEST(SkeletonMatch, SamplesOfAStarGrowInProportionToItsLeaves) {
     EXPECT_LE(compare(many, many).radius_error.n, 2000 * (64u + 1u) + 65536u);
 }
 
-TEST(SkeletonMatch, OneLongSegmentTakesNoSamplesFromTheOthers) {
+TEST(SkeletonMatch, LongSegmentDoesNotReduceTheSamplesOfOthers) {
     // The pole requests 10 / (0.25 0.5) = 80 samples; the segment to a point 6000 km away gets all the rest.
     const Skeleton s({kRoot, NodeId(0), NodeId(1)}, {{0, 0, 0}, {0, 0, 10}, {6e6f, 0, 10}},
                      {0.5f, 0.5f, 0.5f});
@@ -241,7 +241,7 @@ TEST(SkeletonMatch, OneLongSegmentTakesNoSamplesFromTheOthers) {
     EXPECT_GT(n, 65536u);
 }
 
-TEST(SkeletonMatch, TheSameForAnyNumberOfThreads) {
+TEST(SkeletonMatch, IsBitIdenticalForAnyNumberOfThreads) {
     const Skeleton a = random_tree(3000, 1), b = random_tree(3000, 1, true);
     const SkeletonMatch one = compare(a, b, {}, {.threads = 1});
     EXPECT_GT(one.covered_percent, 0);
@@ -249,14 +249,14 @@ TEST(SkeletonMatch, TheSameForAnyNumberOfThreads) {
     EXPECT_EQ(one, compare(a, b, {}, {.threads = 7}));
 }
 
-TEST(SkeletonMatch, BadOptionsAreRefused) {
+TEST(SkeletonMatch, RejectsInvalidOptions) {
     EXPECT_THROW(compare(pole(), pole(), {.step = 0}), InvalidInput);
     EXPECT_THROW(compare(pole(), pole(), {.within = -1}), InvalidInput);
     EXPECT_THROW(compare(pole(), pole(), {.tip_reach = std::numeric_limits<float>::quiet_NaN()}),
                  InvalidInput);
 }
 
-TEST(SkeletonMatch, AStopEndsIt) {
+TEST(SkeletonMatch, StopsWhenCancelled) {
     std::stop_source source;
     source.request_stop();
     Context ctx;

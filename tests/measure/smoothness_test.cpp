@@ -36,7 +36,7 @@ PolygonMesh tube(double radius, double length, std::uint32_t sides, std::uint32_
     });
 }
 
-TEST(Smoothness, ATubeBendsByItsLengthOverItsRadius) {
+TEST(Smoothness, BendingOfATubeIsProportionalToLengthOverRadius) {
     for (const double scale : {1.0, 0.01}) {
         for (const std::uint32_t sides : {32u, 64u, 128u}) {
             const SmoothnessReport r = smoothness(tube(scale, 5 * scale, sides, 20), nullptr);
@@ -49,7 +49,7 @@ TEST(Smoothness, ATubeBendsByItsLengthOverItsRadius) {
     }
 }
 
-TEST(Smoothness, ASphereBendsByEightPi) {
+TEST(Smoothness, BendingOfASphereIsEightPi) {
     // The zone at least 30 degrees from both poles: its share of the area is the cosine of that.
     const PolygonMesh zone = grid(128, 64, true, [](std::uint32_t i, std::uint32_t j) {
         const double a = 2 * kPi * i / 128, polar = kPi * (1.0 / 6 + 4.0 / 6 * (64 - j) / 64);
@@ -58,7 +58,7 @@ TEST(Smoothness, ASphereBendsByEightPi) {
     EXPECT_NEAR(smoothness(zone, nullptr).whole.bending, 8 * kPi * std::cos(kPi / 6), 0.2);
 }
 
-TEST(Smoothness, ACreaseCostsMoreTheFinerItsFacesAre) {
+TEST(Smoothness, BendingOfACreaseIncreasesWithItsResolution) {
     const auto folded = [](std::uint32_t n) {
         return smoothness(grid(n, n, false,
                                [n](std::uint32_t i, std::uint32_t j) {
@@ -73,7 +73,7 @@ TEST(Smoothness, ACreaseCostsMoreTheFinerItsFacesAre) {
     EXPECT_NEAR(folded(16).bending / folded(8).bending, 2, 1e-3);
 }
 
-TEST(Smoothness, ForksAreTwoRadiiAroundTheirNodes) {
+TEST(Smoothness, ForksAreMeasuredWithinTwoRadii) {
     // A tube of radius 1 along z with a node in its middle from which two others start: the tube in the ball
     // of radius 2 has twice the length of the root of 3.
     const Skeleton s({NodeId{}, NodeId(0), NodeId(1), NodeId(1)},
@@ -88,7 +88,7 @@ TEST(Smoothness, ForksAreTwoRadiiAroundTheirNodes) {
     EXPECT_EQ(smoothness(mesh, &s).forks->bending, 0);
 }
 
-TEST(Smoothness, SharedAndEmptyEdgesAndFacesAreLeftOut) {
+TEST(Smoothness, ExcludesNonManifoldEdgesAndDegenerateFaces) {
     // Three triangles at one edge, and one without area.
     PolygonMesh mesh;
     mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {2, 0, 0}};
@@ -100,7 +100,7 @@ TEST(Smoothness, SharedAndEmptyEdgesAndFacesAreLeftOut) {
     EXPECT_EQ(smoothness(PolygonMesh{}, nullptr), SmoothnessReport{});
 }
 
-TEST(Smoothness, IsTheSameForAnyNumberOfThreads) {
+TEST(Smoothness, IsBitIdenticalForAnyNumberOfThreads) {
     const PolygonMesh mesh = tube(1, 5, 100, 300);
     EXPECT_EQ(smoothness(mesh, nullptr, {.threads = 1}), smoothness(mesh, nullptr, {.threads = 4}));
 }

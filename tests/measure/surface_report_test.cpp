@@ -20,7 +20,7 @@ using namespace shapes;
 
 Skeleton pole() { return Skeleton({kRoot, NodeId(0)}, {{0, 0, 0}, {0, 0, 10}}, {0.5f, 0.5f}); }
 
-TEST(CheckSurface, BringsAllTogether) {
+TEST(CheckSurface, ReportsAllParts) {
     const PolygonMesh m = capsule(16, 4, 0.5f, 0, 10);
     const Skeleton s = pole();
     const SurfaceReport r = check_surface(m, &s);
@@ -40,7 +40,7 @@ TEST(CheckSurface, BringsAllTogether) {
     EXPECT_NEAR(round.volume->ratio(), 0.974, 0.002);
 }
 
-TEST(CheckSurface, SaysWhenVolumeIsMissing) {
+TEST(CheckSurface, ReportsMissingVolume) {
     // Half of the pole, by its length.
     const Skeleton s = pole();
     const SurfaceReport r = check_surface(capsule(16, 4, 0.5f, 0, 5), &s);
@@ -49,7 +49,7 @@ TEST(CheckSurface, SaysWhenVolumeIsMissing) {
     EXPECT_EQ(r.axes->missing, 0u);
 }
 
-TEST(CheckSurface, LeavesOutWhatIsNotAskedFor) {
+TEST(CheckSurface, OmitsUnrequestedParts) {
     const SurfaceReport r = check_surface(cube(), nullptr, {.intersections = false});
     EXPECT_FALSE(r.intersections || r.radius || r.axes || r.volume);
     EXPECT_TRUE(r.watertight() && r.holds_volume());
@@ -57,7 +57,7 @@ TEST(CheckSurface, LeavesOutWhatIsNotAskedFor) {
     EXPECT_TRUE(check_surface(cube(), &s, {.intersections = false}).axes);
 }
 
-TEST(CheckSurface, UnsoundIsAResult) {
+TEST(CheckSurface, UnsoundMeshIsAResult) {
     EXPECT_FALSE(check_surface(tube(8, 2, 1, 1), nullptr).sound());
     EXPECT_FALSE(check_surface(PolygonMesh{}, nullptr).sound());
     const Skeleton s = pole();
@@ -78,7 +78,7 @@ std::optional<bool> flag(const SurfaceReport& report, std::string_view wanted) {
     return found;
 }
 
-TEST(CheckSurface, SoundMeansWatertightAndFreeOfCrossings) {
+TEST(CheckSurface, SoundMeansWatertightWithoutSelfIntersections) {
     const PolygonMesh crossing = both(cube(), box({0.5f, 0.5f, 0.5f}, {1.5f, 1.5f, 1.5f}));
     for (const auto& [mesh, watertight, sound] :
          {std::tuple{cube(), true, true}, {crossing, true, false}, {tube(8, 2, 1, 1), false, false}}) {
@@ -92,14 +92,14 @@ TEST(CheckSurface, SoundMeansWatertightAndFreeOfCrossings) {
     EXPECT_FALSE(check_surface(crossing, nullptr, {.max_intersections = 0}).sound());
 }
 
-TEST(CheckSurface, SaysNothingOfSoundnessWithoutLookingForCrossings) {
+TEST(CheckSurface, SoundIsUnknownWithoutASearchForSelfIntersections) {
     constexpr CheckOptions kSkip{.intersections = false};
     EXPECT_EQ(flag(check_surface(cube(), nullptr, kSkip), "sound"), std::nullopt);
     EXPECT_EQ(flag(check_surface(cube(), nullptr, kSkip), "watertight"), true);
     EXPECT_EQ(flag(check_surface(tube(8, 2, 1, 1), nullptr, kSkip), "sound"), false);
 }
 
-TEST(CheckSurface, RefusesWhatCannotBeJudged) {
+TEST(CheckSurface, RejectsInvalidInput) {
     PolygonMesh m = cube();
     m.positions[0].x = std::numeric_limits<float>::quiet_NaN();
     EXPECT_THROW(check_surface(m, nullptr), InvalidInput);
@@ -107,7 +107,7 @@ TEST(CheckSurface, RefusesWhatCannotBeJudged) {
     EXPECT_THROW(check_surface(cube(), nullptr, {.max_intersections = -1}), InvalidInput);
 }
 
-TEST(CheckSurface, StandsExtremeCoordinates) {
+TEST(CheckSurface, AcceptsExtremeCoordinates) {
     constexpr float kMax = std::numeric_limits<float>::max();
     const Skeleton s = pole();
     EXPECT_TRUE(check_surface(box({-kMax, -kMax, -kMax}, {kMax, kMax, kMax}), &s).sound());
@@ -115,14 +115,14 @@ TEST(CheckSurface, StandsExtremeCoordinates) {
     EXPECT_EQ(check_surface(box({1, 1, 1}, {1, 1, 1}), &s).shape.inverted_faces, 6u);
 }
 
-TEST(CheckSurface, SaysWhenThereAreMoreCrossings) {
+TEST(CheckSurface, ReportsAnIncompleteSearch) {
     const PolygonMesh m = both(cube(), box({0.5f, 0.5f, 0.5f}, {1.5f, 1.5f, 1.5f}));
     const SurfaceReport r = check_surface(m, nullptr, {.max_intersections = 2});
     EXPECT_EQ(r.intersections->total, 2u);
     EXPECT_FALSE(r.intersections->complete);
 }
 
-TEST(CheckSurface, SameBitsForAnyNumberOfThreads) {
+TEST(CheckSurface, IsBitIdenticalForAnyNumberOfThreads) {
     // Rough surfaces that intersect many times, large enough for many ranges.
     const PolygonMesh m =
         both(both(torus(60, 200, 0.51f, 2), tube(100, 100, 0.49f, 10)), capsule(80, 40, 2.2f, 1, 3));
@@ -134,7 +134,7 @@ TEST(CheckSurface, SameBitsForAnyNumberOfThreads) {
     EXPECT_EQ(check_surface(m, &s, {}, {.threads = 7}), one);
 }
 
-TEST(CheckSurface, ReportsProgressThatNeverFalls) {
+TEST(CheckSurface, ReportsIncreasingProgress) {
     float last = 0;
     const Skeleton s = pole();
     check_surface(cube(), &s, {}, {.progress = [&](float f) {
@@ -159,7 +159,7 @@ struct Names {
     }
 };
 
-TEST(Figures, AreNamedOnce) {
+TEST(Figures, ContainEveryNameOnce) {
     const Skeleton s = pole();
     std::string all;
     visit_figures(check_surface(capsule(16, 4, 0.5f, 0, 10), &s), Names{"", &all});

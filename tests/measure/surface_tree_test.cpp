@@ -12,7 +12,7 @@ namespace {
 
 using namespace shapes;
 
-TEST(SurfaceTree, DistanceToACubeByHand) {
+TEST(SurfaceTree, ComputesTheDistanceToACube) {
     const PolygonMesh m = cube();
     const SurfaceTree tree(m);
     EXPECT_DOUBLE_EQ(tree.distance({0.5, 0.5, 0.5}), 0.5);  // a face
@@ -22,7 +22,7 @@ TEST(SurfaceTree, DistanceToACubeByHand) {
     EXPECT_DOUBLE_EQ(tree.distance({0.25, 0.5, 0}), 0);
 }
 
-TEST(SurfaceTree, DistanceToATriangleIsTheLeastOverItsPoints) {
+TEST(SurfaceTree, DistanceToATriangleIsTheMinimumOverItsPoints) {
     const Vec3d a{0, 0, 0}, b{2, 0, 0.5}, c{0.3, 1, 0};
     const CounterRandom random(7, 0);
     for (std::uint32_t i = 0; i < 200; ++i) {
@@ -40,7 +40,7 @@ TEST(SurfaceTree, DistanceToATriangleIsTheLeastOverItsPoints) {
     }
 }
 
-TEST(SurfaceTree, IsWithinWhatTheDistanceSays) {
+TEST(SurfaceTree, IsWithinMatchesTheDistance) {
     const PolygonMesh m = cube();
     const SurfaceTree tree(m);
     EXPECT_TRUE(tree.is_within({0.5, 0.5, 3}, 2));
@@ -51,7 +51,7 @@ TEST(SurfaceTree, IsWithinWhatTheDistanceSays) {
     EXPECT_FALSE(SurfaceTree(none).is_within({0, 0, 0}, 1e9));
 }
 
-TEST(SurfaceTree, NearestOfManyIsTheNearestOfAll) {
+TEST(SurfaceTree, ClosestPointMatchesExhaustiveSearch) {
     const PolygonMesh m = torus(20, 50, 1, 3);
     const SurfaceTree tree(m);
     EXPECT_EQ(tree.boxes().size(), m.face_count());
@@ -92,7 +92,7 @@ TEST(SurfaceTree, SignedDistanceIsNegativeInside) {
     }
 }
 
-TEST(SurfaceTree, SharpEdgesHaveTheRightSide) {
+TEST(SurfaceTree, SignIsCorrectAtSharpEdges) {
     // A wedge of 10 degrees: beyond its edge a point is behind the plane of neither or of one of its sides.
     const float h = std::tan(0.0873f);
     const PolygonMesh wedge =
@@ -105,7 +105,7 @@ TEST(SurfaceTree, SharpEdgesHaveTheRightSide) {
     EXPECT_LT(tree.signed_distance({-0.5, 0.5, 0}), 0);
 }
 
-TEST(SurfaceTree, LeavesOutTrianglesWithoutAreaAndCutsLargeFaces) {
+TEST(SurfaceTree, ExcludesDegenerateTrianglesAndSplitsLargeFaces) {
     const PolygonMesh line = polygons({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}});
     EXPECT_EQ(SurfaceTree(line).boxes().size(), 0u);
     EXPECT_TRUE(std::isinf(SurfaceTree(line).distance({0, 0, 0})));

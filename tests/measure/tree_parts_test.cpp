@@ -21,18 +21,18 @@ PolygonMesh adjacent(PolygonMesh mesh, float x) {
     return mesh;
 }
 
-TEST(TreeParts, OfAPartForEachTreeHasNoneLoose) {
+TEST(TreeParts, OfWholeTreesHaveNoLooseComponents) {
     const TreePartsReport one = tree_parts(capsule(16, 8, 0.5f, 0, 10), kPole);
     EXPECT_EQ(one, (TreePartsReport{.trees = 1, .parts = 1}));
     const PolygonMesh pole = capsule(16, 8, 0.5f, 0, 10);
     EXPECT_EQ(tree_parts(both(pole, adjacent(pole, 10)), kTwo), (TreePartsReport{.trees = 2, .parts = 2}));
 }
 
-TEST(TreeParts, OfTreesGrownTogetherMayHaveFewer) {
+TEST(TreeParts, OfMergedTreesAreFewerThanTrees) {
     EXPECT_EQ(tree_parts(box({-1, -1, -1}, {11, 1, 11}), kTwo), (TreePartsReport{.trees = 2, .parts = 1}));
 }
 
-TEST(TreeParts, NamesWhereABranchIsTornOff) {
+TEST(TreeParts, ReportsTheNodeOfASeveredBranch) {
     const PolygonMesh torn = both(capsule(16, 8, 0.5f, 2.6f, 10), capsule(16, 32, 0.5f, 0, 1.4f));
     const TreePartsReport r = tree_parts(torn, kPole);
     EXPECT_EQ(r.parts, 2u);
@@ -45,7 +45,7 @@ TEST(TreeParts, NamesWhereABranchIsTornOff) {
     EXPECT_EQ(r.largest[0].faces, capsule(16, 8, 0.5f, 2.6f, 10).face_count());
 }
 
-TEST(TreeParts, FindsATornBranchThoughTwoTreesAreOnePart) {
+TEST(TreeParts, FindsASeveredBranchNextToMergedTrees) {
     const PolygonMesh pole = capsule(16, 8, 0.5f, 0, 8);
     PolygonMesh joined = both(pole, adjacent(pole, 10));
     joined.add_face(std::vector<std::uint32_t>{0, 1, static_cast<std::uint32_t>(pole.positions.size())});
@@ -56,7 +56,7 @@ TEST(TreeParts, FindsATornBranchThoughTwoTreesAreOnePart) {
     EXPECT_EQ(r.largest[0].node, NodeId(3));
 }
 
-TEST(TreeParts, CountsHollowsAndBubblesBySize) {
+TEST(TreeParts, CountsHollowsAndSmallComponentsBySize) {
     const PolygonMesh solid = capsule(32, 32, 0.5f, 0, 10);
     const PolygonMesh hollow = inverted(capsule(8, 4, 0.1f, 4, 5)), bubble = adjacent(cube(), 3);
     const TreePartsReport r = tree_parts(both(both(solid, bubble), hollow), kPole);
@@ -66,7 +66,7 @@ TEST(TreeParts, CountsHollowsAndBubblesBySize) {
     EXPECT_EQ(r.largest[1].faces, 6u);
 }
 
-TEST(TreeParts, SeesTreesOfOneNodeInTheFrameOfTheMesh) {
+TEST(TreeParts, ConvertsTheOriginOfTreesOfOneNode) {
     const Skeleton balls({kRoot, kRoot, NodeId(1)}, {{0, 0, 0}, {5, 0, 0}, {5, 0, 4}}, {1, 1, 1},
                          {100, 0, 0});
     PolygonMesh mesh = both(box({49, -1, -1}, {51, 1, 1}), box({54, -1, -1}, {56, 1, 5}));

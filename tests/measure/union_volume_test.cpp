@@ -38,7 +38,7 @@ TEST(UnionVolume, OfOneSegmentIsExact) {
     EXPECT_NEAR(volume(segment({0, 0, 0}, 2, 1)).total, 4 * kPi / 3 * 8, 1e-9);
 }
 
-TEST(UnionVolume, OfAStraightBranchDoesNotDependOnItsNodes) {
+TEST(UnionVolume, OfAStraightBranchIsIndependentOfItsNodes) {
     std::vector<NodeId> parent{kRoot};
     std::vector<Vec3> position{{0, 0, 0}};
     for (std::uint32_t i = 1; i <= 200; ++i) {
@@ -51,7 +51,7 @@ TEST(UnionVolume, OfAStraightBranchDoesNotDependOnItsNodes) {
     EXPECT_LE(v.error, 0.0011 * exact);
 }
 
-TEST(UnionVolume, CountsWhatOverlapsOnce) {
+TEST(UnionVolume, CountsOverlapsOnce) {
     // Two cylinders of radius 1 that intersect at right angles share 16/3 (Archimedes). Flat ends.
     const Skeleton cross({kRoot, NodeId(0), kRoot, NodeId(2)}, {{-4, 0, 0}, {4, 0, 0}, {0, -4, 0}, {0, 4, 0}},
                          {1, 1, 1, 1});
@@ -65,7 +65,7 @@ TEST(UnionVolume, CountsWhatOverlapsOnce) {
     EXPECT_NEAR(balls.total, 2 * (4 * kPi / 3 - kPi * 0.25 * 2.5 / 3), balls.error);
 }
 
-TEST(UnionVolume, OfARingIsThatOfATorus) {
+TEST(UnionVolume, OfARingMatchesATorus) {
     // A closed polygon of 120 segments about the origin, major radius 3, minor 1: 2 pi^2 R r^2 minus the
     // deficit of the polygon, a share of (pi / 120)^2 / 2.
     std::vector<NodeId> parent;
@@ -80,7 +80,7 @@ TEST(UnionVolume, OfARingIsThatOfATorus) {
     EXPECT_NEAR(v.total, exact, v.error + 4e-4 * exact);
 }
 
-TEST(UnionVolume, EndsInsideOthersAddNothing) {
+TEST(UnionVolume, EndsInsideOtherSegmentsAddNothing) {
     // A branch at a right angle to a trunk, with a third of its radius: the trunk contains the whole start.
     const Skeleton fork({kRoot, NodeId(0), NodeId(1), NodeId(1)},
                         {{0, 0, 0}, {0, 0, 5}, {0, 0, 10}, {9, 0, 5}}, {3, 3, 3, 1});
@@ -93,7 +93,7 @@ TEST(UnionVolume, EndsInsideOthersAddNothing) {
     EXPECT_NEAR(v.of_capsule[0] + v.of_capsule[1], kPi * 90, v.error);
 }
 
-TEST(UnionVolume, CountsWhatIsMarkedApart) {
+TEST(UnionVolume, CountsMarkedPointsSeparately) {
     const Skeleton s = segment({0, 0, 10}, 1, 1);
     const ConeUnion solid(s, {}, EndShape::flat, EndShape::flat);
     const UnionVolume v = union_volume(solid, {}, [](std::uint32_t, Vec3d p, double radius) {
@@ -104,7 +104,7 @@ TEST(UnionVolume, CountsWhatIsMarkedApart) {
     EXPECT_NEAR(v.marked[0], kPi * 2.5, v.error);
 }
 
-TEST(UnionVolume, KeepsToTheTolerance) {
+TEST(UnionVolume, ErrorIsWithinTheTolerance) {
     const Skeleton cross({kRoot, NodeId(0), kRoot, NodeId(2)}, {{-4, 0, 0}, {4, 0, 0}, {0, -4, 0}, {0, 4, 0}},
                          {1, 1, 1, 1});
     const UnionVolume rough = volume(cross, EndShape::flat, EndShape::flat, {.tolerance = 1e-2});
@@ -113,7 +113,7 @@ TEST(UnionVolume, KeepsToTheTolerance) {
     EXPECT_LE(volume(cross, EndShape::flat, EndShape::flat, {.max_samples = 1000}).samples, 1200u);
 }
 
-TEST(UnionVolume, SameBitsForAnyNumberOfThreads) {
+TEST(UnionVolume, IsBitIdenticalForAnyNumberOfThreads) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         SCOPED_TRACE(name);
         const ConeUnion solid(skeleton, skeleton.origin(), EndShape::flat, EndShape::round);
@@ -129,7 +129,7 @@ TEST(UnionVolume, SameBitsForAnyNumberOfThreads) {
     }
 }
 
-TEST(UnionVolume, Stops) {
+TEST(UnionVolume, StopsWhenCancelled) {
     std::stop_source stop;
     stop.request_stop();
     const Skeleton s = segment({0, 0, 10}, 1, 1);
@@ -137,7 +137,7 @@ TEST(UnionVolume, Stops) {
     EXPECT_THROW(union_volume(solid, {}, {}, {.stop = stop.get_token()}), Cancelled);
 }
 
-TEST(EstimateUnionVolume, AgreesWithTheMeasuredVolume) {
+TEST(EstimateUnionVolume, MatchesTheMeasuredVolume) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         SCOPED_TRACE(name);
         const ConeUnion solid(skeleton, skeleton.origin(), EndShape::flat, EndShape::round);

@@ -22,7 +22,7 @@ VolumeReport report(const PolygonMesh& mesh, const Skeleton& s, EndShape base = 
     return volume_report(SurfaceTree(mesh), shape(mesh).signed_volume, s, solid, axes.is_deep);
 }
 
-TEST(VolumeReport, OfATrueSurfaceMissesNothing) {
+TEST(VolumeReport, OfAnExactSurfaceHasNothingMissing) {
     // Rings of 64 sides have (64 / 2 pi) sin(2 pi / 64) = 0.9984 of the circle's area.
     const Skeleton pole({kRoot, NodeId(0)}, {{0, 0, 0}, {0, 0, 10}}, {0.5f, 0.5f});
     const VolumeReport r = report(capsule(64, 16, 0.5f, 0, 10), pole, EndShape::round);
@@ -33,7 +33,7 @@ TEST(VolumeReport, OfATrueSurfaceMissesNothing) {
     EXPECT_TRUE(r.complete());
 }
 
-TEST(VolumeReport, WeighsABallThatWasLost) {
+TEST(VolumeReport, MeasuresAMissingBall) {
     // A ball of radius 5 in the middle of a thin line; the surface of the line ignores the ball.
     const Skeleton s({kRoot, NodeId(0), NodeId(1), NodeId(2), NodeId(3)},
                      {{0, 0, -50}, {0, 0, -0.1f}, {0, 0, 0}, {0, 0, 0.1f}, {0, 0, 50}}, {1, 1, 5, 1, 1},
@@ -54,7 +54,7 @@ TEST(VolumeReport, WeighsABallThatWasLost) {
     EXPECT_NEAR(r.lumps[0].place.x, 1000, 1e-9);
 }
 
-TEST(VolumeReport, NamesLumpsBySize) {
+TEST(VolumeReport, LumpsAreSortedBySize) {
     // A trunk that exists, and two twigs of it that are missing, the second of two segments.
     const Skeleton s({kRoot, NodeId(0), NodeId(1), NodeId(2), NodeId(1), NodeId(2), NodeId(5)},
                      {{0, 0, 0}, {0, 0, 3}, {0, 0, 6}, {0, 0, 10}, {5, 0, 3}, {-5, 0, 6}, {-9, 0, 6}},
@@ -71,7 +71,7 @@ TEST(VolumeReport, NamesLumpsBySize) {
     EXPECT_NEAR(r.lumps[1].volume, area * 3.9 + end, 0.02);
 }
 
-TEST(VolumeReport, AnEmptySurfaceMissesAll) {
+TEST(VolumeReport, EmptySurfaceHasEverythingMissing) {
     const Skeleton pole({kRoot, NodeId(0)}, {{0, 0, 0}, {0, 0, 10}}, {0.5f, 0.5f});
     const VolumeReport r = report(PolygonMesh{}, pole);
     EXPECT_EQ(r.missing_percent(), 100);

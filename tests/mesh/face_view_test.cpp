@@ -13,7 +13,7 @@ std::vector<std::uint32_t> corners(const FaceView& faces, std::uint32_t f) {
     return {faces.face(f).begin(), faces.face(f).end()};
 }
 
-TEST(FaceView, IsTheSameOfQuadsAndPolygons) {
+TEST(FaceView, MatchesForQuadsAndPolygons) {
     QuadMesh quads;
     quads.positions = cube().positions;
     quads.quads.push_back({0, 2, 3, 1});
@@ -28,13 +28,13 @@ TEST(FaceView, IsTheSameOfQuadsAndPolygons) {
     EXPECT_EQ(FaceView(QuadMesh{}).size(), 0u);
 }
 
-TEST(FaceView, KnowsTheBoxesOfFaces) {
+TEST(FaceView, ComputesTheBoxesOfFaces) {
     const PolygonMesh mesh = polygons({{0, 0, 0}, {2, 0, 1}, {1, 3, 0}, {9, 9, 9}}, {{0, 1, 2}});
     EXPECT_EQ(FaceView(mesh).box(0).low, Vec3(0, 0, 0));
     EXPECT_EQ(FaceView(mesh).box(0).high, Vec3(2, 3, 1));
 }
 
-TEST(SomeFaces, KeepTheirOrderAndThatOfTheirVertices) {
+TEST(SomeFaces, PreservesTheOrderOfFacesAndVertices) {
     const PolygonMesh mesh = polygons({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {4, 0, 0}},
                                       {{0, 1, 2}, {0, 3, 2}, {4, 3, 2, 0}});
     const std::vector<std::uint32_t> faces{2, 1};

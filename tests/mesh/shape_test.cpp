@@ -29,17 +29,17 @@ TEST(Shape, BoxHasItsVolumeAndArea) {
 
 TEST(Shape, InvertedCubeHasNegativeVolume) { EXPECT_DOUBLE_EQ(shape(inverted(cube())).signed_volume, -1); }
 
-TEST(Shape, VolumeDoesNotSufferFarFromTheOrigin) {
+TEST(Shape, VolumeIsExactFarFromTheOrigin) {
     EXPECT_DOUBLE_EQ(shape(box({4e6f, 4e6f, 0}, {4e6f + 1, 4e6f + 1, 1})).signed_volume, 1);
 }
 
-TEST(Shape, TorusVolumeNearsPappus) {
+TEST(Shape, TorusVolumeApproximatesPappus) {
     // 2 pi^2 R r^2; an inscribed polygon of 64 corners has 0.9984 of its circle's area.
     EXPECT_NEAR(shape(torus(64, 256, 1, 3)).signed_volume / (2 * std::numbers::pi * std::numbers::pi * 3),
                 0.9984, 5e-4);
 }
 
-TEST(ScaledJacobian, IsTheLeastSine) {
+TEST(ScaledJacobian, IsTheMinimumSine) {
     EXPECT_DOUBLE_EQ(jacobian({{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}}), 1);
     EXPECT_NEAR(jacobian({{0, 0, 0}, {1, 0, 0}, {2, 1, 0}, {1, 1, 0}}), std::numbers::sqrt2 / 2,
                 1e-6);  // 45 degrees
@@ -55,16 +55,16 @@ TEST(ScaledJacobian, IsNotPositiveForFoldedFaces) {
     EXPECT_EQ(shape(polygons({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}})).inverted_faces, 1u);
 }
 
-TEST(FanCorner, CutsQuadsAlongTheShorterDiagonal) {
+TEST(FanCorner, SplitsQuadsAlongTheShorterDiagonal) {
     const std::vector<std::uint32_t> face{0, 1, 2, 3};
     EXPECT_EQ(fan_corner(face, std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}), 0u);
     EXPECT_EQ(fan_corner(face, std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {2, 2, 0}, {0, 1, 0}}), 1u);
     EXPECT_EQ(fan_corner(face, std::vector<Vec3>{{0, 0, 0}, {3, 0, 0}, {1, 1, 0}, {0, 3, 0}}), 0u);
 }
 
-TEST(Shape, EmptyMeshHasNone) { EXPECT_EQ(shape(PolygonMesh{}), ShapeReport{}); }
+TEST(Shape, EmptyMeshHasAnEmptyReport) { EXPECT_EQ(shape(PolygonMesh{}), ShapeReport{}); }
 
-TEST(Shape, SameBitsForAnyNumberOfThreads) {
+TEST(Shape, IsBitIdenticalForAnyNumberOfThreads) {
     const PolygonMesh m = torus(200, 300, 1, 3);
     const ShapeReport one = shape(m, {.threads = 1});
     EXPECT_EQ(shape(m, {.threads = 2}), one);

@@ -7,7 +7,7 @@
 namespace coppice {
 namespace {
 
-TEST(Statistics, RanksOfAShuffledRow) {
+TEST(Statistics, ComputesRanksOfAPermutation) {
     std::vector<double> values;
     for (int i = 0; i < 200; ++i)
         values.push_back((i * 77) % 200 -
@@ -25,7 +25,7 @@ TEST(Statistics, RanksOfAShuffledRow) {
     EXPECT_DOUBLE_EQ(s.mean_abs, 50);  // (1 + .. + 100 + 1 + .. + 99) / 200
 }
 
-TEST(Statistics, OfFewAndOfNone) {
+TEST(Statistics, AcceptsFewAndNoValues) {
     EXPECT_EQ(statistics({}), Statistics{});
     EXPECT_EQ(statistics({3}), (Statistics{1, 3, 3, 3, 3, 3, 3, 3, 3, 3}));
     EXPECT_EQ(statistics({4, -2}), (Statistics{2, 1, 3, -2, -2, 4, 4, 4, -2, 4}));

@@ -26,7 +26,7 @@ TEST(Topology, CubeIsSound) {
     EXPECT_DOUBLE_EQ(t.irregular_percent(), 100);
 }
 
-TEST(Topology, InvertedCubeIsAsSound) { EXPECT_EQ(topology(inverted(cube())), topology(cube())); }
+TEST(Topology, InvertedCubeIsSound) { EXPECT_EQ(topology(inverted(cube())), topology(cube())); }
 
 TEST(Topology, TorusIsRegularAndHasEulerNumberZero) {
     const TopologyReport t = topology(torus(12, 30, 1, 3));
@@ -52,7 +52,7 @@ TEST(Topology, TwoCubesAreTwoComponents) {
     EXPECT_EQ(t.euler, 4);
 }
 
-TEST(Topology, CubesThatShareAVertexAreABowTie) {
+TEST(Topology, CubesThatShareAVertexHaveANonManifoldVertex) {
     PolygonMesh m = both(cube(), box({1, 1, 1}, {2, 2, 2}));
     for (auto& v : m.corners)
         v = v == 8 ? 7 : v;  // vertex 8, the low corner of the second cube, becomes vertex 7 of the first
@@ -64,7 +64,7 @@ TEST(Topology, CubesThatShareAVertexAreABowTie) {
     EXPECT_EQ(t.components, 2u);  // a common vertex does not connect components
 }
 
-TEST(Topology, CubesThatShareAnEdgeAreNotManifold) {
+TEST(Topology, CubesThatShareAnEdgeHaveANonManifoldEdge) {
     PolygonMesh m = both(cube(), box({1, 1, 0}, {2, 2, 1}));
     for (auto& v : m.corners) v = v == 8 ? 3 : v == 12 ? 7 : v;
     const TopologyReport t = topology(m);
@@ -75,7 +75,7 @@ TEST(Topology, CubesThatShareAnEdgeAreNotManifold) {
     EXPECT_FALSE(t.watertight());
 }
 
-TEST(Topology, MoebiusRingIsMisorientedAlongOneEdge) {
+TEST(Topology, MoebiusStripHasOneMisorientedEdge) {
     const TopologyReport t = topology(moebius(12));
     EXPECT_EQ(t.misoriented_edges, 1u);
     EXPECT_EQ(t.open_edges, 24u);
@@ -83,7 +83,7 @@ TEST(Topology, MoebiusRingIsMisorientedAlongOneEdge) {
     EXPECT_EQ(t.components, 1u);
 }
 
-TEST(Topology, OneTurnedFaceOfACubeMisorientsItsFourEdges) {
+TEST(Topology, ReversedFaceOfACubeHasFourMisorientedEdges) {
     PolygonMesh m = cube();
     std::swap(m.corners[1], m.corners[3]);
     const TopologyReport t = topology(m);
@@ -92,7 +92,7 @@ TEST(Topology, OneTurnedFaceOfACubeMisorientsItsFourEdges) {
     EXPECT_FALSE(t.watertight());
 }
 
-TEST(Topology, AFaceThatRepeatsAVertexHasAnEdgeOfItsOwn) {
+TEST(Topology, FaceWithARepeatedVertexHasAnAdditionalEdge) {
     // A triangle written as a quad: the edge from vertex 0 to itself belongs to one face.
     const TopologyReport t = topology(polygons({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 0, 1, 2}}));
     EXPECT_EQ(t.edges, 4u);
@@ -100,7 +100,7 @@ TEST(Topology, AFaceThatRepeatsAVertexHasAnEdgeOfItsOwn) {
     EXPECT_EQ(t.non_manifold_vertices, 0u);
 }
 
-TEST(Topology, AVertexOfManyFacesIsOneFanOrTwo) {
+TEST(Topology, VertexOfManyFacesHasOneFanOrTwo) {
     // Two discs of 5,000 triangles each about the same vertex.
     PolygonMesh m;
     const std::uint32_t n = 5000;
@@ -119,7 +119,7 @@ TEST(Topology, EmptyMeshIsNotSound) {
     EXPECT_DOUBLE_EQ(t.quads_percent(), 0);
 }
 
-TEST(Topology, QuadMeshesAreJudgedAlike) {
+TEST(Topology, QuadMeshMatchesPolygonMesh) {
     const PolygonMesh m = torus(8, 9, 1, 3);
     QuadMesh q;
     q.positions = m.positions;
@@ -129,7 +129,7 @@ TEST(Topology, QuadMeshesAreJudgedAlike) {
     EXPECT_EQ(topology(q), topology(m));
 }
 
-TEST(Topology, SameForAnyNumberOfThreads) {
+TEST(Topology, IsBitIdenticalForAnyNumberOfThreads) {
     // Large enough for many ranges, with a seam, a hole and two components.
     PolygonMesh m = both(torus(200, 400, 1, 3), tube(100, 300, 0.1f, 1));
     std::swap(m.corners[400], m.corners[402]);
@@ -141,7 +141,7 @@ TEST(Topology, SameForAnyNumberOfThreads) {
     EXPECT_EQ(topology(m, {.threads = 7}), one);
 }
 
-TEST(Validate, RefusesWhatCannotBeJudged) {
+TEST(Validate, RejectsInvalidMeshes) {
     EXPECT_NO_THROW(validate(cube()));
     PolygonMesh m = cube();
     m.positions[3].y = std::numeric_limits<float>::quiet_NaN();

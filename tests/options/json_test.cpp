@@ -61,7 +61,7 @@ std::string message_of(const char* text) {
     return test::error_of([&] { sample_of(Json::parse(text)); });
 }
 
-TEST(Json, OptionsComeBackTheSame) {
+TEST(Json, OptionsRoundTrip) {
     Sample sample;
     sample.count = 7;
     sample.open = true;
@@ -76,23 +76,23 @@ TEST(Json, OptionsComeBackTheSame) {
     EXPECT_EQ(json_of(sample_of(json_of(Sample{}))), json_of(Sample{}));
 }
 
-TEST(Json, WhatIsLeftOutKeepsItsDefault) {
+TEST(Json, OmittedFieldsHaveTheirDefault) {
     const Sample sample = sample_of(Json::parse(R"({"open": true})"));
     EXPECT_TRUE(sample.open);
     EXPECT_EQ(sample.count, 3);
     EXPECT_EQ(sample.shade, Shade::dark);
 }
 
-TEST(Json, FloatsAtTheEndsOfTheirRangeAreTaken) { EXPECT_EQ(sample_of(json_of(Sample{})).inner.depth, 0.1f); }
+TEST(Json, AcceptsFloatsAtTheirBounds) { EXPECT_EQ(sample_of(json_of(Sample{})).inner.depth, 0.1f); }
 
-TEST(Json, NoLocaleChangesANumber) {
+TEST(Json, NumbersAreIndependentOfTheLocale) {
     const test::CommaLocale comma;
     EXPECT_EQ(shortest(0.1f), 0.1);
     EXPECT_EQ(json_of(Sample{})["inner"].dump(), R"({"depth":0.1})");
     EXPECT_EQ(sample_of(Json::parse(R"({"inner": {"depth": 1.5}})")).inner.depth, 1.5f);
 }
 
-TEST(Json, ErrorsNameTheFieldAndTheMend) {
+TEST(Json, ErrorsReportTheFieldAndTheRemedy) {
     EXPECT_EQ(message_of(R"({"cuont": 4})"), "file.json: there is no field cuont; did you mean count?");
     EXPECT_EQ(message_of(R"({"elephant": 4})"), "file.json: there is no field elephant");
     EXPECT_EQ(message_of(R"({"two\nlines": 4})"), R"(file.json: there is no field two\nlines)");
@@ -110,7 +110,7 @@ TEST(Json, ErrorsNameTheFieldAndTheMend) {
     EXPECT_EQ(message_of(R"([])"), "file.json must be an object with named fields");
 }
 
-TEST(Json, TheSchemaHasWhatAFrontEndNeeds) {
+TEST(Json, SchemaHasNameHelpTypeAndRange) {
     Sample defaults;
     const Json schema = make_schema(option_fields(defaults));
     ASSERT_EQ(schema.size(), 6u);

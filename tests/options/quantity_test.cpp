@@ -16,7 +16,7 @@ TEST(Quantity, OnlyAnglesChangeTheirUnit) {
     }
 }
 
-TEST(Quantity, TextsLeaveOutWhatThereIsNot) {
+TEST(Quantity, TextsOmitMissingUnitsAndRanges) {
     EXPECT_EQ(quantity_text("number", Unit::metre, 0, 2.5), "number of metres from 0 to 2.5");
     EXPECT_EQ(quantity_text("whole number", Unit::none, -3, 7), "whole number from -3 to 7");
     EXPECT_EQ(quantity_text("whole number", Unit::none, 0, 2147483647), "whole number from 0 to 2147483647");
@@ -26,20 +26,20 @@ TEST(Quantity, TextsLeaveOutWhatThereIsNot) {
 }
 
 // 1.5708 radians are 90.0002 degrees: a bound that was rounded up.
-TEST(Quantity, BoundsOfAnglesHaveNoStrayDigits) {
+TEST(Quantity, BoundsOfAnglesAreRoundedToDegrees) {
     EXPECT_EQ(range_text(Unit::radian, 0, 1.5708), "0 to 90");
     EXPECT_EQ(range_text(Unit::radius, 0, 1.5708), "0 to 1.5708");
     EXPECT_EQ(number_text(Unit::metre, 1234567), "1.23457e+06");
 }
 
-TEST(Quantity, LongNumbersAreGrouped) {
+TEST(Quantity, LongNumbersHaveSeparators) {
     EXPECT_EQ(grouped(0), "0");
     EXPECT_EQ(grouped(999), "999");
     EXPECT_EQ(grouped(1000), "1,000");
     EXPECT_EQ(grouped(12345678), "12,345,678");
 }
 
-TEST(Quantity, AFiniteNumberFillsTheWord) {
+TEST(Quantity, ParseFiniteRequiresTheWholeWord) {
     EXPECT_EQ(parse_finite("-0.25"), -0.25);
     EXPECT_EQ(parse_finite("+1e3"), 1000);
     for (const char* word : {"", "+", "1m", " 1", "1 ", "nan", "inf", "-inf", "1e999", "0x10", "1,5"})

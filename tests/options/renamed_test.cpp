@@ -24,7 +24,7 @@ float low_of(const char* json) {
     return bounds.low;
 }
 
-TEST(Renamed, FormerNamesHaveAPresentOne) {
+TEST(Renamed, FormerNamesMapToPresentOnes) {
     EXPECT_EQ(present_name("least_diameter"), "min_diameter");
     EXPECT_EQ(present_name("edge"), "tetra_edge");
     EXPECT_EQ(present_name("tetra_edge"), "");

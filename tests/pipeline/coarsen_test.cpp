@@ -47,7 +47,7 @@ std::size_t find_crossings(const QuadMesh& mesh) {
     return crossing_faces(SurfaceTree(to_polygons(mesh)), 1000).pairs.size();
 }
 
-TEST(RingsBetween, StepByOneLevelWithARefinedRingBetween) {
+TEST(RingsBetween, ChangeByOneLevelWithARefinedRingBetween) {
     for (int levels = 1; levels <= 6; ++levels) {
         for (int begin = 0; begin <= levels; ++begin) {
             for (int end = 0; end <= levels; ++end) {
@@ -73,7 +73,7 @@ TEST(RingsBetween, StepByOneLevelWithARefinedRingBetween) {
     }
 }
 
-TEST(ChordError, IsThatOfTheLevelsItAsksFor) {
+TEST(ChordError, MatchesTheLevelForIt) {
     for (int level = 0; level <= 5; ++level) {
         const float error = pipeline_internal::chord_error_at(0.4f, 4, level);
         EXPECT_EQ(pipeline_internal::level_for_chord(0.4f, 4, error), level);
@@ -82,7 +82,7 @@ TEST(ChordError, IsThatOfTheLevelsItAsksFor) {
     EXPECT_NEAR(pipeline_internal::chord_error_at(1, 4, 2), pipeline_internal::sagitta(16), 1e-3);
 }
 
-TEST(SidesByRadius, HalveForEveryFourthOfTheRadius) {
+TEST(SidesByRadius, AreHalvedForEveryQuarterOfTheRadius) {
     const QuadMesh mesh = mesh_skeleton(tapered_limb(), by_radius()).quads().mesh;
     EXPECT_TRUE(topology(mesh).watertight());
     EXPECT_EQ(topology(mesh).euler, 2);
@@ -104,7 +104,7 @@ TEST(SidesByRadius, HalveForEveryFourthOfTheRadius) {
     EXPECT_GT(four, 2);
 }
 
-TEST(SidesByRadius, KeepVolumeAxesAndTips) {
+TEST(SidesByRadius, PreserveVolumeAxesAndTips) {
     for (const std::uint64_t seed : {1u, 2u, 3u, 4u}) {
         SCOPED_TRACE(seed);
         const Skeleton tree = random_tree(400, seed);
@@ -123,7 +123,7 @@ TEST(SidesByRadius, KeepVolumeAxesAndTips) {
     }
 }
 
-TEST(SidesByRadius, OfEverySkeletonAreAsClosedAsOthers) {
+TEST(SidesByRadius, PreserveTheTopologyOfEverySkeleton) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         for (const int levels : {1, 2}) {
             SCOPED_TRACE(name + " at level " + std::to_string(levels));
@@ -141,7 +141,7 @@ TEST(SidesByRadius, OfEverySkeletonAreAsClosedAsOthers) {
     }
 }
 
-TEST(SidesByRadius, GoWithFlatEndsOpenBasesMoreSidesAndRamifications) {
+TEST(SidesByRadius, SupportFlatEndsOpenBasesMoreSidesAndRamifications) {
     const Skeleton tree = random_tree(200, 5);
     MeshOptions flat = by_radius(), open = by_radius(), more = by_radius(), pasted = by_radius(3);
     flat.control.tips = TipShape::flat;
@@ -160,7 +160,7 @@ TEST(SidesByRadius, GoWithFlatEndsOpenBasesMoreSidesAndRamifications) {
     }
 }
 
-TEST(SidesByRadius, BecomeMoreWithALesserChordError) {
+TEST(SidesByRadius, IncreaseWithASmallerChordError) {
     const Skeleton tree = random_tree(200, 6);
     std::size_t last = 0;
     for (const float error : {0.02f, 0.01f, 0.005f, 0.002f}) {
@@ -172,7 +172,7 @@ TEST(SidesByRadius, BecomeMoreWithALesserChordError) {
     }
 }
 
-TEST(SidesByRadius, AreTheSameForAnyNumberOfThreads) {
+TEST(SidesByRadius, AreBitIdenticalForAnyNumberOfThreads) {
     const Skeleton tree = random_tree(300, 8, true);
     const QuadMesh one = mesh_skeleton(tree, by_radius(), {.threads = 1}).quads().mesh;
     const QuadMesh two = mesh_skeleton(tree, by_radius(), {.threads = 2}).quads().mesh;
@@ -180,7 +180,7 @@ TEST(SidesByRadius, AreTheSameForAnyNumberOfThreads) {
     EXPECT_TRUE(std::ranges::equal(one.quads, two.quads));
 }
 
-TEST(SidesByRadius, AreRefusedWhereNothingCouldFollowThem) {
+TEST(SidesByRadius, AreRejectedForOtherSurfaces) {
     const Skeleton tree = random_tree(50, 1);
     MeshOptions tetrahedra = by_radius();
     tetrahedra.method = MeshMethod::tetrahedra;

@@ -20,7 +20,7 @@ MeshOptions with(int levels, int sides, TipShape tips = TipShape::round, BaseSha
     return options;
 }
 
-TEST(TubeCrossings, AreThoseOfTheWholeMeshOnTheZoo) {
+TEST(TubeCrossings, MatchTheWholeMeshOnTheZoo) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         SCOPED_TRACE(name);
         expect_same(skeleton);
@@ -29,7 +29,7 @@ TEST(TubeCrossings, AreThoseOfTheWholeMeshOnTheZoo) {
     }
 }
 
-TEST(TubeCrossings, AreThoseOfTheWholeMeshAtEveryLevelAndNumberOfSides) {
+TEST(TubeCrossings, MatchTheWholeMeshAtEveryLevelAndNumberOfSides) {
     for (int levels = 0; levels <= 6; ++levels) {
         const std::uint32_t size = levels < 4 ? 60 : 8;
         for (const int sides : {4, 8, 16}) {
@@ -42,7 +42,7 @@ TEST(TubeCrossings, AreThoseOfTheWholeMeshAtEveryLevelAndNumberOfSides) {
 }
 
 // Cages without grafting and unfolding cross themselves in many ways.
-TEST(TubeCrossings, AreThoseOfTheWholeMeshWhereMuchCrosses) {
+TEST(TubeCrossings, MatchTheWholeMeshWithManySelfIntersections) {
     std::size_t pairs = 0;
     for (std::uint64_t seed = 0; seed < 12; ++seed) {
         SCOPED_TRACE(seed);
@@ -55,7 +55,7 @@ TEST(TubeCrossings, AreThoseOfTheWholeMeshWhereMuchCrosses) {
 }
 
 // Units have quads between their tubes, including roots, and many quads cross without unfolding.
-TEST(TubeCrossings, AreThoseOfTheWholeMeshOnRamifications) {
+TEST(TubeCrossings, MatchTheWholeMeshOnRamifications) {
     std::size_t pairs = 0;
     for (const int levels : {1, 2, 3}) {
         SCOPED_TRACE(testing::Message() << levels << " levels");
@@ -101,7 +101,7 @@ void expect_same_when_vertices_are_moved(const Quads& quads) {
     EXPECT_GT(pairs, 60u);
 }
 
-TEST(TubeCrossings, AreThoseOfTheWholeMeshWhenVerticesAreMoved) {
+TEST(TubeCrossings, MatchTheWholeMeshWithMovedVertices) {
     MeshOptions options = with(2, 4);
     expect_same_when_vertices_are_moved(quads_of(random_tree(40, 5), options));
     options.method = MeshMethod::ramifications;
@@ -109,7 +109,7 @@ TEST(TubeCrossings, AreThoseOfTheWholeMeshWhenVerticesAreMoved) {
     expect_same_when_vertices_are_moved(quads_of(random_tree(40, 5), options));
 }
 
-TEST(TubeCrossings, AreTheSameForAnyNumberOfThreads) {
+TEST(TubeCrossings, AreBitIdenticalForAnyNumberOfThreads) {
     const Quads quads = quads_of(random_tree(2000, 1, true), with(1, 4));
     const auto one = tube_row_search(quads, quads.surface.mesh, {.threads = 1});
     EXPECT_FALSE(one.empty());
@@ -119,7 +119,7 @@ TEST(TubeCrossings, AreTheSameForAnyNumberOfThreads) {
 }
 
 // Few quads remain to be searched on a tree with branches that are clear of each other.
-TEST(TubeCrossings, AreProvedToBeNoneNearlyEverywhere) {
+TEST(TubeCrossings, AreExcludedForMostQuadsWithoutASearch) {
     const Quads quads = quads_of(random_tree(3000, 1), {});
     const pipeline_internal::TubeRows tube_rows(quads.surface.cage, quads.tubes, quads.levels);
     const std::size_t left = unproved_quads(quads.surface.mesh, tube_rows, {}).size();

@@ -137,13 +137,13 @@ void expect_same(const Dragged& d, double share = 0) {
     EXPECT_LE(static_cast<double>(found.normals), 9 * share * all);
 }
 
-TEST(DragFeed, FramesByKernelsAreThoseOfTheCpu) { expect_same(Dragged(random_tree(400, 3))); }
+TEST(DragFeed, FramesByKernelsMatchTheCpu) { expect_same(Dragged(random_tree(400, 3))); }
 
-TEST(DragFeed, AlsoWhereBranchesRunThroughEachOther) {
+TEST(DragFeed, MatchesTheCpuForOverlappingBranches) {
     expect_same(Dragged(random_tree(600, 4, true), {}, 150), 1.0 / 300);
 }
 
-TEST(DragFeed, AlsoWithOtherEndsFieldsAndMethods) {
+TEST(DragFeed, MatchesTheCpuForOtherEndsFieldsAndMethods) {
     MeshOptions flat, balls, walked;
     flat.control.tips = TipShape::flat;
     flat.levels = 1;
@@ -156,7 +156,7 @@ TEST(DragFeed, AlsoWithOtherEndsFieldsAndMethods) {
         expect_same(Dragged(random_tree(200, 3), options), 1.0 / 1000);
 }
 
-TEST(DragFeed, AlsoWhereTheWholeIsRelaxed) {
+TEST(DragFeed, MatchesTheCpuIfTheWholeIsRelaxed) {
     MeshOptions relaxed;
     relaxed.project.relax_passes = 1;
     relaxed.levels = 1;
@@ -165,7 +165,7 @@ TEST(DragFeed, AlsoWhereTheWholeIsRelaxed) {
     expect_same(d, 1.0 / 1000);
 }
 
-TEST(DragFeed, InTheZooFewRaysGoElsewhere) {
+TEST(DragFeed, FewVerticesDifferOnTheZoo) {
     Differing sum;
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         SCOPED_TRACE(name);
@@ -180,7 +180,7 @@ TEST(DragFeed, InTheZooFewRaysGoElsewhere) {
     EXPECT_LT(sum.positions, sum.all / 200);
 }
 
-TEST(DragFeed, AFrameBeginsAgainWithMoreRoomForLists) {
+TEST(DragFeed, RepeatsAFrameWithMoreRoomForLists) {
     const Dragged d(random_tree(200, 3));
     ByKernels kernels(d.build, d.drag, d.part, cuda::ListRoom{1, 1}), roomy(d.build, d.drag, d.part);
     const DragPose pose = d.at(0.2);
@@ -192,7 +192,7 @@ TEST(DragFeed, AFrameBeginsAgainWithMoreRoomForLists) {
     EXPECT_TRUE(std::ranges::equal(kernels.normals(), roomy.normals()));
 }
 
-TEST(DragFeed, NormalsOfWhatStaysAreThoseAtRest) {
+TEST(DragFeed, NormalsOfFixedVerticesAreThoseAtRest) {
     const Dragged d(random_tree(200, 3));
     ByKernels kernels(d.build, d.drag, d.part);
     const DraggedSurface rest(d.build, d.part);

@@ -54,7 +54,7 @@ TEST(QuadBuild, RefusesWhatHasNoSuchQuads) {
               "mesh: weights must be local for a surface with dragged branches");
 }
 
-TEST(BranchOfAbout, IsTheLateralNearestInSize) {
+TEST(BranchOfAbout, ReturnsTheLateralOfTheNearestSize) {
     // A stem of 8 segments; at node 2 a lateral of 1, at node 4 one of 3.
     std::vector<NodeId> parent{NodeId{}};
     std::vector<Vec3> place{{0, 0, 0}};
@@ -79,7 +79,7 @@ TEST(BranchOfAbout, IsTheLateralNearestInSize) {
     EXPECT_FALSE(branch_of_about(Skeleton({NodeId{}}, {Vec3{}}, {1.0f}), 5));
 }
 
-TEST(BranchDrag, SegmentsTurnExactlyAndForksInPart) {
+TEST(BranchDrag, SegmentsRotateExactlyAndForksPartially) {
     const Dragged d(small_tree());
     const DragPose pose = d.at(kMax);
     const Rotation turn = rotation_about(d.drag.axis(), kMax);
@@ -101,7 +101,7 @@ TEST(BranchDrag, SegmentsTurnExactlyAndForksInPart) {
     EXPECT_EQ(moved, d.drag.cage_vertices().size());
 }
 
-TEST(DraggedSurface, AtAngleZeroIsTheSurfaceAtRestToTheBit) {
+TEST(DraggedSurface, AngleZeroIsBitIdenticalToTheRestSurface) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         SCOPED_TRACE(name);
         const QuadBuild build = build_quads(skeleton);
@@ -121,7 +121,7 @@ TEST(DraggedSurface, AtAngleZeroIsTheSurfaceAtRestToTheBit) {
     }
 }
 
-TEST(DraggedSurface, ThePartHasTheBitsOfTheWhole) {
+TEST(DraggedSurface, PartIsBitIdenticalToTheWhole) {
     MeshOptions flat, relaxed, kept;
     flat.control.tips = TipShape::flat;
     flat.levels = 1;
@@ -146,7 +146,7 @@ TEST(DraggedSurface, ThePartHasTheBitsOfTheWhole) {
     }
 }
 
-TEST(DraggedSurface, ThePartHasTheBitsOfTheWholeWhereBranchesRunThroughEachOther) {
+TEST(DraggedSurface, PartIsBitIdenticalToTheWholeForOverlappingBranches) {
     for (const std::uint32_t segments : {5u, 40u, 150u}) {
         const Dragged d(random_tree(600, 4, true), {}, segments);
         const DragPart whole = whole_part(d.build);
@@ -160,7 +160,7 @@ TEST(DraggedSurface, ThePartHasTheBitsOfTheWholeWhereBranchesRunThroughEachOther
     }
 }
 
-TEST(DraggedSurface, IsTheSameOnAnyNumberOfThreads) {
+TEST(DraggedSurface, IsBitIdenticalForAnyNumberOfThreads) {
     const Dragged d(small_tree());
     const DragPose pose = d.at(0.2);
     DraggedSurface one(d.build, d.part), seven(d.build, d.part);
@@ -170,7 +170,7 @@ TEST(DraggedSurface, IsTheSameOnAnyNumberOfThreads) {
     EXPECT_TRUE(std::ranges::equal(one.normals(), seven.normals()));
 }
 
-TEST(DraggedSurface, WhatTurnsFarFromTheForkKeepsItsShape) {
+TEST(DraggedSurface, PreservesTheShapeFarFromTheFork) {
     const Dragged d(small_tree());
     DraggedSurface surface(d.build, d.part);
     const Buffer<Vec3> rest(surface.positions().begin(), surface.positions().end());

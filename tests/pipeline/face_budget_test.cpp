@@ -17,7 +17,7 @@ std::uint64_t faces_of(const FaceBudget& budget) {
     return mesh_skeleton(budget.skeleton, budget.options).quads().mesh.quads.size();
 }
 
-TEST(PlanFaces, MeetsTheNumberThatIsWanted) {
+TEST(PlanFaces, MatchesTheRequestedNumberOfFaces) {
     const Skeleton tree = random_tree(2000, 3);
     MeshOptions equal;
     equal.tube_sides = TubeSides::equal;
@@ -34,7 +34,7 @@ TEST(PlanFaces, MeetsTheNumberThatIsWanted) {
     }
 }
 
-TEST(MeshWithFaces, ComesNearWithSidesByRadiusOrWithout) {
+TEST(MeshWithFaces, MatchesTheNumberForAllTubeSides) {
     const Skeleton tree = random_tree(300, 1);
     MeshOptions equal;
     equal.tube_sides = TubeSides::equal;
@@ -78,7 +78,7 @@ Skeleton winding_laterals() {
 
 // If chords between distant rings cut corners, moving the surface outward does not end at the specified
 // volume.
-TEST(MeshWithFaces, KeepsTheVolumeWithFewFaces) {
+TEST(MeshWithFaces, PreservesTheVolumeWithFewFaces) {
     const Skeleton tree = winding_laterals();
     for (const std::uint64_t faces : {200u, 400u, 800u}) {
         SCOPED_TRACE(faces);
@@ -94,7 +94,7 @@ TEST(MeshWithFaces, KeepsTheVolumeWithFewFaces) {
     }
 }
 
-TEST(PlanFaces, DropsBranchesOnlyWhereFewFacesAreWanted) {
+TEST(PlanFaces, DropsBranchesOnlyForFewFaces) {
     const Skeleton tree = random_tree(2000, 3);
     const FaceBudget few = plan_faces(tree, {}, 1000), many = plan_faces(tree, {}, 100'000);
     EXPECT_GT(few.dropped, 0u);
@@ -109,7 +109,7 @@ TEST(PlanFaces, DropsBranchesOnlyWhereFewFacesAreWanted) {
 }
 
 // The thin lateral is removed before the thick one, and a branch never before those that it carries.
-TEST(PlanFaces, DropsTheLeastSilhouetteFirst) {
+TEST(PlanFaces, DropsTheSmallestSilhouettesFirst) {
     const Skeleton tree = random_tree(500, 7);
     std::uint32_t last = 0;
     for (const std::uint64_t wanted : {4000u, 2000u, 1000u, 500u, 300u}) {
@@ -121,7 +121,7 @@ TEST(PlanFaces, DropsTheLeastSilhouetteFirst) {
     EXPECT_GT(last, 0u);
 }
 
-TEST(PlanFaces, KeepsTheAxesThatBeginAtRoots) {
+TEST(PlanFaces, PreservesTheAxesThatStartAtRoots) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         SCOPED_TRACE(name);
         const FaceBudget budget = plan_faces(skeleton, {}, 100);
@@ -130,7 +130,7 @@ TEST(PlanFaces, KeepsTheAxesThatBeginAtRoots) {
     }
 }
 
-TEST(PlanFaces, OfASingleBranchComesNear) {
+TEST(PlanFaces, MatchesTheNumberForASingleBranch) {
     const Skeleton stick({NodeId::none(), NodeId(0)}, {{0, 0, 0}, {0, 0, 2}}, {0.1f, 0.1f});
     for (const std::uint64_t wanted : {500u, 1000u, 2000u, 5000u}) {
         SCOPED_TRACE(wanted);
@@ -139,7 +139,7 @@ TEST(PlanFaces, OfASingleBranchComesNear) {
     }
 }
 
-TEST(PlanFaces, RefusesWhatItCannotDo) {
+TEST(PlanFaces, RejectsInvalidOptions) {
     const Skeleton tree = zoo_skeleton("one_segment");
     EXPECT_THROW(plan_faces(tree, {}, 99), InvalidInput);
     EXPECT_THROW(plan_faces(tree, {}, 100'000'001), InvalidInput);

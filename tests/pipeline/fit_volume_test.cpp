@@ -44,7 +44,7 @@ MeshResult mesh_with(const Skeleton& s, Fit fit, MeshMethod method = MeshMethod:
     return mesh_skeleton(s, options, ctx);
 }
 
-TEST(FitVolume, ACylinderGetsTheAreaOfItsCircle) {
+TEST(FitVolume, CylinderHasTheAreaOfItsCircle) {
     const MeshResult r = mesh_with(pole(), Fit::volume);
     ASSERT_TRUE(r.fitted);
     EXPECT_TRUE(r.fitted->closed);
@@ -63,7 +63,7 @@ TEST(FitVolume, ACylinderGetsTheAreaOfItsCircle) {
     EXPECT_GT(seen, 0u);
 }
 
-TEST(FitVolume, FlatEndsStayFlat) {
+TEST(FitVolume, FlatEndsRemainFlat) {
     MeshOptions options;
     options.field.radius_scale = 1;  // so that the fit has an effect
     options.control.tips = TipShape::flat;
@@ -83,7 +83,7 @@ TEST(FitVolume, FlatEndsStayFlat) {
     EXPECT_NEAR(compute_volume(to_polygons(after)), kPi * 2.5, 1e-3 * kPi * 2.5);
 }
 
-TEST(FitVolume, AnOpenBaseCountsAsClosed) {
+TEST(FitVolume, OpenBaseIsMeasuredAsClosed) {
     MeshOptions options;
     options.control.base = BaseShape::open;
     options.fit = Fit::volume;
@@ -93,7 +93,7 @@ TEST(FitVolume, AnOpenBaseCountsAsClosed) {
     EXPECT_NEAR(compute_volume(to_polygons(r)), r.fitted->cones, 1e-3 * r.fitted->cones);
 }
 
-TEST(FitVolume, HoldsForLevelsAndMethods) {
+TEST(FitVolume, MatchesTheVolumeForLevelsAndMethods) {
     for (const int level : {0, 1, 2, 3}) {
         SCOPED_TRACE(level);
         const MeshResult r = mesh_with(small_tree(), Fit::volume, MeshMethod::quads, level);
@@ -110,7 +110,7 @@ TEST(FitVolume, HoldsForLevelsAndMethods) {
     }
 }
 
-TEST(FitVolume, AutomaticFitsWhereTheVolumeIsOff) {
+TEST(FitVolume, AutomaticFitsIfTheVolumeDeviates) {
     // On a long pole, the volume that the ends lose is a small share.
     const Skeleton longer({kRoot, NodeId(0)}, {{0, 0, 0}, {0, 0, 60}}, {0.5f, 0.5f});
     const MeshResult near = mesh_with(longer, Fit::automatic);
@@ -126,7 +126,7 @@ TEST(FitVolume, AutomaticFitsWhereTheVolumeIsOff) {
     EXPECT_NEAR(coarse.fitted->after, coarse.fitted->cones, 1e-3 * coarse.fitted->cones);
 }
 
-TEST(FitVolume, AutomaticLeavesSurfacesThatMeanSomethingElse) {
+TEST(FitVolume, AutomaticSkipsOtherKindsOfSurfaces) {
     MeshOptions options;
     options.fit = Fit::automatic;
     options.levels = 0;
@@ -147,7 +147,7 @@ TEST(FitVolume, AutomaticLeavesSurfacesThatMeanSomethingElse) {
     EXPECT_FALSE(mesh_solid(small_tree(), {}, triangles).fitted);
 }
 
-TEST(FitVolume, ThinBranchesOfABallKeepTheirRadius) {
+TEST(FitVolume, ThinBranchesOfABallPreserveTheirRadius) {
     // The excess volume of the ball must not be removed from the neurite that leaves it.
     const Skeleton cell({kRoot, NodeId(0), NodeId(1), NodeId(0), NodeId(3)},
                         {{0, 0, 0}, {0, 0, 4}, {0, 0, 10}, {0, 4, 0}, {0, 10, 0}},
@@ -161,14 +161,14 @@ TEST(FitVolume, ThinBranchesOfABallKeepTheirRadius) {
     }
 }
 
-TEST(FitVolume, ASomaOfThreePointsIsWhole) {
+TEST(FitVolume, SomaOfThreePointsIsClosed) {
     const MeshResult r = mesh_with(zoo_skeleton("soma_of_three_points"), Fit::volume);
     EXPECT_TRUE(r.fitted->closed);
     EXPECT_GT(r.fitted->before, 0.9 * r.fitted->cones);
     EXPECT_EQ(crossings(to_polygons(r)), 0u);
 }
 
-TEST(FitVolume, PartsGetTheirOwn) {
+TEST(FitVolume, ComponentsAreFittedSeparately) {
     // A pole with round sides loses less by chords than a tree with forks and bends; they are one surface.
     const Skeleton tree = small_tree(20), bare = pole();
     std::vector<NodeId> parent(bare.parents().begin(), bare.parents().end());
@@ -186,7 +186,7 @@ TEST(FitVolume, PartsGetTheirOwn) {
     EXPECT_NEAR(shape(of_pole).signed_volume, exact, 3e-3 * exact);
 }
 
-TEST(FitVolume, IsNotMadeUpForWhatIsLost) {
+TEST(FitVolume, DoesNotCompensateForMissingParts) {
     // The surface of a thin pole, compared with a skeleton that has a ball in its middle.
     const Skeleton thin({kRoot, NodeId(0), NodeId(1)}, {{0, 0, 0}, {0, 0, 5}, {0, 0, 10}},
                         {0.5f, 0.5f, 0.5f});
@@ -203,7 +203,7 @@ TEST(FitVolume, IsNotMadeUpForWhatIsLost) {
     }
 }
 
-TEST(FitVolume, AddsNoFoldsOrCrossings) {
+TEST(FitVolume, AddsNoFoldsOrSelfIntersections) {
     int closed = 0, all = 0;
     constexpr std::uint32_t kSmall = 300;
     for (const auto& [name, skeleton] : skeleton_zoo()) {
@@ -230,7 +230,7 @@ TEST(FitVolume, AddsNoFoldsOrCrossings) {
     EXPECT_GT(closed, 0.8 * all);  // others are self-intersections, and jumps that a field does not follow
 }
 
-TEST(FitVolume, SameBitsForAnyNumberOfThreads) {
+TEST(FitVolume, IsBitIdenticalForAnyNumberOfThreads) {
     for (const MeshMethod method : {MeshMethod::quads, MeshMethod::tetrahedra}) {
         const MeshResult one = mesh_with(small_tree(), Fit::volume, method, 3, {.threads = 1});
         for (const unsigned threads : {2u, 7u}) {
@@ -241,7 +241,7 @@ TEST(FitVolume, SameBitsForAnyNumberOfThreads) {
     }
 }
 
-TEST(FitVolume, ReportsProgressAndStops) {
+TEST(FitVolume, ReportsProgressAndStopsWhenCancelled) {
     float last = 0;
     mesh_with(small_tree(), Fit::volume, MeshMethod::quads, 2, {.progress = [&](float f) {
                   EXPECT_GE(f, last);

@@ -73,7 +73,7 @@ Skeleton crossed_bars() {
                     {{-3, 0, 0}, {3, 0, 0}, {0, -3, 0.1f}, {0, 3, 0.1f}}, {0.5f, 0.5f, 0.4f, 0.4f});
 }
 
-TEST(RemovedRows, ACleanTreeKeepsItsBits) {
+TEST(RemovedRows, CleanTreeIsBitIdenticalWithoutRepair) {
     MeshOptions off;
     off.remesh_rounds = 0;
     const Skeleton tree = random_tree(300, 2);
@@ -86,7 +86,7 @@ TEST(RemovedRows, ACleanTreeKeepsItsBits) {
               0);
 }
 
-TEST(RemovedRows, NoQuadsCrossInTheZoo) {
+TEST(RemovedRows, ResultHasNoSelfIntersectionsOnTheZoo) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         SCOPED_TRACE(name);
         const QuadSurface made = mesh_skeleton(skeleton).quads();
@@ -102,7 +102,7 @@ TEST(RemovedRows, NoQuadsCrossInTheZoo) {
     }
 }
 
-TEST(RemovedRows, NoQuadsCrossForAnyLevelAndNumberOfSides) {
+TEST(RemovedRows, ResultHasNoSelfIntersectionsForAnyLevelAndNumberOfSides) {
     const Skeleton hard = zoo_skeleton("random_hard_2");
     for (const int levels : {1, 2, 3}) {
         for (const int sides : {4, 8}) {
@@ -118,7 +118,7 @@ TEST(RemovedRows, NoQuadsCrossForAnyLevelAndNumberOfSides) {
 }
 
 // If there are too few rounds, crossings may remain, but no part is lost.
-TEST(RemovedRows, FewRoundsLeaveTheSurfaceWhole) {
+TEST(RemovedRows, FewRoundsPreserveTheWholeSurface) {
     const Skeleton tree = random_tree(300, 1, true);
     const std::size_t whole = mesh_skeleton(tree, with(Overlaps::keep)).quads().mesh.quads.size();
     for (const int rounds : {1, 2, 3}) {
@@ -132,7 +132,7 @@ TEST(RemovedRows, FewRoundsLeaveTheSurfaceWhole) {
     }
 }
 
-TEST(RemovedRows, ASomaOfThreePointsKeepsItsVolume) {
+TEST(RemovedRows, SomaOfThreePointsPreservesItsVolume) {
     const QuadSurface made = mesh_skeleton(zoo_skeleton("soma_of_three_points")).quads();
     EXPECT_GT(made.repair.tube_rows, 0u);
     EXPECT_EQ(crossings(made.mesh), 0u);
@@ -153,7 +153,7 @@ Skeleton two_forks(float reach, float radius, float gap) {
                     {0.3f, 0.3f, 0.25f, radius, radius, 0.2f});
 }
 
-TEST(RemovedRows, BranchesThatForksSeverAreRemeshed) {
+TEST(RemovedRows, SeveredBranchesAreRemeshed) {
     const auto severed = [](const Skeleton& skeleton, int rounds) {
         MeshOptions options;
         options.remesh_rounds = rounds;
@@ -175,13 +175,13 @@ TEST(RemovedRows, BranchesThatForksSeverAreRemeshed) {
     EXPECT_GT(before, 3u);
 }
 
-TEST(RemovedRows, RowsThatSeverAreCounted) {
+TEST(RemovedRows, SeveredRowsAreCounted) {
     const Skeleton forks = two_forks(0.5f, 0.05f, 0.3f);
     EXPECT_GT(mesh_skeleton(forks).quads().repair.severed, 0u);
     EXPECT_EQ(mesh_skeleton(random_tree(300, 2)).quads().repair.severed, 0u);
 }
 
-TEST(RemovedRows, ALoneNodeInTheWayOfABranchIsReplacedWhole) {
+TEST(RemovedRows, SingleNodeThatIntersectsABranchIsReplaced) {
     const NodeId none;
     const Skeleton s({none, none, NodeId(1), NodeId(2)}, {{0, 0, 0}, {0, 0, 0}, {0, 0, 0.4f}, {0, 0, 2}},
                      {0.2f, 0.2f, 0.2f, 0.2f});
@@ -190,7 +190,7 @@ TEST(RemovedRows, ALoneNodeInTheWayOfABranchIsReplacedWhole) {
     EXPECT_EQ(crossings(made.mesh), 0u);
 }
 
-TEST(RemovedRows, WhatIsThickBesideThreadsIsAllThere) {
+TEST(RemovedRows, PreserveThickPartsNextToThinThreads) {
     for (const Skeleton& s : {fat_end(), balls_with_threads()}) {
         const QuadSurface made = mesh_skeleton(s).quads();
         EXPECT_GT(made.repair.lost_bulges, 0u);
@@ -203,7 +203,7 @@ TEST(RemovedRows, WhatIsThickBesideThreadsIsAllThere) {
     }
 }
 
-TEST(RemovedRows, ALoopThatIsMergedIsAHandle) {
+TEST(RemovedRows, MergedLoopIsAHandle) {
     const Skeleton loop = noose();
     const QuadSurface merged = mesh_skeleton(loop, with(Overlaps::merge)).quads();
     EXPECT_EQ(crossings(merged.mesh), 0u);
@@ -216,7 +216,7 @@ TEST(RemovedRows, ALoopThatIsMergedIsAHandle) {
 }
 
 // Two limbs of one tree that cross, thick or thin, steep or slanting: no quads remain to be remeshed.
-TEST(RemovedRows, LimbsThatCrossMergeCleanly) {
+TEST(RemovedRows, IntersectingLimbsMergeWithoutRemeshing) {
     for (const float thin : {1.0f, 0.7f, 0.4f}) {
         for (const float slant : {0.0f, 0.5f, 0.9f}) {
             SCOPED_TRACE(thin);
@@ -278,7 +278,7 @@ TEST(RemovedRows, MergingIsNeverWorseThanGrafting) {
     EXPECT_LT(times_grafted, 8u);
 }
 
-TEST(RemovedRows, TreesThatCrossAreGraftedOrBentApartOrBecomeOneBody) {
+TEST(RemovedRows, IntersectingTreesAreGraftedBentApartOrMerged) {
     const Skeleton bars = crossed_bars();
     for (const Overlaps overlaps : {Overlaps::graft, Overlaps::apart, Overlaps::merge}) {
         const MeshResult made = mesh_skeleton(bars, with(overlaps));
@@ -292,7 +292,7 @@ TEST(RemovedRows, TreesThatCrossAreGraftedOrBentApartOrBecomeOneBody) {
     EXPECT_EQ(topology(mesh_skeleton(bars, with(Overlaps::keep)).quads().mesh).components, 2u);
 }
 
-TEST(RemovedRows, SameBitsForAnyNumberOfThreads) {
+TEST(RemovedRows, AreBitIdenticalForAnyNumberOfThreads) {
     const Skeleton hard = random_tree(300, 5, true);
     const QuadMesh one = mesh_skeleton(hard, {}, {.threads = 1}).quads().mesh;
     const QuadMesh many = mesh_skeleton(hard, {}, {.threads = 7}).quads().mesh;

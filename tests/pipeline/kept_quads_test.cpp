@@ -31,7 +31,7 @@ std::size_t expect_all_found(const Skeleton& skeleton, float astray, const MeshO
     return found;
 }
 
-TEST(KeptQuads, FindTheCrossingsOfTheWholeMesh) {
+TEST(KeptQuads, FindTheSelfIntersectionsOfTheWholeMesh) {
     // The first is not remeshed; the others in few and in many places.
     EXPECT_GT(expect_all_found(random_tree(300, 1), 0.5f), 100u);
     EXPECT_GT(expect_all_found(random_tree(150, 2, true), 0.5f), 100u);

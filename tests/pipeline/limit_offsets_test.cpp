@@ -30,14 +30,14 @@ struct Moved {
     }
 };
 
-TEST(LimitOffsets, LeavesWhatHarmsNobody) {
+TEST(LimitOffsets, PreservesHarmlessOffsets) {
     const Moved m(
         both(cube(), box({3, -1, -1}, {5, 1, 1})), [](Vec3 p) { return p.x < 2 ? 0.5f : -0.5f; }, 4);
     EXPECT_EQ(m.result.rounds, 0u);
     for (const float o : m.offsets) EXPECT_EQ(std::fabs(o), 0.5f);
 }
 
-TEST(LimitOffsets, TakesBackWhatWouldCross) {
+TEST(LimitOffsets, ReducesOffsetsThatCauseIntersections) {
     // Boxes that are 0.1 apart and move 0.08 towards each other: half of that is less than half the gap.
     const PolygonMesh two = both(box({-1, -1, -1}, {1, 1, 1}), box({1.1f, -0.9f, -0.9f}, {3, 0.9f, 0.9f}));
     const auto together = [](Vec3 p) { return p.x < 1.05f ? 0.08f : -0.08f; };
@@ -55,7 +55,7 @@ TEST(LimitOffsets, TakesBackWhatWouldCross) {
     }
 }
 
-TEST(LimitOffsets, TakesBackFolds) {
+TEST(LimitOffsets, ReducesOffsetsThatCauseFolds) {
     // The near side of a box passes through the far one: faces between them are inverted.
     const Moved m(
         box({0, 0, 0}, {1, 1, 1}), [](Vec3 p) { return p.x < 0.5f ? 1.5f : 0.0f; }, 4);
@@ -67,7 +67,7 @@ TEST(LimitOffsets, TakesBackFolds) {
     }
 }
 
-TEST(LimitOffsets, DoesNotMindWhatCrossedBefore) {
+TEST(LimitOffsets, IgnoresExistingIntersections) {
     const PolygonMesh two = both(cube(), box({0.5f, 0.5f, 0.5f}, {1.5f, 1.5f, 1.5f}));
     const Moved m(
         two, [](Vec3) { return 0.25f; }, 4);

@@ -22,7 +22,7 @@ MeshOptions by(MeshMethod method) {
     return options;
 }
 
-TEST(MeshSkeleton, HoldsTheSurfaceOfItsMethodAndNoOther) {
+TEST(MeshSkeleton, HasTheSurfaceOfItsMethodOnly) {
     const Skeleton bar = cone({0, 0, 2}, 0.3f, 0.2f);
     const MeshResult quads = mesh_skeleton(bar, by(MeshMethod::quads));
     EXPECT_EQ(quads.surface.index(), static_cast<std::size_t>(MeshMethod::quads));
@@ -37,7 +37,7 @@ TEST(MeshSkeleton, HoldsTheSurfaceOfItsMethodAndNoOther) {
 }
 
 // Hundreds of spokes from one node; those of a brush, each from a separate node, are accepted.
-TEST(MeshSkeleton, RefusesHundredsOfBranchesAtOneNode) {
+TEST(MeshSkeleton, RejectsHundredsOfBranchesAtOneNode) {
     constexpr std::uint32_t kSpokes = 300;
     std::vector<NodeId> parent{NodeId::none()};
     std::vector<Vec3> position{{0, 0, 1}};
@@ -56,7 +56,7 @@ TEST(MeshSkeleton, RefusesHundredsOfBranchesAtOneNode) {
     EXPECT_FALSE(mesh_skeleton(star, by(MeshMethod::cylinders)).cylinders().mesh.positions.empty());
 }
 
-TEST(MeshSkeleton, RamificationsAreQuadsThatSayHowTheyWereJoined) {
+TEST(MeshSkeleton, RamificationsAreQuadsWithAReport) {
     const Skeleton fork({NodeId::none(), NodeId(0), NodeId(1), NodeId(1)},
                         {{0, 0, 0}, {0, 0, 2}, {0, 0, 4}, {2, 0, 3}}, {0.3f, 0.3f, 0.25f, 0.1f});
     const MeshResult made = mesh_skeleton(fork, by(MeshMethod::ramifications));
@@ -70,7 +70,7 @@ TEST(MeshSkeleton, RamificationsAreQuadsThatSayHowTheyWereJoined) {
     EXPECT_TRUE(said.starts_with("mesh: levels must be at least 1 for ramifications")) << said;
 }
 
-TEST(MeshSkeleton, RamificationsNeverCross) {
+TEST(MeshSkeleton, RamificationsHaveNoSelfIntersections) {
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
         const QuadSurface made =
             mesh_skeleton(random_tree(300, seed, true), by(MeshMethod::ramifications)).quads();
@@ -82,7 +82,7 @@ TEST(MeshSkeleton, RamificationsNeverCross) {
     }
 }
 
-TEST(MeshSkeleton, MetaballsBulgeAsMuchAsIsAllowed) {
+TEST(MeshSkeleton, MetaballsBulgeUpToTheOption) {
     const Skeleton bar = cone({0, 0, 4}, 0.2f, 0.2f);
     MeshOptions options = by(MeshMethod::bmesh);
     options.levels = 4;
@@ -103,7 +103,7 @@ TEST(MeshSkeleton, MetaballsBulgeAsMuchAsIsAllowed) {
     EXPECT_FALSE(mesh_skeleton(bar).quads().balls);
 }
 
-TEST(MeshSkeleton, MetaballsAreSummedWhateverTheBlend) {
+TEST(MeshSkeleton, MetaballsIgnoreTheBlend) {
     MeshOptions options = by(MeshMethod::bmesh), same;
     same.field.kernel = Kernel::balls;
     same.field.blend = 1;
@@ -123,7 +123,7 @@ TEST(MeshSkeleton, CylindersAreTubes) {
 }
 
 // With a flat base, the cone is a hundred times as wide as high: less than the cells of the lattice.
-TEST(MeshSkeleton, RefusesASurfaceThinnerThanTheTetrahedra) {
+TEST(MeshSkeleton, RejectsASurfaceThinnerThanTheTetrahedra) {
     const Skeleton wide = cone({0, 0, 1}, 100, 0.001f);
     MeshOptions options = by(MeshMethod::tetrahedra);
     const std::string said = test::error_of([&] { mesh_skeleton(wide, options); });

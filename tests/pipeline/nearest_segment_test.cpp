@@ -9,7 +9,7 @@
 namespace coppice::pipeline_internal {
 namespace {
 
-TEST(NearestSegment, FindsTheSurfaceThatAPointLiesOnWhateverTheHint) {
+TEST(NearestSegment, FindsTheSegmentOfASurfacePointForAnyHint) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         SCOPED_TRACE(name);
         const CapsuleTree capsules(skeleton, skeleton.origin());
@@ -29,7 +29,7 @@ TEST(NearestSegment, FindsTheSurfaceThatAPointLiesOnWhateverTheHint) {
     }
 }
 
-TEST(NearestSegment, OfNothingIsNone) {
+TEST(NearestSegment, ReturnsNoneWithoutSegments) {
     const Skeleton ball({NodeId::none()}, {{0, 0, 0}}, {1});
     const CapsuleTree capsules(ball, {});
     EXPECT_EQ(NearestSegment(ball, capsules)({0, 0, 1}, kNoIndex), kNoIndex);

@@ -65,7 +65,7 @@ Skeleton axes(std::initializer_list<float> places) {
 
 std::size_t crossings(const PolygonMesh& m) { return crossing_faces(SurfaceTree(m), 1'000'000).pairs.size(); }
 
-TEST(RestoreOffsets, BringsBumpsBack) {
+TEST(RestoreOffsets, ReproduceBumps) {
     QuadMesh mesh = plain_tube();
     const RestoreResult result = restore_offsets(mesh, tube_of(200, 300, bumpy), axes({0}));
     // The mean of |sin| is 2 / pi, and sines of different variables are independent.
@@ -85,7 +85,7 @@ TEST(RestoreOffsets, BringsBumpsBack) {
     for (const Vec3 p : tube_of(90, 110, bumpy).positions) ASSERT_LT(surface.distance(Vec3d(p)), 0.03);
 }
 
-TEST(RestoreOffsets, LeavesAllAsItIsWithoutAnOriginalNearby) {
+TEST(RestoreOffsets, AreZeroWithoutANearbyOriginal) {
     const QuadMesh before = plain_tube();
     const PolygonMesh bumps = tube_of(60, 60, bumpy);
     for (const PolygonMesh& original : {PolygonMesh{}, tube_of(60, 60, bumpy, 50)}) {
@@ -105,7 +105,7 @@ TEST(RestoreOffsets, LeavesAllAsItIsWithoutAnOriginalNearby) {
     EXPECT_EQ(restore_offsets(nothing, bumps, axes({0})).report, RestoreReport{});
 }
 
-TEST(RestoreOffsets, TakesTheNearestFaceThatLooksTheSameWay) {
+TEST(RestoreOffsets, UseTheNearestFaceWithTheSameOrientation) {
     const auto wide = [](float, float) { return 1.3f; };
     const auto inner = [](float, float) { return 0.95f; };
     QuadMesh mesh = plain_tube();
@@ -116,7 +116,7 @@ TEST(RestoreOffsets, TakesTheNearestFaceThatLooksTheSameWay) {
     EXPECT_NEAR(restore_offsets(mesh, layers, axes({0})).report.offset.p50, -0.05, 1e-3);
 }
 
-TEST(RestoreOffsets, TurnsOriginalsThatLookInward) {
+TEST(RestoreOffsets, ReverseInwardOriginals) {
     QuadMesh wanted = plain_tube();
     const PolygonMesh bumps = tube_of(200, 300, bumpy);
     EXPECT_FALSE(restore_offsets(wanted, bumps, axes({0})).report.turned);
@@ -140,7 +140,7 @@ TEST(RestoreOffsets, TurnsOriginalsThatLookInward) {
     }
 }
 
-TEST(RestoreOffsets, FadeWhereThereIsNoOriginal) {
+TEST(RestoreOffsets, DecreaseToZeroWithoutAnOriginal) {
     // The original covers the lower half.
     PolygonMesh half;
     const PolygonMesh whole = tube_of(kSides, kRings, [](float, float) { return 1.2f; });
@@ -163,7 +163,7 @@ TEST(RestoreOffsets, FadeWhereThereIsNoOriginal) {
     }
 }
 
-TEST(RestoreOffsets, MakeNoNewCrossings) {
+TEST(RestoreOffsets, AddNoSelfIntersections) {
     // Two tubes at a distance of 0.2 with originals that intersect each other.
     const auto wide = [](float t, float z) { return 1.2f + 0.05f * std::sin(5 * t) * std::sin(3 * z); };
     const PolygonMesh original = both(tube_of(kSides, kRings, wide), tube_of(kSides, kRings, wide, 2.2f));
@@ -177,7 +177,7 @@ TEST(RestoreOffsets, MakeNoNewCrossings) {
     EXPECT_LT(report.distance_after.mean, report.distance_before.mean / 3);
 }
 
-TEST(RestoreOffsets, KeepCrossingsThatWereThere) {
+TEST(RestoreOffsets, PreserveExistingSelfIntersections) {
     QuadMesh mesh = quads_of(both(tube_of(kSides, kRings, plain), tube_of(kSides, kRings, plain, 1.5f)));
     const std::size_t before = crossings(to_polygons(mesh));
     ASSERT_GT(before, 0u);
@@ -186,7 +186,7 @@ TEST(RestoreOffsets, KeepCrossingsThatWereThere) {
     EXPECT_LT(report.distance_after.p50, report.distance_before.p50);
 }
 
-TEST(RestoreOffsets, FoldNothingOverSteps) {
+TEST(RestoreOffsets, AddNoFoldsOverSteps) {
     const auto steps = [](float t, float z) {
         return 1 + 0.35f * std::tanh(20 * std::sin(7 * t)) * std::tanh(20 * std::sin(9 * z));
     };
@@ -197,7 +197,7 @@ TEST(RestoreOffsets, FoldNothingOverSteps) {
     EXPECT_LT(report.distance_after.mean, report.distance_before.mean / 4);
 }
 
-TEST(RestoreOffsets, DoNotDependOnOrigins) {
+TEST(RestoreOffsets, AreIndependentOfOrigins) {
     PolygonMesh original = tube_of(200, 300, bumpy);
     QuadMesh mesh = plain_tube();
     const RestoreResult expected = restore_offsets(mesh, original, axes({0}));
@@ -210,7 +210,7 @@ TEST(RestoreOffsets, DoNotDependOnOrigins) {
         ASSERT_NEAR(result.offsets[v], expected.offsets[v], 1e-3) << v;
 }
 
-TEST(RestoreOffsets, HaveTheSameBitsForAnyNumberOfThreads) {
+TEST(RestoreOffsets, AreBitIdenticalForAnyNumberOfThreads) {
     const auto run = [](unsigned threads) {
         QuadMesh mesh = quads_of(tube_of(160, 120, plain));
         Context ctx;
@@ -227,7 +227,7 @@ TEST(RestoreOffsets, HaveTheSameBitsForAnyNumberOfThreads) {
     }
 }
 
-TEST(RestoreOffsets, RefuseBadInput) {
+TEST(RestoreOffsets, RejectInvalidInput) {
     QuadMesh mesh = plain_tube();
     const PolygonMesh original = tube_of(60, 60, bumpy);
     EXPECT_EQ(error_of([&] { restore_offsets(mesh, original, axes({0}), {.reach = 0}); }),

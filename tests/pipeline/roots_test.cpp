@@ -33,7 +33,7 @@ Skeleton fork_at_root(float degrees, float ratio) {
                     {0.1f, 0.1f, 0.1f, thin, thin});
 }
 
-TEST(Roots, OfTwoBranchesHaveTheirJoint) {
+TEST(Roots, WithTwoBranchesHaveTheirVolume) {
     for (const float degrees : {20.0f, 40.0f, 60.0f, 80.0f, 100.0f, 120.0f, 150.0f, 180.0f}) {
         for (const float ratio : {1.0f, 0.8f, 0.6f, 0.4f, 0.25f}) {
             SCOPED_TRACE(std::to_string(degrees) + " degrees, ratio " + std::to_string(ratio));
@@ -60,7 +60,7 @@ Skeleton ball(const std::vector<Vec3>& directions) {
     return Skeleton(parent, position, radius);
 }
 
-TEST(Roots, AreBallsWhereTheyAreMuchThickerThanWhatLeavesThem) {
+TEST(Roots, MuchThickerThanTheirBranchesAreBalls) {
     const std::vector<std::vector<Vec3>> cases{
         {{1, 0, 0}, {-1, 0, 0}},
         {{1, 0, 0}, {0, 1, 0}},
@@ -81,7 +81,7 @@ TEST(Roots, AreBallsWhereTheyAreMuchThickerThanWhatLeavesThem) {
     }
 }
 
-TEST(Roots, OfSeveralBranchesAreClosedByEveryMethod) {
+TEST(Roots, WithSeveralBranchesAreClosedByEveryMethod) {
     MeshOptions options;
     for (const MeshMethod method : {MeshMethod::quads, MeshMethod::ramifications, MeshMethod::tetrahedra}) {
         options.method = method;

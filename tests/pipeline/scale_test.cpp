@@ -41,7 +41,7 @@ QuadSurface surface_of(const Skeleton& skeleton, const MeshOptions& options = {}
     return mesh_skeleton(skeleton, options).quads();
 }
 
-TEST(Scale, PowersOfTwoGiveTheSameBitsScaled) {
+TEST(Scale, PowersOfTwoScaleTheSurfaceExactly) {
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
         for (const Vec3d base : {Vec3d{}, Vec3d{1e5, 2e4, -3e5}}) {
             const std::vector<RawNode> nodes = random_nodes(seed, base);
@@ -64,7 +64,7 @@ TEST(Scale, PowersOfTwoGiveTheSameBitsScaled) {
 
 // Coordinates times a power of ten are rounded. Where faces cross they are remeshed on a lattice, on which
 // the smallest difference may change the faces, so remeshing is disabled here.
-TEST(Scale, PowersOfTenGiveTheSameFacesUpToRounding) {
+TEST(Scale, PowersOfTenPreserveTheFacesUpToRounding) {
     MeshOptions options;
     options.remesh_rounds = 0;
     int seeds_apart = 0;
@@ -89,7 +89,7 @@ TEST(Scale, PowersOfTenGiveTheSameFacesUpToRounding) {
 }
 
 // Radii far below the resolution of floats at these positions.
-TEST(Scale, NodesThatFloatsCannotTellApartGiveASurface) {
+TEST(Scale, NodesBeyondFloatPrecisionHaveAWatertightSurface) {
     for (std::uint64_t seed = 1; seed <= 100; ++seed) {
         std::vector<NodeId> parent;
         std::vector<Vec3> position;

@@ -56,7 +56,7 @@ float max_distance(std::span<const Vec3> a, std::span<const Vec3> b) {
     return most;
 }
 
-TEST(SkinnedMesh, AtRestIsTheSurfaceToTheBit) {
+TEST(SkinnedMesh, RestPoseIsBitIdenticalToTheSurface) {
     const Skeleton s = random_tree(120, 4);
     SkinnedMesh mesh(s);
     EXPECT_EQ(mesh.deform(rest_pose(s)).positions, mesh_skeleton(s).quads().mesh.positions);
@@ -83,7 +83,7 @@ TEST(SkinnedMesh, MovesWholeTreesRigidly) {
     }
 }
 
-TEST(SkinnedMesh, LiesOnTheFieldOfThePose) {
+TEST(SkinnedMesh, MatchesTheFieldOfThePose) {
     // A branch far from its joint has the same surface as a new one built there.
     const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(2), NodeId(1), NodeId(4)},
                      {{0, 0, 0}, {0, 0, 2}, {0, 0, 4}, {0, 0, 6}, {2, 0, 3}, {4, 0, 4}},
@@ -109,7 +109,7 @@ TEST(SkinnedMesh, LiesOnTheFieldOfThePose) {
     EXPECT_NEAR(sum / static_cast<double>(count), 0.15, 0.002);
 }
 
-TEST(SkinnedMesh, GivesTheSameBitsForAnyNumberOfThreads) {
+TEST(SkinnedMesh, IsBitIdenticalForAnyNumberOfThreads) {
     const Skeleton s = random_tree(200, 5);
     const Pose pose = Wind(s, {.speed = 15, .flexibility = 10}, 8, 10).swayed(rest_pose(s), 2);
     Buffer<Vec3> first;
@@ -133,7 +133,7 @@ TEST(SkinnedMesh, ScalesWithTheRadii) {
     EXPECT_NEAR(widest, 0.4f, 0.01f);
 }
 
-TEST(SkinnedMesh, RefusesOtherMethods) {
+TEST(SkinnedMesh, RejectsOtherMethods) {
     const Skeleton s = random_tree(20, 1);
     EXPECT_THROW(SkinnedMesh(s, {.method = MeshMethod::cylinders}), InvalidInput);
     MeshOptions global;
@@ -141,7 +141,7 @@ TEST(SkinnedMesh, RefusesOtherMethods) {
     EXPECT_THROW(SkinnedMesh(s, global), InvalidInput);
 }
 
-TEST(ValidFrames, AreNeverFoldedNorCross) {
+TEST(ValidFrames, HaveNoFoldsOrSelfIntersections) {
     const Skeleton s = random_tree(150, 6);
     SkinnedMesh mesh(s);
     const QuadMesh& rest = mesh.made().quads().mesh;
@@ -160,7 +160,7 @@ TEST(ValidFrames, AreNeverFoldedNorCross) {
     EXPECT_GT(frozen, 0) << "the wind is too weak for this test";
 }
 
-TEST(ValidFrames, HoldTheBranchThatWouldCrossAnotherAndNoOther) {
+TEST(ValidFrames, FreezeOnlyTheBranchThatWouldIntersect) {
     // Two parallel branches; one is rotated through the other; a distant third one moves freely.
     const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(1), NodeId(1), NodeId(4)},
                      {{0, 0, 0}, {0, 0, 3}, {3, 0.6f, 4}, {3, -0.6f, 4}, {0, 0, 5}, {-3, 0, 6}},
@@ -182,7 +182,7 @@ TEST(ValidFrames, HoldTheBranchThatWouldCrossAnotherAndNoOther) {
     EXPECT_EQ(crossings(with_positions(mesh, frame.positions)), 0u);
 }
 
-TEST(ValidFrames, GoOnWhereThePoseIsSoundAgain) {
+TEST(ValidFrames, ContinueWhenThePoseIsSoundAgain) {
     const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(1)},
                      {{0, 0, 0}, {0, 0, 3}, {3, 0.6f, 4}, {3, -0.6f, 4}}, {0.3f, 0.25f, 0.1f, 0.1f});
     SkinnedMesh mesh(s);

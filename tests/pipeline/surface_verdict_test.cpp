@@ -23,7 +23,7 @@ Skeleton with_another() {
                     {0.3f, 0.3f, 0.2f, 0.15f, 0.2f, 0.15f});
 }
 
-TEST(JudgeSurface, FindsNothingWrongWithATrueSurface) {
+TEST(JudgeSurface, AcceptsAnExactSurface) {
     for (const MeshMethod method : {MeshMethod::quads, MeshMethod::tetrahedra, MeshMethod::ramifications}) {
         const auto verdict = judge_surface(mesh_skeleton(fork(), {.method = method}), fork(), {});
         ASSERT_TRUE(verdict);
@@ -38,7 +38,7 @@ TEST(JudgeSurface, FindsNothingWrongWithATrueSurface) {
     }
 }
 
-TEST(JudgeSurface, SeesBranchesThatWereLeftOut) {
+TEST(JudgeSurface, ReportsMissingBranches) {
     const auto verdict = judge_surface(mesh_skeleton(fork()), with_another(), {});
     EXPECT_FALSE(verdict->is_good());
     EXPECT_FALSE(verdict->holds_volume());
@@ -47,14 +47,14 @@ TEST(JudgeSurface, SeesBranchesThatWereLeftOut) {
     EXPECT_EQ(verdict->axes.short_tips, 2u);
 }
 
-TEST(JudgeSurface, TakesTheVolumeThatWasFitted) {
+TEST(JudgeSurface, UsesTheFittedVolume) {
     const MeshResult fitted = mesh_skeleton(fork(), {.fit = Fit::volume});
     const auto verdict = judge_surface(fitted, fork(), {});
     EXPECT_EQ(verdict->volume->mesh, fitted.fitted->after);
     EXPECT_TRUE(verdict->is_good());
 }
 
-TEST(JudgeSurface, LeavesOutTheVolumeOfAnOpenSurface) {
+TEST(JudgeSurface, OmitsTheVolumeOfAnOpenSurface) {
     MeshOptions options;
     options.control.base = BaseShape::open;
     const auto verdict = judge_surface(mesh_skeleton(fork(), options), fork(), options.control);
@@ -62,11 +62,11 @@ TEST(JudgeSurface, LeavesOutTheVolumeOfAnOpenSurface) {
     EXPECT_TRUE(verdict->is_good());
 }
 
-TEST(JudgeSurface, DoesNotJudgeCylinders) {
+TEST(JudgeSurface, ReturnsNothingForCylinders) {
     EXPECT_FALSE(judge_surface(mesh_skeleton(fork(), {.method = MeshMethod::cylinders}), fork(), {}));
 }
 
-TEST(JudgeSurface, SameBitsForAnyNumberOfThreads) {
+TEST(JudgeSurface, IsBitIdenticalForAnyNumberOfThreads) {
     const MeshResult made = mesh_skeleton(with_another());
     const auto one = judge_surface(made, with_another(), {}, {.threads = 1});
     const auto many = judge_surface(made, with_another(), {}, {.threads = 7});

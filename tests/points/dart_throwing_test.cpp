@@ -25,7 +25,7 @@ PointRegion rod(Vec3 high, std::vector<DensityCurve::Knot> curve) {
     return {FieldRef(kRamp), {{0, 0, 0}, high}, DensityCurve(std::move(curve))};
 }
 
-TEST(Lane, DensitiesHoldWithinCells) {
+TEST(Lane, DensitiesAreExactWithinCells) {
     // Density x over [0, 1]: the share below x is x^2. 8 cells, 20 bins: the result does not depend on the
     // cells.
     const auto set =
@@ -37,7 +37,7 @@ TEST(Lane, DensitiesHoldWithinCells) {
     EXPECT_LT(chi_square(seen, expected), 43.8);  // 19 degrees of freedom, 0.1 %
 }
 
-TEST(Lane, TheSecondOfTwoPointsLiesWhereTheFirstLeavesRoom) {
+TEST(Lane, SecondPointFollowsTheRemainingDensity) {
     // On a line of length 1 with a minimum distance of 1/2, the second point has the density log(1 / (2 x))
     // for x below 1/2: the share below x is x (1 + log(1 / (2 x))); above 1/2 it is the mirror image.
     constexpr int kRuns = 4000;
@@ -58,7 +58,7 @@ TEST(Lane, TheSecondOfTwoPointsLiesWhereTheFirstLeavesRoom) {
     EXPECT_LT(chi_square(seen, expected), 27.9);  // 9 degrees of freedom, 0.1 %
 }
 
-TEST(Lane, KernelsRaiseTheDensityOfCells) {
+TEST(Lane, KernelsIncreaseTheDensityOfCells) {
     // Eight cells in a row; those with centres within 1.2 of the first point count three times.
     constexpr int kRuns = 4000;
     const PointRegion row = rod({8, 1, 1}, {{0, 1}, {8, 1}});
@@ -86,7 +86,7 @@ TEST(Lane, KernelsRaiseTheDensityOfCells) {
     EXPECT_LT(std::abs(raised_seen - raised_expected), 3.3 * std::sqrt(variance));
 }
 
-TEST(Lane, NoTwoPointsAreNearerThanTheCore) {
+TEST(Lane, PointsRespectTheMinimumDistance) {
     for (const float r : {0.3f, 0.1f, 0.07f}) {
         for (const RadialKernel& kernel : {RadialKernel::disk(r), RadialKernel::clustered(r, 4 * r, 8)}) {
             const auto result = sample_dart_throwing(ball(), kernel, {.count = 3000, .seed = 7});
@@ -97,7 +97,7 @@ TEST(Lane, NoTwoPointsAreNearerThanTheCore) {
     }
 }
 
-TEST(Lane, FillsUntilNoPlaceIsLeft) {
+TEST(Lane, FillsTheWholeRegion) {
     const float r = 0.25f;
     const auto result = sample_dart_throwing(ball(), RadialKernel::disk(r), {.count = 0});
     EXPECT_EQ(result.stop, PointStop::full);
@@ -128,7 +128,7 @@ TEST(Lane, ThinShellsAreFilledOnBothSides) {
     }
 }
 
-TEST(Lane, ExistingPointsKeepTheirDistance) {
+TEST(Lane, ExistingPointsRespectTheMinimumDistance) {
     PointSet old = sample_dart_throwing(ball(), RadialKernel::disk(0.2f), {.count = 100}).points;
     for (Vec3& p : old.positions) p.x -= 1024;
     old.origin = {1024, 0, 0};
@@ -146,7 +146,7 @@ TEST(Lane, ExistingPointsKeepTheirDistance) {
     EXPECT_EQ(sample_dart_throwing(ball(), RadialKernel::disk(0.3f), heap, {.count = 50}).points.size(), 50u);
 }
 
-TEST(Lane, GivesTheSameBitsForAnyNumberOfThreadsAndOthersForOtherSeeds) {
+TEST(Lane, IsBitIdenticalForAnyNumberOfThreadsAndDependsOnTheSeed) {
     const RadialKernel kernel = RadialKernel::clustered(0.05f, 0.2f, 3);
     const DartThrowingOptions options{.count = 4000, .seed = 3};
     const auto one = sample_dart_throwing(ball(), kernel, options, {.threads = 1}).points;
@@ -159,7 +159,7 @@ TEST(Lane, GivesTheSameBitsForAnyNumberOfThreadsAndOthersForOtherSeeds) {
               full);
 }
 
-TEST(Lane, RefusesInOneSentence) {
+TEST(Lane, RejectsInvalidInput) {
     const auto said = [](const PointRegion& region, const RadialKernel& kernel,
                          const DartThrowingOptions& options) {
         return error_of([&] { sample_dart_throwing(region, kernel, options); });
@@ -189,7 +189,7 @@ TEST(Lane, RefusesInOneSentence) {
     }
 }
 
-TEST(Lane, StopsWhenAsked) {
+TEST(Lane, StopsWhenCancelled) {
     std::stop_source source;
     source.request_stop();
     EXPECT_THROW(sample_dart_throwing(ball(), {}, {.count = 100000}, {.stop = source.get_token()}),
@@ -205,7 +205,7 @@ struct Broken {
     }
 };
 
-TEST(Lane, FieldsThatAreNoNumbersDoNotHang) {
+TEST(Lane, TerminatesForNonFiniteFields) {
     const Broken nan{std::nanf("")};
     const PointRegion region{FieldRef(nan), ball_box(), DensityCurve(PointDensity::uniform, 1)};
     const auto result = sample_dart_throwing(region, RadialKernel::disk(0.2f),

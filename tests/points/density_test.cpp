@@ -13,7 +13,7 @@ using points_support::error_of;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-TEST(DensityCurve, KindsAreWhatTheySay) {
+TEST(DensityCurve, KindsHaveTheirDefinition) {
     const DensityCurve uniform(PointDensity::uniform, 0.5f);
     EXPECT_EQ(uniform.at(0.5f), 0);
     EXPECT_EQ(uniform.at(0.51f), 1);
@@ -36,7 +36,7 @@ TEST(DensityCurve, KindsAreWhatTheySay) {
     EXPECT_EQ(inverse.shell_width(), 0);
 }
 
-TEST(DensityCurve, IsLinearBetweenKnotsAndStepsAtDoubleOnes) {
+TEST(DensityCurve, IsLinearBetweenKnotsWithStepsAtRepeatedOnes) {
     const DensityCurve curve({{0, 0}, {1, 2}, {1, 5}, {2, 1}});
     EXPECT_EQ(curve.at(-0.1f), 0);
     EXPECT_DOUBLE_EQ(curve.at(0.5f), 1);
@@ -46,7 +46,7 @@ TEST(DensityCurve, IsLinearBetweenKnotsAndStepsAtDoubleOnes) {
     EXPECT_EQ(curve.at(2.1f), 0);
 }
 
-TEST(DensityCurve, RangesHoldEveryValueInThem) {
+TEST(DensityCurve, RangesContainEveryValue) {
     const DensityCurve curves[] = {
         DensityCurve(PointDensity::uniform, 0.5f), DensityCurve(PointDensity::proportional, 0.5f, 0.1f, 3),
         DensityCurve(PointDensity::inverse, 0.5f), DensityCurve(PointDensity::inside_boundary, 0.5f, 0.2f),
@@ -69,7 +69,7 @@ TEST(DensityCurve, RangesHoldEveryValueInThem) {
     EXPECT_EQ(curves[0].over(kNan, 2).largest, 1);
 }
 
-TEST(DensityCurve, KnowsTheRangeOfValuesThatHaveADensity) {
+TEST(DensityCurve, ShellWidthIsTheRangeOfValuesWithADensity) {
     EXPECT_EQ(DensityCurve(PointDensity::uniform, 0.5f).shell_width(), 0);
     EXPECT_EQ(DensityCurve(PointDensity::outside_boundary, 0.5f, 0.125f).shell_width(), 0.125f);
     EXPECT_EQ(DensityCurve({{0.25f, 1}, {0.5f, 1}}).shell_width(), 0.25f);
@@ -77,7 +77,7 @@ TEST(DensityCurve, KnowsTheRangeOfValuesThatHaveADensity) {
     EXPECT_EQ(DensityCurve({{0, 0}, {1, 0}, {2, 1}, {3, 0}, {7, 0}}).shell_width(), 2);
 }
 
-TEST(DensityCurve, RefusesWhatIsNoDensity) {
+TEST(DensityCurve, RejectsInvalidDensities) {
     for (const float width : {0.0f, -1.0f, kNan, kInfinity}) {
         EXPECT_NE(error_of([&] { DensityCurve(PointDensity::inside_boundary, 1, width); }).find("width"),
                   std::string::npos);

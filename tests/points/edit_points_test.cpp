@@ -28,7 +28,7 @@ std::size_t count_inside(const PointSet& set) {
     return n;
 }
 
-TEST(Thinned, TakesExactlyTheShareInsideAndKeepsTheOrder) {
+TEST(Thinned, RemovesTheExactFractionInsideAndPreservesTheOrder) {
     const PointSet all = lattice();
     const std::size_t inside = count_inside(all);
     ASSERT_GT(inside, 200u);
@@ -45,7 +45,7 @@ TEST(Thinned, TakesExactlyTheShareInsideAndKeepsTheOrder) {
     }
 }
 
-TEST(Thinned, AChoiceDependsOnTheSeedAloneAndTheOriginCounts) {
+TEST(Thinned, DependsOnTheSeedAndRespectsTheOrigin) {
     PointSet all = lattice();
     const PointSet one = remove_random(all, FieldRef(kBall), {.seed = 1}, {.threads = 1});
     EXPECT_EQ(remove_random(all, FieldRef(kBall), {.seed = 1}, {.threads = 7}), one);
@@ -55,14 +55,14 @@ TEST(Thinned, AChoiceDependsOnTheSeedAloneAndTheOriginCounts) {
     EXPECT_TRUE(remove_random(PointSet{}, FieldRef(kBall)).empty());
 }
 
-TEST(Thinned, RefusesSharesThatAreNone) {
+TEST(Thinned, RejectsFractionsOutOfRange) {
     for (const float percent : {-1.0f, 101.0f, std::nanf("")}) {
         EXPECT_NE(error_of([&] { remove_random({}, FieldRef(kBall), {.percent = percent}); }).find("percent"),
                   std::string::npos);
     }
 }
 
-TEST(Densified, AddsBehindTheOldPointsAndKeepsAway) {
+TEST(Densified, AppendsPointsAtTheMinimumDistance) {
     const PointSet old = lattice();
     const PointRegion region{FieldRef(kBall), ball_box(), DensityCurve(PointDensity::uniform, 1)};
     const PointSet more = densified(old, region, RadialKernel::disk(0.12f), {.count = 300});

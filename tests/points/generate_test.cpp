@@ -23,7 +23,7 @@ constexpr std::array kPatterns{PointPattern::poisson_disk, PointPattern::cluster
 constexpr std::array kDensities{PointDensity::uniform, PointDensity::proportional, PointDensity::inverse,
                                 PointDensity::inside_boundary, PointDensity::outside_boundary};
 
-TEST(Generate, EveryPatternOfEveryDensityLiesWhereItShould) {
+TEST(Generate, EveryPatternOfEveryDensityIsInsideItsRegion) {
     for (const PointPattern pattern : kPatterns) {
         for (const PointDensity density : kDensities) {
             SCOPED_TRACE(std::string(name_of(pattern)) + " " + std::string(name_of(density)));
@@ -46,7 +46,7 @@ TEST(Generate, EveryPatternOfEveryDensityLiesWhereItShould) {
     }
 }
 
-TEST(Generate, GivesTheSameBitsForAnyNumberOfThreads) {
+TEST(Generate, IsBitIdenticalForAnyNumberOfThreads) {
     for (const PointPattern pattern : kPatterns) {
         const GenerateOptions options{.pattern = pattern, .count = 3000, .seed = 9};
         const auto one = generate(kField, ball_box(), options, {.threads = 1}).points;
@@ -58,7 +58,7 @@ TEST(Generate, GivesTheSameBitsForAnyNumberOfThreads) {
     }
 }
 
-TEST(Generate, UniformAndProportionalPointsFollowTheirLaw) {
+TEST(Generate, UniformAndProportionalPatternsFollowTheirDensity) {
     // Shares of ten shells of equal volume of the ball; the density there is 1, or 2 - r.
     constexpr std::size_t kShells = 10;
     for (const PointPattern pattern : {PointPattern::uniform, PointPattern::jittered}) {
@@ -104,7 +104,7 @@ std::vector<double> equal_shells(const DensityCurve& law, std::size_t shells) {
     return limits;
 }
 
-TEST(Generate, PointsThatKeepADistanceFollowEveryLawWithinFivePercent) {
+TEST(Generate, PatternsWithADistanceFollowTheirDensityWithinFivePercent) {
     constexpr std::size_t kShells = 10;
     constexpr int kCount = 12000;
     for (const PointDensity density : kDensities) {
@@ -134,7 +134,7 @@ TEST(Generate, PointsThatKeepADistanceFollowEveryLawWithinFivePercent) {
     }
 }
 
-TEST(Generate, ACurveOfTheCallerSelectsValues) {
+TEST(Generate, GivenCurveSelectsValues) {
     const PointRegion region{kField, ball_box(), DensityCurve({{1.5f, 1}, {1.75f, 1}})};
     for (const PointPattern pattern : kPatterns) {
         const PointSet points = generate(region, {.pattern = pattern, .count = 500}).points;
@@ -146,7 +146,7 @@ TEST(Generate, ACurveOfTheCallerSelectsValues) {
     }
 }
 
-TEST(Generate, PatternsDifferAsTheyShould) {
+TEST(Generate, PatternsHaveTheirDistancesAndSpectra) {
     const auto report = [](PointPattern pattern) {
         return quality(generate(kField, ball_box(), {.pattern = pattern, .count = 8000}).points);
     };
@@ -162,7 +162,7 @@ TEST(Generate, PatternsDifferAsTheyShould) {
     EXPECT_GT(clustered.low_power, 2);
 }
 
-TEST(Generate, ACountOfZeroFillsWithTheGivenDistance) {
+TEST(Generate, CountOfZeroFillsTheRegionWithTheGivenDistance) {
     const auto result = generate(kField, ball_box(), {.count = 0, .distance = 0.3f});
     EXPECT_EQ(result.stop, PointStop::full);
     EXPECT_EQ(result.distance, 0.3f);
@@ -171,7 +171,7 @@ TEST(Generate, ACountOfZeroFillsWithTheGivenDistance) {
     EXPECT_LT(result.points.size(), 200u);
 }
 
-TEST(Generate, RefusesInOneSentence) {
+TEST(Generate, RejectsInvalidInput) {
     const auto said = [](const GenerateOptions& o) {
         return error_of([&] { generate(kField, ball_box(), o); });
     };

@@ -34,7 +34,7 @@ double share_right(const PointSet& set) {
     return right / static_cast<double>(set.size());
 }
 
-TEST(NearMesh, OffsetsStayBetweenTheLimits) {
+TEST(NearMesh, OffsetsAreWithinTheirLimits) {
     for (const bool even : {false, true}) {
         const PointSet set = near_mesh(sheet(), {.count = 4000, .low = 0.1f, .high = 0.3f, .even = even});
         ASSERT_EQ(set.size(), 4000u);
@@ -50,7 +50,7 @@ TEST(NearMesh, OffsetsStayBetweenTheLimits) {
     for (const Vec3 p : below.positions) EXPECT_FLOAT_EQ(p.z, -0.2f);
 }
 
-TEST(NearMesh, FacesAreChosenByAreaOrEachAsOften) {
+TEST(NearMesh, FacesAreSelectedByAreaOrUniformly) {
     // A quarter of the area is right of x = 3, and 20 of 22 triangles with an area. Three standard
     // deviations.
     EXPECT_NEAR(share_right(near_mesh(sheet(), {.count = 20000})), 0.25, 0.0092);
@@ -77,7 +77,7 @@ TEST(NearMesh, NormalsAreInterpolated) {
     EXPECT_NEAR(nearest, 1 + 1 / std::sqrt(3.0), 0.01);
 }
 
-TEST(NearMesh, EvenSetsAreEven) {
+TEST(NearMesh, EvenPointsRespectADistance) {
     const PointSet even = near_mesh(sheet(), {.count = 1000, .low = 0, .high = 0, .even = true});
     const PointSet plain = near_mesh(sheet(), {.count = 1000, .low = 0, .high = 0});
     // The triangular lattice of 1000 points on 4 square metres has a distance of 0.068.
@@ -85,14 +85,14 @@ TEST(NearMesh, EvenSetsAreEven) {
     EXPECT_LT(min_distance(plain), 0.01);
 }
 
-TEST(NearMesh, GivesTheSameBitsForAnyNumberOfThreads) {
+TEST(NearMesh, IsBitIdenticalForAnyNumberOfThreads) {
     const NearMeshOptions options{.count = 10000, .even = true, .seed = 2};
     const PointSet one = near_mesh(sheet(), options, {.threads = 1});
     EXPECT_EQ(near_mesh(sheet(), options, {.threads = 7}), one);
     EXPECT_NE(near_mesh(sheet(), {.count = 10000, .even = true, .seed = 3}), one);
 }
 
-TEST(NearMesh, RefusesInOneSentence) {
+TEST(NearMesh, RejectsInvalidInput) {
     const auto said = [](const TriMesh& mesh, const NearMeshOptions& o) {
         return error_of([&] { near_mesh(mesh, o); });
     };

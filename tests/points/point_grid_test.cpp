@@ -24,7 +24,7 @@ std::vector<Vec3> random_points(std::size_t count, Vec3d size) {
 using Found = std::vector<std::pair<std::uint32_t, double>>;
 
 // A hash grid visits the same points in the same order: sums over neighbours are bit-identical.
-TEST(PointGrid, VisitsWhatAHashGridVisitsInTheSameOrder) {
+TEST(PointGrid, VisitsThePointsOfAHashGridInTheSameOrder) {
     constexpr double kEdge = 0.1;
     for (const Vec3d size :
          {Vec3d{1, 1, 1}, Vec3d{1, 1e-3, 1}, Vec3d{1e-3, 1e-3, 2}, Vec3d{1e-3, 1e-3, 1e-3}}) {
@@ -50,7 +50,7 @@ TEST(PointGrid, VisitsWhatAHashGridVisitsInTheSameOrder) {
     }
 }
 
-TEST(PointGrid, AVisitMayEndIt) {
+TEST(PointGrid, VisitorCanStopTheVisit) {
     const std::vector<Vec3> heap(100, Vec3{1, 2, 3});
     const PointGrid grid(heap, 1, {});
     int visits = 0;
@@ -59,7 +59,7 @@ TEST(PointGrid, AVisitMayEndIt) {
     EXPECT_TRUE(grid.visit({9, 9, 9}, 0.5, [](std::uint32_t, double) { return false; }));
 }
 
-TEST(PointGrid, MayBeEmpty) {
+TEST(PointGrid, AcceptsNoPoints) {
     const PointGrid grid({}, 1, {});
     EXPECT_EQ(grid.size(), 0u);
     EXPECT_TRUE(grid.visit({}, 1, [](std::uint32_t, double) { return false; }));

@@ -5,7 +5,7 @@
 namespace coppice {
 namespace {
 
-TEST(PointSet, MergedKeepsPlacesOrderAndTheFirstOrigin) {
+TEST(PointSet, MergedPreservesPositionsOrderAndTheFirstOrigin) {
     PointSet a, b;
     a.positions = {{1, 0, 0}};
     a.origin = {100, 0, 0};
@@ -21,7 +21,7 @@ TEST(PointSet, MergedKeepsPlacesOrderAndTheFirstOrigin) {
     EXPECT_EQ(merged(b, PointSet{}), b);
 }
 
-TEST(PointSet, BoundsHoldAllPoints) {
+TEST(PointSet, BoundsContainAllPoints) {
     PointSet set;
     EXPECT_TRUE(bounds(set).empty());
     set.positions = {{1, 2, 3}, {-1, 5, 3}};

@@ -77,12 +77,12 @@ TEST(Quality, ALatticeHasGapsAndNoLowFrequencies) {
     EXPECT_LT(quality(lattice(1), kCube).low_power, 0.3);
 }
 
-TEST(Quality, IsTheSameForAnyNumberOfThreads) {
+TEST(Quality, IsBitIdenticalForAnyNumberOfThreads) {
     const PointSet set = independent(5000);
     EXPECT_EQ(quality(set, {}, {.threads = 1}), quality(set, {}, {.threads = 7}));
 }
 
-TEST(Quality, SetsOfHardlyAnyPointsAndHeapsAreMeasured) {
+TEST(Quality, AcceptsFewAndCoincidentPoints) {
     EXPECT_EQ(quality({}).points, 0u);
     PointSet set;
     set.positions = {{1, 2, 3}};
@@ -99,7 +99,7 @@ TEST(Quality, SetsOfHardlyAnyPointsAndHeapsAreMeasured) {
     EXPECT_FALSE(quality_svg({}).empty());
 }
 
-TEST(Quality, ThePictureShowsBothCurves) {
+TEST(Quality, ImageContainsBothCurves) {
     const std::string svg = quality_svg(quality(independent(3000)));
     EXPECT_TRUE(svg.starts_with("<svg "));
     EXPECT_TRUE(svg.ends_with("</svg>\n"));
@@ -108,7 +108,7 @@ TEST(Quality, ThePictureShowsBothCurves) {
     EXPECT_EQ(svg.find("nan"), std::string::npos);
 }
 
-TEST(Quality, RefusesInOneSentence) {
+TEST(Quality, RejectsInvalidInput) {
     PointSet set = independent(10);
     EXPECT_NE(error_of([&] { quality(set, {.bins = 0}); }).find("bins"), std::string::npos);
     EXPECT_NE(error_of([&] { quality(set, {.range = std::nanf("")}); }).find("range"), std::string::npos);

@@ -11,7 +11,7 @@ namespace {
 
 using points_support::error_of;
 
-TEST(RadialKernel, DiskAndClusterAreWhatTheySay) {
+TEST(RadialKernel, DiskAndClusterHaveTheirDefinition) {
     EXPECT_EQ(RadialKernel().at(0), 1);
     EXPECT_EQ(RadialKernel().reach(), 0);
     const RadialKernel disk = RadialKernel::disk(2);
@@ -28,7 +28,7 @@ TEST(RadialKernel, DiskAndClusterAreWhatTheySay) {
     EXPECT_DOUBLE_EQ(cluster.at(99), 1);
 }
 
-TEST(RadialKernel, RefusesWhatIsNoKernel) {
+TEST(RadialKernel, RejectsInvalidKernels) {
     const float nan = std::numeric_limits<float>::quiet_NaN();
     for (const float d : {-1.0f, nan, std::numeric_limits<float>::infinity()}) {
         EXPECT_NE(error_of([&] { RadialKernel::disk(d); }).find("knot 1"), std::string::npos);

@@ -21,7 +21,7 @@ PointSet points_at(std::vector<Vec3> positions) {
     return set;
 }
 
-TEST(RemainingDensity, IsTheRegionsTimesTheKernelsOfAllPoints) {
+TEST(RemainingDensity, IsTheProductOfTheRegionAndAllKernels) {
     const RadialKernel kernel({{1, 3}, {2, 1}});
     const std::vector<Vec3> places{{4, 0, 0}, {5.5f, 0, 0}, {6.5f, 0, 0}, {9, 0, 0}, {9, 2, 0}, {-1, 0, 0}};
     const auto left = remaining_density(rod(), kernel, points_at({{5, 0, 0}, {8, 0, 0}}), places);
@@ -33,7 +33,7 @@ TEST(RemainingDensity, IsTheRegionsTimesTheKernelsOfAllPoints) {
     EXPECT_EQ(left[5], 0);
 }
 
-TEST(RemainingDensity, WithoutPointsOrKernelItIsTheRegions) {
+TEST(RemainingDensity, WithoutPointsOrKernelIsTheRegion) {
     const std::vector<Vec3> places{{1, 0, 0}, {2, 0, 0}};
     EXPECT_EQ(remaining_density(rod(), RadialKernel::disk(1), {}, places), (std::vector<double>{1, 2}));
     EXPECT_EQ(remaining_density(rod(), {}, points_at({{1, 0, 0}}), places), (std::vector<double>{1, 2}));
@@ -45,7 +45,7 @@ TEST(RemainingDensity, FactorsAreBounded) {
     EXPECT_NEAR(remaining_density(rod(), RadialKernel({{0.1f, 4}, {5, 4}}), heap, places, 50)[0], 100, 1e-6);
 }
 
-TEST(RemainingDensity, PointsLieWhereTheirOriginSays) {
+TEST(RemainingDensity, RespectsTheOriginOfPoints) {
     PointSet set = points_at({{-1, 0, 0}});
     set.origin = {6, 0, 0};
     const std::vector<Vec3> places{{5, 0, 0}, {7, 0, 0}};
@@ -53,7 +53,7 @@ TEST(RemainingDensity, PointsLieWhereTheirOriginSays) {
 }
 
 // The next point of Lane's method is never at a position without remaining density.
-TEST(RemainingDensity, PointsOfLanesMethodLieWhereThoseBeforeLeftRoom) {
+TEST(RemainingDensity, IsPositiveAtThePointsOfDartThrowing) {
     const RadialKernel kernel({{0.3f, 5}, {1, 1}});
     const auto set = sample_dart_throwing(rod(), kernel, {.count = 60}).points;
     for (std::size_t n : {1u, 10u, 30u, 59u}) {

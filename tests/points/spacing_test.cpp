@@ -16,7 +16,7 @@ TEST(MedianSpacing, IsTheDistanceToTheNearestOtherPoint) {
     EXPECT_EQ(median_spacing(one), 0);
 }
 
-TEST(WarningOfExtent, NamesAnAxisMoreThanFiftyTimesAsLong) {
+TEST(WarningOfExtent, ReportsAnAxisMoreThanFiftyTimesAsLong) {
     PointSet points;
     points.positions = {{0, 0, 0}, {1, 50, 0.5f}, {0, 1, 0}};
     EXPECT_EQ(warning_of_extent(points), std::nullopt);

@@ -16,7 +16,7 @@ Buffer<double> weights(std::size_t n) {
     return w;
 }
 
-TEST(SumPyramid, FindsTheItemOfEachShare) {
+TEST(SumPyramid, FindsTheItemOfEachFraction) {
     for (const std::size_t n : {1u, 7u, 8u, 9u, 64u, 65u, 1000u}) {
         Buffer<double> w = weights(n);
         w[n / 2] = 1;
@@ -45,7 +45,7 @@ TEST(SumPyramid, NeverFindsAnItemOfWeightZero) {
     EXPECT_EQ(SumPyramid(w, {}).find(std::nextafter(1.0, 0.0)), 37u);
 }
 
-TEST(SumPyramid, ChangesGiveWhatBuildingAnewGives) {
+TEST(SumPyramid, UpdateMatchesANewPyramid) {
     Buffer<double> w = weights(3000);
     SumPyramid pyramid(w, {});
     std::vector<std::uint32_t> changed{5, 5, 6, 2999, 17, 16, 512, 2048};
@@ -56,7 +56,7 @@ TEST(SumPyramid, ChangesGiveWhatBuildingAnewGives) {
     for (int k = 0; k < 1000; ++k) EXPECT_EQ(pyramid.find(k / 1000.0), anew.find(k / 1000.0));
 }
 
-TEST(SumPyramid, EmptyHasNoTotal) { EXPECT_EQ(SumPyramid(Buffer<double>{}, {}).total(), 0); }
+TEST(SumPyramid, EmptyHasTotalZero) { EXPECT_EQ(SumPyramid(Buffer<double>{}, {}).total(), 0); }
 
 }  // namespace
 }  // namespace coppice

@@ -33,7 +33,7 @@ std::string error_of(const auto& run) {
     return "no error";
 }
 
-TEST(WoodClasses, ListsAreRead) {
+TEST(WoodClasses, ParsesLists) {
     EXPECT_TRUE(parse_wood_classes("auto").automatic);
     EXPECT_TRUE(parse_wood_classes("all").classes.all());
     const WoodClasses some = parse_wood_classes("4,5,20-22,255");
@@ -45,7 +45,7 @@ TEST(WoodClasses, ListsAreRead) {
         EXPECT_THROW(parse_wood_classes(text), InvalidInput) << text;
 }
 
-TEST(WoodClasses, TheRuleLeavesGroundOut) {
+TEST(WoodClasses, RuleExcludesGround) {
     PointCloud points = plot(2, 1);
     points.classes[600] = 7;  // noise
     const ClassSelection out = keep_wood_classes(points, {});
@@ -62,7 +62,7 @@ TEST(WoodClasses, TheRuleLeavesGroundOut) {
     }
 }
 
-TEST(WoodClasses, TheRuleKeepsGroundThatStandsUp) {
+TEST(WoodClasses, RulePreservesGroundThatIsNotLow) {
     PointCloud points = plot(1, 2);  // a file that uses class 2 for wood
     const ClassSelection out = keep_wood_classes(points, {});
     EXPECT_EQ(out.count, 0u);
@@ -70,7 +70,7 @@ TEST(WoodClasses, TheRuleKeepsGroundThatStandsUp) {
     EXPECT_EQ(points.points.size(), 700u);
 }
 
-TEST(WoodClasses, TheRuleKeepsAllWhereLittleWouldBeLeft) {
+TEST(WoodClasses, RulePreservesAllIfLittleWouldRemain) {
     PointCloud points = plot(6, 6);
     points.classes[5] = 4;
     const ClassSelection out = keep_wood_classes(points, {});
@@ -82,7 +82,7 @@ TEST(WoodClasses, TheRuleKeepsAllWhereLittleWouldBeLeft) {
     EXPECT_EQ(keep_wood_classes(unknown, {}).count, 0u);
 }
 
-TEST(WoodClasses, ThoseThatAreAskedForStay) {
+TEST(WoodClasses, RequestedClassesRemain) {
     PointCloud points = plot(2, 5);
     const ClassSelection out = keep_wood_classes(points, parse_wood_classes("2"));
     EXPECT_EQ(out.left_out[5], 300u);

@@ -22,7 +22,7 @@ std::array<Vec3d, kCount> loop(Vec3d center, double radius, double from) {
     return out;
 }
 
-TEST(Objective, CosineDistanceIsZeroAlongAndTwoAgainst) {
+TEST(Objective, CosineDistanceIsZeroForEqualAndTwoForOppositeDirections) {
     EXPECT_DOUBLE_EQ(cosine_distance({2, 0, 0}, {5, 0, 0}), 0);
     EXPECT_DOUBLE_EQ(cosine_distance({2, 0, 0}, {0, 3, 0}), 1);
     EXPECT_DOUBLE_EQ(cosine_distance({2, 0, 0}, {-1, 0, 0}), 2);
@@ -36,7 +36,7 @@ TEST(Objective, CubesAreNotDistorted) {
     EXPECT_GT(unit_distortion(1, 0.4, 1), unit_distortion(1, 0.6, 1));
 }
 
-TEST(Objective, NeighboursRepelBelowOneDiameter) {
+TEST(Objective, ConnectionsRepelBelowOneDiameter) {
     EXPECT_DOUBLE_EQ(connection_distortion(0, 3, 2), 0);
     EXPECT_DOUBLE_EQ(connection_distortion(0, 0, 2), 4);
     EXPECT_GT(connection_distortion(0, -1, 2), 4);
@@ -44,7 +44,7 @@ TEST(Objective, NeighboursRepelBelowOneDiameter) {
     EXPECT_NEAR(connection_distortion(kPi / 4, 3, 2), 4 * (1 - std::sqrt(0.5)), 1e-15);
 }
 
-TEST(Objective, BestTurnUndoesAShiftOfTheNumbers) {
+TEST(Objective, BestTurnRevertsAShiftOfTheIndices) {
     const auto first = loop<8>({0, 0, 0}, 1, 0.1);
     for (std::uint32_t shift = 0; shift < 8; ++shift) {
         auto second = loop<8>({3, 1, 2}, 0.5, 0.2);
@@ -54,7 +54,7 @@ TEST(Objective, BestTurnUndoesAShiftOfTheNumbers) {
     }
 }
 
-TEST(Objective, PastesWeighDirectionsAndLengthsAlike) {
+TEST(Objective, PastesWeightDirectionsAndLengthsEqually) {
     const auto place = loop<8>({0, 0, 0}, 1, 0);
     EXPECT_NEAR(paste_distortion(place, place, 2), 0, 1e-15);
     // Eight lengths of 1, divided by the diameter 2, with weight 0.5; the directions from the centres are

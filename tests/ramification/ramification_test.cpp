@@ -47,7 +47,7 @@ Skeleton whorl(const std::vector<float>& angles, float radius = 0.04f) {
     return Skeleton(parents, positions, radii);
 }
 
-TEST(Ramification, WrapsTheZooInOneSpherePerTree) {
+TEST(Ramification, ZooHasOneSpherePerTree) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         SCOPED_TRACE(name);
         for (const bool additional : {false, true}) {
@@ -88,7 +88,7 @@ TEST(Ramification, JoinsFourToNineBranchesInAnyDirection) {
     }
 }
 
-TEST(Ramification, FindsPlaceForHundredsOfLateralsAtANode) {
+TEST(Ramification, PlacesHundredsOfLateralsAtANode) {
     std::vector<float> angles;
     for (int i = 0; i < 500; ++i) angles.push_back(0.7f * static_cast<float>(i));
     const Skeleton brush = whorl(angles);
@@ -103,7 +103,7 @@ TEST(Ramification, FindsPlaceForHundredsOfLateralsAtANode) {
 // The faces of the cube have the directions 0, 90, 180 and 270 degrees from the thickest lateral, here the
 // first of equals; a lateral with an exit within 10 degrees of an edge, or at an occupied face, is
 // additional.
-TEST(Ramification, ConnectsLateralsThatHaveAFaceToThemselves) {
+TEST(Ramification, ConnectsLateralsWithAFaceOfTheirOwn) {
     const auto additional = [](const std::vector<float>& degrees, bool printed = false) {
         std::vector<float> angles;
         for (const float d : degrees) angles.push_back(d * kPi / 180);
@@ -120,7 +120,7 @@ TEST(Ramification, ConnectsLateralsThatHaveAFaceToThemselves) {
 }
 
 // Two rows of eight sides are between units, rings and ends, and each ring is shared with its neighbour.
-TEST(Ramification, SaysOfWhichTubesQuadsAre) {
+TEST(Ramification, ReportsTheTubesOfQuads) {
     for (const bool additional : {false, true}) {
         const Skeleton tree = random_tree(200, 2);
         const RamificationMesh made = made_of(tree, {.all_additional = additional});
@@ -161,7 +161,7 @@ TEST(Ramification, SaysOfWhichTubesQuadsAre) {
     }
 }
 
-TEST(Ramification, LowersItsObjective) {
+TEST(Ramification, ReducesItsObjective) {
     for (std::uint32_t seed = 1; seed <= 5; ++seed) {
         const Skeleton tree = random_tree(300, seed);
         const RamificationReport r = made_of(tree).report;
@@ -179,7 +179,7 @@ TEST(Ramification, LowersItsObjective) {
 }
 
 // A lateral every millimetre: all units touch; none may grow without bound.
-TEST(Ramification, TakesABrush) {
+TEST(Ramification, AcceptsABrush) {
     constexpr std::uint32_t kLaterals = 20'000;
     std::vector<NodeId> parents{NodeId::none()};
     std::vector<Vec3> positions{{0, 0, 0}};
@@ -200,7 +200,7 @@ TEST(Ramification, TakesABrush) {
 }
 
 // Every branch starts at the middle of the length of the previous one.
-TEST(Ramification, TakesBranchesThatNestDeeply) {
+TEST(Ramification, AcceptsDeeplyNestedBranches) {
     constexpr std::uint32_t kDepth = 20'000;
     std::vector<NodeId> parents{NodeId::none(), NodeId(0), NodeId(1)};
     std::vector<Vec3> positions{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
@@ -221,7 +221,7 @@ TEST(Ramification, TakesBranchesThatNestDeeply) {
     expect_spheres(made.control, stairs);
 }
 
-TEST(Ramification, SameBitsForAnyNumberOfThreads) {
+TEST(Ramification, IsBitIdenticalForAnyNumberOfThreads) {
     const Skeleton tree = random_tree(500, 3);
     const RamificationMesh one = made_of(tree, {}, {}, {.threads = 1});
     const RamificationMesh many = made_of(tree, {}, {}, {.threads = 5});
@@ -230,7 +230,7 @@ TEST(Ramification, SameBitsForAnyNumberOfThreads) {
     EXPECT_TRUE(one.control.anchors == many.control.anchors);
 }
 
-TEST(Ramification, RefusesAnOpenBaseAndOptionsOutOfRange) {
+TEST(Ramification, RejectsAnOpenBaseAndOptionsOutOfRange) {
     const Skeleton tree = whorl({0});
     EXPECT_EQ(test::error_of([&] { made_of(tree, {}, {.base = BaseShape::open}); }),
               "mesh: ramifications make closed surfaces only; choose base flat or round");

@@ -16,7 +16,7 @@ std::vector<Triangle> tube(std::uint32_t n) {
     return out;
 }
 
-TEST(Boundary, OfATubeAreTwoLoopsInTheDirectionOfItsFaces) {
+TEST(Boundary, OfATubeHasTwoLoopsInTheDirectionOfItsFaces) {
     const Boundary b = compute_boundary(tube(5));
     EXPECT_TRUE(b.pinched.empty());
     ASSERT_EQ(b.loops.size(), 2u);
@@ -31,7 +31,7 @@ TEST(Boundary, OfAClosedSurfaceIsEmpty) {
     EXPECT_TRUE(b.pinched.empty());
 }
 
-TEST(Boundary, LeavesOutLoopsThatTouchAndNamesTheVertex) {
+TEST(Boundary, ExcludesTouchingLoopsAndReportsTheVertex) {
     const std::vector<Triangle> bow{{0, 1, 2}, {2, 3, 4}, {5, 6, 7}};
     const Boundary b = compute_boundary(bow);
     EXPECT_EQ(b.pinched, (std::vector<std::uint32_t>{2}));
@@ -39,7 +39,7 @@ TEST(Boundary, LeavesOutLoopsThatTouchAndNamesTheVertex) {
     EXPECT_EQ(b.loops[0], (Loop{5, 6, 7}));
 }
 
-TEST(Boundary, LooksOnlyWhereItIsTold) {
+TEST(Boundary, IsLimitedToTheGivenVertices) {
     const std::vector<Triangle> faces = tube(4);
     std::vector<std::uint8_t> rim(8, 0);
     for (std::size_t v = 0; v < 4; ++v) rim[v] = 1;

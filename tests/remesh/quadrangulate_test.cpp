@@ -21,7 +21,7 @@ QuadMesh make_mesh(const Buffer<Vec3>& positions, const QuadPatch& patch) {
     return out;
 }
 
-TEST(Quadrangulate, ATriangleAloneBecomesThreeQuadsInItsPlane) {
+TEST(Quadrangulate, SingleTriangleBecomesThreeQuads) {
     Buffer<Vec3> x = kOctahedron;
     const std::vector<std::uint8_t> alone(kFaces.size(), 1);
     QuadPatch patch = quadrangulate(kFaces, {}, x);
@@ -41,7 +41,7 @@ TEST(Quadrangulate, ATriangleAloneBecomesThreeQuadsInItsPlane) {
 }
 
 // A strip of three squares.
-TEST(Quadrangulate, OnlyPairsWithAMarkedTriangleAreCutAgain) {
+TEST(Quadrangulate, SplitsOnlyPairsWithAMarkedTriangle) {
     Buffer<Vec3> x;
     for (int i = 0; i < 4; ++i) {
         x.push_back({static_cast<float>(i), 0, 0});
@@ -65,7 +65,7 @@ TEST(Quadrangulate, OnlyPairsWithAMarkedTriangleAreCutAgain) {
     EXPECT_EQ(shape(make_mesh(x, patch)).inverted_faces, 0u);
 }
 
-TEST(Quadrangulate, FlatNeighboursBecomeFourQuads) {
+TEST(Quadrangulate, CoplanarPairBecomesFourQuads) {
     Buffer<Vec3> x{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
     const std::vector<Triangle> square{{0, 1, 2}, {0, 2, 3}};
     const QuadPatch patch = quadrangulate(square, {}, x);
@@ -74,7 +74,7 @@ TEST(Quadrangulate, FlatNeighboursBecomeFourQuads) {
     for (const Quad& q : patch.quads) EXPECT_NEAR(scaled_jacobian(q, x), 1, 1e-6);
 }
 
-TEST(Quadrangulate, TakesTheMiddlesThatAreGiven) {
+TEST(Quadrangulate, UsesTheGivenEdgeMiddles) {
     Buffer<Vec3> x{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.5f, -0.1f, 0}};
     const std::vector<Triangle> one{{0, 1, 2}};
     const std::vector<EdgeMiddle> given{{1, 0, 3}};

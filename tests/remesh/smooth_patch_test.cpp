@@ -47,7 +47,7 @@ Patch shaken_patch(std::uint32_t n) {
     return out;
 }
 
-TEST(SmoothPatch, BringsVerticesToTheSurfaceAndLeavesItsRim) {
+TEST(SmoothPatch, MovesVerticesToTheSurfaceAndPreservesTheRim) {
     Patch patch = shaken_patch(8);
     const std::vector<Vec3> before = patch.x;
     const Ball ball;
@@ -62,7 +62,7 @@ TEST(SmoothPatch, BringsVerticesToTheSurfaceAndLeavesItsRim) {
     }
 }
 
-TEST(SmoothPatch, SameBitsForAnyNumberOfThreads) {
+TEST(SmoothPatch, IsBitIdenticalForAnyNumberOfThreads) {
     const Ball ball;
     Patch one = shaken_patch(40), many = one;
     smooth_patch(one.x, one.quads, one.moving, FieldRef(ball), 5, {.threads = 1});

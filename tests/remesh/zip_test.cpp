@@ -22,7 +22,7 @@ Loop ring(std::vector<Vec3>& x, std::uint32_t n, float height, float from, float
     return out;
 }
 
-TEST(Zip, CountsTurnsAboutAnAxis) {
+TEST(Zip, CountsWindingsAroundAnAxis) {
     std::vector<Vec3> x;
     const Loop left = ring(x, 7, 0, 0.3f), right = ring(x, 7, 0, 0.3f, -1);
     EXPECT_EQ(winding(left, x, kUp), 1);
@@ -30,7 +30,7 @@ TEST(Zip, CountsTurnsAboutAnAxis) {
     EXPECT_EQ(winding(left, x, {{3, 0, 0}, {0, 0, 1}}), 0);
 }
 
-TEST(Zip, JoinsRingsOfAnyNumbersByABandThatIsClosedBetweenThem) {
+TEST(Zip, ConnectsRingsOfAnySizesByAClosedBand) {
     for (const std::uint32_t inner : {3u, 8u, 23u}) {
         for (const float from : {0.0f, 2.0f, -3.1f}) {
             std::vector<Vec3> x;
@@ -53,7 +53,7 @@ TEST(Zip, JoinsRingsOfAnyNumbersByABandThatIsClosedBetweenThem) {
     }
 }
 
-TEST(Zip, RefusesLoopsThatDoNotWindAlike) {
+TEST(Zip, RejectsLoopsOfOppositeWinding) {
     std::vector<Vec3> x;
     const Loop a = ring(x, 8, 1, 0), b = ring(x, 8, 0, 0, -1);
     EXPECT_FALSE(zip(a, b, x, kUp));

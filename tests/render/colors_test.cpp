@@ -10,14 +10,14 @@ namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-TEST(Colors, BytesComeBack) {
+TEST(Colors, BytesRoundTrip) {
     for (int byte = 0; byte < 256; ++byte) {
         const auto b = static_cast<std::uint8_t>(byte);
         EXPECT_EQ(to_srgb(to_linear({b, 0, 255})), (Rgb{b, 0, 255}));
     }
 }
 
-TEST(Colors, TheUsualRangeLeavesOutTwoOfAHundred) {
+TEST(Colors, UsualRangeExcludesTwoPercent) {
     std::vector<float> distances;
     for (int i = 1; i <= 101; ++i) distances.push_back(static_cast<float>(i % 2 == 0 ? i : -i));
     EXPECT_EQ(usual_range(distances), 99);  // number 98 from 0 of 101

@@ -13,7 +13,7 @@ Image plain(int width, int height, std::uint8_t grey) {
     return out;
 }
 
-TEST(ContactSheet, PutsPicturesInRows) {
+TEST(ContactSheet, ArrangesImagesInRows) {
     const std::vector<Image> pictures{plain(3, 2, 10), plain(3, 2, 20), plain(3, 2, 30)};
     const Image sheet = contact_sheet(pictures);
     EXPECT_EQ(sheet.width, 6);
@@ -26,7 +26,7 @@ TEST(ContactSheet, PutsPicturesInRows) {
     EXPECT_EQ(contact_sheet(pictures, 100).width, 9);
 }
 
-TEST(ContactSheet, RefusesWhatDoesNotFit) {
+TEST(ContactSheet, RejectsEmptyMixedAndOversizedInput) {
     EXPECT_THROW(contact_sheet({}), InvalidInput);
     const std::vector<Image> mixed{plain(3, 2, 0), plain(2, 2, 0)};
     EXPECT_THROW(contact_sheet(mixed), InvalidInput);

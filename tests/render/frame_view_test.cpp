@@ -31,7 +31,7 @@ RenderOptions small() {
     return o;
 }
 
-TEST(FrameView, IsTheCameraOfRender) {
+TEST(FrameView, MatchesTheCameraOfRender) {
     const PolygonMesh mesh = pyramid();
     std::vector<Vec3d> points;
     for (const Vec3 p : mesh.positions) points.push_back(Vec3d(p) + mesh.origin);
@@ -46,7 +46,7 @@ TEST(FrameView, IsTheCameraOfRender) {
     EXPECT_LT(differing, by_view.pixels.size() / 200);
 }
 
-TEST(FrameView, PointsThatFillThePictureTouchItsMargin) {
+TEST(FrameView, PointsFillTheImageUpToTheMargin) {
     const std::vector<Vec3d> points{{0, -1, -1}, {0, 1, -1}, {0, 1, 1}, {0, -1, 1}};
     RenderOptions o = small();
     o.azimuth = o.elevation = 0;
@@ -64,7 +64,7 @@ TEST(FrameView, PointsThatFillThePictureTouchItsMargin) {
     EXPECT_NEAR(right, 72, 0.01);
 }
 
-TEST(FrameView, NeedsSomethingToLookAt) {
+TEST(FrameView, RejectsPointsWithoutExtent) {
     EXPECT_THROW(frame_view({}, small()), InvalidInput);
     EXPECT_THROW(frame_view(std::vector<Vec3d>{{1, 2, 3}}, small()), InvalidInput);
 }

@@ -100,7 +100,7 @@ Image pattern(int width, int height, unsigned step) {
     return image;
 }
 
-TEST(Gif, HoldsPicturesAsTheyWere) {
+TEST(Gif, ImagesRoundTrip) {
     const std::vector<Image> images{pattern(160, 120, 1), pattern(160, 120, 2), pattern(160, 120, 2)};
     GifEncoder encoder(images[0], 0.04);
     std::string bytes = encoder.head();
@@ -117,20 +117,20 @@ TEST(Gif, HoldsPicturesAsTheyWere) {
     }
 }
 
-TEST(Gif, HoldsOnlyWhatChanges) {
+TEST(Gif, StoresOnlyChanges) {
     const Image image = pattern(200, 200, 3);
     GifEncoder encoder(image, 0.1);
     const std::size_t first = encoder.add(image).size();
     EXPECT_LT(encoder.add(image).size(), first / 20);
 }
 
-TEST(Gif, IsSmallerOfFewerColors) {
+TEST(Gif, IsSmallerWithFewerColors) {
     const Image image = pattern(100, 100, 3);
     GifEncoder all(image, 0.1), few(image, 0.1, 4);
     EXPECT_LT(few.add(image).size(), all.add(image).size() / 2 + 100);
 }
 
-TEST(Gif, RefusesOtherSizes) {
+TEST(Gif, RejectsOtherSizes) {
     GifEncoder encoder(pattern(8, 8, 1), 0.1);
     EXPECT_THROW(encoder.add(pattern(9, 8, 1)), InvalidInput);
     EXPECT_THROW(GifEncoder(Image{}, 0.1), InvalidInput);

@@ -20,7 +20,7 @@ std::vector<double> ramp(int width, int height) {
     return out;
 }
 
-TEST(HeightMap, GrowsLighterWithTheNumbers) {
+TEST(HeightMap, BrightnessIncreasesWithTheValues) {
     const Image image = height_map(ramp(50, 4), 50, {.low = 0, .high = 49});
     EXPECT_EQ(image.height, 4);
     for (int x = 0; x + 1 < 50; ++x)
@@ -29,7 +29,7 @@ TEST(HeightMap, GrowsLighterWithTheNumbers) {
     EXPECT_EQ(image.at(49, 0), (Image::Pixel{252, 240, 176, 255}));
 }
 
-TEST(HeightMap, WhatLiesBeyondTheRangeHasTheColourOfItsEnd) {
+TEST(HeightMap, ValuesBeyondTheRangeHaveTheColourOfItsEnd) {
     const std::vector<double> values{-5, 0, 1, 7, std::numeric_limits<double>::quiet_NaN()};
     const Image image = height_map(values, 5, {});
     EXPECT_EQ(image.at(0, 0), image.at(1, 0));
@@ -37,7 +37,7 @@ TEST(HeightMap, WhatLiesBeyondTheRangeHasTheColourOfItsEnd) {
     EXPECT_EQ(image.at(4, 0), (Image::Pixel{128, 128, 128, 255}));
 }
 
-TEST(HeightMap, LinesLieWhereTheNumbersPass) {
+TEST(HeightMap, IsolinesAreAtTheirValues) {
     const Image plain = height_map(ramp(50, 4), 50, {.low = 0, .high = 49});
     const Image lined = height_map(ramp(50, 4), 50, {.low = 0, .high = 49, .isolines = {20.4}});
     for (int x = 0; x < 50; ++x) EXPECT_EQ(plain.at(x, 1) == lined.at(x, 1), x != 20 && x != 21) << x;
@@ -49,7 +49,7 @@ TEST(HeightMap, LinesLieWhereTheNumbersPass) {
     EXPECT_NE(height_map(step, 6, {.isolines = {0.5}}).at(3, 0), height_map(step, 6, {}).at(3, 0));
 }
 
-TEST(HeightMap, ThreadsDoNotChangeBitsAndAStopEndsIt) {
+TEST(HeightMap, IsBitIdenticalForAnyNumberOfThreadsAndStopsWhenCancelled) {
     const HeightMapOptions options{.low = 0, .high = 49, .isolines = {3.3, 20.4}, .outlines = {30}};
     EXPECT_EQ(height_map(ramp(50, 40), 50, options, {.threads = 1}),
               height_map(ramp(50, 40), 50, options, {.threads = 7}));
@@ -58,7 +58,7 @@ TEST(HeightMap, ThreadsDoNotChangeBitsAndAStopEndsIt) {
     EXPECT_THROW(height_map(ramp(50, 40), 50, options, {.stop = source.get_token()}), Cancelled);
 }
 
-TEST(HeightMap, DotsAreWhiteWithARimAndMayStickOut) {
+TEST(HeightMap, DotsAreWhiteWithARimAndMayExceedTheImage) {
     Image image = height_map(ramp(20, 20), 20, {.low = 0, .high = 100});
     const Image before = image;
     draw_dot(image, 10, 10, 3);

@@ -53,12 +53,12 @@ std::string jpeg_of(const Image& image) {
     return out;
 }
 
-TEST(Picture, PngIsReadAsWritten) {
+TEST(Picture, PngRoundTrips) {
     EXPECT_EQ(decode_picture(encode_png(colors(255)), "a.png"), colors(255));
     EXPECT_EQ(decode_picture(encode_png(colors(90)), "a.png"), colors(90));
 }
 
-TEST(Picture, JpegIsReadAboutAsWritten) {
+TEST(Picture, JpegIsReadApproximately) {
     const Image image = decode_picture(jpeg_of(colors(255)), "a.jpg");
     ASSERT_EQ(image.width, 32);
     ASSERT_EQ(image.height, 16);
@@ -66,7 +66,7 @@ TEST(Picture, JpegIsReadAboutAsWritten) {
         for (std::size_t c = 0; c < 4; ++c) EXPECT_NEAR(image.pixels[i][c], colors(255).pixels[i][c], 16);
 }
 
-TEST(Picture, WhatIsNoPictureIsRefused) {
+TEST(Picture, RejectsOtherFormatsAndDamagedFiles) {
     EXPECT_EQ(error_of([] { decode_picture("GIF89a", "a.gif"); }),
               "a.gif: this is neither a PNG nor a JPEG image");
     const std::string png = encode_png(colors(255)), jpeg = jpeg_of(colors(255));
@@ -76,7 +76,7 @@ TEST(Picture, WhatIsNoPictureIsRefused) {
               "a.jpg: this JPEG is damaged: ");
 }
 
-TEST(Picture, DrawingsCoverWhatTheyLieOver) {
+TEST(Picture, OverlayBlendsTheDrawingOverTheImage) {
     Image below(2, 1), above(2, 1);
     below.pixels = {{100, 100, 100, 255}, {100, 100, 100, 255}};
     above.pixels = {{200, 0, 100, 255}, {200, 0, 100, 0}};

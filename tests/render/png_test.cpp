@@ -29,17 +29,17 @@ Image ramp(std::uint8_t alpha) {
     return image;
 }
 
-TEST(Png, OpaquePicturesComeBackTheSame) { EXPECT_EQ(decode(encode_png(ramp(255))), ramp(255)); }
+TEST(Png, OpaqueImagesRoundTrip) { EXPECT_EQ(decode(encode_png(ramp(255))), ramp(255)); }
 
-TEST(Png, TransparentPicturesComeBackTheSame) { EXPECT_EQ(decode(encode_png(ramp(128))), ramp(128)); }
+TEST(Png, TransparentImagesRoundTrip) { EXPECT_EQ(decode(encode_png(ramp(128))), ramp(128)); }
 
-TEST(Png, OpaquePicturesHaveNoAlphaChannel) {
+TEST(Png, OpaqueImagesHaveNoAlphaChannel) {
     constexpr std::size_t kColorType = 25;  // 8 signature, 8 chunk head, 8 size, 1 depth
     EXPECT_EQ(encode_png(ramp(255))[kColorType], PNG_COLOR_TYPE_RGB);
     EXPECT_EQ(encode_png(ramp(0))[kColorType], PNG_COLOR_TYPE_RGB_ALPHA);
 }
 
-TEST(Png, APictureWithoutPixelsIsRefused) { EXPECT_THROW(encode_png(Image{}), InvalidInput); }
+TEST(Png, RejectsAnImageWithoutPixels) { EXPECT_THROW(encode_png(Image{}), InvalidInput); }
 
 }  // namespace
 }  // namespace coppice

@@ -65,7 +65,7 @@ int opaque_pixels(const Image& image) {
     return count;
 }
 
-TEST(Render, TheObjectFillsThePictureUpToTheMargin) {
+TEST(Render, ObjectFillsTheImageUpToTheMargin) {
     const PolygonMesh mesh = cube(2);
     RenderOptions o = small();
     o.margin = 0.125f;  // 8 of 64 pixels on each side
@@ -77,7 +77,7 @@ TEST(Render, TheObjectFillsThePictureUpToTheMargin) {
     EXPECT_NEAR(e.bottom, 55, 1);
 }
 
-TEST(Render, EverythingFitsFromEverySide) {
+TEST(Render, ObjectFitsFromEveryDirection) {
     const Skeleton skeleton = fork();
     RenderOptions o = small();
     o.width = 96;
@@ -96,7 +96,7 @@ TEST(Render, EverythingFitsFromEverySide) {
     }
 }
 
-TEST(Render, SizeAndPlaceDoNotMatter) {
+TEST(Render, IsIndependentOfSizeAndPosition) {
     RenderOptions o = small();
     o.azimuth = 0.7f;
     o.elevation = 0.5f;
@@ -118,7 +118,7 @@ TEST(Render, MeshAndSkeletonShareOneSpace) {
     EXPECT_NEAR(e.right, 60.5, 1);
 }
 
-TEST(Render, TheSkeletonShinesThroughTheMesh) {
+TEST(Render, SkeletonIsVisibleThroughTheMesh) {
     const PolygonMesh mesh = cube(1);
     const Skeleton inside({NodeId{}}, {{0, 0, 0}}, {0.9f});
     const auto plain = render({.mesh = &mesh}, small()).at(32, 32);
@@ -129,7 +129,7 @@ TEST(Render, TheSkeletonShinesThroughTheMesh) {
 
 bool is_magenta(const Image::Pixel& p) { return p[0] > p[1] + 60 && p[2] > p[1] + 40; }
 
-TEST(Render, MarkedFacesStandOutAlsoWhereTheyAreHidden) {
+TEST(Render, MarkedFacesAreVisibleEvenIfHidden) {
     const PolygonMesh mesh = cube(1);
     const Image plain = render({.mesh = &mesh}, small());
     EXPECT_FALSE(is_magenta(plain.at(32, 32)));
@@ -147,7 +147,7 @@ TEST(Render, MarkedFacesStandOutAlsoWhereTheyAreHidden) {
     EXPECT_THROW(render({.skeleton = &skeleton, .marked_faces = none}, small()), InvalidInput);
 }
 
-TEST(Render, MarkedTrianglesAndLargerFacesStandOutWhole) {
+TEST(Render, MarkedTrianglesAndPolygonsAreDrawnWhole) {
     PolygonMesh mesh;  // a square perpendicular to the view, as one quad with a triangle below and five above
     mesh.positions.assign(
         {{0, -1, -1}, {0, 1, -1}, {0, 1, 0}, {0, -1, 0}, {0, -1, 1}, {0, 0, 1.1f}, {0, 1, 1}});
@@ -165,7 +165,7 @@ TEST(Render, MarkedTrianglesAndLargerFacesStandOutWhole) {
     EXPECT_NEAR(pixels_of(2), 2.1 * pixels_of(0), 120);  // areas 1 and 2.1
 }
 
-TEST(Render, CoarseFacesAreLitAsTheSmoothSurfaceTheyStandFor) {
+TEST(Render, CoarseFacesAreShadedSmoothly) {
     // At grazing light, a face must not be entirely black up to its edge.
     RenderOptions o = small();
     o.samples = 64;
@@ -211,7 +211,7 @@ TEST(Render, RingsAreDrawnAroundMarks) {
     EXPECT_TRUE(columns(outside).empty());
 }
 
-TEST(Render, SamePictureForAnyNumberOfThreads) {
+TEST(Render, IsBitIdenticalForAnyNumberOfThreads) {
     const Skeleton skeleton = fork();
     RenderOptions o = small();
     o.ground = true;
@@ -238,7 +238,7 @@ TEST(Render, WiresFollowTheEdgesOfQuadsAndNotTheirDiagonals) {
     }
 }
 
-TEST(Render, LargerFacesShowNoEdgesInside) {
+TEST(Render, PolygonsHaveNoInnerEdges) {
     PolygonMesh mesh;  // a hexagon perpendicular to the view along -x
     std::uint32_t ring[6];
     for (std::uint32_t i = 0; i < 6; ++i) {
@@ -273,7 +273,7 @@ TEST(Render, InsideIsBlueAndOutsideRed) {
     EXPECT_NEAR(unknown[0], unknown[2], 30);
 }
 
-TEST(Render, MeasuredNodesAreBlueAndPresumedOnesRed) {
+TEST(Render, MeasuredNodesAreBlueAndInferredOnesRed) {
     // A pole along x: its far half was measured.
     const Skeleton pole({NodeId{}, NodeId(0), NodeId(1)}, {{0, -1, 0}, {0, 0, 0}, {0, 1, 0}},
                         {0.3f, 0.3f, 0.3f});
@@ -298,7 +298,7 @@ TEST(Render, TheSignalColourIsMagenta) {
     EXPECT_GT(pixel[2], pixel[1] + 40);
 }
 
-TEST(Render, DeviationComesWithAScaleBar) {
+TEST(Render, DeviationHasAScaleBar) {
     const PolygonMesh mesh = cube(1);
     RenderOptions o = small();
     o.width = 400;
@@ -318,7 +318,7 @@ TEST(Render, DeviationComesWithAScaleBar) {
     EXPECT_TRUE(blue);
 }
 
-TEST(Render, DistanceFromAnotherMeshIsMeasuredWhereItIsSeen) {
+TEST(Render, DistanceFromAnotherMeshIsMeasuredPerPixel) {
     // The faces are large: the values at their corners do not determine those in the middle.
     const PolygonMesh drawn = cube(1);
     RenderOptions o = small();
@@ -344,7 +344,7 @@ TEST(Render, DistanceFromAnotherMeshIsMeasuredWhereItIsSeen) {
     EXPECT_THROW(render({.mesh = &drawn, .distance_to = &empty}, o), InvalidInput);
 }
 
-TEST(Render, DistancesMindTheOrigins) {
+TEST(Render, DistancesRespectTheOrigins) {
     const PolygonMesh drawn = cube(1, {100, 0, 0}), other = cube(1.1f, {100, 0, 0});
     const SurfaceTree surface(other);
     RenderOptions o = small();
@@ -354,7 +354,7 @@ TEST(Render, DistancesMindTheOrigins) {
     EXPECT_GT(p[2], p[0] + 40);
 }
 
-TEST(Render, TheRangeOfDistancesFollowsMostVertices) {
+TEST(Render, DefaultRangeOfDistancesFollowsTheVertices) {
     // All corners are 0.1 outside per axis of the smaller cube: sqrt(3) / 10 away. Faces are 0.1 away.
     const PolygonMesh drawn = cube(1), other = cube(0.9f);
     const SurfaceTree surface(other);
@@ -410,7 +410,7 @@ TEST(Render, PointsHaveTheirColours) {
     EXPECT_GT(image.at(59, 32)[2], image.at(59, 32)[0] + 60);
 }
 
-TEST(Render, PointsLieOverAPaleMeshColouredByTheirDistance) {
+TEST(Render, PointsAreColouredByDistanceOverAPaleMesh) {
     // Points 0.1 inside, on and 0.1 outside the visible face of a cube.
     const PolygonMesh mesh = cube(1);
     const SurfaceTree surface(mesh);
@@ -432,7 +432,7 @@ TEST(Render, PointsLieOverAPaleMeshColouredByTheirDistance) {
     EXPECT_GT(own.at(32, 32)[0], own.at(32, 32)[2] + 40);
 }
 
-TEST(Render, OddPointsAreRefused) {
+TEST(Render, RejectsInvalidPoints) {
     PointCloud cloud;
     const auto drawn = [&](float radius = 0.1f) {
         render({.cloud = &cloud, .point_radius = radius}, small());
@@ -487,7 +487,7 @@ TEST(Render, DegenerateSkeletonsAreDrawn) {
     EXPECT_GT(opaque_pixels(render({.skeleton = &dot}, small())), 1000);
 }
 
-TEST(Render, AViewIsTheCameraWhateverTheOrigin) {
+TEST(Render, GivenViewIsTheCameraForAnyOrigin) {
     // A ball, and a distant one, not hidden by the first, that changes the size and centre of the scene.
     for (const Projection projection : {Projection::perspective, Projection::orthographic}) {
         const Skeleton balls({NodeId{}, NodeId{}}, {{1, 2, 3}, {1, 9, 4}}, {0.1f, 0.2f}, {1000, 0, 0});
@@ -514,7 +514,7 @@ TEST(Render, AViewIsTheCameraWhateverTheOrigin) {
     EXPECT_THROW(render({.skeleton = &dot, .view = &mirror}, small()), InvalidInput);
 }
 
-TEST(Render, WhatIsLookedAtStandsInTheMiddleAndZoomMakesItLarger) {
+TEST(Render, LookAtIsTheCentreAndZoomEnlarges) {
     const Skeleton balls({NodeId{}, NodeId{}}, {{-4, 0, 0}, {4, 0, 3}}, {0.2f, 0.2f}, {1000, 0, 0});
     RenderOptions o = small();
     o.width = o.height = 64;
@@ -536,7 +536,7 @@ TEST(Render, WhatIsLookedAtStandsInTheMiddleAndZoomMakesItLarger) {
     EXPECT_THROW(render({.skeleton = &balls}, o), InvalidInput) << "behind the camera";
 }
 
-TEST(Render, AMeshWithoutSizeIsNoCrash) {
+TEST(Render, AcceptsADegenerateMesh) {
     PolygonMesh mesh;
     mesh.positions.assign(3, Vec3{1, 2, 3});
     const std::uint32_t face[3] = {0, 1, 2};
@@ -544,7 +544,7 @@ TEST(Render, AMeshWithoutSizeIsNoCrash) {
     EXPECT_EQ(opaque_pixels(render({.mesh = &mesh}, small())), 0);
 }
 
-TEST(Render, BadInputIsRefused) {
+TEST(Render, RejectsInvalidInput) {
     PolygonMesh mesh = cube(1);
     EXPECT_THROW(render({}, small()), InvalidInput);
     const PolygonMesh empty;
@@ -565,7 +565,7 @@ TEST(Render, BadInputIsRefused) {
     EXPECT_THROW(render({.mesh = &mesh}, small()), InvalidInput);
 }
 
-TEST(Render, AStopEndsIt) {
+TEST(Render, StopsWhenCancelled) {
     const PolygonMesh mesh = cube(1);
     std::stop_source source;
     Context ctx;
@@ -574,7 +574,7 @@ TEST(Render, AStopEndsIt) {
     EXPECT_THROW(render({.mesh = &mesh}, small(), ctx), Cancelled);
 }
 
-TEST(Render, ProgressRisesToOne) {
+TEST(Render, ProgressIncreasesToOne) {
     const PolygonMesh mesh = cube(1);
     float last = -1;
     Context ctx;

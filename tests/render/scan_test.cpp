@@ -52,7 +52,7 @@ std::size_t count_if(const PointSet& points, const auto& is) {
     return static_cast<std::size_t>(std::count_if(points.positions.begin(), points.positions.end(), is));
 }
 
-TEST(Scan, PointsLieOnTheSurfaceAndThereAreAboutAsManyAsAskedFor) {
+TEST(Scan, PointsAreOnTheSurfaceInAboutTheRequestedNumber) {
     const PolygonMesh cube = box({-1, -1, -1}, {1, 1, 1});
     for (const int wanted : {100, 3000, 50000}) {
         const PointSet points = scan(cube, {.points = wanted, .distance = 5, .noise = 0});
@@ -63,7 +63,7 @@ TEST(Scan, PointsLieOnTheSurfaceAndThereAreAboutAsManyAsAskedFor) {
     }
 }
 
-TEST(Scan, AScannerSeesTheSidesThatFaceIt) {
+TEST(Scan, ScannerMeasuresTheSidesThatFaceIt) {
     const PolygonMesh cube = box({-1, -1, -1}, {1, 1, 1});
     const PointSet one = scan(cube, from_x(2000));
     EXPECT_EQ(count_if(one, [](Vec3 p) { return p.x > 1 - 1e-6f; }), one.size());
@@ -79,7 +79,7 @@ TEST(Scan, AScannerSeesTheSidesThatFaceIt) {
     EXPECT_GT(count_if(scan(cube, above), [](Vec3 p) { return p.z > 1 - 1e-6f; }), 500u);
 }
 
-TEST(Scan, NothingBehindAnOccluder) {
+TEST(Scan, NoPointsAreBehindAnOccluder) {
     // The shield is between the scanner at x = 10 and the cube, and its shadow is larger than the cube.
     const PolygonMesh both = joined(box({-1, -0.5f, -0.5f}, {0, 0.5f, 0.5f}), plate(1, 0, 1));
     const PointSet points = scan(both, from_x(5000));
@@ -89,7 +89,7 @@ TEST(Scan, NothingBehindAnOccluder) {
     EXPECT_GT(count_if(scan(both, back), [](Vec3 p) { return p.x < 1 - 1e-6f; }), 100u);
 }
 
-TEST(Scan, DensityFallsWithTheSquareOfTheDistance) {
+TEST(Scan, DensityDecreasesWithTheSquareOfTheDistance) {
     // The centre of both is (4, 0), so that the scanner is at (12, 0), 4 and 12 metres from the plates.
     const PolygonMesh two = joined(plate(8, 2.5f, 0.5f), plate(0, -2.5f, 0.5f));
     ScanOptions o = from_x(20000);
@@ -103,7 +103,7 @@ TEST(Scan, DensityFallsWithTheSquareOfTheDistance) {
     EXPECT_NEAR(near / far, angle(4, 2.5) / angle(12, 2.5), 0.3);
 }
 
-TEST(Scan, NoiseLiesAlongTheBeam) {
+TEST(Scan, NoiseIsAlongTheBeam) {
     const PolygonMesh m = plate(0, 0, 1);
     const PointSet points = scan(m, from_x(40000, 0.01f));
     double sum = 0, square = 0;
@@ -120,7 +120,7 @@ TEST(Scan, NoiseLiesAlongTheBeam) {
     EXPECT_NEAR(static_cast<double>(outliers) / n, 0.0455, 0.006) << "beyond two standard deviations";
 }
 
-TEST(Scan, UniformPointsLieAllOver) {
+TEST(Scan, UniformPointsAreOnAllFaces) {
     const PolygonMesh nested =
         joined(box({-1, -1, -1}, {1, 1, 1}), box({-0.5f, -0.5f, -0.5f}, {0.5f, 0.5f, 0.5f}));
     ScanOptions o{.pattern = ScanPattern::uniform, .points = 10000, .noise = 0};
@@ -138,7 +138,7 @@ TEST(Scan, UniformPointsLieAllOver) {
     EXPECT_NEAR(std::sqrt(square / 3e4), 0.001, 3e-5);
 }
 
-TEST(Scan, TheScannerMayStandAmidstTheMesh) {
+TEST(Scan, ScannerMayBeInsideTheMesh) {
     // Inside a box that it sees all around and up to the zenith.
     const PolygonMesh room = box({-10, -10, 0}, {10, 10, 5});
     const PointSet points = scan(room, {.points = 20000, .positions = 1, .distance = 1, .noise = 0});
@@ -148,7 +148,7 @@ TEST(Scan, TheScannerMayStandAmidstTheMesh) {
     EXPECT_GT(count_if(points, [](Vec3 p) { return p.x > 10 - 1e-5f; }), 500u);
 }
 
-TEST(Scan, KeepsTheOrigin) {
+TEST(Scan, PreservesTheOrigin) {
     PolygonMesh cube = box({-1, -1, -1}, {1, 1, 1});
     cube.origin = {5e5, 4e6, 100};
     const PointSet points = scan(cube, from_x(500));
@@ -156,7 +156,7 @@ TEST(Scan, KeepsTheOrigin) {
     EXPECT_NEAR(points.world(0).x, 5e5 + 1, 1e-5);
 }
 
-TEST(Scan, LittleMeshInALargeWindowIsFound) {
+TEST(Scan, FindsASmallMeshInALargeWindow) {
     // One beam of about 12,000 meets a cube.
     const PolygonMesh two =
         joined(box({0, 0, 0}, {0.05f, 0.05f, 0.05f}), box({9, 9, 9}, {9.05f, 9.05f, 9.05f}));
@@ -165,7 +165,7 @@ TEST(Scan, LittleMeshInALargeWindowIsFound) {
     EXPECT_THROW(scan(two, {.points = 20000}), InvalidInput) << "more beams than are sent";
 }
 
-TEST(Scan, TheSameForAnyNumberOfThreads) {
+TEST(Scan, IsBitIdenticalForAnyNumberOfThreads) {
     const PolygonMesh cube = box({-1, -1, -1}, {1, 1, 1});
     for (const ScanPattern pattern : {ScanPattern::scanner, ScanPattern::uniform}) {
         const ScanOptions o{.pattern = pattern, .points = 5000, .noise = 0.01f};
@@ -178,7 +178,7 @@ TEST(Scan, TheSameForAnyNumberOfThreads) {
     }
 }
 
-TEST(Scan, BadInputIsRefused) {
+TEST(Scan, RejectsInvalidInput) {
     PolygonMesh cube = box({-1, -1, -1}, {1, 1, 1});
     EXPECT_THROW(scan({}), InvalidInput);
     EXPECT_THROW(scan(cube, {.points = 0}), InvalidInput);
@@ -192,7 +192,7 @@ TEST(Scan, BadInputIsRefused) {
     EXPECT_THROW(scan(cube), InvalidInput);
 }
 
-TEST(Scan, AStopEndsIt) {
+TEST(Scan, StopsWhenCancelled) {
     std::stop_source source;
     Context ctx;
     ctx.stop = source.get_token();

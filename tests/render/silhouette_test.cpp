@@ -28,16 +28,16 @@ void expect_square(const Mask& mask) {
     EXPECT_TRUE(mask.at(3, 3) && mask.at(6, 6));
 }
 
-TEST(SilhouetteOf, AlphaTells) {
+TEST(SilhouetteOf, FollowsAlpha) {
     expect_square(compute_silhouette(square({90, 90, 90, 200}, {90, 90, 90, 40})));
 }
 
-TEST(SilhouetteOf, DifferenceFromTheEdgeTells) {
+TEST(SilhouetteOf, FollowsTheDifferenceFromTheBorder) {
     expect_square(compute_silhouette(square({80, 60, 40, 255}, {150, 200, 240, 255})));
     expect_square(compute_silhouette(square({255, 255, 255, 255}, {0, 0, 0, 255})));
 }
 
-TEST(SilhouetteOf, APictureWithoutPixelsIsRefused) {
+TEST(SilhouetteOf, RejectsAnImageWithoutPixels) {
     EXPECT_EQ(test::error_of([] { compute_silhouette(Image()); }),
               "an image without pixels has no silhouette");
 }

@@ -43,7 +43,7 @@ FrameSinks recording(Recorder::Seen& seen) {
     return sinks;
 }
 
-TEST(Animation, LastsAsLongAsItsKeysOrAsAsked) {
+TEST(Animation, LengthFollowsTheKeysOrTheDuration) {
     AnimationOptions o = options();
     const auto keys = [] { return Keyframes(fork(), "0.5: rotate 3 30", "k"); };
     EXPECT_EQ(Motion(fork(), keys(), o).seconds(), 0.5);
@@ -61,7 +61,7 @@ TEST(Animation, LastsAsLongAsItsKeysOrAsAsked) {
     EXPECT_THROW(growth_frames(o.run), InvalidInput);
 }
 
-TEST(Animation, SomethingHasToMove) {
+TEST(Animation, RequiresAMovement) {
     AnimationOptions o = options();
     EXPECT_THROW(check_animation(o, false), InvalidInput);
     EXPECT_NO_THROW(check_animation(o, true));
@@ -75,7 +75,7 @@ TEST(Animation, SomethingHasToMove) {
     EXPECT_NO_THROW(check_animation(o, false));
 }
 
-TEST(Animation, EveryFrameGoesToTheSinks) {
+TEST(Animation, SinksReceiveEveryFrame) {
     const AnimationOptions o = options();
     const Motion motion(fork(), Keyframes(fork(), "0.3: rotate 3 30", "k"), o);
     SkinnedMesh mesh(fork(), o.mesh);
@@ -91,14 +91,14 @@ TEST(Animation, EveryFrameGoesToTheSinks) {
     EXPECT_EQ(to_text(report, 4, 1000), "4 frames of 1,000 quads");
 }
 
-TEST(Animation, HeldFramesAreTold) {
+TEST(Animation, ReportsFrozenFrames) {
     MotionReport report;
     report.frozen = 3;
     EXPECT_EQ(to_text(report, 1200, 37376),
               "1,200 frames of 37,376 quads; 3 with frozen branches that would fold or intersect");
 }
 
-TEST(Animation, AGrowingTreeEndsWhole) {
+TEST(Animation, GrowingTreeEndsWithTheWholeSurface) {
     AnimationOptions o = options();
     o.grow = true;
     o.run.duration = 0.3f;

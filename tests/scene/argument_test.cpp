@@ -33,7 +33,7 @@ TEST(SceneArgument, NumbersMustBeFiniteAndInRange) {
     EXPECT_NE(refusal(number(0, 0), "1e39"), "no error");  // beyond the range of float
 }
 
-TEST(SceneArgument, WholeNumbersHaveNoFraction) {
+TEST(SceneArgument, RejectsFractionsOfWholeNumbers) {
     Argument a = number(0, 10);
     a.type = ArgumentType::whole;
     EXPECT_EQ(parse_argument(a, "7").numbers, std::vector<double>{7});
@@ -47,7 +47,7 @@ TEST(SceneArgument, AnglesAreTypedInDegrees) {
     EXPECT_EQ(refusal(a, "181"), "size takes a number of degrees from -180 to 180, not '181'");
 }
 
-TEST(SceneArgument, ChoicesMayBeCutShortWhereOnlyOneBeginsSo) {
+TEST(SceneArgument, ChoicesMayBeAbbreviatedIfUnique) {
     auto pattern = PointPattern::uniform;
     const Argument a = argument_of({Field{"pattern", "how"}, choice_of(pattern)});
     EXPECT_EQ(parse_argument(a, "poisson").text, "poisson_disk");
@@ -61,7 +61,7 @@ TEST(SceneArgument, ChoicesMayBeCutShortWhereOnlyOneBeginsSo) {
     EXPECT_NE(refusal(b, "in"), "no error");
 }
 
-TEST(SceneArgument, TuplesAndSections) {
+TEST(SceneArgument, ParsesTuplesAndSections) {
     Argument a{.name = "center", .type = ArgumentType::tuple};
     a.sizes = {3};
     EXPECT_EQ(parse_argument(a, "1,-2,3e1").numbers, (std::vector<double>{1, -2, 30}));
@@ -76,7 +76,7 @@ TEST(SceneArgument, TuplesAndSections) {
         EXPECT_NE(refusal(s, text), "no error") << text;
 }
 
-TEST(SceneArgument, NamesOfObjects) {
+TEST(SceneArgument, ChecksNamesOfObjects) {
     for (const char* name : {"s", "_a", "Crown-2.b"}) EXPECT_TRUE(is_object_name(name)) << name;
     for (const char* name : {"", "1", "a b", "a@b", "a=b", "-a", "\xc3\xa4"})
         EXPECT_FALSE(is_object_name(name)) << name;
@@ -84,7 +84,7 @@ TEST(SceneArgument, NamesOfObjects) {
     EXPECT_FALSE(is_object_name(std::string(65, 'a')));
 }
 
-TEST(SceneArgument, WhatIsTypedGivesTheSameBits) {
+TEST(SceneArgument, NumbersRoundTripAsText) {
     const Argument a = number(0, 0, Unit::radian);
     for (const double n : {0.1, 1.0 / 3, 1e-30, 12345678.9, -57.29577951308232}) {
         EXPECT_EQ(parse_argument(a, typed(a, {{}, {n}})).numbers[0], n);
@@ -120,7 +120,7 @@ void expect_defaults_to_come_back(const std::map<std::string, std::string>& rena
     EXPECT_EQ(members, arguments.size());
 }
 
-TEST(SceneArgument, DefaultsOfOptionStructsComeBack) {
+TEST(SceneArgument, DefaultsOfOptionStructsRoundTrip) {
     expect_defaults_to_come_back<GenerateOptions>();
     expect_defaults_to_come_back<MeshOptions>(
         {{"x.project.method", "project_method"}, {"x.project.tolerance", "project_tolerance"}});

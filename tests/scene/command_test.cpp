@@ -19,7 +19,7 @@ bool uses_files(const SceneCommand& c) {
     return std::ranges::any_of(c.arguments, [](const Argument& a) { return is_file(a) && a.required; });
 }
 
-TEST(SceneCommands, TheTableIsSound) {
+TEST(SceneCommands, TableIsValid) {
     std::set<std::string> names;
     for (const SceneCommand& c : scene_commands()) {
         SCOPED_TRACE(c.name);
@@ -49,7 +49,7 @@ TEST(SceneCommands, TheTableIsSound) {
     EXPECT_GE(names.size(), 45u);
 }
 
-TEST(SceneCommands, TheExamplesRunOneAfterTheOtherAndMakeWhatTheTableSays) {
+TEST(SceneCommands, ExamplesRunAndCreateTheStatedObjects) {
     Scene scene({.max_memory = 512});
     for (const SceneCommand& c : scene_commands()) {
         if (uses_files(c)) continue;
@@ -67,7 +67,7 @@ std::string refusal(Scene& scene, const std::string& line) {
     return test::error_of<Error>([&] { scene.run(line); });
 }
 
-TEST(SceneCommands, RefusalsNameTheWordAndTheNearestSpelling) {
+TEST(SceneCommands, ErrorsReportTheWordAndTheNearestSpelling) {
     Scene scene;
     scene.run_text("sphere crown\nprofile p circle=1\npolygonize crown mesh", "x");
     EXPECT_EQ(refusal(scene, "shpere s"), "there is no command 'shpere'; did you mean sphere?");
@@ -101,7 +101,7 @@ TEST(SceneCommands, RefusalsNameTheWordAndTheNearestSpelling) {
               "radius takes a number of metres from 1e-05 to 100000, not '0'");
 }
 
-TEST(SceneCommands, PointsMayBeWrittenWithBlanksOrCommas) {
+TEST(SceneCommands, PointsAcceptBlanksOrCommas) {
     Scene scene;
     scene.run_text("sphere a\nsphere b\ntranslate a 1 2 3\ntranslate b 1,2,3", "x");
     const auto bounds = [&](const std::string& name) {
@@ -113,7 +113,7 @@ TEST(SceneCommands, PointsMayBeWrittenWithBlanksOrCommas) {
 
 // Zero, negative, huge and invalid numbers, for every number of every command, lead to a message or a result,
 // without long work because memory is limited.
-TEST(SceneCommands, OddNumbersAreTakenOrRefusedInWords) {
+TEST(SceneCommands, UnusualNumbersAreAcceptedOrRejectedWithAMessage) {
     int asked = 0;
     for (const SceneCommand& c : scene_commands()) {
         if (uses_files(c)) continue;

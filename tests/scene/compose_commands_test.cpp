@@ -36,7 +36,7 @@ class SceneCompose : public test::FolderTest {
     Scene scene;
 };
 
-TEST_F(SceneCompose, MakesWhatTheLibraryMakes) {
+TEST_F(SceneCompose, MatchesTheComposerOfTheLibrary) {
     const std::string said = scene.run("compose a oak branches=elm seed=5 probability=1 roll=10 pose=own");
     const ComposeOptions options{.probability = 1, .pose = ComposePose::own, .roll = 0.17453292f};
     const ComposeResult made = TreeComposer(child_trees(tree("elm")), options).compose(tree("oak"), 5);
@@ -45,14 +45,14 @@ TEST_F(SceneCompose, MakesWhatTheLibraryMakes) {
     EXPECT_NE(said.find(std::to_string(made.report.replaced) + " of "), std::string::npos) << said;
 }
 
-TEST_F(SceneCompose, TakesTheTemplatesOwnBranchesWhenNoneAreNamed) {
+TEST_F(SceneCompose, UsesTheBranchesOfTheTemplateByDefault) {
     scene.run_text("compose a oak seed=2\ncompose b oak branches=oak seed=2\nset seed 2\ncompose c oak", "x");
     EXPECT_TRUE(same(tree("a"), tree("b")));
     EXPECT_TRUE(same(tree("a"), tree("c")));
     EXPECT_FALSE(same(tree("a"), tree("oak")));
 }
 
-TEST_F(SceneCompose, ALibraryKeepsBranchesOfTrees) {
+TEST_F(SceneCompose, LibraryStoresBranchesOfTrees) {
     scene.run("library add " + file("b.branches") + " elm oak tag=bent tag=old min_length=0.001");
     EXPECT_NE(scene.run("library add " + file("b.branches") + " elm").find("0 branches added"),
               std::string::npos);
@@ -65,7 +65,7 @@ TEST_F(SceneCompose, ALibraryKeepsBranchesOfTrees) {
     EXPECT_FALSE(same(tree("a"), tree("both")));
 }
 
-TEST_F(SceneCompose, ARecipeMakesTheSameTreeAgain) {
+TEST_F(SceneCompose, RecipeReproducesTheTree) {
     scene.run("library add " + file("b.branches") + " elm tag=bent");
     scene.run("compose a oak library=" + file("b.branches") + " tag=bent seed=3");
     Scene again;
@@ -75,7 +75,7 @@ TEST_F(SceneCompose, ARecipeMakesTheSameTreeAgain) {
         same(tree("a"), std::get<Skeleton>(again.state().objects.at({ObjectKind::skeleton, "a"})->value)));
 }
 
-TEST_F(SceneCompose, KeepsWithinACrownWhateverTheOriginOfTheTemplate) {
+TEST_F(SceneCompose, BranchesRemainInsideACrownForAnyOrigin) {
     const Skeleton& oak = tree("oak");
     const Vec3 center = oak.bounds().center();
     const float radius = 0.2f * oak.bounds().diagonal();
@@ -97,7 +97,7 @@ TEST_F(SceneCompose, KeepsWithinACrownWhateverTheOriginOfTheTemplate) {
     EXPECT_FALSE(same(tree("open"), tree("near")));
 }
 
-TEST_F(SceneCompose, RefusesWhatMakesNoSense) {
+TEST_F(SceneCompose, RejectsInvalidInput) {
     scene.hold_tree("stick", Skeleton({NodeId::none(), NodeId(0)}, {{0, 0, 0}, {0, 0, 1}}, {0.1f, 0.1f}));
     EXPECT_NE(refusal("compose a oak tag=bent").find("library=FILE"), std::string::npos);
     EXPECT_NE(refusal("compose a stick").find("no such branches"), std::string::npos);
@@ -119,7 +119,7 @@ Skeleton trunk() {
             {0.1f, 0.1f, 0.1f, 0.05f, 0.05f, 0.05f, 0.05f, 0.02f}};
 }
 
-TEST_F(SceneCompose, ABranchThatIsSelectedGoesToTheLibrary) {
+TEST_F(SceneCompose, SelectedBranchIsAddedToTheLibrary) {
     scene.hold_tree("t", trunk());
     EXPECT_EQ(scene.run("library add " + file("b.branches") + " t nodes=id(3)"),
               "1 branches added, 0 already existed\n");
@@ -164,7 +164,7 @@ TEST_F(SceneCompose, ABranchOfALibraryIsGrafted) {
     EXPECT_NEAR(length(end() - Vec3{0, 0, 1}), 2.0f, 1e-5f);
 }
 
-TEST_F(SceneCompose, AGraftThatMakesNoSenseIsRefused) {
+TEST_F(SceneCompose, RejectsAnInvalidGraft) {
     scene.hold_tree("t", trunk());
     const std::string graft = "library graft t " + file("b.branches");
     EXPECT_NE(refusal(graft + " 1 id(3)").find("b.branches"), std::string::npos);
@@ -195,7 +195,7 @@ Skeleton long_fork() {
 }
 
 // There is enough memory for the template, but not for the inserted branches.
-TEST_F(SceneCompose, HoldsItsMemory) {
+TEST_F(SceneCompose, LimitsItsMemory) {
     Scene small({.max_memory = 1}), large({.max_memory = 4});
     for (Scene* each : {&small, &large}) each->hold_tree("fork", long_fork());
     EXPECT_NO_THROW(large.run("compose a fork probability=1"));
@@ -203,7 +203,7 @@ TEST_F(SceneCompose, HoldsItsMemory) {
     EXPECT_NE(said.find("the tree gets more than"), std::string::npos) << said;
 }
 
-TEST_F(SceneCompose, WritesNothingWhereOutputsAreOnlyChecked) {
+TEST_F(SceneCompose, WritesNothingIfOutputsAreDisabled) {
     Scene checked({.outputs = false});
     checked.hold_tree("oak", tree("oak"));
     checked.run("library add " + file("b.branches") + " oak");

@@ -18,7 +18,7 @@ using test::id;
 
 EditSession session() { return EditSession(test::stem_with_branches(), {.files = false, .outputs = false}); }
 
-TEST(EditSession, RunsEditsAndTakesThemBack) {
+TEST(EditSession, RunsAndUndoesEdits) {
     EditSession s = session();
     s.run_text("bend 4 40; prune order=1 ; # a comment; delete roots\nsplit \"order(0) & !roots\" parts=3",
                "x");
@@ -35,13 +35,13 @@ TEST(EditSession, RunsEditsAndTakesThemBack) {
               std::string::npos);
 }
 
-TEST(EditSession, TakesTheWordEditBeforeACommand) {
+TEST(EditSession, AcceptsTheWordEditBeforeACommand) {
     EditSession s = session();
     s.run("edit delete 8");
     EXPECT_EQ(s.history().at(0).command, "delete 8 alone=false");
 }
 
-TEST(EditSession, ShowsWhatASelectionHolds) {
+TEST(EditSession, SelectListsTheSelectedNodes) {
     EditSession s = session();
     EXPECT_EQ(s.run("select 7|8"),
               "2 of 9 nodes\nnode 7 at 2,1,1 radius 0.02 on 5 order 2: at(2,1,1,2,0.02)\n"
@@ -49,7 +49,7 @@ TEST(EditSession, ShowsWhatASelectionHolds) {
     EXPECT_EQ(s.run("select radius(5,)"), "0 of 9 nodes\n");
 }
 
-TEST(EditSession, UsesSolidsOfSceneCommandsAndTheTreeInThem) {
+TEST(EditSession, SolidsOfSceneCommandsAndTheTreeAreAvailable) {
     EditSession s = session();
     s.run("sphere crown center=0,0,2 radius=1.5");
     s.run("prune solid=crown");
@@ -61,7 +61,7 @@ TEST(EditSession, UsesSolidsOfSceneCommandsAndTheTreeInThem) {
               "tidy creates a tree, but edits apply to the existing one; run a scene first");
 }
 
-TEST(EditSession, RefusesInOneSentenceWithItsPlace) {
+TEST(EditSession, ErrorsReportTheirPosition) {
     EditSession s = session();
     EXPECT_EQ(error_of([&] { s.run("graft 4 7", "a:3"); }),
               "a:3: graft: node 7 hangs on node 4, so that 4 would be grafted into itself; choose a host "
@@ -78,7 +78,7 @@ TEST(EditSession, RefusesInOneSentenceWithItsPlace) {
     EXPECT_TRUE(s.history().empty());
 }
 
-TEST(EditSession, KeepsIdsInJson) {
+TEST(EditSession, PreservesIdsInJson) {
     EditSession s = session();
     s.run_text("delete 5; split 2; graft 8 0; append 3 0 0 1", "x");
     const Skeleton edited = s.tree().skeleton();
@@ -108,7 +108,7 @@ Skeleton other_growth(const Skeleton& s) {
     return Skeleton({s.parents().begin(), s.parents().end()}, place, radius, {}, ids);
 }
 
-TEST(SavedEdits, AreMadeAgainOnATreeOfOtherIds) {
+TEST(SavedEdits, AreReplayedOnATreeWithOtherIds) {
     const Skeleton first = random_tree(200, 3);
     EditSession s(first);
     s.run_text(
@@ -126,7 +126,7 @@ TEST(SavedEdits, AreMadeAgainOnATreeOfOtherIds) {
     EXPECT_TRUE(test::same(same.tree().skeleton(), s.tree().skeleton()));
 }
 
-TEST(SavedEdits, TellOfWhatDoesNotBind) {
+TEST(SavedEdits, ReportUnboundSelections) {
     EditSession s = session();
     s.run_text("split 6; append 9 0 0 0.3; radius tips 0.01", "x");
     EditSession cut = session();
@@ -141,7 +141,7 @@ TEST(SavedEdits, TellOfWhatDoesNotBind) {
     EXPECT_FLOAT_EQ(cut.tree().radius(id(3)), 0.01f);
 }
 
-TEST(SavedEdits, RefuseWhatIsNoFileOfEdits) {
+TEST(SavedEdits, RejectInvalidFiles) {
     EditSession s = session();
     const auto refused = [&](const std::string& text) {
         return error_of<Error>([&] { s.replay(text, "e.json"); });
@@ -162,7 +162,7 @@ TEST(SavedEdits, RefuseWhatIsNoFileOfEdits) {
     EXPECT_TRUE(test::same(s.tree().skeleton(), test::stem_with_branches()));  // the tree is unchanged
 }
 
-TEST(EditSession, TheSurfaceFollows) {
+TEST(EditSession, SurfaceFollowsEdits) {
     EditSession session(random_tree(200, 2));
     EXPECT_EQ(session.surface(), nullptr);
     session.keep_surface({});

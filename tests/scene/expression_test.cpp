@@ -28,7 +28,7 @@ std::string refusal(const std::string& text) {
     return test::error_of([&] { evaluate(text, v); });
 }
 
-TEST(Expression, TheUsualOrderOfOperators) {
+TEST(Expression, OperatorsHaveTheUsualPrecedence) {
     EXPECT_EQ(number("1 + 2 * 3"), 7);
     EXPECT_EQ(number("(1 + 2)*3"), 9);
     EXPECT_EQ(number("2^3^2"), 512);
@@ -43,7 +43,7 @@ TEST(Expression, TheUsualOrderOfOperators) {
     EXPECT_FALSE(std::signbit(number("0 * -1")));
 }
 
-TEST(Expression, ComparisonsAndConditions) {
+TEST(Expression, EvaluatesComparisonsAndConditions) {
     EXPECT_EQ(number("n >= 3 and not (n > 3)"), 1);
     EXPECT_EQ(number("n < 3 or n != 3"), 0);
     EXPECT_EQ(number("kind == \"oak\""), 1);
@@ -52,7 +52,7 @@ TEST(Expression, ComparisonsAndConditions) {
     EXPECT_EQ(number("1 < 1"), 0);
 }
 
-TEST(Expression, FunctionsTakeDegrees) {
+TEST(Expression, FunctionsUseDegrees) {
     EXPECT_DOUBLE_EQ(number("sin(30)"), 0.5);
     EXPECT_DOUBLE_EQ(number("atan2(1, -1)"), 135);
     EXPECT_DOUBLE_EQ(number("acos(0)"), 90);
@@ -62,7 +62,7 @@ TEST(Expression, FunctionsTakeDegrees) {
     EXPECT_DOUBLE_EQ(number("exp(log(5))"), 5);
 }
 
-TEST(Expression, RandomNumbersComeFromTheSeedInOrder) {
+TEST(Expression, RandomNumbersFollowTheSeed) {
     SceneVariables a, b, c;
     c.seed = 1;
     bool same = true, other = false;
@@ -78,7 +78,7 @@ TEST(Expression, RandomNumbersComeFromTheSeedInOrder) {
     EXPECT_EQ(a.draws, 100u);
 }
 
-TEST(Expression, ValuesArePutIntoTexts) {
+TEST(Expression, ExpandsValuesInTexts) {
     SceneVariables v = some();
     EXPECT_EQ(expanded("tree${n}", v), "tree3");
     EXPECT_EQ(expanded("${n/4},0,${ -n }", v), "0.75,0,-3");
@@ -91,7 +91,7 @@ TEST(Expression, ValuesArePutIntoTexts) {
     EXPECT_EQ(to_text(evaluate("\"a ${kind} of ${n}\"", v)), "a oak of 3");
 }
 
-TEST(Expression, RefusalsSayWhatIsWrong) {
+TEST(Expression, ErrorsReportTheFault) {
     EXPECT_EQ(refusal("hieght + 1"), "there is no variable 'hieght'; did you mean height?");
     EXPECT_EQ(refusal("sine(3)"), "there is no function 'sine'; did you mean sin?");
     EXPECT_EQ(refusal("zzz"), "there is no variable 'zzz'");
@@ -112,7 +112,7 @@ TEST(Expression, RefusalsSayWhatIsWrong) {
     EXPECT_EQ(refusal("1..2"), "'..2' follows the expression, where an operator is required");
 }
 
-TEST(Expression, HostileOnesEndSoon) {
+TEST(Expression, LongAndDeepExpressionsTerminate) {
     EXPECT_EQ(refusal(std::string(1 << 20, '(')), "the expression is nested more than 100 deep");
     EXPECT_EQ(refusal(std::string(1 << 20, '-') + "1"), "the expression is nested more than 100 deep");
     std::string calls, sums = "1", powers = "1";
@@ -130,7 +130,7 @@ TEST(Expression, HostileOnesEndSoon) {
               "'" + std::string(80, '1') + "...' is not a number");
 }
 
-TEST(Expression, NamesOfVariables) {
+TEST(Expression, ChecksNamesOfVariables) {
     for (const char* name : {"n", "_a", "tree_2", "X", "random", "sin"})
         EXPECT_TRUE(is_variable_name(name)) << name;
     for (const char* name : {"", "2a", "a-b", "a.b", "end", "in", "pi", "not"})

@@ -102,25 +102,25 @@ TEST_F(SceneExtract, ReadsACloud) {
     EXPECT_TRUE(same(tree("a"), tree("b")));
 }
 
-TEST_F(SceneExtract, TurnsWhatPointsUpAlongY) {
+TEST_F(SceneExtract, RotatesInputWithYUp) {
     scene.run("extract a stem.xyz ground=none");
     scene.run("extract b lying.xyz ground=none up=y");
     EXPECT_TRUE(same(tree("a"), tree("b")));
 }
 
-TEST_F(SceneExtract, TheRootIsWhereItIsSaid) {
+TEST_F(SceneExtract, RootFollowsTheOption) {
     scene.run("extract a tube.ply root=0,0,2");
     scene.run("extract b stem.xyz ground=none root=0,0,2");
     for (const char* name : {"a", "b"}) EXPECT_GT(tree(name).position(NodeId(0)).z, 1.5f) << name;
 }
 
-TEST_F(SceneExtract, TheEvidenceStaysWithEdits) {
+TEST_F(SceneExtract, EvidenceIsPreservedByEdits) {
     scene.run("extract a stem.xyz ground=none");
     scene.run("edit scale a roots 2");
     EXPECT_EQ(attributes("a").back(), "evidence");
 }
 
-TEST_F(SceneExtract, OptionsThatWouldDoNothingAreRefused) {
+TEST_F(SceneExtract, RejectsOptionsWithoutEffect) {
     EXPECT_EQ(refusal("extract a tube.ply voxel=0.1"),
               "extract: voxel= is for clouds of points, and 'tube.ply' is taken for a mesh");
     EXPECT_EQ(refusal("extract a tube.ply wood_classes=4"),
@@ -133,7 +133,7 @@ TEST_F(SceneExtract, OptionsThatWouldDoNothingAreRefused) {
     EXPECT_EQ(refusal("extract a tube.ply voxel=0"), "no error");  // the default
 }
 
-TEST_F(SceneExtract, SaysWhatIsMissing) {
+TEST_F(SceneExtract, ReportsMissingInput) {
     const std::string one =
         "extract: a file or from=OBJECT is the source of the skeleton; give exactly one of them";
     EXPECT_EQ(refusal("extract a"), one);
@@ -144,7 +144,7 @@ TEST_F(SceneExtract, SaysWhatIsMissing) {
     EXPECT_NE(refusal("extract a from=nothing").find("there is no mesh 'nothing'"), std::string::npos);
 }
 
-TEST_F(SceneExtract, PointsAreLeftOutByTheirClass) {
+TEST_F(SceneExtract, ExcludesPointsByTheirClass) {
     std::ofstream classed(folder_ / "classed.xyz");
     classed << "x y z classification\n";
     std::ifstream points(folder_ / "stem.xyz");
@@ -162,7 +162,7 @@ TEST_F(SceneExtract, PointsAreLeftOutByTheirClass) {
               std::string::npos);
 }
 
-TEST_F(SceneExtract, ARecipeMakesTheSame) {
+TEST_F(SceneExtract, RecipeReproducesTheTree) {
     scene.run("extract a stem.xyz ground=none leaves=keep");
     Scene again(settings());
     again.run_text(make_recipe(scene.state()), "recipe");
@@ -170,7 +170,7 @@ TEST_F(SceneExtract, ARecipeMakesTheSame) {
         same(tree("a"), std::get<Skeleton>(again.state().objects.at({ObjectKind::skeleton, "a"})->value)));
 }
 
-TEST_F(SceneExtract, MemoryIsAskedForBefore) {
+TEST_F(SceneExtract, ChecksTheMemoryFirst) {
     scene.run("mesh t levels=5");
     scene.run("save t fine.ply kind=mesh");
     std::ofstream(folder_ / "fine.xyz") << ring_points(0, 200);
@@ -180,7 +180,7 @@ TEST_F(SceneExtract, MemoryIsAskedForBefore) {
             << line;
 }
 
-TEST_F(SceneExtract, CanBeStoppedAndTellsHowFarItIs) {
+TEST_F(SceneExtract, StopsWhenCancelledAndReportsProgress) {
     std::stop_source stop;
     stop.request_stop();
     EXPECT_THROW(scene.run("extract a stem.xyz", {}, {.stop = stop.get_token()}), Cancelled);
@@ -193,12 +193,12 @@ TEST_F(SceneExtract, CanBeStoppedAndTellsHowFarItIs) {
     }
 }
 
-TEST_F(SceneExtract, FilesOutsideAreRefused) {
+TEST_F(SceneExtract, RejectsFilesOutsideTheFolder) {
     EXPECT_NE(refusal("extract a ../stem.xyz").find("cannot"), std::string::npos);
     EXPECT_NE(refusal("extract a /etc/passwd").find("cannot"), std::string::npos);
 }
 
-TEST_F(SceneExtract, ReadsTheTreesThatPointsName) {
+TEST_F(SceneExtract, ReadsTreesByTheIdsOfPoints) {
     std::ofstream file(folder_ / "two.txt");
     file << "x y z tree_id\n";
     for (int ring = 0; ring < 60; ++ring) {

@@ -19,7 +19,7 @@ class FileKinds : public test::FolderTest {
     }
 };
 
-TEST_F(FileKinds, FollowFromNameAndContent) {
+TEST_F(FileKinds, FollowNameAndContent) {
     using enum FileKind;
     EXPECT_EQ(kind_of("a.swc", ""), skeleton);
     EXPECT_EQ(kind_of("a.stl", ""), mesh);
@@ -37,7 +37,7 @@ TEST_F(FileKinds, FollowFromNameAndContent) {
     EXPECT_EQ(kind_of("a.txt", "1 1 0 0 0 0.2 -1\n2 1 0 0 1 0.1 1\n"), skeleton);
 }
 
-TEST_F(FileKinds, OfUnknownNamesFollowFromTheContent) {
+TEST_F(FileKinds, OfUnknownNamesFollowTheContent) {
     using enum FileKind;
     EXPECT_EQ(kind_of("a.dat", "1 1 0 0 0 0.2 -1\n2 1 0 0 1 0.1 1\n"), skeleton);
     EXPECT_EQ(kind_of("a.dat", "OFF\n3 0 0\n"), points);
@@ -51,7 +51,7 @@ TEST_F(FileKinds, OfUnknownNamesFollowFromTheContent) {
     EXPECT_THROW(kind_of_file(folder_ / "missing.swc"), IoError);
 }
 
-TEST(OutputKind, FollowsFromTheNameAlone) {
+TEST(OutputKind, FollowsTheNameOnly) {
     using enum FileKind;
     EXPECT_EQ(kind_of_output("a.glb", skeleton), mesh);
     EXPECT_EQ(kind_of_output("a.swc", mesh), skeleton);

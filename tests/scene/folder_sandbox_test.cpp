@@ -51,7 +51,7 @@ std::string line_with(const SceneCommand& command, const Argument& argument, con
     return line + " " + argument.name + "=\"" + outside + "\"";
 }
 
-TEST_F(SceneFolderSandboxTest, NoCommandReachesAFileOutside) {
+TEST_F(SceneFolderSandboxTest, NoCommandAccessesAFileOutside) {
     Scene scene(settings());
     int tried = 0;
     for (const SceneCommand& c : scene_commands()) {
@@ -80,7 +80,7 @@ TEST_F(SceneFolderSandboxTest, NoCommandReachesAFileOutside) {
     EXPECT_EQ(fs::file_size(folder_ / "secret.xyz"), 12u);
 }
 
-TEST_F(SceneFolderSandboxTest, FilesWithinAreReadAndWritten) {
+TEST_F(SceneFolderSandboxTest, FilesInsideAreReadAndWritten) {
     Scene scene(settings());
     scene.run("pointset load p cloud.xyz");
     scene.run("save p sub/out.xyz");
@@ -93,13 +93,13 @@ TEST_F(SceneFolderSandboxTest, FilesWithinAreReadAndWritten) {
     EXPECT_EQ(again.state().objects.size(), 1u);
 }
 
-TEST_F(SceneFolderSandboxTest, AFileThatTheUserAllowedIsRead) {
+TEST_F(SceneFolderSandboxTest, AllowedFileIsRead) {
     Scene scene(settings({folder_ / "secret.xyz"}));
     scene.run("pointset load p \"" + (folder_ / "secret.xyz").string() + "\"");
     EXPECT_NE(test::error_of<IoError>([&] { scene.run("save p ../secret.xyz"); }), "no error");
 }
 
-TEST_F(SceneFolderSandboxTest, TheCurrentFolderDoesNotMatter) {
+TEST_F(SceneFolderSandboxTest, IsIndependentOfTheCurrentFolder) {
     const fs::path before = fs::current_path();
     fs::current_path(folder_);
     Scene scene(settings());

@@ -36,7 +36,7 @@ class FrameSinksTest : public test::FolderTest {
     }
 };
 
-TEST_F(FrameSinksTest, WriteTheFilesThatTheySay) {
+TEST_F(FrameSinksTest, WriteTheListedFiles) {
     const QuadMesh rest = square(0);
     for (const char* name : {"a.png", "b.gif", "c.ply", "d.obj", "e.stl", "f.glb", "g.usda"}) {
         write(folder_ / name, &rest);
@@ -47,7 +47,7 @@ TEST_F(FrameSinksTest, WriteTheFilesThatTheySay) {
     EXPECT_TRUE(fs::exists(folder_ / "h.usda"));
 }
 
-TEST_F(FrameSinksTest, SeriesAreNumbered) {
+TEST_F(FrameSinksTest, NumberTheFilesOfASeries) {
     const std::vector<fs::path> files = frame_files("in/a.png", 11);
     ASSERT_EQ(files.size(), 11u);
     EXPECT_EQ(files.front(), "in/a_0000.png");
@@ -55,7 +55,7 @@ TEST_F(FrameSinksTest, SeriesAreNumbered) {
     EXPECT_EQ(frame_files("a.GIF", 11), std::vector<fs::path>{"a.GIF"});
 }
 
-TEST_F(FrameSinksTest, NamesOfOtherKindsAreRefused) {
+TEST_F(FrameSinksTest, RejectOtherFormats) {
     for (const char* name : {"a", "a.swc", "a.off", "a.jpg"}) {
         EXPECT_EQ(test::error_of<InvalidInput>([&] {
                       check_frames_name(name, true);
@@ -67,7 +67,7 @@ TEST_F(FrameSinksTest, NamesOfOtherKindsAreRefused) {
     EXPECT_NO_THROW(check_frames_name("a.usda", false));
 }
 
-TEST_F(FrameSinksTest, AnUnfinishedFileDoesNotAppear) {
+TEST_F(FrameSinksTest, UnfinishedFileIsNotCreated) {
     FrameSeries series;
     series.count = 2;
     const QuadMesh rest = square(0);
@@ -78,7 +78,7 @@ TEST_F(FrameSinksTest, AnUnfinishedFileDoesNotAppear) {
 
 // A GLB sink stores a position of 12 bytes per vertex and frame; a sink with a file per frame stores no
 // frame.
-TEST_F(FrameSinksTest, TellWhatTheyHold) {
+TEST_F(FrameSinksTest, ReportTheirMemory) {
     const QuadMesh rest = square(0);
     FrameSeries series;
     series.count = 1000;

@@ -29,7 +29,7 @@ double azimuth(const Pose& p) {
     return std::atan2(double{p.positions[4].y}, double{p.positions[4].x}) * 180 / std::numbers::pi;
 }
 
-TEST(Keyframes, TurnByAnglesAndKeepLengths) {
+TEST(Keyframes, InterpolateAnglesAndPreserveLengths) {
     const Keyframes keys(fork(), "0: rotate 3 -60\n2 linear: rotate 3 60\n", "k.txt");
     EXPECT_EQ(keys.end(), 2);
     EXPECT_NEAR(azimuth(keys.at(0)), -60, 1e-3);
@@ -43,7 +43,7 @@ TEST(Keyframes, TurnByAnglesAndKeepLengths) {
     }
 }
 
-TEST(Keyframes, TellRollsThatPlacesDoNotShow) {
+TEST(Keyframes, ContainRollsAboutTheOwnAxis) {
     const Keyframes keys(fork(), "1: rotate 3 90 about=own\n", "k.txt");
     const Pose p = keys.at(1);
     EXPECT_LT(distance(p.positions[4], {2, 0, 2}), 1e-5f);
@@ -53,7 +53,7 @@ TEST(Keyframes, TellRollsThatPlacesDoNotShow) {
     EXPECT_EQ(p.turns[2], Rotation{});
 }
 
-TEST(Keyframes, EaseAsTheyAreTold) {
+TEST(Keyframes, UseTheGivenEasing) {
     const Keyframes keys(fork(), "0: rest\n1: rotate 3 40\n2 hold: rest\n3s in: rotate 3 40", "k.txt");
     EXPECT_NEAR(azimuth(keys.at(0.25)), 40 * (0.0625 * 2.5), 1e-3);
     EXPECT_NEAR(azimuth(keys.at(1.9)), 40, 1e-3);
@@ -61,12 +61,12 @@ TEST(Keyframes, EaseAsTheyAreTold) {
     EXPECT_NEAR(azimuth(keys.at(2.5)), 10, 1e-3);
 }
 
-TEST(Keyframes, RiseFromRestBeforeTheFirst) {
+TEST(Keyframes, StartFromTheRestPose) {
     const Keyframes keys(fork(), "2 linear: translate roots 4 0 0", "k.txt");
     EXPECT_NEAR(double{keys.at(1).positions[0].x}, 2, 1e-6);
 }
 
-TEST(Keyframes, ScaleByPowersAndMoveByWays) {
+TEST(Keyframes, InterpolateScalesGeometricallyAndMovesLinearly) {
     const Keyframes keys(fork(), "0: rest\n2 linear: scale 3 4; move 2 to=1,0,4", "k.txt");
     const Pose half = keys.at(1);
     EXPECT_NEAR(double{half.positions[3].x}, 2, 1e-5);
@@ -74,18 +74,18 @@ TEST(Keyframes, ScaleByPowersAndMoveByWays) {
     EXPECT_NEAR(double{half.positions[2].x}, 0.5, 1e-5);
 }
 
-TEST(Keyframes, BlendPlacesWhereAnEditHasNoParts) {
+TEST(Keyframes, InterpolateOtherEditsLinearly) {
     const Keyframes keys(fork(), "0: rest\n2 linear: radius 4 0.4", "k.txt");
     EXPECT_NEAR(double{keys.at(1).radii[4]}, 0.2, 1e-5);
 }
 
-TEST(Keyframes, LookUpSelectionsAtRest) {
+TEST(Keyframes, EvaluateSelectionsInTheRestPose) {
     // The second edit finds the branch at its position before the first edit, and reverses that edit.
     const Keyframes keys(fork(), "1: rotate 3 90; rotate near(1,0,2) -90", "k.txt");
     EXPECT_LT(distance(keys.at(1).positions[3], {1, 0, 2}), 1e-5f);
 }
 
-TEST(Keyframes, SayWhatIsWrongInOneSentence) {
+TEST(Keyframes, ReportErrors) {
     EXPECT_EQ(error_of("2: rest\n1: rest"), "k.txt:2: the key at 1 s does not come after the one at 2 s");
     EXPECT_EQ(error_of("1 bouncy: rest"),
               "k.txt:1: there is no easing 'bouncy'; use one of smooth, linear, in, out, hold");

@@ -151,11 +151,11 @@ int follow(const Skeleton& first, int edits, std::uint64_t seed) {
     return parts;
 }
 
-TEST(LiveSurface, HasTheBitsOfOneFromScratch) { EXPECT_GT(follow(random_tree(600, 3), 25, 1), 10); }
+TEST(LiveSurface, IsBitIdenticalToANewSurface) { EXPECT_GT(follow(random_tree(600, 3), 25, 1), 10); }
 
-TEST(LiveSurface, AlsoWhereBranchesRunThroughEachOther) { follow(random_tree(150, 5, true), 6, 2); }
+TEST(LiveSurface, IsBitIdenticalForOverlappingBranches) { follow(random_tree(150, 5, true), 6, 2); }
 
-TEST(LiveSurface, HasTheFacesOfTheWhole) {
+TEST(LiveSurface, MatchesTheFacesOfTheMesh) {
     const Skeleton tree = random_tree(300, 4);
     const QuadMesh whole = mesh_skeleton(tree).quads().mesh;
     const QuadMesh live = LiveSurface(tree, {}).mesh();
@@ -163,7 +163,7 @@ TEST(LiveSurface, HasTheFacesOfTheWhole) {
     EXPECT_EQ(faces_of(live), faces_of(whole));
 }
 
-TEST(LiveSurface, AnUpdateWritesLittle) {
+TEST(LiveSurface, UpdateWritesFewVertices) {
     EditableTree tree(random_tree(2'000, 6));
     LiveSurface surface(tree.skeleton(), {});
     StableId tip = tree.first_root();
@@ -178,7 +178,7 @@ TEST(LiveSurface, AnUpdateWritesLittle) {
     EXPECT_LT(vertices, surface.positions().size() / 20);
 }
 
-TEST(LiveSurface, NothingChangedWritesNothing) {
+TEST(LiveSurface, EmptyUpdateWritesNothing) {
     const Skeleton tree = random_tree(300, 7);
     LiveSurface surface(tree, {});
     const SurfaceChange wrote = surface.update(tree, {});
@@ -187,7 +187,7 @@ TEST(LiveSurface, NothingChangedWritesNothing) {
     EXPECT_TRUE(wrote.quads.empty());
 }
 
-TEST(LiveSurface, SameBitsForAnyNumberOfThreads) {
+TEST(LiveSurface, IsBitIdenticalForAnyNumberOfThreads) {
     std::vector<QuadMesh> made;
     for (const unsigned threads : {1u, 3u}) {
         EditableTree tree(random_tree(500, 8));
@@ -202,7 +202,7 @@ TEST(LiveSurface, SameBitsForAnyNumberOfThreads) {
     EXPECT_TRUE(is_same(made[0], made[1]));
 }
 
-TEST(LiveSurface, RefusesWhatDependsOnAllOfTheTree) {
+TEST(LiveSurface, RejectsOptionsThatDependOnTheWholeTree) {
     const auto error = [](const auto& change) {
         MeshOptions options;
         change(options);

@@ -23,7 +23,7 @@ double taken(const TetraSurface& made) { return 170.0 * made.coarse + 65.0 * mad
 // / 0.999 radii per metre.
 Skeleton spike() { return {{NodeId::none(), NodeId(0)}, {{0, 0, 0}, {0, 0, 10}}, {1, 0.001f}}; }
 
-TEST(MeshMemory, OfTetrahedraIsNeitherTooLowNorFarTooHigh) {
+TEST(MeshMemory, EstimateForTetrahedraIsWithinAFactorOfFour) {
     const std::vector<Skeleton> trees{random_tree(100, 3), random_tree(100, 3, true), spike()};
     for (std::size_t i = 0; i < trees.size(); ++i) {
         for (const auto& [edge, levels] : {std::pair(0.4f, 0), std::pair(0.4f, 1), std::pair(0.5f, 2),
@@ -38,7 +38,7 @@ TEST(MeshMemory, OfTetrahedraIsNeitherTooLowNorFarTooHigh) {
 }
 
 // Four times as many quads per level; each needs about 100 bytes during the computation.
-TEST(MeshMemory, OfQuadsGrowsWithTheirNumber) {
+TEST(MeshMemory, EstimateForQuadsIsProportionalToTheirNumber) {
     const Skeleton tree = random_tree(100, 3);
     MeshOptions options;
     options.levels = 2;

@@ -14,7 +14,7 @@ Surface one_quad() {
     return {std::move(mesh)};
 }
 
-TEST(SceneObject, SurfacesTurnIntoOneAnother) {
+TEST(SceneObject, SurfacesConvertIntoEachOther) {
     const Surface quad = one_quad();
     EXPECT_EQ(face_count(quad), 1u);
     EXPECT_EQ(make_polygons(quad).face(0).size(), 4u);
@@ -26,7 +26,7 @@ TEST(SceneObject, SurfacesTurnIntoOneAnother) {
     EXPECT_EQ(to_triangles(Surface{make_polygons(quad)}).triangles.size(), 2u);
 }
 
-TEST(SceneObject, TheKindIsThatOfTheValue) {
+TEST(SceneObject, KindFollowsTheValue) {
     EXPECT_EQ(SceneObject{sphere({})}.kind(), ObjectKind::solid);
     EXPECT_EQ(SceneObject{PointSet{}}.kind(), ObjectKind::points);
     EXPECT_EQ(SceneObject{one_quad()}.kind(), ObjectKind::mesh);

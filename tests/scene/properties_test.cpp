@@ -71,7 +71,7 @@ TEST_F(SceneProperties, EveryLineOfTheThesisRunsAsPrinted) {
         EXPECT_NE(page.find("| `" + std::string(line) + "` |"), std::string::npos) << line;
 }
 
-TEST_F(SceneProperties, WhatIsTypedGoesBeforeTheFile) {
+TEST_F(SceneProperties, ArgumentsTakePrecedenceOverTheFile) {
     write("p.props", "pattern = uniform\ncount = 50\nseed = 3\ncurve = 0.6,1\ncurve = 0.7,1\n");
     Scene s = scene();
     s.run_text("sphere s\npointset gen s properties=p.props count=70\npointset gen s jittered p.props name=j",
@@ -88,7 +88,7 @@ TEST_F(SceneProperties, WhatIsTypedGoesBeforeTheFile) {
     EXPECT_EQ(points_of(again, "s"), points_of(s, "s"));
 }
 
-TEST_F(SceneProperties, MessagesNameFileLineAndOption) {
+TEST_F(SceneProperties, ErrorsReportFileLineAndOption) {
     EXPECT_NE(refusal("pointset gen s poisson p.props", "\ncuont = 5")
                   .find("p.props:2: pointset generate has no option 'cuont'; did you mean count?"),
               std::string::npos);
@@ -105,7 +105,7 @@ TEST_F(SceneProperties, MessagesNameFileLineAndOption) {
     EXPECT_THROW(closed.run("pointset gen s poisson p.props"), IoError);
 }
 
-TEST_F(SceneProperties, SavePointsetTakesThePointsMadeLast) {
+TEST_F(SceneProperties, SavePointsetWritesTheLastCreatedPoints) {
     Scene s = scene();
     EXPECT_NE(test::error_of<Error>([&] { s.run("save pointset a.xyz"); }).find("no points yet"),
               std::string::npos);

@@ -13,7 +13,7 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-TEST(SceneReference, ThePageIsThatOfTheTable) {
+TEST(SceneReference, PageMatchesTheTable) {
     const std::string page = read_file(source_dir() / "docs/user/scene-reference.md");
     EXPECT_TRUE(page == scene_reference())
         << "regenerate it by: coppice run --reference > docs/user/scene-reference.md";
@@ -36,7 +36,7 @@ TEST(SceneReference, HelpOfAFamilyListsIt) {
     EXPECT_THROW(help_of(scene_words("shpere")), InvalidInput);
 }
 
-TEST(SceneReference, UsageShowsWhatMayBeLeftOut) {
+TEST(SceneReference, UsageShowsOptionalArguments) {
     std::size_t used = 0;
     EXPECT_EQ(usage_of(find_command(scene_words("diff"), used)), "diff PARTS... RESULT");
     EXPECT_EQ(usage_of(find_command(scene_words("mesh"), used)), "mesh TREE [NAME] [OPTION=VALUE...]");

@@ -40,7 +40,7 @@ class SceneSave : public test::FolderTest {
     }
 };
 
-TEST_F(SceneSave, KeepsTheNumbersOfNodesThroughEditsAndMoves) {
+TEST_F(SceneSave, PreservesAttributesOfNodesThroughEditsAndMoves) {
     Scene scene;
     scene.run("limb t 0,0,0 0,0,1 0,0,2");
     const auto& limb = std::get<Skeleton>(scene.state().objects.at({ObjectKind::skeleton, "t"})->value);
@@ -58,7 +58,7 @@ TEST_F(SceneSave, KeepsTheNumbersOfNodesThroughEditsAndMoves) {
     EXPECT_FLOAT_EQ(read.attributes[0].values.back(), evidence.back());
 }
 
-TEST_F(SceneSave, ARecipeGivesTheSameBits) {
+TEST_F(SceneSave, RecipeIsBitIdentical) {
     Scene scene, again, third;
     scene.run_text(kScene, "scene");
     const std::string recipe = make_recipe(scene.state());
@@ -71,7 +71,7 @@ TEST_F(SceneSave, ARecipeGivesTheSameBits) {
     EXPECT_NE(compute_hash(scene), compute_hash(third));
 }
 
-TEST_F(SceneSave, ARecipeFindsItsFilesFromElsewhere) {
+TEST_F(SceneSave, RecipeFindsItsFilesFromAnotherFolder) {
     Scene scene;
     scene.run_text("sphere s\npolygonize s", "x");
     scene.run("save s " + quoted_word(file("ball.obj")));
@@ -83,7 +83,7 @@ TEST_F(SceneSave, ARecipeFindsItsFilesFromElsewhere) {
     EXPECT_TRUE(elsewhere.state().objects.contains({ObjectKind::solid, "m"}));
 }
 
-TEST_F(SceneSave, TheEndingPicksTheKind) {
+TEST_F(SceneSave, ExtensionDeterminesTheKind) {
     Scene scene;
     scene.run_text(kScene, "scene");
     scene.run("save tree " + quoted_word(file("tree.swc")));
@@ -100,7 +100,7 @@ TEST_F(SceneSave, TheEndingPicksTheKind) {
     EXPECT_NE(solid.find("write the mesh that polygonize creates"), std::string::npos) << solid;
 }
 
-TEST_F(SceneSave, WhatWasMadeLastAndSuitsIsFound) {
+TEST_F(SceneSave, FindsTheLastSuitableObject) {
     Scene scene;
     scene.run_text(kScene, "scene");
     EXPECT_EQ(object_for_file(scene.state(), {}, "a.glb")->kind(), ObjectKind::mesh);
@@ -112,7 +112,7 @@ TEST_F(SceneSave, WhatWasMadeLastAndSuitsIsFound) {
     EXPECT_THROW(object_for_file(scene.state(), {}, "a.swc"), InvalidInput);
 }
 
-TEST_F(SceneSave, NothingIsWrittenWhereThatIsNotWanted) {
+TEST_F(SceneSave, WritesNothingIfOutputsAreDisabled) {
     Scene dry({.outputs = false}), closed({.files = false});
     for (Scene* scene : {&dry, &closed}) scene->run_text("sphere s\npolygonize s", "x");
     dry.run("save s " + quoted_word(file("a.obj")));
@@ -125,7 +125,7 @@ TEST_F(SceneSave, NothingIsWrittenWhereThatIsNotWanted) {
     EXPECT_THROW(Scene().run_text("sphere s\npolygonize s\nsave s gone/a.obj", "x"), IoError);
 }
 
-TEST_F(SceneSave, PicturesShowEveryKindButProfiles) {
+TEST_F(SceneSave, RendersEveryKindButProfiles) {
     Scene scene;
     scene.run_text(
         "sphere s\npointset gen s count=20\npolygonize s m\npath p 0,0,0 0,0,2\nprofile f circle=1\n"
@@ -141,7 +141,7 @@ TEST_F(SceneSave, PicturesShowEveryKindButProfiles) {
     EXPECT_FALSE(std::filesystem::exists(file("f.png")));
 }
 
-TEST_F(SceneSave, WhatNoFileCanHoldIsKnownBeforeTheSceneRuns) {
+TEST_F(SceneSave, UnsupportedOutputsAreRejectedBeforeTheSceneRuns) {
     const auto refused = [](std::string_view scene, const std::string& name) {
         return test::error_of<InvalidInput>(
             [&] { check_scene_output(*find_commands(scene_lines(scene, "x")), name); });

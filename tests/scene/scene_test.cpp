@@ -49,7 +49,7 @@ TEST(Scene, RunsTheCommandsOfTheThesis) {
     EXPECT_GT(value_at(scene, "s3", {0, 0, -0.7f}), 0.5f);
 }
 
-TEST(Scene, ThinningTakesTheGivenShare) {
+TEST(Scene, ThinningRemovesTheGivenFraction) {
     Scene scene;
     scene.run_text("sphere s\npointset gen s uniform count=1000\nsphere whole radius=3", "x");
     scene.run("pointset thin s whole 80");
@@ -61,7 +61,7 @@ TEST(Scene, ThinningTakesTheGivenShare) {
     EXPECT_EQ(points_of_scene(scene, "s").size(), 500u);
 }
 
-TEST(Scene, AFailingLineLeavesEverythingAsItWas) {
+TEST(Scene, FailingLineChangesNothing) {
     Scene scene;
     scene.run_text("sphere a\nsphere b\nset seed 3\npointset gen a count=10", "x");
     const SceneState before = scene.state();
@@ -78,7 +78,7 @@ TEST(Scene, AFailingLineLeavesEverythingAsItWas) {
     }
 }
 
-TEST(Scene, MessagesNameFileLineAndCommand) {
+TEST(Scene, ErrorsReportFileLineAndCommand) {
     Scene scene;
     EXPECT_EQ(refusal(scene, "sphere s\n\nsphre t"),
               "f.coppice:3: there is no command 'sphre'; did you mean sphere?");
@@ -88,7 +88,7 @@ TEST(Scene, MessagesNameFileLineAndCommand) {
         {ObjectKind::solid, "s"}));  // the effects before the failing line remain
 }
 
-TEST(Scene, ObjectsDoNotChangeThroughOthers) {
+TEST(Scene, ObjectsAreIndependentOfLaterChanges) {
     Scene scene;
     scene.run_text("sphere a\nsphere b center=3,0,0\nunion a b u\ntranslate a 0 0 10", "x");
     EXPECT_GT(value_at(scene, "u", {0, 0, 0}), 0.5f);
@@ -97,7 +97,7 @@ TEST(Scene, ObjectsDoNotChangeThroughOthers) {
     EXPECT_GT(value_at(scene, "u", {3, 0, 0}), 0.5f);
 }
 
-TEST(Scene, UndoTakesBackWhatChangedSomething) {
+TEST(Scene, UndoRevertsChanges) {
     Scene scene;
     scene.run_text("sphere a\nscale a 2\nlist\ndescribe a\nset seed 9\npointset gen a count=5", "x");
     EXPECT_EQ(scene.undo_depth(), 4u);
@@ -114,7 +114,7 @@ TEST(Scene, UndoTakesBackWhatChangedSomething) {
     EXPECT_EQ(refusal(scene, "undo"), "f.coppice:1: undo: there is no command to undo");
 }
 
-TEST(Scene, DeletingComesBackByUndo) {
+TEST(Scene, UndoRestoresDeletedObjects) {
     Scene scene;
     scene.run_text("sphere a\npointset gen a count=5\ndelete a kind=points\nundo", "x");
     EXPECT_EQ(points_of_scene(scene, "a").size(), 5u);
@@ -122,7 +122,7 @@ TEST(Scene, DeletingComesBackByUndo) {
     EXPECT_TRUE(scene.state().objects.empty());
 }
 
-TEST(Scene, AMeshHasAboutSoManyFaces) {
+TEST(Scene, MeshHasAboutTheRequestedNumberOfFaces) {
     Scene scene;
     scene.run_text("limb t 0,0,0 0,0,4 0.5,0,8 radius=0.3\nmesh t small faces=300\nmesh t large faces=5000",
                    "x");
@@ -138,7 +138,7 @@ TEST(Scene, AMeshHasAboutSoManyFaces) {
     EXPECT_NE(refusal(scene, "mesh t faces=50").find("faces must be from 100 to"), std::string::npos);
 }
 
-TEST(Scene, WhatNeedsTooMuchMemoryIsRefusedBeforeItStarts) {
+TEST(Scene, RejectsCommandsThatNeedTooMuchMemory) {
     Scene scene({.max_memory = 20});
     scene.run_text("sphere s\npointset gen s count=1000\ngrow t s root=0,0,-1 kill_radius=0.05 step=0.03",
                    "x");
@@ -150,7 +150,7 @@ TEST(Scene, WhatNeedsTooMuchMemoryIsRefusedBeforeItStarts) {
     }
 }
 
-TEST(Scene, WorkCanBeInterrupted) {
+TEST(Scene, StopsWhenCancelled) {
     Scene scene;
     std::stop_source stop;
     stop.request_stop();
@@ -158,7 +158,7 @@ TEST(Scene, WorkCanBeInterrupted) {
     EXPECT_TRUE(scene.state().objects.empty());
 }
 
-TEST(Scene, NestingAndNumbersAreBounded) {
+TEST(Scene, NestingAndNumbersOfObjectsAreLimited) {
     Scene scene;
     std::string deep = "sphere s\n";
     for (int i = 0; i < 300; ++i) deep += "twist s 1\n";
@@ -175,7 +175,7 @@ TEST(Scene, NestingAndNumbersAreBounded) {
     EXPECT_NE(refusal(many, names).find("at most 10000 objects"), std::string::npos);
 }
 
-TEST(Scene, TheSameBitsForAnyNumberOfThreads) {
+TEST(Scene, IsBitIdenticalForAnyNumberOfThreads) {
     std::vector<std::vector<Vec3>> positions;
     for (const unsigned threads : {1u, 2u, 7u}) {
         Scene scene;
@@ -191,7 +191,7 @@ TEST(Scene, TheSameBitsForAnyNumberOfThreads) {
     EXPECT_EQ(positions[0], positions[2]);
 }
 
-TEST(Scene, AGuardKeepsTheTreeOutOfTheSolid) {
+TEST(Scene, GuardExcludesTheTreeFromTheSolid) {
     Scene scene;
     scene.run_text(
         "sphere s\npointset gen s density=outside_boundary count=800\n"
@@ -205,7 +205,7 @@ TEST(Scene, AGuardKeepsTheTreeOutOfTheSolid) {
     EXPECT_EQ(scene.state().last_grown, "t");
 }
 
-TEST(Scene, SeveralRootsMakeSeveralTrees) {
+TEST(Scene, SeveralRootsBecomeSeveralTrees) {
     Scene scene;
     scene.run_text(
         "sphere s\npointset gen s count=300\n"
@@ -215,7 +215,7 @@ TEST(Scene, SeveralRootsMakeSeveralTrees) {
               2u);
 }
 
-TEST(Scene, EverySolidTakesTheLawOfItsField) {
+TEST(Scene, EverySolidAcceptsAFieldLaw) {
     Scene scene;
     scene.run_text(
         "sphere s law=soft\nprofile p circle=1\npath up 0,0,-2 0,0,2\nsweep r p up influence=0.5 law=soft",
@@ -248,7 +248,7 @@ TEST(Scene, AVariationalCurveIsAProfile) {
     EXPECT_NE(refusal(scene, "contour c 1,0 0,1").find("3"), std::string::npos);
 }
 
-TEST(Scene, ADensityOfOnesOwnAndACachedField) {
+TEST(Scene, PointsetAcceptsADensityCurveAndACachedField) {
     Scene scene;
     scene.run_text("sphere s\npointset gen s uniform count=300 curve=0.6,1 curve=0.7,1\n", "x");
     for (const Vec3 p : points_of_scene(scene, "s").positions) {
@@ -269,7 +269,7 @@ TEST(Scene, ADensityOfOnesOwnAndACachedField) {
     EXPECT_NE(refusal(scene, "pointset gen s cell=0.1").find("cached=true"), std::string::npos);
 }
 
-TEST(Scene, AKernelOfOnesOwnIsLanesMethod) {
+TEST(Scene, PointsetAcceptsAKernel) {
     Scene scene;
     // No point is nearer than 0.2 m, and the closest ones are usually within 0.3 m.
     scene.run_text("sphere s radius=2\npointset gen s kernel=0.2,1 count=200", "x");
@@ -323,7 +323,7 @@ TEST(Scene, ALimbPassesThroughItsPoints) {
     EXPECT_NE(refusal(scene, "limb a 0,0,0 1,0,0 spacing=1e-9").find("MiB"), std::string::npos);
 }
 
-TEST(Scene, SkeletonsAreMovedTurnedScaledAndJoined) {
+TEST(Scene, SkeletonsAreMovedRotatedScaledAndJoined) {
     Scene scene;
     scene.run_text(
         "limb bough 0,0,0 2,0,0 radius=0.1 spacing=1\nlimb stem 0,0,0 0,0,4 radius=0.2 spacing=1\n"
@@ -348,7 +348,7 @@ TEST(Scene, SkeletonsAreMovedTurnedScaledAndJoined) {
     EXPECT_EQ(refusal(scene, "twist stem 30"), "f.coppice:1: 'stem' is a skeleton, not a solid");
 }
 
-TEST(Scene, GrowthGoesOnFromASkeleton) {
+TEST(Scene, GrowthContinuesASkeleton) {
     Scene scene;
     scene.run_text(
         "limb stem 0,0,0 0,0,3 radius=0.2 spacing=0.25\nsphere s radius=1 center=0,0,4\n"

@@ -29,13 +29,13 @@ std::string refusal(const std::string& text, std::map<std::string, std::string> 
 
 using Lines = std::vector<std::string>;
 
-TEST(SceneScript, LinesWithoutVariablesStayAsTheyAre) {
+TEST(SceneScript, LinesWithoutVariablesAreUnchanged) {
     const std::string line = "  sphere \"a b\"\tx=\"1 2\" $5 {a} # $comment";
     EXPECT_EQ(commands_of_text(line), Lines{line});
     EXPECT_EQ(commands_of_text("list # ${of what}"), Lines{"list"});
 }
 
-TEST(SceneScript, VariablesArePutIntoWords) {
+TEST(SceneScript, ExpandsVariablesInWords) {
     EXPECT_EQ(
         commands_of_text(
             "let n = 3  # three\nlet name=\"my tree\"\nsave ${name} x=${n + 1} a${n}b ${n},${ n * 2 },0"),
@@ -56,30 +56,30 @@ TEST(SceneScript, LoopsCountUpAndDown) {
     EXPECT_EQ(commands_of_text("repeat 2\nlist\nend\nrepeat 0\nlist no\nend"), (Lines{"list", "list"}));
 }
 
-TEST(SceneScript, BlocksStandInOneAnother) {
+TEST(SceneScript, BlocksMayBeNested) {
     EXPECT_EQ(commands_of_text(
                   "for i in 1..2\nfor j in 1..i\nif i == j\nlist ${i}${j}\nelse\nlist other\nend\nend\nend"),
               (Lines{"list 11", "list other", "list 22"}));
     EXPECT_EQ(commands_of_text("if 0\nlist a\nend\nif 1\nlist b\nelse\nlist c\nend"), Lines{"list b"});
 }
 
-TEST(SceneScript, LetWithinALoopCountsOn) {
+TEST(SceneScript, LetInALoopAccumulates) {
     EXPECT_EQ(commands_of_text("let z = 0\nrepeat 3\nlet z = z + 0.5\nlist ${z}\nend"),
               (Lines{"list 0.5", "list 1", "list 1.5"}));
 }
 
-TEST(SceneScript, TheVariableOfALoopEndsWithIt) {
+TEST(SceneScript, LoopVariableEndsWithTheLoop) {
     EXPECT_EQ(refusal("for i in 1..2\nlist\nend\nlist ${i}"), "x:4: there is no variable 'i'");
     EXPECT_EQ(commands_of_text("let i = 7\nfor i in 1..2\nend\nlist ${i}"), Lines{"list 7"});
 }
 
-TEST(SceneScript, GivenValuesGoBeforeTheFirstLet) {
+TEST(SceneScript, GivenValuesReplaceTheFirstLet) {
     EXPECT_EQ(commands_of_text("let n = 2\nlet n = n * 10\nlist ${n}", {{"n", "5"}}), Lines{"list 50"});
     EXPECT_EQ(commands_of_text("let kind = \"oak\"\nlist ${kind}", {{"kind", "12"}}), Lines{"list 12"});
     EXPECT_EQ(refusal("let n = 2", {{"n", "many"}}), "x:1: let: n is a number, and is set to 'many'");
 }
 
-TEST(SceneScript, RefusalsNameThePlace) {
+TEST(SceneScript, ErrorsReportTheLine) {
     EXPECT_EQ(refusal("let n = 1\n\nlist ${zzz + 1}"), "x:3: there is no variable 'zzz'");
     EXPECT_EQ(refusal("let 2n = 1").substr(0, 37), "x:1: let: '2n' is not a valid name of");
     EXPECT_EQ(refusal("let n"), "x:1: let: the syntax of this line is: let NAME = EXPRESSION");
@@ -99,7 +99,7 @@ TEST(SceneScript, RefusalsNameThePlace) {
     EXPECT_EQ(refusal("repeat 2\nlist\nlet n = n\nend"), "x:3: let: there is no variable 'n'");
 }
 
-TEST(SceneScript, HostileBlocksAreRefused) {
+TEST(SceneScript, RejectsExcessiveBlocks) {
     const std::string many =
         "x:3: the block has run 1000 lines, which is the maximum; make its loops shorter";
     EXPECT_EQ(refusal("repeat 1e300\nlist\nend"), many);
@@ -124,7 +124,7 @@ TEST(SceneScript, HostileBlocksAreRefused) {
     EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(2));
 }
 
-TEST(SceneScript, LoopsHeedAStop) {
+TEST(SceneScript, LoopsStopWhenCancelled) {
     SceneScript script;
     std::stop_source stop;
     int ran = 0;
@@ -140,7 +140,7 @@ TEST(SceneScript, LoopsHeedAStop) {
     EXPECT_FALSE(script.open());
 }
 
-TEST(SceneScript, ALineThatIsRefusedLeavesTheBlockOpen) {
+TEST(SceneScript, RejectedLinePreservesTheOpenBlock) {
     Scene scene;
     scene.run("repeat 2");
     EXPECT_THROW(scene.run("let 3 = x"), InvalidInput);
@@ -155,7 +155,7 @@ TEST(SceneScript, ALineThatIsRefusedLeavesTheBlockOpen) {
     EXPECT_FALSE(scene.waits());
 }
 
-TEST(SceneSteps, ABlockIsOneStepAndHasToBeClosed) {
+TEST(SceneSteps, BlockIsOneStepAndMustBeClosed) {
     const auto lines = scene_lines("list\nrepeat 2\nif 1\nlist\nend\nend\nlist", "x");
     const auto steps = scene_steps(lines, "x");
     ASSERT_EQ(steps.size(), 3u);
@@ -171,7 +171,7 @@ TEST(SceneSteps, ABlockIsOneStepAndHasToBeClosed) {
         (Lines{"a", "b"}));
 }
 
-TEST(Scene, RecipesHoldWhatVariablesWere) {
+TEST(Scene, RecipesContainTheValuesOfVariables) {
     Scene scene({.variables = {{"r", "2"}}});
     scene.run_text("let r = 1\nfor i in 1..2\nsphere s${i} radius=${r * i}\nend", "x");
     const std::string recipe = make_recipe(scene.state());
@@ -183,7 +183,7 @@ TEST(Scene, RecipesHoldWhatVariablesWere) {
     EXPECT_EQ(again.state().objects.size(), 2u);
 }
 
-TEST(Scene, TheSeedIsThatOfRandomAndOfCommands) {
+TEST(Scene, SeedDeterminesRandomNumbersAndCommands) {
     const auto radius = [](int seed, const std::string& before) {
         Scene scene({.seed = seed});
         scene.run_text(before + "sphere s radius=${random(1, 2)}\npointset gen s count=10", "x");
@@ -203,7 +203,7 @@ TEST(Scene, AFailingLineDrawsNoRandomNumber) {
     EXPECT_EQ(scene.variables().draws, 1u);
 }
 
-TEST(Scene, LoopsCannotFillTheMemoryWithHistory) {
+TEST(Scene, HistoryAndOutputOfLoopsAreLimited) {
     Scene scene({.max_memory = 2});
     std::string points;
     for (int i = 0; i < 2000; ++i) points += " " + std::to_string(i) + ",0,0";
@@ -219,7 +219,7 @@ TEST(Scene, LoopsCannotFillTheMemoryWithHistory) {
         << much;
 }
 
-TEST(SceneStatements, TheirExamplesRun) {
+TEST(SceneStatements, ExamplesRun) {
     for (const SceneStatement& s : scene_statements()) {
         SCOPED_TRACE(s.name);
         Scene scene;

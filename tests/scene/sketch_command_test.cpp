@@ -41,7 +41,7 @@ class SceneSketch : public test::FolderTest {
     Scene scene;
 };
 
-TEST_F(SceneSketch, MakesATreeOfStrokes) {
+TEST_F(SceneSketch, ReconstructsATreeFromStrokes) {
     const std::string said = scene.run("sketch t stem.sketch.json");
     const Skeleton& t = tree("t");
     EXPECT_EQ(said, fmt::format("{} nodes of 1 branch\n", t.size()));
@@ -52,7 +52,7 @@ TEST_F(SceneSketch, MakesATreeOfStrokes) {
     EXPECT_NEAR(t.radius(tip), 0.05, 0.005);
 }
 
-TEST_F(SceneSketch, SaysWhatIsLeftOut) {
+TEST_F(SceneSketch, ReportsOmittedBranches) {
     write(
         "fork.sketch.json", R"("orthographic": "side", "pixels_per_metre": 100, "origin": [200, 300])",
         R"(, {"name": "twig", "parent": "stem", "strokes": {"front": {"points": [[200, 200], [260, 120]]}}})");
@@ -61,12 +61,12 @@ TEST_F(SceneSketch, SaysWhatIsLeftOut) {
     EXPECT_NE(said.find("twig"), std::string::npos) << said;
 }
 
-TEST_F(SceneSketch, TakesOptions) {
+TEST_F(SceneSketch, AcceptsOptions) {
     EXPECT_NE(refusal("sketch t stem.sketch.json min_angle=100").find("min_angle"), std::string::npos);
     EXPECT_EQ(refusal("sketch t stem.sketch.json max_error=5"), "no error");
 }
 
-TEST_F(SceneSketch, StaysWithinTheFolder) {
+TEST_F(SceneSketch, RejectsFilesOutsideTheFolder) {
     EXPECT_NE(refusal("sketch t ../stem.sketch.json").find("../stem.sketch.json"), std::string::npos);
     write("led.sketch.json", R"("image": "a.png", "colmap": "../sparse")", "");
     EXPECT_NE(refusal("sketch t led.sketch.json").find("../sparse"), std::string::npos);

@@ -38,7 +38,7 @@ TEST_F(SliceCommand, DrawsAFieldWithItsIsolines) {
     EXPECT_NE(run("at=0,5,0").find("field 0 to 0,"), std::string::npos);
 }
 
-TEST_F(SliceCommand, DrawsWhatPointsLeaveOfADensity) {
+TEST_F(SliceCommand, DrawsTheRemainingDensity) {
     EXPECT_NE(run("of=density").find("density 0 to 1"), std::string::npos);
     const std::string whole = picture();
     EXPECT_NE(run("of=density points=s kernel=0.3,1").find("density 0 to 1"), std::string::npos);
@@ -54,7 +54,7 @@ TEST_F(SliceCommand, DrawsWhatPointsLeaveOfADensity) {
     EXPECT_NE(picture(), whole);
 }
 
-TEST_F(SliceCommand, TheSameBitsForAnyNumberOfThreads) {
+TEST_F(SliceCommand, IsBitIdenticalForAnyNumberOfThreads) {
     std::vector<std::string> pictures;
     for (const unsigned threads : {1u, 7u}) {
         scene_.run("slice s " + quoted_word((folder_ / "s.png").string()) +
@@ -65,7 +65,7 @@ TEST_F(SliceCommand, TheSameBitsForAnyNumberOfThreads) {
     EXPECT_EQ(pictures[0], pictures[1]);
 }
 
-TEST_F(SliceCommand, RefusesWhatCannotBeDrawn) {
+TEST_F(SliceCommand, RejectsInvalidInput) {
     EXPECT_NE(refusal("normal=0,0,0").find("normal="), std::string::npos);
     EXPECT_NE(refusal("kernel=0.3,1").find("of=density"), std::string::npos);
     EXPECT_NE(refusal("of=density kernel=0.3,1").find("points="), std::string::npos);

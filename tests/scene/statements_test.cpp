@@ -13,7 +13,7 @@ std::string joined(const std::vector<ScenePiece>& pieces) {
     return out;
 }
 
-TEST(PiecesOf, AreTheTextAgain) {
+TEST(PiecesOf, JoinToTheText) {
     const std::string text =
         "# a crown\n\nsphere a \\\n  radius=2\nfor i in 1..2\n  if i > 1\n sphere b${i}\n  end\nend\nundo\n";
     const auto pieces = find_pieces(text);
@@ -24,18 +24,18 @@ TEST(PiecesOf, AreTheTextAgain) {
     EXPECT_EQ(pieces[4].line, 10u);
 }
 
-TEST(PiecesOf, KeepWhatIsNotClosedTogether) {
+TEST(PiecesOf, ContainUnclosedBlocksAsOnePiece) {
     const auto pieces = find_pieces("sphere a\nfor i in 1..2\nsphere b\nsphere c");
     ASSERT_EQ(pieces.size(), 2u);
     EXPECT_EQ(pieces[1].text, "for i in 1..2\nsphere b\nsphere c");
 }
 
-TEST(PiecesOf, TakeAnEndWithoutBlockByItself) {
+TEST(PiecesOf, ContainUnmatchedEndsAsPieces) {
     EXPECT_EQ(find_pieces("end\nend\nsphere a\n").size(), 3u);
     EXPECT_TRUE(find_pieces("").empty());
 }
 
-TEST(RunPiece, SaysWhichLineOfTheTextIsWrong) {
+TEST(RunPiece, ErrorsReportTheLineOfTheText) {
     Scene scene;
     try {
         run_piece(scene, "repeat 2\n  sphere ${i}\nend", 7, "crown.coppice");
@@ -45,7 +45,7 @@ TEST(RunPiece, SaysWhichLineOfTheTextIsWrong) {
     }
 }
 
-TEST(RunPiece, RefusesABlockThatIsNotClosed) {
+TEST(RunPiece, RejectsAnUnclosedBlock) {
     Scene scene;
     EXPECT_THROW(run_piece(scene, "repeat 2\nsphere a", 1, "crown"), InvalidInput);
     EXPECT_FALSE(scene.waits());

@@ -186,7 +186,7 @@ std::vector<std::uint64_t> moments(std::uint64_t count) {
 // Maximum length of a range of a parallel loop and of a step of a serial one.
 constexpr std::uint64_t kMaxSamples = 20'000;
 
-TEST(Stop, EveryLongCallEndsSoonAfterItIsAskedTo) {
+TEST(Stop, EveryLongCallStopsSoonWhenCancelled) {
     std::uint64_t longest = 0;
     for (const Call& call : calls()) {
         SCOPED_TRACE(call.name);
@@ -206,7 +206,7 @@ TEST(Stop, EveryLongCallEndsSoonAfterItIsAskedTo) {
     RecordProperty("longest", std::to_string(longest));
 }
 
-TEST(Stop, ProgressRisesFromTheStartToTheEndInSteps) {
+TEST(Stop, ProgressIncreasesInStepsToTheEnd) {
     for (const Call& call : calls()) {
         SCOPED_TRACE(call.name);
         Probe probe;

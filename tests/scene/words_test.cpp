@@ -12,7 +12,7 @@ std::string message_of(const std::string& text) {
     return test::error_of([&] { scene_lines(text, "a.coppice"); });
 }
 
-TEST(SceneLines, LeavesOutBlanksAndCommentsAndCountsThem) {
+TEST(SceneLines, SkipsBlanksAndCommentsAndCountsThem) {
     const auto lines = scene_lines("\n# a comment\r\n  sphere s # ball\r\n\n\tline l", "x");
     ASSERT_EQ(lines.size(), 2u);
     EXPECT_EQ(lines[0].number, 3u);
@@ -28,7 +28,7 @@ TEST(SceneLines, JoinsLinesThatEndInABackslash) {
     EXPECT_EQ(lines[1].number, 4u);
 }
 
-TEST(SceneLines, RefusesWhatIsNoScene) {
+TEST(SceneLines, RejectsInvalidText) {
     EXPECT_EQ(message_of("sphere s\nsphere \x01"), "a.coppice:2: the line contains bytes that are not text");
     EXPECT_EQ(message_of(std::string("a\0b", 3)), "a.coppice:1: the line contains bytes that are not text");
     EXPECT_EQ(message_of("sphere s \\"), "a.coppice:1: nothing follows the backslash at the end of the line");
@@ -38,7 +38,7 @@ TEST(SceneLines, RefusesWhatIsNoScene) {
     EXPECT_NE(message_of(many).find("more than 100000 commands"), std::string::npos);
 }
 
-TEST(SceneWords, CutsAtBlanksAndKnowsKeys) {
+TEST(SceneWords, SplitsAtBlanksAndRecognizesKeys) {
     const auto words = scene_words("grow tree\ts step=0.1 name=\"a b\" # rest=1");
     ASSERT_EQ(words.size(), 5u);
     EXPECT_EQ(words[1].text, "tree");
@@ -55,9 +55,9 @@ TEST(SceneWords, AQuotedWordHasNoKey) {
     EXPECT_EQ(words[1].text, "a=b \"c\" \\ d.obj");
 }
 
-TEST(SceneWords, RefusesAnOpenQuote) { EXPECT_THROW(scene_words("save \"a b"), InvalidInput); }
+TEST(SceneWords, RejectsAnOpenQuote) { EXPECT_THROW(scene_words("save \"a b"), InvalidInput); }
 
-TEST(SceneWords, QuotedWordsAreReadBack) {
+TEST(SceneWords, QuotedWordsRoundTrip) {
     for (const std::string text :
          {"plain", "with blank", "a=b", "#x", "", "q\"uote", "back\\slash", "1,2,3"}) {
         const auto words = scene_words("save " + quoted_word(text));

@@ -28,7 +28,7 @@ class Journal : public test::FolderTest {
     }
 };
 
-TEST_F(Journal, IsFoundAgainByTheNextStudioOfTheDocument) {
+TEST_F(Journal, IsReusedByTheNextStudioOfTheDocument) {
     std::filesystem::path first;
     {
         const JournalPlace place("a/tree.coppice");
@@ -45,12 +45,12 @@ TEST_F(Journal, IsFoundAgainByTheNextStudioOfTheDocument) {
     EXPECT_EQ(read_file(first), "sphere s\n");
 }
 
-TEST_F(Journal, HasNoPlaceWhereNothingCanBeWritten) {
+TEST_F(Journal, IsEmptyWithoutAWritableFolder) {
     ::setenv("XDG_STATE_HOME", "/proc/none", 1);
     EXPECT_TRUE(JournalPlace("tree.coppice").file().empty());
 }
 
-TEST_F(Journal, TheDoorwayIsReadByItsOwnerAlone) {
+TEST_F(Journal, DoorwayIsReadableByItsOwnerOnly) {
     std::filesystem::path file;
     {
         const Doorway doorway("http://127.0.0.1:1/#token=abc");

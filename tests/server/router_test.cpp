@@ -62,7 +62,7 @@ class RouterTest : public test::FolderTest {
     std::unique_ptr<Router> router_;
 };
 
-TEST_F(RouterTest, SendsThePageWithANonceOfItsOwn) {
+TEST_F(RouterTest, SendsThePageWithANewNonce) {
     HttpHead asked = head("GET", "/");
     without(asked, "authorization");  // the page itself is not secret
     const auto body = [&](const Plan& plan) { return std::get<std::string>(std::get<HttpReply>(plan).body); };
@@ -79,7 +79,7 @@ TEST_F(RouterTest, SendsThePageWithANonceOfItsOwn) {
     EXPECT_NE(policy->second.find("'nonce-" + nonce + "'"), std::string::npos);
 }
 
-TEST_F(RouterTest, NamesOfOtherMachinesAreRefused) {
+TEST_F(RouterTest, RejectsOtherHostNames) {
     for (const char* host :
          {"127.0.0.1", "127.0.0.1:4001", "evil.example:4000", "127.0.0.1:4000.evil.example", "LOCALHOST:4000",
           "[::1]:4000", "0.0.0.0:4000", "127.1:4000", "127.0.0.1:4000 ", ""}) {
@@ -100,7 +100,7 @@ TEST_F(RouterTest, NamesOfOtherMachinesAreRefused) {
     EXPECT_EQ(status(other), 200);
 }
 
-TEST_F(RouterTest, OnlyTheNamesOfThePageAreFiles) {
+TEST_F(RouterTest, ReturnsOnlyTheFilesOfThePage) {
     for (const char* target : {"/index.htm", "/app.js/", "//app.js", "/./app.js", "/../app.js", "/%61pp.js",
                                "/APP.JS", "/web/app.js", "/etc/passwd", "/favicon.ico", "/app.js.map"})
         EXPECT_EQ(status(head("GET", target)), 404) << target;
@@ -112,7 +112,7 @@ TEST_F(RouterTest, OnlyTheNamesOfThePageAreFiles) {
         EXPECT_EQ(status(head(method, "/app.js")), 405) << method;
 }
 
-TEST_F(RouterTest, GeometryAndFilesNeedTheToken) {
+TEST_F(RouterTest, GeometryAndFilesRequireTheToken) {
     for (const char* target : {"/blob/made-1", "/file/a.swc"}) {
         EXPECT_EQ(status(head("GET", target)), 0) << target;
         HttpHead asked = head("GET", target);
@@ -136,7 +136,7 @@ TEST_F(RouterTest, GeometryAndFilesNeedTheToken) {
     }
 }
 
-TEST_F(RouterTest, OnlyThisPageConnects) {
+TEST_F(RouterTest, AcceptsConnectionsOfItsOwnPageOnly) {
     HttpHead asked = head("GET", "/ws");
     EXPECT_EQ(status(asked), 426);
     set(asked, "upgrade", "WebSocket");
@@ -154,7 +154,7 @@ TEST_F(RouterTest, OnlyThisPageConnects) {
     EXPECT_EQ(status(other), 405);
 }
 
-TEST_F(RouterTest, TakesAFileWithItsLengthFromItsOwnPage) {
+TEST_F(RouterTest, AcceptsUploadsWithALength) {
     HttpHead asked = head("PUT", "/file/a%20b/c.swc");
     EXPECT_EQ(status(asked), 411);
     set(asked, "content-length", "12");
@@ -181,7 +181,7 @@ TEST_F(RouterTest, TakesAFileWithItsLengthFromItsOwnPage) {
     EXPECT_EQ(status(head("GET", "/file/%4")), 400);
 }
 
-TEST_F(RouterTest, RequestsThatHaveNoBodyMayNotSendOne) {
+TEST_F(RouterTest, RejectsABodyInRequestsWithoutOne) {
     for (const char* target : {"/", "/blob/x", "/file/x", "/ws"}) {
         HttpHead asked = head("GET", target);
         set(asked, "upgrade", "websocket");
@@ -193,7 +193,7 @@ TEST_F(RouterTest, RequestsThatHaveNoBodyMayNotSendOne) {
     }
 }
 
-TEST_F(RouterTest, FilesLieInTheFolder) {
+TEST_F(RouterTest, ReturnsOnlyFilesOfTheFolder) {
     write_file(work_ / "a.swc", "a");
     std::filesystem::create_symlink("/etc/passwd", work_ / "link");
     EXPECT_EQ(router_->file({"a.swc"}).status, 200);
@@ -202,7 +202,7 @@ TEST_F(RouterTest, FilesLieInTheFolder) {
         EXPECT_EQ(router_->file({name}).status, 404) << name;
 }
 
-TEST_F(RouterTest, UploadsAppearWhole) {
+TEST_F(RouterTest, UploadsAreCreatedWhole) {
     {
         Router::Upload cut(*router_, {.name = "cut.swc", .bytes = 9});
         cut.write("half");
@@ -222,7 +222,7 @@ TEST_F(RouterTest, UploadsAppearWhole) {
     EXPECT_THROW(Router::Upload(*router_, {.name = "none/out.swc"}), IoError);
 }
 
-TEST(Token, Is256BitsInLettersOfAddresses) {
+TEST(Token, Has256BitsInUrlSafeCharacters) {
     const std::string a = make_token(), b = make_token();
     EXPECT_EQ(a.size(), 43u);  // 256 bits by 6, rounded up
     EXPECT_NE(a, b);
@@ -235,7 +235,7 @@ TEST(Token, Is256BitsInLettersOfAddresses) {
     EXPECT_FALSE(same_token("", a));
 }
 
-TEST(Http, PercentSignsStandForBytes) {
+TEST(Http, DecodesPercentEscapes) {
     EXPECT_EQ(percent_decoded("a%20b%2fc%C3%A9"), "a b/c\xc3\xa9");
     EXPECT_EQ(percent_decoded("%00"), std::string(1, '\0'));
     for (const char* wrong : {"%", "%1", "%g0", "%0g", "a%"}) EXPECT_FALSE(percent_decoded(wrong)) << wrong;

@@ -23,7 +23,7 @@ Skeleton two_trees() {
         {2, 2, 2, 1, 1, 0.5f, 1, 1});
 }
 
-TEST(Architecture, OrdersOfAxesFollowTheThickestChild) {
+TEST(Architecture, AxisOrdersFollowTheThickestChild) {
     EXPECT_EQ(axis_orders(two_trees()), (std::vector<std::uint32_t>{0, 0, 0, 1, 1, 2, 0, 0}));
     const std::vector<BranchOrder> orders = branch_orders(two_trees());
     ASSERT_EQ(orders.size(), 3u);
@@ -36,7 +36,7 @@ TEST(Architecture, OrdersOfAxesFollowTheThickestChild) {
     EXPECT_NEAR(orders[2].volume, 0.25 * kPi, 1e-12);
 }
 
-TEST(Architecture, KnownOrdersAndAxesCountAsTheyAre) {
+TEST(Architecture, GivenOrdersAndAxesAreUsed) {
     // A stem with a second segment of another axis of the same order, and a branch of order 3.
     const Skeleton s({NodeId(), NodeId(0), NodeId(1), NodeId(1)},
                      {{0, 0, 0}, {0, 0, 1}, {0, 0, 3}, {4, 0, 1}}, {1, 1, 1, 0.5f});
@@ -50,7 +50,7 @@ TEST(Architecture, KnownOrdersAndAxesCountAsTheyAre) {
     EXPECT_DOUBLE_EQ(orders[3].length, 4);
 }
 
-TEST(Architecture, StrahlerOrdersRiseWhereTwoOfTheGreatestMeet) {
+TEST(Architecture, StrahlerOrdersIncreaseWhereTwoMaximumOrdersMeet) {
     EXPECT_EQ(strahler_orders(two_trees()), (std::vector<std::uint32_t>{2, 2, 1, 2, 1, 1, 1, 1}));
     // A full binary tree of depth 3: order 4 at the root; a chain keeps its order.
     std::vector<NodeId> parent{NodeId::none(), NodeId(0)};
@@ -69,7 +69,7 @@ TEST(Architecture, StrahlerOrdersRiseWhereTwoOfTheGreatestMeet) {
     EXPECT_EQ(strahler_orders(fan)[0], 2u);
 }
 
-TEST(Architecture, SegmentsAreCutAtTheLimitsOfDiameters) {
+TEST(Architecture, SegmentsAreSplitAtTheBoundsOfDiameterClasses) {
     // A cone of diameters 4 to 0.8 over 8 m: 1/4 of it is thicker than 3.2, 3/4 than 1.6.
     const Skeleton cone({NodeId::none(), NodeId(0)}, {{0, 0, 0}, {0, 0, 8}}, {2, 0.4f});
     const auto classes = diameter_classes(cone, std::array{0.5, 1.6, 3.2});
@@ -88,7 +88,7 @@ TEST(Architecture, SegmentsAreCutAtTheLimitsOfDiameters) {
     EXPECT_EQ(diameter_classes(rod, std::array{1.0})[1].length, 8);
 }
 
-TEST(Architecture, ClassesAndOrdersAddUpToTheWhole) {
+TEST(Architecture, ClassesAndOrdersSumToTheWhole) {
     const Skeleton tree = zoo_skeleton("fork_60");
     const SkeletonMeasures whole = measure(tree);
     double length = 0, volume = 0, area = 0, of_orders = 0;
@@ -104,7 +104,7 @@ TEST(Architecture, ClassesAndOrdersAddUpToTheWhole) {
     EXPECT_NEAR(of_orders, whole.volume, 1e-9 * whole.volume);
 }
 
-TEST(Sholl, CountsCrossingsOfSpheresAboutEachRoot) {
+TEST(Sholl, CountsIntersectionsWithSpheresAroundEachRoot) {
     // Tree one: the stem crosses 1, 2 and 3, the branch's ends are at sqrt(2) and sqrt(5), its twig at
     // sqrt(3). Tree two crosses 1 to 5.
     const ShollProfile profile = sholl(two_trees(), 1);
@@ -113,14 +113,14 @@ TEST(Sholl, CountsCrossingsOfSpheresAboutEachRoot) {
     EXPECT_EQ(profile.critical_radius(), 2);
 }
 
-TEST(Sholl, SegmentsThatDipIntoASphereCrossItTwice) {
+TEST(Sholl, SegmentsThatEnterASphereIntersectItTwice) {
     // Out to (3, 4), across to (-3, 4): the minimum distance to the root is 4.
     const Skeleton bent({NodeId::none(), NodeId(0), NodeId(1)}, {{0, 0, 0}, {3, 4, 0}, {-3, 4, 0}},
                         {1, 1, 1});
     EXPECT_EQ(sholl(bent, 1).crossings, (std::vector<std::uint64_t>{1, 1, 1, 1, 3}));
 }
 
-TEST(Sholl, StepsAreChecked) {
+TEST(Sholl, RejectsInvalidSteps) {
     EXPECT_THROW(sholl(two_trees(), -1), InvalidInput);
     EXPECT_THROW(sholl(two_trees(), 1e-9), InvalidInput);
     EXPECT_EQ(sholl(two_trees()).crossings.size(), 100u);

@@ -18,7 +18,7 @@ Skeleton fork(Vec3d origin = {}) {
 
 Vec3d world(const Skeleton& s, std::uint32_t n) { return Vec3d(s.position(NodeId(n))) + s.origin(); }
 
-TEST(Assemble, MovingKeepsAllButPlaces) {
+TEST(Assemble, TranslationPreservesAllButPositions) {
     const Skeleton s = translated(fork({10, 0, 0}), {1, 2, 3});
     EXPECT_EQ(world(s, 1), Vec3d(12, 2, 5));
     EXPECT_EQ(s.origin(), Vec3d(10, 0, 0));
@@ -27,14 +27,14 @@ TEST(Assemble, MovingKeepsAllButPlaces) {
     EXPECT_EQ(s.stable_id(NodeId(0)), StableId(7));
 }
 
-TEST(Assemble, TurningIsCounterClockwiseAboutThePlaceInTheWorld) {
+TEST(Assemble, RotationIsCounterClockwiseAboutAWorldPosition) {
     const Skeleton s = rotated(fork({10, 0, 0}), {0, 0, 5}, std::numbers::pi / 2, {11, 0, 0});
     EXPECT_LT(length(world(s, 0) - Vec3d(11, 0, 0)), 1e-6);
     EXPECT_LT(length(world(s, 2) - Vec3d(11, 1, 1)), 1e-6);
     EXPECT_THROW(rotated(fork(), {0, 0, 0}, 1), InvalidInput);
 }
 
-TEST(Assemble, ScalingTakesRadiiAlong) {
+TEST(Assemble, ScalingIncludesRadii) {
     const Skeleton s = scaled(fork(), 2, {1, 0, 0});
     EXPECT_EQ(world(s, 0), Vec3d(1, 0, 0));
     EXPECT_EQ(world(s, 1), Vec3d(1, 0, 4));
@@ -43,7 +43,7 @@ TEST(Assemble, ScalingTakesRadiiAlong) {
         EXPECT_THROW(scaled(fork(), factor), InvalidInput) << factor;
 }
 
-TEST(Assemble, JoiningPutsTreesSideBySide) {
+TEST(Assemble, JoiningPreservesBothTrees) {
     const Skeleton a = fork({10, 0, 0}), b = fork({0, 5, 0});
     const Skeleton s = joined(std::array{&a, &b});
     ASSERT_EQ(s.size(), 6u);

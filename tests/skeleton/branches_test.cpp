@@ -25,7 +25,7 @@ Skeleton forked_tree() {
         {0.2f, 0.2f, 0.1f, 0.05f, 0.05f, 0.02f, 0.3f, 0.1f});
 }
 
-TEST(Branches, AreListedWithTheirPlacesSizesAndDirections) {
+TEST(Branches, HavePositionsSizesAndDirections) {
     const BranchTable table = list_branches(forked_tree());
     EXPECT_EQ(table.branch_of, (std::vector<std::uint32_t>{0, 0, 0, 1, 1, 2, 3, 3}));
     EXPECT_EQ(table.position_of, (std::vector<std::uint32_t>{0, 1, 2, 1, 2, 1, 0, 1}));
@@ -64,7 +64,7 @@ TEST(Branches, AreListedWithTheirPlacesSizesAndDirections) {
     EXPECT_EQ(table.branches[3].parent, kNoIndex);
 }
 
-TEST(Branches, FollowAxesThatAreKnown) {
+TEST(Branches, FollowGivenAxes) {
     // The thin child continues the stem, and the thick one is a lateral of order 2.
     const std::vector<std::uint32_t> order{0, 0, 2, 0, 0, 3, 1, 1}, axis{5, 5, 7, 5, 5, 9, 6, 6};
     const BranchTable table = list_branches(forked_tree(), order, axis);
@@ -82,7 +82,7 @@ TEST(Branches, FollowAxesThatAreKnown) {
     EXPECT_DOUBLE_EQ(timber[1].stem_length, 4);
 }
 
-TEST(Branches, DirectionsPassOverWhatLiesWithinTheParent) {
+TEST(Branches, DirectionsIgnoreNodesInsideTheParentBranch) {
     // The lateral's first node is 0.1 up within the bark; beyond two radii (0.4) it runs along (1, 0, 1).
     const Skeleton tree({NodeId::none(), NodeId(0), NodeId(1), NodeId(1), NodeId(3)},
                         {{0, 0, 0}, {0, 0, 1}, {0, 0, 3}, {0, 0, 1.1f}, {1, 0, 2}},
@@ -90,7 +90,7 @@ TEST(Branches, DirectionsPassOverWhatLiesWithinTheParent) {
     EXPECT_NEAR(list_branches(tree).branches[1].angle, kPi / 4, 1e-12);
 }
 
-TEST(Branches, AddUpToTheSkeleton) {
+TEST(Branches, SumToTheSkeleton) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         SCOPED_TRACE(name);
         const BranchTable table = list_branches(skeleton);
@@ -136,7 +136,7 @@ TEST(Branches, TimberEndsAtTheTopDiameter) {
     EXPECT_EQ(timber_volumes(trees, table, 1)[0].stem_length, 0);
 }
 
-TEST(Branches, StemsGoOnAboveAThinPlace) {
+TEST(Branches, StemsContinueAboveAThinSection) {
     // Diameters 0.4, 0.1, 0.4, 0.1 a metre apart: 0.25 is last reached halfway up the third segment. Half of
     // each segment, from 0.4 to 0.25, has that diameter.
     const Skeleton pole({NodeId::none(), NodeId(0), NodeId(1), NodeId(2)},
@@ -148,7 +148,7 @@ TEST(Branches, StemsGoOnAboveAThinPlace) {
     EXPECT_GT(timber.stem_volume, timber.volume);
 }
 
-TEST(Branches, TimberRefusesWhatIsNoDiameter) {
+TEST(Branches, TimberRejectsInvalidDiameters) {
     const Skeleton trees = forked_tree();
     const BranchTable table = list_branches(trees);
     EXPECT_THROW(timber_volumes(trees, table, 0), InvalidInput);

@@ -11,7 +11,7 @@
 namespace coppice {
 namespace {
 
-TEST(SmoothRadii, TakesHalfOfItselfAndAQuarterOfEachNeighbour) {
+TEST(SmoothRadii, AveragesHalfOfItselfAndAQuarterOfEachNeighbour) {
     const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(2)},
                      {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {0, 0, 3}}, {4, 2, 4, 1});
     const EditResult one = smooth_radii(s, 1);
@@ -23,7 +23,7 @@ TEST(SmoothRadii, TakesHalfOfItselfAndAQuarterOfEachNeighbour) {
     EXPECT_EQ(smooth_radii(s, 0).count, 0u);
 }
 
-TEST(SmoothRadii, TheSameChildLeads) {
+TEST(SmoothRadii, PreservesTheLeader) {
     for (const auto& [name, s] : skeleton_zoo()) {
         SCOPED_TRACE(name);
         const Skeleton smooth = smooth_radii(s, 5).skeleton;
@@ -39,7 +39,7 @@ Skeleton two_forks(float gap) {
         {1, 1, 0.9f, 0.3f, 0.9f, 0.3f, 0.5f});
 }
 
-TEST(MergeCloseBranches, MakesOneNodeWithTheChildrenOfBoth) {
+TEST(MergeCloseBranches, MergedNodeHasTheChildrenOfBoth) {
     const EditResult r = merge_close_branches(two_forks(0.4f));
     EXPECT_EQ(r.count, 1u);
     ASSERT_EQ(r.skeleton.size(), 5u);
@@ -50,14 +50,14 @@ TEST(MergeCloseBranches, MakesOneNodeWithTheChildrenOfBoth) {
     EXPECT_EQ(r.new_of_old[6], NodeId(4));
 }
 
-TEST(MergeCloseBranches, LeavesDistantOnes) {
+TEST(MergeCloseBranches, PreservesDistantNodes) {
     const EditResult r = merge_close_branches(two_forks(0.6f));
     EXPECT_EQ(r.count, 0u);
     EXPECT_EQ(r.skeleton.size(), 7u);
     EXPECT_EQ(merge_close_branches(two_forks(0.6f), 0.7f).count, 1u);
 }
 
-TEST(MergeCloseBranches, LeavesNoCloseOnesAndAllTips) {
+TEST(MergeCloseBranches, NoCloseNodesRemainAndTipsArePreserved) {
     for (const auto& [name, s] : skeleton_zoo()) {
         SCOPED_TRACE(name);
         const EditResult r = merge_close_branches(s);
@@ -90,7 +90,7 @@ TEST(SplitCrowdedNodes, LimitsTheChildrenOfEveryNode) {
     }
 }
 
-TEST(SplitCrowdedNodes, TheNewNodesLeadOn) {
+TEST(SplitCrowdedNodes, NewNodesContinueTheLeader) {
     // Eight children, three slots: two laterals at each of three nodes, then two children at the last: 8 = 3
     // * 2 + 2.
     const Skeleton s = zoo_skeleton("whorl_8");
@@ -103,7 +103,7 @@ TEST(SplitCrowdedNodes, TheNewNodesLeadOn) {
     }
 }
 
-TEST(SplitCrowdedNodes, RefusesLessThanTwo) {
+TEST(SplitCrowdedNodes, RejectsAMaximumBelowTwo) {
     EXPECT_THROW(split_crowded_nodes(zoo_skeleton("soma"), 1), InvalidInput);
 }
 

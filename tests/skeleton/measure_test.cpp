@@ -40,14 +40,14 @@ TEST(Measure, SumsConesAndCountsNodes) {
     EXPECT_EQ(m.bounds.high, Vec3(2.5f, 2, 8));
 }
 
-TEST(Measure, TakesASingleNode) {
+TEST(Measure, AcceptsASingleNode) {
     const SkeletonMeasures m = measure(zoo_skeleton("single_node"));
     EXPECT_EQ(m.segments, 0u);
     EXPECT_EQ(m.tips, 1u);
     EXPECT_EQ(m.length + m.shortest_segment + m.longest_segment + m.volume, 0);
 }
 
-TEST(Measure, CountsAddUpForTheZoo) {
+TEST(Measure, CountsAreConsistentOnTheZoo) {
     for (const auto& [name, s] : skeleton_zoo()) {
         SCOPED_TRACE(name);
         const SkeletonMeasures m = measure(s);

@@ -19,7 +19,7 @@ TEST(PipeModel, SumsSquaresOfTheTips) {
     EXPECT_DOUBLE_EQ(r[4], 0.5);
 }
 
-TEST(PipeModel, LeavesThickenAllButTipsAndRoots) {
+TEST(PipeModel, LeafShareThickensAllButTipsAndRoots) {
     const std::vector<double> r = pipe_radii(kFork, 1, 3, 0.25);
     EXPECT_DOUBLE_EQ(r[2], 1);
     EXPECT_NEAR(r[1], std::cbrt(2.25), 1e-12);

@@ -15,7 +15,7 @@ namespace {
 
 const PrepareOptions kNothing{.merge_branches = 0, .resample = {.method = ResampleMethod::none}};
 
-TEST(Prepare, DoesNothingWhenAllIsOff) {
+TEST(Prepare, DoesNothingIfAllStepsAreDisabled) {
     const Skeleton s = zoo_skeleton("random_hard_1");
     const PrepareResult r = prepare(s, kNothing);
     EXPECT_EQ(r.skeleton.size(), s.size());
@@ -36,7 +36,7 @@ TEST(Prepare, ReportsEveryStep) {
     EXPECT_GT(prepare(zoo_skeleton("long_thin")).report.resample.inserted, 0u);
 }
 
-TEST(Prepare, KeepsTreesAndTipsAndMapsEveryNode) {
+TEST(Prepare, PreservesTreesAndTipsAndMapsEveryNode) {
     for (const auto& [name, s] : skeleton_zoo()) {
         SCOPED_TRACE(name);
         PrepareOptions options;
@@ -61,7 +61,7 @@ TEST(Prepare, RefusesASkeletonWithoutNodes) {
     EXPECT_THROW(prepare(Skeleton()), InvalidInput);
 }
 
-TEST(Prepare, RefusesOptionsOutOfTheirRange) {
+TEST(Prepare, RejectsOptionsOutOfRange) {
     EXPECT_THROW(prepare(zoo_skeleton("fork_60"), {.merge_branches = -1}), InvalidInput);
     EXPECT_THROW(prepare(zoo_skeleton("fork_60"), {.resample = {.max_length = 0}}), InvalidInput);
     EXPECT_THROW(prepare(zoo_skeleton("fork_60"), {.max_children = 1}), InvalidInput);

@@ -15,7 +15,7 @@ std::uint64_t compute_hash(const Skeleton& s) {
     return Hash().add(s.parents()).add(s.positions()).add(s.radii()).value();
 }
 
-TEST(RandomTree, HasExactlyTheSegmentsAskedFor) {
+TEST(RandomTree, HasTheRequestedNumberOfSegments) {
     for (const std::uint32_t segments : {1u, 2u, 7u, 8u, 9u, 50u, 333u, 3000u}) {
         for (const bool hard : {false, true}) {
             const Skeleton s = random_tree(segments, 5, hard);
@@ -25,7 +25,7 @@ TEST(RandomTree, HasExactlyTheSegmentsAskedFor) {
     }
 }
 
-TEST(RandomTree, TheSameArgumentsGiveTheSameTreeAndOthersDoNot) {
+TEST(RandomTree, DependsOnItsArgumentsOnly) {
     EXPECT_EQ(compute_hash(random_tree(500, 1)), compute_hash(random_tree(500, 1)));
     EXPECT_NE(compute_hash(random_tree(500, 1)), compute_hash(random_tree(500, 2)));
     EXPECT_NE(compute_hash(random_tree(500, 1)), compute_hash(random_tree(500, 1, true)));
@@ -45,7 +45,7 @@ TEST(RandomTree, FollowsThePipeModel) {
     }
 }
 
-TEST(RandomTree, HardOnesHaveShortSegmentsAndWhorls) {
+TEST(RandomTree, HardTreesHaveShortSegmentsAndWhorls) {
     const auto shortest = [](const Skeleton& s) {
         float least = 1e9f;
         for (const NodeId n : nodes(s)) {
@@ -82,12 +82,12 @@ int collisions(const Skeleton& s) {
     return count;
 }
 
-TEST(RandomTree, BranchesKeepApartUnlessHard) {
+TEST(RandomTree, BranchesDoNotCollideUnlessHard) {
     EXPECT_LE(collisions(random_tree(1000, 6)), 2);
     EXPECT_GT(collisions(random_tree(1000, 6, true)), 10);
 }
 
-TEST(RandomTree, RefusesNoSegments) { EXPECT_THROW(random_tree(0, 1), InvalidInput); }
+TEST(RandomTree, RejectsZeroSegments) { EXPECT_THROW(random_tree(0, 1), InvalidInput); }
 
 }  // namespace
 }  // namespace coppice

@@ -23,7 +23,7 @@ std::string refusal(const Records& records) {
     return test::error_of([&] { repair(records, "tree.txt"); });
 }
 
-TEST(RepairNodes, LeavesAValidTreeAlone) {
+TEST(RepairNodes, ValidTreeIsUnchanged) {
     const RepairResult r =
         repair(std::vector<RawNode>{{1, -1, {0, 0, 0}, 2, 1}, {2, 1, {0, 0, 3}, 1, 2}}, "tree.txt");
     ASSERT_EQ(r.skeleton.size(), 2u);
@@ -34,7 +34,7 @@ TEST(RepairNodes, LeavesAValidTreeAlone) {
     EXPECT_EQ(r.report.total(), 0u);
 }
 
-TEST(RepairNodes, PutsParentsFirstAndKeepsTheOrderOtherwise) {
+TEST(RepairNodes, OrdersParentsFirstAndPreservesTheOrderOtherwise) {
     // In the file: 30 (child of 20), 10 (root), 20 (child of 10), 5 (child of 10).
     const RepairResult r = repair(std::vector<RawNode>{{30, 20, {0, 0, 2}, 1, 1},
                                                        {10, -1, {0, 0, 0}, 1, 2},
@@ -49,7 +49,7 @@ TEST(RepairNodes, PutsParentsFirstAndKeepsTheOrderOtherwise) {
     EXPECT_EQ(r.source, (std::vector<std::uint32_t>{1, 2, 0, 3}));
 }
 
-TEST(RepairNodes, TakesIdsFromEndToEndOfTheirRange) {
+TEST(RepairNodes, AcceptsIdsOfTheWholeRange) {
     const RepairResult r = repair(
         std::vector<RawNode>{
             {kMax, 7, {0, 0, 1}, 1, 1}, {kMin, kMax, {0, 0, 2}, 1, 2}, {7, kMin, {0, 0, 0}, 1, 3}},
@@ -80,7 +80,7 @@ TEST(RepairNodes, InterpolatesMissingRadiiByLength) {
                     1);  // no known radius in its tree: the smallest of the file
 }
 
-TEST(RepairNodes, WithoutAnyRadiusTakesAHundredthOfTheSize) {
+TEST(RepairNodes, DefaultRadiusIsAHundredthOfTheSize) {
     const RepairResult r =
         repair(std::vector<RawNode>{{1, -1, {0, 0, 0}, 0, 1}, {2, 1, {0, 0, 5}, 0, 2}}, "tree.txt");
     EXPECT_FLOAT_EQ(r.skeleton.radius(NodeId(0)), 0.05f);
@@ -89,7 +89,7 @@ TEST(RepairNodes, WithoutAnyRadiusTakesAHundredthOfTheSize) {
     EXPECT_FLOAT_EQ(dot.skeleton.radius(NodeId(0)), 0.01f);
 }
 
-TEST(RepairNodes, MergesNodesAtTheSamePlace) {
+TEST(RepairNodes, MergesCoincidentNodes) {
     // 2 coincides with 1 and passes its children 3 and 4, which coincide, to it; 5 is a child of 4.
     const RepairResult r = repair(std::vector<RawNode>{{1, -1, {0, 0, 0}, 1, 1},
                                                        {2, 1, {0, 0, 0}, 0.5, 2},
@@ -105,7 +105,7 @@ TEST(RepairNodes, MergesNodesAtTheSamePlace) {
 }
 
 // Radii of 1e-10 at coordinates of 1e-3, where floats are 1.2e-10 apart.
-TEST(RepairNodes, SmallSkeletonsKeepTheirDigitsToo) {
+TEST(RepairNodes, SmallSkeletonsPreserveTheirDigits) {
     const Vec3d base{1.2e-3, 2e-4, -1.5e-3};
     const RepairResult r = repair(std::vector<RawNode>{{1, -1, base, 1e-10, 1},
                                                        {2, 1, base + Vec3d{3e-11, 0, 0}, 1e-10, 2},
@@ -116,7 +116,7 @@ TEST(RepairNodes, SmallSkeletonsKeepTheirDigitsToo) {
     EXPECT_NEAR(r.skeleton.origin().x + r.skeleton.position(NodeId(0)).x, base.x, 1e-17);
 }
 
-TEST(RepairNodes, FarFromZeroKeepsTheDigitsInAnOrigin) {
+TEST(RepairNodes, OriginPreservesTheDigitsFarFromZero) {
     const Vec3d base{456'789.25, 5'400'000.5, 312.75};
     const RepairResult r = repair(
         std::vector<RawNode>{{1, -1, base, 0.1, 1}, {2, 1, base + Vec3d{0, 0, 0.001}, 0.1, 2}}, "tree.txt");
@@ -126,7 +126,7 @@ TEST(RepairNodes, FarFromZeroKeepsTheDigitsInAnOrigin) {
     EXPECT_NEAR(r.skeleton.position(NodeId(1)).z - r.skeleton.position(NodeId(0)).z, 0.001, 1e-6);
 }
 
-TEST(RepairNodes, RefusesInOneSentenceThatNamesTheLine) {
+TEST(RepairNodes, ErrorsReportTheLine) {
     using Nodes = std::vector<RawNode>;
     EXPECT_EQ(refusal(Nodes{}), "tree.txt: there are no nodes");
     EXPECT_EQ(refusal(Nodes{{1, -1, {}, 1, 4}, {2, 1, {1, 0, 0}, 1, 5}, {1, 1, {2, 0, 0}, 1, 9}}),
@@ -143,7 +143,7 @@ TEST(RepairNodes, RefusesInOneSentenceThatNamesTheLine) {
               "tree.txt, line 7: a coordinate is 2e+30, beyond the limit of 1e+15; check the units");
 }
 
-TEST(RepairNodes, TakesAMillionNodesInOneChainInAnyOrder) {
+TEST(RepairNodes, AcceptsAMillionNodesOfOneChainInAnyOrder) {
     constexpr std::int64_t kCount = 1'000'000;
     std::vector<RawNode> chain;
     for (std::int64_t i = kCount; i-- > 0;) {
@@ -161,14 +161,14 @@ TEST(RepairNodes, TakesAMillionNodesInOneChainInAnyOrder) {
 const std::vector<RawCylinder> kTrunk{{1, -1, {0, 0, 0}, {0, 0, 5}, 1, 1},
                                       {2, 1, {0, 0, 5}, {0, 0, 10}, 1, 2}};
 
-TEST(RepairCylinders, TouchingOnesOfEqualRadiusMakeAPlainChain) {
+TEST(RepairCylinders, TouchingCylindersOfEqualRadiusBecomeAPlainChain) {
     const RepairResult r = repair(kTrunk, "qsm");
     EXPECT_EQ(r.skeleton.size(), 3u);
     EXPECT_EQ(r.report.total() + r.report.bridged_gaps + r.report.attached_inside + r.report.radius_jumps,
               0u);
 }
 
-TEST(RepairCylinders, ALateralOnTheSurfaceLeavesTheAxisWithoutABend) {
+TEST(RepairCylinders, LateralOnTheSurfaceIsExtendedToTheAxis) {
     // At 45 degrees from the surface point (1, 0, 3): extended backwards it meets the axis at z = 2.
     std::vector<RawCylinder> c = kTrunk;
     c.push_back({3, 1, {1, 0, 3}, {4, 0, 6}, 0.2, 3});
@@ -184,7 +184,7 @@ TEST(RepairCylinders, ALateralOnTheSurfaceLeavesTheAxisWithoutABend) {
     EXPECT_FLOAT_EQ(s.radius_a, 0.2f);  // own radius from the start
 }
 
-TEST(RepairCylinders, ALateralThatPassesTheAxisKeepsItsStart) {
+TEST(RepairCylinders, LateralThatMissesTheAxisPreservesItsStart) {
     // Tangential: it runs along y from (1, 0, 2). A straight line from the axis would be a radius (its five)
     // off there.
     std::vector<RawCylinder> c = kTrunk;
@@ -194,7 +194,7 @@ TEST(RepairCylinders, ALateralThatPassesTheAxisKeepsItsStart) {
     EXPECT_EQ(r.skeleton.position(NodeId(4)), Vec3(1, 0, 2));
 }
 
-TEST(RepairCylinders, BridgesAGapWithTheRadiusBehindIt) {
+TEST(RepairCylinders, BridgesAGapWithTheRadiusOfTheNextCylinder) {
     const RepairResult r = repair(
         std::vector<RawCylinder>{{1, -1, {0, 0, 0}, {0, 0, 5}, 1, 1}, {2, 1, {0, 4, 5}, {0, 4, 10}, 0.5, 2}},
         "qsm");
@@ -211,7 +211,7 @@ TEST(RepairCylinders, BridgesAGapWithTheRadiusBehindIt) {
 }
 
 // Wide gaps, so that no cylinder simply continues: straight ahead, and slightly oblique.
-TEST(RepairCylinders, WhatGoesOnBeyondAGapComesFromTheEnd) {
+TEST(RepairCylinders, CylinderBeyondAGapContinuesFromTheEnd) {
     for (const double aside : {0.0, 0.05}) {
         const RepairResult r = repair(std::vector<RawCylinder>{{1, -1, {0, 0, 0}, {0, 0, 10}, 0.5, 1},
                                                                {2, 1, {0, 0, 15}, {aside, 0, 20}, 0.4, 2}},
@@ -227,7 +227,7 @@ TEST(RepairCylinders, WhatGoesOnBeyondAGapComesFromTheEnd) {
     }
 }
 
-TEST(RepairCylinders, KeepsBothRadiiOfAJump) {
+TEST(RepairCylinders, PreservesBothRadiiOfAJump) {
     const RepairResult r = repair(std::vector<RawCylinder>{{1, -1, {0, 0, 0}, {0, 0, 20}, 0.5, 1},
                                                            {2, 1, {0, 0, 20}, {0, 0, 80}, 13, 2}},
                                   "qsm");
@@ -241,7 +241,7 @@ TEST(RepairCylinders, KeepsBothRadiiOfAJump) {
     EXPECT_FLOAT_EQ(jump.b.z, 26.25f);
 }
 
-TEST(RepairCylinders, MeetsInTheMiddleOfASmallGap) {
+TEST(RepairCylinders, JoinsASmallGapInItsMiddle) {
     const RepairResult r = repair(std::vector<RawCylinder>{{1, -1, {0, 0, 0}, {0, 0, 5}, 1, 1},
                                                            {2, 1, {0.5, 0, 5}, {0.5, 0, 10}, 1, 2}},
                                   "qsm");
@@ -249,7 +249,7 @@ TEST(RepairCylinders, MeetsInTheMiddleOfASmallGap) {
     EXPECT_EQ(r.skeleton.position(NodeId(1)), Vec3(0.25f, 0, 5));
 }
 
-TEST(RepairCylinders, LeavesOutDiscsAndKeepsTheirChildren) {
+TEST(RepairCylinders, SkipsDiscsAndPreservesTheirChildren) {
     const RepairResult r = repair(std::vector<RawCylinder>{{1, -1, {0, 0, 0}, {0, 0, 5}, 1, 1},
                                                            {2, 1, {0, 0, 5}, {0, 0, 5}, 1, 2},
                                                            {3, 2, {0, 0, 5}, {0, 0, 9}, 0, 3}},
@@ -261,7 +261,7 @@ TEST(RepairCylinders, LeavesOutDiscsAndKeepsTheirChildren) {
               1u);
 }
 
-TEST(RepairCylinders, CountsEveryCylindersOrderAndParent) {
+TEST(RepairCylinders, CountsReorderedCylindersAndMissingParents) {
     std::vector<RawCylinder> c{kTrunk[1], kTrunk[0]};
     c.push_back({8, 77, {30, 0, 0}, {30, 0, 3}, 1, 3});
     const RepairResult r = repair(c, "qsm");
@@ -270,7 +270,7 @@ TEST(RepairCylinders, CountsEveryCylindersOrderAndParent) {
     EXPECT_EQ(r.skeleton.tree_count(), 2u);
 }
 
-TEST(RepairCylinders, RefusesInOneSentenceThatNamesTheLine) {
+TEST(RepairCylinders, ErrorsReportTheLine) {
     using Cylinders = std::vector<RawCylinder>;
     EXPECT_EQ(refusal(Cylinders{}), "tree.txt: there are no cylinders");
     EXPECT_EQ(refusal(Cylinders{{1, 1, {}, {0, 0, 1}, 1, 3}}),
@@ -279,7 +279,7 @@ TEST(RepairCylinders, RefusesInOneSentenceThatNamesTheLine) {
               "tree.txt, line 3: a coordinate is not a finite number");
 }
 
-TEST(RepairCylinders, TakesManyLateralsAtOnePlace) {
+TEST(RepairCylinders, AcceptsManyLateralsAtOnePosition) {
     std::vector<RawCylinder> c{kTrunk[0]};
     for (int i = 0; i < 20'000; ++i) c.push_back({i + 10, 1, {1, 0, 2.5}, {3, 0, 2.5 + 1e-4 * i}, 0.1, 0});
     EXPECT_GT(repair(c, "qsm").skeleton.size(), 20'000u);
@@ -301,7 +301,7 @@ class Mess {
     std::uint64_t next_ = 0;
 };
 
-TEST(Repair, NodesKnowTheCylinderThatTheirSegmentBelongsTo) {
+TEST(Repair, NodesHaveTheCylinderOfTheirSegment) {
     // Out of order; the third is a disc, and the lateral branches off within the trunk.
     const RepairResult r = repair(std::vector<RawCylinder>{{2, 1, {0, 0, 5}, {0, 0, 9}, 0.5, 1},
                                                            {1, -1, {0, 0, 0}, {0, 0, 5}, 1, 2},
@@ -317,7 +317,7 @@ TEST(Repair, NodesKnowTheCylinderThatTheirSegmentBelongsTo) {
     }
 }
 
-TEST(Repair, WhateverComesMakesASkeletonThatCanBePrepared) {
+TEST(Repair, AnyInputBecomesASkeletonThatCanBePrepared) {
     for (std::uint64_t seed = 0; seed < 300; ++seed) {
         SCOPED_TRACE(seed);
         Mess mess(seed);

@@ -48,12 +48,12 @@ double deviation(const Skeleton& s, Vec3 p, float r) {
     return best / r;
 }
 
-TEST(Resample, NoneLeavesEverything) {
+TEST(Resample, NoneChangesNothing) {
     const Skeleton s = zoo_skeleton("helix");
     EXPECT_EQ(resample(s, {.method = ResampleMethod::none}).skeleton.size(), s.size());
 }
 
-TEST(Resample, DropsNodesOfAStraightTaperAndKeepsThoseOfAKink) {
+TEST(Resample, RemovesNodesOfAStraightTaperAndPreservesKinks) {
     // The radius decreases linearly except for the kink at z = 20.
     const Skeleton s = chain(
         {{{0, 0, 0}, 2}, {{0, 0, 10}, 1.75f}, {{0, 0, 20}, 1.5f}, {{0, 0, 30}, 1.5f}, {{0, 0, 35}, 1.5f}});
@@ -65,7 +65,7 @@ TEST(Resample, DropsNodesOfAStraightTaperAndKeepsThoseOfAKink) {
     EXPECT_EQ(r.new_of_old[3], NodeId(2));
 }
 
-TEST(Resample, StaysWithinTheToleranceWhenNothingIsTooClose) {
+TEST(Resample, DeviationIsWithinTheTolerance) {
     std::vector<Ball> wave;
     for (int i = 0; i <= 200; ++i) {
         const float x = 0.3f * static_cast<float>(i);
@@ -79,7 +79,7 @@ TEST(Resample, StaysWithinTheToleranceWhenNothingIsTooClose) {
     }
 }
 
-TEST(Resample, KeepsNodesApart) {
+TEST(Resample, NodesRespectTheMinimumSpacing) {
     std::vector<Ball> dense;
     for (int i = 0; i <= 300; ++i) {
         const float t = 0.05f * static_cast<float>(i);
@@ -93,7 +93,7 @@ TEST(Resample, KeepsNodesApart) {
     }
 }
 
-TEST(Resample, PushesTheEndsOfARadiusJumpApart) {
+TEST(Resample, SeparatesTheEndsOfARadiusJump) {
     const ResampleResult r = resample(zoo_skeleton("radius_jump"), {.max_length = 1000});
     ASSERT_EQ(r.skeleton.size(), 4u);
     EXPECT_GT(r.report.moved, 0u);
@@ -127,7 +127,7 @@ TEST(Resample, SplitsTapersByLocalRadii) {
     EXPECT_LT(lengths.front(), 21);
 }
 
-TEST(Resample, PutsARingBeforeATipOfALongSegment) {
+TEST(Resample, AddsARingBeforeATipOfALongSegment) {
     const auto with_tip_at = [](float x) {
         return resample(chain({{{0, 0, 0}, 1}, {{0, 0, 5}, 1}, {{x, 0, 5}, 1}}), {.bend_angle = 3}).skeleton;
     };
@@ -142,7 +142,7 @@ TEST(Resample, PutsARingBeforeATipOfALongSegment) {
     EXPECT_FLOAT_EQ(lone.position(NodeId(2)).z, 23);
 }
 
-TEST(Resample, PutsRingsWhereBranchesLeaveABall) {
+TEST(Resample, AddsRingsWhereBranchesLeaveABall) {
     const Skeleton soma({NodeId::none(), NodeId(0), NodeId(0)}, {{0, 0, 0}, {0, 0, 5}, {30, 0, 0}},
                         {2, 0.5f, 0.4f});
     ASSERT_TRUE(is_ball(soma, NodeId(0)));
@@ -158,19 +158,19 @@ TEST(Resample, PutsRingsWhereBranchesLeaveABall) {
     EXPECT_FLOAT_EQ(r.skeleton.radius(*lateral), 0.4f);
 }
 
-TEST(Resample, PutsRingsBesideASharpTurn) {
+TEST(Resample, AddsRingsNextToASharpTurn) {
     const ResampleResult r = resample(zoo_skeleton("right_angle_bend"));
     ASSERT_EQ(r.skeleton.size(), 5u);
     EXPECT_FLOAT_EQ(r.skeleton.position(NodeId(1)).z, 3.5f);
     EXPECT_FLOAT_EQ(r.skeleton.position(NodeId(3)).x, 1.5f);
 }
 
-TEST(Resample, InsertionIsBoundedOnThreads) {
+TEST(Resample, InsertionIsLimitedOnThinThreads) {
     const ResampleResult r = resample(chain({{{0, 0, 0}, 1e-12f}, {{0, 0, 1e15f}, 1e-12f}}));
     EXPECT_LE(r.skeleton.size(), 20'000u);
 }
 
-TEST(Resample, ZhuDropsStraightAndShortOnes) {
+TEST(Resample, ZhuRemovesStraightAndShortSegments) {
     const float a = 0.05f;  // less than zhu_angle
     const Skeleton s = chain({{{0, 0, 0}, 1},
                               {{0, 0, 5}, 1},
@@ -185,7 +185,7 @@ TEST(Resample, ZhuDropsStraightAndShortOnes) {
     EXPECT_EQ(r.skeleton.position(NodeId(2)), s.position(NodeId(4)));
 }
 
-TEST(Resample, NeverLosesRootsBranchNodesOrTips) {
+TEST(Resample, PreservesRootsForksAndTips) {
     for (const auto& [name, s] : skeleton_zoo()) {
         for (const auto method : {ResampleMethod::zhu, ResampleMethod::simplify}) {
             SCOPED_TRACE(name + " " + std::string(name_of(method)));
@@ -206,7 +206,7 @@ TEST(Resample, NeverLosesRootsBranchNodesOrTips) {
     }
 }
 
-TEST(Resample, TheSameChildLeads) {
+TEST(Resample, PreservesTheLeader) {
     for (const auto& [name, s] : skeleton_zoo()) {
         SCOPED_TRACE(name);
         const ResampleResult r = resample(s);
@@ -221,7 +221,7 @@ TEST(Resample, TheSameChildLeads) {
     }
 }
 
-TEST(Resample, ALeaderThatTapersBelowItsSiblingKeepsItsFirstNode) {
+TEST(Resample, TaperingLeaderPreservesItsFirstNode) {
     // The leader decreases linearly from 1 to 0.1; without its first node the sibling of 0.5 would lead.
     const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(2), NodeId(1)},
                      {{0, 0, 0}, {0, 0, 4}, {0, 0, 8}, {0, 0, 12}, {5, 0, 4}}, {1, 1, 0.55f, 0.1f, 0.5f});
@@ -229,7 +229,7 @@ TEST(Resample, ALeaderThatTapersBelowItsSiblingKeepsItsFirstNode) {
     EXPECT_EQ(r.skeleton.position(r.skeleton.leader(r.new_of_old[1])), Vec3(0, 0, 8));
 }
 
-TEST(Resample, TakesAMillionNodesInOneChain) {
+TEST(Resample, AcceptsAMillionNodesOfOneChain) {
     std::vector<Ball> balls;
     for (int i = 0; i < 1'000'000; ++i) {
         // Increasingly far from the chord: the split is always near one end.

@@ -13,7 +13,7 @@ std::vector<std::uint32_t> find_nodes(const SimplifiedChain& chain) {
 
 using Nodes = std::vector<std::uint32_t>;
 
-TEST(SimplifyChain, KeepsEndsAndWhatTheSurfaceNeeds) {
+TEST(SimplifyChain, PreservesEndsAndPointsBeyondTheTolerance) {
     // A straight taper of 0.1 per metre, except for node 2, which is off by 0.02 of 0.5 radii: 4 %.
     std::vector<ChainPoint> points;
     for (std::uint32_t i = 0; i <= 4; ++i) points.push_back({{0, 0, 1.0 * i}, 0.7 - 0.1 * i, i});
@@ -23,7 +23,7 @@ TEST(SimplifyChain, KeepsEndsAndWhatTheSurfaceNeeds) {
     EXPECT_EQ(find_nodes(simplify_chain(points, {0.05, 0})), (Nodes{0, 4}));
 }
 
-TEST(SimplifyChain, ALateralHasTheRadiusOfItsEndAllAlong) {
+TEST(SimplifyChain, LateralHasTheRadiusOfItsEnd) {
     const std::vector<ChainPoint> points{{{0, 0, 0}, 0.1, 0}, {{0, 0, 1}, 0.1, 1}, {{0, 0, 2}, 0.2, 2}};
     EXPECT_EQ(find_nodes(simplify_chain(points, {0.02, 0})), (Nodes{0, 1, 2}));
     // Between balls of 0.2 and 0.2, the one of 0.1 is off by its own radius.
@@ -34,7 +34,7 @@ TEST(SimplifyChain, ALateralHasTheRadiusOfItsEndAllAlong) {
 }
 
 // An elbow near the fork is removed, but not a bend there: the long segment after it stays in place.
-TEST(SimplifyChain, MovesAPointAlongItsSegmentWhereTheAxisWouldTurn) {
+TEST(SimplifyChain, MovesPointsAlongTheirSegmentAtTurns) {
     const std::vector<ChainPoint> points{{{0, 0, 0}, 0.1, 0}, {{0.08, 0, 0}, 0.1, 1}, {{0.08, 0, 4}, 0.1, 2}};
     for (const ChainRule& rule :
          {ChainRule{0.02, 0.9, false, 0.1, 0.1}, ChainRule{0.02, 0.9, true, 0, 0.1}}) {
@@ -51,7 +51,7 @@ TEST(SimplifyChain, MovesAPointAlongItsSegmentWhereTheAxisWouldTurn) {
     EXPECT_EQ(simplify_chain(crowded, {0.02, 0.9, false, 0.3, 0.1}).points.size(), 3u);
 }
 
-TEST(SimplifyChain, PushesJumpsApartAndKeepsBothRadii) {
+TEST(SimplifyChain, SeparatesJumpsAndPreservesBothRadii) {
     // Half a metre thick up to 1, a quarter from 1.05 on: too close, but both are kept.
     const std::vector<ChainPoint> points{
         {{0, 0, 0}, 0.5, 0}, {{0, 0, 1}, 0.5, 1}, {{0, 0, 1.05}, 0.25, 2}, {{0, 0, 3}, 0.25, 3}};

@@ -13,7 +13,7 @@ namespace {
 
 const NodeId kNoNode = NodeId::none();
 
-TEST(Skeleton, KnowsChildrenLeadersAndTips) {
+TEST(Skeleton, HasChildrenLeadersAndTips) {
     // 0 - 1 - 2, and 3, 4 from 1; 5 alone. The leader of 1 is 3: the thickest, and before 4.
     const Skeleton s({kNoNode, NodeId(0), NodeId(1), NodeId(1), NodeId(1), kNoNode}, std::vector<Vec3>(6),
                      {5, 4, 1, 2, 2, 1});
@@ -38,7 +38,7 @@ TEST(Skeleton, OnlyTheLeaderStartsWithItsParentsRadius) {
     EXPECT_EQ(s.segment(NodeId(2)).radius_a, 5);
 }
 
-TEST(Skeleton, RefusesWhatBreaksAnInvariant) {
+TEST(Skeleton, RejectsInputThatBreaksAnInvariant) {
     const float nan = std::numeric_limits<float>::quiet_NaN();
     EXPECT_THROW(Skeleton({}, {}, {}), InvalidInput);
     EXPECT_THROW(Skeleton({NodeId(0)}, {{}}, {1}), InvalidInput);
@@ -49,7 +49,7 @@ TEST(Skeleton, RefusesWhatBreaksAnInvariant) {
     }
 }
 
-TEST(Zoo, NamesAreUniqueAndTheSkeletonsAreTheSameEachTime) {
+TEST(Zoo, NamesAreUniqueAndSkeletonsAreReproducible) {
     std::set<std::string> names;
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         EXPECT_TRUE(names.insert(name).second) << name;

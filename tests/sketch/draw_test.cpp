@@ -13,9 +13,9 @@
 namespace coppice {
 namespace {
 
-TEST(Draw, EveryOptionIsDescribed) { test::expect_described<DrawSketchOptions>(); }
+TEST(Draw, DescribesEveryOption) { test::expect_described<DrawSketchOptions>(); }
 
-TEST(Draw, EveryAxisIsABranchThatFitsIntoItsPictures) {
+TEST(Draw, EveryAxisIsABranchInsideItsImages) {
     const Skeleton tree = random_tree(200, 3);
     const std::size_t tips = measure(tree).tips;
     for (const Projection projection : {Projection::perspective, Projection::orthographic}) {
@@ -33,7 +33,7 @@ TEST(Draw, EveryAxisIsABranchThatFitsIntoItsPictures) {
     }
 }
 
-TEST(Draw, ViewsStandApartByTheirAngle) {
+TEST(Draw, ViewsHaveTheGivenAngle) {
     const Skeleton tree = random_tree(20, 1);
     const auto views = views_of(tree, {.angle = static_cast<float>(std::numbers::pi / 6)});
     const Vec3d a{views[0].r[2][0], views[0].r[2][1], views[0].r[2][2]},
@@ -42,7 +42,7 @@ TEST(Draw, ViewsStandApartByTheirAngle) {
     EXPECT_NEAR(a.y, 1, 1e-12);  // the front looks along +y
 }
 
-TEST(Draw, ASkeletonWithoutSegmentsIsRefused) {
+TEST(Draw, RejectsASkeletonWithoutSegments) {
     const Skeleton dot({NodeId()}, {{0, 0, 0}}, {1});
     EXPECT_EQ(test::error_of([&] { draw_sketch(dot, views_of(dot)); }),
               "a skeleton without segments cannot be drawn");

@@ -50,9 +50,9 @@ double mean_off(const Skeleton& reference, const Skeleton& found) {
     return sum;
 }
 
-TEST(Reconstruct, EveryOptionIsDescribed) { test::expect_described<SketchOptions>(3); }
+TEST(Reconstruct, DescribesEveryOption) { test::expect_described<SketchOptions>(3); }
 
-TEST(Reconstruct, AForkIsMadeAsDrawn) {
+TEST(Reconstruct, ForkMatchesItsDrawing) {
     const SketchResult result = made(fork_drawing());
     const Skeleton& s = result.skeleton;
     EXPECT_EQ(s.tree_count(), 1u);
@@ -76,19 +76,19 @@ TEST(Reconstruct, AForkIsMadeAsDrawn) {
     }
 }
 
-TEST(Reconstruct, DiametersGoBeforeWidths) {
+TEST(Reconstruct, DiametersTakePrecedenceOverWidths) {
     Sketch sketch = fork_drawing();
     sketch.branches[0].diameters = {{0.5, 0.3}};
     EXPECT_NEAR(made(sketch).skeleton.radius(NodeId(0)), 0.25, 1e-6);
 }
 
-TEST(Reconstruct, ABranchLeavesWhereItIsToldTo) {
+TEST(Reconstruct, BranchStartsAtTheGivenPosition) {
     Sketch sketch = fork_drawing();
     sketch.branches[1].attach = 0.25;
     EXPECT_LT(to_node(made(sketch, {.tolerance = 0}).skeleton, {0, 0, 0.5}), 1e-3);
 }
 
-TEST(Reconstruct, StrokesDrawnFromTheTipAreTurned) {
+TEST(Reconstruct, StrokesDrawnFromTheTipAreReversed) {
     const Skeleton straight = made(fork_drawing()).skeleton;
     Sketch sketch = fork_drawing();
     std::ranges::reverse(sketch.branches[1].strokes[0].points);
@@ -98,7 +98,7 @@ TEST(Reconstruct, StrokesDrawnFromTheTipAreTurned) {
     EXPECT_LT(mean_off(straight, result.skeleton), 1e-3);
 }
 
-TEST(Reconstruct, ALevelBranchIsMatchedByItsLength) {
+TEST(Reconstruct, HorizontalBranchIsMatchedByItsLength) {
     // Its strokes are along each other's epipolar lines, which therefore give no correspondence.
     Sketch sketch = fork_drawing();
     for (Stroke& stroke : sketch.branches[1].strokes)
@@ -107,7 +107,7 @@ TEST(Reconstruct, ALevelBranchIsMatchedByItsLength) {
     for (const double d : {0.2, 0.4, 0.6, 0.8}) EXPECT_LT(to_node(s, {d, d, 1}), 0.02);
 }
 
-TEST(Reconstruct, WhatOneStrokeLacksGoesOnFromTheOther) {
+TEST(Reconstruct, TruncatedStrokeIsContinuedByTheOther) {
     const Skeleton tree = random_tree(40, 5);
     const Sketch whole = draw_sketch(tree, views_of(tree));
     Sketch cut = whole;
@@ -119,7 +119,7 @@ TEST(Reconstruct, WhatOneStrokeLacksGoesOnFromTheOther) {
     EXPECT_NEAR(made(cut).branches[0].length / length, 1, 0.03);
 }
 
-TEST(Reconstruct, WrongPointsAreLeftOut) {
+TEST(Reconstruct, ExcludesWrongPoints) {
     const Skeleton tree = random_tree(40, 5);
     Sketch sketch = draw_sketch(tree, views_of(tree));
     const Skeleton clean = made(sketch).skeleton;
@@ -130,7 +130,7 @@ TEST(Reconstruct, WrongPointsAreLeftOut) {
     EXPECT_LT(mean_off(clean, result.skeleton), 0.002);
 }
 
-TEST(Reconstruct, ThirdViewsHelp) {
+TEST(Reconstruct, UsesThirdViews) {
     const Skeleton tree = random_tree(60, 2);
     std::vector<SketchView> views = views_of(tree);
     const SketchView between = views_of(tree, {.angle = 0.8f})[1];
@@ -147,7 +147,7 @@ TEST(Reconstruct, ThirdViewsHelp) {
 
 /// Documented accuracy for strokes with a noise of 2 pixels: the length within 3 %, and nodes within 1.5
 /// radii on average.
-TEST(Reconstruct, TreesDrawnByAnUnsteadyHandAreFound) {
+TEST(Reconstruct, FindsTreesWithNoisyStrokes) {
     for (const double degrees : {90.0, 30.0}) {
         const Skeleton tree = random_tree(256, 11);
         const DrawSketchOptions draw{.angle = static_cast<float>(degrees * std::numbers::pi / 180)};
@@ -188,7 +188,7 @@ void mess_up(Sketch& sketch) {
 
 /// With one wrong point in twenty: the length within 3 %, 19 of 20 tips within two of their radii, and hardly
 /// any branch refused.
-TEST(Reconstruct, TreesDrawnWithWrongPointsAreFound) {
+TEST(Reconstruct, FindsTreesWithWrongPoints) {
     double length = 0, tips = 0, found_tips = 0, refused = 0;
     for (const std::uint64_t seed : {21u, 22u, 23u, 24u}) {
         const Skeleton tree = random_tree(256, seed);
@@ -210,7 +210,7 @@ TEST(Reconstruct, TreesDrawnWithWrongPointsAreFound) {
     EXPECT_LT(refused / tips, 0.005);
 }
 
-TEST(Reconstruct, AWrongStartIsToldByTheOtherView) {
+TEST(Reconstruct, WrongStartIsDetectedByTheOtherView) {
     Sketch sketch = fork_drawing();
     const Skeleton right = made(sketch).skeleton;
     sketch.branches[1].strokes[0].points[0] = {230, 240};
@@ -222,7 +222,7 @@ TEST(Reconstruct, AWrongStartIsToldByTheOtherView) {
     EXPECT_NEAR(measure(result.skeleton).length / measure(right).length, 1, 0.02);
 }
 
-TEST(Reconstruct, OfTwoPointsTheWrongStartIsLeftOut) {
+TEST(Reconstruct, WrongStartOfAStrokeOfTwoPointsIsExcluded) {
     Sketch sketch = fork_drawing();
     // 0.4 m to the right, 0.3 m to the back and 0.5 m above the middle of the stem.
     sketch.branches[1].strokes[0].points = {{165, 170}, {240, 150}};
@@ -250,7 +250,7 @@ std::pair<double, double> with_wrong_camera(bool refine, double degrees) {
     return {measure(result.skeleton).length / measure(tree).length - 1, off / strokes};
 }
 
-TEST(Reconstruct, CamerasArePutRight) {
+TEST(Reconstruct, RefinesWrongCameras) {
     const auto [right_length, right_off] = with_wrong_camera(false, 0);
     const auto [wrong_length, wrong_off] = with_wrong_camera(false, 1);
     const auto [length, off] = with_wrong_camera(true, 1);
@@ -262,13 +262,13 @@ TEST(Reconstruct, CamerasArePutRight) {
     EXPECT_NEAR(with_wrong_camera(true, 0).first, right_length, 0.003);
 }
 
-TEST(Reconstruct, FewBranchesTellNothingOfCameras) {
+TEST(Reconstruct, FewBranchesDoNotChangeCameras) {
     const Sketch sketch = fork_drawing();
     const Skeleton as_is = made(sketch).skeleton, refined = made(sketch, {.refine_cameras = true}).skeleton;
     EXPECT_TRUE(std::ranges::equal(as_is.positions(), refined.positions()));
 }
 
-TEST(Reconstruct, ThreadsDoNotChangeTheResult) {
+TEST(Reconstruct, IsBitIdenticalForAnyNumberOfThreads) {
     const Skeleton tree = random_tree(120, 4);
     const Sketch sketch = draw_sketch(tree, views_of(tree));
     const Skeleton one = made(sketch, {}, {.threads = 1, .stop = {}, .progress = {}}).skeleton;
@@ -287,7 +287,7 @@ std::string refusal(const std::function<void(Sketch&)>& change) {
     return made(sketch).branches[1].refused;
 }
 
-TEST(Reconstruct, WhatCannotBeMadeIsRefusedByName) {
+TEST(Reconstruct, ErrorsReportTheBranch) {
     EXPECT_EQ(refusal([](Sketch& s) { s.branches[1].strokes.pop_back(); }),
               "branch 'lateral' (strokes in 'front') is refused: it is drawn in a single view");
     EXPECT_EQ(
@@ -303,7 +303,7 @@ TEST(Reconstruct, WhatCannotBeMadeIsRefusedByName) {
               "coincide");
 }
 
-TEST(Reconstruct, WhatGrowsFromARefusedBranchIsRefusedToo) {
+TEST(Reconstruct, RejectsDescendantsOfARejectedBranch) {
     Sketch sketch = fork_drawing();
     SketchBranch twig = sketch.branches[1];
     twig.name = "twig";
@@ -314,7 +314,7 @@ TEST(Reconstruct, WhatGrowsFromARefusedBranchIsRefusedToo) {
               "branch 'twig' (strokes in 'front', 'side') is refused: its parent branch was refused");
 }
 
-TEST(Reconstruct, ViewsFromOnePlaceGiveNoDepth) {
+TEST(Reconstruct, RejectsViewsFromOnePosition) {
     const Skeleton tree = random_tree(20, 1);
     const DrawSketchOptions draw{.angle = 0.02f};
     const std::string error = error_of([&] { made(draw_sketch(tree, views_of(tree, draw), draw)); });
@@ -323,14 +323,14 @@ TEST(Reconstruct, ViewsFromOnePlaceGiveNoDepth) {
               "degrees apart)");
 }
 
-TEST(Reconstruct, AStemNeedsItsThickness) {
+TEST(Reconstruct, StemRequiresWidthsOrDiameters) {
     Sketch sketch = fork_drawing();
     for (Stroke& stroke : sketch.branches[0].strokes) stroke.widths.clear();
     EXPECT_EQ(error_of([&] { made(sketch); }),
               "a.sketch.json: branch 'stem' has no parent and therefore needs widths or diameters");
 }
 
-TEST(Reconstruct, BranchesMayNestDeeply) {
+TEST(Reconstruct, AcceptsDeeplyNestedBranches) {
     Sketch sketch = fork_drawing();
     for (int i = 0; i < 3000; ++i) {
         SketchBranch next = sketch.branches[1];

@@ -21,7 +21,7 @@ std::string said(const std::function<void(Sketch&)>& change) {
     return error_of([&] { validate(sketch, "a.sketch.json"); });
 }
 
-TEST(Sketch, WhatIsWrongIsNamed) {
+TEST(Sketch, ErrorsReportTheField) {
     EXPECT_EQ(said([](Sketch&) {}), "no error");
     EXPECT_EQ(said([](Sketch& s) { s.views.pop_back(); }),
               "a.sketch.json: views: a sketch needs at least two");

@@ -23,7 +23,7 @@ TEST(Snapshot, ADrawingIsScaledByTheHeight) {
     EXPECT_EQ(project(view, {0, 0, 0}), (PicturePoint{200, 300}));
 }
 
-TEST(Snapshot, APhotographFindsItsCamera) {
+TEST(Snapshot, PhotographDeterminesItsCamera) {
     const Skeleton tree = random_tree(120, 6);
     // Two cameras at a distance of 16 m and a height of 1.5 m that do not point directly at the stem.
     std::vector<SketchView> views(2);
@@ -52,7 +52,7 @@ TEST(Snapshot, APhotographFindsItsCamera) {
     for (const BranchFit& fit : result.branches) EXPECT_EQ(fit.refused, "");
 }
 
-TEST(Snapshot, WhatTellsNoScaleIsRefused) {
+TEST(Snapshot, RejectsInputWithoutAScale) {
     const auto said = [](const Sketch& sketch, const Snapshot& snapshot, double height) {
         return test::error_of([&] { snapshot_view(sketch, 0, snapshot, height, "views[0]"); });
     };

@@ -58,7 +58,7 @@ TEST(Silhouette, DistancesAreExact) {
     }
 }
 
-TEST(Silhouette, ABarBecomesItsMiddle) {
+TEST(Silhouette, ThinnedBarIsItsMiddleLine) {
     Mask mask(100, 40);
     draw(mask, {20, 20.5}, {80, 20.5}, 8);
     const Mask line = thinned(mask, {});
@@ -67,7 +67,7 @@ TEST(Silhouette, ABarBecomesItsMiddle) {
     for (int x = 25; x < 75; ++x) EXPECT_TRUE(line.at(x, 20)) << x;
 }
 
-TEST(Silhouette, TheLargestPartIsKept) {
+TEST(Silhouette, LargestPartIsPreserved) {
     Mask mask(100, 40);
     draw(mask, {10, 20}, {60, 20}, 5);
     const std::size_t bar = count(mask);
@@ -76,7 +76,7 @@ TEST(Silhouette, TheLargestPartIsKept) {
     EXPECT_EQ(count(largest_part(mask)), bar);
 }
 
-TEST(Silhouette, BranchesThatCrossPassEachOther) {
+TEST(Silhouette, IntersectingBranchesContinueStraight) {
     // A stem with two laterals that cross each other.
     Mask mask(300, 400);
     draw(mask, {100, 390}, {100, 20}, 9);
@@ -122,7 +122,7 @@ std::vector<SketchView> four_views() {
     return views;
 }
 
-TEST(Trace, AForkIsFoundInItsSilhouettes) {
+TEST(Trace, FindsAForkInItsSilhouettes) {
     const Sketch drawing = test::fork_drawing();
     const TraceResult traced = trace(drawing.views, fork_silhouettes(drawing.views));
     ASSERT_EQ(traced.sketch.branches.size(), 2u);
@@ -137,7 +137,7 @@ TEST(Trace, AForkIsFoundInItsSilhouettes) {
     EXPECT_LT(nearest, 0.06);
 }
 
-TEST(Trace, SilhouetteFieldsTellHowFarPlacesAreWithin) {
+TEST(Trace, SilhouetteFieldsReturnTheDepthInside) {
     Mask mask(100, 80);
     for (int y = 20; y < 60; ++y)
         for (int x = 30; x < 70; ++x) mask.inside[mask.index(x, y)] = 1;
@@ -150,7 +150,7 @@ TEST(Trace, SilhouetteFieldsTellHowFarPlacesAreWithin) {
     EXPECT_EQ(field.inside_by({50, 80}), std::nullopt);
 }
 
-TEST(Trace, AHullIsAsWideAsWhatItHolds) {
+TEST(Trace, HullHasTheWidthOfTheStem) {
     const std::vector<SketchView> views = four_views();
     const std::vector<Mask> masks = fork_silhouettes(views);
     std::vector<SilhouetteField> fields(masks.begin(), masks.end());
@@ -166,7 +166,7 @@ TEST(Trace, AHullIsAsWideAsWhatItHolds) {
     EXPECT_NEAR(widest, 0.08, 0.01);
 }
 
-TEST(Trace, AForkIsFoundInFourSilhouettes) {
+TEST(Trace, FindsAForkInFourSilhouettes) {
     const std::vector<SketchView> views = four_views();
     const std::vector<Mask> masks = fork_silhouettes(views);
     const TraceResult traced = trace(views, masks);
@@ -185,7 +185,7 @@ TEST(Trace, AForkIsFoundInFourSilhouettes) {
     EXPECT_EQ(points_of(trace(views, masks, one).sketch), points_of(traced.sketch));
 }
 
-TEST(Trace, AGhostShowsNothing) {
+TEST(Trace, RemovesPiecesThatExplainNothing) {
     // Two bars in the front view and two in the side view: four bars would have the same silhouettes.
     const std::vector<SketchView> views = test::fork_drawing().views;
     Hull hull;
@@ -209,7 +209,7 @@ TEST(Trace, AGhostShowsNothing) {
     EXPECT_EQ(explaining(hull, pieces, views, fields, masks, {}).size(), 2u);
 }
 
-TEST(Trace, WhatCannotBeTracedIsRefused) {
+TEST(Trace, RejectsInvalidInput) {
     const Sketch drawing = test::fork_drawing();
     const auto said = [&](std::vector<SketchView> views, std::vector<Mask> masks) {
         return error_of([&] { trace(views, masks); });
@@ -240,7 +240,7 @@ TEST(Trace, WhatCannotBeTracedIsRefused) {
     EXPECT_EQ(error_of([] { compute_extent(Mask(10, 10), "here"); }), "here: the silhouette is empty");
 }
 
-TEST(Trace, TheExtentRunsFromTheFootToTheTop) {
+TEST(Trace, ExtentIsFromTheFootToTheTop) {
     Mask mask(100, 100);
     for (int y = 20; y < 90; ++y)
         for (int x = 40; x < 60; ++x) mask.inside[mask.index(x, y)] = 1;

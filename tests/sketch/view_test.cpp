@@ -21,7 +21,7 @@ SketchView pinhole() {
     return view;
 }
 
-TEST(View, PinholeShowsWhatIsFarSmaller) {
+TEST(View, PinholeProjectsDistantObjectsSmaller) {
     // (1, 0, 1) is at a depth of 5 m and 1 m to the right: 1000 / 5 pixels from the centre.
     EXPECT_EQ(project(pinhole(), {1, 0, 1}), (PicturePoint{700, 400}));
     // Up is towards smaller y; at a depth of 10 m.
@@ -30,7 +30,7 @@ TEST(View, PinholeShowsWhatIsFarSmaller) {
     EXPECT_DOUBLE_EQ(depth(pinhole(), {3, 5, 2}), 10);
 }
 
-TEST(View, RaysRunThroughWhatTheirPixelsShow) {
+TEST(View, RaysPassThroughTheProjectedPoints) {
     SketchView view = pinhole();
     view.distortion = {-0.2, 0.05, 0.001, -0.002, 0.01};
     for (const Vec3d p : {Vec3d{0.3, -0.5, 1.8}, Vec3d{-1, 2, 0.1}, Vec3d{0, 0, 1}}) {
@@ -43,7 +43,7 @@ TEST(View, RaysRunThroughWhatTheirPixelsShow) {
     }
 }
 
-TEST(View, DrawingsShowTheirSides) {
+TEST(View, DrawingsHaveTheirSide) {
     const Vec3d p{1, 2, 3};
     const auto shown = [&](DrawingSide side) { return project(drawing_view(side, 10, {100, 200}), p); };
     EXPECT_EQ(shown(DrawingSide::front), (PicturePoint{110, 170}));
@@ -56,7 +56,7 @@ TEST(View, DrawingsShowTheirSides) {
     EXPECT_EQ(r.direction, (Vec3d{-1, 0, 0}));
 }
 
-TEST(View, ChangeOfProjectionIsItsDerivative) {
+TEST(View, ProjectionChangeMatchesFiniteDifferences) {
     for (const SketchView& view : {pinhole(), drawing_view(DrawingSide::top, 50, {0, 0})}) {
         const Vec3d p{0.4, 0.7, 1.6};
         const auto [x, y] = projection_change(view, p);
@@ -70,7 +70,7 @@ TEST(View, ChangeOfProjectionIsItsDerivative) {
     }
 }
 
-TEST(View, WrongCamerasAreRefused) {
+TEST(View, RejectsInvalidCameras) {
     SketchView view = pinhole();
     EXPECT_EQ(error_of([&] { validate(view, "views[0]"); }), "no error");
     view.r[2] = {0, -1, 0};  // a mirror

@@ -50,7 +50,7 @@ TEST(BoxTree, FindsEveryOverlapOnce) {
     }
 }
 
-TEST(BoxTree, SearchFindsTheNearest) {
+TEST(BoxTree, SearchFindsTheNearestBox) {
     const auto all = boxes(500);
     const BoxTree tree(all, {});
     for (const Vec3d p : {Vec3d{0.5, 0.5, 0.5}, Vec3d{-3, 0.2, 0.9}, Vec3d{1, 1, 1}, Vec3d{100, 100, -100}}) {
@@ -68,7 +68,7 @@ TEST(BoxTree, SearchFindsTheNearest) {
     }
 }
 
-TEST(BoxTree, StandsEqualAndExtremeBoxes) {
+TEST(BoxTree, AcceptsEqualAndExtremeBoxes) {
     constexpr float kMax = std::numeric_limits<float>::max();
     std::vector<Box3> all(100, Box3{{1, 1, 1}, {1, 1, 1}});
     all.push_back({{-kMax, -kMax, -kMax}, {kMax, kMax, kMax}});
@@ -78,7 +78,7 @@ TEST(BoxTree, StandsEqualAndExtremeBoxes) {
     EXPECT_EQ(visits, 101u * 100 / 2);
 }
 
-TEST(BoxTree, SameForAnyNumberOfThreads) {
+TEST(BoxTree, IsBitIdenticalForAnyNumberOfThreads) {
     const auto all = boxes(100'000);
     const BoxTree one(all, {.threads = 1});
     for (const unsigned threads : {2u, 7u}) {
@@ -87,7 +87,7 @@ TEST(BoxTree, SameForAnyNumberOfThreads) {
     }
 }
 
-TEST(ExtendOutward, HoldsThePoint) {
+TEST(ExtendOutward, ContainsThePoint) {
     for (const double x : {0.1, -0.1, 1e300, -1e300, 0.0, 16777217.0}) {
         Box3 box;
         extend_outward(box, {x, 0, 0});

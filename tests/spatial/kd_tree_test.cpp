@@ -24,7 +24,7 @@ std::vector<Vec3> random_points(std::size_t count) {
 
 double squared(Vec3 a, Vec3 b) { return length_squared(Vec3d(a) - Vec3d(b)); }
 
-TEST(KdTree, FindsWhatASearchOfAllPointsFinds) {
+TEST(KdTree, MatchesExhaustiveSearch) {
     const std::vector<Vec3> points = random_points(2000);
     const KdTree tree(points);
     constexpr std::size_t kCount = 7;
@@ -43,7 +43,7 @@ TEST(KdTree, FindsWhatASearchOfAllPointsFinds) {
     }
 }
 
-TEST(KdTree, TakesPointsThatLieOnOneAnother) {
+TEST(KdTree, AcceptsCoincidentPoints) {
     const std::vector<Vec3> heap(5000, Vec3{1, 2, 3});
     const KdTree tree(heap);
     EXPECT_EQ(tree.nearest({1, 2, 5}).squared, 4);
@@ -53,13 +53,13 @@ TEST(KdTree, TakesPointsThatLieOnOneAnother) {
     EXPECT_EQ(std::accumulate(distance.begin(), distance.end(), 0.0), 0);
 }
 
-TEST(KdTree, StopsWhenAskedWhileItIsBuilt) {
+TEST(KdTree, ConstructionStopsWhenCancelled) {
     std::stop_source source;
     source.request_stop();
     EXPECT_THROW(KdTree(random_points(50'000), {.stop = source.get_token()}), Cancelled);
 }
 
-TEST(KdTree, AnswersForOnePoint) {
+TEST(KdTree, AcceptsOnePoint) {
     const std::vector<Vec3> one{{1, 0, 0}};
     const KdTree tree(one);
     EXPECT_EQ(tree.nearest({3, 0, 0}).index, 0u);

@@ -23,7 +23,7 @@ std::vector<Box3> boxes_along(std::uint32_t count, std::uint64_t seed, float siz
     return out;
 }
 
-TEST(OverlapQueries, FindTheSameAsQueriesOneByOne) {
+TEST(OverlapQueries, MatchSingleQueries) {
     for (const std::uint32_t count : {0u, 1u, 7u, 100u, 3000u}) {
         const std::vector<Box3> items = boxes_along(count, 1, 0.02f), wanted = boxes_along(1001, 2, 0.01f);
         const BoxTree tree(items, {});

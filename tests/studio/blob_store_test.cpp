@@ -12,7 +12,7 @@
 namespace coppice {
 namespace {
 
-TEST(BlobStore, MakesWhatIsAskedForOnce) {
+TEST(BlobStore, ComputesARequestedBlobOnce) {
     BlobStore blobs;
     int made = 0;
     blobs.offer("a", [&] { return std::to_string(++made); });
@@ -23,7 +23,7 @@ TEST(BlobStore, MakesWhatIsAskedForOnce) {
     EXPECT_EQ(blobs.get("b"), nullptr);
 }
 
-TEST(BlobStore, ForgetsTheOldestAndKeepsTheNewestHoweverLarge) {
+TEST(BlobStore, EvictsTheOldestAndStoresTheNewestOfAnySize) {
     BlobStore blobs(100);
     const std::string a = blobs.offer(std::string(60, 'a'));
     const std::string b = blobs.offer(std::string(30, 'b'));
@@ -36,7 +36,7 @@ TEST(BlobStore, ForgetsTheOldestAndKeepsTheNewestHoweverLarge) {
     EXPECT_EQ(blobs.get(a), nullptr);
 }
 
-TEST(BlobStore, CanBeAskedAgainAfterMakingFailed) {
+TEST(BlobStore, RepeatsAFailedComputation) {
     BlobStore blobs;
     bool works = false;
     blobs.offer("a", [&]() -> std::string {
@@ -48,7 +48,7 @@ TEST(BlobStore, CanBeAskedAgainAfterMakingFailed) {
     EXPECT_EQ(*blobs.get("a"), "made");
 }
 
-TEST(BlobStore, ForgetsWhatCannotBeMadeAnyMore) {
+TEST(BlobStore, DiscardsBlobsWithoutAResult) {
     BlobStore blobs;
     const std::size_t asked = 2;
     std::size_t times = 0;
@@ -60,7 +60,7 @@ TEST(BlobStore, ForgetsWhatCannotBeMadeAnyMore) {
     EXPECT_EQ(times, 1u);
 }
 
-TEST(BlobStore, MakesTwoAtATime) {
+TEST(BlobStore, ComputesTwoBlobsConcurrently) {
     BlobStore blobs;
     std::atomic<int> now = 0, most = 0;
     std::vector<std::jthread> clients;

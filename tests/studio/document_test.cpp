@@ -35,7 +35,7 @@ Document document_of(const std::string& text) {
     return document;
 }
 
-TEST(Document, IsItsText) {
+TEST(Document, TextEqualsTheInput) {
     const std::string text = "# two balls\nsphere a\n\nsphere b radius=2\n";
     Document document = document_of(text);
     EXPECT_EQ(document.text(), text);
@@ -44,7 +44,7 @@ TEST(Document, IsItsText) {
     EXPECT_EQ(document.statements()[3].line, 4u);
 }
 
-TEST(Document, PutsALineBeforeWhatWasMadeOfItsObject) {
+TEST(Document, InsertsALineBeforeTheFirstUseOfItsObject) {
     Document document = document_of("sphere a\nsphere b center=1,0,0\nunion a b both\nsphere c\n");
     EXPECT_EQ(document.run("translate a 0 0 1", Document::Name{ObjectKind::solid, "a"}, kQuiet), 1u);
     EXPECT_EQ(document.run("translate c 0 0 1", Document::Name{ObjectKind::solid, "c"}, kQuiet), 5u);
@@ -54,7 +54,7 @@ TEST(Document, PutsALineBeforeWhatWasMadeOfItsObject) {
     EXPECT_EQ(all_of(document.scene()), all_of(document.text()));
 }
 
-TEST(Document, RefusesALineThatFailsAndKeepsAllElse) {
+TEST(Document, RejectsAFailingLineAndPreservesTheRest) {
     Document document = document_of("sphere a\n");
     const std::uint64_t revision = document.revision();
     EXPECT_THROW(document.run("sphere b radius=-1", {}, kQuiet), InvalidInput);
@@ -63,7 +63,7 @@ TEST(Document, RefusesALineThatFailsAndKeepsAllElse) {
     EXPECT_TRUE(document.undo_names(10).size() == 1);
 }
 
-TEST(Document, StopsBeforeWhatFailsLaterAndDropsNothing) {
+TEST(Document, StopsAtAFailingStatementAndPreservesTheRest) {
     Document document = document_of("sphere a\nsphere b\nunion a b c\n");
     document.set_text("sphere a\nunion a b c\nsphere d\n", kQuiet);
     ASSERT_TRUE(document.failure());
@@ -89,7 +89,7 @@ TEST(Document, RunsToACursorAndBack) {
     EXPECT_EQ(document.scene().state().objects.size(), 4u);
 }
 
-TEST(Document, RunsABlockAsOneAndTakesItBackWhenItFails) {
+TEST(Document, RunsABlockAsOneStepAndUndoesItOnFailure) {
     Document document = document_of("sphere a\n");
     EXPECT_THROW(document.run("for i in 1..3\n  sphere b${i} radius=${2 - i}\nend", {}, kQuiet),
                  InvalidInput);
@@ -99,7 +99,7 @@ TEST(Document, RunsABlockAsOneAndTakesItBackWhenItFails) {
     EXPECT_EQ(document.scene().state().objects.size(), 1u);
 }
 
-TEST(Document, CancelledIsAsIfNothingHadHappened) {
+TEST(Document, CancellationChangesNothing) {
     Document document = document_of("sphere a\n");
     std::stop_source stop;
     stop.request_stop();
@@ -110,7 +110,7 @@ TEST(Document, CancelledIsAsIfNothingHadHappened) {
     EXPECT_EQ(document.scene().state().objects.size(), 1u);
 }
 
-TEST(Document, RunsAgainWhatReadsAFile) {
+TEST(Document, RerunsStatementsThatReadAFile) {
     Document document = document_of("sphere a\n");
     EXPECT_FALSE(document.rerun("tree.swc", kQuiet));
     document.set_text("sphere a\nsphere b  # tree.swc\n", kQuiet);
@@ -125,7 +125,7 @@ TEST(Document, RunsAgainWhatReadsAFile) {
     EXPECT_EQ(document.undo_names(10).size(), 2u);
 }
 
-TEST(Document, UndoHasRoomForThousandsOfChangesOfALongText) {
+TEST(Document, UndoStoresThousandsOfChangesOfALongText) {
     // 1 MB in 300 statements, one of which changes each time.
     std::vector<std::string> lines;
     for (int i = 0; i < 300; ++i) lines.push_back("# " + std::to_string(i) + std::string(3400, 'x'));
@@ -158,7 +158,7 @@ TEST(Document, UndoHasRoomForThousandsOfChangesOfALongText) {
     EXPECT_EQ(document.text(), last);
 }
 
-TEST(Document, ForgetsTheOldestChangesWhereThereIsNoRoom) {
+TEST(Document, DiscardsTheOldestChangesWithoutRoom) {
     Document document(SceneSettings{}, {.texts = 400'000});
     for (int i = 0; i < 200; ++i)
         document.set_text("# " + std::to_string(i) + std::string(2000, 'x') + "\n", kQuiet);
@@ -170,7 +170,7 @@ TEST(Document, ForgetsTheOldestChangesWhereThereIsNoRoom) {
     EXPECT_EQ(document.text().find("# " + std::to_string(199 - left)), 0u);
 }
 
-TEST(Document, StatesThatAreKeptHaveTheirRoom) {
+TEST(Document, StoredStatesAreLimited) {
     // Points of 1.2 MB each in different versions; all would be 36 MB.
     Document document(SceneSettings{}, {.states = std::uint64_t{4} << 20});
     document.run("sphere a", {}, kQuiet);
@@ -185,7 +185,7 @@ TEST(Document, StatesThatAreKeptHaveTheirRoom) {
     EXPECT_EQ(document.scene().state().objects.size(), 2u);
 }
 
-TEST(Document, KeepsALittleOfWhatASceneSays) {
+TEST(Document, StoredOutputIsLimited) {
     Document document;
     document.run("sphere a", {}, kQuiet);
     document.run("repeat 3000\n  describe a\nend", {}, kQuiet);
@@ -193,7 +193,7 @@ TEST(Document, KeepsALittleOfWhatASceneSays) {
     EXPECT_LT(document.statements()[1].says.size(), 70'000u);
 }
 
-TEST(Document, JoinsChangesThatBelongTogether) {
+TEST(Document, JoinsRelatedChanges) {
     Document document;
     const Document::TextChange drag{.count = {}, .name = "radius", .by = "hand", .joins = true};
     document.set_text("sphere a\nsphere b\n", kQuiet);
@@ -210,7 +210,7 @@ TEST(Document, JoinsChangesThatBelongTogether) {
 }
 
 // For any edits, the text reproduces the same scene from the start.
-TEST(Document, RandomChangesEqualRunningTheText) {
+TEST(Document, RandomChangesMatchRunningTheText) {
     std::mt19937 random(7);
     const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };
     for (int round = 0; round < 20; ++round) {
@@ -265,7 +265,7 @@ TEST(Document, RandomChangesEqualRunningTheText) {
     }
 }
 
-TEST(Document, ForgetsAThousandVersionsWithoutDeepCalls) {
+TEST(Document, DiscardsThousandsOfVersionsWithoutRecursion) {
     std::string text;
     for (int i = 0; i < 50'000; ++i) text += "# nothing\n";
     Document document = document_of(text);

@@ -65,7 +65,7 @@ std::string run_request(int id, const std::string& line) {
     return Json{{"id", id}, {"type", "run"}, {"line", line}}.dump();
 }
 
-TEST(StudioEngineThread, AnswersInOrderAndTellsEverybody) {
+TEST(StudioEngineThread, AnswersInOrderAndNotifiesEveryClient) {
     StudioEngine engine{{}};
     const auto a = std::make_shared<Listener>(), b = std::make_shared<Listener>();
     engine.join("a", a);
@@ -79,7 +79,7 @@ TEST(StudioEngineThread, AnswersInOrderAndTellsEverybody) {
     EXPECT_EQ(state["objects"].size(), 1u);
 }
 
-TEST(StudioEngineThread, DoesNothingTwiceAfterAReconnection) {
+TEST(StudioEngineThread, RepeatsNothingAfterAReconnection) {
     StudioEngine engine{{}};
     auto first = std::make_shared<Listener>();
     engine.join("a", first);
@@ -101,7 +101,7 @@ TEST(StudioEngineThread, DoesNothingTwiceAfterAReconnection) {
     EXPECT_EQ(state["undo"], Json::array({"sphere s", "sphere t"}));
 }
 
-TEST(StudioEngineThread, SaysSoWhereAnAnswerIsNotKeptAnyMore) {
+TEST(StudioEngineThread, ReportsAnAnswerThatIsNoLongerStored) {
     StudioOptions options;
     options.scene.max_memory = 256;  // 32 KiB of answers for each client
     StudioEngine engine{options};
@@ -118,7 +118,7 @@ TEST(StudioEngineThread, SaysSoWhereAnAnswerIsNotKeptAnyMore) {
     while (a->answers(2) < 2) std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
-TEST(StudioEngineThread, StopsWhatRuns) {
+TEST(StudioEngineThread, StopsARunningRequest) {
     StudioEngine engine{{}};
     const auto a = std::make_shared<Listener>();
     engine.join("a", a);
@@ -129,7 +129,7 @@ TEST(StudioEngineThread, StopsWhatRuns) {
     EXPECT_TRUE(a->answer(2)["ok"].get<bool>());
 }
 
-TEST(StudioEngineThread, OnlyTheNewestPreviewOfThoseThatWaitCounts) {
+TEST(StudioEngineThread, OnlyTheNewestWaitingPreviewRuns) {
     StudioEngine engine{{}};
     const auto a = std::make_shared<Listener>();
     engine.join("a", a);
@@ -142,7 +142,7 @@ TEST(StudioEngineThread, OnlyTheNewestPreviewOfThoseThatWaitCounts) {
     for (int id = 2; id < 12; ++id) EXPECT_EQ(a->answers(id), 1u);
 }
 
-TEST(StudioEngineThread, GivesAPreviewUpWhenItsClientGoesOn) {
+TEST(StudioEngineThread, CancelsAPreviewOnTheNextRequestOfItsClient) {
     StudioEngine engine{{}};
     const auto a = std::make_shared<Listener>();
     engine.join("a", a);
@@ -164,7 +164,7 @@ std::string text_of_growth() {
            kGrowth + "\n";
 }
 
-TEST(StudioEngineThread, TellsWhatRunsAndWhatHasGrownAndThatNothingRunsAnyMore) {
+TEST(StudioEngineThread, ReportsTheRunningStatementAndItsGrowth) {
     StudioEngine engine{{}};
     const auto a = std::make_shared<Listener>();
     engine.join("a", a);
@@ -192,7 +192,7 @@ TEST(StudioEngineThread, TellsWhatRunsAndWhatHasGrownAndThatNothingRunsAnyMore) 
     EXPECT_TRUE(after["statements"].empty());
 }
 
-TEST(StudioEngineThread, WhatIsShortIsNotToldOf) {
+TEST(StudioEngineThread, ShortRequestsAreNotReported) {
     StudioEngine engine{{}};
     const auto a = std::make_shared<Listener>();
     engine.join("a", a);
@@ -205,7 +205,7 @@ TEST(StudioEngineThread, WhatIsShortIsNotToldOf) {
 
 class OpenedFile : public test::FolderTest {};
 
-TEST_F(OpenedFile, RunsWhileTheStudioIsThereAndMayBeStopped) {
+TEST_F(OpenedFile, RunsWhenOpenedAndCanBeStopped) {
     write_file(folder_ / "long.coppice", text_of_growth());
     StudioOptions options;
     options.scene.folder = folder_;
@@ -231,7 +231,7 @@ TEST_F(OpenedFile, RunsWhileTheStudioIsThereAndMayBeStopped) {
         1u);
 }
 
-TEST(StudioEngineThread, RefusesWhatIsNoMessage) {
+TEST(StudioEngineThread, RejectsInvalidMessages) {
     StudioEngine engine{{}};
     const auto a = std::make_shared<Listener>();
     engine.join("a", a);

@@ -49,7 +49,7 @@ Decoded shown(const Scene& scene, ObjectKind kind, const std::string& name,
         encode_object(*scene.state().objects.at({kind, name}), {kind, name, 3, {}}, 24, color, {}));
 }
 
-TEST(Geometry, OfASolidIsASurfaceWithNormalsOutward) {
+TEST(Geometry, OfASolidIsASurfaceWithOutwardNormals) {
     const Scene scene = scene_of("sphere s radius=2 center=1,0,0\n");
     const Decoded d = shown(scene, ObjectKind::solid, "s");
     EXPECT_EQ(d.header["kind"], "surface");
@@ -77,7 +77,7 @@ TEST(Geometry, OfASkeletonHasIdsAndOrders) {
     EXPECT_EQ(d.array<float>("value").size(), parents.size());
 }
 
-TEST(Geometry, IsColouredByTheEvidenceThatTheFileHad) {
+TEST(Geometry, IsColouredByTheEvidenceOfTheFile) {
     const Skeleton tree({NodeId(), NodeId(0), NodeId(1)}, {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}},
                         {0.1f, 0.1f, 0.1f});
     const SceneObject bare{tree, 0};
@@ -98,7 +98,7 @@ TEST(Geometry, OtherKindsHaveNoRadiiToColour) {
     EXPECT_THROW(shown(scene, ObjectKind::solid, "s", StudioColor::radius), InvalidInput);
 }
 
-TEST(Geometry, PatchesMakeOfTheOldSurfaceTheNewOne) {
+TEST(Geometry, PatchesUpdateTheOldSurfaceToTheNewOne) {
     Scene scene = scene_of(
         "limb t 0,0,0 0,0,1 0,0,2 0,0,3 0,0,4 0,0,5 0,0,6\nedit draw t 0,0,1 1,0,1.5 2,0,2 radius=0.02\n");
     const auto tree = [&] {

@@ -19,7 +19,7 @@ MeshOptions coarse() {
     return options;
 }
 
-TEST(ChangedNodes, AreThoseThatDiffer) {
+TEST(ChangedNodes, ContainTheNodesThatDiffer) {
     Scene scene;
     scene.run_text(kTree, "test");
     const ObjectPtr before = tree_of(scene);
@@ -32,7 +32,7 @@ TEST(ChangedNodes, AreThoseThatDiffer) {
     EXPECT_EQ(changed_nodes(b, a), gone);
 }
 
-TEST(LiveSurfaces, FollowAndTellWhatChangedSince) {
+TEST(LiveSurfaces, FollowEditsAndReportTheChanges) {
     Scene scene;
     scene.run_text(kTree, "test");
     LiveSurfaces surfaces;
@@ -57,7 +57,7 @@ TEST(LiveSurfaces, FollowAndTellWhatChangedSince) {
     EXPECT_EQ(shown.surface.mesh().quads.size(), fresh.mesh().quads.size());
 }
 
-TEST(LiveSurfaces, OptionsHaveSurfacesOfTheirOwn) {
+TEST(LiveSurfaces, DependOnTheirOptions) {
     Scene scene;
     scene.run_text(kTree, "test");
     LiveSurfaces surfaces;
@@ -65,7 +65,7 @@ TEST(LiveSurfaces, OptionsHaveSurfacesOfTheirOwn) {
     EXPECT_GT(surfaces.follow("t", tree_of(scene), MeshOptions{}, "fine", {}).surface.quads().size(), one);
 }
 
-TEST(LiveSurfaces, KeepAsManyAsThereIsRoomFor) {
+TEST(LiveSurfaces, StoreAsManyAsFitIntoMemory) {
     Scene scene;
     scene.run_text(kTree, "test");
     const ObjectPtr tree = tree_of(scene);

@@ -24,7 +24,7 @@ class StudioMemory : public test::SessionTest {
     void make_tree(int nodes) { run(fmt::format("limb t 0,0,0 0,0,{} spacing=1", nodes - 1)); }
 };
 
-TEST(MemoryBudget, AreTogetherWhatThereIs) {
+TEST(MemoryBudget, SumsToTheTotal) {
     const MemoryBudget shares(4096);
     EXPECT_EQ(2 * shares.scene + shares.states + shares.surfaces + shares.blobs + shares.texts +
                   shares.growth + shares.messages,
@@ -33,7 +33,7 @@ TEST(MemoryBudget, AreTogetherWhatThereIs) {
     EXPECT_GT(MemoryBudget(-5).scene, 0u);
 }
 
-TEST_F(StudioMemory, RefusesWhatIsTooLargeInASentence) {
+TEST_F(StudioMemory, RejectsTooLargeRequests) {
     run("sphere a");
     EXPECT_NE(refused({{"type", "run"}, {"line", "pointset generate a uniform count=3000000"}}).find("MiB"),
               std::string::npos);
@@ -81,7 +81,7 @@ TEST_F(StudioMemory, RefusesWhatIsTooLargeInASentence) {
     run("sphere b");
 }
 
-TEST_F(StudioMemory, TakesNoMoreWhateverIsDoneInIt) {
+TEST_F(StudioMemory, UsageIsLimited) {
     run("sphere a");
     make_tree(800);
     const std::uint64_t before = test::heap_bytes();

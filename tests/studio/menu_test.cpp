@@ -16,7 +16,7 @@ const MenuItem* item(const Menu& menu, std::string_view label) {
     return found == menu.items().end() ? nullptr : &*found;
 }
 
-TEST(StudioMenu, WhatIsBuiltInIsRightAndStartsNoPrograms) {
+TEST(StudioMenu, BuiltInItemsAreValidAndStartNoPrograms) {
     Menu menu;
     EXPECT_EQ(menu.add("clear\n" + std::string(built_in_menu()), "again"), std::vector<std::string>{});
     ASSERT_GT(menu.items().size(), 80u);
@@ -24,7 +24,7 @@ TEST(StudioMenu, WhatIsBuiltInIsRightAndStartsNoPrograms) {
     EXPECT_EQ(item(menu, "Undo")->text, "undo");
 }
 
-TEST(StudioMenu, ExtendsReplacesAndTakesOut) {
+TEST(StudioMenu, AddsReplacesAndRemovesItems) {
     Menu menu;
     const std::size_t count = menu.items().size();
     EXPECT_TRUE(menu.add("# mine\n[Crown]\nBall of 2 m = line sphere ball radius=3\nNew = tool place\n---\n"
@@ -40,7 +40,7 @@ TEST(StudioMenu, ExtendsReplacesAndTakesOut) {
     EXPECT_EQ(menu.items().size(), 1u);
 }
 
-TEST(StudioMenu, CutsTheWordsOfProgramsAndRunsNoShell) {
+TEST(StudioMenu, SplitsTheWordsOfProgramsWithoutAShell) {
     Menu menu;
     EXPECT_TRUE(
         menu.add(
@@ -51,7 +51,7 @@ TEST(StudioMenu, CutsTheWordsOfProgramsAndRunsNoShell) {
                                                                 "x \"y", "${file.obj}", "$HOME", ""}));
 }
 
-TEST(StudioMenu, SaysWhatIsWrongAndWhereAndTakesTheRest) {
+TEST(StudioMenu, ReportsFaultsAndAcceptsTheRest) {
     const std::pair<const char*, const char*> wrong[] = {
         {"Ball = tool place", "mine:1: an item must belong to a menu"},
         {"[Crown", "mine:1: a menu starts with its name in brackets"},
@@ -87,7 +87,7 @@ TEST(StudioMenu, SaysWhatIsWrongAndWhereAndTakesTheRest) {
     }
 }
 
-TEST(StudioMenu, LinesOfWhatIsBuiltInRun) {
+TEST(StudioMenu, BuiltInLinesRun) {
     // As the page fills them in: free names, the selected objects, and the proposed answers.
     Scene scene({.files = true, .outputs = false});
     scene.run("sphere crown radius=2 center=0,0,4");

@@ -55,7 +55,7 @@ class MotionRequests : public test::SessionTest {
 };
 
 // 0.4 s at 5 frames a second, including the last moment: 3 frames.
-TEST_F(MotionRequests, AFileForEachFrame) {
+TEST_F(MotionRequests, WriteAFileForEachFrame) {
     const Json made = must(animate("sway.png", {}));
     EXPECT_EQ(made["files"], Json::array({"sway_0000.png", "sway_0001.png", "sway_0002.png"}));
     EXPECT_EQ(made["file"], "sway_0000.png");
@@ -68,7 +68,7 @@ TEST_F(MotionRequests, AFileForEachFrame) {
     EXPECT_NE(read_file(folder_ / "sway_0000.png"), read_file(folder_ / "sway_0002.png"));
 }
 
-TEST_F(MotionRequests, OneFileThatMoves) {
+TEST_F(MotionRequests, WriteOneAnimatedFile) {
     const Json made = must(animate("sway.gif", {}));
     EXPECT_EQ(made["files"], Json::array({"sway.gif"}));
     EXPECT_EQ(read_file(folder_ / "sway.gif").substr(0, 6), "GIF89a");
@@ -78,7 +78,7 @@ TEST_F(MotionRequests, OneFileThatMoves) {
     EXPECT_EQ(read_file(folder_ / "sway.glb").substr(0, 4), "glTF");
 }
 
-TEST_F(MotionRequests, ATreeThatGrows) {
+TEST_F(MotionRequests, WriteAGrowingTree) {
     const Json grow{{"keys", ""}, {"options", {{"grow", true}, {"duration", 0.4}}}};
     EXPECT_EQ(must(animate("up.usda", grow))["frames"], 2);
     EXPECT_EQ(refusal(animate("up.glb", grow)).substr(0, 21), "input: 'up.glb': a GL");
@@ -87,7 +87,7 @@ TEST_F(MotionRequests, ATreeThatGrows) {
               std::string::npos);
 }
 
-TEST_F(MotionRequests, WhatIsThereIsKept) {
+TEST_F(MotionRequests, PreserveExistingFiles) {
     std::ofstream(folder_ / "sway_0001.png") << "mine";
     EXPECT_EQ(refusal(animate("sway.png", {})).substr(0, 6), "files:");
     EXPECT_EQ(names(), std::vector<std::string>{"sway_0001.png"});
@@ -96,7 +96,7 @@ TEST_F(MotionRequests, WhatIsThereIsKept) {
     EXPECT_NE(read_file(folder_ / "sway_0001.png"), "mine");
 }
 
-TEST_F(MotionRequests, NothingOutsideTheFolder) {
+TEST_F(MotionRequests, WriteNothingOutsideTheFolder) {
     const auto outside = folder_.parent_path() / "coppice_outside.png";
     for (const std::string& name : {std::string("../coppice_outside.png"), outside.string()})
         EXPECT_EQ(refusal(animate(name, {})).substr(0, 6), "files:") << name;
@@ -106,12 +106,12 @@ TEST_F(MotionRequests, NothingOutsideTheFolder) {
     EXPECT_FALSE(std::filesystem::exists(outside));
 }
 
-TEST_F(MotionRequests, AWrongKeyIsNamedByItsLine) {
+TEST_F(MotionRequests, ErrorsOfKeysReportTheLine) {
     EXPECT_EQ(refusal(animate("s.gif", {{"keys", "0: rest\n1: spin 3 20"}})).substr(0, 14), "input: key:2: ");
     EXPECT_EQ(refusal(frame(0, {{"keys", "0: rest\n\n1 bouncy: rest"}})).substr(0, 14), "input: key:3: ");
 }
 
-TEST_F(MotionRequests, OptionsAreThoseOfTheProgram) {
+TEST_F(MotionRequests, OptionsMatchThoseOfTheProgram) {
     EXPECT_EQ(refusal(animate("s.gif", {{"keys", ""}})).substr(0, 26), "input: nothing would move;");
     EXPECT_NE(refusal(animate("s.gif", {{"options", {{"wind_sped", 3}}}})).find("did you mean wind_speed"),
               std::string::npos);
@@ -123,7 +123,7 @@ TEST_F(MotionRequests, OptionsAreThoseOfTheProgram) {
     EXPECT_TRUE(names().empty());
 }
 
-TEST_F(MotionRequests, StoppedOnesLeaveNothing) {
+TEST_F(MotionRequests, WriteNothingIfCancelled) {
     std::stop_source stop;
     const Context ctx{.threads = 0, .stop = stop.get_token(), .progress = [&](float f) {
                           if (f > 0.5f) stop.request_stop();
@@ -132,7 +132,7 @@ TEST_F(MotionRequests, StoppedOnesLeaveNothing) {
     EXPECT_TRUE(names().empty());
 }
 
-TEST_F(MotionRequests, ProgressNeverFalls) {
+TEST_F(MotionRequests, ProgressNeverDecreases) {
     std::vector<float> seen;
     const Context ctx{.threads = 0, .stop = {}, .progress = [&](float f) { seen.push_back(f); }};
     ask(animate("sway.ply", {}), ctx);
@@ -141,7 +141,7 @@ TEST_F(MotionRequests, ProgressNeverFalls) {
     EXPECT_EQ(seen.back(), 1);
 }
 
-TEST_F(MotionRequests, MemoryIsAskedForBefore) {
+TEST_F(MotionRequests, CheckTheMemoryFirst) {
     options_.scene.max_memory = 1;
     reopen();
     make_tree();
@@ -152,7 +152,7 @@ TEST_F(MotionRequests, MemoryIsAskedForBefore) {
     EXPECT_NE(refusal(animate("s.png", large)).find("allowed"), std::string::npos);
 }
 
-TEST_F(MotionRequests, ASurfaceAtAMoment) {
+TEST_F(MotionRequests, ReturnTheSurfaceAtATime) {
     const Json rest = must(frame(0)), turned = must(frame(0.4));
     EXPECT_EQ(rest["duration"], 0.4);
     EXPECT_EQ(rest["frames"], 3);
@@ -166,7 +166,7 @@ TEST_F(MotionRequests, ASurfaceAtAMoment) {
 }
 
 // The last frame of a film has the same vertices, because no nodes are frozen.
-TEST_F(MotionRequests, AMomentIsAFrameOfTheFilm) {
+TEST_F(MotionRequests, SurfaceAtATimeMatchesTheFrame) {
     must(animate("sway.obj", {}));
     std::ifstream file(folder_ / "sway_0002.obj");
     std::string mark;
@@ -179,13 +179,13 @@ TEST_F(MotionRequests, AMomentIsAFrameOfTheFilm) {
     EXPECT_NEAR(z, double{moment.at(2)}, 1e-5);
 }
 
-TEST_F(MotionRequests, ALaterStateOfTheTreeMovesAsItIsThen) {
+TEST_F(MotionRequests, FollowLaterChangesOfTheTree) {
     const std::vector<float> before = places(must(frame(0)));
     run("edit scale t 0 1.5");
     EXPECT_NE(places(must(frame(0))), before);
 }
 
-TEST_F(MotionRequests, MomentsOfATreeThatGrows) {
+TEST_F(MotionRequests, ReturnTheSurfaceOfAGrowingTree) {
     const Json grow{{"keys", ""}, {"options", {{"grow", true}}}};
     const Json young = must(frame(1, grow)), old = must(frame(4, grow));
     EXPECT_EQ(old["duration"], 4);

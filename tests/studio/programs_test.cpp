@@ -27,7 +27,7 @@ class StudioPrograms : public test::FolderTest {
     Programs programs_;
 };
 
-TEST_F(StudioPrograms, TellWhatTheyPrintAndHowTheyEnd) {
+TEST_F(StudioPrograms, ReturnTheirOutputAndExitCode) {
     const ProgramResult said = run({"echo", "a  b", "$HOME;ls"});
     EXPECT_EQ(said.text, "a  b $HOME;ls\n");
     EXPECT_EQ(said.status, 0);
@@ -45,13 +45,13 @@ TEST_F(StudioPrograms, HaveNoSecretsInTheirEnvironment) {
     EXPECT_NE(text.find("PATH="), std::string::npos);
 }
 
-TEST_F(StudioPrograms, MayPrintMoreThanIsKept) {
+TEST_F(StudioPrograms, OutputIsTruncated) {
     const ProgramResult said = run({"head", "-c", "1000000", "/dev/zero"});
     EXPECT_EQ(said.text.size(), std::size_t{64} << 10);
     EXPECT_EQ(said.status, 0);
 }
 
-TEST_F(StudioPrograms, GoOnAfterAWhile) {
+TEST_F(StudioPrograms, ContinueInTheBackground) {
     // It prints more than a pipe can buffer after the wait has ended, and ends normally.
     const ProgramResult said =
         run({"sh", "-c", "echo begun; sleep 0.3; head -c 200000 /dev/zero; touch done"}, 100ms);
@@ -75,7 +75,7 @@ TEST_F(StudioPrograms, OutliveTheStudio) {
     EXPECT_TRUE(std::filesystem::exists(folder_ / "done"));
 }
 
-TEST_F(StudioPrograms, EndWhenTheyAreStopped) {
+TEST_F(StudioPrograms, EndWhenCancelled) {
     std::stop_source stop;
     std::jthread later([&] {
         std::this_thread::sleep_for(100ms);
@@ -89,7 +89,7 @@ TEST_F(StudioPrograms, EndWhenTheyAreStopped) {
     EXPECT_FALSE(std::filesystem::exists(folder_ / "done"));
 }
 
-TEST_F(StudioPrograms, ThatAreNotThereOrTooManyAreRefused) {
+TEST_F(StudioPrograms, RejectMissingProgramsAndTooManyAtOnce) {
     EXPECT_THROW(run({"no-such-program-anywhere"}), InvalidInput);
     for (int i = 0; i < 8; ++i) EXPECT_FALSE(run({"sleep", "3"}, 1ms).status);
     EXPECT_THROW(run({"echo"}), InvalidInput);
@@ -112,7 +112,7 @@ class StudioMenuRequests : public test::SessionTest {
     }
 };
 
-TEST_F(StudioMenuRequests, TellTheItemsAndWhatIsWrong) {
+TEST_F(StudioMenuRequests, ReturnTheItemsAndTheirFaults) {
     const Json menu = must({{"type", "menu"}});
     ASSERT_EQ(menu["items"].size(), 4u);
     EXPECT_EQ(
@@ -124,7 +124,7 @@ TEST_F(StudioMenuRequests, TellTheItemsAndWhatIsWrong) {
     EXPECT_EQ(menu["files"].size(), 2u);
 }
 
-TEST_F(StudioMenuRequests, StartWhatTheUsersFileAllows) {
+TEST_F(StudioMenuRequests, StartTheProgramsOfTheUserMenu) {
     EXPECT_NE(refused({{"type", "program"}, {"item", 0}}).find("request the menu again"), std::string::npos);
     must({{"type", "menu"}});
     run("limb t 0,0,0 0,0,1 0,0,2");
@@ -138,7 +138,7 @@ TEST_F(StudioMenuRequests, StartWhatTheUsersFileAllows) {
     EXPECT_EQ(start(2)["kind"], "input");
 }
 
-TEST_F(StudioMenuRequests, NeverTakeTheMenuOfTheFolder) {
+TEST_F(StudioMenuRequests, NeverReadTheMenuOfTheFolder) {
     write_file(folder_ / "studio.menu", "clear\n[P]\nEvil = program touch evil\n");
     options_.menus.clear();
     reopen();

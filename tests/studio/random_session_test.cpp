@@ -271,7 +271,7 @@ class RandomSession : public test::SessionTest, public testing::WithParamInterfa
     std::mt19937 random_;
 };
 
-TEST_P(RandomSession, IsAlwaysWhatRunningItsTextMakes) {
+TEST_P(RandomSession, MatchesRunningItsText) {
     constexpr int kSteps = 200;
     random_.seed(GetParam());
     write_input();

@@ -14,7 +14,7 @@ namespace {
 
 class Session : public test::SessionTest {};
 
-TEST_F(Session, RunsLinesAndTellsTheState) {
+TEST_F(Session, RunsLinesAndReturnsTheState) {
     run("sphere a radius=2");
     const Json state = session_->state();
     ASSERT_EQ(state["objects"].size(), 1u);
@@ -28,7 +28,7 @@ TEST_F(Session, RunsLinesAndTellsTheState) {
     EXPECT_EQ(session_->state()["objects"].size(), 1u);
 }
 
-TEST_F(Session, RefusesWhatMakesNoSense) {
+TEST_F(Session, RejectsInvalidRequests) {
     EXPECT_EQ(refused({{"type", "fly"}}), "there is no request 'fly'");
     EXPECT_EQ(refused(Json::object()), "the request requires a text 'type'");
     EXPECT_EQ(refused({{"type", "run"}}), "the request requires a text 'line'");
@@ -38,7 +38,7 @@ TEST_F(Session, RefusesWhatMakesNoSense) {
     EXPECT_NE(refused({{"type", "run"}, {"line", "spher a"}}).find("sphere"), std::string::npos);
 }
 
-TEST_F(Session, ChoosesNamesOfNewObjectsThatAreFree) {
+TEST_F(Session, SelectsUnusedNamesForNewObjects) {
     const auto names = [this](const char* line) { return must({{"type", "run"}, {"line", line}})["names"]; };
     EXPECT_EQ(names("sphere ${new ball}"), Json::array({"ball"}));
     EXPECT_EQ(names("sphere ${new ball}"), Json::array({"ball2"}));
@@ -52,7 +52,7 @@ TEST_F(Session, ChoosesNamesOfNewObjectsThatAreFree) {
     EXPECT_FALSE(refused({{"type", "run"}, {"line", "sphere ${new 2 balls}"}}).empty());
 }
 
-TEST_F(Session, ShowsObjectsAsBlobs) {
+TEST_F(Session, ReturnsObjectsAsBlobs) {
     run("sphere a");
     const Json shown = must({{"type", "show"}, {"kind", "solid"}, {"name", "a"}, {"form", "coarse"}});
     const auto blob = blobs_.get(shown["key"].get<std::string>());
@@ -61,7 +61,7 @@ TEST_F(Session, ShowsObjectsAsBlobs) {
     EXPECT_EQ(header(*blob)["version"], session_->state()["objects"][0]["version"]);
 }
 
-TEST_F(Session, ASurfaceThatIsShownFollowsEdits) {
+TEST_F(Session, VisibleSurfaceFollowsEdits) {
     run("limb t 0,0,0 0,0,1 0,0,2 0,0,3 0,0,4");
     run("edit draw t 0,0,2 1,0,2.5 2,0,3 radius=0.02");
     const Json show{{"type", "show"}, {"kind", "skeleton"}, {"name", "t"}, {"form", "surface"}};
@@ -86,7 +86,7 @@ TEST_F(Session, ASurfaceThatIsShownFollowsEdits) {
     EXPECT_TRUE(must(again)["key"].is_null());
 }
 
-TEST_F(Session, APreviewOfASolidShowsWhatIsMadeOfIt) {
+TEST_F(Session, PreviewOfASolidIncludesDependentObjects) {
     run("sphere a");
     run("sphere b center=1,0,0");
     run("union a b both");
@@ -100,7 +100,7 @@ TEST_F(Session, APreviewOfASolidShowsWhatIsMadeOfIt) {
     EXPECT_EQ(session_->state()["statements"].size(), 3u);
 }
 
-TEST_F(Session, TextsOfAnOldRevisionAreRefused) {
+TEST_F(Session, RejectsTextsOfAnOldRevision) {
     const Json revision = session_->state()["revision"];
     must({{"type", "text"}, {"text", "sphere a\n"}, {"revision", revision}});
     EXPECT_NE(
@@ -108,7 +108,7 @@ TEST_F(Session, TextsOfAnOldRevisionAreRefused) {
         std::string::npos);
 }
 
-TEST_F(Session, TextsRunAsFarAsIsAskedForAndJoin) {
+TEST_F(Session, TextsRunToTheRequestedStatementAndAreJoined) {
     const auto text = [&](const std::string& says, const Json& more) {
         Json request{{"type", "text"}, {"text", says}, {"revision", session_->state()["revision"]}};
         request.update(more);
@@ -127,7 +127,7 @@ TEST_F(Session, TextsRunAsFarAsIsAskedForAndJoin) {
     EXPECT_EQ(session_->state()["undo"].size(), 3u);
 }
 
-TEST_F(Session, ANameBelongsToItsTextAndGoesWithIt) {
+TEST_F(Session, FileNameBelongsToItsText) {
     run("sphere a");
     must({{"type", "save"}, {"file", "a.coppice"}});
     must({{"type", "open"}, {"file", ""}});
@@ -148,14 +148,14 @@ TEST_F(Session, ANameBelongsToItsTextAndGoesWithIt) {
     EXPECT_EQ(read_file(folder_ / "b.coppice"), "sphere b\n");
 }
 
-TEST_F(Session, SavingIsNewsToo) {
+TEST_F(Session, SavingChangesTheRevision) {
     run("sphere a");
     const std::uint64_t revision = session_->revision();
     must({{"type", "save"}, {"file", "a.coppice"}});
     EXPECT_NE(session_->revision(), revision);
 }
 
-TEST_F(Session, ExportsTheSkeletonItselfWhereThatIsAskedFor) {
+TEST_F(Session, ExportsTheSkeletonIfRequested) {
     run("limb t 0,0,0 0,0,1 0,0,2");
     const auto exported = [&](const char* file, const char* as) {
         return must({{"type", "export"}, {"kind", "skeleton"}, {"name", "t"}, {"file", file}, {"as", as}});
@@ -168,7 +168,7 @@ TEST_F(Session, ExportsTheSkeletonItselfWhereThatIsAskedFor) {
         std::string::npos);
 }
 
-TEST_F(Session, AGrowthIsSeenWhileItGrowsAndKeptByAnOptionWhereItWasStopped) {
+TEST_F(Session, GrowthIsShownAndPreservedWhenStopped) {
     run("sphere crown radius=3 center=0,0,4");
     run("pointset generate crown uniform count=60000");
     const std::string line = "grow tree crown influence_radius=0.5 kill_radius=0.05 step=0.02";
@@ -218,7 +218,7 @@ TEST_F(Session, SlicesTheFieldOfASolid) {
     EXPECT_NE(refused(slice).find("no solid"), std::string::npos);
 }
 
-TEST_F(Session, AsideLeavesNoTrace) {
+TEST_F(Session, AsideChangesNothing) {
     run("sphere a");
     EXPECT_NE(must({{"type", "aside"}, {"line", "describe a"}})["says"].get<std::string>().find("solid"),
               std::string::npos);
@@ -267,7 +267,7 @@ TEST_F(Session, ChecksTheSurfaceOfASkeleton) {
     EXPECT_EQ(ask(by_tree, {.threads = 0, .stop = stop.get_token(), .progress = {}})["kind"], "cancelled");
 }
 
-TEST_F(Session, DrawsWhatTheCameraSees) {
+TEST_F(Session, RendersTheViewOfTheCamera) {
     run("limb t 0,0,0 0,0,1 0,0,2");
     run("sphere a radius=0.5 center=0,0,2");
     Json picture{{"type", "picture"},
@@ -295,7 +295,7 @@ TEST_F(Session, DrawsWhatTheCameraSees) {
     }
 }
 
-TEST_F(Session, TriesALineOfWhichNothingIsKept) {
+TEST_F(Session, TrialChangesNothing) {
     const Json made = must({{"type", "trial"},
                             {"line", "limb t 0,0,0 0,0,1\nsave t t.swc"},
                             {"kind", "skeleton"},
@@ -317,7 +317,7 @@ TEST_F(Session, TriesALineOfWhichNothingIsKept) {
     EXPECT_NE(refused(wrong).find("not the name of an option"), std::string::npos);
 }
 
-TEST_F(Session, AnchorsNameTheirNodes) {
+TEST_F(Session, AnchorsSelectTheirNodes) {
     run("limb t 0,0,0 0,0,1 0,0,2");
     const Json anchors = must({{"type", "anchor"}, {"name", "t"}, {"nodes", {2}}})["selections"];
     const std::string says = must(
@@ -338,7 +338,7 @@ TEST_F(Session, IsRecoveredFromItsJournal) {
     EXPECT_FALSE(std::filesystem::exists(options_.journal));
 }
 
-TEST_F(Session, MakesASkeletonOfASketchAndDrawsEpipolarLines) {
+TEST_F(Session, ReconstructsASketchAndComputesEpipolarLines) {
     const Json sketch = Json::parse(R"({"format": "coppice-sketch", "version": 1,
         "views": [{"name": "front", "orthographic": "front", "pixels_per_metre": 100, "origin": [200, 300]},
                   {"name": "side", "orthographic": "side", "pixels_per_metre": 100, "origin": [200, 300]}],

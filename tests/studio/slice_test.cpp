@@ -37,7 +37,7 @@ Vec3d vector_of(const Json& numbers) {
     return {numbers[0].get<double>(), numbers[1].get<double>(), numbers[2].get<double>()};
 }
 
-TEST(StudioSlice, HasTheFieldsValuesInTheMiddleOfItsCells) {
+TEST(StudioSlice, ContainsTheFieldValuesAtCellCentres) {
     Scene scene;
     scene.run("box a low=-1,-2,0 high=1,2,6 radius=0.5");
     const SolidField field(make_solid(scene));
@@ -71,7 +71,7 @@ TEST(StudioSlice, HasTheFieldsValuesInTheMiddleOfItsCells) {
     }
 }
 
-TEST(StudioSlice, RefusesWhatIsNoPlace) {
+TEST(StudioSlice, RejectsInvalidPositionsAndSizes) {
     Scene scene;
     scene.run("sphere a");
     for (const double at : {std::numeric_limits<double>::infinity(), std::nan("")})

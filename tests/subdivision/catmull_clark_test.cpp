@@ -80,7 +80,7 @@ void expect_equal_to_opensubdiv(const Cage& cage, int levels) {
     EXPECT_EQ(canonical_quads(patches.quads(), map), canonical_quads(expected.quads));
 }
 
-TEST(PatchRefinement, EqualsOpenSubdiv) {
+TEST(PatchRefinement, MatchesOpenSubdiv) {
     for (const auto& [name, cage] : cage_zoo()) {
         for (int levels = 0; levels <= 4; ++levels) {
             SCOPED_TRACE(name + ", levels " + std::to_string(levels));
@@ -89,11 +89,11 @@ TEST(PatchRefinement, EqualsOpenSubdiv) {
     }
 }
 
-TEST(PatchRefinement, EqualsOpenSubdivAtAHubOfThousands) {
+TEST(PatchRefinement, MatchesOpenSubdivAtAHubOfThousands) {
     expect_equal_to_opensubdiv(shaken(hub_cage(2000), 1e-4f), 1);
 }
 
-TEST(PatchRefinement, QuadsOfACageQuadFormItsGrid) {
+TEST(PatchRefinement, QuadsOfACageQuadAreAGrid) {
     const Cage cage = branching_cage();
     const PatchRefinement patches(cage.quads, cage.vertex_count(), 3);
     const Buffer<Quad> quads = patches.quads();
@@ -161,7 +161,7 @@ TEST(PatchRefinement, MarksBoundaryVertices) {
     EXPECT_TRUE(PatchRefinement(hub_cage(3).quads, 8, 0).cage().closed());
 }
 
-TEST(PatchRefinement, SameBitsForAnyNumberOfThreads) {
+TEST(PatchRefinement, IsBitIdenticalForAnyNumberOfThreads) {
     const Cage cage = shaken(grid_cage(150, 120, true), 0.01f);
     const auto bits = [&](unsigned threads) {
         Context ctx;
@@ -179,7 +179,7 @@ TEST(PatchRefinement, SameBitsForAnyNumberOfThreads) {
 
 // Radii of the limit section of a long prism with corner radius 1, at its corners and midway between them:
 // the closed cubic B-spline of the polygon.
-TEST(PatchRefinement, PrismsShrinkToTheirBSpline) {
+TEST(PatchRefinement, PrismsConvergeToTheirBSpline) {
     struct Prism {
         std::uint32_t sides;
         float at_corner, between;
@@ -199,19 +199,19 @@ TEST(PatchRefinement, PrismsShrinkToTheirBSpline) {
     }
 }
 
-TEST(PatchRefinement, VerticesWithoutQuadsStay) {
+TEST(PatchRefinement, PreservesVerticesWithoutQuads) {
     const std::vector<Quad> quad = {{0, 1, 2, 3}};
     const std::vector<Vec3> points = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {5, 6, 7}};
     EXPECT_EQ(PatchRefinement(quad, 5, 2).refine(points)[4], (Vec3{5, 6, 7}));
 }
 
-TEST(PatchRefinement, NothingStaysNothing) {
+TEST(PatchRefinement, AcceptsEmptyInput) {
     const PatchRefinement patches({}, 0, 3);
     EXPECT_TRUE(patches.quads().empty());
     EXPECT_TRUE(patches.refine({}).empty());
 }
 
-TEST(PatchRefinement, RefusesLevelsAndSizesItCannotDo) {
+TEST(PatchRefinement, RejectsUnsupportedLevelsAndSizes) {
     const Cage cage = hub_cage(3);
     EXPECT_THROW(PatchRefinement(cage.quads, 8, -1), InvalidInput);
     EXPECT_THROW(PatchRefinement(cage.quads, 8, 7), InvalidInput);

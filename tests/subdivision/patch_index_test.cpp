@@ -14,7 +14,7 @@ namespace {
 
 using Corners = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
-TEST(PatchStars, AgreeWithTheQuads) {
+TEST(PatchStars, MatchTheQuads) {
     for (const auto& [name, cage] : cage_zoo()) {
         for (int levels = 0; levels <= 3; ++levels) {
             SCOPED_TRACE(name + ", level " + std::to_string(levels));
@@ -56,7 +56,7 @@ TEST(PatchStars, TheOwnerIsTheQuadThatListsTheVertex) {
     }
 }
 
-TEST(PatchStars, ALoneVertexHasNothing) {
+TEST(PatchStars, UnusedVertexHasNoCorners) {
     Cage cage = grid_cage(1, 1, false);
     cage.points.push_back({});
     const PatchRefinement patches(cage.quads, cage.vertex_count(), 1);

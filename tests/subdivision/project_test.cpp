@@ -61,7 +61,7 @@ ProjectOptions with(ProjectionMethod method) {
 
 constexpr std::array kMethods = {ProjectionMethod::rays, ProjectionMethod::gradient};
 
-TEST(Project, ATubeGetsItsRadius) {
+TEST(Project, TubeHasItsRadius) {
     for (const ProjectionMethod method : kMethods) {
         for (const float start :
              {0.4f, 0.9f, 1.3f, 1.6f, 3.0f}) {  // 8 sides shrink to 0.9; the support ends at 1.5
@@ -81,7 +81,7 @@ TEST(Project, ATubeGetsItsRadius) {
 
 // The plain step requires a gradient, and a few more steps than one on the value's root; it overshoots where
 // the field is flat.
-TEST(Project, ThePlainNewtonStepLeadsThereFromNearby) {
+TEST(Project, NewtonStepConvergesFromNearby) {
     for (const float start : {0.7f, 0.9f, 1.3f}) {
         SCOPED_TRACE(start);
         Scene scene(tube_cage(6, 8, start, 1, false), on_axis);
@@ -98,7 +98,7 @@ TEST(Project, ThePlainNewtonStepLeadsThereFromNearby) {
     EXPECT_EQ(outside.positions, before);
 }
 
-TEST(Project, RaysKeepTheirDirection) {
+TEST(Project, RaysPreserveTheirDirection) {
     Scene scene(shaken(tube_cage(6, 4, 1, 1, false), 0.1f), on_axis);
     const Buffer<Vec3> before = scene.positions;
     scene.project(cylinder_field());
@@ -109,7 +109,7 @@ TEST(Project, RaysKeepTheirDirection) {
     }
 }
 
-TEST(Project, SphereAndTorus) {
+TEST(Project, MatchesSphereAndTorus) {
     for (const ProjectionMethod method : kMethods) {
         SCOPED_TRACE(name_of(method));
         const Vec3 center{0.05f, -0.1f, 0.08f};  // the anchors are off the centre
@@ -124,7 +124,7 @@ TEST(Project, SphereAndTorus) {
     }
 }
 
-TEST(Project, ABlendOfTwoBranches) {
+TEST(Project, MatchesABlendOfTwoBranches) {
     for (const ProjectionMethod method : kMethods) {
         SCOPED_TRACE(name_of(method));
         Scene scene(tube_cage(5, 4, 1.2f, 1, false), [](Vec3 p) { return Vec3{0, 0, p.z}; });
@@ -186,7 +186,7 @@ TEST(Project, AFlatEndIsADiscWithASharpRim) {
 }
 
 // The end of the tube is pressed inward from one side: the vertices within the rim move away.
-TEST(Project, TheInsideOfAFlatEndStaysWithinItsRim) {
+TEST(Project, InnerVerticesOfAFlatEndRemainInsideTheRim) {
     const TestField field{[](std::uint32_t, Vec3 p) {
         const Vec3 away = Vec3{p.x > 0 ? 2 * p.x : p.x, p.y, 0};
         FieldSample s = compact(away);
@@ -205,7 +205,7 @@ TEST(Project, TheInsideOfAFlatEndStaysWithinItsRim) {
     EXPECT_LT(inside, rim);
 }
 
-TEST(Project, AVertexWithoutSurfaceInReachStays) {
+TEST(Project, VertexWithoutASurfaceInReachIsUnchanged) {
     for (const ProjectionMethod method : kMethods) {
         SCOPED_TRACE(name_of(method));
         Scene scene(hub_cage(3), [](Vec3) { return Vec3{}; });
@@ -217,7 +217,7 @@ TEST(Project, AVertexWithoutSurfaceInReachStays) {
     }
 }
 
-TEST(Project, AVertexWhoseAnchorLiesOutsideFollowsTheGradient) {
+TEST(Project, VertexWithAnOutsideAnchorFollowsTheGradient) {
     Scene scene(hub_cage(3), [](Vec3 p) { return p; });
     for (Vec3& p : scene.positions) p = 1.2f * normalized(p);
     for (std::size_t v = 0; v < scene.anchors.size(); ++v)
@@ -228,7 +228,7 @@ TEST(Project, AVertexWhoseAnchorLiesOutsideFollowsTheGradient) {
     for (const Vec3& p : scene.positions) EXPECT_NEAR(length(p), 1, 1e-3f);
 }
 
-TEST(Project, AVertexWhoseRayStaysInsideFollowsTheGradient) {
+TEST(Project, VertexWithARayInsideTheSolidFollowsTheGradient) {
     Scene scene(grid_cage(6, 6, false), [](Vec3 p) { return p; });
     const TestField slab{[](std::uint32_t, Vec3 p) { return compact({0, 0, p.z}); }};
     for (Vec3& p : scene.positions) p.z = 0.8f;
@@ -240,7 +240,7 @@ TEST(Project, AVertexWhoseRayStaysInsideFollowsTheGradient) {
     for (const Vec3& p : scene.positions) EXPECT_NEAR(p.z, 1, 1e-3f);
 }
 
-TEST(Project, ARayThatNeverLeavesTheSolidDoesNotShootOff) {
+TEST(Project, RayInsideAnUnboundedSolidIsLimited) {
     for (const ProjectionMethod method : kMethods) {
         SCOPED_TRACE(name_of(method));
         Scene scene(hub_cage(3), [](Vec3) { return Vec3{}; });
@@ -253,7 +253,7 @@ TEST(Project, ARayThatNeverLeavesTheSolidDoesNotShootOff) {
     }
 }
 
-TEST(Project, StaysFiniteWhateverTheFieldSays) {
+TEST(Project, IsFiniteForAnyField) {
     for (const ProjectionMethod method : kMethods) {
         for (std::size_t k = 0; k <= kNastySamples.size(); ++k) {
             SCOPED_TRACE(std::string(name_of(method)) + " " + std::to_string(k));
@@ -265,7 +265,7 @@ TEST(Project, StaysFiniteWhateverTheFieldSays) {
     }
 }
 
-TEST(Project, AVertexOnItsAnchorStays) {
+TEST(Project, VertexAtItsAnchorIsUnchanged) {
     for (const ProjectionMethod method : kMethods) {
         Scene scene(hub_cage(3), [](Vec3 p) { return p; });
         const Buffer<Vec3> before = scene.positions;
@@ -281,7 +281,7 @@ TEST(Project, NoneMovesNothing) {
     EXPECT_EQ(scene.positions, before);
 }
 
-TEST(Project, EachVertexIsAskedForInTheRegionOfItsOwner) {
+TEST(Project, SamplesEachVertexInTheRegionOfItsOwner) {
     Scene scene(hub_cage(3), [](Vec3) { return Vec3{}; });
     for (std::size_t f = 0; f < scene.regions.size(); ++f)
         scene.regions[f] = static_cast<std::uint32_t>(f / 2);
@@ -300,7 +300,7 @@ TEST(Project, EachVertexIsAskedForInTheRegionOfItsOwner) {
     }
 }
 
-TEST(Project, RelaxationStaysOnTheSurfaceAndEvensItOut) {
+TEST(Project, RelaxationPreservesTheSurfaceAndEqualizesAreas) {
     const auto unevenness = [](int passes) {
         Scene scene(shaken(tube_cage(8, 8, 1, 0.8f, false), 0.15f), on_axis);
         ProjectOptions options;
@@ -321,7 +321,7 @@ TEST(Project, RelaxationStaysOnTheSurfaceAndEvensItOut) {
     EXPECT_LT(unevenness(5), unevenness(0));
 }
 
-TEST(Project, SameBitsForAnyNumberOfThreads) {
+TEST(Project, IsBitIdenticalForAnyNumberOfThreads) {
     for (const ProjectionMethod method : kMethods) {
         const auto run = [&](unsigned threads) {
             Scene scene(grid_cage(90, 40, true), [](Vec3 p) { return 3.0f * normalized(Vec3{p.x, p.y, 0}); });
@@ -339,7 +339,7 @@ TEST(Project, SameBitsForAnyNumberOfThreads) {
     }
 }
 
-TEST(Project, RefusesWrongSizesAndOptions) {
+TEST(Project, RejectsInvalidSizesAndOptions) {
     Scene scene(hub_cage(3), [](Vec3) { return Vec3{}; });
     EXPECT_THROW(scene.project(sphere_field({}), {.tolerance = 0}), InvalidInput);
     EXPECT_THROW(scene.project(sphere_field({}), {.max_evaluations = 0}), InvalidInput);
@@ -362,9 +362,7 @@ TEST(Project, RefusesWrongSizesAndOptions) {
     EXPECT_THROW(scene.project(sphere_field({})), InvalidInput);
 }
 
-TEST(ProjectOptions, EveryMemberIsVisitedOnceWithItsDefaultInRange) {
-    test::expect_described<ProjectOptions>();
-}
+TEST(ProjectOptions, EveryMemberIsDescribedWithADefaultInRange) { test::expect_described<ProjectOptions>(); }
 
 }  // namespace
 }  // namespace coppice

@@ -9,7 +9,7 @@
 namespace coppice {
 namespace {
 
-TEST(TangentialRelaxation, EvensOutAGridWithinItsPlane) {
+TEST(TangentialRelaxation, EqualizesAGridInItsPlane) {
     Cage cage = grid_cage(2, 2, false);
     cage.points[4] = {1.4f, 0.8f, 0};  // the only inner vertex; its neighbours' mean is (1, 1, 0)
     const TangentialRelaxation relaxation(cage.quads, 9);
@@ -27,14 +27,14 @@ TEST(TangentialRelaxation, DoesNotMoveAlongTheNormal) {
     EXPECT_NEAR(distance(out[4], cage.points[4]), 0, 1e-6f);
 }
 
-TEST(TangentialRelaxation, SurvivesFlatAndLoneVertices) {
+TEST(TangentialRelaxation, AcceptsDegenerateAndUnusedVertices) {
     const std::vector<Quad> quads = {{0, 1, 2, 3}, {3, 2, 1, 0}};
     const std::vector<Vec3> points = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {1, 2, 3}};
     const Buffer<Vec3> out = TangentialRelaxation(quads, 5).step(points, 0.3f);
     for (std::size_t v = 0; v < 5; ++v) EXPECT_EQ(out[v], points[v]);
 }
 
-TEST(TangentialRelaxation, SameBitsForAnyNumberOfThreads) {
+TEST(TangentialRelaxation, IsBitIdenticalForAnyNumberOfThreads) {
     const Cage cage = shaken(grid_cage(200, 100, true), 0.02f);
     const TangentialRelaxation relaxation(cage.quads, cage.vertex_count());
     const Buffer<Vec3> one = relaxation.step(cage.points, 0.3f, {.threads = 1, .stop = {}, .progress = {}});

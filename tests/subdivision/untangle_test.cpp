@@ -81,7 +81,7 @@ std::uint64_t differences(const Buffer<Vec3>& a, const Buffer<Vec3>& b) {
     return count;
 }
 
-TEST(Untangle, AFoldOnATubeUnfoldsAndStaysOnTheSurface) {
+TEST(Untangle, FoldOnATubeIsRemovedAndTheSurfacePreserved) {
     for (int levels = 0; levels <= PatchRefinement::kMaxLevels; ++levels) {
         SCOPED_TRACE(levels);
         Scene scene = tube(levels);
@@ -100,7 +100,7 @@ TEST(Untangle, AFoldOnATubeUnfoldsAndStaysOnTheSurface) {
     }
 }
 
-TEST(Untangle, AFoldOnABallUnfolds) {
+TEST(Untangle, FoldsOnABallAreRemoved) {
     for (int levels = 1; levels <= 5; ++levels) {
         SCOPED_TRACE(levels);
         Scene scene = ball(levels);
@@ -112,7 +112,7 @@ TEST(Untangle, AFoldOnABallUnfolds) {
     }
 }
 
-TEST(Untangle, ACleanMeshKeepsItsBits) {
+TEST(Untangle, CleanMeshIsUnchanged) {
     for (int levels = 0; levels <= 4; ++levels) {
         SCOPED_TRACE(levels);
         for (Scene scene : {tube(levels), ball(levels)}) {
@@ -124,7 +124,7 @@ TEST(Untangle, ACleanMeshKeepsItsBits) {
     }
 }
 
-TEST(Untangle, CountsFacesByTheirDefinition) {
+TEST(Untangle, CountsBadFacesByTheirDefinition) {
     for (const auto& [name, cage] : cage_zoo()) {
         for (int levels = 0; levels <= 4; ++levels) {
             for (const float size : {1e-7f, 1.0f, 1e7f}) {
@@ -145,7 +145,7 @@ TEST(Untangle, CountsFacesByTheirDefinition) {
     }
 }
 
-TEST(Untangle, WhatDoesNotHelpIsTakenBack) {
+TEST(Untangle, RevertsPassesThatDoNotHelp) {
     Scene scene = ball();
     for (Vec3& p : scene.positions) p = -p;  // inside out
     const Buffer<Vec3> before = scene.positions;
@@ -158,7 +158,7 @@ TEST(Untangle, WhatDoesNotHelpIsTakenBack) {
     EXPECT_EQ(differences(before, scene.positions), 0u);
 }
 
-TEST(Untangle, AFoldDoesNotDependOnOthers) {
+TEST(Untangle, FoldsAreIndependentOfEachOther) {
     const auto unfolded = [](std::initializer_list<std::uint32_t> folds) {
         Scene scene = tube();
         for (const std::uint32_t v : folds) scene.fold(v);
@@ -184,7 +184,7 @@ TEST(Untangle, PassesZeroDoesNothing) {
     EXPECT_EQ(differences(before, scene.positions), 0u);
 }
 
-TEST(Untangle, TheFlatEndStaysFlatAndItsRimRound) {
+TEST(Untangle, FlatEndRemainsFlatAndItsRimRound) {
     constexpr int kLevels = 2;
     Scene scene(
         tube_cage(7, 4, 1.2f, 1, true),
@@ -222,7 +222,7 @@ TEST(Untangle, TheFlatEndStaysFlatAndItsRimRound) {
     }
 }
 
-TEST(Untangle, BoundariesStay) {
+TEST(Untangle, PreservesBoundaries) {
     Scene scene = tube();
     const Buffer<Vec3> clean = scene.positions;
     for (std::size_t q = 0; q < 16 * 12; q += 48) scene.fold(q + 4);  // one row above the open end
@@ -234,7 +234,7 @@ TEST(Untangle, BoundariesStay) {
     EXPECT_EQ(scene.count_bad(), 0u);
 }
 
-TEST(Untangle, WithoutProjectedPassesItNeverAsksTheField) {
+TEST(Untangle, WithoutProjectedPassesDoesNotSampleTheField) {
     Scene scene = tube();
     std::atomic<int> asked{0};
     scene.field = {[&](std::uint32_t, Vec3 p) {
@@ -246,7 +246,7 @@ TEST(Untangle, WithoutProjectedPassesItNeverAsksTheField) {
     EXPECT_EQ(asked, 0);
 }
 
-TEST(Untangle, WhereTheFieldIsZeroSmoothingIsEnough) {
+TEST(Untangle, SmoothingSufficesIfTheFieldIsZero) {
     Scene scene = tube();
     scene.field = {[](std::uint32_t, Vec3) { return FieldSample{0, {}}; }};
     scene.fold(1000);
@@ -256,7 +256,7 @@ TEST(Untangle, WhereTheFieldIsZeroSmoothingIsEnough) {
     for (const Vec3& p : scene.positions) EXPECT_NEAR(std::hypot(p.x, p.y), 1, 0.1f);
 }
 
-TEST(Untangle, StaysFiniteWhateverTheFieldSays) {
+TEST(Untangle, IsFiniteForAnyField) {
     for (std::size_t k = 0; k <= kNastySamples.size(); ++k) {
         SCOPED_TRACE(k);
         Scene scene = ball();
@@ -268,7 +268,7 @@ TEST(Untangle, StaysFiniteWhateverTheFieldSays) {
     }
 }
 
-TEST(Untangle, AVertexIsAskedForInTheRegionOfItsOwner) {
+TEST(Untangle, SamplesAVertexInTheRegionOfItsOwner) {
     Scene scene = tube();
     for (std::size_t f = 0; f < scene.regions.size(); ++f) {
         scene.regions[f] = static_cast<std::uint32_t>(f / 12);  // one per ring, 0.6 high
@@ -286,7 +286,7 @@ TEST(Untangle, AVertexIsAskedForInTheRegionOfItsOwner) {
     EXPECT_EQ(strangers, 0);
 }
 
-TEST(Untangle, SameBitsForAnyNumberOfThreads) {
+TEST(Untangle, IsBitIdenticalForAnyNumberOfThreads) {
     const auto run = [](unsigned threads) {
         Scene scene(tube_cage(60, 60, 1, 0.1f, false), on_axis, cylinder_field());
         scene.project();
@@ -303,7 +303,7 @@ TEST(Untangle, SameBitsForAnyNumberOfThreads) {
     }
 }
 
-TEST(Untangle, RefusesWrongSizesAndOptions) {
+TEST(Untangle, RejectsInvalidSizesAndOptions) {
     Scene scene = ball();
     EXPECT_THROW(scene.untangle({.passes = -1}), InvalidInput);
     EXPECT_THROW(scene.untangle({.quality = 1}), InvalidInput);
@@ -318,7 +318,7 @@ TEST(Untangle, RefusesWrongSizesAndOptions) {
     EXPECT_THROW(anchors.untangle(), InvalidInput);
 }
 
-TEST(UntangleOptions, EveryMemberIsVisitedOnceWithItsDefaultInRange) {
+TEST(UntangleOptions, EveryMemberIsDescribedWithADefaultInRange) {
     test::expect_described<UntangleOptions>();
 }
 

@@ -31,7 +31,7 @@ std::string error_of(const Action& action) {
     return test::error_of<IoError>(action);
 }
 
-TEST_F(FileTest, ReadsWhatIsThere) {
+TEST_F(FileTest, ReadsFiles) {
     const std::string text("a\0b\r\n", 5);
     put(folder_ / "a", text);
     EXPECT_EQ(read_file(folder_ / "a"), text);
@@ -40,12 +40,12 @@ TEST_F(FileTest, ReadsWhatIsThere) {
     EXPECT_EQ(read_file(folder_ / "empty"), "");
 }
 
-TEST_F(FileTest, ReadsFilesWhoseSizeIsNotKnown) {
+TEST_F(FileTest, ReadsFilesOfUnknownSize) {
     EXPECT_GT(read_file("/proc/self/status").size(), 100u);
     EXPECT_GT(read_file("/proc/self/status", UINT64_MAX).size(), 100u);
 }
 
-TEST_F(FileTest, ReadErrorsNameTheFileAndTheReason) {
+TEST_F(FileTest, ReadErrorsReportTheFileAndTheReason) {
     put(folder_ / "a", "12345");
     EXPECT_EQ(error_of([&] { read_file(folder_ / "b"); }),
               "cannot read " + (folder_ / "b").string() + ": there is no such file or folder");
@@ -63,7 +63,7 @@ TEST_F(FileTest, ReadErrorsNameTheFileAndTheReason) {
               "cannot read " + (folder_ / "a").string() + ": permission denied");
 }
 
-TEST_F(FileTest, AppearsOnCommitOnly) {
+TEST_F(FileTest, CreatesTheFileOnCommitOnly) {
     const std::string large(1 << 20, 'x');
     {
         AtomicFile file(folder_ / "a");
@@ -78,7 +78,7 @@ TEST_F(FileTest, AppearsOnCommitOnly) {
 }
 
 // As when the process is killed: no destructor runs.
-TEST_F(FileTest, WritesWhatIsMadeAlready) {
+TEST_F(FileTest, WriteFileReplacesTheContent) {
     const std::string text("a\0b\r\n", 5);
     put(folder_ / "a", "before");
     write_file(folder_ / "a", text);
@@ -89,7 +89,7 @@ TEST_F(FileTest, WritesWhatIsMadeAlready) {
     EXPECT_NE(error_of([&] { write_file(folder_ / "no" / "a", text); }), "no error");
 }
 
-TEST_F(FileTest, WhatIsUnfinishedHasNoName) {
+TEST_F(FileTest, UncommittedFileHasNoName) {
     AtomicFile file(folder_ / "a");
     file.write(std::string(1 << 20, 'x'));
 #ifdef __linux__
@@ -99,7 +99,7 @@ TEST_F(FileTest, WhatIsUnfinishedHasNoName) {
     EXPECT_EQ(entries(), 1u);
 }
 
-TEST_F(FileTest, AnExceptionLeavesTheOldFile) {
+TEST_F(FileTest, ExceptionPreservesTheOldFile) {
     put(folder_ / "a", "old");
     try {
         AtomicFile file(folder_ / "a");
@@ -111,7 +111,7 @@ TEST_F(FileTest, AnExceptionLeavesTheOldFile) {
     EXPECT_EQ(entries(), 1u);
 }
 
-TEST_F(FileTest, TwoAtOnceDoNotMix) {
+TEST_F(FileTest, ConcurrentFilesDoNotMix) {
     AtomicFile a(folder_ / "a");
     AtomicFile b(folder_ / "a");
     a.write("first");
@@ -122,7 +122,7 @@ TEST_F(FileTest, TwoAtOnceDoNotMix) {
     EXPECT_EQ(entries(), 1u);
 }
 
-TEST_F(FileTest, KeepsPermissionsAndFollowsLinks) {
+TEST_F(FileTest, PreservesPermissionsAndFollowsLinks) {
     put(folder_ / "a", "old");
     fs::permissions(folder_ / "a", static_cast<fs::perms>(0640));
     fs::create_symlink("a", folder_ / "link");
@@ -134,7 +134,7 @@ TEST_F(FileTest, KeepsPermissionsAndFollowsLinks) {
     EXPECT_EQ(fs::status(folder_ / "a").permissions(), static_cast<fs::perms>(0640));
 }
 
-TEST_F(FileTest, NewFilesHaveTheUsualPermissions) {
+TEST_F(FileTest, NewFilesHaveTheDefaultPermissions) {
     put(folder_ / "usual", "");
     AtomicFile file(folder_ / "a");
     file.commit();
@@ -148,7 +148,7 @@ TEST_F(FileTest, DevicesAreWrittenAndNotReplaced) {
     EXPECT_TRUE(fs::is_character_file("/dev/null"));
 }
 
-TEST_F(FileTest, WriteErrorsNameTheFileAndTheReason) {
+TEST_F(FileTest, WriteErrorsReportTheFileAndTheReason) {
     EXPECT_EQ(
         error_of([&] { AtomicFile file(folder_ / "no" / "a"); }),
         "cannot write " + (folder_ / "no" / "a").string() + ": its folder does not exist; create it first");

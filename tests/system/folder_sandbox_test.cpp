@@ -76,7 +76,7 @@ const std::vector<std::string> kRefusedNames = {"",
                                                 std::string("a\0b", 3),
                                                 std::string(1025, 'a')};
 
-TEST_F(FolderSandboxTest, NamesThatLeadOutOrHideAreRefusedBeforeAnythingIsOpened) {
+TEST_F(FolderSandboxTest, RejectsNamesThatLeaveTheFolderOrAreHidden) {
     const FolderSandbox sandbox(home_);
     for (const std::string& name : kRefusedNames) {
         SCOPED_TRACE(name);
@@ -90,7 +90,7 @@ TEST_F(FolderSandboxTest, NamesThatLeadOutOrHideAreRefusedBeforeAnythingIsOpened
         EXPECT_EQ(system_internal::fault_of_name(name), "") << name;
 }
 
-TEST_F(FolderSandboxTest, FilesWithinAreFound) {
+TEST_F(FolderSandboxTest, FindsFilesInside) {
     const FolderSandbox sandbox(home_);
     EXPECT_EQ(sandbox.folder(), home_);
     EXPECT_EQ(sandbox.to_read("tree.xyz"), home_ / "tree.xyz");
@@ -104,7 +104,7 @@ TEST_F(FolderSandboxTest, FilesWithinAreFound) {
     ::close(file);
 }
 
-TEST_F(FolderSandboxTest, ErrorsSayWhatIsWrong) {
+TEST_F(FolderSandboxTest, ErrorsReportTheReason) {
     const FolderSandbox sandbox(home_);
     EXPECT_EQ(error_of([&] { sandbox.to_read("../secret.xyz"); }),
               "cannot read '../secret.xyz': it is outside the opened folder");
@@ -123,7 +123,7 @@ TEST_F(FolderSandboxTest, ErrorsSayWhatIsWrong) {
               "cannot open 'gone': there is no such file or folder");
 }
 
-TEST_F(FolderSandboxTest, LinksAreNotFollowedWhereverTheyLead) {
+TEST_F(FolderSandboxTest, DoesNotFollowSymbolicLinks) {
     const FolderSandbox sandbox(home_);
     for (const char* name : {"out.xyz", "adjacent.xyz", "way/secret.xyz", "way/home/tree.xyz", "within.xyz",
                              "broken.xyz", "magic/etc/passwd", "way"}) {
@@ -134,7 +134,7 @@ TEST_F(FolderSandboxTest, LinksAreNotFollowedWhereverTheyLead) {
     }
 }
 
-TEST_F(FolderSandboxTest, StepByStepGivesTheSameAnswers) {
+TEST_F(FolderSandboxTest, StepwiseOpeningMatches) {
     const int folder = ::open(home_.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
     for (const char* name :
          {"tree.xyz", "scans", "scans/oak.xyz", "./tree.xyz", ".", "out.xyz", "adjacent.xyz",
@@ -165,7 +165,7 @@ TEST_F(FolderSandboxTest, StepByStepGivesTheSameAnswers) {
     ::close(folder);
 }
 
-TEST_F(FolderSandboxTest, FilesThatTheUserNamedMayBeReadButNotWritten) {
+TEST_F(FolderSandboxTest, AllowedFilesAreReadableButNotWritable) {
     const FolderSandbox sandbox(home_, {folder_ / "secret.xyz"});
     for (const std::string& name : {(folder_ / "secret.xyz").string(), std::string("../secret.xyz")}) {
         EXPECT_EQ(sandbox.to_read(name), folder_ / "secret.xyz");

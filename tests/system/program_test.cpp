@@ -27,7 +27,7 @@ std::pair<std::string, int> printed(ProgramStart start) {
 
 std::string path_of(std::string_view name) { return find_program(name).value().string(); }
 
-TEST(Program, IsFoundByItsNameInAbsoluteFoldersAlone) {
+TEST(Program, IsFoundByNameInAbsoluteFoldersOnly) {
     EXPECT_TRUE(find_program("sh"));
     EXPECT_TRUE(find_program("sh")->is_absolute());
     EXPECT_FALSE(find_program("no-such-program-anywhere"));
@@ -36,13 +36,13 @@ TEST(Program, IsFoundByItsNameInAbsoluteFoldersAlone) {
     EXPECT_FALSE(find_program("/"));
 }
 
-TEST(Program, GetsItsWordsAsTheyAre) {
+TEST(Program, ReceivesItsWordsUnchanged) {
     const auto [text, status] = printed({.words = {path_of("echo"), "a b", "$HOME", "*"}});
     EXPECT_EQ(text, "a b $HOME *\n");
     EXPECT_EQ(status, 0);
 }
 
-TEST(Program, HasTheEnvironmentThatItIsGiven) {
+TEST(Program, HasTheGivenEnvironment) {
     EXPECT_EQ(printed({.words = {path_of("env")}, .environment = {"ONE=1"}}).first, "ONE=1\n");
 }
 
@@ -55,7 +55,7 @@ TEST(Program, HasNoInputAndNoOtherFiles) {
     EXPECT_EQ(printed({.words = {path_of("cat")}}).first, "");
 }
 
-TEST(Program, WorksInItsFolder) {
+TEST(Program, RunsInItsFolder) {
     const auto folder = std::filesystem::canonical(std::filesystem::temp_directory_path());
     EXPECT_EQ(printed({.words = {path_of("pwd")}, .folder = folder}).first, folder.string() + "\n");
 }
@@ -69,7 +69,7 @@ TEST(Program, ReturnsItsExitCodeOrSignal) {
     EXPECT_EQ(program.status(), 128 + SIGKILL);
 }
 
-TEST(Program, RunsInItsOwnSession) {
+TEST(Program, RunsInItsOwnSessionIfRequested) {
     const auto session_of = [](bool apart) {
         return printed({.words = {path_of("cut"), "-d ", "-f6", "/proc/self/stat"}, .apart = apart}).first;
     };
@@ -77,7 +77,7 @@ TEST(Program, RunsInItsOwnSession) {
     EXPECT_NE(session_of(true), session_of(false));
 }
 
-TEST(Program, ReceivesTheInputThatIsSent) {
+TEST(Program, ReceivesTheSentInput) {
     Program program({.words = {path_of("cat")}, .sends_input = true, .output = ProgramOutput::received});
     EXPECT_TRUE(program.send("one "));
     EXPECT_TRUE(program.send("two"));
@@ -89,13 +89,13 @@ TEST(Program, ReceivesTheInputThatIsSent) {
     EXPECT_EQ(program.wait(), 0);
 }
 
-TEST(Program, ThatEndedIsAnErrorOfSendingWithoutASignal) {
+TEST(Program, SendToAnEndedProgramFailsWithoutASignal) {
     Program program({.words = {path_of("true")}, .sends_input = true});
     program.wait();
     EXPECT_FALSE(program.send(std::string(1 << 20, 'x')));
 }
 
-TEST(Program, ThatDoesNotExistIsAnError) { EXPECT_THROW(Program({.words = {"/no/such/program"}}), IoError); }
+TEST(Program, ThrowsIfItDoesNotExist) { EXPECT_THROW(Program({.words = {"/no/such/program"}}), IoError); }
 
 }  // namespace
 }  // namespace coppice

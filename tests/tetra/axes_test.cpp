@@ -74,7 +74,7 @@ CompressedRows<std::uint32_t> all_pass(const TetraMesh& mesh, std::uint32_t segm
     });
 }
 
-TEST(LatticeAxes, PassThroughTetrahedraOfRegionsThatNameThem) {
+TEST(LatticeAxes, AreListedByTheRegionsThatTheyPass) {
     for (const float inside : {0.0f, 0.8f}) {
         for (const float cell : {0.5f, 2.0f}) {
             const std::vector<Segment> segments = segments_of(random_tree(40, 5, true));
@@ -107,7 +107,7 @@ TEST(LatticeAxes, PassThroughTetrahedraOfRegionsThatNameThem) {
     }
 }
 
-TEST(HeldVertices, OfOneAxisAreJoinedByFineEdges) {
+TEST(HeldVertices, OfOneAxisAreConnectedByFineEdges) {
     for (const int levels : {0, 1, 2}) {
         for (const auto& [name, skeleton] : scenes()) {
             SCOPED_TRACE(name + ", level " + std::to_string(levels));
@@ -132,7 +132,7 @@ TEST(HeldVertices, OfOneAxisAreJoinedByFineEdges) {
     }
 }
 
-TEST(MarchAxes, LieInOnePartForEachTreeThoughTheFieldIsNowhereAboveItsLevel) {
+TEST(MarchAxes, HaveAtMostOneComponentPerTreeBelowTheIsoValue) {
     constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
     for (const auto& [value, snap] : {std::pair(-1.0f, 0.45f), std::pair(kNaN, 0.0f)}) {
         for (const auto& [name, skeleton] : scenes()) {
@@ -155,7 +155,7 @@ TEST(MarchAxes, LieInOnePartForEachTreeThoughTheFieldIsNowhereAboveItsLevel) {
     }
 }
 
-TEST(MarchAxes, AreAsThickAsTheirRadiusWhereTheFieldHasNothingToSay) {
+TEST(MarchAxes, HaveAboutTheirRadiusIfTheFieldIsBelowTheIsoValue) {
     const std::vector<Segment> segments{{{0, 0, 0}, {4, 1, 2}, 0.2f, 0.2f}};
     Lattice lattice(segments, {.cell = 5});
     const Constant field{-1};
@@ -173,7 +173,7 @@ TEST(MarchAxes, AreAsThickAsTheirRadiusWhereTheFieldHasNothingToSay) {
     EXPECT_LT(mean, 0.22);
 }
 
-TEST(MarchAxes, LeaveOutPartsWithoutAnAxisAndHollows) {
+TEST(MarchAxes, ComponentsWithoutAnAxisAndHollowsAreRemoved) {
     const TetraMesh mesh = bcc_block({12, 6, 6}, 0.5f, {0, 0, 0});
     // A ball with a hollow in it, and a separate ball.
     const Balls field{{{1.6f, 1.5f, 1.5f, 1.2f}, {1.6f, 1.5f, 1.5f, -0.6f}, {4.5f, 1.5f, 1.5f, 0.7f}}};

@@ -84,7 +84,7 @@ std::vector<CellKey> sorted_keys(const std::vector<Cell>& cells) {
     return out;
 }
 
-TEST(Octree, IsTheCoarsestBalancedOneWithTheseCells) {
+TEST(Octree, IsTheCoarsestBalancedOctreeWithTheGivenCells) {
     for (const SplitKeys& split : octrees()) {
         const std::vector<Cell> leaves = leaves_of(Octree(split, {}));
         EXPECT_EQ(sorted_keys(leaves), sorted_keys(brute_balance(plain_leaves(split))));
@@ -109,7 +109,7 @@ TEST(Octree, LeavesFollowTheMortonCurve) {
     }
 }
 
-TEST(Octree, FindsNeighboursAndLeavesAtPoints) {
+TEST(Octree, FindsNeighboursAndLeavesOfPoints) {
     for (const SplitKeys& split : octrees()) {
         const Octree tree(split, {});
         for (std::uint32_t leaf = 0; leaf < tree.leaf_count(); ++leaf) {
@@ -143,7 +143,7 @@ TEST(Octree, FindsNeighboursAndLeavesAtPoints) {
     }
 }
 
-TEST(LatticeCells, NumbersEveryCenterAndCornerOnce) {
+TEST(LatticeCells, EveryCenterAndCornerHasOneNumber) {
     for (const SplitKeys& split : octrees()) {
         const LatticeCells cells(Octree(split, {}), {});
         std::set<LatticeCells::Place> expected;
@@ -172,7 +172,7 @@ LatticeMesh whole_mesh(const LatticeCells& cells, unsigned levels) {
     return gather_tetra(cells, all_tetra(cells, {}), whole_cube(levels), {});
 }
 
-TEST(LatticeCells, TetrahedraFillAllButTheBorder) {
+TEST(LatticeCells, TetrahedraFillTheCubeExceptItsBorder) {
     for (const SplitKeys& split : octrees()) {
         const LatticeCells cells(Octree(split, {}), {});
         const TetraMesh mesh = whole_mesh(cells, 6).mesh;
@@ -193,7 +193,7 @@ TEST(LatticeCells, TetrahedraFillAllButTheBorder) {
     }
 }
 
-TEST(LatticeCells, EveryPointLiesInOneTetrahedronOrOnSharedFaces) {
+TEST(LatticeCells, EveryPointIsInOneTetrahedronOrOnSharedFaces) {
     const CounterRandom random(1, 1);
     for (const SplitKeys& split : octrees()) {
         const LatticeCells cells(Octree(split, {}), {});
@@ -218,7 +218,7 @@ TEST(LatticeCells, EveryPointLiesInOneTetrahedronOrOnSharedFaces) {
     }
 }
 
-TEST(LatticeCells, KnowsWhatLiesAcrossEveryFace) {
+TEST(LatticeCells, FindsTheNeighbourAcrossEveryFace) {
     for (const SplitKeys& split : octrees()) {
         const LatticeCells cells(Octree(split, {}), {});
         const SlotMasks masks = all_tetra(cells, {});
@@ -248,7 +248,7 @@ TEST(LatticeCells, KnowsWhatLiesAcrossEveryFace) {
     }
 }
 
-TEST(LatticeCells, AnglesBetweenFacesAreGood) {
+TEST(LatticeCells, DihedralAnglesAreBetween30And135Degrees) {
     // Cells of one size: six edges of 60 or 90 degrees.
     const LatticeCells uniform(Octree({{0}, {0, 1, 2, 3, 4, 5, 6, 7}}, {}), {});
     const TetraMesh alike = whole_mesh(uniform, 6).mesh;

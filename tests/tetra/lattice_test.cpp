@@ -114,7 +114,7 @@ double longest_edge(const std::array<Vec3d, 4>& c) {
     return out;
 }
 
-TEST(Lattice, ConformsOnEverySkeleton) {
+TEST(Lattice, IsConformingForEverySkeleton) {
     for (const auto& [name, segments] : scenes()) {
         SCOPED_TRACE(name);
         const Lattice lattice(segments);
@@ -124,7 +124,7 @@ TEST(Lattice, ConformsOnEverySkeleton) {
     }
 }
 
-TEST(Lattice, EnclosesEverySurfaceWithTetrahedraInProportionToTheRadius) {
+TEST(Lattice, EnclosesEverySurfaceWithTetrahedraRelativeToTheRadius) {
     for (const auto& [name, segments] : scenes()) {
         SCOPED_TRACE(name);
         const LatticeOptions options;
@@ -151,7 +151,7 @@ TEST(Lattice, EnclosesEverySurfaceWithTetrahedraInProportionToTheRadius) {
     }
 }
 
-TEST(Lattice, SamplesOfTheCoveredSpaceLieInOneTetrahedron) {
+TEST(Lattice, PointsInsideAreInOneTetrahedron) {
     const std::vector<Segment> segments = segments_of(random_tree(60, 1, true));
     const Lattice lattice(segments);
     const TetraMesh& mesh = lattice.mesh();
@@ -169,7 +169,7 @@ TEST(Lattice, SamplesOfTheCoveredSpaceLieInOneTetrahedron) {
     }
 }
 
-TEST(Lattice, HoldsNeitherWhatLiesBeyondAllSegmentsNorWhatLiesWithinOne) {
+TEST(Lattice, ExcludesTetrahedraFarOutsideOrDeepInside) {
     const std::vector<Segment> segments = segments_of(random_tree(60, 2));
     for (const LatticeOptions& options : {LatticeOptions{}, LatticeOptions{1, 0.9f, 1.1f}}) {
         const Lattice lattice(segments, options);
@@ -212,7 +212,7 @@ TEST(Lattice, ARodOfOneRadiusHasOneSizeOfCell) {
     }
 }
 
-TEST(Lattice, IsTheSameForAnyNumberOfThreadsAndAfterGrowth) {
+TEST(Lattice, IsBitIdenticalForAnyNumberOfThreadsAndAfterGrowth) {
     const std::vector<Segment> segments = segments_of(random_tree(400, 5));
     const auto hash = [&](unsigned threads) {
         Context ctx;
@@ -234,7 +234,7 @@ TEST(Lattice, IsTheSameForAnyNumberOfThreadsAndAfterGrowth) {
     EXPECT_EQ(hash(7), one);
 }
 
-TEST(Lattice, GrowsByTheNeighboursAlone) {
+TEST(Lattice, GrowsByNeighboursOnly) {
     Lattice lattice(std::array{kRod, Segment{{0, 0, 5}, {4, 0, 8}, 0.3f, 0.1f}});
     const std::set<Corners> before = tetra_set(lattice.mesh());
     const std::vector<TetraFace> hull = compute_hull(face_uses(lattice.mesh()));
@@ -270,7 +270,7 @@ TEST(Lattice, GrowsByTheNeighboursAlone) {
     for (const auto& f : closed) EXPECT_EQ(uses[f], 2u);
 }
 
-TEST(Lattice, GrowsToTheBorderOfTheOctreeAndNoFurther) {
+TEST(Lattice, GrowsToTheBorderOfTheOctreeAtMost) {
     Lattice lattice(std::array{Segment{{1, 2, 3}, {1, 2, 3}, 1, 1}}, {3, 0.7f, 1.3f});
     unsigned steps = 0;
     std::size_t tetra = 0;
@@ -303,7 +303,7 @@ TEST(Lattice, PositionsAreExactFarFromTheOrigin) {
     for (const Vec3 p : lattice.mesh().positions) EXPECT_TRUE(places.insert({p.x, p.y, p.z}).second);
 }
 
-TEST(Lattice, RefusesOptionsAndSegmentsOutOfRange) {
+TEST(Lattice, RejectsOptionsAndSegmentsOutOfRange) {
     const std::array one{kRod};
     EXPECT_THROW(Lattice(one, {0, 0.7f, 1.3f}), InvalidInput);
     EXPECT_THROW(Lattice(one, {3, 1.2f, 1.3f}), InvalidInput);
@@ -323,7 +323,7 @@ TEST(Lattice, RefusesOptionsAndSegmentsOutOfRange) {
     }
 }
 
-TEST(Lattice, RefusesWhatNeedsTooManyCells) {
+TEST(Lattice, RejectsInputThatNeedsTooManyCells) {
     const float big = std::numeric_limits<float>::max();
     const std::vector<std::vector<Segment>> hostile{
         {{{0, 0, 0}, {0, 0, 1e7f}, 1, 1}},              // 10 million radii long
@@ -343,7 +343,7 @@ TEST(Lattice, RefusesWhatNeedsTooManyCells) {
     }
 }
 
-TEST(Lattice, TakesThousandsOfSegmentsAtOnePlace) {
+TEST(Lattice, AcceptsThousandsOfSegmentsAtOnePosition) {
     std::vector<Segment> star;
     const CounterRandom random(3, 4);
     for (std::uint64_t i = 0; i < 10000; ++i) {
@@ -357,7 +357,7 @@ TEST(Lattice, TakesThousandsOfSegmentsAtOnePlace) {
     EXPECT_LT(lattice.mesh().tetra.size(), 100000u);
 }
 
-TEST(Lattice, TakesRadiiOfVeryDifferentSize) {
+TEST(Lattice, AcceptsRadiiOfVeryDifferentSize) {
     // A cone with a radius ratio of a thousand and a very thin tip: cells shrink with it.
     const Lattice lattice(std::array{Segment{{0, 0, 0}, {0, 0, 10}, 1, 1e-3f}});
     expect_conforming(lattice.mesh());

@@ -54,7 +54,7 @@ AnyField noise(std::uint64_t seed, float side, float per_cell, float low = -1, f
 
 // All faces of a single tetrahedron are on the hull, so that march() would reject it: sampling and extraction
 // only.
-TEST(March, CutsOneTetrahedronInAllSixteenWays) {
+TEST(March, CutsOneTetrahedronInAllSixteenCases) {
     const TetraMesh mesh = one_tetra();
     for (std::uint32_t inside = 0; inside < 16; ++inside) {
         SCOPED_TRACE(inside);
@@ -93,7 +93,7 @@ TEST(March, CutsOneTetrahedronInAllSixteenWays) {
     }
 }
 
-TEST(March, CornersOnTheSurfaceTakeThePlaceOfCuts) {
+TEST(March, CornersOnTheSurfaceReplaceCuts) {
     for (std::uint32_t inside = 0; inside < 16; ++inside) {
         for (std::uint32_t on = 0; on < 16; ++on) {
             if ((inside & on) != 0) continue;
@@ -162,7 +162,7 @@ TriMesh march_plainly(const TetraMesh& fine, const AnyField& field) {
     return out;
 }
 
-TEST(March, IsWhatAPlainProgramFinds) {
+TEST(March, MatchesAReferenceImplementation) {
     const TetraMesh mesh = shuffled(bent(bcc_block({5, 5, 5}, 1, {0, 0, 0}), 0.1f, 21), 22);
     for (int levels = 0; levels <= 2; ++levels) {
         SCOPED_TRACE(levels);
@@ -196,7 +196,7 @@ TEST(March, IsWhatAPlainProgramFinds) {
     }
 }
 
-TEST(March, MeasuresABall) {
+TEST(March, MeasuresVolumeAndAreaOfABall) {
     // Fine edges of about half a radius.
     const TetraMesh mesh = bcc_block({6, 6, 6}, 2.3f, {-6.9f, -6.9f, -6.9f});
     const KernelField field = ball_field({0.12f, 0.22f, 0.31f}, 1);
@@ -219,7 +219,7 @@ TEST(March, MeasuresABall) {
     EXPECT_NEAR(area(fine.mesh), 12.56637, 0.05 / 16 * 12.56637);
 }
 
-TEST(March, MovedVerticesMakeGoodTriangles) {
+TEST(March, SnappingImprovesTheAnglesOfTriangles) {
     const TetraMesh mesh = bcc_block({8, 8, 8}, 1, {-4, -4, -4});
     const KernelField field = ball_field({0.12f, 0.22f, 0.31f}, 2.2f);
     const auto plain = min_angles(march(mesh, FieldRef(field), {.snap = 0}).mesh);
@@ -299,7 +299,7 @@ std::vector<std::pair<const char*, AnyField>> nasty_fields() {
     };
 }
 
-TEST(March, KeepsSheetsApart) {
+TEST(March, SeparatesSheets) {
     const TetraMesh mesh = bcc_block({5, 5, 5}, 1, {0, 0, 0});
     std::uint64_t freed = 0;
     for (const auto& [name, field] : nasty_fields()) {
@@ -321,7 +321,7 @@ TEST(March, KeepsSheetsApart) {
     EXPECT_GT(freed, 0u);
 }
 
-TEST(March, DoesNotCrossItselfOnNoise) {
+TEST(March, HasNoSelfIntersectionsOnNoise) {
     for (std::uint64_t seed = 0; seed < 3; ++seed) {
         const TetraMesh mesh = bent(bcc_block({4, 4, 4}, 1, {0, 0, 0}), 0.1f, seed);
         const AnyField field = noise(seed, 4, 2.9f);
@@ -333,14 +333,14 @@ TEST(March, DoesNotCrossItselfOnNoise) {
     }
 }
 
-TEST(March, FindsCrossingsWhereThereAreSome) {
+TEST(March, CrossingsFindsAnIntersection) {
     TriMesh mesh;
     mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.2f, 0.2f, -1}, {0.3f, 0.2f, 1}, {0.2f, 0.3f, 1}};
     mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
     EXPECT_GT(crossings(mesh), 0u);
 }
 
-TEST(March, NamesOpenFaces) {
+TEST(March, ReportsOpenFaces) {
     const TetraMesh mesh = bcc_block({4, 4, 4}, 1, {0, 0, 0});
     const auto field = ball_field({0.9f, 2, 2}, 0.8f);
     const MarchResult r = march(mesh, FieldRef(field), {.levels = 3});
@@ -369,7 +369,7 @@ TEST(March, NamesOpenFaces) {
     EXPECT_EQ(r.open, expected);
 }
 
-TEST(March, TakesAHullThatIsInside) {
+TEST(March, AcceptsAHullInsideTheSurface) {
     // A shell of tetrahedra around the ball's surface.
     const Vec3 center{3, 3, 3};
     const TetraMesh mesh = bcc_block({6, 6, 6}, 1, {0, 0, 0}, [&](Vec3 p) {
@@ -384,7 +384,7 @@ TEST(March, TakesAHullThatIsInside) {
     EXPECT_NEAR(volume(r.mesh), volume(whole.mesh), 1e-4);
 }
 
-TEST(March, NeverMovesTheHull) {
+TEST(March, NeverSnapsToTheHull) {
     // The surface is so close to the hull that its vertices would be moved.
     const TetraMesh mesh = bcc_block({4, 4, 4}, 1, {0, 0, 0});
     const AnyField field{[](Vec3 p) { return 1.45f - std::abs(p.z - 2); }};
@@ -419,7 +419,7 @@ struct RegionField {
     }
 };
 
-TEST(March, AsksEveryRegionAboutItself) {
+TEST(March, SamplesEveryRegionInsideItself) {
     const TetraMesh mesh = bcc_block({6, 6, 6}, 1, {-3, -3, -3});
     std::atomic<std::uint64_t> outside = 0, samples = 0;
     const RegionField field{ball_field({}, 1.7f), region_boxes(mesh), &outside, &samples};
@@ -431,7 +431,7 @@ TEST(March, AsksEveryRegionAboutItself) {
     EXPECT_EQ(outside, 0u);
 }
 
-TEST(March, RefinementsComeNearerToTheSurface) {
+TEST(March, RefinementsReduceTheError) {
     const TetraMesh mesh = bcc_block({6, 6, 6}, 1, {-3, -3, -3});
     const AnyField field{[](Vec3 p) { return std::pow(1.7f, 3.0f) - std::pow(length(p), 3.0f); }};
     std::vector<double> errors;
@@ -448,7 +448,7 @@ TEST(March, RefinementsComeNearerToTheSurface) {
     EXPECT_LT(errors[3], 0.0005);  // vertices stay 1 % of an edge away from its ends
 }
 
-TEST(March, SameBitsForAnyNumberOfThreads) {
+TEST(March, IsBitIdenticalForAnyNumberOfThreads) {
     const TetraMesh mesh = bent(bcc_block({9, 9, 9}, 1, {0, 0, 0}), 0.1f, 4);
     const AnyField rough = noise(3, 9, 2.7f);
     const KernelField smooth = ball_field({4.4f, 4.5f, 4.6f}, 2.6f);
@@ -468,7 +468,7 @@ TEST(March, SameBitsForAnyNumberOfThreads) {
     }
 }
 
-TEST(March, TakesWhateverTheFieldSays) {
+TEST(March, AcceptsAnyField) {
     const TetraMesh mesh = bcc_block({5, 5, 5}, 1, {0, 0, 0});
     const Vec3 center{2.51f, 2.47f, 2.53f};
     const auto field_of = [&](float inside, float outside, float level) {
@@ -501,7 +501,7 @@ TEST(March, TakesWhateverTheFieldSays) {
     EXPECT_TRUE(all.open.empty());
 }
 
-TEST(March, FillsABubbleOfOneVertex) {
+TEST(March, FillsAHollowOfOneVertex) {
     // All inside except one lattice vertex exactly on the iso value: it is not moved and has no triangles.
     const TetraMesh mesh = bcc_block({4, 4, 4}, 1, {0, 0, 0});
     const AnyField field{[](Vec3 p) { return distance(p, {2.003f, 2.002f, 2}) - 0.01f; }};
@@ -535,7 +535,7 @@ TEST(March, OptionsAreDescribedAndChecked) {
     expect_refused({.refinements = 21}, "refinements");
 }
 
-TEST(March, StopsWhenAsked) {
+TEST(March, StopsWhenCancelled) {
     std::stop_source source;
     source.request_stop();
     Context ctx;
@@ -545,7 +545,7 @@ TEST(March, StopsWhenAsked) {
     EXPECT_THROW(march(mesh, FieldRef(field), {}, ctx), Cancelled);
 }
 
-TEST(March, OfNothingIsNothing) {
+TEST(March, AcceptsAnEmptyMesh) {
     const auto field = ball_field({2, 2, 2}, 1);
     const MarchResult r = march(TetraMesh{}, FieldRef(field));
     EXPECT_TRUE(r.mesh.triangles.empty());

@@ -53,7 +53,7 @@ void visit_holders(const TetraMesh& mesh, Vec3d p, const Visit& visit) {
     }
 }
 
-TEST(Polyhedron, ConformsOnEverySkeleton) {
+TEST(Polyhedron, IsConformingForEverySkeleton) {
     for (const auto& [name, skeleton] : scenes()) {
         SCOPED_TRACE(name);
         const Polyhedron polyhedron = around(skeleton);
@@ -68,7 +68,7 @@ TEST(Polyhedron, ConformsOnEverySkeleton) {
     }
 }
 
-TEST(Polyhedron, HoldsEverySurfaceAndEveryAxisOnce) {
+TEST(Polyhedron, ContainsEverySurfaceAndEveryAxis) {
     for (const auto& [name, skeleton] : scenes()) {
         if (skeleton.size() > 80) continue;
         SCOPED_TRACE(name);
@@ -97,7 +97,7 @@ TEST(Polyhedron, HoldsEverySurfaceAndEveryAxisOnce) {
     }
 }
 
-TEST(Polyhedron, DoesNotOverlapItself) {
+TEST(Polyhedron, TetrahedraDoNotOverlap) {
     for (const char* name : {"random_hard_2", "forest", "soma"}) {
         SCOPED_TRACE(name);
         const Polyhedron polyhedron = around(zoo_skeleton(name));
@@ -116,7 +116,7 @@ TEST(Polyhedron, DoesNotOverlapItself) {
     }
 }
 
-TEST(Polyhedron, CutsABoxInFive) {
+TEST(Polyhedron, DividesABoxIntoFive) {
     for (const std::uint32_t segments : {1u, 2u, 10u}) {
         const Polyhedron polyhedron = around(rod(segments, 5, 1));
         EXPECT_EQ(polyhedron.report().sections, segments + 1);
@@ -126,7 +126,7 @@ TEST(Polyhedron, CutsABoxInFive) {
     }
 }
 
-TEST(Polyhedron, HasAHandfulOfTetrahedraForEachSegment) {
+TEST(Polyhedron, HasSeveralTetrahedraPerSegment) {
     // Rhus of [Zhu2013] has 2,064; the paper does not state its number of segments.
     const PolyhedronReport r = around(random_tree(288, 1)).report();
     EXPECT_GT(r.tetra, 5 * 288u);
@@ -134,7 +134,7 @@ TEST(Polyhedron, HasAHandfulOfTetrahedraForEachSegment) {
     EXPECT_GT(r.auxiliary, 0u);
 }
 
-TEST(Polyhedron, GrowsAcrossFacesUntilThereAreNone) {
+TEST(Polyhedron, GrowsAcrossFacesUntilItFillsItsBox) {
     Polyhedron polyhedron = around(random_tree(30, 1));
     const std::size_t before = polyhedron.mesh().tetra.size();
     const auto hull = [&] {
@@ -165,7 +165,7 @@ TEST(Polyhedron, GrowsAcrossFacesUntilThereAreNone) {
     EXPECT_NEAR(volume / (size.x * size.y * size.z), 1, 1e-6);
 }
 
-TEST(Polyhedron, RefusesWhatIsTooThinForItsCoordinates) {
+TEST(Polyhedron, RejectsSegmentsTooThinForTheirCoordinates) {
     const Skeleton thin({NodeId::none(), NodeId(0)}, {{0, 0, 0}, {0, 0, 100}}, {1e-6f, 1e-6f});
     try {
         around(thin);
@@ -177,7 +177,7 @@ TEST(Polyhedron, RefusesWhatIsTooThinForItsCoordinates) {
     EXPECT_THROW(around(huge), InvalidInput);
 }
 
-TEST(Polyhedron, HasTheSameBitsForAnyNumberOfThreads) {
+TEST(Polyhedron, IsBitIdenticalForAnyNumberOfThreads) {
     const Skeleton skeleton = random_tree(600, 4, true);
     const auto hash = [&](unsigned threads) {
         const Polyhedron p = around(skeleton, {.threads = threads});

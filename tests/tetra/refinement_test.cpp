@@ -39,7 +39,7 @@ double volume(const TetraMesh& mesh) {
     return sum / 6;
 }
 
-TEST(TetraMesh, HasABoxAboutEachRegion) {
+TEST(TetraMesh, HasABoxAroundEachRegion) {
     const TetraMesh mesh = bcc_block({2, 1, 1}, 2, {1, 0, 0});
     const std::vector<Box3> boxes = region_boxes(mesh);
     ASSERT_EQ(boxes.size(), mesh.region_count());
@@ -49,7 +49,7 @@ TEST(TetraMesh, HasABoxAboutEachRegion) {
     EXPECT_EQ(boxes[0].high, (Vec3{4, 2, 2}));
 }
 
-TEST(TetraRefinement, FillsEveryTetrahedronAndConforms) {
+TEST(TetraRefinement, FillsEveryTetrahedronAndIsConforming) {
     for (const Scene& scene : scenes()) {
         for (int levels = 0; levels <= (scene.mesh.tetra.size() < 3 ? 4 : 2); ++levels) {
             SCOPED_TRACE(testing::Message() << scene.name << " levels " << levels);
@@ -80,7 +80,7 @@ TEST(TetraRefinement, FillsEveryTetrahedronAndConforms) {
     }
 }
 
-TEST(TetraRefinement, SharedVerticesHaveTheSameBitsFromEverySide) {
+TEST(TetraRefinement, SharedVerticesAreBitIdenticalFromEverySide) {
     for (const Scene& scene : scenes()) {
         const TetraRefinement refinement(scene.mesh, 3);
         std::map<std::uint32_t, Vec3> place;
@@ -108,7 +108,7 @@ std::array<double, 6> shape_of(const TetraMesh& mesh, const Tetra& t) {
     return out;
 }
 
-TEST(TetraRefinement, DescendantsOfTheCubicLatticeAreAllAlike) {
+TEST(TetraRefinement, DescendantsOfTheCubicLatticeAreCongruent) {
     const TetraMesh mesh = bcc_block({2, 2, 2}, 1, {0, 0, 0});
     for (int levels = 1; levels <= 4; ++levels) {
         const TetraRefinement refinement(mesh, levels);
@@ -126,7 +126,7 @@ TEST(TetraRefinement, DescendantsOfTheCubicLatticeAreAllAlike) {
     }
 }
 
-TEST(TetraRefinement, ChoosesTheShortestDiagonalWhateverTheOrder) {
+TEST(TetraRefinement, SelectsTheShortestDiagonalInAnyOrder) {
     // The midpoints of 01 and 23 are 0.5 apart, the others at least 1.5.
     const std::array<Vec3, 4> p{Vec3{-1, 0, 0}, Vec3{1, 0, 0}, Vec3{0, -2, 0.5f}, Vec3{0, 2, 0.5f}};
     std::array<std::uint32_t, 4> order{0, 1, 2, 3};
@@ -163,7 +163,7 @@ double compute_width(const TetraMesh& mesh, const Tetra& t) {
     return least;
 }
 
-TEST(TetraRefinement, DescendantsHaveThreeShapesAndTheWidthsThatItSays) {
+TEST(TetraRefinement, DescendantsHaveThreeShapesAndTheReportedWidths) {
     const CounterRandom random(11, 0);
     for (std::uint64_t i = 0; i < 40; ++i) {
         std::array<Vec3, 4> p;
@@ -196,7 +196,7 @@ TEST(TetraRefinement, DescendantsHaveThreeShapesAndTheWidthsThatItSays) {
     }
 }
 
-TEST(TetraRefinement, PlacesPartsAndOwnersFitTogether) {
+TEST(TetraRefinement, PlacesPartsAndOwnersAreConsistent) {
     for (const Scene& scene : scenes()) {
         SCOPED_TRACE(scene.name);
         const TetraRefinement refinement(scene.mesh, 3);
@@ -239,7 +239,7 @@ TEST(TetraRefinement, PlacesPartsAndOwnersFitTogether) {
     }
 }
 
-TEST(TetraRefinement, ViewNamesEveryFineEdgeOnce) {
+TEST(TetraRefinement, ViewContainsEveryFineEdgeOnce) {
     for (const Scene& scene : scenes()) {
         for (int levels = 0; levels <= 3; ++levels) {
             SCOPED_TRACE(testing::Message() << scene.name << " levels " << levels);
@@ -276,7 +276,7 @@ TEST(TetraRefinement, ViewNamesEveryFineEdgeOnce) {
     }
 }
 
-TEST(TetraRefinement, KnowsTheHull) {
+TEST(TetraRefinement, OnHullMatchesTheFinestMesh) {
     for (const Scene& scene : scenes()) {
         SCOPED_TRACE(scene.name);
         const TetraRefinement refinement(scene.mesh, 2);
@@ -295,7 +295,7 @@ TEST(TetraRefinement, KnowsTheHull) {
     }
 }
 
-TEST(TetraRefinement, PatternsListVerticesEdgesAndStars) {
+TEST(TetraRefinement, PatternsContainVerticesEdgesAndStars) {
     for (int levels = 0; levels <= TetraPattern::kMaxLevels; ++levels) {
         const auto n = std::size_t{1} << levels;
         for (std::uint32_t d = 0; d < 3; ++d) {
@@ -324,7 +324,7 @@ TEST(TetraRefinement, PatternsListVerticesEdgesAndStars) {
     }
 }
 
-TEST(TetraRefinement, SameBitsForAnyNumberOfThreads) {
+TEST(TetraRefinement, IsBitIdenticalForAnyNumberOfThreads) {
     const TetraMesh mesh = shuffled(bent(bcc_block({12, 11, 10}, 1, {0, 0, 0}), 0.1f, 6), 9);
     const auto print = [&](unsigned threads) {
         Context ctx;
@@ -353,7 +353,7 @@ void expect_refused(const TetraMesh& mesh, int levels, const std::string& word) 
     }
 }
 
-TEST(TetraRefinement, RefusesWhatItCannotDo) {
+TEST(TetraRefinement, RejectsInvalidInput) {
     const TetraMesh one = one_tetra();
     expect_refused(one, -1, "levels must be between 0 and 5");
     expect_refused(one, 6, "levels must be between 0 and 5");
@@ -389,7 +389,7 @@ TEST(TetraRefinement, RefusesWhatItCannotDo) {
     expect_refused(many, 5, "levels = 5 makes more than");
 }
 
-TEST(TetraRefinement, TakesNothingAndVerticesOfNoTetrahedron) {
+TEST(TetraRefinement, AcceptsEmptyMeshesAndUnusedVertices) {
     const TetraMesh nothing;
     const TetraRefinement none(nothing, 2);
     EXPECT_EQ(none.vertex_count(), 0u);

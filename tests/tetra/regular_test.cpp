@@ -52,7 +52,7 @@ void expect_sound(const RegularTriangulation& t) {
     EXPECT_NEAR(volume / (6 * 8.0 * kSide * kSide * kSide), 1, 1e-9);
 }
 
-TEST(RegularTriangulation, FillsItsBoxWhateverThePoints) {
+TEST(RegularTriangulation, FillsItsBoxForAnyPoints) {
     const CounterRandom random(3, 4);
     const auto draw = [&](std::uint32_t i, std::uint32_t most) {
         return static_cast<std::int32_t>(random.bits(i) % (2 * most)) - static_cast<std::int32_t>(most);
@@ -83,7 +83,7 @@ TEST(RegularTriangulation, FillsItsBoxWhateverThePoints) {
     expect_sound(filled(1000, [&](std::uint32_t i) { return WeightedPlace{anywhere(i, 1)}; }));
 }
 
-TEST(RegularTriangulation, LeavesOutWhatHasNoRoom) {
+TEST(RegularTriangulation, OmitsRedundantPoints) {
     const auto line = [](std::uint32_t i) {
         return WeightedPlace{{static_cast<std::int32_t>(i), 0, 0}, 0, 10};
     };
@@ -93,7 +93,7 @@ TEST(RegularTriangulation, LeavesOutWhatHasNoRoom) {
     EXPECT_GE(t.vertex_count(), 8u + 40);
 }
 
-TEST(RegularTriangulation, FindsTheCellOfAPlace) {
+TEST(RegularTriangulation, LocatesTheCellOfAPoint) {
     const CounterRandom random(8, 4);
     const auto place = [&](std::uint32_t i) {
         const auto draw = [&](std::uint32_t k) {
@@ -112,14 +112,14 @@ TEST(RegularTriangulation, FindsTheCellOfAPlace) {
     }
 }
 
-TEST(RegularTriangulation, StopsWhenAsked) {
+TEST(RegularTriangulation, StopsWhenCancelled) {
     std::stop_source source;
     source.request_stop();
     RegularTriangulation t({-kSide, -kSide, -kSide}, {kSide, kSide, kSide});
     EXPECT_THROW(t.insert(std::vector<WeightedPlace>(10), {.stop = source.get_token()}), Cancelled);
 }
 
-TEST(ExactSigns, HoldWhereDoublesRound) {
+TEST(ExactSigns, AreExactWhereDoublesRound) {
     // A plane through distant points, and points one unit off it.
     const std::int32_t far = 1 << 24;
     const GridPlace a{far, far - 1, far - 2}, b{-far, 3, far - 5}, c{7, -far, -far + 1};

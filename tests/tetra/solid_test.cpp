@@ -84,7 +84,7 @@ MarchResult filled(const std::vector<Segment>& segments, const MarchOptions& opt
     return r;
 }
 
-TEST(MarchSolid, FillsTheSurfaceWithTetrahedraThatShareFaces) {
+TEST(MarchSolid, FillsTheSurfaceWithConformingTetrahedra) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         if (skeleton.size() > 7) continue;
         const std::vector<Segment> segments = segments_of(skeleton);
@@ -95,7 +95,7 @@ TEST(MarchSolid, FillsTheSurfaceWithTetrahedraThatShareFaces) {
     }
 }
 
-TEST(MarchSolid, HasNoSliversInNumbers) {
+TEST(MarchSolid, HasFewSlivers) {
     const MarchResult r = filled(segments_of(random_tree(8, 3)), {.levels = 1}, 2.8f);
     std::vector<double> least;
     for (const auto& t : r.solid.tetra) {
@@ -107,7 +107,7 @@ TEST(MarchSolid, HasNoSliversInNumbers) {
     EXPECT_GT(least[least.size() / 100], 10);
 }
 
-TEST(MarchSolid, IsTheSameForAnyNumberOfThreads) {
+TEST(MarchSolid, IsBitIdenticalForAnyNumberOfThreads) {
     const std::vector<Segment> segments = segments_of(random_tree(8, 4, true));
     const Lattice lattice(segments, {.cell = 2, .inside = 0});
     const Cones field{segments};
@@ -120,7 +120,7 @@ TEST(MarchSolid, IsTheSameForAnyNumberOfThreads) {
     EXPECT_EQ(one.open, many.open);
 }
 
-TEST(MarchSolid, LeavesBodiesOutThatHoldNoAxis) {
+TEST(MarchSolid, ExcludesBodiesWithoutAnAxis) {
     // A second branch that is not among the axes.
     std::vector<Segment> both{{{0, 0, 0}, {0, 0, 2}, 0.5f, 0.5f}, {{3, 0, 0}, {3, 0, 2}, 0.5f, 0.5f}};
     Lattice lattice(both, {.cell = 2, .inside = 0});

@@ -54,7 +54,7 @@ class Frames {
     DragPose pose_;
 };
 
-TEST_F(EditDemoTest, ADraggedBranchIsSeenAndComesBackToTheBit) {
+TEST_F(EditDemoTest, DraggedBranchIsVisibleAndReturnsBitIdentically) {
     Frames frames;
     const Image rest = frames.rest();
     EXPECT_EQ(frames.at(0), rest);
@@ -68,7 +68,7 @@ TEST_F(EditDemoTest, ADraggedBranchIsSeenAndComesBackToTheBit) {
     EXPECT_EQ(frames.at(0), rest);
 }
 
-TEST_F(EditDemoTest, TellsWhatWasDraggedAndHowLongItTook) {
+TEST_F(EditDemoTest, ReportsItsCountsAndTimes) {
     const QuadBuild build = build_quads(small_tree());
     const auto backend = cpu_backend();
     const EditDemoResult result = edit_demo(build, {.frames = 6, .segments = 30}, small_picture(), *backend);
@@ -94,7 +94,7 @@ EditDemoResult small_demo(SurfaceBackend& backend) {
     return edit_demo(build_quads(small_tree()), {.frames = 4, .segments = 30}, small_picture(), backend);
 }
 
-TEST_F(EditDemoTest, WithoutACardItIsRefusedByNameAndTheCpuIsUsedOtherwise) {
+TEST_F(EditDemoTest, WithoutACardThrowsOrUsesTheCpu) {
     const DeviceSearch search = find_device();
     if (search.device) GTEST_SKIP() << "there is a card: " << search.device->name;
     const auto asked = surface_backend(Device::cuda), left = surface_backend(Device::automatic);
@@ -105,7 +105,7 @@ TEST_F(EditDemoTest, WithoutACardItIsRefusedByNameAndTheCpuIsUsedOtherwise) {
     EXPECT_EQ(by_itself.pictures, small_demo(*cpu_backend()).pictures);
 }
 
-TEST_F(EditDemoTest, ACardShowsWhatTheCpuShows) {
+TEST_F(EditDemoTest, ACardMatchesTheCpu) {
     const DeviceSearch search = find_device();
     if (!search.device) GTEST_SKIP() << "there is no card: " << search.missing;
     const auto card = surface_backend(Device::cuda), cpu = surface_backend(Device::cpu);
@@ -123,7 +123,7 @@ TEST_F(EditDemoTest, ACardShowsWhatTheCpuShows) {
     }
 }
 
-TEST_F(EditDemoTest, OfOneFrameShowsTheTreeAtRest) {
+TEST_F(EditDemoTest, OneFrameIsTheTreeAtRest) {
     const QuadBuild build = build_quads(small_tree());
     const auto backend = cpu_backend();
     const auto first = [&](int frames) {
@@ -133,7 +133,7 @@ TEST_F(EditDemoTest, OfOneFrameShowsTheTreeAtRest) {
     EXPECT_EQ(first(1), first(2));
 }
 
-TEST_F(EditDemoTest, RefusesWhatHasNoBranch) {
+TEST_F(EditDemoTest, RejectsATreeWithoutABranch) {
     const QuadBuild ball = build_quads(Skeleton({NodeId{}}, {Vec3{}}, {1.0f}));
     const auto backend = cpu_backend();
     EXPECT_EQ(test::error_of([&] { edit_demo(ball, {}, small_picture(), *backend); }),
@@ -142,7 +142,7 @@ TEST_F(EditDemoTest, RefusesWhatHasNoBranch) {
               "view: frames must be between 1 and 1000000, but is 0");
 }
 
-TEST_F(EditDemoTest, StopsWhenItIsAskedTo) {
+TEST_F(EditDemoTest, StopsWhenCancelled) {
     const QuadBuild build = build_quads(small_tree());
     const auto backend = cpu_backend();
     std::stop_source stop;
@@ -154,7 +154,7 @@ TEST_F(EditDemoTest, StopsWhenItIsAskedTo) {
     EXPECT_EQ(reports, 2);
 }
 
-TEST_F(EditDemoTest, ASurfaceIsDrawnOnce) {
+TEST_F(EditDemoTest, DrawsASurfaceOnce) {
     const QuadBuild build = build_quads(small_tree());
     const ViewResult result =
         view_surface(to_polygons(QuadMesh{build.refined, build.refinement.quads()}), small_picture());

@@ -36,7 +36,7 @@ struct Overlap {
 
 class SurfaceViewTest : public test::ViewTest {};
 
-TEST_F(SurfaceViewTest, ShowsWhatRenderShowsWithThatCamera) {
+TEST_F(SurfaceViewTest, MatchesRenderWithTheSameCamera) {
     const Tree tree;
     const ViewOptions options = small_picture();
     const SketchView camera = camera_for(tree.mesh.positions, options);
@@ -54,7 +54,7 @@ TEST_F(SurfaceViewTest, ShowsWhatRenderShowsWithThatCamera) {
     EXPECT_LT(overlap.one, 0.05 * overlap.both);
 }
 
-TEST_F(SurfaceViewTest, TheSameSurfaceGivesTheSameBits) {
+TEST_F(SurfaceViewTest, IsBitIdenticalInASecondRun) {
     const Tree tree;
     const auto drawn = [&] {
         SurfaceView view(tree.drawn(), camera_for(tree.mesh.positions, small_picture()), small_picture());
@@ -66,7 +66,7 @@ TEST_F(SurfaceViewTest, TheSameSurfaceGivesTheSameBits) {
     EXPECT_EQ(once.at(0, 0)[3], 255);
 }
 
-TEST_F(SurfaceViewTest, LightComesFromAbove) {
+TEST_F(SurfaceViewTest, LightIsFromAbove) {
     // A square on the ground, seen from above and from below.
     const std::vector<Vec3> positions{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
     const std::vector<Vec3> up(4, Vec3{0, 0, 1});
@@ -82,7 +82,7 @@ TEST_F(SurfaceViewTest, LightComesFromAbove) {
     EXPECT_GT(brightness_from(1.2f), 1.5 * brightness_from(-1.2f));
 }
 
-TEST_F(SurfaceViewTest, WrittenVerticesAreThoseDrawn) {
+TEST_F(SurfaceViewTest, DrawsWrittenVertices) {
     const Tree tree;
     const SketchView camera = camera_for(tree.mesh.positions, small_picture());
     SurfaceView view(tree.drawn(), camera, small_picture());
@@ -100,7 +100,7 @@ TEST_F(SurfaceViewTest, WrittenVerticesAreThoseDrawn) {
     EXPECT_EQ(view.picture(), before);
 }
 
-TEST_F(SurfaceViewTest, WithoutSmoothingThereAreFewerShades) {
+TEST_F(SurfaceViewTest, WithoutSmoothingHasFewerShades) {
     const Tree tree;
     const auto shades = [&](int smoothing) {
         const ViewOptions options{.width = 160, .height = 120, .smoothing = smoothing};
@@ -113,7 +113,7 @@ TEST_F(SurfaceViewTest, WithoutSmoothingThereAreFewerShades) {
     EXPECT_LT(shades(1), shades(4));
 }
 
-TEST(OffscreenContextTest, SaysInOneSentenceWhatIsMissing) {
+TEST(OffscreenContextTest, ReportsWhyOpenGlIsMissing) {
     const std::string missing = test::missing_gl();
     if (missing.empty()) {
         const OffscreenContext context;

@@ -10,7 +10,7 @@ namespace {
 
 class DeviceFieldOnCard : public OnCard {};
 
-TEST_F(DeviceFieldOnCard, HasTheSamplesOfTheCpu) {
+TEST_F(DeviceFieldOnCard, SamplesMatchTheCpu) {
     const Skeleton tree = random_tree(200, 1);
     Box3 all;
     for (const Vec3 p : tree.positions()) all.extend(p);

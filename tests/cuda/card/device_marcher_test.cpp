@@ -13,7 +13,7 @@ MarchResult march_on(DeviceMarcher& card, const CutScene& scene) {
 
 class DeviceMarcherOnCard : public OnCard {};
 
-TEST_F(DeviceMarcherOnCard, MakesTheSurfaceOfTheCpuAgainAndAgain) {
+TEST_F(DeviceMarcherOnCard, RepeatedSurfacesMatchTheCpu) {
     const CutScene scene(random_tree(60, 4, true), 1, 0.6f);
     DeviceMarcher card;
     const MarchResult expected = march(scene.mesh(), FieldRef(scene.field), scene.axes, scene.options);
@@ -23,7 +23,7 @@ TEST_F(DeviceMarcherOnCard, MakesTheSurfaceOfTheCpuAgainAndAgain) {
     EXPECT_FALSE(card.take_times().empty());
 }
 
-TEST_F(DeviceMarcherOnCard, MakesTheSameBitsInPieces) {
+TEST_F(DeviceMarcherOnCard, PiecesAreBitIdenticalToTheWhole) {
     const CutScene scene(random_tree(250, 5), 1, 0.6f);
     DeviceMarcher card;
     const MarchResult at_once = march_on(card, scene);

@@ -22,7 +22,7 @@ Surface on_card(DeviceQuads& device, const QuadCase& c, const UntangleOptions& u
 
 class DeviceQuadsOnCard : public OnCard {};
 
-TEST_F(DeviceQuadsOnCard, MakeTheSurfacesOfTheCpuForTheWholeZoo) {
+TEST_F(DeviceQuadsOnCard, MatchTheCpuForTheWholeZoo) {
     DeviceQuads device;
     std::size_t apart = 0, all = 0;
     for (const auto& [name, skeleton] : skeleton_zoo()) {
@@ -39,7 +39,7 @@ TEST_F(DeviceQuadsOnCard, MakeTheSurfacesOfTheCpuForTheWholeZoo) {
     EXPECT_LT(apart, all / 500);
 }
 
-TEST_F(DeviceQuadsOnCard, MakeTheSurfacesOfTheCpuOfRandomTrees) {
+TEST_F(DeviceQuadsOnCard, MatchTheCpuOfRandomTrees) {
     DeviceQuads device;
     for (const std::uint32_t segments : {30u, 300u, 3000u}) {
         for (const bool hard : {false, true}) {
@@ -55,7 +55,7 @@ TEST_F(DeviceQuadsOnCard, MakeTheSurfacesOfTheCpuOfRandomTrees) {
     }
 }
 
-TEST_F(DeviceQuadsOnCard, FindTheListsThemselves) {
+TEST_F(DeviceQuadsOnCard, ComputeTheSameSurfaceWithTheirOwnLists) {
     const Scene scene = wrap(random_tree(3000, 3));
     ConvolutionField field(scene.skeleton, {});
     const ControlMesh& control = scene.control;
@@ -74,7 +74,7 @@ TEST_F(DeviceQuadsOnCard, FindTheListsThemselves) {
     expect_same(given, own, 1e-3);
 }
 
-TEST_F(DeviceQuadsOnCard, DoOneJobAfterTheOther) {
+TEST_F(DeviceQuadsOnCard, RunSuccessiveJobsIndependently) {
     const QuadCase small(random_tree(100, 4), 2);
     const QuadCase large(random_tree(size_for(5000, 300), 5, true), static_cast<int>(size_for(3, 2)));
     DeviceQuads device;
@@ -89,7 +89,7 @@ TEST_F(DeviceQuadsOnCard, DoOneJobAfterTheOther) {
     EXPECT_EQ(on_card(another, large, {}).positions, second.positions);
 }
 
-TEST_F(DeviceQuadsOnCard, WorkBesideOthers) {
+TEST_F(DeviceQuadsOnCard, RunConcurrently) {
     const QuadCase c(random_tree(1000, 6), 2);
     DeviceQuads one;
     const Surface expected = on_card(one, c, {});
@@ -122,7 +122,7 @@ TEST_F(DeviceQuadsOnCard, StopAndGoOn) {
     EXPECT_EQ(on_card(another, c).positions, expected.positions);
 }
 
-TEST_F(DeviceQuadsOnCard, TakeTheMemoryThatTheyAreSaidToTake) {
+TEST_F(DeviceQuadsOnCard, UseNoMoreMemoryThanEstimated) {
     for (const std::uint32_t segments : {30u, 3000u}) {
         const QuadCase c(random_tree(segments, 8), 3);
         DeviceQuads device;
@@ -134,7 +134,7 @@ TEST_F(DeviceQuadsOnCard, TakeTheMemoryThatTheyAreSaidToTake) {
     }
 }
 
-TEST_F(DeviceQuadsOnCard, AreMadeInRoundsWhereThereIsLittleRoomAndRefusedWhereThereIsNone) {
+TEST_F(DeviceQuadsOnCard, RunInRoundsIfMemoryIsShortAndThrowIfItIsTooSmall) {
     const QuadCase c(random_tree(3000, 9), 3);
     DeviceQuads device;
     const Surface whole = on_card(device, c);

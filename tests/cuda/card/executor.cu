@@ -8,7 +8,7 @@ INSTANTIATE_TYPED_TEST_SUITE_P(Card, ExecutorOn, CudaExecutor);
 
 class CardExecutor : public OnExecutor<CudaExecutor> {};
 
-TEST_F(CardExecutor, ThrowsWhereThereIsTooLittleMemoryAndGoesOn) {
+TEST_F(CardExecutor, ThrowsIfMemoryIsTooSmallAndRemainsUsable) {
     const std::uint64_t memory = require_device().memory;
     CudaExecutor exec;
     EXPECT_THROW(exec.reserve(memory + 1), DeviceError);
@@ -24,7 +24,7 @@ TEST_F(CardExecutor, ThrowsWhereThereIsTooLittleMemoryAndGoesOn) {
     EXPECT_EQ(exec.bytes_used(), std::size_t{1} << 24);
 }
 
-TEST_F(CardExecutor, ThrowsForMoreThanALaunchTakes) {
+TEST_F(CardExecutor, ThrowsForMoreItemsThanALaunchAccepts) {
     CudaExecutor exec;
     const std::span<std::uint32_t> none;
     EXPECT_THROW(exec.each("square", std::size_t{1} << 32, Square{none, none}), DeviceError);
@@ -32,7 +32,7 @@ TEST_F(CardExecutor, ThrowsForMoreThanALaunchTakes) {
     EXPECT_NO_THROW(exec.wait());
 }
 
-TEST_F(CardExecutor, NotesTheTimeOfEveryLaunch) {
+TEST_F(CardExecutor, RecordsTheTimeOfEveryLaunch) {
     CudaExecutor exec;
     const auto out = exec.array<std::uint32_t>(1 << 20);
     exec.clear(out);
@@ -48,7 +48,7 @@ TEST_F(CardExecutor, NotesTheTimeOfEveryLaunch) {
     EXPECT_TRUE(exec.take_times().empty());
 }
 
-TEST_F(CardExecutor, WorksBesideAnother) {
+TEST_F(CardExecutor, RunsConcurrentlyWithAnother) {
     CudaExecutor one, other;
     const auto numbers = random_numbers<std::uint32_t>(1 << 20, 60'000);
     const auto in = one.upload(std::span<const std::uint32_t>(numbers));

@@ -24,7 +24,7 @@ class SurfacesOnCard : public OnCard {
     }
 };
 
-TEST_F(SurfacesOnCard, OfQuadsAreThoseOfTheCpu) {
+TEST_F(SurfacesOnCard, QuadsMatchTheCpu) {
     MeshOptions options;
     options.remesh_rounds = 0;
     options.untangle.passes = 0;
@@ -61,7 +61,7 @@ TEST_F(SurfacesOnCard, AreClosedWithAllStages) {
     }
 }
 
-TEST_F(SurfacesOnCard, OfTetrahedraAreAlike) {
+TEST_F(SurfacesOnCard, TetrahedraMatchTheCpu) {
     for (const TetraBase base : {TetraBase::octree, TetraBase::polyhedron}) {
         MeshOptions options;
         options.method = MeshMethod::tetrahedra;
@@ -76,7 +76,7 @@ TEST_F(SurfacesOnCard, OfTetrahedraAreAlike) {
     }
 }
 
-TEST_F(SurfacesOnCard, AreMadeByTheCpuWhereTheyAreSmall) {
+TEST_F(SurfacesOnCard, SmallSurfacesAreComputedByTheCpu) {
     EXPECT_EQ(made(random_tree(30, 13), {}, Device::automatic).quads().device.name, "CPU");
 }
 
