@@ -25,7 +25,7 @@ function gridLines(plane: Plane, width: number, height: number): VNode[] {
     const step = gridStep(plane);
     // Numbers are placed at the axes, or at the closer edge if an axis is not visible.
     const [left, top] = toPixel(plane, [0, 0]);
-    const [beside, below] = [Math.min(Math.max(left, 0), width - 30), Math.min(Math.max(top, 0), height - 16)];
+    const [labelX, labelY] = [Math.min(Math.max(left, 0), width - 30), Math.min(Math.max(top, 0), height - 16)];
     const number = (value: number) => numberWord(value * step, step);
     const [low, high] = toPlace(plane, 0, 0);
     const [right, bottom] = toPlace(plane, width, height);
@@ -34,7 +34,7 @@ function gridLines(plane: Plane, width: number, height: number): VNode[] {
         const [at] = toPixel(plane, [x * step, 0]);
         lines.push(<line key={`x${x}`} class={x === 0 ? "axis" : ""} x1={at} x2={at} y1={0} y2={height} />);
         lines.push(
-            <text key={`tx${x}`} x={at + kMargin} y={below + 12}>
+            <text key={`tx${x}`} x={at + kMargin} y={labelY + 12}>
                 {number(x)}
             </text>,
         );
@@ -44,7 +44,7 @@ function gridLines(plane: Plane, width: number, height: number): VNode[] {
         lines.push(<line key={`y${y}`} class={y === 0 ? "axis" : ""} x1={0} x2={width} y1={at} y2={at} />);
         if (y !== 0) {
             lines.push(
-                <text key={`ty${y}`} x={beside + kMargin} y={at - kMargin}>
+                <text key={`ty${y}`} x={labelX + kMargin} y={at - kMargin}>
                     {number(y)}
                 </text>,
             );

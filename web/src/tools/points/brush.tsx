@@ -185,8 +185,8 @@ class RootRun implements ToolRun {
         }
         const { view } = this.app;
         const ground = onPlane(view.ray(event.x, event.y), [0, 0, 0], kAxes.z);
-        const beside = () => view.toPlane(event.x, event.y, this.at.map((value) => value.peek()) as Point); // the ground is seen edge-on
-        const at = view.pick(event.x, event.y, ["solid", "mesh"])?.point ?? ground ?? beside();
+        const onViewPlane = () => view.toPlane(event.x, event.y, this.at.map((value) => value.peek()) as Point); // the ground is seen edge-on
+        const at = view.pick(event.x, event.y, ["solid", "mesh"])?.point ?? ground ?? onViewPlane();
         if (at) {
             at.forEach((value, i) => {
                 this.at[i].value = Number(numberWord(value, view.pixelSize(at) / 10));
