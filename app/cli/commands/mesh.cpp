@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "command.h"
-#include "coppice/base/sort.h"
 #include "coppice/io_mesh/solid_writer.h"
 #include "coppice/io_mesh/writer.h"
 #include "coppice/io_points/reader.h"

@@ -377,9 +377,8 @@ void SceneCall::read(const Argument& a, const OptionRef& member) const {
         const std::vector<double>& n = values(a.name).front().numbers;
         **point = Vec3d(n.at(0), n.at(1), n.at(2));
     } else if (const auto* choice = std::get_if<ChoiceRef>(&member)) {
-        ChoiceRef chosen = *choice;
-        chosen.set(
-            static_cast<std::size_t>(std::ranges::find(chosen.names, text(a.name)) - chosen.names.begin()));
+        const auto found = std::ranges::find(choice->names, text(a.name));
+        choice->set(static_cast<std::size_t>(found - choice->names.begin()));
     } else if (auto* const* whole = std::get_if<int*>(&member)) {
         **whole = static_cast<int>(number(a.name));
     } else {
