@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "../io/e57_file.h"
+#include "../io_points/e57_file.h"
 #include "coppice/base/error.h"
 #include "coppice/io_points/reader.h"
 

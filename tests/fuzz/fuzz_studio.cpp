@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "coppice/base/error.h"
+#include "coppice/options/json.h"
 #include "coppice/studio/engine.h"
 
 namespace {
