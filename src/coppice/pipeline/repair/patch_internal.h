@@ -8,8 +8,8 @@
 #include "coppice/base/context.h"
 #include "coppice/base/id.h"
 #include "coppice/pipeline/mesh_options.h"
+#include "coppice/pipeline/remesh/quadrangulate_internal.h"
 #include "coppice/pipeline/repair/removed_rows_internal.h"
-#include "coppice/remesh/quadrangulate.h"
 
 namespace coppice::pipeline_internal {
 

@@ -4,9 +4,9 @@
 #include "coppice/base/parallel.h"
 #include "coppice/field/convolution_field.h"
 #include "coppice/mesh/shape.h"
+#include "coppice/pipeline/remesh/smooth_patch_internal.h"
 #include "coppice/pipeline/repair/patch_internal.h"
 #include "coppice/pipeline/surface_field_internal.h"
-#include "coppice/remesh/smooth_patch.h"
 #include "coppice/skeleton/segment_cone.h"
 
 namespace coppice::pipeline_internal {

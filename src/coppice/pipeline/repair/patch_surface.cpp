@@ -9,9 +9,9 @@
 #include "coppice/base/id.h"
 #include "coppice/base/parallel.h"
 #include "coppice/measure/capsule_tree.h"
+#include "coppice/pipeline/remesh/zip_internal.h"
 #include "coppice/pipeline/stages_internal.h"
 #include "coppice/pipeline/tetra_skeleton_internal.h"
-#include "coppice/remesh/zip.h"
 #include "coppice/skeleton/segment_cone.h"
 
 namespace coppice::pipeline_internal {

@@ -8,7 +8,7 @@
 #include "coppice/base/compressed_rows.h"
 #include "coppice/base/id.h"
 #include "coppice/mesh/control_mesh.h"
-#include "coppice/remesh/boundary.h"
+#include "coppice/pipeline/remesh/boundary_internal.h"
 #include "coppice/skeleton/skeleton.h"
 
 namespace coppice::pipeline_internal {

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "coppice/remesh/boundary.h"
+#include "coppice/pipeline/remesh/boundary_internal.h"
 
 namespace coppice {
 

@@ -1,4 +1,4 @@
-#include "coppice/remesh/quadrangulate.h"
+#include "coppice/pipeline/remesh/quadrangulate_internal.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "coppice/remesh/smooth_patch.h"
+#include "coppice/pipeline/remesh/smooth_patch_internal.h"
 
 #include <gtest/gtest.h>
 

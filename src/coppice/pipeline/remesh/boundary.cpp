@@ -1,4 +1,4 @@
-#include "coppice/remesh/boundary.h"
+#include "coppice/pipeline/remesh/boundary_internal.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "coppice/remesh/zip.h"
+#include "coppice/pipeline/remesh/zip_internal.h"
 
 #include <algorithm>
 #include <cmath>
