@@ -108,9 +108,11 @@ void tell_device(Run& run, const MeshResult& result) {
 
 void write_surface(const std::filesystem::path& path, const MeshResult& result,
                    const MeshWriteOptions& options, const Context& ctx) {
-    const auto* tubes = std::get_if<CylinderMesh>(&result.surface);
-    if (tubes != nullptr) return write_textured_mesh(path, tubes->mesh, tubes->texture, options, ctx);
-    std::visit([&](const auto& surface) { write_mesh(path, surface.mesh, options, ctx); }, result.surface);
+    MeshWriteOptions with_texture = options;
+    if (const auto* tubes = std::get_if<CylinderMesh>(&result.surface)) with_texture.texture = tubes->texture;
+    if (result.texture) with_texture.texture = result.texture->points;
+    std::visit([&](const auto& surface) { write_mesh(path, surface.mesh, with_texture, ctx); },
+               result.surface);
 }
 
 void add_mesh_write_options(OptionList& options, MeshWriteOptions& write) {
@@ -145,6 +147,7 @@ std::string count_surface(Run& run, const MeshResult& result) {
         run.counts()["trees_bent_apart"] = compute_figures(*result.bent_apart);
         said = summary(*result.bent_apart) + said;
     }
+    if (result.texture) run.counts()["texture"] = compute_figures(result.texture->report);
     if (!result.fitted) return said;
     const FitVolumeReport& fitted = *result.fitted;
     run.counts()["fitted"] = compute_figures(fitted);

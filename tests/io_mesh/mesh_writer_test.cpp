@@ -87,13 +87,13 @@ TEST_F(MeshWriter, WritesTextureCoordinates) {
     for (const Quad q : {Quad{0, 1, 2, 3}, Quad{1, 4, 5, 2}}) mesh.add_face(q);
     const std::vector<TexturePoint> texture{{0, 0},    {0.5f, 0}, {1, 1}, {0, 1},
                                             {0.5f, 0}, {1, 0},    {1, 1}, {0, 1}};
-    write_textured_mesh(folder_ / "a.obj", mesh, texture);
+    write_mesh(folder_ / "a.obj", mesh, {.texture = texture});
     EXPECT_EQ(read_file(folder_ / "a.obj"),
               "# Coppice, metres, Z up\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\n"
               "vt 0 0\nvt 0.5 0\nvt 1 1\nvt 0 1\nvt 1 0\nvt 1 1\nvt 0 1\n"
               "f 1/1 2/2 3/3 4/4\nf 2/2 5/5 6/6 3/7\n");
     EXPECT_EQ(read_mesh(folder_ / "a.obj").corners, mesh.corners);
-    write_textured_mesh(folder_ / "a.usda", mesh, texture);
+    write_mesh(folder_ / "a.usda", mesh, {.texture = texture});
     EXPECT_NE(
         read_file(folder_ / "a.usda")
             .find("texCoord2f[] primvars:st = [(0, 0), (0.5, 0), (1, 1), (0, 1), (0.5, 0), (1, 0), (1, 1), "

@@ -80,6 +80,8 @@ void check_flags(const MeshFlags& flags) {
 void check_given(const GivenOptions& given, const MeshOptions& mesh, int faces) {
     const auto has = [&](std::string_view name) { return is_given(given, name); };
     const bool bmesh = mesh.method == MeshMethod::bmesh;
+    if (has("--tile") && mesh.texture.coordinates == TextureCoordinates::none)
+        throw UsageError("--tile requires --uv bark");
     if (has("--ball-bulge") && !bmesh && mesh.field.kernel != Kernel::balls)
         throw UsageError("--ball-bulge requires --method bmesh");
     if (has("--blend") && bmesh)
@@ -258,6 +260,7 @@ Command mesh_command() {
                  {.common = false});
     options.fields(flags->number, "Surface");
     options.fields(flags->mesh, "Surface", surface_flag_names());
+    options.fields(flags->mesh.texture, "Texture");
     options.fields(flags->restore, "Restoring the original", {.names = {{"reach", "--restore-reach"}}});
     options.fields(flags->read, "Reading the skeleton");
     add_mesh_write_options(options, flags->write);

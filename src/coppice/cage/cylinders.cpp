@@ -194,8 +194,9 @@ class Circles {
 /// Writes vertices and faces of one tube.
 class TubeWriter {
   public:
-    TubeWriter(const Tube& tube, CylinderMesh& out)
+    TubeWriter(const Tube& tube, float tile, CylinderMesh& out)
         : tube_(tube),
+          tile_(tile),
           mesh_(out.mesh),
           texture_(out.texture),
           vertex_(tube.vertex),
@@ -206,6 +207,7 @@ class TubeWriter {
         double largest = 0;
         for (const Circle& c : circles) largest = std::max(largest, c.radius);
         circumference_ = 2 * std::numbers::pi * largest;
+        if (tile_ > 0) wraps_ = std::max(1.0, std::round(circumference_ / double{tile_}));
         const Pole start_pole = pole(circles.front(), tube_.start, -1);
         const auto first_ring = static_cast<std::uint32_t>(vertex_);
         for (std::uint32_t k = cap_rings(tube_, tube_.start); k > 0; --k) cap_ring(circles.front(), k, -1);
@@ -237,7 +239,9 @@ class TubeWriter {
 
     /// `turn` is in units of sides.
     Corner corner(std::uint32_t vertex, double turn, double way) const {
-        return {vertex, {static_cast<float>(turn / tube_.sides), static_cast<float>(way / circumference_)}};
+        return {vertex,
+                {static_cast<float>(turn / tube_.sides * wraps_),
+                 static_cast<float>(way / circumference_ * wraps_)}};
     }
 
     std::uint32_t add_vertex(Vec3d p) {
@@ -294,11 +298,13 @@ class TubeWriter {
     }
 
     const Tube& tube_;
+    float tile_;
     PolygonMesh& mesh_;
     Buffer<TexturePoint>& texture_;
     std::uint64_t vertex_, face_, corner_;
     std::vector<double> ways_;  // of the rings, along the axis and over the caps
     double circumference_ = 0;
+    double wraps_ = 1;
 };
 
 void check(const CylinderOptions& o) {
@@ -306,6 +312,8 @@ void check(const CylinderOptions& o) {
         throw InvalidInput(fmt::format("cylinders: sides must be from 3 to 2048, but is {}", o.sides));
     if (o.rows < 1 || o.rows > 64)
         throw InvalidInput(fmt::format("cylinders: rows must be from 1 to 64, but is {}", o.rows));
+    if (!(o.tile >= 0))
+        throw InvalidInput(fmt::format("cylinders: tile must be at least 0, but is {}", o.tile));
 }
 
 }  // namespace
@@ -327,7 +335,7 @@ CylinderMesh cylinders(const Skeleton& skeleton, const CylinderOptions& options,
         std::vector<Circle> circles;
         for (std::size_t i = range.begin; i < range.end; ++i) {
             Circles(axes, axes.tubes[i]).sample(options.rows, circles);
-            TubeWriter(axes.tubes[i], out).write(circles);
+            TubeWriter(axes.tubes[i], options.tile, out).write(circles);
         }
     });
     return out;

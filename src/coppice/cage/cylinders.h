@@ -31,6 +31,7 @@ struct CylinderOptions {
     int rows = 4;                       ///< rows of faces along each segment; in [1, 64]
     TubeSides thin = TubeSides::equal;  ///< around thinner axes; automatic is equal
     TipShape tips = TipShape::round;    ///< shape of the ends of axes
+    float tile = 0;                     ///< [m] width of a tile of the texture; 0 = one tile around a tube
     BaseShape base = BaseShape::flat;   ///< shape of the beginning of a tree at a root with one child
 };
 
@@ -71,7 +72,7 @@ struct CylinderMesh {
 /// Vertices are stored tube by tube and ring by ring from beginning to end, first the pole of the base; in
 /// each ring the first vertex is on the seam of the texture. In a texture, u is the position in the ring, and
 /// v the length along the axis and over the caps, divided by the tube's maximum circumference: a square
-/// texture is not distorted there.
+/// texture is not distorted there. Both are multiplied by the number of tiles around the tube.
 ///
 /// Throws InvalidInput naming an option out of range, or if there would be 2^31 vertices or more. O(size of
 /// the mesh); the result does not depend on the number of threads.

@@ -4,8 +4,8 @@
 
 #include <array>
 #include <limits>
+#include <optional>
 
-#include "coppice/base/id.h"
 #include "coppice/io_mesh/write_internal.h"
 
 namespace coppice::io_internal {
@@ -17,32 +17,6 @@ void put_obj_vector(Chunk& chunk, std::string_view word, BasicVec3<T> p) {
     chunk.put(word);
     chunk.put_vector(p, " ");
     chunk.put('\n');
-}
-
-/// Texture coordinates as listed in OBJ: once for every vertex that uses them, and their indices by corner.
-struct TextureTable {
-    std::vector<TexturePoint> places;
-    std::vector<std::uint32_t> of_corner;
-};
-
-TextureTable texture_table(const MeshView& mesh) {
-    TextureTable table;
-    if (mesh.texture.empty()) return table;
-    table.of_corner.resize(mesh.texture.size());
-    std::vector<std::uint32_t> first_of_vertex(mesh.positions.size(), kNoIndex), next_of_place;
-    for (std::size_t i = 0; i < mesh.texture.size(); ++i) {
-        std::uint32_t& first = first_of_vertex[mesh.corners[i]];
-        std::uint32_t found = first;
-        while (found != kNoIndex && table.places[found] != mesh.texture[i]) found = next_of_place[found];
-        if (found == kNoIndex) {
-            found = static_cast<std::uint32_t>(table.places.size());
-            table.places.push_back(mesh.texture[i]);
-            next_of_place.push_back(first);
-            first = found;
-        }
-        table.of_corner[i] = found;
-    }
-    return table;
 }
 
 std::size_t largest_face(const MeshView& mesh) {
@@ -59,9 +33,10 @@ std::string ply_header(const MeshView& mesh, std::string_view size_type) {
         mesh.positions.size() <= std::numeric_limits<std::int32_t>::max() ? "int" : "uint";
     return fmt::format(
         "ply\nformat binary_little_endian 1.0\ncomment Coppice, metres, {5} up\nelement vertex {0}\n"
-        "property {1} x\nproperty {1} y\nproperty {1} z\nelement face {2}\n"
+        "property {1} x\nproperty {1} y\nproperty {1} z\n{6}element face {2}\n"
         "property list {3} {4} vertex_indices\nend_header\n",
-        mesh.positions.size(), number, mesh.face_count, size_type, index, mesh.up == FileUp::y ? 'Y' : 'Z');
+        mesh.positions.size(), number, mesh.face_count, size_type, index, mesh.up == FileUp::y ? 'Y' : 'Z',
+        mesh.texture.empty() ? "" : "property float s\nproperty float t\n");
 }
 
 template <class Size>
@@ -115,13 +90,21 @@ void write_obj(AtomicFile& file, const MeshView& mesh, const Context& ctx) {
     });
 }
 
-void write_ply(AtomicFile& file, const MeshView& mesh, const Context& ctx) {
+void write_ply(AtomicFile& file, const MeshView& given, const Context& ctx) {
+    const std::optional<SplitMesh> split =
+        given.texture.empty() ? std::nullopt : std::optional<SplitMesh>(given);
+    const MeshView& mesh = split ? split->view : given;
     const bool small_faces = largest_face(mesh) <= std::numeric_limits<std::uint8_t>::max();
     file.write(ply_header(mesh, small_faces ? "uchar" : "uint"));
-    if (mesh.has_origin()) {
+    if (mesh.has_origin() || split) {
         write_items(file, mesh.positions.size(), {0, 0.4f}, ctx, [&](std::size_t v, Chunk& chunk) {
-            chunk.reserve(sizeof(Vec3d));
-            chunk.put_raw(mesh.origin + Vec3d(mesh.positions[v]));
+            chunk.reserve(sizeof(Vec3d) + sizeof(TexturePoint));
+            if (mesh.has_origin()) {
+                chunk.put_raw(mesh.origin + Vec3d(mesh.positions[v]));
+            } else {
+                chunk.put_raw(mesh.positions[v]);
+            }
+            if (split) chunk.put_raw(split->table.places[v]);
         });
     } else {
         file.write(std::as_bytes(mesh.positions));

@@ -56,6 +56,25 @@ struct MeshView {
     FileUp up = FileUp::z;                  ///< up axis named by the comments of OBJ and PLY
 };
 
+/// Texture coordinates listed once for every vertex that uses them.
+struct TextureTable {
+    std::vector<TexturePoint> places;
+    std::vector<std::uint32_t> vertex;     ///< per place
+    std::vector<std::uint32_t> of_corner;  ///< per corner: its place
+};
+
+/// Returns the table of a mesh with texture coordinates; empty without. O(n).
+TextureTable texture_table(const MeshView& mesh);
+
+/// A mesh with one vertex for every place of its texture, for formats with coordinates by vertex.
+struct SplitMesh {
+    explicit SplitMesh(const MeshView& mesh);
+
+    TextureTable table;
+    std::vector<Vec3> positions;
+    MeshView view;  ///< refers to the members above
+};
+
 /// Calls emit(a, b, c) for each triangle of face f: along the shorter diagonal of quads, otherwise as a fan.
 template <class Emit>
 void for_each_triangle(const MeshView& mesh, std::size_t f, const Emit& emit) {

@@ -76,6 +76,8 @@ bool has_no_up(MeshFormat format) {
 void write_view(const std::filesystem::path& path, MeshView mesh, const MeshWriteOptions& options,
                 const Context& ctx) {
     const MeshFormat format = format_for(path, options);
+    mesh.texture = options.texture;
+    COPPICE_ASSERT(mesh.texture.empty() || mesh.texture.size() == mesh.first_corner(mesh.face_count));
     std::vector<Vec3> turned, normals;
     if (options.up != FileUp::z && has_no_up(format)) {
         turned.reserve(mesh.positions.size());
@@ -122,15 +124,6 @@ void write_mesh(const std::filesystem::path& path, const TriMesh& mesh, const Me
 void write_mesh(const std::filesystem::path& path, const PolygonMesh& mesh, const MeshWriteOptions& options,
                 const Context& ctx) {
     io_internal::write_view(path, io_internal::MeshView(mesh), options, ctx);
-}
-
-void write_textured_mesh(const std::filesystem::path& path, const PolygonMesh& mesh,
-                         std::span<const TexturePoint> texture, const MeshWriteOptions& options,
-                         const Context& ctx) {
-    COPPICE_ASSERT(texture.size() == mesh.corners.size());
-    io_internal::MeshView view(mesh);
-    view.texture = texture;
-    io_internal::write_view(path, view, options, ctx);
 }
 
 void write_cage(const std::filesystem::path& path, const QuadMesh& cage, const Context& ctx) {

@@ -17,11 +17,14 @@ struct MeshWriteOptions {
     std::optional<MeshFormat> format;  ///< nullopt: by the extension of the name
     FileUp up = FileUp::z;             ///< up axis of OBJ, PLY and STL; the other formats specify theirs
     bool normals = false;              ///< also writes smooth normals in OBJ
+    /// Texture coordinates, one per corner of the faces; may be empty. OBJ and USDA store them by corner, PLY
+    /// and GLB by vertex: vertices on seams are written several times. STL has none.
+    std::span<const TexturePoint> texture;
 };
 
 /// Writes a surface atomically (`AtomicFile`).
 ///
-/// * OBJ, PLY, USDA: faces unchanged. PLY is binary little endian.
+/// * OBJ, PLY, USDA: faces unchanged. PLY is binary little endian; texture coordinates are s and t.
 /// * STL, GLB: triangles; quads are split along their shorter diagonal, larger faces become fans.
 /// * GLB: Y up, smooth normals, a plain brown material; passes the Khronos validator.
 /// * USDA: Z up, metres, subdivisionScheme "none", smooth normals.
@@ -45,12 +48,6 @@ void write_mesh(const std::filesystem::path& path, const TriMesh& mesh, const Me
 /// Writes faces with any number of corners.
 void write_mesh(const std::filesystem::path& path, const PolygonMesh& mesh,
                 const MeshWriteOptions& options = {}, const Context& ctx = {});
-
-/// Writes texture coordinates too, one for each corner: OBJ and USDA store them, without splitting vertices;
-/// the other formats ignore them.
-void write_textured_mesh(const std::filesystem::path& path, const PolygonMesh& mesh,
-                         std::span<const TexturePoint> texture, const MeshWriteOptions& options = {},
-                         const Context& ctx = {});
 
 /// Writes a control cage as USDA with subdivisionScheme "catmullClark", so that the importing program refines
 /// it. Throws as above.

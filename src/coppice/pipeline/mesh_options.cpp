@@ -19,6 +19,15 @@ void list_fields(TetraOptions& o, FieldList& list) {
     list_accuracy_fields(o.march, list);
 }
 
+void list_fields(TextureOptions& o, FieldList& list) {
+    list.add(common_field("uv", "Texture coordinates: none, or those of bark, around and along each branch."),
+             o.coordinates);
+    list.add(Field{"tile",
+                   "Width of one repetition of the texture; there is a whole number of them around a branch.",
+                   Unit::metre, 1e-6, 1e6},
+             o.tile);
+}
+
 void list_fields(MeshOptions& o, FieldList& list) {
     list.add(
         common_field("method",

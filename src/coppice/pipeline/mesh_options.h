@@ -87,6 +87,27 @@ int polyhedron_levels(const TetraOptions& options);
 /// Lists the members for front ends.
 void list_fields(TetraOptions& o, FieldList& list);
 
+/// Texture coordinates of a surface.
+enum class TextureCoordinates {
+    none,  ///< no coordinates
+    bark,  ///< around and along each branch, for a texture of bark that repeats
+};
+
+template <>
+struct EnumNames<TextureCoordinates> {
+    static constexpr std::array<std::string_view, 2> names{"none", "bark"};
+};
+
+/// Options of texture coordinates.
+struct TextureOptions {
+    TextureCoordinates coordinates = TextureCoordinates::none;  ///< kind of coordinates
+    float tile = 0.4f;  ///< [m] width of one repetition of the texture; branches are a whole number of
+                        ///< repetitions around, at least one
+};
+
+/// Lists the members for front ends.
+void list_fields(TextureOptions& o, FieldList& list);
+
 /// Options of the surface of a skeleton. Tetrahedra only use prepare, field, tetra, and the ends of control;
 /// cylinders only levels, prepare, control and tube_sides. Surfaces that are moved along with their skeleton
 /// have the same number of quads around all branches.
@@ -108,6 +129,7 @@ struct MeshOptions {
     /// [m] With sides by radius: maximum distance of the sides of sections from their circles; 0 = the
     /// distance at the thickest axis, where the levels determine the number of sides. Quads only.
     float chord_error = 0;
+    TextureOptions texture;  ///< texture coordinates; not listed with the others
     Device device = Device::automatic;  ///< device that subdivides quads and samples tetrahedra
 };
 

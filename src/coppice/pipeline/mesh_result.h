@@ -16,6 +16,7 @@
 #include "coppice/measure/volume_report.h"
 #include "coppice/mesh/control_mesh.h"
 #include "coppice/mesh/mesh.h"
+#include "coppice/mesh/texture.h"
 #include "coppice/pipeline/fit_volume.h"
 #include "coppice/ramification/ramification.h"
 #include "coppice/skeleton/prepare.h"
@@ -122,6 +123,7 @@ struct MeshResult {
     /// options.fit is automatic and depends on them.
     std::optional<VolumeReport> measured;
     std::optional<FitVolumeReport> fitted;               ///< if the surface was fitted to the volume
+    std::optional<Texture> texture;                      ///< if options.texture has coordinates
     std::vector<std::pair<std::string, double>> stages;  ///< names and seconds
 
     /// Returns the surface of quads. Throws std::bad_variant_access if the method is another.

@@ -14,6 +14,8 @@
 #include "coppice/pipeline/quads/built_mesh_internal.h"
 #include "coppice/pipeline/quads/quad_surface_internal.h"
 #include "coppice/pipeline/tetra_skeleton_internal.h"
+#include "coppice/pipeline/texture/bark_texture_internal.h"
+#include "coppice/pipeline/texture/texture_quality_internal.h"
 
 namespace coppice {
 namespace {
@@ -30,11 +32,13 @@ enum class Use {
 
 CylinderMesh mesh_by_cylinders(const Skeleton& prepared, const MeshOptions& options, const Context& ctx,
                                Stages& stages) {
-    const CylinderOptions tubes{.sides = options.control.sides << options.levels,
-                                .rows = 1 << options.levels,
-                                .thin = options.tube_sides,
-                                .tips = options.control.tips,
-                                .base = options.control.base};
+    const CylinderOptions tubes{
+        .sides = options.control.sides << options.levels,
+        .rows = 1 << options.levels,
+        .thin = options.tube_sides,
+        .tips = options.control.tips,
+        .tile = options.texture.coordinates == TextureCoordinates::bark ? options.texture.tile : 0,
+        .base = options.control.base};
     return stages.run("cylinders", 1.0f, [&] { return cylinders(prepared, tubes, ctx); });
 }
 
@@ -101,6 +105,36 @@ void check_sides(const MeshOptions& options) {
         throw InvalidInput("mesh: chord_error needs quads with tube_sides by_radius");
 }
 
+// Returns texture coordinates for the surface of a prepared skeleton.
+struct Texturing {
+    const Skeleton& prepared;
+    const MeshOptions& options;
+    const QuadBuild& build;
+    const Context& ctx;
+
+    Texture operator()(const QuadSurface& surface) const {
+        return pipeline_internal::bark_texture(surface.mesh, build, options.texture, ctx);
+    }
+    // Triangles get the coordinates of quads around the same skeleton.
+    Texture operator()(const TetraSurface& surface) const {
+        MeshOptions quads = options;
+        quads.method = MeshMethod::quads;
+        quads.levels = 1;
+        quads.tube_sides = TubeSides::equal;
+        quads.remesh_rounds = 0;
+        quads.device = Device::cpu;
+        std::vector<std::pair<std::string, double>> seconds;
+        Stages stages(ctx, seconds);
+        const BuiltQuads carrier = mesh_by_quads(prepared, {}, quads, {}, ctx, stages);
+        return pipeline_internal::bark_texture(surface.mesh, carrier.build, options.texture, ctx);
+    }
+    Texture operator()(CylinderMesh& surface) const {
+        Texture out{std::move(surface.texture), {.branches = surface.report.tubes}};
+        pipeline_internal::measure_texture(surface.mesh, out.points, options.texture.tile, out.report, ctx);
+        return out;
+    }
+};
+
 BuiltMesh make_surface(const Skeleton& given_skeleton, const PointSet& constraints, const MeshOptions& given,
                        Use use, const Context& ctx) {
     const bool may_use_device = given.method != MeshMethod::cylinders && use != Use::solid;
@@ -152,6 +186,11 @@ BuiltMesh make_surface(const Skeleton& given_skeleton, const PointSet& constrain
             return fits ? std::visit(fitting, out.surface) : fit_where_better(out.quads(), fitting);
         });
     }
+    if (options.texture.coordinates == TextureCoordinates::bark && use == Use::still) {
+        const Texturing texturing{prepared.skeleton, options, built.build, ctx};
+        out.texture =
+            Stages(ctx, out.stages).run("texture", 1.0f, [&] { return std::visit(texturing, out.surface); });
+    }
     return built;
 }
 
@@ -177,6 +216,7 @@ BuiltMesh make_coarsest(const Skeleton& skeleton, const PointSet& constraints, c
 BuiltMesh make_mesh(const Skeleton& skeleton, const PointSet& constraints, const MeshOptions& options,
                     Use use, const Context& ctx) {
     check_fields(options, "mesh");
+    check_fields(options.texture, "mesh");
     check_sides(options);
     if (options.levels == 0 && use != Use::posed && fits_where_off(options))
         return make_coarsest(skeleton, constraints, options, ctx);

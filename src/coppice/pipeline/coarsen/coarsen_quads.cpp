@@ -26,12 +26,13 @@ class Coarsening {
           tube_rows_(grid_.tube_rows()),
           level_(node_levels(grid_, build.options.chord_error)) {}
 
-    CoarsenReport run() {
+    CoarsenReport run(CoarseQuads& made) {
         CoarsenReport report{mesh_.quads.size()};
         QuadMesh coarse;
         for (Flags is_new(level_.size(), 1); any(is_new); is_new = raise_faulty(coarse, report))
             coarse = without_crossings(is_new, report);
         mesh_ = std::move(coarse);
+        made = std::move(made_);
         return report;
     }
 
@@ -43,10 +44,12 @@ class Coarsening {
     // Returns the surface of the current levels, after raising levels where its quads cross near new nodes.
     QuadMesh without_crossings(Flags is_new, CoarsenReport& report) {
         for (;;) {
-            const Selection chosen = select_quads(grid_, level_);
+            Selection chosen = select_quads(grid_, level_);
             QuadMesh coarse = make_mesh(chosen);
-            is_new = raise_bad(coarse, chosen.cage_quad, is_new, report);
-            if (!any(is_new)) return coarse;
+            is_new = raise_bad(coarse, chosen.made.cage_quad, is_new, report);
+            if (any(is_new)) continue;
+            made_ = std::move(chosen.made);
+            return coarse;
         }
     }
 
@@ -63,7 +66,7 @@ class Coarsening {
     QuadMesh make_mesh(const Selection& chosen) const {
         const std::vector<Vec3> positions = moved_vertices(chosen);
         NumberSet used(positions.size());
-        for (const Quad& q : chosen.quads) {
+        for (const Quad& q : chosen.made.quads) {
             for (const std::uint32_t v : q) used.add(grid_.number(v));
         }
         for (const Quad& q : remeshed_quads()) {
@@ -73,7 +76,7 @@ class Coarsening {
         QuadMesh out;
         out.origin = mesh_.origin;
         for (const std::uint32_t v : used.ascending()) out.positions.push_back(positions[v]);
-        for (const Quad& q : chosen.quads) {
+        for (const Quad& q : chosen.made.quads) {
             Quad& now = out.quads.emplace_back();
             std::ranges::transform(q, now.begin(),
                                    [&](std::uint32_t v) { return used.rank(grid_.number(v)); });
@@ -180,12 +183,13 @@ class Coarsening {
     RefinedGrid grid_;
     const TubeRows& tube_rows_;
     std::vector<std::uint8_t> level_;  // per node
+    CoarseQuads made_;
 };
 
 }  // namespace
 
-CoarsenReport coarsen_quads(QuadMesh& mesh, const QuadBuild& build, const Context& ctx) {
-    return Coarsening(mesh, build, ctx).run();
+CoarsenReport coarsen_quads(QuadMesh& mesh, QuadBuild& build, const Context& ctx) {
+    return Coarsening(mesh, build, ctx).run(build.coarse);
 }
 
 }  // namespace coppice::pipeline_internal

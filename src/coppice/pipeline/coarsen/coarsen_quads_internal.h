@@ -13,7 +13,7 @@ namespace coppice::pipeline_internal {
 /// of valence 6. All kept vertices are on rays from their anchors as before, moved outward so that polygons
 /// keep their areas; ends of four sides are shaped as those of a surface without levels. Tubes that were
 /// partly remeshed stay unchanged. Where quads would cross or be inverted, the nodes get one more level,
-/// until no quad does that did not in the given surface. O(n log n).
-CoarsenReport coarsen_quads(QuadMesh& mesh, const QuadBuild& build, const Context& ctx);
+/// until no quad does that did not in the given surface. Sets `build.coarse`. O(n log n).
+CoarsenReport coarsen_quads(QuadMesh& mesh, QuadBuild& build, const Context& ctx);
 
 }  // namespace coppice::pipeline_internal

@@ -53,8 +53,8 @@ class Selector {
     int level(NodeId n) const { return level_[n.index()]; }
 
     void add_quad(const Quad& q, std::uint32_t cage_quad) {
-        out_.quads.push_back(q);
-        out_.cage_quad.push_back(cage_quad);
+        out_.made.quads.push_back(q);
+        out_.made.cage_quad.push_back(cage_quad);
     }
 
     double polygon_radius(int level) const { return corner_radius(std::ldexp(tube_rows_.sides(), level)); }

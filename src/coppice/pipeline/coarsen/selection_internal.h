@@ -11,8 +11,7 @@ namespace coppice::pipeline_internal {
 
 /// The refined vertices that are kept when a surface is coarsened, and their quads.
 struct Selection {
-    std::vector<Quad> quads;               ///< of refined vertices
-    std::vector<std::uint32_t> cage_quad;  ///< per quad: its cage quad; of a transition the first one
+    CoarseQuads made;           ///< the quads
     std::vector<float> growth;  ///< per refined vertex: relative growth of its distance from its anchor
 };
 

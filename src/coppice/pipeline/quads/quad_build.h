@@ -43,6 +43,13 @@ struct RemeshTrace {
     std::vector<std::uint32_t> kept_vertices(std::uint32_t count) const;
 };
 
+/// The quads that replaced the kept refined quads of a surface with fewer quads around thin branches. They
+/// come first in the mesh, before the repair patches.
+struct CoarseQuads {
+    std::vector<Quad> quads;               ///< of refined vertices
+    std::vector<std::uint32_t> cage_quad;  ///< per quad: its cage quad; of a transition the first one
+};
+
 /// The intermediate results of a surface of quads, for callers that move its skeleton and recompute the same
 /// quads.
 struct QuadBuild {
@@ -64,6 +71,7 @@ struct QuadBuild {
     Buffer<Vec3> anchors;        ///< [m] per refined vertex
     Buffer<Vec3> refined;        ///< [m] position per refined vertex, on the field, before remeshing
     RemeshTrace remeshed;        ///< from the refined quads to the mesh
+    CoarseQuads coarse;          ///< if there are fewer quads around thin branches
 };
 
 /// Builds a surface of quads that is only a refined cage on the field: folds are not removed, and quads that

@@ -1,0 +1,273 @@
+#include "coppice/pipeline/texture/bark_texture_internal.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+
+#include "coppice/base/parallel.h"
+#include "coppice/pipeline/texture/texture_quality_internal.h"
+#include "coppice/pipeline/texture/texture_transfer_internal.h"
+#include "coppice/pipeline/texture/tube_texture_internal.h"
+
+namespace coppice::pipeline_internal {
+namespace {
+
+constexpr std::size_t kFaceGrain = 1024;
+
+// Moves coordinates around a branch by whole turns, so that those of a face are within half a turn of the
+// first one, and their mean is in [0, 1).
+void join_turns(std::span<BarkPoint> corners) {
+    float mean = 0;
+    for (BarkPoint& c : corners) {
+        c.turns -= std::round(c.turns - corners[0].turns);
+        mean += c.turns / static_cast<float>(corners.size());
+    }
+    for (BarkPoint& c : corners) c.turns -= std::floor(mean);
+}
+
+TexturePoint to_texture(const BarkPoint& p, std::uint32_t wraps) {
+    return {p.turns * static_cast<float>(wraps), p.v};
+}
+
+// Finds coordinates for faces without a rectangle of a tube, by those of the closest tube.
+class FaceTransfer {
+  public:
+    FaceTransfer(std::span<const Vec3> positions, const TextureTransfer& transfer, const Context& ctx)
+        : positions_(positions), transfer_(transfer), ctx_(ctx), found_(positions.size()) {}
+
+    // Finds the points of the vertices that are marked.
+    void find_vertices(std::span<const std::uint8_t> wanted) {
+        if (transfer_.empty()) return;
+        parallel_for(ctx_, positions_.size(), kFaceGrain, [&](std::size_t v) {
+            if (wanted[v] != 0) found_[v] = transfer_.find(positions_[v]);
+        });
+    }
+
+    // Sets the coordinates of a face. Returns false if they would be projected on a plane.
+    template <std::size_t N>
+    bool set(const std::array<std::uint32_t, N>& face, std::span<TexturePoint> out) const {
+        std::array<BarkPoint, N> corners;
+        for (std::size_t k = 0; k < N; ++k) corners[k] = found_[face[k]];
+        const BarkPoint& first = corners[0];
+        BarkPoint own = first;
+        if (std::ranges::any_of(corners, [&](const BarkPoint& c) { return c.axis != first.axis; })) {
+            Vec3 center;
+            for (const std::uint32_t v : face) center += positions_[v] * (1.0f / N);
+            own = transfer_.empty() ? BarkPoint{} : transfer_.find(center);
+            for (std::size_t k = 0; k < N; ++k) {
+                if (corners[k].axis != own.axis) corners[k] = transfer_.find(positions_[face[k]], own.axis);
+            }
+        }
+        if (own.axis != kNoIndex) {
+            join_turns(corners);
+            for (std::size_t k = 0; k < N; ++k) out[k] = to_texture(corners[k], own.wraps);
+            if (is_good_texture(face_positions(face, positions_), out, own.tiles_per_metre)) return true;
+        }
+        project_face(face_positions(face, positions_), own.tiles_per_metre, out);
+        return false;
+    }
+
+  private:
+    std::span<const Vec3> positions_;
+    const TextureTransfer& transfer_;
+    const Context& ctx_;
+    std::vector<BarkPoint> found_;
+};
+
+// Texture of the faces of a surface that were made from the refined quads of tubes.
+class QuadTexture {
+  public:
+    QuadTexture(const QuadMesh& mesh, const QuadBuild& build, float tile, const Context& ctx)
+        : mesh_(mesh),
+          build_(build),
+          ctx_(ctx),
+          tubes_(build, tile, ctx),
+          tile_(tile),
+          points_(4 * mesh.quads.size()),
+          is_open_(mesh.quads.size(), 1) {}
+
+    Texture run() {
+        if (build_.coarse.quads.empty()) {
+            set_refined();
+        } else {
+            set_coarse();
+        }
+        Texture out;
+        transfer(out.report);
+        out.points = std::move(points_);
+        out.report.branches = tubes_.axis_count();
+        measure_texture(mesh_.quads, mesh_.positions, out.points, tile_, out.report, ctx_);
+        return out;
+    }
+
+  private:
+    int levels() const { return build_.refinement.levels(); }
+    std::span<TexturePoint> corners(std::size_t face) { return std::span(points_).subspan(4 * face, 4); }
+
+    void set_refined() {
+        std::vector<std::uint32_t> kept;  // refined quads
+        for (std::uint32_t q = 0; q < build_.refinement.quad_count(); ++q) {
+            if (build_.remeshed.stays(tubes_.tube_rows().of_quad(q))) kept.push_back(q);
+        }
+        made_ = kept.size();
+        parallel_for(ctx_, made_, kFaceGrain, [&](std::size_t i) {
+            const std::uint32_t f = kept[i] >> (2 * levels()), mask = tubes_.size() - 1;
+            const std::uint32_t row = (kept[i] >> levels()) & mask, column = kept[i] & mask;
+            const TexturePatch& patch = tubes_.patch(f);
+            if (!patch.is_rectangle()) {
+                set_cap(i, f);
+                return;
+            }
+            const auto wraps = static_cast<float>(patch.wraps);
+            const float left = tubes_.turns(patch, column) * wraps,
+                        right = tubes_.turns(patch, column + 1) * wraps;
+            const float low = tubes_.v(patch, row), high = tubes_.v(patch, row + 1);
+            const std::array<TexturePoint, 4> corner{
+                {{left, low}, {right, low}, {right, high}, {left, high}}};
+            std::ranges::copy(corner, corners(i).begin());
+            is_open_[i] = 0;
+        });
+    }
+
+    // The corners of coarse quads are refined vertices of the sides of a tube, or of another cage quad.
+    void set_coarse() {
+        const auto& coarse = build_.coarse;
+        made_ = coarse.quads.size();
+        std::vector<BarkPoint> at(build_.refinement.vertex_count());
+        std::uint32_t first = kNoIndex;  // cage quad of the current group
+        for (std::size_t i = 0; i < made_; ++i) {
+            const std::uint32_t f = coarse.cage_quad[i];
+            const CageRun group = group_of(f);
+            if (group.first != first) set_vertices(group, at);
+            first = group.first;
+            const TexturePatch& patch = tubes_.patch(f);
+            if (!patch.is_rectangle()) {
+                set_cap(i, f);
+                continue;
+            }
+            std::array<BarkPoint, 4> corner;
+            std::ranges::transform(coarse.quads[i], corner.begin(), [&](std::uint32_t v) { return at[v]; });
+            join_turns(corner);
+            for (std::size_t k = 0; k < 4; ++k) corners(i)[k] = to_texture(corner[k], patch.wraps);
+            is_open_[i] = 0;
+        }
+    }
+
+    // Returns the cage quads with which one forms a grid.
+    CageRun group_of(std::uint32_t f) const {
+        if (build_.cage.part[f] != TubePart::side) return {f, 1};
+        return tubes_.faces()[build_.cage.region[f]].side;
+    }
+
+    void set_vertices(const CageRun& group, std::vector<BarkPoint>& at) const {
+        for (std::uint32_t f = group.first; f < group.first + group.count; ++f) {
+            const TexturePatch& p = tubes_.patch(f);
+            if (!p.is_rectangle()) continue;
+            for (std::uint32_t row = 0; row <= tubes_.size(); ++row) {
+                for (std::uint32_t column = 0; column <= tubes_.size(); ++column)
+                    at[tubes_.vertex(f, column, row)] = {.turns = tubes_.turns(p, column),
+                                                         .v = tubes_.v(p, row)};
+            }
+        }
+    }
+
+    // Projects a quad of the cap of a tube on the plane across its end; other quads stay open.
+    void set_cap(std::size_t face, std::uint32_t f) {
+        const TubePart part = build_.cage.part[f];
+        if (part != TubePart::start && part != TubePart::end) return;
+        const NodeId tube(build_.cage.region[f]);
+        const CageRun side = tubes_.faces()[tube.index()].side;
+        const Skeleton& s = build_.tubes;
+        Vec3 normal, center;
+        float density = 1 / tile_;
+        if (side.count > 0) {
+            const NodeId end = part == TubePart::start ? s.parent(tube) : tube;
+            center = s.position(end);
+            normal = s.position(tube) - s.position(s.parent(tube));
+            if (part == TubePart::start) normal = -normal;
+            density = tubes_.patch(side.first).tiles_per_metre;
+        } else {  // a side of a ball
+            center = s.position(tube);
+            for (const std::uint32_t v : build_.cage.cage.quads[f])
+                normal += build_.cage.cage.positions[v] - center;
+        }
+        project_on_plane(face_positions(mesh_.quads[face], mesh_.positions), center, normal, density,
+                         corners(face));
+        is_open_[face] = 0;
+    }
+
+    // Sets the quads that replaced tubes, and those of irregular forks.
+    void transfer(TextureReport& report) {
+        std::vector<std::uint8_t> wanted(mesh_.positions.size(), 0);
+        for (std::size_t i = 0; i < is_open_.size(); ++i) {
+            if (is_open_[i] == 0) continue;
+            ++report.transferred;
+            for (const std::uint32_t v : mesh_.quads[i]) wanted[v] = 1;
+        }
+        if (report.transferred == 0) return;
+        const TextureTransfer carrier(build_, tubes_, tubes_near_open(), ctx_);
+        FaceTransfer faces(mesh_.positions, carrier, ctx_);
+        faces.find_vertices(wanted);
+        std::vector<std::uint8_t> is_projected(is_open_.size(), 0);
+        parallel_for(ctx_, is_open_.size(), kFaceGrain, [&](std::size_t i) {
+            if (is_open_[i] != 0) is_projected[i] = faces.set(mesh_.quads[i], corners(i)) ? 0 : 1;
+        });
+        report.projected = static_cast<std::uint64_t>(std::ranges::count(is_projected, 1));
+    }
+
+    // Returns per tube whether open faces may be near it.
+    std::vector<std::uint8_t> tubes_near_open() const {
+        const TubeRows& rows = tubes_.tube_rows();
+        std::vector<std::uint8_t> out(build_.tubes.size(), 0);
+        for (TubeRow s = 0; s < rows.count(); ++s) {
+            if (!build_.remeshed.stays(s)) out[rows.tube(s).index()] = 1;
+        }
+        for (const RemeshTrace::RepairPatch& patch : build_.remeshed.repair_patches) {
+            for (const TubeRow s : patch.adjacent) out[rows.tube(s).index()] = 1;
+        }
+        for (std::uint32_t f = 0; f < build_.cage.part.size(); ++f) {
+            if (build_.cage.part[f] != TubePart::fork || tubes_.patch(f).is_rectangle()) continue;
+            rows.for_each_tube_at(NodeId(build_.cage.region[f]), [&](NodeId tube) { out[tube.index()] = 1; });
+        }
+        return out;
+    }
+
+    const QuadMesh& mesh_;
+    const QuadBuild& build_;
+    const Context& ctx_;
+    TubeTexture tubes_;
+    float tile_;
+    std::size_t made_ = 0;  // faces from refined quads; those of repair patches follow
+    Buffer<TexturePoint> points_;
+    std::vector<std::uint8_t> is_open_;  // per face: whether it has no coordinates yet
+};
+
+}  // namespace
+
+Texture bark_texture(const QuadMesh& mesh, const QuadBuild& build, const TextureOptions& options,
+                     const Context& ctx) {
+    return QuadTexture(mesh, build, options.tile, ctx).run();
+}
+
+Texture bark_texture(const TriMesh& mesh, const QuadBuild& build, const TextureOptions& options,
+                     const Context& ctx) {
+    const TubeTexture tubes(build, options.tile, ctx);
+    const std::vector<std::uint8_t> all(build.tubes.size(), 1);
+    const TextureTransfer carrier(build, tubes, all, ctx);
+    FaceTransfer faces(mesh.positions, carrier, ctx);
+    faces.find_vertices(std::vector<std::uint8_t>(mesh.positions.size(), 1));
+    Texture out;
+    out.points.resize(3 * mesh.triangles.size());
+    std::vector<std::uint8_t> is_projected(mesh.triangles.size());
+    parallel_for(ctx, mesh.triangles.size(), kFaceGrain, [&](std::size_t i) {
+        is_projected[i] = faces.set(mesh.triangles[i], std::span(out.points).subspan(3 * i, 3)) ? 0 : 1;
+    });
+    out.report.branches = tubes.axis_count();
+    out.report.transferred = mesh.triangles.size();
+    out.report.projected = static_cast<std::uint64_t>(std::ranges::count(is_projected, 1));
+    measure_texture(mesh.triangles, mesh.positions, out.points, options.tile, out.report, ctx);
+    return out;
+}
+
+}  // namespace coppice::pipeline_internal

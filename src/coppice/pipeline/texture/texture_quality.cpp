@@ -1,0 +1,141 @@
+#include "coppice/pipeline/texture/texture_quality_internal.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "coppice/base/parallel.h"
+
+namespace coppice::pipeline_internal {
+namespace {
+
+constexpr std::size_t kFaceGrain = 4096;
+constexpr double kMaxDensityRatio = 4;
+
+double signed_area(TexturePoint a, TexturePoint b, TexturePoint c) {
+    return 0.5 * ((double{b.u} - a.u) * (double{c.v} - a.v) - (double{c.u} - a.u) * (double{b.v} - a.v));
+}
+
+double area(Vec3 a, Vec3 b, Vec3 c) { return 0.5 * double{length(cross(b - a, c - a))}; }
+
+double area(std::span<const Vec3> face) {
+    double out = 0;
+    for (std::size_t k = 1; k + 1 < face.size(); ++k) out += area(face[0], face[k], face[k + 1]);
+    return out;
+}
+
+double area(std::span<const TexturePoint> face) {
+    double out = 0;
+    for (std::size_t k = 1; k + 1 < face.size(); ++k) out += signed_area(face[0], face[k], face[k + 1]);
+    return out;
+}
+
+// Returns whether the texture is turned over at a corner.
+bool is_flipped(std::span<const TexturePoint> face) {
+    const std::size_t n = face.size();
+    for (std::size_t k = 0; k < n; ++k) {
+        if (!(signed_area(face[(k + n - 1) % n], face[k], face[(k + 1) % n]) > 0)) return true;
+    }
+    return false;
+}
+
+// One face of a texture.
+struct FaceDensity {
+    float density;  // [tiles per tile of the given width]
+    float area;     // [m^2]
+};
+
+// Returns the densities below which the given shares of the area are.
+std::array<double, 3> density_quantiles(std::vector<FaceDensity> faces, std::array<double, 3> shares) {
+    std::ranges::sort(faces, {}, &FaceDensity::density);
+    double total = 0, sum = 0;
+    for (const FaceDensity& f : faces) total += double{f.area};
+    std::array<double, 3> out{};
+    std::size_t next = 0;
+    for (const FaceDensity& f : faces) {
+        sum += double{f.area};
+        while (next < 3 && sum >= shares[next] * total) out[next++] = double{f.density};
+    }
+    return out;
+}
+
+// Calls face(i) for the positions and the coordinates of a face.
+template <class Face>
+void measure(std::size_t count, const Face& face, float tile, TextureReport& report, const Context& ctx) {
+    std::vector<FaceDensity> density(count);
+    std::vector<std::uint8_t> flipped(count);
+    parallel_for(ctx, count, kFaceGrain, [&](std::size_t i) {
+        const auto [positions, corners] = face(i);
+        const double surface = area(std::span<const Vec3>(positions));
+        const double ratio = surface > 0 ? std::sqrt(std::max(area(corners), 0.0) / surface) : 0;
+        density[i] = {static_cast<float>(ratio * double{tile}), static_cast<float>(surface)};
+        flipped[i] = is_flipped(corners) ? 1 : 0;
+    });
+    report.flipped = static_cast<std::uint64_t>(std::ranges::count(flipped, 1));
+    const auto q = density_quantiles(std::move(density), {0.05, 0.5, 0.95});
+    report.density_p5 = q[0];
+    report.density_p50 = q[1];
+    report.density_p95 = q[2];
+}
+
+template <std::size_t N>
+void measure_equal(std::span<const std::array<std::uint32_t, N>> faces, std::span<const Vec3> positions,
+                   std::span<const TexturePoint> texture, float tile, TextureReport& report,
+                   const Context& ctx) {
+    const auto face = [&](std::size_t i) {
+        return std::pair(face_positions(faces[i], positions), texture.subspan(N * i, N));
+    };
+    measure(faces.size(), face, tile, report, ctx);
+}
+
+}  // namespace
+
+bool is_good_texture(std::span<const Vec3> face, std::span<const TexturePoint> texture,
+                     float tiles_per_metre) {
+    if (is_flipped(texture)) return false;
+    const double surface = area(face);
+    if (!(surface > 0)) return true;
+    const double ratio = std::sqrt(area(texture) / surface) / double{tiles_per_metre};
+    return ratio < kMaxDensityRatio && ratio > 1 / kMaxDensityRatio;
+}
+
+void project_on_plane(std::span<const Vec3> face, Vec3 center, Vec3 normal, float tiles_per_metre,
+                      std::span<TexturePoint> out) {
+    const Vec3 n = normalized(normal), x = perpendicular(n), y = cross(n, x);
+    for (std::size_t k = 0; k < face.size(); ++k) {
+        const Vec3 d = face[k] - center;
+        out[k] = {dot(d, x) * tiles_per_metre, dot(d, y) * tiles_per_metre};
+    }
+}
+
+void project_face(std::span<const Vec3> face, float tiles_per_metre, std::span<TexturePoint> out) {
+    const Vec3 normal = face.size() == 4 ? cross(face[2] - face[0], face[3] - face[1])
+                                         : cross(face[1] - face[0], face[2] - face[0]);
+    project_on_plane(face, face[0], normal, tiles_per_metre, out);
+}
+
+void measure_texture(std::span<const Quad> faces, std::span<const Vec3> positions,
+                     std::span<const TexturePoint> texture, float tile, TextureReport& report,
+                     const Context& ctx) {
+    measure_equal(faces, positions, texture, tile, report, ctx);
+}
+
+void measure_texture(std::span<const Triangle> faces, std::span<const Vec3> positions,
+                     std::span<const TexturePoint> texture, float tile, TextureReport& report,
+                     const Context& ctx) {
+    measure_equal(faces, positions, texture, tile, report, ctx);
+}
+
+void measure_texture(const PolygonMesh& mesh, std::span<const TexturePoint> texture, float tile,
+                     TextureReport& report, const Context& ctx) {
+    const auto face = [&](std::size_t i) {
+        const auto f = static_cast<std::uint32_t>(i);
+        std::vector<Vec3> positions;
+        for (const std::uint32_t v : mesh.face(f)) positions.push_back(mesh.positions[v]);
+        return std::pair(std::move(positions), texture.subspan(mesh.first[f], mesh.face(f).size()));
+    };
+    measure(mesh.face_count(), face, tile, report, ctx);
+}
+
+}  // namespace coppice::pipeline_internal

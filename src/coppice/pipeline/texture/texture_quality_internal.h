@@ -1,0 +1,46 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "coppice/base/context.h"
+#include "coppice/base/vec.h"
+#include "coppice/mesh/mesh.h"
+#include "coppice/mesh/texture.h"
+
+namespace coppice::pipeline_internal {
+
+/// Returns the positions of the corners of a face.
+template <std::size_t N>
+std::array<Vec3, N> face_positions(const std::array<std::uint32_t, N>& face,
+                                   std::span<const Vec3> positions) {
+    std::array<Vec3, N> out;
+    for (std::size_t k = 0; k < N; ++k) out[k] = positions[face[k]];
+    return out;
+}
+
+/// Returns whether no corner of a face is turned over in the texture, and its density is within a factor of
+/// four of the expected one.
+bool is_good_texture(std::span<const Vec3> face, std::span<const TexturePoint> texture,
+                     float tiles_per_metre);
+
+/// Sets the coordinates of a face to those of its projection on a plane, seen from where the normal points
+/// to.
+void project_on_plane(std::span<const Vec3> face, Vec3 center, Vec3 normal, float tiles_per_metre,
+                      std::span<TexturePoint> out);
+
+/// Sets the coordinates of a face to those of its projection on its own plane.
+void project_face(std::span<const Vec3> face, float tiles_per_metre, std::span<TexturePoint> out);
+
+/// Adds the number of faces that are turned over and the quantiles of the density, by area. O(n log n).
+void measure_texture(std::span<const Quad> faces, std::span<const Vec3> positions,
+                     std::span<const TexturePoint> texture, float tile, TextureReport& report,
+                     const Context& ctx);
+void measure_texture(std::span<const Triangle> faces, std::span<const Vec3> positions,
+                     std::span<const TexturePoint> texture, float tile, TextureReport& report,
+                     const Context& ctx);
+void measure_texture(const PolygonMesh& mesh, std::span<const TexturePoint> texture, float tile,
+                     TextureReport& report, const Context& ctx);
+
+}  // namespace coppice::pipeline_internal

@@ -1,0 +1,247 @@
+#include "coppice/pipeline/texture/tube_texture_internal.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "coppice/base/parallel.h"
+
+namespace coppice::pipeline_internal {
+namespace {
+
+constexpr std::size_t kTubeGrain = 64;
+
+// Returns the number of places by which a ring has to be rotated to be closest to another one.
+std::uint32_t best_rotation(std::span<const Vec3> from, std::span<const Vec3> to) {
+    const auto count = static_cast<std::uint32_t>(from.size());
+    float least = std::numeric_limits<float>::infinity();
+    std::uint32_t best = 0;
+    for (std::uint32_t r = 0; r < count; ++r) {
+        float sum = 0;
+        for (std::uint32_t k = 0; k < count; ++k) sum += length_squared(from[k] - to[(k + r) % count]);
+        if (sum >= least) continue;
+        least = sum;
+        best = r;
+    }
+    return best;
+}
+
+// Returns the place of the edge between two successive vertices of a ring, or kNoIndex.
+std::uint32_t find_edge(std::span<const std::uint32_t> ring, std::uint32_t a, std::uint32_t b) {
+    for (std::size_t k = 0; k < ring.size(); ++k) {
+        if (ring[k] == a && ring[(k + 1) % ring.size()] == b) return static_cast<std::uint32_t>(k);
+    }
+    return kNoIndex;
+}
+
+}  // namespace
+
+TubeTexture::TubeTexture(const QuadBuild& build, float tile, const Context& ctx)
+    : build_(build),
+      tile_(tile),
+      tube_rows_(build.cage, build.tubes, build.refinement.levels(), build.sides),
+      faces_(faces_of_tubes(tube_rows_)),
+      cage_(build.refinement.cage()),
+      size_(1u << build.refinement.levels()),
+      sides_(tube_rows_.sides()),
+      tube_(build.tubes.size()),
+      patch_(build.cage.region.size()),
+      v_(build.tubes.size() * (size_ + 1)) {
+    parallel_for(ctx, tube_.size(), kTubeGrain, [&](std::size_t i) {
+        const NodeId tube(static_cast<std::uint32_t>(i));
+        if (faces_[i].side.count > 0) measure_rows(tube);
+    });
+    follow_axes();
+    parallel_for(ctx, tube_.size(), kTubeGrain, [&](std::size_t i) {
+        const NodeId tube(static_cast<std::uint32_t>(i));
+        if (faces_[i].side.count > 0) set_sides(tube);
+    });
+    for (const NodeId node : nodes(build.tubes)) set_forks(node);
+}
+
+TubeTexture::Ring TubeTexture::ring(NodeId tube, int end) const {
+    const CageRun side = faces_[tube.index()].side;
+    Ring out(side.count);
+    for (std::uint32_t k = 0; k < side.count; ++k) out[k] = cage_.quads[side.first + k][end == 0 ? 0 : 3];
+    return out;
+}
+
+// Sets the circumference, and the rows of v for one wrap that begin at 0.
+void TubeTexture::measure_rows(NodeId tube) {
+    const CageRun side = faces_[tube.index()].side;
+    const std::uint32_t columns = side.count * size_;
+    std::vector<Vec3> below(columns), above(columns);
+    const auto fill = [&](std::uint32_t row, std::vector<Vec3>& out) {
+        for (std::uint32_t c = 0; c < columns; ++c)
+            out[c] = position(vertex(side.first + c / size_, c % size_, row));
+    };
+    const auto circumference = [&](const std::vector<Vec3>& ring) {
+        float sum = 0;
+        for (std::uint32_t c = 0; c < columns; ++c) sum += distance(ring[c], ring[(c + 1) % columns]);
+        return sum;
+    };
+    float* const rows = &v_[std::size_t{tube.index()} * (size_ + 1)];
+    fill(0, below);
+    float around = circumference(below), total = around;
+    rows[0] = 0;
+    for (std::uint32_t row = 0; row < size_; ++row) {
+        fill(row + 1, above);
+        float along = 0;
+        for (std::uint32_t c = 0; c < columns; ++c) along += distance(below[c], above[c]);
+        const float next = circumference(above);
+        rows[row + 1] =
+            rows[row] + along / static_cast<float>(columns) / std::max(0.5f * (around + next), 1e-30f);
+        total += next;
+        around = next;
+        std::swap(below, above);
+    }
+    at(tube).circumference = total / static_cast<float>(size_ + 1);
+}
+
+// `current`: 0 at the beginning of a branch.
+std::uint32_t TubeTexture::choose_wraps(float circumference, std::uint32_t current) const {
+    const float exact = std::min(circumference / tile_, 1e6f);
+    const auto nearest = static_cast<std::uint32_t>(std::max(1L, std::lround(exact)));
+    if (current == 0) return nearest;
+    const float ratio = exact / static_cast<float>(current);
+    const bool fits = ratio * ratio <= 2 && ratio * ratio >= 0.5f;
+    return fits ? current : nearest;
+}
+
+void TubeTexture::follow_axes() {
+    const Skeleton& tubes = build_.tubes;
+    for (const NodeId n : nodes(tubes)) {
+        if (faces_[n.index()].side.count == 0) continue;
+        const NodeId parent = tubes.parent(n);
+        const bool continues = !tubes.is_root(parent) && tubes.leader(parent) == n &&
+                               faces_[parent.index()].side.count == faces_[n.index()].side.count;
+        if (continues) {
+            continue_axis(n);
+        } else {
+            at(n).axis = axis_count_++;
+            at(n).wraps = choose_wraps(at(n).circumference, 0);
+        }
+        const float* const rows = &v_[std::size_t{n.index()} * (size_ + 1)];
+        at(n).end = at(n).begin + static_cast<float>(at(n).wraps) * rows[size_];
+    }
+}
+
+// Continues the branch of the parent's tube. Between the two rings there can be a gap, across which other
+// branches leave.
+void TubeTexture::continue_axis(NodeId tube) {
+    const Tube& before = at(build_.tubes.parent(tube));
+    Tube& after = at(tube);
+    std::vector<Vec3> from, to;
+    for (const std::uint32_t v : ring(build_.tubes.parent(tube), 1)) from.push_back(position(v));
+    for (const std::uint32_t v : ring(tube, 0)) to.push_back(position(v));
+    const auto count = static_cast<std::uint32_t>(from.size());
+    const std::uint32_t rotation = best_rotation(from, to);
+    float gap = 0;
+    for (std::uint32_t k = 0; k < count; ++k) gap += distance(from[k], to[(k + rotation) % count]);
+    gap /= static_cast<float>(count);
+    after.axis = before.axis;
+    after.column = (before.column + count - rotation) % count;
+    after.begin =
+        before.end + static_cast<float>(before.wraps) * gap / std::max(before.circumference, 1e-30f);
+    after.wraps = choose_wraps(after.circumference, before.wraps);
+}
+
+void TubeTexture::set_sides(NodeId tube) {
+    const Tube& own = at(tube);
+    float* const rows = &v_[std::size_t{tube.index()} * (size_ + 1)];
+    for (std::uint32_t row = 0; row <= size_; ++row)
+        rows[row] = own.begin + static_cast<float>(own.wraps) * rows[row];
+    const CageRun side = faces_[tube.index()].side;
+    const float share = 1 / static_cast<float>(side.count);
+    for (std::uint32_t k = 0; k < side.count; ++k) {
+        const auto column = static_cast<float>((own.column + k) % side.count);
+        patch_[side.first + k] = {own.axis,
+                                  own.wraps,
+                                  column * share,
+                                  (column + 1) * share,
+                                  tube.index() * (size_ + 1),
+                                  tiles_per_metre(own)};
+    }
+}
+
+// The quads between the tubes at a branch node are faces of the stem, or rows between a lateral and the face
+// of the stem through which it leaves. Others, as in ramifications, are left without coordinates.
+void TubeTexture::set_forks(NodeId node) {
+    const Skeleton& tubes = build_.tubes;
+    const NodeId owner = tubes.is_root(node) ? (tubes.is_tip(node) ? node : tubes.children(node)[0]) : node;
+    const CageRun fork = faces_[owner.index()].fork[owner == node ? 1 : 0];
+    std::vector<Collar> collars;
+    for (std::uint32_t f = fork.first; f < fork.first + fork.count; ++f) {
+        if (!set_stem_face(f, node)) find_collar(f, node, collars);
+    }
+    for (const Collar& c : collars) {
+        float length = 0, count = 0;
+        for (const Collar& other : collars) {
+            if (other.lateral != c.lateral) continue;
+            length += patch_length(other.cage_quad);
+            ++count;
+        }
+        set_collar(c, length / count);
+    }
+}
+
+bool TubeTexture::set_stem_face(std::uint32_t cage_quad, NodeId node) {
+    const NodeId leader = build_.tubes.leader(node);
+    if (build_.tubes.is_root(node) || !leader || at(leader).axis != at(node).axis) return false;
+    const Quad& q = cage_.quads[cage_quad];
+    const std::uint32_t k = find_edge(ring(node, 1), q[0], q[1]);
+    if (k == kNoIndex || find_edge(ring(leader, 0), q[3], q[2]) == kNoIndex) return false;
+    const auto column = static_cast<float>((at(node).column + k) % sides_);
+    set_rectangle(cage_quad, node, {column, column + 1}, {at(node).end, at(leader).begin});
+    return true;
+}
+
+// Finds the lateral at the inner edge of a quad, if there is one.
+void TubeTexture::find_collar(std::uint32_t cage_quad, NodeId node, std::vector<Collar>& collars) const {
+    const Quad& q = cage_.quads[cage_quad];
+    tube_rows_.for_each_tube_at(node, [&](NodeId tube) {
+        if (tube == node || faces_[tube.index()].side.count == 0) return;
+        const int end = tube_rows_.end_at(tube, node);
+        const std::uint32_t k =
+            end == 0 ? find_edge(ring(tube, 0), q[3], q[2]) : find_edge(ring(tube, 1), q[2], q[3]);
+        if (k != kNoIndex) collars.push_back({cage_quad, tube, k, end});
+    });
+}
+
+void TubeTexture::set_collar(const Collar& c, float length) {
+    const Tube& own = at(c.lateral);
+    const float rise = static_cast<float>(own.wraps) * length / std::max(own.circumference, 1e-30f);
+    const auto column = static_cast<float>((own.column + c.edge) % sides_);
+    if (c.end == 0) {
+        set_rectangle(c.cage_quad, c.lateral, {column, column + 1}, {own.begin - rise, own.begin});
+    } else {  // seen along the lateral, which ends here, the quad is upside down
+        set_rectangle(c.cage_quad, c.lateral, {column + 1, column}, {own.end + rise, own.end});
+    }
+}
+
+void TubeTexture::set_rectangle(std::uint32_t cage_quad, NodeId tube, std::array<float, 2> columns,
+                                std::array<float, 2> v) {
+    const float share = 1 / static_cast<float>(sides_);
+    patch_[cage_quad] = {at(tube).axis,
+                         at(tube).wraps,
+                         columns[0] * share,
+                         columns[1] * share,
+                         static_cast<std::uint32_t>(v_.size()),
+                         tiles_per_metre(at(tube))};
+    for (std::uint32_t row = 0; row <= size_; ++row)
+        v_.push_back(v[0] + (v[1] - v[0]) * static_cast<float>(row) / static_cast<float>(size_));
+}
+
+// [m] Returns the mean length of the columns of a cage quad.
+float TubeTexture::patch_length(std::uint32_t cage_quad) const {
+    float sum = 0;
+    for (const std::uint32_t column : {0u, size_}) {
+        for (std::uint32_t row = 0; row < size_; ++row) {
+            sum += distance(position(vertex(cage_quad, column, row)),
+                            position(vertex(cage_quad, column, row + 1)));
+        }
+    }
+    return sum / 2;
+}
+
+}  // namespace coppice::pipeline_internal

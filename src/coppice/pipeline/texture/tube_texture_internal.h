@@ -1,0 +1,110 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "coppice/base/column.h"
+#include "coppice/base/context.h"
+#include "coppice/base/id.h"
+#include "coppice/pipeline/quads/quad_build.h"
+#include "coppice/pipeline/repair/tube_quads_internal.h"
+#include "coppice/pipeline/repair/tube_rows_internal.h"
+#include "coppice/subdivision/kernel/patch_index.h"
+
+namespace coppice::pipeline_internal {
+
+/// Texture coordinates on the refined quads of a cage quad: a rectangle around and along a branch.
+struct TexturePatch {
+    std::uint32_t axis = kNoIndex;  ///< the branch; kNoIndex: the cage quad is not a rectangle of a tube
+    std::uint32_t wraps = 1;        ///< number of times that the texture is repeated around the branch
+    float left = 0;                 ///< [turns] around the branch, at corners 0 and 3
+    float right = 0;                ///< [turns] at corners 1 and 2
+    std::uint32_t first_row = 0;    ///< index of v at the first of the rows of vertices
+    float tiles_per_metre = 0;      ///< around the branch
+
+    bool is_rectangle() const { return axis != kNoIndex; }
+};
+
+/// Bark coordinates on the refined cage of a surface of quads. A branch begins at a root, or where it leaves
+/// another one, and follows the leaders to a tip. Around it, u is the column of the cage times the number of
+/// wraps, a whole number; along it, v increases by the mean length of the edges of a row over their
+/// circumference, times the wraps, so that a square texture is not distorted. The number of wraps comes
+/// closest to tiles of the given width, and changes along a branch only where it would be wrong by a factor
+/// of more than the square root of 2. Rows between a branch and the face through which it leaves its parent
+/// continue it backwards.
+class TubeTexture {
+  public:
+    /// The build must outlive this object. `tile`: [m] width of a tile. O(refined vertices).
+    TubeTexture(const QuadBuild& build, float tile, const Context& ctx);
+
+    const TubeRows& tube_rows() const { return tube_rows_; }
+    const std::vector<TubeFaces>& faces() const { return faces_; }  ///< per tube
+    const TexturePatch& patch(std::uint32_t cage_quad) const { return patch_[cage_quad]; }
+    std::uint32_t size() const { return size_; }  ///< number of quads along the side of a cage quad
+
+    /// Returns the refined vertex in a column and a row of a cage quad, both from 0 to size().
+    std::uint32_t vertex(std::uint32_t cage_quad, std::uint32_t column, std::uint32_t row) const {
+        return patch_vertex(cage_, size_, cage_quad, column, row);
+    }
+    /// Returns the turns at a column of a patch of vertices, from 0 to size().
+    float turns(const TexturePatch& p, std::uint32_t column) const {
+        return p.left + (p.right - p.left) * static_cast<float>(column) / static_cast<float>(size_);
+    }
+    /// Returns v at a row of a patch of vertices, from 0 to size().
+    float v(const TexturePatch& p, std::uint32_t row) const { return v_[p.first_row + row]; }
+    /// Returns the number of branches.
+    std::uint32_t axis_count() const { return axis_count_; }
+
+  private:
+    // The texture of one tube.
+    struct Tube {
+        float circumference = 0;  // [m] mean of its rings
+        std::uint32_t axis = kNoIndex;
+        std::uint32_t wraps = 1;
+        std::uint32_t column = 0;  // of its first cage quad
+        float begin = 0, end = 0;  // v
+    };
+    // A quad of the cage between a lateral and the face of the stem through which it leaves.
+    struct Collar {
+        std::uint32_t cage_quad;
+        NodeId lateral;
+        std::uint32_t edge;  // at which it joins the lateral's ring
+        int end;             // of the lateral
+    };
+    using Ring = std::vector<std::uint32_t>;  // cage vertices around a tube
+
+    static float tiles_per_metre(const Tube& t) {
+        return static_cast<float>(t.wraps) / std::max(t.circumference, 1e-30f);
+    }
+    Tube& at(NodeId n) { return tube_[n.index()]; }
+    Vec3 position(std::uint32_t v) const { return build_.refined[v]; }
+    Ring ring(NodeId tube, int end) const;
+    void measure_rows(NodeId tube);
+    std::uint32_t choose_wraps(float circumference, std::uint32_t current) const;
+    void follow_axes();
+    void continue_axis(NodeId tube);
+    void set_sides(NodeId tube);
+    void set_forks(NodeId node);
+    bool set_stem_face(std::uint32_t cage_quad, NodeId node);
+    void find_collar(std::uint32_t cage_quad, NodeId node, std::vector<Collar>& collars) const;
+    void set_collar(const Collar& collar, float length);
+    void set_rectangle(std::uint32_t cage_quad, NodeId tube, std::array<float, 2> columns,
+                       std::array<float, 2> v);
+    float patch_length(std::uint32_t cage_quad) const;
+
+    const QuadBuild& build_;
+    float tile_;
+    TubeRows tube_rows_;
+    std::vector<TubeFaces> faces_;  // per tube
+    CageView cage_;
+    std::uint32_t size_, sides_;
+    std::uint32_t axis_count_ = 0;
+    std::vector<Tube> tube_;
+    std::vector<TexturePatch> patch_;  // per cage quad
+    Buffer<float> v_;                  // size_ + 1 rows per tube, then those of other patches
+};
+
+}  // namespace coppice::pipeline_internal

@@ -1,0 +1,161 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <utility>
+
+#include "coppice/pipeline/mesh_skeleton.h"
+#include "coppice/skeleton/random_tree.h"
+#include "zoo.h"
+
+namespace coppice {
+namespace {
+
+MeshOptions with_bark(float tile) {
+    MeshOptions options;
+    options.texture = {TextureCoordinates::bark, tile};
+    return options;
+}
+
+// A vertical stem of equal segments.
+Skeleton stem(float radius, float length, std::uint32_t segments = 4) {
+    std::vector<NodeId> parent{NodeId::none()};
+    std::vector<Vec3> position{{0, 0, 0}};
+    for (std::uint32_t i = 1; i <= segments; ++i) {
+        parent.emplace_back(i - 1);
+        position.push_back({0, 0, length * static_cast<float>(i) / static_cast<float>(segments)});
+    }
+    return {parent, position, std::vector<float>(segments + 1, radius)};
+}
+
+// A stem with a thinner branch at half its length.
+Skeleton stem_with_branch() {
+    return {{NodeId::none(), NodeId(0), NodeId(1), NodeId(1), NodeId(3)},
+            {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {0.8f, 0, 1.6f}, {1.6f, 0, 2.2f}},
+            {0.1f, 0.1f, 0.09f, 0.04f, 0.04f}};
+}
+
+// Edges of a textured surface of quads.
+struct Edges {
+    int continuous = 0;  // the same coordinates on both sides
+    int seams = 0;       // u differs by a whole number
+    int breaks = 0;      // others
+};
+
+Edges count_edges(const QuadMesh& mesh, const Texture& texture) {
+    using Side = std::array<TexturePoint, 2>;
+    std::map<std::pair<std::uint32_t, std::uint32_t>, Side> first;
+    Edges out;
+    for (std::size_t f = 0; f < mesh.quads.size(); ++f) {
+        for (std::size_t k = 0; k < 4; ++k) {
+            const std::uint32_t a = mesh.quads[f][k], b = mesh.quads[f][(k + 1) % 4];
+            Side side{texture.points[4 * f + k], texture.points[4 * f + (k + 1) % 4]};
+            if (a > b) std::swap(side[0], side[1]);
+            const auto [found, is_first] = first.try_emplace(std::minmax(a, b), side);
+            if (is_first) continue;
+            const float du = side[0].u - found->second[0].u, other = side[1].u - found->second[1].u;
+            const float dv =
+                std::max(std::abs(side[0].v - found->second[0].v), std::abs(side[1].v - found->second[1].v));
+            const bool is_whole = std::abs(du - std::round(du)) < 1e-3f && std::abs(du - other) < 1e-3f;
+            if (dv > 1e-3f || !is_whole) {
+                ++out.breaks;
+            } else {
+                ++(std::abs(du) < 0.5f ? out.continuous : out.seams);
+            }
+        }
+    }
+    return out;
+}
+
+TEST(BarkTexture, WrapsAStemAWholeNumberOfTimesWithoutDistortion) {
+    const float radius = 0.25f, length = 4, tile = 0.4f;  // circumference 1.571: 3.93 tiles
+    const MeshResult made = mesh_skeleton(stem(radius, length), with_bark(tile));
+    const QuadMesh& mesh = made.quads().mesh;
+    const Texture& texture = *made.texture;
+    ASSERT_EQ(texture.points.size(), 4 * mesh.quads.size());
+    EXPECT_EQ(texture.report.branches, 1u);
+    EXPECT_EQ(texture.report.flipped, 0u);
+    EXPECT_EQ(texture.report.projected, 0u);
+    float most_u = 0, low = 1e9f, high = -1e9f;
+    for (std::size_t f = 0; f < mesh.quads.size(); ++f) {
+        for (std::size_t k = 0; k < 4; ++k) {
+            const Vec3 p = mesh.positions[mesh.quads[f][k]];
+            if (p.z < 0.1f || p.z > length - 0.1f) continue;  // ends
+            const TexturePoint t = texture.points[4 * f + k];
+            most_u = std::max(most_u, t.u);
+            low = std::min(low, t.v - 4 * p.z / (2 * std::numbers::pi_v<float> * radius));
+            high = std::max(high, t.v - 4 * p.z / (2 * std::numbers::pi_v<float> * radius));
+        }
+    }
+    EXPECT_FLOAT_EQ(most_u, 4);   // 3.93, rounded
+    EXPECT_LT(high - low, 0.3f);  // v has the scale of u; the length is 10.2 tiles
+    // 3.93 tiles of the given width around the stem have become 4.
+    EXPECT_NEAR(texture.report.density_p50, 4 / 3.93, 0.03);
+}
+
+TEST(BarkTexture, HasOneSeamAlongAStemAndBreaksAtItsEnds) {
+    for (const int levels : {0, 1, 2, 3}) {
+        MeshOptions options = with_bark(0.4f);
+        options.levels = levels;
+        const MeshResult made = mesh_skeleton(stem(0.2f, 3), options);
+        const int n = 1 << levels;
+        const Edges edges = count_edges(made.quads().mesh, *made.texture);
+        EXPECT_EQ(edges.seams, 4 * n) << levels;       // four segments of n rows
+        EXPECT_EQ(edges.breaks, 2 * 4 * n) << levels;  // the rims of both caps
+    }
+}
+
+TEST(BarkTexture, BreaksAtAForkOnlyAroundTheLateral) {
+    MeshOptions options = with_bark(0.1f);
+    options.fit = Fit::surface;
+    const MeshResult made = mesh_skeleton(stem_with_branch(), options);
+    ASSERT_EQ(made.quads().repair.pairs_before, 0u);
+    const Edges edges = count_edges(made.quads().mesh, *made.texture);
+    EXPECT_EQ(made.texture->report.branches, 2u);
+    EXPECT_EQ(made.texture->report.transferred, 0u);
+    EXPECT_EQ(made.texture->report.flipped, 0u);
+    EXPECT_EQ(edges.breaks, 4 * 4 * 4);  // three caps, and the rim of the lateral, of 4 x 4 edges each
+}
+
+TEST(BarkTexture, TurnsNoFaceOverOnAnySkeleton) {
+    for (const auto& [name, skeleton] : skeleton_zoo()) {
+        for (const MeshMethod method :
+             {MeshMethod::quads, MeshMethod::tetrahedra, MeshMethod::ramifications}) {
+            MeshOptions options = with_bark(0.3f);
+            options.method = method;
+            const MeshResult made = mesh_skeleton(skeleton, options);
+            const std::size_t corners = method == MeshMethod::tetrahedra
+                                            ? 3 * made.tetrahedra().mesh.triangles.size()
+                                            : 4 * made.quads().mesh.quads.size();
+            EXPECT_EQ(made.texture->points.size(), corners) << name;
+            EXPECT_EQ(made.texture->report.flipped, 0u) << name << ' ' << name_of(method);
+            for (const TexturePoint& p : made.texture->points)
+                ASSERT_TRUE(std::isfinite(p.u) && std::isfinite(p.v));
+        }
+    }
+}
+
+TEST(BarkTexture, IsKeptWithFewerQuadsAroundThinBranches) {
+    MeshOptions options = with_bark(0.2f);
+    options.tube_sides = TubeSides::by_radius;
+    const Skeleton tree = random_tree(300, 7);
+    const MeshResult coarse = mesh_skeleton(tree, options);
+    EXPECT_EQ(coarse.texture->points.size(), 4 * coarse.quads().mesh.quads.size());
+    EXPECT_EQ(coarse.texture->report.flipped, 0u);
+    options.tube_sides = TubeSides::equal;
+    const MeshResult fine = mesh_skeleton(tree, options);
+    EXPECT_NEAR(coarse.texture->report.density_p50, fine.texture->report.density_p50,
+                0.2 * fine.texture->report.density_p50);
+}
+
+TEST(BarkTexture, IsTheSameForAnyNumberOfThreads) {
+    const Skeleton tree = random_tree(400, 3);
+    const Texture one = *mesh_skeleton(tree, with_bark(0.2f), {.threads = 1}).texture;
+    const Texture three = *mesh_skeleton(tree, with_bark(0.2f), {.threads = 3}).texture;
+    EXPECT_TRUE(std::ranges::equal(one.points, three.points));
+}
+
+}  // namespace
+}  // namespace coppice
