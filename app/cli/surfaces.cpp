@@ -33,6 +33,13 @@ std::string summary(const BendApartReport& r) {
     return fmt::format("{} between trees removed by bending{}; ", counted(r.before, "overlap"), left);
 }
 
+// Summarises texture coordinates: the density is 1 where a tile has its given width.
+std::string summary(const TextureReport& r) {
+    const std::string alone =
+        r.projected > 0 ? fmt::format(", {} mapped alone", counted(r.projected, "face")) : "";
+    return fmt::format("; texture density {:.2f} to {:.2f}{}", r.density_p5, r.density_p95, alone);
+}
+
 bool had_repairs(const RemeshReport& r) { return r.pairs_before + r.lost_bulges + r.severed + r.folded > 0; }
 
 // Summarises intersecting quads, lost bulges and severed branches; empty if there were none.
@@ -147,7 +154,10 @@ std::string count_surface(Run& run, const MeshResult& result) {
         run.counts()["trees_bent_apart"] = compute_figures(*result.bent_apart);
         said = summary(*result.bent_apart) + said;
     }
-    if (result.texture) run.counts()["texture"] = compute_figures(result.texture->report);
+    if (result.texture) {
+        run.counts()["texture"] = compute_figures(result.texture->report);
+        said += summary(result.texture->report);
+    }
     if (!result.fitted) return said;
     const FitVolumeReport& fitted = *result.fitted;
     run.counts()["fitted"] = compute_figures(fitted);

@@ -28,6 +28,7 @@ struct MeshFlags {
     RestoreOptions restore;
     ReadSkeletonOptions read;
     MeshWriteOptions write;
+    std::filesystem::path material;
     FaceNumber number;
     bool constraint_edges = false;
     bool strict = false;
@@ -46,6 +47,17 @@ void check_volume(const MeshFlags& flags) {
                                      flags.volume.string()));
     }
     check_output_folder(flags.volume);
+}
+
+void check_material(const MeshFlags& flags) {
+    if (flags.mesh.texture.coordinates == TextureCoordinates::none)
+        throw UsageError("--material requires --uv bark");
+    const bool has_one = std::ranges::any_of(flags.outputs, [](const auto& output) {
+        const auto format = mesh_format_of_name(output);
+        return format == MeshFormat::glb || format == MeshFormat::obj || format == MeshFormat::usda;
+    });
+    if (!has_one)
+        throw UsageError("--material requires a .glb, .obj or .usda output; none of the outputs is one");
 }
 
 void check_flags(const MeshFlags& flags) {
@@ -67,6 +79,7 @@ void check_flags(const MeshFlags& flags) {
         check_output_folder(flags.offsets);
     }
     if (!flags.volume.empty()) check_volume(flags);
+    if (!flags.material.empty()) check_material(flags);
     if (flags.cage.empty()) return;
     if (!makes_quads(flags.mesh.method)) throw UsageError("--cage requires --method quads");
     check_mesh_output(flags.cage);
@@ -190,6 +203,8 @@ MadeMesh make_surface(Run& run, const MeshFlags& flags, const Skeleton& skeleton
 ExitCode mesh(Run& run, const GivenOptions& given, const MeshFlags& flags) {
     check_flags(flags);
     check_given(given, flags.mesh, flags.number.faces);
+    MeshWriteOptions write = flags.write;
+    if (!flags.material.empty()) write.material = find_material(flags.material);
     const SkeletonFile file = load_skeleton(run, flags.skeleton, flags.read);
     const PointSet constraints = load_constraints(run, flags);
     PolygonMesh original;
@@ -200,7 +215,7 @@ ExitCode mesh(Run& run, const GivenOptions& given, const MeshFlags& flags) {
     std::string restored;
     if (!flags.original.empty()) restored = restore(run, flags, original, file.skeleton, result.quads().mesh);
     run.stage("write", [&](const Context& ctx) {
-        for (const auto& output : flags.outputs) write_surface(output, result, flags.write, ctx);
+        for (const auto& output : flags.outputs) write_surface(output, result, write, ctx);
         if (!flags.volume.empty()) write_solid(flags.volume, result.tetrahedra().solid, ctx);
         if (!flags.cage.empty()) write_cage(flags.cage, result.quads().cage.cage, ctx);
     });
@@ -261,6 +276,10 @@ Command mesh_command() {
     options.fields(flags->number, "Surface");
     options.fields(flags->mesh, "Surface", surface_flag_names());
     options.fields(flags->mesh.texture, "Texture");
+    options.file(
+        "--material", "PREFIX", flags->material,
+        "Also write a material of the images PREFIX_color.png, PREFIX_normal.png, ..., as made by coppice "
+        "texture (.glb, .obj, .usda).");
     options.fields(flags->restore, "Restoring the original", {.names = {{"reach", "--restore-reach"}}});
     options.fields(flags->read, "Reading the skeleton");
     add_mesh_write_options(options, flags->write);

@@ -6,41 +6,6 @@ namespace {
 
 using nlohmann::json;
 
-Box3 compute_box(std::span<const Vec3> vectors) {
-    Box3 box;
-    for (const Vec3 v : vectors) box.extend(y_up(v));
-    return box;
-}
-
-/// Lays out consecutive buffer views, with their accessors.
-class Layout {
-  public:
-    std::size_t add(std::uint64_t bytes, int target, int component, std::uint64_t count, const char* type) {
-        views_.push_back(view(bytes_, bytes, target));
-        bytes_ += bytes;
-        accessors_.push_back(accessor(views_.size() - 1, component, count, type));
-        return accessors_.size() - 1;
-    }
-    std::size_t add_vectors(std::uint64_t count) {
-        return add(count * sizeof(Vec3), kArrayBuffer, kFloat, count, "VEC3");
-    }
-    std::size_t add_vectors(std::span<const Vec3> bounded) {
-        const std::size_t index = add_vectors(bounded.size());
-        const Box3 box = compute_box(bounded);
-        accessors_[index]["min"] = array_of(Vec3d(box.low));
-        accessors_[index]["max"] = array_of(Vec3d(box.high));
-        return index;
-    }
-    json& operator[](std::size_t accessor) { return accessors_[accessor]; }
-    std::uint64_t bytes() const { return bytes_; }
-    json& views() { return views_; }
-    json& accessors() { return accessors_; }
-
-  private:
-    json views_ = json::array(), accessors_ = json::array();
-    std::uint64_t bytes_ = 0;
-};
-
 /// Writes a morph target for each frame, the differences from the rest shape; the animation shows them in
 /// sequence.
 class GlbMotion : public MotionWriter::Format {
@@ -58,7 +23,7 @@ class GlbMotion : public MotionWriter::Format {
     void finish(const Context& ctx) override {
         const MeshView mesh(rest_);
         const std::vector<Vec3> normals = smooth_normals(mesh);
-        Layout layout;
+        GlbLayout layout;
         const std::string text = described(mesh, layout).dump();
         write_glb_head(file_, text, layout.bytes());
         write_vectors(file_, mesh.positions, {0, 0.05f}, ctx);
@@ -80,7 +45,7 @@ class GlbMotion : public MotionWriter::Format {
     }
 
   private:
-    json described(const MeshView& mesh, Layout& layout) const {
+    json described(const MeshView& mesh, GlbLayout& layout) const {
         const std::size_t count = moved_.size(), vertices = mesh.positions.size();
         const std::size_t positions = layout.add_vectors(mesh.positions);
         const std::size_t normals = layout.add_vectors(vertices);
@@ -113,7 +78,7 @@ class GlbMotion : public MotionWriter::Format {
                   {"material", 0},
                   {"mode", 4},
                   {"targets", targets}}}}}}},
-            {"materials", {bark_material()}},
+            {"materials", {plain_material()}},
             {"animations",
              {{{"name", "motion"},
                {"samplers", {{{"input", times}, {"output", weights}, {"interpolation", "LINEAR"}}}},

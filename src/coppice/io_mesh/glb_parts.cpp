@@ -1,5 +1,6 @@
 #include <array>
 #include <limits>
+#include <utility>
 
 #include "coppice/io_mesh/glb_parts_internal.h"
 
@@ -7,17 +8,37 @@ namespace coppice::io_internal {
 
 using nlohmann::json;
 
-json view(std::uint64_t offset, std::uint64_t length, int target) {
-    json out{{"buffer", 0}, {"byteOffset", offset}, {"byteLength", length}};
-    if (target != 0) out["target"] = target;
-    return out;
+std::size_t GlbLayout::add(std::uint64_t bytes, int target, int component, std::uint64_t count,
+                           const char* type) {
+    json view{{"buffer", 0}, {"byteOffset", bytes_}, {"byteLength", bytes}};
+    if (target != 0) view["target"] = target;
+    accessors_.push_back(
+        {{"bufferView", views_.size()}, {"componentType", component}, {"count", count}, {"type", type}});
+    views_.push_back(std::move(view));
+    bytes_ += bytes;
+    return accessors_.size() - 1;
 }
 
-json accessor(std::size_t view, int component, std::uint64_t count, const char* type) {
-    return {{"bufferView", view}, {"componentType", component}, {"count", count}, {"type", type}};
+std::size_t GlbLayout::add_vectors(std::uint64_t count) {
+    return add(count * sizeof(Vec3), kArrayBuffer, kFloat, count, "VEC3");
 }
 
-json bark_material() {
+std::size_t GlbLayout::add_vectors(std::span<const Vec3> bounded) {
+    const std::size_t index = add_vectors(bounded.size());
+    Box3 box;
+    for (const Vec3 v : bounded) box.extend(y_up(v));
+    accessors_[index]["min"] = array_of(Vec3d(box.low));
+    accessors_[index]["max"] = array_of(Vec3d(box.high));
+    return index;
+}
+
+std::size_t GlbLayout::add_bytes(std::uint64_t bytes) {
+    views_.push_back({{"buffer", 0}, {"byteOffset", bytes_}, {"byteLength", bytes}});
+    bytes_ += (bytes + 3) / 4 * 4;
+    return views_.size() - 1;
+}
+
+json plain_material() {
     return {
         {"name", "bark"},
         {"pbrMetallicRoughness",

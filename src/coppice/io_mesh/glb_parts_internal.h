@@ -20,12 +20,30 @@ BasicVec3<T> y_up(BasicVec3<T> v) {
 
 inline nlohmann::json array_of(Vec3d v) { return nlohmann::json::array({v.x, v.y, v.z}); }
 
-/// Returns a view of a byte range of the single buffer; `target` 0: no target.
-nlohmann::json view(std::uint64_t offset, std::uint64_t length, int target);
-/// Returns an accessor that describes the contents of a view.
-nlohmann::json accessor(std::size_t view, int component, std::uint64_t count, const char* type);
-/// Returns the plain brown material of all trees.
-nlohmann::json bark_material();
+/// Lays out consecutive buffer views of the single buffer, with their accessors.
+class GlbLayout {
+  public:
+    /// Adds a view of this many bytes, and its accessor; returns the index of the accessor. `target` 0: none.
+    std::size_t add(std::uint64_t bytes, int target, int component, std::uint64_t count, const char* type);
+    /// The same for vectors.
+    std::size_t add_vectors(std::uint64_t count);
+    /// The same for positions or displacements, with their bounds.
+    std::size_t add_vectors(std::span<const Vec3> bounded);
+    /// Adds a view without an accessor, padded to a multiple of four bytes; returns its index.
+    std::size_t add_bytes(std::uint64_t bytes);
+
+    nlohmann::json& operator[](std::size_t accessor) { return accessors_[accessor]; }
+    std::uint64_t bytes() const { return bytes_; }
+    nlohmann::json& views() { return views_; }
+    nlohmann::json& accessors() { return accessors_; }
+
+  private:
+    nlohmann::json views_ = nlohmann::json::array(), accessors_ = nlohmann::json::array();
+    std::uint64_t bytes_ = 0;
+};
+
+/// Returns the plain brown material of surfaces without images.
+nlohmann::json plain_material();
 
 /// Writes everything that precedes the bytes of the buffer. Throws Unsupported if the file would be too
 /// large.

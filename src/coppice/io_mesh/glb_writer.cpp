@@ -12,49 +12,63 @@ namespace {
 
 using nlohmann::json;
 
-struct Sizes {
-    std::uint64_t vectors;  // size of the positions and of the normals in bytes
-    std::uint64_t texture;
-    std::uint64_t indices;
-    std::uint64_t total() const { return 2 * vectors + texture + indices; }
+// Bytes of an image, up to a size that a reader could still decode.
+constexpr std::uint64_t kMaxImageBytes = std::uint64_t{256} << 20;
+
+struct GlbImage {
+    std::string bytes;
+    std::size_t view = 0;
 };
 
-json describe(const MeshView& mesh, const Sizes& sizes) {
-    Box3 box;
-    for (const Vec3 p : mesh.positions) box.extend(y_up(p));
-    json node{{"name", "tree"}, {"mesh", 0}};
-    if (mesh.has_origin()) node["translation"] = array_of(y_up(mesh.origin));
-    json positions = accessor(0, kFloat, mesh.positions.size(), "VEC3");
-    positions["min"] = array_of(Vec3d(box.low));
-    positions["max"] = array_of(Vec3d(box.high));
-    json out{
-        {"asset", {{"version", "2.0"}, {"generator", "Coppice"}}},
-        {"scene", 0},
-        {"scenes", {{{"nodes", {0}}}}},
-        {"nodes", {node}},
-        {"meshes",
-         {{{"name", "surface"},
-           {"primitives",
-            {{{"attributes", {{"POSITION", 0}, {"NORMAL", 1}}},
-              {"indices", 2},
-              {"material", 0},
-              {"mode", 4}}}}}}},
-        {"materials", {bark_material()}},
-        {"accessors",
-         {positions, accessor(1, kFloat, mesh.positions.size(), "VEC3"),
-          accessor(2, kUnsignedInt, 3 * mesh.triangle_count(), "SCALAR")}},
-        {"bufferViews",
-         {view(0, sizes.vectors, kArrayBuffer), view(sizes.vectors, sizes.vectors, kArrayBuffer),
-          view(2 * sizes.vectors + sizes.texture, sizes.indices, kElementArrayBuffer)}},
-        {"buffers", {{{"byteLength", sizes.total()}}}},
-    };
-    if (sizes.texture > 0) {
-        out["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = 3;
-        out["accessors"].push_back(accessor(3, kFloat, mesh.positions.size(), "VEC2"));
-        out["bufferViews"].push_back(view(2 * sizes.vectors, sizes.texture, kArrayBuffer));
+// A material with images that are part of the file.
+class GlbMaterial {
+  public:
+    GlbMaterial(const MaterialFiles& files, GlbLayout& layout) {
+        json& surface = material_["pbrMetallicRoughness"];
+        material_["name"] = files.name;
+        surface["metallicFactor"] = 0.0;
+        surface["baseColorTexture"] = add(files.color, layout);
+        if (!files.normal.empty()) material_["normalTexture"] = add(files.normal, layout);
+        if (files.packed.empty()) return;
+        surface["metallicRoughnessTexture"] = add(files.packed, layout);
+        material_["occlusionTexture"] = surface["metallicRoughnessTexture"];
     }
-    return out;
-}
+
+    void describe(json& file) const {
+        json images = json::array(), textures = json::array();
+        for (const GlbImage& image : images_) {
+            const bool is_png = image.bytes.starts_with("\x89PNG");
+            textures.push_back({{"sampler", 0}, {"source", images.size()}});
+            images.push_back({{"bufferView", image.view}, {"mimeType", is_png ? "image/png" : "image/jpeg"}});
+        }
+        constexpr int kRepeat = 10497, kLinear = 9729, kMipMaps = 9987;
+        file["materials"] = {material_};
+        file["images"] = std::move(images);
+        file["textures"] = std::move(textures);
+        file["samplers"] = {
+            {{"wrapS", kRepeat}, {"wrapT", kRepeat}, {"magFilter", kLinear}, {"minFilter", kMipMaps}}};
+    }
+
+    void write(AtomicFile& file) const {
+        for (const GlbImage& image : images_) {
+            file.write(image.bytes);
+            file.write(std::string((4 - image.bytes.size() % 4) % 4, '\0'));
+        }
+    }
+
+  private:
+    json add(const std::filesystem::path& path, GlbLayout& layout) {
+        GlbImage image{read_file(path, kMaxImageBytes)};
+        if (!image.bytes.starts_with("\x89PNG") && !image.bytes.starts_with("\xff\xd8"))
+            throw InvalidInput(path.string() + " is neither a PNG nor a JPEG image");
+        image.view = layout.add_bytes(image.bytes.size());
+        images_.push_back(std::move(image));
+        return {{"index", images_.size() - 1}};
+    }
+
+    json material_;
+    std::vector<GlbImage> images_;
+};
 
 // In glTF, v points down in the image.
 void write_texture(AtomicFile& file, std::span<const TexturePoint> places, const Context& ctx) {
@@ -64,27 +78,55 @@ void write_texture(AtomicFile& file, std::span<const TexturePoint> places, const
     });
 }
 
+// Returns the normals of the vertices of a split mesh.
+std::vector<Vec3> split_normals(const std::vector<Vec3>& normals, const SplitMesh& split) {
+    std::vector<Vec3> out;
+    out.reserve(split.positions.size());
+    for (const std::uint32_t v : split.table.vertex) out.push_back(normals[v]);
+    return out;
+}
+
 }  // namespace
 
 void write_glb(AtomicFile& file, const MeshView& given, const Context& ctx) {
     const std::optional<SplitMesh> split =
-        given.texture.empty() ? std::nullopt : std::optional<SplitMesh>(given);
+        given.texture.empty() ? std::nullopt : std::optional<SplitMesh>(std::in_place, given);
     const MeshView& mesh = split ? split->view : given;
     std::vector<Vec3> normals = smooth_normals(given);
-    if (split) {
-        std::vector<Vec3> by_place;
-        by_place.reserve(mesh.positions.size());
-        for (const std::uint32_t v : split->table.vertex) by_place.push_back(normals[v]);
-        normals = std::move(by_place);
-    }
-    const Sizes sizes{mesh.positions.size() * sizeof(Vec3),
-                      split ? mesh.positions.size() * sizeof(TexturePoint) : 0,
-                      mesh.triangle_count() * sizeof(Triangle)};
-    write_glb_head(file, describe(mesh, sizes).dump(), sizes.total());
+    if (split) normals = split_normals(normals, *split);
+    GlbLayout layout;
+    const std::size_t count = mesh.positions.size(), corners = 3 * mesh.triangle_count();
+    json attributes{{"POSITION", layout.add_vectors(mesh.positions)}, {"NORMAL", layout.add_vectors(count)}};
+    if (split)
+        attributes["TEXCOORD_0"] =
+            layout.add(count * sizeof(TexturePoint), kArrayBuffer, kFloat, count, "VEC2");
+    const std::size_t indices =
+        layout.add(corners * sizeof(std::uint32_t), kElementArrayBuffer, kUnsignedInt, corners, "SCALAR");
+    std::optional<GlbMaterial> material;
+    if (mesh.material != nullptr) material.emplace(*mesh.material, layout);
+    json node{{"name", "tree"}, {"mesh", 0}};
+    if (mesh.has_origin()) node["translation"] = array_of(y_up(mesh.origin));
+    json text{
+        {"asset", {{"version", "2.0"}, {"generator", "Coppice"}}},
+        {"scene", 0},
+        {"scenes", {{{"nodes", {0}}}}},
+        {"nodes", {node}},
+        {"meshes",
+         {{{"name", "surface"},
+           {"primitives",
+            {{{"attributes", attributes}, {"indices", indices}, {"material", 0}, {"mode", 4}}}}}}},
+        {"materials", {plain_material()}},
+        {"accessors", layout.accessors()},
+        {"bufferViews", layout.views()},
+        {"buffers", {{{"byteLength", layout.bytes()}}}},
+    };
+    if (material) material->describe(text);
+    write_glb_head(file, text.dump(), layout.bytes());
     write_vectors(file, mesh.positions, {0, 0.3f}, ctx);
     write_vectors(file, normals, {0.4f, 0.6f}, ctx);
     if (split) write_texture(file, split->table.places, ctx);
     write_triangles(file, mesh, {0.7f, 1}, ctx);
+    if (material) material->write(file);
 }
 
 }  // namespace coppice::io_internal

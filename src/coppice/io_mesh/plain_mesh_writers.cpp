@@ -5,7 +5,9 @@
 #include <array>
 #include <limits>
 #include <optional>
+#include <utility>
 
+#include "coppice/io_mesh/material_internal.h"
 #include "coppice/io_mesh/write_internal.h"
 
 namespace coppice::io_internal {
@@ -53,6 +55,8 @@ void write_ply_faces(AtomicFile& file, const MeshView& mesh, const Context& ctx)
 
 void write_obj(AtomicFile& file, const MeshView& mesh, const Context& ctx) {
     file.write(mesh.up == FileUp::y ? "# Coppice, metres, Y up\n" : "# Coppice, metres, Z up\n");
+    if (mesh.material != nullptr)
+        file.write(fmt::format("mtllib {}\n", mtl_path(mesh.path).filename().string()));
     const bool shifted = mesh.has_origin();
     write_items(file, mesh.positions.size(), {0, 0.6f}, ctx, [&](std::size_t v, Chunk& chunk) {
         const Vec3 p = mesh.positions[v];
@@ -69,6 +73,7 @@ void write_obj(AtomicFile& file, const MeshView& mesh, const Context& ctx) {
         chunk.put_number(texture.places[i].v);
         chunk.put('\n');
     });
+    if (mesh.material != nullptr) file.write(fmt::format("usemtl {}\n", mesh.material->name));
     write_items(file, mesh.face_count, {0.6f, 1}, ctx, [&](std::size_t f, Chunk& chunk) {
         const auto corners = mesh.face(f);
         const std::size_t first = mesh.first_corner(f);
@@ -92,7 +97,7 @@ void write_obj(AtomicFile& file, const MeshView& mesh, const Context& ctx) {
 
 void write_ply(AtomicFile& file, const MeshView& given, const Context& ctx) {
     const std::optional<SplitMesh> split =
-        given.texture.empty() ? std::nullopt : std::optional<SplitMesh>(given);
+        given.texture.empty() ? std::nullopt : std::optional<SplitMesh>(std::in_place, given);
     const MeshView& mesh = split ? split->view : given;
     const bool small_faces = largest_face(mesh) <= std::numeric_limits<std::uint8_t>::max();
     file.write(ply_header(mesh, small_faces ? "uchar" : "uint"));

@@ -35,8 +35,8 @@ void put_tuple(Chunk& chunk, Vec3 v);
 /// metadata.
 void write_head(AtomicFile& file, const MeshView& mesh, std::string_view more = {});
 
-/// Writes everything that follows the attributes of the mesh.
-void write_tail(AtomicFile& file, Subdivision subdivision);
+/// Writes everything that follows the attributes of the mesh; `material` is its definition, or empty.
+void write_tail(AtomicFile& file, Subdivision subdivision, const std::string& material = {});
 
 /// Returns the minimum and the maximum corner of the bounding box.
 std::string extent_text(std::span<const Vec3> positions);

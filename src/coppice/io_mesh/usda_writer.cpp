@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "coppice/io_mesh/material_internal.h"
 #include "coppice/io_mesh/usda_parts_internal.h"
 
 namespace coppice::io_internal {
@@ -34,7 +35,9 @@ void write_head(AtomicFile& file, const MeshView& mesh, std::string_view more) {
                         "    uniform token[] xformOpOrder = [\"xformOp:translate\"]\n\n",
                         mesh.origin.x, mesh.origin.y, mesh.origin.z));
     }
-    file.write("    def Mesh \"surface\"\n    {\n");
+    file.write(mesh.material == nullptr ? "    def Mesh \"surface\"\n    {\n"
+                                        : "    def Mesh \"surface\" (\n        prepend apiSchemas = "
+                                          "[\"MaterialBindingAPI\"]\n    )\n    {\n");
 }
 
 std::string extent_text(std::span<const Vec3> positions) {
@@ -44,10 +47,10 @@ std::string extent_text(std::span<const Vec3> positions) {
                        box.high.y, box.high.z);
 }
 
-void write_tail(AtomicFile& file, Subdivision subdivision) {
+void write_tail(AtomicFile& file, Subdivision subdivision, const std::string& material) {
     file.write("        color3f[] primvars:displayColor = [(0.32, 0.22, 0.15)]\n");
-    file.write(fmt::format("        uniform token subdivisionScheme = \"{}\"\n    }}\n}}\n",
-                           subdivision == Subdivision::none ? "none" : "catmullClark"));
+    file.write(fmt::format("        uniform token subdivisionScheme = \"{}\"\n    }}\n{}}}\n",
+                           subdivision == Subdivision::none ? "none" : "catmullClark", material));
 }
 
 void write_usda(AtomicFile& file, const MeshView& mesh, Subdivision subdivision, const Context& ctx) {
@@ -80,7 +83,10 @@ void write_usda(AtomicFile& file, const MeshView& mesh, Subdivision subdivision,
                     [&](std::size_t i, Chunk& chunk) { put_tuple(chunk, mesh.texture[i]); });
         file.write(" (\n            interpolation = \"faceVarying\"\n        )\n");
     }
-    write_tail(file, subdivision);
+    if (mesh.material != nullptr)
+        file.write(fmt::format("        rel material:binding = </tree/{}>\n", mesh.material->name));
+    write_tail(file, subdivision,
+               mesh.material != nullptr ? usda_material(mesh.path, *mesh.material) : std::string());
 }
 
 }  // namespace coppice::io_internal

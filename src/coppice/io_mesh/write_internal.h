@@ -1,12 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <vector>
 
 #include "coppice/base/context.h"
 #include "coppice/io/file_up.h"
 #include "coppice/io/item_writer.h"
+#include "coppice/io_mesh/material.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/mesh/texture.h"
 #include "coppice/system/file.h"
@@ -51,9 +53,11 @@ struct MeshView {
     const std::uint32_t* first = nullptr;  ///< offsets of faces of different sizes; null otherwise
     std::size_t face_count = 0;
     std::size_t sides = 0;
-    std::span<const TexturePoint> texture;  ///< one for every corner; may be empty
-    std::span<const Vec3> normals;          ///< one for every vertex, for OBJ; may be empty
-    FileUp up = FileUp::z;                  ///< up axis named by the comments of OBJ and PLY
+    std::span<const TexturePoint> texture;    ///< one for every corner; may be empty
+    const MaterialFiles* material = nullptr;  ///< of meshes with texture; may be null
+    std::filesystem::path path;               ///< of the file, for names relative to it
+    std::span<const Vec3> normals;            ///< one for every vertex, for OBJ; may be empty
+    FileUp up = FileUp::z;                    ///< up axis named by the comments of OBJ and PLY
 };
 
 /// Texture coordinates listed once for every vertex that uses them.
@@ -69,6 +73,9 @@ TextureTable texture_table(const MeshView& mesh);
 /// A mesh with one vertex for every place of its texture, for formats with coordinates by vertex.
 struct SplitMesh {
     explicit SplitMesh(const MeshView& mesh);
+    SplitMesh(const SplitMesh&) = delete;
+    SplitMesh& operator=(const SplitMesh&) = delete;
+    ~SplitMesh() = default;
 
     TextureTable table;
     std::vector<Vec3> positions;

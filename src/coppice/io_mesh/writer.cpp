@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "coppice/io_mesh/material_internal.h"
 #include "coppice/io_mesh/write_internal.h"
 
 namespace coppice {
@@ -77,6 +78,8 @@ void write_view(const std::filesystem::path& path, MeshView mesh, const MeshWrit
                 const Context& ctx) {
     const MeshFormat format = format_for(path, options);
     mesh.texture = options.texture;
+    mesh.path = path;
+    if (!options.texture.empty() && !options.material.empty()) mesh.material = &options.material;
     COPPICE_ASSERT(mesh.texture.empty() || mesh.texture.size() == mesh.first_corner(mesh.face_count));
     std::vector<Vec3> turned, normals;
     if (options.up != FileUp::z && has_no_up(format)) {
@@ -90,6 +93,7 @@ void write_view(const std::filesystem::path& path, MeshView mesh, const MeshWrit
         normals = smooth_normals(mesh);
         mesh.normals = normals;
     }
+    if (mesh.material != nullptr && format == MeshFormat::obj) write_mtl(path, *mesh.material);
     write_whole(path, mesh, ctx, [&](AtomicFile& file) {
         switch (format) {
             case MeshFormat::obj:

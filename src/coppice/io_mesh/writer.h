@@ -7,6 +7,7 @@
 #include "coppice/base/context.h"
 #include "coppice/io/file_up.h"
 #include "coppice/io_mesh/format.h"
+#include "coppice/io_mesh/material.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/mesh/texture.h"
 
@@ -20,6 +21,9 @@ struct MeshWriteOptions {
     /// Texture coordinates, one per corner of the faces; may be empty. OBJ and USDA store them by corner, PLY
     /// and GLB by vertex: vertices on seams are written several times. STL has none.
     std::span<const TexturePoint> texture;
+    /// Images for surfaces with texture coordinates; may be empty. GLB contains them; USDA and the material
+    /// library that is written beside OBJ (.mtl) refer to them; PLY and STL have no materials.
+    MaterialFiles material;
 };
 
 /// Writes a surface atomically (`AtomicFile`).

@@ -1,0 +1,105 @@
+#include "coppice/io_mesh/material.h"
+
+#include <fmt/format.h>
+
+#include <system_error>
+
+#include "coppice/base/error.h"
+#include "coppice/io_mesh/material_internal.h"
+#include "coppice/system/file.h"
+
+namespace coppice {
+namespace io_internal {
+namespace {
+
+// Returns the path of an image as seen from the folder of another file.
+std::string relative_name(const std::filesystem::path& image, const std::filesystem::path& file) {
+    namespace fs = std::filesystem;
+    std::error_code error;
+    const fs::path from = fs::absolute(file, error).parent_path();
+    const fs::path name = fs::absolute(image, error).lexically_relative(from);
+    return name.empty() ? image.generic_string() : name.generic_string();
+}
+
+}  // namespace
+
+std::filesystem::path mtl_path(const std::filesystem::path& obj) {
+    return std::filesystem::path(obj).replace_extension(".mtl");
+}
+
+void write_mtl(const std::filesystem::path& obj, const MaterialFiles& material) {
+    const std::filesystem::path path = mtl_path(obj);
+    std::string text = fmt::format("# Coppice\nnewmtl {}\nKd 1 1 1\nKs 0 0 0\n", material.name);
+    const auto add = [&](std::string_view word, const std::filesystem::path& image) {
+        if (!image.empty()) text += fmt::format("{} {}\n", word, relative_name(image, path));
+    };
+    add("map_Kd", material.color);
+    add("norm", material.normal);
+    add("map_Pr", material.roughness);
+    write_file(path, text);
+}
+
+std::string usda_material(const std::filesystem::path& usda, const MaterialFiles& material) {
+    std::string inputs, images;
+    const auto add = [&](std::string_view name, const std::filesystem::path& image, std::string_view type,
+                         std::string_view output, std::string_view space, std::string_view more) {
+        if (image.empty()) return;
+        inputs += fmt::format("            {0} inputs:{1}.connect = </tree/{2}/{1}.outputs:{3}>\n", type,
+                              name, material.name, output);
+        images += fmt::format(
+            "        def Shader \"{0}\"\n        {{\n            uniform token info:id = \"UsdUVTexture\"\n"
+            "            asset inputs:file = @{1}@\n            token inputs:sourceColorSpace = \"{2}\"\n"
+            "            token inputs:wrapS = \"repeat\"\n            token inputs:wrapT = \"repeat\"\n"
+            "            float2 inputs:st.connect = </tree/{3}/coordinates.outputs:result>\n{4}"
+            "            {5} outputs:{6}\n        }}\n",
+            name, relative_name(image, usda), space, material.name, more,
+            output == "rgb" ? "float3" : "float", output);
+    };
+    add("diffuseColor", material.color, "color3f", "rgb", "sRGB", "");
+    add("normal", material.normal, "normal3f", "rgb", "raw",
+        "            float4 inputs:scale = (2, 2, 2, 1)\n            float4 inputs:bias = (-1, -1, -1, 0)\n");
+    add("roughness", material.roughness, "float", "r", "raw", "");
+    add("occlusion", material.occlusion, "float", "r", "raw", "");
+    return fmt::format(
+        "    def Material \"{0}\"\n    {{\n"
+        "        token outputs:surface.connect = </tree/{0}/surface.outputs:surface>\n"
+        "        def Shader \"surface\"\n        {{\n"
+        "            uniform token info:id = \"UsdPreviewSurface\"\n{1}            token outputs:surface\n"
+        "        }}\n        def Shader \"coordinates\"\n        {{\n"
+        "            uniform token info:id = \"UsdPrimvarReader_float2\"\n"
+        "            string inputs:varname = \"st\"\n            float2 outputs:result\n        }}\n{2}    "
+        "}}\n",
+        material.name, inputs, images);
+}
+
+}  // namespace io_internal
+
+MaterialFiles find_material(const std::filesystem::path& prefix) {
+    namespace fs = std::filesystem;
+    const auto image = [&](std::string_view kind) {
+        return fs::path(fmt::format("{}_{}.png", prefix.string(), kind));
+    };
+    const auto if_there = [&](std::string_view kind) {
+        std::error_code error;
+        const fs::path path = image(kind);
+        return fs::exists(path, error) ? path : fs::path();
+    };
+    MaterialFiles out{.name = prefix.filename().string(),
+                      .color = if_there("color"),
+                      .normal = if_there("normal"),
+                      .roughness = if_there("roughness"),
+                      .occlusion = if_there("occlusion"),
+                      .packed = if_there("orm")};
+    if (out.color.empty())
+        throw IoError(
+            fmt::format("there is no file {}; write the images by coppice texture", image("color").string()));
+    // Names in USD have letters, digits and underscores.
+    for (char& c : out.name) {
+        const bool is_letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+        if (!is_letter && (c < '0' || c > '9')) c = '_';
+    }
+    if (out.name.empty() || (out.name[0] >= '0' && out.name[0] <= '9')) out.name.insert(0, "bark_");
+    return out;
+}
+
+}  // namespace coppice

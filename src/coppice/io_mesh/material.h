@@ -1,0 +1,26 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace coppice {
+
+/// The images of a material for surfaces with texture coordinates; those without a name are left out. All are
+/// PNG or JPEG and repeat.
+struct MaterialFiles {
+    std::string name = "bark";        ///< of the material
+    std::filesystem::path color;      ///< base colour, sRGB
+    std::filesystem::path normal;     ///< normals in tangent space, green up
+    std::filesystem::path roughness;  ///< grey
+    std::filesystem::path occlusion;  ///< grey: 0 = occluded
+    std::filesystem::path packed;     ///< occlusion in red, roughness in green, metallic in blue
+
+    bool empty() const { return color.empty(); }  ///< whether there are no images
+};
+
+/// Returns the images whose names begin with `prefix`, as written by `coppice texture`: PREFIX_color.png,
+/// and, where they exist, PREFIX_normal.png, PREFIX_roughness.png, PREFIX_occlusion.png and PREFIX_orm.png.
+/// The name of the material is the last part of the prefix. Throws IoError if there is no colour.
+MaterialFiles find_material(const std::filesystem::path& prefix);
+
+}  // namespace coppice
