@@ -18,7 +18,7 @@ function tab() {
     };
 }
 
-test("the token is taken out of the address and kept for when the tab is loaded again", () => {
+test("the token is removed from the address and stored for reloads", () => {
     const load = tab();
     assert.deepEqual(load("#token=Ab-_9"), { token: "Ab-_9", firstFile: "", left: "" });
     assert.deepEqual(load(""), { token: "Ab-_9", firstFile: "", left: "" });
@@ -27,14 +27,14 @@ test("the token is taken out of the address and kept for when the tab is loaded 
     assert.equal(tab()("").token, "");
 });
 
-test("the file to begin with is told once", () => {
+test("the initial file is reported once", () => {
     const load = tab();
     assert.deepEqual(load("#token=Ab9&import=some.ply"), { token: "Ab9", firstFile: "some.ply", left: "" });
     assert.deepEqual(load(""), { token: "Ab9", firstFile: "", left: "" });
     assert.deepEqual(load("#import=other.swc"), { token: "Ab9", firstFile: "other.swc", left: "" }, "also without a token");
 });
 
-test("names of files are decoded, whatever is in them", () => {
+test("names of files with any characters are decoded", () => {
     const named = (name: string) => tab()(`#token=a&import=${encodeURIComponent(name)}`).firstFile;
     for (const name of ["a b&c=d#e.ply", "Bäume/Höhe 50%.laz", "token=x.swc"]) {
         assert.equal(named(name), name);

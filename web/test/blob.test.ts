@@ -20,14 +20,14 @@ test("arrays of a blob are views of its bytes", () => {
     assert.equal(arrays.quads.byteOffset - arrays.normal.byteOffset, 8);
 });
 
-test("an array that does not lie in the blob is refused", () => {
+test("an array outside the blob is rejected", () => {
     const buffer = blobOf(kHeader, { position: { data: new Float32Array(6), size: 3 } });
     assert.throws(() => parseGeometry(buffer.slice(0, buffer.byteLength - 4)), BlobError);
     assert.throws(() => parseGeometry(buffer.slice(0, 20)), BlobError);
     assert.throws(() => parseGeometry(new ArrayBuffer(4)), BlobError);
 });
 
-test("bytes that were changed give geometry or an Error, and never read outside", () => {
+test("changed bytes result in geometry or an Error, without reads out of bounds", () => {
     const whole = new Uint8Array(blobOf(kHeader, { position: { data: new Float32Array(30), size: 3 } }));
     fc.assert(
         fc.property(fc.nat(whole.length - 1), fc.nat(255), fc.nat(whole.length), (at, byte, length) => {

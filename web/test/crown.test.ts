@@ -11,7 +11,7 @@ import { framing, outlineLine, outlinePath, pieceAt, toPixel, toPlace, zoomed } 
 import { warpAxis, warpLine, warpOf } from "../src/tools/crown/warp";
 import { controlsOf, documentText, findControls, wordsOf } from "../src/tools/kit/source";
 
-test("primitives stand where they were placed, as large as they were drawn", () => {
+test("primitives have the placed position and the drawn size", () => {
     const at: Point = [1, 2, 0];
     assert.equal(primitiveLine("sphere", "ball", at, 1.234, 2, 0.01), "sphere ball center=1,2,0 radius=1.23");
     assert.equal(primitiveLine("cylinder", "c", at, 1, 4, 0.01), "cylinder c from=1,2,0.1 to=1,2,3.9 skeleton_radius=0.9 radius=0.1");
@@ -20,7 +20,7 @@ test("primitives stand where they were placed, as large as they were drawn", () 
     assert.equal(primitiveLine("cone", "k", at, 1, -2, 0.01), "cone k from=1,2,-1.9 to=1,2,-0.1 from_radius=0.9 radius=0.1");
 });
 
-test("a stroke gathers each solid once", () => {
+test("a stroke selects each solid once", () => {
     const a = { kind: "solid" as const, name: "a" };
     const b = { kind: "solid" as const, name: "b" };
     const tree = { kind: "skeleton" as const, name: "tree" };
@@ -33,7 +33,7 @@ test("a stroke gathers each solid once", () => {
     assert.equal(combineLine("diff", ["a", "b"], "c", 4), "diff a b c");
 });
 
-test("warps follow their handle", () => {
+test("deformations follow their handle", () => {
     const [from, to] = warpAxis([-1, -1, 0, 1, 1, 4], "z");
     assert.deepEqual(
         [from, to],
@@ -51,7 +51,7 @@ test("warps follow their handle", () => {
     assert.equal(warpOf("taper", from, to, [0, 0, 0], 1e6).amount, 100);
 });
 
-test("statements are read as scenes read them", () => {
+test("statements are parsed as in scenes", () => {
     assert.deepEqual(
         wordsOf('profile "vase" 0,0 1,0 closed=false # a vase')?.words.map(({ text }) => text),
         ["profile", "vase", "0,0", "1,0", "false"],
@@ -92,14 +92,14 @@ const state: State = {
     objects: [{ kind: "path", name: "spine", version: 1, statement: 1, bounds: [0, 0, 0, 0, 0, 2], count: 2, unit: "points" }],
 };
 
-test("one statement of a document is written anew, and the others stay where they were", () => {
+test("one statement of a document is replaced, and the others are unchanged", () => {
     assert.equal(findControls(state, { kind: "path", name: "spine" }, ["path"])?.statement, 1);
     assert.equal(findControls(state, { kind: "path", name: "other" }, ["path"]), null);
     assert.equal(documentText(state, -1, ""), "# a crown\n\npath spine 0,0,0 \\\n  0,0,2\n\nsphere s\n");
     assert.equal(documentText(state, 1, "path spine 0,0,0 0,0,3"), "# a crown\n\npath spine 0,0,0 0,0,3\n\nsphere s\n");
 });
 
-test("the plane of a profile", () => {
+test("a profile has a plane with two axes", () => {
     const plane = framing(
         [
             [0, 0],
@@ -156,7 +156,7 @@ test("outlines keep the options that the editor does not show", () => {
     );
 });
 
-test("revolutions, sweeps and skins", () => {
+test("revolutions, sweeps and skins are formatted as statements", () => {
     const loft: Loft = {
         method: "revolve",
         name: "r",

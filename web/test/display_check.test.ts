@@ -6,7 +6,7 @@ import { crossingPlaces, grouped } from "../src/panels/display/figures";
 import type { Kind, SceneObject } from "../src/protocol";
 import { createStore } from "../src/store";
 
-test("figures come in groups, bad ones are marked, and what a check has not is left out", () => {
+test("figures are grouped, bad values are marked, and missing values are omitted", () => {
     const groups = grouped({
         sound: false,
         open_edges: 4,
@@ -31,7 +31,7 @@ test("figures come in groups, bad ones are marked, and what a check has not is l
     assert.equal(rows.length, 8);
 });
 
-test("places of crossings have what the figures tell of them", () => {
+test("places of crossings have the figures of the report", () => {
     const places = crossingPlaces({ crossing_place_1: { pairs: 7, radius: 0.02, x: 1 } }, [
         [1, 2, 3],
         [4, 5, 6],
@@ -46,7 +46,7 @@ function object(kind: Kind, name: string, statement: number): SceneObject {
     return { kind, name, version: 10 + statement, statement, bounds: [0, 0, 0, 1, 1, 1], count: 0, unit: "" };
 }
 
-test("what is checked is what is selected, else the newest mesh, else the newest skeleton", () => {
+test("a check uses the selected object, otherwise the newest mesh, otherwise the newest skeleton", () => {
     const store = createStore();
     const select = (kind: Kind, name: string) => {
         store.selection.value = { object: { kind, name }, nodes: [], extent: "branch" };
@@ -64,7 +64,7 @@ test("what is checked is what is selected, else the newest mesh, else the newest
     assert.equal(checkedObject({ store })?.name, "m");
 });
 
-test("a check is of one state of its object", () => {
+test("a check is valid for one version of its object", () => {
     const tree = object("skeleton", "tree", 1);
     const check = { object: { kind: "skeleton" as const, name: "tree" }, version: 11, good: true, verdict: "", figures: {}, places: [] };
     assert.ok(isOf(check, tree));

@@ -16,7 +16,7 @@ function geometry(arrays: Geometry["arrays"], header: Partial<GeometryHeader> = 
     return { header: full as GeometryHeader, arrays };
 }
 
-test("numbers are short and lengths have the unit that suits them", () => {
+test("numbers are short, and lengths have a suitable unit", () => {
     assert.equal(shortNumber(3.14159), "3.14");
     assert.equal(shortNumber(1200), "1200");
     assert.equal(shortNumber(0.5000001), "0.5");
@@ -32,7 +32,7 @@ test("numbers are short and lengths have the unit that suits them", () => {
     assert.equal(lengthText(0), "0 m");
 });
 
-test("ticks are round, within, and not too many", () => {
+test("ticks are round numbers inside the range, and of limited number", () => {
     assert.deepEqual(ticks(0, 1, 5), [0, 0.2, 0.4, 0.6, 0.8, 1]);
     assert.deepEqual(ticks(0.013, 0.268, 4), [0.1, 0.2]);
     assert.deepEqual(ticks(-0.3, 0.3, 3), [-0.2, 0, 0.2]);
@@ -42,7 +42,7 @@ test("ticks are round, within, and not too many", () => {
     assert.equal(roundBelow(2), 2);
 });
 
-test("a legend names its ends, and between them what has room", () => {
+test("a legend labels its ends, and ticks between them if there is room", () => {
     const named = legendTicks({ low: 0, high: 0.771 });
     assert.deepEqual(
         named.map(({ text }) => text),
@@ -52,7 +52,7 @@ test("a legend names its ends, and between them what has room", () => {
     assert.deepEqual(legendTicks({ low: 2, high: 2 }), [{ at: 0.5, text: "2" }]);
 });
 
-test("colours run from one end of the map to the other, and deviation is even about nothing", () => {
+test("colours cover the whole map, and those of deviations are symmetric about 0", () => {
     assert.deepEqual(colorOf(0), [68, 1, 84]);
     assert.deepEqual(colorOf(2), [253, 231, 37]);
     const [red, , blue] = colorOf(0, "diverging");
@@ -65,7 +65,7 @@ test("colours run from one end of the map to the other, and deviation is even ab
     assert.deepEqual([...colors.subarray(8, 12)], [...colors.subarray(12, 16)]);
 });
 
-test("ranges: of what is there, of shares from 0 to 1, of deviations the same both ways", () => {
+test("ranges cover the values, 0 to 1 for shares, and are symmetric for deviations", () => {
     const value = Float32Array.from({ length: 1000 }, (_, i) => (i === 999 ? 50 : (i % 100) / 1000));
     const deviation = rangeOf(geometry({ value }, { color: "deviation" }), "deviation");
     assert.equal(deviation?.low, -(deviation?.high ?? 0));
@@ -81,7 +81,7 @@ test("ranges: of what is there, of shares from 0 to 1, of deviations the same bo
     assert.deepEqual(union(null, { low: 1, high: 2 }), { low: 1, high: 2 });
 });
 
-test("a line of equal value through a slope is straight", () => {
+test("a contour line of a slope is straight", () => {
     // 3 x 2 samples that increase by 1 with each column: the value 0.5 is at a quarter of the width.
     const ends = isolines({ value: new Float32Array([0, 1, 2, 0, 1, 2]), width: 3, height: 2 }, 0.5);
     assert.equal(ends.length, 4);
@@ -92,7 +92,7 @@ test("a line of equal value through a slope is straight", () => {
     assert.deepEqual(ends.filter((_, i) => i % 2 === 1).sort(), [0, 1]);
 });
 
-test("lines of equal value are closed around a hill", () => {
+test("contour lines of a hill are closed", () => {
     const width = 21;
     const value = Float32Array.from({ length: width * width }, (_, i) => Math.hypot((i % width) - 10, Math.floor(i / width) - 10));
     const ends = isolines({ value, width, height: width }, 6.5);
@@ -107,7 +107,7 @@ test("lines of equal value are closed around a hill", () => {
     assert.deepEqual([...new Set(met.values())], [2]); // each end point belongs to two segments
 });
 
-test("where two hills meet at a corner, the middle says whether they join", () => {
+test("the value at the middle decides if two hills are joined at a corner", () => {
     const apart = isolines({ value: new Float32Array([1, 0, 0, 1]), width: 2, height: 2 }, 0.6);
     const joined = isolines({ value: new Float32Array([1, 0, 0, 1]), width: 2, height: 2 }, 0.4);
     assert.equal(apart.length, 8);
@@ -119,12 +119,12 @@ test("where two hills meet at a corner, the middle says whether they join", () =
     assert.ok(!onMain(joined.slice(0, 4)) && !onMain(joined.slice(4)));
 });
 
-test("lines have round values, and not that of the surface", () => {
+test("contour lines have round values other than that of the surface", () => {
     assert.deepEqual(isoLevels(0, 1, 0.4, 5), [0.2, 0.6, 0.8]);
     assert.deepEqual(isoLevels(0, 1, 0.5, 0), []);
 });
 
-test("planes are placed within what there is, and the slice is of the solid that is selected", () => {
+test("planes are placed inside the objects, and the slice shows the selected solid", () => {
     const bounds = (at: number): [number, number, number, number, number, number] => [at, 0, 0, at + 1, 2, 3];
     assert.deepEqual(extentAlong([{ bounds: bounds(0) }, { bounds: bounds(5) }], "x"), [0, 6]);
     assert.deepEqual(extentAlong([{ bounds: [1, 1, 1, 0, 0, 0] }], "z"), [0, 1]); // empty bounds

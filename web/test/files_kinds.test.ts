@@ -9,7 +9,7 @@ import { contentOf, isTree, offContent, plyContent } from "../src/panels/files/k
 
 const text = (name: string, content: string) => contentOf(name, new Blob([content]));
 
-test("a PLY file says in its header what it holds", () => {
+test("the kind of a PLY file is detected by its header", () => {
     const header = (...elements: string[]) => `ply\nformat ascii 1.0\n${elements.map((one) => `element ${one}\nproperty float x\n`).join("")}end_header\n1 2 3`;
     assert.equal(plyContent(header("vertex 3", "face 1")), "mesh");
     assert.equal(plyContent(header("vertex 3", "edge 2")), "skeleton");
@@ -19,19 +19,19 @@ test("a PLY file says in its header what it holds", () => {
     assert.throws(() => plyContent("solid cube"), /not a PLY/);
 });
 
-test("an OFF file without faces is points", () => {
+test("an OFF file without faces is detected as points", () => {
     assert.equal(offContent("OFF\n# 9 9 9\n3 0 0\n0 0 0"), "points");
     assert.equal(offContent("OFF 8 6 12\n"), "mesh");
 });
 
-test("an OBJ file is a skeleton where its first element is a line, however far down", async () => {
+test("an OBJ file is a skeleton if its first element is a line, at any position", async () => {
     const vertices = "v 0.25 0.125 0.5\n".repeat(400_000); // 6.8 MB: more than one chunk
     assert.equal(await text("a.obj", `${vertices}l 1 2 3\nf 1 2 3\n`), "skeleton");
     assert.equal(await text("a.obj", `${vertices}f 1 2 3\nl 1 2\n`), "mesh");
     assert.equal(await text("a.obj", "# fl \nv 0 0 0\nvn 0 0 1\n"), "mesh");
 });
 
-test("tables of cylinders and of nodes are trees, other numbers are points", () => {
+test("tables of cylinders and nodes are detected as trees, other tables as points", () => {
     assert.ok(isTree("ID,parentID,startX,startY,startZ,endX,endY,endZ,radius\n"));
     assert.ok(isTree("start_x;start_y;start_z;axis_x;axis_y;axis_z;length;radius\n"));
     assert.ok(isTree("# of a scan\nx,y,z,radius,parent_id\n"));
@@ -44,7 +44,7 @@ test("tables of cylinders and of nodes are trees, other numbers are points", () 
     assert.ok(!isTree(""));
 });
 
-test("endings, JSON, and what is not read", async () => {
+test("kinds are detected by endings and JSON fields; other files are rejected", async () => {
     assert.equal(await text("Oak.SWC", "1 1 0 0 0 1 -1"), "skeleton");
     assert.equal(await text("fork.sketch.json", "{}"), "sketch");
     assert.equal(await text("fork.json", '{"format": "coppice-sketch"}'), "sketch");
@@ -57,7 +57,7 @@ test("endings, JSON, and what is not read", async () => {
     await assert.rejects(text("a.swc", ""), /empty/);
 });
 
-test("names of files and of what is made of them", () => {
+test("names of objects are derived from file names", () => {
     assert.equal(endingOf("a/b.c/Fork.Sketch.JSON"), ".sketch.json");
     assert.equal(withEnding("tree", ".coppice"), "tree.coppice");
     assert.equal(withEnding("tree.COPPICE", ".coppice"), "tree.COPPICE");
@@ -94,7 +94,7 @@ const kOthers = new Map([
     ["plantscan3d_A3B4.asc", "points"],
 ]);
 
-test("files as other programs write them", { skip: !kData && "these files do not exist here" }, async () => {
+test("files of other programs are detected", { skip: !kData && "these files do not exist here" }, async () => {
     for (const [folder, content] of Object.entries(kHolds)) {
         const names = await readdir(join(kData ?? "", folder));
         assert.ok(names.length > 0, folder);

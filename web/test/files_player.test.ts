@@ -74,7 +74,7 @@ function playing(): { next(): void } {
     return { next: () => waiting.splice(0).forEach((then) => then()) };
 }
 
-test("the first moment is drawn whole and the next ones are patches of it", async () => {
+test("the first frame is drawn completely, later frames as patches of it", async () => {
     const { player, requests, drawn } = trial();
     player.seek(0.1);
     await idle();
@@ -93,7 +93,7 @@ test("the first moment is drawn whole and the next ones are patches of it", asyn
     assert.equal(drawn[2].arrays.position[0], Math.fround(0.1));
 });
 
-test("a tree that grows is drawn whole each time", async () => {
+test("every frame of a growing tree is drawn completely", async () => {
     const { player, film, drawn } = trial();
     film.value = { ...kFilm, grow: true };
     for (const time of [0.1, 0.2]) {
@@ -106,7 +106,7 @@ test("a tree that grows is drawn whole each time", async () => {
     );
 });
 
-test("a film that plays fetches what comes next, once", async () => {
+test("a playing film requests each following frame once", async () => {
     const { next } = playing();
     const { player, requests } = trial();
     player.seek(0.3);
@@ -123,7 +123,7 @@ test("a film that plays fetches what comes next, once", async () => {
     assert.equal(player.fetched.peek(), 5);
 });
 
-test("a film that plays shows the newest frame that is here", async () => {
+test("a playing film shows the newest available frame", async () => {
     const { next } = playing();
     const { player, film, drawn } = trial(2);
     film.value = { ...kFilm, duration: 9 };
@@ -137,7 +137,7 @@ test("a film that plays shows the newest frame that is here", async () => {
     player.close();
 });
 
-test("another film is fetched anew, the same one is not; a tree that was changed is shown as it is", async () => {
+test("only a different film is requested again; a changed tree is shown at rest", async () => {
     const { player, film, requests, store, settled } = trial();
     player.seek(0.2);
     await idle();
@@ -164,7 +164,7 @@ test("another film is fetched anew, the same one is not; a tree that was changed
     assert.equal(requests.length, 3);
 });
 
-test("what the engine refuses is said, and the tree is shown at rest again", async () => {
+test("an error of the engine is reported, and the tree is shown at rest again", async () => {
     const { player, film, fail, settled } = trial();
     fail("key:2: there is no node 99");
     player.seek(0.2);
@@ -177,7 +177,7 @@ test("what the engine refuses is said, and the tree is shown at rest again", asy
     assert.equal(player.errorText.peek(), "");
 });
 
-test("the eye of a picture is that of the view", () => {
+test("a picture uses the camera position of the view", () => {
     const camera = new THREE.PerspectiveCamera(40, 1.5);
     camera.up.set(0, 0, 1);
     camera.position.set(3, -4, 2);
@@ -192,7 +192,7 @@ test("the eye of a picture is that of the view", () => {
     assert.deepEqual([azimuth, sun_azimuth, Math.round(sun_elevation)], [0, -90, 60]);
 });
 
-test("formats are those that can hold all that was chosen", () => {
+test("only formats that support all chosen contents are offered", () => {
     const endings = (...kinds: Parameters<typeof formatsOf>[0]) => formatsOf(kinds).map(({ id }) => id);
     assert.deepEqual(endings("solid"), endings("skeleton", "mesh"));
     assert.ok(endings("skeleton").includes("skeleton.ply") && endings("skeleton").includes("surface.ply"));

@@ -27,7 +27,7 @@ const keyed: Film = {
     keys: readKeys("0: rest\n\n# up and back\n1.5 out: rotate near(2,0,3) 20 about=side # so far\n.25 : bend 19 20; twist roots 40\n"),
 };
 
-test("keys are read and written as files of them have them", () => {
+test("keys are parsed and formatted as in files", () => {
     assert.deepEqual(
         keyed.keys.map(({ time, easing }) => [time, easing]),
         [
@@ -43,7 +43,7 @@ test("keys are read and written as files of them have them", () => {
     assert.throws(() => readKeys("1 bouncing: rest"), /not a key/);
 });
 
-test("keys have one frame more than the wind, whose end is its beginning", () => {
+test("keys have one frame more than the periodic wind", () => {
     assert.equal(frameCount(keyed), 19); // 1.5 s at 12, and the last frame
     assert.equal(frameCount({ ...keyed, wind: kFirstFilm.wind }), 18);
     assert.equal(frameCount({ ...keyed, grow: true, duration: 2 }), 24);
@@ -54,7 +54,7 @@ test("keys have one frame more than the wind, whose end is its beginning", () =>
     assert.ok(!moves({ ...keyed, keys: [] }) && moves(keyed) && moves(kFirstFilm));
 });
 
-test("keys lie on frames, and no two on one", () => {
+test("keys are on frames, at most one per frame", () => {
     assert.equal(freeTime(keyed, 0.26), 0.333); // 3 of 12 is occupied, 4 is next
     assert.equal(freeTime(keyed, 0.26, keyed.keys[1]), 0.25);
     assert.equal(freeTime(keyed, -3), 0.083);
@@ -73,14 +73,14 @@ test("keys lie on frames, and no two on one", () => {
     assert.deepEqual(withoutKey(more, key).keys, keyed.keys);
 });
 
-test("requests say what moves and nothing else", () => {
+test("requests contain only the chosen motion", () => {
     assert.deepEqual(motionFields(keyed), { name: "oak", keys: keysText(keyed.keys), options: { duration: 1.5, rate: 12 } });
     const grown = motionFields({ ...keyed, grow: true });
     assert.deepEqual(grown, { name: "oak", keys: "", options: { duration: 1.5, rate: 12, grow: true, grow_age: "length", grow_exponent: 2.5 } });
     assert.equal(motionFields({ ...keyed, wind: { ...kCalm, speed: 5 } }).options.wind_speed, 5);
 });
 
-test("the last edit of a skeleton becomes a key where it only moves nodes", () => {
+test("the last edit of a skeleton becomes a key if it only moves nodes", () => {
     const all = (...texts: string[]) => texts.map((text, line) => ({ text, line: line + 1, says: "" }));
     const bend = "edit bend oak subtree(12) 20 about=side  # lift";
     assert.deepEqual(lastEdit(all("loadtree oak oak.swc", bend, "edit bend elm 3 4"), "oak"), { statement: 1, edits: "bend subtree(12) 20 about=side" });

@@ -67,7 +67,7 @@ function points(...at: [number, number, number][]): Geometry {
     return { header, arrays: { position } };
 }
 
-test("a ball counts what lies in it, at the origin of the blob too", () => {
+test("a ball counts the points inside it, also with an origin of the blob", () => {
     const position = [0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 3];
     assert.equal(countWithin(position, [0, 0, 0], [0, 0, 0], 2), 2); // the one at 2 is on it, not inside
     assert.equal(countWithin(position, [0, 0, 0], [0, 0, 0], 2.01), 3);
@@ -75,14 +75,14 @@ test("a ball counts what lies in it, at the origin of the blob too", () => {
     assert.equal(countWithin(position, [10, 0, 0], [0, 0, 0], 1.5), 0);
 });
 
-test("the reach of radii is that at the pointer, or else at the root", () => {
+test("radii are drawn at the pointer, otherwise at the root", () => {
     const values = { root: ["0,0,0,0,0,1"], influence_radius: ["2.5"] };
     const set = points([0, 0, 0.1], [0, 0, 1], [0, 0, 2], [0, 0, 9]);
     assert.deepEqual(reachOf(set, kGrow, values, null), { at: "root", pulling: 3, removed: 1, all: 4 }); // the kill radius is 0.2
     assert.deepEqual(reachOf(set, kGrow, values, [0, 0, 9]), { at: "pointer", pulling: 1, removed: 1, all: 4 });
 });
 
-test("roots are read off their words, and samples are spread", () => {
+test("roots are parsed from words, and samples are distributed evenly", () => {
     assert.deepEqual(rootsOf({ root: ["1,2,3", "4,5,6,0,0,1"] }), [
         [1, 2, 3],
         [4, 5, 6],
@@ -97,7 +97,7 @@ test("roots are read off their words, and samples are spread", () => {
     assert.equal(samplesOf([1, 2, 3], [0, 0, 0], 3).length, 1);
 });
 
-test("radii suit the distance of the points", () => {
+test("radii are proposed from the distance of the points", () => {
     const bounds: SceneObject["bounds"] = [-3, -3, 2, 3, 3, 8];
     const spacing = spacingIn(bounds, 2000);
     assert.ok(Math.abs(spacing - Math.cbrt((Math.PI * 36) / 2000)) < 1e-9); // a ball of radius 3 has 36 pi cubic metres
@@ -110,14 +110,14 @@ test("radii suit the distance of the points", () => {
     assert.deepEqual(rootBelow([1, 2, 4, 3, 4, 6]), [2, 3, 0]);
 });
 
-test("a grown tree gets radii and is smoothed, one by rules keeps its angles", () => {
+test("a grown tree gets radii and is smoothed; a tree by rules keeps its angles", () => {
     assert.deepEqual(finishing(kGrow, { tree: ["oak"], step: ["0.11"] }), ["radii oak tip_radius=0.01", "tidy oak"]);
     const sprout = { ...kGrow, name: "sprout", arguments: [argument("tree"), argument("internode", { default: "0.12" })] };
     assert.deepEqual(finishing(sprout, { tree: ["birch"] }), ["radii birch tip_radius=0.006"]);
     assert.equal(tipRadius(0.22), 0.02);
 });
 
-test("sliders go there and back, by powers of ten where ranges are wide", () => {
+test("slider positions and values are inverse, with a logarithmic scale for wide ranges", () => {
     const share = sliderOf(argument("probability", { low: 0, high: 1 }), 0.5);
     assert.ok(share);
     assert.equal(share.toValue(share.toStep(0.37)), 0.37);
@@ -143,11 +143,11 @@ test("sliders go there and back, by powers of ten where ranges are wide", () => 
     assert.equal(sliderOf(argument("seed", { type: "whole", low: 0, high: 2147483647 }), 1), null);
 });
 
-test("the option that ends growth where it was is taken apart", () => {
+test("the option that stops growth is parsed", () => {
     assert.deepEqual(optionOf("max_iterations=57"), { name: "max_iterations", value: "57" });
 });
 
-test("what grows has pipes that add up from its tips", () => {
+test("radii of growing trees follow the pipe model", () => {
     const kNone = 0xffffffff;
     // A stem of two nodes with two tips: 2 to the power of 1 / 2.5 at the fork and below.
     const radii = pipeRadii(new Uint32Array([kNone, 0, 1, 1]), new Float32Array(4).fill(0.01));
@@ -155,7 +155,7 @@ test("what grows has pipes that add up from its tips", () => {
     [fork, fork, 0.01, 0.01].forEach((radius, n) => assert.ok(Math.abs(radii[n] - radius) < 1e-6, String(n)));
 });
 
-test("files of scans are told by their endings, and how they are loaded beside", () => {
+test("files of scans are detected by their endings and loaded with matching options", () => {
     assert.deepEqual(scansAmong(["a.swc", "b.PLY", "c.laz", "d.branches", "e.glb", "f.xyz"]), ["b.PLY", "c.laz", "e.glb", "f.xyz"]);
     assert.deepEqual(
         loadingCommands("x.ply").map(({ kind }) => kind),
@@ -174,7 +174,7 @@ function state(...texts: string[]): State {
 
 const tree: SceneObject = { kind: "skeleton", name: "tree", version: 1, statement: 3, bounds: [0, 0, 0, 1, 1, 1], count: 9, unit: "nodes" };
 
-test("the statement that made an object is found behind those that changed it", () => {
+test("the statement that created an object is found before those that changed it", () => {
     const document = state("sphere crown", "pointset gen crown uni name=marks", "grow tree marks step=0.2 # slow", "radii tree");
     const creator = creatorOf(document, [kGrow, kGenerate], tree, ["grow", "sprout"]);
     assert.equal(creator?.bound.statement, 2);
@@ -232,7 +232,7 @@ function growCard(app: App, watch?: GrowthWatch): Card {
     return card;
 }
 
-test("a card shows its line, runs it once, and from then on writes it anew", async () => {
+test("a card shows its line, runs it once and then updates it", async () => {
     const { app, requests, store } = pageWith(state("sphere crown", "pointset generate crown"));
     const card = growCard(app);
     card.set("step", ["0.3"], false);
@@ -251,7 +251,7 @@ test("a card shows its line, runs it once, and from then on writes it anew", asy
     assert.equal(store.state.peek().statements[2].text, "grow tree crown");
 });
 
-test("what changes an object stands before what was made of it", async () => {
+test("statements that change an object are placed before those that use it", async () => {
     const { app, requests } = pageWith(state("sphere crown", "pointset generate crown", "grow tree crown"));
     const card = new Card(app, { commands: ["pointset thin"], suggest: () => ({ points: ["crown"], percent: ["50"] }), shows: true });
     card.renew();
@@ -261,7 +261,7 @@ test("what changes an object stands before what was made of it", async () => {
     assert.equal(requests.at(-1), "run pointset thin crown 60 about crown");
 });
 
-test("what others did to a bound statement is read again, and a statement that is gone is let go", () => {
+test("changes of a bound statement are read again, and a removed statement is released", () => {
     const { app, store } = pageWith(state("sphere crown", "pointset generate crown", "grow tree crown step=0.2"));
     store.state.value = { ...store.state.peek(), objects: [{ ...tree, statement: 2 }] };
     const card = growCard(app);
@@ -280,7 +280,7 @@ test("what others did to a bound statement is read again, and a statement that i
     assert.equal(card.bound.peek(), null);
 });
 
-test("growth that is stopped is shown as far as it came, and kept by one option", async () => {
+test("stopped growth is shown, and kept by one option", async () => {
     let stop: (error: Error) => void = () => undefined;
     const { app, requests, store } = pageWith(state("sphere crown", "pointset generate crown"), (text) =>
         text.includes("max_iterations")
@@ -306,7 +306,7 @@ test("growth that is stopped is shown as far as it came, and kept by one option"
     assert.equal(store.keepsGrowthPreview.peek(), false);
 });
 
-test("a newer value ends the growth that runs, and comments stay", async () => {
+test("a newer value stops the running growth, and comments are kept", async () => {
     const ends: ((error: Error) => void)[] = [];
     const { app, requests, store } = pageWith(state("pointset generate crown", "grow tree crown step=0.2 # slow"), (text) =>
         text.includes("step=0.5") ? Promise.resolve() : new Promise<void>((_, reject) => ends.push(reject)),
@@ -327,7 +327,7 @@ test("a newer value ends the growth that runs, and comments stay", async () => {
     assert.equal(requests.filter((one) => one.startsWith("text")).length, 2);
 });
 
-test("growth that was stopped can be thrown away, and what was refused is said", async () => {
+test("stopped growth can be discarded, and rejections are reported", async () => {
     const { app, requests, store } = pageWith(state("sphere crown"), (text) =>
         Promise.reject(text.includes("0.9") ? new EngineError("kill_radius has to be a step at least", "input") : new EngineError("stopped", "cancelled")),
     );
@@ -342,7 +342,7 @@ test("growth that was stopped can be thrown away, and what was refused is said",
     assert.equal(requests.at(-1), "end");
 });
 
-test("of what has grown so far the newest is asked for, and what is gone is no trouble", async () => {
+test("the newest preview of growth is requested, and a missing one is ignored", async () => {
     const requests: string[] = [];
     const engine = { blob: async (key: string) => Promise.reject(new Error(`${requests.push(key)} is gone`)) };
     const turns: (() => void)[] = [];

@@ -17,7 +17,7 @@ function skeleton(position: number[], radius: number[], parent: number[]): Geome
     return { header, arrays: { position: new Float32Array(position), radius: new Float32Array(radius), parent: new Uint32Array(parent) } };
 }
 
-test("a silhouette is seen from the front, upright, and fills its square", () => {
+test("a silhouette is drawn from the front, upright, and fills its square", () => {
     // 2 m up from the origin, then 1 m to +x; y is the line of sight.
     const { strokes } = silhouetteOf(skeleton([0, 5, 0, 0, -5, 2, 1, 3, 2], [0.01, 0.01, 0.01], [kNone, 0, 1]), 108);
     // (108 - 8) / 2 m: 50 px a metre; the width of 50 px is centred, (108 - 50) / 2 = 29, and heights go from 104 up to 4.
@@ -27,7 +27,7 @@ test("a silhouette is seen from the front, upright, and fills its square", () =>
     );
 });
 
-test("thick wood has wide strokes, drawn first", () => {
+test("thick branches have wide strokes and are drawn first", () => {
     const { strokes } = silhouetteOf(skeleton([0, 0, 0, 0, 0, 1, 0, 0, 2], [0.2, 0.2, 0.01], [kNone, 0, 1]), 108);
     assert.equal(strokes.length, 2);
     // 0.4 m at 50 px a metre are 20 px; strokes come in steps of a factor of 1.5, so within a factor of sqrt(1.5).
@@ -35,7 +35,7 @@ test("thick wood has wide strokes, drawn first", () => {
     assert.ok(strokes[0].width > strokes[1].width);
 });
 
-test("steps that nobody sees are joined, and tips are always drawn", () => {
+test("segments below the resolution are joined, and tips are always drawn", () => {
     const count = 1001;
     const position = Array.from({ length: count }, (_, i) => [0, 0, i / 1000]).flat();
     const silhouette = silhouetteOf(
@@ -69,7 +69,7 @@ function branch(number: number, fields: Partial<Branch> = {}): Branch {
     };
 }
 
-test("filters hold together, and orders put the longest first", () => {
+test("filters are combined, and sorting puts the longest branch first", () => {
     const all = [branch(1, { tags: ["oak", "low"] }), branch(2, { tags: ["oak"] }), branch(3, { source: "ash.swc" })];
     const numbers = (filter: Partial<typeof kAll>, order: "number" | "length" | "tips" = "number") =>
         filtered(all, { ...kAll, ...filter }, order).map(({ number }) => number);
@@ -84,7 +84,7 @@ test("filters hold together, and orders put the longest first", () => {
     assert.deepEqual(filterValues(kAll), {});
 });
 
-test("arrow keys stay in the grid", () => {
+test("arrow keys do not leave the grid", () => {
     assert.equal(stepInGrid("ArrowRight", 0, 10, 3), 1);
     assert.equal(stepInGrid("ArrowDown", 1, 10, 3), 4);
     assert.equal(stepInGrid("ArrowUp", 1, 10, 3), 0);
@@ -94,25 +94,25 @@ test("arrow keys stay in the grid", () => {
     assert.equal(stepInGrid("ArrowRight", 0, 0, 3), null);
 });
 
-test("lengths are read by people", () => {
+test("lengths are formatted for readers", () => {
     assert.equal(lengthText(12.345), "12.3 m");
     assert.equal(lengthText(0.456), "46 cm");
 });
 
-test("a graft says no more than it needs", () => {
+test("a graft line has only the necessary options", () => {
     const line = (along: number, roll: number, size: number) => previewLine(graftLine({ file: "my oaks.branches", number: 12 }, "tree", 40, along, roll, size));
     assert.equal(line(1, 0, 1), 'library graft tree "my oaks.branches" 12 40');
     assert.equal(line(0.254, -30, 1.21), 'library graft tree "my oaks.branches" 12 40 along=0.25 roll=-30 scale=1.21');
 });
 
-test("where a segment begins the host is the node before", () => {
+test("a graft at the start of a segment uses its first node as host", () => {
     const tree = new Skeleton([0, 0, 0, 0, 0, 1], [0.1, 0.1], [kNone, 0], [0, 1]);
     assert.deepEqual(hostAt(tree, 1, 0.004), { n: 0, along: 1 });
     assert.deepEqual(hostAt(tree, 1, 0.3), { n: 1, along: 0.3 });
     assert.deepEqual(hostAt(tree, 0, 0), { n: 0, along: 0 }); // a root has no previous node
 });
 
-test("a branch of the library begins behind a fork, wherever it was picked", () => {
+test("a branch of the library begins after a fork, for any picked node", () => {
     // A stem 0-1-2-3 with a lateral 4-5 from node 1.
     const tree = new Skeleton(Array(18).fill(0), Array(6).fill(0.1), [kNone, 0, 1, 2, 1, 4], [0, 1, 2, 3, 4, 5]);
     assert.equal(branchStart(tree, 5), 4);

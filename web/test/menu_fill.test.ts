@@ -31,23 +31,23 @@ function fill(line: string, answers: string[] = [], object = "oak"): string {
     return filled(partsOf(line), { object, answers }, kSchema);
 }
 
-test("the selected object and answers are put into a line; new names are left to the engine", () => {
+test("the selected object and the answers are inserted into a line; the engine chooses new names", () => {
     assert.equal(fill("sphere ${new crown} radius=${ask Radius, 2}", [" 3 "]), "sphere ${new crown} radius=3");
     assert.equal(fill("mesh ${object} ${object}_skin"), "mesh oak oak_skin");
 });
 
-test("expressions of scenes stay, and so does what is escaped", () => {
+test("expressions of scenes and escaped text are not changed", () => {
     const line = "sphere ${crown} radius=${height / 3} # $${object} ${objects} ${asks 1}";
     assert.equal(fill(line), line);
 });
 
-test("answers with blanks are one word where a word is wanted, and numbers stay numbers", () => {
+test("answers with blanks are quoted as one word, and numbers are not quoted", () => {
     assert.equal(fill("save ${object} ${ask File, tree.swc}", ["my tree.swc"]), 'save oak "my tree.swc"');
     assert.equal(fill("translate ${object} ${ask By, 0 0 1}", ["0 0 2"]), "translate oak 0 0 2");
     assert.equal(fill("save ${object} ${ask File, a}", ["${name}.swc"]), "save oak ${name}.swc");
 });
 
-test("what is asked has a label, a proposal, and the argument it is for", () => {
+test("a question has a label, a proposed value and its argument", () => {
     const parts = partsOf("edit bend ${object} ${ask Which nodes, subtree(12)} ${ask Angle, 20}");
     const asks = parts.filter((part) => part.is === "ask");
     assert.deepEqual(
@@ -65,14 +65,14 @@ test("what is asked has a label, a proposal, and the argument it is for", () => 
     assert.deepEqual(partsOf("sphere a radius=${ask Radius}").at(-1), { is: "ask", label: "Radius", value: "" });
 });
 
-test("an item wants an object of the kinds that its command takes", () => {
+test("an item requires an object of a kind that its command accepts", () => {
     assert.deepEqual(requestedKinds(kSchema, "mesh ${object}"), ["skeleton"]);
     assert.equal(requestedKinds(kSchema, "translate ${object} 0 0 1")?.length, 6);
     assert.equal(requestedKinds(kSchema, "no_such_command ${object}")?.length, 6);
     assert.equal(requestedKinds(kSchema, "sphere ${new crown}"), null);
 });
 
-test("answers are looked at before the line runs", () => {
+test("answers are checked before the line runs", () => {
     const objects = [{ kind: "skeleton" as const, name: "oak" }];
     const [, bend] = [kSchema[1], kSchema[4]];
     const wrong = (answer: string, of: Argument | undefined) => answerError(answer, of, objects);
@@ -93,7 +93,7 @@ test("answers are looked at before the line runs", () => {
     assert.match(wrong("2.5", argument("count", "whole")), /whole/);
 });
 
-test("menus come in the order of their first items, without separators that part nothing", () => {
+test("menus are in the order of their first items, without redundant separators", () => {
     const item = (menu: string, label: string, does: MenuItem["does"] = "page"): MenuItem => ({ number: 0, menu, label, does, text: "" });
     const menus = menusOf([
         item("File", "", "separator"),
@@ -113,7 +113,7 @@ test("menus come in the order of their first items, without separators that part
     );
 });
 
-test("settings name a command, an argument and a value", () => {
+test("settings consist of a command, an argument and a value", () => {
     assert.deepEqual(settingOf("grow.kill_radius 0.3"), { key: "grow.kill_radius", value: "0.3" });
     assert.deepEqual(settingOf(" pointset generate.count  500 "), { key: "pointset generate.count", value: "500" });
     assert.equal(settingOf("grow.kill_radius"), null);

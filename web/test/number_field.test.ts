@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { computed, readNumber } from "../src/script/arithmetic";
 
-test("arithmetic is computed", () => {
+test("arithmetic expressions are evaluated", () => {
     const all: [string, number][] = [
         ["2*3", 6],
         ["1.5", 1.5],
@@ -29,7 +29,7 @@ test("arithmetic is computed", () => {
     }
 });
 
-test("what is no number, or none that is taken, is refused in a sentence", () => {
+test("invalid numbers and values out of range are rejected with a message", () => {
     assert.deepEqual(readNumber("2*3"), { value: 6 });
     assert.deepEqual(readNumber("1,5"), { errorText: '"1,5" has a comma; write a decimal point, as in 1.5.' });
     assert.deepEqual(readNumber("1e999"), { errorText: '"1e999" is too large.' });

@@ -56,7 +56,7 @@ function tree(): Sketch {
     return sketch;
 }
 
-test("strokes become branches: of the chosen one where it has none in that view, else of a new one", () => {
+test("strokes are added to the chosen branch if it has none in that view, otherwise to a new branch", () => {
     const sketch = tree();
     assert.deepEqual(
         sketch.branches.map(({ name, parent }) => [name, parent]),
@@ -84,7 +84,7 @@ test("strokes become branches: of the chosen one where it has none in that view,
     );
 });
 
-test("drawn lines keep what they need, with their widths", () => {
+test("drawn lines keep the necessary points with their widths", () => {
     const line = Array.from({ length: 60 }, (_, i) => [i * 5, 100 * Math.sin(i / 20)] as Pixel);
     const stroke = drawnStroke(
         line,
@@ -127,7 +127,7 @@ test("drawn lines keep what they need, with their widths", () => {
     );
 });
 
-test("points are moved, added and taken away; widths go with them", () => {
+test("points are moved, added and removed with their widths", () => {
     assert.deepEqual(movePoint(upright, 1, [1, 2]).points[1], [1, 2]);
     assert.deepEqual(setWidth(upright, 1, 30).widths, [20, 30, 8]);
     const more = insertPoint(upright, 1, [400, 600]);
@@ -149,7 +149,7 @@ test("points are moved, added and taken away; widths go with them", () => {
     assert.equal(widthAt({ points: upright.points, widths: [20, 10] }, 1), 15);
 });
 
-test("branches are renamed, hung elsewhere and deleted", () => {
+test("branches are renamed, moved to another parent and deleted", () => {
     const sketch = tree();
     const named = renameBranch(sketch, "stem", "trunk");
     assert.equal(branchCalled(named, "branch 1")?.parent, "trunk");
@@ -165,7 +165,7 @@ test("branches are renamed, hung elsewhere and deleted", () => {
     );
 });
 
-test("views go with their strokes", () => {
+test("views are removed with their strokes", () => {
     const sketch = tree();
     const named = changeView(sketch, 0, { ...sketch.views[0], name: "north" });
     assert.deepEqual(Object.keys(named.branches[0].strokes).sort(), ["north", "side"]);
@@ -174,7 +174,7 @@ test("views go with their strokes", () => {
     assert.throws(() => readSketch('{"format": "else"}'), /no sketch/);
 });
 
-test("kinds of views have what the engine asks of them", () => {
+test("kinds of views have the fields that the engine requires", () => {
     const view = { ...emptySketch().views[0], image: "a.png" };
     for (const kind of ["drawing", "photograph", "calibrated", "colmap", "turntable"] as const) {
         const changed = ofKind(view, kind);
@@ -196,13 +196,13 @@ test("kinds of views have what the engine asks of them", () => {
     );
 });
 
-test("drawings to scale share their heights", () => {
+test("drawings to scale have a common height", () => {
     const [front, side] = emptySketch().views;
     assert.equal(levelIn(front, { ...side, pixels_per_metre: 50, origin: [100, 400] }, [3, 600]), 350);
     assert.equal(levelIn(front, { ...side, orthographic: "top" }, [3, 600]), null);
 });
 
-test("pictures in panes", () => {
+test("pictures are fitted into panes", () => {
     const screen = fitted(800, 400, 400, 400);
     assert.deepEqual(toScreen(screen, [800, 400]), [400, 300]);
     assert.deepEqual(toPicture(screen, 400, 300), [800, 400]);

@@ -14,7 +14,7 @@ function withObjects(...objects: ObjectName[]) {
     return { ...kEmptyState, objects: objects as SceneObject[] };
 }
 
-test("objects are hidden as long as the one exists that replaces them", () => {
+test("objects are hidden while their replacement exists", () => {
     const store = createStore();
     const hidden = () => [...store.hidden.peek()].sort();
     store.state.value = withObjects(...kParts);
@@ -28,7 +28,7 @@ test("objects are hidden as long as the one exists that replaces them", () => {
     assert.deepEqual(hidden(), ["solid:a", "solid:b"], "redo hides them");
 });
 
-test("what was hidden before stays hidden, and what is hidden in two steps is shown at once", () => {
+test("objects hidden before remain hidden, and objects hidden in two steps are shown together", () => {
     const store = createStore();
     store.state.value = withObjects(...kParts, kWhole);
     store.hidden.value = new Set(["points:p"]);

@@ -37,7 +37,7 @@ function typing(...keys: string[]): TypedInput {
     return typed;
 }
 
-test("numbers have no more digits than the hand has", () => {
+test("numbers are rounded to the precision of the pointer", () => {
     assert.equal(numberWord(1.23456, 0.01), "1.23");
     assert.equal(numberWord(1.5, 0.0001), "1.5");
     assert.equal(numberWord(-0.00001, 0.001), "0");
@@ -47,7 +47,7 @@ test("numbers have no more digits than the hand has", () => {
     assert.ok(Number(sizeWord(1e-6, 0.1)) > 0);
 });
 
-test("words are quoted as scenes read them", () => {
+test("words are quoted according to the syntax of scenes", () => {
     assert.equal(quoted("crown"), "crown");
     assert.equal(quoted("my tree.glb"), '"my tree.glb"');
     assert.equal(quoted("a=b"), '"a=b"');
@@ -56,12 +56,12 @@ test("words are quoted as scenes read them", () => {
     assert.equal(commandLine(["edit", "delete", "tree", "tips & order(1)"], { alone: true, x: undefined }), 'edit delete tree "tips & order(1)" alone=true');
 });
 
-test("selections by ids are short", () => {
+test("selections by ids are written as short ranges", () => {
     assert.equal(idSelection([7]), "7");
     assert.equal(idSelection([5, 3, 4, 9, 9]), "id(3-5,9)");
 });
 
-test("what is typed constrains and counts more than a drag", () => {
+test("typed values constrain the gesture and override the drag", () => {
     assert.deepEqual(typing("x", "2", ".", "5").values(), [2.5]);
     assert.deepEqual(typedShift(typing("z", "2")), [0, 0, 2]);
     assert.deepEqual(typedShift(typing("1", ",", "0", ",", "3", "-")), [1, 0, -3]);
@@ -71,7 +71,7 @@ test("what is typed constrains and counts more than a drag", () => {
     assert.equal(typing("1", "Backspace").values(), null);
 });
 
-test("drags become changes", () => {
+test("drags are converted to changes", () => {
     const reading = (mode: Reading["mode"], typed = new TypedInput(), snap = false): Reading => ({
         mode,
         typed,
@@ -90,7 +90,7 @@ test("drags become changes", () => {
     assert.deepEqual((changeOf(dragged, reading("size", typing("Shift+z", "2"))) as { factors: Point }).factors, [2, 2, 1]);
 });
 
-test("rings turn as they are dragged, seen from their face or from their edge", () => {
+test("rings rotate with the drag, seen from the front or edge-on", () => {
     const into: Point = [0, 1, 0]; // the camera looks along Y from y = -10
     const ray = (x: number, z: number) => ({ origin: [x, -10, z] as Point, direction: into });
     const turn = (axis: Point, from: [number, number], to: [number, number]) => turnAbout(axis, [0, 0, 0], ray(...from), ray(...to), into, 2);
@@ -101,7 +101,7 @@ test("rings turn as they are dragged, seen from their face or from their edge", 
     assert.ok(Math.abs(turn([0, 0, 1], [0, 0], [1, 0]) - (0.5 * 180) / Math.PI) < 1e-9);
 });
 
-test("lines of whole objects say which where a name stands for two", () => {
+test("lines contain the kind of an object if its name is ambiguous", () => {
     const objects = [
         { kind: "solid", name: "a" },
         { kind: "skeleton", name: "a" },
@@ -118,7 +118,7 @@ test("lines of whole objects say which where a name stands for two", () => {
     assert.equal(branchLine("t", "12", true, { mode: "move", by: [1, 0, 0] }, 0.01), "edit move t 12 by=1,0,0");
 });
 
-test("rays meet planes and lines", () => {
+test("rays intersect planes and lines", () => {
     const ray = { origin: [0, -5, 1] as Point, direction: [0, 1, 0] as Point };
     assert.deepEqual(onPlane(ray, [0, 2, 0], [0, 1, 0]), [0, 2, 1]);
     assert.equal(onPlane(ray, [0, 2, 0], [0, 0, 1]), null);
@@ -129,14 +129,14 @@ test("rays meet planes and lines", () => {
     assert.ok(distance(rotated([1, 0, 0], [0, 0, 1], Math.PI / 2), [0, 1, 0]) < 1e-12);
 });
 
-test("steps of snapping are round", () => {
+test("snapping steps are round numbers", () => {
     assert.deepEqual(
         [0.013, 0.2, 0.21, 3, 9].map((least) => Number(roundStep(least).toPrecision(6))),
         [0.02, 0.2, 0.5, 5, 10],
     );
 });
 
-test("an axis bends so that its tip comes to the hand", () => {
+test("an axis bends until its tip is at the pointer", () => {
     const chain: Point[] = Array.from({ length: 12 }, (_, i) => [0, 0.02 * Math.sin(i), i / 4]);
     for (const degrees of [10, 45, 100]) {
         for (const towards of [
@@ -154,7 +154,7 @@ test("an axis bends so that its tip comes to the hand", () => {
     }
 });
 
-test("an axis bends so that what is held of it comes to the hand", () => {
+test("an axis bends until the held node is at the pointer", () => {
     const chain: Point[] = Array.from({ length: 11 }, (_, i) => [0, 0, i / 10]);
     const middle = bentTip(chain, [0, 1, 0], Math.PI / 3, 5);
     const found = bendTo(chain, middle, 5);
@@ -164,7 +164,7 @@ test("an axis bends so that what is held of it comes to the hand", () => {
     assert.deepEqual([leverOf(chain, 1), leverOf(chain, 7)], [3, 7]);
 });
 
-test("extents of selections", () => {
+test("selections have a center and an extent", () => {
     const tree = stem();
     assert.deepEqual(tree.extended(2, "node"), [2]);
     assert.deepEqual(tree.extended(2, "branch"), [0, 1, 2, 3]);
@@ -180,7 +180,7 @@ test("extents of selections", () => {
     assert.ok(Math.abs(tree.lengthFrom(4) - 2 * Math.hypot(1, 0.5)) < 1e-12);
 });
 
-test("keys walk along the tree", () => {
+test("arrow keys move the selection along the tree", () => {
     const tree = stem();
     assert.equal(stepped(tree, 1, "child"), 2);
     assert.equal(stepped(tree, 2, "after"), 4);
@@ -189,7 +189,7 @@ test("keys walk along the tree", () => {
     assert.equal(stepped(tree, 5, "child"), 5);
 });
 
-test("boxes and brushes hold what lies in them", () => {
+test("boxes and brushes select the nodes inside them", () => {
     const tree = stem();
     assert.deepEqual(nodesInBox(tree, [90, -140, 250, -250], fromAbove.toPixels), [4, 5]);
     assert.deepEqual(tree.nearest(150, -175, fromAbove.toPixels)?.node, 5);
@@ -199,7 +199,7 @@ test("boxes and brushes hold what lies in them", () => {
     assert.deepEqual(touched(tree, pixels, 0, -100, 5), [1]);
 });
 
-test("a brush takes tips, and no wood that holds what stays", () => {
+test("a brush removes tips, but no branch that carries remaining nodes", () => {
     const tree = stem();
     assert.deepEqual(prunable(tree, new Set([1])), []);
     assert.deepEqual(prunable(tree, new Set([4, 5])), [4]);
@@ -207,14 +207,14 @@ test("a brush takes tips, and no wood that holds what stays", () => {
     assert.deepEqual(prunable(tree, new Set([0, 1, 2, 3, 4, 5])), [0]);
 });
 
-test("a fast brush leaves nothing out on its way", () => {
+test("a fast brush selects all nodes along its path", () => {
     const places = brushed([0, 0], [100, 0], 24);
     assert.deepEqual(places.at(-1), [100, 0]);
     assert.ok(places.every(([x], i) => x - (i > 0 ? places[i - 1][0] : 0) <= 24));
     assert.deepEqual(brushed([5, 5], [5, 5], 24), [[5, 5]]); // a click paints too
 });
 
-test("a stroke takes the depth of the branches around", () => {
+test("a stroke has the depth of the surrounding branches", () => {
     // The same stem, and a bough 3 m behind it to the right, in the direction of the stroke.
     const position = [0, 0, 0, 0, 0, 1, 0, 0, 2, 3, 3, 2, 4, 3, 2];
     const tree = new Skeleton(position, [0.1, 0.1, 0.1, 0.05, 0.05], [kNone, 0, 1, 2, 3], [0, 1, 2, 3, 4]);
@@ -240,7 +240,7 @@ test("a stroke takes the depth of the branches around", () => {
     );
 });
 
-test("lines keep the points that they need", () => {
+test("simplified lines keep the necessary points", () => {
     const wave: [number, number][] = Array.from({ length: 101 }, (_, i) => [i, 20 * Math.sin(i / 16)]);
     const kept = simplified(wave, 0.5);
     assert.ok(kept.length > 8 && kept.length < 30, String(kept.length));
@@ -260,7 +260,7 @@ test("lines keep the points that they need", () => {
     );
 });
 
-test("places on segments", () => {
+test("closest positions on segments are found", () => {
     const tree = stem();
     assert.equal(alongSegment(tree, 2, [5, 0, 1.25]), 0.25);
     assert.equal(alongSegment(tree, 0, [5, 0, 1.25]), 1);

@@ -67,7 +67,7 @@ for (const colorScheme of ["dark", "light"]) {
             await emptyScene(page);
         });
 
-        test("the page at first, and an error in its scene", async () => {
+        test("the initial page and an error in its scene are accessible", async () => {
             await checkPart("the empty page");
             await typeAtEnd(page, "sphere crown\nscale crwn 2\nsphere other\n");
             await until(page, "the error is reported", () => document.querySelector(".cm-said-error"));
@@ -77,7 +77,7 @@ for (const colorScheme of ["dark", "light"]) {
             await emptyScene(page);
         });
 
-        test("every menu, and the menu of an object", async () => {
+        test("every menu and the menu of an object are accessible", async () => {
             await runLines(page, ...kScene);
             const titles = await page.locator(".menu-title").allTextContents();
             assert.ok(titles.length >= 9, `the menus are ${titles}`);
@@ -180,7 +180,7 @@ for (const colorScheme of ["dark", "light"]) {
             await leave();
         });
 
-        test("every panel, whatever is selected", async () => {
+        test("every panel is accessible for any selection", async () => {
             for (const title of ["Command", "Library", "Composition", "Check", "Display"]) {
                 await openPanel(page, title);
             }
@@ -205,7 +205,7 @@ for (const colorScheme of ["dark", "light"]) {
             await checkPart("the check of a mesh", [".check"]);
         });
 
-        test("forms of commands", async () => {
+        test("forms of commands are accessible", async () => {
             const search = page.getByRole("combobox", { name: "Search commands" });
             for (const command of colorScheme === "dark" ? ["grow", "union", "edit bend", "polygonize", "extract"] : ["edit bend"]) {
                 await search.fill(command);
@@ -236,7 +236,7 @@ const isFocusSeen = () => {
     return width > 0 && height > 0 && outlineStyle !== "none" && Number.parseFloat(outlineWidth) >= 2;
 };
 
-test("Tab goes through the page in its order, is never held, and what has the focus is seen", async () => {
+test("Tab moves through the page in order, is never trapped, and the focus is visible", async () => {
     await emptyScene(page);
     await runLines(page, "sphere crown");
     await page.getByRole("treeitem", { name: /^crown/ }).waitFor();
@@ -259,7 +259,7 @@ test("Tab goes through the page in its order, is never held, and what has the fo
     assert.ok(seen.size > 30, `Tab reached ${seen.size} elements`);
 });
 
-test("where less motion is wished, nothing glides", async () => {
+test("reduced motion disables all transitions", async () => {
     const pitch = await page.evaluate(() => {
         globalThis.coppice.command("look-top");
         return globalThis.coppice.view.rig.pose.pitch;
@@ -276,7 +276,7 @@ test("where less motion is wished, nothing glides", async () => {
     assert.deepEqual(moving, []);
 });
 
-test("a page magnified to 200 % has everything, and nothing to be scrolled sideways", async () => {
+test("a page at 200 % zoom is complete and has no horizontal scrolling", async () => {
     await emptyScene(page);
     await runLines(page, "sphere crown");
     scheme = "dark";

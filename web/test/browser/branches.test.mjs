@@ -46,7 +46,7 @@ async function nodesOf(name) {
 const node = async (id) => (await nodesOf("tree")).find((one) => one.id === id);
 const selected = () => page.evaluate(() => globalThis.coppice.activeTool.run.value.status());
 
-test("branches glow under the pointer and are picked whole, in part, and with all on them", async () => {
+test("branches are highlighted under the pointer and selected as a whole, in part or with descendants", async () => {
     await begin(page, ...kTree);
     const plain = await picture(page);
     await moveTo(page, kOnRight);
@@ -83,7 +83,7 @@ test("branches glow under the pointer and are picked whole, in part, and with al
     await assertNoErrors(page);
 });
 
-test("on the surface that was made of a tree its branches are picked, bent and pruned; undo brings back what was there", async () => {
+test("branches are selected, bent and pruned on the surface of a tree; undo restores them", async () => {
     await begin(page, ...kTree);
     const eye = () => page.evaluate(() => globalThis.coppice.view.rig.pose.eye.toArray());
     const hidden = () => page.evaluate(() => [...globalThis.coppice.store.hidden.value]);
@@ -148,7 +148,7 @@ test("on the surface that was made of a tree its branches are picked, bent and p
     await assertNoErrors(page);
 });
 
-test("a branch bends to the hand, its surface with it, and back by undo", async () => {
+test("a branch and its surface bend to the pointer, and undo reverts it", async () => {
     await begin(page, ...kTree);
     const straight = await picture(page);
     await take(page, "Branches", "Bend");
@@ -172,7 +172,7 @@ test("a branch bends to the hand, its surface with it, and back by undo", async 
     await assertNoErrors(page);
 });
 
-test("a node moves, and as much of its axis follows as the wheel says", async () => {
+test("a node moves with the part of its axis that is set by the wheel", async () => {
     await begin(page, ...kTree);
     await take(page, "Branches", "Reshape");
     await dragIn(page, [kOnRight, [0.9, 0, 2.12]], { during: () => untilFollows(page, "skeleton", "tree") });
@@ -186,7 +186,7 @@ test("a node moves, and as much of its axis follows as the wheel says", async ()
     await assertNoErrors(page);
 });
 
-test("branches move, turn and grow by handles and typed numbers", async () => {
+test("branches are moved, rotated and scaled by handles and typed numbers", async () => {
     await begin(page, ...kTree);
     await select(page, "skeleton", "tree", [19], "subtree");
     await settled(page);
@@ -218,7 +218,7 @@ test("branches move, turn and grow by handles and typed numbers", async () => {
     await assertNoErrors(page);
 });
 
-test("the wheel and a drag sideways make branches thicker and thinner", async () => {
+test("the wheel and a sideways drag change the thickness of branches", async () => {
     await begin(page, ...kTree);
     const before = (await node(20)).radius;
     await take(page, "Branches", "Radius");
@@ -234,7 +234,7 @@ test("the wheel and a drag sideways make branches thicker and thinner", async ()
     await assertNoErrors(page);
 });
 
-test("a branch is drawn from the axis under the pen; beside trees a stem of its own", async () => {
+test("a stroke on an axis draws a branch; elsewhere it draws a stem", async () => {
     await begin(page, ...kTree);
     const before = await picture(page);
     await take(page, "Branches", "Draw");
@@ -264,7 +264,7 @@ test("a branch is drawn from the axis under the pen; beside trees a stem of its 
     await assertNoErrors(page);
 });
 
-test("strokes that end before it is known where they begin become branches, each of them", async () => {
+test("strokes that end before their start is found all become branches", async () => {
     await begin(page, ...kTree);
     await take(page, "Branches", "Draw");
     await page.evaluate(() => (globalThis.coppice.store.hidden.value = new Set(["skeleton:tree"]))); // so that its axes have to be requested
@@ -299,7 +299,7 @@ test("strokes that end before it is known where they begin become branches, each
     await assertNoErrors(page);
 });
 
-test("the prune brush takes the tips that it passes", async () => {
+test("the prune brush removes the tips along its path", async () => {
     await begin(page, ...kTree);
     const whole = await picture(page);
     await take(page, "Branches", "Prune");
@@ -318,7 +318,7 @@ test("the prune brush takes the tips that it passes", async () => {
     await assertNoErrors(page);
 });
 
-test("branches are cut off, detached and moved away, and joined again", async () => {
+test("branches are cut, detached, moved away and joined again", async () => {
     await begin(page, ...kTree);
     await take(page, "Branches", "Cut");
     const whole = await picture(page);
@@ -350,7 +350,7 @@ test("branches are cut off, detached and moved away, and joined again", async ()
     await assertNoErrors(page);
 });
 
-test("branches are mirrored, straightened and smoothed; undo and redo lead through all of it", async () => {
+test("branches are mirrored, straightened and smoothed; undo and redo cover all steps", async () => {
     await begin(page, ...kTree);
     await select(page, "skeleton", "tree", [19], "subtree");
     await settled(page);
@@ -386,7 +386,7 @@ test("branches are mirrored, straightened and smoothed; undo and redo lead throu
     await assertNoErrors(page);
 });
 
-test("a tree of others is worked on like one's own", async () => {
+test("an imported tree is edited like a grown one", async () => {
     await studio.write("oak.swc", await readFile(new URL("../../../examples/oak.swc", import.meta.url)));
     await begin(page, "loadtree tree oak.swc");
     await page.evaluate(() => globalThis.coppice.view.frame());

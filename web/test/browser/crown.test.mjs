@@ -33,7 +33,7 @@ withStudio(async (begun) => {
 
 beforeEach(() => begin(page));
 
-test("every primitive is placed by a drag, and by its fields", async () => {
+test("every primitive is placed by a drag and by its fields", async () => {
     await page.evaluate(() => {
         globalThis.coppice.view.look("top");
         globalThis.coppice.view.frameAround([-0.8, 0, 0], 2);
@@ -92,7 +92,7 @@ const untilBalls = (page, count) =>
         count,
     );
 
-test("each click with Place makes one object, however fast the clicks come and whatever runs", async () => {
+test("each click with Place creates one object, also with fast clicks and running commands", async () => {
     await page.evaluate(() => {
         globalThis.coppice.view.look("top");
         globalThis.coppice.view.frameAround([-0.8, 0, 0], 2);
@@ -126,7 +126,7 @@ test("each click with Place makes one object, however fast the clicks come and w
     await assertNoErrors(page);
 });
 
-test("two pages that place objects at once take nothing from each other", async () => {
+test("two pages that place objects concurrently do not overwrite each other", async () => {
     const other = await openFront(studio);
     try {
         for (const tab of [page, other]) {
@@ -142,7 +142,7 @@ test("two pages that place objects at once take nothing from each other", async 
     await assertNoErrors(page);
 });
 
-test("handles move, turn and size solids; numbers may be typed, Ctrl snaps, Escape takes back", async () => {
+test("handles move, rotate and scale solids, with typed numbers, snapping by Ctrl and cancelling by Escape", async () => {
     await begin(page, "sphere a center=0,0,1.5 radius=0.5");
     await select(page, "solid", "a");
     const start = await picture(page);
@@ -182,7 +182,7 @@ test("handles move, turn and size solids; numbers may be typed, Ctrl snaps, Esca
     await assertNoErrors(page);
 });
 
-test("a stroke across two solids picks them, and a list says what becomes of them", async () => {
+test("a stroke across two solids selects them, and a list sets their operation", async () => {
     await begin(page, "sphere a center=-0.4,0,1.5 radius=0.8", "sphere b center=0.6,0,1.5 radius=0.7");
     const apart = await picture(page);
     await take(page, "Crown", "Combine");
@@ -221,7 +221,7 @@ test("a stroke across two solids picks them, and a list says what becomes of the
     await assertNoErrors(page);
 });
 
-test("handles at their end bend, twist and taper solids", async () => {
+test("handles at the end of a solid bend, twist and taper it", async () => {
     for (const [label, command, way] of [
         ["Bend", "bend", 0.5],
         ["Twist", "twist", 0.5],
@@ -254,7 +254,7 @@ test("handles at their end bend, twist and taper solids", async () => {
     await assertNoErrors(page);
 });
 
-test("a profile is drawn in its plane and revolved; its points are dragged, and the solid follows", async () => {
+test("a profile is drawn in its plane and revolved; dragged points update the solid", async () => {
     await take(page, "Crown", "Profile");
     const plane = page.locator(".plane");
     const box = await plane.boundingBox();
@@ -308,7 +308,7 @@ test("a profile is drawn in its plane and revolved; its points are dragged, and 
     await assertNoErrors(page);
 });
 
-test("a curve is drawn point by point, typed and edited; a sweep and a skin run along it", async () => {
+test("a curve is drawn, typed and edited; a sweep and a skin follow it", async () => {
     await begin(page, "profile round circle=0.2", "profile slim circle=0.1");
     await take(page, "Crown", "Curve");
     await clickAt(page, [0, 0, 0.5]);
@@ -355,7 +355,7 @@ test("a curve is drawn point by point, typed and edited; a sweep and a skin run 
     await assertNoErrors(page);
 });
 
-test("what was placed elsewhere is where hands point", async () => {
+test("a click selects the object at its position, and a click elsewhere deselects", async () => {
     await begin(page, "sphere far center=1.2,0,2.4 radius=0.3");
     const { x, y } = await placeOf(page, [1.2, 0, 2.4]);
     await page.mouse.click(x, y);

@@ -44,7 +44,7 @@ const example = async (name) => ({ name, bytes: await readFile(join(kRoot, "exam
 const documentName = () => page.locator(".document").textContent();
 const untilNamed = (name) => until(page, `the page shows the name "${name}"`, (wanted) => document.querySelector(".document").textContent === wanted, name);
 
-test("a scene is saved, saved under another name, left for a new one, and opened again", async () => {
+test("a scene is saved, saved as another file, replaced by a new one and opened again", async () => {
     await typeAtEnd(page, "sphere crown\n");
     await untilLines(page, ["sphere crown"]);
     assert.equal(await documentName(), "Untitled scene (not saved)");
@@ -82,7 +82,7 @@ test("a scene is saved, saved under another name, left for a new one, and opened
     assert.deepEqual(page.complaints, []);
 });
 
-test("a scene takes the place of another file only where that is wished", async () => {
+test("a scene overwrites another file only after confirmation", async () => {
     await studio.write("there.coppice", "sphere there\n");
     await runLines(page, "sphere mine");
     await page.keyboard.press("Control+Shift+s");
@@ -117,7 +117,7 @@ const kImports = {
     "cloud/itsme_pc_tree.ply": ["points", "itsme_pc_tree"],
 };
 
-test("files of other programs become what they hold when they are dropped", async (context) => {
+test("dropped files of other programs are imported by their contents", async (context) => {
     if (!existsSync(kData)) {
         context.skip("There is no ../shared/data here.");
         return;
@@ -137,7 +137,7 @@ test("files of other programs become what they hold when they are dropped", asyn
     assert.deepEqual(found, []);
 });
 
-test("trees, sketches and scenes of this project are taken by a drop", async () => {
+test("dropped trees, sketches and scenes of this project are opened", async () => {
     await drop(page, await example("oak.swc"));
     await untilObject(page, "skeleton", "oak");
     await settled(page);
@@ -156,7 +156,7 @@ test("trees, sketches and scenes of this project are taken by a drop", async () 
     await page.evaluate(() => globalThis.coppice.engine.cancel());
 });
 
-test("a file that is dropped again is made again, where its bytes are others", async () => {
+test("a file that is dropped again is imported again if its bytes differ", async () => {
     await studio.write("again.swc", "1 1 0 0 0 0.1 -1\n2 1 0 0 1 0.1 1\n");
     await runLines(page, "loadtree again again.swc", "radii again tip_radius=0.02");
     const longer = { name: "again.swc", bytes: Buffer.from("1 1 0 0 0 0.1 -1\n2 1 0 0 1 0.1 1\n3 1 0 0 2 0.1 2\n") };
@@ -174,7 +174,7 @@ test("a file that is dropped again is made again, where its bytes are others", a
     await untilObject(page, "skeleton", "again-2");
 });
 
-test("what cannot be read says why", async () => {
+test("an unreadable file is reported with the reason", async () => {
     await drop(
         page,
         { name: "trees.zip", bytes: Buffer.from("PK") },
@@ -187,7 +187,7 @@ test("what cannot be read says why", async () => {
     assert.deepEqual(await lines(page), []);
 });
 
-test("a skeleton is found in a mesh that is dropped", async () => {
+test("a skeleton is extracted from a dropped mesh", async () => {
     await coppice("mesh", join(kRoot, "examples/fork.swc"), "-o", join(own, "wood.ply"), "--quiet");
     await drop(page, { name: "wood.ply", bytes: await readFile(join(own, "wood.ply")) });
     const question = dialog(page, "How should wood.ply be imported?");
@@ -208,7 +208,7 @@ async function exportAs(format, name) {
     return done;
 }
 
-test("objects are written in every format, and what is written is sound", async () => {
+test("objects are exported in every format, and the files are valid", async () => {
     await studio.write("fork.swc", (await example("fork.swc")).bytes);
     await runLines(page, "loadtree fork fork.swc", "sphere crown", "pointset generate crown count=200");
     await page.getByRole("treeitem", { name: /^fork/ }).click();
@@ -256,7 +256,7 @@ test("objects are written in every format, and what is written is sound", async 
     assert.deepEqual(page.complaints, []);
 });
 
-test("the path tracer draws what is seen in the view", async () => {
+test("the path tracer draws the objects of the view", async () => {
     await studio.write("fork.swc", (await example("fork.swc")).bytes);
     await runLines(page, "loadtree fork fork.swc");
     await chooseItem(page, "File", "Picture…");
@@ -273,7 +273,7 @@ test("the path tracer draws what is seen in the view", async () => {
     assert.ok(new Set(data.filter((_, at) => at % 4 === 0)).size > 20, "the image has many shades");
 });
 
-test("a tree is moved by keys, looked at and written as a film", async () => {
+test("a tree is animated by keys, played and exported as a film", async () => {
     await studio.write("fork.swc", (await example("fork.swc")).bytes);
     await runLines(page, "loadtree fork fork.swc", "edit rotate fork tips 25");
     await chooseItem(page, "File", "Animation…");
@@ -306,7 +306,7 @@ test("a tree is moved by keys, looked at and written as a film", async () => {
     await page.getByRole("tab", { name: "Scene" }).click();
 });
 
-test("the user's own menu runs lines, starts programs after asking, and sets what forms begin with", async () => {
+test("the user menu runs lines, starts programs after confirmation and sets defaults of forms", async () => {
     await untilMessage(page, "mine.menu:6"); // an invalid line is skipped
     await chooseItem(page, "Mine", "Ball of mine");
     await dialog(page, "Ball of mine").getByLabel("Its radius").fill("1.5");

@@ -87,7 +87,7 @@ async function slide(slider, parts) {
     }
 }
 
-test("a crown is filled with points, which follow their settings before these are taken", async () => {
+test("a crown is filled with points, and the preview follows the settings", async () => {
     await begin(page, kCrown);
     await select(page, "solid", "crown");
     const points = step("points");
@@ -116,7 +116,7 @@ test("a crown is filled with points, which follow their settings before these ar
     await assertNoErrors(page);
 });
 
-test("points are made in other ways: other patterns and seeds, over a mesh, thinned, added", async () => {
+test("points are created by patterns and seeds, on a mesh, by thinning and by adding", async () => {
     await begin(page, kCrown, "pointset generate crown count=400");
     await hide("solid:crown");
     await select(page, "points", "crown");
@@ -154,7 +154,7 @@ test("points are made in other ways: other patterns and seeds, over a mesh, thin
     await assertNoErrors(page);
 });
 
-test("a ball removes points or adds some; a tree stands where it is clicked", async () => {
+test("a ball removes or adds points; a click places a tree", async () => {
     await begin(page, kCrown, "pointset generate crown count=800");
     await hide("solid:crown");
     await select(page, "points", "crown");
@@ -189,7 +189,7 @@ test("a ball removes points or adds some; a tree stands where it is clicked", as
 
 const kPoints = [kCrown, "pointset generate crown count=600"];
 
-test("radii are seen as balls, and how many points they hold is told", async () => {
+test("radii are drawn as balls with the number of points inside", async () => {
     await begin(page, ...kPoints);
     await hide("solid:crown");
     await unfold("tree");
@@ -239,7 +239,7 @@ test("radii are seen as balls, and how many points they hold is told", async () 
     await assertNoErrors(page);
 });
 
-test("parameters say what they take, and take nothing else", async () => {
+test("parameters describe their valid values and reject others", async () => {
     await begin(page, ...kPoints);
     await unfold("tree");
     const tree = step("tree");
@@ -284,7 +284,7 @@ test("parameters say what they take, and take nothing else", async () => {
     await assertNoErrors(page);
 });
 
-test("a tree grows, and changes with its seed and its radii", async () => {
+test("a tree grows, and changes with its seed and radii", async () => {
     await begin(page, ...kPoints);
     await page.locator(".step-run", { hasText: "Grow a tree" }).click();
     const first = await lineOf("grow");
@@ -327,7 +327,7 @@ test("a tree grows, and changes with its seed and its radii", async () => {
     await assertNoErrors(page);
 });
 
-test("what grows is seen meanwhile; it is stopped, thrown away or kept as far as it came, and grows on", async () => {
+test("growth is shown during the run; it can be stopped, discarded, kept and continued", async () => {
     const all = ["sphere crown radius=1 center=0,0,2", "pointset generate crown uniform count=300000", "delete crown kind=solid"];
     await begin(page);
     await hide("points:crown");
@@ -412,7 +412,7 @@ async function dragOut(number, point, during) {
     await page.mouse.up();
 }
 
-test("branches are kept in a library with their pictures, and grafted by drag and drop or by keys", async () => {
+test("branches are stored in a library with pictures, and grafted by drag and drop or by keys", async () => {
     await begin(page, ...kTree);
     await openPanel(page, "Library");
     await page.getByLabel("Name of the new library").fill("oaks");
@@ -455,7 +455,7 @@ test("branches are kept in a library with their pictures, and grafted by drag an
     await assertNoErrors(page);
 });
 
-test("other trees are composed of branches: seeds are chosen by their pictures, then what is replaced and how far chance goes", async () => {
+test("trees are composed of branches: seeds are chosen by pictures, then the replaced branches and the variation", async () => {
     await begin(page, ...kTree, "edit draw tree 0,0,2.5 0.4,0,2.8 0.8,0,2.9 radius=0.04");
     await select(page, "skeleton", "tree");
     await openPanel(page, "Composition");

@@ -68,7 +68,7 @@ const untilLast = (line) =>
 
 const goToPicture = () => goTo(/^View of the scene/, "F6", 8);
 
-test("a crown is made by the menu, moved and sized by typed numbers", async () => {
+test("a crown is created by the menu, moved and scaled by typed numbers", async () => {
     await chooseByKeys("Crown", "Ball of 2 m");
     await untilLast("sphere crown radius=2 center=0,0,4");
     await settled(page);
@@ -80,7 +80,7 @@ test("a crown is made by the menu, moved and sized by typed numbers", async () =
     await untilLast("translate crown 0 0 1");
 });
 
-test("points and a tree come of menus and their dialogs", async () => {
+test("points and a tree are created by menus and dialogs", async () => {
     await chooseByKeys("Points", "Fill with points…");
     await goTo(/Number of points/);
     await page.keyboard.type("600");
@@ -96,7 +96,7 @@ test("points and a tree come of menus and their dialogs", async () => {
     await untilLast("radii tree");
 });
 
-test("the tree of objects hides, renames and selects", async () => {
+test("the list of objects hides, renames and selects objects", async () => {
     await goToPicture();
     await press("Shift+F6");
     await goTo("Objects");
@@ -121,7 +121,7 @@ test("the tree of objects hides, renames and selects", async () => {
     await until(page, "the tree is selected", () => globalThis.coppice.store.selection.peek().object?.name === "oak");
 });
 
-test("nodes are walked along, and a branch is thickened by a typed factor", async () => {
+test("nodes are selected by keys, and a branch is thickened by a typed factor", async () => {
     await settled(page);
     await goToPicture();
     await press("]", "]", "]");
@@ -133,7 +133,7 @@ test("nodes are walked along, and a branch is thickened by a typed factor", asyn
     await press("Escape");
 });
 
-test("the scene's text takes a line", async () => {
+test("a line is typed into the text of the scene", async () => {
     for (let n = 0; n < 7 && !(await page.evaluate(() => document.activeElement.closest(".bottom") !== null)); ++n) {
         await press("F6");
     }
@@ -145,7 +145,7 @@ test("the scene's text takes a line", async () => {
     await press("Escape");
 });
 
-test("a form makes the surface", async () => {
+test("a form creates the surface", async () => {
     await press("F6");
     await goTo("Command");
     await press("Enter");
@@ -160,7 +160,7 @@ test("a form makes the surface", async () => {
     await settled(page);
 });
 
-test("the surface is exported, and is sound", async () => {
+test("the exported surface is sound", async () => {
     await press("Control+e");
     await goTo("Format");
     await goTo("File in the folder");

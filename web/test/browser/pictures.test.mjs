@@ -143,7 +143,7 @@ function assertAlong(mask, lines, { reach, share, label }) {
     assert.ok(astray <= 0.005 * count(mask), `${label}: ${astray} pixels of ${count(mask)} are drawn elsewhere`);
 }
 
-test("the silhouette of a ball is a disc, as large and where it should be, with and without perspective", async () => {
+test("the silhouette of a ball is a disc of correct size and position, with and without perspective", async () => {
     await runLines(page, kBall);
     for (const parallel of [true, false]) {
         await display({ parallel });
@@ -205,7 +205,7 @@ async function valuesSeen(kind) {
     }, kind);
 }
 
-test("colours by radius, order and deviation are those of the legend", async () => {
+test("colours by radius, order and deviation match the legend", async () => {
     await runLines(page, ...kTree);
     for (const [color, lowest, highest, most] of [
         ["radius", 0.03, 0.19, 25],
@@ -247,7 +247,7 @@ async function edgesOf(kind, name, slot) {
     return edges.map((ends) => ends.map(([x, y]) => [x, y]));
 }
 
-test("wireframe, cage, bones and points are drawn where they lie and nowhere else", async () => {
+test("wireframe, cage, bones and points are drawn only at their positions", async () => {
     // A square of three by three faces with all edges visible.
     const corners = Array.from({ length: 16 }, (_, i) => `v ${i % 4} 0 ${Math.floor(i / 4)}`);
     const faces = Array.from({ length: 9 }, (_, i) => i + Math.floor(i / 3) + 1).map((a) => `f ${a} ${a + 1} ${a + 5} ${a + 4}`);
@@ -289,7 +289,7 @@ test("wireframe, cage, bones and points are drawn where they lie and nowhere els
     await assertNoErrors(page);
 });
 
-test("the field of a ball lies in its plane, and its surface is the circle in it", async () => {
+test("the field of a ball is drawn in the plane, with a circle at its surface", async () => {
     await runLines(page, kBall);
     await hide((name) => name);
     const empty = await drawn();
@@ -322,7 +322,7 @@ test("the field of a ball lies in its plane, and its surface is the circle in it
     await assertNoErrors(page);
 });
 
-test("a section takes away what lies on its one side, and nothing on the other", async () => {
+test("a section hides one side of its plane only", async () => {
     await runLines(page, kBall);
     const whole = await drawn();
     const empty = await drawnEmpty();
@@ -362,7 +362,7 @@ test("a section takes away what lies on its one side, and nothing on the other",
     await assertNoErrors(page);
 });
 
-test("the path tracer and the view cover the same pixels with a mesh", async () => {
+test("the path tracer and the view draw a mesh at the same pixels", async () => {
     await runLines(page, ...kTree, "mesh tree levels=1");
     await hide((name) => (name.startsWith("mesh") ? null : name));
     const { width, height } = await drawn();
@@ -411,7 +411,7 @@ async function withoutMesh() {
     return empty;
 }
 
-test("dark and light themes draw the same things before another sky", async () => {
+test("dark and light themes draw the same objects with a different background", async () => {
     await runLines(page, ...kTree);
     const masks = [];
     const skies = [];
@@ -430,7 +430,7 @@ test("dark and light themes draw the same things before another sky", async () =
     await assertNoErrors(page);
 });
 
-test("a picture that the graphics card has lost is told of, and drawn again when it is back", async () => {
+test("a lost WebGL context is reported, and the picture is drawn again after its restoration", async () => {
     await runLines(page, ...kTree);
     const before = await drawn();
     const lost = page.getByRole("alert").filter({ hasText: "has lost the GPU" });
@@ -449,7 +449,7 @@ test("a picture that the graphics card has lost is told of, and drawn again when
     await assertNoErrors(page);
 });
 
-test("a browser without WebGL is told so", async () => {
+test("a browser without WebGL shows an error", async () => {
     const context = await page.context().browser().newContext();
     const other = await context.newPage();
     await other.addInitScript(() => {
@@ -460,7 +460,7 @@ test("a browser without WebGL is told so", async () => {
     await context.close();
 });
 
-test("a mesh too slow to be moved is drawn when its skeleton is hidden meanwhile", async () => {
+test("a mesh too slow for a preview is drawn after its skeleton was hidden", async () => {
     await runLines(page, ...kTree, "mesh tree levels=6");
     const isMeshSeen = () => page.evaluate(() => globalThis.coppice.view.objects.shown({ kind: "mesh", name: "tree" }).surface.group.visible);
     await until(

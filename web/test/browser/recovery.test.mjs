@@ -89,7 +89,7 @@ async function cut(cable) {
     cable.eats = () => false;
 }
 
-test("the file that the studio is started on is taken in once", async () => {
+test("the file given at the start of the studio is imported once", async () => {
     const folder = await mkdtemp(join(tmpdir(), "coppice first "));
     await writeFile(join(folder, "my tree.swc"), "1 1 0 0 0 0.1 -1\n2 1 0 0 1 0.1 1\n");
     await writeFile(join(folder, "film.mov"), "x");
@@ -113,7 +113,7 @@ test("the file that the studio is started on is taken in once", async () => {
     await rm(folder, { recursive: true });
 });
 
-test("a studio that is killed has everything again when it starts anew", async () => {
+test("a killed studio restores everything after a restart", async () => {
     await emptyScene(page);
     await typeAtEnd(page, "sphere crown\nscale crown 2\n");
     await untilLines(page, ["sphere crown", "scale crown 2"]);
@@ -157,7 +157,7 @@ test("a studio that is killed has everything again when it starts anew", async (
     page = last;
 });
 
-test("a tab that crashes, and one that is closed, find all as it was", async () => {
+test("a crashed tab and a closed tab restore their state", async () => {
     await emptyScene(page);
     await runLines(page, "sphere crown", "scale crown 2");
     const crashing = await page.context().newPage();
@@ -185,7 +185,7 @@ test("a tab that crashes, and one that is closed, find all as it was", async () 
     assert.match(await editorText(page), /^translate cr$/m, "an incomplete typed line is restored");
 });
 
-test("what was asked while a connection went is done once", async () => {
+test("a request during a lost connection is executed once", async () => {
     await emptyScene(page);
     await runLines(page, "sphere crown");
     const { on, cable } = await openOnCable(page.context());
@@ -224,7 +224,7 @@ test("what was asked while a connection went is done once", async () => {
     await on.close();
 });
 
-test("what runs goes on while a tab is away, which can stop it when it is back", async () => {
+test("a command continues while a tab is closed, and the reopened tab can stop it", async () => {
     await emptyScene(page);
     await runLines(page, "sphere crown radius=3 center=0,0,3", "pointset generate crown count=20000", "delete crown kind=solid");
     const { on, cable } = await openOnCable(page.context());
@@ -242,7 +242,7 @@ test("what runs goes on while a tab is away, which can stop it when it is back",
     await on.close();
 });
 
-test("two tabs see the same scene, and each may take back what the other did", async () => {
+test("two tabs show the same scene, and each can undo changes of the other", async () => {
     await emptyScene(page);
     const other = await openTab();
     await runLines(page, "sphere mine", "scale mine 2");

@@ -23,7 +23,7 @@ async function write(...all) {
     await settled(page);
 }
 
-test("lines that are typed run when the hands rest; what they make is listed and drawn", async () => {
+test("typed lines run after a pause; their objects are listed and drawn", async () => {
     await typeAtEnd(page, "sphere crown\nscale crown 2 2 3\n");
     await untilLines(page, ["sphere crown", "scale crown 2 2 3"]);
     await settled(page);
@@ -38,7 +38,7 @@ async function acceptCompletion() {
     await page.keyboard.press("Enter");
 }
 
-test("completion offers commands and options, and Enter takes one", async () => {
+test("completion offers commands and options, and Enter accepts one", async () => {
     await typeAtEnd(page, "sph");
     const offers = page.getByRole("listbox", { name: /completion/i });
     await offers.waitFor();
@@ -53,7 +53,7 @@ test("completion offers commands and options, and Enter takes one", async () => 
     await untilLines(page, ["sphere crown radius=2"]);
 });
 
-test("what is wrong is said at its line, and is gone when it is mended", async () => {
+test("an error is shown at its line and removed after the correction", async () => {
     await typeAtEnd(page, "sphere crown\nscale crwn 2\nsphere other");
     await page.keyboard.press("Control+Enter");
     await until(page, "line 2 fails", () => globalThis.coppice.store.state.peek().error?.line === 2);
@@ -70,13 +70,13 @@ test("what is wrong is said at its line, and is gone when it is mended", async (
     await until(page, "the error is removed", () => globalThis.coppice.store.state.peek().error === null && !document.querySelector(".cm-said-error"));
 });
 
-test("a block that fails says so at the line within it", async () => {
+test("the error of a block is shown at its line in the block", async () => {
     await typeAtEnd(page, "for i in 1..3\nsphere ball${i} center=${i},0,0\nscale bal${i} 2\nend\n");
     await until(page, "line 3 fails", () => globalThis.coppice.store.state.peek().error?.line === 3);
     await until(page, "it is reported there", () => /^ *scale bal.*bal1/.test(document.querySelector(".cm-line:has(.cm-said-error)")?.textContent ?? ""));
 });
 
-test("the scene goes back to the line of the cursor, and forth again", async () => {
+test("the scene goes back to the line of the cursor, and forward again", async () => {
     await write("sphere crown", "scale crown 2", "translate crown 0 0 4");
     await page.locator(".cm-line").nth(0).click();
     await page.getByRole("button", { name: "Run to cursor" }).click();
@@ -88,7 +88,7 @@ test("the scene goes back to the line of the cursor, and forth again", async () 
     await until(page, "two lines have run", () => globalThis.coppice.store.state.peek().ran === 2);
 });
 
-test("a click in the picture selects an object and shows its line; a line selects what it made", async () => {
+test("a click in the view selects an object and shows its line; a line selects its object", async () => {
     await write("sphere crown", "sphere other center=5,0,0", "translate crown 0 0 1");
     const place = await placeOf(page, [0, 0, 1]);
     await page.mouse.click(place.x, place.y);
@@ -99,7 +99,7 @@ test("a click in the picture selects an object and shows its line; a line select
     await untilSelected(page, "solid", "other");
 });
 
-test("a parameter follows its slider, and one undo takes the drag back", async () => {
+test("a parameter follows its slider, and one undo reverts the drag", async () => {
     await write("sphere crown", "translate crown 0 0 2");
     await page.getByRole("treeitem", { name: /^crown/ }).click();
     await page.getByLabel("Step").selectOption({ label: "1. sphere crown" });
@@ -123,7 +123,7 @@ test("a parameter follows its slider, and one undo takes the drag back", async (
     await untilLines(page, ["sphere crown", "translate crown 0 0 2"]);
 });
 
-test("the numbers of a point are computed one by one, or refused with the old ones kept", async () => {
+test("expressions for coordinates are evaluated separately; invalid ones keep the old values", async () => {
     await write("sphere crown center=1,2,3");
     await page.getByRole("treeitem", { name: /^crown/ }).click();
     const center = page.getByRole("group", { name: "Center [m]" });
@@ -149,7 +149,7 @@ test("the numbers of a point are computed one by one, or refused with the old on
     await untilLines(page, ["sphere crown center=1,6,4"]);
 });
 
-test("another name goes through the whole scene", async () => {
+test("a new name is applied to the whole scene", async () => {
     await write("sphere crown", "scale crown 2", "pointset generate crown count=100", "delete crown kind=solid", "# crown is gone");
     await page.getByRole("treeitem", { name: /^crown/ }).click();
     await page.keyboard.press("F2");
@@ -164,7 +164,7 @@ test("another name goes through the whole scene", async () => {
     await until(page, "undo restores the name", () => globalThis.coppice.store.state.peek().statements[0].text === "sphere crown");
 });
 
-test("undo, redo and the history go to where the scene was", async () => {
+test("undo, redo and the history restore earlier versions of the scene", async () => {
     for (const line of ["sphere a", "sphere b center=3,0,0", "sphere c center=6,0,0"]) {
         await page.evaluate((text) => globalThis.coppice.engine.run(text), line);
     }
@@ -184,7 +184,7 @@ test("undo, redo and the history go to where the scene was", async () => {
     await until(page, "a new change ends redo", () => document.querySelector("[aria-label=Redo]").disabled);
 });
 
-test("two tabs that write in different lines both have all of it", async () => {
+test("two tabs that edit different lines both get all changes", async () => {
     await write("sphere crown", "scale crown 2");
     const other = await openPage(studio);
     await typeAtEnd(page, " ".repeat(1)); // a user is typing in this tab, too
@@ -200,7 +200,7 @@ test("two tabs that write in different lines both have all of it", async () => {
     await other.context().close();
 });
 
-test("two tabs that write in the same line are asked whose it shall be", async () => {
+test("two tabs that edit the same line must choose one version", async () => {
     await write("sphere crown", "scale crown 2");
     const other = await openPage(studio);
     await page.locator(".cm-line").nth(0).click();

@@ -212,7 +212,7 @@ async function putIntoScene() {
     assert.equal(await page.locator(".sketch-pane").count(), 0);
 }
 
-test("a fork is drawn over two photographs and stands beside them at once", async () => {
+test("a fork is drawn over two photographs and reconstructed immediately", async () => {
     await takeSketch();
     for (const view of kViews) {
         const at = await openView(view);
@@ -256,7 +256,7 @@ test("a fork is drawn over two photographs and stands beside them at once", asyn
     await assertNoErrors(page);
 });
 
-test("a stroke of a tree that is in the scene is changed, and what was made of it follows", async () => {
+test("a changed stroke updates the tree of the scene and the objects made of it", async () => {
     await take(page, "Branches", "Sketch");
     await field(page, "Open").selectOption("fork.sketch.json");
     await untilHeight(2.6, "the sketch is opened");
@@ -288,7 +288,7 @@ test("a stroke of a tree that is in the scene is changed, and what was made of i
     await assertNoErrors(page);
 });
 
-test("calibrated cameras show where a point of one picture lies in the other, and silhouettes propose strokes", async () => {
+test("calibrated cameras show the epipolar line of a point, and silhouettes propose strokes", async () => {
     await takeSketch();
     for (const view of kViews) {
         const at = await openView(view);
@@ -326,7 +326,7 @@ test("calibrated cameras show where a point of one picture lies in the other, an
     await assertNoErrors(page);
 });
 
-test("strokes are drawn by keys as well", async () => {
+test("strokes are drawn with the keyboard", async () => {
     await takeSketch();
     for (const view of kViews) {
         await pane(view).focus();

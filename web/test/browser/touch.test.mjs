@@ -56,7 +56,7 @@ function nearPlace(found, wanted, label) {
     near([found.x, found.y], [wanted.x, wanted.y], 3, label);
 }
 
-test("one finger turns the picture, two move and near it", async () => {
+test("one finger rotates the view, two fingers pan and zoom it", async () => {
     await begin(page, ...kTree);
     const before = await pose();
     const { x, y } = await placeOf(page, [0.5, 0, 0.6]); // away from the tree
@@ -95,7 +95,7 @@ test("one finger turns the picture, two move and near it", async () => {
     await assertNoErrors(page);
 });
 
-test("a tap picks, a long press shows what is there, and a tap beside everything puts it down", async () => {
+test("a tap selects, a long press shows the object, and a tap on the background deselects", async () => {
     await begin(page, ...kTree);
     await tapIn(kOnRight);
     assert.deepEqual(await selection(page), { object: { kind: "skeleton", name: "tree" }, nodes: [20], extent: "branch" });
@@ -108,7 +108,7 @@ test("a tap picks, a long press shows what is there, and a tap beside everything
     await assertNoErrors(page);
 });
 
-test("solids are placed and moved by a finger, and taken back by the button above", async () => {
+test("solids are placed and moved by a finger, and undone by the button", async () => {
     await begin(page);
     await page.evaluate(() => globalThis.coppice.view.look("top"));
     await take("Crown", "Place");
@@ -147,7 +147,7 @@ test("solids are placed and moved by a finger, and taken back by the button abov
     await assertNoErrors(page);
 });
 
-test("branches are bent and drawn by a finger; a second one moves the picture instead", async () => {
+test("branches are bent and drawn by a finger; a second finger pans the view instead", async () => {
     await begin(page, ...kTree);
     await take("Branches", "Bend");
     await dragIn([kOnRight, [0.9, 0, 1.32]], { during: () => untilFollows(page, "skeleton", "tree", "the surface follows the finger") });
@@ -182,7 +182,7 @@ test("branches are bent and drawn by a finger; a second one moves the picture in
     await assertNoErrors(page);
 });
 
-test("handles of a section, menus and lists work by taps", async () => {
+test("handles of a section, menus and lists respond to taps", async () => {
     await begin(page, "sphere crown radius=0.8 center=0,0,1.5");
     await page.locator(".menu-title", { hasText: /^Crown$/ }).tap();
     await page.locator(".menu-item", { hasText: "Ball of 2 m" }).tap();

@@ -105,10 +105,10 @@ async function runWorkflow(input) {
     return page.evaluate(() => [...new Set(globalThis.used)]);
 }
 
-test("by mouse alone", async () => {
+test("the workflow is possible with the mouse only", async () => {
     assert.deepEqual(await runWorkflow(kMouse), ["mouse"]);
 });
 
-test("by touch alone", async () => {
+test("the workflow is possible by touch only", async () => {
     assert.deepEqual(await runWorkflow(kTouch), ["touch"]);
 });

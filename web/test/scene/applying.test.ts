@@ -62,7 +62,7 @@ class Desk {
     }
 }
 
-test("what was typed is there again when the page is loaded anew, and takes in what was changed since", () => {
+test("typed text is restored after a reload and merged with later changes", () => {
     const kept = new Map<string, string>();
     const storage = {
         getItem: (key: string) => kept.get(key) ?? null,
@@ -83,7 +83,7 @@ test("what was typed is there again when the page is loaded anew, and takes in w
     Object.assign(globalThis, { sessionStorage: undefined });
 });
 
-test("what is typed becomes the document, once", async () => {
+test("typed text is applied to the document once", async () => {
     const desk = new Desk("sphere a\n");
     assert.equal(desk.typed, "sphere a\n");
     desk.typed = "sphere a\nsphere b";
@@ -97,7 +97,7 @@ test("what is typed becomes the document, once", async () => {
     assert.equal(desk.kind, "same");
 });
 
-test("a gesture that comes first is kept, and so is what was typed", async () => {
+test("an earlier gesture and the typed text are both kept", async () => {
     const desk = new Desk("sphere a\nsphere b\n");
     desk.typed = "sphere a\nsphere b radius=2\n";
     desk.before = () => desk.publish("sphere a\nscale a 2\nsphere b\n", "me");
@@ -109,7 +109,7 @@ test("a gesture that comes first is kept, and so is what was typed", async () =>
     assert.equal(desk.document, "sphere a\nscale a 2\nsphere b radius=2\n");
 });
 
-test("in a conflict nothing is applied until one side is chosen", async () => {
+test("a conflict blocks applying until one side is chosen", async () => {
     const desk = new Desk("sphere a\n");
     desk.typed = "sphere a radius=2\n";
     desk.publish("sphere a law=soft\n", "other");
@@ -131,7 +131,7 @@ test("in a conflict nothing is applied until one side is chosen", async () => {
     assert.equal(other.requests.length, 0);
 });
 
-test("a newer text stops what it changes, and waits for what it does not", async () => {
+test("a newer text cancels changed statements and waits for unchanged ones", async () => {
     const desk = new Desk("sphere a\n");
     let release = () => {};
     desk.hold = new Promise<void>((resolve) => {
@@ -155,7 +155,7 @@ test("a newer text stops what it changes, and waits for what it does not", async
     assert.equal(desk.document, "sphere a\ngrow t a step=2\nmesh t levels=1\n");
 });
 
-test("what is refused stays typed, and why is said once", async () => {
+test("a rejected text remains in the editor, and its error is reported once", async () => {
     const desk = new Desk("sphere a\n");
     desk.typed = "sphere a\nsphere b\n";
     desk.refuse = new EngineError("the text has more than 100000 lines", "input");

@@ -22,7 +22,7 @@ function begun(text: string): Sync {
     return sync;
 }
 
-test("what others do to the document is taken into what is typed", () => {
+test("changes by other clients are merged into the typed text", () => {
     const sync = begun("sphere a\nsphere b\n");
     assert.equal(sync.receive("sphere a\nscale a 2\nsphere b\n", "sphere a\nsphere b\n"), "sphere a\nscale a 2\nsphere b\n");
     const mine = "sphere a\nscale a 2\nsphere b radius=3";
@@ -35,12 +35,12 @@ test("what others do to the document is taken into what is typed", () => {
     assert.equal(sync.isTyped(both), false);
 });
 
-test("a line at the end, typed and by hand at once, is no conflict", () => {
+test("lines that are typed and added by a gesture at the end do not conflict", () => {
     const sync = begun("sphere a\n");
     assert.equal(sync.receive("sphere a\nscale a 2\n", "sphere a\nsphere b"), "sphere a\nscale a 2\nsphere b\n");
 });
 
-test("where both changed a line, what was typed stays until one is chosen", () => {
+test("a line changed on both sides keeps the typed text until one side is chosen", () => {
     const mine = "sphere a radius=2\nsphere b\nsphere d\n";
     const theirs = "sphere a radius=3\nsphere b\nsphere c\n";
     const sync = begun("sphere a\nsphere b\nsphere c\n");
@@ -62,7 +62,7 @@ test("where both changed a line, what was typed stays until one is chosen", () =
     assert.equal(undone.theirs, null);
 });
 
-test("what is typed while the text before it is being applied comes once", () => {
+test("text typed while an earlier text is applied is inserted once", () => {
     const sync = begun("sphere a\n");
     sync.sent = "sphere a\ngrow t a\n";
     assert.equal(sync.receive("sphere a\ngrow t a\n", "sphere a\ngrow t a step=2"), "sphere a\ngrow t a step=2");
@@ -70,7 +70,7 @@ test("what is typed while the text before it is being applied comes once", () =>
     assert.equal(sync.isTyped("sphere a\ngrow t a step=2"), true);
 });
 
-test("line ends of another kind are no change", () => {
+test("different line ends are not a change", () => {
     const sync = begun("sphere a\r\nsphere b\r\n");
     assert.equal(sync.isTyped("sphere a\nsphere b"), false);
     assert.equal(normal(""), "");
@@ -79,7 +79,7 @@ test("line ends of another kind are no change", () => {
 
 const text = fc.array(fc.constantFrom("a", "b", "c", "d", ""), { maxLength: 8 }).map((lines) => lines.join("\n"));
 
-test("changes of a text are found and made again", () => {
+test("the difference of two texts is found and can be applied", () => {
     fc.assert(
         fc.property(text, text, (a, b) => {
             const lines = a.split("\n");
@@ -96,7 +96,7 @@ test("changes of a text are found and made again", () => {
     );
 });
 
-test("cursors in lines that stay are where they were", () => {
+test("cursors in unchanged lines keep their positions", () => {
     const before = "sphere a\nscale a 2 center=\nsphere b"; // no line end after the last line
     const after = "sphere a radius=2\nscale a 2 center=\nsphere b\n";
     const at = before.indexOf("=") + 1;
@@ -106,12 +106,12 @@ test("cursors in lines that stay are where they were", () => {
     assert.equal(state.selection.main.head, at + " radius=2".length);
 });
 
-test("an empty line and no line are different changes", () => {
+test("an empty line and a removed line are different changes", () => {
     assert.equal(merged("d\na", "d\n", "d"), null);
     assert.equal(merged("d\na", "d\n", "d", "mine"), "d\n");
 });
 
-test("of two changes none is lost", () => {
+test("two concurrent changes are both kept", () => {
     fc.assert(
         fc.property(text, text, text, (base, mine, theirs) => {
             assert.equal(merged(base, base, theirs), theirs);
@@ -129,7 +129,7 @@ test("of two changes none is lost", () => {
     );
 });
 
-test("statements are marked by what became of them", () => {
+test("statements are marked with their status", () => {
     const state = {
         ...stateOf("sphere a\nscale a 2\nsphere b\nunion a b c\n", [
             ["solid:a", 1],
@@ -153,7 +153,7 @@ test("statements are marked by what became of them", () => {
     assert.equal(marksOf({ ...state, ran: 2 }, schema, null, null)[3].status, "waits");
 });
 
-test("errors in blocks stand at their own line", () => {
+test("errors in blocks are shown at their own line", () => {
     const state = stateOf("sphere a\nrepeat 2\n  scale b 2\nend\n");
     const failed = { ...state, ran: 1, error: { statement: 1, line: 2, message: "my scene.coppice:3: there is no solid 'b'" } };
     assert.deepEqual(placed(failed).error, { statement: 1, line: 3, message: "there is no solid 'b'" });
@@ -168,7 +168,7 @@ function coloured(line: string, continues = false): string {
         .join(" ");
 }
 
-test("lines are coloured by what their words are", () => {
+test("words of a line are coloured by their kind", () => {
     assert.equal(coloured("sphere a radius=2 law=soft # x"), "command(sphere) name(a) key(radius=) number(2) key(law=) choice(soft) comment(# x)");
     assert.equal(coloured("pointset generate a count=${2 * n}"), "command(pointset) command(generate) name(a) key(count=) expression(${2 * n})");
     assert.equal(coloured("translate a 0,0,${h}"), "command(translate) name(a) expression(${h})");
@@ -179,7 +179,7 @@ test("lines are coloured by what their words are", () => {
     assert.equal(coloured("spere a"), "");
 });
 
-test("tokens stand in order, apart from each other, within the line", () => {
+test("tokens are ordered, disjoint and inside the line", () => {
     fc.assert(
         fc.property(fc.constantFrom("sphere ", "let ", "grow t ", ""), fc.string(), (begin, rest) => {
             const line = begin + rest.replace(/[\r\n]/g, " ");
@@ -192,7 +192,7 @@ test("tokens stand in order, apart from each other, within the line", () => {
     );
 });
 
-test("help is about the word at the place", () => {
+test("help describes the word at the cursor", () => {
     assert.equal(helpAt(schema, "sphere a radius=2", 3)?.title, "sphere NAME [OPTION=VALUE...]");
     const radius = helpAt(schema, "sphere a radius=2", 12);
     assert.deepEqual([radius?.title, radius?.from, radius?.to], ["radius=", 9, 17]);
@@ -204,7 +204,7 @@ test("help is about the word at the place", () => {
     assert.equal(helpAt(schema, "spere a", 2), null);
 });
 
-test("what may be completed is the word before the cursor", () => {
+test("completion replaces the word before the cursor", () => {
     assert.deepEqual(completionAt("sph"), { from: 0, text: "sph", type: "command" });
     assert.deepEqual(completionAt("  "), { from: 2, text: "", type: "command" });
     assert.deepEqual(completionAt("sphere a rad"), { from: 9, text: "rad", type: "word" });
@@ -235,7 +235,7 @@ function completing(doc: string, reply: string[]): { app: App; target: Record<st
     return { app: { store, engine: { request } } as unknown as App, target, context: new CompletionContext(state, doc.length, false) };
 }
 
-test("names are asked of the engine, for the state above the line", async () => {
+test("names are requested from the engine for the state before the line", async () => {
     const { app, target, context } = completing("sphere a\nsphere b\n  union a b", ["b", "bough"]);
     const result = await completions(app, (line) => line - 1)(context);
     assert.deepEqual(target, [{ line: "union a b", count: 2 }]);
@@ -246,7 +246,7 @@ test("names are asked of the engine, for the state above the line", async () => 
     assert.equal(result?.from, "sphere a\nsphere b\n  union a ".length);
 });
 
-test("commands and variables are known without the engine", async () => {
+test("commands and variables are completed without the engine", async () => {
     const commands = completing("let height = 3\nsph", []);
     const result = await completions(commands.app, () => 0)(commands.context);
     assert.equal(
@@ -272,7 +272,7 @@ function edited(doc: string, command: (view: EditorView) => boolean, at = doc.le
     return `${state.doc.sliceString(0, state.selection.main.head)}|${state.doc.sliceString(state.selection.main.head)}`;
 }
 
-test("a new line has the indent of its block", () => {
+test("a new line has the indentation of its block", () => {
     assert.equal(edited("for i in 1..2", newLine), "for i in 1..2\n  |");
     assert.equal(edited("for i in 1..2\n  sphere a", newLine), "for i in 1..2\n  sphere a\n  |");
     assert.equal(edited("for i in 1..2\n  if i\n    sphere a\n    end", newLine), "for i in 1..2\n  if i\n    sphere a\n  end\n  |");
@@ -280,7 +280,7 @@ test("a new line has the indent of its block", () => {
     assert.equal(edited("sphere a", newLine, 6), "sphere\n| a");
 });
 
-test("lines become comments and lines again", () => {
+test("lines are commented out and restored", () => {
     assert.equal(edited("  sphere a", toggleComments, 4), "  # sp|here a");
     assert.equal(edited("  # sphere a", toggleComments, 6), "  sp|here a");
     assert.equal(edited("#sphere", toggleComments, 7), "sphere|");

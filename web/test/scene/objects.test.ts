@@ -28,7 +28,7 @@ function drawn(closed: string[] = []): string[] {
     );
 }
 
-test("solids stand under what they were put into", () => {
+test("solids are listed below the solid that contains them", () => {
     assert.deepEqual(drawn(), ["Crown solids v", "  crown v", "    a", "    b", "  c", "Points v", "  crown"]);
     assert.deepEqual(drawn(["solid:crown"]), ["Crown solids v", "  crown >", "  c", "Points v", "  crown"]);
     assert.deepEqual(drawn(["solid"]), ["Crown solids >", "Points v", "  crown"]);
@@ -41,7 +41,7 @@ test("solids stand under what they were put into", () => {
     assert.equal(rows[2].detail, "3 parts");
 });
 
-test("solids that were put into each other stand in no circle", () => {
+test("solids that contain each other are listed without a cycle", () => {
     const mutual = stateOf("sphere a\nsphere b\nunion a b a\nunion a b b\n", [
         ["solid:a", 2],
         ["solid:b", 3],
@@ -51,7 +51,7 @@ test("solids that were put into each other stand in no circle", () => {
     assert.deepEqual(names, ["Crown solids", "a", "b"]);
 });
 
-test("letters find the next object that begins so", () => {
+test("typed letters select the next object with this prefix", () => {
     const rows = rowsOf(state, schema, new Set());
     assert.equal(found(rows, 0, "c"), 1);
     assert.equal(found(rows, 1, "c"), 4);
@@ -60,7 +60,7 @@ test("letters find the next object that begins so", () => {
     assert.equal(found(rows, 0, "x"), -1);
 });
 
-test("names that are taken or are none are refused", () => {
+test("existing and invalid names are rejected", () => {
     const store = createStore();
     store.state.value = state;
     const app = { store } as App;
@@ -71,7 +71,7 @@ test("names that are taken or are none are refused", () => {
     assert.match(refusal(app, "a", "a b"), /letter/);
 });
 
-test("the history goes back and forth by counts", () => {
+test("the history goes back and forward by counts", () => {
     assert.deepEqual(
         changesOf({ undo: ["one", "two"], redo: ["four", "three"] }).map(({ name, when, steps }) => `${name} ${when} ${steps}`),
         ["The beginning done -2", "one done -1", "two now 0", "three undone 1", "four undone 2"],
@@ -84,7 +84,7 @@ test("the history goes back and forth by counts", () => {
     assert.equal(changesOf({ undo: many, redo: [] })[0].name, "line 0"); // earlier changes are unknown
 });
 
-test("commands are found by name first", () => {
+test("commands are searched by name first", () => {
     assert.deepEqual(
         searched(schema, "gen").map(({ name }) => name),
         ["pointset generate"],
@@ -99,7 +99,7 @@ test("commands are found by name first", () => {
     );
 });
 
-test("numbers of a point are one word where none is missing", () => {
+test("complete coordinates of a point are written as one word", () => {
     assert.equal(tupleWord(["1", "2", "3"], [3]), "1,2,3");
     assert.equal(tupleWord(["", "", "3"], [3]), "0,0,3");
     assert.equal(tupleWord(["2", "", ""], [3]), "2,0,0");
@@ -133,7 +133,7 @@ function appWith(requests: SentRequest[]): App {
     } as unknown as App;
 }
 
-test("a form begins with what is likely and ends as a line", async () => {
+test("a form has likely initial values and produces a line", async () => {
     const requests: SentRequest[] = [];
     const app = appWith(requests);
     app.store.selection.value = { object: { kind: "solid", name: "c" }, nodes: [], extent: "branch" };
@@ -157,7 +157,7 @@ test("a form begins with what is likely and ends as a line", async () => {
     assert.equal(form.line, "sphere sphere");
 });
 
-test("forms begin with the defaults of the menu", () => {
+test("forms have the default values of the menu", () => {
     const form = new Form(appWith([]));
     setDefault("sphere.radius", "3");
     form.begin(called("sphere"));
@@ -167,7 +167,7 @@ test("forms begin with the defaults of the menu", () => {
     assert.equal(form.line, "sphere sphere");
 });
 
-test("cancelling takes back what was shown, and only that", () => {
+test("cancelling removes only the preview", () => {
     const requests: SentRequest[] = [];
     const form = new Form(appWith(requests));
     form.begin(called("sphere"));
@@ -184,7 +184,7 @@ test("cancelling takes back what was shown, and only that", () => {
     assert.equal(canShow(called("union")), true);
 });
 
-test("parameters of a statement are written into the text", async () => {
+test("changed parameters of a statement are written to the text", async () => {
     const requests: SentRequest[] = [];
     const app = appWith(requests);
     const form = new Form(app);

@@ -11,7 +11,7 @@ import { isComputed, joined, readLine } from "../../src/script/words";
 import type { Argument } from "../../src/protocol";
 import { called, schema } from "./schema";
 
-test("words stand where the engine reads them", () => {
+test("words have the same positions as in the engine", () => {
     const line = 'save tree "my tree.glb" kind=mesh note="a # b" # end';
     const { words, comment } = readLine(line);
     assert.deepEqual(
@@ -41,7 +41,7 @@ test("words stand where the engine reads them", () => {
     assert.equal(isComputed("a${x}"), true);
 });
 
-test("a text in statements is the text again", () => {
+test("concatenated statements are equal to the text", () => {
     const text = "sphere a\n\n# note\nfor i in 1..3\n  if i > 1\n    sphere b${i}\n  end\nend\ngrow t a \\\n  step=0.2\nmesh t\n";
     const pieces = piecesOf(text);
     assert.deepEqual(
@@ -62,7 +62,7 @@ test("a text in statements is the text again", () => {
     );
 });
 
-test("any text is its statements, whatever stands in it", () => {
+test("concatenated statements are equal to any text", () => {
     const line = fc.constantFrom("sphere a", "for i in 1..2", "repeat 2", "if 1", "end", "else", "", "# x", "grow t a \\", "forest", "let x = 1");
     fc.assert(
         fc.property(fc.array(line, { maxLength: 12 }), (lines) => {
@@ -79,7 +79,7 @@ function boundNames(line: string): string[] {
     return bind(found.command, words.slice(found.used)).bound.map(({ argument, words: mine }) => `${argument.name}:${mine.map(({ text }) => text).join(" ")}`);
 }
 
-test("words are given to arguments as the engine does", () => {
+test("words are assigned to arguments as in the engine", () => {
     assert.deepEqual(boundNames("union a b c all"), ["parts:a", "parts:b", "parts:c", "result:all"]);
     assert.deepEqual(boundNames("translate a 0 0 5"), ["solid:a", "by:0 0 5"]);
     assert.deepEqual(boundNames("translate a 0,0 5 kind=solid"), ["kind:solid", "solid:a", "by:0,0 5"]);
@@ -91,7 +91,7 @@ test("words are given to arguments as the engine does", () => {
     assert.equal(usage(called("mesh")), "mesh TREE [NAME] [OPTION=VALUE...]");
 });
 
-test("what a statement says is read as values", () => {
+test("words of a statement are parsed to values", () => {
     const call = readCall(schema, "pointset gen crown poisson count=500 kernel=0,1 kernel=1,0 # dense");
     assert.equal(call?.command.name, "pointset generate");
     assert.deepEqual(call?.values, { solid: ["crown"], pattern: ["poisson_disk"], count: ["500"], kernel: ["0,1", "1,0"] });
@@ -112,7 +112,7 @@ test("what a statement says is read as values", () => {
     }
 });
 
-test("lines have no more words than they need, in an order that is read again", () => {
+test("formatted lines have only the necessary words, in an order that can be parsed", () => {
     assert.equal(lineOf(called("mesh"), { tree: ["t"], levels: ["1"] }), "mesh t levels=1");
     assert.equal(
         lineOf(called("pointset generate"), { solid: ["s"], properties: ["a b.props"], count: ["5"] }),
@@ -150,7 +150,7 @@ function valueFor({ type, sizes = [3], choices = [] }: Argument): fc.Arbitrary<s
     }
 }
 
-test("values written as a line are read back, for every command", () => {
+test("formatted values are parsed without change, for every command", () => {
     for (const command of schema) {
         const given = command.arguments.map((argument) => {
             const some = argument.repeats ? fc.array(valueFor(argument), { minLength: 1, maxLength: 3 }) : valueFor(argument).map((one) => [one]);
@@ -170,7 +170,7 @@ test("values written as a line are read back, for every command", () => {
     }
 });
 
-test("what is the default is left out, and what is needed is missed", () => {
+test("default values are omitted, and missing required values are reported", () => {
     const [name, center, radius] = called("sphere").arguments;
     let values: Values = { name: ["s"] };
     values = withValue(radius, values, ["2"]);
@@ -187,7 +187,7 @@ test("what is the default is left out, and what is needed is missed", () => {
     assert.deepEqual(withValue(points, { solid: ["crown"] }, ["crown"]), { solid: ["crown"] });
 });
 
-test("a line that is being typed is no error yet", () => {
+test("an incomplete line is not an error while it is typed", () => {
     const half = [
         "sph",
         "sphere",
@@ -224,7 +224,7 @@ test("a line that is being typed is no error yet", () => {
     whole.forEach((line) => assert.equal(unfinished(schema, line), false, line));
 });
 
-test("another name stands wherever the object is meant, and nowhere else", () => {
+test("a new name replaces all references to the object, and no other words", () => {
     const text = [
         "sphere crown # the crown",
         "sphere crown2 center=0,0,1",
@@ -263,7 +263,7 @@ test("another name stands wherever the object is meant, and nowhere else", () =>
     assert.equal(renamed(schema, text, "bough", "x").lines.size, 0);
 });
 
-test("another name and back again is the same text", () => {
+test("renaming twice restores the text", () => {
     const line = fc.constantFrom(
         "sphere a",
         "sphere b radius=2",
@@ -284,7 +284,7 @@ test("another name and back again is the same text", () => {
     );
 });
 
-test("the statements that made an object are known by their text", () => {
+test("the statements that created an object are found in the text", () => {
     const statements = piecesOf("sphere a\nscale a 2\nsphere a radius=3\npointset generate a\ntranslate a 0 0 1\ngrow a a\nmesh a\nsave a a.obj\n");
     assert.deepEqual(stepsOf(schema, statements, { kind: "solid", name: "a" }, 4), [2, 4]);
     assert.deepEqual(stepsOf(schema, statements, { kind: "points", name: "a" }, 3), [3]);

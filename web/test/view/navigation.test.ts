@@ -50,7 +50,7 @@ function table(preset: Preset = "blender", handles = false) {
     return { rig, received, hovered, navigation, send, finger, phases: () => received.map(({ phase }) => phase) };
 }
 
-test("a drag that no tool takes turns the picture, and the tool hears that it was none of its", () => {
+test("a drag that no tool accepts rotates the view, and the tool is cancelled", () => {
     const { rig, send, phases } = table();
     const before = rig.pose.yaw;
     send("down", 100, 100);
@@ -61,7 +61,7 @@ test("a drag that no tool takes turns the picture, and the tool hears that it wa
     assert.ok(Math.abs(rig.pose.yaw - before) > 0.2);
 });
 
-test("a drag that the tool takes leaves the picture alone", () => {
+test("a drag that the tool accepts does not move the view", () => {
     const { rig, send, phases } = table("blender", true);
     const before = { ...rig.pose };
     send("down", 100, 100);
@@ -71,7 +71,7 @@ test("a drag that the tool takes leaves the picture alone", () => {
     assert.equal(rig.pose.yaw, before.yaw);
 });
 
-test("a finger that trembles still taps, where it came down", () => {
+test("a trembling finger taps at its first position", () => {
     const { received, finger, phases } = table();
     finger("down", 100, 100);
     finger("move", 106, 103);
@@ -80,7 +80,7 @@ test("a finger that trembles still taps, where it came down", () => {
     assert.deepEqual([received[1].x, received[1].y], [100, 100]);
 });
 
-test("a finger that rests shows what is there, and taps nothing", async () => {
+test("a resting finger shows the object and does not tap", async () => {
     const { hovered, rig, finger, phases } = table();
     const before = rig.pose.yaw;
     finger("down", 100, 100);
@@ -93,7 +93,7 @@ test("a finger that rests shows what is there, and taps nothing", async () => {
     assert.equal(rig.pose.yaw, before);
 });
 
-test("two fingers zoom by their distance, and move the picture by their middle", () => {
+test("two fingers zoom by their distance and pan by their center", () => {
     const { rig, finger, navigation } = table();
     const before = rig.pose.distance;
     finger("down", 300, 300, 1);
@@ -111,7 +111,7 @@ test("two fingers zoom by their distance, and move the picture by their middle",
     assert.ok(!navigation.isMoving);
 });
 
-test("buttons do what their preset says", () => {
+test("buttons act according to their preset", () => {
     const none = { shift: false, control: false, alt: false };
     assert.equal(dragMotion("blender", 0, none), null); // for the tool
     assert.equal(dragMotion("blender", 0, { ...none, alt: true }), "orbit");

@@ -19,7 +19,7 @@ function seen(of: Rig, point: THREE.Vector3): THREE.Vector3 {
 
 const near = (a: number, b: number, most = 1e-6): void => assert.ok(Math.abs(a - b) < most, `${a} is not ${b}`);
 
-test("what is turned about, and what is neared, stays where it is in the picture", () => {
+test("the center of a rotation or a zoom keeps its position in the view", () => {
     for (const isParallel of [false, true]) {
         const one = rig();
         one.isParallel = isParallel;
@@ -36,14 +36,14 @@ test("what is turned about, and what is neared, stays where it is in the picture
     }
 });
 
-test("the eye does not turn over the zenith", () => {
+test("the camera does not rotate beyond the zenith", () => {
     const one = rig();
     one.orbit(0, 10, one.target());
     near(one.pose.pitch, Math.PI / 2);
     near(one.forward().z, -1);
 });
 
-test("panning by pixels moves what lies at that depth by as many", () => {
+test("panning moves points at the reference depth by the same number of pixels", () => {
     const one = rig();
     const point = one.target();
     one.pan(40, -30, one.depth(point));
@@ -52,7 +52,7 @@ test("panning by pixels moves what lies at that depth by as many", () => {
     near(now.y * 300, 30, 1e-3);
 });
 
-test("a sphere that is framed just fits, from every side and in narrow pictures", () => {
+test("a framed sphere fits exactly, from every direction and in narrow views", () => {
     const sphere = new THREE.Sphere(new THREE.Vector3(3, -2, 5), 2);
     for (const [width, height] of [
         [800, 600],
@@ -73,7 +73,7 @@ test("a sphere that is framed just fits, from every side and in narrow pictures"
     }
 });
 
-test("between two views the turn is the shorter one", () => {
+test("transitions between two views use the shorter rotation", () => {
     const one = rig();
     const from = { ...one.lookingFrom("front"), yaw: 3.1 };
     const to = { ...from, yaw: -3.1 };
@@ -81,7 +81,7 @@ test("between two views the turn is the shorter one", () => {
     near(Math.abs(half.yaw), Math.PI, 0.01);
 });
 
-test("a plane through a cube leaves a square outline, and hides what is on its other side", () => {
+test("a plane through a cube has a square outline and hides one side", () => {
     const position = new Float32Array([0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1]);
     const quads = [
         [0, 3, 2, 1],

@@ -30,7 +30,7 @@ function unit([x, y, z]: Point): Point {
     return [x / size, y / size, z / size];
 }
 
-test("a ray meets the same triangle in the tree as among all", () => {
+test("a ray hits the same triangle with the tree as by brute force", () => {
     const { position, index } = soup(700);
     const tree = new TriangleTree(position, index);
     const each = Array.from({ length: 700 }, (_, t) => new TriangleTree(position, index.slice(3 * t, 3 * t + 3)));
@@ -46,7 +46,7 @@ test("a ray meets the same triangle in the tree as among all", () => {
     assert.ok(hits > 50 && hits < 200);
 });
 
-test("a square is hit from both sides, at its corners' edges too, and beside it not", () => {
+test("a square is hit from both sides and at its edges, but not outside", () => {
     const tree = new TriangleTree(new Float32Array([0, 0, 2, 1, 0, 2, 1, 1, 2, 0, 1, 2]), new Uint32Array([0, 1, 2, 0, 2, 3]));
     assert.equal(tree.hit([0.25, 0.5, 0], [0, 0, 1]), 2);
     assert.equal(tree.hit([0.25, 0.5, 5], [0, 0, -1]), 3);
@@ -55,7 +55,7 @@ test("a square is hit from both sides, at its corners' edges too, and beside it 
     assert.equal(tree.hit([0.25, 0.5, 3], [0, 0, 1]), null); // behind the ray
 });
 
-test("what is cut away is passed through", () => {
+test("rays pass through hidden triangles", () => {
     const square = (z: number) => [0, 0, z, 1, 0, z, 1, 1, z];
     const tree = new TriangleTree(new Float32Array([...square(1), ...square(2)]), new Uint32Array([0, 1, 2, 3, 4, 5]));
     assert.equal(
@@ -64,7 +64,7 @@ test("what is cut away is passed through", () => {
     );
 });
 
-test("nothing holds nothing, and triangles at one place are parted all the same", () => {
+test("an empty tree has no hits, and coincident triangles are divided", () => {
     assert.equal(new TriangleTree(new Float32Array(0), new Uint32Array(0)).hit([0, 0, 0], [0, 0, 1]), null);
     const same = new Float32Array([0, 0, 1, 1, 0, 1, 0, 1, 1]);
     const tree = new TriangleTree(

@@ -17,19 +17,19 @@ function chain(radius: number[]): Geometry {
     return { header: {} as Geometry["header"], arrays };
 }
 
-test("every segment is either round or a line, and the thick ones are round", () => {
+test("every segment is drawn as a tube or a line, thick ones as tubes", () => {
     const { thick, lines } = thickest(treeOf(chain([9, 8, 1, 7, 2, 6])), 3);
     assert.deepEqual(thick, [1, 3]); // the root, 9, is the third, and has no segment
     assert.deepEqual([...lines], [1, 2, 3, 4, 4, 5]);
 });
 
-test("where all are equally thick there are no more round ones than wished", () => {
+test("segments of equal thickness do not exceed the maximum number of tubes", () => {
     const { thick, lines } = thickest(treeOf(chain(new Array(10).fill(1))), 4);
     assert.equal(thick.length, 4);
     assert.equal(lines.length, 2 * 5);
 });
 
-test("small trees stay round as a whole", () => {
+test("small trees are drawn with tubes only", () => {
     const { thick, lines } = thickest(treeOf(chain([3, 2, 1])), 100);
     assert.deepEqual(thick, [1, 2]);
     assert.equal(lines.length, 0);
