@@ -11,13 +11,13 @@
 namespace coppice::test {
 
 /// Returns the number of bytes of the members; enums have the size of an int.
-inline std::size_t size_of(const std::vector<OptionField>& members) {
+inline std::size_t count_bytes(const std::vector<OptionField>& members) {
     std::size_t bytes = 0;
     for (const OptionField& member : members) {
         bytes += std::visit(
             []<class Ref>(const Ref& ref) {
                 if constexpr (std::is_same_v<Ref, std::vector<OptionField>>)
-                    return size_of(ref);
+                    return count_bytes(ref);
                 else if constexpr (std::is_same_v<Ref, ChoiceRef>)
                     return sizeof(int);
                 else
@@ -39,7 +39,7 @@ void expect_described(std::size_t padding = 0) {
         EXPECT_TRUE(names.emplace(member.field.name).second) << member.field.name;
         EXPECT_FALSE(member.field.help.empty()) << member.field.name;
     }
-    EXPECT_EQ(size_of(members) + padding, sizeof(Options));
+    EXPECT_EQ(count_bytes(members) + padding, sizeof(Options));
     EXPECT_NO_THROW(check_fields(options, "options"));
 }
 

@@ -35,7 +35,7 @@ def read_layers(path):
     return allowed
 
 
-def module_of(relative):
+def find_module(relative):
     """Maps src/coppice/io/file.h -> io, app/cli/main.cpp -> app, anything else -> None."""
     parts = relative.parts
     if parts[:2] == ("src", "coppice"):
@@ -56,7 +56,7 @@ def find_faults(path, root, allowed, used):
     lines = path.read_text(errors="replace").splitlines()
     if len(lines) > MAX_LINES:
         yield f"{relative}: {len(lines)} lines; the maximum is {MAX_LINES}"
-    module = module_of(relative)
+    module = find_module(relative)
     if module is None:
         return
     if module not in allowed:

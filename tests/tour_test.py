@@ -27,7 +27,7 @@ PROGRAM = re.compile(r"\d\d_\w+")
 NUMBER = re.compile(r"-?\d[\d,]*(?:\.\d+)?(?:e[+-]?\d+)?")
 
 
-def output_of(program, root):
+def get_output(program, root):
     """Returns the output of a program that runs in a new folder with the oak."""
     with tempfile.TemporaryDirectory() as folder:
         shutil.copy(root / "examples/oak.swc", folder)
@@ -49,7 +49,7 @@ def write(page, root, folder):
     def filled(match):
         name = match["name"]
         code = (root / PROGRAMS / f"{name}.cpp").read_text()
-        return match[1] + code + match[4] + output_of(folder / name, root) + match[6]
+        return match[1] + code + match[4] + get_output(folder / name, root) + match[6]
 
     page.write_text(SECTION.sub(filled, page.read_text()))
 
@@ -66,7 +66,7 @@ def faults(page, root, programs):
         if program.name not in quoted:
             yield f"{program} is not on the page"
             continue
-        printed = output_of(program, root)
+        printed = get_output(program, root)
         if not same(quoted[program.name]["output"], printed):
             yield f"{program.name} prints other output than {PAGE}:\n{printed}"
 

@@ -19,7 +19,7 @@ struct Quads {
     int levels;  ///< number of refinements of the cage
 };
 
-inline Quads quads_of(const Skeleton& skeleton, MeshOptions options) {
+inline Quads make_quads(const Skeleton& skeleton, MeshOptions options) {
     options.remesh_rounds = 0;
     options.fit = Fit::surface;
     const Skeleton prepared = prepare(skeleton, options.prepare).skeleton;
@@ -47,7 +47,7 @@ inline std::vector<FacePair> tube_row_search(const Quads& quads, const QuadMesh&
 
 /// Returns the number of pairs.
 inline std::size_t expect_same(const Skeleton& skeleton, const MeshOptions& options = {}) {
-    const Quads quads = quads_of(skeleton, options);
+    const Quads quads = make_quads(skeleton, options);
     const std::vector<FacePair> all = search(quads.surface.mesh);
     EXPECT_EQ(tube_row_search(quads, quads.surface.mesh), all);
     return all.size();

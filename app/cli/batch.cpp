@@ -26,7 +26,7 @@ std::optional<FileKind> kind_before(const fs::path& path) {
 }
 
 /// Of a folder only meshes and points are used, for plots only points; files that are named are always used.
-Batch files_of(const std::vector<fs::path>& inputs, const BatchOutputs& outputs) {
+Batch make_batch(const std::vector<fs::path>& inputs, const BatchOutputs& outputs) {
     Batch batch{.folder = outputs.folder, .columns = outputs.columns, .files = {}};
     const auto is_wanted = [&](const std::optional<FileKind>& kind) {
         return kind == FileKind::points || (kind == FileKind::mesh && !outputs.columns.of_plots);
@@ -91,7 +91,7 @@ bool is_batch(std::span<const fs::path> inputs) {
 
 Batch plan_batch(const std::vector<fs::path>& inputs, const BatchOutputs& outputs) {
     check_outputs(outputs);
-    Batch batch = files_of(inputs, outputs);
+    Batch batch = make_batch(inputs, outputs);
     if (batch.files.empty())
         throw InvalidInput(fmt::format(
             "'{}' contains {}", inputs.front().string(),
@@ -112,7 +112,7 @@ Batch plan_batch(const std::vector<fs::path>& inputs, const BatchOutputs& output
             file.mesh = outputs.mesh;
             continue;
         }
-        file.skeleton = batch.folder / fmt::format("{}.{}", stem, ending_of(outputs.write));
+        file.skeleton = batch.folder / fmt::format("{}.{}", stem, choose_ending(outputs.write));
         if (!outputs.mesh.empty())
             file.mesh = batch.folder / fmt::format("{}{}", stem, outputs.mesh.string());
     }

@@ -101,7 +101,7 @@ std::string type_text(const OptionTarget& target) {
 }
 
 /// Converts a reference to a member that is not a struct to a target.
-OptionTarget target_of(const OptionRef& ref) {
+OptionTarget make_target(const OptionRef& ref) {
     return std::visit(
         [](const auto& value) -> OptionTarget {
             if constexpr (std::is_same_v<std::remove_cvref_t<decltype(value)>, std::vector<OptionField>>) {
@@ -121,10 +121,10 @@ std::string name_of_field(const FlagNames& names, const std::string& path, const
                                           : fmt::format("{}_{}", names.prefix, field.name));
 }
 
-Option option_of(const OptionField& field, const std::string& group) {
+Option make_option(const OptionField& field, const std::string& group) {
     Option option;
     option.help = field.field.help;
-    option.target = target_of(field.ref);
+    option.target = make_target(field.ref);
     option.type = type_text(option.target);
     option.group = group;
     option.unit = field.field.unit;
@@ -134,8 +134,8 @@ Option option_of(const OptionField& field, const std::string& group) {
     return option;
 }
 
-Option option_of(const OptionTarget& target, const std::string& type, const std::string& help,
-                 const HelpPlace& place) {
+Option make_option(const OptionTarget& target, const std::string& type, const std::string& help,
+                   const HelpPlace& place) {
     Option option;
     option.help = help;
     option.type = type;
@@ -160,24 +160,24 @@ Option& OptionList::add(Option option, const std::string& names) {
 
 void OptionList::file(const std::string& names, const std::string& type, std::filesystem::path& target,
                       const std::string& help, const HelpPlace& place) {
-    add(option_of(&target, type, help, place), names);
+    add(make_option(&target, type, help, place), names);
 }
 
 void OptionList::files(const std::string& names, const std::string& type,
                        std::vector<std::filesystem::path>& target, const std::string& help,
                        const HelpPlace& place) {
-    add(option_of(&target, type, help, place), names);
+    add(make_option(&target, type, help, place), names);
 }
 
 void OptionList::output(const std::string& names, const std::string& type, std::filesystem::path& target,
                         const std::string& help, const HelpPlace& place) {
-    add(option_of(&target, type, help, place), names).is_output = true;
+    add(make_option(&target, type, help, place), names).is_output = true;
 }
 
 void OptionList::outputs(const std::string& names, const std::string& type,
                          std::vector<std::filesystem::path>& target, const std::string& help,
                          const HelpPlace& place) {
-    add(option_of(&target, type, help, place), names).is_output = true;
+    add(make_option(&target, type, help, place), names).is_output = true;
 }
 
 void OptionList::may_replace(const std::string& output, const std::string& input) {
@@ -188,11 +188,11 @@ void OptionList::may_replace(const std::string& output, const std::string& input
 
 void OptionList::flag(const std::string& names, bool& target, const std::string& help,
                       const HelpPlace& place) {
-    add(option_of(&target, {}, help, place), names);
+    add(make_option(&target, {}, help, place), names);
 }
 
 void OptionList::value(const OptionField& field, const std::string& group) {
-    add(option_of(field, group), flag_name(field.field.name));
+    add(make_option(field, group), flag_name(field.field.name));
 }
 
 void OptionList::add_struct(std::span<const OptionField> fields, const std::string& group,
@@ -216,7 +216,7 @@ void OptionList::add_fields(std::span<const OptionField> fields, const std::stri
             add_fields(*nested, std::string(field.field.help), at + ".", names);
             continue;
         }
-        Option option = option_of(field, group);
+        Option option = make_option(field, group);
         option.field = at;
         if (names.common) option.common = std::ranges::find(*names.common, at) != names.common->end();
         add(std::move(option), name_of_field(names, at, field.field));

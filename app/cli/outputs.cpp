@@ -33,17 +33,17 @@ bool is_ending(const fs::path& path) {
            !fs::exists(path, error);
 }
 
-std::vector<fs::path> names_of(const OptionTarget& target) {
+std::vector<fs::path> list_names(const OptionTarget& target) {
     if (const auto* one = std::get_if<fs::path*>(&target)) return {**one};
     if (const auto* many = std::get_if<std::vector<fs::path>*>(&target)) return **many;
     return {};
 }
 
-std::vector<NamedFile> files_of(const GivenOptions& given, bool outputs) {
+std::vector<NamedFile> list_files(const GivenOptions& given, bool outputs) {
     std::vector<NamedFile> files;
     for (const Option* option : given) {
         if (option->is_output != outputs) continue;
-        for (const fs::path& name : names_of(option->target)) {
+        for (const fs::path& name : list_names(option->target)) {
             if (outputs && is_ending(name)) continue;
             const fs::path target = resolved_path(name);
             if (!target.empty() && is_replaced(target)) files.push_back({option, name, target});
@@ -55,7 +55,7 @@ std::vector<NamedFile> files_of(const GivenOptions& given, bool outputs) {
 }  // namespace
 
 void check_outputs(const GivenOptions& given) {
-    const std::vector<NamedFile> inputs = files_of(given, false), outputs = files_of(given, true);
+    const std::vector<NamedFile> inputs = list_files(given, false), outputs = list_files(given, true);
     for (std::size_t i = 0; i < outputs.size(); ++i) {
         const NamedFile& output = outputs[i];
         for (std::size_t k = 0; k < i; ++k) {

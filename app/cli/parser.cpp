@@ -11,7 +11,7 @@
 namespace coppice::cli {
 namespace {
 
-std::string names_of(const Option& option) {
+std::string list_names(const Option& option) {
     return option.letter.empty() ? option.name : option.letter + "," + option.name;
 }
 
@@ -26,7 +26,7 @@ std::string off_name(const Option& option) { return "--no-" + option.name.substr
 /// For a switch that can be turned on and off, the help shows only the flag that changes the default.
 void add_switch(CLI::App& app, const Option& option, bool* value) {
     if (!is_two_way(option)) {
-        CLI::Option* const added = app.add_flag(names_of(option), *value, option.help);
+        CLI::Option* const added = app.add_flag(list_names(option), *value, option.help);
         if (!option.group.empty()) added->group(option.group);
         return;
     }
@@ -49,7 +49,7 @@ void add_option(CLI::App& app, const Option& option) {
         for (const std::string& word : words) store(option, word);
         return true;
     };
-    CLI::Option* const added = app.add_option(names_of(option), take, help_text(option));
+    CLI::Option* const added = app.add_option(list_names(option), take, help_text(option));
     added->type_name(option.type);
     if (!option.group.empty()) added->group(option.group);
     if (!many) return;
@@ -57,7 +57,7 @@ void add_option(CLI::App& app, const Option& option) {
     added->allow_extra_args(positional);
 }
 
-std::vector<std::string> names_of(std::span<const Command> commands) {
+std::vector<std::string> list_names(std::span<const Command> commands) {
     std::vector<std::string> names;
     for (const Command& command : commands) names.push_back(command.name);
     names.emplace_back("help");
@@ -115,7 +115,7 @@ void check_extras(const CLI::App& app, const std::string& name) {
 }
 
 /// Returns the first word that is not a flag: `coppice --help mesh` is the same as `coppice mesh --help`.
-std::string topic_of(std::span<const char* const> arguments) {
+std::string find_topic(std::span<const char* const> arguments) {
     for (const char* word : arguments.subspan(1)) {
         if (!std::string_view(word).starts_with("-")) return word;
     }
@@ -140,7 +140,7 @@ struct Parser::Program {
         for (const Command& command : commands)
             if (command.name == name) return command;
         throw UsageError(
-            fmt::format("there is no command {}{}", quote(name), did_you_mean(name, names_of(commands))));
+            fmt::format("there is no command {}{}", quote(name), did_you_mean(name, list_names(commands))));
     }
 };
 
@@ -164,7 +164,7 @@ Parser::Parser(std::span<const Command> commands) : program_(std::make_unique<Pr
 
 Parser::~Parser() = default;
 
-std::string Parser::help_of(const std::string& topic, bool all) {
+std::string Parser::format_help(const std::string& topic, bool all) {
     if (topic.empty()) return program_->app.help();
     const Command& command = program_->command(topic);
     CLI::App& app = *program_->app.get_subcommand(command.name);
@@ -187,7 +187,7 @@ std::string Parser::help_on(std::span<const char* const> words) {
             throw UsageError(fmt::format("help takes a command and --all, not '{}'", word));
         }
     }
-    return help_of(topic, all);
+    return format_help(topic, all);
 }
 
 Parser::Request Parser::parse(std::span<const char* const> arguments) {
@@ -202,9 +202,9 @@ Parser::Request Parser::parse(std::span<const char* const> arguments) {
         std::ranges::reverse(words);  // as the parser expects them
         app.parse(std::move(words));
     } catch (const CLI::CallForHelp&) {
-        return {.text = help_of(topic_of(arguments), false)};
+        return {.text = format_help(find_topic(arguments), false)};
     } catch (const CLI::CallForAllHelp&) {
-        return {.text = help_of(topic_of(arguments), true)};
+        return {.text = format_help(find_topic(arguments), true)};
     } catch (const CLI::Success& request) {
         return {.text = std::string(request.what()) + "\n"};
     } catch (const CLI::ParseError& error) {

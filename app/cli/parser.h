@@ -31,7 +31,7 @@ class Parser {
     struct Program;
     /// Returns the help of a command, with all options or the common ones; of the program if the topic is
     /// empty. The object cannot parse afterwards.
-    std::string help_of(const std::string& topic, bool all);
+    std::string format_help(const std::string& topic, bool all);
     /// The same for the words after `coppice help`.
     std::string help_on(std::span<const char* const> words);
 

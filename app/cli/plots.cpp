@@ -122,7 +122,7 @@ void write_taper(const fs::path& path, const std::vector<PlotTree>& trees) {
     out.commit();
 }
 
-MapValue map_value_of(const Json& figure) {
+MapValue to_map_value(const Json& figure) {
     if (figure.is_number_float()) return figure.get<double>();
     if (figure.is_number_unsigned()) return figure.get<std::int64_t>();
     if (figure.is_string()) return figure.get<std::string>();
@@ -130,20 +130,20 @@ MapValue map_value_of(const Json& figure) {
 }
 
 /// Writes stems as points and crowns as polygons, both with the columns of the table.
-std::vector<MapLayer> layers_of(const std::vector<PlotTree>& trees, const std::vector<Json>& rows) {
+std::vector<MapLayer> make_layers(const std::vector<PlotTree>& trees, const std::vector<Json>& rows) {
     MapLayer stems{"stems", MapGeometry::points, {}, {}}, crowns{"crowns", MapGeometry::polygons, {}, {}};
     for (const auto& [name, figure] : rows.front().items()) stems.columns.push_back(name);
     crowns.columns = stems.columns;
     for (std::size_t t = 0; t < trees.size(); ++t) {
         std::vector<MapValue> values;
-        for (const auto& [name, figure] : rows[t].items()) values.push_back(map_value_of(figure));
+        for (const auto& [name, figure] : rows[t].items()) values.push_back(to_map_value(figure));
         stems.features.push_back({{trees[t].form.foot}, values});
         if (!trees[t].crown.outline.empty()) crowns.features.push_back({trees[t].crown.outline, values});
     }
     return {std::move(stems), std::move(crowns)};
 }
 
-TriMesh crowns_of(const std::vector<PlotTree>& trees) {
+TriMesh merge_crowns(const std::vector<PlotTree>& trees) {
     TriMesh out;
     for (const PlotTree& tree : trees) add_hull(out, tree.crown.hull);
     return out;
@@ -184,11 +184,13 @@ void write_leaves(const PlotFiles& files, const std::vector<PlotTree>& trees, co
 }
 
 void count(Run& run, const PointSet& points, const PlotSegments& segments, const std::vector<Json>& rows) {
-    const auto count_of = [&](std::uint32_t label) { return std::ranges::count(segments.tree_of, label); };
+    const auto count_points = [&](std::uint32_t label) {
+        return std::ranges::count(segments.tree_of, label);
+    };
     run.counts().update({{"trees", rows.size()},
                          {"points", points.size()},
-                         {"ground_points", count_of(kPointOfGround)},
-                         {"points_of_no_tree", count_of(kPointOfNoTree)},
+                         {"ground_points", count_points(kPointOfGround)},
+                         {"points_of_no_tree", count_points(kPointOfNoTree)},
                          {"ground_found", segments.terrain.is_ground},
                          {"trees_found", rows}});
 }
@@ -210,7 +212,7 @@ void warn_of_leftovers(Run& run, const fs::path& folder, std::size_t trees) {
                          folder.string(), grouped(left), left == 1 ? "" : "s", grouped(trees)));
 }
 
-std::string summary_of(const std::vector<PlotTree>& trees, const PlotFiles& files) {
+std::string format_summary(const std::vector<PlotTree>& trees, const PlotFiles& files) {
     std::size_t failed = 0, warned = 0;
     for (const PlotTree& tree : trees) {
         failed += !tree.result;
@@ -234,7 +236,7 @@ bool is_plot_folder(const fs::path& output, SkeletonFormat format) {
 
 fs::path trimmed(const fs::path& path) { return path.has_filename() ? path : path.parent_path(); }
 
-std::string ending_of(const WriteSkeletonOptions& write) {
+std::string choose_ending(const WriteSkeletonOptions& write) {
     switch (write.format) {
         case SkeletonFormat::automatic:
             return "swc";
@@ -264,7 +266,7 @@ void check_tree_folder(const fs::path& named, const WriteSkeletonOptions& write,
                             ".obj, .ply, .stl, .glb or .usda, not '{}'",
                             ending));
         }
-        if (ending.substr(1) == ending_of(write))
+        if (ending.substr(1) == choose_ending(write))
             throw UsageError(
                 fmt::format("skeletons and surfaces would both be NAME{}; use another --format or "
                             "--then-mesh",
@@ -312,7 +314,7 @@ std::vector<Json> plot_rows(const WrittenPlot& written, const std::string& input
 }
 
 WrittenPlot write_plot(Run& run, const PointCloud& scan, PlotExtraction plot, const PlotFiles& files) {
-    WrittenPlot out{std::move(plot), fmt::format(".{}", ending_of(files.write)), {}};
+    WrittenPlot out{std::move(plot), fmt::format(".{}", choose_ending(files.write)), {}};
     std::vector<PlotTree>& trees = out.plot.trees;
     const PlotSegments& segments = out.plot.segments;
     UnfinishedFolder folder(trimmed(files.folder));
@@ -334,9 +336,9 @@ WrittenPlot write_plot(Run& run, const PointCloud& scan, PlotExtraction plot, co
     run.stage("write tables", [&](const Context& ctx) {
         write_rows(folder / kTreeTable, rows);
         write_taper(folder / kTaperTable, trees);
-        if (!files.map.empty()) write_map(files.map, layers_of(trees, rows), files.crs, ctx);
+        if (!files.map.empty()) write_map(files.map, make_layers(trees, rows), files.crs, ctx);
     });
-    if (!files.crowns.empty()) write_crowns(run, files.crowns, crowns_of(trees));
+    if (!files.crowns.empty()) write_crowns(run, files.crowns, merge_crowns(trees));
     run.stage("write points", [&](const Context& ctx) {
         if (!files.tree_points.empty()) {
             write_point_cloud(
@@ -348,7 +350,7 @@ WrittenPlot write_plot(Run& run, const PointCloud& scan, PlotExtraction plot, co
     });
     warn_of_leftovers(run, trimmed(files.folder), trees.size());
     count(run, scan.points, segments, rows);
-    out.summary = summary_of(trees, files);
+    out.summary = format_summary(trees, files);
     return out;
 }
 

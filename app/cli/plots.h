@@ -39,7 +39,7 @@ inline constexpr Rgb kNoTreeColor{150, 150, 150};
 std::filesystem::path trimmed(const std::filesystem::path& path);
 
 /// Returns the extension of the skeletons in a folder without its point: "swc" by default.
-std::string ending_of(const WriteSkeletonOptions& write);
+std::string choose_ending(const WriteSkeletonOptions& write);
 
 /// Throws UsageError if `folder` is not a folder, skeletons cannot be written in that format, or `mesh` is
 /// not an extension of surfaces or equals that of the skeletons; IoError if the parent folder does not exist.

@@ -25,7 +25,7 @@ std::string stage_name(const std::string& line) {
 }
 
 /// Returns the lines of the scenes that can be parsed; running the others reports their errors.
-std::vector<SceneLine> lines_of(std::span<const SceneFile> scenes) {
+std::vector<SceneLine> collect_lines(std::span<const SceneFile> scenes) {
     std::vector<SceneLine> all;
     for (const SceneFile& scene : scenes) {
         try {
@@ -78,7 +78,7 @@ std::vector<SceneFile> read_scenes(Run& run, std::span<const std::filesystem::pa
 SceneSettings scene_settings(Run& run, const SceneFlags& flags, std::span<const SceneFile> scenes) {
     SceneSettings settings{.max_memory = run.max_memory(SceneSettings{}.max_memory), .seed = flags.seed};
     if (flags.set.empty()) return settings;
-    const std::vector<std::string> known = find_variables(lines_of(scenes));
+    const std::vector<std::string> known = find_variables(collect_lines(scenes));
     for (const std::string& word : flags.set) {
         const std::size_t sign = word.find('=');
         if (sign == word.npos || sign == 0)

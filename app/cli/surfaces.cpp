@@ -147,21 +147,21 @@ void check_mesh_write_options(const MeshWriteOptions& write, std::span<const std
 }
 
 std::string count_surface(Run& run, const MeshResult& result) {
-    std::string said =
+    std::string text =
         std::visit([&](const auto& surface) { return count(run.counts(), surface); }, result.surface);
     tell_device(run, result);
     if (result.bent_apart) {
         run.counts()["trees_bent_apart"] = compute_figures(*result.bent_apart);
-        said = summary(*result.bent_apart) + said;
+        text = summary(*result.bent_apart) + text;
     }
     if (result.texture) {
         run.counts()["texture"] = compute_figures(result.texture->report);
-        said += summary(result.texture->report);
+        text += summary(result.texture->report);
     }
-    if (!result.fitted) return said;
+    if (!result.fitted) return text;
     const FitVolumeReport& fitted = *result.fitted;
     run.counts()["fitted"] = compute_figures(fitted);
-    return fmt::format("{}; volume {:.2f} % of the cones', {:.2f} % before fitting{}", said,
+    return fmt::format("{}; volume {:.2f} % of the cones', {:.2f} % before fitting{}", text,
                        100 * fitted.after / fitted.cones, 100 * fitted.before / fitted.cones,
                        fitted.closed ? "" : " (parts of it are lost: see coppice check)");
 }
@@ -198,7 +198,7 @@ Verdict judge(Run& run, const MeshResult& result, const Skeleton& skeleton, cons
                                   {"cones", volume.cones},
                                   {"error", volume.error},
                                   {"ratio", volume.ratio()}};
-        if (!result.fitted) out.said = fmt::format("; volume {:.1f} % of the cones'", 100 * volume.ratio());
+        if (!result.fitted) out.text = fmt::format("; volume {:.1f} % of the cones'", 100 * volume.ratio());
         if (!verdict->holds_volume()) {
             run.warn(fmt::format("the surface has {:.1f} % of the volume of the skeleton's rounded cones",
                                  100 * volume.ratio()));
@@ -220,7 +220,7 @@ std::string then_mesh(Run& run, const std::filesystem::path& path, const Skeleto
         run.stage("mesh", [&](const Context& ctx) { return mesh_skeleton(skeleton, options, ctx); });
     run.stage("write mesh", [&](const Context& ctx) { write_surface(path, made, {}, ctx); });
     const Verdict verdict = judge(run, made, skeleton, options.control);
-    return fmt::format("; {}: {}{}", path.string(), count_surface(run, made), verdict.said);
+    return fmt::format("; {}: {}{}", path.string(), count_surface(run, made), verdict.text);
 }
 
 }  // namespace coppice::cli

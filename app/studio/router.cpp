@@ -141,7 +141,7 @@ HttpReply Router::file(const SendFile& wanted) const {
     }
 }
 
-std::filesystem::path Router::place_of(const TakeFile& wanted) const {
+std::filesystem::path Router::find_place(const TakeFile& wanted) const {
     std::filesystem::path path = sandbox_->to_write(wanted.name);
     std::error_code ignored;
     if (!wanted.overwrite && std::filesystem::exists(path, ignored))
@@ -151,7 +151,7 @@ std::filesystem::path Router::place_of(const TakeFile& wanted) const {
 }
 
 Router::Upload::Upload(const Router& router, TakeFile wanted)
-    : wanted_(std::move(wanted)), file_(router.place_of(wanted_)) {}
+    : wanted_(std::move(wanted)), file_(router.find_place(wanted_)) {}
 
 HttpReply Router::Upload::commit() {
     file_.commit();

@@ -70,7 +70,7 @@ class Router {
   private:
     Plan plan_page(const HttpHead& head) const;
     Plan plan_file(const HttpHead& head, std::string_view name) const;
-    std::filesystem::path place_of(const TakeFile& wanted) const;
+    std::filesystem::path find_place(const TakeFile& wanted) const;
 
     Rules rules_;
     Page page_;

@@ -24,7 +24,7 @@
 #include <vector>
 
 #include "coppice/base/error.h"
-#include "head_of.h"
+#include "http_head.h"
 
 namespace coppice::server {
 namespace {
@@ -308,7 +308,7 @@ class Connection final : public Peer, public std::enable_shared_from_this<Connec
         if (failure.category() == make_error_code(http::error::bad_method).category())
             return refuse(400, "this is not an HTTP request");
         if (failure) return;  // closed by the client, or timed out
-        Plan plan = shared_.router.plan(head_of(head_->get()));
+        Plan plan = shared_.router.plan(to_http_head(head_->get()));
         if (shows_token(plan)) note_token();
         std::visit([this](auto& wanted) { serve(wanted); }, plan);
     }
@@ -328,7 +328,7 @@ class Connection final : public Peer, public std::enable_shared_from_this<Connec
         is_last_ = !head_->keep_alive();
         stream_.expires_never();
         asio::post(shared_.workers, [self = shared_from_this(), wanted = std::move(wanted)] {
-            HttpReply reply = answer_of([&] { return self->shared_.router.blob(wanted); });
+            HttpReply reply = make_reply([&] { return self->shared_.router.blob(wanted); });
             asio::post(self->shared_.io,
                        [self, reply = std::move(reply)]() mutable { self->send(std::move(reply)); });
         });
@@ -336,7 +336,7 @@ class Connection final : public Peer, public std::enable_shared_from_this<Connec
 
     void serve(SendFile& wanted) {
         is_last_ = !head_->keep_alive();
-        send(answer_of([&] { return shared_.router.file(wanted); }));
+        send(make_reply([&] { return shared_.router.file(wanted); }));
     }
 
     void serve(OpenSocket&) {
@@ -366,7 +366,7 @@ class Connection final : public Peer, public std::enable_shared_from_this<Connec
     void take_body() {
         if (body_->is_done()) {
             is_last_ = !body_->keep_alive();
-            HttpReply reply = answer_of([&] { return upload_->commit(); });
+            HttpReply reply = make_reply([&] { return upload_->commit(); });
             upload_.reset();
             return send(std::move(reply));
         }
@@ -395,7 +395,7 @@ class Connection final : public Peer, public std::enable_shared_from_this<Connec
 
     /// Converts errors while a response is made to responses.
     template <class Make>
-    static HttpReply answer_of(Make&& make) {
+    static HttpReply make_reply(Make&& make) {
         try {
             return std::forward<Make>(make)();
         } catch (const InvalidInput& error) {

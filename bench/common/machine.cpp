@@ -12,7 +12,7 @@ namespace coppice::bench {
 namespace {
 
 // Returns the text after "key:" in a file of such lines.
-std::string value_of(const char* file, const std::string& key) {
+std::string read_value(const char* file, const std::string& key) {
     std::ifstream in(file);
     for (std::string line; std::getline(in, line);) {
         if (!line.starts_with(key)) continue;
@@ -25,7 +25,7 @@ std::string value_of(const char* file, const std::string& key) {
 }
 
 std::size_t status_bytes(const std::string& key) {
-    std::istringstream value(value_of("/proc/self/status", key));
+    std::istringstream value(read_value("/proc/self/status", key));
     std::size_t kibibytes = 0;
     value >> kibibytes;
     return kibibytes * 1024;
@@ -44,7 +44,7 @@ std::string compiler() {
 std::string machine_description() {
     utsname system{};
     uname(&system);
-    std::string processor = value_of("/proc/cpuinfo", "model name");
+    std::string processor = read_value("/proc/cpuinfo", "model name");
     if (processor.empty()) processor = system.machine;
     return fmt::format("{}, {} cores, {} {}, {}", processor, std::thread::hardware_concurrency(),
                        system.sysname, system.release, compiler());

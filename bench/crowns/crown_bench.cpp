@@ -30,11 +30,11 @@ struct Outcome {
     std::uint64_t hash = 0;
 };
 
-Outcome outcome_of(const PointSet& points) {
+Outcome make_outcome(const PointSet& points) {
     return {points.size(), Hash().add(std::span<const Vec3>(points.positions)).value()};
 }
 
-Outcome outcome_of(const Skeleton& s) {
+Outcome make_outcome(const Skeleton& s) {
     return {s.size(), Hash().add(s.parents()).add(s.positions()).value()};
 }
 
@@ -108,7 +108,7 @@ void bench_boundary(Bench& bench) {
         stages.add("all", clock.seconds());
         stages.add("cache", built);
         stages.add("points", clock.seconds() - built);
-        return outcome_of(points);
+        return make_outcome(points);
     });
     plain.what = "the same, from the field itself";
     plain.goal.clear();
@@ -119,7 +119,7 @@ void bench_boundary(Bench& bench) {
             const SolidField field(solid);
             points = boundary_points(field, field.bounds_at(0.4f), bench.ctx());
         });
-        return outcome_of(points);
+        return make_outcome(points);
     });
 }
 
@@ -159,7 +159,7 @@ void bench_rejection(Bench& bench) {
     bench.row(row, [&](Measures& stages) {
         PointSet points;
         stages.time("all", [&] { points = rejected_points(field, box, 0); });
-        return outcome_of(points);
+        return make_outcome(points);
     });
     row.what = "the same, cached";
     row.baseline = "4.1 s (thesis)";
@@ -169,7 +169,7 @@ void bench_rejection(Bench& bench) {
             const CachedField cache(field, {.cell = 0.25f, .band = 0.11f}, bench.ctx());
             points = rejected_points(cache, box, 0);
         });
-        return outcome_of(points);
+        return make_outcome(points);
     });
     row.what = "1,000 Poisson disks at the boundary, refused elsewhere in the box";
     row.baseline = "145.9 s (thesis)";
@@ -183,7 +183,7 @@ void bench_rejection(Bench& bench) {
     bench.row(row, [&](Measures& stages) {
         PointSet points;
         stages.time("all", [&] { points = rejected_points(field, box, distance); });
-        return outcome_of(points);
+        return make_outcome(points);
     });
 }
 
@@ -194,7 +194,7 @@ void bench_set(Bench& bench, const CrownResult& row, const Solid& solid, const G
             const SolidField field(solid);
             points = generate(FieldRef(field), field.surface_bounds(), options, bench.ctx()).points;
         });
-        return outcome_of(points);
+        return make_outcome(points);
     });
 }
 
@@ -282,7 +282,7 @@ void bench_growth(Bench& bench, std::size_t count, const CrownResult& row) {
     bench.row(row, [&](Measures& stages) {
         std::optional<GrowResult> grown;
         stages.time("all", [&] { grown = grow_in_ellipsoid(points, bench.ctx()); });
-        return outcome_of(grown->skeleton);
+        return make_outcome(grown->skeleton);
     });
 }
 

@@ -23,7 +23,7 @@ PolygonMesh closed_mesh(const Skeleton& truth, int levels, const Context& ctx) {
     return to_polygons(mesh_skeleton(truth, options, ctx).quads().mesh);
 }
 
-PointSet cloud_of(const Skeleton& truth, ScanPattern pattern, const Context& ctx) {
+PointSet sample_cloud(const Skeleton& truth, ScanPattern pattern, const Context& ctx) {
     const SkeletonMeasures m = measure(truth);
     const ScanOptions options{.pattern = pattern,
                               .points = m.segments < 10'000 ? 100'000 : 500'000,
@@ -63,11 +63,11 @@ constexpr std::array<Kind, 7> kKinds{{
      }},
     {"cloud",
      [](const Skeleton& s, const Context& ctx) -> decltype(TruthScene::input) {
-         return cloud_of(s, ScanPattern::uniform, ctx);
+         return sample_cloud(s, ScanPattern::uniform, ctx);
      }},
     {"scan",
      [](const Skeleton& s, const Context& ctx) -> decltype(TruthScene::input) {
-         return cloud_of(s, ScanPattern::scanner, ctx);
+         return sample_cloud(s, ScanPattern::scanner, ctx);
      }},
 }};
 

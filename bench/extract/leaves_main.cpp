@@ -59,7 +59,7 @@ ClassCounts compare_points(const bench::LeafyScan& scan, const PointSet& found) 
     return counts;
 }
 
-PointSet wood_of(const bench::LeafyScan& scan) {
+PointSet select_wood(const bench::LeafyScan& scan) {
     PointSet wood{{}, scan.points.origin};
     for (std::size_t i = 0; i < scan.leaf.size(); ++i) {
         if (!scan.leaf[i]) wood.positions.push_back(scan.points.positions[i]);
@@ -85,7 +85,7 @@ void run_scene(const std::string& name, const Context& ctx) {
     const CloudExtraction separated = extract_from_cloud(scan.points, {}, ctx);
     const double seconds = clock.seconds();
     const CloudExtraction kept = extract_from_cloud(scan.points, {.leaves = LeafRule::keep}, ctx);
-    const CloudExtraction ideal = extract_from_cloud(wood_of(scan), {.leaves = LeafRule::keep}, ctx);
+    const CloudExtraction ideal = extract_from_cloud(select_wood(scan), {.leaves = LeafRule::keep}, ctx);
     const ClassCounts t = compare_points(scan, separated.leaves);
     const bool leafy = scan.leaf_share() > 0;
     fmt::print(

@@ -46,7 +46,7 @@ Judged judged(const Goal& goal, const GpuResult& r) {
     return {"CPU / GPU", goal.wanted, speedup(r), true};
 }
 
-nlohmann::ordered_json json_of(const KernelShare& k, const DeviceSearch& device) {
+nlohmann::ordered_json make_json(const KernelShare& k, const DeviceSearch& device) {
     nlohmann::ordered_json out{{"seconds", k.seconds}, {"launches", k.launches}};
     if (!k.cost) return out;
     out["bytes"] = k.cost->bytes;
@@ -118,8 +118,8 @@ std::string kernels(const std::vector<GpuResult>& results, const DeviceSearch& d
 
 }  // namespace
 
-std::vector<KernelShare> shares_of(const std::vector<cuda::KernelTime>& times, int rounds,
-                                   const std::vector<KernelCost>& costs) {
+std::vector<KernelShare> compute_shares(const std::vector<cuda::KernelTime>& times, int rounds,
+                                        const std::vector<KernelCost>& costs) {
     std::vector<KernelShare> out;
     for (const cuda::KernelTime& t : times) {
         auto found = std::ranges::find(out, t.name, &KernelShare::name);
@@ -138,7 +138,7 @@ std::vector<KernelShare> shares_of(const std::vector<cuda::KernelTime>& times, i
     return out;
 }
 
-nlohmann::ordered_json json_of(const GpuResult& r, const DeviceSearch& device) {
+nlohmann::ordered_json make_json(const GpuResult& r, const DeviceSearch& device) {
     nlohmann::ordered_json out{{"name", r.name}, {"segments", r.segments}, {"faces", r.faces}};
     const auto put = [&](const char* name, double value) {
         if (value >= 0) out[name] = value;
@@ -161,7 +161,7 @@ nlohmann::ordered_json json_of(const GpuResult& r, const DeviceSearch& device) {
         out["goals"].push_back(one);
     }
     for (const auto& [stage, seconds] : r.cpu_stages) out["cpu_stages_s"][stage] = seconds;
-    for (const KernelShare& k : r.kernels) out["kernels"][k.name] = json_of(k, device);
+    for (const KernelShare& k : r.kernels) out["kernels"][k.name] = make_json(k, device);
     return out;
 }
 

@@ -101,8 +101,8 @@ void on_card(const GpuRun& run, GpuResult& out, const Work& work) {
 }
 
 /// Sums up launches by kernel, and adds the costs. `rounds` is the number of measured rounds.
-std::vector<KernelShare> shares_of(const std::vector<cuda::KernelTime>& times, int rounds,
-                                   const std::vector<KernelCost>& costs);
+std::vector<KernelShare> compute_shares(const std::vector<cuda::KernelTime>& times, int rounds,
+                                        const std::vector<KernelCost>& costs);
 
 /// Measures the repetitions of a device: whole rounds, then each kernel.
 template <class Device, class Work>
@@ -113,10 +113,10 @@ void time_on_card(Device& device, const GpuRun& run, const std::vector<KernelCos
     out.bytes_per_face = static_cast<double>(device.bytes_used()) / static_cast<double>(out.faces);
     device.measure();
     for (int i = 0; i < kRounds; ++i) repeat();
-    out.kernels = shares_of(device.take_times(), kRounds, costs);
+    out.kernels = compute_shares(device.take_times(), kRounds, costs);
 }
 
-nlohmann::ordered_json json_of(const GpuResult& result, const DeviceSearch& device);
+nlohmann::ordered_json make_json(const GpuResult& result, const DeviceSearch& device);
 /// Returns three tables: measurements, goals, and kernels.
 std::string to_markdown(const std::vector<GpuResult>& results, const DeviceSearch& device);
 

@@ -138,8 +138,8 @@ class Bench {
         const std::string card = describe(run_.device);
         nlohmann::ordered_json json{{"machine", machine_description()}, {"card", card}};
         for (const std::string& failure : failures_) json["failures"].push_back(failure);
-        for (const GpuResult& r : surfaces_) json["surfaces"].push_back(json_of(r, run_.device));
-        for (const PairsResult& r : pairs_) json["pairs"].push_back(json_of(r, run_.device));
+        for (const GpuResult& r : surfaces_) json["surfaces"].push_back(make_json(r, run_.device));
+        for (const PairsResult& r : pairs_) json["pairs"].push_back(make_json(r, run_.device));
         std::string markdown = fmt::format("Measured on: {}; {}.\n\n", machine_description(), card);
         for (const std::string& failure : failures_)
             markdown += fmt::format("Not measured: {}.\n\n", failure);

@@ -47,7 +47,7 @@ PairsResult measure_pairs(Kernel kernel, const GpuRun& run) {
     return out;
 }
 
-nlohmann::ordered_json json_of(const PairsResult& r, const DeviceSearch& device) {
+nlohmann::ordered_json make_json(const PairsResult& r, const DeviceSearch& device) {
     nlohmann::ordered_json out{{"kernel", r.kernel},
                                {"pairs", r.pairs},
                                {"flops_per_pair", r.flops_per_pair},

@@ -63,7 +63,7 @@ struct Given {
 };
 
 /// Weights each region by its number of quads.
-FieldWork work_of(const ConvolutionField& field, const Given& given) {
+FieldWork count_work(const ConvolutionField& field, const Given& given) {
     std::vector<double> weight(field.region_count());
     for (const std::uint32_t r : given.build.cage.region) ++weight[r];
     return {field, weight};
@@ -77,7 +77,7 @@ std::vector<float> compute_tolerances(std::span<const Vec3> positions, std::span
     return out;
 }
 
-std::uint32_t segments_of(const Skeleton& tree) { return tree.size() - tree.tree_count(); }
+std::uint32_t count_segments(const Skeleton& tree) { return tree.size() - tree.tree_count(); }
 
 /// Several trees on a GPU at once.
 class Batch {
@@ -118,7 +118,7 @@ class Batch {
     std::vector<KernelCost> costs() const {
         std::vector<KernelCost> sum;
         for (std::size_t i = 0; i < jobs_.size(); ++i) {
-            const auto each = quad_costs(jobs_[i], work_of(fields_[i], trees_[i]),
+            const auto each = quad_costs(jobs_[i], count_work(fields_[i], trees_[i]),
                                          static_cast<double>(reports_[i].projected.evaluations));
             if (sum.empty()) {
                 sum = each;
@@ -210,7 +210,7 @@ GpuResult measure_printed(const QuadCase& what, const Given& given, const GpuRun
     GpuResult out;
     out.cpu = median_time(run, 1, few_rounds(run), [&] { cpu.run(); });
     out.name = what.name + ", as printed";
-    out.segments = segments_of(what.trees.front());
+    out.segments = count_segments(what.trees.front());
     out.faces = cpu.faces();
     out.papers = what.papers;
     on_card(run, out, [&] {
@@ -218,7 +218,7 @@ GpuResult measure_printed(const QuadCase& what, const Given& given, const GpuRun
         const QuadMesh made = device.make(job, field);
         out.apart = apart(cpu.positions(), made.positions,
                           tolerances(cpu.positions(), given.build.skeleton, run.ctx));
-        const auto costs = printed_quad_costs(job, work_of(field, given), cpu.steps());
+        const auto costs = printed_quad_costs(job, count_work(field, given), cpu.steps());
         time_on_card(
             device, run, costs, [&] { device.repeat(); }, out);
     });
@@ -233,7 +233,7 @@ std::vector<GpuResult> measure_quads(const QuadCase& what, const GpuRun& run) {
     out.name = what.name;
     out.papers = what.papers;
     out.goals = what.goals;
-    for (const Skeleton& tree : what.trees) out.segments += segments_of(tree);
+    for (const Skeleton& tree : what.trees) out.segments += count_segments(tree);
     measure_on_cpu(what.trees, options, run, out);
     if (!run.device.device && !what.as_printed) return {out};
     std::deque<Given> trees;

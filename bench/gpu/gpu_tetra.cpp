@@ -64,7 +64,7 @@ struct Given {
 };
 
 /// Weights each region by its number of tetrahedra.
-FieldWork work_of(const Given& given) {
+FieldWork count_work(const Given& given) {
     std::vector<double> weight(given.mesh.region_count());
     for (std::size_t r = 0; r < weight.size(); ++r)
         weight[r] = static_cast<double>(given.mesh.first[r + 1]) - given.mesh.first[r];
@@ -135,7 +135,7 @@ GpuResult measure_printed_tetra(const TetraCase& what, const GpuRun& run) {
         const Buffer<Vec3>& found = made.positions;
         out.apart = strays(found, cpu.run(true).positions, tolerances(found, given.skeleton, run.ctx));
         const auto costs = printed_tetra_costs(cpu.counts(), what.levels,
-                                               static_cast<double>(made.triangles.size()), work_of(given));
+                                               static_cast<double>(made.triangles.size()), count_work(given));
         time_on_card(
             device, run, costs, [&] { device.repeat(); }, out);
     });
@@ -154,7 +154,7 @@ GpuResult measure_tetra(const TetraCase& what, const GpuRun& run) {
         const Buffer<Vec3>& found = made.mesh.positions;
         out.apart = strays(found, cpu.mesh.positions, tolerances(found, given.skeleton, run.ctx));
         time_on_card(
-            device, run, march_costs(cpu.report, work_of(given)), [&] { device.repeat(); }, out);
+            device, run, march_costs(cpu.report, count_work(given)), [&] { device.repeat(); }, out);
     });
     return out;
 }

@@ -16,7 +16,7 @@ WAYS = {"cylinders": ("--method", "cylinders"), "ramifications": ("--method", "r
 CUT = 12  # [radii of a fork's node] radius of the ball that is cut out around it
 
 
-def points_of(coppice, cloud, folder):
+def read_points(coppice, cloud, folder):
     """Returns the coordinates of a cloud in any format."""
     text = os.path.join(folder, "points.xyz")
     run(coppice, "convert", cloud, "-o", text, "--quiet")
@@ -76,7 +76,7 @@ def cut_out(coppice, cloud, skeleton, folder, stem):
         place, radius, parent = nodes[n]
         ids[n] = part.add(place, radius, ids.get(parent, -1))
     with open(stem + ".xyz", "w", encoding="utf-8") as file:
-        for point in points_of(coppice, cloud, folder):
+        for point in read_points(coppice, cloud, folder):
             if math.dist(point, nodes[fork][0]) < CUT * nodes[fork][1]:
                 if min(inside, key=lambda n: math.dist(point, nodes[n][0])) in ids:
                     file.write("{} {} {}\n".format(*point))

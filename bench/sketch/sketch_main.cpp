@@ -95,7 +95,7 @@ Score measure(const Flags& flags, double degrees, const bench::Mess& mess, const
         const auto number = static_cast<std::uint64_t>(seed);
         const Skeleton tree = random_tree(static_cast<std::uint32_t>(flags.segments), number);
         const DrawSketchOptions draw{.angle = static_cast<float>(degrees * std::numbers::pi / 180)};
-        Sketch sketch = messed_up(draw_sketch(tree, views_of(tree, draw), draw), mess, number);
+        Sketch sketch = messed_up(draw_sketch(tree, choose_views(tree, draw), draw), mess, number);
         bench::misplace(sketch.views[1], flags.camera_error, number);
         const bench::Clock clock;
         const SketchResult result =
@@ -153,10 +153,10 @@ double compute_mean(const std::vector<std::uint32_t>& counts) {
 
 /// Returns level views around a tree: two at a right angle, more than two evenly over half a turn.
 std::vector<SketchView> views_around(const Skeleton& tree, int count) {
-    if (count == 2) return views_of(tree);
-    std::vector<SketchView> views{views_of(tree)[0]};
+    if (count == 2) return choose_views(tree);
+    std::vector<SketchView> views{choose_views(tree)[0]};
     for (int v = 1; v < count; ++v) {
-        views.push_back(views_of(tree, {.angle = static_cast<float>(v * std::numbers::pi / count)})[1]);
+        views.push_back(choose_views(tree, {.angle = static_cast<float>(v * std::numbers::pi / count)})[1]);
         views.back().name = fmt::format("view {}", v);
     }
     return views;

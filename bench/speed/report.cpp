@@ -37,7 +37,7 @@ void add_main_table(std::string& out, const std::vector<SceneResult>& results) {
 }
 
 // Names of the stages of `parent`, as in "mesh: cage", in the order of measurement.
-std::vector<std::string> parts_of(const std::string& parent, const std::vector<SceneResult>& results) {
+std::vector<std::string> find_parts(const std::string& parent, const std::vector<SceneResult>& results) {
     std::vector<std::string> names;
     for (const SceneResult& r : results) {
         for (const Measure& m : r.measures) {
@@ -49,7 +49,7 @@ std::vector<std::string> parts_of(const std::string& parent, const std::vector<S
 }
 
 void add_stage_table(std::string& out, const std::string& parent, const std::vector<SceneResult>& results) {
-    const std::vector<std::string> parts = parts_of(parent, results);
+    const std::vector<std::string> parts = find_parts(parent, results);
     std::vector<std::string> head{"scene"};
     for (const std::string& part : parts) head.push_back(part.substr(parent.size() + 2));
     add_row(out, head);

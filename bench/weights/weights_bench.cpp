@@ -174,7 +174,7 @@ double compute_median(const WeightsResult& row, std::string_view name) {
     return 0;
 }
 
-Scene scene_of(const std::string& name) {
+Scene find_scene(const std::string& name) {
     if (name == "chain") return straight_chain();
     return name == "Y" ? even_fork() : make_scene(name);
 }
@@ -185,7 +185,7 @@ std::vector<WeightsResult> bench_weights(const std::vector<std::string>& scenes,
                                          const Context& ctx) {
     std::vector<WeightsResult> rows;
     for (const std::string& name : scenes) {
-        const Scene scene = scene_of(name);
+        const Scene scene = find_scene(name);
         for (const auto& named : kernels()) {
             const auto& kernel = named.second;
             FieldOptions plain = kernel, global = kernel;

@@ -26,7 +26,7 @@ struct Parts {
     std::uint64_t odd = 0;  ///< components with an Euler number that no closed surface has
 };
 
-Parts parts_of(const TriMesh& mesh) {
+Parts count_parts(const TriMesh& mesh) {
     DisjointSets sets(mesh.positions.size());
     for (const Triangle& t : mesh.triangles) {
         sets.join(t[0], t[1]);
@@ -100,7 +100,7 @@ void expect_a_part_for_each_tree(const std::string& name, const Skeleton& skelet
                 options.tetra.march.snap = snap;
                 options.field.kernel = kernel;
                 options.control.tips = ways.tips;
-                const Parts parts = parts_of(mesh_skeleton(skeleton, options).tetrahedra().mesh);
+                const Parts parts = count_parts(mesh_skeleton(skeleton, options).tetrahedra().mesh);
                 EXPECT_LE(parts.count, most);
                 EXPECT_GE(parts.count, least);
                 EXPECT_EQ(parts.inside_out, 0u);

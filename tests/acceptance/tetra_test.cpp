@@ -33,17 +33,17 @@ MeshOptions polyhedron(float edge) {
     return options;
 }
 
-PolygonMesh surface_of(const Skeleton& skeleton, const MeshOptions& options) {
+PolygonMesh make_surface(const Skeleton& skeleton, const MeshOptions& options) {
     return to_polygons(mesh_skeleton(skeleton, options).tetrahedra().mesh);
 }
 
 SurfaceReport judge(const Skeleton& skeleton, const MeshOptions& options = tetrahedra()) {
-    return check_surface(surface_of(skeleton, options), &skeleton);
+    return check_surface(make_surface(skeleton, options), &skeleton);
 }
 
 /// Checks the surface alone, which takes half of the time.
 SurfaceReport judge_alone(const Skeleton& skeleton, const MeshOptions& options) {
-    return check_surface(surface_of(skeleton, options), nullptr);
+    return check_surface(make_surface(skeleton, options), nullptr);
 }
 
 /// Expects a closed, manifold, outwards oriented surface without self-intersections.

@@ -10,13 +10,13 @@ namespace {
 TEST(Progress, PartReportsWithinItsRange) {
     std::vector<float> reported;
     const Context whole{.progress = [&](float f) { reported.push_back(f); }};
-    const Context half = part_of(whole, 0.5f, 1), last = part_of(half, 0.5f, 1);
+    const Context half = narrow_progress(whole, 0.5f, 1), last = narrow_progress(half, 0.5f, 1);
     half.report(0);
     half.report(0.5f);
     last.report(0.5f);
     last.report(1);
     EXPECT_EQ(reported, (std::vector<float>{0.5f, 0.75f, 0.875f, 1}));
-    part_of({}, 0, 1).report(0.5f);  // no callback
+    narrow_progress({}, 0, 1).report(0.5f);  // no callback
 }
 
 TEST(Progress, CheckInReportsOrThrows) {
@@ -27,7 +27,7 @@ TEST(Progress, CheckInReportsOrThrows) {
     check_in(ctx, 0, 0);
     source.request_stop();
     EXPECT_THROW(check_in(ctx, 2, 4), Cancelled);
-    EXPECT_THROW(part_of(ctx, 0, 1).throw_if_cancelled(), Cancelled);
+    EXPECT_THROW(narrow_progress(ctx, 0, 1).throw_if_cancelled(), Cancelled);
     EXPECT_EQ(reported, (std::vector<float>{0.25f}));
 }
 

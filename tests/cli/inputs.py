@@ -128,7 +128,7 @@ add("plot.xyz", "\n".join(plot))
 add("plot_strong.txt", "x y z intensity\n" + "\n".join("%s %d" % (row, i % 7) for i, row in enumerate(plot)))
 
 
-def las_of(points, ids):
+def make_las(points, ids):
     """LAS 1.4 of point format 6, in millimetres, with the extra dimension PredInstance and a coordinate system."""
     def record(user, number, data):
         return struct.pack("<H16sHH32x", 0, user, number, len(data)) + data
@@ -141,7 +141,7 @@ def las_of(points, ids):
 
 
 # The same, with the ids 7, 4 and 12 for these trees.
-add("plot_ids.las", las_of(plot, [0] * 825 + [i for i in (7, 4, 12) for _ in range(len(stem) + 80)]))
+add("plot_ids.las", make_las(plot, [0] * 825 + [i for i in (7, 4, 12) for _ in range(len(stem) + 80)]))
 add("old/tree_099.swc", TREE)
 add("distances.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float distance\n"
     "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n0 0 0 -0.1 250 20 20\n1 0 0 0.1 20 250 20\n0 1 0 0.1 20 20 250\n")
@@ -188,7 +188,7 @@ add("cell.h5", b"\x89HDF\r\n\x1a\n points structure")
 add("comma.swc", "1 1 0,0 0,5 0,0 0,1 -1\n2 1 0,0 0,5 1,0 0,1 1\n")
 
 
-def e57_of(points):
+def make_e57(points):
     """E57 of one scan in doubles, in one packet."""
     def crc32c(data):
         crc = 0xffffffff
@@ -210,13 +210,13 @@ def e57_of(points):
     return b"".join(page + struct.pack(">I", crc32c(page)) for page in pages)
 
 
-add("scan.e57", e57_of([(0, 0, 0), (1, 0, 0), (1, 2, 3)]))
-add("cut.e57", e57_of([(0, 0, 0)])[:-1])
+add("scan.e57", make_e57([(0, 0, 0), (1, 0, 0), (1, 2, 3)]))
+add("cut.e57", make_e57([(0, 0, 0)])[:-1])
 add("rays.ply", "ply\nformat ascii 1.0\nelement vertex 3\n" +
     "".join("property double %s\n" % name for name in ("x", "y", "z", "time", "nx", "ny", "nz")) +
     "".join("property uchar %s\n" % name for name in ("red", "green", "blue", "alpha")) +
     "end_header\n0 0 0 1 0 0 5 9 9 9 255\n1 0 0 2 0 0 5 9 9 9 0\n1 2 3 3 0 0 5 9 9 9 128\n")
-add("cut.las", las_of(plot[:10], [1] * 10)[:-40])
+add("cut.las", make_las(plot[:10], [1] * 10)[:-40])
 add("ids.coppice", "extract all plot_ids.las trees_by=ids\nsave all ids.json\n")
 add("cut.coppice", "extract all cut.las\nsave all cut.swc\n")
 add("load_cut.coppice", "pointset load all cut.las\n")

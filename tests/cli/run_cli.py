@@ -151,7 +151,7 @@ def complaints(runner, case, before, code, out, err):
         yield f"files were left behind: {set(os.listdir('.')) - before}"
 
 
-def failure_of(runner, case):
+def find_failure(runner, case):
     """Runs the case in the current folder; returns the failures, if any."""
     found, out, err, before = [], "", "", set(os.listdir("."))
     try:
@@ -176,7 +176,7 @@ def library(program):
         return pathlib.Path(folder, LIBRARY).read_bytes()
 
 
-def result_of(program, case):
+def run_case(program, case):
     start, failure, skipped = time.monotonic(), "", ""
     with folder_of_inputs() as folder:
         os.chdir(folder)
@@ -185,7 +185,7 @@ def result_of(program, case):
         if inputs.UNREADABLE in case.arguments and os.access(inputs.UNREADABLE, os.R_OK):
             skipped = "root reads everything"
         else:
-            failure = failure_of(Runner(program, case), case)
+            failure = find_failure(Runner(program, case), case)
         os.chdir("/")
     return Result(case, time.monotonic() - start, failure, skipped)
 
@@ -233,7 +233,7 @@ def main():
     cases = [case for case in read_cases(arguments.cases) if re.search(arguments.filter, case.name)][first::step]
     if not cases:
         sys.exit(f"no case of {arguments.cases} is chosen")
-    results = [result_of(arguments.program, case) for case in cases]
+    results = [run_case(arguments.program, case) for case in cases]
     if arguments.junit:
         write_junit(arguments.junit, results)
     print_summary(results)

@@ -33,7 +33,7 @@ class ListBatch : public testing::Test {
                                   random_tree(120, 1, true), random_tree(90, 4)})
             trees.emplace_back(s);
         for (const Tree& t : trees) {
-            contacts.push_back(input_of(t.scene, t.field));
+            contacts.push_back(make_input(t.scene, t.field));
             jobs.push_back({t.patches.cage(),
                             1,
                             t.scene.control.cage.positions,
@@ -53,8 +53,8 @@ class ListBatch : public testing::Test {
 using Lists = std::vector<std::vector<std::uint32_t>>;
 
 /// Returns the lists of some regions, with segments renumbered relative to `base`.
-Lists lists_of(HostExecutor& exec, const RegionLists& lists, std::size_t begin, std::size_t end,
-               std::uint32_t base) {
+Lists find_lists(HostExecutor& exec, const RegionLists& lists, std::size_t begin, std::size_t end,
+                 std::uint32_t base) {
     const auto first = downloaded(exec, lists.first);
     const auto segments = downloaded(exec, lists.segments);
     Lists out;
@@ -78,10 +78,10 @@ TEST_F(ListBatch, ListsMatchThoseOfEachJobAlone) {
         HostExecutor other;
         const ContactsFound alone = find_contacts(other, input);
         const std::size_t end = region + input.control.region_node.size();
-        EXPECT_EQ(lists_of(exec, all.lists.own, region, end, segment),
-                  lists_of(other, alone.lists.own, 0, end - region, 0));
-        EXPECT_EQ(lists_of(exec, all.lists.competitors, region, end, segment),
-                  lists_of(other, alone.lists.competitors, 0, end - region, 0));
+        EXPECT_EQ(find_lists(exec, all.lists.own, region, end, segment),
+                  find_lists(other, alone.lists.own, 0, end - region, 0));
+        EXPECT_EQ(find_lists(exec, all.lists.competitors, region, end, segment),
+                  find_lists(other, alone.lists.competitors, 0, end - region, 0));
         competitors += alone.state.entries.competitors;
         region = end;
         segment += input.skeleton.size();
@@ -95,7 +95,7 @@ struct Made {
     QuadReport report;
 };
 
-std::vector<Made> made_of(std::span<const QuadJob> jobs, std::span<const ContactInput> contacts) {
+std::vector<Made> make_all(std::span<const QuadJob> jobs, std::span<const ContactInput> contacts) {
     HostExecutor exec({.threads = 2});
     QuadRun<HostExecutor> run(exec);
     EXPECT_TRUE(run.begin(jobs, contacts));
@@ -111,10 +111,10 @@ std::vector<Made> made_of(std::span<const QuadJob> jobs, std::span<const Contact
 }
 
 TEST_F(ListBatch, SurfacesMatchThoseOfEachJobAlone) {
-    const std::vector<Made> together = made_of(jobs, contacts);
+    const std::vector<Made> together = make_all(jobs, contacts);
     for (std::size_t i = 0; i < jobs.size(); ++i) {
         SCOPED_TRACE(i);
-        const Made alone = made_of({&jobs[i], 1}, {&contacts[i], 1}).front();
+        const Made alone = make_all({&jobs[i], 1}, {&contacts[i], 1}).front();
         EXPECT_EQ(together[i].positions, alone.positions);
         EXPECT_EQ(together[i].report.projected.evaluations, alone.report.projected.evaluations);
         EXPECT_EQ(together[i].report.untangled, alone.report.untangled);
@@ -130,7 +130,7 @@ TEST_F(ListBatch, ReportsWhenNotAllJobsFitIntoMemory) {
 
 TEST_F(ListBatch, SplitsAJobThatDoesNotFitIntoMemory) {
     const Tree large(random_tree(1500, 1));
-    const ContactInput input = input_of(large.scene, large.field);
+    const ContactInput input = make_input(large.scene, large.field);
     const Scene& s = large.scene;
     const QuadJob job{large.patches.cage(),
                       1,
@@ -149,7 +149,7 @@ TEST_F(ListBatch, SplitsAJobThatDoesNotFitIntoMemory) {
     const QuadPlaces places{&pieces.positions};
     EXPECT_FALSE(run.finish({&places, 1}).front().is_whole);
     EXPECT_GE(run.round_count(), 2u);
-    EXPECT_EQ(pieces.positions, made_of({&job, 1}, {&input, 1}).front().positions);
+    EXPECT_EQ(pieces.positions, make_all({&job, 1}, {&input, 1}).front().positions);
 }
 
 }  // namespace

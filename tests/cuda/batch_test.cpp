@@ -39,7 +39,8 @@ std::vector<Made> finish(QuadRun<HostExecutor>& run, std::size_t count) {
     return out;
 }
 
-std::vector<Made> made_of(std::span<const QuadTask> tasks, HostExecutor exec = HostExecutor({.threads = 2})) {
+std::vector<Made> make_all(std::span<const QuadTask> tasks,
+                           HostExecutor exec = HostExecutor({.threads = 2})) {
     QuadRun<HostExecutor> run(exec);
     run.begin(tasks);
     return finish(run, tasks.size());
@@ -112,11 +113,11 @@ TEST_F(Batch, SurfacesMatchThoseOfEachJobAlone) {
     for (const ProjectOptions& project :
          {ProjectOptions{}, ProjectOptions{.method = ProjectionMethod::gradient, .relax_passes = 2}}) {
         const std::vector<QuadTask> all = tasks(project);
-        const std::vector<Made> together = made_of(all);
+        const std::vector<Made> together = make_all(all);
         std::uint64_t unfolded = 0;
         for (std::size_t i = 0; i < all.size(); ++i) {
             SCOPED_TRACE(i);
-            expect_same_bits(together[i], made_of({&all[i], 1}).front());
+            expect_same_bits(together[i], make_all({&all[i], 1}).front());
             unfolded += together[i].report.untangled.moved;
         }
         EXPECT_GT(unfolded, 0u);
@@ -124,11 +125,11 @@ TEST_F(Batch, SurfacesMatchThoseOfEachJobAlone) {
     }
 }
 
-TEST_F(Batch, IsEmptyForNoJobs) { EXPECT_TRUE(made_of({}).empty()); }
+TEST_F(Batch, IsEmptyForNoJobs) { EXPECT_TRUE(make_all({}).empty()); }
 
 TEST_F(Batch, RunsSeveralRoundsIfMemoryIsShort) {
     const std::vector<QuadTask> all = tasks();
-    const std::vector<Made> together = made_of(all);
+    const std::vector<Made> together = make_all(all);
     // The largest fits by itself, but not with another.
     std::uint64_t most = 0;
     for (const QuadTask& t : all) {
@@ -190,7 +191,7 @@ TEST_F(Batch, PiecesAreBitIdenticalToTheWhole) {
         for (QuadTask t : tasks({.relax_passes = relax_passes})) {
             SCOPED_TRACE(std::to_string(relax_passes) + " " + std::to_string(t.job.cage.face_count()));
             t.job.untangle = kNoUnfolding;
-            const Made whole = made_of({&t, 1}).front();
+            const Made whole = make_all({&t, 1}).front();
             for (const std::size_t quads : {9, 40}) expect_same_bits(pieced_together(t, quads), whole);
         }
     }
@@ -203,7 +204,7 @@ TEST(QuadPiece, PiecesOfTheZooAreBitIdenticalToTheWhole) {
             SCOPED_TRACE(name + ", level " + std::to_string(levels));
             const QuadCase c(skeleton, levels, kOverTheEnds, ends(TipShape::flat, BaseShape::flat));
             const QuadTask task{c.job({.relax_passes = 1}, {.passes = 0}), &c.field};
-            expect_same_bits(pieced_together(task, 16), made_of({&task, 1}).front());
+            expect_same_bits(pieced_together(task, 16), make_all({&task, 1}).front());
         }
     }
 }
@@ -224,7 +225,7 @@ TEST_F(Batch, SplitsAJobThatDoesNotFitIntoMemory) {
     EXPECT_FALSE(pieces.report.is_whole);
     EXPECT_EQ(pieces.report.untangled, UntangleReport{});
     task.job.untangle.passes = 0;
-    expect_same_bits(made_of({&task, 1}).front(), pieces);
+    expect_same_bits(make_all({&task, 1}).front(), pieces);
 }
 
 TEST_F(Batch, ReportsTheFreeMemoryIfItDoesNotSuffice) {

@@ -43,7 +43,7 @@ inline Scene wrap(const Skeleton& given, float graft = 0.6f) {
             std::move(control)};
 }
 
-inline std::vector<FieldRegion> regions_of(const Scene& scene) {
+inline std::vector<FieldRegion> make_regions(const Scene& scene) {
     const ControlMesh& control = scene.control;
     std::vector<FieldRegion> regions(control.region_node.size());
     for (std::size_t q = 0; q < control.region.size(); ++q) {
@@ -59,14 +59,14 @@ inline std::vector<FieldRegion> regions_of(const Scene& scene) {
     return regions;
 }
 
-inline ContactInput input_of(const Scene& scene, const ConvolutionField& field) {
+inline ContactInput make_input(const Scene& scene, const ConvolutionField& field) {
     return {scene.skeleton, scene.tree(), field, scene.control};
 }
 
 using List = std::span<const std::uint32_t>;
 
 template <class Lists>
-List list_of(const Lists& lists, std::size_t r) {
+List get_list(const Lists& lists, std::size_t r) {
     return std::span(lists.segments).subspan(lists.first[r], lists.first[r + 1] - lists.first[r]);
 }
 

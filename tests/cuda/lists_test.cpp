@@ -60,9 +60,9 @@ TEST(ContactTopology, RequiresTubesInDepthFirstOrderAndContact) {
     const Skeleton skeleton({NodeId::none(), NodeId(0), NodeId(0), NodeId(1)},
                             {{0, 0, 0}, {0, 0, 1}, {0, 1, 1}, {0, 0, 2}}, {0.1f, 0.1f, 0.1f, 0.1f});
     const Scene broad = in_boxes(skeleton, std::vector<Box3>(4));
-    EXPECT_THROW(contact_topology(input_of(broad, ConvolutionField(skeleton, {}))), PreconditionBroken);
+    EXPECT_THROW(contact_topology(make_input(broad, ConvolutionField(skeleton, {}))), PreconditionBroken);
     const Scene scene = in_boxes(stems(2, 1, 0.1f), std::vector<Box3>(4));
-    EXPECT_THROW(contact_topology(input_of(scene, ConvolutionField(scene.skeleton, {.contact = 0}))),
+    EXPECT_THROW(contact_topology(make_input(scene, ConvolutionField(scene.skeleton, {.contact = 0}))),
                  PreconditionBroken);
 }
 

@@ -32,18 +32,18 @@ template <class Exec>
 Comparison compare(Exec& exec, const Scene& scene, const ConvolutionField& on_cpu, const DeviceLists& lists) {
     const CandidateLists &own = on_cpu.own_lists(), &competitors = on_cpu.competitor_lists();
     const HostLists own_found(exec, lists.own), competitors_found(exec, lists.competitors);
-    const std::vector<FieldRegion> regions = regions_of(scene);
+    const std::vector<FieldRegion> regions = make_regions(scene);
     Comparison out{
         .lists = regions.size(), .own = own.segments.size(), .competitors = competitors.segments.size()};
     EXPECT_EQ(own.first.size(), own_found.first.size());
     EXPECT_EQ(competitors.first.size(), competitors_found.first.size());
     for (std::size_t r = 0; r < out.lists; ++r) {
-        out.longest = std::max(out.longest, list_of(own, r).size());
-        if (!std::ranges::equal(list_of(own, r), list_of(own_found, r))) ++out.own_differ;
-        const List found = list_of(competitors_found, r);
-        if (std::ranges::equal(list_of(competitors, r), found)) continue;
+        out.longest = std::max(out.longest, get_list(own, r).size());
+        if (!std::ranges::equal(get_list(own, r), get_list(own_found, r))) ++out.own_differ;
+        const List found = get_list(competitors_found, r);
+        if (std::ranges::equal(get_list(competitors, r), found)) continue;
         const bool is_missed =
-            std::ranges::equal(find_competitors(scene, on_cpu, regions[r], list_of(own, r)), found);
+            std::ranges::equal(find_competitors(scene, on_cpu, regions[r], get_list(own, r)), found);
         ++(is_missed ? out.missed : out.competitors_differ);
     }
     return out;
@@ -53,9 +53,9 @@ Comparison compare(Exec& exec, const Scene& scene, const ConvolutionField& on_cp
 template <class Exec>
 Comparison compare(const Scene& scene, const FieldOptions& options = {}) {
     ConvolutionField field(scene.skeleton, options);
-    field.set_regions(regions_of(scene), scene.tree());
+    field.set_regions(make_regions(scene), scene.tree());
     Exec exec;
-    const ContactsFound found = find_contacts(exec, input_of(scene, field));
+    const ContactsFound found = find_contacts(exec, make_input(scene, field));
     EXPECT_FALSE(found.state.is_cut);
     EXPECT_EQ(found.state.entries.own, downloaded(exec, found.lists.own.first.last(1))[0]);
     EXPECT_EQ(found.state.entries.competitors, downloaded(exec, found.lists.competitors.first.last(1))[0]);
@@ -110,7 +110,7 @@ TYPED_TEST_P(ListsOn, OfAHubMatchTheCpuUntilOneIsTruncated) {
     const Scene scene = in_boxes(skeleton, std::vector<Box3>(skeleton.size(), Box3{{-1, -1, 0}, {1, 1, 2}}));
     const ConvolutionField field(skeleton, {});
     TypeParam executor;
-    EXPECT_TRUE(find_contacts(executor, input_of(scene, field)).state.is_cut);
+    EXPECT_TRUE(find_contacts(executor, make_input(scene, field)).state.is_cut);
 }
 
 // Only the region of the root, to which all segments are related, would be truncated: it has no box.
@@ -153,8 +153,8 @@ TYPED_TEST_P(ListsOn, FollowAMovingBranchWithTheSameTables) {
     Scene scene = wrap(zoo_skeleton("random_large_hard"));
     ConvolutionField field(scene.skeleton, {});
     TypeParam executor;
-    const ContactTables tables = upload_contacts(executor, contact_topology(input_of(scene, field)));
-    const ContactGeometry before = upload_geometry(executor, input_of(scene, field));
+    const ContactTables tables = upload_contacts(executor, contact_topology(make_input(scene, field)));
+    const ContactGeometry before = upload_geometry(executor, make_input(scene, field));
     const auto order = competitor_order(executor, tables, before);
 
     const auto moved = [](Vec3 p) { return Vec3{p.x + 0.3f * p.z, p.y * 0.2f, p.z}; };
@@ -168,8 +168,8 @@ TYPED_TEST_P(ListsOn, FollowAMovingBranchWithTheSameTables) {
     scene.control.cage.positions = all_moved(scene.control.cage.positions);
     scene.control.anchors = all_moved(scene.control.anchors);
     ConvolutionField now(scene.skeleton, {});
-    now.set_regions(regions_of(scene), scene.tree());
-    const ContactGeometry geometry = upload_geometry(executor, input_of(scene, now));
+    now.set_regions(make_regions(scene), scene.tree());
+    const ContactGeometry geometry = upload_geometry(executor, make_input(scene, now));
     const ListRoom room = usual_room(tables.tubes.size());
     const ContactsFound found = find_contacts(executor, tables, geometry, order, room);
     EXPECT_FALSE(found.state.is_cut);
@@ -182,14 +182,14 @@ TYPED_TEST_P(ListsOn, FollowAMovingBranchWithTheSameTables) {
 TYPED_TEST_P(ListsOn, AreEmptyWithoutRoomAndThenRecomputed) {
     const Scene scene = wrap(zoo_skeleton("random_large_hard"));
     ConvolutionField field(scene.skeleton, {});
-    field.set_regions(regions_of(scene), scene.tree());
+    field.set_regions(make_regions(scene), scene.tree());
     TypeParam executor;
-    const ContactTables tables = upload_contacts(executor, contact_topology(input_of(scene, field)));
-    const ContactGeometry geometry = upload_geometry(executor, input_of(scene, field));
+    const ContactTables tables = upload_contacts(executor, contact_topology(make_input(scene, field)));
+    const ContactGeometry geometry = upload_geometry(executor, make_input(scene, field));
     const auto order = competitor_order(executor, tables, geometry);
     const ListRoom none{10, 0};
     const DeviceLists little = begin_contacts(executor, tables, geometry, order, none);
-    EXPECT_FALSE(state_of(executor, little).fits(none));
+    EXPECT_FALSE(read_state(executor, little).fits(none));
     EXPECT_EQ(little.own.segments.size(), 10u);
     for (const RegionLists& lists : {little.own, little.competitors}) {
         const auto first = downloaded(executor, lists.first);
@@ -203,10 +203,10 @@ TYPED_TEST_P(ListsOn, RegionBoxesMatchTheCpu) {
     const Scene scene = wrap(zoo_skeleton("random_large_hard"));
     const ConvolutionField field(scene.skeleton, {});
     TypeParam executor;
-    const ContactTables tables = upload_contacts(executor, contact_topology(input_of(scene, field)));
+    const ContactTables tables = upload_contacts(executor, contact_topology(make_input(scene, field)));
     const auto boxes = downloaded(
-        executor, region_boxes(executor, tables, upload_geometry(executor, input_of(scene, field))));
-    const std::vector<FieldRegion> regions = regions_of(scene);
+        executor, region_boxes(executor, tables, upload_geometry(executor, make_input(scene, field))));
+    const std::vector<FieldRegion> regions = make_regions(scene);
     ASSERT_EQ(boxes.size(), regions.size());
     for (std::size_t r = 0; r < boxes.size(); ++r) {
         if (TestFixture::kSameBits) {

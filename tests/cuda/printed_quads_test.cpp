@@ -62,7 +62,7 @@ void expect_connected(const CageView& mesh) {
         ASSERT_TRUE(std::ranges::equal(mesh.fan(v), fans[v])) << v;
 }
 
-float size_of(const Cage& cage) {
+float measure_size(const Cage& cage) {
     Box3 box;
     for (const Vec3& p : cage.points) box.extend(p);
     return box.diagonal();
@@ -82,7 +82,7 @@ TEST(PrintedQuadStages, SubdivideAsPatchRefinement) {
             const Buffer<Vec3> expected = job.patches.refine(job.points);
             const auto found = stages.refined();
             ASSERT_EQ(found.size(), expected.size());
-            const auto map = match_points(found, expected, 1e-5f * size_of(cage));
+            const auto map = match_points(found, expected, 1e-5f * measure_size(cage));
             ASSERT_EQ(std::ranges::count(map, expected.size()), 0) << "a vertex has no counterpart";
             EXPECT_EQ(canonical_quads(stages.mesh().quads, map), canonical_quads(job.patches.quads()));
             expect_connected(stages.mesh());

@@ -22,7 +22,7 @@ TEST(Anchor, BindsToItsOwnNode) {
     const EditableTree tree(random_tree(300, 1));
     const AnchorFrame frame = anchor_frame(tree);
     for (const StableId n : tree.nodes()) {
-        const Binding b = bind_anchor(tree, frame, anchor_of(tree, frame, n));
+        const Binding b = bind_anchor(tree, frame, compute_anchor(tree, frame, n));
         EXPECT_EQ(b.node, n);
         EXPECT_NEAR(b.distance, 0, 1e-9);
     }
@@ -43,7 +43,7 @@ TEST(Anchor, BindsInAScaledMovedAndRenumberedTree) {
         Skeleton({s.parents().begin(), s.parents().end()}, place, radius, {1000, 0, 0}, other));
     const AnchorFrame frame = anchor_frame(tree), frame_again = anchor_frame(again);
     for (const StableId n : tree.nodes()) {
-        const Binding b = bind_anchor(again, frame_again, anchor_of(tree, frame, n));
+        const Binding b = bind_anchor(again, frame_again, compute_anchor(tree, frame, n));
         EXPECT_EQ(b.node, id(1000 + 3 * n.index()));
     }
 }
@@ -51,14 +51,14 @@ TEST(Anchor, BindsInAScaledMovedAndRenumberedTree) {
 TEST(Anchor, ReportsTheReasonAndTheNearestNodeIfNoNodeMatches) {
     EditableTree tree(test::stem_with_branches());
     const AnchorFrame frame = anchor_frame(tree);  // 4 m along x
-    const Anchor tip = anchor_of(tree, frame, id(6));
+    const Anchor tip = compute_anchor(tree, frame, id(6));
     remove_branches(tree, ids({5}));
     const Binding gone = bind_anchor(tree, frame, tip);
     EXPECT_FALSE(gone.node);
     EXPECT_EQ(gone.nearest, id(4));
     EXPECT_NEAR(gone.distance, 2, 1e-6);
     EXPECT_EQ(gone.reason, "no node is within 0.12 m");
-    Anchor other = anchor_of(tree, frame, id(4));
+    Anchor other = compute_anchor(tree, frame, id(4));
     other.order = 0;
     EXPECT_EQ(bind_anchor(tree, frame, other).reason, "the order of the axis there is different");
     other.order = 1;

@@ -69,8 +69,8 @@ struct Found {
     Buffer<Vec3> points;
     std::vector<std::uint8_t> leaf;
 };
-Found leaves_of(const PointSet& set, bool always = false, std::uint32_t neighbours = 12,
-                unsigned threads = 0) {
+Found separate_leaves(const PointSet& set, bool always = false, std::uint32_t neighbours = 12,
+                      unsigned threads = 0) {
     const Context ctx{.threads = threads};
     Found found{sorted_without_duplicates(set.positions, ctx), {}};
     const Neighbours near = nearest_neighbours(found.points, neighbours, ctx);
@@ -173,13 +173,13 @@ TEST(VoxelGrid, ContainsTheMeanPointOfEachVoxel) {
 
 TEST(CloudLeaves, MarkNoWoodOfTreesWithoutLeaves) {
     for (const PointSet& set : {fork_cloud(), fork_cloud(0.004), fork_cloud(0.05), leafy_tree(0).set}) {
-        EXPECT_EQ(std::ranges::count(leaves_of(set).leaf, 1), 0);
+        EXPECT_EQ(std::ranges::count(separate_leaves(set).leaf, 1), 0);
     }
 }
 
 TEST(CloudLeaves, AreDistinguishedFromWood) {
     const LeafyTree tree = leafy_tree(100);
-    const Found found = leaves_of(tree.set);
+    const Found found = separate_leaves(tree.set);
     const Recall r = recall(tree, found);
     EXPECT_GT(r.wood, 0.8);
     EXPECT_GT(r.leaves, 0.9);
@@ -204,16 +204,16 @@ TEST(CloudLeaves, AreFoundAtAnyDensity) {
             dense.set.positions.push_back(Vec3(Vec3d(tree.set.positions[i]) + off));
         }
     }
-    const Recall r = recall(dense, leaves_of(dense.set));
+    const Recall r = recall(dense, separate_leaves(dense.set));
     EXPECT_GT(r.wood, 0.8);
     EXPECT_GT(r.leaves, 0.75);
 }
 
 TEST(CloudLeaves, IgnoreTheNumberOfNeighboursBelowTwelve) {
     const PointSet set = leafy_tree(100).set;
-    const auto leaf = leaves_of(set).leaf;
-    EXPECT_EQ(leaves_of(set, false, 4).leaf, leaf);
-    EXPECT_EQ(leaves_of(set, false, 8).leaf, leaf);
+    const auto leaf = separate_leaves(set).leaf;
+    EXPECT_EQ(separate_leaves(set, false, 4).leaf, leaf);
+    EXPECT_EQ(separate_leaves(set, false, 8).leaf, leaf);
 }
 
 TEST(CloudLeaves, ExcludeIgnoredPoints) {
@@ -228,8 +228,8 @@ TEST(CloudLeaves, ExcludeIgnoredPoints) {
 
 TEST(CloudLeaves, AreBitIdenticalForAnyNumberOfThreads) {
     const PointSet set = leafy_tree(100).set;
-    const auto one = leaves_of(set, false, 12, 1).leaf;
-    for (const unsigned threads : {2u, 7u}) EXPECT_EQ(leaves_of(set, false, 12, threads).leaf, one);
+    const auto one = separate_leaves(set, false, 12, 1).leaf;
+    for (const unsigned threads : {2u, 7u}) EXPECT_EQ(separate_leaves(set, false, 12, threads).leaf, one);
 }
 
 TEST(CloudLeaves, RuleSelectsThePointsToExclude) {

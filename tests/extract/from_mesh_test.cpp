@@ -19,8 +19,8 @@ using shapes::both;
 using shapes::card;
 using shapes::fork;
 using shapes::inverted;
+using shapes::make_surface;
 using shapes::soup;
-using shapes::surface_of;
 using shapes::torus;
 using shapes::tube;
 using shapes::TubeOptions;
@@ -101,7 +101,7 @@ TEST_P(BothMethods, FindsAForkAtItsPosition) {
     const Skeleton truth = fork();
     // Contraction creates tips that the fit moves only part of the way.
     const double tip = GetParam() == MeshSkeletonMethod::rings ? 0.05 : 0.15;
-    const FromMeshResult r = extract_from_mesh(surface_of(truth, 0.05f), options());
+    const FromMeshResult r = extract_from_mesh(make_surface(truth, 0.05f), options());
     const SkeletonMeasures m = measure(r.skeleton);
     EXPECT_EQ(m.tips, 2u);
     ASSERT_EQ(m.branch_nodes, 1u);
@@ -120,7 +120,7 @@ TEST_P(BothMethods, FindsAForkAtItsPosition) {
 }
 
 TEST_P(BothMethods, MapsEveryVertexToANodeNearIt) {
-    const FromMeshResult r = extract_from_mesh(surface_of(fork(), 0.05f), options());
+    const FromMeshResult r = extract_from_mesh(make_surface(fork(), 0.05f), options());
     ASSERT_EQ(r.nodes.size(), r.vertices.size());
     ASSERT_EQ(r.vertices.size(), r.report.samples);
     for (std::size_t v = 0; v < r.nodes.size(); ++v) {
@@ -159,7 +159,7 @@ TEST_P(BothMethods, FindsAllArmsOfAStar) {
         at.push_back(d);
     }
     const Skeleton star(parent, at, std::vector<float>(7, 0.1f));
-    const FromMeshResult r = extract_from_mesh(surface_of(star, 0.04f), options());
+    const FromMeshResult r = extract_from_mesh(make_surface(star, 0.04f), options());
     EXPECT_EQ(measure(r.skeleton).tips, 5u);  // the lowest arm's end is the root
     EXPECT_LT(r.skeleton.position(NodeId(0)).z, -0.95f);
     EXPECT_LT(farthest(star, r.skeleton), 0.1);
@@ -184,7 +184,7 @@ TEST_P(BothMethods, TwoTreesHaveTwoRoots) {
 }
 
 TEST_P(BothMethods, IsBitIdenticalForAnyNumberOfThreads) {
-    const PolygonMesh mesh = surface_of(fork(), 0.05f);
+    const PolygonMesh mesh = make_surface(fork(), 0.05f);
     Context ctx;
     ctx.threads = 1;
     const FromMeshResult one = extract_from_mesh(mesh, options(), ctx);
@@ -208,7 +208,7 @@ TEST_P(BothMethods, StopsWhenCancelled) {
 
 // The skeleton does not depend on the representation of the surface.
 TEST(FromMesh, IgnoresSplitVerticesAndInwardFaces) {
-    const PolygonMesh mesh = surface_of(fork(), 0.05f);
+    const PolygonMesh mesh = make_surface(fork(), 0.05f);
     const FromMeshResult plain = extract_from_mesh(mesh);
     const FromMeshResult repaired = extract_from_mesh(inverted(soup(mesh)));
     EXPECT_GT(repaired.repairs.welded, 0u);
@@ -218,7 +218,7 @@ TEST(FromMesh, IgnoresSplitVerticesAndInwardFaces) {
 }
 
 TEST(FromMesh, ExcludesLeaves) {
-    PolygonMesh mesh = surface_of(fork(), 0.05f);
+    PolygonMesh mesh = make_surface(fork(), 0.05f);
     const FromMeshResult bare = extract_from_mesh(mesh);
     for (int i = 0; i < 20; ++i) mesh = both(mesh, card({1, 0, 3 + 0.1f * static_cast<float>(i)}, 0.2f));
     const FromMeshResult leafy = extract_from_mesh(mesh);
@@ -246,7 +246,7 @@ TEST(FromMesh, JoinsOverlappingTubes) {
 }
 
 TEST(FromMesh, RootFollowsTheOptions) {
-    const PolygonMesh mesh = surface_of(fork(), 0.05f);
+    const PolygonMesh mesh = make_surface(fork(), 0.05f);
     FromMeshOptions options;
     options.root = Vec3d(1, 0, 3);
     const Skeleton s = extract_from_mesh(mesh, options).skeleton;
@@ -298,7 +298,7 @@ TEST(FromMesh, BridgesHoles) {
 }
 
 TEST(FromMesh, ConfidenceCountsEveryVertexOnce) {
-    const FromMeshResult r = extract_from_mesh(surface_of(fork(), 0.05f));
+    const FromMeshResult r = extract_from_mesh(make_surface(fork(), 0.05f));
     ASSERT_EQ(r.confidence.size(), r.skeleton.size());
     std::uint64_t sum = 0;
     for (const NodeConfidence& c : r.confidence) {

@@ -55,7 +55,7 @@ TEST(LooseParts, SinglePointsAreTreesIfThereAreNoOtherParts) {
 
 TEST(LooseParts, PartsPreserveTheirNodesAndIds) {
     const Skeleton s = pieces({{{0, 0, 0}, {0, 0, 20}}, {{3, 0, 12}, {4, 0, 12}}, {{0, 2, 0}, {0, 2, 12}}});
-    const Skeleton trees = parts_of(s, find_loose_parts(s).trees);
+    const Skeleton trees = extract_parts(s, find_loose_parts(s).trees);
     ASSERT_EQ(trees.size(), 4u);
     EXPECT_EQ(trees.origin(), s.origin());
     EXPECT_EQ(trees.parent(NodeId(3)), NodeId(2));

@@ -76,7 +76,7 @@ struct CapsuleField {
 };
 
 /// Returns the surface of a skeleton as a closed mesh of irregular triangles.
-inline PolygonMesh surface_of(const Skeleton& skeleton, float cell) {
+inline PolygonMesh make_surface(const Skeleton& skeleton, float cell) {
     const CapsuleField field{skeleton};
     return to_polygons(polygonize(FieldRef(field), skeleton.bounds().inflated(2 * cell), {.cell = cell}));
 }

@@ -121,7 +121,7 @@ TEST(MeasureRing, AnArcHasTheCenterOfItsCircle) {
 }
 
 TEST(FollowChains, ForkHasTwoChains) {
-    const Surface s = surface(shapes::surface_of(shapes::fork(), 0.04f));
+    const Surface s = surface(shapes::make_surface(shapes::fork(), 0.04f));
     std::uint32_t low = 0;
     for (std::uint32_t v = 0; v < s.size(); ++v)
         if (s.positions[v].z < s.positions[low].z) low = v;

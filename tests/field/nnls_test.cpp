@@ -14,8 +14,8 @@
 namespace coppice {
 namespace {
 
-SparseRows rows_of(std::size_t rows, std::uint32_t columns,
-                   const std::function<double(std::size_t, std::uint32_t)>& entry) {
+SparseRows make_rows(std::size_t rows, std::uint32_t columns,
+                     const std::function<double(std::size_t, std::uint32_t)>& entry) {
     SparseRows a;
     a.columns = columns;
     for (std::size_t j = 0; j < rows; ++j) {
@@ -33,7 +33,7 @@ SparseRows rows_of(std::size_t rows, std::uint32_t columns,
 /// Each entry exists with probability `fill`; values in [low, 1).
 SparseRows random_rows(std::size_t rows, std::uint32_t columns, double fill, double low, std::uint64_t seed) {
     const CounterRandom there(seed, 1), value(seed, 2);
-    return rows_of(rows, columns, [&](std::size_t j, std::uint32_t i) {
+    return make_rows(rows, columns, [&](std::size_t j, std::uint32_t i) {
         const std::uint64_t at = j * columns + i;
         return there.uniform(at) < fill ? value.uniform(at, low, 1) : 0.0;
     });
@@ -129,7 +129,7 @@ std::vector<double> least_squares(const SparseRows& a, std::span<const double> b
 
 TEST(Nnls, SolvesTwoUnknowns) {
     // A = [1 1; 0 1]: with b = (1, 2) both are free: x2 = 2, x1 = -1 < 0, so x1 = 0 and x2 = (1 + 2) / 2.
-    const SparseRows a = rows_of(2, 2, [](std::size_t j, std::uint32_t i) { return j > i ? 0.0 : 1.0; });
+    const SparseRows a = make_rows(2, 2, [](std::size_t j, std::uint32_t i) { return j > i ? 0.0 : 1.0; });
     const NnlsResult r = nnls(a, std::vector<double>{1, 2});
     EXPECT_EQ(r.x[0], 0);
     EXPECT_NEAR(r.x[1], 1.5, 1e-12);
@@ -203,7 +203,7 @@ TEST(Nnls, IsIndependentOfTheScaleOfColumns) {
 
 TEST(Nnls, AcceptsEqualAndZeroColumns) {
     // Columns 0 and 1 are equal, 2 is twice as long in the same direction, 3 is 0, 4 is empty.
-    const SparseRows a = rows_of(3, 5, [](std::size_t j, std::uint32_t i) {
+    const SparseRows a = make_rows(3, 5, [](std::size_t j, std::uint32_t i) {
         const double base = static_cast<double>(j + 1);
         return i < 2 ? base : i == 2 ? 2 * base : 0.0;
     });

@@ -26,15 +26,15 @@ struct Sample {
     void (*read)(const std::string& bytes, const Context& ctx);
 };
 
-void read_points_of(const std::string& bytes, const Context& ctx) { parse_points(bytes, "p", ctx); }
+void read_point_bytes(const std::string& bytes, const Context& ctx) { parse_points(bytes, "p", ctx); }
 
 template <MeshFormat format>
-void read_mesh_of(const std::string& bytes, const Context& ctx) {
+void read_mesh_bytes(const std::string& bytes, const Context& ctx) {
     parse_mesh(bytes, format, "m", ctx);
 }
 
 template <SkeletonFormat format>
-void read_skeleton_of(const std::string& bytes, const Context& ctx) {
+void read_skeleton_bytes(const std::string& bytes, const Context& ctx) {
     parse_skeleton(bytes, "s", {.format = format}, ctx);
 }
 
@@ -50,32 +50,32 @@ std::vector<Sample> samples() {
     const auto as = [&](SkeletonFormat format) { return encode_skeleton(tree, {.format = format}); };
     const std::string count = std::to_string(kRows);
     return {
-        {"xyz", repeated("", "1 2 3\n", kRows), read_points_of},
+        {"xyz", repeated("", "1 2 3\n", kRows), read_point_bytes},
         {"ply points",
          repeated("ply\nformat ascii 1.0\nelement vertex " + count +
                       "\nproperty float x\nproperty float y\nproperty float z\nend_header\n",
                   "1 2 3\n", kRows),
-         read_points_of},
+         read_point_bytes},
         {"pcd",
          repeated("VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nPOINTS " + count +
                       "\nDATA ascii\n",
                   "1 2 3\n", kRows),
-         read_points_of},
-        {"obj", repeated("", "v 1 2 3\n", kRows) + "f 1 2 3\n", read_mesh_of<MeshFormat::obj>},
+         read_point_bytes},
+        {"obj", repeated("", "v 1 2 3\n", kRows) + "f 1 2 3\n", read_mesh_bytes<MeshFormat::obj>},
         {"off", repeated("OFF\n" + count + " 1 0\n", "1 2 3\n", kRows) + "3 0 1 2\n",
-         read_mesh_of<MeshFormat::off>},
+         read_mesh_bytes<MeshFormat::off>},
         {"stl",
          repeated("solid x\n",
                   "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
                   "endloop\nendfacet\n",
                   kRows) +
              "endsolid x\n",
-         read_mesh_of<MeshFormat::stl>},
-        {"swc", as(SkeletonFormat::swc), read_skeleton_of<SkeletonFormat::swc>},
-        {"cylinders", as(SkeletonFormat::cylinders), read_skeleton_of<SkeletonFormat::cylinders>},
-        {"edge ply", as(SkeletonFormat::ply), read_skeleton_of<SkeletonFormat::ply>},
-        {"lines", as(SkeletonFormat::obj), read_skeleton_of<SkeletonFormat::obj>},
-        {"json", as(SkeletonFormat::json), read_skeleton_of<SkeletonFormat::json>},
+         read_mesh_bytes<MeshFormat::stl>},
+        {"swc", as(SkeletonFormat::swc), read_skeleton_bytes<SkeletonFormat::swc>},
+        {"cylinders", as(SkeletonFormat::cylinders), read_skeleton_bytes<SkeletonFormat::cylinders>},
+        {"edge ply", as(SkeletonFormat::ply), read_skeleton_bytes<SkeletonFormat::ply>},
+        {"lines", as(SkeletonFormat::obj), read_skeleton_bytes<SkeletonFormat::obj>},
+        {"json", as(SkeletonFormat::json), read_skeleton_bytes<SkeletonFormat::json>},
     };
 }
 

@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <string>
 
-#include "head_of.h"
+#include "http_head.h"
 #include "router.h"
 
 namespace {
@@ -71,7 +71,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     boost::beast::error_code failure;
     parser.put(boost::asio::buffer(data + 1, size - 1), failure);
     if (failure || !parser.is_header_done()) return 0;
-    server::HttpHead head = server::head_of(parser.get());
+    server::HttpHead head = server::to_http_head(parser.get());
     const bool knows_token = data[0] % 2 == 1;
     if (knows_token) {
         std::erase_if(head.fields, [](const auto& field) {

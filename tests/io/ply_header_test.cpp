@@ -11,8 +11,8 @@
 namespace coppice {
 namespace {
 
-using test::bytes_of;
 using test::error_of;
+using test::to_bytes;
 
 const std::string kHead =
     "ply\nformat ascii 1.0\ncomment  made by hand \nelement vertex 2\nproperty float x\nproperty uchar red\n"
@@ -72,12 +72,12 @@ TEST(PlyRows, AsciiValuesMaySpanLines) {
 }
 
 TEST(PlyRows, ReadsBothByteOrders) {
-    const std::string little = bytes_of(1.5f) + bytes_of<std::uint8_t>(255) + bytes_of(-2.25f) +
-                               bytes_of<std::uint8_t>(7) + bytes_of<std::uint8_t>(3) + bytes_of(0) +
-                               bytes_of(1) + bytes_of(-1) + bytes_of(0.1);
-    const std::string big = reversed(bytes_of(1.5f)) + "\xff" + reversed(bytes_of(-2.25f)) + "\x07" + "\x03" +
-                            reversed(bytes_of(0)) + reversed(bytes_of(1)) + reversed(bytes_of(-1)) +
-                            reversed(bytes_of(0.1));
+    const std::string little = to_bytes(1.5f) + to_bytes<std::uint8_t>(255) + to_bytes(-2.25f) +
+                               to_bytes<std::uint8_t>(7) + to_bytes<std::uint8_t>(3) + to_bytes(0) +
+                               to_bytes(1) + to_bytes(-1) + to_bytes(0.1);
+    const std::string big = reversed(to_bytes(1.5f)) + "\xff" + reversed(to_bytes(-2.25f)) + "\x07" + "\x03" +
+                            reversed(to_bytes(0)) + reversed(to_bytes(1)) + reversed(to_bytes(-1)) +
+                            reversed(to_bytes(0.1));
     EXPECT_EQ(all_values(with_format("binary_little_endian") + little), kValues);
     EXPECT_EQ(all_values(with_format("binary_big_endian") + big), kValues);
 }

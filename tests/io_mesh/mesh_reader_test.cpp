@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using Faces = std::vector<std::vector<std::uint32_t>>;
 
-Faces faces_of(const PolygonMesh& mesh) {
+Faces get_faces(const PolygonMesh& mesh) {
     Faces out;
     for (std::uint32_t f = 0; f < mesh.face_count(); ++f)
         out.emplace_back(mesh.face(f).begin(), mesh.face(f).end());
@@ -123,13 +123,13 @@ TEST(MeshReader, ReadsObj) {
     ASSERT_EQ(mesh.positions.size(), 4u);
     EXPECT_EQ(mesh.positions[2], Vec3(1.5f, 1, 0));
     EXPECT_EQ(mesh.positions[3], Vec3(0, 1, -0.25f));
-    EXPECT_EQ(faces_of(mesh), (Faces{{0, 1, 2, 3}, {0, 1, 3}}));
+    EXPECT_EQ(get_faces(mesh), (Faces{{0, 1, 2, 3}, {0, 1, 3}}));
     EXPECT_EQ(mesh.origin, Vec3d());
 }
 
 TEST(MeshReader, ObjVerticesMayFollowTheFaces) {
     const auto mesh = parse_mesh("f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n", MeshFormat::obj, "f");
-    EXPECT_EQ(faces_of(mesh), (Faces{{0, 1, 2}}));
+    EXPECT_EQ(get_faces(mesh), (Faces{{0, 1, 2}}));
 }
 
 TEST(MeshReader, ObjGroupsAreNamedByObjectGroupAndMaterial) {
@@ -164,11 +164,11 @@ TEST(MeshReader, ObjErrorsReportTheLine) {
 }
 
 TEST(MeshReader, ReadsPlyInAllEncodings) {
-    EXPECT_EQ(faces_of(parse_mesh(kAsciiPly, MeshFormat::ply, "f")), (Faces{{0, 1, 2, 3}}));
+    EXPECT_EQ(get_faces(parse_mesh(kAsciiPly, MeshFormat::ply, "f")), (Faces{{0, 1, 2, 3}}));
     for (const bool big : {false, true}) {
         const PolygonMesh mesh = parse_mesh(binary_ply(big), MeshFormat::ply, "f");
         EXPECT_EQ(mesh.positions[2], Vec3(2, 0.5f, 2));
-        EXPECT_EQ(faces_of(mesh), (Faces{{2, 0, 1}}));
+        EXPECT_EQ(get_faces(mesh), (Faces{{2, 0, 1}}));
     }
 }
 
@@ -198,10 +198,10 @@ TEST(MeshReader, RejectsPlyCoordinatesAsLists) {
 TEST(MeshReader, ReadsOffWithColoursAndComments) {
     const PolygonMesh mesh = parse_mesh(kOff, MeshFormat::off, "f");
     EXPECT_EQ(mesh.positions[3], Vec3(0, 1, 7));
-    EXPECT_EQ(faces_of(mesh), (Faces{{0, 1, 2}, {0, 2, 3}}));
+    EXPECT_EQ(get_faces(mesh), (Faces{{0, 1, 2}, {0, 2, 3}}));
     for (const char* head : {"OFF 3 1 0\n", "NOFF\n3 1 0\n", "3 1 0\n"}) {
-        EXPECT_EQ(faces_of(parse_mesh(head + std::string("0 0 0 1 0 0\n1 0 0 1 0 0\n0 1 0 1 0 0\n3 2 1 0\n"),
-                                      MeshFormat::off, "f")),
+        EXPECT_EQ(get_faces(parse_mesh(head + std::string("0 0 0 1 0 0\n1 0 0 1 0 0\n0 1 0 1 0 0\n3 2 1 0\n"),
+                                       MeshFormat::off, "f")),
                   (Faces{{2, 1, 0}}));
     }
 }
@@ -225,11 +225,11 @@ TEST(MeshReader, OffErrorsReportTheLine) {
 TEST(MeshReader, WeldsStl) {
     const auto text = parse_mesh(kAsciiStl, MeshFormat::stl, "f");
     EXPECT_EQ(text.positions.size(), 4u);
-    EXPECT_EQ(faces_of(text), (Faces{{0, 1, 2}, {0, 2, 3}}));
+    EXPECT_EQ(get_faces(text), (Faces{{0, 1, 2}, {0, 2, 3}}));
     const auto binary = parse_mesh(
         binary_stl({{Vec3{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}, {Vec3{-0.f, 0, 0}, {1, 1, 0}, {0, 1, 0}}}),
         MeshFormat::stl, "f");
-    EXPECT_EQ(faces_of(binary), faces_of(text));
+    EXPECT_EQ(get_faces(binary), get_faces(text));
     EXPECT_EQ(binary.positions[2], Vec3(1, 1, 0));
 }
 
@@ -250,7 +250,7 @@ TEST(MeshReader, GlbIsConvertedToZUp) {
     const auto mesh = parse_mesh(triangle_glb(R"([{"mesh":0}])"), MeshFormat::glb, "f");
     EXPECT_EQ(mesh.positions[1], Vec3(1, 0, 0));
     EXPECT_EQ(mesh.positions[2], Vec3(0, 0, 2));  // Y up became Z up
-    EXPECT_EQ(faces_of(mesh), (Faces{{0, 1, 2}}));
+    EXPECT_EQ(get_faces(mesh), (Faces{{0, 1, 2}}));
 }
 
 TEST(MeshReader, GlbGroupsAreNamedByMeshAndMaterial) {
@@ -282,7 +282,7 @@ TEST(MeshReader, GlbTransformsAreApplied) {
 
 TEST(MeshReader, GlbMirrorsPreserveTheOutside) {
     const auto mesh = parse_mesh(triangle_glb(R"([{"mesh":0,"scale":[-1,1,1]}])"), MeshFormat::glb, "f");
-    EXPECT_EQ(faces_of(mesh), (Faces{{0, 2, 1}}));
+    EXPECT_EQ(get_faces(mesh), (Faces{{0, 2, 1}}));
 }
 
 TEST(MeshReader, ReportsGlbErrors) {

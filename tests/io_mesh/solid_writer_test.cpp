@@ -23,7 +23,7 @@ SolidMesh one_tetra() {
     return out;
 }
 
-std::string bytes_of(const std::filesystem::path& path) {
+std::string read_bytes(const std::filesystem::path& path) {
     std::ifstream in(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};
 }
@@ -45,7 +45,7 @@ TEST_F(SolidWriter, DeterminesTheFormatByName) {
 
 TEST_F(SolidWriter, WritesVtuAsBase64WithSizes) {
     write_solid(folder_ / "a.vtu", one_tetra());
-    const std::string text = bytes_of(folder_ / "a.vtu");
+    const std::string text = read_bytes(folder_ / "a.vtu");
     EXPECT_NE(text.find("NumberOfPoints=\"4\" NumberOfCells=\"1\""), std::string::npos);
     // 32 bytes; 0, 1, 2, 3 as Int64.
     EXPECT_NE(text.find("Name=\"connectivity\" format=\"binary\">IAAAAAAAAAA="
@@ -61,7 +61,7 @@ TEST_F(SolidWriter, WritesVtuAsBase64WithSizes) {
 
 TEST_F(SolidWriter, WritesGmshNumberedFromOne) {
     write_solid(folder_ / "a.msh", one_tetra());
-    const std::string bytes = bytes_of(folder_ / "a.msh");
+    const std::string bytes = read_bytes(folder_ / "a.msh");
     ASSERT_TRUE(bytes.starts_with("$MeshFormat\n2.2 1 8\n"));
     const std::size_t nodes = bytes.find("$Nodes\n4\n") + 9, elements = bytes.find("$Elements\n1\n") + 12;
     EXPECT_EQ(number_at<std::int32_t>(bytes, nodes + 28), 2);
@@ -79,9 +79,9 @@ TEST_F(SolidWriter, WritesManyItemsInOrder) {
     for (std::uint32_t i = 0; i + 3 < 100'000; ++i) many.tetra.push_back({i, i + 1, i + 2, i + 3});
     write_solid(folder_ / "one.vtu", many, {.threads = 1});
     write_solid(folder_ / "many.vtu", many, {.threads = 4});
-    EXPECT_EQ(bytes_of(folder_ / "one.vtu"), bytes_of(folder_ / "many.vtu"));
+    EXPECT_EQ(read_bytes(folder_ / "one.vtu"), read_bytes(folder_ / "many.vtu"));
     write_solid(folder_ / "a.msh", many);
-    const std::string bytes = bytes_of(folder_ / "a.msh");
+    const std::string bytes = read_bytes(folder_ / "a.msh");
     const std::size_t nodes = bytes.find("$Nodes\n100000\n") + 14;
     EXPECT_EQ(number_at<std::int32_t>(bytes, nodes + 28 * 99'999), 100'000);
     EXPECT_EQ(number_at<double>(bytes, nodes + 28 * 99'999 + 4), 99'999);

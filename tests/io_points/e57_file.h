@@ -15,12 +15,12 @@ struct Field {
     std::vector<std::uint64_t> stored;
 };
 
-inline std::uint64_t bits_of(double v) {
+inline std::uint64_t to_bits(double v) {
     std::uint64_t bits;
     std::memcpy(&bits, &v, sizeof v);
     return bits;
 }
-inline std::uint64_t bits_of(float v) {
+inline std::uint64_t to_bits(float v) {
     std::uint32_t bits;
     std::memcpy(&bits, &v, sizeof v);
     return bits;

@@ -15,9 +15,9 @@
 namespace coppice {
 namespace {
 
-using e57_file::bits_of;
 using e57_file::Field;
 using e57_file::Scan;
+using e57_file::to_bits;
 
 constexpr const char* kDouble = "type=\"Float\"";
 constexpr const char* kSingle = "type=\"Float\" precision=\"single\"";
@@ -32,7 +32,7 @@ Field real(const char* name, std::size_t count, std::size_t axis, bool single) {
     Field f{name, single ? kSingle : kDouble, single ? 32u : 64u, {}};
     for (std::size_t i = 0; i < count; ++i) {
         const double v = 0.001 * place(i)[axis];
-        f.stored.push_back(single ? bits_of(static_cast<float>(v)) : bits_of(v));
+        f.stored.push_back(single ? to_bits(static_cast<float>(v)) : to_bits(v));
     }
     return f;
 }
@@ -50,7 +50,7 @@ Field scaled(const char* name, std::size_t count, std::size_t axis, int low, std
     return f;
 }
 
-Scan scan_of(std::size_t count, bool single = false) {
+Scan make_scan(std::size_t count, bool single = false) {
     return {{real("cartesianX", count, 0, single), real("cartesianY", count, 1, single),
              real("cartesianZ", count, 2, single)},
             ""};
@@ -82,14 +82,14 @@ TEST(E57Reader, ReadsEveryTypeOfCoordinates) {
         ""};
     for (const std::size_t piece : {1u, 7u, 100u, 5000u}) {
         SCOPED_TRACE(piece);
-        expect_made_points(parse_points(e57_file::make({scan_of(kCount)}, piece), "p.e57"), kCount);
-        expect_made_points(parse_points(e57_file::make({scan_of(kCount, true)}, piece), "p.e57"), kCount);
+        expect_made_points(parse_points(e57_file::make({make_scan(kCount)}, piece), "p.e57"), kCount);
+        expect_made_points(parse_points(e57_file::make({make_scan(kCount, true)}, piece), "p.e57"), kCount);
         expect_made_points(parse_points(e57_file::make({integers}, piece), "p.e57"), kCount);
     }
 }
 
 TEST(E57Reader, ReadsConstantsAndWholeRanges) {
-    Scan scan = scan_of(3);
+    Scan scan = make_scan(3);
     scan.fields[2] = {"cartesianZ", "type=\"Integer\" minimum=\"7\" maximum=\"7\"", 0, {0, 0, 0}};
     // Without a range integers have 64 bits from -2^63 on: 5 is stored as 5 + 2^63.
     const std::uint64_t five = (std::uint64_t{1} << 63) + 5;
@@ -102,13 +102,13 @@ TEST(E57Reader, ReadsConstantsAndWholeRanges) {
 TEST(E57Reader, JoinsScansByTheirPoses) {
     // The second scanner is rotated by a quarter about z: x is y, y is -x; and far away.
     const double half = std::sqrt(0.5);
-    Scan turned = scan_of(40);
+    Scan turned = make_scan(40);
     turned.before_points =
         "<pose type=\"Structure\"><rotation type=\"Structure\"><w type=\"Float\">" + std::to_string(half) +
         "</w><x type=\"Float\"/><y type=\"Float\">0</y><z type=\"Float\">" + std::to_string(half) +
         "</z></rotation><translation type=\"Structure\"><x type=\"Float\">4.5e6</x><y "
         "type=\"Float\">100</y><z type=\"Float\"/></translation></pose>";
-    Scan first = scan_of(30);
+    Scan first = make_scan(30);
     first.before_points =
         "<pose><translation><x type=\"Float\">4500010</x></translation></pose><name><![CDATA[<a>]]></name>";
     const PointSet set = parse_points(e57_file::make({first, turned}), "p.e57");
@@ -121,9 +121,9 @@ TEST(E57Reader, JoinsScansByTheirPoses) {
 TEST(E57Reader, ReadsSphericalCoordinatesAndInvalidStates) {
     const double quarter = std::numbers::pi / 2;
     const Scan scan{
-        {{"sphericalRange", kDouble, 64, {bits_of(2.0), bits_of(2.0), bits_of(2.0), bits_of(9.0)}},
-         {"sphericalAzimuth", kDouble, 64, {bits_of(0.0), bits_of(quarter), bits_of(0.0), 0}},
-         {"sphericalElevation", kDouble, 64, {bits_of(0.0), bits_of(0.0), bits_of(quarter), 0}},
+        {{"sphericalRange", kDouble, 64, {to_bits(2.0), to_bits(2.0), to_bits(2.0), to_bits(9.0)}},
+         {"sphericalAzimuth", kDouble, 64, {to_bits(0.0), to_bits(quarter), to_bits(0.0), 0}},
+         {"sphericalElevation", kDouble, 64, {to_bits(0.0), to_bits(0.0), to_bits(quarter), 0}},
          {"sphericalInvalidState", "type=\"Integer\" minimum=\"0\" maximum=\"2\"", 2, {0, 0, 0, 2}}},
         ""};
     const PointFile found = parse_point_file(e57_file::make({scan}), "p.e57");
@@ -133,20 +133,20 @@ TEST(E57Reader, ReadsSphericalCoordinatesAndInvalidStates) {
     EXPECT_LT(distance(set.world(0), {2, 0, 0}), 1e-6);
     EXPECT_LT(distance(set.world(1), {0, 2, 0}), 1e-6);
     EXPECT_LT(distance(set.world(2), {0, 0, 2}), 1e-6);
-    Scan cartesian = scan_of(3);
+    Scan cartesian = make_scan(3);
     cartesian.fields.push_back(
         {"cartesianInvalidState", "type=\"Integer\" minimum=\"0\" maximum=\"2\"", 2, {0, 1, 0}});
-    cartesian.fields[0].stored[2] = bits_of(std::numeric_limits<double>::quiet_NaN());
+    cartesian.fields[0].stored[2] = to_bits(std::numeric_limits<double>::quiet_NaN());
     EXPECT_EQ(parse_points(e57_file::make({cartesian}), "p.e57").size(), 1u);
 }
 
 TEST(E57Reader, ReadsPointAttributes) {
-    Scan scan = scan_of(2);
-    scan.fields.push_back({"intensity", kSingle, 32, {bits_of(0.25f), bits_of(1.0f)}});
+    Scan scan = make_scan(2);
+    scan.fields.push_back({"intensity", kSingle, 32, {to_bits(0.25f), to_bits(1.0f)}});
     scan.fields.push_back({"colorRed", "type=\"Integer\" minimum=\"0\" maximum=\"255\"", 8, {0, 255}});
     scan.fields.push_back(
         {"colorGreen", "type=\"Integer\" minimum=\"0\" maximum=\"65535\"", 16, {65535, 257}});
-    scan.fields.push_back({"colorBlue", kSingle, 32, {bits_of(1.0f), bits_of(0.0f)}});
+    scan.fields.push_back({"colorBlue", kSingle, 32, {to_bits(1.0f), to_bits(0.0f)}});
     scan.fields.push_back({"returnIndex", "type=\"Integer\" minimum=\"0\" maximum=\"3\"", 2, {0, 1}});
     scan.fields.push_back({"returnCount", "type=\"Integer\" minimum=\"0\" maximum=\"4\"", 3, {1, 4}});
     scan.fields.push_back({"nor:normalX", kSingle, 32, {0, 0}});
@@ -165,7 +165,7 @@ TEST(E57Reader, ReadsPointAttributes) {
 }
 
 TEST(E57Reader, RejectsDamagedFiles) {
-    const std::string good = e57_file::make({scan_of(500)});
+    const std::string good = e57_file::make({make_scan(500)});
     std::string bytes = good;
     bytes[2000] = static_cast<char>(bytes[2000] ^ 1);
     EXPECT_EQ(error_of(bytes), "p.e57: page 2 of " + std::to_string(good.size() / 1024) +
@@ -174,22 +174,22 @@ TEST(E57Reader, RejectsDamagedFiles) {
               "p.e57: the file is cut off: it has 5000 of " + std::to_string(good.size()) +
                   " bytes, and the description of its points is at its end");
     EXPECT_EQ(error_of("ASTM-E57\1"), "p.e57: the file ends within its E57 header");
-    EXPECT_EQ(error_of(e57_file::make({scan_of(0)})), "p.e57: it contains no points");
+    EXPECT_EQ(error_of(e57_file::make({make_scan(0)})), "p.e57: it contains no points");
     EXPECT_EQ(error_of(e57_file::make({})), "p.e57: it contains no points");
-    Scan scan = scan_of(3);
+    Scan scan = make_scan(3);
     scan.fields[0].attributes = "type=\"Integer\" minimum=\"4\" maximum=\"3\"";
     EXPECT_NE(error_of(e57_file::make({scan})).find("the range of the field 'cartesianX' is empty"),
               std::string::npos);
     scan.fields[0].name = "x";
     scan.fields[0].attributes = kDouble;
     EXPECT_EQ(error_of(e57_file::make({scan})), "p.e57: the points of a scan have no coordinates");
-    const std::string entity = e57_file::make({scan_of(3)}, 100, "&a;");
+    const std::string entity = e57_file::make({make_scan(3)}, 100, "&a;");
     EXPECT_NE(error_of(entity).find("not valid XML"), std::string::npos);
 }
 
 TEST(E57Reader, ChecksCountsAgainstTheFile) {
     // All values are constant: only the count specifies the number of points.
-    Scan scan = scan_of(1);
+    Scan scan = make_scan(1);
     for (Field& field : scan.fields)
         field = {field.name, "type=\"Integer\" minimum=\"1\" maximum=\"1\"", 0, {}};
     scan.fields[0].stored.assign(20, 0);
@@ -200,13 +200,13 @@ TEST(E57Reader, ChecksCountsAgainstTheFile) {
 }
 
 TEST(E57Reader, RejectsEveryTruncation) {
-    const std::string bytes = e57_file::make({scan_of(100)});
+    const std::string bytes = e57_file::make({make_scan(100)});
     for (std::size_t size = 8; size < bytes.size(); size += 5)
         EXPECT_THROW(parse_points(std::string_view(bytes).substr(0, size), "p.e57"), InvalidInput) << size;
 }
 
 TEST(E57Reader, DamagedFilesAreReadOrRejected) {
-    const std::string good = e57_file::make({scan_of(40), scan_of(30, true)}, 9);
+    const std::string good = e57_file::make({make_scan(40), make_scan(30, true)}, 9);
     const CounterRandom random(3, 1);
     for (std::uint64_t turn = 0; turn < 3000; ++turn) {
         std::string bytes = good;

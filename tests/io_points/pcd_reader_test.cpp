@@ -18,7 +18,7 @@ const std::string kHead =
     "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F U\n"
     "COUNT 1 1 1 1\nWIDTH 2\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\n";
 
-std::string bytes_of(std::initializer_list<float> values) {
+std::string to_bytes(std::initializer_list<float> values) {
     std::string bytes;
     for (const float v : values) {
         std::array<char, 4> raw{};
@@ -35,12 +35,12 @@ std::string number(std::uint32_t v) {
 }
 
 const std::string kAscii = kHead + "DATA ascii\n1 2 3 0\n4 5.5 6 16711680\n";
-const std::string kBinary = kHead + "DATA binary\n" + bytes_of({1, 2, 3, 0, 4, 5.5f, 6, 0});
+const std::string kBinary = kHead + "DATA binary\n" + to_bytes({1, 2, 3, 0, 4, 5.5f, 6, 0});
 
 /// Compresses the fields in sequence, here as literal runs of up to 32 bytes and, at the end, one copy of
 /// four zeros.
 std::string compressed_file() {
-    const std::string fields = bytes_of({1, 4, 2, 5.5f, 3, 6, 0});  // the last number is copied
+    const std::string fields = to_bytes({1, 4, 2, 5.5f, 3, 6, 0});  // the last number is copied
     std::string packed;
     packed += static_cast<char>(fields.size() - 1);
     packed += fields;

@@ -146,7 +146,7 @@ TEST(CylinderTable, ConvertsTheUnitsInColumnNames) {
 }
 
 /// Returns the values of an attribute; empty if it does not exist.
-std::vector<double> values_of(const RawCylinders& read, std::string_view name) {
+std::vector<double> get_values(const RawCylinders& read, std::string_view name) {
     for (const RawAttribute& a : read.attributes)
         if (a.name == name) return a.values;
     return {};
@@ -158,8 +158,8 @@ TEST(CylinderTable, PreservesOrdersAndBranches) {
         "cylinder, 0, -1, 1, 2, 3, 1, 2, 5, 0.5, 9, 0, 4\ncylinder, 1, 0, 1, 2, 5, 2, 2, 5, 0.25, 9, 1, 7\n",
         "t.csv");
     expect_two_cylinders(read);
-    EXPECT_EQ(values_of(read, "order"), (std::vector<double>{0, 1}));
-    EXPECT_EQ(values_of(read, "axis"), (std::vector<double>{4, 7}));
+    EXPECT_EQ(get_values(read, "order"), (std::vector<double>{0, 1}));
+    EXPECT_EQ(get_values(read, "axis"), (std::vector<double>{4, 7}));
 }
 
 TEST(CylinderTable, ReadsOrdersByTheVersionOfTheTable) {
@@ -170,8 +170,8 @@ TEST(CylinderTable, ReadsOrdersByTheVersionOfTheTable) {
                              "0.5 2 1 2 3 0 0 1 0 2 0 1 3 0 1\n0.25 1 1 2 5 1 0 0 1 0 0 2 8 1 1\n"}) {
         const auto read = parse_cylinders(text, "t.txt");
         expect_two_cylinders(read);
-        EXPECT_EQ(values_of(read, "order"), orders) << text;
-        EXPECT_EQ(values_of(read, "axis"), branches) << text;
+        EXPECT_EQ(get_values(read, "order"), orders) << text;
+        EXPECT_EQ(get_values(read, "axis"), branches) << text;
     }
     EXPECT_TRUE(parse_cylinders("0.5 2 1 2 3 0 0 1 0 2\n", "t.txt").attributes.empty());
 }
@@ -213,9 +213,9 @@ TEST(CylinderTable, IdsAreUniquePerTree) {
     ASSERT_EQ(read.cylinders.size(), 4u);
     EXPECT_EQ(read.cylinders[2].parent, read.cylinders[0].id);
     EXPECT_EQ(read.cylinders[3].parent, read.cylinders[1].id);
-    EXPECT_EQ(values_of(read, "tree"), (std::vector<double>{7, 9, 7, 9}));
+    EXPECT_EQ(get_values(read, "tree"), (std::vector<double>{7, 9, 7, 9}));
     const auto named = parse_cylinders(head + "oak,1,0,0,0,0,0,0,2,.5\nelm,1,0,5,0,0,5,0,2,.5\n", "t.csv");
-    EXPECT_EQ(values_of(named, "tree"), (std::vector<double>{1, 2}));
+    EXPECT_EQ(get_values(named, "tree"), (std::vector<double>{1, 2}));
     EXPECT_EQ(
         error_of<InvalidInput>(
             [&] { parse_cylinders(head + "7,1,0,0,0,0,0,0,2,.5\n7,1,0,5,0,0,5,0,2,.5\n", "t.csv"); }),
@@ -264,7 +264,7 @@ TEST(CylinderTable, ReadsTheTableInTreegraphJson) {
     const auto read = parse_treegraph(json, "t.json");
     ASSERT_TRUE(read.has_value());
     expect_two_cylinders(*read);
-    EXPECT_EQ(values_of(*read, "order"), (std::vector<double>{0, 1}));
+    EXPECT_EQ(get_values(*read, "order"), (std::vector<double>{0, 1}));
     EXPECT_EQ(parse_skeleton(json, "t.json").declared->cylinders, 2u);
 
     EXPECT_FALSE(parse_treegraph(R"({"name": "cyls"})", "t.json").has_value());

@@ -50,7 +50,7 @@ std::string tree(const Skeleton& s) {
     return text;
 }
 
-std::string tree_of(const std::string& rows) { return tree(read(kPlaced + rows).skeleton); }
+std::string read_tree(const std::string& rows) { return tree(read(kPlaced + rows).skeleton); }
 
 TEST(Mtg, RowsContinueThePreviousOrTheirOwnColumn) {
     const SkeletonFile file = read(kPlaced +
@@ -74,16 +74,16 @@ TEST(Mtg, RowsContinueThePreviousOrTheirOwnColumn) {
 TEST(Mtg, ReadsAllNotationsOfEntities) {
     const std::string expected = "0(0 0 0) 0>1(0 0 1) 1>2(1 0 1) 1>3(0 0 2)";
     // A branch named in a separate row, its continuation in the next column, then the stem continues.
-    EXPECT_EQ(tree_of("/P1\n\t/A1/U1\n\t^/E1\t\t0\t0\t0\n\t^<E2\t\t0\t0\t1\n\t^+A2\n\t\t/U1/E1\t1\t0\t1\n"
-                      "\t^<E3\t\t0\t0\t2\n"),
+    EXPECT_EQ(read_tree("/P1\n\t/A1/U1\n\t^/E1\t\t0\t0\t0\n\t^<E2\t\t0\t0\t1\n\t^+A2\n\t\t/U1/E1\t1\t0\t1\n"
+                        "\t^<E3\t\t0\t0\t2\n"),
               expected);
     // Two such branches at the same node.
     EXPECT_EQ(
-        tree_of("/P1\n\t/A1/U1/E1\t\t0\t0\t0\n\t^+A2\n\t\t/U1/E1\t1\t0\t0\n\t^+A3\n\t\t/U1/E1\t0\t1\t0\n"),
+        read_tree("/P1\n\t/A1/U1/E1\t\t0\t0\t0\n\t^+A2\n\t\t/U1/E1\t1\t0\t0\n\t^+A3\n\t\t/U1/E1\t0\t1\t0\n"),
         "0(0 0 0) 0>1(1 0 0) 0>2(0 1 0)");
     // Full names.
     EXPECT_EQ(
-        tree_of(
+        read_tree(
             "/P1/A1/U1/E1\t\t\t0\t0\t0\n/P1/A1/U1/E1<E2\t\t\t0\t0\t1\n/P1/A1/U1/E1<E2+A2/U1/E1\t\t\t1\t0\t1\n"
             "/P1/A1/U1/E1<E2<E3\t\t\t0\t0\t2\n"),
         expected);
@@ -102,29 +102,29 @@ TEST(Mtg, ReadsUnusualFiles) {
     // Comments up to the next tab, CR LF, blanks in cells, decimal commas, rows that end early, an entity
     // observed on two days, labels without numbers, a repeated position.
     EXPECT_EQ(
-        tree_of(
+        read_tree(
             "/P #the plant\r\n^/A/U/E\t# here\t\t0,0\t 0 \t0\t0,5\r\n\r\n# a line\r\n^<E\t\t\t0\t0\t0,5\r\n"
             "*\t\t\t0\t0\t1\r\n\t +A/U/E\t\t1\t0\t1\t\t\t\r\n^<E\t\t\t0\t0\t1\r\n^<E\t\t\t0\t0\t2"),
         "0(0 0 0) 0>1(0 0 1) 1>2(1 0 1) 1>3(0 0 2)");
     // Two plants.
-    EXPECT_EQ(tree_of("/P1\n^/A1/U1/E1\t\t\t0\t0\t0\n^<E2\t\t\t0\t0\t1\n/P2\n^/A1/U1/E1\t\t\t5\t0\t0\n"),
+    EXPECT_EQ(read_tree("/P1\n^/A1/U1/E1\t\t\t0\t0\t0\n^<E2\t\t\t0\t0\t1\n/P2\n^/A1/U1/E1\t\t\t5\t0\t0\n"),
               "0(0 0 0) 0>1(0 0 1) 2(5 0 0)");
     // Blanks instead of tabs.
     std::string blanks =
         kPlaced + "/P1\n /A1/U1/E1\t0 0 0 1\n ^<E2\t0 0 1 1\n   +A2/U1/E1\t1 0 1 1\n ^<E3\t0 0 2 1\n";
     std::ranges::replace(blanks, '\t', ' ');
     EXPECT_EQ(
-        tree_of(
+        read_tree(
             "/P1\n\t/A1/U1/E1\t\t0\t0\t0\n\t^<E2\t\t0\t0\t1\n\t\t+A2/U1/E1\t1\t0\t1\n\t^<E3\t\t0\t0\t2\n"),
         tree(read(blanks).skeleton));
 }
 
 TEST(Mtg, BranchesStartAtInterpolatedEntities) {
     // E1 to E4 represent four entities; the branch leaves the second.
-    EXPECT_EQ(tree_of("/P1/A1/U1\t\t\t0\t0\t0\n^/E1<E2\n\t+A2/U1/E1\t\t1\t0\t2\n^<E3<<E4\t\t\t0\t0\t4\n"),
+    EXPECT_EQ(read_tree("/P1/A1/U1\t\t\t0\t0\t0\n^/E1<E2\n\t+A2/U1/E1\t\t1\t0\t2\n^<E3<<E4\t\t\t0\t0\t4\n"),
               "0(0 0 0) 0>1(0 0 2) 1>2(1 0 2) 1>3(0 0 4)");
     // Without entities behind it, it is where the branch begins.
-    EXPECT_EQ(tree_of("/P1/A1/U1\t\t\t0\t0\t0\n^/E1<E2\n\t+A2/U1/E1\t\t1\t0\t2\n\t^<E2\t\t2\t0\t2\n"),
+    EXPECT_EQ(read_tree("/P1/A1/U1\t\t\t0\t0\t0\n^/E1<E2\n\t+A2/U1/E1\t\t1\t0\t2\n\t^<E2\t\t2\t0\t2\n"),
               "0(0 0 0) 0>1(1 0 2) 1>2(2 0 2)");
     // Without coordinates before it, it is the root of all of them.
     EXPECT_EQ(
@@ -137,13 +137,14 @@ TEST(Mtg, BranchesStartAtInterpolatedEntities) {
 TEST(Mtg, CoordinatesOfComplexesAreAtTheirBaseOrTop) {
     // The coordinates of an axis at its beginning, next to its parent branch.
     EXPECT_EQ(
-        tree_of("/P1/A1/U1/E1\t\t\t0\t0\t0\n^<E2\t\t\t0\t0\t4\n\t+A2\t\t0.5\t0\t4\n\t^/U1/E1\t\t3\t0\t4\n"
-                "\t^<E2\t\t5\t0\t4\n"),
+        read_tree("/P1/A1/U1/E1\t\t\t0\t0\t0\n^<E2\t\t\t0\t0\t4\n\t+A2\t\t0.5\t0\t4\n\t^/U1/E1\t\t3\t0\t4\n"
+                  "\t^<E2\t\t5\t0\t4\n"),
         "0(0 0 0) 0>1(0 0 4) 1>2(0.5 0 4) 2>3(3 0 4) 3>4(5 0 4)");
     // Coordinates at the end of the last component of a unit: visiting them first would lead forth and back.
-    EXPECT_EQ(tree_of("/P1/A1/U1/E1\t\t\t0\t0\t0\n^<E2\t\t\t0\t0\t4\n\t+A2\t\t5\t0\t4\n\t^/U1/E1\t\t3\t0\t4\n"
-                      "\t^<E2\t\t5\t0\t4\n"),
-              "0(0 0 0) 0>1(0 0 4) 1>2(3 0 4) 2>3(5 0 4)");
+    EXPECT_EQ(
+        read_tree("/P1/A1/U1/E1\t\t\t0\t0\t0\n^<E2\t\t\t0\t0\t4\n\t+A2\t\t5\t0\t4\n\t^/U1/E1\t\t3\t0\t4\n"
+                  "\t^<E2\t\t5\t0\t4\n"),
+        "0(0 0 0) 0>1(0 0 4) 1>2(3 0 4) 2>3(5 0 4)");
 }
 
 TEST(Mtg, PlantsWithoutCoordinatesAreLaidOutByLengths) {

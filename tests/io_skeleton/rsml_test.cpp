@@ -25,7 +25,7 @@ SkeletonFile read(const std::string& text, const ReadSkeletonOptions& options = 
     return parse_skeleton(text, "t.rsml", options);
 }
 
-std::string file_of(std::string_view unit, std::string_view scene) {
+std::string make_rsml(std::string_view unit, std::string_view scene) {
     return fmt::format(
         "<?xml version='1.0' encoding='UTF-8'?>\n<rsml xmlns:po='http://x/po.dtd'>\n<metadata>{}"
         "<property-definitions><property-definition><label>diameter</label><unit>km</unit>"
@@ -41,7 +41,7 @@ constexpr std::string_view kMetres = "<unit>m</unit><resolution>1</resolution>";
 
 TEST(Rsml, DrawingsAreRotatedUprightAndRootsAreConnected) {
     // Two pixels per centimetre. The lateral starts next to its parent, a third of the way down.
-    const SkeletonFile file = read(file_of(
+    const SkeletonFile file = read(make_rsml(
         "<unit>cm</unit><resolution>2</resolution>",
         "<plant ID='1'><root ID='a' po:accession='PO:1'>" +
             line("<point x='100' y='0'/><point x='100' y='60'/>") +
@@ -72,7 +72,7 @@ TEST(Rsml, DrawingsAreRotatedUprightAndRootsAreConnected) {
 TEST(Rsml, TheDirectionOfRootsAlongYIsDown) {
     const auto tip = [](std::string_view points) {
         const SkeletonFile file =
-            read(file_of(kMetres, fmt::format("<plant><root>{}</root></plant>", line(points))));
+            read(make_rsml(kMetres, fmt::format("<plant><root>{}</root></plant>", line(points))));
         return file.skeleton.origin() + Vec3d(file.skeleton.position(NodeId(1)));
     };
     EXPECT_EQ(tip("<point x='0' y='0'/><point x='1' y='5'/>"), Vec3d(1, 0, -5));
@@ -86,8 +86,8 @@ TEST(Rsml, TheDirectionOfRootsAlongYIsDown) {
 TEST(Rsml, ConvertsUnits) {
     const auto length = [](const std::string& metadata) {
         const SkeletonFile file =
-            read(file_of(metadata, "<plant><root>" + line("<point x='0' y='0'/><point x='0' y='300'/>") +
-                                       "</root></plant>"));
+            read(make_rsml(metadata, "<plant><root>" + line("<point x='0' y='0'/><point x='0' y='300'/>") +
+                                         "</root></plant>"));
         return std::pair(measure(file.skeleton).length, file.notes.size());
     };
     // Without radii there is a note in addition to that about the rotated axis.
@@ -107,7 +107,7 @@ TEST(Rsml, ParentNodesMayCountFromZeroOrOne) {
     const auto parent_z = [](int number) {
         const std::string stem =
             line("<point x='0' y='0' z='0'/><point x='0' y='0' z='-1'/><point x='0' y='0' z='-2'/>");
-        const SkeletonFile file = read(file_of(
+        const SkeletonFile file = read(make_rsml(
             kMetres,
             fmt::format("<plant><root>{}<root><properties><parent-node value='{}'/></properties>{}</root>"
                         "</root></plant>",
@@ -122,16 +122,16 @@ TEST(Rsml, ParentNodesMayCountFromZeroOrOne) {
 }
 
 TEST(Rsml, ReadsFunctionsOfAllDomains) {
-    const SkeletonFile file = read(
-        file_of(kMetres,
-                "<plant><root>" +
-                    line("<point x='0' y='0' z='0'/><point x='0' y='0' z='-1'/><point x='0' y='0' z='-4'/>") +
-                    "<functions><function name='diameter' domain='length'><sample position='4' value='0.2'/>"
-                    "<sample position='0' value='0.6'/></function>"
-                    "<function name='Age-Days' domain='uniform'><sample>0</sample><sample>4</sample>"
-                    "<sample>8</sample></function>"
-                    "<function name='hair'><sample>1</sample></function>"
-                    "</functions></root></plant>"));
+    const SkeletonFile file = read(make_rsml(
+        kMetres,
+        "<plant><root>" +
+            line("<point x='0' y='0' z='0'/><point x='0' y='0' z='-1'/><point x='0' y='0' z='-4'/>") +
+            "<functions><function name='diameter' domain='length'><sample position='4' value='0.2'/>"
+            "<sample position='0' value='0.6'/></function>"
+            "<function name='Age-Days' domain='uniform'><sample>0</sample><sample>4</sample>"
+            "<sample>8</sample></function>"
+            "<function name='hair'><sample>1</sample></function>"
+            "</functions></root></plant>"));
     EXPECT_FLOAT_EQ(file.skeleton.radius(NodeId(0)), 0.3f);
     EXPECT_FLOAT_EQ(file.skeleton.radius(NodeId(1)), 0.25f);
     EXPECT_FLOAT_EQ(file.skeleton.radius(NodeId(2)), 0.1f);
@@ -165,11 +165,11 @@ TEST(Rsml, RootsOfAPlantThatStartTogetherAreOneTree) {
     const std::string two = "<root>" + line("<point x='0' y='0' z='0'/><point x='0' y='0' z='-1'/>") +
                             "</root><root>" + line("<point x='0' y='0' z='0'/><point x='1' y='0' z='-1'/>") +
                             "</root>";
-    EXPECT_EQ(read(file_of(kMetres, "<plant>" + two + "</plant>")).skeleton.tree_count(), 1u);
-    EXPECT_EQ(
-        read(file_of(kMetres, "<plant>" + two + "</plant><plant>" + two + "</plant>")).skeleton.tree_count(),
-        2u);
-    EXPECT_EQ(read(file_of(kMetres, two)).skeleton.tree_count(), 1u) << "straight in the scene";
+    EXPECT_EQ(read(make_rsml(kMetres, "<plant>" + two + "</plant>")).skeleton.tree_count(), 1u);
+    EXPECT_EQ(read(make_rsml(kMetres, "<plant>" + two + "</plant><plant>" + two + "</plant>"))
+                  .skeleton.tree_count(),
+              2u);
+    EXPECT_EQ(read(make_rsml(kMetres, two)).skeleton.tree_count(), 1u) << "straight in the scene";
 }
 
 TEST(Rsml, ReportsErrors) {
@@ -177,11 +177,11 @@ TEST(Rsml, ReportsErrors) {
     EXPECT_EQ(error("<rsml>\n<scene><plant>\n"), "t.rsml:3: this is not valid XML: no element found");
     EXPECT_EQ(error("<html></html>"), "t.rsml:1: this XML is not RSML: it starts with 'html'");
     EXPECT_EQ(error("<rsml/>"), "t.rsml: there are no nodes: no root of a plant has a polyline with points");
-    EXPECT_EQ(error(file_of(kMetres, "<root>" + line("\n<point x='1'/>") + "</root>")),
+    EXPECT_EQ(error(make_rsml(kMetres, "<root>" + line("\n<point x='1'/>") + "</root>")),
               "t.rsml:5: a point has no y");
-    EXPECT_EQ(error(file_of(kMetres, "<root>" + line("<point x='1' y='1,5'/>") + "</root>")),
+    EXPECT_EQ(error(make_rsml(kMetres, "<root>" + line("<point x='1' y='1,5'/>") + "</root>")),
               "t.rsml:4: the y of a point is '1,5', which is not a number");
-    EXPECT_EQ(error(file_of(kMetres, "<root>" + line("<point x='1' y='nan'/>") + "</root>")),
+    EXPECT_EQ(error(make_rsml(kMetres, "<root>" + line("<point x='1' y='nan'/>") + "</root>")),
               "t.rsml, line 4: a coordinate is not a finite number");
     EXPECT_EQ(error("<!DOCTYPE rsml [\n<!ENTITY a 'aaaa'><!ENTITY b '&a;&a;'>]><rsml>&b;</rsml>"),
               "t.rsml:2: the DOCTYPE declares entities, which RSML does not use; remove the declaration");
@@ -192,7 +192,7 @@ TEST(Rsml, ReadsDeeplyNestedAndTangledFiles) {
     for (int i = 0; i < 100'000; ++i) deep += "<root>";
     deep += line("<point x='0' y='0'/><point x='0' y='1'/>");
     for (int i = 0; i < 100'000; ++i) deep += "</root>";
-    EXPECT_EQ(read(file_of(kMetres, deep)).skeleton.size(), 2u);
+    EXPECT_EQ(read(make_rsml(kMetres, deep)).skeleton.size(), 2u);
     // A line that fills a cube at random, and as many laterals.
     std::string knot, laterals;
     std::uint32_t random = 1;
@@ -204,7 +204,7 @@ TEST(Rsml, ReadsDeeplyNestedAndTangledFiles) {
                     "</root>";
     }
     const SkeletonFile file =
-        read(file_of(kMetres, "<plant><root>" + line(knot) + laterals + "</root></plant>"));
+        read(make_rsml(kMetres, "<plant><root>" + line(knot) + laterals + "</root></plant>"));
     EXPECT_EQ(file.skeleton.tree_count(), 1u);
     EXPECT_GE(file.skeleton.size(), 39'000u);
 }
@@ -222,7 +222,7 @@ TEST(Rsml, StopsWhenCancelled) {
     std::stop_source stop;
     stop.request_stop();
     const std::string text =
-        file_of(kMetres, "<plant><root>" + line("<point x='0' y='0'/>") + "</root></plant>");
+        make_rsml(kMetres, "<plant><root>" + line("<point x='0' y='0'/>") + "</root></plant>");
     EXPECT_THROW(parse_skeleton(text, "t.rsml", {}, {.stop = stop.get_token()}), Cancelled);
 }
 

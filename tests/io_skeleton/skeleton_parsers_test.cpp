@@ -20,8 +20,8 @@
 namespace coppice {
 namespace {
 
-using test::bytes_of;
 using test::error_of;
+using test::to_bytes;
 
 TEST(Text, ParsesNumbersInAllNotations) {
     EXPECT_EQ(parse_number("1.0000e+000"), 1.0);
@@ -167,9 +167,9 @@ TEST(EdgePly, WeldsThePolylinesOfAdTree) {
     // A trunk of three vertices, and a branch of two that starts with a copy of the trunk's second one.
     for (const float v : {0.f, 0.f,  0.f, 1.f, 0.f, 0.f,   1.f, .5f, 0.f, 0.f,
                           2.f, .25f, 0.f, 0.f, 1.f, .125f, 1.f, 0.f, 2.f, .0625f}) {
-        file += bytes_of(v);
+        file += to_bytes(v);
     }
-    for (const std::uint32_t v : {2u, 0u, 1u, 2u, 1u, 2u, 2u, 3u, 4u}) file += bytes_of(v);
+    for (const std::uint32_t v : {2u, 0u, 1u, 2u, 1u, 2u, 2u, 3u, 4u}) file += to_bytes(v);
     const Forest forest = make_forest(parse_edge_ply(file, "t.ply"), "t.ply");
     EXPECT_EQ(find_parents(forest), (std::vector<std::int64_t>{-1, 0, 1, 1}));
     EXPECT_EQ(forest.nodes[1].radius, 0.5);
@@ -403,7 +403,7 @@ class RawMat {
 
     template <class T>
     std::string number(T value) const {
-        std::string bytes = bytes_of(value);
+        std::string bytes = to_bytes(value);
         if (big_endian_) std::reverse(bytes.begin(), bytes.end());
         return bytes;
     }
@@ -411,7 +411,8 @@ class RawMat {
         return number(type) + number(static_cast<std::uint32_t>(data.size())) + data +
                std::string((8 - data.size() % 8) % 8, '\0');
     }
-    std::string head_of(std::uint32_t kind, std::int32_t rows, std::int32_t columns, const char* name) const {
+    std::string make_head(std::uint32_t kind, std::int32_t rows, std::int32_t columns,
+                          const char* name) const {
         return element(6, number(kind) + number(0u)) + element(5, number(rows) + number(columns)) +
                element(1, name);
     }
@@ -419,7 +420,7 @@ class RawMat {
                         const std::vector<double>& values) const {
         std::string data;
         for (const double v : values) data += number(v);
-        return element(14, head_of(6, rows, columns, name) + element(9, data));
+        return element(14, make_head(6, rows, columns, name) + element(9, data));
     }
     std::string with(const std::string& variables) const { return bytes_ + variables; }
 
@@ -446,15 +447,15 @@ TEST(Mat, RejectsSizesBeyondTheFile) {
     };
     const std::string damaged = "t.mat: the MATLAB file is truncated or damaged";
     // A struct of 2,000,000,000 x 4 elements with one field.
-    EXPECT_EQ(error(mat.element(14, mat.head_of(2, 2000000000, 4, "QSM") + mat.element(5, mat.number(8u)) +
+    EXPECT_EQ(error(mat.element(14, mat.make_head(2, 2000000000, 4, "QSM") + mat.element(5, mat.number(8u)) +
                                         mat.element(1, std::string("radius\0\0", 8)))),
               damaged);
-    EXPECT_EQ(error(mat.element(14, mat.head_of(1, 3, 1, "cells"))), damaged);
-    EXPECT_EQ(error(mat.element(14, mat.head_of(6, -1, 1, "x"))), damaged);
+    EXPECT_EQ(error(mat.element(14, mat.make_head(1, 3, 1, "cells"))), damaged);
+    EXPECT_EQ(error(mat.element(14, mat.make_head(6, -1, 1, "x"))), damaged);
     EXPECT_EQ(error(mat.number(14u) + mat.number(1000u)), damaged);
 
-    std::string nested = mat.element(14, mat.head_of(6, 0, 0, "x"));
-    for (int depth = 0; depth < 20; ++depth) nested = mat.element(14, mat.head_of(1, 1, 1, "x") + nested);
+    std::string nested = mat.element(14, mat.make_head(6, 0, 0, "x"));
+    for (int depth = 0; depth < 20; ++depth) nested = mat.element(14, mat.make_head(1, 1, 1, "x") + nested);
     EXPECT_EQ(error(nested), "t.mat: structures are nested too deeply");
 
     // 80 MiB of zeros need 80 KiB when compressed.

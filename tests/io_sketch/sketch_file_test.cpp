@@ -25,7 +25,7 @@ std::string file_with(const std::string& from = "", const std::string& to = "") 
     return text;
 }
 
-std::string said_of(const std::string& from, const std::string& to) {
+std::string catch_message(const std::string& from, const std::string& to) {
     return error_of([&] { parse_sketch(file_with(from, to), "a.sketch.json"); });
 }
 
@@ -54,33 +54,33 @@ TEST(SketchFile, ReadsBackItsOutput) {
 }
 
 TEST(SketchFile, ReportsErrors) {
-    EXPECT_EQ(said_of("\"views\": [", "\"views\": [,"), "a.sketch.json:1: this is not valid JSON");
-    EXPECT_EQ(said_of("coppice-sketch", "coppice-skeleton"),
+    EXPECT_EQ(catch_message("\"views\": [", "\"views\": [,"), "a.sketch.json:1: this is not valid JSON");
+    EXPECT_EQ(catch_message("coppice-sketch", "coppice-skeleton"),
               "a.sketch.json: this JSON is not a sketch: it needs \"format\": \"coppice-sketch\"");
-    EXPECT_EQ(said_of("\"t\": [0, 1, 5]", "\"t\": [0, 1]"),
+    EXPECT_EQ(catch_message("\"t\": [0, 1, 5]", "\"t\": [0, 1]"),
               "a.sketch.json: views[0].t must be a list of 3 numbers, not 2");
-    EXPECT_EQ(said_of("\"attach\"", "\"atach\""),
+    EXPECT_EQ(catch_message("\"attach\"", "\"atach\""),
               "a.sketch.json: branches[0] has no field 'atach'; there are name, parent, attach, strokes, "
               "diameters");
-    EXPECT_EQ(said_of("\"parent\": \"stem\"", "\"parent\": \"trunk\""),
+    EXPECT_EQ(catch_message("\"parent\": \"stem\"", "\"parent\": \"trunk\""),
               "a.sketch.json: branches[0].parent names no branch: 'trunk'");
-    EXPECT_EQ(said_of("{\"side\": {", "{\"left\": {"),
+    EXPECT_EQ(catch_message("{\"side\": {", "{\"left\": {"),
               "a.sketch.json: branches[0].strokes.left names no view: 'left'");
-    EXPECT_EQ(said_of("[220, 150]", "[220, \"150\"]"),
+    EXPECT_EQ(catch_message("[220, 150]", "[220, \"150\"]"),
               "a.sketch.json: branches[0].strokes.side.points[1] must be a list of numbers");
-    EXPECT_EQ(said_of("\"orthographic\": \"side\"", "\"orthographic\": \"inside\""),
+    EXPECT_EQ(catch_message("\"orthographic\": \"side\"", "\"orthographic\": \"inside\""),
               "a.sketch.json: views[1].orthographic must be one of front, back, side, left, top");
-    EXPECT_EQ(said_of("\"orthographic\": \"side\", ", ""),
+    EXPECT_EQ(catch_message("\"orthographic\": \"side\", ", ""),
               "a.sketch.json: views[1] needs the camera's K, R and t, or colmap, phenomenal, photograph or "
               "orthographic");
-    EXPECT_EQ(said_of("\"pixels_per_metre\": 100", "\"pixels_per_metre\": 0"),
+    EXPECT_EQ(catch_message("\"pixels_per_metre\": 100", "\"pixels_per_metre\": 0"),
               "a.sketch.json: views[1].pixels_per_metre must be above 0");
-    EXPECT_EQ(said_of("\"distortion\": [0.1, 0, 0, 0]", "\"distortion\": [0.1]"),
+    EXPECT_EQ(catch_message("\"distortion\": [0.1, 0, 0, 0]", "\"distortion\": [0.1]"),
               "a.sketch.json: views[0].distortion must be k1, k2, p1, p2 and, if known, k3");
-    EXPECT_EQ(said_of("\"width\": 400", "\"width\": 1.5"),
+    EXPECT_EQ(catch_message("\"width\": 400", "\"width\": 1.5"),
               "a.sketch.json: views[0].width must be a whole number of pixels");
     EXPECT_EQ(
-        said_of("\"widths\": [10, 5]", "\"widths\": [10, 5, 1]"),
+        catch_message("\"widths\": [10, 5]", "\"widths\": [10, 5, 1]"),
         "a.sketch.json: branches[1].strokes.front.widths must contain two numbers, or one for each of the "
         "2 points, "
         "not 3");

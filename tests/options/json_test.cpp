@@ -49,16 +49,16 @@ void list_fields(Sample& o, FieldList& list) {
     list.add(Field{"words", "Names of the item."}, o.words);
 }
 
-Json json_of(Sample sample) { return to_json(option_fields(sample)); }
+Json make_json(Sample sample) { return to_json(option_fields(sample)); }
 
-Sample sample_of(const Json& json) {
+Sample read_sample(const Json& json) {
     Sample sample;
     from_json(json, option_fields(sample), "file.json");
     return sample;
 }
 
-std::string message_of(const char* text) {
-    return test::error_of([&] { sample_of(Json::parse(text)); });
+std::string catch_message(const char* text) {
+    return test::error_of([&] { read_sample(Json::parse(text)); });
 }
 
 TEST(Json, OptionsRoundTrip) {
@@ -69,45 +69,45 @@ TEST(Json, OptionsRoundTrip) {
     sample.inner.depth = 1.7f;
     sample.place = Vec3d{1, -2.5, 0.1};
     sample.words = {"bark", "wood"};
-    const Json json = json_of(sample);
+    const Json json = make_json(sample);
     EXPECT_EQ(json.dump(), R"({"count":7,"open":true,"shade":"light","inner":{"depth":1.7},)"
                            R"("place":[1.0,-2.5,0.1],"words":["bark","wood"]})");
-    EXPECT_EQ(json_of(sample_of(json)), json);
-    EXPECT_EQ(json_of(sample_of(json_of(Sample{}))), json_of(Sample{}));
+    EXPECT_EQ(make_json(read_sample(json)), json);
+    EXPECT_EQ(make_json(read_sample(make_json(Sample{}))), make_json(Sample{}));
 }
 
 TEST(Json, OmittedFieldsHaveTheirDefault) {
-    const Sample sample = sample_of(Json::parse(R"({"open": true})"));
+    const Sample sample = read_sample(Json::parse(R"({"open": true})"));
     EXPECT_TRUE(sample.open);
     EXPECT_EQ(sample.count, 3);
     EXPECT_EQ(sample.shade, Shade::dark);
 }
 
-TEST(Json, AcceptsFloatsAtTheirBounds) { EXPECT_EQ(sample_of(json_of(Sample{})).inner.depth, 0.1f); }
+TEST(Json, AcceptsFloatsAtTheirBounds) { EXPECT_EQ(read_sample(make_json(Sample{})).inner.depth, 0.1f); }
 
 TEST(Json, NumbersAreIndependentOfTheLocale) {
     const test::CommaLocale comma;
     EXPECT_EQ(shortest(0.1f), 0.1);
-    EXPECT_EQ(json_of(Sample{})["inner"].dump(), R"({"depth":0.1})");
-    EXPECT_EQ(sample_of(Json::parse(R"({"inner": {"depth": 1.5}})")).inner.depth, 1.5f);
+    EXPECT_EQ(make_json(Sample{})["inner"].dump(), R"({"depth":0.1})");
+    EXPECT_EQ(read_sample(Json::parse(R"({"inner": {"depth": 1.5}})")).inner.depth, 1.5f);
 }
 
 TEST(Json, ErrorsReportTheFieldAndTheRemedy) {
-    EXPECT_EQ(message_of(R"({"cuont": 4})"), "file.json: there is no field cuont; did you mean count?");
-    EXPECT_EQ(message_of(R"({"elephant": 4})"), "file.json: there is no field elephant");
-    EXPECT_EQ(message_of(R"({"two\nlines": 4})"), R"(file.json: there is no field two\nlines)");
-    EXPECT_EQ(message_of(R"({"count": 10})"), "file.json: count must be between 1 and 9, but is 10");
-    EXPECT_EQ(message_of(R"({"count": 1.5})"), "file.json: count must be a whole number");
-    EXPECT_EQ(message_of(R"({"count": 1e300})"), "file.json: count must be a whole number");
-    EXPECT_EQ(message_of(R"({"open": 1})"), "file.json: open must be true or false");
-    EXPECT_EQ(message_of(R"({"shade": "grey"})"), "file.json: shade must be one of light, dark");
-    EXPECT_EQ(message_of(R"({"shade": 1})"), "file.json: shade must be one of light, dark");
-    EXPECT_EQ(message_of(R"({"inner": {"depht": 1}})"),
+    EXPECT_EQ(catch_message(R"({"cuont": 4})"), "file.json: there is no field cuont; did you mean count?");
+    EXPECT_EQ(catch_message(R"({"elephant": 4})"), "file.json: there is no field elephant");
+    EXPECT_EQ(catch_message(R"({"two\nlines": 4})"), R"(file.json: there is no field two\nlines)");
+    EXPECT_EQ(catch_message(R"({"count": 10})"), "file.json: count must be between 1 and 9, but is 10");
+    EXPECT_EQ(catch_message(R"({"count": 1.5})"), "file.json: count must be a whole number");
+    EXPECT_EQ(catch_message(R"({"count": 1e300})"), "file.json: count must be a whole number");
+    EXPECT_EQ(catch_message(R"({"open": 1})"), "file.json: open must be true or false");
+    EXPECT_EQ(catch_message(R"({"shade": "grey"})"), "file.json: shade must be one of light, dark");
+    EXPECT_EQ(catch_message(R"({"shade": 1})"), "file.json: shade must be one of light, dark");
+    EXPECT_EQ(catch_message(R"({"inner": {"depht": 1}})"),
               "file.json: inner: there is no field depht; did you mean depth?");
-    EXPECT_EQ(message_of(R"({"inner": 3})"), "file.json: inner must be an object with named fields");
-    EXPECT_EQ(message_of(R"({"place": [1, 2]})"), "file.json: place must be a list of three numbers");
-    EXPECT_EQ(message_of(R"({"words": "bark"})"), "file.json: words must be a list of texts");
-    EXPECT_EQ(message_of(R"([])"), "file.json must be an object with named fields");
+    EXPECT_EQ(catch_message(R"({"inner": 3})"), "file.json: inner must be an object with named fields");
+    EXPECT_EQ(catch_message(R"({"place": [1, 2]})"), "file.json: place must be a list of three numbers");
+    EXPECT_EQ(catch_message(R"({"words": "bark"})"), "file.json: words must be a list of texts");
+    EXPECT_EQ(catch_message(R"([])"), "file.json must be an object with named fields");
 }
 
 TEST(Json, SchemaHasNameHelpTypeAndRange) {

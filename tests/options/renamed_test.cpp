@@ -18,7 +18,7 @@ void list_fields(Bounds& o, FieldList& list) {
     list.add(Field{"min_diameter", "Minimum diameter.", Unit::metre, 0, 10}, o.low);
 }
 
-float low_of(const char* json) {
+float read_low(const char* json) {
     Bounds bounds;
     from_json(Json::parse(json), option_fields(bounds), "a.json");
     return bounds.low;
@@ -32,11 +32,11 @@ TEST(Renamed, FormerNamesMapToPresentOnes) {
 }
 
 TEST(Renamed, JsonAcceptsFormerNames) {
-    EXPECT_EQ(low_of(R"({"least_diameter": 3})"), 3);
-    EXPECT_EQ(low_of(R"({"min_diameter": 4})"), 4);
-    EXPECT_EQ(low_of(R"({"min_diameter": 4, "least_diameter": 3})"), 4);
+    EXPECT_EQ(read_low(R"({"least_diameter": 3})"), 3);
+    EXPECT_EQ(read_low(R"({"min_diameter": 4})"), 4);
+    EXPECT_EQ(read_low(R"({"min_diameter": 4, "least_diameter": 3})"), 4);
     // The former name of a field that the object does not have is as unknown as any other name.
-    EXPECT_THROW(low_of(R"({"least_angle": 1})"), InvalidInput);
+    EXPECT_THROW(read_low(R"({"least_angle": 1})"), InvalidInput);
 }
 
 }  // namespace

@@ -103,14 +103,14 @@ void expect_same_when_vertices_are_moved(const Quads& quads) {
 
 TEST(TubeCrossings, MatchTheWholeMeshWithMovedVertices) {
     MeshOptions options = with(2, 4);
-    expect_same_when_vertices_are_moved(quads_of(random_tree(40, 5), options));
+    expect_same_when_vertices_are_moved(make_quads(random_tree(40, 5), options));
     options.method = MeshMethod::ramifications;
     options.levels = 3;
-    expect_same_when_vertices_are_moved(quads_of(random_tree(40, 5), options));
+    expect_same_when_vertices_are_moved(make_quads(random_tree(40, 5), options));
 }
 
 TEST(TubeCrossings, AreBitIdenticalForAnyNumberOfThreads) {
-    const Quads quads = quads_of(random_tree(2000, 1, true), with(1, 4));
+    const Quads quads = make_quads(random_tree(2000, 1, true), with(1, 4));
     const auto one = tube_row_search(quads, quads.surface.mesh, {.threads = 1});
     EXPECT_FALSE(one.empty());
     for (const unsigned threads : {2u, 7u}) {
@@ -120,7 +120,7 @@ TEST(TubeCrossings, AreBitIdenticalForAnyNumberOfThreads) {
 
 // Few quads remain to be searched on a tree with branches that are clear of each other.
 TEST(TubeCrossings, AreExcludedForMostQuadsWithoutASearch) {
-    const Quads quads = quads_of(random_tree(3000, 1), {});
+    const Quads quads = make_quads(random_tree(3000, 1), {});
     const pipeline_internal::TubeRows tube_rows(quads.surface.cage, quads.tubes, quads.levels);
     const std::size_t left = unproved_quads(quads.surface.mesh, tube_rows, {}).size();
     EXPECT_LT(left, quads.surface.mesh.quads.size() / 45);

@@ -13,7 +13,7 @@
 namespace coppice {
 namespace {
 
-std::uint64_t faces_of(const FaceBudget& budget) {
+std::uint64_t count_faces(const FaceBudget& budget) {
     return mesh_skeleton(budget.skeleton, budget.options).quads().mesh.quads.size();
 }
 
@@ -126,7 +126,7 @@ TEST(PlanFaces, PreservesTheAxesThatStartAtRoots) {
         SCOPED_TRACE(name);
         const FaceBudget budget = plan_faces(skeleton, {}, 100);
         EXPECT_EQ(budget.skeleton.tree_count(), skeleton.tree_count());
-        EXPECT_GT(faces_of(budget), 0u);
+        EXPECT_GT(count_faces(budget), 0u);
     }
 }
 
@@ -134,8 +134,8 @@ TEST(PlanFaces, MatchesTheNumberForASingleBranch) {
     const Skeleton stick({NodeId::none(), NodeId(0)}, {{0, 0, 0}, {0, 0, 2}}, {0.1f, 0.1f});
     for (const std::uint64_t wanted : {500u, 1000u, 2000u, 5000u}) {
         SCOPED_TRACE(wanted);
-        EXPECT_NEAR(static_cast<double>(faces_of(plan_faces(stick, {}, wanted))), static_cast<double>(wanted),
-                    0.1 * wanted);
+        EXPECT_NEAR(static_cast<double>(count_faces(plan_faces(stick, {}, wanted))),
+                    static_cast<double>(wanted), 0.1 * wanted);
     }
 }
 

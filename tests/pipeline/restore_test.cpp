@@ -25,7 +25,7 @@ constexpr float kHeight = 4;
 
 /// A tube of radius(angle, z) around the z axis, moved sideways; open at both ends.
 template <class Radius>
-PolygonMesh tube_of(std::uint32_t sides, std::uint32_t rings, const Radius& radius, float x = 0) {
+PolygonMesh make_tube(std::uint32_t sides, std::uint32_t rings, const Radius& radius, float x = 0) {
     return grid(sides, rings, false, [&](std::uint32_t i, std::uint32_t j) {
         const float t = angle(i, sides), z = kHeight * static_cast<float>(j) / static_cast<float>(rings);
         const float r = radius(t, z);
@@ -33,7 +33,7 @@ PolygonMesh tube_of(std::uint32_t sides, std::uint32_t rings, const Radius& radi
     });
 }
 
-QuadMesh quads_of(const PolygonMesh& m) {
+QuadMesh to_quads(const PolygonMesh& m) {
     QuadMesh out;
     out.positions = m.positions;
     for (std::uint32_t f = 0; f < m.face_count(); ++f) {
@@ -47,7 +47,7 @@ QuadMesh quads_of(const PolygonMesh& m) {
 float plain(float, float) { return 1; }
 float bumpy(float t, float z) { return 1 + 0.15f * std::sin(3 * t) * std::sin(4 * z); }
 
-QuadMesh plain_tube() { return quads_of(tube_of(kSides, kRings, plain)); }
+QuadMesh plain_tube() { return to_quads(make_tube(kSides, kRings, plain)); }
 
 /// Axes along z of radius 1 at the given positions.
 Skeleton axes(std::initializer_list<float> places) {
@@ -67,7 +67,7 @@ std::size_t crossings(const PolygonMesh& m) { return crossing_faces(SurfaceTree(
 
 TEST(RestoreOffsets, ReproduceBumps) {
     QuadMesh mesh = plain_tube();
-    const RestoreResult result = restore_offsets(mesh, tube_of(200, 300, bumpy), axes({0}));
+    const RestoreResult result = restore_offsets(mesh, make_tube(200, 300, bumpy), axes({0}));
     // The mean of |sin| is 2 / pi, and sines of different variables are independent.
     EXPECT_NEAR(result.report.distance_before.mean, 0.15 * 4 / (std::numbers::pi * std::numbers::pi), 0.006);
     EXPECT_LT(result.report.distance_after.mean, 1e-5);
@@ -82,13 +82,13 @@ TEST(RestoreOffsets, ReproduceBumps) {
     }
     const PolygonMesh moved = to_polygons(mesh);
     const SurfaceTree surface(moved);
-    for (const Vec3 p : tube_of(90, 110, bumpy).positions) ASSERT_LT(surface.distance(Vec3d(p)), 0.03);
+    for (const Vec3 p : make_tube(90, 110, bumpy).positions) ASSERT_LT(surface.distance(Vec3d(p)), 0.03);
 }
 
 TEST(RestoreOffsets, AreZeroWithoutANearbyOriginal) {
     const QuadMesh before = plain_tube();
-    const PolygonMesh bumps = tube_of(60, 60, bumpy);
-    for (const PolygonMesh& original : {PolygonMesh{}, tube_of(60, 60, bumpy, 50)}) {
+    const PolygonMesh bumps = make_tube(60, 60, bumpy);
+    for (const PolygonMesh& original : {PolygonMesh{}, make_tube(60, 60, bumpy, 50)}) {
         QuadMesh mesh = before;
         const RestoreResult result = restore_offsets(mesh, original, axes({0}));
         EXPECT_EQ(mesh.positions, before.positions);
@@ -96,10 +96,10 @@ TEST(RestoreOffsets, AreZeroWithoutANearbyOriginal) {
         EXPECT_EQ(result.report.found, 0u);
     }
     QuadMesh mesh = before;  // too far for a short reach
-    EXPECT_EQ(
-        restore_offsets(mesh, tube_of(60, 60, [](float, float) { return 1.2f; }), axes({0}), {.reach = 0.1f})
-            .report.found,
-        0u);
+    EXPECT_EQ(restore_offsets(mesh, make_tube(60, 60, [](float, float) { return 1.2f; }), axes({0}),
+                              {.reach = 0.1f})
+                  .report.found,
+              0u);
     EXPECT_EQ(restore_offsets(mesh, bumps, axes({50})).report.found, 0u);  // no skeleton there
     QuadMesh nothing;
     EXPECT_EQ(restore_offsets(nothing, bumps, axes({0})).report, RestoreReport{});
@@ -109,16 +109,16 @@ TEST(RestoreOffsets, UseTheNearestFaceWithTheSameOrientation) {
     const auto wide = [](float, float) { return 1.3f; };
     const auto inner = [](float, float) { return 0.95f; };
     QuadMesh mesh = plain_tube();
-    const PolygonMesh shell = both(tube_of(kSides, 8, wide), inverted(tube_of(kSides, 8, inner)));
+    const PolygonMesh shell = both(make_tube(kSides, 8, wide), inverted(make_tube(kSides, 8, inner)));
     EXPECT_NEAR(restore_offsets(mesh, shell, axes({0})).report.offset.p50, 0.3, 1e-3);
     mesh = plain_tube();
-    const PolygonMesh layers = both(tube_of(kSides, 8, wide), tube_of(kSides, 8, inner));
+    const PolygonMesh layers = both(make_tube(kSides, 8, wide), make_tube(kSides, 8, inner));
     EXPECT_NEAR(restore_offsets(mesh, layers, axes({0})).report.offset.p50, -0.05, 1e-3);
 }
 
 TEST(RestoreOffsets, ReverseInwardOriginals) {
     QuadMesh wanted = plain_tube();
-    const PolygonMesh bumps = tube_of(200, 300, bumpy);
+    const PolygonMesh bumps = make_tube(200, 300, bumpy);
     EXPECT_FALSE(restore_offsets(wanted, bumps, axes({0})).report.turned);
     // The lower half of the tube, or all of it, faces inward.
     PolygonMesh partly;
@@ -143,7 +143,7 @@ TEST(RestoreOffsets, ReverseInwardOriginals) {
 TEST(RestoreOffsets, DecreaseToZeroWithoutAnOriginal) {
     // The original covers the lower half.
     PolygonMesh half;
-    const PolygonMesh whole = tube_of(kSides, kRings, [](float, float) { return 1.2f; });
+    const PolygonMesh whole = make_tube(kSides, kRings, [](float, float) { return 1.2f; });
     half.positions = whole.positions;
     for (std::uint32_t f = 0; f < whole.face_count() / 2; ++f) half.add_face(whole.face(f));
     QuadMesh mesh = plain_tube();
@@ -166,9 +166,9 @@ TEST(RestoreOffsets, DecreaseToZeroWithoutAnOriginal) {
 TEST(RestoreOffsets, AddNoSelfIntersections) {
     // Two tubes at a distance of 0.2 with originals that intersect each other.
     const auto wide = [](float t, float z) { return 1.2f + 0.05f * std::sin(5 * t) * std::sin(3 * z); };
-    const PolygonMesh original = both(tube_of(kSides, kRings, wide), tube_of(kSides, kRings, wide, 2.2f));
+    const PolygonMesh original = both(make_tube(kSides, kRings, wide), make_tube(kSides, kRings, wide, 2.2f));
     ASSERT_GT(crossings(original), 0u);
-    QuadMesh mesh = quads_of(both(tube_of(kSides, kRings, plain), tube_of(kSides, kRings, plain, 2.2f)));
+    QuadMesh mesh = to_quads(both(make_tube(kSides, kRings, plain), make_tube(kSides, kRings, plain, 2.2f)));
     const RestoreReport report = restore_offsets(mesh, original, axes({0, 2.2f})).report;
     EXPECT_EQ(crossings(to_polygons(mesh)), 0u);
     EXPECT_EQ(shape(mesh).inverted_faces, 0u);
@@ -178,10 +178,10 @@ TEST(RestoreOffsets, AddNoSelfIntersections) {
 }
 
 TEST(RestoreOffsets, PreserveExistingSelfIntersections) {
-    QuadMesh mesh = quads_of(both(tube_of(kSides, kRings, plain), tube_of(kSides, kRings, plain, 1.5f)));
+    QuadMesh mesh = to_quads(both(make_tube(kSides, kRings, plain), make_tube(kSides, kRings, plain, 1.5f)));
     const std::size_t before = crossings(to_polygons(mesh));
     ASSERT_GT(before, 0u);
-    const RestoreReport report = restore_offsets(mesh, tube_of(200, 300, bumpy), axes({0, 1.5f})).report;
+    const RestoreReport report = restore_offsets(mesh, make_tube(200, 300, bumpy), axes({0, 1.5f})).report;
     EXPECT_LE(crossings(to_polygons(mesh)), before);
     EXPECT_LT(report.distance_after.p50, report.distance_before.p50);
 }
@@ -191,14 +191,14 @@ TEST(RestoreOffsets, AddNoFoldsOverSteps) {
         return 1 + 0.35f * std::tanh(20 * std::sin(7 * t)) * std::tanh(20 * std::sin(9 * z));
     };
     QuadMesh mesh = plain_tube();
-    const RestoreReport report = restore_offsets(mesh, tube_of(400, 400, steps), axes({0})).report;
+    const RestoreReport report = restore_offsets(mesh, make_tube(400, 400, steps), axes({0})).report;
     EXPECT_EQ(crossings(to_polygons(mesh)), 0u);
     EXPECT_EQ(shape(mesh).inverted_faces, 0u);
     EXPECT_LT(report.distance_after.mean, report.distance_before.mean / 4);
 }
 
 TEST(RestoreOffsets, AreIndependentOfOrigins) {
-    PolygonMesh original = tube_of(200, 300, bumpy);
+    PolygonMesh original = make_tube(200, 300, bumpy);
     QuadMesh mesh = plain_tube();
     const RestoreResult expected = restore_offsets(mesh, original, axes({0}));
     original.origin = {-64, 128, 0};
@@ -212,10 +212,10 @@ TEST(RestoreOffsets, AreIndependentOfOrigins) {
 
 TEST(RestoreOffsets, AreBitIdenticalForAnyNumberOfThreads) {
     const auto run = [](unsigned threads) {
-        QuadMesh mesh = quads_of(tube_of(160, 120, plain));
+        QuadMesh mesh = to_quads(make_tube(160, 120, plain));
         Context ctx;
         ctx.threads = threads;
-        RestoreResult result = restore_offsets(mesh, tube_of(200, 300, bumpy), axes({0}), {}, ctx);
+        RestoreResult result = restore_offsets(mesh, make_tube(200, 300, bumpy), axes({0}), {}, ctx);
         return std::pair(std::move(mesh.positions), std::move(result));
     };
     const auto [positions, result] = run(1);
@@ -229,7 +229,7 @@ TEST(RestoreOffsets, AreBitIdenticalForAnyNumberOfThreads) {
 
 TEST(RestoreOffsets, RejectInvalidInput) {
     QuadMesh mesh = plain_tube();
-    const PolygonMesh original = tube_of(60, 60, bumpy);
+    const PolygonMesh original = make_tube(60, 60, bumpy);
     EXPECT_EQ(error_of([&] { restore_offsets(mesh, original, axes({0}), {.reach = 0}); }),
               "restore: reach must be between 0.001 and 10, but is 0");
     PolygonMesh broken = original;

@@ -37,7 +37,7 @@ Skeleton scaled(std::vector<RawNode> nodes, double factor) {
     return repair(nodes, "made up").skeleton;
 }
 
-QuadSurface surface_of(const Skeleton& skeleton, const MeshOptions& options = {}) {
+QuadSurface make_surface(const Skeleton& skeleton, const MeshOptions& options = {}) {
     return mesh_skeleton(skeleton, options).quads();
 }
 
@@ -45,12 +45,12 @@ TEST(Scale, PowersOfTwoScaleTheSurfaceExactly) {
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
         for (const Vec3d base : {Vec3d{}, Vec3d{1e5, 2e4, -3e5}}) {
             const std::vector<RawNode> nodes = random_nodes(seed, base);
-            const QuadSurface one = surface_of(scaled(nodes, 1));
+            const QuadSurface one = make_surface(scaled(nodes, 1));
             // Beyond, squares of gradients, which are per length, come close to the limits of floats.
             for (const int power : {-30, -20, -10, -1, 3, 10, 20}) {
                 SCOPED_TRACE(testing::Message() << "seed " << seed << " at " << base.x << " by 2^" << power);
                 const double factor = std::ldexp(1.0, power);
-                const QuadSurface other = surface_of(scaled(nodes, factor));
+                const QuadSurface other = make_surface(scaled(nodes, factor));
                 ASSERT_EQ(other.mesh.origin, one.mesh.origin * factor);
                 ASSERT_EQ(other.mesh.quads, one.mesh.quads);
                 ASSERT_EQ(other.mesh.positions.size(), one.mesh.positions.size());
@@ -70,11 +70,11 @@ TEST(Scale, PowersOfTenPreserveTheFacesUpToRounding) {
     int seeds_apart = 0;
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
         const std::vector<RawNode> nodes = random_nodes(seed, {1e5, 2e4, -3e5});
-        const QuadSurface one = surface_of(scaled(nodes, 1), options);
+        const QuadSurface one = make_surface(scaled(nodes, 1), options);
         bool is_apart = false;
         for (const double factor : {1e-9, 1e-6, 1e-3, 1e3, 1e6, 1e9}) {
             SCOPED_TRACE(testing::Message() << "seed " << seed << " times " << factor);
-            const QuadSurface other = surface_of(scaled(nodes, factor), options);
+            const QuadSurface other = make_surface(scaled(nodes, factor), options);
             ASSERT_EQ(other.mesh.quads, one.mesh.quads);
             const Vec3d shift = other.mesh.origin * (1 / factor) - one.mesh.origin;
             for (std::size_t v = 0; v < one.mesh.positions.size(); ++v) {
@@ -100,7 +100,7 @@ TEST(Scale, NodesBeyondFloatPrecisionHaveAWatertightSurface) {
             position.push_back(Vec3{1e7f, 2e6f, -3e7f} + Vec3(n.position));
             radius.push_back(static_cast<float>(n.radius));
         }
-        const TopologyReport t = topology(surface_of(Skeleton(parent, position, radius)).mesh);
+        const TopologyReport t = topology(make_surface(Skeleton(parent, position, radius)).mesh);
         EXPECT_TRUE(t.watertight()) << seed;
     }
 }

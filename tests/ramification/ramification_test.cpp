@@ -17,8 +17,8 @@ namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
 
-RamificationMesh made_of(const Skeleton& s, const RamificationOptions& options = {},
-                         const ControlOptions& ends = {}, const Context& ctx = {}) {
+RamificationMesh make_ramification(const Skeleton& s, const RamificationOptions& options = {},
+                                   const ControlOptions& ends = {}, const Context& ctx = {}) {
     return build_ramifications(s, ends, 2, options, ctx);
 }
 
@@ -53,12 +53,13 @@ TEST(Ramification, ZooHasOneSpherePerTree) {
         for (const bool additional : {false, true}) {
             const RamificationOptions options{.all_additional = additional,
                                               .no_connection_optimisation = additional};
-            expect_spheres(made_of(skeleton, options).control, skeleton);
-            expect_spheres(made_of(part_branches(skeleton, {}, {}).skeleton, options).control, skeleton);
+            expect_spheres(make_ramification(skeleton, options).control, skeleton);
+            expect_spheres(make_ramification(part_branches(skeleton, {}, {}).skeleton, options).control,
+                           skeleton);
         }
         const ControlOptions flat{.tips = TipShape::flat}, round{.base = BaseShape::round};
-        expect_spheres(made_of(skeleton, {}, flat).control, skeleton);
-        expect_spheres(made_of(skeleton, {.printed_angles = true}, round).control, skeleton);
+        expect_spheres(make_ramification(skeleton, {}, flat).control, skeleton);
+        expect_spheres(make_ramification(skeleton, {.printed_angles = true}, round).control, skeleton);
     }
 }
 
@@ -82,8 +83,8 @@ TEST(Ramification, JoinsFourToNineBranchesInAnyDirection) {
                 radii.push_back(between(0.02, 0.1));
             }
             const Skeleton skeleton(parents, positions, radii);
-            expect_spheres(made_of(skeleton).control, skeleton);
-            expect_spheres(made_of(skeleton, {.all_additional = true}).control, skeleton);
+            expect_spheres(make_ramification(skeleton).control, skeleton);
+            expect_spheres(make_ramification(skeleton, {.all_additional = true}).control, skeleton);
         }
     }
 }
@@ -93,7 +94,7 @@ TEST(Ramification, PlacesHundredsOfLateralsAtANode) {
     for (int i = 0; i < 500; ++i) angles.push_back(0.7f * static_cast<float>(i));
     const Skeleton brush = whorl(angles);
     for (const bool additional : {false, true}) {
-        const RamificationMesh made = made_of(brush, {.all_additional = additional});
+        const RamificationMesh made = make_ramification(brush, {.all_additional = additional});
         expect_spheres(made.control, brush);
         EXPECT_EQ(made.report.connectable + made.report.additional, 500u);
         EXPECT_GT(made.report.crowded, 100u);
@@ -107,7 +108,7 @@ TEST(Ramification, ConnectsLateralsWithAFaceOfTheirOwn) {
     const auto additional = [](const std::vector<float>& degrees, bool printed = false) {
         std::vector<float> angles;
         for (const float d : degrees) angles.push_back(d * kPi / 180);
-        return made_of(whorl(angles), {.printed_angles = printed}).report.additional;
+        return make_ramification(whorl(angles), {.printed_angles = printed}).report.additional;
     };
     EXPECT_EQ(additional({0}), 0u);
     EXPECT_EQ(additional({0, 90, 180, 270}), 0u);
@@ -123,7 +124,7 @@ TEST(Ramification, ConnectsLateralsWithAFaceOfTheirOwn) {
 TEST(Ramification, ReportsTheTubesOfQuads) {
     for (const bool additional : {false, true}) {
         const Skeleton tree = random_tree(200, 2);
-        const RamificationMesh made = made_of(tree, {.all_additional = additional});
+        const RamificationMesh made = make_ramification(tree, {.all_additional = additional});
         const ControlMesh& m = made.control;
         ASSERT_EQ(m.region_node.size(), made.tubes.size());
         ASSERT_EQ(made.wrapping.size(), tree.size());
@@ -164,15 +165,15 @@ TEST(Ramification, ReportsTheTubesOfQuads) {
 TEST(Ramification, ReducesItsObjective) {
     for (std::uint32_t seed = 1; seed <= 5; ++seed) {
         const Skeleton tree = random_tree(300, seed);
-        const RamificationReport r = made_of(tree).report;
+        const RamificationReport r = make_ramification(tree).report;
         EXPECT_LT(r.after.connections, r.before.connections);
         EXPECT_LT(r.after.units + r.after.connections, r.before.units + r.before.connections);
         EXPECT_LT(r.after.total(), r.before.total());
         EXPECT_EQ(r.connectable + r.additional + 1, r.branches);
-        const RamificationReport cubes = made_of(tree, {.no_connection_optimisation = true}).report;
+        const RamificationReport cubes = make_ramification(tree, {.no_connection_optimisation = true}).report;
         EXPECT_EQ(cubes.after.connections, cubes.before.connections);
         EXPECT_EQ(cubes.after.units, cubes.before.units);
-        const RamificationReport pasted = made_of(tree, {.all_additional = true}).report;
+        const RamificationReport pasted = make_ramification(tree, {.all_additional = true}).report;
         EXPECT_EQ(pasted.connectable, 0u);
         EXPECT_EQ(pasted.additional, pasted.branches - 1);
     }
@@ -194,7 +195,7 @@ TEST(Ramification, AcceptsABrush) {
         radii.push_back(0.01f);
     }
     const Skeleton brush(parents, positions, radii);
-    const RamificationMesh made = made_of(brush);
+    const RamificationMesh made = make_ramification(brush);
     expect_spheres(made.control, brush);
     EXPECT_GE(made.report.units, kLaterals / 256);
 }
@@ -216,15 +217,15 @@ TEST(Ramification, AcceptsDeeplyNestedBranches) {
         }
     }
     const Skeleton stairs(parents, positions, radii);
-    const RamificationMesh made = made_of(stairs);
+    const RamificationMesh made = make_ramification(stairs);
     EXPECT_EQ(made.report.branches, kDepth + 1);
     expect_spheres(made.control, stairs);
 }
 
 TEST(Ramification, IsBitIdenticalForAnyNumberOfThreads) {
     const Skeleton tree = random_tree(500, 3);
-    const RamificationMesh one = made_of(tree, {}, {}, {.threads = 1});
-    const RamificationMesh many = made_of(tree, {}, {}, {.threads = 5});
+    const RamificationMesh one = make_ramification(tree, {}, {}, {.threads = 1});
+    const RamificationMesh many = make_ramification(tree, {}, {}, {.threads = 5});
     EXPECT_TRUE(one.control.cage.positions == many.control.cage.positions);
     EXPECT_TRUE(one.control.cage.quads == many.control.cage.quads);
     EXPECT_TRUE(one.control.anchors == many.control.anchors);
@@ -232,9 +233,9 @@ TEST(Ramification, IsBitIdenticalForAnyNumberOfThreads) {
 
 TEST(Ramification, RejectsAnOpenBaseAndOptionsOutOfRange) {
     const Skeleton tree = whorl({0});
-    EXPECT_EQ(test::error_of([&] { made_of(tree, {}, {.base = BaseShape::open}); }),
+    EXPECT_EQ(test::error_of([&] { make_ramification(tree, {}, {.base = BaseShape::open}); }),
               "mesh: ramifications make closed surfaces only; choose base flat or round");
-    EXPECT_THROW(made_of(tree, {.additional_threshold = -1}), InvalidInput);
+    EXPECT_THROW(make_ramification(tree, {.additional_threshold = -1}), InvalidInput);
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ Image colors(std::uint8_t alpha) {
     return image;
 }
 
-std::string jpeg_of(const Image& image) {
+std::string encode_jpeg(const Image& image) {
     jpeg_compress_struct state{};
     jpeg_error_mgr errors{};
     state.err = jpeg_std_error(&errors);
@@ -59,7 +59,7 @@ TEST(Picture, PngRoundTrips) {
 }
 
 TEST(Picture, JpegIsReadApproximately) {
-    const Image image = decode_picture(jpeg_of(colors(255)), "a.jpg");
+    const Image image = decode_picture(encode_jpeg(colors(255)), "a.jpg");
     ASSERT_EQ(image.width, 32);
     ASSERT_EQ(image.height, 16);
     for (std::size_t i = 0; i < image.pixels.size(); ++i)
@@ -69,7 +69,7 @@ TEST(Picture, JpegIsReadApproximately) {
 TEST(Picture, RejectsOtherFormatsAndDamagedFiles) {
     EXPECT_EQ(error_of([] { decode_picture("GIF89a", "a.gif"); }),
               "a.gif: this is neither a PNG nor a JPEG image");
-    const std::string png = encode_png(colors(255)), jpeg = jpeg_of(colors(255));
+    const std::string png = encode_png(colors(255)), jpeg = encode_jpeg(colors(255));
     EXPECT_EQ(error_of([&] { decode_picture(png.substr(0, 60), "a.png"); }).substr(0, 28),
               "a.png: this PNG is damaged: ");
     EXPECT_EQ(error_of([&] { decode_picture(jpeg.substr(0, 20), "a.jpg"); }).substr(0, 29),

@@ -154,15 +154,15 @@ TEST(Render, MarkedTrianglesAndPolygonsAreDrawnWhole) {
     mesh.add_face(std::vector<std::uint32_t>{0, 1, 2});
     mesh.add_face(std::vector<std::uint32_t>{0, 2, 3});
     mesh.add_face(std::vector<std::uint32_t>{3, 2, 6, 5, 4});
-    const auto pixels_of = [&](std::uint32_t face) {
+    const auto count_pixels = [&](std::uint32_t face) {
         const std::vector<std::uint32_t> marked{face};
         const Image image = render({.mesh = &mesh, .marked_faces = marked}, small());
         int count = 0;
         for (const Image::Pixel& p : image.pixels) count += is_magenta(p) ? 1 : 0;
         return count;
     };
-    EXPECT_NEAR(pixels_of(0), pixels_of(1), 60);
-    EXPECT_NEAR(pixels_of(2), 2.1 * pixels_of(0), 120);  // areas 1 and 2.1
+    EXPECT_NEAR(count_pixels(0), count_pixels(1), 60);
+    EXPECT_NEAR(count_pixels(2), 2.1 * count_pixels(0), 120);  // areas 1 and 2.1
 }
 
 TEST(Render, CoarseFacesAreShadedSmoothly) {

@@ -49,7 +49,7 @@ TEST(SceneArgument, AnglesAreTypedInDegrees) {
 
 TEST(SceneArgument, ChoicesMayBeAbbreviatedIfUnique) {
     auto pattern = PointPattern::uniform;
-    const Argument a = argument_of({Field{"pattern", "how"}, choice_of(pattern)});
+    const Argument a = to_argument({Field{"pattern", "how"}, choice_of(pattern)});
     EXPECT_EQ(parse_argument(a, "poisson").text, "poisson_disk");
     EXPECT_EQ(a.initial, "uniform");
     EXPECT_EQ(

@@ -45,7 +45,7 @@ bool is_same(const QuadMesh& a, const QuadMesh& b) {
 }
 
 // Returns the faces as the positions of their corners, in order.
-std::vector<std::array<Vec3, 4>> faces_of(const QuadMesh& mesh) {
+std::vector<std::array<Vec3, 4>> get_faces(const QuadMesh& mesh) {
     std::vector<std::array<Vec3, 4>> out;
     for (const Quad& q : mesh.quads) {
         auto& face = out.emplace_back();
@@ -160,7 +160,7 @@ TEST(LiveSurface, MatchesTheFacesOfTheMesh) {
     const QuadMesh whole = mesh_skeleton(tree).quads().mesh;
     const QuadMesh live = LiveSurface(tree, {}).mesh();
     EXPECT_EQ(live.positions.size(), whole.positions.size());
-    EXPECT_EQ(faces_of(live), faces_of(whole));
+    EXPECT_EQ(get_faces(live), get_faces(whole));
 }
 
 TEST(LiveSurface, UpdateWritesFewVertices) {

@@ -35,10 +35,10 @@ TEST(SceneObject, KindFollowsTheValue) {
 }
 
 TEST(SceneObject, DescriptionsAreInWorldSpace) {
-    const std::string mesh = description_of({one_quad()});
+    const std::string mesh = describe_object({one_quad()});
     EXPECT_NE(mesh.find("mesh       1 faces\nvertices   4\n"), std::string::npos) << mesh;
     EXPECT_NE(mesh.find("10,0,0 to 11,1,0"), std::string::npos) << mesh;
-    const std::string tree = description_of(
+    const std::string tree = describe_object(
         {Skeleton({NodeId{}, NodeId(0)}, {{0, 0, 0}, {0, 0, 2}}, {0.5f, 0.25f}, Vec3d{1, 1, 1})});
     EXPECT_NE(tree.find("length_m   2\n"), std::string::npos) << tree;
     EXPECT_NE(tree.find("0.5,0.5,0.5 to 1.5,1.5,3.25"), std::string::npos) << tree;

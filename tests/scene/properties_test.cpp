@@ -24,7 +24,7 @@ class SceneProperties : public test::FolderTest {
     }
 };
 
-const PointSet& points_of(const Scene& scene, const std::string& name) {
+const PointSet& get_points(const Scene& scene, const std::string& name) {
     return std::get<PointSet>(scene.state().objects.at({ObjectKind::points, name})->value);
 }
 
@@ -36,14 +36,15 @@ double min_distance(const PointSet& set) {
 }
 
 TEST_F(SceneProperties, ALineIsANameAndAValue) {
-    const auto found = properties_of("# disks\ncount = 500\n\ndistance: 0.1 # m\nseed 7\nname=\"b\"\n", "p");
+    const auto found =
+        parse_properties("# disks\ncount = 500\n\ndistance: 0.1 # m\nseed 7\nname=\"b\"\n", "p");
     ASSERT_EQ(found.size(), 4u);
     EXPECT_EQ(found[0].name + "|" + found[0].value, "count|500");
     EXPECT_EQ(found[1].name + "|" + found[1].value, "distance|0.1");
     EXPECT_EQ(found[1].line, 4u);
     EXPECT_EQ(found[2].name + "|" + found[2].value, "seed|7");
     EXPECT_EQ(found[3].value, "b");
-    EXPECT_EQ(test::error_of<InvalidInput>([] { properties_of("a=1\ncount =\n", "p.props"); }),
+    EXPECT_EQ(test::error_of<InvalidInput>([] { parse_properties("a=1\ncount =\n", "p.props"); }),
               "p.props:2: an option and its value are required here, as in count = 500");
 }
 
@@ -63,7 +64,7 @@ TEST_F(SceneProperties, EveryLineOfTheThesisRunsAsPrinted) {
     const PointSet saved = read_points(folder_ / "points.txt");
     EXPECT_EQ(saved.size(), 400u);
     EXPECT_GE(min_distance(saved), 8.999);
-    EXPECT_EQ(points_of(s, "crown").size(), 20u);
+    EXPECT_EQ(get_points(s, "crown").size(), 20u);
     const std::string page = read_file(source_dir() / "docs/user/scenes.md");
     for (const char* line : {"sphere s1", "line s2", "diff s1 s2 s3", "sphere s", "scale s 50 80 50",
                              "pointset gen s poisson poisson.props", "save pointset points.txt",
@@ -76,7 +77,7 @@ TEST_F(SceneProperties, ArgumentsTakePrecedenceOverTheFile) {
     Scene s = scene();
     s.run_text("sphere s\npointset gen s properties=p.props count=70\npointset gen s jittered p.props name=j",
                "x");
-    EXPECT_EQ(points_of(s, "s").size(), 70u);
+    EXPECT_EQ(get_points(s, "s").size(), 70u);
     const std::string recipe = make_recipe(s.state());
     EXPECT_NE(recipe.find("pointset generate s uniform"), std::string::npos);
     EXPECT_NE(recipe.find("pointset generate s jittered"), std::string::npos);
@@ -85,7 +86,7 @@ TEST_F(SceneProperties, ArgumentsTakePrecedenceOverTheFile) {
     EXPECT_EQ(recipe.find("props"), std::string::npos);
     Scene again({.files = false});
     again.run_text(recipe, "recipe");
-    EXPECT_EQ(points_of(again, "s"), points_of(s, "s"));
+    EXPECT_EQ(get_points(again, "s"), get_points(s, "s"));
 }
 
 TEST_F(SceneProperties, ErrorsReportFileLineAndOption) {

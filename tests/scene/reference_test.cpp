@@ -21,7 +21,7 @@ TEST(SceneReference, PageMatchesTheTable) {
 
 TEST(SceneReference, EveryArgumentIsExplained) {
     for (const SceneCommand& c : scene_commands()) {
-        const std::string help = help_of(scene_words(c.name == "save" ? "save x" : c.name));
+        const std::string help = format_help(scene_words(c.name == "save" ? "save x" : c.name));
         for (const Argument& a : c.arguments)
             EXPECT_NE(help.find(a.help), std::string::npos) << c.name << " " << a.name;
         EXPECT_NE(help_overview().find(c.help), std::string::npos) << c.name;
@@ -30,16 +30,16 @@ TEST(SceneReference, EveryArgumentIsExplained) {
 }
 
 TEST(SceneReference, HelpOfAFamilyListsIt) {
-    const std::string help = help_of(scene_words("pointset"));
+    const std::string help = format_help(scene_words("pointset"));
     EXPECT_NE(help.find("pointset thin"), std::string::npos);
     EXPECT_NE(help.find("pointset near"), std::string::npos);
-    EXPECT_THROW(help_of(scene_words("shpere")), InvalidInput);
+    EXPECT_THROW(format_help(scene_words("shpere")), InvalidInput);
 }
 
 TEST(SceneReference, UsageShowsOptionalArguments) {
     std::size_t used = 0;
-    EXPECT_EQ(usage_of(find_command(scene_words("diff"), used)), "diff PARTS... RESULT");
-    EXPECT_EQ(usage_of(find_command(scene_words("mesh"), used)), "mesh TREE [NAME] [OPTION=VALUE...]");
+    EXPECT_EQ(format_usage(find_command(scene_words("diff"), used)), "diff PARTS... RESULT");
+    EXPECT_EQ(format_usage(find_command(scene_words("mesh"), used)), "mesh TREE [NAME] [OPTION=VALUE...]");
 }
 
 TEST(SceneReference, CompletesCommandsOptionsValuesAndNames) {

@@ -8,7 +8,7 @@
 namespace coppice {
 namespace {
 
-std::string message_of(const std::string& text) {
+std::string catch_message(const std::string& text) {
     return test::error_of([&] { scene_lines(text, "a.coppice"); });
 }
 
@@ -29,13 +29,16 @@ TEST(SceneLines, JoinsLinesThatEndInABackslash) {
 }
 
 TEST(SceneLines, RejectsInvalidText) {
-    EXPECT_EQ(message_of("sphere s\nsphere \x01"), "a.coppice:2: the line contains bytes that are not text");
-    EXPECT_EQ(message_of(std::string("a\0b", 3)), "a.coppice:1: the line contains bytes that are not text");
-    EXPECT_EQ(message_of("sphere s \\"), "a.coppice:1: nothing follows the backslash at the end of the line");
-    EXPECT_NE(message_of(std::string(kLongestLine + 1, 'a')).find("longer"), std::string::npos);
+    EXPECT_EQ(catch_message("sphere s\nsphere \x01"),
+              "a.coppice:2: the line contains bytes that are not text");
+    EXPECT_EQ(catch_message(std::string("a\0b", 3)),
+              "a.coppice:1: the line contains bytes that are not text");
+    EXPECT_EQ(catch_message("sphere s \\"),
+              "a.coppice:1: nothing follows the backslash at the end of the line");
+    EXPECT_NE(catch_message(std::string(kLongestLine + 1, 'a')).find("longer"), std::string::npos);
     std::string many;
     for (std::size_t i = 0; i <= kMaxLines; ++i) many += "list\n";
-    EXPECT_NE(message_of(many).find("more than 100000 commands"), std::string::npos);
+    EXPECT_NE(catch_message(many).find("more than 100000 commands"), std::string::npos);
 }
 
 TEST(SceneWords, SplitsAtBlanksAndRecognizesKeys) {

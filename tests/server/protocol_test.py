@@ -6,7 +6,7 @@ import threading
 import time
 import unittest
 
-from studio_client import Client, Closed, Studio, header_of
+from studio_client import Client, Closed, Studio, read_header
 
 PROGRAM = sys.argv.pop(1)
 
@@ -29,7 +29,7 @@ class Protocol(unittest.TestCase):
             self.assertEqual(kinds, {("solid", "crown"), ("points", "fill"), ("skeleton", "tree")})
             shown = client.must("show", kind="skeleton", name="tree", form="surface", surface={})
             blob = client.blob(shown["key"])
-            self.assertEqual(header_of(blob)["kind"], "surface")
+            self.assertEqual(read_header(blob)["kind"], "surface")
             done = client.must("export", kind="skeleton", name="tree", file="tree.glb")
             path = os.path.join(self.folder, "tree.glb")
             self.assertEqual(os.path.getsize(path), done["bytes"])
@@ -112,7 +112,7 @@ class Protocol(unittest.TestCase):
             number = client.post("preview", seq=1, line="translate s 1 0 0", about={"kind": "solid", "name": "s"})
             client.until(lambda: client.frames or number in client.answers)
             self.assertTrue(client.frames)
-            self.assertEqual(header_of(client.frames[0])["seq"], 1)
+            self.assertEqual(read_header(client.frames[0])["seq"], 1)
             self.assertTrue(client.answer(number)["ok"])
             self.assertEqual(len(client.state["statements"]), 1)
 
@@ -126,7 +126,7 @@ class Protocol(unittest.TestCase):
                     for i in range(20):
                         client.must("run", line=f"sphere s{at}_{i}")
                         key = client.must("show", kind="solid", name=f"s{at}_{i}", form="coarse")["key"]
-                        header_of(client.blob(key))
+                        read_header(client.blob(key))
             except Exception as error:  # pylint: disable=broad-except
                 failures.append(error)
 

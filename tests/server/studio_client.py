@@ -236,7 +236,7 @@ class Client:
         return body
 
 
-def header_of(blob):
+def read_header(blob):
     """Returns the JSON header of a geometry blob."""
     assert blob[:4] == b"CPB1", blob[:16]
     length = struct.unpack("<I", blob[4:8])[0]

@@ -8,7 +8,7 @@
 namespace coppice::test {
 
 template <class T>
-std::string bytes_of(T value) {
+std::string to_bytes(T value) {
     std::string bytes(sizeof(T), '\0');
     std::memcpy(bytes.data(), &value, sizeof(T));
     return bytes;

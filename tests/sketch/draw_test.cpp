@@ -20,7 +20,7 @@ TEST(Draw, EveryAxisIsABranchInsideItsImages) {
     const std::size_t tips = measure(tree).tips;
     for (const Projection projection : {Projection::perspective, Projection::orthographic}) {
         const DrawSketchOptions options{.projection = projection, .size = 800};
-        const Sketch sketch = draw_sketch(tree, views_of(tree, options), options);
+        const Sketch sketch = draw_sketch(tree, choose_views(tree, options), options);
         EXPECT_NO_THROW(validate(sketch, "drawn"));
         EXPECT_EQ(sketch.branches.size(), tips);  // each branch ends in one tip
         for (const SketchBranch& branch : sketch.branches) {
@@ -35,7 +35,7 @@ TEST(Draw, EveryAxisIsABranchInsideItsImages) {
 
 TEST(Draw, ViewsHaveTheGivenAngle) {
     const Skeleton tree = random_tree(20, 1);
-    const auto views = views_of(tree, {.angle = static_cast<float>(std::numbers::pi / 6)});
+    const auto views = choose_views(tree, {.angle = static_cast<float>(std::numbers::pi / 6)});
     const Vec3d a{views[0].r[2][0], views[0].r[2][1], views[0].r[2][2]},
         b{views[1].r[2][0], views[1].r[2][1], views[1].r[2][2]};
     EXPECT_NEAR(dot(a, b), std::cos(std::numbers::pi / 6), 1e-6);
@@ -44,7 +44,7 @@ TEST(Draw, ViewsHaveTheGivenAngle) {
 
 TEST(Draw, RejectsASkeletonWithoutSegments) {
     const Skeleton dot({NodeId()}, {{0, 0, 0}}, {1});
-    EXPECT_EQ(test::error_of([&] { draw_sketch(dot, views_of(dot)); }),
+    EXPECT_EQ(test::error_of([&] { draw_sketch(dot, choose_views(dot)); }),
               "a skeleton without segments cannot be drawn");
 }
 

@@ -109,7 +109,7 @@ TEST(Reconstruct, HorizontalBranchIsMatchedByItsLength) {
 
 TEST(Reconstruct, TruncatedStrokeIsContinuedByTheOther) {
     const Skeleton tree = random_tree(40, 5);
-    const Sketch whole = draw_sketch(tree, views_of(tree));
+    const Sketch whole = draw_sketch(tree, choose_views(tree));
     Sketch cut = whole;
     auto& stem = cut.branches[0].strokes[1];
     const std::size_t kept = stem.points.size() * 4 / 5;
@@ -121,7 +121,7 @@ TEST(Reconstruct, TruncatedStrokeIsContinuedByTheOther) {
 
 TEST(Reconstruct, ExcludesWrongPoints) {
     const Skeleton tree = random_tree(40, 5);
-    Sketch sketch = draw_sketch(tree, views_of(tree));
+    Sketch sketch = draw_sketch(tree, choose_views(tree));
     const Skeleton clean = made(sketch).skeleton;
     std::vector<PicturePoint>& points = sketch.branches[0].strokes[0].points;
     points[points.size() / 2].x += 80;
@@ -132,8 +132,8 @@ TEST(Reconstruct, ExcludesWrongPoints) {
 
 TEST(Reconstruct, UsesThirdViews) {
     const Skeleton tree = random_tree(60, 2);
-    std::vector<SketchView> views = views_of(tree);
-    const SketchView between = views_of(tree, {.angle = 0.8f})[1];
+    std::vector<SketchView> views = choose_views(tree);
+    const SketchView between = choose_views(tree, {.angle = 0.8f})[1];
     Sketch three = draw_sketch(tree, {views[0], views[1], between});
     three.views[2].name = "between";
     const SketchResult result = made(three);
@@ -151,7 +151,7 @@ TEST(Reconstruct, FindsTreesWithNoisyStrokes) {
     for (const double degrees : {90.0, 30.0}) {
         const Skeleton tree = random_tree(256, 11);
         const DrawSketchOptions draw{.angle = static_cast<float>(degrees * std::numbers::pi / 180)};
-        Sketch sketch = draw_sketch(tree, views_of(tree, draw), draw);
+        Sketch sketch = draw_sketch(tree, choose_views(tree, draw), draw);
         const CounterRandom random(7, 0);
         std::uint64_t next = 0;
         for (SketchBranch& branch : sketch.branches)
@@ -192,7 +192,7 @@ TEST(Reconstruct, FindsTreesWithWrongPoints) {
     double length = 0, tips = 0, found_tips = 0, refused = 0;
     for (const std::uint64_t seed : {21u, 22u, 23u, 24u}) {
         const Skeleton tree = random_tree(256, seed);
-        Sketch sketch = draw_sketch(tree, views_of(tree));
+        Sketch sketch = draw_sketch(tree, choose_views(tree));
         mess_up(sketch);
         const SketchResult result = made(sketch);
         length += 0.25 * measure(result.skeleton).length / measure(tree).length;
@@ -239,7 +239,7 @@ TEST(Reconstruct, WrongStartOfAStrokeOfTwoPointsIsExcluded) {
 /// if the second camera is rotated by a degree and its scale is 1 % too large.
 std::pair<double, double> with_wrong_camera(bool refine, double degrees) {
     const Skeleton tree = random_tree(256, 1);
-    Sketch sketch = draw_sketch(tree, views_of(tree));
+    Sketch sketch = draw_sketch(tree, choose_views(tree));
     SketchView& view = sketch.views[1];
     view.r = view.r * rotation_about(normalized(Vec3d{1, 2, 1}) * (degrees * std::numbers::pi / 180));
     for (const std::size_t i : {std::size_t{0}, std::size_t{1}}) view.k[i][i] *= 1 + 0.01 * degrees;
@@ -270,7 +270,7 @@ TEST(Reconstruct, FewBranchesDoNotChangeCameras) {
 
 TEST(Reconstruct, IsBitIdenticalForAnyNumberOfThreads) {
     const Skeleton tree = random_tree(120, 4);
-    const Sketch sketch = draw_sketch(tree, views_of(tree));
+    const Sketch sketch = draw_sketch(tree, choose_views(tree));
     const Skeleton one = made(sketch, {}, {.threads = 1, .stop = {}, .progress = {}}).skeleton;
     for (const unsigned threads : {2u, 7u}) {
         const Skeleton other = made(sketch, {}, {.threads = threads, .stop = {}, .progress = {}}).skeleton;
@@ -317,7 +317,7 @@ TEST(Reconstruct, RejectsDescendantsOfARejectedBranch) {
 TEST(Reconstruct, RejectsViewsFromOnePosition) {
     const Skeleton tree = random_tree(20, 1);
     const DrawSketchOptions draw{.angle = 0.02f};
-    const std::string error = error_of([&] { made(draw_sketch(tree, views_of(tree, draw), draw)); });
+    const std::string error = error_of([&] { made(draw_sketch(tree, choose_views(tree, draw), draw)); });
     EXPECT_EQ(error.substr(0, 103),
               "a.sketch.json: no branch could be made; branch 'stem 1' (strokes in 'front', 'side', 1.1 "
               "degrees apart)");

@@ -31,7 +31,7 @@ void draw(Mask& mask, PicturePoint a, PicturePoint b, double radius) {
 }
 
 /// Returns all points of a sketch.
-std::vector<PicturePoint> points_of(const Sketch& sketch) {
+std::vector<PicturePoint> collect_points(const Sketch& sketch) {
     std::vector<PicturePoint> out;
     for (const SketchBranch& branch : sketch.branches)
         for (const Stroke& stroke : branch.strokes)
@@ -83,7 +83,7 @@ TEST(Silhouette, IntersectingBranchesContinueStraight) {
     draw(mask, {100, 300}, {250, 60}, 5);
     draw(mask, {100, 220}, {290, 180}, 5);
     const std::vector<float> distance = distance_to_outside(mask);
-    const auto pieces = find_pieces(graph_of(thinned(mask, {}), distance), mask, distance);
+    const auto pieces = find_pieces(build_graph(thinned(mask, {}), distance), mask, distance);
     std::vector<PicturePoint> ends;
     for (const TracedPiece& piece : pieces)
         if (piece.is_tip) ends.push_back(piece.points.back());
@@ -182,7 +182,7 @@ TEST(Trace, FindsAForkInFourSilhouettes) {
     EXPECT_LT(nearest, 0.06);
     Context one;
     one.threads = 1;
-    EXPECT_EQ(points_of(trace(views, masks, one).sketch), points_of(traced.sketch));
+    EXPECT_EQ(collect_points(trace(views, masks, one).sketch), collect_points(traced.sketch));
 }
 
 TEST(Trace, RemovesPiecesThatExplainNothing) {

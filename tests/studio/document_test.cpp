@@ -19,7 +19,7 @@ const Context kQuiet;
 std::string all_of(const Scene& scene) {
     std::string out = make_recipe(scene.state());
     for (const auto& [name, object] : scene.state().objects)
-        out += std::string(name_of(name.first)) + " " + name.second + "\n" + description_of(*object);
+        out += std::string(name_of(name.first)) + " " + name.second + "\n" + describe_object(*object);
     return out;
 }
 
@@ -29,7 +29,7 @@ std::string all_of(const std::string& text) {
     return all_of(scene);
 }
 
-Document document_of(const std::string& text) {
+Document make_document(const std::string& text) {
     Document document;
     document.set_text(text, kQuiet);
     return document;
@@ -37,7 +37,7 @@ Document document_of(const std::string& text) {
 
 TEST(Document, TextEqualsTheInput) {
     const std::string text = "# two balls\nsphere a\n\nsphere b radius=2\n";
-    Document document = document_of(text);
+    Document document = make_document(text);
     EXPECT_EQ(document.text(), text);
     EXPECT_EQ(document.ran(), 4u);
     EXPECT_EQ(document.scene().state().objects.size(), 2u);
@@ -45,7 +45,7 @@ TEST(Document, TextEqualsTheInput) {
 }
 
 TEST(Document, InsertsALineBeforeTheFirstUseOfItsObject) {
-    Document document = document_of("sphere a\nsphere b center=1,0,0\nunion a b both\nsphere c\n");
+    Document document = make_document("sphere a\nsphere b center=1,0,0\nunion a b both\nsphere c\n");
     EXPECT_EQ(document.run("translate a 0 0 1", Document::Name{ObjectKind::solid, "a"}, kQuiet), 1u);
     EXPECT_EQ(document.run("translate c 0 0 1", Document::Name{ObjectKind::solid, "c"}, kQuiet), 5u);
     EXPECT_EQ(
@@ -55,7 +55,7 @@ TEST(Document, InsertsALineBeforeTheFirstUseOfItsObject) {
 }
 
 TEST(Document, RejectsAFailingLineAndPreservesTheRest) {
-    Document document = document_of("sphere a\n");
+    Document document = make_document("sphere a\n");
     const std::uint64_t revision = document.revision();
     EXPECT_THROW(document.run("sphere b radius=-1", {}, kQuiet), InvalidInput);
     EXPECT_EQ(document.text(), "sphere a\n");
@@ -64,7 +64,7 @@ TEST(Document, RejectsAFailingLineAndPreservesTheRest) {
 }
 
 TEST(Document, StopsAtAFailingStatementAndPreservesTheRest) {
-    Document document = document_of("sphere a\nsphere b\nunion a b c\n");
+    Document document = make_document("sphere a\nsphere b\nunion a b c\n");
     document.set_text("sphere a\nunion a b c\nsphere d\n", kQuiet);
     ASSERT_TRUE(document.failure());
     EXPECT_EQ(document.failure()->statement, 1u);
@@ -78,7 +78,7 @@ TEST(Document, StopsAtAFailingStatementAndPreservesTheRest) {
 }
 
 TEST(Document, RunsToACursorAndBack) {
-    Document document = document_of("sphere a\nsphere b\nsphere c\n");
+    Document document = make_document("sphere a\nsphere b\nsphere c\n");
     document.run_to(1, kQuiet);
     EXPECT_EQ(document.scene().state().objects.size(), 1u);
     EXPECT_EQ(document.size(), 3u);
@@ -90,7 +90,7 @@ TEST(Document, RunsToACursorAndBack) {
 }
 
 TEST(Document, RunsABlockAsOneStepAndUndoesItOnFailure) {
-    Document document = document_of("sphere a\n");
+    Document document = make_document("sphere a\n");
     EXPECT_THROW(document.run("for i in 1..3\n  sphere b${i} radius=${2 - i}\nend", {}, kQuiet),
                  InvalidInput);
     EXPECT_EQ(document.scene().state().objects.size(), 1u);
@@ -100,7 +100,7 @@ TEST(Document, RunsABlockAsOneStepAndUndoesItOnFailure) {
 }
 
 TEST(Document, CancellationChangesNothing) {
-    Document document = document_of("sphere a\n");
+    Document document = make_document("sphere a\n");
     std::stop_source stop;
     stop.request_stop();
     Context ctx;
@@ -111,7 +111,7 @@ TEST(Document, CancellationChangesNothing) {
 }
 
 TEST(Document, RerunsStatementsThatReadAFile) {
-    Document document = document_of("sphere a\n");
+    Document document = make_document("sphere a\n");
     EXPECT_FALSE(document.rerun("tree.swc", kQuiet));
     document.set_text("sphere a\nsphere b  # tree.swc\n", kQuiet);
     const ObjectPtr before = document.scene().state().objects.at({ObjectKind::solid, "b"});
@@ -268,7 +268,7 @@ TEST(Document, RandomChangesMatchRunningTheText) {
 TEST(Document, DiscardsThousandsOfVersionsWithoutRecursion) {
     std::string text;
     for (int i = 0; i < 50'000; ++i) text += "# nothing\n";
-    Document document = document_of(text);
+    Document document = make_document(text);
     document.set_text("sphere a\n", kQuiet);
     EXPECT_EQ(document.ran(), 1u);
 }

@@ -37,7 +37,7 @@ Decoded decoded(const std::string& blob) {
     return {Json::parse(blob.substr(8, length)), blob.substr(8 + length)};
 }
 
-Scene scene_of(const std::string& text) {
+Scene make_scene(const std::string& text) {
     Scene scene;
     scene.run_text(text, "test");
     return scene;
@@ -50,7 +50,7 @@ Decoded shown(const Scene& scene, ObjectKind kind, const std::string& name,
 }
 
 TEST(Geometry, OfASolidIsASurfaceWithOutwardNormals) {
-    const Scene scene = scene_of("sphere s radius=2 center=1,0,0\n");
+    const Scene scene = make_scene("sphere s radius=2 center=1,0,0\n");
     const Decoded d = shown(scene, ObjectKind::solid, "s");
     EXPECT_EQ(d.header["kind"], "surface");
     EXPECT_EQ(d.header["version"], 3);
@@ -67,7 +67,7 @@ TEST(Geometry, OfASolidIsASurfaceWithOutwardNormals) {
 }
 
 TEST(Geometry, OfASkeletonHasIdsAndOrders) {
-    const Scene scene = scene_of("limb t 0,0,0 0,0,1 0,0,2\nedit draw t 0,0,1 1,0,1.5 radius=0.02\n");
+    const Scene scene = make_scene("limb t 0,0,0 0,0,1 0,0,2\nedit draw t 0,0,1 1,0,1.5 radius=0.02\n");
     const Decoded d = shown(scene, ObjectKind::skeleton, "t", StudioColor::order);
     const auto parents = d.array<std::uint32_t>("parent");
     const auto orders = d.array<std::uint8_t>("order");
@@ -94,12 +94,12 @@ TEST(Geometry, IsColouredByTheEvidenceOfTheFile) {
 }
 
 TEST(Geometry, OtherKindsHaveNoRadiiToColour) {
-    const Scene scene = scene_of("sphere s\n");
+    const Scene scene = make_scene("sphere s\n");
     EXPECT_THROW(shown(scene, ObjectKind::solid, "s", StudioColor::radius), InvalidInput);
 }
 
 TEST(Geometry, PatchesUpdateTheOldSurfaceToTheNewOne) {
-    Scene scene = scene_of(
+    Scene scene = make_scene(
         "limb t 0,0,0 0,0,1 0,0,2 0,0,3 0,0,4 0,0,5 0,0,6\nedit draw t 0,0,1 1,0,1.5 2,0,2 radius=0.02\n");
     const auto tree = [&] {
         return std::get<Skeleton>(scene.state().objects.at({ObjectKind::skeleton, "t"})->value);

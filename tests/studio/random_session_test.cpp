@@ -25,18 +25,18 @@ class RandomSession : public test::SessionTest, public testing::WithParamInterfa
     bool once_in(std::size_t n) { return below(n) == 0; }
     int whole(int low, int high) { return std::uniform_int_distribution<int>(low, high)(random_); }
     template <class T>
-    const T& one_of(const std::vector<T>& all) {
+    const T& choose_one(const std::vector<T>& all) {
         return all[below(all.size())];
     }
 
-    std::string solid() { return one_of<std::string>({"a", "b", "c"}); }
-    std::string points() { return one_of<std::string>({"a", "b"}); }
-    std::string tree() { return one_of<std::string>({"t", "u", "v"}); }
+    std::string solid() { return choose_one<std::string>({"a", "b", "c"}); }
+    std::string points() { return choose_one<std::string>({"a", "b"}); }
+    std::string tree() { return choose_one<std::string>({"t", "u", "v"}); }
     std::string place(int far = 3) {
         return fmt::format("{},{},{}", whole(-far, far), whole(-far, far), whole(0, 2 * far));
     }
     std::string selection() {
-        return one_of<std::string>(
+        return choose_one<std::string>(
             {"tips", "order(1)", "roots", "near(0,0,2)", "subtree(2)", "all", anchored()});
     }
 
@@ -56,8 +56,8 @@ class RandomSession : public test::SessionTest, public testing::WithParamInterfa
                 return fmt::format("translate {} {} 0 {} kind=solid", solid(), whole(-2, 2), whole(-2, 2));
             case 3:
                 return fmt::format("{} {} {} {}",
-                                   one_of<std::string>({"union", "blend", "diff", "intersection"}), solid(),
-                                   solid(), solid());
+                                   choose_one<std::string>({"union", "blend", "diff", "intersection"}),
+                                   solid(), solid(), solid());
             case 4:
                 return fmt::format("twist {} {}", solid(), whole(-40, 40));
             case 5:
@@ -110,7 +110,7 @@ class RandomSession : public test::SessionTest, public testing::WithParamInterfa
             case 26:  // has an effect, and then fails
                 return fmt::format("repeat 2\n  sphere {} radius=3\n  translate missing 0 0 1\nend", solid());
             default:
-                return one_of<std::string>({"undo", "undo 2", "# a remark", "list", "describe a"});
+                return choose_one<std::string>({"undo", "undo 2", "# a remark", "list", "describe a"});
         }
     }
 

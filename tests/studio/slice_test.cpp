@@ -33,7 +33,7 @@ std::vector<float> values(const std::string& blob) {
     return out;
 }
 
-Vec3d vector_of(const Json& numbers) {
+Vec3d read_vector(const Json& numbers) {
     return {numbers[0].get<double>(), numbers[1].get<double>(), numbers[2].get<double>()};
 }
 
@@ -47,8 +47,8 @@ TEST(StudioSlice, ContainsTheFieldValuesAtCellCentres) {
         const Json head = header(blob);
         const int width = head["width"], height = head["height"];
         EXPECT_EQ(std::max(width, height), 40);
-        const Vec3d corner = vector_of(head["corner"]), along = vector_of(head["along"]),
-                    up = vector_of(head["up"]);
+        const Vec3d corner = read_vector(head["corner"]), along = read_vector(head["along"]),
+                    up = read_vector(head["up"]);
         // Cells are square, as far as whole numbers permit.
         EXPECT_NEAR(length(along) / width, length(up) / height, 0.05 * length(up) / height);
         const std::vector<float> found = values(blob);

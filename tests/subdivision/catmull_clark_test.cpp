@@ -63,7 +63,7 @@ QuadMesh refine_with_opensubdiv(const Cage& cage, int levels) {
     return mesh;
 }
 
-float size_of(const Cage& cage) {
+float measure_size(const Cage& cage) {
     Box3 box;
     for (const Vec3& p : cage.points) box.extend(p);
     return box.diagonal();
@@ -75,7 +75,7 @@ void expect_equal_to_opensubdiv(const Cage& cage, int levels) {
     const Buffer<Vec3> points = patches.refine(cage.points);
     ASSERT_EQ(points.size(), expected.positions.size());
     ASSERT_EQ(patches.vertex_count(), points.size());
-    const auto map = match_points(points, expected.positions, 1e-5f * size_of(cage));
+    const auto map = match_points(points, expected.positions, 1e-5f * measure_size(cage));
     ASSERT_EQ(std::count(map.begin(), map.end(), points.size()), 0) << "a vertex has no counterpart";
     EXPECT_EQ(canonical_quads(patches.quads(), map), canonical_quads(expected.quads));
 }

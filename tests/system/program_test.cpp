@@ -25,7 +25,7 @@ std::pair<std::string, int> printed(ProgramStart start) {
     return {out, program.wait()};
 }
 
-std::string path_of(std::string_view name) { return find_program(name).value().string(); }
+std::string find_path(std::string_view name) { return find_program(name).value().string(); }
 
 TEST(Program, IsFoundByNameInAbsoluteFoldersOnly) {
     EXPECT_TRUE(find_program("sh"));
@@ -37,32 +37,32 @@ TEST(Program, IsFoundByNameInAbsoluteFoldersOnly) {
 }
 
 TEST(Program, ReceivesItsWordsUnchanged) {
-    const auto [text, status] = printed({.words = {path_of("echo"), "a b", "$HOME", "*"}});
+    const auto [text, status] = printed({.words = {find_path("echo"), "a b", "$HOME", "*"}});
     EXPECT_EQ(text, "a b $HOME *\n");
     EXPECT_EQ(status, 0);
 }
 
 TEST(Program, HasTheGivenEnvironment) {
-    EXPECT_EQ(printed({.words = {path_of("env")}, .environment = {"ONE=1"}}).first, "ONE=1\n");
+    EXPECT_EQ(printed({.words = {find_path("env")}, .environment = {"ONE=1"}}).first, "ONE=1\n");
 }
 
 TEST(Program, HasNoInputAndNoOtherFiles) {
     const int open = ::dup(STDOUT_FILENO);  // without close-on-exec
-    const std::string files = printed({.words = {path_of("ls"), "/proc/self/fd"}}).first;
+    const std::string files = printed({.words = {find_path("ls"), "/proc/self/fd"}}).first;
     ::close(open);
     // Input, output, errors, and the folder opened by ls itself.
     EXPECT_EQ(files, "0\n1\n2\n3\n");
-    EXPECT_EQ(printed({.words = {path_of("cat")}}).first, "");
+    EXPECT_EQ(printed({.words = {find_path("cat")}}).first, "");
 }
 
 TEST(Program, RunsInItsFolder) {
     const auto folder = std::filesystem::canonical(std::filesystem::temp_directory_path());
-    EXPECT_EQ(printed({.words = {path_of("pwd")}, .folder = folder}).first, folder.string() + "\n");
+    EXPECT_EQ(printed({.words = {find_path("pwd")}, .folder = folder}).first, folder.string() + "\n");
 }
 
 TEST(Program, ReturnsItsExitCodeOrSignal) {
-    EXPECT_EQ(printed({.words = {path_of("false")}}).second, 1);
-    Program program({.words = {path_of("sleep"), "60"}, .apart = true});
+    EXPECT_EQ(printed({.words = {find_path("false")}}).second, 1);
+    Program program({.words = {find_path("sleep"), "60"}, .apart = true});
     EXPECT_FALSE(program.status());
     program.kill();
     EXPECT_EQ(program.wait(), 128 + SIGKILL);
@@ -70,15 +70,15 @@ TEST(Program, ReturnsItsExitCodeOrSignal) {
 }
 
 TEST(Program, RunsInItsOwnSessionIfRequested) {
-    const auto session_of = [](bool apart) {
-        return printed({.words = {path_of("cut"), "-d ", "-f6", "/proc/self/stat"}, .apart = apart}).first;
+    const auto find_session = [](bool apart) {
+        return printed({.words = {find_path("cut"), "-d ", "-f6", "/proc/self/stat"}, .apart = apart}).first;
     };
-    EXPECT_EQ(session_of(false), fmt::format("{}\n", ::getsid(0)));
-    EXPECT_NE(session_of(true), session_of(false));
+    EXPECT_EQ(find_session(false), fmt::format("{}\n", ::getsid(0)));
+    EXPECT_NE(find_session(true), find_session(false));
 }
 
 TEST(Program, ReceivesTheSentInput) {
-    Program program({.words = {path_of("cat")}, .sends_input = true, .output = ProgramOutput::received});
+    Program program({.words = {find_path("cat")}, .sends_input = true, .output = ProgramOutput::received});
     EXPECT_TRUE(program.send("one "));
     EXPECT_TRUE(program.send("two"));
     program.close_input();
@@ -90,7 +90,7 @@ TEST(Program, ReceivesTheSentInput) {
 }
 
 TEST(Program, SendToAnEndedProgramFailsWithoutASignal) {
-    Program program({.words = {path_of("true")}, .sends_input = true});
+    Program program({.words = {find_path("true")}, .sends_input = true});
     program.wait();
     EXPECT_FALSE(program.send(std::string(1 << 20, 'x')));
 }

@@ -21,9 +21,9 @@
 namespace coppice {
 namespace {
 
+using lattice_test::collect_segments;
 using lattice_test::contains;
-using lattice_test::corners_of;
-using lattice_test::segments_of;
+using lattice_test::get_corners;
 
 /// A field with one constant value.
 struct Constant {
@@ -77,7 +77,7 @@ CompressedRows<std::uint32_t> all_pass(const TetraMesh& mesh, std::uint32_t segm
 TEST(LatticeAxes, AreListedByTheRegionsThatTheyPass) {
     for (const float inside : {0.0f, 0.8f}) {
         for (const float cell : {0.5f, 2.0f}) {
-            const std::vector<Segment> segments = segments_of(random_tree(40, 5, true));
+            const std::vector<Segment> segments = collect_segments(random_tree(40, 5, true));
             const Lattice lattice(segments, {.cell = cell, .inside = inside});
             const TetraMesh& mesh = lattice.mesh();
             ASSERT_EQ(lattice.passing().size(), mesh.region_count());
@@ -95,7 +95,7 @@ TEST(LatticeAxes, AreListedByTheRegionsThatTheyPass) {
                         const double part = (k + 0.5) / kSamples;
                         const Vec3d p = lerp(Vec3d(segments[s].a), Vec3d(segments[s].b), part);
                         for (std::uint32_t t = mesh.first[r]; t < mesh.first[r + 1]; ++t) {
-                            if (!contains(corners_of(mesh, mesh.tetra[t]), p, true)) continue;
+                            if (!contains(get_corners(mesh, mesh.tetra[t]), p, true)) continue;
                             ++covered[s];
                             EXPECT_TRUE(std::ranges::binary_search(named, s));
                         }
@@ -111,7 +111,7 @@ TEST(HeldVertices, OfOneAxisAreConnectedByFineEdges) {
     for (const int levels : {0, 1, 2}) {
         for (const auto& [name, skeleton] : scenes()) {
             SCOPED_TRACE(name + ", level " + std::to_string(levels));
-            const std::vector<Segment> segments = segments_of(skeleton);
+            const std::vector<Segment> segments = collect_segments(skeleton);
             const Lattice lattice(segments, {.cell = 3});
             const TetraRefinement refinement(lattice.mesh(), levels);
             const auto held = tetra_internal::hold_axes(refinement, {segments, lattice.passing()}, {});
@@ -137,7 +137,7 @@ TEST(MarchAxes, HaveAtMostOneComponentPerTreeBelowTheIsoValue) {
     for (const auto& [value, snap] : {std::pair(-1.0f, 0.45f), std::pair(kNaN, 0.0f)}) {
         for (const auto& [name, skeleton] : scenes()) {
             SCOPED_TRACE(name);
-            const std::vector<Segment> segments = segments_of(skeleton);
+            const std::vector<Segment> segments = collect_segments(skeleton);
             Lattice lattice(segments, {.cell = 2});
             const Constant field{value};
             MarchResult r;

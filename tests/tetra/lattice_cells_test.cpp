@@ -31,7 +31,7 @@ bool touch(const Cell& a, const Cell& b) {
     return true;
 }
 
-std::vector<Cell> leaves_of(const Octree& tree) {
+std::vector<Cell> collect_leaves(const Octree& tree) {
     std::vector<Cell> out;
     for (std::uint32_t leaf = 0; leaf < tree.leaf_count(); ++leaf) out.push_back(tree.cell(leaf));
     return out;
@@ -86,7 +86,7 @@ std::vector<CellKey> sorted_keys(const std::vector<Cell>& cells) {
 
 TEST(Octree, IsTheCoarsestBalancedOctreeWithTheGivenCells) {
     for (const SplitKeys& split : octrees()) {
-        const std::vector<Cell> leaves = leaves_of(Octree(split, {}));
+        const std::vector<Cell> leaves = collect_leaves(Octree(split, {}));
         EXPECT_EQ(sorted_keys(leaves), sorted_keys(brute_balance(plain_leaves(split))));
     }
 }
@@ -95,7 +95,7 @@ TEST(Octree, LeavesFollowTheMortonCurve) {
     for (const SplitKeys& split : octrees()) {
         const Octree tree(split, {});
         std::uint64_t end = 0;
-        for (const Cell& c : leaves_of(tree)) {
+        for (const Cell& c : collect_leaves(tree)) {
             std::uint64_t key = 0;
             // Coordinates of leaves are even; halves fit into 63 bits.
             for (unsigned b = 0; b < Octree::kMaxLevels; ++b) {
@@ -178,7 +178,7 @@ TEST(LatticeCells, TetrahedraFillTheCubeExceptItsBorder) {
         const TetraMesh mesh = whole_mesh(cells, 6).mesh;
         // Exact sixfold volume: that of the cube without a pyramid on every square of its border.
         double expected = 6 * 128.0 * 128 * 128, sum = 0;
-        for (const Cell& c : leaves_of(cells.octree())) {
+        for (const Cell& c : collect_leaves(cells.octree())) {
             const double side = c.side / 32768.0;
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 expected -= c.low[axis] == 0 ? side * side * side : 0;
@@ -207,7 +207,7 @@ TEST(LatticeCells, EveryPointIsInOneTetrahedronOrOnSharedFaces) {
             const Vec3d p{draw(0), draw(1), i % 2 == 0 ? draw(2) : 64};
             unsigned strictly = 0, at_all = 0;
             for (const Tetra& t : mesh.tetra) {
-                const auto c = corners_of(mesh, t);
+                const auto c = get_corners(mesh, t);
                 if (!contains(c, p)) continue;
                 ++at_all;
                 strictly += contains(c, p, true) ? 1 : 0;
@@ -253,7 +253,7 @@ TEST(LatticeCells, DihedralAnglesAreBetween30And135Degrees) {
     const LatticeCells uniform(Octree({{0}, {0, 1, 2, 3, 4, 5, 6, 7}}, {}), {});
     const TetraMesh alike = whole_mesh(uniform, 6).mesh;
     for (const Tetra& t : alike.tetra) {
-        const auto [least, most] = dihedral_range(corners_of(alike, t));
+        const auto [least, most] = dihedral_range(get_corners(alike, t));
         EXPECT_NEAR(least, 60, 1e-9);
         EXPECT_NEAR(most, 90, 1e-9);
     }
@@ -261,7 +261,7 @@ TEST(LatticeCells, DihedralAnglesAreBetween30And135Degrees) {
     for (const SplitKeys& split : octrees()) {
         const TetraMesh mesh = whole_mesh(LatticeCells(Octree(split, {}), {}), 6).mesh;
         for (const Tetra& t : mesh.tetra) {
-            const auto [least, most] = dihedral_range(corners_of(mesh, t));
+            const auto [least, most] = dihedral_range(get_corners(mesh, t));
             range = {std::min(range[0], least), std::max(range[1], most)};
         }
     }

@@ -16,7 +16,7 @@
 
 namespace coppice::lattice_test {
 
-inline std::vector<Segment> segments_of(const Skeleton& s) {
+inline std::vector<Segment> collect_segments(const Skeleton& s) {
     std::vector<Segment> out;
     for (const NodeId n : nodes(s)) {
         if (!s.is_root(n)) {
@@ -60,13 +60,13 @@ inline LatticeCube whole_cube(unsigned levels) {
 
 inline double volume_six(Vec3d a, Vec3d b, Vec3d c, Vec3d d) { return dot(cross(b - a, c - a), d - a); }
 
-inline std::array<Vec3d, 4> corners_of(const TetraMesh& mesh, const Tetra& t) {
+inline std::array<Vec3d, 4> get_corners(const TetraMesh& mesh, const Tetra& t) {
     return {Vec3d(mesh.positions[t[0]]), Vec3d(mesh.positions[t[1]]), Vec3d(mesh.positions[t[2]]),
             Vec3d(mesh.positions[t[3]])};
 }
 
 inline double volume_six(const TetraMesh& mesh, const Tetra& t) {
-    const auto [a, b, c, d] = corners_of(mesh, t);
+    const auto [a, b, c, d] = get_corners(mesh, t);
     return volume_six(a, b, c, d);
 }
 

@@ -23,10 +23,10 @@ const Segment kRod{{0, 0, 0}, {0, 0, 10}, 1, 1};
 std::vector<std::pair<std::string, std::vector<Segment>>> scenes() {
     std::vector<std::pair<std::string, std::vector<Segment>>> out;
     for (const auto& [name, skeleton] : skeleton_zoo()) {
-        if (skeleton.size() < 500) out.emplace_back(name, segments_of(skeleton));
+        if (skeleton.size() < 500) out.emplace_back(name, collect_segments(skeleton));
     }
-    out.emplace_back("random_tree", segments_of(random_tree(150, 3)));
-    out.emplace_back("random_hard", segments_of(random_tree(150, 4, true)));
+    out.emplace_back("random_tree", collect_segments(random_tree(150, 3)));
+    out.emplace_back("random_hard", collect_segments(random_tree(150, 4, true)));
     return out;
 }
 
@@ -71,7 +71,7 @@ class Locator {
         Box3 box;
         box.extend(Vec3(p));
         tree_.visit_overlapping(box.inflated(1e-6f * (1 + length(Vec3(p)))), [&](std::uint32_t t) {
-            if (contains(corners_of(mesh_, mesh_.tetra[t]), p)) visit(t);
+            if (contains(get_corners(mesh_, mesh_.tetra[t]), p)) visit(t);
         });
     }
 
@@ -142,7 +142,7 @@ TEST(Lattice, EnclosesEverySurfaceWithTetrahedraRelativeToTheRadius) {
                     ++found;
                     // A cell of at most the requested size and one of twice its side: the centers are
                     // sqrt(11/4) sides apart, the center and a corner of the larger sqrt(3).
-                    const auto corners = corners_of(lattice.mesh(), lattice.mesh().tetra[t]);
+                    const auto corners = get_corners(lattice.mesh(), lattice.mesh().tetra[t]);
                     EXPECT_LE(longest_edge(corners), 1.7321 * double(options.cell) * at->radius * 1.00001);
                 });
                 EXPECT_GE(found, 1u);
@@ -152,14 +152,14 @@ TEST(Lattice, EnclosesEverySurfaceWithTetrahedraRelativeToTheRadius) {
 }
 
 TEST(Lattice, PointsInsideAreInOneTetrahedron) {
-    const std::vector<Segment> segments = segments_of(random_tree(60, 1, true));
+    const std::vector<Segment> segments = collect_segments(random_tree(60, 1, true));
     const Lattice lattice(segments);
     const TetraMesh& mesh = lattice.mesh();
     const Locator locator(mesh);
     const CounterRandom random(1, 2);
     for (std::uint64_t k = 0; k < 4000; ++k) {
         const auto t = static_cast<std::size_t>(random.uniform(4 * k, 0, double(mesh.tetra.size())));
-        const auto c = corners_of(mesh, mesh.tetra[t]);
+        const auto c = get_corners(mesh, mesh.tetra[t]);
         const double x = random.uniform(4 * k + 1, 0.01, 1), y = random.uniform(4 * k + 2, 0.01, 1),
                      z = random.uniform(4 * k + 3, 0.01, 1), w = 0.1;
         const Vec3d p = (x * c[0] + y * c[1] + z * c[2] + w * c[3]) * (1 / (x + y + z + w));
@@ -170,12 +170,12 @@ TEST(Lattice, PointsInsideAreInOneTetrahedron) {
 }
 
 TEST(Lattice, ExcludesTetrahedraFarOutsideOrDeepInside) {
-    const std::vector<Segment> segments = segments_of(random_tree(60, 2));
+    const std::vector<Segment> segments = collect_segments(random_tree(60, 2));
     for (const LatticeOptions& options : {LatticeOptions{}, LatticeOptions{1, 0.9f, 1.1f}}) {
         const Lattice lattice(segments, options);
         ASSERT_FALSE(lattice.mesh().tetra.empty());
         for (const Tetra& t : lattice.mesh().tetra) {
-            const auto c = corners_of(lattice.mesh(), t);
+            const auto c = get_corners(lattice.mesh(), t);
             const Vec3d middle = 0.25 * (c[0] + c[1] + c[2] + c[3]);
             const double reach = longest_edge(c);
             EXPECT_TRUE(std::ranges::any_of(segments, [&](const Segment& s) {
@@ -201,7 +201,7 @@ TEST(Lattice, ARodOfOneRadiusHasOneSizeOfCell) {
     for (const float cell : {0.5f, 1.0f, 3.0f}) {
         const Lattice lattice(std::array{kRod}, {cell, 0.7f, 1.3f});
         for (const Tetra& t : lattice.mesh().tetra) {
-            const auto c = corners_of(lattice.mesh(), t);
+            const auto c = get_corners(lattice.mesh(), t);
             double shortest = std::numeric_limits<double>::infinity();
             for (std::size_t i = 0; i < 4; ++i) {
                 for (std::size_t j = 0; j < i; ++j) shortest = std::min(shortest, distance(c[i], c[j]));
@@ -213,7 +213,7 @@ TEST(Lattice, ARodOfOneRadiusHasOneSizeOfCell) {
 }
 
 TEST(Lattice, IsBitIdenticalForAnyNumberOfThreadsAndAfterGrowth) {
-    const std::vector<Segment> segments = segments_of(random_tree(400, 5));
+    const std::vector<Segment> segments = collect_segments(random_tree(400, 5));
     const auto hash = [&](unsigned threads) {
         Context ctx;
         ctx.threads = threads;

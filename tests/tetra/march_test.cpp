@@ -471,7 +471,7 @@ TEST(March, IsBitIdenticalForAnyNumberOfThreads) {
 TEST(March, AcceptsAnyField) {
     const TetraMesh mesh = bcc_block({5, 5, 5}, 1, {0, 0, 0});
     const Vec3 center{2.51f, 2.47f, 2.53f};
-    const auto field_of = [&](float inside, float outside, float level) {
+    const auto make_field = [&](float inside, float outside, float level) {
         return AnyField{[=](Vec3 p) { return distance(p, center) < 1.1f ? inside : outside; }, level, 0.05f};
     };
     // Zero slope, infinite slope, not a number; two iso values: values are transformed for one of them.
@@ -480,7 +480,7 @@ TEST(March, AcceptsAnyField) {
             for (const float level : {1.0f, 0.0f}) {
                 if (level == 0 && outside > 0) continue;
                 SCOPED_TRACE(testing::Message() << inside << " " << outside << " level " << level);
-                const AnyField field = field_of(inside, outside, level);
+                const AnyField field = make_field(inside, outside, level);
                 const MarchResult r = march(mesh, FieldRef(field));
                 expect_sound(r);
                 EXPECT_NEAR(volume(r.mesh), 5.575, 2);  // within a third of an edge
@@ -488,14 +488,14 @@ TEST(March, AcceptsAnyField) {
         }
     }
     // The smallest value above the iso value is inside.
-    const AnyField hair = field_of(std::nextafter(1.0f, 2.0f), 0, 1);
+    const AnyField hair = make_field(std::nextafter(1.0f, 2.0f), 0, 1);
     expect_sound(march(mesh, FieldRef(hair)));
     // A value equal to the iso value is outside: the surface is empty.
-    const AnyField level = field_of(1, 1, 1);
+    const AnyField level = make_field(1, 1, 1);
     EXPECT_TRUE(march(mesh, FieldRef(level)).mesh.triangles.empty());
-    const AnyField nothing = field_of(kNan, kNan, 1);
+    const AnyField nothing = make_field(kNan, kNan, 1);
     EXPECT_TRUE(march(mesh, FieldRef(nothing)).mesh.triangles.empty());
-    const AnyField everything = field_of(2, 2, 1);
+    const AnyField everything = make_field(2, 2, 1);
     const MarchResult all = march(mesh, FieldRef(everything));
     EXPECT_TRUE(all.mesh.triangles.empty());
     EXPECT_TRUE(all.open.empty());

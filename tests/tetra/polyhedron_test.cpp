@@ -17,7 +17,7 @@ namespace coppice {
 namespace {
 
 using lattice_test::contains;
-using lattice_test::corners_of;
+using lattice_test::get_corners;
 
 Polyhedron around(const Skeleton& skeleton, const Context& ctx = {}) {
     return Polyhedron(skeleton, segment_axes(skeleton), {}, ctx);
@@ -48,7 +48,7 @@ template <class Visit>
 void visit_holders(const TetraMesh& mesh, Vec3d p, const Visit& visit) {
     for (std::uint32_t r = 0; r < mesh.region_count(); ++r) {
         for (std::uint32_t t = mesh.first[r]; t < mesh.first[r + 1]; ++t) {
-            if (contains(corners_of(mesh, mesh.tetra[t]), p)) visit(r, t);
+            if (contains(get_corners(mesh, mesh.tetra[t]), p)) visit(r, t);
         }
     }
 }
@@ -105,7 +105,7 @@ TEST(Polyhedron, TetrahedraDoNotOverlap) {
         const CounterRandom random(1, 2);
         for (std::uint64_t k = 0; k < 500; ++k) {
             const auto t = static_cast<std::size_t>(random.uniform(4 * k, 0, double(mesh.tetra.size())));
-            const auto c = corners_of(mesh, mesh.tetra[t]);
+            const auto c = get_corners(mesh, mesh.tetra[t]);
             const double x = random.uniform(4 * k + 1, 0.01, 1), y = random.uniform(4 * k + 2, 0.01, 1),
                          z = random.uniform(4 * k + 3, 0.01, 1), w = 0.1;
             unsigned held = 0;

@@ -99,7 +99,7 @@ TEST(TetraRefinement, SharedVerticesAreBitIdenticalFromEverySide) {
 }
 
 /// Six edge lengths, ascending: two tetrahedra with equal lengths are congruent here, or mirror images.
-std::array<double, 6> shape_of(const TetraMesh& mesh, const Tetra& t) {
+std::array<double, 6> measure_shape(const TetraMesh& mesh, const Tetra& t) {
     std::array<double, 6> out;
     for (std::size_t e = 0; e < 6; ++e)
         out[e] = distance(Vec3d(mesh.positions[t[kTetraEdges[e][0]]]),
@@ -115,7 +115,7 @@ TEST(TetraRefinement, DescendantsOfTheCubicLatticeAreCongruent) {
         const TetraMesh fine = fine_mesh(refinement);
         const double part = 1.0 / (1 << levels);
         for (const Tetra& t : fine.tetra) {
-            const auto shape = shape_of(fine, t);
+            const auto shape = measure_shape(fine, t);
             for (std::size_t e = 0; e < 6; ++e)  // four of half a cell's diagonal, two of its side
                 ASSERT_NEAR(shape[e], (e < 4 ? std::sqrt(0.75) : 1) * part, 1e-6);
         }
@@ -137,7 +137,7 @@ TEST(TetraRefinement, SelectsTheShortestDiagonalInAnyOrder) {
         const TetraRefinement refinement(mesh, 1);
         const TetraMesh fine = fine_mesh(refinement);
         double shortest = 10;
-        for (const Tetra& t : fine.tetra) shortest = std::min(shortest, shape_of(fine, t)[0]);
+        for (const Tetra& t : fine.tetra) shortest = std::min(shortest, measure_shape(fine, t)[0]);
         EXPECT_NEAR(shortest, 0.5, 1e-6);
         EXPECT_NEAR(refinement.shortest_edge(0), 0.5, 1e-6);
     } while (std::ranges::next_permutation(order).found);
@@ -179,7 +179,7 @@ TEST(TetraRefinement, DescendantsHaveThreeShapesAndTheReportedWidths) {
         std::vector<std::array<double, 6>> shapes;
         double width = 1, shortest = 1;
         for (const Tetra& t : fine.tetra) {
-            const auto shape = shape_of(fine, t);
+            const auto shape = measure_shape(fine, t);
             const auto same = [&](const auto& other) {
                 for (std::size_t e = 0; e < 6; ++e) {
                     if (std::abs(shape[e] - other[e]) > 1e-5) return false;

@@ -16,7 +16,7 @@
 namespace coppice {
 namespace {
 
-using lattice_test::segments_of;
+using lattice_test::collect_segments;
 
 /// The height of the closest round cone: 1 at the axis, 0 at the radius.
 struct Cones {
@@ -87,7 +87,7 @@ MarchResult filled(const std::vector<Segment>& segments, const MarchOptions& opt
 TEST(MarchSolid, FillsTheSurfaceWithConformingTetrahedra) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         if (skeleton.size() > 7) continue;
-        const std::vector<Segment> segments = segments_of(skeleton);
+        const std::vector<Segment> segments = collect_segments(skeleton);
         for (const auto& [levels, snap] : {std::pair(0, 0.0f), std::pair(1, 0.45f)}) {
             SCOPED_TRACE(name + ", level " + std::to_string(levels) + ", snap " + std::to_string(snap));
             expect_fills(filled(segments, {.levels = levels, .snap = snap}, 2.0f));
@@ -96,7 +96,7 @@ TEST(MarchSolid, FillsTheSurfaceWithConformingTetrahedra) {
 }
 
 TEST(MarchSolid, HasFewSlivers) {
-    const MarchResult r = filled(segments_of(random_tree(8, 3)), {.levels = 1}, 2.8f);
+    const MarchResult r = filled(collect_segments(random_tree(8, 3)), {.levels = 1}, 2.8f);
     std::vector<double> least;
     for (const auto& t : r.solid.tetra) {
         std::array<Vec3d, 4> corners;
@@ -108,7 +108,7 @@ TEST(MarchSolid, HasFewSlivers) {
 }
 
 TEST(MarchSolid, IsBitIdenticalForAnyNumberOfThreads) {
-    const std::vector<Segment> segments = segments_of(random_tree(8, 4, true));
+    const std::vector<Segment> segments = collect_segments(random_tree(8, 4, true));
     const Lattice lattice(segments, {.cell = 2, .inside = 0});
     const Cones field{segments};
     const InsideAxes axes{segments, lattice.passing()};

@@ -95,7 +95,7 @@ std::vector<std::string> all_faults(const SurfaceReport& report, const CheckFlag
     return out;
 }
 
-std::string_view verdict_of(const SurfaceReport& report) {
+std::string_view format_verdict(const SurfaceReport& report) {
     if (!report.sound()) return "not sound";
     return report.intersections ? "sound" : "watertight, crossings not checked";
 }
@@ -147,8 +147,8 @@ ExitCode check(Run& run, const GivenOptions& given, const CheckFlags& flags) {
     if (cloud) figures.update(compute_figures(measure_cloud(run, mesh, std::move(*cloud), nodes, flags)));
     print(flags.json ? figures_json(figures) : figures_text(figures, "unknown: crossings not checked"));
     run.counts()["figures"] = figures;
-    run.finish(
-        fmt::format("{}: {} faces, {}", flags.mesh.string(), grouped(mesh.face_count()), verdict_of(report)));
+    run.finish(fmt::format("{}: {} faces, {}", flags.mesh.string(), grouped(mesh.face_count()),
+                           format_verdict(report)));
     for (const std::string& fault : all_faults(report, flags)) say(fault);
     return report.passes() ? kDone : kCheckFailed;
 }

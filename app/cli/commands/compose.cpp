@@ -54,7 +54,7 @@ std::filesystem::path numbered(const std::filesystem::path& path, std::size_t i,
 }
 
 /// Returns the solid that the crown may fill, in the coordinates of the template.
-std::optional<SolidField> crown_of(Run& run, const ComposeFlags& flags, Vec3d origin) {
+std::optional<SolidField> read_crown(Run& run, const ComposeFlags& flags, Vec3d origin) {
     if (flags.crown.empty()) return {};
     return SolidField(relative_to(solid_of_scene(run, flags.crown.string()), origin));
 }
@@ -143,7 +143,7 @@ MeshResult mesh_some(Run& run, const ComposeFlags& flags, std::span<const Compos
 ExitCode compose(Run& run, const ComposeFlags& flags) {
     check_flags(flags);
     const SkeletonFile host = load_skeleton(run, flags.host, flags.read);
-    const std::optional<SolidField> crown = crown_of(run, flags, host.skeleton.origin());
+    const std::optional<SolidField> crown = read_crown(run, flags, host.skeleton.origin());
     const TreeComposer composer(
         run.stage("read library",
                   [&](const Context& ctx) { return read_child_trees(flags.library, flags.which, ctx); }),

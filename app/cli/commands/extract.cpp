@@ -250,7 +250,7 @@ void check_plot_options(const GivenOptions& given, const ExtractFlags& flags) {
 }
 
 /// Returns the coordinate reference system from the records of a cloud.
-MapCrs map_crs_of(const CoordinateSystem& system) {
+MapCrs to_map_crs(const CoordinateSystem& system) {
     MapCrs out;
     if (const std::string name = system.name(); name.starts_with("EPSG:")) out = parse_crs(name);
     for (const CoordinateSystem::Record& record : system.records)
@@ -259,7 +259,7 @@ MapCrs map_crs_of(const CoordinateSystem& system) {
 }
 
 /// Returns the coordinate reference system of the map, if the user specifies it.
-MapCrs crs_of(const ExtractFlags& flags) {
+MapCrs find_crs(const ExtractFlags& flags) {
     if (flags.crs.empty()) return {};
     if (flags.map.empty()) throw UsageError("--crs is the reference system of a map; add --map FILE");
     return as_usage("--crs: ", [&] { return parse_crs(flags.crs.string()); });
@@ -272,7 +272,7 @@ PlotFiles plot_files(const ExtractFlags& flags) {
             .leaf_points = flags.leaf_output,
             .map = flags.map,
             .crowns = flags.crowns,
-            .crs = crs_of(flags),
+            .crs = find_crs(flags),
             .write = flags.write,
             .surface = flags.mesh};
 }
@@ -286,7 +286,7 @@ WrittenPlot extract_plot_file(Run& run, const ExtractFlags& flags, std::string& 
     const PointFile file = load_wood(run, flags, wood, found);
     const PointSet& points = file.point_cloud.points;
     files.system = file.system;
-    if (files.crs.undefined()) files.crs = map_crs_of(file.system);
+    if (files.crs.undefined()) files.crs = to_map_crs(file.system);
     const bool by_ids = flags.trees_by == TreeRule::ids;
     PlotExtraction plot = extract_stage(run, flags.input, [&](const Context& ctx) {
         return by_ids ? extract_trees_by_ids(file.point_cloud, flags.from_cloud, ctx)
@@ -358,7 +358,7 @@ std::string find_trouble(const BatchFile& file, const Work& work) {
 }
 
 /// Returns the options for one of many files.
-ExtractFlags flags_of(ExtractFlags flags, const BatchFile& file) {
+ExtractFlags make_flags(ExtractFlags flags, const BatchFile& file) {
     flags.input = file.input;
     flags.output = file.skeleton;
     flags.mesh_output = file.mesh;
@@ -369,7 +369,7 @@ ExtractFlags flags_of(ExtractFlags flags, const BatchFile& file) {
     return flags;
 }
 
-ExitCode code_of(const std::string& trouble, bool in_doubt) {
+ExitCode to_exit_code(const std::string& trouble, bool in_doubt) {
     return !trouble.empty() ? kFileTrouble : in_doubt ? kCheckFailed : kDone;
 }
 
@@ -391,7 +391,7 @@ ExitCode extract_of_batch(Run& run, const ExtractFlags& flags, const BatchFile& 
     const bool of_points = kind == FileKind::points;
     if (!of_points) made->trees = tree_figures(made->result.skeleton, made->result.confidence, {});
     table.add(file, made->result, made->trees, of_points, trouble);
-    return code_of(trouble, of_points && made->in_doubt());
+    return to_exit_code(trouble, of_points && made->in_doubt());
 }
 
 /// Extracts the trees of one of many plots.
@@ -411,7 +411,7 @@ ExitCode extract_plot_of_batch(Run& run, const ExtractFlags& flags, const BatchF
         run.warn(trouble);
         table.add_failure(file, trouble);
     }
-    return code_of(trouble, made && in_doubt(made->plot));
+    return to_exit_code(trouble, made && in_doubt(made->plot));
 }
 
 /// Throws UsageError for options of single files, of one tree, or of a kind of input that no file has.
@@ -435,7 +435,7 @@ ExitCode extract_batch(Run& run, const GivenOptions& given, ExtractFlags& flags)
     flags.from_cloud.root = flags.from_mesh.root;
     check_ground(given, flags);
     (void)wood_classes(flags);  // so that errors are reported before any work
-    (void)crs_of(flags);
+    (void)find_crs(flags);
     const bool of_plots = first_of_groups(given, {kPlotGroup}) != nullptr;
     const Batch batch = plan_batch(
         flags.inputs,
@@ -456,7 +456,7 @@ ExitCode extract_batch(Run& run, const GivenOptions& given, ExtractFlags& flags)
             const BatchFile& file = batch.files[i];
             run.set_subject(fmt::format("{} of {}, {:.40}", grouped(i + 1), grouped(batch.files.size()),
                                         file.input.filename().string()));
-            const ExtractFlags one = flags_of(flags, file);
+            const ExtractFlags one = make_flags(flags, file);
             ++files_of_code[of_plots ? extract_plot_of_batch(run, one, file, table)
                                      : extract_of_batch(run, one, file, table)];
             reports.push_back({{"input", file.input.string()},

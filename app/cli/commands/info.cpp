@@ -220,8 +220,8 @@ struct FileTrees {
     std::vector<TreeFigures> figures;  ///< with bounds if the file comes from an extraction
 };
 
-FileTrees trees_of(const SkeletonFile& file, const LooseParts& parts) {
-    Skeleton s = parts_of(file.skeleton, parts.trees);
+FileTrees make_trees(const SkeletonFile& file, const LooseParts& parts) {
+    Skeleton s = extract_parts(file.skeleton, parts.trees);
     std::vector<TreeFigures> figures =
         tree_figures(s, node_confidence(kept_attributes(file.attributes, file.skeleton, s)));
     return {std::move(s), std::move(figures)};
@@ -299,7 +299,7 @@ ExitCode info_of_stems(Run& run, const InfoFlags& flags, FileKind kind) {
             const LooseParts parts = find_loose_parts(file.skeleton);
             Json figures = describe(file, ctx);
             add_loose_parts(figures, parts);
-            return forestry(std::move(figures), describe_trees(trees_of(file, parts), flags.timber),
+            return forestry(std::move(figures), describe_trees(make_trees(file, parts), flags.timber),
                             flags.json);
         });
     } else {
@@ -337,7 +337,7 @@ ExitCode info(Run& run, const InfoFlags& flags) {
         figures = run.stage("measure", [&](const Context& ctx) {
             Json out = describe(file, ctx);
             if (file.units == LengthUnit::m)
-                add_doubts(out, trees_of(file, find_loose_parts(file.skeleton)).figures);
+                add_doubts(out, make_trees(file, find_loose_parts(file.skeleton)).figures);
             return out;
         });
     } else if (kind == FileKind::points) {

@@ -34,7 +34,7 @@ struct LibraryFlags {
     ReadSkeletonOptions read;
 };
 
-Action action_of(const LibraryFlags& flags) {
+Action select_action(const LibraryFlags& flags) {
     const auto found = std::ranges::find(kActions, flags.action.string());
     if (flags.library.empty() || found == kActions.end()) {
         throw UsageError(fmt::format("choose an action, and name the library: coppice library {} LIBRARY",
@@ -191,7 +191,7 @@ ExitCode draw(Run& run, const LibraryFlags& flags) {
 }
 
 ExitCode use_library(Run& run, const GivenOptions& given, const LibraryFlags& flags) {
-    const Action action = action_of(flags);
+    const Action action = select_action(flags);
     check_groups(given, action);
     if (action != Action::add && !flags.trees.empty())
         throw UsageError(

@@ -50,7 +50,7 @@ struct DescribeTarget {
 };
 
 /// Describes the options of a command by their names on the command line.
-Json options_of(const Command& command) {
+Json list_options(const Command& command) {
     Json out = Json::array();
     for (const Option& option : command.options.all()) {
         Json entry{{"name", option.name},
@@ -71,7 +71,7 @@ ExitCode schema(Run& run) {
     CommonFlags common;
     Json commands = Json::object();
     for (const Command& command : all_commands(common))
-        commands[command.name] = {{"help", command.help}, {"options", options_of(command)}};
+        commands[command.name] = {{"help", command.help}, {"options", list_options(command)}};
     const Json all{{"mesh", described<MeshOptions>()},
                    {"restore", described<RestoreOptions>()},
                    {"extract_mesh", described<FromMeshOptions>()},

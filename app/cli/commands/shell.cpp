@@ -24,7 +24,7 @@ constexpr const char* kPromptInBlock = "     ... ";  // until the block is compl
 /// Runs the work and prints its errors. Returns the exit code of the error; when lines come from a file or a
 /// pipe, that of the last failing line is the exit code of the shell.
 template <class Work>
-ExitCode code_of(Work&& work) {
+ExitCode run_guarded(Work&& work) {
     try {
         std::forward<Work>(work)();
         return kDone;
@@ -41,7 +41,7 @@ ExitCode code_of(Work&& work) {
 }
 
 ExitCode run_line(Run& run, Scene& scene, const std::string& line) {
-    return code_of([&] {
+    return run_guarded([&] {
         const auto lines = scene_lines(line, "the line");
         if (lines.empty()) return;
         run.forget_interrupt();
@@ -70,7 +70,7 @@ ExitCode shell(Run& run, const ShellFlags& flags) {
         if (!editor.interactive()) code = now;
     }
     if (editor.interactive()) print("\n");
-    if (!editor.interactive() && scene.waits()) code = code_of([&] { scene.finish(); });
+    if (!editor.interactive() && scene.waits()) code = run_guarded([&] { scene.finish(); });
     count_objects(run, scene);
     return code;
 }

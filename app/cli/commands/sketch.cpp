@@ -129,7 +129,7 @@ ExitCode make_skeleton(Run& run, const SketchFlags& flags) {
 ExitCode draw(Run& run, const SketchFlags& flags) {
     const SkeletonFile file = load_skeleton(run, flags.input, flags.read);
     const Sketch sketch = run.stage("draw", [&](const Context&) {
-        return draw_sketch(file.skeleton, views_of(file.skeleton, flags.draw), flags.draw);
+        return draw_sketch(file.skeleton, choose_views(file.skeleton, flags.draw), flags.draw);
     });
     run.stage("write", [&](const Context&) { write_sketch(flags.output, sketch); });
     run.counts()["branches"] = sketch.branches.size();

@@ -48,7 +48,7 @@ Opened opened_by(const std::filesystem::path& path) {
 }
 
 /// Loads the user's own menu, and the given ones.
-std::vector<std::filesystem::path> menus_of(const StudioFlags& flags) {
+std::vector<std::filesystem::path> find_menus(const StudioFlags& flags) {
     std::vector<std::filesystem::path> out;
     const char* config = std::getenv("XDG_CONFIG_HOME");
     const char* home = std::getenv("HOME");
@@ -99,7 +99,7 @@ ExitCode run_studio(Run& run, const StudioFlags& flags) {
     options.scene.folder = opened.folder;
     options.scene.sandbox = std::make_shared<const FolderSandbox>(opened.folder);
     options.file = opened.scene;
-    options.menus = menus_of(flags);
+    options.menus = find_menus(flags);
     const server::JournalPlace journal(opened.scene.empty() ? opened.folder : opened.folder / opened.scene);
     options.journal = journal.file();
 

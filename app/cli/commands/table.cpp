@@ -62,7 +62,7 @@ void add_crown(Json& row, const Skeleton& whole) {
     row["loose_parts"] = parts.loose.size();
     row["loose_length_percent"] = 100 * parts.share;
     if (parts.trees.size() != 1) return;  // only a single tree has a crown
-    const Skeleton s = parts_of(whole, parts.trees);
+    const Skeleton s = extract_parts(whole, parts.trees);
     const std::vector<StemForm> forms = stem_forms(s);
     // A root system below its root has no height, only a depth, which is part of its extent.
     if (forms.front().height < 0.5 * double{s.bounds().size().z}) return;
@@ -213,8 +213,8 @@ void add_rows(Run& run, std::vector<Json>& rows, TreeTables& parts, const fs::pa
 }
 
 /// Adds the rows of all files. A file that cannot be read or measured has its error in the row.
-std::vector<Json> rows_of(Run& run, TreeTables& parts, const TableFlags& flags,
-                          std::span<const double> limits) {
+std::vector<Json> make_rows(Run& run, TreeTables& parts, const TableFlags& flags,
+                            std::span<const double> limits) {
     std::vector<Json> rows;
     for (const fs::path& path : files_within(flags.files)) {
         rows.emplace_back()["file"] = path.string();
@@ -264,7 +264,7 @@ ExitCode table(Run& run, const TableFlags& flags) {
     if (!flags.output.empty()) check_output_folder(flags.output);
     const std::vector<double> limits = flags.architecture.limits();
     TreeTables parts(flags.parts, flags.timber);
-    const std::vector<Json> rows = rows_of(run, parts, flags, limits);
+    const std::vector<Json> rows = make_rows(run, parts, flags, limits);
     std::string written = parts.commit(run);
     const auto failed = static_cast<std::uint64_t>(
         std::ranges::count_if(rows, [](const Json& row) { return row.contains("error"); }));

@@ -187,11 +187,11 @@ struct SubdivideTetrahedra {
 
     COPPICE_HOST_DEVICE static std::uint32_t bit(std::uint32_t corner) { return 1u << corner; }
     /// Returns the number of the only corner in the mask.
-    COPPICE_HOST_DEVICE static std::uint32_t corner_of(std::uint32_t mask) {
+    COPPICE_HOST_DEVICE static std::uint32_t find_corner(std::uint32_t mask) {
         return mask == 1 ? 0 : mask == 2 ? 1 : mask == 4 ? 2 : 3;
     }
     /// Returns the number of the edge between the two corners in the mask.
-    COPPICE_HOST_DEVICE static std::uint32_t edge_of(std::uint32_t mask) {
+    COPPICE_HOST_DEVICE static std::uint32_t find_edge(std::uint32_t mask) {
         return mask == 3 ? 0 : mask == 5 ? 1 : mask == 9 ? 2 : mask == 6 ? 3 : mask == 10 ? 4 : 5;
     }
     COPPICE_HOST_DEVICE std::uint32_t diagonal(std::uint32_t t) const {
@@ -214,13 +214,13 @@ struct SubdivideTetrahedra {
     }
 
     COPPICE_HOST_DEVICE std::uint32_t vertex(const ExplicitTetra::Cell& cell, std::uint32_t mask) const {
-        if ((mask & (mask - 1)) == 0) return cell.vertices[corner_of(mask)];
-        return static_cast<std::uint32_t>(coarse.positions.size()) + cell.edges[edge_of(mask)];
+        if ((mask & (mask - 1)) == 0) return cell.vertices[find_corner(mask)];
+        return static_cast<std::uint32_t>(coarse.positions.size()) + cell.edges[find_edge(mask)];
     }
     /// Returns the index, in a face of the tetrahedron, of the corner in the mask.
     COPPICE_HOST_DEVICE std::uint32_t place_in_face(const ExplicitTetra::Cell& cell, std::uint32_t face,
                                                     std::uint32_t mask) const {
-        const std::uint32_t v = cell.vertices[corner_of(mask)];
+        const std::uint32_t v = cell.vertices[find_corner(mask)];
         const auto& of_face = coarse.faces[face].vertices;
         return of_face[0] == v ? 0 : of_face[1] == v ? 1 : 2;
     }
@@ -230,10 +230,10 @@ struct SubdivideTetrahedra {
         const std::uint32_t all = a | b, both = a & b;
         if (all == 15) return diagonal(t);
         if (tetra_kernel::count_bits(all) == 2) {
-            const std::uint32_t e = cell.edges[edge_of(all)];
-            return 2 * e + (coarse.edges[e].vertices[0] == cell.vertices[corner_of(both)] ? 0u : 1u);
+            const std::uint32_t e = cell.edges[find_edge(all)];
+            return 2 * e + (coarse.edges[e].vertices[0] == cell.vertices[find_corner(both)] ? 0u : 1u);
         }
-        const std::uint32_t face = cell.faces[corner_of(15 ^ all)];
+        const std::uint32_t face = cell.faces[find_corner(15 ^ all)];
         return static_cast<std::uint32_t>(2 * coarse.edges.size()) + 3 * face +
                place_in_face(cell, face, both);
     }
@@ -242,11 +242,11 @@ struct SubdivideTetrahedra {
                                            const Masks& ring, const Masks& f) const {
         const std::uint32_t all = f[0] | f[1] | f[2], common = f[0] & f[1] & f[2];
         if (all != 15) {
-            const std::uint32_t of = cell.faces[corner_of(15 ^ all)];
+            const std::uint32_t of = cell.faces[find_corner(15 ^ all)];
             return 4 * of + (common == 0 ? 3 : place_in_face(cell, of, common));
         }
         const std::uint32_t first = static_cast<std::uint32_t>(4 * coarse.faces.size()) + 8 * t;
-        if (common != 0) return first + corner_of(common);
+        if (common != 0) return first + find_corner(common);
         std::uint32_t k = 0;
         while (f[0] != ring[k] && f[1] != ring[k] && f[2] != ring[k]) ++k;
         return first + 4 + k;

@@ -45,12 +45,12 @@ class PrintedQuadStages {
         mesh_ = cage_;
         refined_ = positions_;
         for (int level = 1; level <= levels_; ++level) {
-            const ExplicitQuads fine = part_of(copies_[level & 1], size_at(level));
+            const ExplicitQuads fine = get_part(copies_[level & 1], size_at(level));
             const QuadStep step{mesh_, refined_, fine};
             exec_.each("face points", mesh_.face_count(), FacePoints{step});
             exec_.each("edge points", mesh_.edge_count(), EdgePoints{step});
             exec_.each("vertex points", mesh_.vertex_count(), VertexPoints{step});
-            mesh_ = view_of(fine);
+            mesh_ = make_view(fine);
             refined_ = fine.positions;
         }
     }
@@ -89,12 +89,12 @@ class PrintedQuadStages {
         return out;
     }
     /// Returns the part of a copy that a level of that size requires.
-    static ExplicitQuads part_of(const ExplicitQuads& copy, const Size& size) {
+    static ExplicitQuads get_part(const ExplicitQuads& copy, const Size& size) {
         return {copy.positions.first(size.vertices),     copy.quads.first(size.faces),
                 copy.side.first(4 * size.faces),         copy.edge_half.first(size.edges),
                 copy.fan_first.first(size.vertices + 1), copy.fan_half.first(4 * size.faces)};
     }
-    static CageView view_of(const ExplicitQuads& mesh) {
+    static CageView make_view(const ExplicitQuads& mesh) {
         CageView view;
         view.quads = mesh.quads;
         view.side = mesh.side;

@@ -11,7 +11,7 @@ namespace coppice {
 
 /// Returns the context of a section of a task: its progress from 0 to 1 is that of the whole task from
 /// `begin` to `end`.
-inline Context part_of(const Context& ctx, float begin, float end) {
+inline Context narrow_progress(const Context& ctx, float begin, float end) {
     Context part = ctx;
     if (ctx.progress) {
         part.progress = [report = ctx.progress, begin, end](float f) { report(begin + (end - begin) * f); };

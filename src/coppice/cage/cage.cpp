@@ -264,7 +264,7 @@ class CageBuilder {
                 const auto branch = branches(n);
                 const Frame frame(normalized(branch[0].direction - branch[1].direction));
                 fill_ring(n, frame, 0);
-                begin_branches(n, std::array{ring_of(n), reversed(ring_of(n))});
+                begin_branches(n, std::array{make_ring(n), reversed(make_ring(n))});
             }
         });
     }
@@ -312,7 +312,7 @@ class CageBuilder {
         }
     }
 
-    Ring ring_of(NodeId n) {
+    Ring make_ring(NodeId n) {
         const std::uint32_t v = at(n).first_vertex;
         return {v, v + 1, v + 2, v + 3};
     }
@@ -358,7 +358,7 @@ class CageBuilder {
         const float twist = end_fixed ? std::remainder(end_phase - phase, kHalfPi) : 0;
         if (!start_fixed) {
             fill_end(start, Frame(-frame.front().axis, frame.front().x), -phase, head);
-            Ring& upper = at(head).upper = reversed(ring_of(start));
+            Ring& upper = at(head).upper = reversed(make_ring(start));
             align(upper, phase - ring_phase(upper, start, frame.front()));
         }
         float way = 0;
@@ -366,14 +366,14 @@ class CageBuilder {
             way += branch_to_child(chain[i]).length;
             const Vec3 tangent = normalized(frame[i].axis + frame[i + 1].axis, frame[i].x);
             fill_ring(chain[i], frame[i].turned(tangent), phase + twist * way / std::max(total, 1e-30f));
-            at(chain[i]).lower = ring_of(chain[i]);
-            at(chain[i + 1]).upper = ring_of(chain[i]);
+            at(chain[i]).lower = make_ring(chain[i]);
+            at(chain[i + 1]).upper = make_ring(chain[i]);
         }
         if (end_fixed) {
             align(at(end).lower, phase + twist - end_phase);
         } else {
             fill_end(end, frame.back(), phase, end);
-            at(end).lower = ring_of(end);
+            at(end).lower = make_ring(end);
         }
     }
 
@@ -391,13 +391,14 @@ class CageBuilder {
     TubePart cap_part(NodeId end) const { return s_.is_root(end) ? TubePart::start : TubePart::end; }
     std::uint32_t first_cap_quad(NodeId end) { return at(end).first_quad + (s_.is_root(end) ? 0 : 4); }
 
-    // Creates the end of a tube at a tip or base, with ring_of(n) as its last ring. The frame points outward.
+    // Creates the end of a tube at a tip or base, with make_ring(n) as its last ring. The frame points
+    // outward.
     void fill_end(NodeId n, const Frame& frame, float phase, NodeId region) {
         if (is_flat(n)) return fill_flat_end(n, frame, phase, region);
         const float r = s_.radius(n);
         if (is_open(n)) return fill_end_ring(n, 0, frame.quarters(phase), r / shrinkage_, {});
         fill_end_ring(n, 0, frame.quarters(phase), kRoundEndOut * r, kRoundEndAhead * r * frame.axis);
-        set_quad(first_cap_quad(n), ring_of(n), region, QuadKind::face, cap_part(n));
+        set_quad(first_cap_quad(n), make_ring(n), region, QuadKind::face, cap_part(n));
     }
 
     void fill_end_ring(NodeId n, std::uint32_t first, const std::array<Vec3, 4>& around, float out,

@@ -152,7 +152,7 @@ class Divider {
             const auto& cells = around[v];
             for (std::size_t a = 0; a < cells.size(); ++a) {
                 for (std::size_t b = a + 1; b < cells.size(); ++b) {
-                    Opening way{v, edge_of(cells[a]), edge_of(cells[b]), {}, {}, 0};
+                    Opening way{v, find_edge(cells[a]), find_edge(cells[b]), {}, {}, 0};
                     for (std::size_t i = a; i < b; ++i) way.north.push_back(cells[i].first);
                     std::vector<std::uint32_t> south;
                     for (std::size_t i = b; i < cells.size() + a; ++i)
@@ -166,7 +166,7 @@ class Divider {
     }
 
     // Returns the corner that follows in the cell.
-    std::uint32_t edge_of(std::pair<std::uint32_t, std::uint32_t> at) const {
+    std::uint32_t find_edge(std::pair<std::uint32_t, std::uint32_t> at) const {
         return d_.cell[at.first][(at.second + 1) % 4];
     }
 
@@ -175,7 +175,7 @@ class Divider {
         for (std::size_t i = 1; i < cells.size(); ++i) {
             const std::uint32_t last = d_.cell[cells[i - 1].first][(cells[i - 1].second + 3) % 4];
             for (std::size_t j = i; j < cells.size(); ++j) {
-                if (edge_of(cells[j]) == last) {
+                if (find_edge(cells[j]) == last) {
                     std::swap(cells[i], cells[j]);
                     break;
                 }

@@ -39,13 +39,13 @@ constexpr float kMinTube = 0.6f;
 constexpr Vec3 kPreferred{0.79f, 0.53f, 0.31f};
 
 // Returns the face with the middle closest to an azimuth relative to the middle of face 0.
-std::uint32_t face_of(float azimuth) {
+std::uint32_t find_face(float azimuth) {
     return static_cast<std::uint32_t>(std::lround(azimuth / kQuarter) + 8) % 4;
 }
 
 // Returns the corners of a face among those of the two rings, counter-clockwise seen from outside, the lower
 // two first.
-Ring corners_of(std::uint32_t face) {
+Ring get_corners(std::uint32_t face) {
     const std::uint32_t right = face, left = (face + 3) % 4;
     return {left, right, right + 4, left + 4};
 }
@@ -129,7 +129,7 @@ bool Openings::choose_phase() {
         phase_ = preferred + turn;
     }
     if (least == kInfinity) return false;
-    for (Lateral& l : lateral_) l.face = face_of(l.azimuth - phase_);
+    for (Lateral& l : lateral_) l.face = find_face(l.azimuth - phase_);
     return true;
 }
 
@@ -139,7 +139,7 @@ float Openings::worst_side(float phase) const {
     std::array<bool, kFaces> is_taken{};
     float worst = 0;
     for (const Lateral& l : lateral_) {
-        const std::uint32_t face = face_of(l.azimuth - phase);
+        const std::uint32_t face = find_face(l.azimuth - phase);
         if (is_taken[face]) return kInfinity;
         is_taken[face] = true;
         // A wide lateral covers all of its face, and may extend slightly beyond it.
@@ -176,7 +176,7 @@ std::optional<Hub> Openings::build(std::span<const float> room) const {
     hub.cell[leader_number_] = {4, 5, 6, 7};
     for (const Lateral& l : lateral_) open(l, hub);
     for (std::uint32_t face = 0; face < kFaces; ++face) {
-        if (!is_open(face)) hub.quads.push_back(corners_of(face));
+        if (!is_open(face)) hub.quads.push_back(get_corners(face));
     }
     return hub;
 }
@@ -199,7 +199,7 @@ void Openings::add_ring(float height, Hub& hub) const {
 }
 
 void Openings::open(const Lateral& l, Hub& hub) const {
-    const Ring edge = corners_of(l.face);
+    const Ring edge = get_corners(l.face);
     if (l.is_wide()) {
         // The quads between these and the lateral's next ring are anchored at the lateral's axis.
         for (const std::uint32_t v : edge) hub.anchor[v] = {};

@@ -451,7 +451,7 @@ class Parting {
         Vec3 direction;
         float nearest;
     };
-    Side side_of(NodeId n, Vec3 direction) const {
+    Side find_side(NodeId n, Vec3 direction) const {
         float nearest = -1;
         for (const NodeId c : kids(n)) nearest = std::max(nearest, dot(view(n, c).direction, direction));
         return {direction, nearest};
@@ -459,13 +459,13 @@ class Parting {
     Side side_against(NodeId n) const {
         Vec3 sum;
         for (const NodeId c : kids(n)) sum += view(n, c).direction;
-        return length_squared(sum) > 0 ? side_of(n, -normalized(sum)) : Side{{}, 1};
+        return length_squared(sum) > 0 ? find_side(n, -normalized(sum)) : Side{{}, 1};
     }
     // Returns the direction of many that is farthest from all branches.
     Side free_side(NodeId n) const {
         Side best = side_against(n);
         const auto look = [&](Vec3 direction) {
-            const Side side = side_of(n, direction);
+            const Side side = find_side(n, direction);
             if (side.nearest < best.nearest) best = side;
         };
         for (const NodeId c : kids(n)) look(-view(n, c).direction);

@@ -9,7 +9,7 @@ namespace {
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
-Edge edge_of(const Quad& q, std::size_t k) { return std::minmax(q[k], q[(k + 1) % 4]); }
+Edge find_edge(const Quad& q, std::size_t k) { return std::minmax(q[k], q[(k + 1) % 4]); }
 
 /// A vertex midway between others, with the mean of their distances from their anchors.
 class Middle {
@@ -42,7 +42,7 @@ void double_sides(ControlMesh& mesh, std::vector<QuadKind>& kind) {
     std::vector<Edge> edges;
     for (std::size_t f = 0; f < kind.size(); ++f) {
         for (std::size_t k = 0; k < 4; ++k) {
-            if (kind[f] == QuadKind::face || k % 2 == 0) edges.push_back(edge_of(mesh.cage.quads[f], k));
+            if (kind[f] == QuadKind::face || k % 2 == 0) edges.push_back(find_edge(mesh.cage.quads[f], k));
         }
     }
     sort_unique(edges);
@@ -50,7 +50,7 @@ void double_sides(ControlMesh& mesh, std::vector<QuadKind>& kind) {
     const auto first = static_cast<std::uint32_t>(mesh.anchors.size());
     for (const Edge& e : edges) middle.add(std::array{e.first, e.second});
     const auto halfway = [&](const Quad& q, std::size_t k) {
-        const auto found = std::lower_bound(edges.begin(), edges.end(), edge_of(q, k));
+        const auto found = std::lower_bound(edges.begin(), edges.end(), find_edge(q, k));
         return first + static_cast<std::uint32_t>(found - edges.begin());
     };
 

@@ -12,10 +12,10 @@ namespace {
 constexpr int kMinCompute = 75;
 
 // Number of single-precision products and sums that a multiprocessor starts in one cycle.
-int lanes_of(int compute) { return compute == 75 || compute == 80 ? 64 : 128; }
+int count_lanes(int compute) { return compute == 75 || compute == 80 ? 64 : 128; }
 
 // Returns the reason why there is no device, as the end of a sentence.
-std::string reason_of(cudaError_t error) {
+std::string describe_error(cudaError_t error) {
     switch (error) {
         case cudaErrorNoDevice:
             return "this machine has none, or CUDA_VISIBLE_DEVICES hides it";
@@ -39,7 +39,7 @@ DeviceSearch first_search(int number) {
     DeviceSearch out;
     const auto failed = [&](cudaError_t error) {
         cudaGetLastError();
-        if (error != cudaSuccess) out.missing = reason_of(error);
+        if (error != cudaSuccess) out.missing = describe_error(error);
         return error != cudaSuccess;
     };
     int count = 0;
@@ -58,7 +58,7 @@ DeviceSearch first_search(int number) {
         return out;
     }
     constexpr double kHertz = 1e3, kBits = 8;  // clocks are in kHz, bus widths in bits
-    info.flops = 2.0 * lanes_of(info.compute) * info.multiprocessors *
+    info.flops = 2.0 * count_lanes(info.compute) * info.multiprocessors *
                  attribute(cudaDevAttrClockRate, number) * kHertz;
     info.bandwidth = 2 * attribute(cudaDevAttrMemoryClockRate, number) * kHertz *
                      attribute(cudaDevAttrGlobalMemoryBusWidth, number) / kBits;
@@ -87,7 +87,7 @@ DeviceSearch find_device(int number) {
     if (error == cudaSuccess) error = cudaMemGetInfo(&free, &all);
     if (error != cudaSuccess) {
         cudaGetLastError();
-        return {{}, reason_of(error)};
+        return {{}, describe_error(error)};
     }
     out.device->free = free;
     return out;

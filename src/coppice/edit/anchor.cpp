@@ -19,19 +19,19 @@ AnchorFrame anchor_frame(const EditableTree& tree) {
     for (const StableId n : tree.nodes()) box.extend(tree.position(n));
     const Vec3 size = box.size();
     const double extent = double{std::max({size.x, size.y, size.z})};
-    return {tree.origin() + place_of(tree, tree.first_root()), extent > 0 ? extent : 1};
+    return {tree.origin() + get_position(tree, tree.first_root()), extent > 0 ? extent : 1};
 }
 
-Anchor anchor_of(const EditableTree& tree, const AnchorFrame& frame, StableId node) {
+Anchor compute_anchor(const EditableTree& tree, const AnchorFrame& frame, StableId node) {
     check_node(tree, node);
     const std::vector<StableId> axis = find_axis(tree, node);
     double length = 0, before = 0;
     for (const StableId n : axis) {
-        if (!tree.is_root(n)) length += distance(place_of(tree, n), place_of(tree, tree.parent(n)));
+        if (!tree.is_root(n)) length += distance(get_position(tree, n), get_position(tree, tree.parent(n)));
         if (n == node) before = length;
     }
     return {.id = node,
-            .place = (tree.origin() + place_of(tree, node) - frame.base) / frame.size,
+            .place = (tree.origin() + get_position(tree, node) - frame.base) / frame.size,
             .order = compute_order(tree, node),
             .along = length > 0 ? before / length : 0,
             .length = length / frame.size,
@@ -49,7 +49,7 @@ struct Candidate {
 /// Returns the dissimilarity between the axis of a node and the axis of an anchor.
 double unlike_axis(const EditableTree& tree, const AnchorFrame& frame, StableId node, const Anchor& anchor) {
     if (!anchor.knows_axis) return 0;
-    const Anchor here = anchor_of(tree, frame, node);
+    const Anchor here = compute_anchor(tree, frame, node);
     return std::abs(here.along - anchor.along) + std::abs(here.length - anchor.length);
 }
 
@@ -59,7 +59,7 @@ std::vector<Candidate> candidates(const EditableTree& tree, Vec3d place, double 
     std::vector<Candidate> near;
     double nearest = std::numeric_limits<double>::infinity();
     for (const StableId n : tree.nodes()) {
-        const double squared = length_squared(place_of(tree, n) - place);
+        const double squared = length_squared(get_position(tree, n) - place);
         if (squared < nearest) {
             nearest = squared;
             out.nearest = n;

@@ -27,7 +27,7 @@ struct Anchor {
 };
 
 /// Returns the anchor of a node. O(depth + axis).
-Anchor anchor_of(const EditableTree& tree, const AnchorFrame& frame, StableId node);
+Anchor compute_anchor(const EditableTree& tree, const AnchorFrame& frame, StableId node);
 
 /// [size] default maximum distance between an anchor and the node bound to it.
 inline constexpr double kAnchorTolerance = 0.03;

@@ -20,9 +20,9 @@ double room_around(const EditableTree& tree, const AnchorFrame& frame, StableId 
     NodeSet own = find_axis(tree, node);
     std::ranges::sort(own);
     double room = 2 * kAnchorTolerance * frame.size;
-    const Vec3d place = place_of(tree, node);
+    const Vec3d place = get_position(tree, node);
     for (const StableId n : tree.nodes()) {
-        const double away = distance(place_of(tree, n), place);
+        const double away = distance(get_position(tree, n), place);
         if (away >= room || holds(own, n)) continue;
         const double thicker = double{tree.radius(n)} / tree.radius(node);
         if (thicker <= kAnchorThicker && thicker >= 1 / kAnchorThicker) room = away;
@@ -41,7 +41,7 @@ std::string fixed(double value, int decimals) {
 class Writer {
   public:
     Writer(const EditableTree& tree, StableId node)
-        : tree_(tree), node_(node), frame_(anchor_frame(tree)), anchor_(anchor_of(tree, frame_, node)) {
+        : tree_(tree), node_(node), frame_(anchor_frame(tree)), anchor_(compute_anchor(tree, frame_, node)) {
         constexpr double kFine = 1e-4;  // [size] resolution
         decimals_ =
             std::clamp(static_cast<int>(std::ceil(-std::log10(kFine * frame_.size))), 0, kMaxDecimals);
@@ -67,7 +67,7 @@ class Writer {
     }
 
     std::string written(int decimals, bool with_id = false) const {
-        const Vec3d p = tree_.origin() + place_of(tree_, node_);
+        const Vec3d p = tree_.origin() + get_position(tree_, node_);
         std::string out = fmt::format("at({},{},{},{},", length_text(p.x, decimals),
                                       length_text(p.y, decimals), length_text(p.z, decimals), anchor_.order);
         const float radius = tree_.radius(node_);

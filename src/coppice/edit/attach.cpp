@@ -131,7 +131,8 @@ class CrossingSearch {
                 const StableId p = tree.parent(n);
                 const bool leads = tree.leader(p) == n;
                 at_[n].axis = leads ? at_[p].axis : n;
-                at_[n].along = (leads ? at_[p].along : 0) + distance(place_of(tree, p), place_of(tree, n));
+                at_[n].along =
+                    (leads ? at_[p].along : 0) + distance(get_position(tree, p), get_position(tree, n));
             });
         }
         for (auto n = order_.rbegin(); n != order_.rend(); ++n) {
@@ -179,7 +180,7 @@ class CrossingSearch {
     }
 
     void find_passages(StableId n, std::vector<Passage>& out) const {
-        const Vec3d a = place_of(tree_, tree_.parent(n)), b = place_of(tree_, n);
+        const Vec3d a = get_position(tree_, tree_.parent(n)), b = get_position(tree_, n);
         const double length = distance(a, b), end = at_[n].along;
         Box3 box{Vec3(a), Vec3(a)};
         box.extend(Vec3(b));
@@ -246,8 +247,8 @@ class CrossingSearch {
                 if (passages[i].depth < deepest->depth) deepest = &passages[i];
             }
             if (joined || leaves >= length - touching || chosen[deepest->node] == 0) continue;
-            const Vec3d from = place_of(tree_, tree_.parent(deepest->node)),
-                        to = place_of(tree_, deepest->node);
+            const Vec3d from = get_position(tree_, tree_.parent(deepest->node)),
+                        to = get_position(tree_, deepest->node);
             const double t = 1 - (at_[deepest->node].along - deepest->deepest) / distance(from, to);
             out.push_back({deepest->node, deepest->host, lerp(from, to, t), deepest->deepest});
         }
@@ -326,7 +327,7 @@ EditChange attach(EditableTree& tree, const NodeSet& nodes, Crossings crossings,
     const Column<StableId, std::uint8_t> chosen = find_subtrees(tree, nodes);
     for (const StableId root : roots) {
         ctx.throw_if_cancelled();
-        const Foot foot = wood.around(root, place_of(tree, root));
+        const Foot foot = wood.around(root, get_position(tree, root));
         if (foot.node) attach_root(edit, tree, wood, root, foot);
     }
     if (crossings == Crossings::join) join_crossings(edit, tree, wood, chosen, ctx);

@@ -53,7 +53,7 @@ struct Ball {
 std::vector<Ball> evenly(const EditableTree& tree, const std::vector<StableId>& run, double spacing) {
     std::vector<double> along{0};
     for (const StableId n : run)
-        along.push_back(along.back() + length(place_of(tree, n) - place_of(tree, tree.parent(n))));
+        along.push_back(along.back() + length(get_position(tree, n) - get_position(tree, tree.parent(n))));
     const double pieces = std::max(1.0, std::round(along.back() / spacing));
     if (pieces > kMaxNodes) {
         throw InvalidInput(fmt::format(

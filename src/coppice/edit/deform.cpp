@@ -26,7 +26,7 @@ struct Chain {
 
 Chain find_chain(const EditableTree& tree, std::vector<StableId> nodes) {
     Chain chain{.node = std::move(nodes), .rest = {}};
-    for (const StableId n : chain.node) chain.rest.push_back(place_of(tree, n));
+    for (const StableId n : chain.node) chain.rest.push_back(get_position(tree, n));
     return chain;
 }
 
@@ -113,7 +113,7 @@ void apply_shifts(TreeEdit& edit, const EditableTree& tree, const std::vector<St
             const auto found = own.find(n.index());
             const Vec3d whole = found == own.end() ? axis : axis + found->second;
             shift[n.index()] = {axis, whole};
-            if (!(whole == Vec3d{})) edit.move(n, Vec3(place_of(tree, n) + whole));
+            if (!(whole == Vec3d{})) edit.move(n, Vec3(get_position(tree, n) + whole));
         });
     }
 }
@@ -257,9 +257,9 @@ EditChange smooth(EditableTree& tree, const NodeSet& nodes, int passes) {
         Shifts next;
         for (const StableId n : inside) {
             const StableId before = tree.parent(n), behind = tree.leader(n);
-            const Vec3d a = place_of(tree, before) + compute_shift(before),
-                        b = place_of(tree, behind) + compute_shift(behind);
-            const Vec3d middle = lerp(a, b, 0.5), here = place_of(tree, n);
+            const Vec3d a = get_position(tree, before) + compute_shift(before),
+                        b = get_position(tree, behind) + compute_shift(behind);
+            const Vec3d middle = lerp(a, b, 0.5), here = get_position(tree, n);
             next[n.index()] = lerp(here + compute_shift(n), middle, 0.5) - here;
         }
         shifts = std::move(next);

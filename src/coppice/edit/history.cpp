@@ -119,12 +119,12 @@ Vec3 take_steps(const Bytes& bytes, std::size_t& at, Vec3 from) {
 /// The words of a node that deltas combine: parent, position, radius.
 using Words = std::array<std::uint32_t, 5>;
 
-Words words_of(StableId parent, Vec3 p, float radius) {
+Words to_words(StableId parent, Vec3 p, float radius) {
     return {parent.index(), std::bit_cast<std::uint32_t>(p.x), std::bit_cast<std::uint32_t>(p.y),
             std::bit_cast<std::uint32_t>(p.z), std::bit_cast<std::uint32_t>(radius)};
 }
 
-bool same_bits(Vec3 a, Vec3 b) { return words_of({}, a, 0) == words_of({}, b, 0); }
+bool same_bits(Vec3 a, Vec3 b) { return to_words({}, a, 0) == to_words({}, b, 0); }
 
 }  // namespace
 
@@ -157,8 +157,8 @@ EditableTree::Delta EditableTree::delta_from(const Nodes& before, std::uint32_t 
         if (is == was) continue;
         while (follower != moves.followers.end() && follower->first < n) ++follower;
         const bool follows = follower != moves.followers.end() && follower->first == n;
-        const Words a = words_of(was.parent, was.position, was.radius);
-        const Words b = words_of(is.parent, follows ? was.position : is.position, is.radius);
+        const Words a = to_words(was.parent, was.position, was.radius);
+        const Words b = to_words(is.parent, follows ? was.position : is.position, is.radius);
         std::uint8_t changed = follows ? kFollows : 0;
         for (std::size_t i = 0; i < a.size(); ++i) changed |= static_cast<std::uint8_t>((a[i] != b[i]) << i);
         put_number(delta.bytes, n.index() - last);
@@ -186,7 +186,7 @@ EditChange EditableTree::flip(const Delta& delta, bool forward) {
         const StableId n(last += take_number(delta.bytes, at));
         before.emplace_back(n, node(n));
         const std::uint8_t changed = delta.bytes[at++];
-        Words words = words_of(parent_[n], position_[n], radius_[n]);
+        Words words = to_words(parent_[n], position_[n], radius_[n]);
         for (std::size_t i = 0; i < words.size(); ++i) {
             if ((changed >> i & 1) != 0) words[i] ^= take_number(delta.bytes, at);
         }

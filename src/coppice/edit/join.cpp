@@ -68,7 +68,7 @@ Foot host_foot(const EditableTree& tree, StableId host, double along) {
     }
     Foot foot{.node = host,
               .t = along,
-              .place = place_of(tree, host),
+              .place = get_position(tree, host),
               .distance = 0,
               .radius = double{tree.radius(host)}};
     if (!tree.is_root(host) && along < 1) {
@@ -123,7 +123,7 @@ EditChange append(EditableTree& tree, StableId host, Vec3d by, double radius) {
     if (!(radius >= 0))
         throw InvalidInput(
             fmt::format("the radius {} is not above 0; enter 0 for the radius of the host", radius));
-    edit.add(host, Vec3(place_of(tree, host) + by),
+    edit.add(host, Vec3(get_position(tree, host) + by),
              radius > 0 ? static_cast<float>(radius) : tree.radius(host));
     return edit.commit();
 }
@@ -143,7 +143,7 @@ EditChange graft(EditableTree& tree, StableId branch, StableId host, const Graft
     const Vec3d old_way = tree.is_root(branch) ? kUp : compute_direction(tree, joint);
     const Rotation turn = turn_to(tree, old_way, host, options);
     const StableId at = node_at(edit, tree, foot);
-    const Motion motion{.from = tree.position(joint), .to = place_of(tree, at), .turn = turn};
+    const Motion motion{.from = tree.position(joint), .to = get_position(tree, at), .turn = turn};
     for (const StableId top : tops) {
         edit.move_subtree(top, motion);
         if (options.limit_radius) limit_radii(edit, tree, top, static_cast<float>(foot.radius));
@@ -160,7 +160,7 @@ EditChange graft(EditableTree& tree, const Skeleton& branch, StableId host, cons
     TreeEdit edit(tree);
     const Rotation turn = turn_to(tree, kUp, host, options);
     const StableId at = node_at(edit, tree, foot);
-    const Vec3d from(branch.position(NodeId(0))), to = place_of(tree, at);
+    const Vec3d from(branch.position(NodeId(0))), to = get_position(tree, at);
     const float most =
         options.limit_radius ? static_cast<float>(foot.radius) : std::numeric_limits<float>::infinity();
     std::vector<StableId> ids{at};

@@ -23,9 +23,9 @@ std::vector<StableId> find_tops(const EditableTree& tree, const NodeSet& set) {
 }
 
 Vec3d compute_direction(const EditableTree& tree, StableId n) {
-    if (!tree.is_root(n)) return normalized(place_of(tree, n) - place_of(tree, tree.parent(n)));
+    if (!tree.is_root(n)) return normalized(get_position(tree, n) - get_position(tree, tree.parent(n)));
     if (tree.is_tip(n)) return {0, 0, 1};
-    return normalized(place_of(tree, tree.leader(n)) - place_of(tree, n));
+    return normalized(get_position(tree, tree.leader(n)) - get_position(tree, n));
 }
 
 bool hangs_on(const EditableTree& tree, StableId n, StableId top) {
@@ -63,7 +63,7 @@ void limit_radii(TreeEdit& edit, const EditableTree& tree, StableId top, float l
 }
 
 Foot foot_on(const EditableTree& tree, StableId n, Vec3d p) {
-    const auto cone = tree.is_root(n) ? round_cone(place_of(tree, n), place_of(tree, n),
+    const auto cone = tree.is_root(n) ? round_cone(get_position(tree, n), get_position(tree, n),
                                                    double{tree.radius(n)}, double{tree.radius(n)})
                                       : round_cone<double>(tree.segment(n));
     const auto foot = cone.foot(p);
@@ -75,8 +75,8 @@ StableId node_at(TreeEdit& edit, const EditableTree& tree, const Foot& foot) {
     if (tree.is_root(foot.node)) return foot.node;
     const StableId parent = tree.parent(foot.node);
     const double room = kNear * foot.radius;
-    if (foot.t >= 1 || distance(foot.place, place_of(tree, foot.node)) <= room) return foot.node;
-    if (foot.t <= 0 || distance(foot.place, place_of(tree, parent)) <= room) return parent;
+    if (foot.t >= 1 || distance(foot.place, get_position(tree, foot.node)) <= room) return foot.node;
+    if (foot.t <= 0 || distance(foot.place, get_position(tree, parent)) <= room) return parent;
     return split_segment(edit, tree, foot.node, foot.t);
 }
 

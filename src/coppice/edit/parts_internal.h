@@ -9,7 +9,7 @@
 
 namespace coppice::edit_internal {
 
-inline Vec3d place_of(const EditableTree& tree, StableId n) { return Vec3d(tree.position(n)); }
+inline Vec3d get_position(const EditableTree& tree, StableId n) { return Vec3d(tree.position(n)); }
 
 inline bool holds(const NodeSet& set, StableId n) { return std::ranges::binary_search(set, n); }
 

@@ -47,7 +47,7 @@ Column<StableId, Branch> find_branches(const EditableTree& tree, const std::vect
         if (tree.is_tip(*at)) b.shade = shade.size() > 0 ? shade[*at] : 0;
         if (tree.is_root(*at)) continue;
         const StableId parent = tree.parent(*at);
-        b.length += distance(place_of(tree, *at), place_of(tree, parent));
+        b.length += distance(get_position(tree, *at), get_position(tree, parent));
         branch[parent].length = std::max(branch[parent].length, b.length);
         branch[parent].shade = std::min(branch[parent].shade, b.shade);
     }
@@ -97,7 +97,7 @@ class SolidTest {
         field_.values(points, out);
         return out;
     }
-    Vec3 world(const EditableTree& tree, StableId n) const { return Vec3(origin_ + place_of(tree, n)); }
+    Vec3 world(const EditableTree& tree, StableId n) const { return Vec3(origin_ + get_position(tree, n)); }
 
   private:
     SolidField field_;
@@ -117,7 +117,7 @@ double crossing(const SolidTest& test, Vec3d a, Vec3d b, bool keep_inside) {
 void cut_at_surface(TreeEdit& edit, const EditableTree& tree, StableId n, const SolidTest& test,
                     bool keep_inside) {
     constexpr double kMinStub = 1e-4;  // [segment length]
-    const double t = crossing(test, place_of(tree, tree.parent(n)), place_of(tree, n), keep_inside);
+    const double t = crossing(test, get_position(tree, tree.parent(n)), get_position(tree, n), keep_inside);
     if (t > kMinStub && t < 1) split_segment(edit, tree, n, t);
     edit.remove_subtree(n);
 }
@@ -128,8 +128,8 @@ Column<StableId, double> shade_of_tips(const EditableTree& tree, double cell) {
     constexpr double kShade = 0.2, kFade = 0.5;  // shade of a tip in its own cell, and factor per layer
     constexpr int kLayers = 7;
     using Cube = std::array<std::int32_t, 3>;
-    const auto cube_of = [&](StableId n) {
-        const Vec3d p = place_of(tree, n) / cell;
+    const auto find_cube = [&](StableId n) {
+        const Vec3d p = get_position(tree, n) / cell;
         Cube out{};
         for (int axis = 0; axis < 3; ++axis)
             out[static_cast<std::size_t>(axis)] =
@@ -140,7 +140,7 @@ Column<StableId, double> shade_of_tips(const EditableTree& tree, double cell) {
     // contain tips.
     std::vector<std::pair<Cube, StableId>> tips;
     for (const StableId n : tree.nodes()) {
-        if (tree.is_tip(n)) tips.emplace_back(cube_of(n), n);
+        if (tree.is_tip(n)) tips.emplace_back(find_cube(n), n);
     }
     std::ranges::sort(tips);
     const auto count_in = [&](const Cube& c) {

@@ -47,10 +47,10 @@ Vec3d axis_of_turn(const EditableTree& tree, StableId top, const TurnOptions& op
 }
 
 void copy_mirrored(TreeEdit& edit, const EditableTree& tree, StableId top, Vec3d normal) {
-    const Vec3d joint = place_of(tree, find_joint(tree, top));
+    const Vec3d joint = get_position(tree, find_joint(tree, top));
     std::unordered_map<std::uint32_t, StableId> copy_of;
     for (const StableId n : tree.subtree(top)) {
-        const Vec3d p = place_of(tree, n) - joint;
+        const Vec3d p = get_position(tree, n) - joint;
         const StableId parent = n == top ? tree.parent(n) : copy_of.at(tree.parent(n).index());
         copy_of[n.index()] =
             edit.add(parent, Vec3(joint + p - normal * (2 * dot(p, normal))), tree.radius(n));

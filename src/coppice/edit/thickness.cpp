@@ -63,7 +63,8 @@ EditChange taper(EditableTree& tree, const NodeSet& nodes, double from, double t
         const std::vector<StableId> axis = axis_from(tree, top);
         std::vector<double> along{0};
         for (std::size_t i = 1; i < axis.size(); ++i)
-            along.push_back(along.back() + distance(place_of(tree, axis[i]), place_of(tree, axis[i - 1])));
+            along.push_back(along.back() +
+                            distance(get_position(tree, axis[i]), get_position(tree, axis[i - 1])));
         const double first = from > 0 ? from : double{tree.radius(axis.front())};
         const double last = to > 0 ? to : double{tree.radius(axis.back())};
         for (std::size_t i = 0; i < axis.size(); ++i) {

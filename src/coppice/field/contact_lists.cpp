@@ -34,14 +34,14 @@ class TubeRelations {
 };
 
 /// Returns the segment of a node; the segment of a root has no length.
-Segment line_of(const Skeleton& skeleton, NodeId n) {
+Segment make_line(const Skeleton& skeleton, NodeId n) {
     if (!skeleton.is_root(n)) return skeleton.segment(n);
     return {skeleton.position(n), skeleton.position(n), skeleton.radius(n), skeleton.radius(n)};
 }
 
 /// The segments inside each tube.
 using Contents = CompressedRows<std::uint32_t>;
-Contents contents_of(const TubeTree& tubes) {
+Contents group_by_tube(const TubeTree& tubes) {
     return compress_rows<std::uint32_t>(tubes.tree.size(), [&](const auto& put) {
         for (std::uint32_t s = 0; s < tubes.tube.size(); ++s) {
             if (const NodeId t = tubes.tube[s]) put(t.index(), s);
@@ -54,7 +54,7 @@ std::vector<SegmentSupport> tube_supports(const Skeleton& tree, const Contents& 
     std::vector<SegmentSupport> out(tree.size());
     parallel_for(ctx, tree.size(), kContactListsGrain * 16, [&](std::size_t i) {
         const NodeId n(static_cast<std::uint32_t>(i));
-        out[i] = tube_support(contents[i], segments, line_of(tree, n));
+        out[i] = tube_support(contents[i], segments, make_line(tree, n));
     });
     return out;
 }
@@ -64,7 +64,7 @@ std::vector<SegmentSupport> competitor_capsules(const Skeleton& skeleton, const 
     std::vector<SegmentSupport> capsules(skeleton.size());
     parallel_for(ctx, skeleton.size(), kContactListsGrain * 16, [&](std::size_t i) {
         const NodeId n(static_cast<std::uint32_t>(i));
-        capsules[i] = competitor_capsule(line_of(skeleton, n));
+        capsules[i] = competitor_capsule(make_line(skeleton, n));
     });
     return capsules;
 }
@@ -254,7 +254,7 @@ ContactLists find_contacts(const Skeleton& skeleton, std::span<const SegmentSupp
                            std::span<const FieldRegion> regions, const TubeTree& tubes, const Context& ctx) {
     COPPICE_ASSERT(tubes.tree.size() == regions.size() && tubes.tube.size() == skeleton.size());
     const TubeRelations relations(tubes.tree.parents());
-    const Contents contents = contents_of(tubes);
+    const Contents contents = group_by_tube(tubes);
     std::vector<FieldRegion> at_tubes(regions.begin(), regions.end());
     for (std::uint32_t r = 0; r < regions.size(); ++r) at_tubes[r].seed = NodeId(r);
     const auto is_own = [&](std::size_t r, NodeId t) {

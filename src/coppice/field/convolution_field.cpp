@@ -33,7 +33,7 @@ std::vector<std::uint32_t> find_axes(const Skeleton& skeleton) {
 }
 
 template <class Lists>
-auto list_of(Lists& lists, std::size_t region) {
+auto get_list(Lists& lists, std::size_t region) {
     return std::span(lists.segments)
         .subspan(lists.first[region], lists.first[region + 1] - lists.first[region]);
 }
@@ -101,7 +101,7 @@ void ConvolutionField::set_regions(std::span<const FieldRegion> regions, const T
 void ConvolutionField::sort_by_axis(CandidateLists& lists, const Context& ctx) const {
     if (blend_ == 1) return;
     parallel_for(ctx, lists.first.size() - 1, kRegionGrain,
-                 [&](std::size_t i) { sort_by_axis(list_of(lists, i)); });
+                 [&](std::size_t i) { sort_by_axis(get_list(lists, i)); });
 }
 
 void ConvolutionField::sort_by_axis(std::span<std::uint32_t> segments) const {
@@ -112,12 +112,12 @@ void ConvolutionField::sort_by_axis(std::span<std::uint32_t> segments) const {
 
 std::span<const std::uint32_t> ConvolutionField::candidates(std::uint32_t region) const {
     COPPICE_ASSERT(region < region_count());
-    return list_of(lists_, region);
+    return get_list(lists_, region);
 }
 
 std::span<const std::uint32_t> ConvolutionField::competitors(std::uint32_t region) const {
     COPPICE_ASSERT(region < region_count());
-    return list_of(competitors_, region);
+    return get_list(competitors_, region);
 }
 
 void ConvolutionField::sample(std::uint32_t region, std::span<const Vec3> points,

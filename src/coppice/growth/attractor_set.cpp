@@ -95,7 +95,7 @@ float AttractorSet::offer_to_points(std::uint32_t group, const NewNode& n, Place
         const Key offer = make_key(d[i], n.node);
         Key key = load(points.key[i]);
         while (offer < key) {
-            const std::uint32_t before = node_of(key);
+            const std::uint32_t before = get_node(key);
             if (!std::atomic_ref(points.key[i])
                      .compare_exchange_weak(key, offer, std::memory_order_relaxed)) {
                 continue;
@@ -133,7 +133,7 @@ bool AttractorSet::reassign(std::uint32_t place, std::span<const Vec3> nodes, st
     Link& link = link_[place];
     if (link.node != kNoIndex) add_pull(pulls[link.node], -link.x, -link.y, -link.z, ~std::uint32_t{0});
     const Key key = this->key(place);
-    const std::uint32_t node = node_of(key);
+    const std::uint32_t node = get_node(key);
     store(pulls[node].attracted, std::uint16_t{1});
     if (compute_distance_squared(key) <= kill_squared_) {
         this->key(place) = kSpent;

@@ -72,7 +72,7 @@ class AttractorSet {
         // The bits of non-negative numbers have the order of the numbers.
         return Key{std::bit_cast<std::uint32_t>(distance_squared)} << 32 | node;
     }
-    static std::uint32_t node_of(Key key) { return static_cast<std::uint32_t>(key); }
+    static std::uint32_t get_node(Key key) { return static_cast<std::uint32_t>(key); }
     static float compute_distance_squared(Key key) {
         return std::bit_cast<float>(static_cast<std::uint32_t>(key >> 32));
     }

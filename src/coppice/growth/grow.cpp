@@ -362,7 +362,7 @@ Skeleton make_skeleton(const Growth& g) {
                     tree ? tree->origin() : g.task.input.origin, std::move(ids));
 }
 
-Growth growth_of(const GrowInput& input, const GrowOptions& o, const Context& ctx) {
+Growth begin_growth(const GrowInput& input, const GrowOptions& o, const Context& ctx) {
     const Vec3d tropism = normalized(Vec3d{o.tropism_x, o.tropism_y, o.tropism_z}) * o.tropism_weight;
     return {.task = {input, o, CounterRandom(static_cast<std::uint64_t>(o.seed), 0), tropism},
             .attractors = AttractorSet(input.attractors, o.influence_radius, o.kill_radius, ctx),
@@ -375,7 +375,7 @@ GrowResult grow(const GrowInput& input, const GrowOptions& options, const Contex
     check_options(options);
     check_input(input, options.step);
     if (input.tree) check_tree(*input.tree, options);
-    Growth g = growth_of(input, options, ctx);
+    Growth g = begin_growth(input, options, ctx);
     start(g, ctx);
     StopReason stop = StopReason::no_progress;
     int iteration = 0;

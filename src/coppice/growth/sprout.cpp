@@ -244,16 +244,16 @@ class Sprouting {
         for (std::uint32_t i = 0; i < count(); ++i) {
             const std::uint32_t parent = nodes_[i].parent;
             share_[i].vigour = parent == kNoIndex ? double{o_.vigour} * share_[i].light
-                                                  : part_of(parent, weight_of_branch(i));
+                                                  : compute_share(parent, weight_of_branch(i));
         }
     }
 
-    double part_of(std::uint32_t i, double weight) const {
+    double compute_share(std::uint32_t i, double weight) const {
         return share_[i].weights > 0 ? share_[i].vigour * weight / share_[i].weights : 0;
     }
 
     int internodes(std::uint32_t i, double weight) const {
-        return static_cast<int>(std::min(std::floor(part_of(i, weight)), double(o_.max_internodes)));
+        return static_cast<int>(std::min(std::floor(compute_share(i, weight)), double(o_.max_internodes)));
     }
 
     // ---- shoots
@@ -336,7 +336,7 @@ class Sprouting {
         const bool bears = o_.buds > 0 && (!o_.whorls || ends);
         return add({.position = to,
                     .direction = direction,
-                    .side = side_of(m, direction, leads),
+                    .side = find_side(m, direction, leads),
                     .azimuth = leads ? std::remainder(m.azimuth + (bears ? o_.phyllotaxis : 0.0f),
                                                       2 * std::numbers::pi_v<float>)
                                      : 0,
@@ -349,7 +349,7 @@ class Sprouting {
 
     // Along an axis the vector is transported without twist; the vector of a new axis is horizontal, so that
     // laterals in two rows spread like leaves.
-    static Vec3 side_of(const Metamer& m, Vec3 direction, bool leads) {
+    static Vec3 find_side(const Metamer& m, Vec3 direction, bool leads) {
         if (leads) return normalized(m.side - direction * dot(m.side, direction), perpendicular(direction));
         const Vec3 level = cross(direction, Vec3{0, 0, 1});
         return length(level) > 0.01f ? normalized(level) : perpendicular(direction);

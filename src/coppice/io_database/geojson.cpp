@@ -28,7 +28,7 @@ Json compute_geometry(const MapFeature& feature, MapGeometry geometry) {
     return {{"type", "Polygon"}, {"coordinates", Json::array({ring})}};
 }
 
-Json feature_of(const MapFeature& feature, const MapLayer& layer) {
+Json to_feature(const MapFeature& feature, const MapLayer& layer) {
     Json properties{{"layer", layer.name}};
     for (std::size_t c = 0; c < layer.columns.size(); ++c)
         properties[layer.columns[c]] = std::visit(ToJson(), feature.values[c]);
@@ -44,7 +44,7 @@ std::string encode_geojson(std::span<const MapLayer> layers, const MapCrs& crs, 
     for (const MapLayer& layer : layers) {
         for (const MapFeature& feature : layer.features) {
             ctx.throw_if_cancelled();
-            features.push_back(feature_of(feature, layer));
+            features.push_back(to_feature(feature, layer));
         }
     }
     Json out{{"type", "FeatureCollection"}};

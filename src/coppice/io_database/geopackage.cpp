@@ -102,22 +102,22 @@ std::string quoted(std::string name) {
 }
 
 /// Returns the SQL type of the first value that is not null.
-std::string_view type_of(const MapLayer& layer, std::size_t column) {
+std::string_view get_type(const MapLayer& layer, std::size_t column) {
     constexpr std::array<std::string_view, 4> kTypes{"TEXT", "INTEGER", "REAL", "TEXT"};
     for (const MapFeature& feature : layer.features)
         if (feature.values[column].index() > 0) return kTypes[feature.values[column].index()];
     return kTypes[0];
 }
 
-std::string_view type_of(MapGeometry geometry) {
+std::string_view get_type(MapGeometry geometry) {
     return geometry == MapGeometry::points ? "POINT" : "POLYGON";
 }
 
 void create_table(const Sqlite& database, const MapLayer& layer) {
     std::string sql = fmt::format("CREATE TABLE {} (fid INTEGER PRIMARY KEY NOT NULL, geom {}",
-                                  quoted(layer.name), type_of(layer.geometry));
+                                  quoted(layer.name), get_type(layer.geometry));
     for (std::size_t c = 0; c < layer.columns.size(); ++c)
-        sql += fmt::format(", {} {}", quoted(layer.columns[c]), type_of(layer, c));
+        sql += fmt::format(", {} {}", quoted(layer.columns[c]), get_type(layer, c));
     database.execute(fmt::format("{})", sql).c_str());
 }
 
@@ -147,7 +147,7 @@ void describe_table(const Sqlite& database, const MapLayer& layer, int system) {
     content.run();
     Statement geometry(database, "INSERT INTO gpkg_geometry_columns VALUES (?, 'geom', ?, ?, ?, 0)");
     geometry.bind(1, std::string_view(layer.name));
-    geometry.bind(2, type_of(layer.geometry));
+    geometry.bind(2, get_type(layer.geometry));
     geometry.bind(3, std::int64_t{system});
     geometry.bind(4, std::int64_t{layer.geometry == MapGeometry::points});
     geometry.run();

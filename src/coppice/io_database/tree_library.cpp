@@ -61,7 +61,7 @@ std::int64_t number(const Sqlite& database, const char* pragma) {
     return statement.step() ? statement.integer(0) : 0;
 }
 
-std::int64_t id_of(const std::string& word) {
+std::int64_t parse_id(const std::string& word) {
     std::int64_t id = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), id);
     if (error != std::errc{} || end != word.data() + word.size()) {
@@ -143,7 +143,7 @@ class TreeLibrary::Database : public Sqlite {
     /// that no tree can have.
     std::vector<LibraryEntry> entries(const LibraryFilter& filter, bool checked) const {
         std::vector<std::int64_t> ids;
-        for (const std::string& word : filter.ids) ids.push_back(id_of(word));
+        for (const std::string& word : filter.ids) ids.push_back(parse_id(word));
         Statement rows(
             *this,
             "SELECT id, source, source_node, leads, host_radius, inclination, length, volume, extent, "
@@ -153,7 +153,7 @@ class TreeLibrary::Database : public Sqlite {
         std::size_t known = 0;
         while (rows.step()) {
             if (checked && !is_valid(rows)) refuse_damaged(rows.integer(0));
-            LibraryEntry entry = entry_of(rows);
+            LibraryEntry entry = read_entry(rows);
             tags.bind(1, entry.id);
             while (tags.step()) entry.tags.push_back(tags.text(0));
             tags.reset();
@@ -260,7 +260,7 @@ class TreeLibrary::Database : public Sqlite {
         return schema.step() && schema.integer(0) == 2 && schema.integer(1) == 2;
     }
 
-    static LibraryEntry entry_of(const Statement& row) {
+    static LibraryEntry read_entry(const Statement& row) {
         const auto count = [&](int column) { return static_cast<std::uint32_t>(row.integer(column)); };
         return {.id = row.integer(0),
                 .source = row.text(1),

@@ -63,7 +63,7 @@ class GlbMotion : public MotionWriter::Format {
         const std::size_t weights =
             layout.add(count * count * sizeof(float), 0, kFloat, count * count, "SCALAR");
         json node{{"name", "tree"}, {"mesh", 0}};
-        if (mesh.has_origin()) node["translation"] = array_of(y_up(mesh.origin));
+        if (mesh.has_origin()) node["translation"] = to_json_array(y_up(mesh.origin));
         return {
             {"asset", {{"version", "2.0"}, {"generator", "Coppice"}}},
             {"scene", 0},

@@ -27,8 +27,8 @@ std::size_t GlbLayout::add_vectors(std::span<const Vec3> bounded) {
     const std::size_t index = add_vectors(bounded.size());
     Box3 box;
     for (const Vec3 v : bounded) box.extend(y_up(v));
-    accessors_[index]["min"] = array_of(Vec3d(box.low));
-    accessors_[index]["max"] = array_of(Vec3d(box.high));
+    accessors_[index]["min"] = to_json_array(Vec3d(box.low));
+    accessors_[index]["max"] = to_json_array(Vec3d(box.high));
     return index;
 }
 

@@ -18,7 +18,7 @@ BasicVec3<T> y_up(BasicVec3<T> v) {
     return {v.x, v.z, -v.y};
 }
 
-inline nlohmann::json array_of(Vec3d v) { return nlohmann::json::array({v.x, v.y, v.z}); }
+inline nlohmann::json to_json_array(Vec3d v) { return nlohmann::json::array({v.x, v.y, v.z}); }
 
 /// Lays out consecutive buffer views of the single buffer, with their accessors.
 class GlbLayout {

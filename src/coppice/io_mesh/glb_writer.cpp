@@ -105,7 +105,7 @@ void write_glb(AtomicFile& file, const MeshView& given, const Context& ctx) {
     std::optional<GlbMaterial> material;
     if (mesh.material != nullptr) material.emplace(*mesh.material, layout);
     json node{{"name", "tree"}, {"mesh", 0}};
-    if (mesh.has_origin()) node["translation"] = array_of(y_up(mesh.origin));
+    if (mesh.has_origin()) node["translation"] = to_json_array(y_up(mesh.origin));
     json text{
         {"asset", {{"version", "2.0"}, {"generator", "Coppice"}}},
         {"scene", 0},

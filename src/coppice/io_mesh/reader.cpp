@@ -76,7 +76,7 @@ struct KeyedVertex {
 };
 
 /// Returns a key that is equal for equal positions, including zeros of both signs, and rarely for others.
-std::uint32_t key_of(Vec3d p) {
+std::uint32_t make_key(Vec3d p) {
     std::uint64_t key = 0;
     for (int axis = 0; axis < 3; ++axis) {
         key = (key ^ std::bit_cast<std::uint64_t>(p[axis] + 0.0)) * 0x9e3779b97f4a7c15ull;
@@ -95,7 +95,7 @@ void MeshBuilder::weld(const Context& ctx) {
     Buffer<KeyedVertex> order(count);
     parallel_for_ranges(ctx, count, kGrain, [&](IndexRange range) {
         for (std::size_t v = range.begin; v < range.end; ++v)
-            order[v] = {key_of(vertices_[v]), static_cast<std::uint32_t>(v)};
+            order[v] = {make_key(vertices_[v]), static_cast<std::uint32_t>(v)};
     });
     radix_sort(ctx, order, 32, [](const KeyedVertex& v) { return v.key; });
     std::vector<std::uint32_t> to(count);

@@ -59,7 +59,7 @@ class StlPlaces {
     /// Returns the rounded position; never -0, which readers treat as 0.
     Vec3 rounded(std::size_t v) const { return Vec3(mesh_.origin + Vec3d(mesh_.positions[v])); }
 
-    static std::uint64_t key_of(Vec3 place) {
+    static std::uint64_t make_key(Vec3 place) {
         std::uint64_t key = 0;
         for (int axis = 0; axis < 3; ++axis)
             key = (key ^ std::bit_cast<std::uint32_t>(place[axis])) * 0x9e3779b97f4a7c15ull;
@@ -69,7 +69,7 @@ class StlPlaces {
     void sort(const Context& ctx) {
         order_.resize(place_.size());
         parallel_for(ctx, place_.size(), kGrain, [&](std::size_t v) {
-            order_[v] = {key_of(place_[v]), static_cast<std::uint32_t>(v)};
+            order_[v] = {make_key(place_[v]), static_cast<std::uint32_t>(v)};
         });
         ctx.throw_if_cancelled();
         radix_sort(ctx, order_, kKeyBits, [](const Entry& e) { return e.key; });
@@ -103,7 +103,7 @@ class StlPlaces {
     }
 
     bool is_taken(Vec3 place) const {
-        const std::uint64_t key = key_of(place);
+        const std::uint64_t key = make_key(place);
         auto e = std::ranges::lower_bound(order_, key, {}, &Entry::key);
         for (; e != order_.end() && e->key == key; ++e) {
             if (place_[e->vertex] == place) return true;

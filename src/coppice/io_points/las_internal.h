@@ -144,7 +144,7 @@ struct LasPart {
         if (!columns->classes.empty()) columns->classes[i] = p.classification;
         if (!columns->colors.empty()) columns->colors[i] = p.color;
         if (columns->tree_id != nullptr)
-            columns->tree_ids[i] = tree_id_of(columns->tree_id->value(p.extra).value_or(0));
+            columns->tree_ids[i] = to_tree_id(columns->tree_id->value(p.extra).value_or(0));
         for (std::size_t d = 0; d < columns->ranged.size(); ++d)
             if (const auto value = columns->ranged[d].value(p.extra)) ranges[d].extend(*value);
     }

@@ -188,8 +188,8 @@ class Gathering {
     std::uint64_t count_ = 0;
 };
 
-PointCloud points_of(const LasColumns& columns, const std::vector<LasPart>& parts, const LasHeader& h,
-                     const std::string& source, const Context& ctx) {
+PointCloud make_points(const LasColumns& columns, const std::vector<LasPart>& parts, const LasHeader& h,
+                       const std::string& source, const Context& ctx) {
     const Gathering kept(parts, ctx);
     if (kept.count() == 0) throw InvalidInput(fmt::format("{}: it contains no points", source));
     const auto [a, b] = corners(columns, parts, h, ctx);
@@ -209,7 +209,7 @@ PointCloud points_of(const LasColumns& columns, const std::vector<LasPart>& part
     return out;
 }
 
-std::vector<PointDimension> dimensions_of(const LasColumns& columns, const std::vector<LasPart>& parts) {
+std::vector<PointDimension> list_dimensions(const LasColumns& columns, const std::vector<LasPart>& parts) {
     std::vector<PointDimension> out;
     for (std::size_t d = 0; d < columns.ranged.size(); ++d) {
         LasRange range;
@@ -219,7 +219,7 @@ std::vector<PointDimension> dimensions_of(const LasColumns& columns, const std::
     return out;
 }
 
-std::string format_of(const LasHeader& h) {
+std::string describe_format(const LasHeader& h) {
     return fmt::format("{} {}.{}, point format {}", h.compressed ? "LAZ" : "LAS", h.major, h.minor, h.format);
 }
 
@@ -253,10 +253,10 @@ PointFile parse_las(std::string_view bytes, const PointColumns& wanted, const Re
                                                          : read_plain(bytes, header, reading, columns, ctx);
     std::uint64_t held = 0;
     for (const LasPart& part : parts) held += part.count;
-    return {.point_cloud = points_of(columns, parts, header, source, ctx),
-            .format = format_of(header),
+    return {.point_cloud = make_points(columns, parts, header, source, ctx),
+            .format = describe_format(header),
             .missing = header.count - held,
-            .dimensions = dimensions_of(columns, parts),
+            .dimensions = list_dimensions(columns, parts),
             .system = coordinate_system(records)};
 }
 

@@ -55,7 +55,7 @@ double stored_number(std::string_view bytes, std::size_t at, std::uint8_t type) 
 }
 
 /// Returns the value that denotes missing data; stored in 64 bits for integers and as a double otherwise.
-double no_data_of(std::string_view entry, std::uint8_t type) {
+double read_no_data(std::string_view entry, std::uint8_t type) {
     constexpr std::size_t kNoData = 40;
     if (type >= 9) return number_at<double>(entry, kNoData);
     const bool is_signed = type % 2 == 0;
@@ -173,7 +173,7 @@ std::vector<LasDimension> las_dimensions(std::span<const LasRecord> records, con
         at += size;
         if (at > own) break;
         if (!is_scalar) continue;
-        if (options & 1u) d.no_data = no_data_of(entry, d.type);
+        if (options & 1u) d.no_data = read_no_data(entry, d.type);
         if (options & 8u) d.scale = number_at<double>(entry, 112);
         if (options & 16u) d.offset = number_at<double>(entry, 136);
         out.push_back(std::move(d));

@@ -92,9 +92,9 @@ void visit_extra_dimensions(const PointCloud& known, const Visitor& visit) {
     column("evidence", "measured share of its radius", known.evidence);
 }
 
-constexpr std::uint8_t type_of(std::uint8_t) { return 1; }
-constexpr std::uint8_t type_of(std::uint32_t) { return 5; }
-constexpr std::uint8_t type_of(float) { return 9; }
+constexpr std::uint8_t get_type(std::uint8_t) { return 1; }
+constexpr std::uint8_t get_type(std::uint32_t) { return 5; }
+constexpr std::uint8_t get_type(float) { return 9; }
 
 /// The extra dimensions: their descriptions in the record, and the extra bytes of a point.
 struct Dimensions {
@@ -105,7 +105,7 @@ struct Dimensions {
         visit_extra_dimensions(known,
                                [&](std::string_view name, std::string_view description, const auto& values) {
                                    std::string entry(kDimension, '\0');
-                                   put(entry, 2, type_of(values.front()));
+                                   put(entry, 2, get_type(values.front()));
                                    put_text(entry, 4, name);
                                    put_text(entry, 160, description);
                                    entries += entry;
@@ -124,7 +124,7 @@ void append_record(std::string& bytes, std::string_view user, std::uint16_t id, 
 }
 
 /// Returns the return number and the number of returns in one byte; 1 of 1 if unknown.
-std::uint8_t returns_of(const PointCloud& known, std::size_t i) {
+std::uint8_t get_return_byte(const PointCloud& known, std::size_t i) {
     constexpr std::uint8_t kOne = 1, kMax = 15;
     const auto of = [&](const std::vector<std::uint8_t>& column) {
         return column.empty() ? kOne : std::clamp(column[i], kOne, kMax);
@@ -133,8 +133,8 @@ std::uint8_t returns_of(const PointCloud& known, std::size_t i) {
 }
 
 /// Returns everything that precedes the points.
-std::string head_of(const PointSet& points, const PointCloud& known, const Dimensions& dimensions,
-                    const CoordinateSystem& system, const Grid& grid) {
+std::string make_header(const PointSet& points, const PointCloud& known, const Dimensions& dimensions,
+                        const CoordinateSystem& system, const Grid& grid) {
     const bool colored = !known.colors.empty();
     std::string bytes(kNewLasHeader, '\0');
     put_text(bytes, 0, "LASF");
@@ -164,7 +164,7 @@ std::string head_of(const PointSet& points, const PointCloud& known, const Dimen
     }
     put(bytes, 247, static_cast<std::uint64_t>(points.size()));
     std::array<std::uint64_t, 16> of_return{};
-    for (std::size_t i = 0; i < points.size(); ++i) ++of_return[returns_of(known, i) & 15u];
+    for (std::size_t i = 0; i < points.size(); ++i) ++of_return[get_return_byte(known, i) & 15u];
     for (std::size_t r = 1; r < of_return.size(); ++r) put(bytes, 247 + 8 * r, of_return[r]);
     return bytes;
 }
@@ -176,13 +176,13 @@ void write_las(AtomicFile& file, const PointSet& points, const PointCloud& known
     const Grid grid(points);
     const Intensities intensities(known.intensities);
     const Dimensions dimensions(known);
-    file.write(head_of(points, known, dimensions, system, grid));
+    file.write(make_header(points, known, dimensions, system, grid));
     write_items(file, points.size(), {}, ctx, [&](std::size_t i, Chunk& chunk) {
         chunk.reserve(kColoredRecord + dimensions.bytes);
         const Vec3d p = points.world(i);
         for (int axis = 0; axis < 3; ++axis) chunk.put_raw(grid.steps(p[axis], axis));
         chunk.put_raw(intensities[i]);
-        chunk.put_raw(returns_of(known, i));
+        chunk.put_raw(get_return_byte(known, i));
         chunk.put('\0');  // flags
         chunk.put_raw(known.classes.empty() ? std::uint8_t{0} : known.classes[i]);
         chunk.put_raw(std::array<std::uint8_t, 13>{});  // user data, angle, source, time

@@ -155,7 +155,7 @@ class HeaderReader {
 };
 
 /// Returns a little-endian number of a field.
-double value_of(const PcdField& field, const char* at) {
+double read_value(const PcdField& field, const char* at) {
     std::uint64_t bits = 0;
     for (std::size_t i = 0; i < field.size; ++i) {
         bits |= std::uint64_t{static_cast<std::uint8_t>(at[i])} << (8 * i);
@@ -219,7 +219,7 @@ std::vector<Vec3d> read_rows(std::string_view data, const PcdHeader& h, bool by_
             const PcdField& field = h.fields[h.axis[static_cast<std::size_t>(axis)]];
             const std::uint64_t at =
                 by_field ? field.offset * h.points + i * field.size * field.count : i * h.row + field.offset;
-            p[axis] = value_of(field, data.data() + at);
+            p[axis] = read_value(field, data.data() + at);
         }
         add_point(points, p, source, i);
     }

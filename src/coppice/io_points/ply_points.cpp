@@ -127,7 +127,7 @@ FoundPoints read_vertices(PlyRows& rows, const PlyElement& element, const std::s
         if (columns.return_number)
             known.return_numbers.push_back(to_byte(row.scalar(*columns.return_number)));
         if (columns.return_count) known.return_counts.push_back(to_byte(row.scalar(*columns.return_count)));
-        if (columns.tree_id) known.tree_ids.push_back(tree_id_of(row.scalar(*columns.tree_id)));
+        if (columns.tree_id) known.tree_ids.push_back(to_tree_id(row.scalar(*columns.tree_id)));
         rays.add(row);
         if (!columns.color) continue;
         const auto byte = [&](std::size_t k) {

@@ -29,7 +29,7 @@ bool fits_points(Vec3d p) {
     return std::abs(p.x) <= kLargest && std::abs(p.y) <= kLargest && std::abs(p.z) <= kLargest;
 }
 
-std::optional<Rgb> color_of(double red, double green, double blue) {
+std::optional<Rgb> to_color(double red, double green, double blue) {
     Rgb color;
     std::size_t i = 0;
     for (const double c : {red, green, blue}) {
@@ -43,7 +43,7 @@ std::uint8_t to_byte(double number) {
     return number >= 0 && number <= 255 ? static_cast<std::uint8_t>(number) : std::uint8_t{0};
 }
 
-std::uint32_t tree_id_of(double number) {
+std::uint32_t to_tree_id(double number) {
     constexpr double kMax = 4294967295;
     return number >= 1 && number <= kMax ? static_cast<std::uint32_t>(number) : 0;
 }

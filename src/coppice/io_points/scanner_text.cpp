@@ -53,7 +53,7 @@ class RowReader {
         found_.places.push_back(p);
         if (cells_.size() > 3) found_.note(found_.known.intensities, static_cast<float>(number(3)));
         if (cells_.size() > 6) {
-            const auto color = color_of(number(4), number(5), number(6));
+            const auto color = to_color(number(4), number(5), number(6));
             if (color) found_.note(found_.known.colors, *color);
         }
     }

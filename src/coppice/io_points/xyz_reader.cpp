@@ -205,13 +205,13 @@ class XyzParser {
         }
         if (columns_.tree_id) {
             const auto id = number(*columns_.tree_id);  // NA of R means no tree
-            found_.note(found_.known.tree_ids, tree_id_of(id.value_or(0)));
+            found_.note(found_.known.tree_ids, to_tree_id(id.value_or(0)));
         }
         if (!columns_.color) return;
         const auto [r, g, b] = *columns_.color;
         const auto red = number(r), green = number(g), blue = number(b);
         if (!red || !green || !blue) return;
-        if (const auto color = color_of(*red, *green, *blue)) found_.note(found_.known.colors, *color);
+        if (const auto color = to_color(*red, *green, *blue)) found_.note(found_.known.colors, *color);
     }
 
     [[noreturn]] void fail(std::string_view text) const { fail_at(source_, lines_.number(), text); }

@@ -35,7 +35,7 @@ bool is_rsml(std::string_view content) {
 }
 
 /// Returns the numbers of a row; empty if it contains anything else.
-std::vector<double> numbers_of(std::string_view line, bool commas) {
+std::vector<double> parse_numbers(std::string_view line, bool commas) {
     std::vector<std::string_view> words;
     split_at_blanks(line, words, commas);
     std::vector<double> numbers;
@@ -79,7 +79,7 @@ bool are_swc_rows(std::string_view content) {
     for (std::size_t count = 0; count < kRows && lines.next();) {
         const std::string_view line = trimmed(lines.line().substr(0, lines.line().find('#')));
         if (line.empty()) continue;
-        const std::vector<double> row = numbers_of(line, false);
+        const std::vector<double> row = parse_numbers(line, false);
         // The content may be cut within a row; the parser reports invalid rows.
         if (count > 0 && row.size() != SwcRows::kColumns) break;
         if (!rows.add(row)) return false;
@@ -107,13 +107,14 @@ std::optional<SkeletonFormat> format_of_lines(std::string_view line, std::string
     if (first == "v" || first == "l" || first == "o" || first == "g" || first == "mtllib")
         return SkeletonFormat::obj;
     if (first == "n" && words.size() >= 4) return SkeletonFormat::gel;
-    if (numbers_of(line.substr(0, line.find('#')), false).size() == SwcRows::kColumns) {
+    if (parse_numbers(line.substr(0, line.find('#')), false).size() == SwcRows::kColumns) {
         if (are_swc_rows(content)) return SkeletonFormat::swc;
         return std::nullopt;
     }
     if (first.starts_with("CODE") && line.find("FORM-") != line.npos) return SkeletonFormat::mtg;
     if (is_raycloud_header(line)) return SkeletonFormat::raycloud;
-    if (is_cylinder_header(line) || is_treeqsm_row(numbers_of(line, true))) return SkeletonFormat::cylinders;
+    if (is_cylinder_header(line) || is_treeqsm_row(parse_numbers(line, true)))
+        return SkeletonFormat::cylinders;
     if (!parse_number(first) && holds_cylinders(content)) return SkeletonFormat::cylinders;
     return std::nullopt;
 }

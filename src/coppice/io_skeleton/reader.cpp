@@ -68,8 +68,8 @@ bool is_neuron(const RawSkeleton& raw) {
 }
 
 /// Returns the values of the source nodes if all are finite.
-std::optional<std::vector<float>> values_of(const RawAttribute& attribute,
-                                            std::span<const std::uint32_t> sources) {
+std::optional<std::vector<float>> convert_values(const RawAttribute& attribute,
+                                                 std::span<const std::uint32_t> sources) {
     std::vector<float> out;
     out.reserve(sources.size());
     for (const std::uint32_t i : sources) {
@@ -86,7 +86,7 @@ std::vector<NodeAttribute> kept_attributes(std::span<const RawAttribute> attribu
     std::set<std::string_view> names;
     for (const RawAttribute& a : attributes) {
         if (names.contains(a.name)) continue;
-        auto values = values_of(a, sources);
+        auto values = convert_values(a, sources);
         if (!values) continue;
         names.insert(a.name);
         kept.push_back({a.name, *std::move(values)});
@@ -177,7 +177,7 @@ class Reading {
         fill_radii(raw.cylinders);
         RepairResult result = repaired(raw.cylinders);
         auto attributes = kept_attributes(raw.attributes, result.source);
-        SkeletonFile file = file_of(std::move(result), std::move(attributes));
+        SkeletonFile file = make_file(std::move(result), std::move(attributes));
         file.declared = compute_totals(raw.cylinders);
         return file;
     }
@@ -193,7 +193,7 @@ class Reading {
         if (format_ == SkeletonFormat::swc) {
             if (auto ids = swc_ids(raw.nodes, result.source)) attributes.push_back(*std::move(ids));
         }
-        return file_of(std::move(result), std::move(attributes));
+        return make_file(std::move(result), std::move(attributes));
     }
 
     SkeletonFile finish(EdgeGraph graph) {
@@ -209,7 +209,7 @@ class Reading {
         std::vector<std::uint32_t> vertex;  // by node
         for (const std::uint32_t i : result.source)
             vertex.push_back(static_cast<std::uint32_t>(forest.nodes[i].id));
-        return file_of(std::move(result), kept_attributes(graph.attributes, vertex));
+        return make_file(std::move(result), kept_attributes(graph.attributes, vertex));
     }
 
     /// The unit of SWC is the micrometre, but trees in metres are written without types.
@@ -252,7 +252,7 @@ class Reading {
         return repair(items, source_);
     }
 
-    SkeletonFile file_of(RepairResult result, std::vector<NodeAttribute> attributes = {}) {
+    SkeletonFile make_file(RepairResult result, std::vector<NodeAttribute> attributes = {}) {
         return {std::move(result.skeleton),
                 result.report,
                 std::string(name_of(format_)),

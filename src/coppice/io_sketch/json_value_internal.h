@@ -81,7 +81,7 @@ class Value {
         return out;
     }
     template <std::size_t N>
-    std::array<double, N> numbers_of() const {
+    std::array<double, N> get_numbers() const {
         const std::vector<double> list = numbers();
         if (list.size() != N) fail(fmt::format("must be a list of {} numbers, not {}", N, list.size()));
         std::array<double, N> out;
@@ -91,7 +91,7 @@ class Value {
     Matrix3 matrix() const {
         const std::vector<Value> rows = items();
         if (rows.size() != 3) fail("must be three rows of three numbers");
-        return {rows[0].numbers_of<3>(), rows[1].numbers_of<3>(), rows[2].numbers_of<3>()};
+        return {rows[0].get_numbers<3>(), rows[1].get_numbers<3>(), rows[2].get_numbers<3>()};
     }
     template <class Choice>
     Choice choice(std::initializer_list<std::pair<std::string_view, Choice>> choices) const {

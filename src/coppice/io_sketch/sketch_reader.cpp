@@ -30,7 +30,7 @@ struct ReadView {
     std::optional<Snapshot> snapshot;
 };
 
-DrawingSide side_of(const Value& value) {
+DrawingSide parse_side(const Value& value) {
     return value.choice<DrawingSide>({{"front", DrawingSide::front},
                                       {"back", DrawingSide::back},
                                       {"side", DrawingSide::side},
@@ -38,23 +38,23 @@ DrawingSide side_of(const Value& value) {
                                       {"top", DrawingSide::top}});
 }
 
-ReadView drawing_of(const Value& value) {
+ReadView parse_drawing(const Value& value) {
     value.expect_members({"name", "image", "width", "height", "orthographic", "pixels_per_metre", "origin"});
-    const DrawingSide side = side_of(value.member("orthographic"));
+    const DrawingSide side = parse_side(value.member("orthographic"));
     if (!value.has("pixels_per_metre") && !value.has("origin"))
         return {.view = {}, .snapshot = Snapshot{.side = side}};
-    const auto [x, y] = value.member("origin").numbers_of<2>();
+    const auto [x, y] = value.member("origin").get_numbers<2>();
     const Value scale = value.member("pixels_per_metre");
     if (!(scale.number() > 0)) scale.fail("must be above 0");
     return {.view = drawing_view(side, scale.number(), {x, y}), .snapshot = {}};
 }
 
-ReadView photograph_of(const Value& value) {
+ReadView parse_photograph(const Value& value) {
     value.expect_members({"name", "image", "width", "height", "photograph", "field_of_view"});
     const Value angle = value.member("field_of_view");
     if (!(angle.number() > 0 && angle.number() < 180)) angle.fail("must be between 0 and 180 degrees");
     return {.view = {},
-            .snapshot = Snapshot{.side = side_of(value.member("photograph")),
+            .snapshot = Snapshot{.side = parse_side(value.member("photograph")),
                                  .field_of_view = angle.number() * std::numbers::pi / 180}};
 }
 
@@ -65,20 +65,20 @@ FindFile files_in(const std::filesystem::path& folder) {
     return [folder](const std::filesystem::path& name) { return folder / name; };
 }
 
-SketchView colmap_of(const Value& value, const FindFile& find) {
+SketchView parse_colmap_view(const Value& value, const FindFile& find) {
     value.expect_members({"name", "image", "colmap"});
     const std::filesystem::path model = value.member("colmap").text();
     find(model / "cameras.txt");
     return read_colmap_view(find(model / "images.txt").parent_path(), value.member("image").text());
 }
 
-SketchView phenomenal_of(const Value& value, const FindFile& find) {
+SketchView parse_phenomenal_view(const Value& value, const FindFile& find) {
     value.expect_members({"name", "image", "phenomenal", "camera", "angle"});
     return read_phenomenal_view(find(value.member("phenomenal").text()), value.member("camera").text(),
                                 value.member("angle").number() * std::numbers::pi / 180);
 }
 
-SketchView camera_of(const Value& value) {
+SketchView parse_camera(const Value& value) {
     value.expect_members(
         {"name", "image", "width", "height", "projection", "K", "R", "rvec", "t", "distortion"});
     SketchView view;
@@ -89,12 +89,12 @@ SketchView camera_of(const Value& value) {
     }
     view.k = value.member("K").matrix();
     if (value.has("rvec") && !value.has("R")) {
-        const auto [a, b, c] = value.member("rvec").numbers_of<3>();
+        const auto [a, b, c] = value.member("rvec").get_numbers<3>();
         view.r = rotation_about({a, b, c});
     } else {
         view.r = value.member("R").matrix();
     }
-    const auto [x, y, z] = value.member("t").numbers_of<3>();
+    const auto [x, y, z] = value.member("t").get_numbers<3>();
     view.t = {x, y, z};
     if (value.has("distortion")) {
         const Value distortion = value.member("distortion");
@@ -107,18 +107,18 @@ SketchView camera_of(const Value& value) {
     return view;
 }
 
-ReadView view_of(const Value& value, const FindFile& find) {
+ReadView parse_view(const Value& value, const FindFile& find) {
     ReadView out;
     if (value.has("orthographic")) {
-        out = drawing_of(value);
+        out = parse_drawing(value);
     } else if (value.has("photograph")) {
-        out = photograph_of(value);
+        out = parse_photograph(value);
     } else if (value.has("colmap")) {
-        out.view = colmap_of(value, find);
+        out.view = parse_colmap_view(value, find);
     } else if (value.has("phenomenal")) {
-        out.view = phenomenal_of(value, find);
+        out.view = parse_phenomenal_view(value, find);
     } else if (value.has("K")) {
-        out.view = camera_of(value);
+        out.view = parse_camera(value);
     } else {
         value.fail("needs the camera's K, R and t, or colmap, phenomenal, photograph or orthographic");
     }
@@ -135,11 +135,11 @@ struct World {
     double metres_per_unit = 1;
 };
 
-World world_of(const Value& value) {
+World parse_world(const Value& value) {
     value.expect_members({"up", "metres_per_unit"});
     World world;
     if (value.has("up")) {
-        const auto [x, y, z] = value.member("up").numbers_of<3>();
+        const auto [x, y, z] = value.member("up").get_numbers<3>();
         const Vec3d up = normalized(Vec3d{x, y, z}, {0, 0, 0});
         if (up == Vec3d{}) value.member("up").fail("must have a direction");
         // The smallest rotation that maps z to up; half a turn about x if up points down.
@@ -171,7 +171,7 @@ Stroke make_stroke(const Value& value) {
     value.expect_members({"points", "widths"});
     Stroke stroke;
     for (const Value& point : value.member("points").items()) {
-        const auto [x, y] = point.numbers_of<2>();
+        const auto [x, y] = point.get_numbers<2>();
         stroke.points.push_back({x, y});
     }
     if (value.has("widths")) stroke.widths = value.member("widths").numbers();
@@ -187,7 +187,7 @@ SketchBranch find_branch(const Value& value, const Names& views, const Names& br
         branch.parent = index_of(branches, parent.text(), parent, "branch");
     }
     if (value.has("attach")) branch.attach = value.member("attach").number();
-    if (value.has("diameters")) branch.diameters = value.member("diameters").numbers_of<2>();
+    if (value.has("diameters")) branch.diameters = value.member("diameters").get_numbers<2>();
     for (const auto& [view, stroke] : value.member("strokes").members()) {
         branch.strokes.push_back(make_stroke(stroke));
         branch.strokes.back().view = index_of(views, view, stroke, "view");
@@ -196,7 +196,7 @@ SketchBranch find_branch(const Value& value, const Names& views, const Names& br
     return branch;
 }
 
-Names names_of(const std::vector<Value>& values) {
+Names collect_names(const std::vector<Value>& values) {
     Names names;
     for (const Value& value : values)
         names.emplace(value.member("name").text(), static_cast<std::uint32_t>(names.size()));
@@ -212,16 +212,16 @@ void check_format(const Json& json, const Value& file, const std::string& source
             fmt::format("{}: version {} of coppice-sketch is newer than this program", source, version));
 }
 
-SketchCameras cameras_of(const Value& file, const FindFile& find) {
+SketchCameras make_cameras(const Value& file, const FindFile& find) {
     SketchCameras out;
-    const World world = file.has("world") ? world_of(file.member("world")) : World();
+    const World world = file.has("world") ? parse_world(file.member("world")) : World();
     if (file.has("height")) {
         const Value height = file.member("height");
         out.height = height.number();
         if (!(out.height > 0)) height.fail("must be above 0");
     }
     for (const Value& value : file.member("views").items()) {
-        ReadView read = view_of(value, find);
+        ReadView read = parse_view(value, find);
         if (value.has("K") || value.has("colmap")) bring_home(read.view, world);
         if (read.snapshot && out.height == 0) file.member("height");
         out.views.push_back(std::move(read.view));
@@ -234,11 +234,12 @@ Sketch make_sketch(std::string_view text, const std::string& source, const FindF
     const Json json = parse_json(text, source);
     const Value file(json, source + ":");
     check_format(json, file, source);
-    SketchCameras cameras = cameras_of(file, find);
+    SketchCameras cameras = make_cameras(file, find);
     Sketch sketch;
     sketch.views = std::move(cameras.views);
     const std::vector<Value> branches = file.member("branches").items();
-    const Names view_names = names_of(file.member("views").items()), branch_names = names_of(branches);
+    const Names view_names = collect_names(file.member("views").items()),
+                branch_names = collect_names(branches);
     for (const Value& branch : branches)
         sketch.branches.push_back(find_branch(branch, view_names, branch_names));
     for (std::uint32_t v = 0; v < cameras.snapshots.size(); ++v) {
@@ -263,7 +264,7 @@ SketchCameras cameras_in(std::string_view text, const std::string& source, const
     const Json json = parse_json(text, source);
     const Value file(json, source + ":");
     check_format(json, file, source);
-    return cameras_of(file, files);
+    return make_cameras(file, files);
 }
 
 }  // namespace

@@ -8,7 +8,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json json_of(const SketchView& view) {
+Json make_json(const SketchView& view) {
     Json out{{"name", view.name}};
     if (!view.image.empty()) out["image"] = view.image;
     if (view.width > 0) out["width"] = view.width;
@@ -22,7 +22,7 @@ Json json_of(const SketchView& view) {
     return out;
 }
 
-Json json_of(const Stroke& stroke) {
+Json make_json(const Stroke& stroke) {
     Json points = Json::array();
     for (const PicturePoint p : stroke.points) points.push_back({p.x, p.y});
     Json out{{"points", std::move(points)}};
@@ -30,19 +30,19 @@ Json json_of(const Stroke& stroke) {
     return out;
 }
 
-Json json_of(const Sketch& sketch, const SketchBranch& branch) {
+Json make_json(const Sketch& sketch, const SketchBranch& branch) {
     Json out{{"name", branch.name}};
     if (branch.parent) out["parent"] = sketch.branches[*branch.parent].name;
     if (branch.attach) out["attach"] = *branch.attach;
     if (branch.diameters) out["diameters"] = *branch.diameters;
     Json strokes = Json::object();
-    for (const Stroke& stroke : branch.strokes) strokes[sketch.views[stroke.view].name] = json_of(stroke);
+    for (const Stroke& stroke : branch.strokes) strokes[sketch.views[stroke.view].name] = make_json(stroke);
     out["strokes"] = std::move(strokes);
     return out;
 }
 
 /// Writes one line for each view and branch, because people read and edit these files.
-std::string lines_of(const std::vector<Json>& list) {
+std::string join_lines(const std::vector<Json>& list) {
     std::string out = "[";
     for (std::size_t i = 0; i < list.size(); ++i) out += (i == 0 ? "\n" : ",\n") + list[i].dump();
     return out + "\n]";
@@ -52,10 +52,10 @@ std::string lines_of(const std::vector<Json>& list) {
 
 std::string encode_sketch(const Sketch& sketch) {
     std::vector<Json> views, branches;
-    for (const SketchView& view : sketch.views) views.push_back(json_of(view));
-    for (const SketchBranch& branch : sketch.branches) branches.push_back(json_of(sketch, branch));
-    return "{\"format\": \"coppice-sketch\", \"version\": 1,\n\"views\": " + lines_of(views) +
-           ",\n\"branches\": " + lines_of(branches) + "}\n";
+    for (const SketchView& view : sketch.views) views.push_back(make_json(view));
+    for (const SketchBranch& branch : sketch.branches) branches.push_back(make_json(sketch, branch));
+    return "{\"format\": \"coppice-sketch\", \"version\": 1,\n\"views\": " + join_lines(views) +
+           ",\n\"branches\": " + join_lines(branches) + "}\n";
 }
 
 void write_sketch(const std::filesystem::path& path, const Sketch& sketch) {

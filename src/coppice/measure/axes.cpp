@@ -133,7 +133,7 @@ class AxesJudge {
         for (std::size_t f = run.faces.begin; f < run.faces.end && !near; ++f) {
             const Vec3d corner = faces_.at(faces_.corners(f)[0]);
             if (length_squared(c.foot(corner).offset) > far * far || keeps_clear(c, limit, f)) continue;
-            faces_.for_each_triangle_of(
+            faces_.visit_triangles(
                 f, [&](Vec3d p, Vec3d q, Vec3d r) { near = near || comes_near(c, limit, p, q, r); });
         }
         return near;
@@ -183,7 +183,7 @@ class AxesJudge {
         faces_.visit_runs(box, [&](const FaceRuns::Run& run) {
             for (std::size_t f = run.faces.begin; f < run.faces.end; ++f) {
                 if (!faces_.box(f).overlaps(box)) continue;
-                faces_.for_each_triangle_of(f, [&](Vec3d a, Vec3d b, Vec3d c) {
+                faces_.visit_triangles(f, [&](Vec3d a, Vec3d b, Vec3d c) {
                     const Vec3d normal = cross(b - a, c - a);
                     const double t = crossing(from, direction, a, b, c);
                     if (t >= 0 && t < hit.distance) hit = {t, dot(direction, normal) > 0};

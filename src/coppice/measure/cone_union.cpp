@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kReach = 3;  // [radii] from its centre to which a cut applies, as in the field
 
-CapsuleTree solids_of(const Skeleton& skeleton, Vec3d origin, const Context& ctx) {
+CapsuleTree make_capsules(const Skeleton& skeleton, Vec3d origin, const Context& ctx) {
     const Vec3d shift = skeleton.origin() - origin;
     std::vector<NodeId> named;
     std::vector<RoundCone> cones;
@@ -103,7 +103,7 @@ class Cutter {
 }  // namespace
 
 ConeUnion::ConeUnion(const Skeleton& skeleton, Vec3d origin, EndShape base, EndShape tips, const Context& ctx)
-    : capsules_(solids_of(skeleton, origin, ctx)) {
+    : capsules_(make_capsules(skeleton, origin, ctx)) {
     Cutter cutter(skeleton, origin, capsules_);
     if (base == EndShape::flat) cutter.cut_bases();
     if (tips == EndShape::flat) cutter.cut_tips();

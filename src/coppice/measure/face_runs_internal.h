@@ -27,10 +27,10 @@ class FaceRuns {
             return distance_squared(boxes_.level(l)[i], p);
         };
         boxes_.search(bound, nearest.limit_squared(), [&](std::uint32_t run) {
-            const IndexRange faces = faces_of(run);
+            const IndexRange faces = get_faces(run);
             for (std::size_t f = faces.begin; f < faces.end; ++f) {
                 if (distance_squared(box(f), p) > nearest.limit_squared()) continue;
-                for_each_triangle_of(f, [&](Vec3d a, Vec3d b, Vec3d c) { nearest.add(a, b, c); });
+                visit_triangles(f, [&](Vec3d a, Vec3d b, Vec3d c) { nearest.add(a, b, c); });
             }
         });
     }
@@ -50,7 +50,7 @@ class FaceRuns {
         bool goes_on = true;
         boxes_.visit_overlapping(box, [&](std::uint32_t i) {
             const Slab& s = slab_[i];
-            goes_on = visit(Run{faces_of(i), Vec3d(s.normal), s.low, s.high, s.longest});
+            goes_on = visit(Run{get_faces(i), Vec3d(s.normal), s.low, s.high, s.longest});
             return goes_on;
         });
         return goes_on;
@@ -58,7 +58,7 @@ class FaceRuns {
 
     /// Calls visit(a, b, c) with the corners of each triangle of a face.
     template <class Visit>
-    void for_each_triangle_of(std::size_t face, const Visit& visit) const {
+    void visit_triangles(std::size_t face, const Visit& visit) const {
         for_each_triangle(corners(face), mesh_.positions(),
                           [&](const Triangle& t) { visit(at(t[0]), at(t[1]), at(t[2])); });
     }
@@ -78,7 +78,7 @@ class FaceRuns {
     struct Runs;
     FaceRuns(const FaceView& mesh, Runs&& runs, const Context& ctx);
 
-    IndexRange faces_of(std::uint32_t run) const {
+    IndexRange get_faces(std::uint32_t run) const {
         const std::size_t first = std::size_t{run_length_} * run;
         return {first, std::min<std::size_t>(first + run_length_, mesh_.size())};
     }

@@ -30,7 +30,7 @@ void check_tree(const PolygonMesh& mesh, const Skeleton* skeleton, const Capsule
     ctx.throw_if_cancelled();
     ctx.report(0.75f);
     report.volume = volume_report(surface, report.shape.signed_volume, *skeleton, solid, axes.is_deep,
-                                  part_of(ctx, 0.75f, 0.9f));
+                                  narrow_progress(ctx, 0.75f, 0.9f));
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kSurfaceTreeGrain = 1 << 13;
 
-TrianglePoints points_of(const PolygonMesh& mesh, const Triangle& t) {
+TrianglePoints get_points(const PolygonMesh& mesh, const Triangle& t) {
     return {mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]};
 }
 
@@ -28,7 +28,7 @@ struct SurfaceTree::Parts {
     void add(const PolygonMesh& mesh, std::uint32_t face) {
         bool open = false;
         for_each_triangle(mesh.face(face), mesh.positions, [&](const Triangle& t) {
-            const TrianglePoints p = points_of(mesh, t);
+            const TrianglePoints p = get_points(mesh, t);
             if (is_degenerate(p)) return;
             if (!open) {
                 pieces.push_back({face, static_cast<std::uint32_t>(triangles.size()), 0});
@@ -89,7 +89,7 @@ double SurfaceTree::distance(Vec3d p) const {
     };
     boxes_.search(bound, least, [&](std::uint32_t item) {
         for (const Triangle& t : triangles(pieces_[item])) {
-            const TrianglePoints x = points_of(*mesh_, t);
+            const TrianglePoints x = get_points(*mesh_, t);
             least = std::min(least, distance_squared(p, Vec3d(x[0]), Vec3d(x[1]), Vec3d(x[2])));
         }
     });
@@ -104,7 +104,7 @@ bool SurfaceTree::is_within(Vec3d p, double distance) const {
     };
     boxes_.search(bound, limit, [&](std::uint32_t item) {
         for (const Triangle& t : triangles(pieces_[item])) {
-            const TrianglePoints x = points_of(*mesh_, t);
+            const TrianglePoints x = get_points(*mesh_, t);
             if (found || distance_squared(p, Vec3d(x[0]), Vec3d(x[1]), Vec3d(x[2])) > limit) continue;
             found = true;
             limit = -1;
@@ -120,7 +120,7 @@ double SurfaceTree::signed_distance(Vec3d p) const {
     };
     boxes_.search(bound, nearest.limit_squared(), [&](std::uint32_t item) {
         for (const Triangle& t : triangles(pieces_[item])) {
-            const TrianglePoints x = points_of(*mesh_, t);
+            const TrianglePoints x = get_points(*mesh_, t);
             nearest.add(Vec3d(x[0]), Vec3d(x[1]), Vec3d(x[2]));
         }
     });

@@ -48,7 +48,7 @@ Kind kind_at(const RoundCone& cone, const RoundCone::Foot& foot) {
 
 double cube(double x) { return x * x * x; }
 
-std::vector<Part> parts_of(const CapsuleTree& capsules) {
+std::vector<Part> find_parts(const CapsuleTree& capsules) {
     constexpr double kPi = std::numbers::pi;
     std::vector<Part> parts;
     parts.reserve(3 * std::size_t{capsules.size()});
@@ -201,7 +201,7 @@ bool allocate(std::span<Part> parts, const Sums& now, const UnionVolumeOptions& 
 
 UnionVolume union_volume(const ConeUnion& solid, const UnionVolumeOptions& options, const MarkPoint& mark,
                          const Context& ctx) {
-    std::vector<Part> parts = parts_of(solid.capsules());
+    std::vector<Part> parts = find_parts(solid.capsules());
     const Sampler sample(solid, mark);
     Sums sums;
     for (int round = 0; round < kMaxRounds; ++round) {
@@ -228,7 +228,7 @@ VolumeEstimate estimate_union_volume(const ConeUnion& solid, std::uint64_t sampl
         std::uint64_t points = 0, own = 0;
     };
     using Counts = std::array<Count, kKinds>;
-    const std::vector<Part> parts = parts_of(solid.capsules());
+    const std::vector<Part> parts = find_parts(solid.capsules());
     std::array<double, kKinds> volume{};
     for (const Part& p : parts) volume[p.kind] += p.volume;
     const double all = std::accumulate(volume.begin(), volume.end(), 0.0);

@@ -150,9 +150,9 @@ std::span<const std::uint32_t> HalfEdges::halves(std::uint32_t e) const {
     const auto& pair = pairs_[e];
     if (pair[0] != kNoIndex) return {pair.data(), pair[1] != kNoIndex ? std::size_t{2} : 1};
     if (pair[1] != kNoIndex) return {pair.data() + 1, 1};
-    const auto edge_of = [&](std::uint32_t h) { return edge(h); };
-    return {std::ranges::lower_bound(irregular_, e, {}, edge_of),
-            std::ranges::upper_bound(irregular_, e, {}, edge_of)};
+    const auto find_edge = [&](std::uint32_t h) { return edge(h); };
+    return {std::ranges::lower_bound(irregular_, e, {}, find_edge),
+            std::ranges::upper_bound(irregular_, e, {}, find_edge)};
 }
 
 std::array<std::uint32_t, 2> HalfEdges::ends(std::uint32_t e) const {

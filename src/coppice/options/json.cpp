@@ -16,15 +16,15 @@
 namespace coppice {
 namespace {
 
-Json json_of(const bool* value) { return *value; }
-Json json_of(const int* value) { return *value; }
-Json json_of(const float* value) { return shortest(*value); }
-Json json_of(const ChoiceRef& choice) { return choice.name(); }
-Json json_of(const std::optional<Vec3d>* place) {
+Json make_json(const bool* value) { return *value; }
+Json make_json(const int* value) { return *value; }
+Json make_json(const float* value) { return shortest(*value); }
+Json make_json(const ChoiceRef& choice) { return choice.name(); }
+Json make_json(const std::optional<Vec3d>* place) {
     return *place ? Json{(*place)->x, (*place)->y, (*place)->z} : Json(nullptr);
 }
-Json json_of(const std::vector<std::string>* words) { return *words; }
-Json json_of(const std::vector<OptionField>& fields) { return to_json(fields); }
+Json make_json(const std::vector<std::string>* words) { return *words; }
+Json make_json(const std::vector<OptionField>& fields) { return to_json(fields); }
 
 void check_keys(const Json& object, std::span<const OptionField> fields, const std::string& where) {
     if (!object.is_object()) throw InvalidInput(where + " must be an object with named fields");
@@ -130,7 +130,7 @@ Json to_json(std::span<const OptionField> fields) {
     Json out = Json::object();
     for (const OptionField& field : fields) {
         out[std::string(field.field.name)] =
-            std::visit([](const auto& value) { return json_of(value); }, field.ref);
+            std::visit([](const auto& value) { return make_json(value); }, field.ref);
     }
     return out;
 }
@@ -160,7 +160,7 @@ void describe_value(Json& entry, const OptionField& field) {
             entry["high"] = f.high;
         }
     }
-    entry["default"] = std::visit([](const auto& value) { return json_of(value); }, field.ref);
+    entry["default"] = std::visit([](const auto& value) { return make_json(value); }, field.ref);
 }
 
 Json make_schema(std::span<const OptionField> fields) {

@@ -50,12 +50,12 @@ Traced trace(const Skeleton& tree, const MeshOptions& options, const Context& ct
     Stages stages(ctx, seconds);
     const PrepareResult prepared = prepare(tree, options.prepare);
     check_branches(prepared.skeleton);
-    const auto patches_of = [&](const QuadMesh& mesh, const QuadBuild& build) {
+    const auto find_patches = [&](const QuadMesh& mesh, const QuadBuild& build) {
         return take_apart(mesh, build, prepared.new_of_old, prepared.skeleton);
     };
     SurfacePatches patches;
     const auto wanted_tubes = [&](const QuadMesh& mesh, const QuadBuild& build) {
-        patches = patches_of(mesh, build);
+        patches = find_patches(mesh, build);
         const std::vector<std::uint8_t> wanted = refined(patches);
         std::vector<std::uint8_t> out;
         for (const NodeId n : patches.node) out.push_back(wanted[n.index()]);
@@ -64,7 +64,7 @@ Traced trace(const Skeleton& tree, const MeshOptions& options, const Context& ct
     const BuiltQuads built =
         mesh_by_quads(prepared.skeleton, PointSet{}, options, {.wanted = wanted_tubes}, ctx, stages);
     const RemeshTrace& remeshed = built.build.remeshed;
-    if (!remeshed.repair_patches.empty()) patches = patches_of(built.surface.mesh, built.build);
+    if (!remeshed.repair_patches.empty()) patches = find_patches(built.surface.mesh, built.build);
     // If the number of inserted nodes would be very large, segments are split less everywhere.
     const bool is_local = remeshed.is_local && prepared.report.resample.inserted <= tree.size();
     return {std::move(patches), is_local};

@@ -144,7 +144,7 @@ BuiltMesh make_surface(const Skeleton& given_skeleton, const PointSet& constrain
     const bool fits = options.fit == Fit::volume;
     BuiltMesh built;
     MeshResult& out = built.result;
-    const Context meshing = fits ? part_of(ctx, 0, 0.5f) : ctx;
+    const Context meshing = fits ? narrow_progress(ctx, 0, 0.5f) : ctx;
     Stages stages(meshing, out.stages);
     std::optional<Skeleton> bent;
     if (options.overlaps == Overlaps::apart && given_skeleton.tree_count() > 1) {
@@ -180,7 +180,7 @@ BuiltMesh make_surface(const Skeleton& given_skeleton, const PointSet& constrain
         });
     }
     if (fits || (out.measured && is_off(*out.measured))) {
-        const Context fitting_ctx = part_of(ctx, fits ? 0.5f : 1, 1);
+        const Context fitting_ctx = narrow_progress(ctx, fits ? 0.5f : 1, 1);
         const Fitting fitting{skeleton, options.control, built.build, fitting_ctx};
         out.fitted = Stages(fitting_ctx, out.stages).run("fit", 1.0f, [&] {
             return fits ? std::visit(fitting, out.surface) : fit_where_better(out.quads(), fitting);
@@ -206,9 +206,10 @@ BuiltMesh make_coarsest(const Skeleton& skeleton, const PointSet& constraints, c
                         const Context& ctx) {
     MeshOptions fitting = options;
     fitting.fit = Fit::volume;
-    BuiltMesh fitted = make_surface(skeleton, constraints, fitting, Use::still, part_of(ctx, 0, 0.5f));
+    BuiltMesh fitted =
+        make_surface(skeleton, constraints, fitting, Use::still, narrow_progress(ctx, 0, 0.5f));
     if (deviation(fitted.result) <= kMaxDeviation) return fitted;
-    BuiltMesh other = make_surface(skeleton, constraints, options, Use::still, part_of(ctx, 0.5f, 1));
+    BuiltMesh other = make_surface(skeleton, constraints, options, Use::still, narrow_progress(ctx, 0.5f, 1));
     return deviation(other.result) < deviation(fitted.result) ? std::move(other) : std::move(fitted);
 }
 

@@ -254,7 +254,7 @@ QualityReport quality(const PointSet& points, const Box3& window, const QualityO
     const double volume = static_cast<double>(size.x) * size.y * size.z;
     if (inside.size() < 2 || !(volume > 0) || !std::isfinite(volume)) return report;
     report.mean_spacing = std::cbrt(volume / static_cast<double>(inside.size()));
-    measure_distribution(inside, window, options, report, part_of(ctx, kDistances, kDistribution));
+    measure_distribution(inside, window, options, report, narrow_progress(ctx, kDistances, kDistribution));
     ctx.report(kDistribution);
     measure_power(inside, window, options, report, ctx);
     ctx.report(1);

@@ -18,7 +18,7 @@ struct Curve {
 };
 
 /// Returns the maximum of the axis: 2, or the maximum of the curve if that is larger.
-double top_of(const std::vector<double>& values) {
+double compute_top(const std::vector<double>& values) {
     double top = 2;
     for (const double v : values) {
         if (std::isfinite(v)) top = std::max(top, std::min(v, 1e6));
@@ -28,7 +28,7 @@ double top_of(const std::vector<double>& values) {
 
 void plot(const Curve& curve, double left, std::string& svg) {
     const auto out = std::back_inserter(svg);
-    const double top = top_of(curve.values);
+    const double top = compute_top(curve.values);
     const double end = curve.first + curve.step * static_cast<double>(curve.values.size());
     const auto x = [&](double v) { return left + (end > 0 ? v / end : 0) * kWidth; };
     const auto y = [&](double v) { return kTop + kHeight * (1 - std::clamp(v / top, 0.0, 1.0)); };

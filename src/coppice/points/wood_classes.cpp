@@ -40,7 +40,7 @@ Counts count_classes(const PointCloud& points) {
     return counts;
 }
 
-std::string list_of(const Counts& counts) {
+std::string format_counts(const Counts& counts) {
     std::string text;
     for (std::size_t c = 0; c < counts.size(); ++c)
         if (counts[c] > 0) text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", c, counts[c]);
@@ -132,7 +132,7 @@ ClassSelection keep_wood_classes(PointCloud& points, const WoodClasses& wood, co
     if (out.count == 0) return out;
     if (out.count == points.points.size()) {
         throw InvalidInput(
-            fmt::format("no point has one of the requested classes; there are {}", list_of(counts)));
+            fmt::format("no point has one of the requested classes; there are {}", format_counts(counts)));
     }
     std::vector<std::uint8_t> is_kept(points.classes.size());
     std::ranges::transform(points.classes, is_kept.begin(),

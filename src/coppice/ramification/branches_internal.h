@@ -60,11 +60,11 @@ class Branches {
                 std::span(arcs_).subspan(at.first_point, at.point_count)};
     }
     /// Returns the node at the end of a segment of a branch.
-    NodeId node_of(std::uint32_t b, std::uint32_t segment) const {
+    NodeId find_node(std::uint32_t b, std::uint32_t segment) const {
         return nodes_[branches_[b].first_point + segment + 1];
     }
     /// Returns the node of the segment that contains a position of a branch.
-    NodeId node_at(std::uint32_t b, double t) const { return node_of(b, path(b).segment_at(t)); }
+    NodeId node_at(std::uint32_t b, double t) const { return find_node(b, path(b).segment_at(t)); }
     /// Returns the laterals of a branch, in order.
     std::span<const std::uint32_t> laterals(std::uint32_t b) const {
         return std::span(lateral_).subspan(first_lateral_[b], first_lateral_[b + 1] - first_lateral_[b]);

@@ -63,7 +63,7 @@ CompressedRows<NodeId> TubeTree::wrapping(const Branches& branches, std::uint32_
             const Path path = branches.path(t.branch);
             std::uint32_t s = path.segment_at(t.from);
             do {
-                put(branches.node_of(t.branch, s).index(), NodeId(i));
+                put(branches.find_node(t.branch, s).index(), NodeId(i));
             } while (++s < path.segment_count() && path.arc(s) < t.to);
         }
     });

@@ -14,7 +14,7 @@ constexpr std::uint8_t kUnchanged = 255;  // index of pixels that do not change 
 constexpr int kCodeSize = 8;              // [bits] of a palette of 256
 constexpr std::uint32_t kClear = 1u << kCodeSize, kEnd = kClear + 1, kMaxCodes = 4096;
 
-std::uint32_t bin_of(const Image::Pixel& p) {
+std::uint32_t find_bin(const Image::Pixel& p) {
     return static_cast<std::uint32_t>(p[0] >> 3) << 10 | static_cast<std::uint32_t>(p[1] >> 3) << 5 |
            p[2] >> 3;
 }
@@ -28,7 +28,7 @@ struct Bin {
 std::vector<Bin> histogram(const Image& image) {
     std::vector<Bin> bins(1u << 15);
     for (const Image::Pixel& p : image.pixels) {
-        Bin& bin = bins[bin_of(p)];
+        Bin& bin = bins[find_bin(p)];
         ++bin.count;
         for (std::size_t k = 0; k < 3; ++k) bin.color[k] += p[k];
     }
@@ -63,7 +63,7 @@ std::pair<double, std::size_t> spread(const std::vector<Bin>& box) {
 }
 
 /// Splits the box of widest spread at its mean, until there are as many boxes as colours.
-std::vector<std::array<std::uint8_t, 3>> palette_of(const Image& image, std::size_t count) {
+std::vector<std::array<std::uint8_t, 3>> compute_palette(const Image& image, std::size_t count) {
     std::vector<std::vector<Bin>> boxes{histogram(image)};
     std::vector<std::pair<double, std::size_t>> spreads{spread(boxes[0])};
     while (boxes.size() < count) {
@@ -170,7 +170,7 @@ GifEncoder::GifEncoder(const Image& first, double delay, int colors)
     if (width_ > 65535 || height_ > 65535)
         throw InvalidInput("a GIF is limited to 65,535 pixels of width and height");
     if (colors < 2 || colors > kMaxColors) throw InvalidInput("a GIF requires 2 to 255 colours");
-    colors_ = palette_of(first, static_cast<std::size_t>(colors));
+    colors_ = compute_palette(first, static_cast<std::size_t>(colors));
 }
 
 std::string GifEncoder::head() const {
@@ -186,7 +186,7 @@ std::string GifEncoder::head() const {
 }
 
 std::uint8_t GifEncoder::index_of(const Image::Pixel& pixel) {
-    std::int16_t& known = nearest_[bin_of(pixel)];
+    std::int16_t& known = nearest_[find_bin(pixel)];
     if (known >= 0) return static_cast<std::uint8_t>(known);
     int least = std::numeric_limits<int>::max();
     for (std::size_t i = 0; i < colors_.size(); ++i) {

@@ -23,7 +23,7 @@ Color mixed(const Color& a, const Color& b, double t) {
     return {a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])};
 }
 
-Color color_of(double t) {
+Color compute_color(double t) {
     if (!std::isfinite(t)) return kNoNumber;
     const double at = std::clamp(t, 0.0, 1.0) * (kSteps.size() - 1);
     const auto step = std::min(static_cast<std::size_t>(at), kSteps.size() - 2);
@@ -93,7 +93,7 @@ class Map {
 namespace {
 
 void paint(const Map& map, int x, int y, const HeightMapOptions& options, Image::Pixel& pixel) {
-    const Color c = color_of((map.at(x, y) - options.low) / (options.high - options.low));
+    const Color c = compute_color((map.at(x, y) - options.low) / (options.high - options.low));
     for (std::size_t i = 0; i < 3; ++i) pixel[i] = static_cast<std::uint8_t>(std::lround(c[i]));
     pixel[3] = 255;
     const Map::Range around = map.around(x, y);

@@ -198,13 +198,13 @@ struct Grid {
           low(w.low - step_ * random.uniform(2 * station + 1)),
           step(step_),
           columns(static_cast<std::size_t>(find_columns(w, step_))),
-          rows(static_cast<std::size_t>(rows_of(w, step_))) {}
+          rows(static_cast<std::size_t>(count_rows(w, step_))) {}
 
     /// One more than fit, because of the phase, but at most one full turn.
     static double find_columns(const Window& w, double step) {
         return std::floor(std::min(w.width() / step + 2, std::max(1.0, 2 * kPi / step)));
     }
-    static double rows_of(const Window& w, double step) { return std::floor(w.height() / step + 2); }
+    static double count_rows(const Window& w, double step) { return std::floor(w.height() / step + 2); }
 
     double azimuth(std::size_t column) const { return left + step * static_cast<double>(column); }
     double elevation(std::size_t row) const { return low + step * static_cast<double>(row); }
@@ -283,7 +283,7 @@ class Scan {
     double checked(double step) const {
         double beams = 0;
         for (const Station& s : stations_)
-            beams += Grid::find_columns(s.window, step) * Grid::rows_of(s.window, step);
+            beams += Grid::find_columns(s.window, step) * Grid::count_rows(s.window, step);
         if (beams <= kMaxBeams + kMaxBeamsPerPoint * options_.points) return step;
         throw InvalidInput(
             "scan: the scanner sees too little of the mesh; request fewer points, or reduce the distance");

@@ -10,7 +10,7 @@
 namespace coppice {
 namespace {
 
-std::array<int, 3> background_of(const Image& image) {
+std::array<int, 3> find_background(const Image& image) {
     std::array<std::vector<std::uint8_t>, 3> edge;
     const auto add = [&](int x, int y) {
         for (std::size_t c = 0; c < 3; ++c) edge[c].push_back(image.at(x, y)[c]);
@@ -48,7 +48,7 @@ Mask compute_silhouette(const Image& image) {
             mask.inside[i] = image.pixels[i][3] >= 128 ? 1 : 0;
         return mask;
     }
-    const std::array<int, 3> background = background_of(image);
+    const std::array<int, 3> background = find_background(image);
     std::vector<int> off;
     std::vector<double> counts(3 * 256, 0);
     for (const Image::Pixel& p : image.pixels) {

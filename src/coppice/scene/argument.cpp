@@ -43,7 +43,7 @@ double checked(const Argument& a, std::string_view text, double number) {
 
 ArgumentValue parse_tuple(const Argument& a, std::string_view text) {
     ArgumentValue out;
-    out.numbers = numbers_of(text);
+    out.numbers = parse_numbers(text);
     if (std::ranges::find(a.sizes, out.numbers.size()) == a.sizes.end()) refuse(a, text);
     for (double& number : out.numbers) number = checked(a, text, number);
     return out;
@@ -72,7 +72,7 @@ double in_library_unit(const Argument& a, double number) {
     return a.low < a.high ? std::clamp(value, a.low, a.high) : value;
 }
 
-std::vector<double> numbers_of(std::string_view word) {
+std::vector<double> parse_numbers(std::string_view word) {
     std::vector<double> out;
     for (;;) {
         const std::size_t end = std::min(word.find(','), word.size());
@@ -175,7 +175,7 @@ bool is_object_name(std::string_view name) {
            std::ranges::all_of(name, rest);
 }
 
-Argument argument_of(const OptionField& member) {
+Argument to_argument(const OptionField& member) {
     const Field& field = member.field;
     Argument a;
     a.name = field.name;
@@ -225,7 +225,7 @@ void add_options(std::vector<Argument>& arguments, std::span<const OptionField> 
     std::size_t renamed = 0;
     visit_members(defaults, path, [&](const std::string& at, const OptionField& member) {
         if (without.contains(std::string(member.field.name))) return;
-        Argument a = argument_of(member);
+        Argument a = to_argument(member);
         a.field = at;
         if (const auto other = names.find(at); other != names.end()) {
             a.name = other->second;

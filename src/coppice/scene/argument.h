@@ -69,7 +69,7 @@ ArgumentValue parse_argument(const Argument& argument, std::string_view text);
 double in_library_unit(const Argument& argument, double number);
 
 /// Parses numbers separated by commas; empty if the word is anything else.
-std::vector<double> numbers_of(std::string_view word);
+std::vector<double> parse_numbers(std::string_view word);
 
 /// Returns the value as a user would enter it, so that parsing it is bit-identical.
 std::string typed(const Argument& argument, const ArgumentValue& value);
@@ -81,7 +81,7 @@ std::string takes_text(const Argument& argument);
 bool is_object_name(std::string_view name);
 
 /// Returns an argument that represents a member of an option struct, with the value of the member as default.
-Argument argument_of(const OptionField& member);
+Argument to_argument(const OptionField& member);
 
 /// Calls visit(path, member) for the members of an option struct and of nested structs; the path has the form
 /// "mesh.control.base".

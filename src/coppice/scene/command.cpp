@@ -55,7 +55,7 @@ std::vector<std::string> names_of_kind(const SceneState& state, ObjectKind kind)
 }
 
 /// Returns the kinds of objects that have this name.
-std::vector<ObjectKind> kinds_of(const SceneState& state, const std::string& name) {
+std::vector<ObjectKind> find_kinds(const SceneState& state, const std::string& name) {
     std::vector<ObjectKind> kinds;
     for (int k = 0; k < static_cast<int>(EnumNames<ObjectKind>::names.size()); ++k) {
         if (state.objects.contains({static_cast<ObjectKind>(k), name}))
@@ -66,7 +66,7 @@ std::vector<ObjectKind> kinds_of(const SceneState& state, const std::string& nam
 
 void check_exists(const SceneState& state, ObjectKind kind, const std::string& name) {
     if (state.objects.contains({kind, name})) return;
-    const auto others = kinds_of(state, name);
+    const auto others = find_kinds(state, name);
     const std::string wanted(name_of(kind));
     if (others.empty()) {
         throw InvalidInput(fmt::format("there is no {} {}{}", wanted, quote(name),
@@ -133,7 +133,7 @@ class Binder {
         ArgumentValue value = parse_argument(a, text);
         if (a.type == ArgumentType::object && !a.any_kind && !is_one_of(a.also, value.text))
             check_exists(state_, a.kind, value.text);
-        if (a.type == ArgumentType::object && a.any_kind && kinds_of(state_, value.text).empty()) {
+        if (a.type == ArgumentType::object && a.any_kind && find_kinds(state_, value.text).empty()) {
             std::vector<std::string> known;
             for (const auto& [key, object] : state_.objects) known.push_back(key.second);
             throw InvalidInput(
@@ -182,7 +182,7 @@ class Binder {
         std::size_t count = 0, numbers = 0;
         const std::size_t most = *std::ranges::max_element(a.sizes);
         while (first + count < positional_.size() && numbers < most) {
-            const auto more = numbers_of(positional_[first + count]);
+            const auto more = parse_numbers(positional_[first + count]);
             if (more.empty()) break;
             joined += (count > 0 ? "," : "") + positional_[first + count];
             numbers += more.size();
@@ -205,7 +205,7 @@ class Binder {
         call_.unset(file);
         typed_.erase(given);
         std::set<const Argument*> mine;
-        for (const Property& p : properties_of(read_file(path, kLargestProperties), path.string())) {
+        for (const Property& p : parse_properties(read_file(path, kLargestProperties), path.string())) {
             try {
                 const Argument& a = option_called(p.name);
                 if (a.type == ArgumentType::properties || a.required)
@@ -304,7 +304,7 @@ std::vector<Vec3> SceneCall::points(std::string_view name) const {
 Vec3 SceneCall::point(std::string_view name) const { return points(name).at(0); }
 
 ObjectPtr SceneCall::any(const std::string& name, const std::string& kind) const {
-    auto kinds = kinds_of(state_, name);
+    auto kinds = find_kinds(state_, name);
     if (!kind.empty()) std::erase_if(kinds, [&](ObjectKind k) { return name_of(k) != kind; });
     if (kinds.empty()) throw InvalidInput(fmt::format("there is no {} {}", kind, quote(name)));
     if (kinds.size() > 1) {

@@ -201,7 +201,7 @@ std::string EditSession::history_text() const {
 }
 
 EditSession::Named EditSession::named(StableId n) const {
-    Named out{.anchor = anchor_of(tree_, frame_, n)};
+    Named out{.anchor = compute_anchor(tree_, frame_, n)};
     for (std::size_t i = made_.size(); n.index() >= first_slots_ && i-- > 0 && out.maker == 0;) {
         const NodeSet& added = made_[i].change.added;
         const auto at = std::ranges::lower_bound(added, n);

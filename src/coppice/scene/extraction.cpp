@@ -18,9 +18,10 @@ PlotExtraction extract_trees_by_ids(const PointCloud& scan, const CloudOptions& 
         throw InvalidInput(
             "its points have no ids of trees; these are read from a column, property or extra dimension "
             "tree_id, treeID, PredInstance, instance or label");
-    PlotSegments segments = segment_plot_by_ids(scan.points, scan.tree_ids, part_of(ctx, 0, kSegmented));
+    PlotSegments segments =
+        segment_plot_by_ids(scan.points, scan.tree_ids, narrow_progress(ctx, 0, kSegmented));
     if (segments.trees.empty()) throw InvalidInput("extract: no tree id has at least 50 points");
-    return extract_trees(scan.points, std::move(segments), options, part_of(ctx, kSegmented, 1));
+    return extract_trees(scan.points, std::move(segments), options, narrow_progress(ctx, kSegmented, 1));
 }
 
 std::vector<NodeAttribute> node_attributes(std::span<const NodeConfidence> confidence, bool cloud) {

@@ -21,9 +21,9 @@ namespace {
 
 constexpr std::size_t kHeadSize = 64 * 1024;
 
-std::string ending_of(const std::filesystem::path& path) { return to_lower(path.extension().string()); }
+std::string get_ending(const std::filesystem::path& path) { return to_lower(path.extension().string()); }
 
-std::string head_of(const std::filesystem::path& path) {
+std::string read_head(const std::filesystem::path& path) {
     std::string head(kHeadSize, '\0');
     std::ifstream file(path, std::ios::binary);
     file.read(head.data(), static_cast<std::streamsize>(head.size()));
@@ -72,7 +72,7 @@ bool is_one_of(const std::string& ending, std::initializer_list<std::string_view
 }
 
 std::optional<FileKind> kind_of_name(const std::filesystem::path& path) {
-    const std::string ending = ending_of(path);
+    const std::string ending = get_ending(path);
     if (is_one_of(ending, {".xyz", ".asc", ".pts", ".ptx", ".pcd", ".las", ".laz", ".e57"}))
         return FileKind::points;
     if (mesh_format_of_name(path)) return FileKind::mesh;
@@ -94,13 +94,13 @@ std::optional<FileKind> kind_of_content(const std::string& head) {
 }  // namespace
 
 std::optional<FileKind> kind_of_file(const std::filesystem::path& path) {
-    const std::string ending = ending_of(path);
+    const std::string ending = get_ending(path);
     std::error_code error;
     if (!std::filesystem::is_regular_file(path, error)) {
         if (!std::filesystem::exists(path, error)) read_file(path);  // throws with the reason
         return kind_of_name(path);
     }
-    const std::string head = head_of(path);
+    const std::string head = read_head(path);
     if (const auto unread = unread_format(head); unread && ending != ".mat")
         throw Unsupported(fmt::format("{}: it is {}", path.string(), *unread));
     if (ending == ".obj") return obj_holds_lines(path) ? FileKind::skeleton : FileKind::mesh;

@@ -101,7 +101,7 @@ std::uint64_t compute_memory(const Surface& surface) {
     return vertices * sizeof(Vec3) + face_count(surface) * 5 * sizeof(std::uint32_t);
 }
 
-std::string description_of(const SceneObject& object) {
+std::string describe_object(const SceneObject& object) {
     return std::visit([](const auto& value) { return described(value); }, object.value);
 }
 

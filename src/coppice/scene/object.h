@@ -63,6 +63,6 @@ std::uint64_t compute_memory(const Skeleton& skeleton, std::span<const NodeAttri
 std::uint64_t compute_memory(const Surface& surface);
 
 /// Returns the figures of an object, one per line.
-std::string description_of(const SceneObject& object);
+std::string describe_object(const SceneObject& object);
 
 }  // namespace coppice

@@ -32,7 +32,7 @@ std::string_view unquoted(std::string_view text) {
 
 }  // namespace
 
-std::vector<Property> properties_of(std::string_view text, const std::string& source) {
+std::vector<Property> parse_properties(std::string_view text, const std::string& source) {
     std::vector<Property> out;
     for (const SceneLine& line : scene_lines(text, source)) {
         const std::string_view all = trimmed(without_comment(line.text));

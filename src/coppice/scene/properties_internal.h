@@ -16,6 +16,6 @@ struct Property {
 
 /// Parses a file of options: a name and a value separated by "=", ":" or blanks on each line; `#` begins a
 /// comment. Throws InvalidInput, naming `source` and the line, if a name has no value.
-std::vector<Property> properties_of(std::string_view text, const std::string& source);
+std::vector<Property> parse_properties(std::string_view text, const std::string& source);
 
 }  // namespace coppice

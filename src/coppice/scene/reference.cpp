@@ -19,7 +19,7 @@ std::string default_text(const Argument& a) {
     if (!a.unless.empty()) return fmt::format("{}; with {}= no default", a.initial, a.unless);
     if (a.name == "seed") return fmt::format("{}, or the value of set seed", a.initial);
     if (a.unit != Unit::radian || a.initial.empty()) return a.initial;
-    return fmt::format("{:.4g}", numbers_of(a.initial).at(0));
+    return fmt::format("{:.4g}", parse_numbers(a.initial).at(0));
 }
 
 std::string argument_line(const Argument& a) {
@@ -52,7 +52,7 @@ std::string help_of_statement(const SceneStatement& s) {
 }
 
 std::string help_of_command(const SceneCommand& c) {
-    std::string text = fmt::format("{}\n    {}\n", usage_of(c), c.help);
+    std::string text = fmt::format("{}\n    {}\n", format_usage(c), c.help);
     if (!c.aliases.empty()) text += fmt::format("    also: {}\n", fmt::join(c.aliases, ", "));
     for (const Argument& a : c.arguments)
         text += fmt::format("  {:<18} {}\n", a.positional ? upper(a.name) : a.name + "=", argument_line(a));
@@ -69,7 +69,7 @@ std::string table_cell(std::string_view text) {
 }
 
 std::string to_markdown(const SceneCommand& c) {
-    std::string text = fmt::format("### {}\n`{}`: {}\n", c.name, usage_of(c), c.help);
+    std::string text = fmt::format("### {}\n`{}`: {}\n", c.name, format_usage(c), c.help);
     if (!c.aliases.empty()) text += fmt::format("Also called `{}`.\n", fmt::join(c.aliases, "`, `"));
     text += fmt::format("```\n{}\n```\n", c.example);
     if (c.arguments.empty()) return text + "\n";
@@ -95,7 +95,7 @@ std::vector<std::string> groups() {
 }
 
 /// Returns the possible values of an argument, if they can be listed.
-std::vector<std::string> values_of(const Argument& a, const SceneState& state) {
+std::vector<std::string> list_values(const Argument& a, const SceneState& state) {
     if (a.type == ArgumentType::choice) return a.choices;
     if (a.type == ArgumentType::flag) return {"false", "true"};
     std::vector<std::string> names;
@@ -133,7 +133,7 @@ void add_commands(std::set<std::string>& out, const std::string& done, std::stri
     }
 }
 
-Json json_of(const Argument& a) {
+Json make_json(const Argument& a) {
     static constexpr std::array<std::string_view, 13> kTypes{
         "new_name", "object", "number",     "whole",     "flag",        "choice",    "tuple",
         "section",  "word",   "input_file", "selection", "output_file", "properties"};
@@ -158,7 +158,7 @@ Json json_of(const Argument& a) {
 
 }  // namespace
 
-std::string usage_of(const SceneCommand& command) {
+std::string format_usage(const SceneCommand& command) {
     std::string text = command.name;
     bool options = false;
     for (const Argument& a : command.arguments) {
@@ -183,7 +183,7 @@ std::string help_overview() {
     return text + "help COMMAND explains a command; lines that begin with # are comments.\n";
 }
 
-std::string help_of(std::span<const SceneWord> words) {
+std::string format_help(std::span<const SceneWord> words) {
     if (words.size() == 1) {
         if (const SceneStatement* statement = find_statement(words[0].text))
             return help_of_statement(*statement);
@@ -222,7 +222,7 @@ Json scene_schema() {
     Json all = Json::array();
     for (const SceneCommand& c : scene_commands()) {
         Json arguments = Json::array();
-        for (const Argument& a : c.arguments) arguments.push_back(json_of(a));
+        for (const Argument& a : c.arguments) arguments.push_back(make_json(a));
         all.push_back({{"name", c.name},
                        {"aliases", c.aliases},
                        {"group", c.group},
@@ -262,13 +262,13 @@ std::vector<std::string> completions(std::string_view line, const SceneState& st
     std::size_t place = 0;
     for (const Argument& a : command->arguments) {
         if (!last.key.empty()) {
-            if (a.name == last.key) add_matches(out, values_of(a, state), last.text, a.name + "=");
+            if (a.name == last.key) add_matches(out, list_values(a, state), last.text, a.name + "=");
             continue;
         }
         if (!a.positional) {
             add_matches(out, {fmt::format("{}=", a.name)}, last.text);
         } else if (place++ == before || (a.repeats && place <= before + 1)) {
-            add_matches(out, values_of(a, state), last.text);
+            add_matches(out, list_values(a, state), last.text);
         }
     }
     return {out.begin(), out.end()};

@@ -15,7 +15,7 @@ std::string help_overview();
 
 /// Returns the help of a command with its arguments, or of all commands of a family ("pointset"). Throws
 /// InvalidInput with the closest spelling.
-std::string help_of(std::span<const SceneWord> words);
+std::string format_help(std::span<const SceneWord> words);
 
 /// Returns the reference page of all commands in Markdown, docs/user/scene-reference.md, or of one group.
 std::string scene_reference(std::string_view group = {});
@@ -28,6 +28,6 @@ Json scene_schema();
 std::vector<std::string> completions(std::string_view line, const SceneState& state);
 
 /// Returns the syntax of the first words of a command: NAME, [NAME], NAME...
-std::string usage_of(const SceneCommand& command);
+std::string format_usage(const SceneCommand& command);
 
 }  // namespace coppice

@@ -33,7 +33,7 @@ bool suits(ObjectKind kind, const std::filesystem::path& path) {
     return false;
 }
 
-std::string_view hint_of(ObjectKind kind) {
+std::string_view find_hint(ObjectKind kind) {
     switch (kind) {
         case ObjectKind::points:
             return "use .las, .ply, .xyz, .txt, .csv or .asc";
@@ -97,8 +97,8 @@ void check_scene_output(std::span<const SceneCommand* const> commands, const std
     if (std::ranges::none_of(kWritten, [&](ObjectKind kind) { return suits(kind, path); })) {
         throw InvalidInput(fmt::format(
             "the extension of '{}' is not a known format; for a mesh {}, for a skeleton {}, for points {}",
-            path.string(), hint_of(ObjectKind::mesh), hint_of(ObjectKind::skeleton),
-            hint_of(ObjectKind::points)));
+            path.string(), find_hint(ObjectKind::mesh), find_hint(ObjectKind::skeleton),
+            find_hint(ObjectKind::points)));
     }
     const bool made = std::ranges::any_of(
         commands, [&](const SceneCommand* c) { return c->makes && suits(*c->makes, path); });
@@ -109,7 +109,7 @@ void check_file_name(const SceneObject& object, const std::filesystem::path& pat
     const ObjectKind kind = object.kind();
     if (suits(kind, path)) return;
     throw InvalidInput(fmt::format("'{}' is not a valid file name for {}; {}", path.string(),
-                                   with_article(kind), hint_of(kind)));
+                                   with_article(kind), find_hint(kind)));
 }
 
 void save_object(const SceneObject& object, const std::filesystem::path& path, const Context& ctx) {

@@ -18,12 +18,12 @@ namespace {
 constexpr int kVersion = 1;
 constexpr std::size_t kMaxEdits = 100'000;
 
-Json json_of(Vec3d v) { return Json::array({v.x, v.y, v.z}); }
+Json make_json(Vec3d v) { return Json::array({v.x, v.y, v.z}); }
 
-Json json_of(const EditSession::Named& node) {
+Json make_json(const EditSession::Named& node) {
     const Anchor& a = node.anchor;
-    Json out{{"id", a.id.index()}, {"place", json_of(a.place)}, {"order", a.order},
-             {"along", a.along},   {"length", a.length},        {"radius", a.radius}};
+    Json out{{"id", a.id.index()}, {"place", make_json(a.place)}, {"order", a.order},
+             {"along", a.along},   {"length", a.length},          {"radius", a.radius}};
     if (node.maker > 0) {
         out["made_by"] = node.maker;
         out["as"] = node.added;
@@ -102,12 +102,12 @@ std::string EditSession::saved() const {
     Json edits = Json::array();
     for (const Made& made : made_) {
         Json nodes = Json::array();
-        for (const Named& node : made.named) nodes.push_back(json_of(node));
+        for (const Named& node : made.named) nodes.push_back(make_json(node));
         edits.push_back({{"command", made.command}, {"nodes", std::move(nodes)}});
     }
     const Json all{{"format", "coppice-edits"},
                    {"version", kVersion},
-                   {"base", json_of(frame_.base)},
+                   {"base", make_json(frame_.base)},
                    {"size", frame_.size},
                    {"edits", std::move(edits)}};
     return all.dump(1) + "\n";

@@ -17,7 +17,7 @@ constexpr std::size_t kMaxSteps = 1000;
 constexpr std::uint64_t kMebibyte = 1 << 20;
 constexpr std::size_t kLongestAnswer = 16 * kMebibyte;  // [bytes] maximum output of a block
 
-std::string place_of(const std::string& place, const SceneCommand& command) {
+std::string add_command_name(const std::string& place, const SceneCommand& command) {
     return place.empty() ? command.name : fmt::format("{}: {}", place, command.name);
 }
 
@@ -48,7 +48,7 @@ std::string Scene::run_command(std::string_view line, const std::string& place, 
     const auto words = placed(place, [&] { return scene_words(line); });
     if (words.empty()) return {};
     const SceneCall call = placed(place, [&] { return bind_command(words, state_, settings_, ctx); });
-    return placed(place_of(place, call.command()), [&] {
+    return placed(add_command_name(place, call.command()), [&] {
         SceneOutcome outcome = call.command().run(call);
         ctx.throw_if_cancelled();
         if (outcome.undo > 0) {
@@ -149,7 +149,7 @@ void Scene::forget_old_steps() {
     }
 }
 
-std::uint64_t SceneMemory::bytes_of(const Scene::Step& step) {
+std::uint64_t SceneMemory::count_bytes(const Scene::Step& step) {
     std::uint64_t bytes = sizeof(step);
     for (const SceneOutcome::Change& change : step.before) {
         bytes += sizeof(change) + change.name.size();
@@ -169,9 +169,9 @@ std::uint64_t SceneMemory::add(const Scene& scene) {
     const auto& steps = scene.undo_;
     bytes += sizeof(Scene::StepPtr) * steps.size();
     for (auto step = steps.rbegin(); step != steps.rend() && is_new(step->get()); ++step)
-        bytes += bytes_of(**step);
+        bytes += count_bytes(**step);
     for (auto step = steps.begin(); step != steps.end() && is_new(step->get()); ++step)
-        bytes += bytes_of(**step);
+        bytes += count_bytes(**step);
     return bytes;
 }
 

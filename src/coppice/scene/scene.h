@@ -98,7 +98,7 @@ class SceneMemory {
 
   private:
     bool is_new(const void* part) { return seen_.insert(part).second; }
-    std::uint64_t bytes_of(const Scene::Step& step);
+    std::uint64_t count_bytes(const Scene::Step& step);
 
     std::unordered_set<const void*> seen_;
 };

@@ -19,7 +19,7 @@ struct Span {
     double first, second, nearest;
 };
 
-Span span_of(const Segment& s, Vec3d root) {
+Span find_span(const Segment& s, Vec3d root) {
     const Vec3d a = Vec3d(s.a) - root, b = Vec3d(s.b) - root, along = b - a;
     const double square = dot(along, along);
     const double t = square > 0 ? std::clamp(-dot(a, along) / square, 0.0, 1.0) : 0.0;
@@ -141,7 +141,7 @@ ShollProfile sholl(const Skeleton& s, double step) {
     };
     for (const NodeId n : nodes(s)) {
         if (s.is_root(n)) continue;
-        const Span span = span_of(s.segment(n), Vec3d(s.position(roots[n.index()])));
+        const Span span = find_span(s.segment(n), Vec3d(s.position(roots[n.index()])));
         add(span.nearest, span.first);
         add(span.nearest, span.second);
     }

@@ -65,7 +65,7 @@ struct Part {
     bool empty() const { return !(from < to); }
 };
 
-Frustum part_of(const Frustum& cone, const Part& part) {
+Frustum cut_part(const Frustum& cone, const Part& part) {
     return {std::lerp(cone.radius_a, cone.radius_b, part.from),
             std::lerp(cone.radius_a, cone.radius_b, part.to), cone.length * (part.to - part.from)};
 }
@@ -114,7 +114,7 @@ class TimberSum {
         const Part thick = as_thick(n);
         part.cut_to(thick.from, thick.to);
         if (!part.empty())
-            trees_[find_branch(n).tree].volume += part_of(frustum(s_.segment(n)), part).volume();
+            trees_[find_branch(n).tree].volume += cut_part(frustum(s_.segment(n)), part).volume();
     }
 
     /// Adds the stem from the stump to the end of its last part with the minimum diameter.
@@ -127,7 +127,7 @@ class TimberSum {
             Part part = above_stump(n);
             if (n == axis.back()) part.cut_to(0, as_thick(n).to);
             if (part.empty()) continue;
-            const Frustum cone = part_of(frustum(s_.segment(n)), part);
+            const Frustum cone = cut_part(frustum(s_.segment(n)), part);
             trees_[stem.tree].stem_length += cone.length;
             trees_[stem.tree].stem_volume += cone.volume();
         }

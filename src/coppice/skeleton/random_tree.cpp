@@ -112,7 +112,7 @@ class SegmentHash {
     explicit SegmentHash(std::uint32_t size) : seen_(size, 0) {}
 
     void insert(std::uint32_t node, Vec3d a, Vec3d b, double radius) {
-        const int level = level_of(radius);
+        const int level = choose_level(radius);
         if (level >= levels_) levels_ = level + 1;
         for_each_piece(a, b, radius, [&](const Range& box) {
             for_each_cell(box, level, [&](std::uint64_t key) {
@@ -150,7 +150,7 @@ class SegmentHash {
         Vec3d low, high;
     };
 
-    static int level_of(double radius) {
+    static int choose_level(double radius) {
         return std::max(0, static_cast<int>(std::ceil(std::log2(radius / kTipRadius))));
     }
 

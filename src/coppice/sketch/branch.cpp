@@ -56,14 +56,14 @@ class BranchMaker {
     Axis run(const Context& ctx) {
         if (parent_ && parent_->positions.empty()) return refuse("its parent branch was refused");
         if (branch_.strokes.size() < 2) return refuse("it is drawn in a single view");
-        std::vector<Line> drawn = lines_of(true);
+        std::vector<Line> drawn = make_lines(true);
         for (std::size_t i = 0; i < drawn.size(); ++i) {
             if (drawn[i].points.size() < 2)
                 return refuse("all points of its stroke in '" + view_name(i) + "' coincide");
         }
         Outcome best = attempt(drawn, ctx);
         if (!best.suspects.empty() && total_left_out(drawn) > 0)
-            keep_better(best, drawn, lines_of(false), ctx);
+            keep_better(best, drawn, make_lines(false), ctx);
         while (!best.suspects.empty() && leave_out_one(drawn, best, ctx)) {
         }
         fit_ = best.fit;
@@ -101,11 +101,11 @@ class BranchMaker {
         std::vector<Suspect> suspects;  ///< possibly wrong points, most unlikely first
     };
 
-    std::vector<Line> lines_of(bool clean) const {
+    std::vector<Line> make_lines(bool clean) const {
         std::vector<Line> out;
         for (const Stroke& stroke : branch_.strokes)
-            out.push_back(line_of(facts_.sketch.views[stroke.view], stroke, facts_.hand,
-                                  double{options_.noise}, clean));
+            out.push_back(make_line(facts_.sketch.views[stroke.view], stroke, facts_.hand,
+                                    double{options_.noise}, clean));
         return out;
     }
 
@@ -244,11 +244,11 @@ class BranchMaker {
     bool detours(const std::vector<AxisNode>& nodes, std::size_t which, std::size_t point) const {
         const Line& line = lines_[pair_[which]];
         if (point == 0 || point + 1 == line.points.size() || line.drawn[point - 1] < 0) return true;
-        const auto node_of = [&](std::size_t p) {
+        const auto find_node = [&](std::size_t p) {
             return std::ranges::find_if(
                 nodes, [&](const AxisNode& n) { return n.point[which] == static_cast<int>(p); });
         };
-        const auto from = node_of(point - 1), to = node_of(point + 1);
+        const auto from = find_node(point - 1), to = find_node(point + 1);
         double way = -distance(from->position, to->position);
         for (auto node = from; node < to; ++node) way += distance(node->position, (node + 1)->position);
         return way * pixels_per_metre(view(pair_[which]), from->position) >

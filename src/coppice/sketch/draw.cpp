@@ -102,7 +102,7 @@ class Drawer {
 
 }  // namespace
 
-std::vector<SketchView> views_of(const Skeleton& skeleton, const DrawSketchOptions& options) {
+std::vector<SketchView> choose_views(const Skeleton& skeleton, const DrawSketchOptions& options) {
     check_fields(options, "sketch");
     const Box3 bounds = skeleton.bounds();
     const Vec3d middle = skeleton.origin() + Vec3d(bounds.center());

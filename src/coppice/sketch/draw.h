@@ -26,7 +26,7 @@ void list_fields(DrawSketchOptions& o, FieldList& list);
 
 /// Returns two level cameras that show the whole skeleton: "front" looks along +y, "side" is rotated by
 /// `angle`. O(n). Throws InvalidInput if an option is out of range.
-std::vector<SketchView> views_of(const Skeleton& skeleton, const DrawSketchOptions& options = {});
+std::vector<SketchView> choose_views(const Skeleton& skeleton, const DrawSketchOptions& options = {});
 
 /// Creates the ideal sketch of a skeleton in these views: a branch for every axis, that is a stem or lateral
 /// that continues with the thickest child at every fork, with strokes in all views, widths at every point,

@@ -43,7 +43,7 @@ struct Node {
 };
 
 /// Returns the t of s in a match, interpolated linearly between its pairs; NaN outside the match.
-double other_of(const Match& match, double s, bool from_first) {
+double find_other(const Match& match, double s, bool from_first) {
     const auto here = [&](const Pair& p) { return from_first ? p.s : p.t; };
     const auto there = [&](const Pair& p) { return from_first ? p.t : p.s; };
     const auto& pairs = match.pairs;
@@ -83,7 +83,7 @@ class AxisFit {
                 Node node;
                 node.along[which] = s;
                 node.own[which] = static_cast<int>(p);
-                node.along[1 - which] = other_of(*in_.match, s, which == 0);
+                node.along[1 - which] = find_other(*in_.match, s, which == 0);
                 nodes_.push_back(node);
             }
         }

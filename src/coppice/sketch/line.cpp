@@ -184,7 +184,7 @@ double Line::nearest(PicturePoint p, double low, double high) const {
     return best;
 }
 
-Hand hand_of(const Sketch& sketch, double noise) {
+Hand estimate_hand(const Sketch& sketch, double noise) {
     Hand hand;
     std::vector<double> off, pieces, above;
     for (const SketchBranch& branch : sketch.branches) {
@@ -207,7 +207,7 @@ Hand hand_of(const Sketch& sketch, double noise) {
     return hand;
 }
 
-Line line_of(const SketchView& view, const Stroke& stroke, const Hand& hand, double noise, bool clean) {
+Line make_line(const SketchView& view, const Stroke& stroke, const Hand& hand, double noise, bool clean) {
     Line line = without_repeats(view, stroke);
     if (line.points.size() < 2) return line;
     const bool judged = line.points.size() >= kMinToJudge;

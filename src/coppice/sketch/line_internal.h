@@ -34,11 +34,12 @@ struct Hand {
 
 /// Computes medians over all strokes, which are robust against wrong points. A positive `noise` [pixels]
 /// replaces the measured one. O(points).
-Hand hand_of(const Sketch& sketch, double noise);
+Hand estimate_hand(const Sketch& sketch, double noise);
 
 /// Removes outliers from a stroke and measures the noise of the remaining points; short strokes use the noise
 /// of `hand`. A positive `noise` [pixels] replaces both. Without `clean` every point is kept. O(n).
-Line line_of(const SketchView& view, const Stroke& stroke, const Hand& hand, double noise, bool clean = true);
+Line make_line(const SketchView& view, const Stroke& stroke, const Hand& hand, double noise,
+               bool clean = true);
 
 /// Returns the line through unmodified points, at least two of which must be distinct.
 Line line_through(std::vector<PicturePoint> points);

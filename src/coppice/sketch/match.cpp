@@ -30,7 +30,7 @@ constexpr std::array<Step, 9> kSteps{{{1, 1, 0},
                                       {0, 1, 2.5},
                                       {1, 0, 2.5}}};
 
-Camera camera_of(const SketchView& view) {
+Camera make_camera(const SketchView& view) {
     Eigen::Matrix3d k;
     Camera pose = Camera::Zero();
     for (int i = 0; i < 3; ++i) {
@@ -185,7 +185,7 @@ void refine(Match& match, const Line& first, const Line& second, const Matrix3& 
 // [Hartley2004] 17.3: valid for every pair of linear cameras, including orthographic ones, which have no
 // centre.
 Matrix3 fundamental_matrix(const SketchView& first, const SketchView& second) {
-    const Camera a = camera_of(first), b = camera_of(second);
+    const Camera a = make_camera(first), b = make_camera(second);
     Matrix3 f{};
     for (std::size_t i = 0; i < 3; ++i) {
         for (std::size_t j = 0; j < 3; ++j) {

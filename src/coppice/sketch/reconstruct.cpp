@@ -121,7 +121,7 @@ SketchResult reconstruct(const Sketch& sketch, const SketchOptions& options, con
     check_stems(sketch, source);
     std::vector<SketchView> views;
     for (const SketchView& view : sketch.views) views.push_back(without_distortion(view));
-    const Hand hand = hand_of(sketch, double{options.noise});
+    const Hand hand = estimate_hand(sketch, double{options.noise});
     if (options.refine_cameras) refine_cameras(sketch, views, hand, ctx);
     const SketchFacts facts{sketch, views, options, hand};
     std::vector<BranchFit> fits(sketch.branches.size());

@@ -80,7 +80,7 @@ bool is_shallow(std::string_view text) {
     return true;
 }
 
-std::string type_of(const Json& request) {
+std::string get_type(const Json& request) {
     const auto found = request.find("type");
     return found != request.end() && found->is_string() ? found->get<std::string>() : std::string();
 }
@@ -138,7 +138,7 @@ class StudioEngine::State {
         const auto found = clients_.find(name);
         if (found == clients_.end() || !found->second.connection) return;
         Client& client = found->second;
-        const std::uint64_t id = id_of(request);
+        const std::uint64_t id = get_id(request);
         if (id == 0) {
             client.connection->send_text(refusal(
                 0, "input",
@@ -147,7 +147,7 @@ class StudioEngine::State {
         }
         if (id <= client.taken) return repeat(name, client, id);
         client.taken = id;
-        if (type_of(request) == "cancel") {
+        if (get_type(request) == "cancel") {
             running_.request_stop();
             answer(client, id, Json{{"re", id}, {"ok", true}}.dump());
             return;
@@ -156,8 +156,8 @@ class StudioEngine::State {
             answer(client, id, refusal(id, "busy", "too many requests are waiting; wait for their answers"));
             return;
         }
-        if (type_of(request) == "preview") drop_previews(name, client);
-        leave_preview(name, type_of(request) == "preview");
+        if (get_type(request) == "preview") drop_previews(name, client);
+        leave_preview(name, get_type(request) == "preview");
         ++client.waiting;
         waiting_bytes_ += text.size();
         queue_.push_back({name, std::move(request), id, text.size()});
@@ -167,7 +167,7 @@ class StudioEngine::State {
     StudioBytes blob(std::string_view key) { return blobs_.get(key); }
 
   private:
-    static std::uint64_t id_of(const Json& request) {
+    static std::uint64_t get_id(const Json& request) {
         if (!request.is_object()) return 0;
         const auto found = request.find("id");
         return found != request.end() && found->is_number_unsigned() ? found->get<std::uint64_t>() : 0;
@@ -201,7 +201,7 @@ class StudioEngine::State {
     /// Removes the waiting previews of a client: only its newest one counts.
     void drop_previews(const std::string& name, Client& client) {
         std::erase_if(queue_, [&](const Message& m) {
-            if (m.client != name || type_of(m.request) != "preview") return false;
+            if (m.client != name || get_type(m.request) != "preview") return false;
             answer(client, m.id, Json{{"re", m.id}, {"ok", true}, {"dropped", true}}.dump());
             --client.waiting;
             waiting_bytes_ -= m.bytes;
@@ -246,7 +246,7 @@ class StudioEngine::State {
                 waiting_bytes_ -= message.bytes;
                 doing_ = {message.client, message.id};
                 running_ = std::stop_source();
-                previewing_ = type_of(message.request) == "preview" ? message.client : std::string();
+                previewing_ = get_type(message.request) == "preview" ? message.client : std::string();
                 began_ = Clock::now();
                 ctx.stop = running_.get_token();
             }
@@ -277,7 +277,7 @@ class StudioEngine::State {
 
     void handle(const Message& message, Context& ctx) {
         Json reply = do_request(message, ctx);
-        if (type_of(message.request) == "preview" && reply.value("kind", "") == "cancelled")
+        if (get_type(message.request) == "preview" && reply.value("kind", "") == "cancelled")
             reply = {{"ok", true}, {"dropped", true}};
         reply["re"] = message.id;
         const bool changed = session_.revision() != revision_;
@@ -363,7 +363,7 @@ class StudioEngine::State {
         progressed_ = now;
         Json event{{"type", "progress"},
                    {"statement", nullptr},
-                   {"request", type_of(request_->request)},
+                   {"request", get_type(request_->request)},
                    {"by", request_->client},
                    {"fraction", fraction}};
         if (statement_) event["statement"] = *statement_;

@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t kMaxNames = 100;  // maximum number of listed undo steps
 constexpr double kMaxCount = 1e9;
 
-const Json* field_of(const Json& fields, const char* name) {
+const Json* find_field(const Json& fields, const char* name) {
     const auto found = fields.find(name);
     return found == fields.end() || found->is_null() ? nullptr : &*found;
 }
@@ -64,25 +64,25 @@ void Studio::reserve(double bytes) const {
 }
 
 const std::string& Request::text(const char* field) const {
-    const Json* found = field_of(fields, field);
+    const Json* found = find_field(fields, field);
     if (found == nullptr || !found->is_string())
         throw InvalidInput(fmt::format("the request requires a text '{}'", field));
     return found->get_ref<const std::string&>();
 }
 
 std::string Request::text(const char* field, const char* otherwise) const {
-    return field_of(fields, field) == nullptr ? otherwise : text(field);
+    return find_field(fields, field) == nullptr ? otherwise : text(field);
 }
 
 double Request::number(const char* field) const {
-    const Json* found = field_of(fields, field);
+    const Json* found = find_field(fields, field);
     if (found == nullptr || !found->is_number())
         throw InvalidInput(fmt::format("the request requires a number '{}'", field));
     return found->get<double>();
 }
 
 std::size_t Request::count(const char* field, std::size_t otherwise) const {
-    if (field_of(fields, field) == nullptr) return otherwise;
+    if (find_field(fields, field) == nullptr) return otherwise;
     const double n = number(field);
     if (!(n >= 0 && n <= kMaxCount) || n != std::floor(n))
         throw InvalidInput(fmt::format("'{}' must be a whole number", field));
@@ -90,14 +90,14 @@ std::size_t Request::count(const char* field, std::size_t otherwise) const {
 }
 
 bool Request::flag(const char* field) const {
-    const Json* found = field_of(fields, field);
+    const Json* found = find_field(fields, field);
     return found != nullptr && found->is_boolean() && found->get<bool>();
 }
 
 ObjectKind Request::kind() const { return kind_called(text("kind")); }
 
 std::optional<Document::Name> Request::about() const {
-    const Json* found = field_of(fields, "about");
+    const Json* found = find_field(fields, "about");
     if (found == nullptr) return std::nullopt;
     const Request inner{client, *found, ctx};
     return Document::Name{inner.kind(), inner.text("name")};
@@ -110,7 +110,7 @@ std::string run_alongside(const Studio& studio, const std::string& line, const C
 
 namespace {
 
-Json state_of(Studio& studio) {
+Json make_state(Studio& studio) {
     const Document& document = studio.document;
     Json statements = Json::array();
     for (const Document::Statement& s : document.statements())
@@ -120,7 +120,7 @@ Json state_of(Studio& studio) {
     for (const auto& [name, object] : document.scene().state().objects) {
         const ObjectNotes::Note& note = studio.notes.of(object);
         const auto& box = note.bounds;
-        const ObjectCount count = count_of(*object);
+        const ObjectCount count = count_elements(*object);
         Json bounds = nullptr;
         if (box)
             bounds = {box->first.x, box->first.y, box->first.z, box->second.x, box->second.y, box->second.z};
@@ -151,7 +151,7 @@ Json state_of(Studio& studio) {
             {"recovered", studio.recovered}};
 }
 
-Json json_of(const StudioGrown& grown) {
+Json make_json(const StudioGrown& grown) {
     return {{"statement", grown.statement}, {"nodes", grown.nodes}, {"until", grown.until}};
 }
 
@@ -211,7 +211,7 @@ class StudioSession::State {
             return out;
         } catch (const Cancelled& error) {
             Json out = refusal("cancelled", error.what());
-            if (const auto& grown = relay_.last()) out["grown"] = studio_internal::json_of(*grown);
+            if (const auto& grown = relay_.last()) out["grown"] = studio_internal::make_json(*grown);
             return out;
         } catch (const IoError& error) {
             return refusal("files", error.what());
@@ -286,7 +286,7 @@ Json StudioSession::answer(const std::string& client, const Json& request, const
     return state_->answer(client, request, ctx);
 }
 
-Json StudioSession::state() const { return studio_internal::state_of(state_->studio()); }
+Json StudioSession::state() const { return studio_internal::make_state(state_->studio()); }
 std::uint64_t StudioSession::revision() const {
     return state_->studio().document.revision() + state_->studio().saves;
 }

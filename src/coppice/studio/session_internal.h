@@ -157,8 +157,8 @@ inline std::string surface_options(const Request& request) { return typed_option
 
 /// Returns the surface of a skeleton or solid, computed outside the document, or an object of another kind
 /// itself. `options` are those of mesh, in the syntax of a command.
-ObjectPtr surface_of(const Studio& studio, const Document::Name& object, const std::string& options,
-                     const Context& ctx);
+ObjectPtr make_surface(const Studio& studio, const Document::Name& object, const std::string& options,
+                       const Context& ctx);
 
 /// Runs a command in a copy of the current scene that is discarded afterwards. Returns its output.
 std::string run_alongside(const Studio& studio, const std::string& line, const Context& ctx);

@@ -41,8 +41,8 @@ struct Surroundings {
 };
 
 // Rows of values[i] by key, with the index in its row of each.
-CompressedRows<std::uint32_t> rows_of(std::span<const std::uint32_t> values,
-                                      std::span<const std::uint32_t> keys, std::size_t rows) {
+CompressedRows<std::uint32_t> group_rows(std::span<const std::uint32_t> values,
+                                         std::span<const std::uint32_t> keys, std::size_t rows) {
     return compress_rows<std::uint32_t>(rows, [&](const auto& put) {
         for (std::size_t i = 0; i < values.size(); ++i) {
             if (keys[i] != kNoIndex) put(keys[i], values[i]);
@@ -95,9 +95,9 @@ FoldClusters::FoldClusters(std::span<const std::uint32_t> all_bad, std::size_t v
         to_cluster(key_of_bad.back());
         if (key_of_bad.back() == kNoIndex) fixed.push_back(face);
     }
-    vertices = rows_of(around.vertices, cluster, count);
-    faces = rows_of(around.faces, key_of_face, count);
-    bad = rows_of(all_bad, key_of_bad, count);
+    vertices = group_rows(around.vertices, cluster, count);
+    faces = group_rows(around.faces, key_of_face, count);
+    bad = group_rows(all_bad, key_of_bad, count);
     set_places(vertices, vertex_place_);
     set_places(faces, face_place_);
 }

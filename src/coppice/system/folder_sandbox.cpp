@@ -47,7 +47,7 @@ class Descriptor {
 };
 
 /// Returns the components of a path, without ".".
-std::vector<std::string> parts_of(std::string_view name) {
+std::vector<std::string> split_name(std::string_view name) {
     std::vector<std::string> parts;
     for (std::size_t begin = 0; begin <= name.size();) {
         const std::size_t end = std::min(name.find('/', begin), name.size());
@@ -95,7 +95,7 @@ std::string_view fault_of_name(std::string_view name) {
     if (std::ranges::any_of(name, [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; }))
         return "the name has control characters";
     if (!is_utf8(name)) return "the name is not valid UTF-8";
-    const auto parts = parts_of(name);
+    const auto parts = split_name(name);
     if (parts.empty()) return "the name is that of the folder itself";
     for (const std::string& part : parts) {
         if (part.empty()) return "the name has an empty component";
@@ -106,7 +106,7 @@ std::string_view fault_of_name(std::string_view name) {
 }
 
 int open_stepwise(int folder, const std::string& name, int flags) {
-    const auto parts = parts_of(name);
+    const auto parts = split_name(name);
     if (parts.empty()) return ::openat(folder, ".", flags);
     Descriptor at;
     for (std::size_t i = 0; i < parts.size(); ++i) {
@@ -169,7 +169,7 @@ void check_name(std::string_view action, std::string_view name) {
 
 /// Splits a path into its folder and its last component: "a/b" into "a" and "b", "b" into "." and "b".
 std::pair<std::string, std::string> split(std::string_view name) {
-    const auto parts = parts_of(name);
+    const auto parts = split_name(name);
     const std::string folder = fmt::format("{}", fmt::join(parts.begin(), parts.end() - 1, "/"));
     return {folder.empty() ? "." : folder, parts.back()};
 }

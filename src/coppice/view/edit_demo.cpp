@@ -54,8 +54,8 @@ RenderOptions camera_options(const ViewOptions& options) {
             .margin = options.margin};
 }
 
-SketchView camera_of(std::span<const Vec3> positions, std::span<const Vec3> reached,
-                     const ViewOptions& options) {
+SketchView make_camera(std::span<const Vec3> positions, std::span<const Vec3> reached,
+                       const ViewOptions& options) {
     std::vector<Vec3d> points;
     for (const Vec3 p : positions) points.emplace_back(p);
     for (const Vec3 p : reached) points.emplace_back(p);
@@ -107,7 +107,7 @@ NodeId checked_branch(const QuadBuild& build, const EditDemoOptions& demo) {
 }
 
 // Returns for each drawn vertex 1 if it belongs to the branch, else 0.
-std::vector<float> vertices_of(const QuadBuild& build, const BranchDrag& drag, const DragPart& part) {
+std::vector<float> collect_vertices(const QuadBuild& build, const BranchDrag& drag, const DragPart& part) {
     std::vector<float> out(part.vertex.size());
     std::vector<std::uint8_t> turns(build.cage.region_node.size());
     for (const std::uint32_t tube : drag.tube_nodes()) turns[tube] = 1;
@@ -125,16 +125,16 @@ struct Prepared {
     DragPart part;
     SurfaceView view;
 
-    static SurfaceView view_of(const QuadBuild& build, const BranchDrag& drag, const DragPart& part,
-                               const EditDemoOptions& demo, const ViewOptions& options) {
+    static SurfaceView make_view(const QuadBuild& build, const BranchDrag& drag, const DragPart& part,
+                                 const EditDemoOptions& demo, const ViewOptions& options) {
         QuadMesh drawn{{}, part.quads, {}};
         for (const std::uint32_t v : part.vertex) drawn.positions.push_back(build.refined[v]);
         const Buffer<Vec3> normals = smooth_normals(drawn.positions, drawn.quads);
         const TriMesh triangles = triangulate(drawn);
         const std::vector<Vec3> reached = reached_places(build, drag, static_cast<double>(demo.swing));
-        const std::vector<float> marked = vertices_of(build, drag, part);
+        const std::vector<float> marked = collect_vertices(build, drag, part);
         return {{drawn.positions, normals, triangles.triangles, marked},
-                camera_of(drawn.positions, reached, options),
+                make_camera(drawn.positions, reached, options),
                 options,
                 reached};
     }
@@ -143,7 +143,7 @@ struct Prepared {
              const Context& ctx)
         : drag(build, checked_branch(build, demo), viewing_axis(options)),
           part(drag_part(build, drag, static_cast<double>(demo.swing), ctx)),
-          view(view_of(build, drag, part, demo, options)) {}
+          view(make_view(build, drag, part, demo, options)) {}
 };
 
 // Calls begin() and end() of a backend.
@@ -214,7 +214,7 @@ ViewResult view_surface(const PolygonMesh& mesh, const ViewOptions& options) {
     const TriMesh triangles = triangulate(mesh);
     const Buffer<Vec3> normals = smooth_normals(triangles);
     SurfaceView view({triangles.positions, normals, triangles.triangles},
-                     camera_of(triangles.positions, {}, options), options);
+                     make_camera(triangles.positions, {}, options), options);
     view.draw();
     return {view.picture(), view.context().renderer(), view.context().version()};
 }

@@ -103,7 +103,7 @@ std::array<float, 16> clip_matrix(const SketchView& v, const ViewOptions& option
     return out;
 }
 
-Vec3d sun_of(Vec3d to_camera) {
+Vec3d compute_sun_direction(Vec3d to_camera) {
     const double azimuth = std::atan2(to_camera.y, to_camera.x) + kSunAzimuth;
     return {std::cos(kSunElevation) * std::cos(azimuth), std::cos(kSunElevation) * std::sin(azimuth),
             std::sin(kSunElevation)};
@@ -158,7 +158,7 @@ SurfaceView::SurfaceView(const DrawnSurface& surface, const SketchView& camera, 
     const GlProgram& program = state_->program;
     program.use();
     program.set("to_clip", clip_matrix(camera, options, range.widened()));
-    program.set("to_sun", Vec3(sun_of(to_camera)));
+    program.set("to_sun", Vec3(compute_sun_direction(to_camera)));
     program.set("to_camera", Vec3(to_camera));
     glEnable(GL_DEPTH_TEST);
     glClearColor(kBackground[0], kBackground[1], kBackground[2], 1);

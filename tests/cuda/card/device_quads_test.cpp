@@ -66,9 +66,9 @@ TEST_F(DeviceQuadsOnCard, ComputeTheSameSurfaceWithTheirOwnLists) {
         kNoUnfolding};
     DeviceQuads device;
     Surface own, given;
-    ASSERT_TRUE(device.begin(job, input_of(scene, field)));
+    ASSERT_TRUE(device.begin(job, make_input(scene, field)));
     own.projected = device.finish(own.positions, &own.anchors).projected;
-    field.set_regions(regions_of(scene), scene.tree());
+    field.set_regions(make_regions(scene), scene.tree());
     device.begin(job, field);
     given.projected = device.finish(given.positions, &given.anchors).projected;
     expect_same(given, own, 1e-3);
@@ -130,7 +130,7 @@ TEST_F(DeviceQuadsOnCard, UseNoMoreMemoryThanEstimated) {
         device.repeat();
         const std::uint64_t entries =
             c.field.own_lists().segments.size() + c.field.competitor_lists().segments.size();
-        EXPECT_LE(device.bytes_used(), bytes_of(c.job({}, {}), c.field.segments().size(), entries));
+        EXPECT_LE(device.bytes_used(), count_bytes(c.job({}, {}), c.field.segments().size(), entries));
     }
 }
 
@@ -139,7 +139,7 @@ TEST_F(DeviceQuadsOnCard, RunInRoundsIfMemoryIsShortAndThrowIfItIsTooSmall) {
     DeviceQuads device;
     const Surface whole = on_card(device, c);
     EXPECT_EQ(device.rounds(), 1u);
-    DeviceQuads small({}, bytes_of(c.job(), c.field.segments().size(), 0) / 10 * 7);
+    DeviceQuads small({}, count_bytes(c.job(), c.field.segments().size(), 0) / 10 * 7);
     EXPECT_EQ(on_card(small, c).positions, whole.positions);
     EXPECT_GT(small.rounds(), 1u);
     DeviceQuads tiny({}, std::size_t{1} << 16);

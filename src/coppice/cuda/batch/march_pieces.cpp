@@ -70,7 +70,7 @@ bool MarchPieces::split() {
 
 // Keys follow the order in which march() numbers the vertices: those at fine vertices first, then by the
 // coarse element that contains them.
-std::uint64_t MarchPieces::key_of(const SurfacePlace& place, bool is_cut) const {
+std::uint64_t MarchPieces::make_key(const SurfacePlace& place, bool is_cut) const {
     constexpr unsigned kIndexBits = 16, kPartBits = 32, kKindBits = 2;
     static_assert(kIndexBits + kPartBits + kKindBits + 1 == kKeyBits);
     const std::uint32_t t = piece_->tetra(place.tetra);
@@ -88,7 +88,7 @@ void MarchPieces::put(PieceMarch march) {
     piece.keys.clear();
     piece.keys.reserve(march.vertices.size());
     for (std::uint32_t v = 0; v < march.vertices.size(); ++v)
-        piece.keys.push_back(key_of(march.vertices[v], v >= march.moved));
+        piece.keys.push_back(make_key(march.vertices[v], v >= march.moved));
     march.vertices = {};
     for (TetraFace& face : march.made.open) face.tetra = piece_->tetra(face.tetra);
     rounds_ = std::max(rounds_, march.rounds);

@@ -49,14 +49,14 @@ class MarchPieces {
         IndexRange regions;
         int rings = -1;                        // rings of the last march; -1 at first
         bool is_closed = false;                // see TetraPiece
-        std::vector<std::uint64_t> keys = {};  // of its vertices: see key_of()
+        std::vector<std::uint64_t> keys = {};  // of its vertices: see make_key()
         PieceMarch march = {};
     };
 
     int rings() const { return TetraPiece::rings_for(rounds_, whole_.levels()); }
     bool is_done(const Piece& piece) const;
     std::size_t compute_middle(IndexRange regions) const;
-    std::uint64_t key_of(const SurfacePlace& place, bool is_cut) const;
+    std::uint64_t make_key(const SurfacePlace& place, bool is_cut) const;
     TriMesh join_meshes(const Context& ctx);
 
     TetraRefinement whole_;

@@ -220,7 +220,7 @@ class QuadRun {
 
     void collect(std::span<const QuadPlaces> out, std::vector<QuadReport>& reports) {
         const IndexRange jobs = rounds_.front().jobs;
-        const std::vector<ProjectReport> projected = stages_->reports_of(counts_);
+        const std::vector<ProjectReport> projected = stages_->make_reports(counts_);
         std::vector<UntangleReport> untangled = cuda::unfold(*stages_, folds_, kernel_, field_);
         for (std::size_t i = 0; i < jobs.size(); ++i) {
             const QuadJob& job = jobs_[jobs.begin + i];
@@ -245,7 +245,7 @@ class QuadRun {
 
     void collect_piece(std::span<const QuadPlaces> out, std::vector<QuadReport>& reports) {
         const std::size_t job = rounds_.front().jobs.begin;
-        reports[job].projected += stages_->reports_of(counts_).front();
+        reports[job].projected += stages_->make_reports(counts_).front();
         reports[job].is_whole = false;
         Buffer<Vec3> points(stages_->counts().vertices);
         const auto put = [&](std::span<const Vec3> from, Buffer<Vec3>* to) {

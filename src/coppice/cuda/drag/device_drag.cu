@@ -14,7 +14,7 @@ using cuda::CudaExecutor;
 using cuda::DrawnVertices;
 
 // Returns the approximate memory for frames.
-std::uint64_t bytes_of(const cuda::DragJob& job) {
+std::uint64_t count_bytes(const cuda::DragJob& job) {
     return cuda::kSlackBytes + cuda::bytes_of_job(job.quads) +
            cuda::bytes_of_contacts(job.contacts.field.segments().size(),
                                    job.contacts.control.region_node.size()) +
@@ -66,7 +66,7 @@ void DeviceDrag::begin(const cuda::DragJob& job, const cuda::DragMoves& rest) {
     Impl& impl = *impl_;
     impl.stages.reset();
     impl.exec.reset();
-    impl.exec.reserve(bytes_of(job));
+    impl.exec.reserve(count_bytes(job));
     impl.kernel = job.contacts.field.kernel();
     if (!impl.shared) {
         impl.own = {impl.exec.array<Vec3>(job.drawn.size()), impl.exec.array<Vec3>(job.shaded())};

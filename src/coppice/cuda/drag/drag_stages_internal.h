@@ -65,7 +65,7 @@ class DragStages {
     /// increased, and the frame must be started again. Throws DeviceError if the CPU has to compute the
     /// lists.
     bool has_room() {
-        const ListState state = state_of(exec_, lists_);
+        const ListState state = read_state(exec_, lists_);
         if (state.is_cut)
             throw DeviceError("more branches meet at one place than the lists on the device can store");
         if (state.fits(room_)) return true;

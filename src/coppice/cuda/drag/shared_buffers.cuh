@@ -45,7 +45,7 @@ class SharedBuffers {
     template <class Write>
     void lend(CudaExecutor& exec, const Write& write) {
         Mapped mapped(buffers_, exec.stream());
-        write(DrawnVertices{vertices_of(buffers_[0]), vertices_of(buffers_[1])});
+        write(DrawnVertices{map_vertices(buffers_[0]), map_vertices(buffers_[1])});
         mapped.give_back();
     }
 
@@ -76,7 +76,7 @@ class SharedBuffers {
         bool is_mapped_ = true;
     };
 
-    static std::span<Vec3> vertices_of(cudaGraphicsResource_t buffer) {
+    static std::span<Vec3> map_vertices(cudaGraphicsResource_t buffer) {
         void* begin = nullptr;
         std::size_t bytes = 0;
         check(cudaGraphicsResourceGetMappedPointer(&begin, &bytes, buffer), "access a buffer of OpenGL");

@@ -23,7 +23,7 @@ inline constexpr std::uint32_t kThreads = 128;  ///< per block
 inline constexpr std::uint32_t kWideThreads = 512;
 
 template <class Kernel>
-constexpr std::uint32_t threads_of() {
+constexpr std::uint32_t count_threads() {
     if constexpr (requires { Kernel::kIsWide; }) return kWideThreads;
     return kThreads;
 }
@@ -74,7 +74,7 @@ __global__ void __launch_bounds__(kThreads)
 }
 
 template <class Kernel>
-__global__ void __launch_bounds__(threads_of<Kernel>()) run_groups(const __grid_constant__ Kernel kernel) {
+__global__ void __launch_bounds__(count_threads<Kernel>()) run_groups(const __grid_constant__ Kernel kernel) {
     kernel(blockIdx.x, CudaGroup());
 }
 
@@ -149,11 +149,11 @@ class CudaExecutor {
     }
     template <class T>
     void write(std::span<const T> from, std::span<T> to) {
-        staging_.send(bytes_of(from), reinterpret_cast<std::byte*>(to.data()), from.size_bytes());
+        staging_.send(to_bytes(from), reinterpret_cast<std::byte*>(to.data()), from.size_bytes());
     }
     template <class T>
     void download(std::span<const T> from, std::span<T> to) {
-        staging_.bring(bytes_of(from), reinterpret_cast<std::byte*>(to.data()), from.size_bytes());
+        staging_.bring(to_bytes(from), reinterpret_cast<std::byte*>(to.data()), from.size_bytes());
         wait();
     }
     template <class T>
@@ -195,7 +195,7 @@ class CudaExecutor {
         static_assert(sizeof(Kernel) <= kMaxOfKernel);
         if (count == 0) return;
         const auto blocks = static_cast<std::uint32_t>(checked<int>(count));
-        launch(name, [&] { run_groups<<<blocks, threads_of<Kernel>(), 0, stream_>>>(kernel); });
+        launch(name, [&] { run_groups<<<blocks, count_threads<Kernel>(), 0, stream_>>>(kernel); });
     }
     template <class T>
     void exclusive_scan(std::span<const T> counts, std::span<T> out) {
@@ -264,7 +264,7 @@ class CudaExecutor {
     // [bytes] maximum kernel arguments for capability 7.5 and CUDA 12.0.
     static constexpr std::size_t kMaxOfKernel = 4000;
     template <class T>
-    static const std::byte* bytes_of(std::span<const T> values) {
+    static const std::byte* to_bytes(std::span<const T> values) {
         return reinterpret_cast<const std::byte*>(values.data());
     }
     static cudaStream_t new_stream() {

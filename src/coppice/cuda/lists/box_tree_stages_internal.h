@@ -14,7 +14,7 @@
 namespace coppice::cuda {
 
 /// Returns the row of an item of compressed rows: see CompressedRows.
-COPPICE_HOST_DEVICE inline std::uint32_t row_of(std::span<const std::uint32_t> first, std::uint32_t item) {
+COPPICE_HOST_DEVICE inline std::uint32_t find_row(std::span<const std::uint32_t> first, std::uint32_t item) {
     return kernel::partition_point(first, [&](std::uint32_t f) { return f <= item; }) - 1;
 }
 
@@ -67,7 +67,7 @@ class DeviceBoxTree {
     COPPICE_HOST_DEVICE void visit_overlapping(const Box3& box, PlaceRange places, const Visit& visit) const {
         if (places.begin == places.end) return;
         // Byte l: the boxes of the current group of level l that remain to be visited.
-        std::uint64_t pending = hits_of(level_count_ - 1, 0, box, places);
+        std::uint64_t pending = find_hits(level_count_ - 1, 0, box, places);
         const std::uint32_t top = level_count_ - 1;
         pending <<= 8 * top;
         for (std::uint32_t l = top, group = 0; pending != 0;) {
@@ -82,7 +82,7 @@ class DeviceBoxTree {
             if (l > 0) {
                 group = i;
                 --l;
-                pending |= std::uint64_t{hits_of(l, group, box, places)} << (8 * l);
+                pending |= std::uint64_t{find_hits(l, group, box, places)} << (8 * l);
             } else if (!visit(item_[i])) {
                 return;
             }
@@ -92,8 +92,8 @@ class DeviceBoxTree {
   private:
     /// Returns the boxes of a group that overlap `box` and contain indices of the range; at least one index
     /// must be below the group.
-    COPPICE_HOST_DEVICE std::uint32_t hits_of(std::uint32_t l, std::uint32_t group, const Box3& box,
-                                              PlaceRange places) const {
+    COPPICE_HOST_DEVICE std::uint32_t find_hits(std::uint32_t l, std::uint32_t group, const Box3& box,
+                                                PlaceRange places) const {
         const std::uint32_t begin = kWidth * group;
         const std::uint32_t first = places.begin >> (3 * l), last = (places.end - 1) >> (3 * l);
         const std::uint32_t skipped = first > begin ? first - begin : 0;
@@ -142,7 +142,7 @@ struct KeySurfaces {
     std::span<const std::uint32_t> first;  ///< first item of each surface, plus the end
     std::span<const std::uint32_t> item;
     std::span<std::uint32_t> key;
-    COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const { key[i] = row_of(first, item[i]); }
+    COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const { key[i] = find_row(first, item[i]); }
 };
 
 /// Fills groups with the boxes of the items.

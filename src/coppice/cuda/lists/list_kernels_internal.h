@@ -226,7 +226,7 @@ struct CompetitorSearch {
     COPPICE_HOST_DEVICE PlaceRange find_places(std::uint32_t r) const {
         const auto first = tables.first_segment;
         if (first.empty()) return {0, static_cast<std::uint32_t>(tree.items().size())};
-        const std::uint32_t surface = row_of(first, tables.tubes[r].source);
+        const std::uint32_t surface = find_row(first, tables.tubes[r].source);
         return {first[surface], first[surface + 1]};
     }
     COPPICE_HOST_DEVICE bool has_room(std::uint32_t region) const {

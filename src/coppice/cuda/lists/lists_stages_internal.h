@@ -25,7 +25,7 @@ struct ListRoom {
 struct DeviceLists {
     RegionLists own;                       ///< segments with which a region's tube is connected
     RegionLists competitors;               ///< segments with which it is in contact
-    std::span<const std::uint32_t> state;  ///< see state_of()
+    std::span<const std::uint32_t> state;  ///< see read_state()
 };
 
 /// Status of lists.
@@ -79,7 +79,7 @@ std::span<const Box3> region_boxes(Exec& exec, const ContactTables& tables, cons
 
 /// Output arrays of lists.
 struct ListArrays {
-    std::span<std::uint32_t> state;                          ///< see state_of()
+    std::span<std::uint32_t> state;                          ///< see read_state()
     std::span<std::uint32_t> own_first, own;                 ///< see RegionLists
     std::span<std::uint32_t> competitor_first, competitors;  ///< see RegionLists
     DeviceLists lists() const {
@@ -184,7 +184,7 @@ DeviceLists begin_contacts(Exec& exec, const ContactTables& tables, const Contac
 
 /// Waits for lists and returns their status.
 template <class Exec>
-ListState state_of(Exec& exec, const DeviceLists& lists) {
+ListState read_state(Exec& exec, const DeviceLists& lists) {
     std::array<std::uint32_t, 3> state{};
     exec.download(lists.state, std::span<std::uint32_t>(state));
     return {{state[0], state[1]}, state[2] != 0};
@@ -205,7 +205,7 @@ ContactsFound find_contacts(Exec& exec, const ContactTables& tables, const Conta
     for (;;) {
         const ListArrays arrays = list_arrays(exec, tables.tubes.size(), room);
         begin_contacts(exec, tables, geometry, order, arrays);
-        const ListState state = state_of(exec, arrays.lists());
+        const ListState state = read_state(exec, arrays.lists());
         if (state.is_cut || state.fits(room)) return {arrays.lists(), state, arrays};
         room = grown(room, state);
         exec.rewind(before);

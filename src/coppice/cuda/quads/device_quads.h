@@ -65,6 +65,6 @@ class DeviceQuads {
 
 /// Returns the memory of the GPU that a job requires, if at most a fiftieth of its quads is folded, with a
 /// field of this number of segments and list entries.
-std::uint64_t bytes_of(const cuda::QuadJob& job, std::uint64_t segments, std::uint64_t entries);
+std::uint64_t count_bytes(const cuda::QuadJob& job, std::uint64_t segments, std::uint64_t entries);
 
 }  // namespace coppice

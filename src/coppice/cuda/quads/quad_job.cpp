@@ -47,7 +47,7 @@ std::uint64_t bytes_of_contacts(std::uint64_t segments, std::uint64_t regions) {
 
 }  // namespace cuda
 
-std::uint64_t bytes_of(const cuda::QuadJob& job, std::uint64_t segments, std::uint64_t entries) {
+std::uint64_t count_bytes(const cuda::QuadJob& job, std::uint64_t segments, std::uint64_t entries) {
     return cuda::kSlackBytes + cuda::bytes_of_job(job) + cuda::bytes_of_field(segments, entries);
 }
 

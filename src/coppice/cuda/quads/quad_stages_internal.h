@@ -21,7 +21,10 @@ class QuadStages {
   public:
     /// The executor and the job must outlive this object.
     QuadStages(Exec& exec, const QuadJob& job)
-        : exec_(exec), job_(job), counts_(refined_counts(job.cage, job.levels)), flat_(flat_of(job)) {
+        : exec_(exec),
+          job_(job),
+          counts_(refined_counts(job.cage, job.levels)),
+          flat_(make_flat_vertices(job)) {
         cage_ = upload_cage(exec, job.cage);
         region_ = exec.upload(job.region);
         part_ = exec.upload(job.part);
@@ -85,7 +88,7 @@ class QuadStages {
         return {exec_.fetch(std::span<const ProjectionSums>(sums_))};
     }
     /// Returns the projection reports, after waiting for the executor.
-    std::vector<ProjectReport> reports_of(const ProjectionCounts& counts) const {
+    std::vector<ProjectReport> make_reports(const ProjectionCounts& counts) const {
         std::vector<ProjectReport> out(job_.parts);
         if (counts.sums.empty()) return out;
         for (std::size_t i = 0; i < counts.sums.size(); ++i) {
@@ -110,7 +113,7 @@ class QuadStages {
         const auto before = exec_.mark();
         const ProjectionCounts counts = count_projected();
         exec_.wait();
-        const ProjectReport report = reports_of(counts).front();
+        const ProjectReport report = make_reports(counts).front();
         exec_.rewind(before);
         return report;
     }
@@ -213,7 +216,7 @@ class QuadStages {
     std::span<const Quad> quads() const { return quads_; }                        ///< after make_quads()
 
   private:
-    static FlatVertices flat_of(const QuadJob& job) {
+    static FlatVertices make_flat_vertices(const QuadJob& job) {
         return FlatVertices(PatchStars(job.cage, job.levels), job.levels, job.clips);
     }
 

@@ -99,7 +99,7 @@ struct UnfoldCluster {
             return static_cast<std::uint32_t>(faces.size());
         }
         /// Returns the ring of a face's corner.
-        COPPICE_HOST_DEVICE std::uint32_t ring_of(std::uint32_t corner) const {
+        COPPICE_HOST_DEVICE std::uint32_t get_ring(std::uint32_t corner) const {
             return corner == kNoIndex ? kNoIndex : room.ring[corner - first_vertex];
         }
         /// Adds the corners of a face that are in no ring to a ring.
@@ -137,7 +137,7 @@ struct UnfoldCluster {
             group.each(at.face_count(), [&](std::uint32_t k) {
                 const Quad face = at.corners[k];
                 std::uint32_t least = kNoIndex;
-                for (const std::uint32_t c : face) least = kernel::smaller(least, at.ring_of(c));
+                for (const std::uint32_t c : face) least = kernel::smaller(least, at.get_ring(c));
                 if (least < limit) at.take_corners(face, limit);
             });
         }
@@ -179,7 +179,7 @@ struct UnfoldCluster {
     COPPICE_HOST_DEVICE std::uint32_t find_bad(const At& at, const Group& group) const {
         const auto is_bad = [&](std::uint32_t k) {
             bool has_moved = false;
-            for (const std::uint32_t c : at.corners[k]) has_moved = has_moved || at.ring_of(c) != kNoIndex;
+            for (const std::uint32_t c : at.corners[k]) has_moved = has_moved || at.get_ring(c) != kNoIndex;
             return has_moved && is_bad_now(at.faces[k]);
         };
         return group.select(at.face_count(), is_bad, at.room.now_bad.data());

@@ -40,8 +40,8 @@ struct OtherTriangles {
     std::vector<std::uint32_t> part_of;
 };
 template <class Exec>
-OtherTriangles others_of(Exec& exec, const DeviceSurface& surface, const DeviceParts& parts,
-                         std::uint32_t but) {
+OtherTriangles find_others(Exec& exec, const DeviceSurface& surface, const DeviceParts& parts,
+                           std::uint32_t but) {
     const auto marks = no_bits(exec, surface.triangles.size());
     exec.each("mark others", surface.triangles.size(), MarkOthers{parts.of, but, marks});
     const auto list = list_bits(exec, marks);
@@ -71,7 +71,7 @@ std::vector<std::uint8_t> kept_parts(Exec& exec, const DeviceSurface& surface, c
     exec.download(std::span<const std::uint32_t>(size), std::span(sizes));
     const auto largest = static_cast<std::uint32_t>(std::ranges::max_element(sizes) - sizes.begin());
     for (const std::uint32_t but : {largest, parts.count}) {
-        const OtherTriangles others = others_of(exec, surface, parts, but);
+        const OtherTriangles others = find_others(exec, surface, parts, but);
         std::vector<std::uint8_t> kept =
             enclosing_parts(others.mesh, others.part_of, parts.count, places, true, ctx);
         if (but == parts.count) return kept;

@@ -59,7 +59,7 @@ struct DescribeTetra {
         const Tetra& own = tetra[t];
         bool fine = true;
         for (std::uint32_t k = 0; k < 4; ++k) fine = fine && own[k] < positions.size();
-        fine = fine && tetra_kernel::is_sound(tetra_kernel::corners_of(positions.data(), own));
+        fine = fine && tetra_kernel::is_sound(tetra_kernel::get_corners(positions.data(), own));
         if (!fine) raise_to(faulty[0], 1u);
         if (fine) tetra_kernel::describe_tetra(positions.data(), own, levels, parts[t], traits[t]);
         for (std::uint32_t k = 0; k < 4; ++k) {

@@ -56,8 +56,8 @@ struct DeviceRefinement {
     /// Conversion between the number of a fine tetrahedron and its coarse tetrahedron and local number: those
     /// of one coarse tetrahedron are consecutive.
     /// @{
-    COPPICE_HOST_DEVICE std::uint32_t tetra_of(std::uint32_t i) const { return i >> (3 * view.levels); }
-    COPPICE_HOST_DEVICE std::uint32_t fine_of(std::uint32_t i) const {
+    COPPICE_HOST_DEVICE std::uint32_t tetra_index(std::uint32_t i) const { return i >> (3 * view.levels); }
+    COPPICE_HOST_DEVICE std::uint32_t fine_index(std::uint32_t i) const {
         return i & ((1u << (3 * view.levels)) - 1);
     }
     COPPICE_HOST_DEVICE std::uint32_t fine_tetra(std::uint32_t coarse, std::uint32_t fine) const {
@@ -111,7 +111,7 @@ struct KeepOwnTetra {
     COPPICE_HOST_DEVICE void operator()(std::uint32_t w) const {
         std::uint64_t kept = 0;
         for (std::uint32_t i = 0; i < 64; ++i) {
-            if (refinement.is_own(refinement.tetra_of(64 * w + i))) kept |= std::uint64_t{1} << i;
+            if (refinement.is_own(refinement.tetra_index(64 * w + i))) kept |= std::uint64_t{1} << i;
         }
         marks[w] &= kept;
     }
@@ -265,7 +265,7 @@ DeviceRefinement upload_coarse(Exec& exec, const TetraMesh& mesh, int levels, co
     out.first = exec.upload(std::span<const std::uint32_t>(mesh.first));
     for (std::uint32_t d = 0; d < 3; ++d) {
         const TetraPattern pattern = tetra_pattern(levels, d);
-        out.view.patterns[d] = upload_pattern(exec, view_of(pattern));
+        out.view.patterns[d] = upload_pattern(exec, make_view(pattern));
         out.view.edges.per_kind = fine_edges_per_part(pattern);
     }
     out.view.vertices.per_kind = fine_vertices_per_part(levels);

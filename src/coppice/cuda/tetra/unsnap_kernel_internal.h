@@ -23,8 +23,8 @@ struct FineCrossings {
     tetra_kernel::SamplesView samples;
     std::span<const tetra_kernel::Cut> table;  ///< kCuts
 
-    COPPICE_HOST_DEVICE std::uint32_t tetra(std::uint32_t i) const { return refinement.tetra_of(i); }
-    COPPICE_HOST_DEVICE std::uint32_t fine(std::uint32_t i) const { return refinement.fine_of(i); }
+    COPPICE_HOST_DEVICE std::uint32_t tetra(std::uint32_t i) const { return refinement.tetra_index(i); }
+    COPPICE_HOST_DEVICE std::uint32_t fine(std::uint32_t i) const { return refinement.fine_index(i); }
     COPPICE_HOST_DEVICE const tetra_kernel::Cut& cut(std::uint32_t i) const {
         const std::uint32_t t = tetra(i);
         const auto& corners = refinement.view.pattern(t).tetra[fine(i)];
@@ -70,8 +70,8 @@ struct FindFold {
 
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
         const RefinementView& view = refinement.view;
-        const std::uint32_t t = refinement.tetra_of(i);
-        const auto& corners = view.pattern(t).tetra[refinement.fine_of(i)];
+        const std::uint32_t t = refinement.tetra_index(i);
+        const auto& corners = view.pattern(t).tetra[refinement.fine_index(i)];
         std::array<std::uint32_t, 4> vertex{};
         std::array<float, 4> way{};
         for (std::size_t k = 0; k < 4; ++k) {
@@ -85,7 +85,7 @@ struct FindFold {
                                                          : view.position(t, corners[k]));
         }
         const double whole =
-            tetra_kernel::tetra_volume(tetra_kernel::corners_of(view.positions.data(), view.parts[t]));
+            tetra_kernel::tetra_volume(tetra_kernel::get_corners(view.positions.data(), view.parts[t]));
         if (!tetra_kernel::is_flat(now, whole / static_cast<double>(1u << (3 * view.levels)))) return;
         const std::uint32_t worst = tetra_kernel::farthest(vertex, way);
         set_bit(marks, worst);
@@ -98,7 +98,7 @@ struct FindFoldIn {
     std::span<const std::uint32_t> tetra;  ///< coarse tetrahedra
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
         const DeviceRefinement& r = find.refinement;
-        find(r.fine_tetra(tetra[r.tetra_of(i)], r.fine_of(i)));
+        find(r.fine_tetra(tetra[r.tetra_index(i)], r.fine_index(i)));
     }
 };
 
@@ -128,10 +128,10 @@ struct ListFans {
             const std::uint8_t c = cut.corners[k];
             if (is_vertex(k)) {
                 vertex[k] = view.vertex(t, pattern.tetra[fine][c - tetra_kernel::kCutVertex]);
-                key[k] = ListedFan::key_of(vertex[k], vertex[k]);
+                key[k] = ListedFan::make_key(vertex[k], vertex[k]);
             } else {
                 const auto& ends = pattern.edges[pattern.tetra_edges[fine][c]];
-                key[k] = ListedFan::key_of(view.vertex(t, ends[0]), view.vertex(t, ends[1]));
+                key[k] = ListedFan::make_key(view.vertex(t, ends[0]), view.vertex(t, ends[1]));
             }
         }
         for (std::uint32_t k = 0; k < 3; ++k) {

@@ -73,16 +73,16 @@ Skeleton GrowingTree::at(double part) const {
         grown[i] *= share[i];
     }
     add_up(s, grown);
-    std::vector<NodeId> new_of(s.size()), parent;
+    std::vector<NodeId> new_node(s.size()), parent;
     std::vector<Vec3> position;
     std::vector<float> radius;
     std::vector<StableId> ids;
     for (const NodeId n : nodes(s)) {
         const std::uint32_t i = n.index();
         const NodeId above = s.parent(n);
-        if (share[i] < kShown || (above && (!new_of[above.index()] || share[above.index()] < 1))) continue;
-        new_of[i] = NodeId(static_cast<std::uint32_t>(parent.size()));
-        parent.push_back(above ? new_of[above.index()] : NodeId::none());
+        if (share[i] < kShown || (above && (!new_node[above.index()] || share[above.index()] < 1))) continue;
+        new_node[i] = NodeId(static_cast<std::uint32_t>(parent.size()));
+        parent.push_back(above ? new_node[above.index()] : NodeId::none());
         position.push_back(above ? Vec3(lerp(Vec3d(s.position(above)), Vec3d(s.position(n)), share[i]))
                                  : s.position(n));
         const double of_whole = above_[i] > 0 ? grown[i] / above_[i] : 1;

@@ -36,7 +36,7 @@ double compute_lean(double length, double radius, const WindOptions& o) {
 }
 
 // Returns the natural frequency [1/s] of a round beam that carries `load` times its own weight.
-double frequency_of(double length, double radius, const WindOptions& o) {
+double compute_frequency(double length, double radius, const WindOptions& o) {
     const double flexible = std::max(double{o.flexibility} * (1 + double{o.load}), 1e-6);
     return 0.28 * radius / (length * length) * std::sqrt(kStiffness / kWood / flexible);
 }
@@ -77,7 +77,7 @@ Wind::Wind(const Skeleton& s, const WindOptions& options, double period, int fas
     for (std::size_t k = 0; k < axes_.size(); ++k) {
         const double length = std::max(along[tip_of_[k].index()], radius[k]);
         const Vec3d joint(s.position(joint_of_[k])), tip(s.position(tip_of_[k]));
-        const double swings = std::round(frequency_of(length, radius[k], options) * period);
+        const double swings = std::round(compute_frequency(length, radius[k], options) * period);
         axes_[k] = {.place = (joint + tip) * 0.5,
                     .lean = compute_lean(length, radius[k], options),
                     .swings = std::clamp(swings, 1.0, static_cast<double>(std::max(fastest, 1))),
@@ -120,7 +120,7 @@ Vec3d Wind::bend(const Axis& axis, Vec3d way, double time) const {
 Pose Wind::swayed(const Pose& still, double time) const {
     Pose out = still;
     std::vector<Rotation> sway(parent_.size());  // by node
-    std::vector<Vec3d> bend_of(axes_.size());    // by axis
+    std::vector<Vec3d> axis_bend(axes_.size());  // by axis
     std::vector<std::uint8_t> is_known(axes_.size());
     for (std::size_t i = 0; i < parent_.size(); ++i) {
         const NodeId parent = parent_[i];
@@ -130,10 +130,10 @@ Pose Wind::swayed(const Pose& still, double time) const {
         if (is_known[k] == 0) {
             const Vec3d way =
                 Vec3d(still.positions[tip_of_[k].index()]) - Vec3d(still.positions[joint_of_[k].index()]);
-            bend_of[k] = bend(axes_[k], host(normalized(way, {0, 0, 1})), time);
+            axis_bend[k] = bend(axes_[k], host(normalized(way, {0, 0, 1})), time);
             is_known[k] = 1;
         }
-        sway[i] = unit(rotation_by(bend_of[k] * double{slope_[i]}) * host);
+        sway[i] = unit(rotation_by(axis_bend[k] * double{slope_[i]}) * host);
         const std::uint32_t p = parent.index();
         out.positions[i] =
             Vec3(Vec3d(out.positions[p]) + sway[i](Vec3d(still.positions[i]) - Vec3d(still.positions[p])));

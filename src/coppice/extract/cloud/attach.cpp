@@ -25,7 +25,7 @@ struct Tubes {
     std::vector<double> length;                  // [m] of each tube
 };
 
-Tubes tubes_of(const InitialTree& tree, const FitSamples& samples) {
+Tubes make_tubes(const InitialTree& tree, const FitSamples& samples) {
     Tubes tubes{
         tree.size(), std::vector<std::uint32_t>(tree.size()), {}, {}, std::vector<double>(tree.size(), 0)};
     const DraftLinks links(tree);
@@ -125,7 +125,7 @@ bool attach_tube(InitialTree& tree, FitSamples& samples, const Tubes& tubes, Bra
 }
 
 /// Returns the first point of every tube reached by paths, in their order.
-std::vector<std::uint32_t> entries_of(const FitSamples& samples, const Tubes& tubes, const Paths& paths) {
+std::vector<std::uint32_t> find_entries(const FitSamples& samples, const Tubes& tubes, const Paths& paths) {
     std::vector<std::uint32_t> entries;
     std::vector<char> entered(tubes.count, 0);
     for (const std::uint32_t p : paths.order) {
@@ -148,14 +148,14 @@ std::uint64_t attach_tubes(InitialTree& tree, FitSamples& samples, const CloudIn
     for (const auto& base : cloud.bases) sources.insert(sources.end(), base.begin(), base.end());
     const std::vector<std::uint32_t> taken(samples.node.size(), kNoIndex);
     const Paths paths = shortest_paths(cloud.graph, sources, taken, cloud.cost(samples.positions), ctx);
-    const Tubes tubes = tubes_of(tree, samples);
+    const Tubes tubes = make_tubes(tree, samples);
     if (add_roots)
         for (const auto& base : cloud.bases) add_root(tree, samples, base, cloud.spacing);
     BranchPoints points{samples.positions, cloud.graph,        cloud.spacing,
                         samples.node,      cloud.options.step, cloud.options.narrow};
     std::vector<char> attached(tubes.count, 0);
     for (const std::uint32_t root : standing) attached[root] = 1;
-    for (const std::uint32_t p : entries_of(samples, tubes, paths)) {
+    for (const std::uint32_t p : find_entries(samples, tubes, paths)) {
         ctx.throw_if_cancelled();
         const std::uint32_t tube = tubes.of_node[samples.node[p]];
         if (attached[tube]) continue;

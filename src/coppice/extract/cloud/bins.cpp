@@ -25,7 +25,7 @@ std::uint32_t find_mode(std::vector<std::uint32_t>& values) {
 }
 
 /// Returns the bin of every point on a path: its cost in steps.
-std::vector<std::uint32_t> bins_of(const Paths& paths, double step) {
+std::vector<std::uint32_t> assign_bins(const Paths& paths, double step) {
     std::vector<std::uint32_t> bin(paths.distance.size(), kNoIndex);
     for (const std::uint32_t p : paths.order)
         bin[p] = static_cast<std::uint32_t>(std::min(double{paths.distance[p]} / step, 4e9));
@@ -54,7 +54,7 @@ DisjointSets connected_in_bins(std::span<const std::uint32_t> bin, const Graph& 
 
 /// Numbers the sets of the points on paths by bins, so that parents precede; returns their number.
 std::size_t number_sets(DisjointSets& sets, std::span<const std::uint32_t> bin, const Paths& paths,
-                        std::vector<std::uint32_t>& set_of) {
+                        std::vector<std::uint32_t>& bin_set) {
     std::vector<std::uint32_t> heads;
     for (const std::uint32_t p : paths.order) {
         if (sets.find(p) == p) heads.push_back(p);
@@ -62,8 +62,8 @@ std::size_t number_sets(DisjointSets& sets, std::span<const std::uint32_t> bin, 
     std::ranges::stable_sort(heads, {}, [&](std::uint32_t p) { return bin[p]; });
     std::vector<std::uint32_t> number(bin.size(), kNoIndex);
     for (std::uint32_t i = 0; i < heads.size(); ++i) number[heads[i]] = i;
-    set_of.assign(bin.size(), kNoIndex);
-    for (const std::uint32_t p : paths.order) set_of[p] = number[sets.find(p)];
+    bin_set.assign(bin.size(), kNoIndex);
+    for (const std::uint32_t p : paths.order) bin_set[p] = number[sets.find(p)];
     return heads.size();
 }
 
@@ -71,13 +71,13 @@ std::size_t number_sets(DisjointSets& sets, std::span<const std::uint32_t> bin, 
 
 void bin_paths(CloudTree& tree, std::span<const Vec3> points, const Graph& graph, const Paths& paths,
                const BinRule& rule, const Context& ctx) {
-    const std::vector<std::uint32_t> bin = bins_of(paths, rule.step);
+    const std::vector<std::uint32_t> bin = assign_bins(paths, rule.step);
     DisjointSets sets = connected_in_bins(bin, graph, paths, rule, ctx);
-    std::vector<std::uint32_t> set_of;
-    const std::size_t count = number_sets(sets, bin, paths, set_of);
-    const auto members = group_by(set_of, count);
+    std::vector<std::uint32_t> bin_set;
+    const std::size_t count = number_sets(sets, bin, paths, bin_set);
+    const auto members = group_by(bin_set, count);
     const std::uint32_t first = tree.size();
-    for (const std::uint32_t p : paths.order) tree.node_of_point[p] = first + set_of[p];
+    for (const std::uint32_t p : paths.order) tree.node_of_point[p] = first + bin_set[p];
     std::vector<std::uint32_t> parents;
     for (std::uint32_t i = 0; i < count; ++i) {
         poll_stop(ctx, i);

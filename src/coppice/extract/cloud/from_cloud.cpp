@@ -53,11 +53,11 @@ GapRule compute_gap(std::span<const Vec3> points, double spacing, const CloudOpt
     return {usual, std::max(usual, std::min(kWidestGap, kWidestOfHeight * height))};
 }
 
-double detail_of(std::span<const Vec3> points, const CloudOptions& options) {
+double choose_detail(std::span<const Vec3> points, const CloudOptions& options) {
     return options.detail > 0 ? options.detail : kDetailHeight * compute_height(points);
 }
 
-ExtractResult result_of(const FittedTree& initial, Vec3d origin, const Context& ctx) {
+ExtractResult make_result(const FittedTree& initial, Vec3d origin, const Context& ctx) {
     ExtractResult out{to_skeleton(initial.tree, origin), {}, {}};
     out.confidence = rate_nodes(initial.tree, initial.samples, out.report.residual, ctx);
     for (std::uint32_t n = 0; n < initial.tree.size(); ++n) {
@@ -130,9 +130,9 @@ PathCloud make_path_cloud(const Cloud& cloud, Buffer<float> spacing, const Cloud
 }
 
 /// Marks the points of leaves except those on measured stems; empty without leaves.
-std::vector<std::uint8_t> leaves_of(const Cloud& cloud, std::span<const float> spacing,
-                                    std::span<const StemAxis> stems, std::optional<Vec3d> root,
-                                    const CloudOptions& options, const Context& ctx) {
+std::vector<std::uint8_t> mark_leaves(const Cloud& cloud, std::span<const float> spacing,
+                                      std::span<const StemAxis> stems, std::optional<Vec3d> root,
+                                      const CloudOptions& options, const Context& ctx) {
     if (options.leaves == LeafRule::keep) return {};
     const GapRule gap = compute_gap(cloud.points, median(spacing), options);
     if (stems.size() == 1) root = stems[0].position[0];
@@ -149,7 +149,7 @@ struct Wood : Cloud {
     std::vector<std::uint32_t> place;
 };
 
-Wood wood_of(const Cloud& cloud, std::span<const std::uint8_t> leaf, const Context& ctx) {
+Wood select_wood(const Cloud& cloud, std::span<const std::uint8_t> leaf, const Context& ctx) {
     Wood wood;
     for (std::uint32_t p = 0; p < leaf.size(); ++p) {
         if (leaf[p]) continue;
@@ -225,7 +225,7 @@ std::vector<std::vector<std::uint32_t>> other_bases(const Cloud& cloud, const Pa
 
 /// Returns the maximum radius [m] of a branch, from the measured stems or a tenth of the extent of the cloud;
 /// hulls of crowns exceed it.
-double thickest_of(std::span<const Vec3> points, std::span<const StemAxis> stems, StemBases bases) {
+double estimate_max_radius(std::span<const Vec3> points, std::span<const StemAxis> stems, StemBases bases) {
     constexpr double kOfStem = 1.2, kOfCloud = 0.1;
     double most = 0;
     for (const StemAxis& stem : stems) most = std::max(most, kOfStem * stem.radius.front());
@@ -245,12 +245,12 @@ Rough rough_draft(const Cloud& cloud, const PathCloud& paths, const CloudOptions
     const Buffer<Vec3> outward = growth_directions(cloud.points, stems, out.bases, ctx);
     CloudTree tubes =
         find_tubes(cloud.points, graph, stems, out.bases, paths.spacing,
-                   {options.step, options.fit_passes, thickest_of(cloud.points, stems, out.bases)},
-                   part_of(ctx, 0, kTubesFound));
+                   {options.step, options.fit_passes, estimate_max_radius(cloud.points, stems, out.bases)},
+                   narrow_progress(ctx, 0, kTubesFound));
     FitSamples samples{cloud.points, {}, {tubes.node_of_point.begin(), tubes.node_of_point.end()}};
     out.initial = draft_from_cloud(std::move(tubes), std::move(samples),
                                    {graph, out.bases, paths.spacing, outward, {options.step, options.twig}},
-                                   part_of(ctx, kTubesFound, 1));
+                                   narrow_progress(ctx, kTubesFound, 1));
     return out;
 }
 
@@ -292,30 +292,30 @@ CloudExtraction extract_from_cloud(const PointSet& set, const CloudOptions& opti
         if (part == 0) {
             paths = make_path_cloud(cloud, spacing, options, ctx);
         } else {
-            leaf = leaves_of(cloud, spacing, stems, root, options, ctx);
+            leaf = mark_leaves(cloud, spacing, stems, root, options, ctx);
         }
     });
     cleaning.leaves = static_cast<std::uint64_t>(std::ranges::count(leaf, 1));
     ctx.report(kLeavesSplit);
     Rough rough;
     if (cleaning.leaves == 0) {
-        rough = rough_draft(cloud, paths, options, stems, root, part_of(ctx, kLeavesSplit, kDrafted));
+        rough = rough_draft(cloud, paths, options, stems, root, narrow_progress(ctx, kLeavesSplit, kDrafted));
     } else {
-        const Wood wood = wood_of(cloud, leaf, ctx);
+        const Wood wood = select_wood(cloud, leaf, ctx);
         rough = rough_draft(wood, make_path_cloud(wood, local_spacing(wood.near, kSpacingRank), options, ctx),
-                            options, stems, root, part_of(ctx, kLeavesSplit, kDrafted));
+                            options, stems, root, narrow_progress(ctx, kLeavesSplit, kDrafted));
         place_among(rough, cloud.points, wood.place);
     }
     const DraftOptions wanted{.step = options.step,
                               .reach = options.twig,
-                              .detail = detail_of(cloud.points, options),
+                              .detail = choose_detail(cloud.points, options),
                               .area_limit = options.area_limit};
     const Buffer<Vec3> outward = growth_directions(cloud.points, stems, rough.bases, ctx);
     finalize_tree(rough.initial, {paths.graph.graph, rough.bases, paths.spacing, outward, wanted, leaf},
-                  part_of(ctx, kDrafted, 1));
+                  narrow_progress(ctx, kDrafted, 1));
     cleaning.unreached =
         cloud.points.size() - cleaning.outliers - cleaning.understorey - rough.initial.reached;
-    CloudExtraction out{result_of(rough.initial, set.origin, ctx), cleaning, {}, {{}, set.origin}};
+    CloudExtraction out{make_result(rough.initial, set.origin, ctx), cleaning, {}, {{}, set.origin}};
     out.trees = tree_figures(out.skeleton, out.confidence, seen_stems(cloud, stems, set.origin, ctx));
     for (std::size_t p = 0; p < leaf.size(); ++p)
         if (leaf[p]) out.leaves.positions.push_back(cloud.points[p]);

@@ -42,11 +42,11 @@ void refine(FittedTree& initial, const CloudInput& cloud, const Context& ctx) {
     assign_stem_bases(initial, cloud.bases, find_roots(initial.tree));
     grow_chains(initial.tree, initial.samples, cloud, distances, ctx);
     reattach_laterals(initial.tree, initial.samples, ctx);
-    fit_initial_tree(initial, kLongFit, part_of(ctx, 0.3f, 0.7f));
+    fit_initial_tree(initial, kLongFit, narrow_progress(ctx, 0.3f, 0.7f));
     simplify(initial.tree, initial.samples, kNodeTolerance);
     initial.pruned += prune_redundant(initial.tree, initial.samples, cloud.spacing, distances.noise, ctx);
     reattach_laterals(initial.tree, initial.samples, ctx);
-    fit_initial_tree(initial, kShortFit, part_of(ctx, 0.8f, 1));
+    fit_initial_tree(initial, kShortFit, narrow_progress(ctx, 0.8f, 1));
     initial.ends = extend_ends(initial.tree, initial.samples);
 }
 
@@ -106,19 +106,19 @@ FittedTree draft_from_cloud(InitialTree tubes, FitSamples samples, const CloudIn
                             const Context& ctx) {
     FittedTree initial{std::move(tubes), std::move(samples)};
     if (initial.tree.size() > 0) {
-        fit_initial_tree(initial, kLongFit, part_of(ctx, 0, kFitted));
+        fit_initial_tree(initial, kLongFit, narrow_progress(ctx, 0, kFitted));
         assign_points(initial.tree, initial.samples, cloud.spacing, ctx);
     }
     std::vector<std::uint32_t> stems = find_roots(initial.tree);
     std::erase_if(stems, [&](std::uint32_t n) { return !initial.tree.fixed[n]; });
     initial.reached = attach_tubes(initial.tree, initial.samples, cloud, stems, true, ctx);
     reattach_laterals(initial.tree, initial.samples, ctx);
-    fit_initial_tree(initial, kLongFit, part_of(ctx, kFitted, kAttached));
+    fit_initial_tree(initial, kLongFit, narrow_progress(ctx, kFitted, kAttached));
     extend_ends(initial.tree, initial.samples);
     for (int k = 0; k < kRounds; ++k) {
         const float share = (kRefined - kAttached) / kRounds,
                     start = kAttached + static_cast<float>(k) * share;
-        refine(initial, cloud, part_of(ctx, start, start + share));
+        refine(initial, cloud, narrow_progress(ctx, start, start + share));
     }
     correct_swollen_radii(initial.tree);
     const double least = kMin * double{median(cloud.spacing)};

@@ -78,7 +78,7 @@ void erase_sorted(std::vector<std::uint32_t>& list, std::uint32_t v) {
     if (at != list.end() && *at == v) list.erase(at);
 }
 
-Remainder whole_of(const Surface& s, std::span<const Vec3d> at) {
+Remainder make_remainder(const Surface& s, std::span<const Vec3d> at) {
     const std::uint32_t size = s.size();
     Remainder r{at, {}, {}, s.triangles, {}, {}, std::vector<std::uint32_t>(size, 0), {}};
     r.neighbours.resize(size);
@@ -184,7 +184,7 @@ void collapse_all(Remainder& r, const Context& ctx) {
     }
 }
 
-Contraction graph_of(const Surface& s, const Remainder& r) {
+Contraction build_graph(const Surface& s, const Remainder& r) {
     Contraction out;
     std::vector<std::uint32_t> lowest(s.component_count, kNoIndex), node(s.size(), kNoIndex), queue;
     for (std::uint32_t v = 0; v < s.size(); ++v) {
@@ -214,9 +214,9 @@ Contraction graph_of(const Surface& s, const Remainder& r) {
 }  // namespace
 
 Contraction collapse_to_graph(const Surface& surface, std::span<const Vec3d> at, const Context& ctx) {
-    Remainder remainder = whole_of(surface, at);
+    Remainder remainder = make_remainder(surface, at);
     collapse_all(remainder, ctx);
-    return graph_of(surface, remainder);
+    return build_graph(surface, remainder);
 }
 
 }  // namespace coppice::extract_internal

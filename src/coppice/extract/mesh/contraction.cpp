@@ -168,10 +168,10 @@ void check_valences(const Surface& s) {
 
 Contraction contract(const Surface& s, Thickness thickness, const Context& ctx) {
     check_valences(s);
-    const Points thin = smoothed(s, part_of(ctx, 0, kSmoothingShare));
+    const Points thin = smoothed(s, narrow_progress(ctx, 0, kSmoothingShare));
     std::vector<Vec3d> at(s.size());
     for (std::uint32_t v = 0; v < s.size(); ++v) at[v] = point(thin, v);
-    Contraction out = collapse_to_graph(s, at, part_of(ctx, kSmoothingShare, 1));
+    Contraction out = collapse_to_graph(s, at, narrow_progress(ctx, kSmoothingShare, 1));
     center_nodes(s, out);
     measure_radii(s, thickness, ctx, out);
     return out;

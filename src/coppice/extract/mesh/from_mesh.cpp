@@ -44,7 +44,7 @@ class Stages {
     void run(std::string_view name, float done, const Work& work) {
         ctx_.throw_if_cancelled();
         const auto start = std::chrono::steady_clock::now();
-        work(part_of(ctx_, done_, done));
+        work(narrow_progress(ctx_, done_, done));
         const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
         times_.emplace_back(name, took.count());
         ctx_.report(done_ = done);
@@ -92,7 +92,7 @@ Sources find_sources(const Surface& s, int up, const std::optional<Vec3d>& root)
         if (best == kNoIndex || key(v) < key(best)) best = v;
     }
     const auto loops = border_loops(s);
-    std::vector<const std::vector<std::uint32_t>*> loop_of(s.component_count, nullptr);
+    std::vector<const std::vector<std::uint32_t>*> component_loop(s.component_count, nullptr);
     for (const auto& loop : loops) ++loop_count[s.component[loop[0]]];
     const auto extent = [&](const std::vector<std::uint32_t>& loop) {
         Box3 box;
@@ -103,13 +103,14 @@ Sources find_sources(const Surface& s, int up, const std::optional<Vec3d>& root)
         const std::uint32_t c = s.component[loop[0]];
         const bool holds_first = std::find(loop.begin(), loop.end(), first[c]) != loop.end();
         if (!holds_first && loop_count[c] > kTubeEnds) continue;
-        if (loop_of[c] == nullptr || extent(loop) > extent(*loop_of[c])) loop_of[c] = &loop;
+        if (component_loop[c] == nullptr || extent(loop) > extent(*component_loop[c]))
+            component_loop[c] = &loop;
     }
     Sources out{{}, std::vector<char>(s.component_count, 0)};
     for (std::uint32_t c = 0; c < s.component_count; ++c) {
-        out.from_border[c] = loop_of[c] != nullptr;
-        if (loop_of[c] != nullptr) {
-            out.vertices.insert(out.vertices.end(), loop_of[c]->begin(), loop_of[c]->end());
+        out.from_border[c] = component_loop[c] != nullptr;
+        if (component_loop[c] != nullptr) {
+            out.vertices.insert(out.vertices.end(), component_loop[c]->begin(), component_loop[c]->end());
         } else {
             out.vertices.push_back(first[c]);
         }
@@ -134,7 +135,8 @@ std::size_t draft_from_rings(MeshTree& draft, const FromMeshOptions& options, co
     const Surface& s = draft.surface;
     const Sources sources = find_sources(s, static_cast<int>(options.up), wanted_root(options, draft.origin));
     const std::vector<double> distance = march_distances(s, sources.vertices, ctx);
-    const RingForest forest = follow_chains(s, distance, sources.from_border, part_of(ctx, kMarchShare, 1));
+    const RingForest forest =
+        follow_chains(s, distance, sources.from_border, narrow_progress(ctx, kMarchShare, 1));
     if (forest.chains.empty())
         throw InvalidInput(
             "no component of the mesh is long enough to have an axis; a skeleton needs a branch");
@@ -210,9 +212,9 @@ FromMeshResult extract_from_mesh(const PolygonMesh& mesh, const FromMeshOptions&
     });
     stages.run("refine", 0.99f, [&](const Context& stage) {
         simplify(tree, samples, options.tolerance);
-        fit(kLastFit, kNarrow, part_of(stage, 0, 0.5f));
+        fit(kLastFit, kNarrow, narrow_progress(stage, 0, 0.5f));
         simplify(tree, samples, options.tolerance);
-        fit(kLastFit, kNarrow, part_of(stage, 0.5f, 1));
+        fit(kLastFit, kNarrow, narrow_progress(stage, 0.5f, 1));
         extend_ends(tree, samples);
     });
     stages.run("join", 1.0f, [&](const Context& stage) {

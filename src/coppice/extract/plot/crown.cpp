@@ -47,7 +47,7 @@ double distance_seen_from_above(Vec3d a, Vec3d b) { return std::hypot(a.x - b.x,
 
 /// Returns the convex hull in plan view by Andrew's monotone chain: the lower half, then the upper half
 /// backwards.
-std::vector<Vec3d> outline_of(std::span<const Vec3> points) {
+std::vector<Vec3d> compute_outline(std::span<const Vec3> points) {
     std::vector<Vec3d> plan;
     for (const Vec3 p : points) plan.emplace_back(p);
     std::ranges::sort(plan, [](Vec3d a, Vec3d b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
@@ -112,7 +112,7 @@ Crown measure_crown(const PointSet& points, double above, const Context& ctx) {
     std::vector<Vec3> part;
     for (const Vec3 p : points.positions)
         if (points.origin.z + double{p.z} >= above) part.push_back(p);
-    Crown out{.outline = outline_of(part), .hull = convex_hull(part, ctx)};
+    Crown out{.outline = compute_outline(part), .hull = convex_hull(part, ctx)};
     out.area = compute_area(out.outline);
     out.max_width = max_width(out.outline);
     for (Vec3d& corner : out.outline)

@@ -108,7 +108,7 @@ void measure_trees(const PointSet& set, const std::vector<TreeStems>& trees, con
         track.raise(trace.foot);
         if (!out.terrain.is_ground) {
             const double above = trace.foot;
-            trace.foot = foot_of(order, track);
+            trace.foot = find_base_height(order, track);
             for (StemSection& s : track.sections) s.height += above - trace.foot;
         }
         forms[t] = measure_stem(order, track, trace, set.origin);
@@ -199,12 +199,12 @@ PlotSegments segment_plot(const PointSet& set, const PlotOptions& options, const
     ctx.report(kGroundFound);
     const double edge = compute_resolution(set, options, ctx);
     const double noise = stem_noise(0.5 * edge);
-    const auto trees =
-        find_trees(points, height, out.terrain, options, noise, part_of(ctx, kGroundFound, kStemsFound));
+    const auto trees = find_trees(points, height, out.terrain, options, noise,
+                                  narrow_progress(ctx, kGroundFound, kStemsFound));
     ctx.report(kStemsFound);
     out.tree_of = give_points_to_trees(points, height, out.terrain, trees,
                                        {.voxel = edge, .widest_gap = double{options.widest_gap}},
-                                       part_of(ctx, kStemsFound, kPointsGiven));
+                                       narrow_progress(ctx, kStemsFound, kPointsGiven));
     measure_trees(set, trees, options, noise, out, ctx);
     ctx.report(1);
     return out;
@@ -239,7 +239,7 @@ PlotSegments segment_plot_by_ids(const PointSet& set, std::span<const std::uint3
     }
     auto points = points_of_trees(set.positions, out.tree_of, out.ids.size());
     out.trees.resize(out.ids.size());
-    parallel_with_progress(part_of(ctx, kGroundFound, 1), out.trees.size(), 1, [&](IndexRange range) {
+    parallel_with_progress(narrow_progress(ctx, kGroundFound, 1), out.trees.size(), 1, [&](IndexRange range) {
         for (std::size_t t = range.begin; t < range.end; ++t) {
             const Context alone{.threads = 1, .stop = ctx.stop, .progress = {}};
             out.trees[t] = stem_form_on(out.terrain, {std::move(points[t]), set.origin}, alone);
@@ -269,8 +269,8 @@ PlotExtraction extract_trees(const PointSet& set, PlotSegments segments, const C
 PlotExtraction extract_plot(const PointSet& set, const PlotOptions& options, const CloudOptions& tree,
                             const Context& ctx) {
     check_fields(tree, "extract");  // before any work on the points
-    return extract_trees(set, segment_plot(set, options, part_of(ctx, 0, kSegmented)), tree,
-                         part_of(ctx, kSegmented, 1));
+    return extract_trees(set, segment_plot(set, options, narrow_progress(ctx, 0, kSegmented)), tree,
+                         narrow_progress(ctx, kSegmented, 1));
 }
 
 void list_fields(PlotOptions& o, FieldList& list) {

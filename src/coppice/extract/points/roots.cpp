@@ -52,7 +52,8 @@ std::vector<Slice> pieces_below(std::span<const Vec3> points, const Graph& graph
 }
 
 /// Returns the lowest slice of a trunk, high enough to contain a ring of points.
-std::vector<std::uint32_t> base_of(std::span<const Vec3> points, const Slice& trunk, double spacing) {
+std::vector<std::uint32_t> find_base_points(std::span<const Vec3> points, const Slice& trunk,
+                                            double spacing) {
     std::vector<std::uint32_t> base;
     const double top = trunk.low + std::min(std::max(1.5 * spacing, 0.05 * (trunk.high - trunk.low)),
                                             0.5 * double{trunk.high - trunk.low});
@@ -111,7 +112,7 @@ std::vector<Stem> find_stems(std::span<const Vec3> points, const Graph& graph,
         const bool whole = piece.high - piece.low > 0.6f * band;
         const bool thick = static_cast<double>(piece.points.size()) > kTrunkShare * static_cast<double>(most);
         if (piece.points.size() == most || (whole && thick))
-            stems.push_back({piece.points.size(), base_of(points, piece, spacing)});
+            stems.push_back({piece.points.size(), find_base_points(points, piece, spacing)});
     }
     return stems;
 }

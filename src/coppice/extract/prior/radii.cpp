@@ -165,8 +165,8 @@ struct Kind {
     }
 };
 
-std::vector<Kind> kinds_of(const InitialTree& tree, std::span<const NodeEvidence> evidence,
-                           const Allometry& allometry) {
+std::vector<Kind> collect_kinds(const InitialTree& tree, std::span<const NodeEvidence> evidence,
+                                const Allometry& allometry) {
     std::vector<Kind> kinds;
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
         if (tree.parent[n] == kNoIndex) continue;
@@ -188,7 +188,7 @@ std::vector<Kind> kinds_of(const InitialTree& tree, std::span<const NodeEvidence
 Allometry fit_allometry(const InitialTree& tree, std::span<const NodeEvidence> evidence) {
     Allometry out = measure_feet(tree, evidence);
     double xx = 1 / (kExponentError * kExponentError), xy = xx * kUsualExponent;
-    for (Kind& kind : kinds_of(tree, evidence, out)) {
+    for (Kind& kind : collect_kinds(tree, evidence, out)) {
         const double y = kind.median_log_radius();
         if (!std::isfinite(y) || !(kind.length > 0)) continue;
         const double x = kind.log_share / kind.length, error = kKindError * std::max(1.0, -x);

@@ -88,7 +88,7 @@ LooseParts find_loose_parts(const Skeleton& s) {
     return out;
 }
 
-Skeleton parts_of(const Skeleton& s, const std::vector<NodeId>& roots) {
+Skeleton extract_parts(const Skeleton& s, const std::vector<NodeId>& roots) {
     COPPICE_ASSERT(!roots.empty());
     std::vector<NodeId> new_id(s.size(), NodeId::none()), parents;
     std::vector<Vec3> positions;

@@ -23,6 +23,6 @@ LooseParts find_loose_parts(const Skeleton& skeleton);
 
 /// Returns the components with these roots as a skeleton with the same origin and stable ids. Requires at
 /// least one root, in ascending order. O(n).
-Skeleton parts_of(const Skeleton& skeleton, const std::vector<NodeId>& roots);
+Skeleton extract_parts(const Skeleton& skeleton, const std::vector<NodeId>& roots);
 
 }  // namespace coppice

@@ -239,7 +239,7 @@ std::vector<StemAxis> find_stem_axes(std::span<const Vec3> points, const Terrain
     std::vector<Found> found;
     double best = 0;  // evidence of the first stem
     for (const StemTrack& track : scene.tracks) {
-        TraceOptions trace = scene.trace_of(terrain, track);
+        TraceOptions trace = scene.make_trace_options(terrain, track);
         if (search.root) {
             const Vec3d at = track.at(search.root->z);
             if (std::hypot(at.x - search.root->x, at.y - search.root->y) > kAtRoot * track.radius) continue;
@@ -253,7 +253,8 @@ std::vector<StemAxis> find_stem_axes(std::span<const Vec3> points, const Terrain
         if (axis.position.empty()) continue;
         axis.track = track;
         const Vec3d foot = axis.position.front();
-        const double low = foot_of(scene.wood, track), above_ground = low - scene.ground(terrain, foot);
+        const double low = find_base_height(scene.wood, track),
+                     above_ground = low - scene.ground(terrain, foot);
         const auto is_same = [&](const Found& other) {
             const Vec3d d = foot - other.axis.position.front();
             return std::hypot(d.x, d.y) < kApart * (track.radius + other.radius);

@@ -89,7 +89,7 @@ double mean_radius(const Skeleton& s, const std::vector<NodeId>& axis, double lo
     return total > 0 ? sum / total : 0;
 }
 
-StemForm form_of(const Skeleton& s, NodeId root, std::span<const float> reach) {
+StemForm measure_form(const Skeleton& s, NodeId root, std::span<const float> reach) {
     StemForm out;
     out.foot = s.origin() + Vec3d(s.position(root));
     const auto axis = main_axis(s, root, reach);
@@ -198,7 +198,7 @@ StemForm measure_stem(const HeightOrder& points, const StemTrack& track, const T
     return out;
 }
 
-double foot_of(const HeightOrder& points, const StemTrack& track) {
+double find_base_height(const HeightOrder& points, const StemTrack& track) {
     std::vector<double> z;
     for (const Vec3 p : points.all()) {
         if (double{p.z} > track.middle().z) continue;
@@ -246,10 +246,10 @@ StemScene find_stem_scene(std::span<const Vec3> points, const Terrain& terrain, 
     return out;
 }
 
-TraceOptions StemScene::trace_of(const Terrain& terrain, const StemTrack& track) const {
+TraceOptions StemScene::make_trace_options(const Terrain& terrain, const StemTrack& track) const {
     TraceOptions out = trace;
-    out.foot =
-        terrain.is_ground ? ground(terrain, track.at(ground(terrain, track.middle()))) : foot_of(wood, track);
+    out.foot = terrain.is_ground ? ground(terrain, track.at(ground(terrain, track.middle())))
+                                 : find_base_height(wood, track);
     return out;
 }
 
@@ -263,7 +263,8 @@ StemForm stem_form_on(const Terrain& terrain, const PointSet& set, const Context
         out.foot = set.origin + Vec3d{low.x, low.y, scene.lowest};
         out.height = scene.trace.top - scene.lowest;
     } else {
-        out = measure_stem(scene.wood, stems.front(), scene.trace_of(terrain, stems.front()), set.origin);
+        out = measure_stem(scene.wood, stems.front(), scene.make_trace_options(terrain, stems.front()),
+                           set.origin);
     }
     out.height_low = std::max(out.height - height_margin(spacing), 0.0);
     out.height_high = out.height + height_margin(spacing);
@@ -310,7 +311,7 @@ std::vector<StemForm> stem_forms(const Skeleton& skeleton) {
     for (const NodeId n : nodes(skeleton)) {
         if (!skeleton.is_root(n)) continue;
         of_root[n.index()] = static_cast<std::uint32_t>(out.size());
-        out.push_back(form_of(skeleton, n, reach));
+        out.push_back(measure_form(skeleton, n, reach));
     }
     for (const NodeId n : nodes(skeleton)) {
         StemForm& form = out[of_root[roots[n.index()].index()]];

@@ -42,7 +42,7 @@ struct StemScene {
         return terrain.is_ground ? terrain.height(at.x, at.y) : lowest;
     }
     /// Returns the trace options of this stem, starting at its foot.
-    TraceOptions trace_of(const Terrain& terrain, const StemTrack& track) const;
+    TraceOptions make_trace_options(const Terrain& terrain, const StemTrack& track) const;
 };
 
 /// Detects stems. O(n). Throws Cancelled.
@@ -50,7 +50,7 @@ StemScene find_stem_scene(std::span<const Vec3> points, const Terrain& terrain, 
                           const Context& ctx);
 
 /// Returns z [m] of the lowest end of a stem in points without ground, from the points about its axis.
-double foot_of(const HeightOrder& points, const StemTrack& track);
+double find_base_height(const HeightOrder& points, const StemTrack& track);
 
 /// Returns z [m] of the highest point that is not an outlier; requires at least one point.
 double compute_max_height(const HeightOrder& points);

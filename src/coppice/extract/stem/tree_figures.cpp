@@ -72,7 +72,7 @@ void add_bounds(TreeFigures& t, const Sums& of, double seen_height) {
 }
 
 /// Returns the form factor of a tall tree from the diameter of the points, or else of the skeleton.
-double form_of(const TreeFigures& t) {
+double compute_form(const TreeFigures& t) {
     const double d = t.dbh_of_points > 0 ? t.dbh_of_points : t.dbh;
     if (!(d > 0) || !(t.height > kMinHeight)) return 0;
     const double above = 1 - kBreastHeight / t.height;
@@ -131,7 +131,7 @@ std::vector<TreeFigures> compute_figures(const Skeleton& s, std::span<const Node
             seen_height = stem.height;
         }
         if (!confidence.empty()) add_bounds(t, of, seen_height);
-        t.form = form_of(t);
+        t.form = compute_form(t);
         add_doubts(t, stems.has_value());
         out.push_back(std::move(t));
     }

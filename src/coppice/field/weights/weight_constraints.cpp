@@ -31,7 +31,7 @@ std::vector<NodeId> segment_names(const Skeleton& skeleton) {
 
 /// Returns the segment of a node; a step of the radius at one place counts with its greater radius, as in the
 /// field.
-Segment segment_of(const Skeleton& skeleton, NodeId n) {
+Segment make_segment(const Skeleton& skeleton, NodeId n) {
     const Vec3 p = skeleton.position(n);
     Segment s =
         skeleton.is_root(n) ? Segment{p, p, skeleton.radius(n), skeleton.radius(n)} : skeleton.segment(n);
@@ -78,14 +78,14 @@ class Cones {
     static std::vector<Box3> boxes(const Skeleton& skeleton, std::span<const NodeId> names) {
         std::vector<Box3> boxes(names.size());
         for (std::size_t i = 0; i < names.size(); ++i) {
-            const Segment s = segment_of(skeleton, names[i]);
+            const Segment s = make_segment(skeleton, names[i]);
             boxes[i] = capsule_box(s.a, s.b, std::max(s.radius_a, s.radius_b));
         }
         return boxes;
     }
 
     RoundCone::Foot foot(std::uint32_t i, Vec3 p) const {
-        return round_cone(segment_of(skeleton_, names_[i])).foot(Vec3d(p));
+        return round_cone(make_segment(skeleton_, names_[i])).foot(Vec3d(p));
     }
 
     const Skeleton& skeleton_;
@@ -99,7 +99,7 @@ std::vector<std::uint64_t> circle_counts(const Skeleton& skeleton, std::span<con
     std::vector<double> slenderness(names.size());
     double sum = 0;
     for (std::size_t i = 0; i < names.size(); ++i) {
-        const Segment s = segment_of(skeleton, names[i]);
+        const Segment s = make_segment(skeleton, names[i]);
         slenderness[i] = distance(Vec3d(s.a), Vec3d(s.b)) / (0.5 * (double{s.radius_a} + double{s.radius_b}));
         sum += slenderness[i];
     }
@@ -147,7 +147,7 @@ std::vector<WeightConstraint> surface_constraints(const Skeleton& skeleton, cons
     const Cones cones(skeleton, names, ctx);
     parallel_for(ctx, names.size(), kWeightConstraintsGrain, [&](std::size_t i) {
         const std::size_t begin = kAround * first[i], end = kAround * first[i + 1];
-        place_circles(segment_of(skeleton, names[i]), names[i], std::span(all).subspan(begin, end - begin));
+        place_circles(make_segment(skeleton, names[i]), names[i], std::span(all).subspan(begin, end - begin));
         for (std::size_t j = begin; j < end; ++j) hidden[j] = cones.hold(all[j].position, names[i]);
     });
     std::size_t kept = 0;

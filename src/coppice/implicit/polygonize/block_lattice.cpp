@@ -8,7 +8,7 @@
 
 namespace coppice {
 
-ValueFunction values_of(FieldRef field, std::uint32_t region) {
+ValueFunction to_value_function(FieldRef field, std::uint32_t region) {
     return [field, region](std::span<const Vec3> points, std::span<float> out) {
         std::vector<FieldSample> samples(points.size());
         field.sample(region, points, samples);

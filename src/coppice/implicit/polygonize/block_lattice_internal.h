@@ -16,7 +16,7 @@ namespace coppice {
 
 /// Evaluates the values of a field, without gradients.
 using ValueFunction = std::function<void(std::span<const Vec3>, std::span<float>)>;
-ValueFunction values_of(FieldRef field, std::uint32_t region = 0);
+ValueFunction to_value_function(FieldRef field, std::uint32_t region = 0);
 
 /// Cubic cells in blocks of 8 x 8 x 8; blocks are numbered with x fastest.
 struct BlockLattice {

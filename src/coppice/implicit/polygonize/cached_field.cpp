@@ -61,7 +61,7 @@ struct Corners {
 std::vector<ValueRange> sampled_ranges(const BlockLattice& lattice, const ValueFunction& field,
                                        const Context& ctx) {
     std::vector<ValueRange> out(lattice.block_count());
-    parallel_with_progress(part_of(ctx, 0, kRanged), out.size(), 1, [&](IndexRange range) {
+    parallel_with_progress(narrow_progress(ctx, 0, kRanged), out.size(), 1, [&](IndexRange range) {
         const std::size_t b = range.begin;
         std::array<Vec3, kBlockNodes> nodes;
         std::array<float, kBlockNodes> values;
@@ -94,7 +94,7 @@ struct CachedField::Builder {
             if (out.stored_[b] != kConstant) blocks.push_back(b);
         }
         std::vector<float> error(blocks.size());
-        parallel_with_progress(part_of(ctx, kRanged, 1), blocks.size(), 1,
+        parallel_with_progress(narrow_progress(ctx, kRanged, 1), blocks.size(), 1,
                                [&](IndexRange r) { error[r.begin] = fill(r.begin, blocks[r.begin]); });
         for (const float e : error) out.error_ = std::max(out.error_, e);
     }
@@ -159,7 +159,7 @@ CachedField::CachedField(FieldRef field, const Box3& box, const CacheOptions& op
     : level_(field.level()) {
     check_fields(options, "cache");
     const BlockLattice lattice = cover(box, options.cell, "cache", kMaxBlocks);
-    const ValueFunction values = values_of(field);
+    const ValueFunction values = to_value_function(field);
     Builder{*this, lattice, values, ctx}.build(sampled_ranges(lattice, values, ctx), options.band);
 }
 

@@ -147,7 +147,7 @@ void ContourIndex::build_cells() {
 void ContourIndex::build_rows() {
     const double height = high_.y - low_.y;
     std::size_t rows = std::min<std::size_t>(segments_.size(), 1 << 16), total = 0;
-    const auto span_of = [&](const PlaneSegment& s) {
+    const auto find_span = [&](const PlaneSegment& s) {
         return std::array{row(std::min(s.a.y, s.b.y)), row(std::max(s.a.y, s.b.y))};
     };
     for (;; rows /= 2) {
@@ -155,20 +155,20 @@ void ContourIndex::build_rows() {
         row_first_.assign(rows + 1, 0);
         total = 0;
         for (const PlaneSegment& s : segments_) {
-            const auto [first, last] = span_of(s);
+            const auto [first, last] = find_span(s);
             total += last - first + 1;
         }
         if (rows <= 1 || total <= 8 * segments_.size()) break;
     }
     for (const PlaneSegment& s : segments_) {
-        const auto [first, last] = span_of(s);
+        const auto [first, last] = find_span(s);
         for (std::uint32_t r = first; r <= last; ++r) ++row_first_[r];
     }
     std::uint32_t sum = 0;
     for (std::uint32_t& f : row_first_) f = sum += f;  // ends here; starts after filling from the end
     row_list_.resize(total);
     for (std::size_t i = segments_.size(); i-- > 0;) {
-        const auto [first, last] = span_of(segments_[i]);
+        const auto [first, last] = find_span(segments_[i]);
         for (std::uint32_t r = first; r <= last; ++r)
             row_list_[--row_first_[r]] = static_cast<std::uint32_t>(i);
     }

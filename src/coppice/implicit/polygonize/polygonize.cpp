@@ -279,7 +279,7 @@ class Joiner {
         bool runs_along(std::uint32_t axis) const { return way >> axis & 1; }
     };
 
-    Edge edge_of(std::uint32_t i, std::uint32_t key) const {
+    Edge find_edge(std::uint32_t i, std::uint32_t key) const {
         const std::uint32_t node = key / 8;
         return {lattice_.place(blocks_[i].block),
                 {node % kNodes, node / kNodes % kNodes, node / kNodes / kNodes},
@@ -309,7 +309,7 @@ class Joiner {
 
     bool sides_agree(std::uint32_t i) const {
         for (const std::uint32_t key : blocks_[i].keys) {
-            const Edge edge = edge_of(i, key);
+            const Edge edge = find_edge(i, key);
             for (std::uint32_t axis = 0; axis < 3; ++axis) {
                 if (edge.runs_along(axis)) continue;
                 Edge there = edge;
@@ -337,7 +337,7 @@ class Joiner {
     /// An edge on a side of a block is also in the neighbouring blocks across that side. All of them have
     /// found it; the lowest one owns it.
     Owner owner(std::uint32_t i, std::uint32_t key) const {
-        Edge edge = edge_of(i, key);
+        Edge edge = find_edge(i, key);
         for (std::uint32_t axis = 0; axis < 3; ++axis) {
             if (edge.runs_along(axis) || edge.node[axis] > 0 || edge.block[axis] == 0) continue;
             --edge.block[axis];
@@ -366,7 +366,7 @@ class Joiner {
         }
     }
 
-    std::uint32_t id_of(std::uint32_t i, std::uint32_t place) const {
+    std::uint32_t get_id(std::uint32_t i, std::uint32_t place) const {
         const BlockSurface& b = blocks_[i];
         if (b.ids[place] != kNoIndex) return b.ids[place];
         const Owner o = owner(i, b.keys[place]);
@@ -378,7 +378,7 @@ class Joiner {
     void number_rest(std::size_t i, std::size_t first, TriMesh& out) const {
         for (const auto& t : blocks_[i].triangles) {
             const auto self = static_cast<std::uint32_t>(i);
-            out.triangles[first++] = {id_of(self, t[0]), id_of(self, t[1]), id_of(self, t[2])};
+            out.triangles[first++] = {get_id(self, t[0]), get_id(self, t[1]), get_id(self, t[2])};
         }
     }
 
@@ -415,7 +415,7 @@ TriMesh polygonize(FieldRef field, const Box3& box, const PolygonizeOptions& opt
     const BlockLattice lattice = cover(box, options.cell, "polygonize", kMaxBlocks);
     std::vector<std::size_t> all(lattice.block_count());
     std::iota(all.begin(), all.end(), std::size_t{0});
-    const RegionValues values = [&, of = values_of(field)](std::uint32_t, auto points, auto out) {
+    const RegionValues values = [&, of = to_value_function(field)](std::uint32_t, auto points, auto out) {
         of(points, out);
     };
     return cut_blocks({lattice, values, field.level(), box, options.refinements}, all, ctx);
@@ -451,7 +451,7 @@ TriMesh polygonize(FieldRef field, const Box3& box, const PolygonizeRegions& reg
         throw InvalidInput("polygonize: the regions must belong to the same box and cell");
     }
     const RegionValues values = [&](std::uint32_t region, auto points, auto out) {
-        values_of(field, region)(points, out);
+        to_value_function(field, region)(points, out);
     };
     return cut_blocks({lattice, values, field.level(), box, options.refinements}, regions.block, ctx);
 }
@@ -468,7 +468,7 @@ TriMesh polygonize(const SolidField& field, const PolygonizeOptions& options, co
     const Box3 everywhere{-Vec3{Box3::kInfinity, Box3::kInfinity, Box3::kInfinity},
                           {Box3::kInfinity, Box3::kInfinity, Box3::kInfinity}};
     return cut_blocks({lattice, values, field.level(), everywhere, options.refinements}, near,
-                      part_of(ctx, kRanged, 1));
+                      narrow_progress(ctx, kRanged, 1));
 }
 
 void list_fields(PolygonizeOptions& o, FieldList& list) {

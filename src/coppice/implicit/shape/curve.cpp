@@ -141,7 +141,7 @@ std::vector<Piece> find_pieces(const Knots& k, CurveKind kind) {
 }
 
 /// Returns the portion of a section from t = a, of length h, as a cubic.
-Piece part_of(const Piece& c, double a, double h) {
+Piece cut_part(const Piece& c, double a, double h) {
     return {c[0] + (c[1] + (c[2] + c[3] * a) * a) * a, (c[1] + (c[2] * 2.0 + c[3] * (3.0 * a)) * a) * h,
             (c[2] + c[3] * (3.0 * a)) * (h * h), c[3] * (h * h * h)};
 }
@@ -224,7 +224,7 @@ void Curve::cut(std::span<const std::array<Vec3d, 4>> pieces) {
         const int n =
             std::clamp(static_cast<int>(std::ceil(std::sqrt(bend / (8 * kDeviation * chord)))), 1, kMaxArcs);
         for (int i = 0; i < n; ++i) {
-            CurveArc arc{.c = part_of(piece, static_cast<double>(i) / n, 1.0 / n)};
+            CurveArc arc{.c = cut_part(piece, static_cast<double>(i) / n, 1.0 / n)};
             arc.slack = max_second(arc.c) / 8;
             arcs_.push_back(arc);
         }

@@ -245,16 +245,16 @@ double MeshSolid::winding(Vec3d p) const {
 }
 
 MeshSolid::Nearest MeshSolid::nearest(Vec3d p, std::uint32_t hint) const {
-    const auto point_of = [&](std::uint32_t i) {
+    const auto get_point = [&](std::uint32_t i) {
         return nearest_on(p, Vec3d(triangles_[i].a), Vec3d(triangles_[i].b), Vec3d(triangles_[i].c));
     };
     // Slightly greater than the distance to the hint, so that ties are resolved as without it.
-    double limit = length_squared(point_of(hint) - p) * (1 + 1e-9) + 1e-30;
+    double limit = length_squared(get_point(hint) - p) * (1 + 1e-9) + 1e-30;
     Nearest best{hint, std::numeric_limits<double>::infinity(), {}};
     boxes_.search([&](std::uint32_t l, std::uint32_t i) { return distance_squared(boxes_.level(l)[i], p); },
                   limit,
                   [&](std::uint32_t i) {
-                      const Vec3d point = point_of(i);
+                      const Vec3d point = get_point(i);
                       const double d = length_squared(point - p);
                       if (!(d < best.squared)) return;
                       best = {i, d, point};

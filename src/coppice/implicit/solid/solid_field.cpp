@@ -14,7 +14,7 @@ namespace {
 /// Parts of a union or sum beyond this number are grouped by position, so that whole groups can be skipped.
 constexpr std::size_t kGroup = 8;
 
-Rows rows_of(const Affine& m, double scale = 1) {
+Rows to_rows(const Affine& m, double scale = 1) {
     const auto f = [&](double v) { return static_cast<float>(v * scale); };
     return {f(m.x.x), f(m.y.x),      f(m.z.x), f(m.origin.x), f(m.x.y), f(m.y.y),
             f(m.z.y), f(m.origin.y), f(m.x.z), f(m.y.z),      f(m.z.z), f(m.origin.z)};
@@ -152,7 +152,7 @@ class Compiler {
                                                               : StepKind::bend;
         open(kind, support, kWarpRows).data = static_cast<std::uint32_t>(program_.warps.size());
         WarpStep& warp = program_.warps.emplace_back();
-        warp.rows = rows_of((map * node.map).inverse());
+        warp.rows = to_rows((map * node.map).inverse());
         if (kind == StepKind::twist) {
             warp.rate = static_cast<float>(node.size.x);
         } else if (kind == StepKind::taper) {
@@ -179,7 +179,7 @@ class Compiler {
         open(kind, support, rows).data = static_cast<std::uint32_t>(program_.primitives.size());
         PrimitiveStep& p = program_.primitives.emplace_back();
         const double scale = kind == StepKind::shape ? 1 : 1 / node.influence;
-        p.rows = rows_of((map * node.map).inverse(), scale);
+        p.rows = to_rows((map * node.map).inverse(), scale);
         p.weight = static_cast<float>(node.weight);
         p.share = static_cast<float>(law_share(node.law));
         p.a = static_cast<float>(node.size.x * scale);

@@ -346,7 +346,7 @@ HWY_INLINE void load_block(std::span<const Vec3> points, Block& at) {
     at.find_box(false);
 }
 
-void samples_of(const SolidProgram& program, std::span<const Vec3> points, std::span<FieldSample> out) {
+void compute_samples(const SolidProgram& program, std::span<const Vec3> points, std::span<FieldSample> out) {
     static_assert(sizeof(Vec3) == 3 * sizeof(float) && sizeof(FieldSample) == 4 * sizeof(float));
     BlockRows rows(kPointRows + kOutRows + program.scratch);
     const Evaluator<Want::sample> evaluator(program);
@@ -369,7 +369,7 @@ void samples_of(const SolidProgram& program, std::span<const Vec3> points, std::
     }
 }
 
-void values_of(const SolidProgram& program, std::span<const Vec3> points, std::span<float> out) {
+void compute_values(const SolidProgram& program, std::span<const Vec3> points, std::span<float> out) {
     BlockRows rows(kPointRows + kOutRows + program.scratch);
     const Evaluator<Want::value> evaluator(program);
     for (std::size_t i = 0; i < points.size(); i += kSolidBlock) {
@@ -419,18 +419,18 @@ HWY_AFTER_NAMESPACE();
 
 namespace coppice {
 
-HWY_EXPORT(samples_of);
-HWY_EXPORT(values_of);
+HWY_EXPORT(compute_samples);
+HWY_EXPORT(compute_values);
 HWY_EXPORT(compute_ranges);
 
 void run_samples(const SolidProgram& program, std::span<const Vec3> points, std::span<FieldSample> out) {
     if (program.steps.empty()) return std::fill(out.begin(), out.end(), FieldSample{});
-    HWY_DYNAMIC_DISPATCH(samples_of)(program, points, out);
+    HWY_DYNAMIC_DISPATCH(compute_samples)(program, points, out);
 }
 
 void run_values(const SolidProgram& program, std::span<const Vec3> points, std::span<float> out) {
     if (program.steps.empty()) return std::fill(out.begin(), out.end(), 0.0f);
-    HWY_DYNAMIC_DISPATCH(values_of)(program, points, out);
+    HWY_DYNAMIC_DISPATCH(compute_values)(program, points, out);
 }
 
 void run_ranges(const SolidProgram& program, std::span<const Box3> boxes, std::span<ValueRange> out) {

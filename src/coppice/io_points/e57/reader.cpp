@@ -162,7 +162,7 @@ class PointTaker {
         if (!columns_.colored) return;
         const auto [r, g, b] = columns_.color;
         const auto color =
-            io_internal::color_of(record[r] * to_byte_[0], record[g] * to_byte_[1], record[b] * to_byte_[2]);
+            io_internal::to_color(record[r] * to_byte_[0], record[g] * to_byte_[1], record[b] * to_byte_[2]);
         if (color) found_.note(known.colors, *color);
     }
 
@@ -265,7 +265,7 @@ class ScanReader {
 };
 
 /// Returns the XML, which the header locates.
-std::string document_of(Pages& pages, std::string_view bytes, const std::string& source) {
+std::string read_document(Pages& pages, std::string_view bytes, const std::string& source) {
     if (bytes.size() < kHeader)
         throw InvalidInput(fmt::format("{}: the file ends within its E57 header", source));
     const auto major = number_at<std::uint32_t>(bytes, 8), minor = number_at<std::uint32_t>(bytes, 12);
@@ -294,7 +294,7 @@ bool is_e57(std::string_view bytes) { return bytes.starts_with(e57::kSignature);
 
 FoundPoints parse_e57(std::string_view bytes, const std::string& source, const Context& ctx) {
     e57::Pages pages(bytes, source);
-    const e57::Document document = e57::parse_document(e57::document_of(pages, bytes, source), source);
+    const e57::Document document = e57::parse_document(e57::read_document(pages, bytes, source), source);
     FoundPoints found{.format = "E57"};
     if (document.system.find('[') != std::string::npos)
         found.system.records.push_back({kWkt, document.system});

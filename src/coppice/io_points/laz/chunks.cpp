@@ -25,7 +25,7 @@ enum Compressor : std::uint16_t { kPointwise = 1, kChunked = 2, kLayered = 3 };
 }
 
 /// Returns the items into which the records of a format are divided.
-std::vector<LazPacking::Item> items_of(const LasHeader& h) {
+std::vector<LazPacking::Item> list_items(const LasHeader& h) {
     std::vector<LazPacking::Item> items;
     const auto any_of = [&](std::initializer_list<int> formats) {
         return std::find(formats.begin(), formats.end(), int{h.format}) != formats.end();
@@ -118,7 +118,7 @@ std::vector<LazChunk> read_table(std::string_view data, std::size_t table, const
 LazPacking read_laz_packing(std::string_view bytes, const LasHeader& h, const std::string& source) {
     if (h.data < kOldLasHeader || h.data > bytes.size()) damaged(source, "the file is cut off");
     const std::string_view vlr = find_laszip_vlr(bytes, h, source);
-    LazPacking p{.items = items_of(h),
+    LazPacking p{.items = list_items(h),
                  .record = h.record,
                  .color = h.color(),
                  .extra = h.extra(),

@@ -36,7 +36,7 @@ enum Type : std::uint32_t {
 };
 enum Class : std::uint32_t { kCell = 1, kStruct = 2, kFirstNumeric = 6, kLastNumeric = 15 };
 
-std::size_t size_of(std::uint32_t type) {
+std::size_t get_size(std::uint32_t type) {
     switch (type) {
         case kInt8:
         case kUint8:
@@ -275,7 +275,7 @@ std::size_t MatArray::count() const {
 }
 
 std::optional<std::vector<double>> MatArray::numbers() const {
-    const std::size_t size = size_of(type);
+    const std::size_t size = get_size(type);
     if (kind != Kind::numbers || complex || size == 0 || data.size() / size < count()) return std::nullopt;
     std::vector<double> values(count());
     for (std::size_t i = 0; i < values.size(); ++i)

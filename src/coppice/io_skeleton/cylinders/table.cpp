@@ -37,7 +37,7 @@ bool is_heading(const Cells& cells) {
 bool is_property(const Cells& cells) { return cells.size() == 2 && is_name(cells[0]); }
 
 /// Returns the numbers; empty if a cell contains anything else.
-std::vector<double> numbers_of(const Cells& cells) {
+std::vector<double> parse_numbers(const Cells& cells) {
     std::vector<double> numbers;
     for (const std::string_view cell : cells) {
         const std::optional<double> number = parse_number(cell);
@@ -216,7 +216,7 @@ class TextReader {
             }
             tables_.push_back(std::move(table));
         } else {
-            const std::vector<double> row = numbers_of(cells_);
+            const std::vector<double> row = parse_numbers(cells_);
             if (!may_be_headerless(row)) return false;
             table.columns = columns_of_treeqsm(row);
             tables_.push_back(std::move(table));
@@ -296,7 +296,7 @@ std::vector<std::uint32_t> numbers_of_trees(const std::vector<std::string_view>&
 
 /// Returns the trees as an attribute: their names in the table if all are numbers, otherwise numbers from 1.
 std::vector<double> values_of_trees(const Table& table, std::span<const std::uint32_t> tree) {
-    std::vector<double> values = numbers_of(table.tree);
+    std::vector<double> values = parse_numbers(table.tree);
     if (values.empty())
         for (const std::uint32_t t : tree) values.push_back(static_cast<double>(t) + 1);
     return values;

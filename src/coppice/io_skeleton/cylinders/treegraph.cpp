@@ -97,7 +97,7 @@ class ColumnReader : public Events {
 };
 
 /// Returns the columns as rows of a table with a header.
-std::string rows_of(const std::vector<ColumnReader::Column>& columns) {
+std::string format_rows(const std::vector<ColumnReader::Column>& columns) {
     std::string out;
     const auto add_row = [&](const auto& compute_cell) {
         for (std::size_t c = 0; c < columns.size(); ++c)
@@ -131,7 +131,7 @@ std::optional<RawCylinders> parse_treegraph(std::string_view text, const std::st
     for (const ColumnReader::Column& column : reader.columns)
         if (column.values.size() != count) fail("has columns of different lengths");
     std::erase_if(reader.columns, [](const ColumnReader::Column& c) { return plain_name(c.name).empty(); });
-    return parse_cylinders(rows_of(reader.columns), fmt::format("{}: table '{}'", source, kCylinders), 0,
+    return parse_cylinders(format_rows(reader.columns), fmt::format("{}: table '{}'", source, kCylinders), 0,
                            ctx);
 }
 

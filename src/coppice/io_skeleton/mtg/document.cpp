@@ -96,17 +96,17 @@ class CodeReader {
         bool caret = false, reuse = false;
         Position at;
         if (code == "*") {  // the entity of this column at another date
-            if (const Position* known = position_of(column + 1)) changed_.assign(1, known->current);
+            if (const Position* known = find_position(column + 1)) changed_.assign(1, known->current);
             return;
         }
         if (code.front() == '^') {
             caret = true;
             code.remove_prefix(1);
-            if (const Position* known = position_of(column + 1)) at = *known;
+            if (const Position* known = find_position(column + 1)) at = *known;
         } else if (code.front() == '(') {
             at = alias(code);
             reuse = true;
-        } else if (const Position* known = position_of(column)) {
+        } else if (const Position* known = find_position(column)) {
             at = *known;
         }
         bool is_first = true;
@@ -127,7 +127,7 @@ class CodeReader {
     }
 
     /// Returns the last position in the columns before `column`; null for the whole scene.
-    const Position* position_of(std::uint32_t column) const {
+    const Position* find_position(std::uint32_t column) const {
         for (std::size_t i = std::min<std::size_t>(column, positions_.size()); i-- > 0;) {
             if (is_set_[i]) return &positions_[i];
         }

@@ -78,7 +78,8 @@ std::string attribute_name(const std::string& column) {
 }
 
 /// Returns the numeric columns that all nodes have, except positions and thickness.
-std::vector<RawAttribute> attributes_of(const Document& document, const std::vector<Nodes::Node>& nodes) {
+std::vector<RawAttribute> collect_attributes(const Document& document,
+                                             const std::vector<Nodes::Node>& nodes) {
     constexpr std::array<std::string_view, 6> kKnown{"xx", "yy", "zz", "topdia", "diameter", "diam"};
 
     std::vector<std::uint32_t> node(document.vertices.size(), kNoIndex);
@@ -149,7 +150,7 @@ RawSkeleton parse_mtg(std::string_view text, const std::string& source, const Co
             divisor));
     }
     if (document.is_form_b) raw.notes.emplace_back("the file states FORM-B, but was read as FORM-A");
-    raw.attributes = attributes_of(document, nodes);
+    raw.attributes = collect_attributes(document, nodes);
     add_orders(document, nodes, raw);
     put_in_written_order(raw);
     return raw;

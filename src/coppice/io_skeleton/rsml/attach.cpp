@@ -30,7 +30,7 @@ std::optional<std::uint32_t> named_point(const Root& root, const Root& parent, d
     return static_cast<std::uint32_t>(index);
 }
 
-Vec3d point_of(const Document& document, const Root& root, std::uint32_t index) {
+Vec3d get_point(const Document& document, const Root& root, std::uint32_t index) {
     return document.points[root.first_point + index];
 }
 
@@ -43,9 +43,9 @@ double base_of_parent_nodes(const Document& document, std::span<const std::uint3
         const Root &root = document.roots[i], &bearer = document.roots[parent[i]];
         const auto zero = named_point(root, bearer, 0), one = named_point(root, bearer, 1);
         if (!zero || !one) continue;
-        const Vec3d start = point_of(document, root, 0);
-        total[0] += distance(start, point_of(document, bearer, *zero));
-        total[1] += distance(start, point_of(document, bearer, *one));
+        const Vec3d start = get_point(document, root, 0);
+        total[0] += distance(start, get_point(document, bearer, *zero));
+        total[1] += distance(start, get_point(document, bearer, *one));
     }
     return total[1] < total[0] ? 1 : 0;
 }

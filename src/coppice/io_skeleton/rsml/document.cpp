@@ -81,7 +81,7 @@ std::string simple_name(std::string_view name) {
     return simple;
 }
 
-Element element_of(Element parent, std::string_view name) {
+Element find_element(Element parent, std::string_view name) {
     const std::string simple = simple_name(name);
     const auto place =
         std::ranges::find_if(kPlaces, [&](const Place& p) { return p.parent == parent && p.name == simple; });
@@ -100,7 +100,7 @@ class DocumentBuilder : public io_internal::XmlHandler {
     void start(std::string_view name, const XmlAttributes& attributes, const XmlPlace& place) override {
         progress_.at(place.byte);
         line_ = place.line;
-        Element element = element_of(open_.back(), name);
+        Element element = find_element(open_.back(), name);
         if (open_.size() == 1 && element != Element::rsml) {
             fail(fmt::format("this XML is not RSML: it starts with {}", in_quotes(name)));
         }

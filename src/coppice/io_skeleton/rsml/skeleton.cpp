@@ -227,7 +227,7 @@ class SkeletonBuilder {
             for (; fork != forks_[index].end() && fork->place.point == i; ++fork) {
                 if (fork->place.t > t + kOnLine) {
                     t = fork->place.t;
-                    last = add_node(index, last, place_of(*fork), point, t);
+                    last = add_node(index, last, get_position(*fork), point, t);
                 }
                 start_[fork->root] = last;
             }
@@ -250,7 +250,7 @@ class SkeletonBuilder {
 
     /// Returns the position at which a root branches off a segment: its first point if that is on the
     /// segment.
-    Vec3d place_of(const Fork& fork) const {
+    Vec3d get_position(const Fork& fork) const {
         const Root& root = document_.roots[fork.root];
         if (merged_[fork.root]) return document_.points[root.first_point];
         const Vec3d* at =

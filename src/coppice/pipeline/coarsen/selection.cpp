@@ -14,7 +14,7 @@ namespace {
 constexpr std::uint32_t kTransitionQuads = 6;  // for every four sides of the finer ring
 
 // Returns the end or branch node of a cage quad that is not a side.
-NodeId node_of(const TubeRows& tube_rows, std::uint32_t f) {
+NodeId find_node(const TubeRows& tube_rows, std::uint32_t f) {
     const ControlMesh& control = tube_rows.cage();
     const NodeId region(control.region[f]);
     if (control.part[f] == TubePart::start) return tube_rows.tubes().parent(region);
@@ -70,7 +70,7 @@ class Selector {
 
     void add_patch(std::uint32_t f) {
         if (!grid_.has_patch(f)) return;
-        const NodeId node = node_of(tube_rows_, f);
+        const NodeId node = find_node(tube_rows_, f);
         const int l = level(node);
         const std::uint32_t n = grid_.size(), step = n >> l;
         const auto at = [&](std::uint32_t i, std::uint32_t j) { return grid_.vertex(f, i, j); };
@@ -89,7 +89,7 @@ class Selector {
             add_what_stays(side, tube);
             return;
         }
-        const std::vector<TubeRing> rings = rings_of(side, tube);
+        const std::vector<TubeRing> rings = list_rings(side, tube);
         for (std::size_t i = 0; i < rings.size(); ++i) {
             const bool is_end = i == 0 || i + 1 == rings.size();
             const NodeId node = tube_rows_.node(tube, i == 0 ? 0 : 1);
@@ -119,7 +119,7 @@ class Selector {
     }
 
     // Returns the minimum number of rings that stay near the refined ones.
-    std::vector<TubeRing> rings_of(const CageRun& side, NodeId tube) const {
+    std::vector<TubeRing> list_rings(const CageRun& side, NodeId tube) const {
         const int begin = level(tube_rows_.node(tube, 0)), end = level(tube_rows_.node(tube, 1));
         const int most = max_rows(begin, end, tube_rows_.levels());
         for (int rows = std::min(begin, end);; ++rows) {
@@ -204,7 +204,7 @@ std::uint64_t faces_by_radius(const ControlMesh& control, const Skeleton& tubes,
     std::uint64_t out = 0;
     for (std::uint32_t f = 0; f < control.part.size(); ++f) {
         if (control.part[f] != TubePart::side)
-            out += std::uint64_t{1} << (2 * level[node_of(tube_rows, f).index()]);
+            out += std::uint64_t{1} << (2 * level[find_node(tube_rows, f).index()]);
     }
     const std::vector<TubeFaces> faces = faces_of_tubes(tube_rows);
     for (const NodeId tube : nodes(tubes)) {

@@ -44,7 +44,7 @@ void check(const MeshOptions& options) {
 }
 
 // Returns the region of each vertex of a refined cage: that of the cage quad that owns the vertex.
-std::vector<std::uint32_t> regions_of(const QuadBuild& build) {
+std::vector<std::uint32_t> find_regions(const QuadBuild& build) {
     std::vector<std::uint32_t> out;
     for (const std::uint32_t f : build.refinement.owners())
         out.push_back(f == kNoIndex ? kNoIndex : build.cage.region[f]);
@@ -62,10 +62,10 @@ class SkinnedMesh::Body {
     std::vector<std::uint32_t> at_fault(const SkinnedFrame& frame) const;
 
     void mark_movers(std::uint32_t face, std::span<std::uint8_t> is_mover) const {
-        if (piece_[face] == kNoIndex) return mark_movers_of(face, is_mover);
+        if (piece_[face] == kNoIndex) return mark_face_movers(face, is_mover);
         NodeId last;
         for (const std::uint32_t f : pieces_[piece_[face]]) {
-            mark_movers_of(f, is_mover);
+            mark_face_movers(f, is_mover);
             if (last) freeze_between(rest, last, mover(f), is_mover);
             last = mover(f);
         }
@@ -101,7 +101,7 @@ class SkinnedMesh::Body {
         find_free(ctx);
     }
 
-    void mark_movers_of(std::uint32_t face, std::span<std::uint8_t> is_mover) const {
+    void mark_face_movers(std::uint32_t face, std::span<std::uint8_t> is_mover) const {
         for (const std::uint32_t v : mesh().quads[face]) {
             const Influence& by = influences_[v];
             for (std::size_t i = 0; i < by.segment.size() && by.weight[i] > 0; ++i) {
@@ -152,7 +152,7 @@ class SkinnedMesh::Body {
 
 void SkinnedMesh::Body::bind(const Context& ctx) {
     const ControlMesh& cage = build_.cage;
-    const std::vector<std::uint32_t> refined_region = regions_of(build_);
+    const std::vector<std::uint32_t> refined_region = find_regions(build_);
     const CapsuleTree capsules(field_, field_.origin(), ctx);
     const AxisWindow window(field_);
     const std::size_t count = mesh().positions.size();

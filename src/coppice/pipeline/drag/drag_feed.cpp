@@ -76,7 +76,7 @@ cuda::DragMoves DragFeed::moves(const DragPose& pose) {
         const std::uint32_t v = drag_->cage_vertices()[i];
         moved_vertices_[i] = {pose.cage[v], pose.anchors[v]};
     }
-    clips_ = clips_of(*part_, pose.clips);
+    clips_ = select_clip_planes(*part_, pose.clips);
     return {moved_nodes_, moved_tubes_, moved_vertices_, clips_};
 }
 

@@ -48,7 +48,7 @@ class SweptBoxes {
         const int steps = std::max(1, static_cast<int>(std::ceil(2 * largest / kStep)));
         half_ = largest / steps;
         for (int k = 0; k < steps; ++k) middles_.push_back((2 * k + 1 - steps) * half_);
-        const auto contents = contents_of(build);
+        const auto contents = group_by_tube(build);
         for (std::size_t t = 0; t < contents.size(); ++t) add_tube(contents[t]);
         for (const std::uint32_t t : drag.tube_nodes()) {
             if (contents[t].empty()) add_empty_tube(build.tubes, NodeId(t));
@@ -63,7 +63,7 @@ class SweptBoxes {
 
   private:
     // The segments that each tube wraps.
-    static CompressedRows<std::uint32_t> contents_of(const QuadBuild& build) {
+    static CompressedRows<std::uint32_t> group_by_tube(const QuadBuild& build) {
         return compress_rows<std::uint32_t>(build.tubes.size(), [&](const auto& put) {
             for (std::uint32_t n = 0; n < build.tube.size(); ++n) {
                 if (build.tube[n]) put(build.tube[n].index(), n);
@@ -276,7 +276,7 @@ ControlMesh make_control(const QuadBuild& build, const DragPart& part) {
     ControlMesh out{.cage = {{}, {quads.begin(), quads.end()}, all.cage.origin},
                     .region = part.region,
                     .region_node = all.region_node,
-                    .clip = clips_of(part, all.clip)};
+                    .clip = select_clip_planes(part, all.clip)};
     for (const std::uint32_t v : part.cage_vertex) {
         out.cage.positions.push_back(all.cage.positions[v]);
         out.anchors.push_back(all.anchors[v]);
@@ -285,7 +285,7 @@ ControlMesh make_control(const QuadBuild& build, const DragPart& part) {
     return out;
 }
 
-std::vector<ClipPlane> clips_of(const DragPart& part, std::span<const ClipPlane> clips) {
+std::vector<ClipPlane> select_clip_planes(const DragPart& part, std::span<const ClipPlane> clips) {
     std::vector<ClipPlane> out;
     for (std::size_t k = 0; k < part.clip.size(); ++k) {
         out.push_back(clips[part.clip[k]]);

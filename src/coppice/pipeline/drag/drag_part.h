@@ -45,7 +45,7 @@ struct DragPart {
 /// build.
 ControlMesh make_control(const QuadBuild& build, const DragPart& part);
 /// Returns the flat ends of a part among those of its build's cage, by the part's quads.
-std::vector<ClipPlane> clips_of(const DragPart& part, std::span<const ClipPlane> clips);
+std::vector<ClipPlane> select_clip_planes(const DragPart& part, std::span<const ClipPlane> clips);
 
 /// Finds the part that a drag can change up to an angle [rad] in both directions. Returns the whole if the
 /// projection relaxes, which propagates from quad to quad. O(n log n).

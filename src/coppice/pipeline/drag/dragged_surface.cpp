@@ -44,7 +44,7 @@ ProjectReport DraggedSurface::project_part(const DragPose& pose, Buffer<Vec3>& p
     field.set_regions(
         pipeline_internal::field_regions(build_->cage, part_->cage_quad, {pose.cage, pose.anchors}, skeleton),
         {tubes, build_->tube}, ctx);
-    const std::vector<ClipPlane> clips = clips_of(*part_, pose.clips);
+    const std::vector<ClipPlane> clips = select_clip_planes(*part_, pose.clips);
     positions = part_->patches.refine(picked(pose.cage, part_->cage_vertex), ctx);
     const Buffer<Vec3> anchors = part_->patches.refine(picked(pose.anchors, part_->cage_vertex), ctx);
     const ProjectionTarget target{FieldRef(field), part_->region, clips};

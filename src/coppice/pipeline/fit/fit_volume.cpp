@@ -420,7 +420,7 @@ void report_offsets(const Fit& fit, FitVolumeReport& report) {
 FitVolumeReport fit_polygons(PolygonMesh start, Buffer<Vec3>& positions, const Skeleton& skeleton,
                              const ConeUnion& solid, const CrossingSearch& search, const Context& ctx) {
     FitVolumeReport report;
-    const UnionVolume cones = union_volume(solid, {}, {}, part_of(ctx, 0, 0.3f));
+    const UnionVolume cones = union_volume(solid, {}, {}, narrow_progress(ctx, 0, 0.3f));
     report.cones = cones.total;
     report.error = cones.error;
     auto faces_of = pipeline_internal::faces_by_vertex(start);

@@ -106,7 +106,7 @@ class Limiter {
         return faces;
     }
 
-    std::vector<std::uint32_t> corners_of(const Faces& faces) const {
+    std::vector<std::uint32_t> collect_corners(const Faces& faces) const {
         std::vector<std::uint32_t> corners;
         for (const std::uint32_t f : faces) {
             const auto face = start_.face(f);
@@ -128,8 +128,8 @@ class Limiter {
 
     void take_back(const Faces& bad, std::uint32_t round) {
         const bool wholly = round >= halvings_;
-        std::vector<std::uint32_t> at = corners_of(bad);
-        if (wholly) at = corners_of(faces_at(at));
+        std::vector<std::uint32_t> at = collect_corners(bad);
+        if (wholly) at = collect_corners(faces_at(at));
         for (const std::uint32_t v : at) {
             offsets_[v] *= wholly ? 0.0f : 0.5f;
             moved_.positions[v] = start_.positions[v] + offsets_[v] * surface_.direction[v];

@@ -13,7 +13,7 @@ namespace {
 
 constexpr Quad kFreeQuad{0, 0, 0, 0};
 
-std::vector<StableId> ids_of(const TracedPart& traced, std::span<const NodeId> nodes) {
+std::vector<StableId> collect_ids(const TracedPart& traced, std::span<const NodeId> nodes) {
     std::vector<StableId> out;
     for (const NodeId n : nodes) out.push_back(traced.part.stable_id(n));
     std::sort(out.begin(), out.end());
@@ -157,7 +157,7 @@ void PatchStore::plan_pieces(const TracedPart& traced, std::span<const StableId>
     std::vector<std::uint32_t> still_there;
     for (std::uint32_t i = 0; i < patches.piece_nodes.size(); ++i) {
         const std::uint32_t patch = patches.tube_count() + i;
-        const std::vector<StableId> ids = ids_of(traced, patches.piece_nodes[i]);
+        const std::vector<StableId> ids = collect_ids(traced, patches.piece_nodes[i]);
         for (const std::uint32_t stored : row(pieces_of_, ids[0])) {
             if (patches_[stored].nodes == ids && is_same(traced, plan, patch, stored)) {
                 plan.kept[patch] = stored;
@@ -261,8 +261,8 @@ void PatchStore::place(const TracedPart& traced, Plan& plan, std::uint32_t trace
             row(tubes_of_, id).push_back(stored);
         } else {
             const std::uint32_t repair_patch = traced_patch - patches.tube_count();
-            patches_[stored].nodes = ids_of(traced, patches.piece_nodes[repair_patch]);
-            patches_[stored].needs = ids_of(traced, patches.piece_needs[repair_patch]);
+            patches_[stored].nodes = collect_ids(traced, patches.piece_nodes[repair_patch]);
+            patches_[stored].needs = collect_ids(traced, patches.piece_needs[repair_patch]);
             for (const StableId id : patches_[stored].needs) row(pieces_of_, id).push_back(stored);
         }
     }

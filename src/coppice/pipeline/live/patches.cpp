@@ -25,7 +25,7 @@ void number(SurfacePatches& out, std::vector<std::uint32_t>& owner_of_quad, cons
     const RemeshTrace& remeshed = build.remeshed;
     const Buffer<std::uint32_t> cage_quad = build.refinement.owners();
     out.positions.assign(build.refined.begin(), build.refined.end());
-    for (const std::uint32_t f : cage_quad) out.owner.push_back(tube_rows.tube_of(f).index());
+    for (const std::uint32_t f : cage_quad) out.owner.push_back(tube_rows.get_tube(f).index());
     // Per vertex of the mesh.
     std::vector<std::uint32_t> place = remeshed.kept_vertices(build.refinement.vertex_count());
     for (std::size_t v = place.size(); v < mesh.positions.size(); ++v) {
@@ -57,13 +57,13 @@ void number(SurfacePatches& out, std::vector<std::uint32_t>& owner_of_quad, cons
 void find_pieces(SurfacePatches& out, const QuadBuild& build, const TubeRows& tube_rows,
                  std::span<const NodeId> given, const CompressedRows<std::uint32_t>& given_all) {
     std::uint32_t patch = out.tube_count();
-    const auto node_of = [&](TubeRow s) { return out.node[tube_rows.tube(s).index()]; };
+    const auto get_node = [&](TubeRow s) { return out.node[tube_rows.tube(s).index()]; };
     for (const RemeshTrace::RepairPatch& repair_patch : build.remeshed.repair_patches) {
         std::vector<NodeId>& all = out.piece_nodes.emplace_back();
-        for (const TubeRow s : repair_patch.tube_rows) all.push_back(node_of(s));
+        for (const TubeRow s : repair_patch.tube_rows) all.push_back(get_node(s));
         sort_unique(all);
         std::vector<NodeId>& needs = out.piece_needs.emplace_back(all);
-        for (const TubeRow s : repair_patch.adjacent) needs.push_back(node_of(s));
+        for (const TubeRow s : repair_patch.adjacent) needs.push_back(get_node(s));
         for (const NodeId s : repair_patch.segments) {
             const NodeId n = build.prepared_node[s.index()];
             needs.push_back(given[n.index()]);

@@ -288,11 +288,11 @@ BuiltQuads mesh_by_ramifications(const Skeleton& prepared, const PointSet& const
     out.surface.ramified = made.report;
     // The field uses the tubes from which the units were built, the rows those of the result.
     build.cage = std::move(made.control);
-    const std::vector<std::uint32_t> rows_of = build.cage.region;
+    const std::vector<std::uint32_t> row_regions = build.cage.region;
     const std::vector<NodeId> unit_tube = std::exchange(build.cage.region_node, wrapped.source);
     for (std::uint32_t& r : build.cage.region) r = unit_tube[r].index();
     refine(out, options.levels - 1, constraints, ctx, stages);
-    build.cage.region = rows_of;
+    build.cage.region = row_regions;
     build.cage.region_node = composed(unit_tube, wrapped.source);
     build.tubes = std::move(made.tubes);
     build.sides = std::move(made.sides);

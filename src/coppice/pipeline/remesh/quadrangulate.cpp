@@ -32,7 +32,7 @@ Vec3 normal(const Triangle& t, std::span<const Vec3> x) {
 }
 
 // Per triangle: its half-edge across which it joins another, or kNoIndex.
-std::vector<std::uint32_t> pairs_of(std::span<const Triangle> triangles, const HalfEdges& edges,
+std::vector<std::uint32_t> find_pairs(std::span<const Triangle> triangles, const HalfEdges& edges,
                                     std::span<const Vec3> x) {
     struct Pair {
         double quality;
@@ -115,7 +115,7 @@ class Cutter {
 QuadPatch quadrangulate(std::span<const Triangle> triangles, std::span<const EdgeMiddle> given,
                         Buffer<Vec3>& positions) {
     const HalfEdges edges(triangles, static_cast<std::uint32_t>(positions.size()), {.threads = 1});
-    const std::vector<std::uint32_t> pair = pairs_of(triangles, edges, positions);
+    const std::vector<std::uint32_t> pair = find_pairs(triangles, edges, positions);
     Cutter cutter(edges, given, positions);
     for (std::uint32_t t = 0; t < triangles.size(); ++t) {
         if (pair[t] == kNoIndex) {

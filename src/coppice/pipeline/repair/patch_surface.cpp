@@ -268,7 +268,7 @@ std::vector<AxisPoint> feet(const PatchSkeleton& knot, std::span<const Vec3> pos
     return out;
 }
 
-std::vector<Segment> segments_of(const Skeleton& s) {
+std::vector<Segment> collect_segments(const Skeleton& s) {
     std::vector<Segment> out;
     for (const NodeId n : nodes(s)) {
         if (!s.is_root(n)) out.push_back(s.segment(n));
@@ -281,7 +281,7 @@ std::shared_ptr<const Marched> march(const PatchSkeleton& knot, const QuadMesh& 
     Marched out;
     for (const PatchSkeleton::Cut& cut : knot.cuts) out.segments.push_back(cut.segment);
     const MeshOptions by_tetrahedra = patch_options(options);
-    out.is_impossible = !can_march(segments_of(knot.skeleton), mesh, options);
+    out.is_impossible = !can_march(collect_segments(knot.skeleton), mesh, options);
     if (!out.is_impossible) {
         try {
             std::optional<GlobalWeights> weights;

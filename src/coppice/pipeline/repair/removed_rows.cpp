@@ -289,7 +289,7 @@ std::vector<RowGroup> RemovedRows::groups() {
     std::sort(cut_rings.begin(), cut_rings.end(), [](const auto& a, const auto& b) { return a[1] < b[1]; });
     std::vector<std::uint32_t> place(tube_rows_.count(), kNoIndex);
     std::vector<RowGroup> out;
-    const auto group_of = [&](TubeRow i) -> RowGroup& {
+    const auto find_group = [&](TubeRow i) -> RowGroup& {
         std::uint32_t& at = place[together_.find(i)];
         if (at == kNoIndex) {
             at = static_cast<std::uint32_t>(out.size());
@@ -297,9 +297,9 @@ std::vector<RowGroup> RemovedRows::groups() {
         }
         return out[at];
     };
-    for (const TubeRow i : gone) group_of(i).tube_rows.push_back(i);
+    for (const TubeRow i : gone) find_group(i).tube_rows.push_back(i);
     for (const auto [lower, upper] : cut_rings)
-        group_of(contains(upper) ? upper : lower).cut_rings.push_back(cut_ring_between(lower, upper));
+        find_group(contains(upper) ? upper : lower).cut_rings.push_back(cut_ring_between(lower, upper));
     return out;
 }
 

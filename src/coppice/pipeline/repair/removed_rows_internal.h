@@ -63,7 +63,7 @@ class RemovedRows {
     /// Joins two rows, so that they are in one group once both are removed; returns false if they were joined
     /// before.
     bool join(TubeRow a, TubeRow b) { return together_.join(a, b); }
-    TubeRow group_of(TubeRow s) { return together_.find(s); }  ///< representative of the rows joined to it
+    TubeRow find_group(TubeRow s) { return together_.find(s); }  ///< representative of the rows joined to it
 
     /// Marks all further rows that have to be removed: all rows at a branch node, and the rows beyond each
     /// cut ring until the ring is at a suitable position.

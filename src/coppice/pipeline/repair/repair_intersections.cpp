@@ -87,7 +87,7 @@ class Remeshing {
         trace.is_gone.resize(tube_rows_.count());
         for (const TubeRow s : removed_.marked()) trace.is_gone[s] = 1;
         for (std::size_t i = 0; i < repair_patches_.size(); ++i)
-            trace.repair_patches.push_back(trace_of(repair_patches_[i]));
+            trace.repair_patches.push_back(make_trace(repair_patches_[i]));
         report.parts = count_bodies(tube_rows_, removed_, repair_patches_);
         // A closed mesh of quads has twice as many edges as quads.
         const auto euler =
@@ -97,7 +97,7 @@ class Remeshing {
     }
 
   private:
-    static RemeshTrace::RepairPatch trace_of(const RepairPatch& repair_patch) {
+    static RemeshTrace::RepairPatch make_trace(const RepairPatch& repair_patch) {
         const PatchSurface& made = repair_patch.surface;
         RemeshTrace::RepairPatch out{
             .tube_rows = made.group.tube_rows, .adjacent = {}, .segments = made.marched->segments};
@@ -150,21 +150,21 @@ class Remeshing {
         for (const FacePair& p : pairs) {
             if (!answer(now, p, before)) {
                 unanswered.push_back(p);
-            } else if (row_of(now, p) != kNoIndex) {
-                answered.push_back(row_of(now, p));
+            } else if (find_row(now, p) != kNoIndex) {
+                answered.push_back(find_row(now, p));
             }
         }
-        for (TubeRow& s : answered) s = removed_.group_of(s);
+        for (TubeRow& s : answered) s = removed_.find_group(s);
         std::sort(answered.begin(), answered.end());
         std::erase_if(unanswered, [&](const FacePair& p) {
-            const TubeRow s = row_of(now, p);
-            return s != kNoIndex && std::ranges::binary_search(answered, removed_.group_of(s));
+            const TubeRow s = find_row(now, p);
+            return s != kNoIndex && std::ranges::binary_search(answered, removed_.find_group(s));
         });
         return unanswered;
     }
 
     // Returns the row of a pair; none for quads without a close row.
-    static TubeRow row_of(const CandidateQuads& now, const FacePair& p) {
+    static TubeRow find_row(const CandidateQuads& now, const FacePair& p) {
         return now.tube_row[p.first] != kNoIndex ? now.tube_row[p.first] : now.tube_row[p.second];
     }
 
@@ -242,14 +242,14 @@ class Remeshing {
         }
         sort_unique(bad);
         std::erase_if(bad, [&](NodeId tree) {
-            return taken_trees_.contains(tree) || !repair_patches_.can_hold(segments_of(tree, root));
+            return taken_trees_.contains(tree) || !repair_patches_.can_hold(collect_segments(tree, root));
         });
         removed_.mark_trees(bad, root);
         taken_trees_.insert(bad.begin(), bad.end());
         return !bad.empty();
     }
 
-    std::vector<Segment> segments_of(NodeId tree, std::span<const NodeId> root) const {
+    std::vector<Segment> collect_segments(NodeId tree, std::span<const NodeId> root) const {
         const Skeleton& s = tube_rows_.tubes();
         std::vector<Segment> out;
         for (const NodeId n : nodes(s)) {

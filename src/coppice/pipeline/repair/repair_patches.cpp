@@ -40,7 +40,7 @@ NumberSet drop_gone(QuadMesh& mesh, const TubeRows& tube_rows, const RemovedRows
     const std::uint32_t per_face = 1u << (2 * tube_rows.levels());
     const auto count = static_cast<std::uint32_t>(tube_rows.cage().region.size());
     for (std::uint32_t f = 0, q = 0; f < count; ++f) {
-        if (is_touched[tube_rows.tube_of(f).index()] == 0) {
+        if (is_touched[tube_rows.get_tube(f).index()] == 0) {
             std::copy_n(mesh.quads.begin() + q, per_face,
                         mesh.quads.begin() + static_cast<std::ptrdiff_t>(kept));
             kept += per_face;
@@ -96,10 +96,10 @@ void RepairPatches::make(RemovedRows& removed, std::span<const RepairLevel> repa
     for (std::uint32_t i = 0; i < repair_patches_.size(); ++i) {
         if (!repair_patches_[i]->is_current) stale.push_back(i);
     }
-    const auto group_of = [&](std::uint32_t i) -> const RowGroup& {
+    const auto get_group = [&](std::uint32_t i) -> const RowGroup& {
         return repair_patches_[i]->surface.group;
     };
-    make_each(stale, group_of, ctx_, [&](std::uint32_t i, const Context& ctx) {
+    make_each(stale, get_group, ctx_, [&](std::uint32_t i, const Context& ctx) {
         RepairPatch& p = *repair_patches_[i];
         make_quads(p.quads, p.surface, repair_level, options_, ctx);
         p.is_current = true;
@@ -119,8 +119,8 @@ void RepairPatches::follow(std::vector<RowGroup> groups) {
         }
         changed.push_back(g);
     }
-    const auto group_of = [&](std::uint32_t g) -> const RowGroup& { return groups[g]; };
-    make_each(changed, group_of, ctx_, [&](std::uint32_t g, const Context& ctx) {
+    const auto get_group = [&](std::uint32_t g) -> const RowGroup& { return groups[g]; };
+    make_each(changed, get_group, ctx_, [&](std::uint32_t g, const Context& ctx) {
         auto made = made_for(groups[g]);
         repair_patches[g] = std::make_unique<RepairPatch>(RepairPatch{
             patch_surface(std::move(groups[g]), std::move(made), skeletons_, mesh_, options_, ctx), {}});

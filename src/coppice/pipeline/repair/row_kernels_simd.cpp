@@ -80,9 +80,11 @@ void bounds_of_points(const RowPoints& points, Vec3d a, Vec3d axis, double lengt
                    w = hn::NegMulAdd(foot, dz, z);
         most = hn::Max(most, hn::MulAdd(u, u, hn::MulAdd(v, v, hn::Mul(w, w))));
     }
-    const auto low_of = [&](auto lanes) HWY_ATTR { return hn::GetLane(hn::MinOfLanes(d, lanes)); };
-    const auto high_of = [&](auto lanes) HWY_ATTR { return hn::GetLane(hn::MaxOfLanes(d, lanes)); };
-    bounds = {{low_of(x0), low_of(y0), low_of(z0)}, {high_of(x1), high_of(y1), high_of(z1)}, high_of(most)};
+    const auto min_lane = [&](auto lanes) HWY_ATTR { return hn::GetLane(hn::MinOfLanes(d, lanes)); };
+    const auto max_lane = [&](auto lanes) HWY_ATTR { return hn::GetLane(hn::MaxOfLanes(d, lanes)); };
+    bounds = {{min_lane(x0), min_lane(y0), min_lane(z0)},
+              {max_lane(x1), max_lane(y1), max_lane(z1)},
+              max_lane(most)};
 }
 
 // Rings consist of whole vectors: columns are multiples of four.

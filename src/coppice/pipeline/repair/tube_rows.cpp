@@ -46,7 +46,7 @@ std::uint32_t TubeRows::tube_count(NodeId n) const {
 
 TubeRow TubeRows::of_quad(std::uint32_t quad) const {
     const std::uint32_t f = quad >> (2 * levels_);
-    const NodeId tube = tube_of(f);
+    const NodeId tube = get_tube(f);
     switch (cage_->part[f]) {
         case TubePart::start:
             return first(tube);

@@ -51,7 +51,7 @@ class TubeRows {
     std::uint32_t row(TubeRow s) const { return s & (per_tube() - 1); }
 
     /// Returns the tube to which a cage quad belongs.
-    NodeId tube_of(std::uint32_t cage_quad) const {
+    NodeId get_tube(std::uint32_t cage_quad) const {
         const NodeId n(cage_->region[cage_quad]);
         return cage_->part[cage_quad] == TubePart::fork ? fork_tube(n) : n;
     }

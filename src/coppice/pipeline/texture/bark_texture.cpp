@@ -138,7 +138,7 @@ class QuadTexture {
         std::uint32_t first = kNoIndex;  // cage quad of the current group
         for (std::size_t i = 0; i < made_; ++i) {
             const std::uint32_t f = coarse.cage_quad[i];
-            const CageRun group = group_of(f);
+            const CageRun group = find_group(f);
             if (group.first != first) set_vertices(group, at);
             first = group.first;
             const TexturePatch& patch = tubes_.patch(f);
@@ -155,7 +155,7 @@ class QuadTexture {
     }
 
     // Returns the cage quads with which one forms a grid.
-    CageRun group_of(std::uint32_t f) const {
+    CageRun find_group(std::uint32_t f) const {
         if (build_.cage.part[f] != TubePart::side) return {f, 1};
         return tubes_.faces()[build_.cage.region[f]].side;
     }

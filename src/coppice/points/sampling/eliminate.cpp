@@ -129,8 +129,8 @@ Buffer<Vec3> eliminate(const Buffer<Vec3>& points, std::size_t count, double rad
     if (count >= points.size()) return points;
     const NeighbourWeight weight(radius, static_cast<double>(count) / static_cast<double>(points.size()));
     const PointGrid grid(points, weight.reach, ctx);
-    Heap heap(grid, weigh(grid, weight, part_of(ctx, 0, kWeighed)), ctx);
-    const Context removing = part_of(ctx, kWeighed, 1);
+    Heap heap(grid, weigh(grid, weight, narrow_progress(ctx, 0, kWeighed)), ctx);
+    const Context removing = narrow_progress(ctx, kWeighed, 1);
     const std::size_t all = points.size() - count;
     for (std::size_t gone = 0; gone < all; ++gone) {
         if (gone % kLook == 0) check_in(removing, gone, all);

@@ -66,8 +66,8 @@ Survey survey_region(const PointRegion& region, const GenerateOptions& o, double
 }
 
 /// Computes the density law; the number of samples increases with the number of points.
-DensityLaw law_of(const PointRegion& region, const GenerateOptions& o, const Survey& survey,
-                  const Context& ctx) {
+DensityLaw make_law(const PointRegion& region, const GenerateOptions& o, const Survey& survey,
+                    const Context& ctx) {
     constexpr int kSamplesPerPoint = 16;
     constexpr std::size_t kPointsOfShell = 40, kMaxShells = 32;
     const auto samples = static_cast<std::uint32_t>(std::clamp(o.count, 1024, 32768)) * kSamplesPerPoint;
@@ -78,7 +78,7 @@ DensityLaw law_of(const PointRegion& region, const GenerateOptions& o, const Sur
     return density_law(close.met.empty() ? survey.capacity : close, shells);
 }
 
-RadialKernel kernel_of(const GenerateOptions& o, float distance) {
+RadialKernel make_kernel(const GenerateOptions& o, float distance) {
     if (o.pattern != PointPattern::clustered) return RadialKernel::disk(distance);
     const float reach = o.cluster_reach > 0 ? o.cluster_reach : 4 * distance;
     if (!(reach > distance)) throw InvalidInput("points: cluster_reach must be above distance");
@@ -97,16 +97,16 @@ GenerateResult generate_by_lane(const PointRegion& region, const GenerateOptions
         const double share = o.pattern == PointPattern::clustered ? o.spacing / 3 : o.spacing;
         distance = static_cast<float>(share * survey->capacity.packing_distance(o.count));
     }
-    const RadialKernel kernel = kernel_of(o, distance);
+    const RadialKernel kernel = make_kernel(o, distance);
     DartThrowingOptions lane_options;
     lane_options.count = o.count;
     lane_options.resolution = o.resolution;
     lane_options.seed = o.seed;
     lane_options.max_memory = o.max_memory;
-    const Context sampling = part_of(ctx, survey ? kSurveyed : 0, 1);
+    const Context sampling = narrow_progress(ctx, survey ? kSurveyed : 0, 1);
     DartThrowingResult placed;
     if (survey) {
-        const DensityLaw law = law_of(region, o, *survey, ctx);
+        const DensityLaw law = make_law(region, o, *survey, ctx);
         placed = sample_lane_in_cells(region, kernel, lane_options, law, std::move(survey->cells), sampling);
     } else {
         placed = sample_dart_throwing(region, kernel, lane_options, sampling);
@@ -128,7 +128,7 @@ GenerateResult generate_independent(const PointRegion& region, const GenerateOpt
     const Survey survey = survey_region(region, o, kGoodShare, ctx);
     const auto seed = static_cast<std::uint64_t>(o.seed);
     const auto wanted = static_cast<std::size_t>(o.count) * (blue ? kCandidates : 1);
-    const Context drawing = part_of(ctx, kSurveyed, blue ? kBlueDrawn : 1);
+    const Context drawing = narrow_progress(ctx, kSurveyed, blue ? kBlueDrawn : 1);
     Draws draws = o.pattern == PointPattern::jittered
                       ? draw_jittered(region, survey.capacity, count, seed, drawing)
                       : draw_independent(region, survey.cells, wanted, seed, drawing);
@@ -139,7 +139,7 @@ GenerateResult generate_independent(const PointRegion& region, const GenerateOpt
         const double ideal =
             survey.capacity.packing_distance(count) * std::cbrt(std::numbers::pi / std::sqrt(18.0) / 0.384);
         draws.points = eliminate(draws.points, static_cast<std::size_t>(o.count), ideal / 2,
-                                 part_of(ctx, kBlueDrawn, 1));
+                                 narrow_progress(ctx, kBlueDrawn, 1));
     }
     result.points.positions = std::move(draws.points);
     const bool enough =

@@ -118,7 +118,8 @@ PointSet near_mesh(const TriMesh& mesh, const NearMeshOptions& options, const Co
     if (options.even) {
         ctx.report(kDrawn);
         const double d = even_distance(faces.area(), options.high - options.low, options.count);
-        out.positions = points_internal::eliminate(out.positions, count, d / 2, part_of(ctx, kDrawn, 1));
+        out.positions =
+            points_internal::eliminate(out.positions, count, d / 2, narrow_progress(ctx, kDrawn, 1));
     }
     ctx.report(1);
     return out;

@@ -65,16 +65,16 @@ void PointGrid::sort(std::span<const Vec3> points, const Context& ctx) {
 }
 
 void PointGrid::index_rows() {
-    const auto row_of = [&](std::uint32_t i) {
+    const auto find_row = [&](std::uint32_t i) {
         const Cell c = cell(points_[i], 0);
         return row(c[1], c[2]);
     };
     std::size_t count = 0;
-    for (std::uint32_t i = 0; i < size(); ++i) count += i == 0 || row_of(i) != row_of(i - 1);
+    for (std::uint32_t i = 0; i < size(); ++i) count += i == 0 || find_row(i) != find_row(i - 1);
     rows_.assign(std::bit_ceil(count + count / 2 + 1), Row{});
     for (std::uint32_t i = 0; i < size();) {
-        Row next{row_of(i), i, i};
-        while (next.end < size() && row_of(next.end) == next.key) ++next.end;
+        Row next{find_row(i), i, i};
+        while (next.end < size() && find_row(next.end) == next.key) ++next.end;
         std::size_t at = find_slot(next.key);
         while (rows_[at].key != kFree) at = (at + 1) & (rows_.size() - 1);
         rows_[at] = next;

@@ -18,7 +18,7 @@ namespace {
 /// Output formats of frames.
 enum class FrameForm { pictures, gif, film, meshes, moving_mesh };
 
-std::optional<FrameForm> form_of(const std::filesystem::path& path) {
+std::optional<FrameForm> find_form(const std::filesystem::path& path) {
     if (is_png_name(path)) return FrameForm::pictures;
     if (path.extension() == ".gif" || path.extension() == ".GIF") return FrameForm::gif;
     if (is_film_name(path)) return FrameForm::film;
@@ -29,7 +29,7 @@ std::optional<FrameForm> form_of(const std::filesystem::path& path) {
 }
 
 FrameForm known_form(const std::filesystem::path& path) {
-    if (const auto form = form_of(path)) return *form;
+    if (const auto form = find_form(path)) return *form;
     throw InvalidInput(
         fmt::format("'{}' is not a valid file name for frames; use .png, .ply, .obj or .stl for a file each, "
                     ".gif for one that moves, or .glb or .usda for all in one",

@@ -235,7 +235,7 @@ SceneCommand library_graft_command() {
         const ChildTree branch = read_child_trees(call.input("library"), which, call.context()).front();
         call.reserve(kBytesOfEditedNode * (skeleton.size() + branch.skeleton.size()));
         EditableTree tree(skeleton);
-        const StableId host = node_of(call, tree, "host");
+        const StableId host = find_node(call, tree, "host");
         const NodeId at = node_with(skeleton, host);
         const double along = call.number("along");
         graft(tree, placed_branch(branch, skeleton, host_place(skeleton, at, along), compute_pose(call)),

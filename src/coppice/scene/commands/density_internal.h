@@ -20,7 +20,7 @@ inline Argument kernel_argument(std::string help) {
 
 /// Returns the points of a curve or kernel, in the given order.
 template <class Knot>
-std::vector<Knot> knots_of(const SceneCall& call, std::string_view name) {
+std::vector<Knot> read_knots(const SceneCall& call, std::string_view name) {
     std::vector<Knot> knots;
     for (const ArgumentValue& v : call.values(name))
         knots.push_back({static_cast<float>(v.numbers.at(0)), static_cast<float>(v.numbers.at(1))});
@@ -29,7 +29,7 @@ std::vector<Knot> knots_of(const SceneCall& call, std::string_view name) {
 
 /// Returns the density of curve=, or otherwise of density= with its width and power.
 inline DensityCurve compute_density(const SceneCall& call, const GenerateOptions& options, float level) {
-    if (call.has("curve")) return DensityCurve(knots_of<DensityCurve::Knot>(call, "curve"));
+    if (call.has("curve")) return DensityCurve(read_knots<DensityCurve::Knot>(call, "curve"));
     return DensityCurve(options.density, level, options.width, options.power);
 }
 
@@ -41,8 +41,8 @@ inline Box3 density_box(const SceneCall& call, const GenerateOptions& options, c
     return value > 0 ? field.bounds_at(value) : field.bounds();
 }
 
-inline RadialKernel kernel_of(const SceneCall& call) {
-    return RadialKernel(knots_of<RadialKernel::Knot>(call, "kernel"));
+inline RadialKernel make_kernel(const SceneCall& call) {
+    return RadialKernel(read_knots<RadialKernel::Knot>(call, "kernel"));
 }
 
 }  // namespace coppice::table

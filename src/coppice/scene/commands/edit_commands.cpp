@@ -134,7 +134,7 @@ SceneCommand select_command() {
                               {selection("nodes", "Selection; see editing.md.")});
     c.records = false;
     c.show = [](const SceneCall& call, const EditableTree& tree) {
-        return selection_text(tree, selected(tree, parse_selection(call.text("nodes")), solids_of(call)));
+        return selection_text(tree, selected(tree, parse_selection(call.text("nodes")), find_solids(call)));
     };
     c.run = [show = c.show](const SceneCall& call) {
         SceneOutcome out;
@@ -249,7 +249,7 @@ std::vector<SceneCommand> moving_commands() {
                metres("reach", "0",
                       "Maximum distance along the axis of nodes that follow; 0 moves the whole axis.")},
               [](const SceneCall& c, EditableTree& t) {
-                  const StableId n = node_of(c, t, "node");
+                  const StableId n = find_node(c, t, "node");
                   if (c.has("to") == c.has("by"))
                       throw InvalidInput("give the target by to=x,y,z or by=x,y,z, but not both");
                   const Vec3d here = t.origin() + Vec3d(t.position(n));
@@ -300,7 +300,7 @@ std::vector<SceneCommand> joining_commands() {
                positional(tuple("by", "", "Offset from the parent.")),
                metres("radius", "0", "Radius of the new node; 0 uses the radius of its parent.")},
               [](const SceneCall& c, EditableTree& t) {
-                  return append(t, node_of(c, t, "node"), vector(c, "by"), c.number("radius"));
+                  return append(t, find_node(c, t, "node"), vector(c, "by"), c.number("radius"));
               }),
         edits(
             "graft", "Move a branch, or the branches of a root, to another host.",
@@ -311,7 +311,7 @@ std::vector<SceneCommand> joining_commands() {
              flag("align", false, "Rotate the branch with the host."),
              flag("limit_radius", true, "Limit the radii to the radius of the host.")},
             [](const SceneCall& c, EditableTree& t) {
-                return graft(t, node_of(c, t, "branch"), node_of(c, t, "host"),
+                return graft(t, find_node(c, t, "branch"), find_node(c, t, "host"),
                              {.along = c.number("along"),
                               .align = c.flag("align"),
                               .limit_radius = c.flag("limit_radius")});

@@ -31,7 +31,7 @@ inline Argument flag(std::string name, bool initial, std::string help) {
     return a;
 }
 
-inline SolidLookup solids_of(const SceneCall& call) {
+inline SolidLookup find_solids(const SceneCall& call) {
     return [&call](const std::string& name) -> const Solid* {
         const auto found = call.state().objects.find({ObjectKind::solid, name});
         return found == call.state().objects.end() ? nullptr : &std::get<Solid>(found->second->value);
@@ -41,7 +41,7 @@ inline SolidLookup solids_of(const SceneCall& call) {
 inline NodeSet find_nodes(const SceneCall& call, const EditableTree& tree,
                           std::string_view argument = "nodes") {
     const std::string& text = call.text(argument);
-    NodeSet nodes = selected(tree, parse_selection(text), solids_of(call));
+    NodeSet nodes = selected(tree, parse_selection(text), find_solids(call));
     if (nodes.empty()) {
         throw InvalidInput(fmt::format("{} contains no node of the tree; try other bounds with: select {}",
                                        quote(text), shortened(text)));
@@ -49,8 +49,8 @@ inline NodeSet find_nodes(const SceneCall& call, const EditableTree& tree,
     return nodes;
 }
 
-inline StableId node_of(const SceneCall& call, const EditableTree& tree, std::string_view argument) {
-    return selected_node(tree, parse_selection(call.text(argument)), solids_of(call));
+inline StableId find_node(const SceneCall& call, const EditableTree& tree, std::string_view argument) {
+    return selected_node(tree, parse_selection(call.text(argument)), find_solids(call));
 }
 
 }  // namespace coppice::table

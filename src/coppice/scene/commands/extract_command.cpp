@@ -42,8 +42,8 @@ bool is_default(const SceneCall& call, const Argument& a) {
     return values.empty() || (values.size() == 1 && typed(a, values.front()) == a.initial);
 }
 
-Context reading(const SceneCall& call) { return part_of(call.context(), 0, kShareOfReading); }
-Context extracting(const SceneCall& call) { return part_of(call.context(), kShareOfReading, 1); }
+Context reading(const SceneCall& call) { return narrow_progress(call.context(), 0, kShareOfReading); }
+Context extracting(const SceneCall& call) { return narrow_progress(call.context(), kShareOfReading, 1); }
 
 bool is_for_mesh(const Argument& a) { return a.field.starts_with(kMesh + ".") && a.name != "root"; }
 /// Returns whether an argument applies only to files, because objects contain this information.
@@ -154,14 +154,14 @@ void name_kinds(std::vector<Argument>& arguments) {
     }
 }
 
-FileUp up_of(const SceneCall& call) {
+FileUp read_up(const SceneCall& call) {
     const auto found = std::ranges::find(EnumNames<FileUp>::names, call.text("up"));
     return static_cast<FileUp>(found - EnumNames<FileUp>::names.begin());
 }
 
 SceneOutcome from_mesh_file(const SceneCall& call, const Source& source, const std::filesystem::path& path) {
     PolygonMesh mesh = read_mesh(path, reading(call));
-    if (mesh_format_of_name(path) != MeshFormat::glb) turn_from_file(mesh, up_of(call));
+    if (mesh_format_of_name(path) != MeshFormat::glb) turn_from_file(mesh, read_up(call));
     return from_mesh(call, source, mesh);
 }
 
@@ -188,7 +188,7 @@ SceneOutcome from_cloud_file(const SceneCall& call, const Source& source, const 
     wood.ground = columns.tree_ids;
     PointFile file = read_cloud(call, path, columns);
     PointCloud& scan = file.point_cloud;
-    turn_from_file(scan.points, up_of(call));
+    turn_from_file(scan.points, read_up(call));
     const std::size_t all = scan.points.size();
     const ClassSelection out =
         keep_wood_classes(scan, wood, {.threads = call.context().threads, .stop = call.context().stop});
@@ -246,11 +246,11 @@ SceneCommand extract_command() {
     auto default_up = FileUp::z;
     auto default_rule = TreeRule::stems;
     std::vector<std::string> no_classes;
-    Argument up = argument_of({kFileUpField, choice_of(default_up)});
+    Argument up = to_argument({kFileUpField, choice_of(default_up)});
     up.field = kFile;
-    Argument wood = argument_of({kWoodClassesField, &no_classes});
+    Argument wood = to_argument({kWoodClassesField, &no_classes});
     wood.field = kFile;
-    Argument trees_by = argument_of({kTreesByField, choice_of(default_rule)});
+    Argument trees_by = to_argument({kTreesByField, choice_of(default_rule)});
     trees_by.field = kFile;
     c.arguments = {new_name("tree", "Name of the new skeleton."),
                    positional(file("file", ArgumentType::input_file,

@@ -62,7 +62,7 @@ float compute_band(const SceneCall& call, const GenerateOptions& options, float 
     constexpr float kMax = 10;
     CacheOptions plain;
     if (call.has("curve")) {
-        for (const auto& knot : knots_of<DensityCurve::Knot>(call, "curve"))
+        for (const auto& knot : read_knots<DensityCurve::Knot>(call, "curve"))
             plain.band = std::max(plain.band, 1.1f * std::abs(knot.value - level));
         return std::min(plain.band, kMax);
     }
@@ -90,7 +90,7 @@ GenerateResult generate_in(const SceneCall& call, const PointRegion& region, con
     lane.resolution = options.resolution;
     lane.seed = options.seed;
     lane.max_memory = options.max_memory;
-    DartThrowingResult placed = sample_dart_throwing(region, kernel_of(call), lane, call.context());
+    DartThrowingResult placed = sample_dart_throwing(region, make_kernel(call), lane, call.context());
     return {std::move(placed.points), placed.stop, placed.distance, placed.tries};
 }
 
@@ -204,7 +204,7 @@ SceneCommand densify_command() {
         if (call.has("kernel") && call.has("distance"))
             throw InvalidInput("kernel= begins with the minimum distance; leave out distance=");
         const auto kernel = call.has("kernel")
-                                ? kernel_of(call)
+                                ? make_kernel(call)
                                 : RadialKernel::disk(static_cast<float>(call.number("distance")));
         return makes_points(name, densified(call.point_set(name), region, kernel, options, call.context()));
     };

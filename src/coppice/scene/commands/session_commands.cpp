@@ -140,7 +140,7 @@ SceneCommand describe_command() {
     c.run = [](const SceneCall& call) {
         SceneOutcome out;
         for (const auto& [key, object] : call.state().objects) {
-            if (key.second == call.text("name")) out.text += description_of(*object);
+            if (key.second == call.text("name")) out.text += describe_object(*object);
         }
         return out;
     };
@@ -196,7 +196,7 @@ SceneCommand help_command() {
         SceneOutcome out;
         std::vector<SceneWord> words_of_name;
         for (const ArgumentValue& v : call.values("command")) words_of_name.push_back({{}, v.text});
-        out.text = words_of_name.empty() ? help_overview() : help_of(words_of_name);
+        out.text = words_of_name.empty() ? help_overview() : format_help(words_of_name);
         return out;
     };
     return c;

@@ -107,7 +107,7 @@ struct Slice {
     double level = 0;  ///< iso value of the surface
 };
 
-HeightMapOptions map_of(const SceneCall& call, const Slice& slice) {
+HeightMapOptions make_map_options(const SceneCall& call, const Slice& slice) {
     const auto [least, largest] = std::ranges::minmax(slice.values);
     HeightMapOptions out;
     out.low = call.number("low");
@@ -129,15 +129,15 @@ void draw_points(Image& image, const PointSet& points, const Plane& plane, doubl
     }
 }
 
-Slice slice_of(const SceneCall& call, const SolidField& field, const PointRegion& region,
-               std::span<const Vec3> places) {
+Slice make_slice(const SceneCall& call, const SolidField& field, const PointRegion& region,
+                 std::span<const Vec3> places) {
     if (call.text("of") == "field") {
         const std::vector<float> values = values_at(field, places, call.context());
         return {{values.begin(), values.end()}, true, field.level()};
     }
     const PointSet none;
     const bool acted = call.has("points") && call.has("kernel");
-    return {remaining_density(region, acted ? kernel_of(call) : RadialKernel(),
+    return {remaining_density(region, acted ? make_kernel(call) : RadialKernel(),
                               acted ? call.point_set(call.text("points")) : none, places,
                               DartThrowingOptions{}.max_factor, call.context()),
             false, 0};
@@ -170,8 +170,8 @@ SceneOutcome run_slice(const SceneCall& call) {
                              compute_density(call, options, field.level())};
     const Plane plane(call, of_field ? field.bounds() : region.box);
     if (!call.settings().outputs) return {};
-    const Slice slice = slice_of(call, field, region, find_places(plane));
-    const HeightMapOptions colors = map_of(call, slice);
+    const Slice slice = make_slice(call, field, region, find_places(plane));
+    const HeightMapOptions colors = make_map_options(call, slice);
     Image image = height_map(slice.values, plane.width(), colors, call.context());
     if (call.number("dots") > 0)
         draw_points(image, call.point_set(call.text("points")), plane, call.number("dots"));

@@ -132,7 +132,7 @@ class Evaluation {
     SceneValue sum() {
         SceneValue left = product();
         for (;;) {
-            const char sign = taken_of("+-");
+            const char sign = take_any("+-");
             if (sign == 0) return left;
             const double a = number_in(left, "+ or -"), b = number_in(product(), "+ or -");
             left = finite(sign == '+' ? a + b : a - b, "the sum");
@@ -142,7 +142,7 @@ class Evaluation {
     SceneValue product() {
         SceneValue left = signed_value();
         for (;;) {
-            const char sign = taken_of("*/%");
+            const char sign = take_any("*/%");
             if (sign == 0) return left;
             const std::string_view subject(&sign, 1);
             const double a = number_in(left, subject), b = number_in(signed_value(), subject);
@@ -293,7 +293,7 @@ class Evaluation {
         return true;
     }
     /// Reads one of the characters; returns 0 if none follows.
-    char taken_of(std::string_view signs) {
+    char take_any(std::string_view signs) {
         skip_blanks();
         if (rest_.empty() || signs.find(rest_.front()) == signs.npos) return 0;
         const char sign = rest_.front();

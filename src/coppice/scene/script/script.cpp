@@ -98,7 +98,7 @@ struct Head {
 };
 
 /// Returns the variable of a statement and the remaining text.
-Head head_of(const SceneStatement& statement, std::string_view line) {
+Head parse_head(const SceneStatement& statement, std::string_view line) {
     std::string_view rest = without_comment(line);
     taken_word(rest);
     Head head;
@@ -195,7 +195,7 @@ std::vector<std::string> find_variables(std::span<const SceneLine> lines) {
         const SceneStatement* statement = find_statement(line.text);
         if (!is(statement, kLet)) continue;
         try {
-            std::string name = head_of(*statement, line.text).name;
+            std::string name = parse_head(*statement, line.text).name;
             if (known.insert(name).second) names.push_back(std::move(name));
         } catch (const InvalidInput&) {
             continue;  // running the scene reports the error
@@ -208,7 +208,7 @@ void SceneScript::take(std::string_view line, const std::string& place, const Ru
     Line taken{.statement = find_statement(line), .text = std::string(line), .place = place};
     if (taken.statement != nullptr) {
         const Head head =
-            placed(with_name(place, *taken.statement), [&] { return head_of(*taken.statement, line); });
+            placed(with_name(place, *taken.statement), [&] { return parse_head(*taken.statement, line); });
         taken.name = head.name;
         taken.rest = head.rest;
     }

@@ -177,17 +177,17 @@ class WayFinder {
         for (const std::uint32_t i : order_)
             if (on_way_[i] != 0 && i != foot_) ++children[from_[i]];
         std::vector<HullPiece> pieces;
-        std::vector<std::uint32_t> piece_of(count_, kNoIndex);
+        std::vector<std::uint32_t> piece_index(count_, kNoIndex);
         for (const std::uint32_t i : order_) {
             if (on_way_[i] == 0 || i == foot_) continue;
             const std::uint32_t from = from_[i];
-            piece_of[i] = piece_of[from];
+            piece_index[i] = piece_index[from];
             if (from == foot_ || children[from] > 1) {
-                piece_of[i] = static_cast<std::uint32_t>(pieces.size());
-                pieces.push_back({.cells = {from}, .before = piece_of[from]});
+                piece_index[i] = static_cast<std::uint32_t>(pieces.size());
+                pieces.push_back({.cells = {from}, .before = piece_index[from]});
             }
-            pieces[piece_of[i]].cells.push_back(i);
-            pieces[piece_of[i]].is_tip = children[i] == 0;
+            pieces[piece_index[i]].cells.push_back(i);
+            pieces[piece_index[i]].is_tip = children[i] == 0;
         }
         return pieces;
     }

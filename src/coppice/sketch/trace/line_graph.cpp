@@ -177,7 +177,7 @@ void join_edges(LineGraph& graph) {
 
 }  // namespace
 
-LineGraph graph_of(const Mask& lines, const std::vector<float>& distance) {
+LineGraph build_graph(const Mask& lines, const std::vector<float>& distance) {
     LineGraph graph = Builder(lines, distance).run();
     for (int round = 0; round < 3; ++round) take_spurs(graph);
     join_places(graph);

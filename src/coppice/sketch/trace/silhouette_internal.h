@@ -46,7 +46,7 @@ struct LineGraph {
 
 /// Converts lines to a graph. Lines that end within the width of the mask at their fork are removed, and
 /// places within each other's width are merged, so that crossing branches meet in one place. O(pixels).
-LineGraph graph_of(const Mask& lines, const std::vector<float>& distance);
+LineGraph build_graph(const Mask& lines, const std::vector<float>& distance);
 
 /// A section of a line, directed away from the base.
 struct TracedPiece {

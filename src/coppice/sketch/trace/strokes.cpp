@@ -47,7 +47,7 @@ class Walker {
     }
 
     std::vector<TracedPiece> run() {
-        const std::uint32_t foot = foot_of();
+        const std::uint32_t foot = find_lowest_node();
         if (foot == kNoIndex) return {};
         walk_from(foot);
         std::vector<TracedPiece> out;
@@ -72,7 +72,7 @@ class Walker {
     }
 
     /// Returns the place closest to the lowest pixels that are too thick for a twig or leaf.
-    std::uint32_t foot_of() const {
+    std::uint32_t find_lowest_node() const {
         const float thick = kStemWidth * *std::ranges::max_element(distance_);
         PicturePoint ground;
         for (int y = mask_.height - 1; y >= 0 && ground.y == 0; --y)

@@ -98,13 +98,13 @@ class Tracer {
         seen.mask = largest_part(silhouette);
         seen.distance = distance_to_outside(seen.mask);
         seen.pieces =
-            find_pieces(graph_of(thinned(seen.mask, ctx_), seen.distance), seen.mask, seen.distance);
+            find_pieces(build_graph(thinned(seen.mask, ctx_), seen.distance), seen.mask, seen.distance);
         seen.owner.assign(seen.pieces.size(), kNoIndex);
         for (std::uint32_t p = 0; p < seen.pieces.size(); ++p) {
             if (!seen.pieces[p].is_tip) continue;
             seen.tips.push_back(p);
             const Stroke way = stroke_along(seen.pieces, seen.chain_to(p), seen.mask, seen.distance);
-            seen.ways.push_back(line_of(sketch_.views[v], way, {}, 1, false));
+            seen.ways.push_back(make_line(sketch_.views[v], way, {}, 1, false));
         }
         seen.taken.assign(seen.tips.size(), 0);
     }

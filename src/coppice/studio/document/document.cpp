@@ -140,13 +140,13 @@ std::vector<Piece> Document::pieces() const {
     return out;
 }
 
-Document::PrefixPtr Document::list_of(const std::vector<Piece>& pieces) const {
+Document::PrefixPtr Document::find_prefix(const std::vector<Piece>& pieces) const {
     PrefixPtr last = root_;
-    for (const Piece& piece : pieces) last = last->with({piece.text, edition_of(*piece.text)});
+    for (const Piece& piece : pieces) last = last->with({piece.text, find_edition(*piece.text)});
     return last;
 }
 
-Document::PrefixPtr Document::list_of(std::string_view text) const {
+Document::PrefixPtr Document::find_prefix(std::string_view text) const {
     const std::vector<ScenePiece> statements = find_pieces(text);
     if (statements.size() > kMaxLines)
         throw InvalidInput(fmt::format("the text has more than {} lines", kMaxLines));
@@ -185,7 +185,7 @@ std::size_t Document::run(const std::string& line, const std::optional<Name>& ab
 }
 
 void Document::set_text(std::string_view text, const TextChange& how, const Context& ctx) {
-    PrefixPtr last = list_of(text);
+    PrefixPtr last = find_prefix(text);
     const bool stays = last == last_;
     Reached reached = reach(last->path(), std::min(how.count.value_or(last->depth), last->depth), ctx);
     if (stays) {
@@ -196,14 +196,14 @@ void Document::set_text(std::string_view text, const TextChange& how, const Cont
 }
 
 void Document::open(std::string_view text, const std::string& file, const Context& ctx) {
-    PrefixPtr last = list_of(text);
+    PrefixPtr last = find_prefix(text);
     Reached reached = reach(last->path(), last->depth, ctx);
     change(std::move(last), std::move(reached), {.name = file.empty() ? "a new scene" : "opening " + file});
     file_ = std::make_shared<std::string>(file);
 }
 
 void Document::begin_with(std::string_view text, const std::string& file) {
-    show(list_of(text),
+    show(find_prefix(text),
          {.ran = 0, .scene = std::make_shared<const Scene>(settings_), .failure = {}, .error = {}});
     file_ = std::make_shared<std::string>(file);
     done_.clear();
@@ -230,7 +230,7 @@ void Document::step(std::deque<Version>& from, std::deque<Version>& to, std::siz
         back.push_back(version.back(list));
         list = version.applied_to(list);
     }
-    PrefixPtr goal = list_of(list);
+    PrefixPtr goal = find_prefix(list);
     Reached reached = reach(goal->path(), goal->depth, ctx);
     for (Version& version : back) {
         version.file = std::exchange(file_, std::move(from.back().file));
@@ -249,14 +249,14 @@ bool Document::rerun(const std::string& file, const Context& ctx) {
         oldest_edition_ = ++edition_;
     }
     files_[file] = ++edition_;
-    PrefixPtr last = list_of(pieces());
+    PrefixPtr last = find_prefix(pieces());
     if (last == last_) return false;
     Reached reached = reach(last->path(), goal(), ctx);
     show(std::move(last), std::move(reached));
     return true;
 }
 
-std::uint32_t Document::edition_of(const std::string& text) const {
+std::uint32_t Document::find_edition(const std::string& text) const {
     std::uint32_t out = oldest_edition_;
     for (const auto& [file, edition] : files_) {
         if (edition > out && mentions(text, file)) out = edition;
@@ -265,7 +265,7 @@ std::uint32_t Document::edition_of(const std::string& text) const {
 }
 
 Piece Document::find_piece(const std::string& text) const {
-    return {std::make_shared<const std::string>(text), edition_of(text)};
+    return {std::make_shared<const std::string>(text), find_edition(text)};
 }
 
 /// Returns the number of statements that need not run, because the state after them is stored.

@@ -152,11 +152,11 @@ class Document {
     };
 
     static Version difference(const std::vector<Piece>& from, const std::vector<Piece>& to);
-    std::uint32_t edition_of(const std::string& text) const;
+    std::uint32_t find_edition(const std::string& text) const;
     Piece find_piece(const std::string& text) const;
     std::vector<Piece> pieces() const;
-    PrefixPtr list_of(const std::vector<Piece>& pieces) const;
-    PrefixPtr list_of(std::string_view text) const;
+    PrefixPtr find_prefix(const std::vector<Piece>& pieces) const;
+    PrefixPtr find_prefix(std::string_view text) const;
     void check_room(const Prefix& last) const;
     Reached reach(const std::vector<PrefixPtr>& path, std::size_t count, const Context& ctx) const;
     std::size_t known(const std::vector<PrefixPtr>& path, std::size_t count) const;

@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::int64_t kBytesOfPrefix = sizeof(Prefix) + 128;  // and for its entry in the parent
 
-std::int64_t bytes_of(const Record& record) {
+std::int64_t count_bytes(const Record& record) {
     std::size_t bytes = record.says.size();
     for (const auto& name : record.changed) bytes += sizeof(name) + name.second.size();
     return static_cast<std::int64_t>(bytes);
@@ -51,7 +51,7 @@ Prefix::Ptr Prefix::with(const Piece& next) {
 }
 
 void Prefix::note(Record made) {
-    count(bytes_of(made) - (record ? bytes_of(*record) : 0));
+    count(count_bytes(made) - (record ? count_bytes(*record) : 0));
     record = std::move(made);
 }
 

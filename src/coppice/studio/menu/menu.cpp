@@ -78,7 +78,7 @@ void check_setting(std::string_view text) {
 }
 
 /// Splits a text into words at blanks; quotes of both kinds enclose words with blanks.
-std::vector<std::string> words_of(std::string_view text) {
+std::vector<std::string> split_words(std::string_view text) {
     std::vector<std::string> out;
     std::optional<std::string> word;
     char quote = 0;
@@ -124,7 +124,7 @@ void check_holes(std::string_view word) {
 }
 
 std::vector<std::string> program_words(std::string_view text) {
-    std::vector<std::string> words = words_of(text);
+    std::vector<std::string> words = split_words(text);
     if (words.empty()) throw InvalidInput("program requires the name of a program");
     const std::string& name = words.front();
     if (name.find("${") != name.npos || (name.find('/') != name.npos && !name.starts_with('/')))

@@ -9,7 +9,7 @@
 namespace coppice::studio_internal {
 namespace {
 
-std::string verdict_of(const SurfaceReport& report) {
+std::string format_verdict(const SurfaceReport& report) {
     if (report.crossing_places && report.crossing_places->total > 0)
         return fmt::format("It intersects itself at {} places.", report.crossing_places->total);
     if (!report.sound()) return "It is not closed, or its faces are not consistent.";
@@ -25,8 +25,8 @@ Json check(Studio& studio, const Request& request) {
     constexpr int kPlaces = 100;
     constexpr float kMade = 0.5f;  // of the time
     const ObjectPtr object = studio.object(request.kind(), request.text("name"));
-    const ObjectPtr made = surface_of(studio, {object->kind(), request.text("name")},
-                                      surface_options(request), part_of(request.ctx, 0, kMade));
+    const ObjectPtr made = make_surface(studio, {object->kind(), request.text("name")},
+                                        surface_options(request), narrow_progress(request.ctx, 0, kMade));
     const auto* surface = std::get_if<Surface>(&made->value);
     if (surface == nullptr) throw InvalidInput("only meshes, skeletons and solids can be checked");
     CheckOptions options;
@@ -35,7 +35,7 @@ Json check(Studio& studio, const Request& request) {
     const ObjectPtr judged = judge.empty() ? object : studio.object(ObjectKind::skeleton, judge);
     const auto* tree = std::get_if<Skeleton>(&judged->value);
     const SurfaceReport report =
-        check_surface(make_polygons(*surface), tree, options, part_of(request.ctx, kMade, 1));
+        check_surface(make_polygons(*surface), tree, options, narrow_progress(request.ctx, kMade, 1));
     Json places = Json::array();
     if (report.crossing_places) {
         for (const CrossingPlace& p : report.crossing_places->largest)
@@ -43,7 +43,7 @@ Json check(Studio& studio, const Request& request) {
     }
     return {{"figures", compute_figures(report)},
             {"good", report.passes()},
-            {"verdict", verdict_of(report)},
+            {"verdict", format_verdict(report)},
             {"crossings", places}};
 }
 

@@ -61,7 +61,7 @@ Json schema(Studio&, const Request&) { return {{"schema", scene_schema()}}; }
 
 Json help(Studio&, const Request& request) {
     const std::vector<SceneWord> words = scene_words(request.text("words", ""));
-    return {{"text", words.empty() ? help_overview() : help_of(words)}};
+    return {{"text", words.empty() ? help_overview() : format_help(words)}};
 }
 
 Json complete(Studio& studio, const Request& request) {
@@ -73,7 +73,7 @@ Json complete(Studio& studio, const Request& request) {
 }
 
 Json describe(Studio& studio, const Request& request) {
-    return {{"text", description_of(*studio.object(request.kind(), request.text("name")))}};
+    return {{"text", describe_object(*studio.object(request.kind(), request.text("name")))}};
 }
 
 /// Returns selections of nodes that remain valid when the tree is computed again.

@@ -98,7 +98,7 @@ Json export_object(Studio& studio, const Request& request) {
                              .path = path_to_write(studio, request, file),
                              .as_surface = wants_surface(request),
                              .surface = surface_options(request)};
-    const ObjectCount count = count_of(*export_to(studio, wish, request.ctx));
+    const ObjectCount count = count_elements(*export_to(studio, wish, request.ctx));
     Json out = written(wish.path, file);
     out["count"] = count.count;
     out["unit"] = count.unit;
@@ -161,8 +161,8 @@ std::string typed_options(const Request& request, const char* field) {
     return out;
 }
 
-ObjectPtr surface_of(const Studio& studio, const Document::Name& object, const std::string& options,
-                     const Context& ctx) {
+ObjectPtr make_surface(const Studio& studio, const Document::Name& object, const std::string& options,
+                       const Context& ctx) {
     ObjectPtr itself = studio.object(object.first, object.second);
     const bool tree = object.first == ObjectKind::skeleton;
     if (!tree && object.first != ObjectKind::solid) return itself;
@@ -176,7 +176,7 @@ ObjectPtr export_to(const Studio& studio, const ExportRequest& wish, const Conte
     const bool as_surface =
         wish.kind == ObjectKind::solid ||
         (wish.kind == ObjectKind::skeleton && wish.as_surface.value_or(holds_mesh(wish.path)));
-    ObjectPtr object = as_surface ? surface_of(studio, {wish.kind, wish.name}, wish.surface, ctx)
+    ObjectPtr object = as_surface ? make_surface(studio, {wish.kind, wish.name}, wish.surface, ctx)
                                   : studio.object(wish.kind, wish.name);
     save_object(*object, wish.path, ctx);
     return object;

@@ -48,14 +48,14 @@ class Filling {
             out += word.substr(at, hole - at);
             if (hole == word.size()) break;
             const std::size_t end = word.find('}', hole);
-            out += value_of(word.substr(hole + 2, end - hole - 2));
+            out += find_value(word.substr(hole + 2, end - hole - 2));
             at = end + 1;
         }
         return out;
     }
 
   private:
-    std::string value_of(std::string_view name) {
+    std::string find_value(std::string_view name) {
         if (name == "folder") return studio_.sandbox().folder().string();
         if (name == "object") return request_.text("name");
         const bool exports = request_.fields.contains("name");

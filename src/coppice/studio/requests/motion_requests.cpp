@@ -46,7 +46,7 @@ SceneCommand animation_command() {
     return c;
 }
 
-std::vector<SceneWord> words_of(const Json& options) {
+std::vector<SceneWord> to_words(const Json& options) {
     std::vector<SceneWord> words;
     for (const auto& [name, value] : options.items())
         words.push_back({name, value.is_string() ? value.get<std::string>() : value.dump()});
@@ -62,7 +62,7 @@ class MotionWish {
           name_(request.text("name")),
           object_(studio.object(ObjectKind::skeleton, name_)),
           keys_(request.text("keys", "")),
-          words_(words_of(request.fields.value("options", Json::object()))),
+          words_(to_words(request.fields.value("options", Json::object()))),
           call_(bind_command(table(), words_, studio.document.scene().state(),
                              studio.document.scene().settings(), ctx_)) {
         options_.grow = call_.flag("grow");
@@ -162,11 +162,11 @@ FrameSinks sinks_to(const FrameFiles& files, const FrameSeries& series, const Qu
 Json animate_growth(const Studio& studio, const Request& request, const MotionWish& wish) {
     const GrowthFrames frames = growth_frames(wish.options().run);
     FrameFiles files(studio, request, frames.frames);
-    const MeshResult last = wish.grown(wish.tree(), part_of(request.ctx, 0, kShareOfMesh));
+    const MeshResult last = wish.grown(wish.tree(), narrow_progress(request.ctx, 0, kShareOfMesh));
     const QuadMesh& surface = last.quads().mesh;
     const FrameSeries series = make_series(surface, frames, wish.options());
     const FrameSinks sinks = sinks_to(files, series, surface, wish);
-    make_frames(wish.tree(), frames, wish.options(), sinks, part_of(request.ctx, kShareOfMesh, 1));
+    make_frames(wish.tree(), frames, wish.options(), sinks, narrow_progress(request.ctx, kShareOfMesh, 1));
     Json out = files.written();
     out["frames"] = frames.frames;
     out["frozen"] = 0;
@@ -177,10 +177,11 @@ Json animate_growth(const Studio& studio, const Request& request, const MotionWi
 Json animate_motion(const Studio& studio, const Request& request, const MotionWish& wish) {
     const Motion motion = wish.motion();
     FrameFiles files(studio, request, motion.frames());
-    SkinnedMesh mesh = wish.carried(part_of(request.ctx, 0, kShareOfMesh));
+    SkinnedMesh mesh = wish.carried(narrow_progress(request.ctx, 0, kShareOfMesh));
     const FrameSeries series = make_series(mesh, motion, wish.options());
     const FrameSinks sinks = sinks_to(files, series, *series.rest, wish);
-    const MotionReport report = make_frames(mesh, motion, sinks, part_of(request.ctx, kShareOfMesh, 1));
+    const MotionReport report =
+        make_frames(mesh, motion, sinks, narrow_progress(request.ctx, kShareOfMesh, 1));
     Json out = files.written();
     out["frames"] = motion.frames();
     out["frozen"] = report.frozen;
@@ -215,7 +216,7 @@ class KeptMotion {
         }
     }
 
-    bool is_of(const MotionWish& wish) const { return object_ == wish.object() && text_ == wish.text(); }
+    bool matches(const MotionWish& wish) const { return object_ == wish.object() && text_ == wish.text(); }
     double seconds() const { return seconds_; }
     std::size_t frames() const { return frames_; }
 
@@ -245,7 +246,7 @@ namespace {
 /// Returns the surface of an animated tree at one time.
 Json frame(Studio& studio, const Request& request) {
     const MotionWish wish(studio, request);
-    if (!studio.motion || !studio.motion->is_of(wish)) {
+    if (!studio.motion || !studio.motion->matches(wish)) {
         studio.motion.reset();  // released before the next one allocates memory
         studio.motion = std::make_shared<KeptMotion>(wish, request.ctx);
     }

@@ -19,7 +19,7 @@ constexpr double kFarthest = 1e7;                    // [m] maximum coordinate o
 constexpr double kMinShown = 1e-6, kMaxShown = 1e7;  // [m] range of the height of an image
 constexpr float kGathered = 0.1f;                    // of the time
 
-Vec3d vector_of(const Json& camera, const char* field) {
+Vec3d read_vector(const Json& camera, const char* field) {
     const auto found = camera.find(field);
     if (found == camera.end() || !found->is_array() || found->size() != 3)
         throw InvalidInput(fmt::format("the camera requires '{}' as [x, y, z]", field));
@@ -46,11 +46,11 @@ double compute_scale(const Json& camera, int height) {
 }
 
 /// Returns the camera of the page: x to the right, y down, z in viewing direction.
-SketchView view_of(const Json& camera, int width, int height) {
-    const Vec3d eye = vector_of(camera, "eye"), ahead = vector_of(camera, "target") - eye;
+SketchView parse_view(const Json& camera, int width, int height) {
+    const Vec3d eye = read_vector(camera, "eye"), ahead = read_vector(camera, "target") - eye;
     if (!(length(ahead) > 1e-9)) throw InvalidInput("the camera's 'target' must differ from its 'eye'");
     const Vec3d z = normalized(ahead);
-    Vec3d up = camera.contains("up") ? vector_of(camera, "up") : Vec3d{0, 0, 1};
+    Vec3d up = camera.contains("up") ? read_vector(camera, "up") : Vec3d{0, 0, 1};
     if (!(length(cross(z, up)) > 1e-9 * length(up))) up = {0, 1, 0};
     if (!(length(cross(z, up)) > 1e-9)) up = {1, 0, 0};
     const Vec3d x = normalized(cross(z, up)), y = cross(z, x);
@@ -66,7 +66,7 @@ SketchView view_of(const Json& camera, int width, int height) {
 }
 
 /// Returns the objects that the request lists, by name or by kind and name.
-std::vector<Document::Name> names_of(const Request& request) {
+std::vector<Document::Name> read_names(const Request& request) {
     std::vector<Document::Name> out;
     for (const Json& object : request.fields.at("objects")) {
         const bool alone = object.is_string();
@@ -82,25 +82,25 @@ std::vector<Document::Name> names_of(const Request& request) {
 Json picture(Studio& studio, const Request& request) {
     const std::string& file = request.text("file");
     const std::filesystem::path path = path_to_write(studio, request, file);
-    const std::vector<Document::Name> names = names_of(request);
+    const std::vector<Document::Name> names = read_names(request);
     // The options are those of `render`, parsed and checked by the scene's own table.
     const std::string line =
         fmt::format("render {} {} kind={}{}", quoted_word(names.front().second), quoted_word(file),
                     name_of(names.front().first), typed_options(request, "options"));
     const Scene& scene = studio.document.scene();
-    const Context gathering = part_of(request.ctx, 0, kGathered),
-                  drawing = part_of(request.ctx, kGathered, 1);
+    const Context gathering = narrow_progress(request.ctx, 0, kGathered),
+                  drawing = narrow_progress(request.ctx, kGathered, 1);
     const SceneCall call = bind_command(scene_words(line), scene.state(), scene.settings(), gathering);
     const auto options = call.options<RenderOptions>("render");
     std::optional<SketchView> view;
     if (const auto camera = request.fields.find("camera"); camera != request.fields.end())
-        view = view_of(*camera, options.width, options.height);
+        view = parse_view(*camera, options.width, options.height);
     std::vector<ObjectPtr> objects;
     for (const Document::Name& name : names) {
         const bool as_it_is =
             name.first != ObjectKind::skeleton || request.text("as", "surface") == "skeleton";
         objects.push_back(as_it_is ? studio.object(name.first, name.second)
-                                   : surface_of(studio, name, surface_options(request), gathering));
+                                   : make_surface(studio, name, surface_options(request), gathering));
     }
     const Drawing drawn(objects, static_cast<float>(call.number("point_radius")), call);
     RenderScene shown = drawn.scene();

@@ -78,7 +78,7 @@ void send_skeleton(Studio& studio, const Request& request, const std::string& na
     }
     if (!request.fields.contains("surface")) return;
     const LiveSurfaces::Shown& shown = follow(studio, name, object, surface_request(request), request.ctx);
-    auto frame = encode_since(shown, have_of(request), seq, StudioColor::plain, request.ctx);
+    auto frame = encode_since(shown, get_known_version(request), seq, StudioColor::plain, request.ctx);
     if (frame) send(studio, request, std::move(*frame));
 }
 

@@ -27,7 +27,7 @@ std::string sketch_text(const Request& request) {
     return found->dump();
 }
 
-Json json_of(const Sketch& sketch, const BranchFit& fit) {
+Json make_json(const Sketch& sketch, const BranchFit& fit) {
     Json strokes = Json::array();
     for (const StrokeFit& stroke : fit.strokes) {
         strokes.push_back({{"view", sketch.views[stroke.view].name},
@@ -53,7 +53,7 @@ Json sketch(Studio& studio, const Request& request) {
         from_json(*found, option_fields(options), "options");
     SketchResult result = reconstruct(drawn, options, "sketch", request.ctx);
     Json branches = Json::array();
-    for (const BranchFit& fit : result.branches) branches.push_back(json_of(drawn, fit));
+    for (const BranchFit& fit : result.branches) branches.push_back(make_json(drawn, fit));
     const SceneObject object{std::move(result.skeleton), 0};
     const GeometryHead head{ObjectKind::skeleton, "sketch", 0, {}};
     return {{"key", studio.blobs.offer(encode_object(object, head, 1, StudioColor::plain, request.ctx))},

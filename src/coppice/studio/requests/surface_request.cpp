@@ -12,7 +12,7 @@ SurfaceRequest surface_request(const Request& request) {
     return wish;
 }
 
-std::optional<std::uint64_t> have_of(const Request& request) {
+std::optional<std::uint64_t> get_known_version(const Request& request) {
     if (!request.fields.contains("have")) return std::nullopt;
     return request.count("have", 0);
 }

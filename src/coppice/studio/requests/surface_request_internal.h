@@ -21,7 +21,7 @@ struct SurfaceRequest {
 SurfaceRequest surface_request(const Request& request);
 
 /// The state of the surface that the client has, from its `have`.
-std::optional<std::uint64_t> have_of(const Request& request);
+std::optional<std::uint64_t> get_known_version(const Request& request);
 
 /// Returns the current surface of a skeleton. Throws InvalidInput if it would exceed the memory limit.
 const LiveSurfaces::Shown& follow(Studio& studio, const std::string& name, const ObjectPtr& object,

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kFineCells = 56;  // along the longest side of a solid
 
-StudioColor color_of(const Request& request) {
+StudioColor get_color(const Request& request) {
     const std::string name = request.text("color", "plain");
     const auto found = std::ranges::find(EnumNames<StudioColor>::names, name);
     if (found == EnumNames<StudioColor>::names.end())
@@ -27,7 +27,7 @@ StudioColor color_of(const Request& request) {
 Json show_surface(Studio& studio, const Request& request, const ObjectPtr& object) {
     const std::string& name = request.text("name");
     const LiveSurfaces::Shown& shown = follow(studio, name, object, surface_request(request), request.ctx);
-    auto blob = encode_since(shown, have_of(request), {}, color_of(request), request.ctx);
+    auto blob = encode_since(shown, get_known_version(request), {}, get_color(request), request.ctx);
     Json out{{"number", shown.number}, {"key", nullptr}};
     if (blob) out["key"] = studio.blobs.offer(std::move(*blob));
     return out;
@@ -78,7 +78,7 @@ Json show(Studio& studio, const Request& request) {
     const std::string form = request.text("form", "coarse");
     if (kind == ObjectKind::skeleton && form == "surface") return show_surface(studio, request, object);
     check_size(studio, object->bytes, name);
-    const StudioColor color = color_of(request);
+    const StudioColor color = get_color(request);
     const GeometryHead head{kind, name, studio.notes.of(object).version, {}};
     const std::string key = fmt::format("{}-{}-{}", head.version, form, name_of(color));
     if (kind == ObjectKind::skeleton && form == "cage") {
@@ -133,8 +133,8 @@ Json trial(Studio& studio, const Request& request) {
     const GeometryHead head{kind, name, studio.notes.of(found->second).version, {}};
     const int cells = form == "fine" ? kFineCells : kCoarseCells;
     return {{"says", says},
-            {"key",
-             studio.blobs.offer(encode_object(*found->second, head, cells, color_of(request), request.ctx))}};
+            {"key", studio.blobs.offer(
+                        encode_object(*found->second, head, cells, get_color(request), request.ctx))}};
 }
 
 }  // namespace

@@ -228,7 +228,7 @@ std::vector<std::int8_t> normals_in(const LiveSurface& surface, const std::vecto
     return packed(in_ranges<Vec3>(normals, ranges));
 }
 
-Json json_of(const std::vector<NumberRange>& ranges) {
+Json make_json(const std::vector<NumberRange>& ranges) {
     Json out = Json::array();
     for (const NumberRange& r : ranges) out.push_back({r.first, r.count});
     return out;
@@ -322,7 +322,8 @@ std::string encode_patch(const LiveSurface& surface, const SurfaceChange& change
                          std::uint64_t base) {
     GeometryWriter writer("patch", head, surface.origin());
     writer.header()["base"] = base;
-    writer.header()["ranges"] = {{"vertices", json_of(change.vertices)}, {"quads", json_of(change.quads)}};
+    writer.header()["ranges"] = {{"vertices", make_json(change.vertices)},
+                                 {"quads", make_json(change.quads)}};
     writer.header()["vertices"] = surface.positions().size();
     writer.header()["quads"] = surface.quads().size();
     const std::vector<Vec3> positions = in_ranges(surface.positions(), change.vertices);
@@ -353,7 +354,7 @@ std::optional<std::pair<Vec3d, Vec3d>> compute_bounds(const SceneObject& object)
         std::get<Surface>(object.value).mesh);
 }
 
-ObjectCount count_of(const SceneObject& object) {
+ObjectCount count_elements(const SceneObject& object) {
     if (const auto* points = std::get_if<PointSet>(&object.value)) return {points->size(), "points"};
     if (const auto* tree = std::get_if<Skeleton>(&object.value)) return {tree->size(), "nodes"};
     if (const auto* surface = std::get_if<Surface>(&object.value)) return {face_count(*surface), "faces"};

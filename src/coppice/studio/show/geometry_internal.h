@@ -85,6 +85,6 @@ struct ObjectCount {
     std::uint64_t count;    ///< 0: not counted
     std::string_view unit;  ///< "nodes"
 };
-ObjectCount count_of(const SceneObject& object);  ///< O(1)
+ObjectCount count_elements(const SceneObject& object);  ///< O(1)
 
 }  // namespace coppice

@@ -15,7 +15,7 @@ constexpr std::size_t kMaxChanges = 64;
 constexpr double kMebibyte = 1 << 20;
 
 /// Measured for trees of 1,700 to 5,200 nodes: the data of each node, and four to five quads in the cage.
-std::uint64_t bytes_of(const Skeleton& tree, const MeshOptions& options) {
+std::uint64_t estimate_bytes(const Skeleton& tree, const MeshOptions& options) {
     constexpr std::uint64_t kOfNode = 500, kOfItsQuads = 182;
     return tree.size() * (kOfNode + (kOfItsQuads << 2 * options.levels));
 }
@@ -28,12 +28,13 @@ std::vector<std::pair<StableId, NodeId>> by_id(const Skeleton& tree) {
     return out;
 }
 
-StableId parent_of(const Skeleton& tree, NodeId n) {
+StableId get_parent(const Skeleton& tree, NodeId n) {
     return tree.parent(n) ? tree.stable_id(tree.parent(n)) : StableId();
 }
 
 bool same_node(const Skeleton& a, NodeId n, const Skeleton& b, NodeId m) {
-    return a.position(n) == b.position(m) && a.radius(n) == b.radius(m) && parent_of(a, n) == parent_of(b, m);
+    return a.position(n) == b.position(m) && a.radius(n) == b.radius(m) &&
+           get_parent(a, n) == get_parent(b, m);
 }
 
 /// Returns the disjoint ranges that cover both, in ascending order.
@@ -74,17 +75,17 @@ LiveSurfaces::Shown& LiveSurfaces::follow(const std::string& name, const ObjectP
     const Skeleton& now = std::get<Skeleton>(object->value);
     const auto found =
         std::ranges::find_if(shown_, [&](const Shown& s) { return s.name == name && s.wish == wish; });
-    const auto& tree_of = [](const Shown& s) -> const Skeleton& {
+    const auto& get_tree = [](const Shown& s) -> const Skeleton& {
         return std::get<Skeleton>(s.object->value);
     };
-    const std::uint64_t bytes = bytes_of(now, options);
+    const std::uint64_t bytes = estimate_bytes(now, options);
     if (bytes > max_bytes_) {
         throw InvalidInput(fmt::format(
             "the surface of '{}' may take {:.1f} MiB, and {:.1f} are available for surfaces that follow "
             "edits; show its axes, reduce the levels, or give the studio more with --max-memory",
             name, static_cast<double>(bytes) / kMebibyte, static_cast<double>(max_bytes_) / kMebibyte));
     }
-    if (found == shown_.end() || tree_of(*found).origin() != now.origin()) {
+    if (found == shown_.end() || get_tree(*found).origin() != now.origin()) {
         if (found != shown_.end()) shown_.splice(shown_.end(), shown_, found);  // removed first
         make_room(bytes, kMaxSurfaces - 1);
         LiveSurface surface(now, options, ctx);
@@ -96,7 +97,7 @@ LiveSurfaces::Shown& LiveSurfaces::follow(const std::string& name, const ObjectP
     Shown& shown = shown_.front();
     if (shown.object == object) return shown;
     make_room(0, kMaxSurfaces);
-    const std::vector<StableId> changed = changed_nodes(tree_of(shown), now);
+    const std::vector<StableId> changed = changed_nodes(get_tree(shown), now);
     if (!changed.empty()) {
         SurfaceChange change = shown.surface.update(now, changed, ctx);
         shown.changes.emplace_back(std::exchange(shown.number, ++number_), std::move(change));
@@ -108,7 +109,7 @@ LiveSurfaces::Shown& LiveSurfaces::follow(const std::string& name, const ObjectP
 
 std::uint64_t LiveSurfaces::bytes() const {
     std::uint64_t out = 0;
-    for (const Shown& s : shown_) out += bytes_of(std::get<Skeleton>(s.object->value), s.options);
+    for (const Shown& s : shown_) out += estimate_bytes(std::get<Skeleton>(s.object->value), s.options);
     return out;
 }
 

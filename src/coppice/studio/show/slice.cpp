@@ -33,7 +33,7 @@ Rectangle compute_rectangle(const Box3& box, const SliceOptions& options) {
     return out;
 }
 
-Json json_of(Vec3d v) { return {v.x, v.y, v.z}; }
+Json make_json(Vec3d v) { return {v.x, v.y, v.z}; }
 
 }  // namespace
 
@@ -66,9 +66,9 @@ std::string encode_slice(const Solid& solid, const SliceOptions& options, const 
     Json& header = writer.header();
     header["width"] = width;
     header["height"] = height;
-    header["corner"] = json_of(plane.corner);
-    header["along"] = json_of(plane.along);
-    header["up"] = json_of(plane.up);
+    header["corner"] = make_json(plane.corner);
+    header["along"] = make_json(plane.along);
+    header["up"] = make_json(plane.up);
     header["level"] = field.level();
     header["low"] = low;
     header["high"] = high;

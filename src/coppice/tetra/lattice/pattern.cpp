@@ -16,11 +16,11 @@ using Local = TetraPattern::Local;
 constexpr std::array<std::uint32_t, TetraPattern::kGroups> kGroupCorners{1,  2,  4,  8,  3,  5, 9, 6,
                                                                          10, 12, 14, 13, 11, 7, 15};
 
-std::uint32_t group_of(std::uint32_t corners) {
+std::uint32_t find_group(std::uint32_t corners) {
     return static_cast<std::uint32_t>(std::ranges::find(kGroupCorners, corners) - kGroupCorners.begin());
 }
 
-std::uint32_t corners_of(const Weights& w) {
+std::uint32_t find_corners(const Weights& w) {
     std::uint32_t bits = 0;
     for (std::uint32_t i = 0; i < 4; ++i) bits |= (w[i] > 0 ? 1u : 0u) << i;
     return bits;
@@ -28,7 +28,7 @@ std::uint32_t corners_of(const Weights& w) {
 
 /// Returns a key that orders weights lexicographically: elements of one group keep their order for any
 /// assignment of the group's corners to corners of a tetrahedron. The last weight follows from the others.
-std::uint32_t code_of(const Weights& w) {
+std::uint32_t to_code(const Weights& w) {
     return std::uint32_t{w[0]} << 12 | std::uint32_t{w[1]} << 6 | w[2];
 }
 
@@ -58,11 +58,11 @@ class PatternMaker {
                 }
             }
         }
-        const auto key = [](const Weights& w) { return std::pair(group_of(corners_of(w)), code_of(w)); };
+        const auto key = [](const Weights& w) { return std::pair(find_group(find_corners(w)), to_code(w)); };
         std::ranges::sort(out_.weights, {}, key);
         std::vector<std::uint32_t> groups;
         for (const Weights& w : out_.weights) {
-            groups.push_back(group_of(corners_of(w)));
+            groups.push_back(find_group(find_corners(w)));
             auto& share = out_.shares.emplace_back();
             std::ranges::transform(w, share.begin(), [&](std::uint8_t i) {
                 return static_cast<float>(i) / static_cast<float>(n_);
@@ -72,7 +72,7 @@ class PatternMaker {
         out_.first_vertex = starts(groups);
         by_code_.assign(std::size_t{1} << 18, 0);
         for (std::size_t v = 0; v < out_.weights.size(); ++v)
-            by_code_[code_of(out_.weights[v])] = static_cast<Local>(v);
+            by_code_[to_code(out_.weights[v])] = static_cast<Local>(v);
     }
 
     static std::array<std::uint32_t, TetraPattern::kGroups + 1> starts(
@@ -93,7 +93,7 @@ class PatternMaker {
         w[path_[1]] = static_cast<std::uint8_t>(p[0] - p[1]);
         w[path_[2]] = static_cast<std::uint8_t>(p[1] - p[2]);
         w[path_[3]] = static_cast<std::uint8_t>(p[2]);
-        return by_code_[code_of(w)];
+        return by_code_[to_code(w)];
     }
 
     void list_tetra() {
@@ -148,8 +148,8 @@ class PatternMaker {
     };
     Edge edge_between(Local a, Local b) const {
         const Weights &u = out_.weights[a], &v = out_.weights[b];
-        const std::uint32_t c = code_of(u), d = code_of(v);
-        return {group_of(corners_of(u) | corners_of(v)), std::min(c, d), std::max(c, d)};
+        const std::uint32_t c = to_code(u), d = to_code(v);
+        return {find_group(find_corners(u) | find_corners(v)), std::min(c, d), std::max(c, d)};
     }
 
     void list_edges() {

@@ -63,7 +63,7 @@ void for_each_face_above(std::uint32_t c, const Visit& visit) {
     visit(kFirstFace + 3, 1u, 2u);
 }
 
-std::uint32_t corner_of(const TetraRefinement::Parts& parts, std::uint32_t vertex) {
+std::uint32_t find_corner(const TetraRefinement::Parts& parts, std::uint32_t vertex) {
     return static_cast<std::uint32_t>(std::find(parts.begin(), parts.begin() + 3, vertex) - parts.begin());
 }
 
@@ -104,7 +104,7 @@ void TetraRefinement::check(const Context& ctx) const {
     const auto bad = [&](const Tetra& t) {
         if (std::ranges::any_of(t, [&](std::uint32_t v) { return v >= coarse_.positions.size(); }))
             return true;
-        return !tetra_kernel::is_sound(tetra_kernel::corners_of(coarse_.positions.data(), t));
+        return !tetra_kernel::is_sound(tetra_kernel::get_corners(coarse_.positions.data(), t));
     };
     const auto first_bad = parallel_reduce(
         ctx, tetra.size(), kRefinementGrain, tetra.size(),
@@ -182,7 +182,7 @@ void TetraRefinement::find_parts(const Context& ctx) {
             for (const std::uint32_t t : at_vertex(static_cast<std::uint32_t>(v))) {
                 Parts& p = parts_[t];
                 const float shortest = traits_[t].shortest_edge;
-                const std::uint32_t c = corner_of(p, static_cast<std::uint32_t>(v));
+                const std::uint32_t c = find_corner(p, static_cast<std::uint32_t>(v));
                 // Registers an edge or face at this vertex; its first tetrahedron owns it.
                 const auto note = [&](ByLeastVertex& of_kind, std::vector<float>& all, std::size_t before,
                                       std::uint32_t group, std::uint64_t key) {
@@ -273,7 +273,7 @@ RefinementView TetraRefinement::view() const {
     out.shortest_at = shortest_at_;
     const auto vertices = static_cast<std::uint32_t>(coarse_.positions.size());
     out.first_part = {0, vertices, vertices + edge_count(), vertices + edge_count() + face_count()};
-    for (std::size_t d = 0; d < 3; ++d) out.patterns[d] = view_of(patterns_[d]);
+    for (std::size_t d = 0; d < 3; ++d) out.patterns[d] = make_view(patterns_[d]);
     out.vertices = vertices_;
     out.edges.per_kind = fine_edges_per_part(patterns_[0]);
     out.edge_count =

@@ -105,7 +105,7 @@ struct PatternView {
 };
 
 /// Returns a view of the arrays of a pattern, which must outlive it.
-inline PatternView view_of(const TetraPattern& p) {
+inline PatternView make_view(const TetraPattern& p) {
     return {p.shares,      p.group,        p.tetra,  p.edges,        p.edge_group,
             p.tetra_edges, p.first_around, p.around, p.first_vertex, p.first_edge};
 }

@@ -20,7 +20,7 @@ using Corners = std::array<Vec3d, 4>;
 
 /// Returns the positions of the first four of these vertices.
 template <class Vertices>
-COPPICE_HOST_DEVICE Corners corners_of(const Vec3* positions, const Vertices& vertices) {
+COPPICE_HOST_DEVICE Corners get_corners(const Vec3* positions, const Vertices& vertices) {
     return {Vec3d(positions[vertices[0]]), Vec3d(positions[vertices[1]]), Vec3d(positions[vertices[2]]),
             Vec3d(positions[vertices[3]])};
 }
@@ -105,7 +105,7 @@ COPPICE_HOST_DEVICE inline void describe_tetra(const Vec3* positions, const Tetr
     order(1, 3);
     order(1, 2);
     for (std::size_t i = 0; i < 4; ++i) parts[i] = sorted[i];
-    const Corners corners = corners_of(positions, sorted);
+    const Corners corners = get_corners(positions, sorted);
     const std::uint8_t diagonal = shortest_diagonal(corners);
     const TetraExtent e = tetra_extent(corners, diagonal);
     const double fine = 1.0 / (1 << levels);

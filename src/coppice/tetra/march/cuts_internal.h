@@ -20,7 +20,7 @@ using LocalBits = std::array<std::uint64_t, 105>;
 void gather_bits(const TetraRefinement& refinement, const RankedBits& bits, std::uint32_t tetra,
                  LocalBits& out);
 
-inline std::uint32_t bit_of(const LocalBits& words, std::uint32_t i) {
+inline std::uint32_t get_bit(const LocalBits& words, std::uint32_t i) {
     return static_cast<std::uint32_t>(words[i / 64] >> (i % 64)) & 1;
 }
 

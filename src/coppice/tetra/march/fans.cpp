@@ -49,10 +49,10 @@ class FanFinder {
             if (c >= kCutVertex) {
                 const std::uint32_t v = refinement_.vertex(t, fine[c - kCutVertex]);
                 rank[k] = samples_.placed.rank(v);
-                key[k] = ListedFan::key_of(v, v);
+                key[k] = ListedFan::make_key(v, v);
             } else {
-                key[k] = ListedFan::key_of(refinement_.vertex(t, fine[kTetraEdges[c][0]]),
-                                           refinement_.vertex(t, fine[kTetraEdges[c][1]]));
+                key[k] = ListedFan::make_key(refinement_.vertex(t, fine[kTetraEdges[c][0]]),
+                                             refinement_.vertex(t, fine[kTetraEdges[c][1]]));
             }
         }
         // A cut polygon with a corner at a vertex is a triangle: one corner is inside and the others are cut

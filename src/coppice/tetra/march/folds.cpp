@@ -66,12 +66,12 @@ class FoldFinder {
         position_.resize(count);
         for (std::size_t v = 0; v < count; ++v) {
             const auto local = static_cast<Local>(v);
-            position_[v] = Vec3d(bit_of(moved_, local) != 0
+            position_[v] = Vec3d(get_bit(moved_, local) != 0
                                      ? samples_.place[samples_.placed.rank(refinement_.vertex(t, local))]
                                      : refinement_.position(t, local));
         }
-        volume_ = tetra_kernel::tetra_volume(
-                      tetra_kernel::corners_of(refinement_.coarse().positions.data(), refinement_.parts(t))) /
+        volume_ = tetra_kernel::tetra_volume(tetra_kernel::get_corners(refinement_.coarse().positions.data(),
+                                                                       refinement_.parts(t))) /
                   static_cast<double>(refinement_.pattern(t).tetra.size());
         placed_ = true;
     }

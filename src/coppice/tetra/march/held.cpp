@@ -30,7 +30,7 @@ class Holder {
             const tetra_kernel::AxisLine line(axes_.segments[s]);
             for (Coarse& c : coarse_) {
                 if (!c.shape.is_near(line)) continue;
-                if (!c.weights) c.weights.emplace(corners_of(c.tetra));
+                if (!c.weights) c.weights.emplace(get_corners(c.tetra));
                 look_at(c.tetra, *c.weights, s, begin, out);
             }
         }
@@ -43,15 +43,15 @@ class Holder {
         std::optional<tetra_kernel::WeightFunctions> weights;  ///< computed when an axis is close
     };
 
-    tetra_kernel::Corners corners_of(std::uint32_t t) const {
-        return tetra_kernel::corners_of(refinement_.coarse().positions.data(), refinement_.parts(t));
+    tetra_kernel::Corners get_corners(std::uint32_t t) const {
+        return tetra_kernel::get_corners(refinement_.coarse().positions.data(), refinement_.parts(t));
     }
 
     void describe(std::uint32_t region) {
         coarse_.clear();
         const TetraMesh& mesh = refinement_.coarse();
         for (std::uint32_t t = mesh.first[region]; t < mesh.first[region + 1]; ++t)
-            coarse_.push_back({t, tetra_kernel::HeldTetra(corners_of(t)), {}});
+            coarse_.push_back({t, tetra_kernel::HeldTetra(get_corners(t)), {}});
     }
 
     /// Appends the vertices of a coarse tetrahedron that an axis holds and that are not in `out` from `begin`

@@ -39,7 +39,8 @@ bool encloses(const TriMesh& mesh, const Part& part, Vec3 place) {
 }
 
 /// Collects the triangles, box and volume of each component; components are numbered by their first triangle.
-std::vector<Part> parts_of(const TriMesh& mesh, std::span<const std::uint32_t> part_of, std::size_t count) {
+std::vector<Part> collect_parts(const TriMesh& mesh, std::span<const std::uint32_t> part_of,
+                                std::size_t count) {
     std::vector<Part> parts(count);
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
         Part& part = parts[part_of[t]];
@@ -127,7 +128,7 @@ namespace coppice {
 std::vector<std::uint8_t> enclosing_parts(const TriMesh& mesh, std::span<const std::uint32_t> part_of,
                                           std::size_t count, std::span<const Vec3> places, bool with_hollows,
                                           const Context& ctx) {
-    const std::vector<tetra_internal::Part> parts = tetra_internal::parts_of(mesh, part_of, count);
+    const std::vector<tetra_internal::Part> parts = tetra_internal::collect_parts(mesh, part_of, count);
     std::vector<std::uint8_t> kept(count);
     parallel_for(ctx, count, 1, [&](std::size_t p) {
         const bool is_hollow = parts[p].volume6 <= 0;

@@ -125,7 +125,7 @@ bool LocalSigns::gather(const TetraRefinement& refinement, const Samples& sample
     if (!any || all) return false;
     gather_bits(refinement, samples.on, tetra, on_);
     for (std::uint32_t v = 0; v < count; ++v)
-        state_[v] = static_cast<std::uint8_t>(bit_of(inside_, v) << 4 | bit_of(on_, v));
+        state_[v] = static_cast<std::uint8_t>(get_bit(inside_, v) << 4 | get_bit(on_, v));
     return true;
 }
 

@@ -70,7 +70,7 @@ class Filler {
 
   private:
     /// Returns the number of a fine vertex that is inside or on the surface.
-    std::uint32_t number_of(std::uint32_t vertex) const {
+    std::uint32_t get_number(std::uint32_t vertex) const {
         if (inside_.test(vertex)) return first_inside_ + inside_.rank(vertex);
         if (buried_.test(vertex)) return first_buried_ + buried_.rank(vertex);
         return numbers_.placed[samples_.placed.rank(vertex)];
@@ -85,9 +85,9 @@ class Filler {
                 const auto local = static_cast<Local>(v);
                 const std::uint32_t vertex = refinement_.vertex(t, local);
                 if (!inside_.test(vertex) && !buried_.test(vertex)) continue;
-                positions[number_of(vertex)] = samples_.moved.test(vertex)
-                                                   ? samples_.place[samples_.placed.rank(vertex)]
-                                                   : refinement_.position(t, local);
+                positions[get_number(vertex)] = samples_.moved.test(vertex)
+                                                    ? samples_.place[samples_.placed.rank(vertex)]
+                                                    : refinement_.position(t, local);
             }
         }
     }
@@ -117,7 +117,7 @@ class Filler {
 
     Ids whole(std::uint32_t t, const std::array<Local, 4>& fine) const {
         Ids out;
-        for (std::size_t i = 0; i < 4; ++i) out[i] = number_of(refinement_.vertex(t, fine[i]));
+        for (std::size_t i = 0; i < 4; ++i) out[i] = get_number(refinement_.vertex(t, fine[i]));
         return out;
     }
 
@@ -132,7 +132,7 @@ class Filler {
         std::ranges::sort(order, {}, [&](std::size_t i) {
             return std::pair(!is_inside(i), refinement_.vertex(t, fine[i]));
         });
-        const auto corner = [&](std::size_t i) { return number_of(refinement_.vertex(t, fine[order[i]])); };
+        const auto corner = [&](std::size_t i) { return get_number(refinement_.vertex(t, fine[order[i]])); };
         // Returns the vertex of the surface on the edge from an inner corner to another one.
         const auto end = [&](std::size_t i, std::size_t j) {
             if (is_on(order[j])) return corner(j);

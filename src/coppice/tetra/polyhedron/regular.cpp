@@ -39,7 +39,7 @@ std::vector<std::uint32_t> rounds(std::span<const WeightedPlace> points, const G
     return order;
 }
 
-std::size_t place_of(const std::array<std::uint32_t, 4>& four, std::uint32_t value) {
+std::size_t find_place(const std::array<std::uint32_t, 4>& four, std::uint32_t value) {
     return static_cast<std::size_t>(std::ranges::find(four, value) - four.begin());
 }
 
@@ -60,7 +60,7 @@ RegularTriangulation::RegularTriangulation(const GridPlace& low, const GridPlace
     for (std::uint32_t c = 0; c < 6; ++c) {
         for (const std::uint32_t other : {(c + 1) % 6, (c + 5) % 6}) {
             for (std::size_t i = 0; i < 4; ++i) {
-                if (place_of(cells_[other].vertex, cells_[c].vertex[i]) == 4) cells_[c].next[i] = other;
+                if (find_place(cells_[other].vertex, cells_[c].vertex[i]) == 4) cells_[c].next[i] = other;
             }
         }
     }
@@ -174,7 +174,7 @@ std::uint32_t RegularTriangulation::across_edge(const HullFace& from, std::uint3
     std::uint32_t cell = from.cell, pivot = third, other = cells_[cell].vertex[from.face];
     for (;;) {
         const Cell& c = cells_[cell];
-        const std::uint32_t to = c.next[place_of(c.vertex, pivot)];
+        const std::uint32_t to = c.next[find_place(c.vertex, pivot)];
         if (!is_taken(to)) return to;
         // The edge, the common corner, and the new corner.
         const Cell& t = cells_[to];

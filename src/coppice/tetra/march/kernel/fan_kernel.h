@@ -49,11 +49,11 @@ COPPICE_HOST_DEVICE Fan judge_fan(std::span<const LinkSegment<Key>> segments) {
 struct ListedFan {
     /// maximum number of listed triangles; larger fans remain unknown
     static constexpr std::uint32_t kMax = 8;
-    using Key = std::uint16_t;                    ///< see key_of
+    using Key = std::uint16_t;                    ///< see make_key
     std::array<LinkSegment<Key>, kMax> segments;  ///< in any order
 
     /// Returns the key of a fine vertex, or of the edge between two, independent of their order.
-    COPPICE_HOST_DEVICE static Key key_of(std::uint32_t a, std::uint32_t b) {
+    COPPICE_HOST_DEVICE static Key make_key(std::uint32_t a, std::uint32_t b) {
         return static_cast<Key>((std::min(a, b) * 0x9e3779b1u + std::max(a, b) * 0x85ebca77u) >> 16);
     }
 

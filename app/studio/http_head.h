@@ -13,7 +13,7 @@ namespace coppice::server {
 inline constexpr std::size_t kMaxHead = 8 << 10;  ///< [bytes] maximum size of the head of a request
 
 /// Converts the head of a request to the type that the router uses.
-inline HttpHead head_of(const boost::beast::http::request<boost::beast::http::empty_body>& request) {
+inline HttpHead to_http_head(const boost::beast::http::request<boost::beast::http::empty_body>& request) {
     HttpHead head{.method = std::string(request.method_string()),
                   .target = std::string(request.target()),
                   .fields = {}};
