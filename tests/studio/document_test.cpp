@@ -189,8 +189,8 @@ TEST(Document, StoredOutputIsLimited) {
     Document document;
     document.run("sphere a", {}, kQuiet);
     document.run("repeat 3000\n  describe a\nend", {}, kQuiet);
-    EXPECT_GT(document.statements()[1].says.size(), 60'000u);
-    EXPECT_LT(document.statements()[1].says.size(), 70'000u);
+    EXPECT_GT(document.statements()[1].message.size(), 60'000u);
+    EXPECT_LT(document.statements()[1].message.size(), 70'000u);
 }
 
 TEST(Document, JoinsRelatedChanges) {

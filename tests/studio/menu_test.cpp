@@ -77,12 +77,12 @@ TEST(StudioMenu, ReportsFaultsAndAcceptsTheRest) {
         {"[C]\nNone = nothing", "there is no item 'None'"},
         {"[C]\nclear", "an item has the form LABEL"},
     };
-    for (const auto& [text, says] : wrong) {
+    for (const auto& [text, message] : wrong) {
         Menu menu;
         const std::size_t count = menu.items().size();
         const auto faults = menu.add(std::string(text) + "\n[Z]\nGood = tool place\n", "mine");
         ASSERT_EQ(faults.size(), 1u) << text;
-        EXPECT_NE(faults[0].find(says), std::string::npos) << text << " -> " << faults[0];
+        EXPECT_NE(faults[0].find(message), std::string::npos) << text << " -> " << faults[0];
         EXPECT_EQ(menu.items().size(), count + 1) << text;
     }
 }

@@ -61,7 +61,7 @@ TEST_F(MotionRequests, WriteAFileForEachFrame) {
     EXPECT_EQ(made["file"], "sway_0000.png");
     EXPECT_EQ(made["frames"], 3);
     EXPECT_EQ(made["frozen"], 0);
-    EXPECT_EQ(made["says"].get<std::string>().substr(0, 12), "3 frames of ");
+    EXPECT_EQ(made["message"].get<std::string>().substr(0, 12), "3 frames of ");
     std::uintmax_t bytes = 0;
     for (const std::string& name : names()) bytes += std::filesystem::file_size(folder_ / name);
     EXPECT_EQ(made["bytes"], bytes);

@@ -109,8 +109,8 @@ TEST_F(Session, RejectsTextsOfAnOldRevision) {
 }
 
 TEST_F(Session, TextsRunToTheRequestedStatementAndAreJoined) {
-    const auto text = [&](const std::string& says, const Json& more) {
-        Json request{{"type", "text"}, {"text", says}, {"revision", session_->state()["revision"]}};
+    const auto text = [&](const std::string& scene, const Json& more) {
+        Json request{{"type", "text"}, {"text", scene}, {"revision", session_->state()["revision"]}};
         request.update(more);
         must(request);
     };
@@ -220,7 +220,7 @@ TEST_F(Session, SlicesTheFieldOfASolid) {
 
 TEST_F(Session, AsideChangesNothing) {
     run("sphere a");
-    EXPECT_NE(must({{"type", "aside"}, {"line", "describe a"}})["says"].get<std::string>().find("solid"),
+    EXPECT_NE(must({{"type", "aside"}, {"line", "describe a"}})["message"].get<std::string>().find("solid"),
               std::string::npos);
     must({{"type", "aside"}, {"line", "sphere b"}});
     EXPECT_EQ(session_->state()["objects"].size(), 1u);
@@ -320,9 +320,9 @@ TEST_F(Session, TrialChangesNothing) {
 TEST_F(Session, AnchorsSelectTheirNodes) {
     run("limb t 0,0,0 0,0,1 0,0,2");
     const Json anchors = must({{"type", "anchor"}, {"name", "t"}, {"nodes", {2}}})["selections"];
-    const std::string says = must(
-        {{"type", "aside"}, {"line", "edit select t \"" + anchors[0].get<std::string>() + "\""}})["says"];
-    EXPECT_NE(says.find("node 2"), std::string::npos) << says;
+    const std::string message = must(
+        {{"type", "aside"}, {"line", "edit select t \"" + anchors[0].get<std::string>() + "\""}})["message"];
+    EXPECT_NE(message.find("node 2"), std::string::npos) << message;
 }
 
 TEST_F(Session, IsRecoveredFromItsJournal) {

@@ -21,7 +21,7 @@ export class EngineError extends Error {
 
 export interface Ran {
     statement: number; // its number
-    says: string;
+    message: string;
     names: string[]; // chosen by the engine for the new objects of the line: newName() in tools/kit/words.ts
 }
 

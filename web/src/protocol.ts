@@ -11,7 +11,7 @@ export interface ObjectName {
 export interface Statement {
     text: string; // source text of the statement; blocks have several lines
     line: number; // number of its first line in the whole text, from 1
-    says: string; // output of the statement
+    message: string; // output of the statement
 }
 
 export interface SceneObject extends ObjectName {

@@ -84,9 +84,9 @@ test("statements are parsed as in scenes", () => {
 const state: State = {
     ...kEmptyState,
     statements: [
-        { text: "# a crown", line: 1, says: "" },
-        { text: "path spine 0,0,0 \\\n  0,0,2", line: 3, says: "" },
-        { text: "sphere s", line: 6, says: "" },
+        { text: "# a crown", line: 1, message: "" },
+        { text: "path spine 0,0,0 \\\n  0,0,2", line: 3, message: "" },
+        { text: "sphere s", line: 6, message: "" },
     ],
     ran: 3,
     objects: [{ kind: "path", name: "spine", version: 1, statement: 1, bounds: [0, 0, 0, 0, 0, 2], count: 2, unit: "points" }],

@@ -81,7 +81,7 @@ test("requests contain only the chosen motion", () => {
 });
 
 test("the last edit of a skeleton becomes a key if it only moves nodes", () => {
-    const all = (...texts: string[]) => texts.map((text, line) => ({ text, line: line + 1, says: "" }));
+    const all = (...texts: string[]) => texts.map((text, line) => ({ text, line: line + 1, message: "" }));
     const bend = "edit bend oak subtree(12) 20 about=side  # lift";
     assert.deepEqual(lastEdit(all("loadtree oak oak.swc", bend, "edit bend elm 3 4"), "oak"), { statement: 1, edits: "bend subtree(12) 20 about=side" });
     assert.deepEqual(lastEdit(all("edit rotate tree=oak 12 20"), "oak"), { statement: 0, edits: "rotate 12 20" });

@@ -169,7 +169,7 @@ test("files of scans are detected by their endings and loaded with matching opti
 });
 
 function state(...texts: string[]): State {
-    return { ...kEmptyState, statements: texts.map((text, i) => ({ text, line: i + 1, says: "" })), ran: texts.length };
+    return { ...kEmptyState, statements: texts.map((text, i) => ({ text, line: i + 1, message: "" })), ran: texts.length };
 }
 
 const tree: SceneObject = { kind: "skeleton", name: "tree", version: 1, statement: 3, bounds: [0, 0, 0, 1, 1, 1], count: 9, unit: "nodes" };
@@ -197,7 +197,7 @@ function pageWith(document: State, run?: (text: string) => Promise<void>) {
         await run?.(line);
         const { statements } = store.state.peek();
         store.state.value = state(...statements.map(({ text }) => text), ...line.split("\n"));
-        return { statement: 0, says: "" };
+        return { statement: 0, message: "" };
     };
     const engine = {
         run: append,

@@ -114,7 +114,7 @@ Json make_state(Studio& studio) {
     const Document& document = studio.document;
     Json statements = Json::array();
     for (const Document::Statement& s : document.statements())
-        statements.push_back({{"text", s.text}, {"line", s.line}, {"says", s.says}});
+        statements.push_back({{"text", s.text}, {"line", s.line}, {"message", s.message}});
     const auto makers = document.makers();
     Json objects = Json::array();
     for (const auto& [name, object] : document.scene().state().objects) {

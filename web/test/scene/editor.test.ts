@@ -147,7 +147,7 @@ test("statements are marked with their status", () => {
         marks.map(({ chosen }) => chosen),
         ["step", "creator", "", ""],
     );
-    assert.deepEqual([marks[3].says, marks[3].wrong], ["there is no solid 'b'", 4]);
+    assert.deepEqual([marks[3].message, marks[3].wrong], ["there is no solid 'b'", 4]);
     const running = marksOf({ ...state, running: 3 }, schema, { statement: 3, fraction: 0.5 }, null);
     assert.deepEqual([running[3].status, running[3].fraction], ["runs", 0.5]);
     assert.equal(marksOf({ ...state, ran: 2 }, schema, null, null)[3].status, "waits");

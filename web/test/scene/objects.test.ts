@@ -126,7 +126,7 @@ function appWith(requests: SentRequest[]): App {
         engine: {
             client: "me",
             request: (type: string, fields: Record<string, unknown>) => note({ type, ...fields }, {}),
-            run: (line: string, about: unknown) => note({ type: "run", line, about }, { statement: 0, says: "" }),
+            run: (line: string, about: unknown) => note({ type: "run", line, about }, { statement: 0, message: "" }),
             preview: (line: string, about: unknown) => note({ type: "preview", line, about }, true),
             endPreview: () => note({ type: "endpreview" }, undefined),
         },

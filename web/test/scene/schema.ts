@@ -105,7 +105,7 @@ export function called(name: string): Command {
 
 /** A state in which all statements have run. */
 export function stateOf(text: string, objects: readonly [string, number][] = []): State {
-    const statements = piecesOf(text).map(({ text: one, line }) => ({ text: one, line, says: "" }));
+    const statements = piecesOf(text).map(({ text: one, line }) => ({ text: one, line, message: "" }));
     return {
         ...kEmptyState,
         statements,

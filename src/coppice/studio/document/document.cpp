@@ -26,8 +26,8 @@ constexpr std::size_t kLastStates = 8;        // kept regardless of their run ti
 constexpr std::size_t kStatementsApart = 64;  // maximum number of statements between kept states
 constexpr double kLong = 0.005;               // [s] run time after which a state is kept
 constexpr std::size_t kLongestName = 80;
-constexpr std::size_t kMaxSaid = std::size_t{64}
-                                 << 10;  // [bytes] maximum length of the stored output of a statement
+constexpr std::size_t kMaxMessage = std::size_t{64}
+                                    << 10;  // [bytes] maximum length of the stored output of a statement
 // one document, and undo, may each use 1/kTextShare of the memory of texts
 constexpr std::uint64_t kTextShare = 4;
 constexpr double kMebibyte = 1 << 20;
@@ -282,11 +282,11 @@ void Document::run_one(Prefix& prefix, Scene& scene, const Context& ctx) const {
     const SceneObjects before = scene.state().objects;
     const auto start = std::chrono::steady_clock::now();
     const std::uint32_t line = prefix.before->lines + 1;
-    std::string says = run_piece(scene, prefix.text(), line, file_->empty() ? "scene" : *file_, ctx);
+    std::string message = run_piece(scene, prefix.text(), line, file_->empty() ? "scene" : *file_, ctx);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-    if (says.size() > kMaxSaid) says = says.substr(0, kMaxSaid) + "\n...\n";
-    if (root_->tree_bytes() + says.size() > limits_.texts / 2) says.clear();
-    prefix.note({std::move(says), changed_objects(before, scene.state().objects), took.count()});
+    if (message.size() > kMaxMessage) message = message.substr(0, kMaxMessage) + "\n...\n";
+    if (root_->tree_bytes() + message.size() > limits_.texts / 2) message.clear();
+    prefix.note({std::move(message), changed_objects(before, scene.state().objects), took.count()});
 }
 
 Document::Reached Document::reach(const std::vector<PrefixPtr>& path, std::size_t count,
@@ -403,7 +403,7 @@ std::vector<Document::Statement> Document::statements() const {
     std::vector<Statement> out;
     for (const PrefixPtr& p : last_->path()) {
         const bool has_run = out.size() < ran_ && p->record;
-        out.push_back({p->text(), p->before->lines + 1, has_run ? p->record->says : std::string()});
+        out.push_back({p->text(), p->before->lines + 1, has_run ? p->record->message : std::string()});
     }
     return out;
 }

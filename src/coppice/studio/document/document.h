@@ -43,7 +43,7 @@ class Document {
     struct Statement {
         std::string text;        ///< a line, or the lines of a block
         std::uint32_t line = 1;  ///< number of its first line in the whole text
-        std::string says;        ///< output of running it
+        std::string message;     ///< output of running it
     };
     /// The reason why the remaining statements were not run.
     struct Failure {

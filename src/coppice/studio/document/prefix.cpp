@@ -8,7 +8,7 @@ namespace {
 constexpr std::int64_t kBytesOfPrefix = sizeof(Prefix) + 128;  // and for its entry in the parent
 
 std::int64_t count_bytes(const Record& record) {
-    std::size_t bytes = record.says.size();
+    std::size_t bytes = record.message.size();
     for (const auto& name : record.changed) bytes += sizeof(name) + name.second.size();
     return static_cast<std::int64_t>(bytes);
 }

@@ -16,7 +16,7 @@ namespace coppice::studio_internal {
 
 /// The result of running a statement.
 struct Record {
-    std::string says;  ///< its output
+    std::string message;  ///< its output
     std::vector<std::pair<ObjectKind, std::string>>
         changed;         ///< objects that were created, changed or removed
     double seconds = 0;  ///< run time

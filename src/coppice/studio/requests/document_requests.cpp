@@ -14,7 +14,7 @@ Json run(Studio& studio, const Request& request) {
     studio.previewed.clear();
     const NamedLine named = with_new_names(request.text("line"), studio.document.scene().state().objects);
     const std::size_t at = studio.document.run(named.line, request.about(), request.ctx);
-    return {{"statement", at}, {"says", studio.document.statements()[at].says}, {"names", named.names}};
+    return {{"statement", at}, {"message", studio.document.statements()[at].message}, {"names", named.names}};
 }
 
 Json text(Studio& studio, const Request& request) {
@@ -54,7 +54,7 @@ Json rerun(Studio& studio, const Request& request) {
 }
 
 Json aside(Studio& studio, const Request& request) {
-    return {{"says", run_alongside(studio, request.text("line"), request.ctx)}};
+    return {{"message", run_alongside(studio, request.text("line"), request.ctx)}};
 }
 
 Json schema(Studio&, const Request&) { return {{"schema", scene_schema()}}; }

@@ -170,7 +170,7 @@ Json animate_growth(const Studio& studio, const Request& request, const MotionWi
     Json out = files.written();
     out["frames"] = frames.frames;
     out["frozen"] = 0;
-    out["says"] = text_of_growth(frames.frames, surface.quads.size());
+    out["message"] = text_of_growth(frames.frames, surface.quads.size());
     return out;
 }
 
@@ -185,7 +185,7 @@ Json animate_motion(const Studio& studio, const Request& request, const MotionWi
     Json out = files.written();
     out["frames"] = motion.frames();
     out["frozen"] = report.frozen;
-    out["says"] = to_text(report, motion.frames(), series.rest->quads.size());
+    out["message"] = to_text(report, motion.frames(), series.rest->quads.size());
     return out;
 }
 

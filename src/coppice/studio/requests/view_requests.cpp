@@ -123,7 +123,7 @@ Json trial(Studio& studio, const Request& request) {
     const bool surface = kind == ObjectKind::skeleton && form == "surface";
     Scene scene = studio.document.scene();
     scene.forbid_outputs();
-    const std::string says = run_piece(scene, request.text("line"), 1, "trial", request.ctx);
+    const std::string message = run_piece(scene, request.text("line"), 1, "trial", request.ctx);
     if (surface)
         scene.run(fmt::format("mesh {0} {0}{1}", quoted_word(name), surface_options(request)), {},
                   request.ctx);
@@ -132,7 +132,7 @@ Json trial(Studio& studio, const Request& request) {
         throw InvalidInput(fmt::format("the line creates no {} '{}'", name_of(kind), name.substr(0, 80)));
     const GeometryHead head{kind, name, studio.notes.of(found->second).version, {}};
     const int cells = form == "fine" ? kFineCells : kCoarseCells;
-    return {{"says", says},
+    return {{"message", message},
             {"key", studio.blobs.offer(
                         encode_object(*found->second, head, cells, get_color(request), request.ctx))}};
 }

@@ -27,7 +27,7 @@ export function Figures({ group }: { group: FigureGroup }): VNode {
                     <div key={row.label} class={row.isBad ? "bad" : undefined}>
                         <dt>{row.label}</dt>
                         <dd>{valueText(row)}</dd>
-                        {row.says && <dd class="hint">{row.says}</dd>}
+                        {row.description && <dd class="hint">{row.description}</dd>}
                     </div>
                 ))}
             </dl>

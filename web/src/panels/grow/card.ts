@@ -96,9 +96,9 @@ export async function performText(app: App, text: string, bound: Bound | null, t
         await rewriteStatement(app, bound.statement, text, `parameters of ${target?.name ?? "it"}`);
         await app.engine.endPreview();
     } else {
-        const { says } = await app.engine.run(text, about);
-        if (says) {
-            app.store.notify(says.trim());
+        const { message } = await app.engine.run(text, about);
+        if (message) {
+            app.store.notify(message.trim());
         }
     }
 }

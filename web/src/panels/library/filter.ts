@@ -28,9 +28,9 @@ export type Order = "number" | "length" | "tips";
 
 export function filtered(branches: readonly Branch[], { text, tag, least, most }: Filter, order: Order): Branch[] {
     const words = text.trim().toLowerCase();
-    const says = (branch: Branch) => [String(branch.number), branch.source, ...branch.tags].some((word) => word.toLowerCase().includes(words));
+    const matches = (branch: Branch) => [String(branch.number), branch.source, ...branch.tags].some((word) => word.toLowerCase().includes(words));
     return branches
-        .filter((branch) => (words === "" || says(branch)) && (tag === "" || branch.tags.includes(tag)))
+        .filter((branch) => (words === "" || matches(branch)) && (tag === "" || branch.tags.includes(tag)))
         .filter(({ length }) => length >= least && (most === 0 || length <= most))
         .sort((a, b) => (order === "number" ? a.number - b.number : b[order] - a[order]));
 }

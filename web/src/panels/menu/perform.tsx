@@ -106,9 +106,9 @@ async function performLine(app: App, item: MenuItem): Promise<void> {
         return;
     }
     const created = await requestAnswers(app, item.label, parts, async (answers) => {
-        const { says, names } = await app.engine.run(fill(answers), about);
-        if (says) {
-            app.store.notify(says);
+        const { message, names } = await app.engine.run(fill(answers), about);
+        if (message) {
+            app.store.notify(message);
         }
         return names;
     });

@@ -47,8 +47,8 @@ export class Gesture {
         this.shown = "";
         try {
             const ran = await this.app.engine.run(line, this.about);
-            if (ran.says) {
-                this.app.store.notify(ran.says);
+            if (ran.message) {
+                this.app.store.notify(ran.message);
             }
             return ran;
         } catch (error) {

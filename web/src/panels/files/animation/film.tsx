@@ -35,7 +35,7 @@ const kLevels = signal(1);
 interface FilmResult {
     files: readonly string[];
     bytes: number;
-    says: string;
+    message: string;
 }
 
 export async function exportFilm(app: App, film: Film): Promise<void> {
@@ -148,7 +148,7 @@ function ResultDialog({ app, result, end }: { app: App; result: FilmResult; end(
         >
             {url && <img class="result-picture" src={url} alt={`The film ${first}`} />}
             <p>
-                {`${result.says.trim()}. ${bytesText(result.bytes)} in the folder `}
+                {`${result.message.trim()}. ${bytesText(result.bytes)} in the folder `}
                 <code>{folder}</code>
             </p>
             <ErrorText text={errorText} />

@@ -10,7 +10,7 @@ export interface Mark {
     line: number; // number of its first line, from 1
     lines: number;
     status: Status;
-    says: string; // its output, or its error
+    message: string; // its output, or its error
     wrong: number; // the line of the text that failed; 0 without an error
     fraction: number; // of a running one; 0 if unknown
     chosen: "" | "creator" | "step"; // it created the selected object ("creator"), or changed it before ("step")
@@ -26,7 +26,7 @@ export function marksOf(
     const creator = selected ? state.objects.find(({ kind, name }) => kind === selected.kind && name === selected.name)?.statement : undefined;
     const steps = new Set(selected && creator !== undefined ? stepsOf(schema, state.statements, selected, creator) : []);
     const ran = Math.max(state.ran, state.running ?? 0);
-    return state.statements.map(({ text, line, says }, i) => {
+    return state.statements.map(({ text, line, message }, i) => {
         const failed = state.error?.statement === i;
         const status = state.running === i ? "runs" : failed ? "failed" : i < ran ? "ran" : "waits";
         return {
@@ -34,7 +34,7 @@ export function marksOf(
             lines: text.split("\n").length,
             status,
             wrong: failed ? (state.error?.line ?? 0) : 0,
-            says: failed ? (state.error?.message ?? "") : says.trim(),
+            message: failed ? (state.error?.message ?? "") : message.trim(),
             fraction: progress?.statement === i ? progress.fraction : 0,
             chosen: i === creator ? "creator" : steps.has(i) ? "step" : "",
         };
@@ -123,8 +123,8 @@ function shownOf(doc: Text, marks: readonly Mark[]): Shown {
             if (n === mark.wrong && to > from) {
                 lines.add(from + (/^\s*/.exec(text)?.[0].length ?? 0), to, kWrong);
             }
-            if (n === (mark.wrong || last) && mark.says !== "") {
-                lines.add(to, to, Decoration.widget({ widget: new Said(mark.says, mark.status === "failed"), side: 1 }));
+            if (n === (mark.wrong || last) && mark.message !== "") {
+                lines.add(to, to, Decoration.widget({ widget: new Said(mark.message, mark.status === "failed"), side: 1 }));
             }
             const isLast = isPartial && number === lastRan && n === last;
             ran.add(from, from, new Ran(mark.status, n === mark.line ? Math.round(mark.fraction * 100) : 0, isLast));

@@ -225,7 +225,7 @@ export class SceneEditor {
             return; // the marks move with the text until the document has it
         }
         const state = store.state.peek();
-        const statements = isTyped ? piecesOf(this.text).map(({ text, line }) => ({ text, line, says: "" })) : state.statements;
+        const statements = isTyped ? piecesOf(this.text).map(({ text, line }) => ({ text, line, message: "" })) : state.statements;
         const marks = marksOf({ ...state, statements }, store.schema.peek(), store.progress.peek(), selected);
         this.view.dispatch({ effects: setMarks(marks), annotations: kByProgram.of(true) });
     }

@@ -173,14 +173,14 @@ export class Form {
 
     private async append(command: Command): Promise<void> {
         const { engine, store } = this.app;
-        const { statement, says } = await engine.run(this.line, changedObject(this.app, command, this.values.peek()));
+        const { statement, message } = await engine.run(this.line, changedObject(this.app, command, this.values.peek()));
         this.open = false;
         const created = store.state.peek().objects.find((object) => object.statement === statement);
         if (created) {
             store.selection.value = { ...store.selection.peek(), object: { kind: created.kind, name: created.name }, nodes: [] };
         }
-        if (says.trim() !== "") {
-            store.notify(says.trim());
+        if (message.trim() !== "") {
+            store.notify(message.trim());
         }
     }
 
