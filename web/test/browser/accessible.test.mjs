@@ -70,7 +70,7 @@ for (const colorScheme of ["dark", "light"]) {
         test("the initial page and an error in its scene are accessible", async () => {
             await checkPart("the empty page");
             await typeAtEnd(page, "sphere crown\nscale crwn 2\nsphere other\n");
-            await until(page, "the error is reported", () => document.querySelector(".cm-said-error"));
+            await until(page, "the error is reported", () => document.querySelector(".cm-message-error"));
             await page.evaluate(() => globalThis.coppice.store.notify("This is wrong.", "error"));
             await page.evaluate(() => globalThis.coppice.store.notify("This may be wrong.", "warning"));
             await checkPart("an error in the scene, and messages");

@@ -30,7 +30,7 @@ after(async () => {
 
 const untilConnected = (on) =>
     until(on, "the page is connected", () => globalThis.coppice?.store.connection.peek() === "ready" && globalThis.coppice.store.schema.peek().length > 0);
-const untilTold = (on, text) => on.locator(".connection", { hasText: text }).waitFor();
+const untilNotified = (on, text) => on.locator(".connection", { hasText: text }).waitFor();
 const isDrawn = (on, name) =>
     until(on, `${name} is drawn`, (called) => globalThis.coppice.view.geometry({ kind: "solid", name: called })?.arrays.position.length > 0, name);
 
@@ -121,13 +121,13 @@ test("a killed studio restores everything after a restart", async () => {
     const { home, folder } = studio;
     const port = new URL(studio.address).port;
     await studio.kill();
-    await untilTold(page, "Connection lost");
+    await untilNotified(page, "Connection lost");
     await page.keyboard.type("er");
     assert.equal(await editorText(page), "sphere crown\nscale crown 2\nsphere oth", "state that cannot be stored is refused");
 
     studio = await startStudio(["--port", port], folder, { home });
     await untilMessage(page, "open it again from the terminal");
-    await untilTold(page, "No longer connected");
+    await untilNotified(page, "No longer connected");
     const next = await openTab();
     await untilLines(next, ["sphere crown", "scale crown 2"]);
     await isDrawn(next, "crown");
@@ -199,17 +199,17 @@ test("a request during a lost connection is executed once", async () => {
     await request(on, "translate crown 1 0 0");
     await untilLines(page, ["sphere crown", "translate crown 1 0 0"]);
     await cut(cable);
-    await untilTold(on, "Connection lost");
+    await untilNotified(on, "Connection lost");
     await back();
     await cut(cable);
 
-    await untilTold(on, "Connection lost");
+    await untilNotified(on, "Connection lost");
     assert.ok(await on.getByRole("button", { name: "Undo", exact: true }).isDisabled(), "edits wait");
     assert.match(await on.evaluate(() => globalThis.coppice.engine.run("sphere lost").catch(({ message }) => message)), /not connected/);
-    await runLines(page, "sphere meanwhile center=4,0,0");
+    await runLines(page, "sphere added center=4,0,0");
     await back();
-    await untilLines(on, ["sphere crown", "translate crown 1 0 0", "sphere meanwhile center=4,0,0"]);
-    await isDrawn(on, "meanwhile");
+    await untilLines(on, ["sphere crown", "translate crown 1 0 0", "sphere added center=4,0,0"]);
+    await isDrawn(on, "added");
 
     cable.eats = ({ type }) => type === "run"; // the request does not arrive
     await request(on, "scale crown 2");
@@ -218,7 +218,7 @@ test("a request during a lost connection is executed once", async () => {
     }
     await cut(cable);
     await back();
-    const all = ["sphere crown", "translate crown 1 0 0", "scale crown 2", "sphere meanwhile center=4,0,0"];
+    const all = ["sphere crown", "translate crown 1 0 0", "scale crown 2", "sphere added center=4,0,0"];
     assert.deepEqual((await lines(on)).toSorted(), all.toSorted());
     assert.equal(cable.sent.filter(({ line }) => line === "translate crown 1 0 0").length, 2, "it was requested twice, and run once");
     await on.close();
@@ -232,7 +232,7 @@ test("a command continues while a tab is closed, and the reopened tab can stop i
     await request(on, "grow tree crown influence_radius=3 kill_radius=0.005 step=0.002");
     await runs(page);
     await cut(cable);
-    await untilTold(on, "Connection lost");
+    await untilNotified(on, "Connection lost");
     cable.isCut = false;
     await untilConnected(on);
     await runs(on);

@@ -57,7 +57,7 @@ test("an error is shown at its line and removed after the correction", async () 
     await typeAtEnd(page, "sphere crown\nscale crwn 2\nsphere other");
     await page.keyboard.press("Control+Enter");
     await until(page, "line 2 fails", () => globalThis.coppice.store.state.peek().error?.line === 2);
-    const wrong = page.locator(".cm-line", { has: page.locator(".cm-said-error") });
+    const wrong = page.locator(".cm-line", { has: page.locator(".cm-message-error") });
     assert.match(await wrong.textContent(), /^scale crwn 2.*crwn/);
     assert.match(await page.locator(".status-text").textContent(), /^Line 2: .*crwn/);
     assert.equal(await page.locator(".cm-ran-failed").count(), 1);
@@ -67,13 +67,13 @@ test("an error is shown at its line and removed after the correction", async () 
     await page.keyboard.type("scale crown 2");
     await page.keyboard.press("Control+Shift+Enter");
     await untilLines(page, ["sphere crown", "scale crown 2", "sphere other"]);
-    await until(page, "the error is removed", () => globalThis.coppice.store.state.peek().error === null && !document.querySelector(".cm-said-error"));
+    await until(page, "the error is removed", () => globalThis.coppice.store.state.peek().error === null && !document.querySelector(".cm-message-error"));
 });
 
 test("the error of a block is shown at its line in the block", async () => {
     await typeAtEnd(page, "for i in 1..3\nsphere ball${i} center=${i},0,0\nscale bal${i} 2\nend\n");
     await until(page, "line 3 fails", () => globalThis.coppice.store.state.peek().error?.line === 3);
-    await until(page, "it is reported there", () => /^ *scale bal.*bal1/.test(document.querySelector(".cm-line:has(.cm-said-error)")?.textContent ?? ""));
+    await until(page, "it is reported there", () => /^ *scale bal.*bal1/.test(document.querySelector(".cm-line:has(.cm-message-error)")?.textContent ?? ""));
 });
 
 test("the scene goes back to the line of the cursor, and forward again", async () => {

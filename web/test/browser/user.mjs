@@ -80,7 +80,7 @@ export async function editorText(page) {
     return page.evaluate(() => {
         const lines = [...document.querySelectorAll(".cm-line")].map((line) => {
             const copy = line.cloneNode(true);
-            copy.querySelectorAll(".cm-said").forEach((messagesOf) => messagesOf.remove());
+            copy.querySelectorAll(".cm-message").forEach((messagesOf) => messagesOf.remove());
             return copy.textContent;
         });
         return lines.join("\n");

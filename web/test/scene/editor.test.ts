@@ -196,7 +196,7 @@ test("help describes the word at the cursor", () => {
     assert.equal(helpAt(schema, "sphere a radius=2", 3)?.title, "sphere NAME [OPTION=VALUE...]");
     const radius = helpAt(schema, "sphere a radius=2", 12);
     assert.deepEqual([radius?.title, radius?.from, radius?.to], ["radius=", 9, 17]);
-    assert.equal(radius?.text, "What radius is. Accepts a number [m] from 0.00001 to 100000. Default: 1.");
+    assert.equal(radius?.text, "Meaning of radius. Accepts a number [m] from 0.00001 to 100000. Default: 1.");
     assert.equal(helpAt(schema, "mesh t", 99), null);
     assert.equal(helpAt(schema, "mesh t u", 8)?.text, "Name of the new mesh. Accepts a new name. Default: that of tree.");
     assert.equal(helpAt(schema, "repeat 3", 2)?.title, "repeat COUNT");

@@ -4,7 +4,7 @@ import { piecesOf } from "../../src/script/pieces";
 import { kEmptyState } from "../../src/store";
 
 function argument(name: string, type: Argument["type"], more: Partial<Argument> = {}): Argument {
-    return { name, help: `What ${name} is.`, type, positional: false, required: false, repeats: false, ...more };
+    return { name, help: `Meaning of ${name}.`, type, positional: false, required: false, repeats: false, ...more };
 }
 
 const first = { positional: true, required: true };

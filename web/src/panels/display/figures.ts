@@ -19,7 +19,12 @@ const kGroups: readonly { title: string; figures: readonly Described[] }[] = [
         title: "Topology",
         figures: [
             { name: "sound", label: "Sound", description: "Watertight, and no faces cross.", isBad: (value) => value === false },
-            { name: "watertight", label: "Watertight", description: "Closed and oriented, without bad edges: it has an inside.", isBad: (value) => value === false },
+            {
+                name: "watertight",
+                label: "Watertight",
+                description: "Closed and oriented, without bad edges: it has an inside.",
+                isBad: (value) => value === false,
+            },
             { name: "vertices", label: "Vertices", description: "" },
             { name: "faces", label: "Faces", description: "" },
             { name: "quads_percent", label: "Quads", unit: "%", description: "Faces with four corners." },
@@ -84,7 +89,12 @@ const kGroups: readonly { title: string; figures: readonly Described[] }[] = [
             { name: "radius_all.mean_abs", label: "Radius everywhere, error", unit: "radii", description: "The same including forks, roots and tips." },
             { name: "radius_all.max", label: "Maximum distance outside", unit: "radii", description: "" },
             { name: "segments_missing", label: "Segments missing", description: "Segments outside the surface.", isBad: more(0) },
-            { name: "axes.severed", label: "Severed positions", description: "Positions where an axis leaves the surface, or is too close to it.", isBad: more(0) },
+            {
+                name: "axes.severed",
+                label: "Severed positions",
+                description: "Positions where an axis leaves the surface, or is too close to it.",
+                isBad: more(0),
+            },
             { name: "axes.thin_percent", label: "Thin", unit: "%", description: "Of the axes, closer to the surface than 0.4 radii." },
             { name: "trees", label: "Trees", description: "" },
             { name: "parts", label: "Components of the surface", description: "" },

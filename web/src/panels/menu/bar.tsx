@@ -11,7 +11,7 @@ import "./menu.css";
 import { isChecked, perform, unready } from "./perform";
 
 /** Explains how to change the menu. */
-async function tellMenuFile(studio: Studio): Promise<void> {
+async function showMenuFile(studio: Studio): Promise<void> {
     const { files, built_in } = await studio.engine.request<MenuReply>("menu");
     const where = files.length > 0 ? `Your own menu is read from:\n${files.join("\n")}\n` : "Start the studio with --menu FILE to use your own menu.\n";
     await showText("The menu is a text file", `${where}It extends the built-in menu:\n\n${built_in}`);
@@ -202,7 +202,7 @@ export function MenuBar({ studio }: { studio: Studio }): VNode {
     useEffect(() => {
         studio.menuCommand("menu", () => newest.current());
         studio.menuCommand("menu-file", () => {
-            tellMenuFile(studio).catch((error: Error) => studio.store.notify(error.message, "error"));
+            showMenuFile(studio).catch((error: Error) => studio.store.notify(error.message, "error"));
         });
     }, []);
     useLoneAlt(() => newest.current());

@@ -41,7 +41,7 @@ export function marksOf(
     });
 }
 
-class Said extends WidgetType {
+class MessageWidget extends WidgetType {
     constructor(
         readonly text: string,
         readonly failed: boolean,
@@ -49,13 +49,13 @@ class Said extends WidgetType {
         super();
     }
 
-    override eq(other: Said): boolean {
+    override eq(other: MessageWidget): boolean {
         return other.text === this.text && other.failed === this.failed;
     }
 
     toDOM(): HTMLElement {
         const element = document.createElement("span");
-        element.className = this.failed ? "cm-said cm-said-error" : "cm-said";
+        element.className = this.failed ? "cm-message cm-message-error" : "cm-message";
         const [first, ...more] = this.text.split("\n");
         element.textContent = more.length > 0 ? `${first} …` : first;
         element.title = this.text;
@@ -124,7 +124,7 @@ function shownOf(doc: Text, marks: readonly Mark[]): Shown {
                 lines.add(from + (/^\s*/.exec(text)?.[0].length ?? 0), to, kWrong);
             }
             if (n === (mark.wrong || last) && mark.message !== "") {
-                lines.add(to, to, Decoration.widget({ widget: new Said(mark.message, mark.status === "failed"), side: 1 }));
+                lines.add(to, to, Decoration.widget({ widget: new MessageWidget(mark.message, mark.status === "failed"), side: 1 }));
             }
             const isLast = isPartial && number === lastRan && n === last;
             ran.add(from, from, new Ran(mark.status, n === mark.line ? Math.round(mark.fraction * 100) : 0, isLast));
