@@ -33,7 +33,7 @@ TEST(Column, AcceptsOneTypeOfIdOnly) {
     static_assert(std::is_invocable_v<decltype([](auto& c, auto i) -> decltype(c[i]) { return c[i]; }),
                                       Column<NodeId, int>&, NodeId>);
     static_assert(!std::is_invocable_v<decltype([](auto& c, auto i) -> decltype(c[i]) { return c[i]; }),
-                                       Column<NodeId, int>&, FaceId>);
+                                       Column<NodeId, int>&, StableId>);
     static_assert(!std::is_invocable_v<decltype([](auto& c, auto i) -> decltype(c[i]) { return c[i]; }),
                                        Column<NodeId, int>&, int>);
 }

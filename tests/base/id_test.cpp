@@ -27,7 +27,7 @@ TEST(Id, OrdersByIndexWithNoneLast) {
 }
 
 TEST(Id, TypesOfIdsAndNumbersDoNotConvert) {
-    static_assert(!std::is_constructible_v<NodeId, FaceId>);
+    static_assert(!std::is_constructible_v<NodeId, StableId>);
     static_assert(!std::is_convertible_v<std::uint32_t, NodeId>);
     static_assert(!std::is_convertible_v<NodeId, std::uint32_t>);
     static_assert(!std::is_convertible_v<NodeId, bool>);

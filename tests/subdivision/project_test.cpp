@@ -30,6 +30,11 @@ TestField cross_field() {
     }};
 }
 
+/// Returns the mean number of evaluations of the field per vertex.
+double mean_evaluations(const ProjectReport& report) {
+    return static_cast<double>(report.evaluations) / static_cast<double>(report.vertices);
+}
+
 // A refined cage with an anchor per vertex.
 struct Scene {
     PatchRefinement patches;
@@ -74,7 +79,7 @@ TEST(Project, TubeHasItsRadius) {
             // From nearby, one step and an evaluation of its result; the longest step outward is 1.6 times
             // the distance.
             const bool near = start > 0.7f && start < 1.5f;
-            EXPECT_LE(report.mean_evaluations(), method == ProjectionMethod::gradient ? 7 : near ? 2.1 : 4);
+            EXPECT_LE(mean_evaluations(report), method == ProjectionMethod::gradient ? 7 : near ? 2.1 : 4);
         }
     }
 }
@@ -88,8 +93,8 @@ TEST(Project, NewtonStepConvergesFromNearby) {
         const ProjectReport report = scene.project(cylinder_field(), with(ProjectionMethod::newton));
         EXPECT_EQ(report.not_converged, 0u);
         for (const Vec3& p : scene.positions) EXPECT_NEAR(std::hypot(p.x, p.y), 1, 3e-4f);
-        EXPECT_GT(report.mean_evaluations(), 2.5);
-        EXPECT_LE(report.mean_evaluations(), 7);
+        EXPECT_GT(mean_evaluations(report), 2.5);
+        EXPECT_LE(mean_evaluations(report), 7);
     }
     Scene outside(tube_cage(6, 8, 3.0f, 1, false), on_axis);
     const Buffer<Vec3> before = outside.positions;

@@ -27,7 +27,5 @@ class Id {
 
 using NodeId = Id<struct NodeTag>;      ///< of a Skeleton
 using StableId = Id<struct StableTag>;  ///< of a node through all edits of its tree: see Skeleton::stable_id
-using VertexId = Id<struct VertexTag>;  ///< of a mesh
-using FaceId = Id<struct FaceTag>;      ///< of a mesh
 
 }  // namespace coppice

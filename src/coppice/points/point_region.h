@@ -1,7 +1,5 @@
 #pragma once
 
-#include <span>
-
 #include "coppice/base/box.h"
 #include "coppice/implicit/field_ref.h"
 #include "coppice/points/sampling/density.h"
@@ -19,13 +17,6 @@ struct PointRegion {
     bool contains(Vec3 p) const {
         return p.x >= box.low.x && p.x <= box.high.x && p.y >= box.low.y && p.y <= box.high.y &&
                p.z >= box.low.z && p.z <= box.high.z;
-    }
-    /// Returns the density at one point; costs a batch of the field.
-    double density_at(Vec3 p) const {
-        if (!contains(p)) return 0;
-        FieldSample sample{};
-        field.sample(0, std::span(&p, 1), std::span(&sample, 1));
-        return density.at(sample.value);
     }
 };
 

@@ -95,7 +95,7 @@ void EditSession::note(const EditChange& change) {
 
 void EditSession::follow(const Context& ctx) {
     if (!surface_) return;
-    last_surface_change_ = surface_->update(tree_.skeleton(), unfollowed_, ctx);
+    surface_->update(tree_.skeleton(), unfollowed_, ctx);
     unfollowed_.clear();
 }
 

@@ -71,8 +71,6 @@ class EditSession {
     void keep_surface(const MeshOptions& options, const Context& ctx = {});
     /// Returns the current surface; nullptr if there is none.
     const LiveSurface* surface() const { return surface_ ? &*surface_ : nullptr; }
-    /// Returns the sections of the surface changed by the last run().
-    const SurfaceChange& last_surface_change() const { return last_surface_change_; }
 
     /// Returns the history as a file of edits (JSON): each command, and the position of every node that it
     /// refers to.
@@ -104,7 +102,6 @@ class EditSession {
     std::vector<Made> made_, undone_;
     EditChange last_change_;
     std::optional<LiveSurface> surface_;
-    SurfaceChange last_surface_change_;
     NodeSet unfollowed_;  ///< nodes changed since the last update of the surface
     bool held_ = true;    ///< whether the scene has the current tree
 };

@@ -47,10 +47,6 @@ struct ProjectReport {
     std::uint64_t anchors_outside = 0;  ///< no surface between anchor and start, despite the gradient
     std::uint64_t clipped = 0;          ///< on flat ends, in the last pass
 
-    /// Returns the mean number of evaluations of the field per vertex.
-    double mean_evaluations() const {
-        return vertices == 0 ? 0 : static_cast<double>(evaluations) / static_cast<double>(vertices);
-    }
     /// Adds the counts of other vertices.
     ProjectReport& operator+=(const ProjectReport& more);
 };

@@ -47,9 +47,6 @@ class Variational final : public Shape {
     /// Not a true distance everywhere: no bound is known.
     float steepness() const override { return Box3::kInfinity; }
 
-    /// Returns the number of points and shifted points in the sum.
-    std::size_t center_count() const { return weight_.size(); }
-
   private:
     std::vector<double> x_, y_, z_, weight_;  ///< in units of size_, relative to center_
     Vec3d linear_;
