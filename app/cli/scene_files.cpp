@@ -95,13 +95,13 @@ void run_scene(Run& run, Scene& scene, const SceneFile& file) {
     scene.set_folder(file.path.parent_path());
     const std::vector<SceneLine> lines = scene_lines(file.text, source);
     for (const auto step : scene_steps(lines, source)) {
-        const std::string said = run.stage(stage_name(step.front().text), [&](const Context& ctx) {
+        const std::string output = run.stage(stage_name(step.front().text), [&](const Context& ctx) {
             std::string all;
             for (const SceneLine& line : step)
                 all += scene.run(line.text, fmt::format("{}:{}", source, line.number), ctx);
             return all;
         });
-        print(said);
+        print(output);
     }
 }
 

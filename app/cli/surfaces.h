@@ -34,7 +34,7 @@ std::vector<std::string> find_faults(const AxesReport& axes);
 /// The verdict on a surface, compared with its skeleton.
 struct Verdict {
     bool is_good = true;
-    std::string said;  ///< text for the summary
+    std::string text;  ///< text for the summary
 };
 /// Compares a surface with its skeleton, adds the figures to the report, and warns of defects. Does nothing
 /// for surfaces that judge_surface() does not judge. `ends` must equal the options that made the surface.

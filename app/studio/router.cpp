@@ -76,8 +76,9 @@ Plan Router::plan(const HttpHead& head) const {
     const bool is_blob = target.starts_with("/blob/");
     if (!is_blob && !target.starts_with("/file/")) return plan_page(head);
     constexpr std::string_view kBearer = "Bearer ";
-    const auto said = head.field("authorization");
-    if (!said || !said->starts_with(kBearer) || !knows(said->substr(kBearer.size())))
+    const auto authorization = head.field("authorization");
+    if (!authorization || !authorization->starts_with(kBearer) ||
+        !knows(authorization->substr(kBearer.size())))
         return sentence(401, "this requires the token of the studio");
     const auto name = percent_decoded(target.substr(std::string_view("/blob/").size()));
     if (!name || name->empty()) return sentence(400, "the address contains no valid name");

@@ -21,7 +21,7 @@ std::vector<float> tolerances(std::span<const Vec3> points, const Skeleton& skel
         const Vec3d p(points[i]);
         const std::uint32_t nearest = capsules.nearest(p).capsule;
         if (nearest != kNoIndex)
-            out[i] = tolerance(points[i], static_cast<float>(capsules.cone(nearest).foot(p).radius));
+            out[i] = tolerance(points[i], static_cast<float>(capsules.cone(nearest).closest_point(p).radius));
     });
     return out;
 }

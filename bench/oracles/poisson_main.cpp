@@ -51,7 +51,7 @@ void turn_away(std::vector<Oriented>& points, const PointSet& cloud, const Flags
         const Vec3d p = to_vec(place);
         const CapsuleTree::Nearest branch = axes.nearest(p);
         if (branch.capsule == kNoIndex) throw InvalidInput("the skeleton has no segments");
-        if (dot(axes.cone(branch.capsule).foot(p).offset, to_vec(normal)) < 0) normal = -normal;
+        if (dot(axes.cone(branch.capsule).closest_point(p).offset, to_vec(normal)) < 0) normal = -normal;
     }
 }
 

@@ -37,7 +37,7 @@ class FaceJudge {
         FacePlace out;
         out.capsule = capsules_.nearest(center, hint).capsule;
         const RoundCone& c = capsules_.cone(out.capsule);
-        out.radius = c.foot(center).radius;
+        out.radius = c.closest_point(center).radius;
         out.min_angle = min_angle(face);
         return out;
     }

@@ -47,8 +47,8 @@ Skeleton laid_on(const Skeleton& reference, const Skeleton& found) {
         };
         std::vector<Pair> pairs;
         for (const NodeId n : nodes(reference)) {
-            const Vec3d p = world(reference, n), q = moved(there, p), foot = nearest(found, q);
-            pairs.push_back({p, foot, distance(q, foot)});
+            const Vec3d p = world(reference, n), q = moved(there, p), closest = nearest(found, q);
+            pairs.push_back({p, closest, distance(q, closest)});
         }
         std::ranges::sort(pairs, {}, &Pair::off);
         pairs.resize(pairs.size() * 4 / 5);

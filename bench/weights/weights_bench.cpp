@@ -53,18 +53,18 @@ Scene even_fork() {
 /// node.
 Statistics fork_deviation(const QuadMesh& mesh, const Skeleton& skeleton, const Context& ctx) {
     const CapsuleTree capsules(skeleton, mesh.origin, ctx);
-    const auto near_branch = [&](NodeId n, Vec3d foot) {
+    const auto near_branch = [&](NodeId n, Vec3d closest_point) {
         return skeleton.children(n).size() > 1 &&
-               distance(foot, Vec3d(skeleton.position(n))) <= skeleton.radius(n);
+               distance(closest_point, Vec3d(skeleton.position(n))) <= skeleton.radius(n);
     };
     std::vector<double> deviation;
     for (const Vec3 v : mesh.positions) {
         const CapsuleTree::Nearest nearest = capsules.nearest(Vec3d(v));
         if (nearest.capsule == kNoIndex) continue;
         const RoundCone& c = capsules.cone(nearest.capsule);
-        const Vec3d foot = c.point(c.foot(Vec3d(v)).t);
+        const Vec3d closest_point = c.point(c.closest_point(Vec3d(v)).t);
         const NodeId child = capsules.node(nearest.capsule);
-        if (near_branch(child, foot) || near_branch(skeleton.parent(child), foot))
+        if (near_branch(child, closest_point) || near_branch(skeleton.parent(child), closest_point))
             deviation.push_back(nearest.rho - 1);
     }
     return statistics(std::move(deviation));

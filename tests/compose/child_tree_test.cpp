@@ -27,7 +27,7 @@ TEST(ChildTrees, AreAllBranchesOfBranchNodesInTheirOwnFrame) {
     EXPECT_EQ(lateral.source_node, 3u);
     EXPECT_FALSE(lateral.leads);
     EXPECT_TRUE(trees[0].leads);
-    EXPECT_FLOAT_EQ(lateral.host_radius, 0.2f);
+    EXPECT_FLOAT_EQ(lateral.parent_radius, 0.2f);
     EXPECT_NEAR(lateral.inclination, kTurn, 1e-6f);
     EXPECT_NEAR(trees[0].inclination, 0, 1e-3f);
     const Skeleton& s = lateral.skeleton;

@@ -17,7 +17,7 @@ ChildTree straight() {
     return {.skeleton = {{NodeId::none(), NodeId(0), NodeId(1)},
                          {{0, 0, 0}, {0, 0, 1}, {0.2f, 0, 2}},
                          {0.05f, 0.05f, 0.04f}},
-            .host_radius = 0.1f,
+            .parent_radius = 0.1f,
             .inclination = kTurn};
 }
 
@@ -39,20 +39,20 @@ void expect_near(Vec3 a, Vec3 b) { EXPECT_LT(distance(a, b), 1e-5f) << a.x << " 
 TEST(PlacedBranch, StartsInTheGivenDirection) {
     const Skeleton tree = stem({}, {7, 0, 0});
     const Skeleton s =
-        placed_branch(straight(), tree, host_place(tree, NodeId(1)), {.direction = Vec3d{0, 3, 0}});
+        placed_branch(straight(), tree, find_parent_place(tree, NodeId(1)), {.direction = Vec3d{0, 3, 0}});
     EXPECT_EQ(s.origin(), tree.origin());
     expect_near(s.position(NodeId(0)), {0, 0, 2});
     expect_near(s.position(NodeId(1)), {0, 1, 2});
     expect_near(s.position(NodeId(2)),
                 {0, 2, 2.2f});  // its +x is the direction in which the parent branch continues
     EXPECT_FLOAT_EQ(s.radius(NodeId(1)), 0.05f);
-    EXPECT_THROW(placed_branch(straight(), tree, host_place(tree, NodeId(1)), {.direction = Vec3d{}}),
+    EXPECT_THROW(placed_branch(straight(), tree, find_parent_place(tree, NodeId(1)), {.direction = Vec3d{}}),
                  InvalidInput);
 }
 
 TEST(PlacedBranch, RollRotatesItAboutItsAxis) {
     const Skeleton tree = stem({});
-    const Skeleton s = placed_branch(straight(), tree, host_place(tree, NodeId(1)),
+    const Skeleton s = placed_branch(straight(), tree, find_parent_place(tree, NodeId(1)),
                                      {.direction = Vec3d{0, 1, 0}, .roll = double{kTurn}});
     expect_near(s.position(NodeId(1)), {0, 1, 2});
     // Counter-clockwise seen against +y, z is rotated to x.
@@ -62,12 +62,12 @@ TEST(PlacedBranch, RollRotatesItAboutItsAxis) {
 // The parent branch is twice as thick as the original one: the first segment is longer by the difference.
 TEST(PlacedBranch, PreservesTheGapToTheBark) {
     const Skeleton tree = stem({});
-    const Skeleton s = placed_branch(straight(), tree, host_place(tree, NodeId(1)),
+    const Skeleton s = placed_branch(straight(), tree, find_parent_place(tree, NodeId(1)),
                                      {.direction = Vec3d{0, 1, 0}, .scale = 0.5});
     expect_near(s.position(NodeId(1)), {0, 0.5f + 0.05f, 2});
     expect_near(s.position(NodeId(2)), {0, 1.0f + 0.05f, 2.1f});
     EXPECT_FLOAT_EQ(s.radius(NodeId(1)), 0.025f);
-    HostPlace thick = host_place(tree, NodeId(1));
+    ParentPlace thick = find_parent_place(tree, NodeId(1));
     thick.radius = 0.3;
     expect_near(placed_branch(straight(), tree, thick, {.direction = Vec3d{0, 1, 0}}).position(NodeId(1)),
                 {0, 1.2f, 2});
@@ -76,7 +76,7 @@ TEST(PlacedBranch, PreservesTheGapToTheBark) {
 TEST(PlacedBranch, StartsTowardsTheLargestFreeSide) {
     const auto side = [](const std::vector<Vec3>& others) {
         const Skeleton tree = stem(others);
-        const Skeleton s = placed_branch(straight(), tree, host_place(tree, NodeId(1)));
+        const Skeleton s = placed_branch(straight(), tree, find_parent_place(tree, NodeId(1)));
         return s.position(NodeId(1)) - Vec3{0, 0, 2};
     };
     expect_near(side({}), {1, 0, 0});  // all equal: the first
@@ -86,11 +86,11 @@ TEST(PlacedBranch, StartsTowardsTheLargestFreeSide) {
 
 TEST(PlacedBranch, HostPlaceIsAPointOnASegment) {
     const Skeleton tree = stem({{2, 0, 0}});
-    const HostPlace half = host_place(tree, NodeId(3), 0.5);
+    const ParentPlace half = find_parent_place(tree, NodeId(3), 0.5);
     EXPECT_LT(distance(half.position, Vec3d{1, 0, 2}), 1e-6);
     EXPECT_LT(distance(half.direction, Vec3d{1, 0, 0}), 1e-6);
     EXPECT_NEAR(half.radius, 0.5 * (double{tree.segment(NodeId(3)).radius_a} + 0.05), 1e-6);
-    const HostPlace root = host_place(tree, NodeId(0), 0.5);
+    const ParentPlace root = find_parent_place(tree, NodeId(0), 0.5);
     EXPECT_LT(distance(root.position, Vec3d{}), 1e-6);
     EXPECT_LT(distance(root.direction, Vec3d{0, 0, 1}), 1e-6);
 }

@@ -250,10 +250,11 @@ TEST_F(Batch, UsesNoMoreMemoryThanEstimated) {
         run.begin({&t, 1});
         finish(run, 1);
         run.repeat();
-        const std::uint64_t said = bytes_of_job(t.job) + bytes_of_field(t.field->segments().size(), entries);
+        const std::uint64_t announced =
+            bytes_of_job(t.job) + bytes_of_field(t.field->segments().size(), entries);
         // The slack includes the rounding of array sizes.
-        EXPECT_LE(exec.bytes_used(), said + kSlackBytes / 64);
-        EXPECT_GE(exec.bytes_used(), said * 3 / 4);
+        EXPECT_LE(exec.bytes_used(), announced + kSlackBytes / 64);
+        EXPECT_GE(exec.bytes_used(), announced * 3 / 4);
         RecordProperty("bytes_per_quad",
                        std::to_string(exec.bytes_used() / refined_counts(t.job.cage, t.job.levels).quads));
     }

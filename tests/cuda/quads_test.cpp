@@ -30,9 +30,9 @@ TEST(BytesOf, EstimatesTheMemoryOfAJob) {
     EXPECT_GT(untangle(stages, c.field.kernel(), arrays).bad_before, 0u);
     const std::size_t entries =
         c.field.own_lists().segments.size() + c.field.competitor_lists().segments.size();
-    const std::uint64_t said = count_bytes(job, c.field.segments().size(), entries);
-    EXPECT_GE(said, exec.bytes_used());
-    EXPECT_LT(said, exec.bytes_used() * 4 / 3);
+    const std::uint64_t announced = count_bytes(job, c.field.segments().size(), entries);
+    EXPECT_GE(announced, exec.bytes_used());
+    EXPECT_LT(announced, exec.bytes_used() * 4 / 3);
 }
 
 }  // namespace

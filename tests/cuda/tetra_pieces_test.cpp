@@ -74,8 +74,8 @@ MarchResult march_in(std::size_t count, const TetraMesh& mesh, const F& field, c
         refinement.own_end = static_cast<std::uint32_t>(piece->own().end);
         EXPECT_TRUE(refine(exec, refinement));
         const SnapField<PointField<F>> at{{&field}, tetra_kernel::Profile(field.level()), options.snap};
-        pieces.put(downloaded_piece(exec, refinement,
-                                    march_own(exec, refinement, PassingAxes{}, at, options.refinements)));
+        pieces.put(download_march(exec, refinement,
+                                  march_own(exec, refinement, PassingAxes{}, at, options.refinements)));
     }
     return pieces.join(false);
 }

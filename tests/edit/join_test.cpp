@@ -74,7 +74,7 @@ TEST(Graft, LimitsRadiiToTheHost) {
     EXPECT_TRUE(graft(tree, id(4), id(8), {.limit_radius = false}).resized.empty());
 }
 
-// A separate skeleton is attached with its root at the host, and gets new ids.
+// A separate skeleton is attached with its root at the parent node, and gets new ids.
 TEST(Graft, AttachesASeparateSkeleton) {
     EditableTree tree(test::stem_with_branches());
     const Skeleton twig({NodeId::none(), NodeId(0), NodeId(1)}, {{5, 5, 5}, {5, 6, 5}, {5, 7, 6}},
@@ -86,7 +86,7 @@ TEST(Graft, AttachesASeparateSkeleton) {
     EXPECT_EQ(tree.parent(id(10)), id(9));
     EXPECT_TRUE(near(tree.position(id(9)), {0, 1, 3}));
     EXPECT_TRUE(near(tree.position(id(10)), {0, 2, 4}));
-    EXPECT_FLOAT_EQ(tree.radius(id(9)), 0.06f);  // that of the host
+    EXPECT_FLOAT_EQ(tree.radius(id(9)), 0.06f);  // that of the parent node
     EXPECT_FLOAT_EQ(tree.radius(id(10)), 0.01f);
     tree.undo();
     graft(tree, twig, id(3), {.along = 0.5, .limit_radius = false});

@@ -94,7 +94,7 @@ TEST(CloudChains, FollowATwigOfTenPointsToTheStem) {
     const PointDistances distances = assign_points(tree, p.samples, p.spacing, {});
     grow_chains(tree, p.samples, p.cloud(), distances, {});
     ASSERT_GT(tree.size(), 2u);
-    const DraftLinks links(tree);
+    const InitialTreeLinks links(tree);
     int tips = 0;
     for (std::uint32_t n = 2; n < tree.size(); ++n) {
         tips += links.is_tip(n) ? 1 : 0;
@@ -121,7 +121,7 @@ TEST(CloudAttach, AttachesLooseTubesToEachOtherAndToTheRoot) {
     EXPECT_EQ(attach_tubes(tree, p.samples, p.cloud(bases), {}, true, {}), p.points.size());
     EXPECT_EQ(std::ranges::count(tree.parent, kNoIndex), 1);
     const auto top = std::ranges::max_element(tree.position, {}, &Vec3d::z) - tree.position.begin();
-    EXPECT_TRUE(DraftLinks(tree).is_tip(static_cast<std::uint32_t>(top)));
+    EXPECT_TRUE(InitialTreeLinks(tree).is_tip(static_cast<std::uint32_t>(top)));
     EXPECT_DOUBLE_EQ(tree.position[static_cast<std::size_t>(top)].z, 1.9);
     EXPECT_LT(tree.position[0].z, 0.03);
 }

@@ -411,15 +411,15 @@ TEST(FromCloud, StopsBeforeTheNextProgressReport) {
     extract_from_cloud(set, {}, {.progress = [&](float) { ++all; }});
     ASSERT_GT(all, 8);
     for (int k = 0; k < 8; ++k) {
-        const int asked = 1 + k * (all - 2) / 8;
+        const int requested = 1 + k * (all - 2) / 8;
         std::stop_source source;
         int reports = 0;
         const auto progress = [&](float) {
-            if (++reports == asked) source.request_stop();
+            if (++reports == requested) source.request_stop();
         };
         EXPECT_THROW(extract_from_cloud(set, {}, {.stop = source.get_token(), .progress = progress}),
                      Cancelled);
-        EXPECT_LE(reports, asked + 1) << "stopped at report " << asked << " of " << all;
+        EXPECT_LE(reports, requested + 1) << "stopped at report " << requested << " of " << all;
     }
 }
 

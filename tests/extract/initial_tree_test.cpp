@@ -52,7 +52,7 @@ TEST(JoinTrees, AttachesThinEndsToThickAxes) {
     EXPECT_EQ(extract_internal::join_trees(t, 1, {}), 1u);
     sort_parents_first(t);
     ASSERT_EQ(t.size(), 5u);
-    const DraftLinks links(t);
+    const InitialTreeLinks links(t);
     std::uint32_t forks = 0;
     for (std::uint32_t n = 0; n < t.size(); ++n) {
         if (links.children(n).size() < 2) continue;

@@ -144,7 +144,7 @@ TEST(Radii, PriorFollowsTheMeasuredBranches) {
         t.add_axis(10, {2 * std::cos(k), 2 * std::sin(k), 6}, 8, 0.04, 0.04, 40, true);
     const Allometry thin = fit_allometry(t.tree, t.evidence());
     EXPECT_LT(thick.exponent, thin.exponent);
-    EXPECT_NEAR(std::exp(thick.log_foot[0]), 0.2, 0.01);
+    EXPECT_NEAR(std::exp(thick.log_base_radius[0]), 0.2, 0.01);
 }
 
 TEST(SmoothAxes, StraightensSharpTurnsAndPreservesWellMeasuredAxes) {

@@ -39,7 +39,7 @@ TEST(Simplify, MergesForksNearerThanHalfARadius) {
         ASSERT_EQ(t.size(), one ? 5u : 6u);
         const std::uint32_t fork = samples.node[0];
         EXPECT_EQ(t.position[fork], Vec3d(0, 0, 1 + apart));  // at the position of the thicker one
-        EXPECT_EQ(DraftLinks(t).children(fork).size(), one ? 3u : 2u);
+        EXPECT_EQ(InitialTreeLinks(t).children(fork).size(), one ? 3u : 2u);
     }
 }
 
@@ -76,7 +76,7 @@ TEST(Simplify, PreservesTheLeader) {
     t.add(1, {1, 0, 1}, 0.0992);
     FitSamples samples;
     simplify(t, samples, 0.02);
-    const DraftLinks links(t);
+    const InitialTreeLinks links(t);
     for (std::uint32_t n = 0; n < t.size(); ++n) {
         if (links.children(n).size() < 2) continue;
         EXPECT_EQ(t.position[links.leader(n)].x, 0);

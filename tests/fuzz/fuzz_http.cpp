@@ -33,7 +33,7 @@ std::filesystem::path make_folder() {
 }
 
 /// A server in an empty folder, used by all runs.
-struct Asked {
+struct Fixture {
     std::filesystem::path folder = make_folder();
     std::shared_ptr<const FolderSandbox> sandbox = std::make_shared<const FolderSandbox>(folder / "work");
     StudioEngine engine{StudioOptions{.scene = {.folder = folder / "work", .sandbox = sandbox}}};
@@ -41,20 +41,20 @@ struct Asked {
         {.port = 4000, .token = kToken, .max_upload = 1000}, server::Page(folder), sandbox, engine};
 };
 
-void check(const Asked& asked, const server::HttpHead& head, bool knows_token) {
-    const server::Plan plan = asked.router.plan(head);
+void check(const Fixture& fixture, const server::HttpHead& head, bool knows_token) {
+    const server::Plan plan = fixture.router.plan(head);
     if (const auto* reply = std::get_if<server::HttpReply>(&plan)) {
         require(reply->status == 200 || (reply->status >= 400 && reply->status < 500));
         return;
     }
     require(knows_token || std::holds_alternative<server::OpenSocket>(plan));
     if (const auto* wanted = std::get_if<server::SendFile>(&plan)) {
-        require(asked.router.file(*wanted).status == 404);  // missing
+        require(fixture.router.file(*wanted).status == 404);  // missing
     } else if (const auto* blob = std::get_if<server::SendBlob>(&plan)) {
-        require(asked.router.blob(*blob).status == 404);
+        require(fixture.router.blob(*blob).status == 404);
     } else if (const auto* file = std::get_if<server::TakeFile>(&plan)) {
         try {
-            const server::Router::Upload upload(asked.router, *file);
+            const server::Router::Upload upload(fixture.router, *file);
         } catch (const Error&) {  // the name is refused
         }
     }
@@ -63,7 +63,7 @@ void check(const Asked& asked, const server::HttpHead& head, bool knows_token) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    static const Asked asked;
+    static const Fixture fixture;
     if (size == 0) return 0;
     http::request_parser<http::empty_body> parser;
     parser.header_limit(server::kMaxHead);
@@ -80,6 +80,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         head.fields.emplace_back("authorization", std::string("Bearer ") + kToken);
         head.fields.emplace_back("host", "127.0.0.1:4000");
     }
-    check(asked, head, knows_token);
+    check(fixture, head, knows_token);
     return 0;
 }

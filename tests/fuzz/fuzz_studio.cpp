@@ -55,15 +55,15 @@ class Folder {
 class Watcher : public StudioClient {
   public:
     void send_text(std::string message) override {
-        const Json said = Json::parse(message);
+        const Json reply = Json::parse(message);
         const std::scoped_lock lock(mutex_);
-        if (said.contains("key") && said["key"].is_string()) keys_.push_back(said["key"]);
-        if (!said.contains("re")) return;
+        if (reply.contains("key") && reply["key"].is_string()) keys_.push_back(reply["key"]);
+        if (!reply.contains("re")) return;
         ++answers_;
         wake_.notify_all();
-        if (said["ok"].get<bool>()) return;
+        if (reply["ok"].get<bool>()) return;
         const bool proper =
-            said["kind"] != "internal" && said["error"].get<std::string>().find('\n') == std::string::npos;
+            reply["kind"] != "internal" && reply["error"].get<std::string>().find('\n') == std::string::npos;
         if (!proper) std::fprintf(stderr, "%s\n", message.c_str());
         require(proper);
     }

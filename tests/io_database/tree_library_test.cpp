@@ -38,9 +38,9 @@ class TreeLibraryTest : public test::FolderTest {
     }
     template <class E = IoError>
     void expect_refused(std::string_view what) const {
-        const std::string said = error_of<E>([&] { read(); });
-        EXPECT_NE(said.find(what), std::string::npos) << said;
-        EXPECT_NE(said.find("oak.coppicelib"), std::string::npos) << said;
+        const std::string message = error_of<E>([&] { read(); });
+        EXPECT_NE(message.find(what), std::string::npos) << message;
+        EXPECT_NE(message.find("oak.coppicelib"), std::string::npos) << message;
     }
 };
 
@@ -53,7 +53,7 @@ TEST_F(TreeLibraryTest, ReturnsTheAddedTrees) {
         EXPECT_TRUE(std::ranges::equal(a.skeleton.parents(), b.skeleton.parents()));
         EXPECT_TRUE(std::ranges::equal(a.skeleton.positions(), b.skeleton.positions()));
         EXPECT_TRUE(std::ranges::equal(a.skeleton.radii(), b.skeleton.radii()));
-        EXPECT_EQ(a.host_radius, b.host_radius);
+        EXPECT_EQ(a.parent_radius, b.parent_radius);
         EXPECT_EQ(a.inclination, b.inclination);
         EXPECT_EQ(a.leads, b.leads);
         EXPECT_EQ(a.source_node, b.source_node);
@@ -91,8 +91,8 @@ TEST_F(TreeLibraryTest, FiltersTagsAndRemovesTrees) {
     EXPECT_EQ(library.list({.tags = {"best"}})[0].id, longest[0].id);
     EXPECT_EQ(library.remove({.tags = {"best"}}), 1u);
     EXPECT_EQ(library.list({}).size(), trees.size() - 1);
-    const std::string said = error_of([&] { library.list({.ids = {id}}); });
-    EXPECT_NE(said.find("there is no tree " + id), std::string::npos) << said;
+    const std::string message = error_of([&] { library.list({.ids = {id}}); });
+    EXPECT_NE(message.find("there is no tree " + id), std::string::npos) << message;
     EXPECT_NE(error_of([&] { library.list({.ids = {"x7"}}); }).find("'x7'"), std::string::npos);
     EXPECT_NE(error_of([&] { library.tag({}, std::vector<std::string>{"a b"}, {}); }).find("tag"),
               std::string::npos);
@@ -208,8 +208,8 @@ TEST_F(TreeLibraryTest, AddsAllBatchesTogether) {
 TEST_F(TreeLibraryTest, RejectsATruncatedFile) {
     fill();
     std::filesystem::resize_file(file(), std::filesystem::file_size(file()) / 2);
-    const std::string said = error_of<IoError>([&] { read(); });
-    EXPECT_NE(said.find("damaged"), std::string::npos) << said;
+    const std::string message = error_of<IoError>([&] { read(); });
+    EXPECT_NE(message.find("damaged"), std::string::npos) << message;
 }
 
 }  // namespace

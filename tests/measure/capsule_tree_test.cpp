@@ -96,7 +96,7 @@ TEST(CapsuleTree, MatchesExhaustiveSearch) {
         double least = 1e300, others = 1e300;
         std::uint32_t best = 0;
         for (std::uint32_t c = 0; c < tree.size(); ++c) {
-            const double rho2 = tree.cone(c).foot(p).relative_squared();
+            const double rho2 = tree.cone(c).closest_point(p).relative_squared();
             others = std::min(others, std::max(rho2, least));
             if (rho2 >= least) continue;
             least = rho2;

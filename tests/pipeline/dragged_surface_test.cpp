@@ -8,6 +8,7 @@
 #include "coppice/base/rotation.h"
 #include "coppice/pipeline/drag/branch_drag.h"
 #include "coppice/pipeline/drag/drag_part.h"
+#include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/pipeline/quads/quad_build.h"
 #include "coppice/skeleton/random_tree.h"
 #include "drag_scenes.h"
@@ -84,8 +85,8 @@ TEST(BranchDrag, SegmentsRotateExactlyAndForksPartially) {
     const DragPose pose = d.at(kMax);
     const Rotation turn = rotation_about(d.drag.axis(), kMax);
     for (const std::uint32_t n : d.drag.nodes()) {
-        const Vec3d arm = Vec3d(d.build.skeleton.position(NodeId(n))) - d.drag.foot();
-        EXPECT_LT(distance(Vec3d(pose.nodes[n]), d.drag.foot() + turn(arm)), 1e-5);
+        const Vec3d arm = Vec3d(d.build.skeleton.position(NodeId(n))) - d.drag.pivot();
+        EXPECT_LT(distance(Vec3d(pose.nodes[n]), d.drag.pivot() + turn(arm)), 1e-5);
     }
     std::size_t partly = 0;
     for (const float share : d.drag.shares()) {
@@ -184,7 +185,7 @@ TEST(DraggedSurface, PreservesTheShapeFarFromTheFork) {
     std::size_t looked_at = 0;
     for (std::size_t i = 0; i < rest.size(); ++i) {
         if (distance(rest[i], at) > 1.2f * r) continue;
-        const Vec3d expected = d.drag.foot() + turn(Vec3d(rest[i]) - d.drag.foot());
+        const Vec3d expected = d.drag.pivot() + turn(Vec3d(rest[i]) - d.drag.pivot());
         EXPECT_LT(distance(Vec3d(surface.positions()[i]), expected), 0.01 * static_cast<double>(r));
         ++looked_at;
     }

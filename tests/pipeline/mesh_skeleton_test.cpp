@@ -66,8 +66,8 @@ TEST(MeshSkeleton, RamificationsAreQuadsWithAReport) {
     EXPECT_FALSE(mesh_skeleton(fork).quads().ramified);
     MeshOptions options = by(MeshMethod::ramifications);
     options.levels = 0;
-    const std::string said = test::error_of([&] { mesh_skeleton(fork, options); });
-    EXPECT_TRUE(said.starts_with("mesh: levels must be at least 1 for ramifications")) << said;
+    const std::string message = test::error_of([&] { mesh_skeleton(fork, options); });
+    EXPECT_TRUE(message.starts_with("mesh: levels must be at least 1 for ramifications")) << message;
 }
 
 TEST(MeshSkeleton, RamificationsHaveNoSelfIntersections) {
@@ -126,8 +126,8 @@ TEST(MeshSkeleton, CylindersAreTubes) {
 TEST(MeshSkeleton, RejectsASurfaceThinnerThanTheTetrahedra) {
     const Skeleton wide = cone({0, 0, 1}, 100, 0.001f);
     MeshOptions options = by(MeshMethod::tetrahedra);
-    const std::string said = test::error_of([&] { mesh_skeleton(wide, options); });
-    EXPECT_TRUE(said.starts_with("mesh: no surface is left")) << said;
+    const std::string message = test::error_of([&] { mesh_skeleton(wide, options); });
+    EXPECT_TRUE(message.starts_with("mesh: no surface is left")) << message;
     options.control.base = BaseShape::round;
     EXPECT_FALSE(mesh_skeleton(wide, options).tetrahedra().mesh.triangles.empty());
 }

@@ -21,7 +21,7 @@ TEST(NearestSegment, FindsTheSegmentOfASurfacePointForAnyHint) {
             for (const std::uint32_t hint : {kNoIndex, i, 0u, capsules.size() - 1}) {
                 const std::uint32_t found = nearest(p, hint);
                 ASSERT_NE(found, kNoIndex);
-                const double rho = std::sqrt(capsules.cone(found).foot(p).relative_squared());
+                const double rho = std::sqrt(capsules.cone(found).closest_point(p).relative_squared());
                 // The minimum, or a segment with the point on its bark.
                 EXPECT_TRUE(rho <= least + 1e-9 || (rho > 0.6 && rho < 1.2)) << i << ' ' << hint;
             }

@@ -160,32 +160,33 @@ TEST(Lane, IsBitIdenticalForAnyNumberOfThreadsAndDependsOnTheSeed) {
 }
 
 TEST(Lane, RejectsInvalidInput) {
-    const auto said = [](const PointRegion& region, const RadialKernel& kernel,
-                         const DartThrowingOptions& options) {
+    const auto catch_message = [](const PointRegion& region, const RadialKernel& kernel,
+                                  const DartThrowingOptions& options) {
         return error_of([&] { sample_dart_throwing(region, kernel, options); });
     };
     const RadialKernel disk = RadialKernel::disk(0.1f);
-    EXPECT_NE(said(ball(), disk, {.count = -1}).find("count must be between"), std::string::npos);
-    EXPECT_NE(said(ball(), {}, {.count = 0}).find("distance above 0"), std::string::npos);
-    EXPECT_NE(said(ball(), disk, {.resolution = 5000}).find("resolution"), std::string::npos);
-    EXPECT_NE(said(ball(), disk, {.max_factor = std::nanf("")}).find("max_factor"), std::string::npos);
-    EXPECT_NE(said(ball(), disk, {.resolution = 1024, .max_memory = 64}).find("max_memory"),
+    EXPECT_NE(catch_message(ball(), disk, {.count = -1}).find("count must be between"), std::string::npos);
+    EXPECT_NE(catch_message(ball(), {}, {.count = 0}).find("distance above 0"), std::string::npos);
+    EXPECT_NE(catch_message(ball(), disk, {.resolution = 5000}).find("resolution"), std::string::npos);
+    EXPECT_NE(catch_message(ball(), disk, {.max_factor = std::nanf("")}).find("max_factor"),
               std::string::npos);
-    EXPECT_NE(said(ball(), disk, {.count = 100000000, .max_memory = 512}).find("max_memory"),
+    EXPECT_NE(catch_message(ball(), disk, {.resolution = 1024, .max_memory = 64}).find("max_memory"),
               std::string::npos);
-    EXPECT_NE(
-        said(ball(), RadialKernel::clustered(0, 2, 3), {.count = 100000, .resolution = 256}).find("reach"),
-        std::string::npos);
+    EXPECT_NE(catch_message(ball(), disk, {.count = 100000000, .max_memory = 512}).find("max_memory"),
+              std::string::npos);
+    EXPECT_NE(catch_message(ball(), RadialKernel::clustered(0, 2, 3), {.count = 100000, .resolution = 256})
+                  .find("reach"),
+              std::string::npos);
     PointRegion far = ball();
     far.box = {{1e6f, 0, 0}, {1e6f + 1, 1, 1}};
-    EXPECT_NE(said(far, disk, {}).find("closer to the origin"), std::string::npos);
+    EXPECT_NE(catch_message(far, disk, {}).find("closer to the origin"), std::string::npos);
     PointRegion empty = ball();
     empty.box = {{5, 5, 5}, {6, 6, 6}};
-    EXPECT_NE(said(empty, disk, {}).find("density is 0"), std::string::npos);
+    EXPECT_NE(catch_message(empty, disk, {}).find("density is 0"), std::string::npos);
     for (const float bad : {0.0f, -1.0f, std::nanf(""), std::numeric_limits<float>::infinity()}) {
         PointRegion region = ball();
         region.box.high.y = region.box.low.y + bad;
-        EXPECT_NE(said(region, disk, {}).find("have a volume"), std::string::npos);
+        EXPECT_NE(catch_message(region, disk, {}).find("have a volume"), std::string::npos);
     }
 }
 

@@ -172,26 +172,27 @@ TEST(Generate, CountOfZeroFillsTheRegionWithTheGivenDistance) {
 }
 
 TEST(Generate, RejectsInvalidInput) {
-    const auto said = [](const GenerateOptions& o) {
+    const auto catch_message = [](const GenerateOptions& o) {
         return error_of([&] { generate(kField, ball_box(), o); });
     };
     const float nan = std::nanf("");
-    EXPECT_NE(said({.count = -1}).find("count"), std::string::npos);
-    EXPECT_NE(said({.count = 0}).find("distance above 0"), std::string::npos);
-    EXPECT_NE(said({.pattern = PointPattern::uniform, .count = 0}).find("count must be above 0"),
+    EXPECT_NE(catch_message({.count = -1}).find("count"), std::string::npos);
+    EXPECT_NE(catch_message({.count = 0}).find("distance above 0"), std::string::npos);
+    EXPECT_NE(catch_message({.pattern = PointPattern::uniform, .count = 0}).find("count must be above 0"),
               std::string::npos);
-    EXPECT_NE(said({.width = nan}).find("width"), std::string::npos);
-    EXPECT_NE(said({.width = 0}).find("width"), std::string::npos);
-    EXPECT_NE(said({.power = -1}).find("power"), std::string::npos);
-    EXPECT_NE(said({.distance = nan}).find("distance"), std::string::npos);
-    EXPECT_NE(said({.spacing = 2}).find("spacing"), std::string::npos);
-    EXPECT_NE(said({.cluster_gain = 1e9f}).find("cluster_gain"), std::string::npos);
-    EXPECT_NE(said({.pattern = PointPattern::clustered, .distance = 1, .cluster_reach = 0.5f})
+    EXPECT_NE(catch_message({.width = nan}).find("width"), std::string::npos);
+    EXPECT_NE(catch_message({.width = 0}).find("width"), std::string::npos);
+    EXPECT_NE(catch_message({.power = -1}).find("power"), std::string::npos);
+    EXPECT_NE(catch_message({.distance = nan}).find("distance"), std::string::npos);
+    EXPECT_NE(catch_message({.spacing = 2}).find("spacing"), std::string::npos);
+    EXPECT_NE(catch_message({.cluster_gain = 1e9f}).find("cluster_gain"), std::string::npos);
+    EXPECT_NE(catch_message({.pattern = PointPattern::clustered, .distance = 1, .cluster_reach = 0.5f})
                   .find("cluster_reach"),
               std::string::npos);
     for (const PointPattern pattern : kPatterns) {
-        EXPECT_NE(said({.pattern = pattern, .count = 100000000, .max_memory = 100}).find("max_memory"),
-                  std::string::npos);
+        EXPECT_NE(
+            catch_message({.pattern = pattern, .count = 100000000, .max_memory = 100}).find("max_memory"),
+            std::string::npos);
     }
     EXPECT_NE(error_of([] {
                   generate(kField, {{9, 9, 9}, {10, 10, 10}});

@@ -93,22 +93,23 @@ TEST(NearMesh, IsBitIdenticalForAnyNumberOfThreads) {
 }
 
 TEST(NearMesh, RejectsInvalidInput) {
-    const auto said = [](const TriMesh& mesh, const NearMeshOptions& o) {
+    const auto catch_message = [](const TriMesh& mesh, const NearMeshOptions& o) {
         return error_of([&] { near_mesh(mesh, o); });
     };
-    EXPECT_NE(said({}, {}).find("no triangle with an area"), std::string::npos);
-    EXPECT_NE(said(sheet(), {.count = 0}).find("count"), std::string::npos);
-    EXPECT_NE(said(sheet(), {.low = 1, .high = 0}).find("below low"), std::string::npos);
-    EXPECT_NE(said(sheet(), {.low = std::nanf("")}).find("low"), std::string::npos);
-    EXPECT_NE(said(sheet(), {.choice = FaceChoice::by_face, .even = true}).find("by_area"),
+    EXPECT_NE(catch_message({}, {}).find("no triangle with an area"), std::string::npos);
+    EXPECT_NE(catch_message(sheet(), {.count = 0}).find("count"), std::string::npos);
+    EXPECT_NE(catch_message(sheet(), {.low = 1, .high = 0}).find("below low"), std::string::npos);
+    EXPECT_NE(catch_message(sheet(), {.low = std::nanf("")}).find("low"), std::string::npos);
+    EXPECT_NE(catch_message(sheet(), {.choice = FaceChoice::by_face, .even = true}).find("by_area"),
               std::string::npos);
-    EXPECT_NE(said(sheet(), {.count = 100000000, .max_memory = 100}).find("max_memory"), std::string::npos);
+    EXPECT_NE(catch_message(sheet(), {.count = 100000000, .max_memory = 100}).find("max_memory"),
+              std::string::npos);
     TriMesh bad = sheet();
     bad.positions[1].x = std::numeric_limits<float>::infinity();
-    EXPECT_NE(said(bad, {}).find("not finite"), std::string::npos);
+    EXPECT_NE(catch_message(bad, {}).find("not finite"), std::string::npos);
     TriMesh tiny = sheet();  // floats cannot distinguish its points
     for (Vec3& p : tiny.positions) p = 1e-4f * p + Vec3{1e3f, 1e3f, 1e3f};
-    EXPECT_NE(said(tiny, {.count = 20000, .high = 1e-6f, .even = true}), "no error");
+    EXPECT_NE(catch_message(tiny, {.count = 20000, .high = 1e-6f, .even = true}), "no error");
 }
 
 }  // namespace

@@ -114,7 +114,7 @@ TEST(SceneCommands, PointsAcceptBlanksOrCommas) {
 // Zero, negative, huge and invalid numbers, for every number of every command, lead to a message or a result,
 // without long work because memory is limited.
 TEST(SceneCommands, UnusualNumbersAreAcceptedOrRejectedWithAMessage) {
-    int asked = 0;
+    int option_count = 0;
     for (const SceneCommand& c : scene_commands()) {
         if (uses_files(c)) continue;
         Scene scene({.max_memory = 8});
@@ -127,16 +127,16 @@ TEST(SceneCommands, UnusualNumbersAreAcceptedOrRejectedWithAMessage) {
             if (a.type != ArgumentType::number && a.type != ArgumentType::whole) continue;
             if (a.positional || line.find(a.name + "=") != std::string::npos) continue;
             for (const std::string value : {"nan", "1e400", "-1"}) {
-                const std::string said = refusal(scene, line + " " + a.name + "=" + value);
-                ++asked;
+                const std::string message = refusal(scene, line + " " + a.name + "=" + value);
+                ++option_count;
                 if (value != "-1") {
-                    EXPECT_NE(said, "no error") << c.name << " " << a.name;
+                    EXPECT_NE(message, "no error") << c.name << " " << a.name;
                 }
-                EXPECT_EQ(said.find('\n'), std::string::npos);
+                EXPECT_EQ(message.find('\n'), std::string::npos);
             }
         }
     }
-    EXPECT_GT(asked, 200);
+    EXPECT_GT(option_count, 200);
 }
 
 }  // namespace

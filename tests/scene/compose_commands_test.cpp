@@ -37,12 +37,12 @@ class SceneCompose : public test::FolderTest {
 };
 
 TEST_F(SceneCompose, MatchesTheComposerOfTheLibrary) {
-    const std::string said = scene.run("compose a oak branches=elm seed=5 probability=1 roll=10 pose=own");
+    const std::string message = scene.run("compose a oak branches=elm seed=5 probability=1 roll=10 pose=own");
     const ComposeOptions options{.probability = 1, .pose = ComposePose::own, .roll = 0.17453292f};
     const ComposeResult made = TreeComposer(child_trees(tree("elm")), options).compose(tree("oak"), 5);
     EXPECT_TRUE(same(tree("a"), made.skeleton));
     EXPECT_GT(made.report.replaced, 10u);
-    EXPECT_NE(said.find(std::to_string(made.report.replaced) + " of "), std::string::npos) << said;
+    EXPECT_NE(message.find(std::to_string(made.report.replaced) + " of "), std::string::npos) << message;
 }
 
 TEST_F(SceneCompose, UsesTheBranchesOfTheTemplateByDefault) {
@@ -151,7 +151,7 @@ TEST_F(SceneCompose, ABranchOfALibraryIsGrafted) {
         EXPECT_EQ(tree("t").stable_id(NodeId(i)), StableId(i));
     }
     EXPECT_LT(distance(end(), Vec3{2, 1, 3}), 1e-5f);
-    EXPECT_FLOAT_EQ(tree("t").radius(NodeId(9)), 0.02f);  // limited to the radius of the host
+    EXPECT_FLOAT_EQ(tree("t").radius(NodeId(9)), 0.02f);  // limited to the radius of the parent node
     scene.run("undo");
     // Next to the existing laterals, and not on them.
     scene.hold_tree("t", trunk());
@@ -199,8 +199,8 @@ TEST_F(SceneCompose, LimitsItsMemory) {
     Scene small({.max_memory = 1}), large({.max_memory = 4});
     for (Scene* each : {&small, &large}) each->hold_tree("fork", long_fork());
     EXPECT_NO_THROW(large.run("compose a fork probability=1"));
-    const std::string said = test::error_of<Error>([&] { small.run("compose a fork probability=1"); });
-    EXPECT_NE(said.find("the tree gets more than"), std::string::npos) << said;
+    const std::string message = test::error_of<Error>([&] { small.run("compose a fork probability=1"); });
+    EXPECT_NE(message.find("the tree gets more than"), std::string::npos) << message;
 }
 
 TEST_F(SceneCompose, WritesNothingIfOutputsAreDisabled) {

@@ -81,8 +81,8 @@ class SceneExtract : public test::FolderTest {
 };
 
 TEST_F(SceneExtract, ReadsAMesh) {
-    const std::string said = scene.run("extract a tube.ply");
-    EXPECT_EQ(said,
+    const std::string message = scene.run("extract a tube.ply");
+    EXPECT_EQ(message,
               fmt::format("tube.ply taken for a mesh: {} nodes in 1 tree, 0 loops cut\n", tree("a").size()));
     expect_stem(tree("a"));
     EXPECT_EQ(attributes("a"), (std::vector<std::string>{"samples", "residual"}));
@@ -91,10 +91,10 @@ TEST_F(SceneExtract, ReadsAMesh) {
 }
 
 TEST_F(SceneExtract, ReadsACloud) {
-    const std::string said = scene.run("extract a stem.xyz ground=none");
-    EXPECT_TRUE(said.starts_with(
+    const std::string message = scene.run("extract a stem.xyz ground=none");
+    EXPECT_TRUE(message.starts_with(
         fmt::format("stem.xyz taken for a cloud of points: {} nodes in 1 tree, height ", tree("a").size())))
-        << said;
+        << message;
     expect_stem(tree("a"));
     EXPECT_EQ(attributes("a"),
               (std::vector<std::string>{"samples", "residual", "radius_low", "radius_high", "evidence"}));

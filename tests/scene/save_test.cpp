@@ -136,8 +136,8 @@ TEST_F(SceneSave, RendersEveryKindButProfiles) {
     scene.run("render s kind=solid" + small + quoted_word(file("solid.png")));
     scene.run("render s kind=points" + small + quoted_word(file("points.png")));
     EXPECT_NE(read_file(file("solid.png")), read_file(file("points.png")));
-    const std::string said = refusal(scene, "render f" + small + quoted_word(file("f.png")));
-    EXPECT_NE(said.find("a profile cannot be drawn"), std::string::npos) << said;
+    const std::string message = refusal(scene, "render f" + small + quoted_word(file("f.png")));
+    EXPECT_NE(message.find("a profile cannot be drawn"), std::string::npos) << message;
     EXPECT_FALSE(std::filesystem::exists(file("f.png")));
 }
 

@@ -207,9 +207,9 @@ TEST(Scene, HistoryAndOutputOfLoopsAreLimited) {
     Scene scene({.max_memory = 2});
     std::string points;
     for (int i = 0; i < 2000; ++i) points += " " + std::to_string(i) + ",0,0";
-    const std::string said =
+    const std::string message =
         test::error_of([&] { scene.run_text("repeat 50000\npath p" + points + "\nend", "x"); });
-    EXPECT_NE(said.find("MiB"), std::string::npos) << said;
+    EXPECT_NE(message.find("MiB"), std::string::npos) << message;
     const std::string much = test::error_of([] {
         Scene().run_text("sphere abcdefghij\nrepeat 99999\nlist\ndescribe abcdefghij\nhelp\nend", "x");
     });

@@ -42,9 +42,9 @@ class SceneSketch : public test::FolderTest {
 };
 
 TEST_F(SceneSketch, ReconstructsATreeFromStrokes) {
-    const std::string said = scene.run("sketch t stem.sketch.json");
+    const std::string message = scene.run("sketch t stem.sketch.json");
     const Skeleton& t = tree("t");
-    EXPECT_EQ(said, fmt::format("{} nodes of 1 branch\n", t.size()));
+    EXPECT_EQ(message, fmt::format("{} nodes of 1 branch\n", t.size()));
     const NodeId root(0), tip(static_cast<std::uint32_t>(t.size() - 1));
     EXPECT_NEAR(t.position(root).z, 0, 0.02);
     EXPECT_NEAR(t.position(tip).z, 2, 0.02);
@@ -56,9 +56,9 @@ TEST_F(SceneSketch, ReportsOmittedBranches) {
     write(
         "fork.sketch.json", R"("orthographic": "side", "pixels_per_metre": 100, "origin": [200, 300])",
         R"(, {"name": "twig", "parent": "stem", "strokes": {"front": {"points": [[200, 200], [260, 120]]}}})");
-    const std::string said = scene.run("sketch t fork.sketch.json");
-    EXPECT_NE(said.find("nodes of 1 branch\nleft out: "), std::string::npos) << said;
-    EXPECT_NE(said.find("twig"), std::string::npos) << said;
+    const std::string message = scene.run("sketch t fork.sketch.json");
+    EXPECT_NE(message.find("nodes of 1 branch\nleft out: "), std::string::npos) << message;
+    EXPECT_NE(message.find("twig"), std::string::npos) << message;
 }
 
 TEST_F(SceneSketch, AcceptsOptions) {

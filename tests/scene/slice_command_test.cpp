@@ -27,9 +27,9 @@ class SliceCommand : public test::FolderTest {
 
 TEST_F(SliceCommand, DrawsAFieldWithItsIsolines) {
     // The field ends at 2 m, so that the image of 64 pixels is 4.32 m wide; isolines are from 0.1 to 0.9.
-    const std::string said = run("");
-    EXPECT_NE(said.find("field 0 to 0.99"), std::string::npos) << said;
-    EXPECT_NE(said.find("9 isolines; a pixel is 0.0675 m"), std::string::npos) << said;
+    const std::string message = run("");
+    EXPECT_NE(message.find("field 0 to 0.99"), std::string::npos) << message;
+    EXPECT_NE(message.find("9 isolines; a pixel is 0.0675 m"), std::string::npos) << message;
     EXPECT_EQ(picture().substr(1, 3), "PNG");
     EXPECT_NE(run("isoline=0.25 isoline=0.75 high=2").find("drawn from 0 to 2; 2 isolines"),
               std::string::npos);

@@ -63,14 +63,14 @@ class RouterTest : public test::FolderTest {
 };
 
 TEST_F(RouterTest, SendsThePageWithANewNonce) {
-    HttpHead asked = head("GET", "/");
-    without(asked, "authorization");  // the page itself is not secret
+    HttpHead request = head("GET", "/");
+    without(request, "authorization");  // the page itself is not secret
     const auto body = [&](const Plan& plan) { return std::get<std::string>(std::get<HttpReply>(plan).body); };
-    const std::string first = body(router_->plan(asked)), second = body(router_->plan(asked));
+    const std::string first = body(router_->plan(request)), second = body(router_->plan(request));
     EXPECT_TRUE(first.starts_with("<index.html ")) << first;
     EXPECT_EQ(first.find("__NONCE__"), first.npos);
     EXPECT_NE(first, second);
-    const HttpReply reply = std::get<HttpReply>(router_->plan(asked));
+    const HttpReply reply = std::get<HttpReply>(router_->plan(request));
     const auto policy = std::ranges::find(reply.fields, "Content-Security-Policy",
                                           &std::pair<std::string, std::string>::first);
     ASSERT_NE(policy, reply.fields.end());
@@ -84,9 +84,9 @@ TEST_F(RouterTest, RejectsOtherHostNames) {
          {"127.0.0.1", "127.0.0.1:4001", "evil.example:4000", "127.0.0.1:4000.evil.example", "LOCALHOST:4000",
           "[::1]:4000", "0.0.0.0:4000", "127.1:4000", "127.0.0.1:4000 ", ""}) {
         for (const char* target : {"/", "/app.js", "/blob/x", "/file/x", "/ws"}) {
-            HttpHead asked = head("GET", target);
-            set(asked, "host", host);
-            EXPECT_EQ(status(asked), 421) << host << " " << target;
+            HttpHead request = head("GET", target);
+            set(request, "host", host);
+            EXPECT_EQ(status(request), 421) << host << " " << target;
         }
     }
     HttpHead none = head("GET", "/");
@@ -115,9 +115,9 @@ TEST_F(RouterTest, ReturnsOnlyTheFilesOfThePage) {
 TEST_F(RouterTest, GeometryAndFilesRequireTheToken) {
     for (const char* target : {"/blob/made-1", "/file/a.swc"}) {
         EXPECT_EQ(status(head("GET", target)), 0) << target;
-        HttpHead asked = head("GET", target);
-        without(asked, "authorization");
-        EXPECT_EQ(status(asked), 401) << target;
+        HttpHead request = head("GET", target);
+        without(request, "authorization");
+        EXPECT_EQ(status(request), 401) << target;
         const std::string changed = (token_[0] == 'A' ? "B" : "A") + token_.substr(1);
         const std::vector<std::string> wrong{"Bearer",
                                              "Bearer ",
@@ -129,51 +129,51 @@ TEST_F(RouterTest, GeometryAndFilesRequireTheToken) {
                                              "Basic " + token_,
                                              "Bearer " + changed,
                                              token_};
-        for (const std::string& said : wrong) {
-            set(asked, "authorization", said);
-            EXPECT_EQ(status(asked), 401) << said;
+        for (const std::string& header : wrong) {
+            set(request, "authorization", header);
+            EXPECT_EQ(status(request), 401) << header;
         }
     }
 }
 
 TEST_F(RouterTest, AcceptsConnectionsOfItsOwnPageOnly) {
-    HttpHead asked = head("GET", "/ws");
-    EXPECT_EQ(status(asked), 426);
-    set(asked, "upgrade", "WebSocket");
-    EXPECT_TRUE(std::holds_alternative<OpenSocket>(router_->plan(asked)));
+    HttpHead request = head("GET", "/ws");
+    EXPECT_EQ(status(request), 426);
+    set(request, "upgrade", "WebSocket");
+    EXPECT_TRUE(std::holds_alternative<OpenSocket>(router_->plan(request)));
     for (const char* origin :
          {"http://evil.example", "http://127.0.0.1:4001", "https://127.0.0.1:4000", "null", "",
           "http://127.0.0.1:4000/", "http://localhost:4000", "http://127.0.0.1:4000.evil.example"}) {
-        set(asked, "origin", origin);
-        EXPECT_EQ(status(asked), 403) << origin;
+        set(request, "origin", origin);
+        EXPECT_EQ(status(request), 403) << origin;
     }
-    without(asked, "origin");
-    EXPECT_EQ(status(asked), 403);
+    without(request, "origin");
+    EXPECT_EQ(status(request), 403);
     HttpHead other = head("POST", "/ws");
     set(other, "upgrade", "websocket");
     EXPECT_EQ(status(other), 405);
 }
 
 TEST_F(RouterTest, AcceptsUploadsWithALength) {
-    HttpHead asked = head("PUT", "/file/a%20b/c.swc");
-    EXPECT_EQ(status(asked), 411);
-    set(asked, "content-length", "12");
-    const Plan plan = router_->plan(asked);
+    HttpHead request = head("PUT", "/file/a%20b/c.swc");
+    EXPECT_EQ(status(request), 411);
+    set(request, "content-length", "12");
+    const Plan plan = router_->plan(request);
     ASSERT_TRUE(std::holds_alternative<TakeFile>(plan));
     EXPECT_EQ(std::get<TakeFile>(plan).name, "a b/c.swc");
     EXPECT_EQ(std::get<TakeFile>(plan).bytes, 12u);
     for (const char* length : {"-1", "1e3", "", " 1", "0x10", "99999999999999999999", "12,12"}) {
-        set(asked, "content-length", length);
-        EXPECT_EQ(status(asked), 400) << length;
+        set(request, "content-length", length);
+        EXPECT_EQ(status(request), 400) << length;
     }
-    set(asked, "content-length", "1001");
-    EXPECT_EQ(status(asked), 413);
-    set(asked, "content-length", "12");
-    set(asked, "transfer-encoding", "chunked");
-    EXPECT_EQ(status(asked), 411);
-    without(asked, "transfer-encoding");
-    set(asked, "origin", "http://evil.example");
-    EXPECT_EQ(status(asked), 403);
+    set(request, "content-length", "1001");
+    EXPECT_EQ(status(request), 413);
+    set(request, "content-length", "12");
+    set(request, "transfer-encoding", "chunked");
+    EXPECT_EQ(status(request), 411);
+    without(request, "transfer-encoding");
+    set(request, "origin", "http://evil.example");
+    EXPECT_EQ(status(request), 403);
     EXPECT_EQ(status(head("DELETE", "/file/a.swc")), 405);
     EXPECT_EQ(status(head("POST", "/file/a.swc")), 405);
     EXPECT_EQ(status(head("GET", "/file/")), 400);
@@ -183,13 +183,13 @@ TEST_F(RouterTest, AcceptsUploadsWithALength) {
 
 TEST_F(RouterTest, RejectsABodyInRequestsWithoutOne) {
     for (const char* target : {"/", "/blob/x", "/file/x", "/ws"}) {
-        HttpHead asked = head("GET", target);
-        set(asked, "upgrade", "websocket");
-        set(asked, "content-length", "5");
-        EXPECT_EQ(status(asked), 400) << target;
-        without(asked, "content-length");
-        set(asked, "transfer-encoding", "chunked");
-        EXPECT_EQ(status(asked), 400) << target;
+        HttpHead request = head("GET", target);
+        set(request, "upgrade", "websocket");
+        set(request, "content-length", "5");
+        EXPECT_EQ(status(request), 400) << target;
+        without(request, "content-length");
+        set(request, "transfer-encoding", "chunked");
+        EXPECT_EQ(status(request), 400) << target;
     }
 }
 

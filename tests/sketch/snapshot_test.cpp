@@ -53,21 +53,21 @@ TEST(Snapshot, PhotographDeterminesItsCamera) {
 }
 
 TEST(Snapshot, RejectsInputWithoutAScale) {
-    const auto said = [](const Sketch& sketch, const Snapshot& snapshot, double height) {
+    const auto catch_message = [](const Sketch& sketch, const Snapshot& snapshot, double height) {
         return test::error_of([&] { snapshot_view(sketch, 0, snapshot, height, "views[0]"); });
     };
     Sketch sketch = test::fork_drawing();
-    EXPECT_EQ(said(sketch, {}, 0), "views[0]: the height of the tree must be above 0 metres");
-    EXPECT_EQ(said(sketch, {.side = DrawingSide::top}, 2),
+    EXPECT_EQ(catch_message(sketch, {}, 0), "views[0]: the height of the tree must be above 0 metres");
+    EXPECT_EQ(catch_message(sketch, {.side = DrawingSide::top}, 2),
               "views[0]: the height of the tree is not visible from the top");
-    EXPECT_EQ(said(sketch, {.field_of_view = 1}, 2),
+    EXPECT_EQ(catch_message(sketch, {.field_of_view = 1}, 2),
               "views[0]: field_of_view needs the width and height of the picture");
     for (SketchBranch& branch : sketch.branches)
         for (Stroke& stroke : branch.strokes)
             for (PicturePoint& p : stroke.points) p.y = 300;
-    EXPECT_EQ(said(sketch, {}, 2), "views[0]: no point in this view is above the base of its stem");
+    EXPECT_EQ(catch_message(sketch, {}, 2), "views[0]: no point in this view is above the base of its stem");
     sketch.branches.erase(sketch.branches.begin());  // the lateral keeps its parent
-    EXPECT_EQ(said(sketch, {}, 2),
+    EXPECT_EQ(catch_message(sketch, {}, 2),
               "views[0]: no stem has a stroke in this view, so that its scale is unknown; draw the stem");
 }
 

@@ -211,30 +211,30 @@ TEST(Trace, RemovesPiecesThatExplainNothing) {
 
 TEST(Trace, RejectsInvalidInput) {
     const Sketch drawing = test::fork_drawing();
-    const auto said = [&](std::vector<SketchView> views, std::vector<Mask> masks) {
+    const auto catch_message = [&](std::vector<SketchView> views, std::vector<Mask> masks) {
         return error_of([&] { trace(views, masks); });
     };
-    EXPECT_EQ(said({drawing.views[0]}, fork_silhouettes(drawing.views)),
+    EXPECT_EQ(catch_message({drawing.views[0]}, fork_silhouettes(drawing.views)),
               "trace: at least two views with a silhouette each are needed");
-    EXPECT_EQ(said(drawing.views, {Mask(400, 320), Mask(400, 320)}), "trace: a silhouette is empty");
+    EXPECT_EQ(catch_message(drawing.views, {Mask(400, 320), Mask(400, 320)}), "trace: a silhouette is empty");
     std::vector<SketchView> sized = drawing.views;
     sized[1].width = 500;
     sized[1].height = 320;
-    EXPECT_EQ(said(sized, fork_silhouettes(drawing.views)),
+    EXPECT_EQ(catch_message(sized, fork_silhouettes(drawing.views)),
               "trace: the silhouette of 'side' has 400 x 320 pixels, but the view has 500 x 320");
     std::vector<SketchView> moved = drawing.views;
     moved[1].t.y += 0.5;
-    EXPECT_EQ(said(moved, fork_silhouettes(drawing.views)),
+    EXPECT_EQ(catch_message(moved, fork_silhouettes(drawing.views)),
               "trace: no branch of the two silhouettes matches; check that the cameras are correct");
     std::vector<SketchView> four = four_views();
     std::vector<Mask> shown = fork_silhouettes(four);
     four[3].t.x += 1;
-    EXPECT_EQ(said(four, shown),
+    EXPECT_EQ(catch_message(four, shown),
               "trace: the silhouettes have no common space; check that the cameras are correct");
     shown[2] = Mask(400, 320);
-    EXPECT_EQ(said(four, shown), "trace: a silhouette is empty");
+    EXPECT_EQ(catch_message(four, shown), "trace: a silhouette is empty");
     shown = fork_silhouettes(four = {drawing.views[0], drawing.views[0], drawing.views[0]});
-    EXPECT_EQ(said(four, shown),
+    EXPECT_EQ(catch_message(four, shown),
               "trace: all views look the same way, so that the depth of the tree is unknown; add a view from "
               "another side");
     EXPECT_EQ(error_of([] { compute_extent(Mask(10, 10), "here"); }), "here: the silhouette is empty");

@@ -50,13 +50,13 @@ TEST(BlobStore, RepeatsAFailedComputation) {
 
 TEST(BlobStore, DiscardsBlobsWithoutAResult) {
     BlobStore blobs;
-    const std::size_t asked = 2;
+    const std::size_t requested = 2;
     std::size_t times = 0;
     blobs.offer("a", [&]() -> std::optional<std::string> {
         ++times;
         return std::nullopt;
     });
-    for (std::size_t i = 0; i < asked; ++i) EXPECT_EQ(blobs.get("a"), nullptr);
+    for (std::size_t i = 0; i < requested; ++i) EXPECT_EQ(blobs.get("a"), nullptr);
     EXPECT_EQ(times, 1u);
 }
 

@@ -95,12 +95,12 @@ TEST(StudioMenu, BuiltInLinesRun) {
     scene.run("polygonize crown crown cell=0.5");
     scene.run("limb stem 0,0,0 0,0,1 0,0,3");
     scene.run("edit draw stem 0,0,2 1,0,2.5 2,0,3 radius=0.02");
-    const std::regex made(R"(\$\{new (\w+)\})"), asked(R"(\$\{ask [^,}]+,\s*([^}]*)\})"),
+    const std::regex made(R"(\$\{new (\w+)\})"), question(R"(\$\{ask [^,}]+,\s*([^}]*)\})"),
         object(R"(\$\{object\})");
     const Menu menu;
     for (const MenuItem& i : menu.items()) {
         if (i.does != MenuAction::line || i.text.find("library") != std::string::npos) continue;
-        std::string line = std::regex_replace(std::regex_replace(i.text, made, "made_$1"), asked, "$1");
+        std::string line = std::regex_replace(std::regex_replace(i.text, made, "made_$1"), question, "$1");
         const bool of_tree = i.menu == "Branches" || i.menu == "Surface" || i.menu == "Compose" ||
                              line.starts_with("radii") || line.starts_with("tidy") ||
                              line.starts_with("grow made_tree crown ");

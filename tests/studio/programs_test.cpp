@@ -28,9 +28,9 @@ class StudioPrograms : public test::FolderTest {
 };
 
 TEST_F(StudioPrograms, ReturnTheirOutputAndExitCode) {
-    const ProgramResult said = run({"echo", "a  b", "$HOME;ls"});
-    EXPECT_EQ(said.text, "a  b $HOME;ls\n");
-    EXPECT_EQ(said.status, 0);
+    const ProgramResult result = run({"echo", "a  b", "$HOME;ls"});
+    EXPECT_EQ(result.text, "a  b $HOME;ls\n");
+    EXPECT_EQ(result.status, 0);
     EXPECT_EQ(run({"pwd"}).text, std::filesystem::canonical(folder_).string() + "\n");
     EXPECT_EQ(run({"cat"}).text, "");  // there is no input
     EXPECT_EQ(run({"false"}).status, 1);
@@ -46,17 +46,17 @@ TEST_F(StudioPrograms, HaveNoSecretsInTheirEnvironment) {
 }
 
 TEST_F(StudioPrograms, OutputIsTruncated) {
-    const ProgramResult said = run({"head", "-c", "1000000", "/dev/zero"});
-    EXPECT_EQ(said.text.size(), std::size_t{64} << 10);
-    EXPECT_EQ(said.status, 0);
+    const ProgramResult result = run({"head", "-c", "1000000", "/dev/zero"});
+    EXPECT_EQ(result.text.size(), std::size_t{64} << 10);
+    EXPECT_EQ(result.status, 0);
 }
 
 TEST_F(StudioPrograms, ContinueInTheBackground) {
     // It prints more than a pipe can buffer after the wait has ended, and ends normally.
-    const ProgramResult said =
+    const ProgramResult result =
         run({"sh", "-c", "echo begun; sleep 0.3; head -c 200000 /dev/zero; touch done"}, 100ms);
-    EXPECT_EQ(said.text, "begun\n");
-    EXPECT_FALSE(said.status);
+    EXPECT_EQ(result.text, "begun\n");
+    EXPECT_FALSE(result.status);
     EXPECT_EQ(programs_.going_on(), 1u);
     for (int i = 0; i < 600 && programs_.going_on() > 0; ++i) std::this_thread::sleep_for(50ms);
     EXPECT_EQ(programs_.going_on(), 0u);
@@ -66,9 +66,9 @@ TEST_F(StudioPrograms, ContinueInTheBackground) {
 TEST_F(StudioPrograms, OutliveTheStudio) {
     {
         Programs programs;
-        const auto said =
+        const auto result =
             programs.run({"sh", "-c", "sleep 0.4; echo ${PATH}; echo x; touch done"}, folder_, 50ms, {});
-        EXPECT_FALSE(said.status);
+        EXPECT_FALSE(result.status);
     }
     for (int i = 0; i < 600 && !std::filesystem::exists(folder_ / "done"); ++i)
         std::this_thread::sleep_for(50ms);

@@ -236,14 +236,14 @@ TEST(Untangle, PreservesBoundaries) {
 
 TEST(Untangle, WithoutProjectedPassesDoesNotSampleTheField) {
     Scene scene = tube();
-    std::atomic<int> asked{0};
+    std::atomic<int> query_count{0};
     scene.field = {[&](std::uint32_t, Vec3 p) {
-        ++asked;
+        ++query_count;
         return compact({p.x, p.y, 0});
     }};
     scene.fold(1000);
     EXPECT_EQ(scene.untangle({.projected_passes = 0}).bad_after, 0u);
-    EXPECT_EQ(asked, 0);
+    EXPECT_EQ(query_count, 0);
 }
 
 TEST(Untangle, SmoothingSufficesIfTheFieldIsZero) {
@@ -273,16 +273,16 @@ TEST(Untangle, SamplesAVertexInTheRegionOfItsOwner) {
     for (std::size_t f = 0; f < scene.regions.size(); ++f) {
         scene.regions[f] = static_cast<std::uint32_t>(f / 12);  // one per ring, 0.6 high
     }
-    std::atomic<int> asked{0}, strangers{0};
+    std::atomic<int> query_count{0}, strangers{0};
     scene.field = {[&](std::uint32_t region, Vec3 p) {
-        ++asked;
+        ++query_count;
         const float low = 0.6f * static_cast<float>(region);
         if (p.z < low - 0.15f || p.z > low + 0.75f) ++strangers;
         return compact({p.x, p.y, 0});
     }};
     for (std::size_t q = 300; q < scene.quads.size() - 300; q += 97) scene.fold(q);
     EXPECT_EQ(scene.untangle().bad_after, 0u);
-    EXPECT_GT(asked, 0);
+    EXPECT_GT(query_count, 0);
     EXPECT_EQ(strangers, 0);
 }
 

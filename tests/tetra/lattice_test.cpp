@@ -184,7 +184,7 @@ TEST(Lattice, ExcludesTetrahedraFarOutsideOrDeepInside) {
             }));
             // Except those that an axis passes through.
             if (std::ranges::any_of(segments, [&](const Segment& s) {
-                    return growing_cone(s, {}).foot(middle).distance() < reach;
+                    return growing_cone(s, {}).closest_point(middle).distance() < reach;
                 }))
                 continue;
             EXPECT_FALSE(std::ranges::any_of(segments, [&](const Segment& s) {

@@ -288,8 +288,8 @@ TEST(TetraRefinement, OnHullMatchesTheFinestMesh) {
         for (std::uint32_t t = 0; t < scene.mesh.tetra.size(); ++t) {
             const TetraPattern& pattern = refinement.pattern(t);
             for (std::size_t v = 0; v < pattern.weights.size(); ++v) {
-                const bool said = refinement.on_hull(t, pattern.group[v]);
-                EXPECT_EQ(said, hull.contains(refinement.vertex(t, static_cast<Local>(v))));
+                const bool is_on_hull = refinement.on_hull(t, pattern.group[v]);
+                EXPECT_EQ(is_on_hull, hull.contains(refinement.vertex(t, static_cast<Local>(v))));
             }
         }
     }

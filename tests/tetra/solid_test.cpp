@@ -26,12 +26,12 @@ struct Cones {
         for (std::size_t i = 0; i < points.size(); ++i) {
             out[i] = {-10, {}};
             for (const Segment& s : segments) {
-                const auto foot =
-                    round_cone<double>(Vec3d(s.a), Vec3d(s.b), s.radius_a, s.radius_b).foot(Vec3d(points[i]));
-                const auto value = static_cast<float>(1 - foot.distance() / foot.radius);
+                const auto closest = round_cone<double>(Vec3d(s.a), Vec3d(s.b), s.radius_a, s.radius_b)
+                                         .closest_point(Vec3d(points[i]));
+                const auto value = static_cast<float>(1 - closest.distance() / closest.radius);
                 if (value > out[i].value)
-                    out[i] = {value,
-                              Vec3(foot.offset * (-1 / (foot.radius * std::max(foot.distance(), 1e-9))))};
+                    out[i] = {value, Vec3(closest.offset *
+                                          (-1 / (closest.radius * std::max(closest.distance(), 1e-9))))};
             }
         }
     }

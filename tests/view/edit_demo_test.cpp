@@ -97,8 +97,8 @@ EditDemoResult small_demo(SurfaceBackend& backend) {
 TEST_F(EditDemoTest, WithoutACardThrowsOrUsesTheCpu) {
     const DeviceSearch search = find_device();
     if (search.device) GTEST_SKIP() << "there is a card: " << search.device->name;
-    const auto asked = surface_backend(Device::cuda), left = surface_backend(Device::automatic);
-    EXPECT_THROW(small_demo(*asked), DeviceError);
+    const auto requested = surface_backend(Device::cuda), left = surface_backend(Device::automatic);
+    EXPECT_THROW(small_demo(*requested), DeviceError);
     const EditDemoResult by_itself = small_demo(*left);
     EXPECT_EQ(by_itself.backend, "CPU");
     EXPECT_EQ(by_itself.note, "");

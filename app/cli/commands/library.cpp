@@ -115,7 +115,7 @@ Json compute_figures(const LibraryEntry& e) {
             {"tips", e.measures.tips},
             {"orders", e.measures.orders},
             {"radius_m", e.measures.radius},
-            {"host_radius_m", e.tree.host_radius},
+            {"host_radius_m", e.tree.parent_radius},
             {"inclination_degrees", double{e.tree.inclination} * 180 / std::numbers::pi}};
 }
 

@@ -225,7 +225,7 @@ ExitCode mesh(Run& run, const GivenOptions& given, const MeshFlags& flags) {
         flags.original.empty() ? judge(run, result, drawn, flags.mesh.control) : Verdict{};
     const std::string figures = count_surface(run, result);
     run.finish(fmt::format("{}: {} nodes, {} repaired; {}{}{}{}", flags.skeleton.string(),
-                           grouped(file.skeleton.size()), grouped(file.report.total()), figures, verdict.said,
+                           grouped(file.skeleton.size()), grouped(file.report.total()), figures, verdict.text,
                            made.planned, restored));
     return flags.strict && !verdict.is_good ? kCheckFailed : kDone;
 }

@@ -60,11 +60,11 @@ ExitCode drag_branch(Run& run, const ViewFlags& flags, const Skeleton& tree) {
         if (!flags.sheet.empty()) write_sheet(flags.sheet, result.pictures);
     });
     if (!result.note.empty()) run.warn(result.note);
-    Json said = compute_figures(result);
-    run.counts().update(said);
+    Json figures = compute_figures(result);
+    run.counts().update(figures);
     run.counts()["seconds"] = compute_figures(result.seconds);
-    said.update(to_milliseconds(result.seconds));
-    print(figures_text(said));
+    figures.update(to_milliseconds(result.seconds));
+    print(figures_text(figures));
     run.finish(fmt::format("{}: {} frames of a branch of {} segments, {:.1f} per second", flags.tree.string(),
                            grouped(result.frames), grouped(result.segments), result.frames_per_second));
     return kDone;

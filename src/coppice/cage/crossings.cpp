@@ -30,27 +30,27 @@ class Search {
         if (s_.is_root(a) || s_.is_root(b)) return;
         if (axes_.rank(a) < axes_.rank(b)) std::swap(a, b);
         const Segment own = s_.segment(a);
-        const Part host{s_.segment(b)};
+        const Part parent{s_.segment(b)};
         if (axes_.find_axis(a) == axes_.find_axis(b)) {
             const float way = axes_.arc(a) - axes_.arc(b) - distance(own.a, own.b);
-            if (way < kNeighbours * (max_radius(own) + max_radius(host.segment))) return;
+            if (way < kNeighbours * (max_radius(own) + max_radius(parent.segment))) return;
         }
-        if (enclosure_.clearance(host, own, nearest_parameter(own, host)).gap >= 0) return;
-        out.push_back({a, b, is_ordinary(a, b, own, host)});
+        if (enclosure_.clearance(parent, own, nearest_parameter(own, parent)).gap >= 0) return;
+        out.push_back({a, b, is_ordinary(a, b, own, parent)});
     }
 
   private:
     // Returns whether a lateral is outside a branch that meets its beginning before it has passed that
     // branch's end.
-    bool is_ordinary(NodeId a, NodeId b, const Segment& own, const Part& host) const {
+    bool is_ordinary(NodeId a, NodeId b, const Segment& own, const Part& parent) const {
         const NodeId base = s_.parent(a);
         if (!axes_.is_first(a) || (b != base && s_.parent(b) != base)) return false;
         const float gap = kClear * own.radius_b;
-        const Clearance end = enclosure_.clearance(host, own, 1);
+        const Clearance end = enclosure_.clearance(parent, own, 1);
         if (end.gap < gap) return false;
         const auto is_before_end = [&](float t) { return b == base ? t > 0.0f : t < 1.0f; };
         return is_before_end(end.t) ||
-               is_before_end(enclosure_.clearance(host, own, enclosure_.exit(host, own, 0, 1, gap)).t);
+               is_before_end(enclosure_.clearance(parent, own, enclosure_.exit(parent, own, 0, 1, gap)).t);
     }
 
     const Skeleton& s_;
@@ -60,24 +60,25 @@ class Search {
 
 }  // namespace
 
-Clearance Enclosure::clearance(const Part& host, const Segment& own, float at) const {
-    const auto cone = round_cone<float>(host.segment), own_cone = round_cone<float>(own);
+Clearance Enclosure::clearance(const Part& parent, const Segment& own, float at) const {
+    const auto cone = round_cone<float>(parent.segment), own_cone = round_cone<float>(own);
     const Vec3 p = own_cone.point(at);
-    const auto foot = cone.foot_at(std::clamp(cone.line_parameter(p), host.from, host.to), p);
-    return {foot.distance() - min_distance(foot.radius, own_cone.radius(at)), foot.t, foot.offset};
+    const auto closest = cone.closest_point_at(std::clamp(cone.line_parameter(p), parent.from, parent.to), p);
+    return {closest.distance() - min_distance(closest.radius, own_cone.radius(at)), closest.t,
+            closest.offset};
 }
 
-float nearest_parameter(const Segment& own, const Part& host) {
-    const auto cone = round_cone<float>(host.segment);
-    return static_cast<float>(closest_parameters(Vec3d(own.a), Vec3d(own.b), Vec3d(cone.point(host.from)),
-                                                 Vec3d(cone.point(host.to)))
+float nearest_parameter(const Segment& own, const Part& parent) {
+    const auto cone = round_cone<float>(parent.segment);
+    return static_cast<float>(closest_parameters(Vec3d(own.a), Vec3d(own.b), Vec3d(cone.point(parent.from)),
+                                                 Vec3d(cone.point(parent.to)))
                                   .on_a);
 }
 
-float Enclosure::exit(const Part& host, const Segment& own, float in, float out, float gap) const {
+float Enclosure::exit(const Part& parent, const Segment& own, float in, float out, float gap) const {
     for (int i = 0; i < kBisections; ++i) {
         const float middle = 0.5f * (in + out);
-        (clearance(host, own, middle).gap < gap ? in : out) = middle;
+        (clearance(parent, own, middle).gap < gap ? in : out) = middle;
     }
     return out;
 }
@@ -105,7 +106,7 @@ std::vector<Crossing> find_crossings(const Skeleton& s, const Axes& axes, const 
     std::vector<Crossing> all;
     for (const auto& f : found) all.insert(all.end(), f.begin(), f.end());
     std::sort(all.begin(), all.end(), [](const Crossing& x, const Crossing& y) {
-        return x.segment != y.segment ? x.segment < y.segment : x.host < y.host;
+        return x.segment != y.segment ? x.segment < y.segment : x.parent < y.parent;
     });
     return all;
 }

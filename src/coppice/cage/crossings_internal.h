@@ -10,7 +10,7 @@ namespace coppice::cage_internal {
 
 /// Two segments of which the one of greater rank runs partly inside the other.
 struct Crossing {
-    NodeId segment, host;
+    NodeId segment, parent;
     bool ordinary;  ///< a lateral that leaves a branch at their common node
 };
 
@@ -33,20 +33,20 @@ class Enclosure {
   public:
     explicit Enclosure(float share_of_sum) : share_(share_of_sum) {}
 
-    float min_distance(float host, float own) const { return std::max(host, share_ * (host + own)); }
-    Clearance clearance(const Part& host, const Segment& own, float at) const;
+    float min_distance(float parent, float own) const { return std::max(parent, share_ * (parent + own)); }
+    Clearance clearance(const Part& parent, const Segment& own, float at) const;
 
     /// Returns the parameter, between `in` and `out`, at which a segment has left a parent branch by a gap.
     /// The distance to a segment is convex, so that there is one such position on each side of the closest
     /// point.
-    float exit(const Part& host, const Segment& own, float in, float out, float gap = 0) const;
+    float exit(const Part& parent, const Segment& own, float in, float out, float gap = 0) const;
 
   private:
     float share_;
 };
 
 /// Returns the parameter at which a segment is closest to a parent branch.
-float nearest_parameter(const Segment& own, const Part& host);
+float nearest_parameter(const Segment& own, const Part& parent);
 
 /// [radii of the inner branch] Gap beyond which a branch has left another one, including its surface.
 inline constexpr float kClear = 0.8f;

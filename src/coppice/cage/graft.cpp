@@ -180,9 +180,9 @@ std::vector<NodeId> tubes_of_segments(const Grafts& g, const CutSkeleton& cut, s
             if (ended->join != kNoIndex) tube[i] = id[cut.at(cut.of_place[ended->end]).in_tree.index()];
             continue;
         }
-        const AxisPoint host = host_at(g.axes, g.enclosure, g.plan, axis, middle);
+        const AxisPoint parent = parent_at(g.axes, g.enclosure, g.plan, axis, middle);
         const NodeId holder =
-            host.segment ? node_holding(g.plan.cuts, cut, g.axes.skeleton.size(), host) : n.parent;
+            parent.segment ? node_holding(g.plan.cuts, cut, g.axes.skeleton.size(), parent) : n.parent;
         tube[i] = id[cut.at(holder).in_tree.index()];
     }
     return tube;

@@ -49,22 +49,23 @@ Part visible_part(const Skeleton& s, const GraftPlan& plan, NodeId n) {
 
 // ---- sections of an axis inside others
 
-void find_enclosed(const Input& in, const GraftPlan& plan, NodeId n, NodeId host_node,
+void find_enclosed(const Input& in, const GraftPlan& plan, NodeId n, NodeId parent_node,
                    std::vector<EnclosedInterval>& out) {
-    if (plan.visible[host_node.index()].empty()) return;
+    if (plan.visible[parent_node.index()].empty()) return;
     const Enclosure& enclosure = in.enclosure;
     const Segment own = in.skeleton().segment(n);
-    const Part host = visible_part(in.skeleton(), plan, host_node);
-    const float nearest = nearest_parameter(own, host);
-    if (enclosure.clearance(host, own, nearest).gap >= 0) return;
+    const Part parent = visible_part(in.skeleton(), plan, parent_node);
+    const float nearest = nearest_parameter(own, parent);
+    if (enclosure.clearance(parent, own, nearest).gap >= 0) return;
     const float clear = kClear * own.radius_b;
-    const float enter = enclosure.clearance(host, own, 0).gap < 0 ? 0 : enclosure.exit(host, own, nearest, 0);
+    const float enter =
+        enclosure.clearance(parent, own, 0).gap < 0 ? 0 : enclosure.exit(parent, own, nearest, 0);
     const float exit =
-        enclosure.clearance(host, own, 1).gap < clear ? 1 : enclosure.exit(host, own, nearest, 1, clear);
+        enclosure.clearance(parent, own, 1).gap < clear ? 1 : enclosure.exit(parent, own, nearest, 1, clear);
     const float start = in.axes.start(n), size = in.axes.axes.arc(n) - start;
-    const Clearance at_enter = enclosure.clearance(host, own, enter);
-    out.push_back({start + enter * size, start + exit * size, host_node, at_enter.t,
-                   enclosure.clearance(host, own, exit).t,
+    const Clearance at_enter = enclosure.clearance(parent, own, enter);
+    out.push_back({start + enter * size, start + exit * size, parent_node, at_enter.t,
+                   enclosure.clearance(parent, own, exit).t,
                    std::max(0.0f, -dot(normalized(own.b - own.a), normalized(at_enter.offset)))});
 }
 
@@ -72,7 +73,7 @@ std::vector<EnclosedInterval> enclosed_intervals(const Input& in, const GraftPla
                                                  const CompressedRows<Crossing>& crossings, Chain chain) {
     std::vector<EnclosedInterval> out;
     for (const NodeId n : chain) {
-        for (const Crossing& c : crossings[n.index()]) find_enclosed(in, plan, n, c.host, out);
+        for (const Crossing& c : crossings[n.index()]) find_enclosed(in, plan, n, c.parent, out);
     }
     std::sort(out.begin(), out.end(), [](const EnclosedInterval& a, const EnclosedInterval& b) {
         return a.from != b.from ? a.from < b.from : a.to < b.to;
@@ -95,10 +96,10 @@ float radius_on(const Input& in, Chain chain, float arc) { return in.axes.radius
 
 // Returns the position of the last ring of a section: at the bark, or clear of a branch that it joins.
 float find_end_ahead(const Input& in, const EnclosedInterval& interval, float radius) {
-    const float host = in.axes.radius({interval.host, interval.host_t});
+    const float parent = in.axes.radius({interval.parent, interval.parent_t});
     const float ahead = in.end == PieceEnd::joined
                             ? kClear * radius
-                            : host + kEndAhead * radius - in.enclosure.min_distance(host, radius);
+                            : parent + kEndAhead * radius - in.enclosure.min_distance(parent, radius);
     return interval.from - std::max(0.0f, ahead) / std::max(interval.approach, kFlattest);
 }
 
@@ -127,14 +128,15 @@ AxisPoint moved(const Input& in, const GraftPlan& plan, AxisPoint p, float by, s
 
 // Extends a section from the point where it leaves or enters its parent branch as if it were straight up to
 // the parent's axis.
-AxisPoint traced_back(const Input& in, const GraftPlan& plan, AxisPoint out, AxisPoint on_host, bool enters) {
-    const Segment own = in.skeleton().segment(out.segment), host = in.skeleton().segment(on_host.segment);
-    const Vec3 along = normalized(host.b - host.a), direction = normalized(own.b - own.a);
-    const float d = distance(in.axes.position(out), in.axes.position(on_host));
+AxisPoint traced_back(const Input& in, const GraftPlan& plan, AxisPoint out, AxisPoint on_parent,
+                      bool enters) {
+    const Segment own = in.skeleton().segment(out.segment), parent = in.skeleton().segment(on_parent.segment);
+    const Vec3 along = normalized(parent.b - parent.a), direction = normalized(own.b - own.a);
+    const float d = distance(in.axes.position(out), in.axes.position(on_parent));
     const float c = dot(along, direction);
     const float way = c / std::max(std::sqrt(std::max(0.0f, 1 - c * c)), 1e-3f);
     const float by = (enters ? d : -d) * std::clamp(way, -kMaxTracedBack, kMaxTracedBack);
-    return moved(in, plan, on_host, by, in.axes.axes.rank(out.segment));
+    return moved(in, plan, on_parent, by, in.axes.axes.rank(out.segment));
 }
 
 // Returns the place at which a section begins; none for a lateral that leaves its own parent in the regular
@@ -144,21 +146,21 @@ std::uint32_t attachment(const Input& in, GraftPlan& plan, Chain chain, float fr
     const NodeId base = in.skeleton().parent(chain[0]);
     if (!is_enclosed(plan, base)) {
         if (!left) return kNoIndex;
-        const bool at_base = left->host == base, child_of_base = in.skeleton().parent(left->host) == base;
-        const bool in_between = (at_base && left->host_t > 0) || (child_of_base && left->host_t < 1);
+        const bool at_base = left->parent == base, child_of_base = in.skeleton().parent(left->parent) == base;
+        const bool in_between = (at_base && left->parent_t > 0) || (child_of_base && left->parent_t < 1);
         if (in_between && from <= in.axes.axes.arc(chain[0])) return kNoIndex;
     }
     ++plan.report.grafted;
     const AxisPoint at =
-        left ? traced_back(in, plan, in.axes.at(chain, from), {left->host, left->host_t}, false)
+        left ? traced_back(in, plan, in.axes.at(chain, from), {left->parent, left->parent_t}, false)
              : plan.enclosed_at[base.index()];
     return place_near(in.axes, plan.visible[at.segment.index()], at, plan.cuts);
 }
 
 // Returns the place of the parent branch in which a section that enters it ends.
 std::uint32_t join_place(const Input& in, GraftPlan& plan, Chain chain, const EnclosedInterval& enclosed) {
-    const AxisPoint at =
-        traced_back(in, plan, in.axes.at(chain, enclosed.from), {enclosed.host, enclosed.host_from}, true);
+    const AxisPoint at = traced_back(in, plan, in.axes.at(chain, enclosed.from),
+                                     {enclosed.parent, enclosed.parent_from}, true);
     return place_near(in.axes, plan.visible[at.segment.index()], at, plan.cuts);
 }
 
@@ -166,8 +168,8 @@ std::uint32_t join_place(const Input& in, GraftPlan& plan, Chain chain, const En
 // the end of its axis.
 float tip_shown(const Input& in, const GraftPlan& plan, Chain chain, const EnclosedInterval& last) {
     const Segment own = in.skeleton().segment(chain.back());
-    const Part host = visible_part(in.skeleton(), plan, last.host);
-    return in.enclosure.clearance(host, own, 1).gap / own.radius_b + 1;
+    const Part parent = visible_part(in.skeleton(), plan, last.parent);
+    return in.enclosure.clearance(parent, own, 1).gap / own.radius_b + 1;
 }
 
 // Returns the sections between the intervals that are long enough.
@@ -254,7 +256,7 @@ void plan_axis(const Input& in, GraftPlan& plan, const CompressedRows<Crossing>&
     for (const NodeId n : chain) {
         const float arc = in.axes.axes.arc(n);
         if (own.is_visible(arc)) continue;
-        plan.enclosed_at[n.index()] = host_at(in.axes, in.enclosure, plan, axis, arc);
+        plan.enclosed_at[n.index()] = parent_at(in.axes, in.enclosure, plan, axis, arc);
         ++plan.report.nodes_inside;
     }
 }
@@ -277,8 +279,8 @@ const VisiblePiece* AxisPlan::piece_ended_before(float arc) const {
     return piece && piece->to <= arc && arc <= piece->resume ? piece : nullptr;
 }
 
-AxisPoint host_at(const AxisGeometry& axes, const Enclosure& enclosure, const GraftPlan& plan,
-                  std::uint32_t axis, float arc) {
+AxisPoint parent_at(const AxisGeometry& axes, const Enclosure& enclosure, const GraftPlan& plan,
+                    std::uint32_t axis, float arc) {
     const Chain chain = axes.axes.find_nodes(axis);
     const auto& enclosed = plan.plans[plan.of_axis[axis]].enclosed;
     const auto after = std::upper_bound(enclosed.begin(), enclosed.end(), arc,
@@ -287,11 +289,11 @@ AxisPoint host_at(const AxisGeometry& axes, const Enclosure& enclosure, const Gr
     const auto last = after + std::min<std::ptrdiff_t>(enclosed.end() - after, 1);
     if (first == last) return plan.enclosed_at[axes.skeleton.parent(chain[0]).index()];
     const auto off = [&](const EnclosedInterval& in) { return std::max({in.from - arc, arc - in.to, 0.0f}); };
-    const NodeId host =
-        std::min_element(first, last, [&](const auto& a, const auto& b) { return off(a) < off(b); })->host;
+    const NodeId parent =
+        std::min_element(first, last, [&](const auto& a, const auto& b) { return off(a) < off(b); })->parent;
     const AxisPoint own = axes.at(chain, arc);
-    const Part part = visible_part(axes.skeleton, plan, host);
-    return {host, enclosure.clearance(part, axes.skeleton.segment(own.segment), own.t).t};
+    const Part part = visible_part(axes.skeleton, plan, parent);
+    return {parent, enclosure.clearance(part, axes.skeleton.segment(own.segment), own.t).t};
 }
 
 GraftPlan plan_grafts(const AxisGeometry& axes, const Enclosure& enclosure, PieceEnd end,

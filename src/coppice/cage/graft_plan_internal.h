@@ -14,9 +14,9 @@ namespace coppice::cage_internal {
 /// A section of an axis inside another branch.
 struct EnclosedInterval {
     float from, to;  ///< [m] along the axis
-    NodeId host;
-    float host_from, host_t;  ///< parameters on the parent branch at its beginning and end
-    float approach;           ///< cosine of the angle of entry, >= 0
+    NodeId parent;
+    float parent_from, parent_t;  ///< parameters on the parent branch at its beginning and end
+    float approach;               ///< cosine of the angle of entry, >= 0
 };
 
 /// A section of an axis that gets a tube.
@@ -59,7 +59,7 @@ struct GraftPlan {
 GraftPlan plan_grafts(const AxisGeometry& axes, const Enclosure& enclosure, PieceEnd end, const Context& ctx);
 
 /// Returns the closest point of the branch that encloses a point of an axis; no segment if there is none.
-AxisPoint host_at(const AxisGeometry& axes, const Enclosure& enclosure, const GraftPlan& plan,
-                  std::uint32_t axis, float arc);
+AxisPoint parent_at(const AxisGeometry& axes, const Enclosure& enclosure, const GraftPlan& plan,
+                    std::uint32_t axis, float arc);
 
 }  // namespace coppice::cage_internal

@@ -16,8 +16,8 @@ Vec3d direction_from(const Skeleton& s, NodeId node, NodeId first, NodeId (Skele
 
 }  // namespace
 
-Frame branch_frame(Vec3d direction, Vec3d host) {
-    const Vec3d across = host - direction * dot(host, direction);
+Frame branch_frame(Vec3d direction, Vec3d parent_direction) {
+    const Vec3d across = parent_direction - direction * dot(parent_direction, direction);
     const Vec3d x = length(across) > 1e-6 ? normalized(across) : perpendicular(direction);
     return {x, cross(direction, x), direction};
 }
@@ -31,7 +31,7 @@ Vec3d branch_direction(const Skeleton& s, NodeId first) {
     return direction_from(s, s.parent(first), first, &Skeleton::leader);
 }
 
-Vec3d host_direction(const Skeleton& s, NodeId node) {
+Vec3d compute_parent_direction(const Skeleton& s, NodeId node) {
     return s.is_root(node) ? kUp : -direction_from(s, node, s.parent(node), &Skeleton::parent);
 }
 

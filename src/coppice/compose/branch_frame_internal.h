@@ -18,9 +18,9 @@ struct Frame {
     Vec3d to_world(Vec3d v) const { return x * v.x + y * v.y + z * v.z; }
 };
 
-/// Returns a frame with z along `direction` and `host` in the half plane of z and +x; an arbitrary such frame
-/// if the two are parallel.
-Frame branch_frame(Vec3d direction, Vec3d host);
+/// Returns a frame with z along `direction` and `parent_direction` in the half plane of z and +x; an
+/// arbitrary such frame if the two are parallel.
+Frame branch_frame(Vec3d direction, Vec3d parent_direction);
 
 /// Returns the frame rotated about its z by an angle [rad], counter-clockwise seen against z.
 Frame rolled(const Frame& frame, double angle);
@@ -32,7 +32,7 @@ Vec3d branch_direction(const Skeleton& skeleton, NodeId first);
 
 /// Returns the direction in which the axis arrives at a branch node, computed over the same length; up at a
 /// root.
-Vec3d host_direction(const Skeleton& skeleton, NodeId node);
+Vec3d compute_parent_direction(const Skeleton& skeleton, NodeId node);
 
 /// Returns the unit vector from `start` to the point at the length `way` along a chain of nodes that begins
 /// at `first`, or to the first node if that is farther; up if the two points coincide. `next` of the last

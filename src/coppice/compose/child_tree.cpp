@@ -23,8 +23,9 @@ class Cutter {
 
     ChildTree cut(NodeId first) {
         const NodeId node = skeleton_.parent(first);
-        const Vec3d direction = branch_direction(skeleton_, first), host = host_direction(skeleton_, node);
-        const Frame frame = branch_frame(direction, host);
+        const Vec3d direction = branch_direction(skeleton_, first),
+                    parent_direction = compute_parent_direction(skeleton_, node);
+        const Frame frame = branch_frame(direction, parent_direction);
         const Vec3d origin(skeleton_.position(node));
         std::vector<NodeId> parents{NodeId::none()};
         std::vector<Vec3> positions{Vec3{}};
@@ -39,8 +40,9 @@ class Cutter {
             for (const NodeId c : skeleton_.children(n)) nodes_.push_back(c);
         }
         return {.skeleton = Skeleton(std::move(parents), std::move(positions), std::move(radii)),
-                .host_radius = skeleton_.radius(node),
-                .inclination = static_cast<float>(std::acos(std::clamp(dot(direction, host), -1.0, 1.0))),
+                .parent_radius = skeleton_.radius(node),
+                .inclination =
+                    static_cast<float>(std::acos(std::clamp(dot(direction, parent_direction), -1.0, 1.0))),
                 .leads = skeleton_.leader(node) == first,
                 .source_node = first.index()};
     }

@@ -13,10 +13,10 @@ namespace coppice {
 /// node is its root at the origin, its initial direction is +z, and the axis of the parent branch continues
 /// towards +x, so that it can be inserted into another parent branch.
 struct ChildTree {
-    Skeleton skeleton;      ///< one tree; its root has one child
-    float host_radius = 0;  ///< [m] radius of the parent branch at the branch node; > 0
-    float inclination = 0;  ///< [rad] angle between its direction and the parent branch, in [0, pi]
-    bool leads = false;     ///< whether it continues its parent branch, as the thickest child of the node
+    Skeleton skeleton;        ///< one tree; its root has one child
+    float parent_radius = 0;  ///< [m] radius of the parent branch at the branch node; > 0
+    float inclination = 0;    ///< [rad] angle between its direction and the parent branch, in [0, pi]
+    bool leads = false;       ///< whether it continues its parent branch, as the thickest child of the node
     std::uint32_t source_node = 0;  ///< its first node after the branch node, in the source skeleton
 };
 

@@ -44,13 +44,13 @@ bool shorter(const Entry& a, const Entry& b) { return a.length[0] < b.length[0];
 class Composing {
   public:
     Composing(std::span<const Entry> laterals, std::span<const Entry> leaders, const ComposeOptions& options,
-              const Skeleton& host, std::uint64_t seed, const SolidField* crown)
+              const Skeleton& template_tree, std::uint64_t seed, const SolidField* crown)
         : laterals_(laterals),
           leaders_(leaders),
           options_(options),
           crown_(crown),
           draws_(seed),
-          tree_(host, options) {}
+          tree_(template_tree, options) {}
 
     ComposeResult run(const Context& ctx) {
         constexpr std::uint32_t kPoll = 256;
@@ -121,7 +121,7 @@ class Composing {
         // On a thicker parent branch the first node keeps its distance from the bark, because forks inside a
         // branch create intersecting surfaces.
         const Vec3d root = place.position;
-        const Vec3d start = root + frame.z * std::max(0.0, place.radius - double{entry.tree.host_radius});
+        const Vec3d start = root + frame.z * std::max(0.0, place.radius - double{entry.tree.parent_radius});
         for (const NodeId n : nodes(s)) {
             const Vec3d from = s.is_root(n) ? root : start;
             positions_[n.index()] = Vec3(from + frame.to_world(Vec3d(s.position(n))));
@@ -167,15 +167,15 @@ class Composing {
     Frame compute_frame(const Place& place, const ChildTree& tree) {
         Vec3d z = place.direction;
         if (options_.pose == ComposePose::own && !place.leads) {
-            const Frame side = branch_frame(place.host, place.direction);
+            const Frame side = branch_frame(place.parent_direction, place.direction);
             const auto a = double{tree.inclination};
             z = side.z * std::cos(a) + side.x * std::sin(a);
         }
-        const Frame about = branch_frame(z, place.host);
+        const Frame about = branch_frame(z, place.parent_direction);
         const double stray = std::tan(std::min(double{options_.turn}, 1.5));
         z = normalized(z + about.x * draws_.within(stray) + about.y * draws_.within(stray), z);
         z = normalized(lerp(z, kUp, double{options_.phototropism}), z);
-        return rolled(branch_frame(z, place.host), draws_.within(double{options_.roll}));
+        return rolled(branch_frame(z, place.parent_direction), draws_.within(double{options_.roll}));
     }
 
     bool is_inside() {
@@ -216,10 +216,11 @@ TreeComposer::TreeComposer(std::vector<ChildTree> library, const ComposeOptions&
     std::stable_sort(middle, entries_.end(), shorter);
 }
 
-ComposeResult TreeComposer::compose(const Skeleton& host, std::uint64_t seed, const SolidField* crown,
-                                    const Context& ctx) const {
+ComposeResult TreeComposer::compose(const Skeleton& template_tree, std::uint64_t seed,
+                                    const SolidField* crown, const Context& ctx) const {
     const std::span<const Entry> all(entries_);
-    return Composing(all.first(laterals_), all.subspan(laterals_), options_, host, seed, crown).run(ctx);
+    return Composing(all.first(laterals_), all.subspan(laterals_), options_, template_tree, seed, crown)
+        .run(ctx);
 }
 
 void list_fields(ComposeOptions& o, FieldList& list) {

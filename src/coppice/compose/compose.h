@@ -107,11 +107,11 @@ class TreeComposer {
     /// Throws InvalidInput if an option is out of range or the library is empty. O(library).
     TreeComposer(std::vector<ChildTree> library, const ComposeOptions& options);
 
-    /// Composes a tree from the template `host`. If `crown` is given, inserted branches stay inside it; it is
+    /// Composes a tree from `template_tree`. If `crown` is given, inserted branches stay inside it; it is
     /// in coordinates relative to the origin of the skeleton. About O(n log n) in the size of the result.
     /// Throws InvalidInput if the tree would exceed ComposeOptions::max_nodes; Cancelled.
-    ComposeResult compose(const Skeleton& host, std::uint64_t seed, const SolidField* crown = nullptr,
-                          const Context& ctx = {}) const;
+    ComposeResult compose(const Skeleton& template_tree, std::uint64_t seed,
+                          const SolidField* crown = nullptr, const Context& ctx = {}) const;
 
     /// A child tree with its precomputed sizes.
     struct Entry {

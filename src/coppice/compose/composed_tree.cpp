@@ -18,17 +18,18 @@ constexpr double kNear = 2;
 
 }  // namespace
 
-ComposedTree::ComposedTree(const Skeleton& host, const ComposeOptions& options)
-    : origin_(host.origin()),
+ComposedTree::ComposedTree(const Skeleton& template_tree, const ComposeOptions& options)
+    : origin_(template_tree.origin()),
       clearance_(double{options.clearance}),
       max_nodes_(static_cast<std::uint32_t>(options.max_nodes)) {
-    const BranchSizes sizes(host);
-    for (const coppice::NodeId n : coppice::nodes(host)) {
-        const std::uint32_t i = n.index(), parent = host.is_root(n) ? kNoIndex : host.parent(n).index();
-        const bool begins = parent != kNoIndex && host.leader(host.parent(n)) != n;
+    const BranchSizes sizes(template_tree);
+    for (const coppice::NodeId n : coppice::nodes(template_tree)) {
+        const std::uint32_t i = n.index(),
+                            parent = template_tree.is_root(n) ? kNoIndex : template_tree.parent(n).index();
+        const bool begins = parent != kNoIndex && template_tree.leader(template_tree.parent(n)) != n;
         add({.parent = parent,
-             .position = host.position(n),
-             .radius = host.radius(n),
+             .position = template_tree.position(n),
+             .radius = template_tree.radius(n),
              .order = parent == kNoIndex ? 0 : nodes_[parent].order + (begins ? 1 : 0),
              .orders = sizes.orders[i],
              .length = sizes.length[i]});
@@ -87,9 +88,9 @@ Place ComposedTree::place(std::uint32_t node, std::uint32_t first) const {
             [&](std::uint32_t n) { return Vec3d(nodes_[n].position); }, next, kNoIndex);
     };
     out.direction = direction_to(first, [&](std::uint32_t n) { return leader(n); });
-    out.host = at.parent == kNoIndex
-                   ? kUp
-                   : -direction_to(at.parent, [&](std::uint32_t n) { return nodes_[n].parent; });
+    out.parent_direction = at.parent == kNoIndex
+                               ? kUp
+                               : -direction_to(at.parent, [&](std::uint32_t n) { return nodes_[n].parent; });
     for (std::uint32_t c = at.child; c != kNoIndex; c = nodes_[c].next) {
         if (nodes_[c].gone) continue;
         out.node_length += nodes_[c].length;

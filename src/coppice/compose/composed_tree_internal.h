@@ -17,7 +17,7 @@ struct Place {
     std::uint32_t node = 0;       ///< the branch node
     std::uint32_t first = 0;      ///< the first node of the existing branch
     Vec3d position;               ///< [m] position of the node
-    Vec3d host;                   ///< unit vector; direction in which the parent branch arrives
+    Vec3d parent_direction;       ///< unit vector; direction in which the parent branch arrives
     Vec3d direction;              ///< unit vector; direction in which the branch leaves
     double radius = 0;            ///< [m] radius of the parent branch at the node
     double first_radius = 0;      ///< [m] radius of the branch at its first node
@@ -44,7 +44,7 @@ class ComposedTree {
         bool gone = false;
     };
 
-    ComposedTree(const Skeleton& host, const ComposeOptions& options);
+    ComposedTree(const Skeleton& parent_direction, const ComposeOptions& options);
 
     std::uint32_t size() const { return static_cast<std::uint32_t>(nodes_.size()); }
     const Node& operator[](std::uint32_t n) const { return nodes_[n]; }

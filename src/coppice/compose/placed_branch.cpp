@@ -60,17 +60,17 @@ class Surroundings {
 
 /// Returns the direction with the original inclination towards the side with the most free space; on ties,
 /// the first one counted from +x.
-Vec3d roomy_direction(const ChildTree& branch, const Skeleton& tree, const HostPlace& host, double scale) {
-    const Frame side = branch_frame(host.direction, {1, 0, 0});
+Vec3d roomy_direction(const ChildTree& branch, const Skeleton& tree, const ParentPlace& place, double scale) {
+    const Frame side = branch_frame(place.direction, {1, 0, 0});
     const double extent = scale * measure(branch).extent, a = double{branch.inclination};
-    const Surroundings surroundings(tree, host.position, extent);
+    const Surroundings surroundings(tree, place.position, extent);
     Vec3d best;
     double least = std::numeric_limits<double>::infinity();
     for (int k = 0; k < kSides; ++k) {
         const double azimuth = 2 * std::numbers::pi * k / kSides;
         const Vec3d out = side.x * std::cos(azimuth) + side.y * std::sin(azimuth);
         const Vec3d way = side.z * std::cos(a) + out * std::sin(a);
-        const double crowd = surroundings.crowd(host.position, way * extent);
+        const double crowd = surroundings.crowd(place.position, way * extent);
         if (k > 0 && crowd >= least * (1 - kBetter)) continue;
         least = crowd;
         best = way;
@@ -78,9 +78,9 @@ Vec3d roomy_direction(const ChildTree& branch, const Skeleton& tree, const HostP
     return best;
 }
 
-Vec3d compute_direction(const ChildTree& branch, const Skeleton& tree, const HostPlace& host,
+Vec3d compute_direction(const ChildTree& branch, const Skeleton& tree, const ParentPlace& place,
                         const BranchPose& pose) {
-    if (!pose.direction) return roomy_direction(branch, tree, host, pose.scale);
+    if (!pose.direction) return roomy_direction(branch, tree, place, pose.scale);
     if (!(length(*pose.direction) > 0))
         throw InvalidInput("a direction of 0,0,0 leads nowhere; enter a vector that is not zero");
     return normalized(*pose.direction);
@@ -88,25 +88,26 @@ Vec3d compute_direction(const ChildTree& branch, const Skeleton& tree, const Hos
 
 }  // namespace
 
-HostPlace host_place(const Skeleton& tree, NodeId node, double along) {
-    const HostPlace end{Vec3d(tree.position(node)), host_direction(tree, node), double{tree.radius(node)}};
+ParentPlace find_parent_place(const Skeleton& tree, NodeId node, double along) {
+    const ParentPlace end{Vec3d(tree.position(node)), compute_parent_direction(tree, node),
+                          double{tree.radius(node)}};
     if (tree.is_root(node) || along >= 1) return end;
     const Segment s = tree.segment(node);
     return {lerp(Vec3d(s.a), Vec3d(s.b), along), normalized(Vec3d(s.b) - Vec3d(s.a), end.direction),
             s.radius_a + (double{s.radius_b} - s.radius_a) * along};
 }
 
-Skeleton placed_branch(const ChildTree& branch, const Skeleton& tree, const HostPlace& host,
+Skeleton placed_branch(const ChildTree& branch, const Skeleton& tree, const ParentPlace& place,
                        const BranchPose& pose) {
     const Frame frame =
-        rolled(branch_frame(compute_direction(branch, tree, host, pose), host.direction), pose.roll);
+        rolled(branch_frame(compute_direction(branch, tree, place, pose), place.direction), pose.roll);
     const Vec3d start =
-        host.position + frame.z * std::max(0.0, host.radius - pose.scale * double{branch.host_radius});
+        place.position + frame.z * std::max(0.0, place.radius - pose.scale * double{branch.parent_radius});
     const Skeleton& s = branch.skeleton;
     std::vector<Vec3> positions;
     std::vector<float> radii;
     for (const NodeId n : nodes(s)) {
-        const Vec3d from = s.is_root(n) ? host.position : start;
+        const Vec3d from = s.is_root(n) ? place.position : start;
         positions.emplace_back(from + frame.to_world(Vec3d(s.position(n)) * pose.scale));
         radii.push_back(static_cast<float>(double{s.radius(n)} * pose.scale));
     }

@@ -7,7 +7,7 @@
 namespace coppice {
 
 /// A point on an axis of a tree.
-struct HostPlace {
+struct ParentPlace {
     Vec3d position;     ///< [m] from the skeleton's origin
     Vec3d direction;    ///< unit vector; direction in which the axis arrives there; up at a root
     double radius = 0;  ///< [m] radius of the branch
@@ -15,7 +15,7 @@ struct HostPlace {
 
 /// Returns the point at the parameter `along` of the segment that ends at a node, 1 at the node; for a root,
 /// the root itself.
-HostPlace host_place(const Skeleton& tree, NodeId node, double along = 1);
+ParentPlace find_parent_place(const Skeleton& tree, NodeId node, double along = 1);
 
 /// Direction, roll and scale of an inserted child tree.
 struct BranchPose {
@@ -30,7 +30,7 @@ struct BranchPose {
 /// the origin of the tree, with its own radii. If the parent branch is thicker than the original one, the
 /// first segment is longer by the difference, because forks inside a branch create intersecting surfaces.
 /// Throws InvalidInput if the direction is zero. O(n), for both trees.
-Skeleton placed_branch(const ChildTree& branch, const Skeleton& tree, const HostPlace& host,
+Skeleton placed_branch(const ChildTree& branch, const Skeleton& tree, const ParentPlace& place,
                        const BranchPose& pose = {});
 
 }  // namespace coppice

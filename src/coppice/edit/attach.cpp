@@ -16,22 +16,22 @@ namespace {
 
 /// Spatial index of the branches of a tree at construction. Segments that are split later are found through
 /// the list of their new nodes.
-class Wood {
+class BranchIndex {
   public:
-    Wood(const EditableTree& tree, const Context& ctx)
+    BranchIndex(const EditableTree& tree, const Context& ctx)
         : tree_(tree), node_(tree.nodes()), boxes_(compute_boxes(tree, node_), ctx) {}
 
     /// Returns the closest axis point of the branch in which p is deepest, among trees other than that of
     /// `root`; none if p is outside all branches.
-    Foot around(StableId root, Vec3d p) const {
-        Foot best;
+    ClosestPoint around(StableId root, Vec3d p) const {
+        ClosestPoint best;
         visit_near({Vec3(p), Vec3(p)}, [&](StableId n) {
             if (!tree_.contains(n) || (tree_.is_root(n) && !tree_.is_tip(n))) return;
-            const Foot foot = on_pieces(n, p);
-            if (foot.distance >= foot.radius || tree_.find_root(n) == root) return;
-            const bool deeper = !best.node || foot.distance / foot.radius < best.distance / best.radius;
-            const bool tied = best.node && foot.distance / foot.radius == best.distance / best.radius;
-            if (deeper || (tied && foot.node < best.node)) best = foot;
+            const ClosestPoint closest = on_pieces(n, p);
+            if (closest.distance >= closest.radius || tree_.find_root(n) == root) return;
+            const bool deeper = !best.node || closest.distance / closest.radius < best.distance / best.radius;
+            const bool tied = best.node && closest.distance / closest.radius == best.distance / best.radius;
+            if (deeper || (tied && closest.node < best.node)) best = closest;
         });
         return best;
     }
@@ -43,23 +43,23 @@ class Wood {
     }
 
     /// Returns the closest point to p on the original segment that ended at n.
-    Foot on_pieces(StableId n, Vec3d p) const {
-        Foot best = foot_on(tree_, n, p);
+    ClosestPoint on_pieces(StableId n, Vec3d p) const {
+        ClosestPoint best = closest_point_on_segment(tree_, n, p);
         const auto found = pieces_.find(n.index());
         if (found == pieces_.end()) return best;
         for (const StableId piece : found->second) {
-            const Foot foot = foot_on(tree_, piece, p);
-            if (foot.distance < best.distance) best = foot;
+            const ClosestPoint closest = closest_point_on_segment(tree_, piece, p);
+            if (closest.distance < best.distance) best = closest;
         }
         return best;
     }
 
     /// As node_at, for a point that was found by this index.
-    StableId split(TreeEdit& edit, const Foot& foot) {
+    StableId split(TreeEdit& edit, const ClosestPoint& closest) {
         const std::uint32_t slots = tree_.slots();
-        const StableId at = node_at(edit, tree_, foot);
+        const StableId at = node_at(edit, tree_, closest);
         if (at.index() < slots) return at;
-        const StableId n = whole(foot.node);
+        const StableId n = whole(closest.node);
         whole_[at.index()] = n;
         pieces_[n.index()].push_back(at);
         return at;
@@ -90,11 +90,12 @@ class Wood {
     std::unordered_map<std::uint32_t, StableId> whole_;                ///< inverse map
 };
 
-void attach_root(TreeEdit& edit, const EditableTree& tree, Wood& wood, StableId root, const Foot& foot) {
-    const StableId host = wood.split(edit, foot);
-    limit_radii(edit, tree, root, static_cast<float>(foot.radius));
-    if (tree.position(root) != tree.position(host)) return edit.set_parent(root, host);
-    while (!tree.is_tip(root)) edit.set_parent(tree.first_child(root), host);
+void attach_root(TreeEdit& edit, const EditableTree& tree, BranchIndex& branch_index, StableId root,
+                 const ClosestPoint& closest) {
+    const StableId parent_node = branch_index.split(edit, closest);
+    limit_radii(edit, tree, root, static_cast<float>(closest.radius));
+    if (tree.position(root) != tree.position(parent_node)) return edit.set_parent(root, parent_node);
+    while (!tree.is_tip(root)) edit.set_parent(tree.first_child(root), parent_node);
     edit.remove(root);
 }
 
@@ -104,13 +105,13 @@ struct Passage {
     double deepest = 0;             ///< [m] along the axis, closest to the other axis
     double depth = 0;               ///< distance there divided by the radius of the branch; < 1
     StableId node;                  ///< end of the segment of the axis
-    StableId host;                  ///< end of the other segment
+    StableId parent_node;           ///< end of the other segment
     bool at_joint = false;          ///< whether the other axis leaves this one within the interval
 };
 
-/// A point at which a branch is cut; its outer portion is attached to the host.
+/// A point at which a branch is cut; its outer portion is attached to the other segment.
 struct Cut {
-    StableId node, host;
+    StableId node, parent_node;
     Vec3d place;       ///< [m] on the axis of the branch
     double along = 0;  ///< [m] from its joint
 };
@@ -118,7 +119,8 @@ struct Cut {
 /// Finds the intersections of axes with other branches.
 class CrossingSearch {
   public:
-    CrossingSearch(const EditableTree& tree, const Wood& wood) : tree_(tree), wood_(wood), at_(tree.slots()) {
+    CrossingSearch(const EditableTree& tree, const BranchIndex& branch_index)
+        : tree_(tree), branch_index_(branch_index), at_(tree.slots()) {
         std::uint32_t number = 0;
         for (StableId root = tree.first_root(); root; root = tree.next_sibling(root)) {
             tree.visit_subtree(root, [&](StableId n) {
@@ -173,10 +175,10 @@ class CrossingSearch {
     }
 
     /// Returns whether, of two overlapping segments, the one that ends at n is cut.
-    bool gives_way(StableId n, double radius, StableId host, double host_radius) const {
-        if (hangs_on(host, n)) return false;
-        if (hangs_on(n, host)) return true;
-        return radius < host_radius || (radius == host_radius && host < n);
+    bool gives_way(StableId n, double radius, StableId parent_node, double parent_radius) const {
+        if (hangs_on(parent_node, n)) return false;
+        if (hangs_on(n, parent_node)) return true;
+        return radius < parent_radius || (radius == parent_radius && parent_node < n);
     }
 
     void find_passages(StableId n, std::vector<Passage>& out) const {
@@ -184,23 +186,25 @@ class CrossingSearch {
         const double length = distance(a, b), end = at_[n].along;
         Box3 box{Vec3(a), Vec3(a)};
         box.extend(Vec3(b));
-        wood_.visit_near(box, [&](StableId host) {
-            if (tree_.is_root(host) || at_[host].axis == at_[n].axis) return;
-            const auto cone = round_cone<double>(tree_.segment(host));
-            const auto outside = [&](double t) { return cone.foot(lerp(a, b, t)).signed_distance(); };
+        branch_index_.visit_near(box, [&](StableId parent_node) {
+            if (tree_.is_root(parent_node) || at_[parent_node].axis == at_[n].axis) return;
+            const auto cone = round_cone<double>(tree_.segment(parent_node));
+            const auto outside = [&](double t) {
+                return cone.closest_point(lerp(a, b, t)).signed_distance();
+            };
             const double deepest = closest_parameters(a, b, cone.a, cone.b()).on_a;
             if (outside(deepest) >= 0) return;
-            const auto foot = cone.foot(lerp(a, b, deepest));
-            if (!gives_way(n, std::lerp(radius_at_start(n), double{tree_.radius(n)}, deepest), host,
-                           foot.radius))
+            const auto closest = cone.closest_point(lerp(a, b, deepest));
+            if (!gives_way(n, std::lerp(radius_at_start(n), double{tree_.radius(n)}, deepest), parent_node,
+                           closest.radius))
                 return;
             const auto along = [&](double t) { return end - (1 - t) * length; };
             const Passage p{.enters = along(boundary(outside, deepest, 0)),
                             .leaves = along(boundary(outside, deepest, 1)),
                             .deepest = along(deepest),
-                            .depth = foot.distance() / foot.radius,
+                            .depth = closest.distance() / closest.radius,
                             .node = n,
-                            .host = host};
+                            .parent_node = parent_node};
             out.push_back(p);
             out.back().at_joint = holds_joint(p);
         });
@@ -220,9 +224,9 @@ class CrossingSearch {
         return inside;
     }
 
-    /// Returns whether the axis of the host leaves this axis within the passage.
+    /// Returns whether the axis of the other segment leaves this axis within the passage.
     bool holds_joint(const Passage& p) const {
-        const StableId other = at_[p.host].axis;
+        const StableId other = at_[p.parent_node].axis;
         if (tree_.is_root(other)) return false;
         const StableId joint = tree_.parent(other);
         if (at_[joint].axis != at_[p.node].axis) return false;
@@ -233,7 +237,7 @@ class CrossingSearch {
     /// Merges passages that touch and creates one cut at the deepest of each group.
     void add_cuts(std::vector<Passage>& passages, double length, const Column<StableId, std::uint8_t>& chosen,
                   std::vector<Cut>& out) const {
-        std::ranges::sort(passages, {}, [](const Passage& p) { return std::pair(p.enters, p.host); });
+        std::ranges::sort(passages, {}, [](const Passage& p) { return std::pair(p.enters, p.parent_node); });
         const double touching = kTouching * length;
         const std::size_t before = out.size();
         for (std::size_t i = 0; i < passages.size();) {
@@ -250,7 +254,7 @@ class CrossingSearch {
             const Vec3d from = get_position(tree_, tree_.parent(deepest->node)),
                         to = get_position(tree_, deepest->node);
             const double t = 1 - (at_[deepest->node].along - deepest->deepest) / distance(from, to);
-            out.push_back({deepest->node, deepest->host, lerp(from, to, t), deepest->deepest});
+            out.push_back({deepest->node, deepest->parent_node, lerp(from, to, t), deepest->deepest});
         }
         std::reverse(out.begin() + static_cast<std::ptrdiff_t>(before), out.end());
     }
@@ -258,7 +262,7 @@ class CrossingSearch {
     static constexpr double kTouching = 1e-6;  // [length of the axis]
 
     const EditableTree& tree_;
-    const Wood& wood_;
+    const BranchIndex& branch_index_;
     Column<StableId, At> at_;
     std::vector<StableId> order_;
 };
@@ -272,45 +276,46 @@ Column<StableId, std::uint8_t> find_subtrees(const EditableTree& tree, const Nod
     return chosen;
 }
 
-bool may_hang(const EditableTree& tree, StableId n, StableId host) {
+bool may_hang(const EditableTree& tree, StableId n, StableId parent_node) {
     const auto is_on = [&](StableId other) { return tree.position(n) == tree.position(other); };
-    if (is_on(host) || hangs_on(tree, host, n)) return false;
-    for (StableId c = tree.first_child(host); c; c = tree.next_sibling(c)) {
+    if (is_on(parent_node) || hangs_on(tree, parent_node, n)) return false;
+    for (StableId c = tree.first_child(parent_node); c; c = tree.next_sibling(c)) {
         if (is_on(c)) return false;
     }
     return true;
 }
 
-/// Cuts a branch and attaches its outer portion to the host, unless the host became a descendant of it by a
-/// previous cut.
-void make_cut(TreeEdit& edit, const EditableTree& tree, Wood& wood, const Cut& cut) {
+/// Cuts a branch and attaches its outer portion to the other segment, unless that became a descendant of it
+/// by a previous cut.
+void make_cut(TreeEdit& edit, const EditableTree& tree, BranchIndex& branch_index, const Cut& cut) {
     // If a segment was cut before, finds its section that contains the point.
-    const Foot own = wood.on_pieces(cut.node, cut.place), foot = wood.on_pieces(cut.host, cut.place);
-    if (foot.distance >= foot.radius || hangs_on(tree, foot.node, own.node)) return;
-    const StableId end = wood.split(edit, own), host = wood.split(edit, foot);
+    const ClosestPoint own = branch_index.on_pieces(cut.node, cut.place),
+                       closest = branch_index.on_pieces(cut.parent_node, cut.place);
+    if (closest.distance >= closest.radius || hangs_on(tree, closest.node, own.node)) return;
+    const StableId end = branch_index.split(edit, own), parent_node = branch_index.split(edit, closest);
     std::vector<StableId> outer{own.node};
     if (end == own.node) {
         outer.clear();
         for (StableId c = tree.first_child(end); c; c = tree.next_sibling(c)) outer.push_back(c);
     }
     for (const StableId n : outer) {
-        if (!may_hang(tree, n, host)) continue;
-        limit_radii(edit, tree, n, static_cast<float>(foot.radius));
-        edit.set_parent(n, host);
+        if (!may_hang(tree, n, parent_node)) continue;
+        limit_radii(edit, tree, n, static_cast<float>(closest.radius));
+        edit.set_parent(n, parent_node);
     }
 }
 
 /// Joins the crossings of the chosen nodes, including nodes inserted into their segments.
-void join_crossings(TreeEdit& edit, const EditableTree& tree, const Wood& before,
+void join_crossings(TreeEdit& edit, const EditableTree& tree, const BranchIndex& before,
                     Column<StableId, std::uint8_t> chosen, const Context& ctx) {
     const std::uint32_t known = chosen.size();
     chosen.resize(tree.slots());
     for (std::uint32_t i = known; i < tree.slots(); ++i)
         chosen[StableId(i)] = chosen[before.whole(StableId(i))];
-    Wood wood(tree, ctx);
-    for (const Cut& cut : CrossingSearch(tree, wood).cuts(chosen, ctx)) {
+    BranchIndex branch_index(tree, ctx);
+    for (const Cut& cut : CrossingSearch(tree, branch_index).cuts(chosen, ctx)) {
         ctx.throw_if_cancelled();
-        make_cut(edit, tree, wood, cut);
+        make_cut(edit, tree, branch_index, cut);
     }
 }
 
@@ -323,14 +328,14 @@ EditChange attach(EditableTree& tree, const NodeSet& nodes, Crossings crossings,
     if (roots.empty() && crossings == Crossings::keep)
         throw InvalidInput("no root is selected; attach joins trees by their roots, as with: attach roots");
     TreeEdit edit(tree);
-    Wood wood(tree, ctx);
+    BranchIndex branch_index(tree, ctx);
     const Column<StableId, std::uint8_t> chosen = find_subtrees(tree, nodes);
     for (const StableId root : roots) {
         ctx.throw_if_cancelled();
-        const Foot foot = wood.around(root, get_position(tree, root));
-        if (foot.node) attach_root(edit, tree, wood, root, foot);
+        const ClosestPoint closest = branch_index.around(root, get_position(tree, root));
+        if (closest.node) attach_root(edit, tree, branch_index, root, closest);
     }
-    if (crossings == Crossings::join) join_crossings(edit, tree, wood, chosen, ctx);
+    if (crossings == Crossings::join) join_crossings(edit, tree, branch_index, chosen, ctx);
     return edit.commit();
 }
 

@@ -30,25 +30,27 @@ struct DrawOptions {
 EditChange draw(EditableTree& tree, std::span<const Vec3d> points, const DrawOptions& options = {});
 
 /// Adds a child to a node at an offset [m]; radius [m] 0: the radius of the node.
-EditChange append(EditableTree& tree, StableId host, Vec3d by, double radius = 0);
+EditChange append(EditableTree& tree, StableId parent_node, Vec3d by, double radius = 0);
 
 /// Options of graft.
 struct GraftOptions {
-    double along = 1;    ///< position on the segment that ends at the host, 1 = at the host; in [0, 1]
+    double along = 1;  ///< position on the segment that ends at the parent node, 1 = at this node; in [0, 1]
     bool align = false;  ///< rotates the branch so that its azimuth and inclination relative to the parent
                          ///< branch are preserved
     bool limit_radius = true;  ///< limits radii to the radius of the parent branch there
 };
 
 /// Moves a branch to another parent branch, with its first segment, ids and shape: its joint moves to the
-/// host. If `branch` is a root, its children are grafted and the root is removed: this reattaches detached
-/// branches. Throws InvalidInput if the host is a descendant of the branch, and for a tree of a single node.
-EditChange graft(EditableTree& tree, StableId branch, StableId host, const GraftOptions& options = {});
+/// parent node. If `branch` is a root, its children are grafted and the root is removed: this reattaches
+/// detached branches. Throws InvalidInput if the parent node is a descendant of the branch, and for a tree of
+/// a single node.
+EditChange graft(EditableTree& tree, StableId branch, StableId parent_node, const GraftOptions& options = {});
 
-/// The same for a separate skeleton with its root at the host: it gets new ids. The reference direction for
-/// alignment at its root is +z. Also throws InvalidInput if it is not a single tree with at least one
-/// segment.
-EditChange graft(EditableTree& tree, const Skeleton& branch, StableId host, const GraftOptions& options = {});
+/// The same for a separate skeleton with its root at the parent node: it gets new ids. The reference
+/// direction for alignment at its root is +z. Also throws InvalidInput if it is not a single tree with at
+/// least one segment.
+EditChange graft(EditableTree& tree, const Skeleton& branch, StableId parent_node,
+                 const GraftOptions& options = {});
 
 /// Treatment of branches that intersect others.
 enum class Crossings {

@@ -62,22 +62,23 @@ void limit_radii(TreeEdit& edit, const EditableTree& tree, StableId top, float l
     });
 }
 
-Foot foot_on(const EditableTree& tree, StableId n, Vec3d p) {
+ClosestPoint closest_point_on_segment(const EditableTree& tree, StableId n, Vec3d p) {
     const auto cone = tree.is_root(n) ? round_cone(get_position(tree, n), get_position(tree, n),
                                                    double{tree.radius(n)}, double{tree.radius(n)})
                                       : round_cone<double>(tree.segment(n));
-    const auto foot = cone.foot(p);
-    return {n, tree.is_root(n) ? 1.0 : foot.t, p - foot.offset, foot.distance(), foot.radius};
+    const auto closest = cone.closest_point(p);
+    return {n, tree.is_root(n) ? 1.0 : closest.t, p - closest.offset, closest.distance(), closest.radius};
 }
 
-StableId node_at(TreeEdit& edit, const EditableTree& tree, const Foot& foot) {
+StableId node_at(TreeEdit& edit, const EditableTree& tree, const ClosestPoint& closest) {
     constexpr double kNear = 0.2;  // [radius] much shorter segments have no visible effect
-    if (tree.is_root(foot.node)) return foot.node;
-    const StableId parent = tree.parent(foot.node);
-    const double room = kNear * foot.radius;
-    if (foot.t >= 1 || distance(foot.place, get_position(tree, foot.node)) <= room) return foot.node;
-    if (foot.t <= 0 || distance(foot.place, get_position(tree, parent)) <= room) return parent;
-    return split_segment(edit, tree, foot.node, foot.t);
+    if (tree.is_root(closest.node)) return closest.node;
+    const StableId parent = tree.parent(closest.node);
+    const double room = kNear * closest.radius;
+    if (closest.t >= 1 || distance(closest.place, get_position(tree, closest.node)) <= room)
+        return closest.node;
+    if (closest.t <= 0 || distance(closest.place, get_position(tree, parent)) <= room) return parent;
+    return split_segment(edit, tree, closest.node, closest.t);
 }
 
 }  // namespace coppice::edit_internal

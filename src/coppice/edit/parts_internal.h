@@ -41,7 +41,7 @@ StableId split_segment(TreeEdit& edit, const EditableTree& tree, StableId n, dou
 void limit_radii(TreeEdit& edit, const EditableTree& tree, StableId top, float limit);
 
 /// A point on an axis of a tree.
-struct Foot {
+struct ClosestPoint {
     StableId node;  ///< end of its segment; a root without segments for a ball; none if no point was found
     double t = 1;   ///< parameter on the segment, 1 at the node
     Vec3d place;    ///< [m] local
@@ -49,22 +49,22 @@ struct Foot {
     double radius = 0;    ///< [m] of the branch there
 };
 
-Foot foot_on(const EditableTree& tree, StableId n, Vec3d p);
+ClosestPoint closest_point_on_segment(const EditableTree& tree, StableId n, Vec3d p);
 
 /// Returns the closest point to p on all axes, among the nodes for which `counts` returns true. O(n).
 template <class Counts>
-Foot nearest_foot(const EditableTree& tree, Vec3d p, const Counts& counts) {
-    Foot best;
+ClosestPoint find_closest_point(const EditableTree& tree, Vec3d p, const Counts& counts) {
+    ClosestPoint best;
     for (const StableId n : tree.nodes()) {
         if (!counts(n) || (tree.is_root(n) && !tree.is_tip(n))) continue;
-        const Foot foot = foot_on(tree, n, p);
-        if (!best.node || foot.distance < best.distance) best = foot;
+        const ClosestPoint closest = closest_point_on_segment(tree, n, p);
+        if (!best.node || closest.distance < best.distance) best = closest;
     }
     return best;
 }
 
 /// Returns the node at a point of an axis: an end of the segment within a fifth of the radius, otherwise a
 /// new node.
-StableId node_at(TreeEdit& edit, const EditableTree& tree, const Foot& foot);
+StableId node_at(TreeEdit& edit, const EditableTree& tree, const ClosestPoint& closest);
 
 }  // namespace coppice::edit_internal

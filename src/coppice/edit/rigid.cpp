@@ -32,14 +32,15 @@ Vec3d checked_direction(Vec3d v, const char* subject) {
 
 Vec3d axis_of_turn(const EditableTree& tree, StableId top, const TurnOptions& options) {
     const Vec3d own = compute_direction(tree, top);
-    const Vec3d host = tree.is_root(top) ? Vec3d{0, 0, 1} : compute_direction(tree, tree.parent(top));
+    const Vec3d parent_direction =
+        tree.is_root(top) ? Vec3d{0, 0, 1} : compute_direction(tree, tree.parent(top));
     switch (options.about) {
         case TurnAxis::own:
             return own;
         case TurnAxis::host:
-            return host;
+            return parent_direction;
         case TurnAxis::side:
-            return normalized(cross(own, host), perpendicular(own));
+            return normalized(cross(own, parent_direction), perpendicular(own));
         case TurnAxis::given:
             break;
     }

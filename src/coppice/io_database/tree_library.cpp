@@ -35,7 +35,7 @@ constexpr std::string_view kTreeTable = R"(CREATE TABLE tree (
     source TEXT NOT NULL,
     source_node INTEGER NOT NULL,
     leads INTEGER NOT NULL,
-    host_radius REAL NOT NULL,
+    parent_radius REAL NOT NULL,
     inclination REAL NOT NULL,
     length REAL NOT NULL,
     volume REAL NOT NULL,
@@ -52,7 +52,7 @@ constexpr std::string_view kTagTable = R"(CREATE TABLE tag (
 
 std::int64_t compute_hash(const ChildTree& tree, std::span<const std::byte> blob) {
     Hash hash;
-    hash.add(blob).add(tree.host_radius).add(tree.inclination).add(std::uint32_t{tree.leads});
+    hash.add(blob).add(tree.parent_radius).add(tree.inclination).add(std::uint32_t{tree.leads});
     return std::bit_cast<std::int64_t>(hash.value());
 }
 
@@ -203,7 +203,7 @@ class TreeLibrary::Database : public Sqlite {
                 insert.bind(2, std::string_view(batch.source));
                 insert.bind(3, std::int64_t{tree.source_node});
                 insert.bind(4, std::int64_t{tree.leads});
-                insert.bind(5, double{tree.host_radius});
+                insert.bind(5, double{tree.parent_radius});
                 insert.bind(6, double{tree.inclination});
                 insert.bind(7, m.length);
                 insert.bind(8, m.volume);
@@ -273,7 +273,7 @@ class TreeLibrary::Database : public Sqlite {
                              .orders = count(11),
                              .radius = static_cast<float>(row.real(12))},
                 .tree = {.skeleton = {},
-                         .host_radius = static_cast<float>(row.real(4)),
+                         .parent_radius = static_cast<float>(row.real(4)),
                          .inclination = static_cast<float>(row.real(5)),
                          .leads = row.integer(3) != 0,
                          .source_node = count(2)}};

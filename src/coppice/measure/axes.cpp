@@ -132,7 +132,8 @@ class AxesJudge {
         bool near = false;
         for (std::size_t f = run.faces.begin; f < run.faces.end && !near; ++f) {
             const Vec3d corner = faces_.at(faces_.corners(f)[0]);
-            if (length_squared(c.foot(corner).offset) > far * far || keeps_clear(c, limit, f)) continue;
+            if (length_squared(c.closest_point(corner).offset) > far * far || keeps_clear(c, limit, f))
+                continue;
             faces_.visit_triangles(
                 f, [&](Vec3d p, Vec3d q, Vec3d r) { near = near || comes_near(c, limit, p, q, r); });
         }
@@ -149,9 +150,9 @@ class AxesJudge {
     bool keeps_clear(const RoundCone& c, double limit, std::size_t face) const {
         const auto corners = faces_.corners(face);
         const Vec3d middle = (faces_.at(corners[0]) + faces_.at(corners[2])) * 0.5;
-        const RoundCone::Foot foot = c.foot(middle);
-        const Vec3d outward = normalized(foot.offset);
-        const double beyond = dot(middle - foot.offset, outward) + limit;
+        const RoundCone::ClosestPoint closest = c.closest_point(middle);
+        const Vec3d outward = normalized(closest.offset);
+        const double beyond = dot(middle - closest.offset, outward) + limit;
         return std::ranges::all_of(corners,
                                    [&](std::uint32_t v) { return dot(faces_.at(v), outward) > beyond; });
     }

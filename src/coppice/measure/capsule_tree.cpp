@@ -100,7 +100,7 @@ class Closest {
     Closest(std::span<const RoundCone> cones, Vec3d p) : cones_(cones), p_(p) {}
 
     void offer(std::uint32_t i) {
-        const double rho_squared = cones_[i].foot(p_).relative_squared();
+        const double rho_squared = cones_[i].closest_point(p_).relative_squared();
         if (rho_squared > least_ || (rho_squared == least_ && i >= best_)) return;
         least_ = rho_squared;
         best_ = i;
@@ -166,7 +166,7 @@ void CapsuleTree::nearest(std::span<const Vec3d> points, std::uint32_t hint, std
         double limit = 0;
         for (const Vec3d p : points) {
             extend_outward(around, p);
-            limit = std::max(limit, cones_[out[0].capsule].foot(p).relative_squared());
+            limit = std::max(limit, cones_[out[0].capsule].closest_point(p).relative_squared());
         }
         limit *= 1 + 1e-12;
         const auto to_box = [&](std::uint32_t l, std::uint32_t i) {
@@ -198,7 +198,7 @@ bool CapsuleTree::any_within(Vec3d p, double rho, std::uint32_t except) const {
     boxes_.search([&](std::uint32_t l, std::uint32_t i) { return bound(l, i, p); }, limit,
                   [&](std::uint32_t piece) {
                       const std::uint32_t i = compute_capsule(piece);
-                      if (i == except || cones_[i].foot(p).relative_squared() >= rho * rho) return;
+                      if (i == except || cones_[i].closest_point(p).relative_squared() >= rho * rho) return;
                       found = true;
                       limit = -1;
                   });
@@ -213,8 +213,8 @@ double CapsuleTree::axis_distance(Vec3d p) const {
 
 SegmentGap gap(const RoundCone& a, const RoundCone& b) {
     const auto at = [&](double s, double t) { return SegmentGap{distance(a.point(s), b.point(t)), s, t}; };
-    const auto foot_on_a = [&](double t) { return a.foot(b.point(t)).t; };
-    const auto foot_on_b = [&](double s) { return b.foot(a.point(s)).t; };
+    const auto closest_on_a = [&](double t) { return a.closest_point(b.point(t)).t; };
+    const auto closest_on_b = [&](double s) { return b.closest_point(a.point(s)).t; };
     const double aa = length_squared(a.axis), bb = length_squared(b.axis), ab = dot(a.axis, b.axis);
     const double area = aa * bb - ab * ab;
     double s = 0;
@@ -222,8 +222,8 @@ SegmentGap gap(const RoundCone& a, const RoundCone& b) {
         const Vec3d w = a.a - b.a;
         s = std::clamp((ab * dot(b.axis, w) - bb * dot(a.axis, w)) / area, 0.0, 1.0);
     }
-    const double t = foot_on_b(s);
-    return at(foot_on_a(t), t);
+    const double t = closest_on_b(s);
+    return at(closest_on_a(t), t);
 }
 
 }  // namespace coppice

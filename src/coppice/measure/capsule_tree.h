@@ -51,7 +51,7 @@ class CapsuleTree {
     /// Returns whether a capsule other than `except` has a rho smaller than `rho`.
     bool any_within(Vec3d p, double rho, std::uint32_t except) const;
 
-    /// Calls visit(capsule, foot) for the capsules that contain p, some of them more than once, until it
+    /// Calls visit(capsule, closest) for the capsules that contain p, some of them more than once, until it
     /// returns false.
     template <class Visit>
     void visit_containing(Vec3d p, const Visit& visit) const {
@@ -59,8 +59,8 @@ class CapsuleTree {
         boxes_.search([&](std::uint32_t l, std::uint32_t i) { return bound(l, i, p); }, limit,
                       [&](std::uint32_t piece) {
                           const std::uint32_t i = compute_capsule(piece);
-                          const RoundCone::Foot foot = cones_[i].foot(p);
-                          if (limit > 0 && foot.relative_squared() <= 1 && !visit(i, foot)) limit = -1;
+                          const RoundCone::ClosestPoint closest = cones_[i].closest_point(p);
+                          if (limit > 0 && closest.relative_squared() <= 1 && !visit(i, closest)) limit = -1;
                       });
     }
 
@@ -76,7 +76,7 @@ class CapsuleTree {
         };
         boxes_.search(to_box, limit_squared, [&](std::uint32_t piece) {
             const std::uint32_t i = compute_capsule(piece);
-            const double d2 = length_squared(cones_[i].foot(p).offset);
+            const double d2 = length_squared(cones_[i].closest_point(p).offset);
             if (d2 <= limit_squared) visit(i, d2);
         });
     }

@@ -123,7 +123,7 @@ bool ConeUnion::is_cut_off(std::uint32_t i, Vec3d p) const {
 
 bool ConeUnion::contains(Vec3d p) const {
     bool found = false;
-    capsules_.visit_containing(p, [&](std::uint32_t i, const RoundCone::Foot&) {
+    capsules_.visit_containing(p, [&](std::uint32_t i, const RoundCone::ClosestPoint&) {
         found = !is_cut_off(i, p);
         return !found;
     });

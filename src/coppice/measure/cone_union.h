@@ -39,8 +39,8 @@ class ConeUnion {
     const CapsuleTree& capsules() const { return capsules_; }
 
     /// Returns whether solid i contains p, given the closest point on its axis; cuts are considered.
-    bool has(std::uint32_t i, Vec3d p, const RoundCone::Foot& foot) const {
-        return foot.relative_squared() <= 1 && !is_cut_off(i, p);
+    bool has(std::uint32_t i, Vec3d p, const RoundCone::ClosestPoint& closest) const {
+        return closest.relative_squared() <= 1 && !is_cut_off(i, p);
     }
 
     bool contains(Vec3d p) const;                     ///< O(log n)

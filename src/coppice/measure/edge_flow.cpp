@@ -123,7 +123,7 @@ std::vector<DensityClass> density(const PolygonMesh& mesh, const CapsuleTree& ca
         const std::uint32_t c = places.nearest[v].capsule;
         if (c == kNoIndex) continue;
         ++all;
-        ++out[classes.of(capsules.cone(c).foot(Vec3d(mesh.positions[v])).radius)].vertices;
+        ++out[classes.of(capsules.cone(c).closest_point(Vec3d(mesh.positions[v])).radius)].vertices;
     }
     for (std::size_t i = 0; i < out.size(); ++i) {
         out[i].radius = classes.maximum(i);

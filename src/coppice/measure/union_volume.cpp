@@ -41,9 +41,9 @@ struct Part {
 };
 
 /// Returns the portion of the cone that contains a point, given its closest point on the axis.
-Kind kind_at(const RoundCone& cone, const RoundCone::Foot& foot) {
+Kind kind_at(const RoundCone& cone, const RoundCone::ClosestPoint& closest) {
     if (length_squared(cone.axis) == 0) return kBall;
-    return foot.t <= 0 ? kStart : foot.t >= 1 ? kEnd : kFrustum;
+    return closest.t <= 0 ? kStart : closest.t >= 1 ? kEnd : kFrustum;
 }
 
 double cube(double x) { return x * x * x; }
@@ -119,9 +119,9 @@ class PartMap {
 bool is_own(const ConeUnion& solid, const Part& part, Vec3d p) {
     if (solid.is_cut_off(part.capsule, p)) return false;
     bool own = true;
-    solid.capsules().visit_containing(p, [&](std::uint32_t i, const RoundCone::Foot& foot) {
+    solid.capsules().visit_containing(p, [&](std::uint32_t i, const RoundCone::ClosestPoint& closest) {
         if (i == part.capsule) return true;
-        const Kind kind = kind_at(solid.capsules().cone(i), foot);
+        const Kind kind = kind_at(solid.capsules().cone(i), closest);
         const bool before = kind < part.kind || (kind == part.kind && i < part.capsule);
         own = !before || solid.is_cut_off(i, p);
         return own;

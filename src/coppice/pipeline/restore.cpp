@@ -124,7 +124,7 @@ class Restoration {
         const CapsuleTree::Nearest nearest = capsules_.nearest(p, hint);
         if (nearest.capsule == kNoIndex || nearest.rho > kFarFromAxis) return 0;
         hint = nearest.capsule;
-        return capsules_.cone(nearest.capsule).foot(p).radius;
+        return capsules_.cone(nearest.capsule).closest_point(p).radius;
     }
 
     void find_original() {

@@ -378,8 +378,8 @@ class Builder {
         const Path own = branches_.path(l.branch);
         const double wide = path.radius(l.center);
         const Vec3d up = path.direction(l.center, wide / 2), side = cross(up, l.out);
-        const Vec3d foot = path.position(l.center);
-        const Vec3d center = foot + l.out * std::max(dot(l.exit - foot, l.out), alpha_ * wide);
+        const Vec3d axis_point = path.position(l.center);
+        const Vec3d center = axis_point + l.out * std::max(dot(l.exit - axis_point, l.out), alpha_ * wide);
         const double half_face = length(point(face[0]) - point(face[1])) / 2;
         const double across = std::min(alpha_ * l.radius, kFaceFilled * half_face);
         const double down_by = std::min(alpha_ * l.half, kFaceFilled * low);

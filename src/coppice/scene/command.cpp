@@ -158,9 +158,9 @@ class Binder {
             const std::size_t left = positional_.size() - at, after = order.size() - i - 1;
             if (left == 0) break;
             if (order[i]->repeats) {
-                const std::size_t mine = left > after ? left - after : 0;
-                take(*order[i], at, mine);
-                at += mine;
+                const std::size_t own_count = left > after ? left - after : 0;
+                take(*order[i], at, own_count);
+                at += own_count;
             } else if (order[i]->type == ArgumentType::tuple) {
                 at += take_tuple(*order[i], at);
             } else {
@@ -204,16 +204,16 @@ class Binder {
         const std::filesystem::path path = call_.input(file.name);
         call_.unset(file);
         typed_.erase(given);
-        std::set<const Argument*> mine;
+        std::set<const Argument*> own;
         for (const Property& p : parse_properties(read_file(path, kLargestProperties), path.string())) {
             try {
                 const Argument& a = option_called(p.name);
                 if (a.type == ArgumentType::properties || a.required)
                     throw InvalidInput(
                         fmt::format("{} is not allowed in a file of options; add it to the command", p.name));
-                if (typed_.contains(&a) && !mine.contains(&a)) continue;
+                if (typed_.contains(&a) && !own.contains(&a)) continue;
                 bind_value(a, p.value);
-                mine.insert(&a);
+                own.insert(&a);
             } catch (const InvalidInput& e) {
                 throw InvalidInput(fmt::format("{}:{}: {}", path.string(), p.line, e.what()));
             }

@@ -100,9 +100,9 @@ void EditSession::follow(const Context& ctx) {
 }
 
 std::string EditSession::run(std::string_view line, const std::string& place, const Context& ctx) {
-    std::string said = run_one(line, place, ctx);
+    std::string output = run_one(line, place, ctx);
     follow(ctx);
-    return said;
+    return output;
 }
 
 std::string EditSession::run_one(std::string_view line, const std::string& place, const Context& ctx) {

@@ -30,10 +30,10 @@ Scene::Scene(SceneSettings settings)
 }
 
 std::string Scene::run(std::string_view line, const std::string& place, const Context& ctx) {
-    std::string said;
+    std::string output;
     const auto run_one = [&](std::string_view command, const std::string& at) {
-        said += run_command(command, at, ctx);
-        if (said.size() > kLongestAnswer) {
+        output += run_command(command, at, ctx);
+        if (output.size() > kLongestAnswer) {
             placed(at, [] {
                 throw InvalidInput(
                     "the output of the block exceeds 16 MiB; let fewer of its turns list or describe");
@@ -41,7 +41,7 @@ std::string Scene::run(std::string_view line, const std::string& place, const Co
         }
     };
     script_.take(line, place, run_one, ctx);
-    return said;
+    return output;
 }
 
 std::string Scene::run_command(std::string_view line, const std::string& place, const Context& ctx) {

@@ -80,8 +80,8 @@ Topology branch_out(std::uint32_t segments, std::uint32_t trunk_length, std::uin
         const Axis axis = axes[a];
         for (std::uint32_t k = axis.order == 0 ? 3 : 1; k < axis.length && t.left > 1; ++k) {
             for (int count = laterals_at(draws, axis.order, hard); count > 0 && t.left > 1; --count) {
-                const double wish = (axis.length - k) * draws.uniform(0.55, 0.95);
-                const auto length = std::clamp(static_cast<std::uint32_t>(std::lround(wish)), 2u, t.left);
+                const double target = (axis.length - k) * draws.uniform(0.55, 0.95);
+                const auto length = std::clamp(static_cast<std::uint32_t>(std::lround(target)), 2u, t.left);
                 axes.push_back(add_axis(t, axis.node(k), length, axis.order + 1));
             }
         }

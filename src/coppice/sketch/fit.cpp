@@ -25,7 +25,7 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 Eigen::Vector3d eigen(Vec3d v) { return {v.x, v.y, v.z}; }
 
 /// Target position of a node in an image.
-struct Wish {
+struct Target {
     std::size_t node;
     const SketchView* view;
     PicturePoint target;     ///< [pixels]
@@ -178,7 +178,7 @@ class AxisFit {
     }
 
     void request_all() {
-        wishes_.clear();
+        targets_.clear();
         for (std::size_t i = 0; i < nodes_.size(); ++i) add_requests(i);
     }
 
@@ -190,7 +190,7 @@ class AxisFit {
             const double weight = 1 / l.noise, matched = node.along[which];
             if (node.own[which] >= 0) {
                 const double along = node.end ? weight : kAlongOwn * weight;
-                wishes_.push_back(
+                targets_.push_back(
                     {i, &view(which), l.at(matched), l.direction(matched), l.noise, weight, along});
                 continue;
             }
@@ -198,16 +198,16 @@ class AxisFit {
             const double slack = 2 * l.length() / static_cast<double>(l.points.size());
             const double s = l.nearest(project(view(which), node.position), std::max(0.0, matched - slack),
                                        std::min(l.length(), matched + slack));
-            wishes_.push_back({i, &view(which), l.at(s), l.direction(s), l.noise, weight, 0});
-            wishes_.push_back(
+            targets_.push_back({i, &view(which), l.at(s), l.direction(s), l.noise, weight, 0});
+            targets_.push_back(
                 {i, &view(which), l.at(matched), l.direction(matched), l.noise, 0, kAlongOther * weight});
         }
         for (const Sight& other : in_.others) {
             const PicturePoint p = project(*other.view, node.position);
             const double s = other.line->nearest(p, 0, other.line->length());
             if (s <= 0 || s >= other.line->length()) continue;
-            wishes_.push_back({i, other.view, other.line->at(s), other.line->direction(s), other.line->noise,
-                               1 / other.line->noise, 0});
+            targets_.push_back({i, other.view, other.line->at(s), other.line->direction(s), other.line->noise,
+                                1 / other.line->noise, 0});
         }
     }
 
@@ -232,14 +232,14 @@ class AxisFit {
         double squared() const { return across * across + along * along; }
     };
 
-    static Miss miss(const Wish& w, Vec3d position) {
+    static Miss miss(const Target& w, Vec3d position) {
         const PicturePoint off = project(*w.view, position) - w.target;
         return {w.across * cross(w.direction, off), w.along * dot(w.direction, off)};
     }
 
     double compute_cost(const std::vector<Vec3d>& positions) const {
         double sum = 0, weight = 0;
-        for (const Wish& w : wishes_) sum += robust(miss(w, positions[w.node]).squared(), w.noise, weight);
+        for (const Target& w : targets_) sum += robust(miss(w, positions[w.node]).squared(), w.noise, weight);
         for (std::size_t i = 1; i + 1 < positions.size(); ++i)
             sum += sharp(length_squared(bend_at(positions, i)), kSharp, weight);
         if (in_.start) sum += length_squared((positions.front() - *in_.start) * start_weight());
@@ -261,7 +261,7 @@ class AxisFit {
     double linearise(const std::vector<Vec3d>& positions) {
         system_.reset(positions.size());
         double cost = 0;
-        for (const Wish& w : wishes_) cost += add_request(w, positions[w.node]);
+        for (const Target& w : targets_) cost += add_target(w, positions[w.node]);
         for (std::size_t i = 1; i + 1 < positions.size(); ++i) cost += add_bend(i, positions);
         if (!in_.start) return cost;
         const double ww = start_weight() * start_weight();
@@ -271,7 +271,7 @@ class AxisFit {
         return cost + ww * length_squared(off);
     }
 
-    double add_request(const Wish& w, Vec3d position) {
+    double add_target(const Target& w, Vec3d position) {
         const Miss m = miss(w, position);
         const auto [x, y] = projection_change(*w.view, position);
         double weight = 0;
@@ -344,7 +344,7 @@ class AxisFit {
         request_all();
         const std::vector<Vec3d> at = positions();
         double weight = 0;
-        for (const Wish& w : wishes_) {
+        for (const Target& w : targets_) {
             const double noise = std::min(w.noise, 1.0);
             nodes[w.node].off += noise * noise * robust(miss(w, at[w.node]).squared(), w.noise, weight);
         }
@@ -362,7 +362,7 @@ class AxisFit {
     std::vector<double> pieces_;  ///< [m] target lengths between nodes
     double total_ = 0;            ///< [m] total of all segments
     double scale_ = 1;            ///< [pixels / m]
-    std::vector<Wish> wishes_;
+    std::vector<Target> targets_;
     BandedSystem system_;
 };
 

@@ -14,7 +14,7 @@ const Stroke* stroke_in(const SketchBranch& branch, std::uint32_t view) {
 }
 
 /// Returns the position at which the first stem begins in a view.
-PicturePoint foot_in(const Sketch& sketch, std::uint32_t view, const std::string& where) {
+PicturePoint find_base(const Sketch& sketch, std::uint32_t view, const std::string& where) {
     for (const SketchBranch& branch : sketch.branches)
         if (const Stroke* stroke = stroke_in(branch, view); stroke && !branch.parent)
             return stroke->points.front();
@@ -29,16 +29,16 @@ SketchView snapshot_view(const Sketch& sketch, std::uint32_t view, const Snapsho
     if (!(height > 0)) throw InvalidInput(where + ": the height of the tree must be above 0 metres");
     if (snapshot.side == DrawingSide::top)
         throw InvalidInput(where + ": the height of the tree is not visible from the top");
-    const PicturePoint foot = foot_in(sketch, view, where);
-    double top = foot.y;
+    const PicturePoint base = find_base(sketch, view, where);
+    double top = base.y;
     for (const SketchBranch& branch : sketch.branches) {
         if (const Stroke* stroke = stroke_in(branch, view))
             for (const PicturePoint p : stroke->points) top = std::min(top, p.y);
     }
-    if (!(foot.y - top >= 1))
+    if (!(base.y - top >= 1))
         throw InvalidInput(where + ": no point in this view is above the base of its stem");
     const SketchView& given = sketch.views[view];
-    SketchView out = drawing_view(snapshot.side, (foot.y - top) / height, foot);
+    SketchView out = drawing_view(snapshot.side, (base.y - top) / height, base);
     out.name = given.name;
     out.image = given.image;
     out.width = given.width;
@@ -47,11 +47,11 @@ SketchView snapshot_view(const Sketch& sketch, std::uint32_t view, const Snapsho
     if (given.width <= 0 || given.height <= 0)
         throw InvalidInput(where + ": field_of_view needs the width and height of the picture");
     const double focal = 0.5 * std::max(given.width, given.height) / std::tan(0.5 * snapshot.field_of_view);
-    const double away = focal * height / (foot.y - top);
+    const double away = focal * height / (base.y - top);
     const double cx = 0.5 * given.width, cy = 0.5 * given.height;
     out.projection = Projection::perspective;
     out.k = {{{focal, 0, cx}, {0, focal, cy}, {0, 0, 1}}};
-    out.t = {(foot.x - cx) * away / focal, (foot.y - cy) * away / focal, away};
+    out.t = {(base.x - cx) * away / focal, (base.y - cy) * away / focal, away};
     return out;
 }
 

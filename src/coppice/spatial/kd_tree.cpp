@@ -15,11 +15,11 @@ constexpr std::size_t kLook = 1 << 16;  // number of queries between two checks 
 struct Points {
     std::span<const Vec3> points;
     const Context* ctx;  ///< null after the construction: threads then query concurrently
-    mutable std::size_t asked = 0;
+    mutable std::size_t query_count = 0;
 
     std::size_t kdtree_get_point_count() const { return points.size(); }
     double kdtree_get_pt(std::size_t i, std::size_t axis) const {
-        if (ctx != nullptr && ++asked % kLook == 0) ctx->throw_if_cancelled();
+        if (ctx != nullptr && ++query_count % kLook == 0) ctx->throw_if_cancelled();
         return points[i][static_cast<int>(axis)];
     }
     template <class Box>

@@ -199,13 +199,14 @@ class StudioSession::State {
     Json answer(const std::string& client, const Json& request, const Context& ctx) {
         using studio_internal::refusal;
         try {
-            const Request asked{client, request, ctx};
-            const auto handler = handlers_.find(asked.text("type"));
+            const Request parsed{client, request, ctx};
+            const auto handler = handlers_.find(parsed.text("type"));
             if (handler == handlers_.end())
-                throw InvalidInput(fmt::format("there is no request '{}'", asked.text("type").substr(0, 40)));
+                throw InvalidInput(
+                    fmt::format("there is no request '{}'", parsed.text("type").substr(0, 40)));
             relay_.begin_request();
             const std::uint64_t before = studio_.document.revision();
-            Json out = handler->second(studio_, asked);
+            Json out = handler->second(studio_, parsed);
             if (studio_.document.revision() != before) studio_.by = client;
             out["ok"] = true;
             return out;

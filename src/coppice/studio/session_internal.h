@@ -45,7 +45,7 @@ class ObjectNotes {
     std::size_t tidy_at_ = 1024;
 };
 
-class KeptMotion;
+class CachedMotion;
 
 /// The data of all requests.
 struct Studio {
@@ -72,7 +72,7 @@ struct Studio {
     std::string by;                              ///< client of the last change
     bool recovered = false;                      ///< the text came from the journal
     std::set<Document::Name> previewed;          ///< objects that a client shows with changes by a preview
-    std::shared_ptr<KeptMotion> motion;          ///< the last one that was requested
+    std::shared_ptr<CachedMotion> motion;        ///< the last one that was requested
 
     bool is_saved() const {  ///< whether the file contains the current text
         const auto found = saved.find(document.file());
@@ -148,7 +148,7 @@ struct ExportRequest {
     std::string surface = {};  ///< options of mesh, in the syntax of a command
 };
 /// Exports an object and returns it as written. Throws as the writers.
-ObjectPtr export_to(const Studio& studio, const ExportRequest& wish, const Context& ctx);
+ObjectPtr export_to(const Studio& studio, const ExportRequest& export_request, const Context& ctx);
 
 /// Returns the options in a field of the request in the syntax of a command, with a blank before each.
 std::string typed_options(const Request& request, const char* field);

@@ -19,7 +19,7 @@ struct BasicRoundCone {
     T growth{};         ///< [m] radius at b minus radius at a
 
     /// A point of the axis relative to a point p.
-    struct Foot {
+    struct ClosestPoint {
         T t;                  ///< its parameter
         BasicVec3<T> offset;  ///< [m] vector from it to p
         T radius;             ///< [m] radius of the cone there
@@ -42,11 +42,11 @@ struct BasicRoundCone {
         return squared > 0 ? dot(p - a, axis) / squared : T{0};
     }
     /// Returns the point of the axis closest to p; for an axis of zero length the end with the larger ball.
-    Foot foot(BasicVec3<T> p) const {
-        return foot_at(closest_parameter(p, a, axis, growth < 0 ? T{0} : T{1}), p);
+    ClosestPoint closest_point(BasicVec3<T> p) const {
+        return closest_point_at(closest_parameter(p, a, axis, growth < 0 ? T{0} : T{1}), p);
     }
     /// Returns the point of the axis with this parameter.
-    Foot foot_at(T t, BasicVec3<T> p) const { return {t, p - point(t), radius(t)}; }
+    ClosestPoint closest_point_at(T t, BasicVec3<T> p) const { return {t, p - point(t), radius(t)}; }
 };
 
 /// Double precision, as distances require.

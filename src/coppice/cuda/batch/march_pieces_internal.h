@@ -68,7 +68,7 @@ class MarchPieces {
 
 /// Returns the result of marching a tile, copied to the host. Waits.
 template <class Exec>
-PieceMarch downloaded_piece(Exec& exec, const DeviceRefinement& refinement, const DeviceMarch& made) {
+PieceMarch download_march(Exec& exec, const DeviceRefinement& refinement, const DeviceMarch& made) {
     return {downloaded(exec, made), name_vertices(exec, refinement, made.vertices), made.vertices.moved.count,
             made.places, made.rounds};
 }
@@ -90,8 +90,8 @@ PieceMarch march_piece(Exec& exec, const TetraPiece& piece, const MarchInput& in
     job.coarse.own_end = static_cast<std::uint32_t>(piece.own().end);
     PieceMarch out;
     const bool done = with_march_field(exec, job, [&](const DeviceRefinement& refinement, const auto& at) {
-        out = downloaded_piece(exec, refinement,
-                               march_own(exec, refinement, job.axes, at, in.options.refinements));
+        out = download_march(exec, refinement,
+                             march_own(exec, refinement, job.axes, at, in.options.refinements));
     });
     if (!done) refuse_mesh(piece.mesh(), in.options.levels, ctx);
     return out;

@@ -49,7 +49,7 @@ class DragStages {
     void begin(const DragMoves& moves, const DrawnVertices& drawn, const Project& project) {
         exec_.rewind(before_);
         place(moves);
-        if (!lie_alike(drawn, shade_.drawn)) launches_.clear();
+        if (!use_same_buffers(drawn, shade_.drawn)) launches_.clear();
         shade_.drawn = drawn;
         exec_.replay(launches_, [&] {
             lists_ = begin_contacts(exec_, tables_, geometry_, order_, room_);
@@ -78,7 +78,7 @@ class DragStages {
     }
 
   private:
-    static bool lie_alike(const DrawnVertices& a, const DrawnVertices& b) {
+    static bool use_same_buffers(const DrawnVertices& a, const DrawnVertices& b) {
         return a.positions.data() == b.positions.data() && a.normals.data() == b.normals.data();
     }
 

@@ -325,13 +325,13 @@ class QuadStages {
                      UnfoldCluster<Field>{surface(), clusters, room, outcome, part_, field,
                                           FaceLimits(job_.untangle.quality), job_.untangle.passes,
                                           job_.untangle.projected_passes});
-        const std::span<const std::uint32_t> said = exec_.fetch(std::span<const std::uint32_t>(results));
+        const std::span<const std::uint32_t> values = exec_.fetch(std::span<const std::uint32_t>(results));
         exec_.wait();
         for (std::size_t p = 0; p < parts; ++p) {
-            reports[p].passes = said[1 + p];
-            reports[p].moved = said[1 + parts + p];
+            reports[p].passes = values[1 + p];
+            reports[p].moved = values[1 + parts + p];
         }
-        for (const std::uint32_t q : said.subspan(1 + 2 * parts, said[0]))
+        for (const std::uint32_t q : values.subspan(1 + 2 * parts, values[0]))
             reports[job_.part_of_quad(q)].still_bad.push_back(q);
     }
 

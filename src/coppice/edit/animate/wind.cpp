@@ -126,14 +126,14 @@ Pose Wind::swayed(const Pose& still, double time) const {
         const NodeId parent = parent_[i];
         if (!parent) continue;
         const std::uint32_t k = axis_of_[i];
-        const Rotation& host = sway[joint_of_[k].index()];
+        const Rotation& parent_sway = sway[joint_of_[k].index()];
         if (is_known[k] == 0) {
             const Vec3d way =
                 Vec3d(still.positions[tip_of_[k].index()]) - Vec3d(still.positions[joint_of_[k].index()]);
-            axis_bend[k] = bend(axes_[k], host(normalized(way, {0, 0, 1})), time);
+            axis_bend[k] = bend(axes_[k], parent_sway(normalized(way, {0, 0, 1})), time);
             is_known[k] = 1;
         }
-        sway[i] = unit(rotation_by(axis_bend[k] * double{slope_[i]}) * host);
+        sway[i] = unit(rotation_by(axis_bend[k] * double{slope_[i]}) * parent_sway);
         const std::uint32_t p = parent.index();
         out.positions[i] =
             Vec3(Vec3d(out.positions[p]) + sway[i](Vec3d(still.positions[i]) - Vec3d(still.positions[p])));

@@ -37,7 +37,7 @@ constexpr std::size_t kAssignmentGrain = 4096;
 class Cones {
   public:
     /// Boxes include the space up to `beyond` [radius] outside the surface.
-    Cones(const InitialTree& tree, const DraftLinks& links, double beyond, const Context& ctx)
+    Cones(const InitialTree& tree, const InitialTreeLinks& links, double beyond, const Context& ctx)
         : cones_(compute_cones(tree, links)), boxes_(compute_boxes(cones_, beyond)), index_(boxes_, ctx) {}
     const RoundCone& operator[](std::uint32_t n) const { return cones_[n]; }
     /// Calls visit(i, segments) for every point with the segments that have a surface possibly within
@@ -55,7 +55,7 @@ class Cones {
     }
 
   private:
-    static std::vector<RoundCone> compute_cones(const InitialTree& tree, const DraftLinks& links) {
+    static std::vector<RoundCone> compute_cones(const InitialTree& tree, const InitialTreeLinks& links) {
         std::vector<RoundCone> cones;
         for (std::uint32_t n = 0; n < tree.size(); ++n) cones.push_back(surface_cone(tree, links, n));
         return cones;
@@ -102,8 +102,8 @@ NearestBranches nearest_branches(const Cones& cones, std::span<const std::uint32
     double best = kInfinity, next = kInfinity, best_radius = 0, next_radius = 0;
     NearestBranches out;
     for (const std::uint32_t n : near) {
-        const RoundCone::Foot foot = cones[n].foot(p);
-        const double d = foot.signed_distance(), r = foot.radius;
+        const RoundCone::ClosestPoint closest = cones[n].closest_point(p);
+        const double d = closest.signed_distance(), r = closest.radius;
         if (d < best) {
             if (out.first != kNoIndex && branch[out.first] != branch[n]) {
                 next = best;
@@ -132,7 +132,7 @@ NearestBranches nearest_branches(const Cones& cones, std::span<const std::uint32
 }
 
 /// Returns the branch of every node: a sequence of segments between forks, identified by its last node.
-std::vector<std::uint32_t> find_branches(const InitialTree& tree, const DraftLinks& links) {
+std::vector<std::uint32_t> find_branches(const InitialTree& tree, const InitialTreeLinks& links) {
     std::vector<std::uint32_t> branch(tree.size());
     for (std::uint32_t n = tree.size(); n-- > 0;) {
         const auto children = links.children(n);
@@ -148,7 +148,7 @@ struct Candidate {
 };
 
 /// Returns the terminal branches, the least required first.
-std::vector<Candidate> find_candidates(const InitialTree& tree, const DraftLinks& links,
+std::vector<Candidate> find_candidates(const InitialTree& tree, const InitialTreeLinks& links,
                                        std::span<const NearestBranches> nearest,
                                        const CompressedRows<std::uint32_t>& members,
                                        std::span<const float> spacing) {
@@ -188,7 +188,7 @@ double gain_now(const Candidate& c, std::span<const std::uint32_t> members,
 PointDistances assign_points(const InitialTree& tree, FitSamples& samples, std::span<const float> spacing,
                              const Context& ctx, const Tolerance& tolerance) {
     const std::size_t count = samples.positions.size();
-    const DraftLinks links(tree);
+    const InitialTreeLinks links(tree);
     const Cones cones(tree, links, tolerance.radii, ctx);
     PointDistances distances;
     const auto reach = [&](std::size_t i) {
@@ -205,10 +205,11 @@ PointDistances assign_points(const InitialTree& tree, FitSamples& samples, std::
         double best = std::numeric_limits<double>::infinity(), least = 0;
         const Vec3d p(samples.positions[i]);
         for (const std::uint32_t n : near_point) {
-            const RoundCone::Foot foot = cones[n].foot(p);
-            const double d = foot.signed_distance();
-            const double near = tree.fixed[n] ? reach_of_stem(foot.radius, double{spacing[i]}) - foot.radius
-                                              : tolerance.radii * foot.radius;
+            const RoundCone::ClosestPoint closest = cones[n].closest_point(p);
+            const double d = closest.signed_distance();
+            const double near = tree.fixed[n]
+                                    ? reach_of_stem(closest.radius, double{spacing[i]}) - closest.radius
+                                    : tolerance.radii * closest.radius;
             const double off = d - std::max(near, reach(i));
             if (off < least || (off == least && n < on[i])) {
                 least = off;
@@ -216,7 +217,7 @@ PointDistances assign_points(const InitialTree& tree, FitSamples& samples, std::
             }
             if (!(d < best || (d == best && n < samples.node[i]))) continue;
             best = d;
-            radius[i] = static_cast<float>(foot.radius);
+            radius[i] = static_cast<float>(closest.radius);
             samples.node[i] = n;
         }
         distances.distance[i] = static_cast<float>(best);
@@ -232,7 +233,7 @@ PointDistances assign_points(const InitialTree& tree, FitSamples& samples, std::
 
 std::uint32_t prune_redundant(InitialTree& tree, FitSamples& samples, std::span<const float> spacing,
                               double noise, const Context& ctx) {
-    const DraftLinks links(tree);
+    const InitialTreeLinks links(tree);
     const Cones cones(tree, links, 0, ctx);
     const auto branch = find_branches(tree, links);
     std::vector<double> margin;

@@ -28,7 +28,7 @@ struct Tubes {
 Tubes make_tubes(const InitialTree& tree, const FitSamples& samples) {
     Tubes tubes{
         tree.size(), std::vector<std::uint32_t>(tree.size()), {}, {}, std::vector<double>(tree.size(), 0)};
-    const DraftLinks links(tree);
+    const InitialTreeLinks links(tree);
     std::vector<std::uint32_t> tube_of_end(tree.size(), kNoIndex);
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
         tubes.of_node[n] = tree.parent[n] == kNoIndex ? n : tubes.of_node[tree.parent[n]];

@@ -25,7 +25,7 @@ double compute_rise(const InitialTree& tree, const PointDistances& distances, st
     std::uint32_t n = owner;
     for (int k = 0; n != kNoIndex && k < kSegments; n = tree.parent[n], ++k) {
         const RoundCone cone = axis_cone(tree, n);
-        rise = std::min(rise, cone.foot(p).distance() - std::min(cone.radius_a, cone.radius_b()));
+        rise = std::min(rise, cone.closest_point(p).distance() - std::min(cone.radius_a, cone.radius_b()));
     }
     return rise;
 }
@@ -38,7 +38,7 @@ std::vector<std::uint32_t> points_with_nodes(const FitSamples& samples) {
 }
 
 /// Returns the minimum height [m] of a tip above its parent branch.
-double min_rise(const Centerline& branch, const DraftOptions& options, double radius, double margin) {
+double min_rise(const Centerline& branch, const InitialTreeOptions& options, double radius, double margin) {
     const double above_bark =
         std::min({kHigh * radius, kHighSpacings * branch.spacing, kSteep * line_length(branch)});
     return std::max({options.reach * branch.spacing, above_bark, margin});

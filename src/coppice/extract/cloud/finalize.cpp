@@ -42,7 +42,7 @@ std::vector<char> hollow_nodes(const InitialTree& believed, std::span<const Node
 /// segment above them. Returns the roots.
 std::vector<std::uint32_t> cut_out(FittedTree& initial, std::vector<char> gone) {
     InitialTree& tree = initial.tree;
-    const DraftLinks links(tree);
+    const InitialTreeLinks links(tree);
     std::vector<std::uint32_t> roots = find_roots(tree);
     std::vector<char> joined(tree.size(), 0);
     for (const std::uint32_t root : roots) {
@@ -66,7 +66,7 @@ std::vector<std::uint32_t> cut_out(FittedTree& initial, std::vector<char> gone) 
 /// Assigns all points that need no twig of their own to segments nearby. Twigs cannot be detected among
 /// leaves: one is added to the middle of a cluster, not to each of its points.
 PointDistances cover_points(FittedTree& initial, const CloudInput& cloud, const Context& ctx) {
-    Tolerance covered{DraftOptions{}.cover, 1};
+    Tolerance covered{InitialTreeOptions{}.cover, 1};
     if (!cloud.leaf.empty()) covered.metres = cloud.options.detail;
     return assign_points(initial.tree, initial.samples, cloud.spacing, ctx, covered);
 }

@@ -37,7 +37,7 @@ constexpr double kWidestOfHeight = 0.15;  // [m] and [height]: maximum gap betwe
 constexpr float kSteep = 0.5f;            // horizontal distance per height; steeper than any ground
 constexpr double kDetailHeight = 0.02;    // [height] size of clusters of leaves that get a twig by default
 // Progress at the end of each stage, on clouds of trees.
-constexpr float kCleaned = 0.005f, kNeighboursFound = 0.04f, kLeavesSplit = 0.1f, kDrafted = 0.8f;
+constexpr float kCleaned = 0.005f, kNeighboursFound = 0.04f, kLeavesSplit = 0.1f, kTreeBuilt = 0.8f;
 constexpr float kTubesFound = 0.46f;  // share of the time of the initial tree
 
 double compute_height(std::span<const Vec3> points) {
@@ -235,8 +235,8 @@ double estimate_max_radius(std::span<const Vec3> points, std::span<const StemAxi
     return std::max(most, kOfCloud * double{box.diagonal()});
 }
 
-Rough rough_draft(const Cloud& cloud, const PathCloud& paths, const CloudOptions& options,
-                  std::span<const StemAxis> stems, std::optional<Vec3d> root, const Context& ctx) {
+Rough build_rough_tree(const Cloud& cloud, const PathCloud& paths, const CloudOptions& options,
+                       std::span<const StemAxis> stems, std::optional<Vec3d> root, const Context& ctx) {
     const Graph& graph = paths.graph.graph;
     const double spacing = median(paths.spacing);
     Rough out{other_bases(cloud, paths, stems, {spacing, root, options.max_trees}, ctx), {}};
@@ -248,9 +248,9 @@ Rough rough_draft(const Cloud& cloud, const PathCloud& paths, const CloudOptions
                    {options.step, options.fit_passes, estimate_max_radius(cloud.points, stems, out.bases)},
                    narrow_progress(ctx, 0, kTubesFound));
     FitSamples samples{cloud.points, {}, {tubes.node_of_point.begin(), tubes.node_of_point.end()}};
-    out.initial = draft_from_cloud(std::move(tubes), std::move(samples),
-                                   {graph, out.bases, paths.spacing, outward, {options.step, options.twig}},
-                                   narrow_progress(ctx, kTubesFound, 1));
+    out.initial = build_initial_tree(std::move(tubes), std::move(samples),
+                                     {graph, out.bases, paths.spacing, outward, {options.step, options.twig}},
+                                     narrow_progress(ctx, kTubesFound, 1));
     return out;
 }
 
@@ -299,20 +299,22 @@ CloudExtraction extract_from_cloud(const PointSet& set, const CloudOptions& opti
     ctx.report(kLeavesSplit);
     Rough rough;
     if (cleaning.leaves == 0) {
-        rough = rough_draft(cloud, paths, options, stems, root, narrow_progress(ctx, kLeavesSplit, kDrafted));
+        rough = build_rough_tree(cloud, paths, options, stems, root,
+                                 narrow_progress(ctx, kLeavesSplit, kTreeBuilt));
     } else {
         const Wood wood = select_wood(cloud, leaf, ctx);
-        rough = rough_draft(wood, make_path_cloud(wood, local_spacing(wood.near, kSpacingRank), options, ctx),
-                            options, stems, root, narrow_progress(ctx, kLeavesSplit, kDrafted));
+        rough = build_rough_tree(wood,
+                                 make_path_cloud(wood, local_spacing(wood.near, kSpacingRank), options, ctx),
+                                 options, stems, root, narrow_progress(ctx, kLeavesSplit, kTreeBuilt));
         place_among(rough, cloud.points, wood.place);
     }
-    const DraftOptions wanted{.step = options.step,
-                              .reach = options.twig,
-                              .detail = choose_detail(cloud.points, options),
-                              .area_limit = options.area_limit};
+    const InitialTreeOptions wanted{.step = options.step,
+                                    .reach = options.twig,
+                                    .detail = choose_detail(cloud.points, options),
+                                    .area_limit = options.area_limit};
     const Buffer<Vec3> outward = growth_directions(cloud.points, stems, rough.bases, ctx);
     finalize_tree(rough.initial, {paths.graph.graph, rough.bases, paths.spacing, outward, wanted, leaf},
-                  narrow_progress(ctx, kDrafted, 1));
+                  narrow_progress(ctx, kTreeBuilt, 1));
     cleaning.unreached =
         cloud.points.size() - cleaning.outliers - cleaning.understorey - rough.initial.reached;
     CloudExtraction out{make_result(rough.initial, set.origin, ctx), cleaning, {}, {{}, set.origin}};

@@ -83,7 +83,7 @@ void assign_stem_bases(FittedTree& initial, StemBases bases, std::span<const std
 }
 
 void correct_swollen_radii(InitialTree& tree) {
-    const DraftLinks links(tree);
+    const InitialTreeLinks links(tree);
     std::vector<std::uint32_t> swelling;
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
         if (tree.parent[n] == kNoIndex || tree.radius[n] <= kThickerThanBearer * tree.radius[tree.parent[n]])
@@ -102,8 +102,8 @@ void correct_swollen_radii(InitialTree& tree) {
     }
 }
 
-FittedTree draft_from_cloud(InitialTree tubes, FitSamples samples, const CloudInput& cloud,
-                            const Context& ctx) {
+FittedTree build_initial_tree(InitialTree tubes, FitSamples samples, const CloudInput& cloud,
+                              const Context& ctx) {
     FittedTree initial{std::move(tubes), std::move(samples)};
     if (initial.tree.size() > 0) {
         fit_initial_tree(initial, kLongFit, narrow_progress(ctx, 0, kFitted));

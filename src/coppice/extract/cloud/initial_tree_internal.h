@@ -18,7 +18,7 @@ inline constexpr double kThickerThanBearer = 2.3, kStout = 12;
 inline constexpr int kShortFit = 4;             // number of iterations of a fit of segments fitted before
 inline constexpr double kNodeTolerance = 0.02;  // [radius] tolerance of the removal of nodes
 
-struct DraftOptions {
+struct InitialTreeOptions {
     double step = 1;        ///< [spacing] distance between nodes
     double reach = 0.75;    ///< [spacing] minimum height of a tip above the existing surface
     double detail = 0;      ///< [m] maximum distance from all surfaces of leaves without a twig
@@ -34,7 +34,7 @@ struct CloudInput {
     StemBases bases;                 ///< bases of the trees without a measured stem
     std::span<const float> spacing;  ///< [m] per point
     std::span<const Vec3> outward;   ///< unit direction of growth per point
-    DraftOptions options;
+    InitialTreeOptions options;
     std::span<const std::uint8_t> leaf = {};  ///< per point, whether it is on a leaf; empty without leaves
 
     PathCost cost(std::span<const Vec3> positions) const { return {spacing, positions, outward}; }
@@ -52,8 +52,8 @@ struct FittedTree {
 /// Builds trees from tubes and completes them in three rounds: grows chains from points that no segment
 /// explains, fits all segments to all points, and prunes branches with points explained by the others.
 /// `tubes` may be empty.
-FittedTree draft_from_cloud(InitialTree tubes, FitSamples samples, const CloudInput& cloud,
-                            const Context& ctx);
+FittedTree build_initial_tree(InitialTree tubes, FitSamples samples, const CloudInput& cloud,
+                              const Context& ctx);
 
 /// Finalizes an initial tree: smooths its axes, estimates the radii from evidence and prior, and adds paths
 /// through unresolved regions. Points of leaves, which the initial tree need not contain, have no influence

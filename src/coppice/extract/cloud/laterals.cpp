@@ -35,14 +35,14 @@ struct Move {
 struct Laterals {
     InitialTree& tree;
     std::vector<std::uint32_t> next;  ///< per node, the next one on its axis
-    DraftLinks links;
+    InitialTreeLinks links;
     std::vector<char> gone;
     std::vector<std::uint32_t> stands_for;  ///< per node: itself, or the next one tipward if it is removed
 };
 
 /// Visits the segments of the axis through a fork on which a lateral from p may start.
 template <class Visit>
-void visit_host(const Laterals& l, std::uint32_t fork, Vec3d p, const Visit& visit) {
+void visit_parent_branch(const Laterals& l, std::uint32_t fork, Vec3d p, const Visit& visit) {
     const InitialTree& tree = l.tree;
     const double reach = kReach * tree.radius[fork] + distance(p, tree.position[fork]);
     double way = 0;
@@ -63,8 +63,8 @@ std::uint32_t outer_node(Laterals& l, std::uint32_t lateral, std::uint32_t fork)
     for (; l.next[n] != kNoIndex && l.links.children(n).size() == 1; n = l.next[n]) {
         const Vec3d p = l.tree.position[n];
         bool inside = false;
-        visit_host(l, fork, p, [&](std::uint32_t q) {
-            inside = inside || axis_cone(l.tree, q).foot(p).signed_distance() <= 0;
+        visit_parent_branch(l, fork, p, [&](std::uint32_t q) {
+            inside = inside || axis_cone(l.tree, q).closest_point(p).signed_distance() <= 0;
         });
         if (!inside) break;
         l.gone[n] = 1;
@@ -87,7 +87,7 @@ Vec3d compute_direction(const Laterals& l, std::uint32_t n) {
 Place best_place(const Laterals& l, std::uint32_t lateral, std::uint32_t fork) {
     const Vec3d start = l.tree.position[lateral], direction = compute_direction(l, lateral);
     Place best;
-    visit_host(l, fork, start, [&](std::uint32_t q) {
+    visit_parent_branch(l, fork, start, [&](std::uint32_t q) {
         const std::uint32_t parent = l.tree.parent[q];
         if (l.gone[q] || l.gone[parent]) return;
         const RoundCone cone = axis_cone(l.tree, q);
@@ -129,7 +129,7 @@ void carry_out(InitialTree& tree, std::vector<Move>& moves) {
 
 void reattach_laterals(InitialTree& tree, FitSamples& samples, const Context& ctx) {
     const std::uint32_t size = tree.size();
-    Laterals l{tree, axis_children(tree), DraftLinks(tree), std::vector<char>(size, 0),
+    Laterals l{tree, axis_children(tree), InitialTreeLinks(tree), std::vector<char>(size, 0),
                std::vector<std::uint32_t>(size)};
     std::iota(l.stands_for.begin(), l.stands_for.end(), 0u);
     std::vector<Move> moves;

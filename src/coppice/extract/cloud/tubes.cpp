@@ -144,11 +144,12 @@ void assign_to_tubes(CloudTree& tree, std::span<const Vec3> points, std::span<co
                 std::uint32_t found = kNoIndex;
                 for (const std::uint32_t item : near) {
                     const std::uint32_t n = owner[item];
-                    const RoundCone::Foot foot = tubes[item].foot(Vec3d(points[i]));
-                    const double rho = foot.distance() / compute_reach(n, foot.radius, double{spacing[i]});
+                    const RoundCone::ClosestPoint closest = tubes[item].closest_point(Vec3d(points[i]));
+                    const double rho =
+                        closest.distance() / compute_reach(n, closest.radius, double{spacing[i]});
                     if (rho > best || (rho == best && found != kNoIndex)) continue;
                     best = rho;
-                    found = foot.t < 0.5 ? tree.parent[n] : n;
+                    found = closest.t < 0.5 ? tree.parent[n] : n;
                 }
                 tree.node_of_point[i] = found;
             });

@@ -124,7 +124,7 @@ void center_nodes(const Surface& s, Contraction& c) {
 /// Sets the radius of each node to the median or mean distance of its vertices from the adjacent segments.
 void measure_radii(const Surface& s, Thickness thickness, const Context& ctx, Contraction& c) {
     const InitialTree& t = c.tree;
-    const DraftLinks links(t);
+    const InitialTreeLinks links(t);
     std::vector<std::vector<double>> distances(t.size());
     for (std::uint32_t v = 0; v < s.size(); ++v) {
         const std::uint32_t n = c.node[v];

@@ -20,7 +20,7 @@ namespace {
 using namespace extract_internal;
 
 constexpr int kFirstFit = 10, kLastFit = 10;  // iterations
-constexpr float kMarchShare = 0.3f;  // share of the progress of `draft_from_rings` used by fast marching
+constexpr float kMarchShare = 0.3f;  // share of the progress of `build_from_rings` used by fast marching
 constexpr double kWide = 0.3;
 constexpr double kNarrow = 0.15;  // [radius] scale of the robust weight in the first and in the last fit
 
@@ -57,20 +57,20 @@ class Stages {
 };
 
 /// Cleans the mesh and makes every vertex a sample; reports the repairs.
-void clean(MeshTree& draft, const PolygonMesh& mesh, const CleanMeshOptions& options, FromMeshResult& out,
+void clean(MeshTree& mesh_tree, const PolygonMesh& mesh, const CleanMeshOptions& options, FromMeshResult& out,
            const Context& ctx) {
     CleanMeshResult cleaned = clean_mesh(mesh, options, ctx);
     out.repairs = cleaned.repairs;
-    draft.origin = cleaned.mesh.origin;
-    draft.surface.positions = std::move(cleaned.mesh.positions);
-    draft.surface.triangles.assign(cleaned.mesh.triangles.begin(), cleaned.mesh.triangles.end());
-    connect(draft.surface, ctx);
-    draft.normals = vertex_normals(draft.surface, ctx);
-    draft.samples.positions = draft.surface.positions;
-    draft.samples.normals = draft.normals;
-    draft.samples.node.assign(draft.surface.size(), kNoIndex);
-    out.report.samples = draft.surface.size();
-    out.report.components = draft.surface.component_count;
+    mesh_tree.origin = cleaned.mesh.origin;
+    mesh_tree.surface.positions = std::move(cleaned.mesh.positions);
+    mesh_tree.surface.triangles.assign(cleaned.mesh.triangles.begin(), cleaned.mesh.triangles.end());
+    connect(mesh_tree.surface, ctx);
+    mesh_tree.normals = vertex_normals(mesh_tree.surface, ctx);
+    mesh_tree.samples.positions = mesh_tree.surface.positions;
+    mesh_tree.samples.normals = mesh_tree.normals;
+    mesh_tree.samples.node.assign(mesh_tree.surface.size(), kNoIndex);
+    out.report.samples = mesh_tree.surface.size();
+    out.report.components = mesh_tree.surface.component_count;
 }
 
 /// Sources of the distances per component: the lowest vertex, or the one closest to the specified root, with
@@ -131,9 +131,10 @@ void renumber(FitSamples& samples, std::span<const std::uint32_t> new_of_old) {
 }
 
 /// Fills the tree and the nodes of the samples from rings; returns the number of loops.
-std::size_t draft_from_rings(MeshTree& draft, const FromMeshOptions& options, const Context& ctx) {
-    const Surface& s = draft.surface;
-    const Sources sources = find_sources(s, static_cast<int>(options.up), wanted_root(options, draft.origin));
+std::size_t build_from_rings(MeshTree& mesh_tree, const FromMeshOptions& options, const Context& ctx) {
+    const Surface& s = mesh_tree.surface;
+    const Sources sources =
+        find_sources(s, static_cast<int>(options.up), wanted_root(options, mesh_tree.origin));
     const std::vector<double> distance = march_distances(s, sources.vertices, ctx);
     const RingForest forest =
         follow_chains(s, distance, sources.from_border, narrow_progress(ctx, kMarchShare, 1));
@@ -141,19 +142,19 @@ std::size_t draft_from_rings(MeshTree& draft, const FromMeshOptions& options, co
         throw InvalidInput(
             "no component of the mesh is long enough to have an axis; a skeleton needs a branch");
     RingTree rings = connect_rings(s, forest);
-    draft.tree = std::move(rings.tree);
+    mesh_tree.tree = std::move(rings.tree);
     for (std::uint32_t v = 0; v < s.size(); ++v)
-        if (forest.claim[v] != kNoIndex) draft.samples.node[v] = rings.node_of_ring[forest.claim[v]];
-    renumber(draft.samples, cut_loops(draft.tree, rings.loops, options.keep_loops));
+        if (forest.claim[v] != kNoIndex) mesh_tree.samples.node[v] = rings.node_of_ring[forest.claim[v]];
+    renumber(mesh_tree.samples, cut_loops(mesh_tree.tree, rings.loops, options.keep_loops));
     return rings.loops.size();
 }
 
 /// Fills the tree and the nodes of the samples by contraction; returns the number of loops.
-std::size_t draft_from_contraction(MeshTree& draft, const FromMeshOptions& options, const Context& ctx) {
-    Contraction contracted = contract(draft.surface, options.thickness, ctx);
-    draft.tree = std::move(contracted.tree);
-    draft.samples.node = std::move(contracted.node);
-    renumber(draft.samples, cut_loops(draft.tree, contracted.loops, options.keep_loops));
+std::size_t build_from_contraction(MeshTree& mesh_tree, const FromMeshOptions& options, const Context& ctx) {
+    Contraction contracted = contract(mesh_tree.surface, options.thickness, ctx);
+    mesh_tree.tree = std::move(contracted.tree);
+    mesh_tree.samples.node = std::move(contracted.node);
+    renumber(mesh_tree.samples, cut_loops(mesh_tree.tree, contracted.loops, options.keep_loops));
     return contracted.loops.size();
 }
 
@@ -174,11 +175,11 @@ void assign_rest(const Surface& surface, std::span<std::uint32_t> node) {
 }
 
 /// Attaches components and chooses roots; returns the number of attached components.
-std::uint32_t join_and_root(MeshTree& draft, const FromMeshOptions& options, const Context& ctx) {
-    const std::uint32_t joined = join_trees(draft.tree, options.join, ctx);
-    renumber(draft.samples, sort_parents_first(draft.tree));
-    choose_roots(draft.tree, static_cast<int>(options.up), wanted_root(options, draft.origin));
-    renumber(draft.samples, sort_parents_first(draft.tree));
+std::uint32_t join_and_root(MeshTree& mesh_tree, const FromMeshOptions& options, const Context& ctx) {
+    const std::uint32_t joined = join_trees(mesh_tree.tree, options.join, ctx);
+    renumber(mesh_tree.samples, sort_parents_first(mesh_tree.tree));
+    choose_roots(mesh_tree.tree, static_cast<int>(options.up), wanted_root(options, mesh_tree.origin));
+    renumber(mesh_tree.samples, sort_parents_first(mesh_tree.tree));
     return joined;
 }
 
@@ -188,9 +189,9 @@ FromMeshResult extract_from_mesh(const PolygonMesh& mesh, const FromMeshOptions&
                                  const Context& ctx) {
     check_fields(options, "extract");
     FromMeshResult out{{Skeleton({NodeId()}, {Vec3()}, {1.0f}), {}, {}}, {}, {}, {}, {}};
-    MeshTree draft;
-    InitialTree& tree = draft.tree;
-    FitSamples& samples = draft.samples;
+    MeshTree mesh_tree;
+    InitialTree& tree = mesh_tree.tree;
+    FitSamples& samples = mesh_tree.samples;
     const bool rings = options.method == MeshSkeletonMethod::rings;
     // Progress at the end of each stage on large meshes; contraction uses nearly all of the time.
     const auto done = [&](float by_rings, float by_contraction) { return rings ? by_rings : by_contraction; };
@@ -199,11 +200,12 @@ FromMeshResult extract_from_mesh(const PolygonMesh& mesh, const FromMeshOptions&
     };
     Stages stages(out.stages, ctx);
     stages.run("clean", done(0.18f, 0.01f),
-               [&](const Context& stage) { clean(draft, mesh, options.clean, out, stage); });
+               [&](const Context& stage) { clean(mesh_tree, mesh, options.clean, out, stage); });
     stages.run("draft", done(0.31f, 0.97f), [&](const Context& stage) {
-        out.report.loops = static_cast<std::uint32_t>(rings ? draft_from_rings(draft, options, stage)
-                                                            : draft_from_contraction(draft, options, stage));
-        assign_rest(draft.surface, samples.node);
+        out.report.loops =
+            static_cast<std::uint32_t>(rings ? build_from_rings(mesh_tree, options, stage)
+                                             : build_from_contraction(mesh_tree, options, stage));
+        assign_rest(mesh_tree.surface, samples.node);
         out.report.repaired_tips = extend_ends(tree, samples);
     });
     stages.run("fit", done(0.55f, 0.98f), [&](const Context& stage) {
@@ -218,13 +220,13 @@ FromMeshResult extract_from_mesh(const PolygonMesh& mesh, const FromMeshOptions&
         extend_ends(tree, samples);
     });
     stages.run("join", 1.0f, [&](const Context& stage) {
-        out.report.joined = join_and_root(draft, options, stage);
+        out.report.joined = join_and_root(mesh_tree, options, stage);
         fit(0, kNarrow, stage);  // only reassigns the samples to segments
-        out.skeleton = to_skeleton(tree, draft.origin);
+        out.skeleton = to_skeleton(tree, mesh_tree.origin);
         out.confidence = rate_nodes(tree, samples, out.report.residual, stage);
         out.report.trees = out.skeleton.tree_count();
-        assign_rest(draft.surface, samples.node);
-        out.vertices = {std::move(draft.surface.positions), draft.origin};
+        assign_rest(mesh_tree.surface, samples.node);
+        out.vertices = {std::move(mesh_tree.surface.positions), mesh_tree.origin};
         out.nodes = std::move(samples.node);
     });
     return out;

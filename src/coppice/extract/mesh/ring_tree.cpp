@@ -79,7 +79,7 @@ void drop_rings_inside(std::vector<std::uint32_t>& rings, const RingForest& fore
             const std::uint32_t next = std::min(k + 1, parent.last());
             const RoundCone cone =
                 round_cone(parent.points[k], parent.points[next], parent.radii[k], parent.radii[next]);
-            if (cone.foot(p).signed_distance() < 0) return true;
+            if (cone.closest_point(p).signed_distance() < 0) return true;
         }
         return false;
     };

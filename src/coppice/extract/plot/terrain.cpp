@@ -252,11 +252,13 @@ Terrain find_terrain(std::span<const Vec3> points, const Context& ctx) {
     judge(terrain, lows, top);
     if (terrain.is_ground) return terrain;
     const Eigen::Vector3d feet = plane_of_feet(lows, middle);
-    const auto foot_at = [&](double x, double y) {
+    const auto closest_point_at = [&](double x, double y) {
         return feet(0) + feet(1) * (x - middle.x) + feet(2) * (y - middle.y);
     };
     const double x0 = box.low.x, y0 = box.low.y, x1 = x0 + wide, y1 = y0 + wide;
-    Terrain sloping(x0, y0, wide, 2, {foot_at(x0, y0), foot_at(x1, y0), foot_at(x0, y1), foot_at(x1, y1)});
+    Terrain sloping(x0, y0, wide, 2,
+                    {closest_point_at(x0, y0), closest_point_at(x1, y0), closest_point_at(x0, y1),
+                     closest_point_at(x1, y1)});
     sloping.share = terrain.share;
     return sloping;
 }

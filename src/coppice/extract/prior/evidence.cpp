@@ -47,10 +47,10 @@ SegmentSums sum_segment(const RoundCone& cone, bool tapers, std::span<const std:
                         const FitSamples& samples, std::span<const float> spacing) {
     SegmentSums out;
     for (const std::uint32_t i : members) {
-        const RoundCone::Foot foot = cone.foot(Vec3d(samples.positions[i]));
-        const double share = tapers ? foot.t : 1;
-        out.lower.add(share, foot.signed_distance(), double{spacing[i]});
-        out.upper.add(1 - share, foot.signed_distance(), double{spacing[i]});
+        const RoundCone::ClosestPoint closest = cone.closest_point(Vec3d(samples.positions[i]));
+        const double share = tapers ? closest.t : 1;
+        out.lower.add(share, closest.signed_distance(), double{spacing[i]});
+        out.upper.add(1 - share, closest.signed_distance(), double{spacing[i]});
     }
     return out;
 }
@@ -58,7 +58,7 @@ SegmentSums sum_segment(const RoundCone& cone, bool tapers, std::span<const std:
 /// Returns the sums of every node, from the adjacent halves of its segments.
 std::vector<Sums> sums_of_nodes(const InitialTree& tree, const FitSamples& samples,
                                 std::span<const float> spacing, const Context& ctx) {
-    const DraftLinks links(tree);
+    const InitialTreeLinks links(tree);
     const auto members = group_by(samples.node, tree.size());
     std::vector<SegmentSums> of_segment(tree.size());
     parallel_for(ctx, tree.size(), 64, [&](std::size_t i) {

@@ -56,7 +56,7 @@ double doubted(const NodeEvidence& e, double errors_above) {
 }
 
 /// Computes the shares and the radii at the bases.
-Allometry measure_feet(const InitialTree& tree, std::span<const NodeEvidence> evidence) {
+Allometry measure_base_radii(const InitialTree& tree, std::span<const NodeEvidence> evidence) {
     const std::vector<double> beyond = length_beyond(tree), far = farthest_beyond(tree);
     std::vector<std::uint32_t> root(tree.size());
     std::vector<double> value(tree.size(), 0), weight(tree.size(), 0);
@@ -75,7 +75,7 @@ Allometry measure_feet(const InitialTree& tree, std::span<const NodeEvidence> ev
         weight[r] += seen;
         value[r] += seen * std::log(evidence[n].radius);
     }
-    for (std::uint32_t n = 0; n < tree.size(); ++n) out.log_foot[n] = value[root[n]] / weight[root[n]];
+    for (std::uint32_t n = 0; n < tree.size(); ++n) out.log_base_radius[n] = value[root[n]] / weight[root[n]];
     return out;
 }
 
@@ -174,7 +174,7 @@ std::vector<Kind> collect_kinds(const InitialTree& tree, std::span<const NodeEvi
         if (k >= kinds.size()) kinds.resize(k + 1);
         const double length = distance(tree.position[n], tree.position[tree.parent[n]]);
         const double off = evidence[n].precision() >= kSeen
-                               ? std::log(evidence[n].radius) - allometry.log_foot[n]
+                               ? std::log(evidence[n].radius) - allometry.log_base_radius[n]
                                : -std::numeric_limits<double>::infinity();
         kinds[k].pieces.push_back({off, length});
         kinds[k].log_share += length * allometry.log_share[n];
@@ -186,7 +186,7 @@ std::vector<Kind> collect_kinds(const InitialTree& tree, std::span<const NodeEvi
 }  // namespace
 
 Allometry fit_allometry(const InitialTree& tree, std::span<const NodeEvidence> evidence) {
-    Allometry out = measure_feet(tree, evidence);
+    Allometry out = measure_base_radii(tree, evidence);
     double xx = 1 / (kExponentError * kExponentError), xy = xx * kUsualExponent;
     for (Kind& kind : collect_kinds(tree, evidence, out)) {
         const double y = kind.median_log_radius();

@@ -12,11 +12,11 @@ namespace coppice::extract_internal {
 /// Relation between the radius of a branch and the branches that it supports: the radius decreases from that
 /// at the base with a power of the share of the tree beyond, by length, as in [Xu2007].
 struct Allometry {
-    std::vector<double> log_share;  ///< per node: logarithm of the share
-    std::vector<double> log_foot;   ///< per node: logarithm of the radius [m] at the base of its tree
+    std::vector<double> log_share;        ///< per node: logarithm of the share
+    std::vector<double> log_base_radius;  ///< per node: logarithm of the radius [m] at the base of its tree
     double exponent = 0;
 
-    double log_radius(std::uint32_t n) const { return log_foot[n] + exponent * log_share[n]; }
+    double log_radius(std::uint32_t n) const { return log_base_radius[n] + exponent * log_share[n]; }
 };
 
 /// Estimates the radius at the base from its points, or without points from the height of the tree. The

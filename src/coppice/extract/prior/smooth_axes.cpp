@@ -42,7 +42,7 @@ double turn_cosine(const InitialTree& tree, const Turn& t) {
 
 std::vector<Turn> compute_turns(const InitialTree& tree) {
     const std::vector<std::uint32_t> next = axis_children(tree);
-    const DraftLinks links(tree);
+    const InitialTreeLinks links(tree);
     std::vector<Turn> turns;
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
         const std::uint32_t q = tree.parent[n], c = next[n];

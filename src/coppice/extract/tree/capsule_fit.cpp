@@ -23,7 +23,7 @@ using Mat4 = std::array<Vec4, 4>;
 /// Fitted surface and its samples.
 struct Model {
     const InitialTree& tree;
-    const DraftLinks& links;
+    const InitialTreeLinks& links;
     std::span<const Vec3> positions, normals;
     std::vector<RoundCone> cones;  ///< one per node, computed by the last `update_cones`
 
@@ -32,13 +32,15 @@ struct Model {
         for (std::uint32_t n = 0; n < tree.size(); ++n) cones[n] = surface_cone(tree, links, n);
     }
     /// Returns the closest point of sample i on the segment that ends at node n.
-    RoundCone::Foot foot(std::uint32_t n, std::size_t i) const { return cones[n].foot(Vec3d(positions[i])); }
+    RoundCone::ClosestPoint closest_point(std::uint32_t n, std::size_t i) const {
+        return cones[n].closest_point(Vec3d(positions[i]));
+    }
 };
 
 /// Returns the signed distance from the segment; it is larger for segments with a surface that faces another
 /// way than the sample.
 double score(const Model& model, std::uint32_t n, std::size_t i) {
-    const RoundCone::Foot f = model.foot(n, i);
+    const RoundCone::ClosestPoint f = model.closest_point(n, i);
     double depth = f.signed_distance();
     if (!model.normals.empty()) {
         const double facing = dot(normalized(f.offset, {}), Vec3d(model.normals[i]));
@@ -91,7 +93,7 @@ Block normal_equations(const Model& model, std::uint32_t n, std::span<const std:
     const std::uint32_t q = model.tree.parent[n];
     const bool tapers = q != kNoIndex && model.links.leader(q) == n;
     for (const std::uint32_t i : samples) {
-        const RoundCone::Foot f = model.foot(n, i);
+        const RoundCone::ClosestPoint f = model.closest_point(n, i);
         if (!(f.distance() > 0)) continue;
         const Vec3d d = normalized(f.offset, {});
         const double r = f.signed_distance(), x = r / f.radius / robust;
@@ -231,7 +233,7 @@ void move_nodes(InitialTree& tree, std::span<const Vec4> step, std::span<const d
 }  // namespace
 
 void fit_capsules(InitialTree& tree, FitSamples& samples, const FitOptions& options, const Context& ctx) {
-    DraftLinks links(tree);
+    InitialTreeLinks links(tree);
     Model model{tree, links, samples.positions, samples.normals, {}};
     const std::vector<double> first_radius = tree.radius;
     std::vector<Block> blocks(tree.size());
@@ -252,12 +254,12 @@ void fit_capsules(InitialTree& tree, FitSamples& samples, const FitOptions& opti
 
 std::vector<float> fit_residuals(const InitialTree& tree, const FitSamples& samples, const Context& ctx) {
     std::vector<float> out(samples.positions.size(), 0);
-    const DraftLinks links(tree);
+    const InitialTreeLinks links(tree);
     Model model{tree, links, samples.positions, samples.normals, {}};
     model.update_cones();
     parallel_for(ctx, out.size(), kCapsuleFitGrain, [&](std::size_t i) {
         if (samples.node[i] != kNoIndex)
-            out[i] = static_cast<float>(model.foot(samples.node[i], i).signed_distance());
+            out[i] = static_cast<float>(model.closest_point(samples.node[i], i).signed_distance());
     });
     return out;
 }

@@ -6,11 +6,12 @@
 
 namespace coppice {
 
-DraftLinks::DraftLinks(const InitialTree& t) : children_(group_by(t.parent, t.size())), leader_(t.size()) {
+InitialTreeLinks::InitialTreeLinks(const InitialTree& t)
+    : children_(group_by(t.parent, t.size())), leader_(t.size()) {
     update_leaders(t);
 }
 
-void DraftLinks::update_leaders(const InitialTree& t) {
+void InitialTreeLinks::update_leaders(const InitialTree& t) {
     for (std::uint32_t n = 0; n < t.size(); ++n) {
         leader_[n] = kNoIndex;
         for (const std::uint32_t c : children(n))
@@ -23,7 +24,7 @@ RoundCone axis_cone(const InitialTree& t, std::uint32_t n) {
     return round_cone(t.position[q], t.position[n], t.radius[q], t.radius[n]);
 }
 
-RoundCone surface_cone(const InitialTree& t, const DraftLinks& links, std::uint32_t n) {
+RoundCone surface_cone(const InitialTree& t, const InitialTreeLinks& links, std::uint32_t n) {
     const std::uint32_t q = t.parent[n];
     const double r = t.radius[n];
     if (q == kNoIndex) return round_cone(t.position[n], t.position[n], r, r);
@@ -39,7 +40,7 @@ void reroot(InitialTree& tree, std::uint32_t end) {
 }
 
 std::vector<std::uint32_t> sort_parents_first(InitialTree& tree, std::span<const char> gone) {
-    const DraftLinks links(tree);
+    const InitialTreeLinks links(tree);
     const auto stays = [&](std::uint32_t n) { return gone.empty() || !gone[n]; };
     std::vector<std::uint32_t> new_of_old(tree.size(), kNoIndex), stack;
     InitialTree sorted;
@@ -73,7 +74,7 @@ Skeleton to_skeleton(const InitialTree& tree, Vec3d origin) {
     return Skeleton(std::move(parent), std::move(position), std::move(radius), origin);
 }
 
-InitialTree to_draft(const Skeleton& skeleton) {
+InitialTree to_initial_tree(const Skeleton& skeleton) {
     InitialTree tree;
     for (const NodeId n : nodes(skeleton)) {
         tree.add(skeleton.is_root(n) ? kNoIndex : skeleton.parent(n).index(), Vec3d(skeleton.position(n)),

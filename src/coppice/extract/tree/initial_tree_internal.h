@@ -34,9 +34,9 @@ struct InitialTree {
 
 /// Children of every node, sorted by index, and the child that starts with the radius of the node. Accepts
 /// any order of nodes. O(n).
-class DraftLinks {
+class InitialTreeLinks {
   public:
-    explicit DraftLinks(const InitialTree& tree);  ///< does not keep a reference to the tree
+    explicit InitialTreeLinks(const InitialTree& tree);  ///< does not keep a reference to the tree
     /// Updates the leaders after radii have changed.
     void update_leaders(const InitialTree& tree);
 
@@ -55,7 +55,7 @@ class DraftLinks {
 /// Returns the segment that ends at n, with the radii of its two nodes; for a root, the ball about it.
 RoundCone axis_cone(const InitialTree& tree, std::uint32_t n);
 /// Returns the segment as a portion of the surface: only the leader starts with the radius of its parent.
-RoundCone surface_cone(const InitialTree& tree, const DraftLinks& links, std::uint32_t n);
+RoundCone surface_cone(const InitialTree& tree, const InitialTreeLinks& links, std::uint32_t n);
 
 /// Makes `end` the root of its tree by reversing the path from it to the root. Does not change the order of
 /// the nodes: see `sort_parents_first`.
@@ -68,6 +68,6 @@ std::vector<std::uint32_t> sort_parents_first(InitialTree& tree, std::span<const
 /// Converts a tree to a skeleton. Parents must precede their children.
 Skeleton to_skeleton(const InitialTree& tree, Vec3d origin);
 /// Converts a skeleton to a tree with the same nodes in the same order.
-InitialTree to_draft(const Skeleton& skeleton);
+InitialTree to_initial_tree(const Skeleton& skeleton);
 
 }  // namespace coppice

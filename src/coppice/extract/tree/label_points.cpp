@@ -33,11 +33,11 @@ void label_points(PointCloud& scan, std::span<const std::uint32_t> which, const 
         capsules, ctx, which.size(), place, [&](std::size_t k, const CapsuleTree::Nearest& nearest) {
             if (nearest.capsule == kNoIndex) return;
             const std::uint32_t p = which[k];
-            const auto foot = capsules.cone(nearest.capsule).foot(place(k));
+            const auto closest = capsules.cone(nearest.capsule).closest_point(place(k));
             const std::size_t node = capsules.node(nearest.capsule).index();
-            const double distance = foot.signed_distance();
+            const double distance = closest.signed_distance();
             scan.distances[p] = static_cast<float>(distance);
-            scan.wood[p] = std::abs(distance) <= std::max(kOfRadius * foot.radius, kSpacings * spacing);
+            scan.wood[p] = std::abs(distance) <= std::max(kOfRadius * closest.radius, kSpacings * spacing);
             scan.branch_orders[p] = static_cast<std::uint8_t>(std::min(orders[node], kLastOrder));
             scan.evidence[p] = tree.confidence[node].evidence;
         });

@@ -14,13 +14,14 @@ constexpr double kForkSpacing = 0.5;  // [radius] closer forks are merged; they 
 // [radius] minimum distance of nodes; closer ones have too few samples of their own
 constexpr double kMinSpacing = 0.9;
 
-bool is_chain_node(const InitialTree& tree, const DraftLinks& links, std::uint32_t n) {
+bool is_chain_node(const InitialTree& tree, const InitialTreeLinks& links, std::uint32_t n) {
     return tree.parent[n] != kNoIndex && !tree.fixed[n] && links.children(n).size() == 1;
 }
 
 /// Returns the nodes from `first`, the child of a root or fork, to the next fork or tip, preceded by their
 /// parent.
-std::vector<ChainPoint> chain_from(const InitialTree& tree, const DraftLinks& links, std::uint32_t first) {
+std::vector<ChainPoint> chain_from(const InitialTree& tree, const InitialTreeLinks& links,
+                                   std::uint32_t first) {
     const std::uint32_t fork = tree.parent[first];
     const bool leads = links.leader(fork) == first;
     std::vector<ChainPoint> chain{{tree.position[fork], tree.radius[leads ? fork : first], fork}};
@@ -31,7 +32,7 @@ std::vector<ChainPoint> chain_from(const InitialTree& tree, const DraftLinks& li
 }
 
 /// Marks the nodes to keep; moves those that a jump in radius pushes apart.
-std::vector<char> choose_nodes(InitialTree& tree, const DraftLinks& links, double tolerance) {
+std::vector<char> choose_nodes(InitialTree& tree, const InitialTreeLinks& links, double tolerance) {
     std::vector<char> kept(tree.size(), 0);
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
         if (is_chain_node(tree, links, n)) continue;
@@ -51,7 +52,7 @@ std::vector<char> choose_nodes(InitialTree& tree, const DraftLinks& links, doubl
 }
 
 /// If the removal of nodes would change the leading child, keeps the first nodes of all children.
-void keep_leaders(const InitialTree& tree, const DraftLinks& links, std::vector<char>& kept) {
+void keep_leaders(const InitialTree& tree, const InitialTreeLinks& links, std::vector<char>& kept) {
     const auto first_radius = [&](std::uint32_t n) {
         while (!kept[n]) n = links.children(n)[0];
         return tree.radius[n];
@@ -75,7 +76,7 @@ void keep_leaders(const InitialTree& tree, const DraftLinks& links, std::vector<
 void simplify(InitialTree& tree, FitSamples& samples, double tolerance) {
     remove_reversals(tree, samples);
     merge_forks(tree, samples, kForkSpacing);
-    const DraftLinks links(tree);
+    const InitialTreeLinks links(tree);
     std::vector<char> kept = choose_nodes(tree, links, tolerance);
     keep_leaders(tree, links, kept);
     // Only nodes with one child are removed; each is represented by the next kept node towards the tip.

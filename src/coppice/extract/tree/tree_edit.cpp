@@ -42,7 +42,7 @@ bool is_ancestor(const InitialTree& t, std::uint32_t ancestor, std::uint32_t n) 
 }
 
 /// Returns the nodes with at most one neighbour.
-std::vector<std::uint32_t> find_ends(const InitialTree& t, const DraftLinks& links) {
+std::vector<std::uint32_t> find_ends(const InitialTree& t, const InitialTreeLinks& links) {
     std::vector<std::uint32_t> ends;
     for (std::uint32_t n = 0; n < t.size(); ++n)
         if (links.children(n).size() + (t.parent[n] != kNoIndex) <= 1) ends.push_back(n);
@@ -57,7 +57,7 @@ std::vector<std::uint32_t> root_of_each(const InitialTree& t) {
 
 /// Returns the node at a distance of at least `far` from an end, along the branch that ends there; the next
 /// fork if that is closer; the end itself if it is isolated.
-std::uint32_t inner_node(const InitialTree& t, const DraftLinks& links, std::uint32_t end, double far) {
+std::uint32_t inner_node(const InitialTree& t, const InitialTreeLinks& links, std::uint32_t end, double far) {
     const bool at_root = t.parent[end] == kNoIndex;
     std::uint32_t n = end;
     while (n == end || distance(t.position[n], t.position[end]) < far) {
@@ -96,7 +96,7 @@ std::vector<Attachment> find_attachments(const InitialTree& tree, std::span<cons
     std::vector<Attachment> attachments;
     if (boxes.empty() || reach <= 0) return attachments;
     const BoxTree index(boxes, ctx);
-    for (const std::uint32_t e : find_ends(tree, DraftLinks(tree))) {
+    for (const std::uint32_t e : find_ends(tree, InitialTreeLinks(tree))) {
         const double r = tree.radius[e];
         Attachment best{std::numeric_limits<double>::infinity(), e, kNoIndex, 0};
         Box3 at;
@@ -105,7 +105,7 @@ std::vector<Attachment> find_attachments(const InitialTree& tree, std::span<cons
         index.visit_overlapping(at, [&](std::uint32_t item) {
             const std::uint32_t n = lower[item];
             if (root[n] == root[e]) return;
-            const RoundCone::Foot f = axis_cone(tree, n).foot(tree.position[e]);
+            const RoundCone::ClosestPoint f = axis_cone(tree, n).closest_point(tree.position[e]);
             const double d = f.distance();
             if (d >= reach * std::max(f.radius, r) || r > kMuchThicker * f.radius) return;
             const double cost = d / f.radius + std::max(0.0, r / f.radius - kThicker);
@@ -190,7 +190,7 @@ std::vector<std::uint32_t> cut_loops(InitialTree& tree,
 }
 
 std::uint32_t prune_stubs(InitialTree& tree, FitSamples& samples, double least) {
-    const DraftLinks links(tree);
+    const InitialTreeLinks links(tree);
     std::vector<char> gone(tree.size(), 0);
     std::vector<std::uint32_t> stands_for(tree.size());
     std::iota(stands_for.begin(), stands_for.end(), 0u);
@@ -204,7 +204,7 @@ std::uint32_t prune_stubs(InitialTree& tree, FitSamples& samples, double least) 
         if (fork == kNoIndex) continue;
         double rise = std::numeric_limits<double>::infinity();
         const auto look = [&](std::uint32_t n) {
-            const RoundCone::Foot f = axis_cone(tree, n).foot(tree.position[tip]);
+            const RoundCone::ClosestPoint f = axis_cone(tree, n).closest_point(tree.position[tip]);
             rise = std::min(rise, f.distance() + tree.radius[tip] - f.radius);
         };
         if (tree.parent[fork] != kNoIndex) look(fork);
@@ -225,7 +225,7 @@ std::uint32_t prune_stubs(InitialTree& tree, FitSamples& samples, double least) 
 
 std::uint32_t remove_reversals(InitialTree& tree, FitSamples& samples) {
     constexpr double kBack = -0.2;  // cosine between the segments
-    const DraftLinks links(tree);
+    const InitialTreeLinks links(tree);
     std::vector<char> gone(tree.size(), 0);
     std::vector<std::uint32_t> stands_for(tree.size());
     std::iota(stands_for.begin(), stands_for.end(), 0u);
@@ -250,7 +250,7 @@ std::uint32_t remove_reversals(InitialTree& tree, FitSamples& samples) {
 }
 
 std::uint32_t merge_forks(InitialTree& tree, FitSamples& samples, double factor) {
-    const DraftLinks links(tree);
+    const InitialTreeLinks links(tree);
     std::vector<std::uint32_t> fork(tree.size(),
                                     kNoIndex);  // merged fork of a node, or the next one rootward
     std::vector<char> gone(tree.size(), 0);
@@ -289,7 +289,7 @@ std::uint32_t extend_ends(InitialTree& tree, FitSamples& samples) {
         Vec3d outward;
         double reach = -1e300, rim = -1e300;
     };
-    const DraftLinks links(tree);
+    const InitialTreeLinks links(tree);
     std::vector<End> end(tree.size());
     const auto each = [&](const auto& visit) {
         for (std::size_t i = 0; i < samples.positions.size(); ++i) {
@@ -346,7 +346,7 @@ std::uint32_t join_trees(InitialTree& tree, double reach, const Context& ctx) {
 }
 
 void choose_roots(InitialTree& tree, int up, std::optional<Vec3d> wanted) {
-    const DraftLinks links(tree);
+    const InitialTreeLinks links(tree);
     const std::vector<std::uint32_t> root = root_of_each(tree);
     const std::vector<std::uint32_t> ends = find_ends(tree, links);
     std::vector<std::uint32_t> chosen(tree.size(), kNoIndex);

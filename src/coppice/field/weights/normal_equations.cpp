@@ -147,12 +147,12 @@ SparseMatrix gram(const SparseRows& rows, const ScaledColumns& a, std::span<cons
         for (std::size_t i = range.begin; i < range.end; ++i) {
             int* const row = g.innerIndexPtr() + first[i];
             std::size_t count = 0;
-            for_each_pair(rows, a, i, [&](std::uint32_t k, double mine, double other) {
+            for_each_pair(rows, a, i, [&](std::uint32_t k, double own, double other) {
                 if (marks.set(k, static_cast<std::uint32_t>(i))) {
                     row[count++] = static_cast<int>(k);
                     sum[k] = 0;
                 }
-                sum[k] += mine * other;
+                sum[k] += own * other;
             });
             std::sort(row, row + count);
             for (std::size_t c = 0; c < count; ++c) {

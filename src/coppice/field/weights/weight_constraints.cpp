@@ -49,7 +49,7 @@ class Cones {
     bool hold(Vec3 p, NodeId except) const {
         bool held = false;
         boxes_.visit_overlapping(capsule_box(p, p, 0), [&](std::uint32_t i) {
-            const RoundCone::Foot f = foot(i, p);
+            const RoundCone::ClosestPoint f = closest_point(i, p);
             held = names_[i] != except && f.distance() < kInside * f.radius;
             return !held;
         });
@@ -66,7 +66,7 @@ class Cones {
             return d > 0 ? std::sqrt(d) * (1 - 1e-6) : -std::numeric_limits<double>::infinity();
         };
         boxes_.search(bound, best, [&](std::uint32_t i) {
-            const double d = foot(i, p).signed_distance();
+            const double d = closest_point(i, p).signed_distance();
             if (d > best || (d == best && i > name)) return;
             best = d;
             name = i;
@@ -84,8 +84,8 @@ class Cones {
         return boxes;
     }
 
-    RoundCone::Foot foot(std::uint32_t i, Vec3 p) const {
-        return round_cone(make_segment(skeleton_, names_[i])).foot(Vec3d(p));
+    RoundCone::ClosestPoint closest_point(std::uint32_t i, Vec3 p) const {
+        return round_cone(make_segment(skeleton_, names_[i])).closest_point(Vec3d(p));
     }
 
     const Skeleton& skeleton_;

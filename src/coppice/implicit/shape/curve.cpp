@@ -186,14 +186,14 @@ double distance_to_chord_squared(const CurveArc& arc, Vec3d p) {
 /// Returns the nearest parameter of an arc.
 double nearest_on(const CurveArc& arc, Vec3d p) {
     const double g0 = distance_slope(arc, p, 0), g1 = distance_slope(arc, p, 1);
-    const double t = local_foot(arc, p, g0, g1);
+    const double t = local_closest_parameter(arc, p, g0, g1);
     if (t >= 0) return t;
     return length_squared(arc.c[0] - p) <= length_squared(arc.position(1) - p) ? 0 : 1;
 }
 
 }  // namespace
 
-double local_foot(const CurveArc& arc, Vec3d p, double g0, double g1) {
+double local_closest_parameter(const CurveArc& arc, Vec3d p, double g0, double g1) {
     if (!(g0 < 0 && g1 > 0)) return -1;
     double low = 0, high = 1, t = g0 / (g0 - g1);
     for (int i = 0; i < 60; ++i) {

@@ -9,39 +9,39 @@
 
 namespace coppice {
 
-PathFoot foot_in_arc(const Curve& path, CurvePlace place, Vec3d p) {
+PathClosestPoint closest_point_in_arc(const Curve& path, CurvePlace place, Vec3d p) {
     const CurveArc& arc = path.arcs()[place.arc];
-    PathFoot foot{.fraction = path.fraction(place), .frame = path.frame(place)};
-    foot.offset = p - foot.frame.position;
+    PathClosestPoint closest{.fraction = path.fraction(place), .frame = path.frame(place)};
+    closest.offset = p - closest.frame.position;
     const Vec3d first = arc.first(place.t);
     const double speed = length_squared(first);
     // The fraction changes increasingly fast towards the centre of curvature; there it has no gradient.
-    const double slope = std::max(speed - dot(foot.offset, arc.second(place.t)), 0.02 * speed);
-    foot.by_point = foot.frame.tangent * (speed / (slope * path.length()));
-    return foot;
+    const double slope = std::max(speed - dot(closest.offset, arc.second(place.t)), 0.02 * speed);
+    closest.by_point = closest.frame.tangent * (speed / (slope * path.length()));
+    return closest;
 }
 
-PathFoot foot_at_end(const Curve& path, bool last, Vec3d p) {
+PathClosestPoint closest_point_at_end(const Curve& path, bool last, Vec3d p) {
     const CurvePlace place =
         last ? CurvePlace{static_cast<std::uint32_t>(path.arcs().size()) - 1, 1} : CurvePlace{0, 0};
-    PathFoot foot{.fraction = last ? 1.0 : 0.0, .frame = path.frame(place)};
-    foot.offset = p - foot.frame.position;
-    foot.outward = foot.frame.tangent * (last ? 1.0 : -1.0);
-    foot.beyond = std::max(dot(foot.offset, foot.outward), 0.0);
-    return foot;
+    PathClosestPoint closest{.fraction = last ? 1.0 : 0.0, .frame = path.frame(place)};
+    closest.offset = p - closest.frame.position;
+    closest.outward = closest.frame.tangent * (last ? 1.0 : -1.0);
+    closest.beyond = std::max(dot(closest.offset, closest.outward), 0.0);
+    return closest;
 }
 
-PathFoot foot_at_joint(const Curve& path, std::uint32_t before, std::uint32_t arc, Vec3d p) {
-    PathFoot foot{.fraction = path.fraction({arc, 0}), .frame = path.frame({before, 1})};
-    if (arc == 0) foot.fraction = 1;
-    foot.offset = p - foot.frame.position;
-    const Vec3d t1 = foot.frame.tangent, t2 = path.arcs()[arc].tangent(0);
-    const Vec3d across = t1 * -dot(foot.offset, t2) + t2 * dot(foot.offset, t1);
-    if (dot(t1, t2) > 1 - 1e-12) return foot;
-    foot.frame.tangent = normalized(across, t1);
-    foot.frame.normal = turned(foot.frame.normal, t1, foot.frame.tangent);
-    foot.frame.binormal = cross(foot.frame.tangent, foot.frame.normal);
-    return foot;
+PathClosestPoint closest_point_at_joint(const Curve& path, std::uint32_t before, std::uint32_t arc, Vec3d p) {
+    PathClosestPoint closest{.fraction = path.fraction({arc, 0}), .frame = path.frame({before, 1})};
+    if (arc == 0) closest.fraction = 1;
+    closest.offset = p - closest.frame.position;
+    const Vec3d t1 = closest.frame.tangent, t2 = path.arcs()[arc].tangent(0);
+    const Vec3d across = t1 * -dot(closest.offset, t2) + t2 * dot(closest.offset, t1);
+    if (dot(t1, t2) > 1 - 1e-12) return closest;
+    closest.frame.tangent = normalized(across, t1);
+    closest.frame.normal = turned(closest.frame.normal, t1, closest.frame.tangent);
+    closest.frame.binormal = cross(closest.frame.tangent, closest.frame.normal);
+    return closest;
 }
 
 void check_path(const Curve& path, const PathTurn& turn, std::string_view source) {

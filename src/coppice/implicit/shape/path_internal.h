@@ -23,7 +23,7 @@ struct PathTurn {
 
 /// A place of the path with a perpendicular plane that contains a point, or an end of the path beyond which
 /// the point is.
-struct PathFoot {
+struct PathClosestPoint {
     double fraction = 0;
     Vec3d offset;        ///< from the path to the point
     CurveFrame frame;    ///< without the roll
@@ -32,10 +32,10 @@ struct PathFoot {
     Vec3d outward;
 };
 
-/// Calls visit(foot) for all such places nearer than limit + reach; visit may lower the limit. There is
+/// Calls visit(closest) for all such places nearer than limit + reach; visit may lower the limit. There is
 /// always at least one.
 template <class Visit>
-void visit_feet(const Curve& path, Vec3d p, double reach, const double& limit, const Visit& visit);
+void visit_closest_points(const Curve& path, Vec3d p, double reach, const double& limit, const Visit& visit);
 
 /// Throws InvalidInput if the path turns back on itself at a corner, or the twist of a closed one is not a
 /// whole number of turns.
@@ -65,14 +65,14 @@ inline RolledAxes rolled(const CurveFrame& frame, const PathTurn& turn, double f
     return {frame.normal * c + frame.binormal * s, frame.binormal * c - frame.normal * s};
 }
 
-PathFoot foot_in_arc(const Curve& path, CurvePlace place, Vec3d p);
-PathFoot foot_at_end(const Curve& path, bool last, Vec3d p);
+PathClosestPoint closest_point_in_arc(const Curve& path, CurvePlace place, Vec3d p);
+PathClosestPoint closest_point_at_end(const Curve& path, bool last, Vec3d p);
 /// At the start of an arc where the previous one ends: at a corner the frame is rotated until its plane
 /// contains the point.
-PathFoot foot_at_joint(const Curve& path, std::uint32_t before, std::uint32_t arc, Vec3d p);
+PathClosestPoint closest_point_at_joint(const Curve& path, std::uint32_t before, std::uint32_t arc, Vec3d p);
 
 template <class Visit>
-void visit_feet(const Curve& path, Vec3d p, double reach, const double& limit, const Visit& visit) {
+void visit_closest_points(const Curve& path, Vec3d p, double reach, const double& limit, const Visit& visit) {
     const auto arcs = path.arcs();
     const auto last = static_cast<std::uint32_t>(arcs.size()) - 1;
     const auto near_enough = [&](std::uint32_t l, std::uint32_t i) {
@@ -80,28 +80,29 @@ void visit_feet(const Curve& path, Vec3d p, double reach, const double& limit, c
     };
     path.boxes().search(near_enough, limit, [&](std::uint32_t i) {
         const double g0 = distance_slope(arcs[i], p, 0), g1 = distance_slope(arcs[i], p, 1);
-        if (const double t = local_foot(arcs[i], p, g0, g1); t >= 0) {
-            if (length(arcs[i].position(t) - p) - reach < limit) visit(foot_in_arc(path, {i, t}, p));
+        if (const double t = local_closest_parameter(arcs[i], p, g0, g1); t >= 0) {
+            if (length(arcs[i].position(t) - p) - reach < limit) visit(closest_point_in_arc(path, {i, t}, p));
         }
         if (g0 >= 0) {
             if (i > 0 || path.closed()) {
                 const std::uint32_t before = i > 0 ? i - 1 : last;
-                if (distance_slope(arcs[before], p, 1) <= 0) visit(foot_at_joint(path, before, i, p));
+                if (distance_slope(arcs[before], p, 1) <= 0)
+                    visit(closest_point_at_joint(path, before, i, p));
             } else {
-                visit(foot_at_end(path, false, p));
+                visit(closest_point_at_end(path, false, p));
             }
         }
-        if (i == last && !path.closed() && g1 <= 0) visit(foot_at_end(path, true, p));
+        if (i == last && !path.closed() && g1 <= 0) visit(closest_point_at_end(path, true, p));
     });
 }
 
 /// Clips an open path at its caps: the cap determines the value of points that are deeper than their nearest
 /// cap.
-inline void cut_by_caps(const PathFoot& foot, double length, double& value, Vec3d& gradient) {
-    const double before = -foot.fraction * length, after = -(1 - foot.fraction) * length;
+inline void cut_by_caps(const PathClosestPoint& closest, double length, double& value, Vec3d& gradient) {
+    const double before = -closest.fraction * length, after = -(1 - closest.fraction) * length;
     if (value >= before && value >= after) return;
     value = std::max(before, after);
-    gradient = foot.by_point * (before > after ? -length : length);
+    gradient = closest.by_point * (before > after ? -length : length);
 }
 
 template <class Value>
@@ -110,25 +111,25 @@ FieldSample sample_along(const Curve& path, const PathTurn& turn, Vec3 point, do
     double best = std::numeric_limits<double>::infinity();
     Vec3d gradient;
     const double rate = turn.twist + path.closing_roll();
-    visit_feet(path, Vec3d(point), reach, best, [&](const PathFoot& foot) {
-        const RolledAxes axes = rolled(foot.frame, turn, foot.fraction);
-        const Vec2d q{dot(foot.offset, axes.x), dot(foot.offset, axes.y)};
-        const PathSample s = value(foot.fraction, q);
+    visit_closest_points(path, Vec3d(point), reach, best, [&](const PathClosestPoint& closest) {
+        const RolledAxes axes = rolled(closest.frame, turn, closest.fraction);
+        const Vec2d q{dot(closest.offset, axes.x), dot(closest.offset, axes.y)};
+        const PathSample s = value(closest.fraction, q);
         double d = s.value;
         Vec3d g = axes.x * s.gradient.x + axes.y * s.gradient.y;
-        if (foot.beyond >= 0) {
+        if (closest.beyond >= 0) {
             if (d <= 0) {
-                d = foot.beyond;
-                g = foot.outward;
+                d = closest.beyond;
+                g = closest.outward;
             } else {
-                const double whole = std::hypot(d, foot.beyond);
-                g = (g * d + foot.outward * foot.beyond) / whole;
+                const double whole = std::hypot(d, closest.beyond);
+                g = (g * d + closest.outward * closest.beyond) / whole;
                 d = whole;
             }
         } else {
             const double turning = rate * (s.gradient.x * q.y - s.gradient.y * q.x);
-            g += foot.by_point * (s.by_fraction + turning);
-            if (!path.closed()) cut_by_caps(foot, path.length(), d, g);
+            g += closest.by_point * (s.by_fraction + turning);
+            if (!path.closed()) cut_by_caps(closest, path.length(), d, g);
         }
         if (!(d < best)) return;
         best = d;

@@ -54,7 +54,7 @@ class Surroundings {
     float radius(Vec3d p) const {
         const std::uint32_t nearest = capsules_.nearest(p).capsule;
         if (nearest == kNoIndex) return kUnknown;
-        return static_cast<float>(capsules_.cone(nearest).foot(p).radius);
+        return static_cast<float>(capsules_.cone(nearest).closest_point(p).radius);
     }
 
   private:

@@ -119,7 +119,7 @@ std::optional<double> adjacent_radius(const CapsuleTree& found, const RoundCone&
     });
     if (best == kNoIndex) return {};
     const RoundCone& c = found.cone(best);
-    return c.foot(p).radius;
+    return c.closest_point(p).radius;
 }
 
 double percent(double part, double all) { return all > 0 ? std::min(100.0, 100 * part / all) : 0; }

@@ -9,8 +9,8 @@
 namespace coppice::pipeline_internal {
 namespace {
 
-constexpr float kWindow = 1.2f;      // [radii] to both sides
-constexpr float kHostWindow = 0.5f;  // [radii of the parent branch] minimum window where a lateral leaves it
+constexpr float kWindow = 1.2f;        // [radii] to both sides
+constexpr float kParentWindow = 0.5f;  // [radii of the parent branch] minimum window at a lateral
 constexpr float kLongestBegin = 0.9f;  // maximum share of a lateral's first segment with its parent
 constexpr std::size_t kMaxShares = 24;
 constexpr std::size_t kSkinGrain = 4096;
@@ -85,10 +85,10 @@ Influence AxisWindow::at(NodeId n, Vec3 point) const {
         shares.add(n, 1);
         return shares.largest();
     }
-    const auto foot = compute_cone(skeleton_, n).foot(point);
-    float half = kWindow * foot.radius;
-    if (is_lateral(n)) half = std::max(half, kHostWindow * begin(n));
-    const float here = foot.t * length_[n.index()];
+    const auto closest = compute_cone(skeleton_, n).closest_point(point);
+    float half = kWindow * closest.radius;
+    if (is_lateral(n)) half = std::max(half, kParentWindow * begin(n));
+    const float here = closest.t * length_[n.index()];
     const auto below = [&](float x) { return part_below((x - here) / half); };
     // Towards the tip, then from here towards the root; positions are measured from the beginning of n.
     float low = begin(n), high = length_[n.index()];
@@ -104,12 +104,12 @@ Influence AxisWindow::at(NodeId n, Vec3 point) const {
     shares.add(last, 1 - below(high));
     NodeId first = n;
     while (below(low) > 0) {
-        const NodeId host = skeleton_.parent(first);
-        if (skeleton_.is_root(host)) break;
-        const float own = length_[host.index()] - begin(host);
-        shares.add(host, below(low) - below(low - own));
+        const NodeId parent = skeleton_.parent(first);
+        if (skeleton_.is_root(parent)) break;
+        const float own = length_[parent.index()] - begin(parent);
+        shares.add(parent, below(low) - below(low - own));
         low -= own;
-        first = host;
+        first = parent;
     }
     if (is_lateral(first) && skeleton_.is_root(skeleton_.parent(first)))
         first = skeleton_.leader(skeleton_.parent(first));
@@ -123,7 +123,7 @@ NodeId AxisWindow::nearest_adjacent(NodeId n, Vec3 point) const {
     float least = 0;
     const auto look = [&](NodeId m) {
         if (!m || skeleton_.is_root(m)) return;
-        const float rho = compute_cone(skeleton_, m).foot(point).relative_squared();
+        const float rho = compute_cone(skeleton_, m).closest_point(point).relative_squared();
         if (best && !(rho < least)) return;
         best = m;
         least = rho;

@@ -172,7 +172,7 @@ void SkinnedMesh::Body::bind(const Context& ctx) {
             if (nearest.capsule != kNoIndex) {
                 const RoundCone& cone = capsules.cone(nearest.capsule);
                 segment = capsules.node(nearest.capsule);
-                anchors_[v] = Vec3(cone.point(cone.foot(Vec3d(p)).t));
+                anchors_[v] = Vec3(cone.point(cone.closest_point(Vec3d(p)).t));
             } else {
                 anchors_[v] = field_.position(segment);
             }

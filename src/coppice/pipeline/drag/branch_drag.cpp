@@ -23,8 +23,8 @@ bool is_lateral(const Skeleton& s, NodeId n) { return !s.is_root(n) && s.leader(
 
 // Rotates a point. The displacement is added to the position, so that a zero rotation returns the identical
 // bits.
-Vec3 turned_about(Vec3d foot, const Rotation& turn, Vec3 p) {
-    const Vec3d arm = Vec3d(p) - foot;
+Vec3 turned_about(Vec3d pivot, const Rotation& turn, Vec3 p) {
+    const Vec3d arm = Vec3d(p) - pivot;
     return Vec3(Vec3d(p) + (turn(arm) - arm));
 }
 
@@ -52,7 +52,7 @@ BranchDrag::BranchDrag(const QuadBuild& build, NodeId top, Vec3d axis)
     : build_(&build), top_(top), axis_(normalized(axis)) {
     const Skeleton& s = build.skeleton;
     COPPICE_ASSERT(top && top.index() < s.size() && !s.is_root(top));
-    foot_ = Vec3d(s.position(s.parent(top)));
+    pivot_ = Vec3d(s.position(s.parent(top)));
     std::vector<std::uint8_t> turns(s.size());
     for (const NodeId n : coppice::nodes(s)) {
         const NodeId p = s.parent(n);
@@ -101,21 +101,21 @@ void BranchDrag::turn(double angle, DragPose& pose) const {
     const Rotation whole = rotation_about(axis_, angle);
     pose.angle = angle;
     for (const std::uint32_t n : nodes_)
-        pose.nodes[n] = turned_about(foot_, whole, build_->skeleton.position(NodeId(n)));
+        pose.nodes[n] = turned_about(pivot_, whole, build_->skeleton.position(NodeId(n)));
     for (const std::uint32_t n : tube_nodes_)
-        pose.tube_nodes[n] = turned_about(foot_, whole, build_->tubes.position(NodeId(n)));
+        pose.tube_nodes[n] = turned_about(pivot_, whole, build_->tubes.position(NodeId(n)));
     for (std::size_t i = 0; i < vertices_.size(); ++i) {
         const std::uint32_t v = vertices_[i];
         const Rotation turn =
             shares_[i] == 1 ? whole : rotation_about(axis_, angle * static_cast<double>(shares_[i]));
-        pose.cage[v] = turned_about(foot_, turn, control.cage.positions[v]);
-        pose.anchors[v] = turned_about(foot_, turn, control.anchors[v]);
+        pose.cage[v] = turned_about(pivot_, turn, control.cage.positions[v]);
+        pose.anchors[v] = turned_about(pivot_, turn, control.anchors[v]);
     }
     for (const std::uint32_t k : clips_) {
         const ClipPlane& clip = control.clip[k];
         const Vec3d normal(clip.normal), way = whole(normal) - normal;
         pose.clips[k].normal = Vec3(normal + way);
-        pose.clips[k].offset = static_cast<float>(static_cast<double>(clip.offset) + dot(way, foot_));
+        pose.clips[k].offset = static_cast<float>(static_cast<double>(clip.offset) + dot(way, pivot_));
     }
 }
 

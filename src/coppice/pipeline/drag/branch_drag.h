@@ -39,7 +39,7 @@ class BranchDrag {
     BranchDrag(const QuadBuild& build, NodeId top, Vec3d axis);
 
     NodeId top() const { return top_; }                                         ///< first node of the branch
-    Vec3d foot() const { return foot_; }                                        ///< [m] centre of rotation
+    Vec3d pivot() const { return pivot_; }                                      ///< [m] centre of rotation
     Vec3d axis() const { return axis_; }                                        ///< unit
     std::span<const std::uint32_t> nodes() const { return nodes_; }             ///< rotating nodes, ascending
     std::span<const std::uint32_t> tube_nodes() const { return tube_nodes_; }   ///< the same, of the tubes
@@ -60,7 +60,7 @@ class BranchDrag {
 
     const QuadBuild* build_;
     NodeId top_;
-    Vec3d foot_, axis_;
+    Vec3d pivot_, axis_;
     std::vector<std::uint32_t> nodes_, tube_nodes_, vertices_, clips_;
     std::vector<float> shares_;
 };

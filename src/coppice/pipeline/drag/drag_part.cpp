@@ -105,9 +105,9 @@ class SweptBoxes {
 
     Box3 turned(const Capsule& c, double angle) const {
         const Rotation turn = rotation_about(drag_.axis(), angle);
-        const Vec3d a = Vec3d(c.a) - drag_.foot(), b = Vec3d(c.b) - drag_.foot();
+        const Vec3d a = Vec3d(c.a) - drag_.pivot(), b = Vec3d(c.b) - drag_.pivot();
         const double way = half_ * std::max(length(a), length(b));  // maximum to either end of the step
-        return capsule_box(Vec3(drag_.foot() + turn(a)), Vec3(drag_.foot() + turn(b)),
+        return capsule_box(Vec3(drag_.pivot() + turn(a)), Vec3(drag_.pivot() + turn(b)),
                            1.001f * (c.radius + static_cast<float>(way)));
     }
 

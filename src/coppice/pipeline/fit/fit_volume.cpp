@@ -78,7 +78,7 @@ void find_capsules(Fit& fit) {
             const Vec3d p(fit.start.positions[v]);
             fit.capsule[v] = hint = nearest(p, hint);
             if (hint == kNoIndex) continue;
-            fit.radius[v] = static_cast<float>(fit.solid.capsules().cone(hint).foot(p).radius);
+            fit.radius[v] = static_cast<float>(fit.solid.capsules().cone(hint).closest_point(p).radius);
         }
     });
 }
@@ -205,8 +205,8 @@ double volume(const Fit& fit) {
 /// circular around the closest point.
 double gap_to(const RoundCone& cone, Vec3d p, Vec3d n) {
     constexpr double kMinCosine = 0.2;
-    const RoundCone::Foot foot = cone.foot(p);
-    const double d = foot.distance(), r = foot.radius, along = dot(n, foot.offset);
+    const RoundCone::ClosestPoint closest = cone.closest_point(p);
+    const double d = closest.distance(), r = closest.radius, along = dot(n, closest.offset);
     const double under_root = along * along + r * r - d * d;
     double way = 0;
     if (along > 0 && under_root >= 0) {
@@ -224,7 +224,7 @@ std::uint32_t capsule_at(const Fit& fit, std::span<const std::uint32_t> vertices
     for (const std::uint32_t v : vertices) {
         const std::uint32_t i = fit.capsule[v];
         if (i == kNoIndex || i == best) continue;
-        const double there = fit.solid.capsules().cone(i).foot(p).relative_squared();
+        const double there = fit.solid.capsules().cone(i).closest_point(p).relative_squared();
         if (best != kNoIndex && there >= least) continue;
         least = there;
         best = i;

@@ -23,7 +23,7 @@ std::uint32_t NearestSegment::downhill(Vec3d p, std::uint32_t from, double& rho_
     const auto look = [&](NodeId n) {
         const std::uint32_t i = capsule_of_[n.index()];
         if (i == kNoIndex) return;
-        const double there = capsules_.cone(i).foot(p).relative_squared();
+        const double there = capsules_.cone(i).closest_point(p).relative_squared();
         if (there >= rho_squared) return;
         rho_squared = there;
         best = i;
@@ -33,7 +33,7 @@ std::uint32_t NearestSegment::downhill(Vec3d p, std::uint32_t from, double& rho_
         if (children.size() > kMaxChildren) return;
         for (const NodeId child : children) look(child);
     };
-    rho_squared = capsules_.cone(from).foot(p).relative_squared();
+    rho_squared = capsules_.cone(from).closest_point(p).relative_squared();
     for (int step = 0; step < kMaxSteps; ++step) {
         const std::uint32_t at = best;
         const NodeId n = capsules_.node(at);

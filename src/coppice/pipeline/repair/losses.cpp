@@ -51,7 +51,7 @@ bool is_too_thick(const QuadBuild& build, NodeId n) {
         // A tree within one node has the ball of that node as its tube.
         widest = build.tubes.is_root(tube)
                      ? build.tubes.radius(tube)
-                     : round_cone<float>(build.tubes.segment(tube)).foot(s.position(n)).radius;
+                     : round_cone<float>(build.tubes.segment(tube)).closest_point(s.position(n)).radius;
     } else {
         for_each_segment_at(s, s.parent(n), [&](NodeId neighbour) {
             if (!build.wrapping[neighbour.index()].empty()) widest = std::max(widest, s.radius(neighbour));

@@ -31,18 +31,18 @@ struct AxisPoint {
 struct Marched {
     std::vector<NodeId> segments;  ///< ascending
     TriMesh mesh;
-    std::vector<AxisPoint> foot;  ///< per vertex: the closest axis point, by distance in radii
-    bool is_impossible = false;   ///< tetrahedra find no surface, or it would be too large
+    std::vector<AxisPoint> closest_axis_point;  ///< per vertex: the closest axis point, by distance in radii
+    bool is_impossible = false;                 ///< tetrahedra find no surface, or it would be too large
 };
 
 /// The surface that replaces a group of rows, joined to its cut rings by bands of triangles. The vertices of
 /// the rings come first, ring by ring, then the others.
 struct PatchSurface {
     RowGroup group;                          ///< the replaced rows
-    PatchSkeleton knot;                      ///< the wrapped part of the skeleton
+    PatchSkeleton patch_skeleton;            ///< the wrapped part of the skeleton
     std::shared_ptr<const Marched> marched;  ///< the level set from which it is cut
     Buffer<Vec3> positions;                  ///< [m]
-    std::vector<NodeId> near;         ///< per vertex: a node of knot.skeleton with a close segment; or none
+    std::vector<NodeId> near;  ///< per vertex: a node of the patch skeleton with a close segment; or none
     std::uint32_t ring_vertices = 0;  ///< number of vertices of the rings
     std::vector<Triangle> triangles;  ///< triangles in place of the removed quads
     std::vector<std::uint32_t>

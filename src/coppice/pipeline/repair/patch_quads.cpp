@@ -33,7 +33,7 @@ RepairLevel repair_level_at(std::span<const RepairLevel> repair_level, TubeRow s
     return repair_level[std::min<std::size_t>(s, repair_level.size() - 1)];
 }
 
-float radius_at(const Segment& s, Vec3 p) { return round_cone<float>(s).foot(p).radius; }
+float radius_at(const Segment& s, Vec3 p) { return round_cone<float>(s).closest_point(p).radius; }
 
 // Returns the vertices that may move, each with the region of a close segment.
 std::vector<PatchVertex> moving_vertices(const PatchSurface& surface, const PatchQuads& made) {
@@ -53,7 +53,8 @@ std::vector<PatchVertex> moving_vertices(const PatchSurface& surface, const Patc
             is_done[v] = 1;
             const NodeId n = near(v, made.patch.triangle[q]);
             if (n)
-                out.push_back({v, n.index(), radius_at(surface.knot.skeleton.segment(n), made.positions[v])});
+                out.push_back(
+                    {v, n.index(), radius_at(surface.patch_skeleton.skeleton.segment(n), made.positions[v])});
         }
     }
     std::sort(out.begin(), out.end(), [](const PatchVertex& a, const PatchVertex& b) {
@@ -79,8 +80,8 @@ std::vector<Box3> region_boxes(const Skeleton& s, std::span<const PatchVertex> m
 void smooth(PatchQuads& made, const PatchSurface& surface, const MeshOptions& options, const Context& ctx) {
     const std::vector<PatchVertex> moving = moving_vertices(surface, made);
     if (moving.empty()) return;
-    ConvolutionField field(surface.knot.skeleton, surface_field_options(options), ctx);
-    field.set_regions(region_boxes(surface.knot.skeleton, moving, made.positions), ctx);
+    ConvolutionField field(surface.patch_skeleton.skeleton, surface_field_options(options), ctx);
+    field.set_regions(region_boxes(surface.patch_skeleton.skeleton, moving, made.positions), ctx);
     smooth_patch(made.positions, made.patch.quads, moving, FieldRef(field), kSmoothingPasses, ctx);
 }
 

@@ -50,10 +50,10 @@ Vec3 mean(const Loop& loop, std::span<const Vec3> x) {
 }
 
 // Returns the closest point to p on a node's segment.
-Vec3 foot_on(const Skeleton& s, NodeId n, Vec3 p) {
+Vec3 closest_axis_position(const Skeleton& s, NodeId n, Vec3 p) {
     if (s.is_root(n)) return s.position(n);
     const auto axis = round_cone<float>(s.segment(n));
-    return axis.point(axis.foot(p).t);
+    return axis.point(axis.closest_point(p).t);
 }
 
 // Returns per vertex whether it is beyond a cut ring, or too close to it. Vertices around an axis other than
@@ -64,18 +64,18 @@ std::vector<std::uint8_t> beyond_seams(const PatchSurface& surface, std::span<co
     parallel_for(ctx, beyond.size(), kVertexGrain, [&](std::size_t v) {
         const NodeId near = surface.near[surface.ring_vertices + v];
         if (!near) {
-            beyond[v] = surface.marched->foot[v].segment ? 1 : 0;
+            beyond[v] = surface.marched->closest_axis_point[v].segment ? 1 : 0;
             return;
         }
         const Vec3 p = positions[v];
-        bool is_beyond = surface.knot.margin[near.index()] != 0;
+        bool is_beyond = surface.patch_skeleton.margin[near.index()] != 0;
         reaches.visit_overlapping(Box3{p, p}, [&](std::uint32_t i) {
             const CutRing& s = surface.group.cut_rings[i];
             const float reach = kSeamReach * s.radius;
             const Vec3 way = p - s.center;
             if (length_squared(way) >= reach * reach || dot(way, s.outward) <= -kGap * s.radius) return;
-            const Vec3 foot = foot_on(surface.knot.skeleton, near, p) - s.center;
-            is_beyond |= length(foot - s.outward * dot(foot, s.outward)) < s.radius;
+            const Vec3 closest = closest_axis_position(surface.patch_skeleton.skeleton, near, p) - s.center;
+            is_beyond |= length(closest - s.outward * dot(closest, s.outward)) < s.radius;
         });
         beyond[v] = is_beyond ? 1 : 0;
     });
@@ -218,15 +218,15 @@ class Joining {
 
     // Returns the row of the closest segment beyond the cut rings.
     TubeRow row_beyond(Vec3 p) const {
-        const Skeleton& s = surface_.knot.skeleton;
+        const Skeleton& s = surface_.patch_skeleton.skeleton;
         double least = std::numeric_limits<double>::infinity();
         TubeRow nearest = kNoIndex;
         for (const NodeId n : nodes(s)) {
-            if (surface_.knot.margin[n.index()] == 0 || s.is_root(n)) continue;
-            const double d = round_cone<double>(s.segment(n)).foot(Vec3d(p)).signed_distance();
+            if (surface_.patch_skeleton.margin[n.index()] == 0 || s.is_root(n)) continue;
+            const double d = round_cone<double>(s.segment(n)).closest_point(Vec3d(p)).signed_distance();
             if (d >= least) continue;
             least = d;
-            nearest = surface_.knot.tube_row[n.index()];
+            nearest = surface_.patch_skeleton.tube_row[n.index()];
         }
         return nearest;
     }
@@ -244,16 +244,18 @@ void find_slices(PatchSurface& surface) {
     surface.tube_row.assign(surface.triangles.size(), kNoIndex);
     for (std::size_t t = 0; t < surface.tube_row.size(); ++t) {
         for (const std::uint32_t v : surface.triangles[t]) {
-            if (surface.near[v]) surface.tube_row[t] = surface.knot.tube_row[surface.near[v].index()];
+            if (surface.near[v])
+                surface.tube_row[t] = surface.patch_skeleton.tube_row[surface.near[v].index()];
         }
     }
 }
 
-std::vector<AxisPoint> feet(const PatchSkeleton& knot, std::span<const Vec3> positions, const Context& ctx) {
-    std::vector<NodeId> segment(knot.skeleton.size());
-    for (const PatchSkeleton::Cut& cut : knot.cuts)
+std::vector<AxisPoint> find_closest_axis_points(const PatchSkeleton& patch_skeleton,
+                                                std::span<const Vec3> positions, const Context& ctx) {
+    std::vector<NodeId> segment(patch_skeleton.skeleton.size());
+    for (const PatchSkeleton::Cut& cut : patch_skeleton.cuts)
         std::fill_n(segment.begin() + cut.first, cut.count, cut.segment);
-    const CapsuleTree capsules(knot.skeleton, knot.skeleton.origin(), ctx);
+    const CapsuleTree capsules(patch_skeleton.skeleton, patch_skeleton.skeleton.origin(), ctx);
     std::vector<AxisPoint> out(positions.size());
     const auto point = [&](std::size_t v) { return Vec3d(positions[v]); };
     for_each_nearest(capsules, ctx, out.size(), point, [&](std::size_t v, CapsuleTree::Nearest near) {
@@ -261,9 +263,9 @@ std::vector<AxisPoint> feet(const PatchSkeleton& knot, std::span<const Vec3> pos
         const std::uint32_t n = capsules.node(near.capsule).index();
         // A section begins where the previous one ends.
         const bool is_first = n == 0 || segment[n - 1] != segment[n];
-        const float begin = is_first ? 0 : knot.until[n - 1];
-        const auto t = static_cast<float>(capsules.cone(near.capsule).foot(point(v)).t);
-        out[v] = {segment[n], begin + t * (knot.until[n] - begin)};
+        const float begin = is_first ? 0 : patch_skeleton.until[n - 1];
+        const auto t = static_cast<float>(capsules.cone(near.capsule).closest_point(point(v)).t);
+        out[v] = {segment[n], begin + t * (patch_skeleton.until[n] - begin)};
     });
     return out;
 }
@@ -276,20 +278,21 @@ std::vector<Segment> collect_segments(const Skeleton& s) {
     return out;
 }
 
-std::shared_ptr<const Marched> march(const PatchSkeleton& knot, const QuadMesh& mesh,
+std::shared_ptr<const Marched> march(const PatchSkeleton& patch_skeleton, const QuadMesh& mesh,
                                      const MeshOptions& options, const Context& ctx) {
     Marched out;
-    for (const PatchSkeleton::Cut& cut : knot.cuts) out.segments.push_back(cut.segment);
+    for (const PatchSkeleton::Cut& cut : patch_skeleton.cuts) out.segments.push_back(cut.segment);
     const MeshOptions by_tetrahedra = patch_options(options);
-    out.is_impossible = !can_march(collect_segments(knot.skeleton), mesh, options);
+    out.is_impossible = !can_march(collect_segments(patch_skeleton.skeleton), mesh, options);
     if (!out.is_impossible) {
         try {
             std::optional<GlobalWeights> weights;
             std::vector<std::pair<std::string, double>> seconds;
             Stages stages(ctx, seconds);
             out.mesh =
-                mesh_by_tetrahedra(knot.skeleton, PointSet{}, by_tetrahedra, weights, ctx, stages).mesh;
-            out.foot = feet(knot, out.mesh.positions, ctx);
+                mesh_by_tetrahedra(patch_skeleton.skeleton, PointSet{}, by_tetrahedra, weights, ctx, stages)
+                    .mesh;
+            out.closest_axis_point = find_closest_axis_points(patch_skeleton, out.mesh.positions, ctx);
         } catch (const Cancelled&) {
             throw;
         } catch (const Error&) {
@@ -307,8 +310,8 @@ bool holds(std::span<const NodeId> all, std::span<const NodeId> some) {
 // Returns a close node per vertex: none for the rings, then those of the vertices of the level set.
 std::vector<NodeId> nodes_near(const PatchSurface& surface) {
     std::vector<NodeId> out(surface.ring_vertices);
-    for (const AxisPoint& p : surface.marched->foot)
-        out.push_back(p.segment ? surface.knot.node_at(p.segment, p.t) : NodeId::none());
+    for (const AxisPoint& p : surface.marched->closest_axis_point)
+        out.push_back(p.segment ? surface.patch_skeleton.node_at(p.segment, p.t) : NodeId::none());
     return out;
 }
 
@@ -324,10 +327,10 @@ PatchSurface patch_surface(RowGroup group, std::shared_ptr<const Marched> marche
                            const Context& ctx) {
     const bool is_first = marched == nullptr;
     const bool is_enough = !is_first && holds(marched->segments, skeletons.needed(group));
-    PatchSkeleton knot = skeletons.of(group, !is_first);
-    PatchSurface surface{std::move(group), std::move(knot), std::move(marched)};
+    PatchSkeleton patch_skeleton = skeletons.of(group, !is_first);
+    PatchSurface surface{std::move(group), std::move(patch_skeleton), std::move(marched)};
     if (!is_enough) {
-        surface.marched = march(surface.knot, mesh, options, ctx);
+        surface.marched = march(surface.patch_skeleton, mesh, options, ctx);
     }
     surface.is_impossible = surface.marched->is_impossible;
     if (surface.is_impossible) return surface;

@@ -103,7 +103,7 @@ class Remeshing {
             .tube_rows = made.group.tube_rows, .adjacent = {}, .segments = made.marched->segments};
         out.quads = static_cast<std::uint32_t>(repair_patch.quads.patch.quads.size());
         for (const CutRing& cut_ring : made.group.cut_rings) out.adjacent.push_back(cut_ring.kept);
-        for (const PatchSkeleton::Cut& cut : made.knot.cuts) out.segments.push_back(cut.segment);
+        for (const PatchSkeleton::Cut& cut : made.patch_skeleton.cuts) out.segments.push_back(cut.segment);
         return out;
     }
 

@@ -75,9 +75,9 @@ void bounds_of_points(const RowPoints& points, Vec3d a, Vec3d axis, double lengt
         z1 = hn::Max(z1, pz);
         const auto x = hn::Sub(px, ax), y = hn::Sub(py, ay), z = hn::Sub(pz, az);
         const auto along = hn::MulAdd(x, dx, hn::MulAdd(y, dy, hn::Mul(z, dz)));
-        const auto foot = hn::Min(hn::Max(along, hn::Zero(d)), longest);
-        const auto u = hn::NegMulAdd(foot, dx, x), v = hn::NegMulAdd(foot, dy, y),
-                   w = hn::NegMulAdd(foot, dz, z);
+        const auto closest = hn::Min(hn::Max(along, hn::Zero(d)), longest);
+        const auto u = hn::NegMulAdd(closest, dx, x), v = hn::NegMulAdd(closest, dy, y),
+                   w = hn::NegMulAdd(closest, dz, z);
         most = hn::Max(most, hn::MulAdd(u, u, hn::MulAdd(v, v, hn::Mul(w, w))));
     }
     const auto min_lane = [&](auto lanes) HWY_ATTR { return hn::GetLane(hn::MinOfLanes(d, lanes)); };

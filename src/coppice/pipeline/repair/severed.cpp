@@ -30,7 +30,7 @@ NodeId nearest_tube(const QuadBuild& build, NodeId segment, Vec3 p) {
     NodeId best;
     float least = 0;
     for (const NodeId tube : build.wrapping[segment.index()]) {
-        const float d = length(compute_cone(build.tubes, tube).foot(p).offset);
+        const float d = length(compute_cone(build.tubes, tube).closest_point(p).offset);
         if (best && d >= least) continue;
         best = tube;
         least = d;
@@ -42,7 +42,7 @@ NodeId nearest_tube(const QuadBuild& build, NodeId segment, Vec3 p) {
 // are shared.
 bool comes_near(const BasicRoundCone<float>& axis, const CageRun& run, const TubeQuads& quads) {
     std::span<const Vec3> x = quads.mesh.positions;
-    const auto is_near = [&](Vec3 p) { return axis.foot(p).relative_squared() < kNear * kNear; };
+    const auto is_near = [&](Vec3 p) { return axis.closest_point(p).relative_squared() < kNear * kNear; };
     const int shift = 2 * quads.tube_rows.levels();
     const std::uint32_t end = (run.first + run.count) << shift;
     for (std::uint32_t q = run.first << shift; q < end; ++q) {

@@ -311,7 +311,7 @@ struct Sampling {
 /// Evaluates the draws of a range of a round.
 void judge(const Sampling& s, IndexRange range, bool density_first, Round& round) {
     const Cells& cells = s.density.cells;
-    std::array<std::uint32_t, kRoundGrain> asked;
+    std::array<std::uint32_t, kRoundGrain> requested;
     std::array<Vec3, kRoundGrain> points;
     std::array<FieldSample, kRoundGrain> samples;
     std::size_t n = 0;
@@ -322,14 +322,14 @@ void judge(const Sampling& s, IndexRange range, bool density_first, Round& round
         const Vec3 p(cells.low(cells[draw.cell]) + cells.edge() * in);
         round.candidates[draw.index] = {p, 0, 0, Candidate::too_near};
         if (!density_first && is_too_near(s.task, s.points, p, s.task.kernel.core())) continue;
-        asked[n] = static_cast<std::uint32_t>(k);
+        requested[n] = static_cast<std::uint32_t>(k);
         points[n++] = p;
     }
     if (n == 0) return;
     const PointRegion& region = s.task.region;
     region.field.sample(0, std::span(points).first(n), std::span(samples).first(n));
     for (std::size_t i = 0; i < n; ++i) {
-        const Draw draw = round.draws[asked[i]];
+        const Draw draw = round.draws[requested[i]];
         const double limit = s.random.uniform(5 * (s.counts.all + draw.index) + 4) * cells[draw.cell].bound;
         const double density = region.contains(points[i]) ? region.density.at(samples[i].value) : 0;
         Candidate& candidate = round.candidates[draw.index];

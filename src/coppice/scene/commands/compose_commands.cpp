@@ -105,16 +105,17 @@ SceneCommand compose_command() {
     add_options(c.arguments, LibraryFilter{}, "library", {},
                 {{"library.ids", "id"}, {"library.tags", "tag"}});
     c.run = [](const SceneCall& call) {
-        const Skeleton& host = call.skeleton(call.text("template"));
+        const Skeleton& template_tree = call.skeleton(call.text("template"));
         auto options = call.options<ComposeOptions>("compose");
-        call.reserve(kBytesOfComposedNode * host.size());
+        call.reserve(kBytesOfComposedNode * template_tree.size());
         options.max_nodes =
             static_cast<int>(std::min(double(options.max_nodes), call.memory_left() / kBytesOfComposedNode));
         const TreeComposer composer(find_child_trees(call), options);
         std::optional<SolidField> crown;
-        if (call.has("crown")) crown.emplace(call.field(call.text("crown"), host.origin()));
+        if (call.has("crown")) crown.emplace(call.field(call.text("crown"), template_tree.origin()));
         const auto seed_given = static_cast<std::uint64_t>(call.number("seed"));
-        ComposeResult made = composer.compose(host, seed_given, crown ? &*crown : nullptr, call.context());
+        ComposeResult made =
+            composer.compose(template_tree, seed_given, crown ? &*crown : nullptr, call.context());
         SceneOutcome out = makes_tree(call.text("name"), std::move(made.skeleton));
         out.text = to_text(made.report);
         return out;
@@ -235,11 +236,12 @@ SceneCommand library_graft_command() {
         const ChildTree branch = read_child_trees(call.input("library"), which, call.context()).front();
         call.reserve(kBytesOfEditedNode * (skeleton.size() + branch.skeleton.size()));
         EditableTree tree(skeleton);
-        const StableId host = find_node(call, tree, "host");
-        const NodeId at = node_with(skeleton, host);
+        const StableId parent_node = find_node(call, tree, "host");
+        const NodeId at = node_with(skeleton, parent_node);
         const double along = call.number("along");
-        graft(tree, placed_branch(branch, skeleton, host_place(skeleton, at, along), compute_pose(call)),
-              host, {.along = along, .limit_radius = call.flag("limit_radius")});
+        graft(tree,
+              placed_branch(branch, skeleton, find_parent_place(skeleton, at, along), compute_pose(call)),
+              parent_node, {.along = along, .limit_radius = call.flag("limit_radius")});
         Skeleton grafted = tree.skeleton();
         auto attributes = kept_attributes(call.attributes(name), skeleton, grafted);
         return makes_tree(name, std::move(grafted), std::move(attributes));

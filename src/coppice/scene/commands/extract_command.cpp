@@ -112,12 +112,12 @@ SceneOutcome from_cloud(const SceneCall& call, const Source& source, const Point
                         const std::string& left_out) {
     const CloudExtraction result =
         extract_from_cloud(points, cloud_options(call, points.size()), extracting(call));
-    std::string said = left_out + text_of_points_left_out(result.cleaning);
+    std::string details = left_out + text_of_points_left_out(result.cleaning);
     for (const TreeFigures& tree : result.trees) {
-        if (result.trees.size() == 1) said += text_of_tree(tree);
-        for (const std::string& doubt : tree.doubts) said += fmt::format("; in doubt: {}", doubt);
+        if (result.trees.size() == 1) details += text_of_tree(tree);
+        for (const std::string& doubt : tree.doubts) details += fmt::format("; in doubt: {}", doubt);
     }
-    return outcome(call, source, result, said);
+    return outcome(call, source, result, details);
 }
 
 /// Extracts the trees with ids in the points as one skeleton, in the order of the ids, which are stored in
@@ -129,20 +129,21 @@ SceneOutcome from_ids(const SceneCall& call, const Source& source, const PointCl
     std::vector<const Skeleton*> skeletons;
     std::vector<NodeConfidence> confidence;
     NodeAttribute ids{"tree", {}};
-    std::string said = left_out;
+    std::string details = left_out;
     for (std::size_t t = 0; t < plot.trees.size(); ++t) {
         const PlotTree& tree = plot.trees[t];
         for (const std::string& warning : tree.warnings)
-            said += fmt::format("; tree {}: {}", plot.segments.ids[t], warning);
+            details += fmt::format("; tree {}: {}", plot.segments.ids[t], warning);
         if (!tree.result) continue;
         skeletons.push_back(&tree.result->skeleton);
         std::ranges::copy(tree.result->confidence, std::back_inserter(confidence));
         ids.values.resize(confidence.size(), static_cast<float>(plot.segments.ids[t]));
     }
-    if (skeletons.empty()) throw InvalidInput(fmt::format("{}: no tree has a skeleton{}", source.name, said));
+    if (skeletons.empty())
+        throw InvalidInput(fmt::format("{}: no tree has a skeleton{}", source.name, details));
     ExtractResult all{joined(skeletons), std::move(confidence), {}};
     all.report.trees = all.skeleton.tree_count();
-    return outcome(call, source, all, said, {std::move(ids)});
+    return outcome(call, source, all, details, {std::move(ids)});
 }
 
 /// Adds the type of input to the help of each option.

@@ -51,9 +51,9 @@ SceneOutcome makes_points(const std::string& name, PointSet set) {
 }
 
 /// Returns the remaining memory, at most the requested amount.
-int memory_left(const SceneCall& call, int asked) {
+int memory_left(const SceneCall& call, int requested) {
     const double left = call.settings().max_memory - static_cast<double>(call.state().bytes) / kMebibyte;
-    return std::clamp(static_cast<int>(left), 1, asked);
+    return std::clamp(static_cast<int>(left), 1, requested);
 }
 
 /// Returns the maximum difference between field values at points and at the surface, for a field that is
@@ -140,11 +140,11 @@ SceneCommand generate_command() {
     c.run = [](const SceneCall& call) {
         const SolidField field = call.field(call.text("solid"));
         GenerateResult result = generated(call, field);
-        const int asked = static_cast<int>(call.number("count"));
+        const int requested = static_cast<int>(call.number("count"));
         const std::size_t placed = result.points.size();
         SceneOutcome out = makes_points(call.text("name"), std::move(result.points));
-        if (asked > 0 && result.stop != PointStop::count_reached)
-            out.text = fmt::format("{} of {} points were placed\n", placed, asked);
+        if (requested > 0 && result.stop != PointStop::count_reached)
+            out.text = fmt::format("{} of {} points were placed\n", placed, requested);
         return out;
     };
     return c;

@@ -258,13 +258,13 @@ SceneCommand loadtree_command() {
     return c;
 }
 
-/// Returns the outcome of a mesh command; `said` is its output.
-SceneOutcome makes_surface(const SceneCall& call, MeshResult result, std::string said) {
+/// Returns the outcome of a mesh command; `output` is its output.
+SceneOutcome makes_surface(const SceneCall& call, MeshResult result, std::string output) {
     Surface surface;
     std::visit([&](auto& made) { surface.mesh = std::move(made.mesh); }, result.surface);
     const std::uint64_t bytes = compute_memory(surface);
     SceneOutcome out = makes(call.text("name"), std::move(surface), bytes);
-    out.text = std::move(said);
+    out.text = std::move(output);
     return out;
 }
 

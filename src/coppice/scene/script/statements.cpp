@@ -49,13 +49,13 @@ std::vector<ScenePiece> find_pieces(std::string_view text) {
 
 std::string run_piece(Scene& scene, std::string_view text, std::uint32_t line, const std::string& source,
                       const Context& ctx) {
-    std::string said;
+    std::string output;
     for (const SceneLine& command : scene_lines(text, source)) {
         ctx.throw_if_cancelled();
-        said += scene.run(command.text, fmt::format("{}:{}", source, command.number + line - 1), ctx);
+        output += scene.run(command.text, fmt::format("{}:{}", source, command.number + line - 1), ctx);
     }
     scene.finish();
-    return said;
+    return output;
 }
 
 }  // namespace coppice

@@ -54,7 +54,7 @@ class WayFinder {
 
     std::vector<HullPiece> run() {
         if (count_ == 0) return {};
-        find_foot();
+        find_base();
         find_ways();
         find_tips();
         return cut();
@@ -84,7 +84,7 @@ class WayFinder {
     }
 
     /// Finds the lowest cell below the widest one near the ground. Cells are sorted by height.
-    void find_foot() {
+    void find_base() {
         const std::vector<std::uint32_t> part = largest_part();
         const double low = hull_.center(part.front()).z, high = hull_.center(part.back()).z;
         std::uint32_t widest = part.front();
@@ -92,8 +92,8 @@ class WayFinder {
             if (hull_.center(i).z <= low + kGround * (high - low) &&
                 hull_.thickness(i) > hull_.thickness(widest))
                 widest = i;
-        foot_width_ = hull_.thickness(widest);
-        foot_ = *std::ranges::find_if(part, [&](std::uint32_t i) {
+        base_width_ = hull_.thickness(widest);
+        base_ = *std::ranges::find_if(part, [&](std::uint32_t i) {
             const Vec3d off = hull_.center(i) - hull_.center(widest);
             return std::hypot(off.x, off.y) <= 0.5 * hull_.thickness(widest);
         });
@@ -107,8 +107,8 @@ class WayFinder {
         from_.assign(count_, kNoIndex);
         using Entry = std::pair<double, std::uint32_t>;
         std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-        cost[foot_] = 0;
-        queue.emplace(0, foot_);
+        cost[base_] = 0;
+        queue.emplace(0, base_);
         while (!queue.empty()) {
             const std::uint32_t i = queue.top().second;
             queue.pop();
@@ -135,7 +135,7 @@ class WayFinder {
         std::ranges::stable_sort(far, std::greater<>{}, [&](std::uint32_t i) { return length_[i]; });
         covered_.assign(count_, 0);
         on_way_.assign(count_, 0);
-        on_way_[foot_] = 1;
+        on_way_[base_] = 1;
         for (const std::uint32_t tip : far) {
             if (covered_[tip] > 0) continue;
             ctx_.throw_if_cancelled();
@@ -151,7 +151,7 @@ class WayFinder {
 
     /// Returns the width [m] at a cell. The base is at the edge of the wide section there.
     double width_at(std::uint32_t i) const {
-        return std::max(hull_.thickness(i), apart(i, foot_) < foot_width_ ? foot_width_ : 0);
+        return std::max(hull_.thickness(i), apart(i, base_) < base_width_ ? base_width_ : 0);
     }
 
     /// Stores in every cell the remaining covered distance, in decreasing order.
@@ -175,14 +175,14 @@ class WayFinder {
     std::vector<HullPiece> cut() const {
         std::vector<std::uint8_t> children(count_, 0);
         for (const std::uint32_t i : order_)
-            if (on_way_[i] != 0 && i != foot_) ++children[from_[i]];
+            if (on_way_[i] != 0 && i != base_) ++children[from_[i]];
         std::vector<HullPiece> pieces;
         std::vector<std::uint32_t> piece_index(count_, kNoIndex);
         for (const std::uint32_t i : order_) {
-            if (on_way_[i] == 0 || i == foot_) continue;
+            if (on_way_[i] == 0 || i == base_) continue;
             const std::uint32_t from = from_[i];
             piece_index[i] = piece_index[from];
-            if (from == foot_ || children[from] > 1) {
+            if (from == base_ || children[from] > 1) {
                 piece_index[i] = static_cast<std::uint32_t>(pieces.size());
                 pieces.push_back({.cells = {from}, .before = piece_index[from]});
             }
@@ -196,8 +196,8 @@ class WayFinder {
     const Context& ctx_;
     std::uint32_t count_;
     Neighbours near_;
-    std::uint32_t foot_ = 0;
-    double foot_width_ = 0;             ///< [m] thickness above the base
+    std::uint32_t base_ = 0;
+    double base_width_ = 0;             ///< [m] thickness above the base
     std::vector<double> length_;        ///< [m] by cell: length of its path from the base
     std::vector<std::uint32_t> from_;   ///< by cell: its predecessor on the path
     std::vector<std::uint32_t> order_;  ///< reached cells, predecessors first

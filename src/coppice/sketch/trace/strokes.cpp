@@ -47,9 +47,9 @@ class Walker {
     }
 
     std::vector<TracedPiece> run() {
-        const std::uint32_t foot = find_lowest_node();
-        if (foot == kNoIndex) return {};
-        walk_from(foot);
+        const std::uint32_t lowest = find_lowest_node();
+        if (lowest == kNoIndex) return {};
+        walk_from(lowest);
         std::vector<TracedPiece> out;
         std::vector<std::uint32_t> piece(graph_.edges.size(), kNoIndex);
         for (const std::uint32_t e : order_) {
@@ -122,12 +122,12 @@ class Walker {
     }
 
     /// Enters every edge from its cheapest predecessor.
-    void walk_from(std::uint32_t foot) {
+    void walk_from(std::uint32_t lowest) {
         const double diagonal = std::hypot(mask_.width, mask_.height);
         using Entry = std::tuple<double, std::uint32_t, std::uint32_t,
                                  std::uint32_t>;  // cost, edge, node, previous edge
         std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-        for (const std::uint32_t e : at_[foot]) queue.emplace(0, e, foot, kNoIndex);
+        for (const std::uint32_t e : at_[lowest]) queue.emplace(0, e, lowest, kNoIndex);
         while (!queue.empty()) {
             const auto [cost, e, node, before] = queue.top();
             queue.pop();
@@ -168,7 +168,7 @@ std::vector<PicturePoint> smoothed(const std::vector<PicturePoint>& line) {
 }
 
 /// Removes the beginning of a medial axis, which runs into a corner of a flat base or into roots.
-void straighten_foot(std::vector<PicturePoint>& line, const Mask& mask, const std::vector<float>& distance) {
+void straighten_base(std::vector<PicturePoint>& line, const Mask& mask, const std::vector<float>& distance) {
     const double wide = radius_at(line[line.size() / 8], mask, distance);
     double along = 0;
     std::size_t first = 0;
@@ -202,11 +202,11 @@ Stroke stroke_along(std::span<const TracedPiece> pieces, std::span<const std::ui
         line.insert(line.end(), points.begin() + (line.empty() ? 0 : 1), points.end());
     }
     line = smoothed(line);
-    const bool from_foot = !pieces[chain.front()].before;
-    if (from_foot) straighten_foot(line, mask, distance);
-    const double near = from_foot ? 0 : 1.5 * pieces[chain.front()].radius;
+    const bool from_base = !pieces[chain.front()].before;
+    if (from_base) straighten_base(line, mask, distance);
+    const double near = from_base ? 0 : 1.5 * pieces[chain.front()].radius;
     Stroke out;
-    if (const auto ground = from_foot ? ground_below(line, mask) : std::nullopt) {
+    if (const auto ground = from_base ? ground_below(line, mask) : std::nullopt) {
         out.points.push_back(*ground);
         out.widths.push_back(2 * radius_at(line.front(), mask, distance));
     }

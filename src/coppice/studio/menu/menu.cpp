@@ -162,16 +162,16 @@ class Reader {
             throw InvalidInput("a menu starts with its name in brackets, as in [Crown]");
     }
 
-    void take(std::string label, std::string_view said) {
+    void take(std::string label, std::string_view definition) {
         const auto old = std::ranges::find_if(
             items_, [&](const MenuItem& item) { return item.menu == menu_ && item.label == label; });
-        if (said == "nothing") {
+        if (definition == "nothing") {
             if (old == items_.end())
                 throw InvalidInput(fmt::format("there is no item '{}' in {} to remove", label, menu_));
             items_.erase(old);
             return;
         }
-        const auto [does, text] = split_word(said);
+        const auto [does, text] = split_word(definition);
         MenuItem item{.menu = menu_, .label = std::move(label), .does = action_called(does)};
         item.text = std::string(text);
         check(item);

@@ -93,13 +93,13 @@ std::optional<bool> wants_surface(const Request& request) {
 /// Writes an object; of a skeleton or solid its surface, if the format is for meshes.
 Json export_object(Studio& studio, const Request& request) {
     const std::string& file = request.text("file");
-    const ExportRequest wish{.kind = request.kind(),
-                             .name = request.text("name"),
-                             .path = path_to_write(studio, request, file),
-                             .as_surface = wants_surface(request),
-                             .surface = surface_options(request)};
-    const ObjectCount count = count_elements(*export_to(studio, wish, request.ctx));
-    Json out = written(wish.path, file);
+    const ExportRequest export_request{.kind = request.kind(),
+                                       .name = request.text("name"),
+                                       .path = path_to_write(studio, request, file),
+                                       .as_surface = wants_surface(request),
+                                       .surface = surface_options(request)};
+    const ObjectCount count = count_elements(*export_to(studio, export_request, request.ctx));
+    Json out = written(export_request.path, file);
     out["count"] = count.count;
     out["unit"] = count.unit;
     return out;
@@ -172,13 +172,14 @@ ObjectPtr make_surface(const Studio& studio, const Document::Name& object, const
     return scene.state().objects.at({ObjectKind::mesh, object.second});
 }
 
-ObjectPtr export_to(const Studio& studio, const ExportRequest& wish, const Context& ctx) {
-    const bool as_surface =
-        wish.kind == ObjectKind::solid ||
-        (wish.kind == ObjectKind::skeleton && wish.as_surface.value_or(holds_mesh(wish.path)));
-    ObjectPtr object = as_surface ? make_surface(studio, {wish.kind, wish.name}, wish.surface, ctx)
-                                  : studio.object(wish.kind, wish.name);
-    save_object(*object, wish.path, ctx);
+ObjectPtr export_to(const Studio& studio, const ExportRequest& export_request, const Context& ctx) {
+    const bool as_surface = export_request.kind == ObjectKind::solid ||
+                            (export_request.kind == ObjectKind::skeleton &&
+                             export_request.as_surface.value_or(holds_mesh(export_request.path)));
+    ObjectPtr object = as_surface ? make_surface(studio, {export_request.kind, export_request.name},
+                                                 export_request.surface, ctx)
+                                  : studio.object(export_request.kind, export_request.name);
+    save_object(*object, export_request.path, ctx);
     return object;
 }
 

@@ -79,8 +79,9 @@ class Filling {
 
     std::string exported_file(std::string_view ending) {
         const std::filesystem::path path = studio_.scratch.next(ending);
-        const ExportRequest wish{.kind = request_.kind(), .name = request_.text("name"), .path = path};
-        export_to(studio_, wish, request_.ctx);
+        const ExportRequest export_request{
+            .kind = request_.kind(), .name = request_.text("name"), .path = path};
+        export_to(studio_, export_request, request_.ctx);
         return path.string();
     }
 

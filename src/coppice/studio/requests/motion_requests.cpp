@@ -54,9 +54,9 @@ std::vector<SceneWord> to_words(const Json& options) {
 }
 
 /// The motion that a request describes.
-class MotionWish {
+class MotionRequest {
   public:
-    MotionWish(const Studio& studio, const Request& request)
+    MotionRequest(const Studio& studio, const Request& request)
         : studio_(studio),
           ctx_(request.ctx),
           name_(request.text("name")),
@@ -152,21 +152,23 @@ class FrameFiles {
 };
 
 FrameSinks sinks_to(const FrameFiles& files, const FrameSeries& series, const QuadMesh& frame,
-                    const MotionWish& wish) {
-    wish.reserve(memory_of_sink(files.path(), series, frame));
+                    const MotionRequest& motion_request) {
+    motion_request.reserve(memory_of_sink(files.path(), series, frame));
     FrameSinks sinks;
     sinks.push_back(open_sink(files.path(), series));
     return sinks;
 }
 
-Json animate_growth(const Studio& studio, const Request& request, const MotionWish& wish) {
-    const GrowthFrames frames = growth_frames(wish.options().run);
+Json animate_growth(const Studio& studio, const Request& request, const MotionRequest& motion_request) {
+    const GrowthFrames frames = growth_frames(motion_request.options().run);
     FrameFiles files(studio, request, frames.frames);
-    const MeshResult last = wish.grown(wish.tree(), narrow_progress(request.ctx, 0, kShareOfMesh));
+    const MeshResult last =
+        motion_request.grown(motion_request.tree(), narrow_progress(request.ctx, 0, kShareOfMesh));
     const QuadMesh& surface = last.quads().mesh;
-    const FrameSeries series = make_series(surface, frames, wish.options());
-    const FrameSinks sinks = sinks_to(files, series, surface, wish);
-    make_frames(wish.tree(), frames, wish.options(), sinks, narrow_progress(request.ctx, kShareOfMesh, 1));
+    const FrameSeries series = make_series(surface, frames, motion_request.options());
+    const FrameSinks sinks = sinks_to(files, series, surface, motion_request);
+    make_frames(motion_request.tree(), frames, motion_request.options(), sinks,
+                narrow_progress(request.ctx, kShareOfMesh, 1));
     Json out = files.written();
     out["frames"] = frames.frames;
     out["frozen"] = 0;
@@ -174,12 +176,12 @@ Json animate_growth(const Studio& studio, const Request& request, const MotionWi
     return out;
 }
 
-Json animate_motion(const Studio& studio, const Request& request, const MotionWish& wish) {
-    const Motion motion = wish.motion();
+Json animate_motion(const Studio& studio, const Request& request, const MotionRequest& motion_request) {
+    const Motion motion = motion_request.motion();
     FrameFiles files(studio, request, motion.frames());
-    SkinnedMesh mesh = wish.carried(narrow_progress(request.ctx, 0, kShareOfMesh));
-    const FrameSeries series = make_series(mesh, motion, wish.options());
-    const FrameSinks sinks = sinks_to(files, series, *series.rest, wish);
+    SkinnedMesh mesh = motion_request.carried(narrow_progress(request.ctx, 0, kShareOfMesh));
+    const FrameSeries series = make_series(mesh, motion, motion_request.options());
+    const FrameSinks sinks = sinks_to(files, series, *series.rest, motion_request);
     const MotionReport report =
         make_frames(mesh, motion, sinks, narrow_progress(request.ctx, kShareOfMesh, 1));
     Json out = files.written();
@@ -191,39 +193,43 @@ Json animate_motion(const Studio& studio, const Request& request, const MotionWi
 
 /// Writes an animation of a tree, as `coppice animate` does.
 Json animate(Studio& studio, const Request& request) {
-    const MotionWish wish(studio, request);
-    const bool grows = wish.options().grow;
+    const MotionRequest motion_request(studio, request);
+    const bool grows = motion_request.options().grow;
     check_frames_name(request.text("file"), !grows);
-    return grows ? animate_growth(studio, request, wish) : animate_motion(studio, request, wish);
+    return grows ? animate_growth(studio, request, motion_request)
+                 : animate_motion(studio, request, motion_request);
 }
 
 }  // namespace
 
 /// A motion for display, ready to evaluate at any time.
-class KeptMotion {
+class CachedMotion {
   public:
-    KeptMotion(const MotionWish& wish, const Context& ctx) : object_(wish.object()), text_(wish.text()) {
-        if (wish.options().grow) {
-            const GrowthFrames frames = growth_frames(wish.options().run);
+    CachedMotion(const MotionRequest& motion_request, const Context& ctx)
+        : object_(motion_request.object()), text_(motion_request.text()) {
+        if (motion_request.options().grow) {
+            const GrowthFrames frames = growth_frames(motion_request.options().run);
             seconds_ = frames.seconds;
             frames_ = frames.frames;
-            growing_.emplace(wish.tree(), wish.options().growing);
+            growing_.emplace(motion_request.tree(), motion_request.options().growing);
         } else {
-            motion_ = wish.motion();
+            motion_ = motion_request.motion();
             seconds_ = motion_->seconds();
             frames_ = motion_->frames();
-            mesh_ = wish.carried(ctx);
+            mesh_ = motion_request.carried(ctx);
         }
     }
 
-    bool matches(const MotionWish& wish) const { return object_ == wish.object() && text_ == wish.text(); }
+    bool matches(const MotionRequest& motion_request) const {
+        return object_ == motion_request.object() && text_ == motion_request.text();
+    }
     double seconds() const { return seconds_; }
     std::size_t frames() const { return frames_; }
 
     /// Folds and crossings of branches are not prevented: that requires all previous frames, as in a film.
-    QuadMesh at(double time, const MotionWish& wish, const Context& ctx) {
+    QuadMesh at(double time, const MotionRequest& motion_request, const Context& ctx) {
         if (growing_) {
-            MeshResult made = wish.grown(growing_->at(time / seconds_), ctx);
+            MeshResult made = motion_request.grown(growing_->at(time / seconds_), ctx);
             return std::move(made.quads().mesh);
         }
         QuadMesh out = mesh_->made().quads().mesh;
@@ -245,15 +251,16 @@ namespace {
 
 /// Returns the surface of an animated tree at one time.
 Json frame(Studio& studio, const Request& request) {
-    const MotionWish wish(studio, request);
-    if (!studio.motion || !studio.motion->matches(wish)) {
+    const MotionRequest motion_request(studio, request);
+    if (!studio.motion || !studio.motion->matches(motion_request)) {
         studio.motion.reset();  // released before the next one allocates memory
-        studio.motion = std::make_shared<KeptMotion>(wish, request.ctx);
+        studio.motion = std::make_shared<CachedMotion>(motion_request, request.ctx);
     }
-    KeptMotion& motion = *studio.motion;
+    CachedMotion& motion = *studio.motion;
     const double time = std::clamp(request.number("time"), 0.0, motion.seconds());
-    const SceneObject object{Surface{motion.at(time, wish, request.ctx)}, 0};
-    const GeometryHead head{ObjectKind::skeleton, wish.name(), studio.notes.of(wish.object()).version, {}};
+    const SceneObject object{Surface{motion.at(time, motion_request, request.ctx)}, 0};
+    const GeometryHead head{
+        ObjectKind::skeleton, motion_request.name(), studio.notes.of(motion_request.object()).version, {}};
     std::string blob = encode_object(object, head, 1, StudioColor::plain, request.ctx);
     return {{"key", studio.blobs.offer(std::move(blob))},
             {"time", time},

@@ -4,12 +4,12 @@
 namespace coppice::studio_internal {
 
 SurfaceRequest surface_request(const Request& request) {
-    SurfaceRequest wish;
-    wish.options.levels = 1;
+    SurfaceRequest surface;
+    surface.options.levels = 1;
     const auto found = request.fields.find("surface");
-    if (found != request.fields.end()) from_json(*found, option_fields(wish.options), "surface");
-    wish.text = to_json(option_fields(wish.options)).dump();
-    return wish;
+    if (found != request.fields.end()) from_json(*found, option_fields(surface.options), "surface");
+    surface.text = to_json(option_fields(surface.options)).dump();
+    return surface;
 }
 
 std::optional<std::uint64_t> get_known_version(const Request& request) {
@@ -18,9 +18,9 @@ std::optional<std::uint64_t> get_known_version(const Request& request) {
 }
 
 const LiveSurfaces::Shown& follow(Studio& studio, const std::string& name, const ObjectPtr& object,
-                                  const SurfaceRequest& wish, const Context& ctx) {
-    studio.reserve(memory_of_mesh(std::get<Skeleton>(object->value), wish.options));
-    return studio.surfaces.follow(name, object, wish.options, wish.text, ctx);
+                                  const SurfaceRequest& surface, const Context& ctx) {
+    studio.reserve(memory_of_mesh(std::get<Skeleton>(object->value), surface.options));
+    return studio.surfaces.follow(name, object, surface.options, surface.text, ctx);
 }
 
 std::optional<std::string> encode_since(const LiveSurfaces::Shown& shown, std::optional<std::uint64_t> have,

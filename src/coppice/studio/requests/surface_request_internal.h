@@ -25,7 +25,7 @@ std::optional<std::uint64_t> get_known_version(const Request& request);
 
 /// Returns the current surface of a skeleton. Throws InvalidInput if it would exceed the memory limit.
 const LiveSurfaces::Shown& follow(Studio& studio, const std::string& name, const ObjectPtr& object,
-                                  const SurfaceRequest& wish, const Context& ctx);
+                                  const SurfaceRequest& surface, const Context& ctx);
 
 /// Returns the update from state `have` of a client to the current surface; empty if it is current.
 std::optional<std::string> encode_since(const LiveSurfaces::Shown& shown, std::optional<std::uint64_t> have,

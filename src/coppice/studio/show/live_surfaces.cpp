@@ -70,11 +70,11 @@ std::vector<StableId> changed_nodes(const Skeleton& before, const Skeleton& afte
 }
 
 LiveSurfaces::Shown& LiveSurfaces::follow(const std::string& name, const ObjectPtr& object,
-                                          const MeshOptions& options, const std::string& wish,
+                                          const MeshOptions& options, const std::string& options_text,
                                           const Context& ctx) {
     const Skeleton& now = std::get<Skeleton>(object->value);
-    const auto found =
-        std::ranges::find_if(shown_, [&](const Shown& s) { return s.name == name && s.wish == wish; });
+    const auto found = std::ranges::find_if(
+        shown_, [&](const Shown& s) { return s.name == name && s.options_text == options_text; });
     const auto& get_tree = [](const Shown& s) -> const Skeleton& {
         return std::get<Skeleton>(s.object->value);
     };
@@ -89,8 +89,9 @@ LiveSurfaces::Shown& LiveSurfaces::follow(const std::string& name, const ObjectP
         if (found != shown_.end()) shown_.splice(shown_.end(), shown_, found);  // removed first
         make_room(bytes, kMaxSurfaces - 1);
         LiveSurface surface(now, options, ctx);
-        std::erase_if(shown_, [&](const Shown& s) { return s.name == name && s.wish == wish; });
-        shown_.push_front({name, options, wish, object, std::move(surface), ++number_, {}});
+        std::erase_if(shown_,
+                      [&](const Shown& s) { return s.name == name && s.options_text == options_text; });
+        shown_.push_front({name, options, options_text, object, std::move(surface), ++number_, {}});
         return shown_.front();
     }
     shown_.splice(shown_.begin(), shown_, found);

@@ -24,12 +24,12 @@ class LiveSurfaces {
   public:
     /// A displayed surface.
     struct Shown {
-        std::string name;      ///< of the skeleton
-        MeshOptions options;   ///< options of the surface
-        std::string wish;      ///< the options as requested
-        ObjectPtr object;      ///< the current skeleton
-        LiveSurface surface;   ///< its surface
-        std::uint64_t number;  ///< number of this state
+        std::string name;          ///< of the skeleton
+        MeshOptions options;       ///< options of the surface
+        std::string options_text;  ///< the options as requested
+        ObjectPtr object;          ///< the current skeleton
+        LiveSurface surface;       ///< its surface
+        std::uint64_t number;      ///< number of this state
         std::deque<std::pair<std::uint64_t, SurfaceChange>>
             changes;  ///< changes with the previous state of each
     };
@@ -37,11 +37,11 @@ class LiveSurfaces {
     /// Limits the estimated memory of all surfaces.
     explicit LiveSurfaces(std::uint64_t max_bytes = std::uint64_t{1} << 30) : max_bytes_(max_bytes) {}
 
-    /// Returns the current surface of a skeleton. `wish` identifies the options. Throws as LiveSurface, or
-    /// InvalidInput if the surface would exceed the memory limit; the existing surface is then unchanged. The
-    /// four most recently used ones are kept, within the memory limit.
+    /// Returns the current surface of a skeleton. `options_text` identifies the options. Throws as
+    /// LiveSurface, or InvalidInput if the surface would exceed the memory limit; the existing surface is
+    /// then unchanged. The four most recently used ones are kept, within the memory limit.
     Shown& follow(const std::string& name, const ObjectPtr& object, const MeshOptions& options,
-                  const std::string& wish, const Context& ctx);
+                  const std::string& options_text, const Context& ctx);
 
     /// Returns all changes since a state; nullopt if the state is unknown or everything changed.
     static std::optional<SurfaceChange> since(const Shown& shown, std::uint64_t number);

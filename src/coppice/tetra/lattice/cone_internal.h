@@ -26,10 +26,11 @@ inline RoundCone growing_cone(const Segment& s, Vec3d corner) {
 inline double nearest_ball(const RoundCone& cone, double times, Vec3d p) {
     const double squared = length_squared(cone.axis), g = times * cone.growth, steep = squared - g * g;
     if (steep <= 0) return 1;
-    const double foot = cone.line_parameter(p);
-    if (g <= 0) return std::clamp(foot, 0.0, 1.0);
-    const double away = std::sqrt(std::max(0.0, length_squared(p - cone.a) - foot * foot * squared) / steep);
-    return std::clamp(foot + away * g / std::sqrt(squared), 0.0, 1.0);
+    const double closest_parameter = cone.line_parameter(p);
+    if (g <= 0) return std::clamp(closest_parameter, 0.0, 1.0);
+    const double away = std::sqrt(
+        std::max(0.0, length_squared(p - cone.a) - closest_parameter * closest_parameter * squared) / steep);
+    return std::clamp(closest_parameter + away * g / std::sqrt(squared), 0.0, 1.0);
 }
 
 /// Returns the maximum of n . p over the points p of the balls, for n of length n_length (the support

@@ -55,7 +55,7 @@ class Selection {
         double least = outside;
         std::uint32_t deepest = kShell;
         for (const std::uint32_t s : segments) {
-            const double square = cones_[s].foot(p).relative_squared();
+            const double square = cones_[s].closest_point(p).relative_squared();
             if (square < least) {
                 least = square;
                 deepest = s;

@@ -171,7 +171,7 @@ class WideCells {
             widest = std::max(widest, length(w - along * dot(w, along)));
         }
         return widest > kMaxWidth * r && std::ranges::none_of(cones_of_[cell], [&](std::uint32_t other) {
-                   return other != cone && cones_[other].foot(bark).relative_squared() < 0.9;
+                   return other != cone && cones_[other].closest_point(bark).relative_squared() < 0.9;
                });
     }
 
@@ -293,7 +293,7 @@ std::uint32_t Polyhedron::State::nearest_axis(std::uint32_t c) const {
     std::uint32_t out = kNoIndex;
     double least = HUGE_VAL;
     for (const std::uint32_t cone : cones_of[c]) {
-        const double square = cones[cone].foot(middle).relative_squared();
+        const double square = cones[cone].closest_point(middle).relative_squared();
         if (square < least) {
             least = square;
             out = cone;
