@@ -71,7 +71,7 @@ std::string count(Json& counts, const QuadSurface& surface) {
     const std::string how =
         surface.ramified ? summary(*surface.ramified)
                          : fmt::format("{} merged, {} grafted, {} cut", grouped(surface.grafted.merged),
-                                       grouped(surface.grafted.grafted), grouped(surface.grafted.cut));
+                                       grouped(surface.grafted.grafted), grouped(surface.grafted.truncated));
     const std::string before =
         surface.coarsened ? fmt::format(" of {}", grouped(surface.coarsened->faces_before)) : "";
     return fmt::format("{}; {}{} quads{}", how, grouped(surface.mesh.quads.size()), before,

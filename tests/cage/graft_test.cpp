@@ -52,7 +52,7 @@ TEST(GraftBranches, ClosedPieceEndsAtTheBarkAndTheRestStartsThere) {
         const GraftResult r = graft_branches(s, kDepth, PieceEnd::closed, {});
         expect_sound(s, r);
         EXPECT_EQ(r.report.grafted, 1u);
-        EXPECT_EQ(r.report.cut, 1u);
+        EXPECT_EQ(r.report.truncated, 1u);
         std::size_t tips = 0;
         for (const NodeId n : nodes(r.tubes)) {
             if (!r.tubes.is_tip(n)) continue;
@@ -72,7 +72,7 @@ TEST(GraftBranches, JoinedPieceEndsAtANodeOfTheOtherBranch) {
         const GraftResult r = graft_branches(s, kDepth, PieceEnd::joined, {});
         expect_sound(s, r);
         EXPECT_EQ(r.report.grafted, 1u);
-        EXPECT_EQ(r.report.cut, 0u);
+        EXPECT_EQ(r.report.truncated, 0u);
         EXPECT_EQ(r.report.merged, 1u);
         ASSERT_EQ(r.joins.size(), 1u);
         const auto [end, node] = r.joins[0];
@@ -121,7 +121,7 @@ TEST(GraftBranches, ThickBranchCutsTheThinStem) {
                      {0.2f, 0.03f, 0.03f, 0.2f, 0.2f, 0.2f});
     const GraftResult r = graft_branches(s, kDepth, PieceEnd::closed, {});
     expect_sound(s, r);
-    EXPECT_EQ(r.report.cut, 1u);
+    EXPECT_EQ(r.report.truncated, 1u);
     for (const NodeId n : nodes(r.tubes)) {
         if (r.tubes.radius(n) != 0.2f || r.tubes.is_root(n)) continue;
         EXPECT_EQ(r.tubes.radius(r.tubes.parent(n)), 0.2f) << "a thick section begins at a thin one";
@@ -134,7 +134,7 @@ TEST(GraftBranches, TwigThatEndsInsideABranchIsCut) {
                      {0.3f, 0.3f, 0.3f, 0.05f, 0.05f});
     const GraftResult r = graft_branches(s, kDepth, PieceEnd::closed, {});
     expect_sound(s, r);
-    EXPECT_EQ(r.report.cut, 1u);
+    EXPECT_EQ(r.report.truncated, 1u);
     EXPECT_EQ(r.report.grafted, 0u);
     EXPECT_EQ(r.report.nodes_inside, 1u);
 }
@@ -142,7 +142,7 @@ TEST(GraftBranches, TwigThatEndsInsideABranchIsCut) {
 TEST(GraftBranches, TreesWithoutDeepOverlapsAreUnchanged) {
     for (const Skeleton& s : {loop(0.13f), loop(1), Skeleton({NodeId::none()}, {{}}, {1})}) {
         const GraftResult r = graft_branches(s, kDepth, PieceEnd::closed, {});
-        EXPECT_EQ(r.report.cut, 0u);
+        EXPECT_EQ(r.report.truncated, 0u);
         EXPECT_EQ(r.report.grafted, 0u);
         EXPECT_TRUE(std::ranges::equal(r.tubes.parents(), s.parents()));
         expect_sound(s, r);
@@ -164,7 +164,7 @@ TEST(GraftBranches, BranchesOfTwoTreesAreGrafted) {
     const Skeleton s({NodeId::none(), NodeId(0), NodeId::none(), NodeId(2)},
                      {{0, 0, 0}, {0, 0, 4}, {-2, 0, 2}, {2, 0, 2}}, {0.1f, 0.1f, 0.05f, 0.05f});
     const GraftResult r = graft_branches(s, kDepth, PieceEnd::closed, {});
-    EXPECT_EQ(r.report.cut, 1u);
+    EXPECT_EQ(r.report.truncated, 1u);
     EXPECT_EQ(r.report.grafted, 1u);
     EXPECT_EQ(r.tubes.tree_count(), 2u);
     const std::vector<NodeId> root = tree_roots(r.tubes);

@@ -61,15 +61,15 @@ std::optional<SolidField> read_crown(Run& run, const ComposeFlags& flags, Vec3d 
 
 /// Returns the statistics of a measure over all trees.
 Json spread(std::vector<double> values) {
-    const auto [least, largest] = std::ranges::minmax(values);
+    const auto [min, max] = std::ranges::minmax(values);
     double sum = 0, squares = 0;
     for (const double v : values) sum += v;
     const double mean = sum / static_cast<double>(values.size());
     for (const double v : values) squares += (v - mean) * (v - mean);
     return {{"mean", mean},
             {"deviation", std::sqrt(squares / static_cast<double>(values.size()))},
-            {"least", least},
-            {"greatest", largest}};
+            {"min", min},
+            {"max", max}};
 }
 
 /// Totals of all trees.

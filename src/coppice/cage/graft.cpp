@@ -220,7 +220,7 @@ GraftResult number_tubes(const Grafts& g, const CutSkeleton& cut) {
     GraftReport report = g.plan.report;
     report.joined = g.axes.skeleton.tree_count() - tubes.tree_count();
     report.merged = static_cast<std::uint32_t>(joins.size());
-    report.cut -= report.merged;
+    report.truncated -= report.merged;
     return {make_skeleton(cut, origin),
             std::move(tubes),
             std::move(segment),

@@ -18,7 +18,7 @@ enum class PieceEnd {
 /// Counts of the changes by grafting.
 struct GraftReport {
     std::uint32_t grafted = 0;       ///< sections of branches that begin where they leave another branch
-    std::uint32_t cut = 0;           ///< sections that end where they enter another branch
+    std::uint32_t truncated = 0;     ///< sections that end where they enter another branch
     std::uint32_t merged = 0;        ///< sections that end in a node of another branch
     std::uint32_t nodes_inside = 0;  ///< nodes inside other branches
     std::uint32_t joined = 0;        ///< trees that begin inside others, and become their branches
@@ -28,7 +28,7 @@ struct GraftReport {
 template <class Visitor>
 void visit_figures(const GraftReport& r, Visitor&& visit) {
     visit("grafted", r.grafted);
-    visit("cut", r.cut);
+    visit("truncated", r.truncated);
     visit("merged", r.merged);
     visit("nodes_inside", r.nodes_inside);
     visit("trees_joined", r.joined);

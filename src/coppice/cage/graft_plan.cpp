@@ -211,7 +211,7 @@ std::vector<VisiblePiece> divide(const Input& in, GraftPlan& plan, Chain chain,
                     piece.resume = std::min(piece.resume, 0.5f * (next->from + next->to));
                     if (piece.resume > to) piece.join = join_place(in, plan, chain, *next);
                 }
-                ++plan.report.cut;
+                ++plan.report.truncated;
             }
         }
         if (is_tip) break;
