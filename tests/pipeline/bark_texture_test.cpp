@@ -78,18 +78,18 @@ TEST(BarkTexture, WrapsAStemAWholeNumberOfTimesWithoutDistortion) {
     EXPECT_EQ(texture.report.branches, 1u);
     EXPECT_EQ(texture.report.flipped, 0u);
     EXPECT_EQ(texture.report.projected, 0u);
-    float most_u = 0, low = 1e9f, high = -1e9f;
+    float max_u = 0, low = 1e9f, high = -1e9f;
     for (std::size_t f = 0; f < mesh.quads.size(); ++f) {
         for (std::size_t k = 0; k < 4; ++k) {
             const Vec3 p = mesh.positions[mesh.quads[f][k]];
             if (p.z < 0.1f || p.z > length - 0.1f) continue;  // ends
             const TexturePoint t = texture.points[4 * f + k];
-            most_u = std::max(most_u, t.u);
+            max_u = std::max(max_u, t.u);
             low = std::min(low, t.v - 4 * p.z / (2 * std::numbers::pi_v<float> * radius));
             high = std::max(high, t.v - 4 * p.z / (2 * std::numbers::pi_v<float> * radius));
         }
     }
-    EXPECT_FLOAT_EQ(most_u, 4);   // 3.93, rounded
+    EXPECT_FLOAT_EQ(max_u, 4);    // 3.93, rounded
     EXPECT_LT(high - low, 0.3f);  // v has the scale of u; the length is 10.2 tiles
     // 3.93 tiles of the given width around the stem have become 4.
     EXPECT_NEAR(texture.report.density_p50, 4 / 3.93, 0.03);
