@@ -75,7 +75,7 @@ TEST(BarkTexture, WrapsAStemAWholeNumberOfTimesWithoutDistortion) {
     const QuadMesh& mesh = made.quads().mesh;
     const Texture& texture = *made.texture;
     ASSERT_EQ(texture.points.size(), 4 * mesh.quads.size());
-    EXPECT_EQ(texture.report.branches, 1u);
+    EXPECT_EQ(texture.report.axes, 1u);
     EXPECT_EQ(texture.report.flipped, 0u);
     EXPECT_EQ(texture.report.projected, 0u);
     float max_u = 0, low = 1e9f, high = -1e9f;
@@ -113,7 +113,7 @@ TEST(BarkTexture, BreaksAtAForkOnlyAroundTheLateral) {
     const MeshResult made = mesh_skeleton(stem_with_branch(), options);
     ASSERT_EQ(made.quads().repair.pairs_before, 0u);
     const Edges edges = count_edges(made.quads().mesh, *made.texture);
-    EXPECT_EQ(made.texture->report.branches, 2u);
+    EXPECT_EQ(made.texture->report.axes, 2u);
     EXPECT_EQ(made.texture->report.transferred, 0u);
     EXPECT_EQ(made.texture->report.flipped, 0u);
     EXPECT_EQ(edges.breaks, 4 * 4 * 4);  // three caps, and the rim of the lateral, of 4 x 4 edges each

@@ -16,7 +16,7 @@ struct TexturePoint {
 
 /// Quality of a texture.
 struct TextureReport {
-    std::uint32_t branches = 0;     ///< number of branches, each with its own coordinates
+    std::uint32_t axes = 0;         ///< number of axes, each with its own coordinates
     std::uint64_t transferred = 0;  ///< faces with the coordinates of the closest tube
     std::uint64_t projected = 0;    ///< of these, the faces that are projected on their own plane
     std::uint64_t flipped = 0;      ///< faces that are turned over in the texture
@@ -29,7 +29,7 @@ struct TextureReport {
 /// Calls visit(name, value) for every figure, in order.
 template <class Visitor>
 void visit_figures(const TextureReport& r, Visitor&& visit) {
-    visit("branches", r.branches);
+    visit("axes", r.axes);
     visit("transferred", r.transferred);
     visit("projected", r.projected);
     visit("flipped", r.flipped);

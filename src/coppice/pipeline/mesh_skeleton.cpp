@@ -129,7 +129,7 @@ struct Texturing {
         return pipeline_internal::bark_texture(surface.mesh, carrier.build, options.texture, ctx);
     }
     Texture operator()(CylinderMesh& surface) const {
-        Texture out{std::move(surface.texture), {.branches = surface.report.tubes}};
+        Texture out{std::move(surface.texture), {.axes = surface.report.tubes}};
         pipeline_internal::measure_texture(surface.mesh, out.points, options.texture.tile, out.report, ctx);
         return out;
     }

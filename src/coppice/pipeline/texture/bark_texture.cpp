@@ -96,7 +96,7 @@ class QuadTexture {
         Texture out;
         transfer(out.report);
         out.points = std::move(points_);
-        out.report.branches = tubes_.axis_count();
+        out.report.axes = tubes_.axis_count();
         measure_texture(mesh_.quads, mesh_.positions, out.points, tile_, out.report, ctx_);
         return out;
     }
@@ -263,7 +263,7 @@ Texture bark_texture(const TriMesh& mesh, const QuadBuild& build, const TextureO
     parallel_for(ctx, mesh.triangles.size(), kFaceGrain, [&](std::size_t i) {
         is_projected[i] = faces.set(mesh.triangles[i], std::span(out.points).subspan(3 * i, 3)) ? 0 : 1;
     });
-    out.report.branches = tubes.axis_count();
+    out.report.axes = tubes.axis_count();
     out.report.transferred = mesh.triangles.size();
     out.report.projected = static_cast<std::uint64_t>(std::ranges::count(is_projected, 1));
     measure_texture(mesh.triangles, mesh.positions, out.points, options.tile, out.report, ctx);
