@@ -10,34 +10,20 @@
 
 #include "coppice/extract/extract_result.h"
 #include "coppice/extract/stem/tree_figures.h"
-#include "coppice/io_skeleton/writer.h"
 #include "coppice/scene/file_kind.h"
 #include "csv_file.h"
+#include "extract_outputs.h"
 #include "plots.h"
-#include "run.h"
 #include "tree_row.h"
 
 namespace coppice::cli {
 
 /// One of many input files, each of which is converted to a skeleton or treated as a plot.
 struct BatchFile {
-    std::filesystem::path input = {};
-    std::filesystem::path skeleton = {};  ///< for a plot the folder of its skeletons
-    /// surface of the skeleton; for a plot the extension of all surfaces; may be empty
-    std::filesystem::path mesh = {};
-    std::filesystem::path points = {};            ///< labelled points of a cloud; may be empty
-    std::filesystem::path leaves = {};            ///< points that are removed as leaves; may be empty
-    std::filesystem::path map = {}, crowns = {};  ///< for plots; may be empty
+    std::filesystem::path input;
+    ExtractOutputs outputs = {};
     /// nullopt where it is unknown before the file is read; reading it then reports the error
     std::optional<FileKind> kind = {};
-};
-
-/// Outputs of a batch: extensions such as ".ply", or empty.
-struct BatchOutputs {
-    std::filesystem::path folder;
-    WriteSkeletonOptions write;
-    std::filesystem::path mesh, points, leaves, map, crowns;
-    TreeColumns columns;  ///< columns of trees.csv
 };
 
 struct Batch {
@@ -51,12 +37,10 @@ struct Batch {
 bool is_batch(std::span<const std::filesystem::path> inputs);
 
 /// Returns the named files and the meshes and point clouds in folders (for plots only point clouds), each
-/// with its outputs: its own name with the extension of skeletons (without one for the folder of a plot),
-/// with the extension of meshes, and with "_points.ply", "_leaves.ply", "_map.gpkg", "_crowns.ply". Throws
-/// UsageError if two outputs would be the same file, an output would overwrite an input, the output folder is
-/// not a folder, or an extension is not supported; IoError if the parent of the output folder does not exist;
-/// InvalidInput if there are no files.
-Batch plan_batch(const std::vector<std::filesystem::path>& inputs, const BatchOutputs& outputs);
+/// with its outputs; see outputs_of(). Throws as check_batch_outputs(); UsageError if two outputs would be
+/// the same file, or an output would overwrite an input; InvalidInput if there are no files.
+Batch plan_batch(const std::vector<std::filesystem::path>& inputs, const ExtractOutputs& outputs,
+                 const TreeColumns& columns);
 
 /// The table of a batch, trees.csv: one row for each tree, and for each file without a tree.
 class BatchTable {

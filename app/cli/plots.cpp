@@ -11,15 +11,12 @@
 
 #include "coppice/base/error.h"
 #include "coppice/extract/tree/label_points.h"
-#include "coppice/io_mesh/format.h"
+#include "coppice/io_database/map_file.h"
 #include "coppice/io_points/writer.h"
-#include "coppice/io_skeleton/format.h"
 #include "coppice/render/colors.h"
 #include "coppice/scene/extraction.h"
 #include "csv_file.h"
 #include "figures.h"
-#include "files.h"
-#include "options.h"
 #include "surfaces.h"
 #include "tree_row.h"
 #include "tree_tables.h"
@@ -72,8 +69,8 @@ class UnfinishedFolder {
     fs::path target_, hidden_;
 };
 
-std::string name_of_tree(std::size_t tree, const std::string& ending) {
-    return fmt::format("tree_{:03}{}", tree + 1, ending);
+std::string name_of_tree(std::size_t tree, const std::string& extension) {
+    return fmt::format("tree_{:03}{}", tree + 1, extension);
 }
 
 /// Returns the number of a tree in its point file, or else in the table.
@@ -150,7 +147,7 @@ TriMesh merge_crowns(const std::vector<PlotTree>& trees) {
 }
 
 /// Writes the surface of each tree; a failure is reported in the row of the tree.
-void write_surfaces(Run& run, std::vector<PlotTree>& trees, const PlotFiles& files,
+void write_surfaces(Run& run, std::vector<PlotTree>& trees, const ExtractOutputs& outputs,
                     const UnfinishedFolder& folder) {
     run.stage("mesh", [&](const Context& ctx) {
         for (std::size_t t = 0; t < trees.size(); ++t) {
@@ -159,8 +156,8 @@ void write_surfaces(Run& run, std::vector<PlotTree>& trees, const PlotFiles& fil
             if (!trees[t].result) continue;
             const Context part{.threads = ctx.threads, .stop = ctx.stop, .progress = {}};
             try {
-                const MeshResult made = mesh_skeleton(trees[t].result->skeleton, files.surface, part);
-                write_surface(folder / name_of_tree(t, files.mesh.string()), made, {}, part);
+                const MeshResult made = mesh_skeleton(trees[t].result->skeleton, outputs.surface, part);
+                write_surface(folder / name_of_tree(t, outputs.mesh.string()), made, {}, part);
             } catch (const InvalidInput& error) {
                 trees[t].warnings.push_back(fmt::format("no surface: {}", error.what()));
             } catch (const Unsupported& error) {
@@ -170,17 +167,18 @@ void write_surfaces(Run& run, std::vector<PlotTree>& trees, const PlotFiles& fil
     });
 }
 
-void write_leaves(const PlotFiles& files, const std::vector<PlotTree>& trees, const PlotSegments& segments,
-                  Vec3d origin, const Context& ctx) {
-    PointCloud leaves{{{}, origin}, {}, {}};
+void write_leaves(const fs::path& path, const PlotExtraction& plot, const PointFile& scan,
+                  const Context& ctx) {
+    PointCloud leaves{{{}, scan.point_cloud.points.origin}, {}, {}};
+    const std::vector<PlotTree>& trees = plot.trees;
     for (std::size_t t = 0; t < trees.size(); ++t) {
         if (!trees[t].result) continue;
         const auto& of = trees[t].result->leaves.positions;
         auto& all = leaves.points.positions;
         all.insert(all.end(), of.begin(), of.end());
-        leaves.tree_ids.resize(all.size(), id_of_tree(segments, t));
+        leaves.tree_ids.resize(all.size(), id_of_tree(plot.segments, t));
     }
-    if (!leaves.points.empty()) write_point_cloud(files.leaf_points, leaves, {.system = files.system}, ctx);
+    if (!leaves.points.empty()) write_point_cloud(path, leaves, {.system = scan.system}, ctx);
 }
 
 void count(Run& run, const PointSet& points, const PlotSegments& segments, const std::vector<Json>& rows) {
@@ -212,83 +210,19 @@ void warn_of_leftovers(Run& run, const fs::path& folder, std::size_t trees) {
                          folder.string(), grouped(left), left == 1 ? "" : "s", grouped(trees)));
 }
 
-std::string format_summary(const std::vector<PlotTree>& trees, const PlotFiles& files) {
+std::string summary_of(const std::vector<PlotTree>& trees, const fs::path& folder) {
     std::size_t failed = 0, warned = 0;
     for (const PlotTree& tree : trees) {
         failed += !tree.result;
         warned += !tree.warnings.empty();
     }
-    std::string out =
-        fmt::format("{}: {} trees", (trimmed(files.folder) / kTreeTable).string(), grouped(trees.size()));
+    std::string out = fmt::format("{}: {} trees", (folder / kTreeTable).string(), grouped(trees.size()));
     if (failed > 0) out += fmt::format(", {} without a skeleton", grouped(failed));
     if (warned > 0) out += fmt::format(", {} with warnings", grouped(warned));
     return out;
 }
 
 }  // namespace
-
-bool is_plot_folder(const fs::path& output, SkeletonFormat format) {
-    std::error_code error;
-    if (output.empty()) return false;
-    if (!output.has_filename() || fs::is_directory(output, error)) return true;
-    return format == SkeletonFormat::automatic && !output.has_extension() && !fs::exists(output, error);
-}
-
-fs::path trimmed(const fs::path& path) { return path.has_filename() ? path : path.parent_path(); }
-
-std::string choose_ending(const WriteSkeletonOptions& write) {
-    switch (write.format) {
-        case SkeletonFormat::automatic:
-            return "swc";
-        case SkeletonFormat::cylinders:
-            return "csv";
-        default:
-            return std::string(name_of(write.format));
-    }
-}
-
-void check_tree_folder(const fs::path& named, const WriteSkeletonOptions& write, const fs::path& mesh) {
-    const fs::path folder = trimmed(named);
-    std::error_code error;
-    if (folder.empty() || (fs::exists(folder, error) && !fs::is_directory(folder, error)))
-        throw UsageError(fmt::format("'{}' is not a folder; name one for the trees", named.string()));
-    check_output_folder(folder);
-    using enum SkeletonFormat;
-    if (write.format == mat || write.format == raycloud || write.format == gel)
-        throw UsageError(fmt::format("--format {} can only be read; use swc, cylinders, ply, obj or json",
-                                     name_of(write.format)));
-    if (!mesh.empty()) {
-        const std::string ending = mesh.string();
-        const auto format = mesh_format_of_name(fmt::format("tree{}", ending));
-        if (ending.front() != '.' || !format || *format == MeshFormat::off) {
-            throw UsageError(
-                fmt::format("each tree of a folder has its own surface: --then-mesh takes an extension, "
-                            ".obj, .ply, .stl, .glb or .usda, not '{}'",
-                            ending));
-        }
-        if (ending.substr(1) == choose_ending(write))
-            throw UsageError(
-                fmt::format("skeletons and surfaces would both be NAME{}; use another --format or "
-                            "--then-mesh",
-                            ending));
-    }
-}
-
-void check_map_output(const fs::path& path) {
-    if (!map_format_of_name(path))
-        throw UsageError(
-            fmt::format("'{}' is not the name of a map; use the extension .geojson or .gpkg", path.string()));
-    check_output_folder(path);
-}
-
-void check_plot_files(const PlotFiles& files) {
-    check_tree_folder(files.folder, files.write, files.mesh);
-    if (!files.leaf_points.empty()) check_points_output(files.leaf_points);
-    if (!files.crowns.empty()) check_mesh_output(files.crowns);
-    if (!files.map.empty()) check_map_output(files.map);
-    if (files.tree_points.empty()) return;
-    check_cloud_output(files.tree_points);
-}
 
 std::vector<Json> plot_rows(const WrittenPlot& written, const std::string& input, const fs::path& folder) {
     const PlotSegments& segments = written.plot.segments;
@@ -302,7 +236,7 @@ std::vector<Json> plot_rows(const WrittenPlot& written, const std::string& input
             tree_row({.input = input,
                       .tree = t + 1,
                       .id = id_of_tree(segments, t),
-                      .skeleton = tree.result ? (folder / name_of_tree(t, written.ending)).string() : "",
+                      .skeleton = tree.result ? (folder / name_of_tree(t, written.extension)).string() : "",
                       .foot = tree.form.foot,
                       .figures = tree.result ? &tree.figures : nullptr,
                       .of_plot = &tree,
@@ -313,17 +247,18 @@ std::vector<Json> plot_rows(const WrittenPlot& written, const std::string& input
     return rows;
 }
 
-WrittenPlot write_plot(Run& run, const PointCloud& scan, PlotExtraction plot, const PlotFiles& files) {
-    WrittenPlot out{std::move(plot), fmt::format(".{}", choose_ending(files.write)), {}};
+WrittenPlot write_plot(Run& run, const PointFile& scan, PlotExtraction plot, const ExtractOutputs& outputs) {
+    WrittenPlot out{std::move(plot), skeleton_extension(outputs.write), {}};
     std::vector<PlotTree>& trees = out.plot.trees;
     const PlotSegments& segments = out.plot.segments;
-    UnfinishedFolder folder(trimmed(files.folder));
+    const fs::path named = trimmed(outputs.skeleton);
+    UnfinishedFolder folder(named);
     run.stage("write", [&](const Context& ctx) {
         for (std::size_t t = 0; t < trees.size(); ++t) {
             if (!trees[t].result) continue;
             try {
                 const CloudExtraction& found = *trees[t].result;
-                write_skeleton(folder / name_of_tree(t, out.ending), found.skeleton, files.write,
+                write_skeleton(folder / name_of_tree(t, out.extension), found.skeleton, outputs.write,
                                node_attributes(found.confidence, true), ctx);
             } catch (const Unsupported& error) {
                 trees[t].warnings.emplace_back(error.what());
@@ -331,26 +266,27 @@ WrittenPlot write_plot(Run& run, const PointCloud& scan, PlotExtraction plot, co
             }
         }
     });
-    if (!files.mesh.empty()) write_surfaces(run, trees, files, folder);
+    if (!outputs.mesh.empty()) write_surfaces(run, trees, outputs, folder);
     const std::vector<Json> rows = plot_rows(out);
     run.stage("write tables", [&](const Context& ctx) {
         write_rows(folder / kTreeTable, rows);
         write_taper(folder / kTaperTable, trees);
-        if (!files.map.empty()) write_map(files.map, make_layers(trees, rows), files.crs, ctx);
+        if (!outputs.map.empty())
+            write_map(outputs.map, layers_of(trees, rows), map_crs_of(outputs, scan.system), ctx);
     });
-    if (!files.crowns.empty()) write_crowns(run, files.crowns, merge_crowns(trees));
+    if (!outputs.crowns.empty()) write_crowns(run, outputs.crowns, crowns_of(trees));
     run.stage("write points", [&](const Context& ctx) {
-        if (!files.tree_points.empty()) {
-            write_point_cloud(
-                files.tree_points, labelled(scan, segments, trees, ctx),
-                {.note = "each tree in its own colour, as in trees.csv", .system = files.system}, ctx);
+        if (!outputs.tree_points.empty()) {
+            write_point_cloud(outputs.tree_points, labelled(scan.point_cloud, segments, trees, ctx),
+                              {.note = "each tree in its own colour, as in trees.csv", .system = scan.system},
+                              ctx);
         }
-        if (!files.leaf_points.empty()) write_leaves(files, trees, segments, scan.points.origin, ctx);
+        if (!outputs.leaf_points.empty()) write_leaves(outputs.leaf_points, out.plot, scan, ctx);
         folder.commit();
     });
-    warn_of_leftovers(run, trimmed(files.folder), trees.size());
-    count(run, scan.points, segments, rows);
-    out.summary = format_summary(trees, files);
+    warn_of_leftovers(run, named, trees.size());
+    count(run, scan.point_cloud.points, segments, rows);
+    out.summary = summary_of(trees, named);
     return out;
 }
 

@@ -22,6 +22,7 @@
 #include "coppice/scene/extraction.h"
 #include "coppice/skeleton/architecture.h"
 #include "coppice/skeleton/measure.h"
+#include "extract_outputs.h"
 #include "figures.h"
 #include "files.h"
 #include "memory.h"
@@ -32,42 +33,18 @@
 namespace coppice::cli {
 namespace {
 
-constexpr const char* kMeshGroup = "From a mesh";
-constexpr const char* kCloudGroup = "From a cloud of points";
-constexpr const char* kPlotGroup = "From a plot of many trees (-o FOLDER)";
-
 struct ExtractFlags {
     std::vector<std::string> wood_classes;
     std::vector<std::filesystem::path> inputs;
     std::filesystem::path input;  ///< file that is processed
-    std::filesystem::path output, mesh_output, leaf_output, tree_points, mapping, map, crowns;
-    std::filesystem::path crs;  ///< a name, not a file
+    ExtractOutputs outputs;       ///< of this file
     FromMeshOptions from_mesh;
     CloudOptions from_cloud;
     PlotOptions from_plot;
     TreeRule trees_by = TreeRule::stems;
     FileUp up = FileUp::z;
     ReadPointsOptions read_points;
-    WriteSkeletonOptions write;
-    MeshOptions mesh = options_of_written_surface();
 };
-
-void check_flags(ExtractFlags& flags) {
-    if (flags.input.empty() || flags.output.empty())
-        throw UsageError("name both files: coppice extract FILE -o SKELETON");
-    if (flags.write.format == SkeletonFormat::automatic &&
-        kind_to_write(flags.output, FileKind::skeleton) != FileKind::skeleton) {
-        throw UsageError(
-            fmt::format("'{}' is the name of a mesh; name the skeleton, and the mesh with --then-mesh",
-                        flags.output.string()));
-    }
-    check_output_folder(flags.output);
-    if (!flags.mesh_output.empty()) check_mesh_output(flags.mesh_output);
-    if (!flags.leaf_output.empty()) check_points_output(flags.leaf_output);
-    if (!flags.mapping.empty()) check_cloud_output(flags.mapping);
-    if (!flags.tree_points.empty()) check_cloud_output(flags.tree_points);
-    flags.from_cloud.root = flags.from_mesh.root;
-}
 
 Json figures_of_orders(const std::vector<BranchOrder>& orders) {
     Json out = Json::array();
@@ -124,8 +101,8 @@ Extracted from_mesh(Run& run, const ExtractFlags& flags, std::string& summary) {
         run, flags.input, [&](const Context& ctx) { return extract_from_mesh(mesh, flags.from_mesh, ctx); });
     run.add_stages("extract: ", result.stages);
     run.repairs() = compute_figures(result.repairs);
-    if (!flags.mapping.empty())
-        run.stage("write mapping", [&](const Context& ctx) { write_mapping(flags.mapping, result, ctx); });
+    if (const auto& path = flags.outputs.mapping; !path.empty())
+        run.stage("write mapping", [&](const Context& ctx) { write_mapping(path, result, ctx); });
     summary = fmt::format(", {} loops cut", grouped(result.report.loops));
     return {std::move(result)};
 }
@@ -142,7 +119,7 @@ WoodClasses wood_classes(const ExtractFlags& flags) {
 PointFile load_wood(Run& run, const ExtractFlags& flags, const WoodClasses& wood, std::string& summary) {
     PointColumns columns = kNoColumns;
     columns.classes = columns.tree_ids = true;
-    columns.intensities = columns.returns = !flags.tree_points.empty();
+    columns.intensities = columns.returns = !flags.outputs.tree_points.empty();
     const std::filesystem::path& input = flags.input;
     PointFile file = load_point_file(run, input, columns, flags.up, flags.read_points);
     PointCloud& scan = file.point_cloud;
@@ -180,7 +157,7 @@ void report_trees(Run& run, const ExtractFlags& flags, const std::vector<TreeFig
 }
 
 /// Writes the points with the labels that the skeleton assigns, wood coloured by branch order.
-void write_labelled_points(const ExtractFlags& flags, PointFile& file, const CloudExtraction& result,
+void write_labelled_points(const std::filesystem::path& path, PointFile& file, const CloudExtraction& result,
                            const Context& ctx) {
     PointCloud& scan = file.point_cloud;
     std::vector<std::uint32_t> all(scan.points.size());
@@ -189,8 +166,7 @@ void write_labelled_points(const ExtractFlags& flags, PointFile& file, const Clo
     scan.colors.resize(all.size(), kNoTreeColor);
     for (const std::uint32_t p : all)
         if (scan.wood[p] != 0) scan.colors[p] = numbered_color(scan.branch_orders[p]);
-    write_point_cloud(flags.tree_points, scan,
-                      {.note = "wood coloured by branch order", .system = file.system}, ctx);
+    write_point_cloud(path, scan, {.note = "wood coloured by branch order", .system = file.system}, ctx);
 }
 
 Extracted from_cloud(Run& run, const ExtractFlags& flags, std::string& summary) {
@@ -201,15 +177,14 @@ Extracted from_cloud(Run& run, const ExtractFlags& flags, std::string& summary) 
     run.repairs() = compute_figures(result.cleaning);
     summary += text_of_points_left_out(result.cleaning);
     report_trees(run, flags, result.trees, summary);
-    if (!flags.leaf_output.empty() && !result.leaves.empty()) {
+    if (const auto& path = flags.outputs.leaf_points; !path.empty() && !result.leaves.empty()) {
         run.stage("write leaves", [&](const Context& ctx) {
-            write_point_cloud(flags.leaf_output, {result.leaves, {}, {}}, {.system = file.system}, ctx);
+            write_point_cloud(path, {result.leaves, {}, {}}, {.system = file.system}, ctx);
         });
     }
-    if (!flags.tree_points.empty()) {
+    if (const auto& path = flags.outputs.tree_points; !path.empty())
         run.stage("write points",
-                  [&](const Context& ctx) { write_labelled_points(flags, file, result, ctx); });
-    }
+                  [&](const Context& ctx) { write_labelled_points(path, file, result, ctx); });
     std::vector<TreeFigures> trees = std::move(result.trees);
     return {std::move(result), std::move(trees)};
 }
@@ -231,12 +206,13 @@ void check_ground(const GivenOptions& given, const ExtractFlags& flags) {
 
 /// Throws UsageError for options of one tree: a plot has its own ground and roots.
 void refuse_options_of_one_tree(const GivenOptions& given, const ExtractFlags& flags) {
+    const std::filesystem::path& folder = flags.outputs.skeleton;
     for (const char* name : {"--root", "--ground", "--ground-height", "--max-trees"}) {
         if (!is_given(given, name)) continue;
         throw UsageError(fmt::format(
             "{} is for one tree, and '{}' names a folder, as for a plot of many trees; name the skeleton, as "
             "{}.swc",
-            name, flags.output.string(), flags.output.has_filename() ? flags.output.string() : "tree"));
+            name, folder.string(), folder.has_filename() ? folder.string() : "tree"));
     }
 }
 
@@ -246,51 +222,19 @@ void check_plot_options(const GivenOptions& given, const ExtractFlags& flags) {
     throw UsageError(
         fmt::format("'{}' names a folder, as for a plot of many trees, and '{}' is no cloud of points; name "
                     "the skeleton, as tree.swc",
-                    flags.output.string(), flags.input.string()));
-}
-
-/// Returns the coordinate reference system from the records of a cloud.
-MapCrs to_map_crs(const CoordinateSystem& system) {
-    MapCrs out;
-    if (const std::string name = system.name(); name.starts_with("EPSG:")) out = parse_crs(name);
-    for (const CoordinateSystem::Record& record : system.records)
-        if (record.id == CoordinateSystem::kWkt) out.wkt = record.data.c_str();
-    return out;
-}
-
-/// Returns the coordinate reference system of the map, if the user specifies it.
-MapCrs find_crs(const ExtractFlags& flags) {
-    if (flags.crs.empty()) return {};
-    if (flags.map.empty()) throw UsageError("--crs is the reference system of a map; add --map FILE");
-    return as_usage("--crs: ", [&] { return parse_crs(flags.crs.string()); });
-}
-
-PlotFiles plot_files(const ExtractFlags& flags) {
-    return {.folder = flags.output,
-            .mesh = flags.mesh_output,
-            .tree_points = flags.tree_points,
-            .leaf_points = flags.leaf_output,
-            .map = flags.map,
-            .crowns = flags.crowns,
-            .crs = find_crs(flags),
-            .write = flags.write,
-            .surface = flags.mesh};
+                    flags.outputs.skeleton.string(), flags.input.string()));
 }
 
 /// Extracts and writes the trees of one plot.
 WrittenPlot extract_plot_file(Run& run, const ExtractFlags& flags, std::string& summary) {
-    PlotFiles files = plot_files(flags);
     std::string found;
     WoodClasses wood = wood_classes(flags);
     wood.ground = true;
     const PointFile file = load_wood(run, flags, wood, found);
-    const PointSet& points = file.point_cloud.points;
-    files.system = file.system;
-    if (files.crs.undefined()) files.crs = to_map_crs(file.system);
     const bool by_ids = flags.trees_by == TreeRule::ids;
     PlotExtraction plot = extract_stage(run, flags.input, [&](const Context& ctx) {
         return by_ids ? extract_trees_by_ids(file.point_cloud, flags.from_cloud, ctx)
-                      : extract_plot(points, flags.from_plot, flags.from_cloud, ctx);
+                      : extract_plot(file.point_cloud.points, flags.from_plot, flags.from_cloud, ctx);
     });
     if (plot.trees.empty()) {
         throw InvalidInput(fmt::format(
@@ -298,7 +242,7 @@ WrittenPlot extract_plot_file(Run& run, const ExtractFlags& flags, std::string& 
             "--min-diameter, or read a cloud of one tree by coppice extract {0} -o tree.swc",
             flags.input.string()));
     }
-    WrittenPlot out = write_plot(run, file.point_cloud, std::move(plot), files);
+    WrittenPlot out = write_plot(run, file, std::move(plot), flags.outputs);
     summary = out.summary + found;
     return out;
 }
@@ -308,9 +252,9 @@ bool in_doubt(const PlotExtraction& plot) {
 }
 
 ExitCode from_plot(Run& run, const GivenOptions& given, const ExtractFlags& flags) {
-    check_plot_files(plot_files(flags));
     check_plot_options(given, flags);
     check_groups(given, flags.input, FileKind::points);
+    check_plot_outputs(flags.outputs);
     std::string summary;
     const WrittenPlot written = extract_plot_file(run, flags, summary);
     run.finish(summary);
@@ -330,11 +274,11 @@ Extracted extract_skeleton(Run& run, const ExtractFlags& flags, FileKind kind, s
     std::string found;
     Extracted made = kind == FileKind::mesh ? from_mesh(run, flags, found) : from_cloud(run, flags, found);
     run.stage("write", [&](const Context&) {
-        write_skeleton(flags.output, made.result.skeleton, flags.write,
+        write_skeleton(flags.outputs.skeleton, made.result.skeleton, flags.outputs.write,
                        node_attributes(made.result.confidence, kind == FileKind::points));
     });
     fill_report(run, made.result);
-    summary = fmt::format("{}: {} nodes in {} trees{}", flags.output.string(),
+    summary = fmt::format("{}: {} nodes in {} trees{}", flags.outputs.skeleton.string(),
                           grouped(made.result.skeleton.size()), grouped(made.result.report.trees), found);
     return made;
 }
@@ -357,19 +301,7 @@ std::string find_trouble(const BatchFile& file, const Work& work) {
     }
 }
 
-/// Returns the options for one of many files.
-ExtractFlags make_flags(ExtractFlags flags, const BatchFile& file) {
-    flags.input = file.input;
-    flags.output = file.skeleton;
-    flags.mesh_output = file.mesh;
-    flags.tree_points = file.points;
-    flags.leaf_output = file.leaves;
-    flags.map = file.map;
-    flags.crowns = file.crowns;
-    return flags;
-}
-
-ExitCode to_exit_code(const std::string& trouble, bool in_doubt) {
+ExitCode code_of(const std::string& trouble, bool in_doubt) {
     return !trouble.empty() ? kFileTrouble : in_doubt ? kCheckFailed : kDone;
 }
 
@@ -381,7 +313,7 @@ ExitCode extract_of_batch(Run& run, const ExtractFlags& flags, const BatchFile& 
         kind = kind_to_extract(flags);
         std::string summary;
         made = extract_skeleton(run, flags, kind, summary);
-        then_mesh(run, flags.mesh_output, made->result.skeleton, flags.mesh);
+        then_mesh(run, flags.outputs.mesh, made->result.skeleton, flags.outputs.surface);
     });
     if (!trouble.empty()) run.warn(trouble);
     if (!made) {
@@ -416,8 +348,6 @@ ExitCode extract_plot_of_batch(Run& run, const ExtractFlags& flags, const BatchF
 
 /// Throws UsageError for options of single files, of one tree, or of a kind of input that no file has.
 void check_batch_options(const GivenOptions& given, const ExtractFlags& flags, const Batch& batch) {
-    if (is_given(given, "--mapping"))
-        throw UsageError("--mapping is for one file; name only one, and its skeleton");
     const BatchFile& first = batch.files.front();
     if (batch.columns.of_plots) {
         refuse_options_of_one_tree(given, flags);
@@ -430,23 +360,15 @@ void check_batch_options(const GivenOptions& given, const ExtractFlags& flags, c
 
 /// Extracts each of many files separately. Finished files are kept if a later one fails.
 ExitCode extract_batch(Run& run, const GivenOptions& given, ExtractFlags& flags) {
-    if (!is_plot_folder(flags.output, flags.write.format))
+    if (!is_plot_folder(flags.outputs))
         throw UsageError("many files need a folder for their skeletons: coppice extract FILES... -o FOLDER/");
     flags.from_cloud.root = flags.from_mesh.root;
     check_ground(given, flags);
     (void)wood_classes(flags);  // so that errors are reported before any work
-    (void)find_crs(flags);
     const bool of_plots = first_of_groups(given, {kPlotGroup}) != nullptr;
-    const Batch batch = plan_batch(
-        flags.inputs,
-        {.folder = trimmed(flags.output),
-         .write = flags.write,
-         .mesh = flags.mesh_output,
-         .points = flags.tree_points,
-         .leaves = flags.leaf_output,
-         .map = flags.map,
-         .crowns = flags.crowns,
-         .columns = {.of_files = true, .of_plots = of_plots, .with_ids = flags.trees_by == TreeRule::ids}});
+    const Batch batch =
+        plan_batch(flags.inputs, flags.outputs,
+                   {.of_files = true, .of_plots = of_plots, .with_ids = flags.trees_by == TreeRule::ids});
     check_batch_options(given, flags, batch);
     BatchTable table(batch);
     std::array<std::size_t, kFileTrouble + 1> files_of_code{};
@@ -456,9 +378,10 @@ ExitCode extract_batch(Run& run, const GivenOptions& given, ExtractFlags& flags)
             const BatchFile& file = batch.files[i];
             run.set_subject(fmt::format("{} of {}, {:.40}", grouped(i + 1), grouped(batch.files.size()),
                                         file.input.filename().string()));
-            const ExtractFlags one = make_flags(flags, file);
-            ++files_of_code[of_plots ? extract_plot_of_batch(run, one, file, table)
-                                     : extract_of_batch(run, one, file, table)];
+            flags.input = file.input;
+            flags.outputs = file.outputs;
+            ++files_of_code[of_plots ? extract_plot_of_batch(run, flags, file, table)
+                                     : extract_of_batch(run, flags, file, table)];
             reports.push_back({{"input", file.input.string()},
                                {"counts", std::exchange(run.counts(), Json::object())},
                                {"repairs", std::exchange(run.repairs(), Json::object())}});
@@ -483,18 +406,20 @@ ExitCode extract_batch(Run& run, const GivenOptions& given, ExtractFlags& flags)
 ExitCode extract(Run& run, const GivenOptions& given, ExtractFlags& flags) {
     if (is_batch(flags.inputs)) return extract_batch(run, given, flags);
     if (!flags.inputs.empty()) flags.input = flags.inputs.front();
-    if (!flags.input.empty() && is_plot_folder(flags.output, flags.write.format))
-        return from_plot(run, given, flags);
+    if (!flags.input.empty() && is_plot_folder(flags.outputs)) return from_plot(run, given, flags);
     if (const Option* option = first_of_groups(given, {kPlotGroup}))
         throw UsageError(
             fmt::format("{} is for plots of many trees; name a folder for them, as -o trees/", option->name));
-    check_flags(flags);
+    if (flags.input.empty() || flags.outputs.skeleton.empty())
+        throw UsageError("name both files: coppice extract FILE -o SKELETON");
+    check_tree_outputs(flags.outputs);
+    flags.from_cloud.root = flags.from_mesh.root;
     const FileKind kind = kind_to_extract(flags);
     check_groups(given, flags.input, kind);
     check_ground(given, flags);
     std::string summary;
     const Extracted made = extract_skeleton(run, flags, kind, summary);
-    summary += then_mesh(run, flags.mesh_output, made.result.skeleton, flags.mesh);
+    summary += then_mesh(run, flags.outputs.mesh, made.result.skeleton, flags.outputs.surface);
     run.finish(summary);
     return made.in_doubt() ? kCheckFailed : kDone;
 }
@@ -507,12 +432,7 @@ Command extract_command() {
     options.files("input", "FILES", flags->inputs,
                   "Mesh (.ply, .obj, .off, .stl, .glb) or points (.xyz, .txt, .asc, .csv, .pts, .ptx, .ply, "
                   ".pcd, .las, .laz, .e57) to read; several files, or folders, are processed separately.");
-    options.output("-o,--output", "SKELETON", flags->output,
-                   "Skeleton to write, with an extension that selects the format; or a folder for the trees "
-                   "of a plot or of many files, which are all plots if an option for plots is given.");
-    options.output(
-        "--then-mesh", "MESH", flags->mesh_output,
-        "Also write the surface of the skeleton; for a folder, of every tree with this extension (.ply).");
+    add_output_options(options, flags->outputs);
     // For both kinds of input, and therefore in neither group.
     options.value({common_field("root",
                                 "Position of the root, which is moved to the closest point of the tree; by "
@@ -521,36 +441,16 @@ Command extract_command() {
                    &flags->from_mesh.root});
     options.value({kFileUpField, choice_of(flags->up)});
     options.fields(flags->from_mesh, kMeshGroup, {.without = {"root", "up"}});
-    options.output("--mapping", "PLY", flags->mapping,
-                   "Also write the vertices, coloured by the nodes of the skeleton.",
-                   {.group = kMeshGroup, .common = false});
+    add_output_options(options, flags->outputs, kMeshGroup);
     options.fields(flags->from_cloud, kCloudGroup, {.without = {"root"}});
     options.fields(flags->read_points, kCloudGroup);
     options.value({kWoodClassesField, &flags->wood_classes}, kCloudGroup);
-    options.output(
-        "--leaf-points", "POINTS", flags->leaf_output,
-        "Also write the points that are removed as leaves, if any; for many files with this extension.",
-        {.group = kCloudGroup, .common = false});
-    options.output(
-        "--tree-points", "POINTS", flags->tree_points,
-        "Also write all points with their labels: wood or not, order and evidence of their branch, in a plot "
-        "id and colour of their tree; for many files with this extension (.las).",
-        {.group = kCloudGroup, .common = false});
+    add_output_options(options, flags->outputs, kCloudGroup);
     options.fields(flags->from_plot, kPlotGroup);
     options.value({kTreesByField, choice_of(flags->trees_by)}, kPlotGroup);
-    options.output("--map", "MAP", flags->map,
-                   "Also write a map of stems and crowns with the columns of the table (.gpkg, .geojson); "
-                   "for many plots with this extension.",
-                   {.group = kPlotGroup, .common = false});
-    options.file("--crs", "EPSG:NUMBER", flags->crs,
-                 "Coordinate reference system of the cloud, which is stored in the map, as EPSG:32632.",
-                 {.group = kPlotGroup, .common = false});
-    options.output(
-        "--crowns", "MESH", flags->crowns,
-        "Also write the convex hulls of all crowns (.ply, .obj); for many plots with this extension.",
-        {.group = kPlotGroup, .common = false});
-    options.fields(flags->write, "Writing the skeleton", {.names = {{"up", "--output-up"}}});
-    options.fields(flags->mesh, "Surface of --then-mesh", then_mesh_flag_names());
+    add_output_options(options, flags->outputs, kPlotGroup);
+    options.fields(flags->outputs.write, "Writing the skeleton", {.names = {{"up", "--output-up"}}});
+    options.fields(flags->outputs.surface, "Surface of --then-mesh", then_mesh_flag_names());
     return {"extract",
             "Extract a skeleton with radii from the mesh or scan of a tree, or of each tree of a plot.",
             options, [flags](Run& run, const GivenOptions& given) { return extract(run, given, *flags); }};
