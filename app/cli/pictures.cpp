@@ -1,5 +1,7 @@
 #include "pictures.h"
 
+#include <fmt/format.h>
+
 #include "coppice/render/contact_sheet.h"
 #include "coppice/render/png.h"
 #include "coppice/render/render.h"
@@ -11,7 +13,8 @@ namespace coppice::cli {
 
 std::vector<Image> draw_each(Run& run, std::span<const Skeleton* const> trees, int size) {
     constexpr int kSamples = 8;
-    const RenderOptions options{.width = size, .height = size, .samples = kSamples, .ground = false};
+    const RenderOptions options{
+        .camera = {.width = size, .height = size}, .samples = kSamples, .ground = false};
     return run.stage("draw", [&](const Context& ctx) {
         std::vector<Image> out;
         const Context each{.threads = ctx.threads, .stop = ctx.stop};

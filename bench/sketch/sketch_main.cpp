@@ -137,8 +137,8 @@ void run(const Flags& flags) {
 /// Returns the projection of a skeleton by the camera of a view.
 Mask seen_by(const Skeleton& tree, const SketchView& view, const Context& ctx) {
     RenderOptions options;
-    options.width = view.width;
-    options.height = view.height;
+    options.camera.width = view.width;
+    options.camera.height = view.height;
     options.samples = 4;
     options.ground = false;
     options.transparent = true;

@@ -66,7 +66,8 @@ void measure_output(const QuadMesh& mesh, const BenchOptions& bench, const Conte
         }
         std::filesystem::remove(file);
     }
-    const RenderOptions options{.width = kPictureSize, .height = kPictureSize, .samples = bench.samples};
+    const RenderOptions options{.camera = {.width = kPictureSize, .height = kPictureSize},
+                                .samples = bench.samples};
     measures.time("render", [&] {
         const PolygonMesh polygons = to_polygons(mesh);
         encode_png(render({.mesh = &polygons, .skeleton = nullptr, .deviation = {}}, options, ctx));

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "coppice/base/error.h"
+#include "coppice/render/render.h"
 
 namespace coppice {
 namespace {
@@ -21,11 +22,11 @@ PolygonMesh pyramid() {
 
 RenderOptions small() {
     RenderOptions o;
-    o.width = 96;
-    o.height = 64;
+    o.camera.width = 96;
+    o.camera.height = 64;
     o.samples = 4;
-    o.azimuth = 0.8f;
-    o.elevation = 0.4f;
+    o.camera.azimuth = 0.8f;
+    o.camera.elevation = 0.4f;
     o.ground = false;
     o.transparent = true;
     return o;
@@ -35,7 +36,7 @@ TEST(FrameView, MatchesTheCameraOfRender) {
     const PolygonMesh mesh = pyramid();
     std::vector<Vec3d> points;
     for (const Vec3 p : mesh.positions) points.push_back(Vec3d(p) + mesh.origin);
-    const SketchView view = frame_view(points, small());
+    const SketchView view = frame_view(points, small().camera);
     const Image by_options = render({.mesh = &mesh}, small());
     const Image by_view = render({.mesh = &mesh, .view = &view}, small());
     std::size_t differing = 0;
@@ -49,11 +50,11 @@ TEST(FrameView, MatchesTheCameraOfRender) {
 TEST(FrameView, PointsFillTheImageUpToTheMargin) {
     const std::vector<Vec3d> points{{0, -1, -1}, {0, 1, -1}, {0, 1, 1}, {0, -1, 1}};
     RenderOptions o = small();
-    o.azimuth = o.elevation = 0;
-    o.margin = 0.125f;
+    o.camera.azimuth = o.camera.elevation = 0;
+    o.camera.margin = 0.125f;
     double left = 1e9, right = 0, top = 1e9, bottom = 0;
     for (const Vec3d& p : points) {
-        const PicturePoint at = project(frame_view(points, o), p);
+        const PicturePoint at = project(frame_view(points, o.camera), p);
         left = std::min(left, at.x), right = std::max(right, at.x);
         top = std::min(top, at.y), bottom = std::max(bottom, at.y);
     }
@@ -65,8 +66,8 @@ TEST(FrameView, PointsFillTheImageUpToTheMargin) {
 }
 
 TEST(FrameView, RejectsPointsWithoutExtent) {
-    EXPECT_THROW(frame_view({}, small()), InvalidInput);
-    EXPECT_THROW(frame_view(std::vector<Vec3d>{{1, 2, 3}}, small()), InvalidInput);
+    EXPECT_THROW(frame_view({}, small().camera), InvalidInput);
+    EXPECT_THROW(frame_view(std::vector<Vec3d>{{1, 2, 3}}, small().camera), InvalidInput);
 }
 
 }  // namespace

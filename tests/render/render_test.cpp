@@ -34,10 +34,10 @@ Skeleton fork() {
 
 RenderOptions small() {
     RenderOptions o;
-    o.width = o.height = 64;
+    o.camera.width = o.camera.height = 64;
     o.samples = 4;
-    o.azimuth = 0;
-    o.elevation = 0;
+    o.camera.azimuth = 0;
+    o.camera.elevation = 0;
     o.ground = false;
     o.transparent = true;
     return o;
@@ -68,7 +68,7 @@ int opaque_pixels(const Image& image) {
 TEST(Render, ObjectFillsTheImageUpToTheMargin) {
     const PolygonMesh mesh = cube(2);
     RenderOptions o = small();
-    o.margin = 0.125f;  // 8 of 64 pixels on each side
+    o.camera.margin = 0.125f;  // 8 of 64 pixels on each side
     // Viewed along the normal, the front face of the cube fills the image.
     const Extent e = extent(render({.mesh = &mesh}, o));
     EXPECT_NEAR(e.left, 8, 1);
@@ -80,12 +80,12 @@ TEST(Render, ObjectFillsTheImageUpToTheMargin) {
 TEST(Render, ObjectFitsFromEveryDirection) {
     const Skeleton skeleton = fork();
     RenderOptions o = small();
-    o.width = 96;
+    o.camera.width = 96;
     o.samples = 1;
     for (const float azimuth : {-2.0f, 0.0f, 1.0f, kPi}) {
         for (const float elevation : {-1.57f, -0.3f, 0.4f, 1.57f}) {
-            o.azimuth = azimuth;
-            o.elevation = elevation;
+            o.camera.azimuth = azimuth;
+            o.camera.elevation = elevation;
             const Extent e = extent(render({.skeleton = &skeleton}, o));
             EXPECT_GE(e.left, 2);
             EXPECT_LE(e.right, 93);
@@ -98,8 +98,8 @@ TEST(Render, ObjectFitsFromEveryDirection) {
 
 TEST(Render, IsIndependentOfSizeAndPosition) {
     RenderOptions o = small();
-    o.azimuth = 0.7f;
-    o.elevation = 0.5f;
+    o.camera.azimuth = 0.7f;
+    o.camera.elevation = 0.5f;
     const PolygonMesh reference = cube(1);
     const int expected = opaque_pixels(render({.mesh = &reference}, o));
     for (const float half : {1e-3f, 1e6f, 1e14f}) {
@@ -171,7 +171,7 @@ TEST(Render, CoarseFacesAreShadedSmoothly) {
     o.samples = 64;
     const PolygonMesh coarse = shapes::tube(12, 1, 1, 8), fine = shapes::tube(192, 1, 1, 8);
     for (const float azimuth : {0.0f, 1.0f, 2.0f, 3.5f}) {
-        o.azimuth = azimuth;
+        o.camera.azimuth = azimuth;
         const Image a = render({.mesh = &coarse}, o), b = render({.mesh = &fine}, o);
         int largest = 0;
         for (int x = 22; x < 42; ++x) {
@@ -224,7 +224,7 @@ TEST(Render, WiresFollowTheEdgesOfQuadsAndNotTheirDiagonals) {
     const PolygonMesh mesh = cube(1);
     RenderOptions o = small();
     o.samples = 16;
-    o.margin = 0;
+    o.camera.margin = 0;
     o.flat = true;
     const Image plain = render({.mesh = &mesh}, o);
     o.wireframe = true;
@@ -301,8 +301,8 @@ TEST(Render, TheSignalColourIsMagenta) {
 TEST(Render, DeviationHasAScaleBar) {
     const PolygonMesh mesh = cube(1);
     RenderOptions o = small();
-    o.width = 400;
-    o.height = 200;  // the cube leaves both sides free
+    o.camera.width = 400;
+    o.camera.height = 200;  // the cube leaves both sides free
     o.color = RenderColor::deviation;
     const std::vector<float> values(8, 0.0f);
     const Image image = render({.mesh = &mesh, .deviation = values}, o);
@@ -455,8 +455,8 @@ TEST(Render, RejectsInvalidPoints) {
 TEST(Render, TheGroundReceivesAShadow) {
     const PolygonMesh mesh = cube(1);
     RenderOptions o = small();
-    o.elevation = 0.5f;
-    o.margin = 0.3f;
+    o.camera.elevation = 0.5f;
+    o.camera.margin = 0.3f;
     const auto covered = [](const Image& image) {
         int count = 0;
         for (const auto& p : image.pixels) count += p[3] > 0 ? 1 : 0;
@@ -465,7 +465,7 @@ TEST(Render, TheGroundReceivesAShadow) {
     const int without = covered(render({.mesh = &mesh}, o));
     o.ground = true;
     EXPECT_GT(covered(render({.mesh = &mesh}, o)), without + 50);
-    o.elevation = -0.5f;
+    o.camera.elevation = -0.5f;
     const int from_below = covered(render({.mesh = &mesh}, o));
     o.ground = false;
     EXPECT_EQ(from_below, covered(render({.mesh = &mesh}, o))) << "from below there is no ground to see";
@@ -496,7 +496,7 @@ TEST(Render, GivenViewIsTheCameraForAnyOrigin) {
         view.projection = projection;
         view.t = {-1001, 3, 8};  // 10 m before the first
         RenderOptions o = small();
-        o.width = o.height = 64;
+        o.camera.width = o.camera.height = 64;
         o.ground = false;
         o.transparent = true;
         const Image image = render({.skeleton = &balls, .view = &view}, o);
@@ -517,7 +517,7 @@ TEST(Render, GivenViewIsTheCameraForAnyOrigin) {
 TEST(Render, LookAtIsTheCentreAndZoomEnlarges) {
     const Skeleton balls({NodeId{}, NodeId{}}, {{-4, 0, 0}, {4, 0, 3}}, {0.2f, 0.2f}, {1000, 0, 0});
     RenderOptions o = small();
-    o.width = o.height = 64;
+    o.camera.width = o.camera.height = 64;
     o.ground = false;
     o.transparent = true;
     const auto alpha_in_the_middle = [&] { return render({.skeleton = &balls}, o).at(32, 32)[3]; };
@@ -531,7 +531,7 @@ TEST(Render, LookAtIsTheCentreAndZoomEnlarges) {
         const int after = opaque_pixels(render({.skeleton = &balls}, o));
         EXPECT_NEAR(after, 36 * before, 12 * before) << "one of two balls may have left the picture";
     }
-    o.azimuth = 0;
+    o.camera.azimuth = 0;
     o.look_at = Vec3d{1e6, 0, 0};
     EXPECT_THROW(render({.skeleton = &balls}, o), InvalidInput) << "behind the camera";
 }
@@ -553,7 +553,7 @@ TEST(Render, RejectsInvalidInput) {
     o.samples = 0;
     EXPECT_THROW(render({.mesh = &mesh}, o), InvalidInput);
     o = small();
-    o.width = o.height = 16384;
+    o.camera.width = o.camera.height = 16384;
     EXPECT_THROW(render({.mesh = &mesh}, o), InvalidInput) << "too much memory";
     o = small();
     o.color = RenderColor::deviation;

@@ -27,7 +27,7 @@ class FrameSinksTest : public test::FolderTest {
         FrameSeries series;
         series.count = 2;
         series.rest = rest;
-        series.picture.width = series.picture.height = 16;
+        series.picture.camera.width = series.picture.camera.height = 16;
         series.picture.samples = 1;
         const auto sink = open_sink(path, series);
         sink->add(square(0), {});
@@ -85,7 +85,8 @@ TEST_F(FrameSinksTest, ReportTheirMemory) {
     series.rest = &rest;
     EXPECT_EQ(memory_of_sink("a.glb", series, rest), 1000 * 4 * 12);
     EXPECT_EQ(memory_of_sink("a.ply", series, rest), 0);
-    EXPECT_GE(memory_of_sink("a.png", series, rest), 4.0 * series.picture.width * series.picture.height);
+    EXPECT_GE(memory_of_sink("a.png", series, rest),
+              4.0 * series.picture.camera.width * series.picture.camera.height);
     series.rest = nullptr;
     EXPECT_EQ(memory_of_sink("a.usda", series, rest), 1000 * (4 * 12 + 16));
 }

@@ -44,8 +44,7 @@ TEST_F(SurfaceViewTest, MatchesRenderWithTheSameCamera) {
     view.draw();
     const Mask by_gl = compute_silhouette(view.picture());
     const PolygonMesh polygons = to_polygons(tree.mesh);
-    const RenderOptions traced{
-        .width = options.width, .height = options.height, .ground = false, .transparent = true};
+    const RenderOptions traced{.camera = options.camera, .ground = false, .transparent = true};
     const Mask by_rays = compute_silhouette(render({.mesh = &polygons, .view = &camera}, traced));
     const auto area = static_cast<double>(std::ranges::count(by_rays.inside, std::uint8_t{1}));
     EXPECT_GT(area, 2000);
@@ -74,7 +73,7 @@ TEST_F(SurfaceViewTest, LightIsFromAbove) {
     const auto brightness_from = [&](float elevation) {
         const std::vector<Vec3d> points(positions.begin(), positions.end());
         const SketchView camera = frame_view(points, {.width = 64, .height = 64, .elevation = elevation});
-        SurfaceView view({positions, up, triangles}, camera, {.width = 64, .height = 64});
+        SurfaceView view({positions, up, triangles}, camera, {.camera = {.width = 64, .height = 64}});
         view.draw();
         const Image::Pixel p = view.picture().at(32, 32);
         return p[0] + p[1] + p[2];
@@ -103,7 +102,7 @@ TEST_F(SurfaceViewTest, DrawsWrittenVertices) {
 TEST_F(SurfaceViewTest, WithoutSmoothingHasFewerShades) {
     const Tree tree;
     const auto shades = [&](int smoothing) {
-        const ViewOptions options{.width = 160, .height = 120, .smoothing = smoothing};
+        const ViewOptions options{.camera = {.width = 160, .height = 120}, .smoothing = smoothing};
         SurfaceView view(tree.drawn(), camera_for(tree.mesh.positions, options), options);
         view.draw();
         auto pixels = view.picture().pixels;

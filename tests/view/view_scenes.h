@@ -38,13 +38,13 @@ class ViewTest : public ::testing::Test {
 
 inline Skeleton small_tree() { return random_tree(150, 5); }
 
-inline ViewOptions small_picture() { return {.width = 320, .height = 240}; }
+inline ViewOptions small_picture() { return {.camera = {.width = 320, .height = 240}}; }
 
 /// Returns a camera that sees all of these points.
 inline SketchView camera_for(std::span<const Vec3> positions, const ViewOptions& options) {
     std::vector<Vec3d> points;
     for (const Vec3 p : positions) points.emplace_back(p);
-    return frame_view(points, {.width = options.width, .height = options.height});
+    return frame_view(points, options.camera);
 }
 
 }  // namespace coppice::test

@@ -178,8 +178,8 @@ Backdrop load_backdrop(Run& run, const RenderFlags& flags, RenderOptions& option
         throw UsageError("--camera defines the view; leave --look-at and --zoom out");
     out.view = load_view(run, flags.camera.string());
     if (out.view->width > 0 && out.view->height > 0) {
-        options.width = out.view->width;
-        options.height = out.view->height;
+        options.camera.width = out.view->width;
+        options.camera.height = out.view->height;
     }
     if (flags.over.empty()) return out;
     out.photograph = run.stage("read", [&](const Context& ctx) {
@@ -192,8 +192,8 @@ Backdrop load_backdrop(Run& run, const RenderFlags& flags, RenderOptions& option
                                        out.view->width, out.view->height));
     }
     if (options.color == RenderColor::plain) options.color = RenderColor::signal;
-    options.width = picture.width;
-    options.height = picture.height;
+    options.camera.width = picture.width;
+    options.camera.height = picture.height;
     options.ground = false;
     options.transparent = true;
     return out;

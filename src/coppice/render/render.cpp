@@ -39,11 +39,11 @@ void check(const PointCloud& cloud, float radius) {
 
 void check(const RenderScene& scene, const RenderOptions& options) {
     check_fields(options, "render");
-    const auto pixels = static_cast<long long>(options.width) * options.height;
+    const auto pixels = static_cast<long long>(options.camera.width) * options.camera.height;
     if (pixels > kMaxPixels) {
         throw InvalidInput(
             fmt::format("render: {} x {} pixels are more than {} million; choose a smaller image",
-                        options.width, options.height, kMaxPixels / 1'000'000));
+                        options.camera.width, options.camera.height, kMaxPixels / 1'000'000));
     }
     if (scene.view != nullptr) validate(*scene.view, "render: view");
     if (scene.mesh == nullptr && scene.skeleton == nullptr && scene.cloud == nullptr)
@@ -166,16 +166,17 @@ Image render(const RenderScene& scene, const RenderOptions& options, const Conte
     ctx.report(kBuildShare);
     std::optional<Vec3> middle;
     if (options.look_at) middle = traced.local(*options.look_at);
-    const Camera camera = scene.view != nullptr ? Camera(traced.local(*scene.view))
-                                                : Camera(traced.frame_points(), options, middle);
+    const Camera camera = scene.view != nullptr
+                              ? Camera(traced.local(*scene.view))
+                              : Camera(traced.frame_points(), options.camera, options.zoom, middle);
     if (middle && scene.view == nullptr && camera.project(*middle).depth <= 0)
         throw InvalidInput(
             "render: the point of look_at is behind the camera; change the direction of the camera");
     const Shading shading(traced, camera, chosen);
-    Image image(options.width, options.height);
-    const int columns = (options.width + kTile - 1) / kTile;
-    for (int top = 0; top < options.height; top += kRowsPerReport) {
-        const int end = std::min(options.height, top + kRowsPerReport);
+    Image image(options.camera.width, options.camera.height);
+    const int columns = (options.camera.width + kTile - 1) / kTile;
+    for (int top = 0; top < options.camera.height; top += kRowsPerReport) {
+        const int end = std::min(options.camera.height, top + kRowsPerReport);
         const int rows = (end - top + kTile - 1) / kTile;
         const auto tiles = static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);
         parallel_for(ctx, tiles, 1, [&](std::size_t i) {
@@ -184,7 +185,7 @@ Image render(const RenderScene& scene, const RenderOptions& options, const Conte
         });
         ctx.throw_if_cancelled();
         ctx.report(kBuildShare +
-                   (1 - kBuildShare) * static_cast<float>(end) / static_cast<float>(options.height));
+                   (1 - kBuildShare) * static_cast<float>(end) / static_cast<float>(options.camera.height));
     }
     draw_marks(image, scene, traced, camera);
     if (options.color == RenderColor::deviation)
@@ -196,22 +197,10 @@ Image render(const RenderScene& scene, const RenderOptions& options, const Conte
 }
 
 void list_fields(RenderOptions& o, FieldList& list) {
-    list.add(common_field("width", "Width of the image in pixels.", Unit::none, 16, 16384), o.width);
-    list.add(common_field("height", "Height of the image in pixels.", Unit::none, 16, 16384), o.height);
+    list_fields(o.camera, list);
     list.add(Field{"samples", "Number of rays per pixel; more are slower and reduce the noise.", Unit::none,
                    1, 4096},
              o.samples);
-    list.add(common_field("azimuth", "Direction of the camera, counter-clockwise from +x seen from above.",
-                          Unit::radian, -6.2832, 6.2832),
-             o.azimuth);
-    list.add(
-        common_field("elevation", "Height of the camera above the horizon.", Unit::radian, -1.5708, 1.5708),
-        o.elevation);
-    list.add(Field{"field_of_view", "Field of view of the camera across the longer side of the image.",
-                   Unit::radian, 0.01, 2.5},
-             o.field_of_view);
-    list.add(Field{"margin", "Fraction of the image that remains free on each side.", Unit::none, 0, 0.45},
-             o.margin);
     list.add(Field{"look_at",
                    "Point at the centre of the image, as 0.5,-2,13; by default the centre of the object.",
                    Unit::metre},

@@ -10,6 +10,7 @@
 #include "coppice/measure/surface_tree.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/points/point_cloud.h"
+#include "coppice/render/frame_view.h"
 #include "coppice/render/image.h"
 #include "coppice/skeleton/skeleton.h"
 #include "coppice/sketch/view.h"
@@ -64,15 +65,10 @@ struct RenderScene {
     std::span<const Vec3d> framed;
 };
 
-/// Options of the rendering. The camera is placed so that the whole object just fits into the image.
+/// Options of the rendering.
 struct RenderOptions {
-    int width = 1024;            ///< [pixels]
-    int height = 1024;           ///< [pixels]
-    int samples = 16;            ///< per pixel; noise decreases with the square root
-    float azimuth = -1.0f;       ///< [rad] from the object to the camera, counter-clockwise from +x
-    float elevation = 0.2f;      ///< [rad] of the camera above the horizon
-    float field_of_view = 0.5f;  ///< [rad] across the longer side of the image
-    float margin = 0.04f;        ///< fraction of the image that remains free on each side
+    CameraOptions camera;  ///< size of the image and placement of the camera; listed without a group
+    int samples = 16;      ///< per pixel; noise decreases with the square root
     std::optional<Vec3d>
         look_at;     ///< [m] world: point at the centre of the image; by default the centre of the object
     float zoom = 1;  ///< magnification at the same position of the camera

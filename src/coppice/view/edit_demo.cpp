@@ -45,26 +45,17 @@ struct Laps {
     }
 };
 
-RenderOptions camera_options(const ViewOptions& options) {
-    return {.width = options.width,
-            .height = options.height,
-            .azimuth = options.azimuth,
-            .elevation = options.elevation,
-            .field_of_view = options.field_of_view,
-            .margin = options.margin};
-}
-
-SketchView make_camera(std::span<const Vec3> positions, std::span<const Vec3> reached,
-                       const ViewOptions& options) {
+SketchView camera_of(std::span<const Vec3> positions, std::span<const Vec3> reached,
+                     const ViewOptions& options) {
     std::vector<Vec3d> points;
     for (const Vec3 p : positions) points.emplace_back(p);
     for (const Vec3 p : reached) points.emplace_back(p);
-    return frame_view(points, camera_options(options));
+    return frame_view(points, options.camera);
 }
 
 // Returns the direction from the object to the camera.
 Vec3d viewing_axis(const ViewOptions& options) {
-    const double azimuth = options.azimuth, elevation = options.elevation;
+    const double azimuth = options.camera.azimuth, elevation = options.camera.elevation;
     return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
             std::sin(elevation)};
 }

@@ -82,7 +82,7 @@ struct DepthRange {
 
 // Columns of the matrix from metres to OpenGL's clip space.
 std::array<float, 16> clip_matrix(const SketchView& v, const ViewOptions& options, const DepthRange& range) {
-    const double w = options.width, h = options.height, span = range.far - range.near;
+    const double w = options.camera.width, h = options.camera.height, span = range.far - range.near;
     const std::array<std::array<double, 4>, 4> by_camera{
         {{2 * v.k[0][0] / w, 2 * v.k[0][1] / w, 2 * v.k[0][2] / w - 1, 0},
          {0, -2 * v.k[1][1] / h, 1 - 2 * v.k[1][2] / h, 0},
@@ -133,7 +133,7 @@ struct SurfaceView::State {
     GLsizei index_count;
 
     State(const DrawnSurface& surface, const ViewOptions& options)
-        : canvas(options.width, options.height, options.smoothing),
+        : canvas(options.camera.width, options.camera.height, options.smoothing),
           positions(GL_ARRAY_BUFFER, std::as_bytes(surface.positions), GlAttribute{0, 3}),
           normals(GL_ARRAY_BUFFER, std::as_bytes(surface.normals), GlAttribute{1, 3}),
           marked(GL_ARRAY_BUFFER, std::as_bytes(surface.marked),

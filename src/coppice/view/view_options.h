@@ -1,19 +1,14 @@
 #pragma once
 
 #include "coppice/base/fields.h"
+#include "coppice/render/frame_view.h"
 
 namespace coppice {
 
-/// Options of drawing a surface by OpenGL. The camera is placed so that the whole surface just fits into the
-/// image.
+/// Options of drawing a surface by OpenGL.
 struct ViewOptions {
-    int width = 1920;            ///< [pixels]
-    int height = 1080;           ///< [pixels]
-    int smoothing = 4;           ///< samples per pixel along edges; 1 = none; limited by the device
-    float azimuth = -1.0f;       ///< [rad] from the object to the camera, counter-clockwise from +x
-    float elevation = 0.2f;      ///< [rad] of the camera above the horizon
-    float field_of_view = 0.5f;  ///< [rad] across the longer side of the image
-    float margin = 0.04f;        ///< fraction of the image that remains free on each side
+    CameraOptions camera{.width = 1920, .height = 1080};  ///< listed without a group
+    int smoothing = 4;  ///< samples per pixel along edges; 1 = none; limited by the device
 };
 
 /// Lists the members for front ends.

@@ -27,7 +27,8 @@ struct Slab {
 
 }  // namespace
 
-Camera::Camera(std::span<const FramePoint> points, const RenderOptions& options, std::optional<Vec3> middle)
+Camera::Camera(std::span<const FramePoint> points, const CameraOptions& options, float zoom,
+               std::optional<Vec3> middle)
     : width_(static_cast<float>(options.width)), height_(static_cast<float>(options.height)) {
     const float ca = std::cos(options.azimuth), sa = std::sin(options.azimuth);
     const float ce = std::cos(options.elevation), se = std::sin(options.elevation);
@@ -52,8 +53,8 @@ Camera::Camera(std::span<const FramePoint> points, const RenderOptions& options,
         const Vec3 off = *middle - position_;
         position_ += right_ * dot(off, right_) + up_ * dot(off, up_);
     }
-    tan_x_ /= options.zoom;
-    tan_y_ /= options.zoom;
+    tan_x_ /= zoom;
+    tan_y_ /= zoom;
 }
 
 Camera::Camera(const SketchView& view) : view_(view) {

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "coppice/base/vec.h"
-#include "coppice/render/render.h"
+#include "coppice/render/frame_view.h"
 #include "coppice/sketch/view.h"
 
 namespace coppice {
@@ -21,7 +21,7 @@ class Camera {
     /// Looks in the direction of the options from the distance at which all points fit; then it moves
     /// perpendicular to its direction until `middle`, if given, is at the centre of the image, and zooms.
     /// O(n).
-    Camera(std::span<const FramePoint> points, const RenderOptions& options,
+    Camera(std::span<const FramePoint> points, const CameraOptions& options, float zoom = 1,
            std::optional<Vec3> middle = std::nullopt);
     /// The camera of a view in the coordinates of the scene.
     explicit Camera(const SketchView& view);

@@ -84,13 +84,13 @@ struct Shading::Draws {
 
 Shading::Shading(const TracedScene& scene, const Camera& camera, const RenderOptions& options)
     : scene_(scene), camera_(camera), options_(options), ground_height_(scene.bounds().low.z) {
-    const float a = options.azimuth + options.sun_azimuth, e = options.sun_elevation;
+    const float a = options.camera.azimuth + options.sun_azimuth, e = options.sun_elevation;
     sun_ = {std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)};
     ground_visible_ = options.ground && camera.position().z > ground_height_;
 }
 
 Light Shading::pixel(int x, int y) const {
-    const auto index = static_cast<std::uint64_t>(y) * static_cast<std::uint64_t>(options_.width) +
+    const auto index = static_cast<std::uint64_t>(y) * static_cast<std::uint64_t>(options_.camera.width) +
                        static_cast<std::uint64_t>(x);
     const std::uint64_t place = CounterRandom(0, 0).bits(index), sun = CounterRandom(0, 1).bits(index),
                         sky_bits = CounterRandom(0, 2).bits(index);

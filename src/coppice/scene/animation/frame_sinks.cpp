@@ -176,7 +176,8 @@ double memory_of_sink(const std::filesystem::path& path, const FrameSeries& seri
     const FrameForm form = known_form(path);
     if (form == FrameForm::meshes) return 0;
     if (form != FrameForm::moving_mesh)
-        return kBytesOfPixel * series.picture.width * series.picture.height + kBytesOfDrawnFace * faces;
+        return kBytesOfPixel * series.picture.camera.width * series.picture.camera.height +
+               kBytesOfDrawnFace * faces;
     if (series.rest == nullptr) return count * (sizeof(Vec3) * vertices + sizeof(Quad) * faces);
     return mesh_format_of_name(path) == MeshFormat::glb ? count * sizeof(Vec3) * vertices : 0;
 }

@@ -102,7 +102,7 @@ SceneCommand render_command() {
                 fmt::format("'{}' is not a valid file name for an image; use .png", path.string()));
         const auto options = call.options<RenderOptions>("render");
         constexpr double kBytesOfPixel = 16;
-        call.reserve(kBytesOfPixel * options.width * options.height);
+        call.reserve(kBytesOfPixel * options.camera.width * options.camera.height);
         std::vector<ObjectPtr> objects;
         for (const ArgumentValue& v : call.values("objects"))
             objects.push_back(call.any(v.text, call.text("kind")));

@@ -94,7 +94,7 @@ Json picture(Studio& studio, const Request& request) {
     const auto options = call.options<RenderOptions>("render");
     std::optional<SketchView> view;
     if (const auto camera = request.fields.find("camera"); camera != request.fields.end())
-        view = parse_view(*camera, options.width, options.height);
+        view = view_of(*camera, options.camera.width, options.camera.height);
     std::vector<ObjectPtr> objects;
     for (const Document::Name& name : names) {
         const bool as_it_is =
@@ -106,7 +106,7 @@ Json picture(Studio& studio, const Request& request) {
     RenderScene shown = drawn.scene();
     if (view) shown.view = &*view;
     constexpr double kBytesOfPixel = 16;
-    studio.reserve(kBytesOfPixel * options.width * options.height);
+    studio.reserve(kBytesOfPixel * options.camera.width * options.camera.height);
     write_file(path, encode_png(render(shown, options, drawing)));
     return written(path, file);
 }
