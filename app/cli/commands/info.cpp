@@ -72,11 +72,11 @@ Json describe(const SkeletonFile& file, const Context& ctx) {
     add_size(out, s.bounds(), s.origin(), file.units);
     add_types(out, file.attribute("type"));
     out["repairs"] = file.report.total();
-    const Json repairs = compute_figures(file.report);
-    for (const auto& [name, count] : repairs.items()) {
-        const bool is_joint = name == "bridged_gaps" || name == "attached_inside" || name == "radius_jumps";
-        if (count != 0) out[(is_joint ? "" : "repairs_") + name] = count;
-    }
+    const auto add = [&](std::string_view prefix, std::string_view name, std::uint32_t count) {
+        if (count > 0) out[fmt::format("{}{}", prefix, name)] = count;
+    };
+    visit_errors(file.report, [&](std::string_view name, auto count) { add("repairs_", name, count); });
+    visit_joints(file.report, [&](std::string_view name, auto count) { add("", name, count); });
     if (!file.notes.empty()) out["notes"] = file.notes;
     return out;
 }

@@ -47,17 +47,29 @@ struct RepairReport {
     }
 };
 
-/// Calls visit(name, value) for every figure, in order.
+/// Calls visit(name, value) for every error of the file, in order.
 template <class Visitor>
-void visit_figures(const RepairReport& r, Visitor&& visit) {
+void visit_errors(const RepairReport& r, Visitor&& visit) {
     visit("reordered", r.reordered);
     visit("missing_parents", r.missing_parents);
     visit("missing_radii", r.missing_radii);
     visit("zero_length", r.zero_length);
     visit("coincident", r.coincident);
+}
+
+/// Calls visit(name, value) for every kind of joint between cylinders, in order.
+template <class Visitor>
+void visit_joints(const RepairReport& r, Visitor&& visit) {
     visit("bridged_gaps", r.bridged_gaps);
     visit("attached_inside", r.attached_inside);
     visit("radius_jumps", r.radius_jumps);
+}
+
+/// Calls visit(name, value) for every figure, in order.
+template <class Visitor>
+void visit_figures(const RepairReport& r, Visitor&& visit) {
+    visit_errors(r, visit);
+    visit_joints(r, visit);
 }
 
 /// A valid skeleton, with a report of the repairs.
