@@ -55,8 +55,9 @@ Command shell_command();
 Command studio_command();
 Command schema_command();
 
-/// Returns the flags of the members of MeshOptions where they differ from the names of the members.
-FlagNames surface_flag_names();
+/// Returns the flags of the members of MeshOptions where they differ from the names of the members; `common`
+/// are the members that the short help shows.
+FlagNames surface_flag_names(const std::optional<MemberNames>& common = {});
 /// The same for the options of --then-mesh, which share a command with options of the skeleton.
 FlagNames then_mesh_flag_names();
 /// The same for LibraryFilter.

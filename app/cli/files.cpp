@@ -128,6 +128,17 @@ std::string in_unit(std::string_view name, LengthUnit unit, int power) {
     return fmt::format("{}_{}{}", name, name_of(unit), power == 1 ? "" : std::to_string(power));
 }
 
+FigureName names_in(LengthUnit unit) {
+    return [unit](std::string_view name, int power) { return in_unit(name, unit, power); };
+}
+
+void check_units(std::optional<LengthUnit>& before, const std::string& path, LengthUnit unit) {
+    if (before && *before != unit)
+        throw UsageError(fmt::format("'{}' is in {}, but the files before it in {}; specify --units for all",
+                                     path, name_of(unit), name_of(*before)));
+    before = unit;
+}
+
 SkeletonFile load_skeleton(Run& run, const std::filesystem::path& path, const ReadSkeletonOptions& options) {
     const FileKind kind = kind_of_input(path, options.format);
     if (kind != FileKind::skeleton || is_sketch_name(path))

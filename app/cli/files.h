@@ -1,8 +1,10 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "coppice/io_points/reader.h"
@@ -67,5 +69,13 @@ std::string text_of_rays_left_out(const PointFile& file);
 
 /// Returns the name of a figure with its unit, "length_um" or "volume_um3"; `power` is 1 for lengths.
 std::string in_unit(std::string_view name, LengthUnit unit, int power = 1);
+
+/// Appends the unit to the name of a figure, for the given power of a length.
+using FigureName = std::function<std::string(std::string_view name, int power)>;
+/// Returns in_unit() for one unit.
+FigureName names_in(LengthUnit unit);
+
+/// Stores the unit of a file. Throws UsageError if it differs from that of the files before it.
+void check_units(std::optional<LengthUnit>& before, const std::string& path, LengthUnit unit);
 
 }  // namespace coppice::cli

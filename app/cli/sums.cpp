@@ -4,8 +4,8 @@
 
 namespace coppice::cli {
 
-void add_sums(Json& out, const SkeletonFile& file, const SkeletonMeasures& measures,
-              const std::function<std::string(std::string_view name, int power)>& name, const Context& ctx) {
+void add_sums(Json& out, const SkeletonFile& file, const SkeletonMeasures& measures, const FigureName& name,
+              const Context& ctx) {
     out.update({{name("volume_frusta", 3), measures.volume_frusta},
                 {name("area_frusta", 2), measures.area_frusta},
                 {name("volume_segments", 3), measures.volume},

@@ -8,9 +8,15 @@
 namespace coppice::cli {
 namespace {
 
-void add_stem(Json& out, double top, const TimberVolume& of, const Timber::Name& name) {
+void add_stem(Json& out, double top, const TimberVolume& of, const FigureName& name) {
     out.update({{name(fmt::format("stem_length_to_{:g}", top), 1), of.stem_length},
                 {name(fmt::format("stem_volume_to_{:g}", top), 3), of.stem_volume}});
+}
+
+/// Adds the figures of a stem and the volume of its tree.
+void add_timber(Json& out, double top, const TimberVolume& of, const FigureName& name) {
+    add_stem(out, top, of, name);
+    out[name(fmt::format("timber_from_{:g}", top), 3)] = of.volume;
 }
 
 }  // namespace
@@ -38,14 +44,11 @@ Timber::Timber(const Skeleton& skeleton, const BranchTable& table, const TimberF
         volumes_.push_back(timber_volumes(skeleton, table, top, shortest(flags.stump_height)));
 }
 
-void Timber::add_tree(Json& out, std::size_t tree, const Name& name) const {
-    for (std::size_t k = 0; k < tops_.size(); ++k) {
-        add_stem(out, tops_[k], volumes_[k][tree], name);
-        out[name(fmt::format("timber_from_{:g}", tops_[k]), 3)] = volumes_[k][tree].volume;
-    }
+void Timber::add_tree(Json& out, std::size_t tree, const FigureName& name) const {
+    for (std::size_t k = 0; k < tops_.size(); ++k) add_timber(out, tops_[k], volumes_[k][tree], name);
 }
 
-void Timber::add_all(Json& out, const Name& name) const {
+void Timber::add_all(Json& out, const FigureName& name) const {
     for (std::size_t k = 0; k < tops_.size(); ++k) {
         TimberVolume sum;
         for (const TimberVolume& tree : volumes_[k]) {
@@ -53,12 +56,11 @@ void Timber::add_all(Json& out, const Name& name) const {
             sum.stem_volume += tree.stem_volume;
             sum.volume += tree.volume;
         }
-        add_stem(out, tops_[k], sum, name);
-        out[name(fmt::format("timber_from_{:g}", tops_[k]), 3)] = sum.volume;
+        add_timber(out, tops_[k], sum, name);
     }
 }
 
-void add_stem_timber(Json& out, const StemForm& form, const TimberFlags& flags, const Timber::Name& name) {
+void add_stem_timber(Json& out, const StemForm& form, const TimberFlags& flags, const FigureName& name) {
     const auto stem = stem_skeleton(form);
     if (!stem) return;
     const BranchTable table = list_branches(*stem);

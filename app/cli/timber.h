@@ -1,14 +1,11 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "coppice/extract/stem/stem_form.h"
 #include "coppice/skeleton/branches.h"
-#include "figures.h"
+#include "files.h"
 #include "options.h"
 
 namespace coppice::cli {
@@ -32,11 +29,9 @@ class Timber {
   public:
     Timber(const Skeleton& skeleton, const BranchTable& table, const TimberFlags& flags);
 
-    /// Adds the figures of one tree, or the sums of all; `name` appends the unit to the name of a figure, for
-    /// the given power of a length.
-    using Name = std::function<std::string(std::string_view name, int power)>;
-    void add_tree(Json& out, std::size_t tree, const Name& name) const;
-    void add_all(Json& out, const Name& name) const;
+    /// Adds the figures of one tree, or the sums of all.
+    void add_tree(Json& out, std::size_t tree, const FigureName& name) const;
+    void add_all(Json& out, const FigureName& name) const;
 
   private:
     std::vector<double> tops_;
@@ -44,6 +39,6 @@ class Timber {
 };
 
 /// Adds the figures of a stem known only by its sections: those of Timber without the volume of branches.
-void add_stem_timber(Json& out, const StemForm& form, const TimberFlags& flags, const Timber::Name& name);
+void add_stem_timber(Json& out, const StemForm& form, const TimberFlags& flags, const FigureName& name);
 
 }  // namespace coppice::cli

@@ -4,6 +4,8 @@
 #include <span>
 #include <string_view>
 
+#include "files.h"
+
 namespace coppice::cli {
 namespace {
 
@@ -17,13 +19,6 @@ Json text_cell(const std::string& text) { return known(text, !text.empty()); }
 template <class Of, class Get>
 Json compute_cell(const Of* of, const Get& get) {
     return of != nullptr ? Json(get(*of)) : Json();
-}
-
-void add_circle(Json& out, const StemDiameter& breast) {
-    const bool seen = breast.diameter > 0;
-    out.update({{"dbh_deviation_m", known(breast.deviation, seen)},
-                {"dbh_residual_m", known(breast.residual, seen)},
-                {"dbh_coverage", known(breast.coverage, seen)}});
 }
 
 /// Adds the diameter at breast height from the circles fitted to the points.
@@ -53,6 +48,12 @@ void add_crown(Json& out, const PlotTree* tree) {
 
 }  // namespace
 
+void add_circle(Json& out, const StemDiameter& d, const std::string& prefix, bool is_known, LengthUnit unit) {
+    out[in_unit(prefix + "deviation", unit)] = known(d.deviation, is_known);
+    out[in_unit(prefix + "residual", unit)] = known(d.residual, is_known);
+    out[prefix + "coverage"] = known(d.coverage, is_known);
+}
+
 Json tree_row(const TreeRow& row, const TreeColumns& columns) {
     Json out;
     if (columns.of_files) out["input"] = row.input;
@@ -75,7 +76,8 @@ Json tree_row(const TreeRow& row, const TreeColumns& columns) {
         add_diameter(out, of.dbh_of_points, of.dbh_low, of.dbh_high);
     }
     if (columns.of_plots) {
-        add_circle(out, form != nullptr ? form->breast : StemDiameter{});
+        const StemDiameter breast = form != nullptr ? form->breast : StemDiameter{};
+        add_circle(out, breast, "dbh_", breast.diameter > 0);
         out["stems"] = compute_cell(form, [](const StemForm& f) { return f.stems; });
     }
     out["dbh_of_skeleton_m"] = known(t != nullptr ? t->dbh : 0, t != nullptr && t->dbh > 0);

@@ -8,6 +8,7 @@
 #include "coppice/base/vec.h"
 #include "coppice/extract/plot/plot.h"
 #include "coppice/extract/stem/tree_figures.h"
+#include "coppice/io_skeleton/length_unit.h"
 #include "figures.h"
 
 namespace coppice::cli {
@@ -35,6 +36,10 @@ struct TreeRow {
     std::string color = {};                 ///< number of its points
     std::string warnings = {}, error = {};  ///< warnings to check; the reason why there is no skeleton
 };
+
+/// Adds the figures of the circle fitted to the points of a stem: null if they are unknown.
+void add_circle(Json& out, const StemDiameter& d, const std::string& prefix = {}, bool is_known = true,
+                LengthUnit unit = LengthUnit::m);
 
 /// Returns a row of the table, with the same columns for every row; unknown values are null. Defines
 /// the names of the columns.

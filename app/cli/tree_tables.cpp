@@ -14,6 +14,7 @@
 #include "coppice/io_skeleton/stated_axes.h"
 #include "coppice/skeleton/frustum.h"
 #include "files.h"
+#include "tree_row.h"
 
 namespace coppice::cli {
 namespace {
@@ -75,12 +76,9 @@ void add_tree_table_options(OptionList& options, TreeTableFlags& flags) {
 void add_taper(CsvFile& out, const Json& begin, const StemForm& form, LengthUnit units) {
     for (const StemDiameter& d : form.taper) {
         Json row = begin;
-        const bool measured = d.coverage > 0;
-        row.update({{in_unit("height", units), d.height},
-                    {in_unit("diameter", units), d.diameter},
-                    {in_unit("deviation", units), known(d.deviation, measured)},
-                    {in_unit("residual", units), known(d.residual, measured)},
-                    {"coverage", known(d.coverage, measured)}});
+        row[in_unit("height", units)] = d.height;
+        row[in_unit("diameter", units)] = d.diameter;
+        add_circle(row, d, {}, d.coverage > 0, units);
         add_place(row, "", d.center);
         out.add(row);
     }
@@ -114,16 +112,9 @@ TreeTables::TreeTables(const TreeTableFlags& flags, const TimberFlags& timber)
     if (!flags.crowns.empty()) check_mesh_output(flags.crowns);
 }
 
-void TreeTables::check_units(const std::string& path, LengthUnit units) {
-    if (units_ && *units_ != units)
-        throw UsageError(fmt::format("'{}' is in {}, but the files before it in {}; specify --units for all",
-                                     path, name_of(units), name_of(*units_)));
-    units_ = units;
-}
-
 void TreeTables::add(Run& run, const std::string& path, int model, const SkeletonFile& file) {
     if (!flags_.any()) return;
-    check_units(path, file.units);
+    check_units(units_, path, file.units);
     const Json begin{{"file", path}, {"model", model}};
     run.stage("trees", [&](const Context& ctx) {
         const Skeleton& s = file.skeleton;
@@ -149,7 +140,7 @@ void TreeTables::add(Run& run, const std::string& path, int model, const Skeleto
 
 void TreeTables::add(const std::string& path, const StemForm& form, const Crown& crown) {
     if (taper_) {
-        check_units(path, LengthUnit::m);
+        check_units(units_, path, LengthUnit::m);
         add_taper(*taper_, {{"file", path}, {"model", 1}, {"tree", 1}}, form);
     }
     add_hull(crowns_, crown.hull);
@@ -160,7 +151,7 @@ void TreeTables::add_trees(const Json& begin, const SkeletonFile& file, const Br
                            std::span<const Crown> crowns) {
     std::vector<BranchSums> stems(forms.size()), laterals(forms.size());
     for (const Branch& b : table.branches) (b.is_stem() ? stems : laterals)[b.tree].add(b);
-    const auto name = [&](std::string_view of, int power) { return in_unit(of, file.units, power); };
+    const FigureName name = names_in(file.units);
     const bool in_metres = file.units == LengthUnit::m;  // breast height is 1.3 m
     const Timber timber(file.skeleton, table, timber_);
     for (std::size_t t = 0; t < forms.size(); ++t) {
@@ -198,7 +189,7 @@ void TreeTables::add_trees(const Json& begin, const SkeletonFile& file, const Br
 }
 
 void TreeTables::add_branches(const Json& begin, const SkeletonFile& file, const BranchTable& table) {
-    const auto name = [&](std::string_view of, int power) { return in_unit(of, file.units, power); };
+    const FigureName name = names_in(file.units);
     for (std::size_t i = 0; i < table.branches.size(); ++i) {
         const Branch& b = table.branches[i];
         Json row = begin;

@@ -50,7 +50,6 @@ class TreeTables {
     std::string commit(Run& run);
 
   private:
-    void check_units(const std::string& path, LengthUnit units);
     void add_trees(const Json& begin, const SkeletonFile& file, const BranchTable& table,
                    std::span<const StemForm> forms, std::span<const double> bases,
                    std::span<const Crown> crowns);

@@ -95,13 +95,6 @@ ExitCode animate(Run& run, const AnimateFlags& flags) {
                           : animate_motion(run, flags, file.skeleton);
 }
 
-/// Returns the names of the options of the surface, none of which the short help shows.
-FlagNames animated_surface_flag_names() {
-    FlagNames surface = surface_flag_names();
-    surface.common = MemberNames{};
-    return surface;
-}
-
 }  // namespace
 
 Command animate_command() {
@@ -122,7 +115,7 @@ Command animate_command() {
     options.fields(flags->how.run, "Time");
     options.fields(flags->how.growing, "Growth", {.prefix = "grow"});
     options.fields(flags->how.wind, "Wind", {.prefix = "wind"});
-    options.fields(flags->how.mesh, "Surface", animated_surface_flag_names());
+    options.fields(flags->how.mesh, "Surface", surface_flag_names(MemberNames{}));
     options.fields(flags->how.picture, "Picture",
                    {.common = MemberNames{"width", "height", "azimuth", "elevation"}});
     options.fields(flags->read, "Reading the skeleton", {.common = MemberNames{}});

@@ -146,11 +146,7 @@ ExitCode chart(Run& run, const ChartFlags& flags) {
             of_file = file.units;
             add_values(series, file, kind, limits, flags);
         }
-        if (unit && *unit != of_file)
-            throw UsageError(
-                fmt::format("'{}' is in {}, but the files before it in {}; specify --units for all",
-                            path.string(), name_of(of_file), name_of(*unit)));
-        unit = of_file;
+        check_units(unit, path.string(), of_file);
         if (series.values.empty())
             run.warn(fmt::format("{}: it contains no values for this chart", path.string()));
         chart.series.push_back(std::move(series));

@@ -65,12 +65,12 @@ void fill_report(Run& run, const ExtractResult& result) {
                          {"orders", figures_of_orders(branch_orders(result.skeleton))}});
 }
 
-/// Runs extract(context); adds the name of the file to its errors.
-template <class Extract>
-auto extract_stage(Run& run, const std::filesystem::path& input, const Extract& extract) {
-    return run.stage("extract", [&](const Context& ctx) {
+/// Runs work(context) as a stage; adds the name of the file to its errors.
+template <class Work>
+auto named_stage(Run& run, const char* stage, const std::filesystem::path& input, const Work& work) {
+    return run.stage(stage, [&](const Context& ctx) {
         try {
-            return extract(ctx);
+            return work(ctx);
         } catch (const InvalidInput& error) {
             throw InvalidInput(fmt::format("{}: {}", input.string(), error.what()));
         }
@@ -97,8 +97,9 @@ struct Extracted {
 
 Extracted from_mesh(Run& run, const ExtractFlags& flags, std::string& summary) {
     const PolygonMesh mesh = load_mesh(run, flags.input, flags.up);
-    FromMeshResult result = extract_stage(
-        run, flags.input, [&](const Context& ctx) { return extract_from_mesh(mesh, flags.from_mesh, ctx); });
+    FromMeshResult result = named_stage(run, "extract", flags.input, [&](const Context& ctx) {
+        return extract_from_mesh(mesh, flags.from_mesh, ctx);
+    });
     run.add_stages("extract: ", result.stages);
     run.repairs() = compute_figures(result.repairs);
     if (const auto& path = flags.outputs.mapping; !path.empty())
@@ -125,19 +126,15 @@ PointFile load_wood(Run& run, const ExtractFlags& flags, const WoodClasses& wood
     PointCloud& scan = file.point_cloud;
     const std::size_t all = scan.points.size();
     summary += text_of_rays_left_out(file);
-    try {
-        const ClassSelection out =
-            run.stage("classes", [&](const Context& ctx) { return keep_wood_classes(scan, wood, ctx); });
-        if (out.doubt) run.warn(fmt::format("{}: {}", input.string(), *out.doubt));
-        if (out.count == 0) return file;
-        Json left_out = Json::object();
-        for (std::size_t c = 0; c < out.left_out.size(); ++c)
-            if (out.left_out[c] > 0) left_out[fmt::format("{}", c)] = out.left_out[c];
-        run.counts()["left_out_by_class"] = left_out;
-        summary += fmt::format(", {} of {} points left out by their class", grouped(out.count), grouped(all));
-    } catch (const InvalidInput& error) {
-        throw InvalidInput(fmt::format("{}: {}", input.string(), error.what()));
-    }
+    const ClassSelection out = named_stage(
+        run, "classes", input, [&](const Context& ctx) { return keep_wood_classes(scan, wood, ctx); });
+    if (out.doubt) run.warn(fmt::format("{}: {}", input.string(), *out.doubt));
+    if (out.count == 0) return file;
+    Json left_out = Json::object();
+    for (std::size_t c = 0; c < out.left_out.size(); ++c)
+        if (out.left_out[c] > 0) left_out[fmt::format("{}", c)] = out.left_out[c];
+    run.counts()["left_out_by_class"] = left_out;
+    summary += fmt::format(", {} of {} points left out by their class", grouped(out.count), grouped(all));
     return file;
 }
 
@@ -171,7 +168,7 @@ void write_labelled_points(const std::filesystem::path& path, PointFile& file, c
 
 Extracted from_cloud(Run& run, const ExtractFlags& flags, std::string& summary) {
     PointFile file = load_wood(run, flags, wood_classes(flags), summary);
-    CloudExtraction result = extract_stage(run, flags.input, [&](const Context& ctx) {
+    CloudExtraction result = named_stage(run, "extract", flags.input, [&](const Context& ctx) {
         return extract_from_cloud(file.point_cloud.points, flags.from_cloud, ctx);
     });
     run.repairs() = compute_figures(result.cleaning);
@@ -232,7 +229,7 @@ WrittenPlot extract_plot_file(Run& run, const ExtractFlags& flags, std::string& 
     wood.ground = true;
     const PointFile file = load_wood(run, flags, wood, found);
     const bool by_ids = flags.trees_by == TreeRule::ids;
-    PlotExtraction plot = extract_stage(run, flags.input, [&](const Context& ctx) {
+    PlotExtraction plot = named_stage(run, "extract", flags.input, [&](const Context& ctx) {
         return by_ids ? extract_trees_by_ids(file.point_cloud, flags.from_cloud, ctx)
                       : extract_plot(file.point_cloud.points, flags.from_plot, flags.from_cloud, ctx);
     });

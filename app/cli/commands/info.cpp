@@ -21,6 +21,7 @@
 #include "streams.h"
 #include "sums.h"
 #include "timber.h"
+#include "tree_row.h"
 
 namespace coppice::cli {
 namespace {
@@ -64,9 +65,7 @@ Json describe(const SkeletonFile& file, const Context& ctx) {
              {"tips", m.tips},
              {"branch_nodes", m.branch_nodes},
              {in_unit("length", file.units), m.length}};
-    add_sums(
-        out, file, m, [&](std::string_view name, int power) { return in_unit(name, file.units, power); },
-        ctx);
+    add_sums(out, file, m, names_in(file.units), ctx);
     out[in_unit("radius_min", file.units)] = shortest(thinnest);
     out[in_unit("radius_max", file.units)] = shortest(thickest);
     add_size(out, s.bounds(), s.origin(), file.units);
@@ -144,8 +143,7 @@ Json describe(const PointFile& file, const Context& ctx) {
 /// Describes a diameter of a stem; omits unknown values.
 Json describe(const StemDiameter& d) {
     Json out{{"height_m", d.height}, {"diameter_m", d.diameter}};
-    if (d.coverage > 0)
-        out.update({{"deviation_m", d.deviation}, {"residual_m", d.residual}, {"coverage", d.coverage}});
+    if (d.coverage > 0) add_circle(out, d);
     return out;
 }
 
@@ -175,11 +173,8 @@ Json describe(const StemForm& form) {
     if (form.breast.diameter > 0) {
         out["dbh_m"] = form.breast.diameter;
         if (form.breast.coverage > 0) {
-            out.update({{"dbh_low_m", form.breast.low()},
-                        {"dbh_high_m", form.breast.high()},
-                        {"dbh_deviation_m", form.breast.deviation},
-                        {"dbh_residual_m", form.breast.residual},
-                        {"dbh_coverage", form.breast.coverage}});
+            out.update({{"dbh_low_m", form.breast.low()}, {"dbh_high_m", form.breast.high()}});
+            add_circle(out, form.breast, "dbh_");
         }
     }
     for (const StemDiameter& d : form.taper) out["taper"].push_back(describe(d));
@@ -211,8 +206,6 @@ std::string forestry(Json figures, const std::vector<Json>& trees, bool json) {
     figures["forestry"] = trees.size() == 1 ? trees.front() : Json(trees);
     return figures_json(figures);
 }
-
-std::string in_metres(std::string_view name, int power) { return in_unit(name, LengthUnit::m, power); }
 
 /// The trees of a file in metres, without loose components.
 struct FileTrees {
@@ -257,7 +250,7 @@ std::vector<Json> describe_trees(const FileTrees& trees, const TimberFlags& flag
         form.height_high = trees.figures[tree].height_high;
         Json& figures = out.emplace_back(describe(form));
         add_wood(figures, trees.figures[tree]);
-        timber.add_tree(figures, tree, in_metres);
+        timber.add_tree(figures, tree, names_in(LengthUnit::m));
         if (flags.wood_density > 0) figures["biomass_kg"] = double{flags.wood_density} * volumes[tree];
     }
     return out;
@@ -315,7 +308,7 @@ ExitCode info_of_stems(Run& run, const InfoFlags& flags, FileKind kind) {
             std::vector<Json> trees;
             for (const StemForm& form : forms) {
                 trees.push_back(describe(form));
-                add_stem_timber(trees.back(), form, flags.timber, in_metres);
+                add_stem_timber(trees.back(), form, flags.timber, names_in(LengthUnit::m));
             }
             return forestry(std::move(figures), trees, flags.json);
         });

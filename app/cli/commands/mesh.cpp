@@ -232,16 +232,16 @@ ExitCode mesh(Run& run, const GivenOptions& given, const MeshFlags& flags) {
 
 }  // namespace
 
-FlagNames surface_flag_names() {
-    return {.names = {{"project.method", "--project-method"}, {"project.tolerance", "--project-tolerance"}}};
+FlagNames surface_flag_names(const std::optional<MemberNames>& common) {
+    return {.names = {{"project.method", "--project-method"}, {"project.tolerance", "--project-tolerance"}},
+            .common = common};
 }
 
 FlagNames then_mesh_flag_names() {
-    FlagNames surface = surface_flag_names();
+    FlagNames surface = surface_flag_names(MemberNames{});
     surface.names.insert(
         surface.names.end(),
         {{"method", "--mesh-method"}, {"fit", "--mesh-fit"}, {"prepare.tolerance", "--prepare-tolerance"}});
-    surface.common = MemberNames{};
     return surface;
 }
 

@@ -90,13 +90,6 @@ ExitCode view(Run& run, const GivenOptions& given, const ViewFlags& flags) {
     return flags.edit_demo ? drag_branch(run, flags, file.skeleton) : draw_once(run, flags, file.skeleton);
 }
 
-/// Returns the names of the options of the surface; the short help shows two of them.
-FlagNames viewed_surface_flag_names() {
-    FlagNames surface = surface_flag_names();
-    surface.common = MemberNames{"method", "levels"};
-    return surface;
-}
-
 }  // namespace
 
 Command view_command() {
@@ -112,7 +105,7 @@ Command view_command() {
                    {.common = false});
     options.fields(flags->demo, "Dragging");
     options.fields(flags->view, "Picture");
-    options.fields(flags->mesh, "Surface", viewed_surface_flag_names());
+    options.fields(flags->mesh, "Surface", surface_flag_names(MemberNames{"method", "levels"}));
     options.fields(flags->read, "Reading the skeleton");
     return {"view",
             "Draw the surface of a tree by OpenGL without a window, or time the dragging of a branch.",
