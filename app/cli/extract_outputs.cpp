@@ -122,13 +122,13 @@ void check_tree_outputs(const ExtractOutputs& outputs) {
 }
 
 void check_plot_outputs(const ExtractOutputs& outputs) {
-    (void)map_crs_of(outputs);
+    (void)to_map_crs(outputs);
     check_tree_folder(outputs);
     check_other_outputs(outputs);
 }
 
 void check_batch_outputs(const ExtractOutputs& outputs) {
-    (void)map_crs_of(outputs);
+    (void)to_map_crs(outputs);
     check_tree_folder(outputs);
     for (const OtherOutput& other : kOtherOutputs) {
         const std::string extension = (outputs.*other.path).string();
@@ -168,7 +168,7 @@ std::vector<fs::path> written_files(const ExtractOutputs& outputs, bool of_plot)
     return out;
 }
 
-MapCrs map_crs_of(const ExtractOutputs& outputs, const CoordinateSystem& points) {
+MapCrs to_map_crs(const ExtractOutputs& outputs, const CoordinateSystem& points) {
     MapCrs out;
     if (!outputs.crs.empty()) {
         if (outputs.map.empty()) throw UsageError("--crs is the reference system of a map; add --map FILE");

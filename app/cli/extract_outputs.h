@@ -54,7 +54,7 @@ std::vector<std::filesystem::path> written_files(const ExtractOutputs& outputs, 
 
 /// Returns the coordinate reference system that the user specifies for the map, or else that of the points.
 /// Throws UsageError if it is invalid, or there is no map.
-MapCrs map_crs_of(const ExtractOutputs& outputs, const CoordinateSystem& points = {});
+MapCrs to_map_crs(const ExtractOutputs& outputs, const CoordinateSystem& points = {});
 
 /// Returns whether -o names a folder: it ends in a slash, is an existing folder, or has no extension while no
 /// format is given.

@@ -210,7 +210,7 @@ void warn_of_leftovers(Run& run, const fs::path& folder, std::size_t trees) {
                          folder.string(), grouped(left), left == 1 ? "" : "s", grouped(trees)));
 }
 
-std::string summary_of(const std::vector<PlotTree>& trees, const fs::path& folder) {
+std::string format_summary(const std::vector<PlotTree>& trees, const fs::path& folder) {
     std::size_t failed = 0, warned = 0;
     for (const PlotTree& tree : trees) {
         failed += !tree.result;
@@ -272,9 +272,9 @@ WrittenPlot write_plot(Run& run, const PointFile& scan, PlotExtraction plot, con
         write_rows(folder / kTreeTable, rows);
         write_taper(folder / kTaperTable, trees);
         if (!outputs.map.empty())
-            write_map(outputs.map, layers_of(trees, rows), map_crs_of(outputs, scan.system), ctx);
+            write_map(outputs.map, make_layers(trees, rows), to_map_crs(outputs, scan.system), ctx);
     });
-    if (!outputs.crowns.empty()) write_crowns(run, outputs.crowns, crowns_of(trees));
+    if (!outputs.crowns.empty()) write_crowns(run, outputs.crowns, merge_crowns(trees));
     run.stage("write points", [&](const Context& ctx) {
         if (!outputs.tree_points.empty()) {
             write_point_cloud(outputs.tree_points, labelled(scan.point_cloud, segments, trees, ctx),
@@ -286,7 +286,7 @@ WrittenPlot write_plot(Run& run, const PointFile& scan, PlotExtraction plot, con
     });
     warn_of_leftovers(run, named, trees.size());
     count(run, scan.point_cloud.points, segments, rows);
-    out.summary = summary_of(trees, named);
+    out.summary = format_summary(trees, named);
     return out;
 }
 

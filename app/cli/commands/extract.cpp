@@ -298,7 +298,7 @@ std::string find_trouble(const BatchFile& file, const Work& work) {
     }
 }
 
-ExitCode code_of(const std::string& trouble, bool in_doubt) {
+ExitCode to_exit_code(const std::string& trouble, bool in_doubt) {
     return !trouble.empty() ? kFileTrouble : in_doubt ? kCheckFailed : kDone;
 }
 

@@ -59,7 +59,7 @@ class GlbMotion : public MotionWriter::Format {
         }
         const std::size_t times = layout.add(count * sizeof(float), 0, kFloat, count, "SCALAR");
         layout[times]["min"] = json::array({0.0});
-        layout[times]["max"] = json::array({double{time_of(count - 1)}});
+        layout[times]["max"] = json::array({double{get_time(count - 1)}});
         const std::size_t weights =
             layout.add(count * count * sizeof(float), 0, kFloat, count * count, "SCALAR");
         json node{{"name", "tree"}, {"mesh", 0}};
@@ -89,11 +89,11 @@ class GlbMotion : public MotionWriter::Format {
         };
     }
 
-    float time_of(std::size_t frame) const { return static_cast<float>(static_cast<double>(frame) / rate_); }
+    float get_time(std::size_t frame) const { return static_cast<float>(static_cast<double>(frame) / rate_); }
 
     void write_times() {
         std::vector<float> numbers;
-        for (std::size_t i = 0; i < moved_.size(); ++i) numbers.push_back(time_of(i));
+        for (std::size_t i = 0; i < moved_.size(); ++i) numbers.push_back(get_time(i));
         file_.write(std::as_bytes(std::span(numbers)));
         for (std::size_t i = 0; i < moved_.size(); ++i) {
             numbers.assign(moved_.size(), 0);

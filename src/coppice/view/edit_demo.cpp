@@ -45,7 +45,7 @@ struct Laps {
     }
 };
 
-SketchView camera_of(std::span<const Vec3> positions, std::span<const Vec3> reached,
+SketchView make_camera(std::span<const Vec3> positions, std::span<const Vec3> reached,
                      const ViewOptions& options) {
     std::vector<Vec3d> points;
     for (const Vec3 p : positions) points.emplace_back(p);

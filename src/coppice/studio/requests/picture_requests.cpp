@@ -94,7 +94,7 @@ Json picture(Studio& studio, const Request& request) {
     const auto options = call.options<RenderOptions>("render");
     std::optional<SketchView> view;
     if (const auto camera = request.fields.find("camera"); camera != request.fields.end())
-        view = view_of(*camera, options.camera.width, options.camera.height);
+        view = parse_view(*camera, options.camera.width, options.camera.height);
     std::vector<ObjectPtr> objects;
     for (const Document::Name& name : names) {
         const bool as_it_is =
