@@ -1,6 +1,7 @@
 // Feeds arbitrary bytes to every mesh reader: the first byte selects the format, the rest is the file. A
-// reader returns a mesh with valid indices and finite positions, or throws coppice::Error.
+// reader returns a mesh with valid indices and finite coordinates, or throws coppice::Error.
 
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <string_view>
@@ -19,6 +20,8 @@ void check(const coppice::PolygonMesh& mesh) {
     for (std::uint32_t f = 0; f < mesh.face_count(); ++f) require(mesh.face(f).size() >= 3);
     for (const std::uint32_t v : mesh.corners) require(v < mesh.positions.size());
     for (const coppice::Vec3 p : mesh.positions) require(is_finite(p));
+    require(mesh.texture.empty() || mesh.texture.size() == mesh.corners.size());
+    for (const coppice::TexturePoint t : mesh.texture) require(std::isfinite(t.u) && std::isfinite(t.v));
 }
 
 }  // namespace

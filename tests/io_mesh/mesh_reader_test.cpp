@@ -145,6 +145,56 @@ TEST(MeshReader, ObjGroupsAreNamedByObjectGroupAndMaterial) {
     EXPECT_EQ(named.group, (std::vector<std::uint32_t>{0, 2, 3, 2}));
 }
 
+TEST(MeshReader, ReadsTextureCoordinatesOfObj) {
+    const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    const auto texture_of = [&](const std::string& text) {
+        return parse_mesh(three + text, MeshFormat::obj, "f").texture;
+    };
+    const TexturePoint a{0.25f, 2}, b{-1, 0.5f}, zero{};
+    const std::string places = "vt 0.25 2\nvt -1 0.5 0\n";
+    EXPECT_EQ(texture_of(places + "f 1/1 2/2 3/1\n"), (Buffer<TexturePoint>{a, b, a}));
+    EXPECT_EQ(texture_of("f 1/1/1 2/2/1 3/1/1\n" + places), (Buffer<TexturePoint>{a, b, a}));
+    EXPECT_EQ(texture_of(places + "f 1/-1 2/-2 3/-1\n"), (Buffer<TexturePoint>{b, a, b}));
+    // Corners without coordinates have (0, 0) if others have some.
+    EXPECT_EQ(texture_of(places + "f 1 2 3\nf 1//1 2/2 3\nf 1 2 3\n"),
+              (Buffer<TexturePoint>{zero, zero, zero, zero, b, zero, zero, zero, zero}));
+    EXPECT_EQ(texture_of("vt 7\nf 1/1 2 3\n"), (Buffer<TexturePoint>{{7, 0}, zero, zero}));
+    EXPECT_TRUE(texture_of("f 1/1 2/9 3/1\n").empty());  // a file without vt
+    EXPECT_TRUE(texture_of(places + "f 1 2 3\n").empty());
+}
+
+TEST(MeshReader, ReadsTextureCoordinatesOfPly) {
+    for (const auto& [u, v] : {std::pair{"s", "t"}, {"u", "v"}, {"texture_u", "texture_v"}}) {
+        SCOPED_TRACE(u);
+        const std::string text =
+            std::string(
+                "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n"
+                "property float z\nproperty float ") +
+            u + "\nproperty float " + v +
+            "\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n"
+            "0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n1 0 0 2 0\n1 1 0 2 1\n3 0 1 2\n3 3 4 2\n";
+        const PolygonMesh mesh = parse_mesh(text, MeshFormat::ply, "f");
+        EXPECT_EQ(mesh.positions.size(), 4u);  // the second and the fourth are one vertex on a seam
+        EXPECT_EQ(faces_of(mesh), (Faces{{0, 1, 2}, {1, 3, 2}}));
+        EXPECT_EQ(mesh.texture, (Buffer<TexturePoint>{{0, 0}, {1, 0}, {0, 1}, {2, 0}, {2, 1}, {0, 1}}));
+        EXPECT_EQ(error_of(replaced(text, "1 1 0 2 1", "1 1 0 nan 1"), MeshFormat::ply),
+                  "f: the texture coordinates of vertex 4 are not finite or beyond 1e30");
+        EXPECT_EQ(parse_mesh(replaced(text, "property float " + std::string(u), "property float w"),
+                             MeshFormat::ply, "f")
+                      .positions.size(),
+                  5u);  // without texture coordinates vertices are not merged
+    }
+}
+
+TEST(MeshReader, TextureCoordinatesOfLaterElementsBelongToTheirVertices) {
+    const std::string text =
+        "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n"
+        "element vertex 1\nproperty float x\nproperty float y\nproperty float z\nproperty float s\n"
+        "property float t\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        "0 0 0\n1 0 0\n0 1 0 3 4\n3 0 1 2\n";
+    EXPECT_EQ(parse_mesh(text, MeshFormat::ply, "f").texture, (Buffer<TexturePoint>{{0, 0}, {0, 0}, {3, 4}}));
+}
+
 TEST(MeshReader, ObjErrorsReportTheLine) {
     const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
     const auto error = [](const std::string& text) { return error_of(text, MeshFormat::obj); };
@@ -155,6 +205,15 @@ TEST(MeshReader, ObjErrorsReportTheLine) {
               "f:4: a face refers to vertex 99999999999, but the vertices are 1 to 3");
     EXPECT_EQ(error(three + "f 1 2 x\n"), "f:4: 'x' is not a corner of a face");
     EXPECT_EQ(error(three + "f 1 2\n"), "f:4: a face has 2 corners; it needs 3");
+    EXPECT_EQ(error(three + "vt 0 0\nf 1/1 2/1 3/2\n"),
+              "f:5: a face refers to texture coordinates 2, but those are 1 to 1");
+    EXPECT_EQ(error(three + "vt 0 0\nf 1/1 2/1 3/-2\n"),
+              "f:5: a face refers to texture coordinates -2, but those are 1 to 1");
+    EXPECT_EQ(error(three + "vt 0 0\nf 1/1 2/1 3/0\n"),
+              "f:5: a face refers to texture coordinates 0, but those are 1 to 1");
+    EXPECT_EQ(error(three + "f 1/x 2 3\n"), "f:4: '1/x' is not a corner of a face");
+    EXPECT_EQ(error(three + "vt\n"), "f:4: texture coordinates need at least one number");
+    EXPECT_EQ(error(three + "vt 0 inf\n"), "f:4: a texture coordinate is not finite or beyond 1e30");
     EXPECT_EQ(error(three), "f: it contains no faces, so it is not a surface");
     EXPECT_EQ(error("v 0 0\n"), "f:1: a vertex needs three coordinates");
     EXPECT_EQ(error("v 0 1,5 0\n"), "f:1: '1,5' is not a number");
@@ -283,6 +342,29 @@ TEST(MeshReader, GlbTransformsAreApplied) {
 TEST(MeshReader, GlbMirrorsPreserveTheOutside) {
     const auto mesh = parse_mesh(triangle_glb(R"([{"mesh":0,"scale":[-1,1,1]}])"), MeshFormat::glb, "f");
     EXPECT_EQ(get_faces(mesh), (Faces{{0, 2, 1}}));
+}
+
+/// The triangle with texture coordinates as normalized bytes: (0, 0), (1, 0), (0, 1), with v down.
+std::string textured_glb(const std::string& count = "3") {
+    std::string buffer;
+    for (const float c : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 2.f, 0.f}) append(buffer, c);
+    for (const int c : {0, 0, 255, 0, 0, 255}) append(buffer, static_cast<std::uint8_t>(c));
+    return glb(R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1}}]}],
+        "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},
+                     {"bufferView":1,"componentType":5121,"normalized":true,"type":"VEC2","count":)" +
+                   count + R"(}],
+        "bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":6}],
+        "buffers":[{"byteLength":42}]})",
+               buffer);
+}
+
+TEST(MeshReader, ReadsTextureCoordinatesOfGlb) {
+    const PolygonMesh mesh = parse_mesh(textured_glb(), MeshFormat::glb, "f");
+    EXPECT_EQ(mesh.texture, (Buffer<TexturePoint>{{0, 1}, {1, 1}, {0, 0}}));  // v up
+    EXPECT_EQ(error_of(textured_glb("2"), MeshFormat::glb),
+              "f: mesh 0 has 2 texture coordinates for 3 vertices");
+    EXPECT_EQ(error_of(textured_glb("4"), MeshFormat::glb), "f: accessor 1 extends beyond its buffer");
 }
 
 TEST(MeshReader, ReportsGlbErrors) {
@@ -418,7 +500,7 @@ TEST(MeshReader, ReadsRealFiles) {
         {"eztree_oak_medium.obj", {2780, 3166}},
         {"eztree_aspen_medium_leaves.obj", {7600, 7200}},
         {"kaykit_tree_single_B.obj", {112, 120}},
-        {"kenney_grass-trees.glb", {712, 380}},
+        {"kenney_grass-trees.glb", {232, 380}},
         {"modulartree_small.obj", {1330, 1264}},
         {"navis_1734350788.ply", {17369, 35106}},
         {"navis_722817260.ply", {17875, 36127}},

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -99,6 +100,44 @@ TEST_F(MeshWriter, WritesTextureCoordinates) {
             .find("texCoord2f[] primvars:st = [(0, 0), (0.5, 0), (1, 1), (0, 1), (0.5, 0), (1, 0), (1, 1), "
                   "(0, 1)] (\n            interpolation = \"faceVarying\"\n        )"),
         std::string::npos);
+}
+
+/// Returns the cuboid with the square of the texture on each face: every vertex is on seams.
+PolygonMesh textured_cuboid() {
+    PolygonMesh mesh = to_polygons(cuboid());
+    for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
+        const auto shift = 0.25f * static_cast<float>(f);
+        for (const TexturePoint p :
+             {TexturePoint{shift, 0}, {shift + 1, 0}, {shift + 1, 1.5f}, {shift, 1.5f}})
+            mesh.texture.push_back(p);
+    }
+    return mesh;
+}
+
+TEST_F(MeshWriter, TextureCoordinatesAreReadBackByCorner) {
+    const PolygonMesh mesh = textured_cuboid();
+    for (const char* name : {"a.obj", "a.ply", "a.glb"}) {
+        SCOPED_TRACE(name);
+        write_mesh(folder_ / name, mesh, {.texture = mesh.texture});
+        const PolygonMesh back = read_mesh(folder_ / name);
+        EXPECT_EQ(back.positions.size(), 8u);
+        const TopologyReport t = topology(back);
+        EXPECT_EQ(t.open_edges + t.non_manifold_edges + t.non_manifold_vertices, 0u);
+        ASSERT_EQ(back.texture.size(), back.corners.size());
+        // Triangles of GLB: 0 1 2, 0 2 3 or 1 2 3, 1 3 0; all numbers here are exact in float.
+        const std::uint32_t parts = back.face_count() / mesh.face_count();
+        for (std::uint32_t f = 0; f < back.face_count(); ++f) {
+            for (std::size_t k = back.first[f]; k < back.first[f + 1]; ++k) {
+                const auto of = mesh.face(f / parts);
+                const Vec3 p = back.positions[back.corners[k]];
+                const auto at =
+                    std::ranges::find_if(of, [&](std::uint32_t v) { return mesh.positions[v] == p; });
+                ASSERT_NE(at, of.end());
+                EXPECT_EQ(back.texture[k],
+                          mesh.texture[4 * (f / parts) + static_cast<std::size_t>(at - of.begin())]);
+            }
+        }
+    }
 }
 
 TEST_F(MeshWriter, QuadsAreReadBackBitIdenticallyFromObjAndPly) {

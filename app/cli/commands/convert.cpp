@@ -66,7 +66,9 @@ ExitCode convert(Run& run, const ConvertFlags& flags) {
         check_mesh_output(flags.output);
         check_mesh_write_options(flags.mesh, {&flags.output, 1});
         const PolygonMesh mesh = load_mesh(run, flags.input, flags.read.up);
-        run.stage("write", [&](const Context& ctx) { write_mesh(flags.output, mesh, flags.mesh, ctx); });
+        MeshWriteOptions options = flags.mesh;
+        if (mesh_format_of_name(flags.output) != MeshFormat::stl) options.texture = mesh.texture;
+        run.stage("write", [&](const Context& ctx) { write_mesh(flags.output, mesh, options, ctx); });
         subject = grouped(mesh.face_count()) + " faces";
     }
     run.finish(fmt::format("{}: {}", flags.output.string(), subject));

@@ -111,7 +111,9 @@ struct Elements {
 class GlbParser {
   public:
     GlbParser(std::string_view bytes, const std::string& source, const Context& ctx)
-        : mesh_(source), stop_{.stop = ctx.stop}, allowed_((std::size_t{1} << 25) + 8 * bytes.size()) {
+        : mesh_(source),
+          stop_{.threads = ctx.threads, .stop = ctx.stop},
+          allowed_((std::size_t{1} << 25) + 8 * bytes.size()) {
         split(bytes);
         refuse_compression();
     }
@@ -130,6 +132,7 @@ class GlbParser {
             if (const auto mesh = find_index(node, "mesh")) add_mesh(*mesh, transform);
             push(stack, indices(node, "children"), transform);
         }
+        if (!texture_.empty() && mesh_.face_count() > 0) mesh_.set_vertex_texture(std::move(texture_), stop_);
         return mesh_.take();
     }
 
@@ -255,8 +258,8 @@ class GlbParser {
     // --- geometry ---
 
     void add_mesh(std::uint64_t index, const Affine& transform) {
-        std::map<std::uint64_t, std::uint32_t>
-            placed;  // accessors with positions already in the mesh: primitives share them
+        // Accessors with positions and texture coordinates already in the mesh: primitives share them.
+        std::map<std::pair<std::uint64_t, std::optional<std::uint64_t>>, std::uint32_t> placed;
         for (const json& primitive : array(item("meshes", index), "primitives")) {
             const std::uint64_t mode = find_index(primitive, "mode").value_or(4);
             if (mode < 4) continue;  // points and lines
@@ -266,9 +269,13 @@ class GlbParser {
             const auto position = attributes == nullptr ? std::nullopt : find_index(*attributes, "POSITION");
             if (!position) continue;
             const Elements positions = elements(*position, "VEC3", 3);
+            const auto texture = find_index(*attributes, "TEXCOORD_0");
             const auto [it, is_new] =
-                placed.try_emplace(*position, static_cast<std::uint32_t>(mesh_.vertex_count()));
-            if (is_new) add_positions(positions, transform);
+                placed.try_emplace({*position, texture}, static_cast<std::uint32_t>(mesh_.vertex_count()));
+            if (is_new) {
+                add_positions(positions, transform);
+                if (texture) add_texture(*texture, positions.count, index);
+            }
             mesh_.begin_group(group_name(item("meshes", index), primitive));
             add_triangles(primitive, index, it->second, positions.count, transform.determinant() < 0);
         }
@@ -296,6 +303,20 @@ class GlbParser {
             const Vec3d p =
                 transform.point({positions.number(i, 0), positions.number(i, 1), positions.number(i, 2)});
             mesh_.add_numbered_vertex({p.x, -p.z, p.y});
+        }
+    }
+
+    /// Adds the texture coordinates of the last vertices. In glTF, v points down in the image.
+    void add_texture(std::uint64_t accessor, std::size_t vertices, std::uint64_t mesh) {
+        const Elements places = elements(accessor, "VEC2", 2);
+        if (places.count != vertices) {
+            fail(fmt::format("mesh {} has {} texture coordinates for {} vertices", mesh, places.count,
+                             vertices));
+        }
+        texture_.resize(mesh_.vertex_count() - vertices, TexturePoint{});  // of other meshes
+        for (std::size_t i = 0; i < vertices; ++i) {
+            texture_.push_back(
+                mesh_.numbered_texture_point(texture_.size(), places.number(i, 0), 1 - places.number(i, 1)));
         }
     }
 
@@ -385,7 +406,8 @@ class GlbParser {
     json document_;
     std::string_view buffer_;
     std::vector<bool> visited_;
-    std::size_t allowed_;  ///< number of vertices and corners that may still be created
+    Buffer<TexturePoint> texture_;  ///< per vertex, up to the last that has some
+    std::size_t allowed_;           ///< number of vertices and corners that may still be created
 };
 
 }  // namespace

@@ -16,7 +16,10 @@ namespace {
 class PlyMeshParser {
   public:
     PlyMeshParser(std::string_view bytes, const std::string& source, const Context& ctx)
-        : header_(parse_ply_header(bytes, source)), rows_(bytes, header_, source, ctx), mesh_(source) {}
+        : header_(parse_ply_header(bytes, source)),
+          rows_(bytes, header_, source, ctx),
+          ctx_(ctx),
+          mesh_(source) {}
 
     PolygonMesh parse() {
         for (const PlyElement& element : header_.elements) {
@@ -32,6 +35,7 @@ class PlyMeshParser {
                 rows_.skip_element();
             }
         }
+        if (!texture_.empty() && mesh_.face_count() > 0) mesh_.set_vertex_texture(std::move(texture_), ctx_);
         return mesh_.take();
     }
 
@@ -43,10 +47,16 @@ class PlyMeshParser {
         if (!x || !y || !z) {
             throw InvalidInput(fmt::format("{}: the vertices lack a property x, y or z", mesh_.source()));
         }
+        const auto s = element.find({"s", "u", "texture_u"});
+        const auto t = element.find({"t", "v", "texture_v"});
         mesh_.reserve_vertices(element.count);
+        if (s && t) texture_.resize(mesh_.vertex_count(), TexturePoint{});  // of other elements
         for (std::uint64_t i = 0; i < element.count; ++i) {
             rows_.read(row_);
             mesh_.add_numbered_vertex({scalar(element, *x), scalar(element, *y), scalar(element, *z)});
+            if (!s || !t) continue;
+            texture_.push_back(mesh_.numbered_texture_point(mesh_.vertex_count() - 1, scalar(element, *s),
+                                                            scalar(element, *t)));
         }
     }
 
@@ -75,7 +85,9 @@ class PlyMeshParser {
     PlyHeader header_;
     PlyRows rows_;
     PlyRow row_;
+    const Context& ctx_;
     MeshBuilder mesh_;
+    Buffer<TexturePoint> texture_;  ///< per vertex
 };
 
 constexpr std::size_t kStlHead = 84;

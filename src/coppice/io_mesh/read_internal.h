@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -11,6 +12,7 @@
 #include "coppice/base/error.h"
 #include "coppice/base/vec.h"
 #include "coppice/mesh/mesh.h"
+#include "coppice/mesh/texture.h"
 
 namespace coppice::io_internal {
 
@@ -40,6 +42,16 @@ class MeshBuilder {
 
     /// Merges vertices with equal positions into the first of them.
     void weld(const Context& ctx);
+
+    /// Rounds texture coordinates to float. Returns nullopt if one is not finite or exceeds 1e30.
+    static std::optional<TexturePoint> texture_point(double u, double v);
+    /// Like `texture_point`, but errors name the number of the vertex.
+    TexturePoint numbered_texture_point(std::size_t vertex, double u, double v) const;
+    /// Takes one texture coordinate per corner of the faces.
+    void set_texture(Buffer<TexturePoint> of_corners);
+    /// Takes the texture coordinates of the vertices, (0, 0) for those beyond the end; then welds the
+    /// vertices, which files repeat along seams.
+    void set_vertex_texture(Buffer<TexturePoint> of_vertices, const Context& ctx);
 
     /// Chooses the origin, rounds the positions to float and returns the mesh. Throws `InvalidInput` if there
     /// is no face.

@@ -126,6 +126,31 @@ void MeshBuilder::weld(const Context& ctx) {
     for (std::uint32_t& v : mesh_.corners) v = to[v];
 }
 
+std::optional<TexturePoint> MeshBuilder::texture_point(double u, double v) {
+    if (!(std::abs(u) <= kLargestCoordinate && std::abs(v) <= kLargestCoordinate)) return std::nullopt;
+    return TexturePoint{static_cast<float>(u), static_cast<float>(v)};
+}
+
+TexturePoint MeshBuilder::numbered_texture_point(std::size_t vertex, double u, double v) const {
+    if (const auto point = texture_point(u, v)) return *point;
+    throw InvalidInput(fmt::format("{}: the texture coordinates of vertex {} are not finite or beyond 1e30",
+                                   source_, vertex));
+}
+
+void MeshBuilder::set_texture(Buffer<TexturePoint> of_corners) {
+    COPPICE_ASSERT(of_corners.size() == mesh_.corners.size());
+    mesh_.texture = std::move(of_corners);
+}
+
+void MeshBuilder::set_vertex_texture(Buffer<TexturePoint> of_vertices, const Context& ctx) {
+    of_vertices.resize(vertices_.size(), TexturePoint{});
+    Buffer<TexturePoint> of_corners;
+    of_corners.reserve(mesh_.corners.size());
+    for (const std::uint32_t v : mesh_.corners) of_corners.push_back(of_vertices[v]);
+    set_texture(std::move(of_corners));
+    weld(ctx);
+}
+
 PolygonMesh MeshBuilder::take() {
     if (face_count() == 0) {
         throw InvalidInput(fmt::format("{}: it contains no faces, so it is not a surface", source_));

@@ -16,10 +16,15 @@ namespace coppice {
 ///
 /// Faces are returned as in the file, in its order, with three or more corners each: they need not be closed,
 /// manifold or consistently oriented, but every index is in range and every coordinate finite. Vertices are
-/// returned as in the file too; only STL, which repeats them for each triangle, is welded: equal positions
-/// become one vertex. GLB: the triangles of the default scene, transformed by its nodes and rotated from Y up
-/// to Z up. Colours, normals, texture coordinates, lines and points are ignored. The groups of OBJ and GLB
-/// are named by object (mesh), group and material as far as the file specifies them, as in "tree/bark".
+/// returned as in the file too; only STL, which repeats them for each triangle, and PLY and GLB with texture
+/// coordinates, which repeat them along seams, are welded: equal positions become one vertex. GLB: the
+/// triangles of the default scene, transformed by its nodes and rotated from Y up to Z up. Colours, normals,
+/// lines and points are ignored. The groups of OBJ and GLB are named by object (mesh), group and material as
+/// far as the file specifies them, as in "tree/bark".
+///
+/// Texture coordinates are returned by corner: those of OBJ (vt), the properties s and t, u and v, or
+/// texture_u and texture_v of the vertices of PLY, and TEXCOORD_0 of GLB, with v up in the image. Corners
+/// without coordinates have (0, 0) if others have some.
 ///
 /// If coordinates are large relative to the size of the mesh, `origin` stores the offset in double precision,
 /// so that the float positions keep their accuracy; otherwise it is zero.

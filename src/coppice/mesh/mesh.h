@@ -9,6 +9,7 @@
 #include "coppice/base/box.h"
 #include "coppice/base/column.h"
 #include "coppice/base/vec.h"
+#include "coppice/mesh/texture.h"
 
 namespace coppice {
 
@@ -39,6 +40,8 @@ struct PolygonMesh {
     Vec3d origin;                          ///< [m] added back by writers
     std::vector<std::string> group_names;  ///< names of the groups or materials of the file
     std::vector<std::uint32_t> group;  ///< per face an index into group_names; empty if there are no groups
+    /// one per corner, in the order of `corners`; empty if the mesh has no texture coordinates
+    Buffer<TexturePoint> texture;
 
     /// number of faces
     std::uint32_t face_count() const { return static_cast<std::uint32_t>(first.size()) - 1; }

@@ -98,7 +98,10 @@ std::uint64_t compute_memory(const Skeleton& skeleton, std::span<const NodeAttri
 std::uint64_t compute_memory(const Surface& surface) {
     const std::uint64_t vertices =
         std::visit([](const auto& mesh) { return mesh.positions.size(); }, surface.mesh);
-    return vertices * sizeof(Vec3) + face_count(surface) * 5 * sizeof(std::uint32_t);
+    const auto* polygons = std::get_if<PolygonMesh>(&surface.mesh);
+    const std::uint64_t corners = polygons == nullptr ? 0 : polygons->texture.size();
+    return vertices * sizeof(Vec3) + face_count(surface) * 5 * sizeof(std::uint32_t) +
+           corners * sizeof(TexturePoint);
 }
 
 std::string describe_object(const SceneObject& object) {
