@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "coppice/render/contact_sheet.h"
+#include "coppice/render/picture.h"
 #include "coppice/render/png.h"
 #include "coppice/render/render.h"
 #include "coppice/system/file.h"
@@ -32,6 +33,20 @@ void check_picture_output(const std::filesystem::path& path) {
         throw UsageError(
             fmt::format("'{}' is not the name of an image; use the extension .png", path.string()));
     check_output_folder(path);
+}
+
+RenderMaterial load_material(Run& run, const std::filesystem::path& prefix) {
+    return run.stage("read", [&](const Context& ctx) {
+        const auto load = [&](const std::string& part, bool required) {
+            std::filesystem::path path = prefix.string() + "_" + part + ".png";
+            const std::filesystem::path other = prefix.string() + "_" + part + ".jpg";
+            if (!std::filesystem::exists(path) && std::filesystem::exists(other)) path = other;
+            if (!required && !std::filesystem::exists(path)) return Image{};
+            return decode_picture(read_file(path, kLargestFile, ctx), path.string());
+        };
+        return RenderMaterial{load("color", true), load("normal", false), load("roughness", false),
+                              load("occlusion", false)};
+    });
 }
 
 void write_picture(const std::filesystem::path& path, const Image& image) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "coppice/render/image.h"
+#include "coppice/render/material.h"
 #include "coppice/skeleton/skeleton.h"
 #include "run.h"
 
@@ -16,6 +17,11 @@ void check_picture_output(const std::filesystem::path& path);
 
 /// Renders a square image of each skeleton, as a stage of the run.
 std::vector<Image> draw_each(Run& run, std::span<const Skeleton* const> trees, int size);
+
+/// Reads the image of the colour, PREFIX_color.png, and those of PREFIX_normal.png, PREFIX_roughness.png and
+/// PREFIX_occlusion.png that exist; also .jpg. Throws IoError without the first, InvalidInput for other
+/// content.
+RenderMaterial load_material(Run& run, const std::filesystem::path& prefix);
 
 void write_picture(const std::filesystem::path& path, const Image& image);
 /// Arranges all images on one approximately square sheet.

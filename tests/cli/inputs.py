@@ -74,9 +74,10 @@ picture = lambda rows: (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBB
                         chunk(b"IDAT", zlib.compress(b"".join(b"\0" + row for row in rows))) + chunk(b"IEND", b""))
 sky = b"\x80\xc0\xff"
 add("photo.png", picture([sky * 400] * 320))
-add("old_color.png", picture([sky * 400] * 320))
-add("old_normal.png", picture([b"\x80\x80\xff" * 400] * 320))
-add("text_color.png", b"not an image")
+add("bark_color.png", picture([b"\xc0\x20\x10" * 400] * 320))
+add("bark_normal.png", picture([b"\x80\x80\xff" * 400] * 320))
+add("other_color.png", b"no image\n")
+add("square.obj", "v 0 -1 0\nv 0 1 0\nv 0 1 2\nv 0 -1 2\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n")
 add("bar.png", picture([sky * 400] * 100 + [sky * 190 + b"\x40\x30\x20" * 20 + sky * 190] * 200 + [sky * 400] * 20))
 add("bar.sketch.json", json.dumps({"format": "coppice-sketch", "version": 1, "views": [view | {"image": "bar.png"} for view in sketch["views"]]}))
 add("broken.sketch.json", json.dumps(sketch).replace('"parent": "stem"', '"parent": "trunk"'))

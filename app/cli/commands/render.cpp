@@ -41,8 +41,9 @@ namespace {
 
 struct RenderFlags {
     std::filesystem::path input, second, output, distance_to, over;
-    std::filesystem::path camera;  ///< SKETCH:VIEW
-    float opacity = 0.7f;          ///< opacity of the objects drawn over a photograph
+    std::filesystem::path camera;    ///< SKETCH:VIEW
+    std::filesystem::path material;  ///< start of the names of its images
+    float opacity = 0.7f;            ///< opacity of the objects drawn over a photograph
     Marked mark = Marked::none;
     float point_size = 0;  ///< [m] width of points; 0 = derived from their spacing
     RenderOptions render;
@@ -199,11 +200,28 @@ Backdrop load_backdrop(Run& run, const RenderFlags& flags, RenderOptions& option
     return out;
 }
 
+/// Loads the material of the mesh, if any.
+std::optional<RenderMaterial> load_material_of(Run& run, const RenderFlags& flags, const Inputs& in,
+                                               RenderColor color) {
+    if (flags.material.empty()) return std::nullopt;
+    if (color != RenderColor::plain || !flags.distance_to.empty())
+        throw UsageError("--material defines the colours; leave --color, --distance-to and --over out");
+    if (!in.mesh)
+        throw UsageError("--material requires a mesh: coppice render MESH --material PREFIX -o PNG");
+    if (in.mesh->texture.empty()) {
+        throw UsageError(
+            "--material requires a mesh with texture coordinates; write it by coppice mesh TREE --uv bark -o "
+            "MESH.obj");
+    }
+    return load_material(run, flags.material);
+}
+
 ExitCode render_file(Run& run, const RenderFlags& flags) {
     check_flags(flags);
     RenderOptions options = flags.render;
     const Backdrop backdrop = load_backdrop(run, flags, options);
     Inputs in = load(run, flags);
+    const std::optional<RenderMaterial> material = load_material_of(run, flags, in, options.color);
     if (!flags.distance_to.empty()) {
         load_other(run, flags, in);
         options.color = RenderColor::distance;
@@ -234,6 +252,7 @@ ExitCode render_file(Run& run, const RenderFlags& flags) {
     }
     const Crossings crossings = flags.mark == Marked::crossings ? find_crossings(run, in) : Crossings{};
     const RenderScene scene{.mesh = in.mesh ? &*in.mesh : nullptr,
+                            .material = material ? &*material : nullptr,
                             .cloud = in.cloud ? &*in.cloud : nullptr,
                             .point_radius = in.point_radius,
                             .skeleton = in.skeleton ? &in.skeleton->skeleton : nullptr,
@@ -263,6 +282,10 @@ Command render_command() {
     options.file("--distance-to", "MESH", flags->distance_to,
                  "Colour the points, or without points the mesh, by the distance from this mesh: inside "
                  "blue, outside red.");
+    options.file(
+        "--material", "PREFIX", flags->material,
+        "Draw the mesh, which needs texture coordinates, with the images PREFIX_color.png and, where "
+        "they exist, PREFIX_normal.png, PREFIX_roughness.png and PREFIX_occlusion.png.");
     options.file("--camera", "SKETCH:VIEW", flags->camera,
                  "Camera of a view of a sketch, as tree.sketch.json:front; by default the object is framed.",
                  {.common = false});

@@ -37,6 +37,20 @@ void check(const PointCloud& cloud, float radius) {
     }
 }
 
+void check(const RenderMaterial& material, const PolygonMesh* mesh) {
+    if (mesh == nullptr || mesh->texture.empty())
+        throw InvalidInput("render: a material requires a mesh with texture coordinates");
+    if (mesh->texture.size() != mesh->corners.size())
+        throw InvalidInput("render: the number of texture coordinates must be that of the corners");
+    for (const TexturePoint t : mesh->texture) {
+        if (!std::isfinite(t.u) || !std::isfinite(t.v))
+            throw InvalidInput("render: the texture coordinates of the mesh are not finite");
+    }
+    const Image* images[] = {&material.color, &material.normal, &material.roughness, &material.occlusion};
+    if (std::ranges::all_of(images, [](const Image* image) { return image->pixels.empty(); }))
+        throw InvalidInput("render: the material has no image");
+}
+
 void check(const RenderScene& scene, const RenderOptions& options) {
     check_fields(options, "render");
     const auto pixels = static_cast<long long>(options.camera.width) * options.camera.height;
@@ -62,6 +76,7 @@ void check(const RenderScene& scene, const RenderOptions& options) {
             throw InvalidInput(fmt::format("render: face {} is marked, but there are {}", f, faces));
     }
     if (scene.cloud != nullptr) check(*scene.cloud, scene.point_radius);
+    if (scene.material != nullptr) check(*scene.material, scene.mesh);
     const bool has_other = scene.distance_to != nullptr && scene.distance_to->boxes().size() > 0;
     if (options.color == RenderColor::distance && scene.cloud != nullptr && scene.cloud->distances.empty() &&
         !has_other)
@@ -165,14 +180,17 @@ Image render(const RenderScene& scene, const RenderOptions& options, const Conte
     ctx.throw_if_cancelled();
     ctx.report(kBuildShare);
     std::optional<Vec3> middle;
-    if (options.look_at) middle = traced.local(*options.look_at);
+    if (options.camera.look_at) middle = traced.local(*options.camera.look_at);
     const Camera camera = scene.view != nullptr
                               ? Camera(traced.local(*scene.view))
-                              : Camera(traced.frame_points(), options.camera, options.zoom, middle);
+                              : Camera(traced.frame_points(), options.camera, options.camera.zoom, middle);
     if (middle && scene.view == nullptr && camera.project(*middle).depth <= 0)
         throw InvalidInput(
             "render: the point of look_at is behind the camera; change the direction of the camera");
-    const Shading shading(traced, camera, chosen);
+    std::optional<TracedMaterial> material;
+    if (scene.material != nullptr && options.color == RenderColor::plain)
+        material.emplace(*scene.material, ctx);
+    const Shading shading(traced, camera, chosen, material ? &*material : nullptr);
     Image image(options.camera.width, options.camera.height);
     const int columns = (options.camera.width + kTile - 1) / kTile;
     for (int top = 0; top < options.camera.height; top += kRowsPerReport) {

@@ -12,6 +12,7 @@
 #include "coppice/points/point_cloud.h"
 #include "coppice/render/frame_view.h"
 #include "coppice/render/image.h"
+#include "coppice/render/material.h"
 #include "coppice/skeleton/skeleton.h"
 #include "coppice/sketch/view.h"
 
@@ -46,7 +47,10 @@ struct RenderMark {
 /// drawn in magenta on a pale mesh, and are visible through occluding faces. All origins are taken into
 /// account.
 struct RenderScene {
-    const PolygonMesh* mesh = nullptr;   ///< the surface; may be null
+    const PolygonMesh* mesh = nullptr;  ///< the surface; may be null
+    /// The surface of the mesh, which requires texture coordinates; drawn with the colour `plain`. May be
+    /// null.
+    const RenderMaterial* material = nullptr;
     const PointCloud* cloud = nullptr;   ///< points; may be null
     float point_radius = 0;              ///< [m] of the points; > 0
     const Skeleton* skeleton = nullptr;  ///< the skeleton; may be null

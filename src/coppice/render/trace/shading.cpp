@@ -33,6 +33,8 @@ constexpr Vec3 kSignal{0.85f, 0.02f, 0.45f};
 constexpr Vec3 kPale{0.50f, 0.50f, 0.48f};  // of a mesh with marked faces
 constexpr float kMarkCover = 0.95f;
 constexpr float kHiddenMarkCover = 0.7f;
+constexpr float kMinFacing =
+    0.05f;                      // of the footprint of a sample, which is longer on a face seen from the side
 constexpr float kSame = 1e-5f;  // relative distance within which a marked face is the visible one
 
 struct Pair {
@@ -82,8 +84,19 @@ struct Shading::Draws {
     Pair sun, sky;
 };
 
-Shading::Shading(const TracedScene& scene, const Camera& camera, const RenderOptions& options)
-    : scene_(scene), camera_(camera), options_(options), ground_height_(scene.bounds().low.z) {
+struct Shading::Surface {
+    Vec3 albedo, normal;
+    std::optional<float> roughness;
+    float occlusion = 1;
+};
+
+Shading::Shading(const TracedScene& scene, const Camera& camera, const RenderOptions& options,
+                 const TracedMaterial* material)
+    : scene_(scene),
+      camera_(camera),
+      options_(options),
+      material_(material),
+      ground_height_(scene.bounds().low.z) {
     const float a = options.camera.azimuth + options.sun_azimuth, e = options.sun_elevation;
     sun_ = {std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)};
     ground_visible_ = options.ground && camera.position().z > ground_height_;
@@ -112,11 +125,12 @@ Light Shading::pixel(int x, int y) const {
 }
 
 Light Shading::sample(float x, float y, const Draws& draws) const {
-    const auto [origin, direction] = camera_.ray(x, y);
+    const Camera::Ray ray = camera_.ray(x, y);
+    const auto [origin, direction] = ray;
     Light light;
     const auto hit = scene_.trace(origin, direction);
     if (hit) {
-        light = solid(*hit, x, y, draws);
+        light = solid(*hit, ray, x, y, draws);
     } else {
         const Light back = options_.transparent ? Light{} : Light{kBackground, 1};
         light = ground_visible_ ? over(ground(origin, direction, draws), back) : back;
@@ -164,16 +178,44 @@ Vec3 Shading::albedo(const Hit& hit) const {
     return scene_.has_marked() || scene_.has_point_colors() ? kPale : kClay;
 }
 
-Light Shading::solid(const Hit& hit, float x, float y, const Draws& draws) const {
+/// Returns the part of the face that a sample represents: a pixel divided by the root of their number.
+Footprint Shading::footprint(const Hit& hit, const Camera::Ray& ray, float x, float y) const {
+    const float facing = dot(ray.direction, hit.geometric_normal);
+    const float along = facing < 0 ? std::min(facing, -kMinFacing) : std::max(facing, kMinFacing);
+    const auto side = [&](const Camera::Ray& next) {
+        const Vec3 off = next.origin - ray.origin + (next.direction - ray.direction) * hit.distance;
+        return (off - ray.direction * (dot(off, hit.geometric_normal) / along)) /
+               std::sqrt(static_cast<float>(options_.samples));
+    };
+    return {side(camera_.ray(x + 1, y)), side(camera_.ray(x, y + 1))};
+}
+
+Shading::Surface Shading::surface(const Hit& hit, const Camera::Ray& ray, float x, float y) const {
+    Surface out{albedo(hit), hit.normal, std::nullopt, 1};
+    if (material_ == nullptr || options_.color != RenderColor::plain) return out;
+    const auto place = scene_.texture_place(hit);
+    if (!place) return out;
+    const Texel texel = material_->at(*place, footprint(hit, ray, x, y), hit.normal);
+    return {texel.color.value_or(out.albedo), texel.normal, texel.roughness, texel.occlusion};
+}
+
+Light Shading::solid(const Hit& hit, const Camera::Ray& ray, float x, float y, const Draws& draws) const {
+    const Surface s = surface(hit, ray, x, y);
     const Vec3 from = hit.lifted + hit.geometric_normal * (kOffset * (4 + hit.distance));
-    Vec3 light = kBounce;
+    const Gloss gloss{s.normal, -ray.direction, s.roughness.value_or(1)};
+    Vec3 light = kBounce * s.occlusion, shine;
     const Vec3 to_sun = sun_direction(draws);
-    const float facing = dot(hit.normal, to_sun);
-    if (facing > 0 && !scene_.occluded(from, to_sun, std::numeric_limits<float>::infinity()))
+    const float facing = dot(s.normal, to_sun);
+    if (facing > 0 && !scene_.occluded(from, to_sun, std::numeric_limits<float>::infinity())) {
         light += kSunLight * facing;
-    const Vec3 to_sky = cosine_direction(hit.normal, draws.sky);
-    if (!scene_.occluded(from, to_sky, kAmbientReach)) light += sky(to_sky);
-    Vec3 color = multiply(albedo(hit), light);
+        if (s.roughness) shine += kSunLight * gloss.of_source(to_sun);
+    }
+    const Vec3 to_sky = cosine_direction(s.normal, draws.sky);
+    if (!scene_.occluded(from, to_sky, kAmbientReach)) {
+        light += sky(to_sky) * s.occlusion;
+        if (s.roughness) shine += sky(gloss.sky_direction()) * (gloss.of_sky() * s.occlusion);
+    }
+    Vec3 color = multiply(s.albedo, light) + shine;
     if (options_.wireframe && hit.on_mesh) color = lerp(color, kWire, kWireCover * wire(hit, x, y));
     return {color, 1};
 }

@@ -84,6 +84,7 @@ TracedScene::TracedScene(const RenderScene& scene, const RenderOptions& options,
         if (scene.mesh != nullptr) {
             add_faces(*scene.mesh, scene.marked_faces);
             if (!options.flat) smooth_normals();
+            if (scene.material != nullptr) add_texture(*scene.mesh);
             attach_mesh(solid_.get(), quads_, ctx);
             parts_.push_back(Part::mesh);
         }
@@ -157,6 +158,18 @@ void TracedScene::add_faces(const PolygonMesh& mesh, std::span<const std::uint32
         if (is_marked[f] != 0)
             marked_quads_.insert(marked_quads_.end(), quads_.begin() + static_cast<std::ptrdiff_t>(begin),
                                  quads_.end());
+    }
+}
+
+/// Divides the faces in the same way as `add_faces`.
+void TracedScene::add_texture(const PolygonMesh& mesh) {
+    texture_.reserve(quads_.size());
+    for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
+        const std::span<const TexturePoint> t(mesh.texture.data() + mesh.first[f],
+                                              mesh.first[f + 1] - mesh.first[f]);
+        if (t.size() == 4) texture_.push_back({t[0], t[1], t[2], t[3]});
+        for (std::size_t k = 1; t.size() != 4 && k + 1 < t.size(); ++k)
+            texture_.push_back({t[0], t[k], t[k + 1], t[k + 1]});
     }
 }
 
@@ -240,25 +253,26 @@ EmbreeScene TracedScene::build_tubes(const Skeleton& s, float width, const Conte
 /// Returns the weights of three corners at a hit, which sum to 1. Bilinear faces are two triangles with the
 /// diagonal from corner 1 to corner 3.
 struct Weights3 {
+    std::array<std::size_t, 3> corner;
     std::array<std::uint32_t, 3> vertex;
     std::array<float, 3> weight;
 };
 
 Weights3 weights_at(const Quad& q, float u, float v) {
-    if (u + v <= 1) return {{q[0], q[1], q[3]}, {1 - u - v, u, v}};
-    return {{q[2], q[3], q[1]}, {u + v - 1, 1 - u, 1 - v}};
+    if (u + v <= 1) return {{0, 1, 3}, {q[0], q[1], q[3]}, {1 - u - v, u, v}};
+    return {{2, 3, 1}, {q[2], q[3], q[1]}, {u + v - 1, 1 - u, 1 - v}};
 }
 
 template <class T>
 T TracedScene::blend(const Hit& hit, std::span<const T> of) const {
-    const auto [vertex, weight] = weights_at(quads_[hit.face], hit.u, hit.v);
+    const auto [corner, vertex, weight] = weights_at(quads_[hit.face], hit.u, hit.v);
     return of[vertex[0]] * weight[0] + of[vertex[1]] * weight[1] + of[vertex[2]] * weight[2];
 }
 
 /// Returns the weighted mean of the projections onto the tangent planes of the corners, for planes above the
 /// face [Hanika2021]. `side` is -1 if the mesh is seen from inside.
 Vec3 TracedScene::lifted(const Hit& hit, float side) const {
-    const auto [vertex, weight] = weights_at(quads_[hit.face], hit.u, hit.v);
+    const auto [corner, vertex, weight] = weights_at(quads_[hit.face], hit.u, hit.v);
     Vec3 p = hit.position;
     for (std::size_t k = 0; k < 3; ++k) {
         const Vec3 normal = normals_[vertex[k]] * side;
@@ -320,6 +334,27 @@ bool TracedScene::occluded(Vec3 origin, Vec3 direction, float far) const {
 }
 
 float TracedScene::deviation(const Hit& hit) const { return blend(hit, deviation_); }
+
+std::optional<TexturePlace> TracedScene::texture_place(const Hit& hit) const {
+    if (texture_.empty() || !hit.on_mesh) return std::nullopt;
+    const auto [corner, vertex, weight] = weights_at(quads_[hit.face], hit.u, hit.v);
+    const auto& t = texture_[hit.face];
+    const TexturePoint a = t[corner[0]], b = t[corner[1]], c = t[corner[2]];
+    TexturePlace out{a.u * weight[0] + b.u * weight[1] + c.u * weight[2],
+                     a.v * weight[0] + b.v * weight[1] + c.v * weight[2],
+                     {},
+                     {}};
+    const Vec3 to_b = positions_[vertex[1]] - positions_[vertex[0]];
+    const Vec3 to_c = positions_[vertex[2]] - positions_[vertex[0]];
+    const Vec3 across = cross(to_b, to_c);
+    const float square = dot(across, across);
+    if (!(square > 0)) return out;
+    // Gradients of the weights of b and c.
+    const Vec3 of_b = cross(to_c, across) / square, of_c = cross(across, to_b) / square;
+    out.gradient_u = of_b * (b.u - a.u) + of_c * (c.u - a.u);
+    out.gradient_v = of_b * (b.v - a.v) + of_c * (c.v - a.v);
+    return out;
+}
 
 double TracedScene::distance_to_other(const Hit& hit) const {
     // More accurate than hit.position, which is rounded in proportion to the distance of the camera.

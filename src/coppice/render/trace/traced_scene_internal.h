@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "coppice/render/render.h"
 #include "coppice/render/trace/camera_internal.h"
 #include "coppice/render/trace/embree_internal.h"
+#include "coppice/render/trace/textured_internal.h"
 
 namespace coppice {
 
@@ -63,10 +65,13 @@ class TracedScene {
     float deviation(const Hit& hit) const;  ///< NaN where unknown
     float evidence(std::uint32_t node) const { return evidence_[node]; }
     double distance_to_other(const Hit& hit) const;  ///< [m] signed, from the other surface
+    /// Returns the texture coordinates of a hit on the mesh; nullopt if it has no material.
+    std::optional<TexturePlace> texture_place(const Hit& hit) const;
 
   private:
     void place(const RenderScene& scene, float skeleton_width);
     void add_faces(const PolygonMesh& mesh, std::span<const std::uint32_t> marked);
+    void add_texture(const PolygonMesh& mesh);
     void smooth_normals();
     void collect_frame_points(const RenderScene& scene, float skeleton_width);
     void attach_mesh(RTCScene scene, std::span<const Quad> quads, const Context& ctx);
@@ -88,6 +93,8 @@ class TracedScene {
     std::vector<Vec3> normals_;       ///< per vertex; empty for flat faces
     std::vector<Quad> quads_;         ///< triangles repeat their last corner; larger faces are fans
     std::vector<Quad> marked_quads_;  ///< marked faces
+    std::vector<std::array<TexturePoint, 4>>
+        texture_;  ///< of the corners of `quads_`; empty without material
     std::vector<std::uint8_t> edges_;
     std::span<const float> deviation_, evidence_;
     const SurfaceTree* distance_to_ = nullptr;
