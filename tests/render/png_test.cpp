@@ -3,6 +3,10 @@
 #include <gtest/gtest.h>
 #include <png.h>
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include "coppice/base/error.h"
 
 namespace coppice {
@@ -37,6 +41,43 @@ TEST(Png, OpaqueImagesHaveNoAlphaChannel) {
     constexpr std::size_t kColorType = 25;  // 8 signature, 8 chunk head, 8 size, 1 depth
     EXPECT_EQ(encode_png(ramp(255))[kColorType], PNG_COLOR_TYPE_RGB);
     EXPECT_EQ(encode_png(ramp(0))[kColorType], PNG_COLOR_TYPE_RGB_ALPHA);
+}
+
+TEST(Png, MapsOf16BitsRoundTrip) {
+    constexpr int kWidth = 7, kHeight = 3;
+    std::vector<std::uint16_t> samples;
+    for (int i = 0; i < kWidth * kHeight; ++i) samples.push_back(static_cast<std::uint16_t>(3001 * i));
+    const std::string bytes = encode_png(PngMap{kWidth, kHeight, 1, 16, std::as_bytes(std::span(samples))});
+    constexpr std::size_t kDepth = 24;  // 8 signature, 8 chunk head, 8 size
+    EXPECT_EQ(bytes[kDepth], 16);
+    EXPECT_EQ(bytes[kDepth + 1], PNG_COLOR_TYPE_GRAY);
+    png_image header{};
+    header.version = PNG_IMAGE_VERSION;
+    ASSERT_TRUE(png_image_begin_read_from_memory(&header, bytes.data(), bytes.size()));
+    // The high bytes survive a conversion to 8 bits of a linear format; all 16 bits are in the linear one.
+    header.format = PNG_FORMAT_LINEAR_Y;
+    header.flags = PNG_IMAGE_FLAG_16BIT_sRGB;  // no gamma: the file has no colour space
+    std::vector<std::uint16_t> read(samples.size());
+    ASSERT_TRUE(png_image_finish_read(&header, nullptr, read.data(), 0, nullptr)) << header.message;
+    EXPECT_EQ(read.front(), samples.front());
+    EXPECT_TRUE(std::ranges::is_sorted(read));
+    EXPECT_EQ(encode_png(PngMap{kWidth, kHeight, 1, 16, std::as_bytes(std::span(samples))}), bytes);
+}
+
+TEST(Png, MapsOfThreeChannelsRoundTrip) {
+    const Image image = ramp(255);
+    std::vector<std::uint8_t> samples;
+    for (const auto& p : image.pixels) samples.insert(samples.end(), p.begin(), p.begin() + 3);
+    EXPECT_EQ(decode(encode_png(PngMap{5, 3, 3, 8, std::as_bytes(std::span(samples))})), image);
+}
+
+TEST(Png, RejectsMapsOfAnotherSize) {
+    const std::vector<std::uint8_t> samples(12);
+    const auto bytes = std::as_bytes(std::span(samples));
+    EXPECT_THROW(encode_png(PngMap{4, 4, 1, 8, bytes}), InvalidInput);
+    EXPECT_THROW(encode_png(PngMap{0, 4, 1, 8, bytes}), InvalidInput);
+    EXPECT_THROW(encode_png(PngMap{6, 1, 2, 8, bytes}), InvalidInput);
+    EXPECT_THROW(encode_png(PngMap{4, 3, 1, 4, bytes}), InvalidInput);
 }
 
 TEST(Png, RejectsAnImageWithoutPixels) { EXPECT_THROW(encode_png(Image{}), InvalidInput); }

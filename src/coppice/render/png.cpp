@@ -3,6 +3,9 @@
 #include <png.h>
 
 #include <algorithm>
+#include <bit>
+#include <csetjmp>
+#include <new>
 
 #include "coppice/base/error.h"
 
@@ -17,6 +20,46 @@ std::string encode(png_image& header, const std::uint8_t* pixels) {
     }
     bytes.resize(size);
     return bytes;
+}
+
+void append(png_structp png, png_bytep bytes, std::size_t size) {
+    try {
+        static_cast<std::string*>(png_get_io_ptr(png))->append(reinterpret_cast<const char*>(bytes), size);
+    } catch (const std::bad_alloc&) {
+        png_error(png, "out of memory");  // no exception may pass through the library
+    }
+}
+
+/// Returns false if the library reports an error, from which it returns by a jump: no object with a
+/// destructor is created here.
+bool write_map(png_structp png, png_infop info, const PngMap& map) {
+    constexpr int kFast = 2;
+    if (setjmp(png_jmpbuf(png))) return false;
+    png_set_compression_level(png, kFast);
+    png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
+    png_set_IHDR(png, info, static_cast<png_uint_32>(map.width), static_cast<png_uint_32>(map.height),
+                 map.bits, map.channels == 1 ? PNG_COLOR_TYPE_GRAY : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_write_info(png, info);
+    if (map.bits == 16 && std::endian::native == std::endian::little) png_set_swap(png);
+    const std::size_t row = map.samples.size() / static_cast<std::size_t>(map.height);
+    for (int j = 0; j < map.height; ++j)
+        png_write_row(
+            png, reinterpret_cast<png_const_bytep>(map.samples.data()) + static_cast<std::size_t>(j) * row);
+    png_write_end(png, nullptr);
+    return true;
+}
+
+void check(const PngMap& map) {
+    const bool sound = map.width > 0 && map.height > 0 && (map.channels == 1 || map.channels == 3) &&
+                       (map.bits == 8 || map.bits == 16);
+    const std::size_t bytes = sound ? static_cast<std::size_t>(map.width) *
+                                          static_cast<std::size_t>(map.height) *
+                                          static_cast<std::size_t>(map.channels * map.bits / 8)
+                                    : 0;
+    if (!sound || map.samples.size() != bytes)
+        throw InvalidInput(
+            "a map needs pixels of one or three channels of 8 or 16 bits to be encoded as PNG");
 }
 
 }  // namespace
@@ -38,6 +81,22 @@ std::string encode_png(const Image& image) {
     rgb.reserve(3 * image.pixels.size());
     for (const auto& p : image.pixels) rgb.insert(rgb.end(), p.begin(), p.begin() + 3);
     return encode(header, rgb.data());
+}
+
+std::string encode_png(const PngMap& map) {
+    check(map);
+    std::string out;
+    out.reserve(map.samples.size() / 2);
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+    png_infop info = png != nullptr ? png_create_info_struct(png) : nullptr;
+    bool written = false;
+    if (info != nullptr) {
+        png_set_write_fn(png, &out, append, nullptr);
+        written = write_map(png, info, map);
+    }
+    png_destroy_write_struct(&png, &info);
+    if (!written) throw std::bad_alloc();
+    return out;
 }
 
 bool is_png_name(const std::filesystem::path& path) {
