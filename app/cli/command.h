@@ -46,6 +46,7 @@ Command convert_command();
 Command render_command();
 Command view_command();
 Command scan_command();
+Command texture_command();
 Command run_command();
 Command grow_command();
 Command sprout_command();

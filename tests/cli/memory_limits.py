@@ -31,6 +31,7 @@ COMMANDS = (
     "run tetra.coppice -o out.ply",
     "grow scene.coppice -o out.json",
     "sprout -o out.json --seasons 30 --vigour 3",
+    "texture bark oak -o out --width 2048",
 )
 
 

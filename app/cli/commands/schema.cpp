@@ -24,6 +24,7 @@
 #include "coppice/scene/reference.h"
 #include "coppice/sketch/draw.h"
 #include "coppice/sketch/reconstruct.h"
+#include "coppice/texture/bark.h"
 #include "coppice/view/view_options.h"
 #include "streams.h"
 
@@ -91,6 +92,7 @@ ExitCode schema(Run& run) {
                    {"view", described<ViewOptions>()},
                    {"edit_demo", described<EditDemoOptions>()},
                    {"scan", described<ScanOptions>()},
+                   {"bark", described<BarkOptions>()},
                    {"read_skeleton", described<ReadSkeletonOptions>()},
                    {"write_skeleton", described<WriteSkeletonOptions>()},
                    {"scene", scene_schema()},

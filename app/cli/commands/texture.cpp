@@ -1,0 +1,209 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "command.h"
+#include "coppice/base/parallel.h"
+#include "coppice/base/quote.h"
+#include "coppice/options/quantity.h"
+#include "coppice/options/spelling.h"
+#include "coppice/render/png.h"
+#include "coppice/system/file.h"
+#include "coppice/texture/bark.h"
+#include "coppice/texture/picture.h"
+#include "files.h"
+#include "options.h"
+#include "pictures.h"
+#include "streams.h"
+
+namespace coppice::cli {
+namespace {
+
+constexpr const char* kBarkGroup = "Bark; the defaults are those of oak, every species has its own";
+
+struct TextureFlags {
+    std::filesystem::path kind, species, output, picture;
+    int picture_width = 1200;
+    BarkOptions bark;
+};
+
+/// Prints the species with their sizes.
+ExitCode list_species(Run& run) {
+    std::string text = fmt::format("{:<10} {:<12} {:>7} {:>8} {:>7} {:>7} {:>8}  {}\n", "species", "kind",
+                                   "tile m", "stem m", "mm", "stretch", "deep mm", "description");
+    Json figures = Json::array();
+    for (const BarkSpecies& species : bark_species()) {
+        const BarkOptions& o = species.options;
+        text += fmt::format("{:<10} {:<12} {:>7.3g} {:>8.3g} {:>7.3g} {:>7.3g} {:>8.3g}  {}\n", species.name,
+                            name_of(o.kind), o.tile_width, o.mature_diameter, 1e3 * double{o.spacing},
+                            o.stretch, 1e3 * double{o.depth}, species.title);
+        figures.push_back(
+            {{"species", species.name}, {"kind", name_of(o.kind)}, {"description", species.title}});
+    }
+    print(text);
+    run.counts()["species"] = figures;
+    run.finish(fmt::format("{} species", bark_species().size()));
+    return kDone;
+}
+
+BarkOptions options_of_species(const std::string& name) {
+    if (const auto found = find_bark(name)) return *found;
+    std::vector<std::string> names;
+    for (const BarkSpecies& species : bark_species()) names.emplace_back(species.name);
+    for (const std::string_view kind : EnumNames<BarkKind>::names) names.emplace_back(kind);
+    throw UsageError(fmt::format("there is no bark {}{}; coppice texture lists the species", quote(name),
+                                 did_you_mean(name, names)));
+}
+
+/// Returns the options of the species with those of the command line.
+BarkOptions make_options(const TextureFlags& flags, const GivenOptions& given) {
+    BarkOptions out = options_of_species(flags.species.string());
+    BarkOptions typed = flags.bark;
+    const std::vector<OptionField> to = option_fields(out), from = option_fields(typed);
+    const auto is_typed = [&](std::string_view field) {
+        return std::ranges::any_of(given, [&](const Option* option) { return option->field == field; });
+    };
+    const float ratio = out.tile_height / out.tile_width;
+    for (std::size_t i = 0; i < to.size(); ++i) {
+        if (!is_typed(to[i].field.name)) continue;
+        std::visit(
+            [&]<class Ref>(const Ref& target) {
+                if constexpr (std::is_same_v<Ref, ChoiceRef>) {
+                    target.set(std::get<ChoiceRef>(from[i].ref).index());
+                } else if constexpr (std::is_pointer_v<Ref>) {
+                    *target = *std::get<Ref>(from[i].ref);
+                }
+            },
+            to[i].ref);
+    }
+    // Texels are square unless all of the sizes are typed.
+    if (is_typed("height")) {
+        const float rows = static_cast<float>(out.height) / static_cast<float>(std::max(out.width, 1));
+        if (!is_typed("tile_height")) out.tile_height = out.tile_width * rows;
+    } else {
+        if (!is_typed("tile_height")) out.tile_height = out.tile_width * ratio;
+        const double rows =
+            static_cast<double>(out.width) * static_cast<double>(out.tile_height / out.tile_width);
+        out.height = static_cast<int>(std::clamp(std::round(rows), 1.0, 4096.0));
+    }
+    return out;
+}
+
+/// Returns the beginning of the names of all maps; within a folder it is the name of the species.
+std::string find_prefix(const TextureFlags& flags) {
+    std::error_code error;
+    const bool is_folder = !flags.output.has_filename() || std::filesystem::is_directory(flags.output, error);
+    return (is_folder ? flags.output / flags.species.filename() : flags.output).string();
+}
+
+struct NamedMap {
+    std::string name;
+    PngMap map;
+};
+
+std::vector<NamedMap> make_files(const BarkMaps& maps, std::span<const BarkMaps::Texel> packed,
+                                 const std::string& prefix) {
+    const auto file = [&](std::string_view name, int channels, int bits, std::span<const std::byte> samples) {
+        return NamedMap{fmt::format("{}_{}.png", prefix, name),
+                        {maps.width, maps.height, channels, bits, samples}};
+    };
+    return {file("color", 3, 8, std::as_bytes(std::span(maps.color))),
+            file("normal", 3, 8, std::as_bytes(std::span(maps.normal))),
+            file("height", 1, 16, std::as_bytes(std::span(maps.heights))),
+            file("orm", 3, 8, std::as_bytes(packed)),
+            file("roughness", 1, 8, std::as_bytes(std::span(maps.roughness))),
+            file("occlusion", 1, 8, std::as_bytes(std::span(maps.occlusion)))};
+}
+
+void write_maps(Run& run, const BarkMaps& maps, const std::string& prefix) {
+    const std::vector<BarkMaps::Texel> packed = maps.packed();
+    const std::vector<NamedMap> files = make_files(maps, packed, prefix);
+    // All maps are encoded before the first file is written.
+    std::vector<std::string> bytes(files.size());
+    run.stage("encode", [&](const Context& ctx) {
+        parallel_for(ctx, files.size(), 1, [&](std::size_t i) { bytes[i] = encode_png(files[i].map); });
+    });
+    run.stage("write", [&](const Context&) {
+        for (std::size_t i = 0; i < files.size(); ++i) write_file(files[i].name, bytes[i]);
+    });
+    Json names = Json::array();
+    for (const NamedMap& file : files) names.push_back(file.name);
+    run.counts()["files"] = names;
+}
+
+void write_bark_picture(Run& run, const TextureFlags& flags, const BarkMaps& maps, float diameter) {
+    const int height = (2 * flags.picture_width + 2) / 4;
+    const BarkPicture drawn = run.stage("draw", [&](const Context& ctx) {
+        return draw_bark(maps, diameter, flags.picture_width, height, ctx);
+    });
+    run.stage("write picture", [&](const Context&) {
+        Image image(drawn.width, drawn.height);
+        std::ranges::transform(drawn.pixels, image.pixels.begin(), [](const BarkMaps::Texel& p) {
+            return Image::Pixel{p[0], p[1], p[2], 255};
+        });
+        write_picture(flags.picture, image);
+    });
+}
+
+ExitCode make_bark_textures(Run& run, const TextureFlags& flags, const GivenOptions& given) {
+    if (flags.species.empty())
+        throw UsageError(
+            "name the species, as coppice texture bark oak -o oak_bark; coppice texture lists all");
+    if (flags.output.empty() && flags.picture.empty())
+        throw UsageError(fmt::format("name the files: coppice texture bark {0} -o {0}_bark, or --picture PNG",
+                                     flags.species.string()));
+    const BarkOptions options = make_options(flags, given);
+    check_picture_output(flags.picture);
+    const std::string prefix = find_prefix(flags);
+    if (!flags.output.empty()) check_output_folder(prefix);
+    const BarkMaps maps = run.stage("bark", [&](const Context& ctx) { return make_bark(options, ctx); });
+    if (!flags.output.empty()) write_maps(run, maps, prefix);
+    if (!flags.picture.empty()) write_bark_picture(run, flags, maps, options.diameter);
+    run.counts().update({{"width", maps.width},
+                         {"height", maps.height},
+                         {"tile_width_m", maps.tile_width},
+                         {"tile_height_m", maps.tile_height},
+                         {"low_m", maps.low},
+                         {"high_m", maps.high},
+                         {"height_scale_m", maps.high - maps.low}});
+    run.finish(fmt::format("{}: {} x {} texels, {:.3g} x {:.3g} m, heights over {:.3g} mm",
+                           flags.output.empty() ? flags.picture.string() : prefix, maps.width, maps.height,
+                           maps.tile_width, maps.tile_height, 1e3 * double{maps.high - maps.low}));
+    return kDone;
+}
+
+ExitCode make_texture(Run& run, const TextureFlags& flags, const GivenOptions& given) {
+    if (flags.kind.empty()) return list_species(run);
+    if (flags.kind != "bark") {
+        const std::vector<std::string> kinds{"bark"};
+        throw UsageError(fmt::format("there are no textures of {}{}; use coppice texture bark SPECIES",
+                                     quote(flags.kind.string()), did_you_mean(flags.kind.string(), kinds)));
+    }
+    return make_bark_textures(run, flags, given);
+}
+
+}  // namespace
+
+Command texture_command() {
+    const auto flags = std::make_shared<TextureFlags>();
+    OptionList options;
+    options.file("subject", "bark", flags->kind,
+                 "Kind of the textures: bark; without it, all species are listed.");
+    options.file("species", "SPECIES", flags->species, "Species, or a kind of bark, as oak or furrowed.");
+    options.output(
+        "-o,--output", "PREFIX", flags->output,
+        "Beginning of the names of the maps to write: PREFIX_color.png, PREFIX_normal.png and so on.");
+    options.output("--picture", "PNG", flags->picture,
+                   "Image of a ball and a stem with the bark to write (.png).");
+    options.value(
+        {{"picture_width", "Width of that image in pixels.", Unit::none, 32, 8192}, &flags->picture_width});
+    options.fields(flags->bark, kBarkGroup);
+    return {"texture", "Make tileable textures of bark: colour, normals, roughness, heights and occlusion.",
+            options,
+            [flags](Run& run, const GivenOptions& given) { return make_texture(run, *flags, given); }};
+}
+
+}  // namespace coppice::cli
