@@ -175,7 +175,7 @@ TEST(MeshReader, ReadsTextureCoordinatesOfPly) {
             "0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n1 0 0 2 0\n1 1 0 2 1\n3 0 1 2\n3 3 4 2\n";
         const PolygonMesh mesh = parse_mesh(text, MeshFormat::ply, "f");
         EXPECT_EQ(mesh.positions.size(), 4u);  // the second and the fourth are one vertex on a seam
-        EXPECT_EQ(faces_of(mesh), (Faces{{0, 1, 2}, {1, 3, 2}}));
+        EXPECT_EQ(get_faces(mesh), (Faces{{0, 1, 2}, {1, 3, 2}}));
         EXPECT_EQ(mesh.texture, (Buffer<TexturePoint>{{0, 0}, {1, 0}, {0, 1}, {2, 0}, {2, 1}, {0, 1}}));
         EXPECT_EQ(error_of(replaced(text, "1 1 0 2 1", "1 1 0 nan 1"), MeshFormat::ply),
                   "f: the texture coordinates of vertex 4 are not finite or beyond 1e30");

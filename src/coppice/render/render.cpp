@@ -180,10 +180,10 @@ Image render(const RenderScene& scene, const RenderOptions& options, const Conte
     ctx.throw_if_cancelled();
     ctx.report(kBuildShare);
     std::optional<Vec3> middle;
-    if (options.camera.look_at) middle = traced.local(*options.camera.look_at);
+    if (options.look_at) middle = traced.local(*options.look_at);
     const Camera camera = scene.view != nullptr
                               ? Camera(traced.local(*scene.view))
-                              : Camera(traced.frame_points(), options.camera, options.camera.zoom, middle);
+                              : Camera(traced.frame_points(), options.camera, options.zoom, middle);
     if (middle && scene.view == nullptr && camera.project(*middle).depth <= 0)
         throw InvalidInput(
             "render: the point of look_at is behind the camera; change the direction of the camera");
