@@ -24,8 +24,8 @@ struct PngMap {
 };
 
 /// Returns the bytes of a PNG file of a map, without a colour space; compressed for speed, as maps of noise
-/// hardly compress. Equal maps give equal bytes. Cost: about 20 ns per byte of samples. Throws InvalidInput
-/// if the map has no pixels, or another number of channels, bits or bytes.
+/// hardly compress. Equal maps give equal bytes. Cost: about 20 ns of CPU time per byte of samples. Throws
+/// InvalidInput if the map has no pixels, or another number of channels, bits or bytes.
 std::string encode_png(const PngMap& map);
 
 /// Returns whether the name ends in .png or .PNG.
