@@ -39,7 +39,7 @@ class Furrowed {
         const float ridge_height =
             ledges * (2 - ledges) * (0.85f + 0.3f * (chance(ridge.id, 0) - 0.5f) + 0.2f * n[kLift]);
         const float crack = crack_at(p, n, r);
-        const float rough = o.detail * (0.13f * fibre + 0.07f * grain + 0.1f * chip) * (0.5f + 0.5f * r);
+        const float rough = o.detail * (0.085f * fibre + 0.032f * grain + 0.1f * chip) * (0.5f + 0.5f * r);
         const float h = ridge_height * (1 - 0.5f * crack) + rough;
         return {plan_.depth() * h + o.detail * 0.0003f * grain, color(h, r, crack, n),
                 0.05f * (1 - r) + 0.05f * n[kMottle] + 0.03f * grain};

@@ -25,7 +25,7 @@ class Ringed {
 
     BarkTexel operator()(Place p, const NoiseValues& n) const {
         const BarkOptions& o = plan_.options;
-        const float chip = n[kChip], own = saturate(0.5f + 0.7f * n[kOwn]);
+        const float chip = n[kChip], own = saturate(0.5f + 0.7f * n[kSize]);
         // A whole number of rings more on the other side of the tile makes a spiral, as of successive leaves.
         const float at = p.y / pitch_ + spiral_ * p.x / plan_.tile.width +
                          o.irregularity * (0.22f * n[kWave] + 0.022f * chip);
@@ -42,7 +42,7 @@ class Ringed {
     }
 
   private:
-    enum { kWave, kChip, kFissure, kFibre, kTone, kOwn };
+    enum { kWave, kChip, kFissure, kFibre, kTone, kSize };
 
     float crack_at(Place p, const NoiseValues& n, float f, float size) const {
         const Place q =

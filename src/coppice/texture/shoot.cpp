@@ -52,7 +52,7 @@ class Shoot {
     /// A half-moon with three traces of vessels, and the bud above it.
     void add_scar(Place p, BarkTexel& t) const {
         scars_.visit(p, 1, [&](Place d, std::uint32_t id) {
-            if (chance(id, 0) > 0.5f) return;
+            if (chance(id, 0) > 0.85f) return;
             const float size = 1.1f * s_ * (0.8f + 0.4f * chance(id, 1));
             const float x = d.x / size, y = d.y / size;
             const float r = std::sqrt(x * x + 1.7f * y * y);
@@ -60,16 +60,16 @@ class Shoot {
             const float soft = 2 * plan_.tile.texel() / size + 0.06f;
             const float moon =
                 (1 - smooth_step(1 - soft, 1 + soft, r)) * smooth_step(-soft, soft, 0.2f + 0.25f * x * x - y);
-            const float trace_x = std::abs(std::abs(x) - 0.3f) - 0.12f;
-            const float trace =
-                moon * (1 - smooth_step(0, 0.12f + soft, std::max(trace_x, std::abs(y + 0.3f) - 0.1f)));
+            const float trace_x = std::abs(x) < 0.23f ? x : std::abs(x) - 0.46f;
+            const float trace_r = std::sqrt(trace_x * trace_x + (y + 0.3f) * (y + 0.3f));
+            const float trace = moon * (1 - smooth_step(0.04f, 0.14f + soft, trace_r));
             const float bud_r =
                 std::sqrt(x * x * 2.2f + (y - 0.95f) * (y - 0.95f) * (y > 0.95f ? 0.8f : 1.8f));
             const float bud = 1 - smooth_step(0.2f, 0.85f, bud_r);
             const float cushion = 1 - smooth_step(0.3f, 2.6f, r);
             t.height += plan_.options.depth * (4.5f * cushion + 2 * moon - 1.5f * trace + 9 * bud);
-            t.color = lerp(t.color, lerp(plan_.deep_color, plan_.patch_color, 0.4f), 0.85f * moon);
-            t.color = lerp(t.color, plan_.deep_color * 0.55f, 0.7f * trace);
+            t.color = lerp(t.color, lerp(plan_.deep_color, plan_.patch_color, 0.45f), 0.7f * moon);
+            t.color = lerp(t.color, plan_.deep_color * 0.7f, 0.8f * trace);
             t.color = lerp(t.color, lerp(plan_.deep_color, plan_.color, 0.25f) * (0.8f + 0.4f * saturate(y)),
                            0.85f * bud);
             t.roughness += 0.15f * moon;
