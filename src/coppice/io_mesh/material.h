@@ -18,7 +18,7 @@ struct MaterialFiles {
     bool empty() const { return color.empty(); }  ///< whether there are no images
 };
 
-/// Returns the images whose names begin with `prefix`, as written by `coppice texture`: PREFIX_color.png,
+/// Returns the images with names that begin with `prefix`, as written by `coppice texture`: PREFIX_color.png,
 /// and, where they exist, PREFIX_normal.png, PREFIX_roughness.png, PREFIX_occlusion.png and PREFIX_orm.png.
 /// The name of the material is the last part of the prefix. Throws IoError if there is no colour.
 MaterialFiles find_material(const std::filesystem::path& prefix);

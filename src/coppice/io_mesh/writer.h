@@ -22,7 +22,7 @@ struct MeshWriteOptions {
     /// and GLB by vertex: vertices on seams are written several times. STL has none.
     std::span<const TexturePoint> texture;
     /// Images for surfaces with texture coordinates; may be empty. GLB contains them; USDA and the material
-    /// library that is written beside OBJ (.mtl) refer to them; PLY and STL have no materials.
+    /// library that is written next to OBJ (.mtl) refer to them; PLY and STL have no materials.
     MaterialFiles material;
 };
 
