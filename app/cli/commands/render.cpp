@@ -16,6 +16,7 @@
 #include "coppice/render/picture.h"
 #include "coppice/render/png.h"
 #include "coppice/system/file.h"
+#include "drawn_objects.h"
 #include "files.h"
 #include "options.h"
 #include "pictures.h"
@@ -40,7 +41,8 @@ namespace coppice::cli {
 namespace {
 
 struct RenderFlags {
-    std::filesystem::path input, second, output, distance_to, over;
+    std::vector<std::filesystem::path> inputs;
+    std::filesystem::path output, distance_to, over;
     std::filesystem::path camera;    ///< SKETCH:VIEW
     std::filesystem::path material;  ///< start of the names of its images
     float opacity = 0.7f;            ///< opacity of the objects drawn over a photograph
@@ -51,11 +53,8 @@ struct RenderFlags {
     ReadPointsOptions read_points;
 };
 
-struct Inputs {
-    std::optional<PolygonMesh> mesh;
-    std::optional<PointCloud> cloud;
+struct Inputs : DrawnObjects {
     float point_radius = 0;  ///< [m]
-    std::optional<SkeletonFile> skeleton;
     std::optional<PolygonMesh> other;
     std::optional<SurfaceTree> surface;  ///< index of the other mesh
 };
@@ -78,33 +77,14 @@ float point_radius(Run& run, const PointSet& points, const RenderFlags& flags) {
 }
 
 Inputs load(Run& run, const RenderFlags& flags) {
-    Inputs in;
-    for (const auto& path : {flags.input, flags.second}) {
-        if (path.empty()) continue;
-        const FileKind kind = kind_of_input(path, flags.read.format);
-        const bool is_second = kind == FileKind::skeleton ? in.skeleton.has_value()
-                               : kind == FileKind::points ? in.cloud.has_value()
-                                                          : in.mesh.has_value();
-        if (is_second)
-            throw UsageError("give coppice render two files of different kinds: a mesh, points, a skeleton");
-        if (kind == FileKind::skeleton) {
-            in.skeleton = load_skeleton(run, path, flags.read);
-        } else if (kind == FileKind::points) {
-            PointColumns columns = kNoColumns;
-            columns.distances = columns.colors = true;
-            in.cloud = load_point_file(run, path, columns, flags.read.up, flags.read_points).point_cloud;
-            in.point_radius = point_radius(run, in.cloud->points, flags);
-        } else {
-            in.mesh = load_mesh(run, path, flags.read.up);
-            validate(*in.mesh);
-        }
-    }
+    Inputs in{load_drawn_objects(run, flags.inputs, flags.read, flags.read_points), 0, {}, {}};
+    if (in.cloud) in.point_radius = point_radius(run, in.cloud->points, flags);
     return in;
 }
 
 void check_flags(const RenderFlags& flags) {
-    if (flags.input.empty() || flags.output.empty())
-        throw UsageError("name the files: coppice render IN [IN2] -o PNG");
+    if (flags.inputs.empty() || flags.output.empty())
+        throw UsageError("name the files: coppice render IN... -o PNG");
     check_picture_output(flags.output);
 }
 
@@ -206,8 +186,8 @@ std::optional<RenderMaterial> load_material_of(Run& run, const RenderFlags& flag
     if (flags.material.empty()) return std::nullopt;
     if (color != RenderColor::plain || !flags.distance_to.empty())
         throw UsageError("--material defines the colours; leave --color, --distance-to and --over out");
-    if (!in.mesh)
-        throw UsageError("--material requires a mesh: coppice render MESH --material PREFIX -o PNG");
+    if (in.mesh_count != 1)
+        throw UsageError("--material requires one mesh: coppice render MESH --material PREFIX -o PNG");
     if (in.mesh->texture.empty()) {
         throw UsageError(
             "--material requires a mesh with texture coordinates; write it by coppice mesh TREE --uv bark -o "
@@ -237,27 +217,28 @@ ExitCode render_file(Run& run, const RenderFlags& flags) {
         throw UsageError(
             "--color deviation requires a mesh and its skeleton: coppice render MESH SKELETON -o PNG");
     }
-    const std::span<const float> evidence =
-        in.skeleton ? in.skeleton->attribute("evidence") : std::span<const float>{};
-    if (options.color == RenderColor::evidence && evidence.empty()) {
+    if (options.color == RenderColor::radius && !in.skeleton)
+        throw UsageError("--color radius requires a skeleton: coppice render MESH SKELETON -o PNG");
+    if (options.color == RenderColor::evidence && in.evidence.empty()) {
         throw UsageError(
             "--color evidence requires a skeleton with evidence, as coppice extract CLOUD writes it to .json "
             "and .ply: coppice render TREE.json --color evidence -o PNG");
     }
     std::vector<float> deviation;
     if (by_deviation) {
-        deviation = run.stage("measure", [&](const Context& ctx) {
-            return vertex_deviations(*in.mesh, in.skeleton->skeleton, ctx);
-        });
+        deviation = run.stage(
+            "measure", [&](const Context& ctx) { return vertex_deviations(*in.mesh, *in.skeleton, ctx); });
     }
     const Crossings crossings = flags.mark == Marked::crossings ? find_crossings(run, in) : Crossings{};
     const RenderScene scene{.mesh = in.mesh ? &*in.mesh : nullptr,
                             .material = material ? &*material : nullptr,
                             .cloud = in.cloud ? &*in.cloud : nullptr,
                             .point_radius = in.point_radius,
-                            .skeleton = in.skeleton ? &in.skeleton->skeleton : nullptr,
+                            .skeleton = in.skeleton ? &*in.skeleton : nullptr,
                             .deviation = deviation,
-                            .evidence = evidence,
+                            .evidence = in.evidence,
+                            .mesh_colors = in.mesh_colors,
+                            .skeleton_colors = in.skeleton_colors,
                             .marked_faces = crossings.faces,
                             .marks = crossings.places,
                             .distance_to = in.surface ? &*in.surface : nullptr,
@@ -275,9 +256,8 @@ ExitCode render_file(Run& run, const RenderFlags& flags) {
 Command render_command() {
     const auto flags = std::make_shared<RenderFlags>();
     OptionList options;
-    options.file("input", "IN", flags->input, "Mesh, points or skeleton to draw.");
-    options.file("second", "IN2", flags->second,
-                 "Second object to draw: points over a mesh, or the skeleton of either.");
+    options.files("inputs", "IN", flags->inputs,
+                  "Meshes, points and skeletons to draw; several of a kind have different colours.");
     options.output("-o,--output", "PNG", flags->output, "Image to write (.png).");
     options.file("--distance-to", "MESH", flags->distance_to,
                  "Colour the points, or without points the mesh, by the distance from this mesh: inside "
@@ -308,7 +288,7 @@ Command render_command() {
     options.fields(flags->render, "Picture");
     options.fields(flags->read, "Reading a skeleton", {.common = MemberNames{}});
     options.fields(flags->read_points, kReadPointsGroup);
-    return {"render", "Draw a mesh or points, a skeleton, or both, with sun and sky light.", options,
+    return {"render", "Draw meshes, points and skeletons with sun and sky light.", options,
             [flags](Run& run, const GivenOptions&) { return render_file(run, *flags); }};
 }
 

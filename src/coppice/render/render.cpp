@@ -12,6 +12,7 @@
 #include "coppice/base/parallel.h"
 #include "coppice/base/sort.h"
 #include "coppice/render/colors.h"
+#include "coppice/render/radius_colors.h"
 #include "coppice/render/trace/ring_internal.h"
 #include "coppice/render/trace/scale_bar_internal.h"
 #include "coppice/render/trace/shading_internal.h"
@@ -90,6 +91,14 @@ void check(const RenderScene& scene, const RenderOptions& options) {
         (scene.skeleton == nullptr || scene.evidence.size() != scene.skeleton->size()))
         throw InvalidInput(
             "render: colouring by evidence requires a skeleton and an evidence value for each of its nodes");
+    if (options.color == RenderColor::radius && scene.skeleton == nullptr)
+        throw InvalidInput("render: colouring by radius requires a skeleton");
+    if (!scene.mesh_colors.empty() &&
+        (scene.mesh == nullptr || scene.mesh_colors.size() != scene.mesh->positions.size()))
+        throw InvalidInput("render: the number of colours must be that of the vertices of the mesh");
+    if (!scene.skeleton_colors.empty() &&
+        (scene.skeleton == nullptr || scene.skeleton_colors.size() != scene.skeleton->size()))
+        throw InvalidInput("render: the number of colours must be that of the nodes of the skeleton");
     if (options.color != RenderColor::deviation) return;
     if (scene.mesh == nullptr || scene.deviation.size() != scene.mesh->positions.size()) {
         throw InvalidInput(
@@ -169,6 +178,13 @@ Image render(const RenderScene& scene, const RenderOptions& options, const Conte
     if (options.color == RenderColor::deviation || options.color == RenderColor::distance)
         shown.skeleton = nullptr;  // it would cover the coloured surface
     RenderOptions chosen = options;
+    RadiusColors radii;
+    if (options.color == RenderColor::radius) {
+        radii = radius_colors(*scene.skeleton, scene.mesh, ctx);
+        shown.mesh_colors = radii.vertices;
+        shown.skeleton_colors = radii.nodes;
+        if (scene.mesh != nullptr) shown.skeleton = nullptr;
+    }
     PointCloud point_cloud;
     if (options.color == RenderColor::distance && scene.cloud != nullptr) {
         point_cloud = paint(scene, chosen.distance_range, ctx);
@@ -206,6 +222,10 @@ Image render(const RenderScene& scene, const RenderOptions& options, const Conte
                    (1 - kBuildShare) * static_cast<float>(end) / static_cast<float>(options.camera.height));
     }
     draw_marks(image, scene, traced, camera);
+    if (options.color == RenderColor::radius)
+        draw_scale_bar(image, {length_text(double{radii.max}),
+                               length_text(std::sqrt(double{radii.min} * double{radii.max})),
+                               length_text(double{radii.min})});
     if (options.color == RenderColor::deviation)
         draw_scale_bar(image, around_zero(fmt::format("{:.3g}%", 100 * options.deviation_range)));
     if (options.color == RenderColor::distance)
@@ -235,7 +255,8 @@ void list_fields(RenderOptions& o, FieldList& list) {
         common_field("color",
                      "Colour of the surface: plain, magenta for overlays (signal), or a quantity: "
                      "deviation and distance are blue inside and red outside, evidence is blue where radii "
-                     "were measured and red where they were estimated."),
+                     "were measured and red where they were estimated, radius is blue where branches are "
+                     "thin and red where they are thick."),
         o.color);
     list.add(Field{"deviation_range", "Deviation from the radius that has the full colour.", Unit::radius,
                    1e-4, 10},

@@ -25,12 +25,13 @@ enum class RenderColor {
     deviation,  ///< see RenderScene
     distance,   ///< see RenderScene
     evidence,   ///< see RenderScene
+    radius,     ///< radius of the skeleton, or of its segment that is closest to the mesh, by `radius_colors`
 };
 
 template <>
 struct EnumNames<RenderColor> {
-    static constexpr std::array<std::string_view, 5> names{"plain", "signal", "deviation", "distance",
-                                                           "evidence"};
+    static constexpr std::array<std::string_view, 6> names{"plain",    "signal",   "deviation",
+                                                           "distance", "evidence", "radius"};
 };
 
 /// A position to highlight.
@@ -58,6 +59,8 @@ struct RenderScene {
         deviation;  ///< per mesh vertex: distance outside the true surface / radius; NaN = unknown
     std::span<const float>
         evidence;  ///< per node of the skeleton: fraction of its radius based on measurements, 0 to 1
+    std::span<const Rgb> mesh_colors;      ///< per vertex of the mesh, for the colour `plain`; may be empty
+    std::span<const Rgb> skeleton_colors;  ///< per node of the skeleton, for the colour `plain`; may be empty
     std::span<const std::uint32_t> marked_faces;  ///< of the mesh
     std::span<const RenderMark> marks;  ///< positions of rings, which are drawn large enough to be visible
     /// Another surface, from which distances are measured: of points without distances of their own, or of
@@ -78,8 +81,8 @@ struct RenderOptions {
     float zoom = 1;  ///< magnification at the same position of the camera
     float sun_azimuth = -0.9f;    ///< [rad] from the direction of the camera to the sun, counter-clockwise
     float sun_elevation = 0.85f;  ///< [rad] of the sun above the horizon
-    /// `deviation`, `distance` and `evidence` require those of RenderScene; `plain` points have their own
-    /// colours.
+    /// `deviation`, `distance` and `evidence` require those of RenderScene, `radius` a skeleton; `plain`
+    /// points have their own colours.
     RenderColor color = RenderColor::plain;
     float deviation_range = 0.1f;  ///< [radius] deviation of the full colour
     /// [m] distance of the full colour; 0 = 98 % quantile over the vertices or points

@@ -138,7 +138,7 @@ Light Shading::sample(float x, float y, const Draws& draws) const {
     if (scene_.has_axis()) {
         if (const auto axis = scene_.trace_axis(origin, direction)) {
             const float bright = 0.35f + 0.65f * dot(axis->normal, -direction);
-            const Vec3 color = evidence_color(*axis).value_or(kAxis);
+            const Vec3 color = evidence_color(*axis).value_or(scene_.object_color(*axis).value_or(kAxis));
             light = over({color * (bright * kAxisCover), kAxisCover}, light);
         }
     }
@@ -175,6 +175,7 @@ Vec3 Shading::albedo(const Hit& hit) const {
         return deviation_color(static_cast<float>(scene_.distance_to_other(hit) / options_.distance_range));
     }
     if (options_.color == RenderColor::signal) return kSignal;
+    if (const auto color = scene_.object_color(hit)) return *color;
     return scene_.has_marked() || scene_.has_point_colors() ? kPale : kClay;
 }
 

@@ -69,7 +69,11 @@ void attach(RTCScene scene, RTCDevice device, RTCGeometryType type, const std::v
 }  // namespace
 
 TracedScene::TracedScene(const RenderScene& scene, const RenderOptions& options, const Context& ctx)
-    : deviation_(scene.deviation), evidence_(scene.evidence), distance_to_(scene.distance_to) {
+    : deviation_(scene.deviation),
+      evidence_(scene.evidence),
+      distance_to_(scene.distance_to),
+      node_colors_(scene.skeleton_colors) {
+    for (const Rgb color : scene.mesh_colors) vertex_colors_.push_back(to_linear(color));
     const bool inside = scene.mesh != nullptr || scene.cloud != nullptr;
     const float skeleton_width = inside ? options.axis_width : 1;
     if (scene.cloud != nullptr) {
@@ -334,6 +338,12 @@ bool TracedScene::occluded(Vec3 origin, Vec3 direction, float far) const {
 }
 
 float TracedScene::deviation(const Hit& hit) const { return blend(hit, deviation_); }
+
+std::optional<Vec3> TracedScene::object_color(const Hit& hit) const {
+    if (hit.on_mesh && !vertex_colors_.empty()) return blend(hit, std::span<const Vec3>(vertex_colors_));
+    if (hit.node && !node_colors_.empty()) return to_linear(node_colors_[*hit.node]);
+    return std::nullopt;
+}
 
 std::optional<TexturePlace> TracedScene::texture_place(const Hit& hit) const {
     if (texture_.empty() || !hit.on_mesh) return std::nullopt;

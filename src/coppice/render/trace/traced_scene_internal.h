@@ -67,6 +67,8 @@ class TracedScene {
     double distance_to_other(const Hit& hit) const;  ///< [m] signed, from the other surface
     /// Returns the texture coordinates of a hit on the mesh; nullopt if it has no material.
     std::optional<TexturePlace> texture_place(const Hit& hit) const;
+    /// Returns the colour that the scene specifies for a vertex or a node, linear; nullopt if it has none.
+    std::optional<Vec3> object_color(const Hit& hit) const;
 
   private:
     void place(const RenderScene& scene, float skeleton_width);
@@ -98,7 +100,8 @@ class TracedScene {
     std::vector<std::uint8_t> edges_;
     std::span<const float> deviation_, evidence_;
     const SurfaceTree* distance_to_ = nullptr;
-    std::span<const Rgb> point_colors_;
+    std::span<const Rgb> point_colors_, node_colors_;
+    std::vector<Vec3> vertex_colors_;               ///< linear; empty if there are none
     std::size_t cloud_size_ = 0, point_count_ = 0;  ///< number of all points, and of the drawn ones
     /// Contents of the solid scene, in the order of Embree's ids.
     enum class Part : std::uint8_t { mesh, points, tubes };
