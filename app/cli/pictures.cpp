@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "coppice/io_mesh/material.h"
 #include "coppice/render/contact_sheet.h"
 #include "coppice/render/picture.h"
 #include "coppice/render/png.h"
@@ -37,15 +38,12 @@ void check_picture_output(const std::filesystem::path& path) {
 
 RenderMaterial load_material(Run& run, const std::filesystem::path& prefix) {
     return run.stage("read", [&](const Context& ctx) {
-        const auto load = [&](const std::string& part, bool required) {
-            std::filesystem::path path = prefix.string() + "_" + part + ".png";
-            const std::filesystem::path other = prefix.string() + "_" + part + ".jpg";
-            if (!std::filesystem::exists(path) && std::filesystem::exists(other)) path = other;
-            if (!required && !std::filesystem::exists(path)) return Image{};
-            return decode_picture(read_file(path, kLargestFile, ctx), path.string());
+        const MaterialFiles files = find_material(prefix);
+        const auto load = [&](const std::filesystem::path& path) {
+            return path.empty() ? Image{} : decode_picture(read_file(path, kLargestFile, ctx), path.string());
         };
-        return RenderMaterial{load("color", true), load("normal", false), load("roughness", false),
-                              load("occlusion", false)};
+        return RenderMaterial{load(files.color), load(files.normal), load(files.roughness),
+                              load(files.occlusion)};
     });
 }
 

@@ -54,9 +54,9 @@ PolygonMesh square(float tiles = 1) {
 
 RenderOptions from_x() {
     RenderOptions o;
-    o.width = o.height = 64;
+    o.camera.width = o.camera.height = 64;
     o.samples = 4;
-    o.azimuth = o.elevation = 0;
+    o.camera.azimuth = o.camera.elevation = 0;
     o.ground = false;
     o.transparent = true;
     return o;
@@ -266,7 +266,7 @@ TEST(Material, OcclusionDarkensTheSkyOnly) {
 TEST(Material, IsBitIdenticalForAnyNumberOfThreads) {
     const RenderMaterial m{uneven(19, 40), uneven(8, 5), uneven(16, 16), uneven(3, 3)};
     RenderOptions o = from_x();
-    o.azimuth = 0.7f;
+    o.camera.azimuth = 0.7f;
     const Image one = drawn(square(3), m, o, {.threads = 1});
     for (const unsigned threads : {2u, 7u}) EXPECT_EQ(drawn(square(3), m, o, {.threads = threads}), one);
 }

@@ -54,9 +54,9 @@ TEST(RadiusColors, VerticesHaveTheRadiusOfTheClosestSegment) {
 
 RenderOptions from_x(RenderColor color) {
     RenderOptions o;
-    o.width = o.height = 300;
+    o.camera.width = o.camera.height = 300;
     o.samples = 1;
-    o.azimuth = o.elevation = 0;
+    o.camera.azimuth = o.camera.elevation = 0;
     o.ground = false;
     o.transparent = true;
     o.color = color;

@@ -76,13 +76,13 @@ std::string usda_material(const std::filesystem::path& usda, const MaterialFiles
 
 MaterialFiles find_material(const std::filesystem::path& prefix) {
     namespace fs = std::filesystem;
-    const auto image = [&](std::string_view kind) {
-        return fs::path(fmt::format("{}_{}.png", prefix.string(), kind));
-    };
     const auto if_there = [&](std::string_view kind) {
-        std::error_code error;
-        const fs::path path = image(kind);
-        return fs::exists(path, error) ? path : fs::path();
+        for (const std::string_view extension : {"png", "jpg"}) {
+            std::error_code error;
+            fs::path path = fmt::format("{}_{}.{}", prefix.string(), kind, extension);
+            if (fs::exists(path, error)) return path;
+        }
+        return fs::path();
     };
     MaterialFiles out{.name = prefix.filename().string(),
                       .color = if_there("color"),
@@ -91,8 +91,8 @@ MaterialFiles find_material(const std::filesystem::path& prefix) {
                       .occlusion = if_there("occlusion"),
                       .packed = if_there("orm")};
     if (out.color.empty())
-        throw IoError(
-            fmt::format("there is no file {}; write the images by coppice texture", image("color").string()));
+        throw IoError(fmt::format("there is no file {}_color.png; write the images by coppice texture",
+                                  prefix.string()));
     // Names in USD have letters, digits and underscores.
     for (char& c : out.name) {
         const bool is_letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');

@@ -30,6 +30,18 @@ TexturePoint to_texture(const BarkPoint& p, std::uint32_t wraps) {
     return {p.turns * static_cast<float>(wraps), p.v};
 }
 
+// Sets the coordinates of a face to those of its projection on its own plane, with the direction and the
+// position in the texture of a point.
+void project_face(std::span<const Vec3> face, Vec3 point, const BarkPoint& at, std::span<TexturePoint> out) {
+    const Vec3 normal = face.size() == 4 ? cross(face[2] - face[0], face[3] - face[1])
+                                         : cross(face[1] - face[0], face[2] - face[0]);
+    project_on_plane(face, {point, normal, at.along}, at.tiles_per_metre, out);
+    for (TexturePoint& t : out) {
+        t.u += at.turns * static_cast<float>(at.wraps);
+        t.v += at.v;
+    }
+}
+
 // Finds coordinates for faces without a rectangle of a tube, by those of the closest tube.
 class FaceTransfer {
   public:
@@ -51,8 +63,9 @@ class FaceTransfer {
         for (std::size_t k = 0; k < N; ++k) corners[k] = found_[face[k]];
         const BarkPoint& first = corners[0];
         BarkPoint own = first;
+        Vec3 center = positions_[face[0]];  // at which `own` is
         if (std::ranges::any_of(corners, [&](const BarkPoint& c) { return c.axis != first.axis; })) {
-            Vec3 center;
+            center = {};
             for (const std::uint32_t v : face) center += positions_[v] * (1.0f / N);
             own = transfer_.empty() ? BarkPoint{} : transfer_.find(center);
             for (std::size_t k = 0; k < N; ++k) {
@@ -64,7 +77,7 @@ class FaceTransfer {
             for (std::size_t k = 0; k < N; ++k) out[k] = to_texture(corners[k], own.wraps);
             if (is_good_texture(face_positions(face, positions_), out, own.tiles_per_metre)) return true;
         }
-        project_face(face_positions(face, positions_), own.tiles_per_metre, out);
+        project_face(face_positions(face, positions_), center, own, out);
         return false;
     }
 
@@ -192,8 +205,8 @@ class QuadTexture {
             for (const std::uint32_t v : build_.cage.cage.quads[f])
                 normal += build_.cage.cage.positions[v] - center;
         }
-        project_on_plane(face_positions(mesh_.quads[face], mesh_.positions), center, normal, density,
-                         corners(face));
+        project_on_plane(face_positions(mesh_.quads[face], mesh_.positions),
+                         {center, normal, perpendicular(normalized(normal))}, density, corners(face));
         is_open_[face] = 0;
     }
 

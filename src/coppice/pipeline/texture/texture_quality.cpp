@@ -100,19 +100,14 @@ bool is_good_texture(std::span<const Vec3> face, std::span<const TexturePoint> t
     return ratio < kMaxDensityRatio && ratio > 1 / kMaxDensityRatio;
 }
 
-void project_on_plane(std::span<const Vec3> face, Vec3 center, Vec3 normal, float tiles_per_metre,
+void project_on_plane(std::span<const Vec3> face, const TexturePlane& plane, float tiles_per_metre,
                       std::span<TexturePoint> out) {
-    const Vec3 n = normalized(normal), x = perpendicular(n), y = cross(n, x);
+    const Vec3 n = normalized(plane.normal);
+    const Vec3 y = normalized(plane.along - n * dot(plane.along, n), perpendicular(n)), x = cross(y, n);
     for (std::size_t k = 0; k < face.size(); ++k) {
-        const Vec3 d = face[k] - center;
+        const Vec3 d = face[k] - plane.point;
         out[k] = {dot(d, x) * tiles_per_metre, dot(d, y) * tiles_per_metre};
     }
-}
-
-void project_face(std::span<const Vec3> face, float tiles_per_metre, std::span<TexturePoint> out) {
-    const Vec3 normal = face.size() == 4 ? cross(face[2] - face[0], face[3] - face[1])
-                                         : cross(face[1] - face[0], face[2] - face[0]);
-    project_on_plane(face, face[0], normal, tiles_per_metre, out);
 }
 
 void measure_texture(std::span<const Quad> faces, std::span<const Vec3> positions,

@@ -25,13 +25,17 @@ std::array<Vec3, N> face_positions(const std::array<std::uint32_t, N>& face,
 bool is_good_texture(std::span<const Vec3> face, std::span<const TexturePoint> texture,
                      float tiles_per_metre);
 
+/// A plane through a point, in which v increases towards the projection of a direction.
+struct TexturePlane {
+    Vec3 point;
+    Vec3 normal;  ///< of any length
+    Vec3 along;   ///< unit
+};
+
 /// Sets the coordinates of a face to those of its projection on a plane, seen from where the normal points
 /// to.
-void project_on_plane(std::span<const Vec3> face, Vec3 center, Vec3 normal, float tiles_per_metre,
+void project_on_plane(std::span<const Vec3> face, const TexturePlane& plane, float tiles_per_metre,
                       std::span<TexturePoint> out);
-
-/// Sets the coordinates of a face to those of its projection on its own plane.
-void project_face(std::span<const Vec3> face, float tiles_per_metre, std::span<TexturePoint> out);
 
 /// Adds the number of faces that are turned over and the quantiles of the density, by area. O(n log n).
 void measure_texture(std::span<const Quad> faces, std::span<const Vec3> positions,

@@ -107,11 +107,17 @@ BarkPoint TextureTransfer::find(Vec3 point, std::uint32_t axis) const {
     if (nearest == kNoIndex) return {};
     const CarrierQuad& q = quads_[nearest];
     const TexturePatch& patch = texture_.patch(q.cage_quad);
-    const Vec2 s = locate(corners(q), point);
+    const std::array<Vec3, 4> corner = corners(q);
+    const Vec2 s = locate(corner, point);
+    const Vec3 along = normalized(corner[3] - corner[0] + (corner[2] - corner[1]));
     const float left = texture_.turns(patch, q.column), right = texture_.turns(patch, q.column + 1);
     const float low = texture_.v(patch, q.row), high = texture_.v(patch, q.row + 1);
-    return {patch.axis, patch.wraps, left + (right - left) * s.x, low + (high - low) * s.y,
-            patch.tiles_per_metre};
+    return {patch.axis,
+            patch.wraps,
+            left + (right - left) * s.x,
+            low + (high - low) * s.y,
+            patch.tiles_per_metre,
+            high < low ? -along : along};
 }
 
 }  // namespace coppice::pipeline_internal

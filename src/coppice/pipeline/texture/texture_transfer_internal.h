@@ -18,6 +18,7 @@ struct BarkPoint {
     float turns = 0;                ///< around the branch, from an arbitrary beginning
     float v = 0;                    ///< along the branch
     float tiles_per_metre = 1;      ///< around it
+    Vec3 along{0, 0, 1};            ///< direction in which v increases
 };
 
 /// Finds bark coordinates for faces that are not quads of a tube: those of the closest refined quad of a
