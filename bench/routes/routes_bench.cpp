@@ -82,8 +82,9 @@ Make by_grid(const Skeleton& skeleton, const Grid& grid, const Context& ctx) {
 void draw(const PolygonMesh& mesh, const std::filesystem::path& file, const Context& ctx) {
     constexpr int kSize = 640;
     constexpr int kSamples = 16;
-    write_file(file, encode_png(render({.mesh = &mesh, .skeleton = nullptr, .deviation = {}},
-                                       {.width = kSize, .height = kSize, .samples = kSamples}, ctx)));
+    write_file(file,
+               encode_png(render({.mesh = &mesh, .skeleton = nullptr, .deviation = {}},
+                                 {.camera = {.width = kSize, .height = kSize}, .samples = kSamples}, ctx)));
 }
 
 /// Executes an untimed run, which determines memory and figures, then the timed ones.

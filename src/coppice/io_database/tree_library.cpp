@@ -35,7 +35,7 @@ constexpr std::string_view kTreeTable = R"(CREATE TABLE tree (
     source TEXT NOT NULL,
     source_node INTEGER NOT NULL,
     leads INTEGER NOT NULL,
-    parent_radius REAL NOT NULL,
+    host_radius REAL NOT NULL,
     inclination REAL NOT NULL,
     length REAL NOT NULL,
     volume REAL NOT NULL,

@@ -139,7 +139,7 @@ class QuadTexture {
             const std::array<TexturePoint, 4> corner{
                 {{left, low}, {right, low}, {right, high}, {left, high}}};
             std::ranges::copy(corner, corners(i).begin());
-            is_open_[i] = 0;
+            is_open_[i] = texture_area(corners(i)) > 0 ? 0 : 1;  // rows may have no length
         });
     }
 
@@ -163,7 +163,7 @@ class QuadTexture {
             std::ranges::transform(coarse.quads[i], corner.begin(), [&](std::uint32_t v) { return at[v]; });
             join_turns(corner);
             for (std::size_t k = 0; k < 4; ++k) corners(i)[k] = to_texture(corner[k], patch.wraps);
-            is_open_[i] = 0;
+            is_open_[i] = texture_area(corners(i)) > 0 ? 0 : 1;
         }
     }
 

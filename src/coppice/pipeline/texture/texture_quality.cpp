@@ -25,12 +25,6 @@ double area(std::span<const Vec3> face) {
     return out;
 }
 
-double area(std::span<const TexturePoint> face) {
-    double out = 0;
-    for (std::size_t k = 1; k + 1 < face.size(); ++k) out += signed_area(face[0], face[k], face[k + 1]);
-    return out;
-}
-
 // Returns whether the texture is turned over at a corner.
 bool is_flipped(std::span<const TexturePoint> face) {
     const std::size_t n = face.size();
@@ -68,9 +62,9 @@ void measure(std::size_t count, const Face& face, float tile, TextureReport& rep
     parallel_for(ctx, count, kFaceGrain, [&](std::size_t i) {
         const auto [positions, corners] = face(i);
         const double surface = area(std::span<const Vec3>(positions));
-        const double ratio = surface > 0 ? std::sqrt(std::max(area(corners), 0.0) / surface) : 0;
+        const double ratio = surface > 0 ? std::sqrt(std::max(texture_area(corners), 0.0) / surface) : 0;
         density[i] = {static_cast<float>(ratio * double{tile}), static_cast<float>(surface)};
-        flipped[i] = is_flipped(corners) ? 1 : 0;
+        flipped[i] = texture_area(corners) < 0 ? 1 : 0;
     });
     report.flipped = static_cast<std::uint64_t>(std::ranges::count(flipped, 1));
     const auto q = density_quantiles(std::move(density), {0.05, 0.5, 0.95});
@@ -91,12 +85,18 @@ void measure_equal(std::span<const std::array<std::uint32_t, N>> faces, std::spa
 
 }  // namespace
 
+double texture_area(std::span<const TexturePoint> face) {
+    double out = 0;
+    for (std::size_t k = 1; k + 1 < face.size(); ++k) out += signed_area(face[0], face[k], face[k + 1]);
+    return out;
+}
+
 bool is_good_texture(std::span<const Vec3> face, std::span<const TexturePoint> texture,
                      float tiles_per_metre) {
     if (is_flipped(texture)) return false;
     const double surface = area(face);
     if (!(surface > 0)) return true;
-    const double ratio = std::sqrt(area(texture) / surface) / double{tiles_per_metre};
+    const double ratio = std::sqrt(texture_area(texture) / surface) / double{tiles_per_metre};
     return ratio < kMaxDensityRatio && ratio > 1 / kMaxDensityRatio;
 }
 

@@ -20,6 +20,9 @@ std::array<Vec3, N> face_positions(const std::array<std::uint32_t, N>& face,
     return out;
 }
 
+/// [tiles^2] Returns the area of a face in the texture, negative if it is turned over.
+double texture_area(std::span<const TexturePoint> face);
+
 /// Returns whether no corner of a face is turned over in the texture, and its density is within a factor of
 /// four of the expected one.
 bool is_good_texture(std::span<const Vec3> face, std::span<const TexturePoint> texture,
