@@ -9,8 +9,8 @@ namespace coppice {
 /// Texture coordinates of a corner of a face; the texture repeats. Two corners at one vertex may have
 /// different coordinates: a texture seam.
 struct TexturePoint {
-    float u = 0;  ///< [tiles] around a tube
-    float v = 0;  ///< [tiles] along it
+    float u = 0;                                                   ///< [tiles] around a tube
+    float v = 0;                                                   ///< [tiles] along it
     friend bool operator==(TexturePoint, TexturePoint) = default;  ///< compares both coordinates
 };
 

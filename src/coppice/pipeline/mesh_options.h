@@ -129,7 +129,7 @@ struct MeshOptions {
     /// [m] With sides by radius: maximum distance of the sides of sections from their circles; 0 = the
     /// distance at the thickest axis, where the levels determine the number of sides. Quads only.
     float chord_error = 0;
-    TextureOptions texture;  ///< texture coordinates; not listed with the others
+    TextureOptions texture;             ///< texture coordinates; not listed with the others
     Device device = Device::automatic;  ///< device that subdivides quads and samples tetrahedra
 };
 

@@ -46,7 +46,7 @@ struct Laps {
 };
 
 SketchView make_camera(std::span<const Vec3> positions, std::span<const Vec3> reached,
-                     const ViewOptions& options) {
+                       const ViewOptions& options) {
     std::vector<Vec3d> points;
     for (const Vec3 p : positions) points.emplace_back(p);
     for (const Vec3 p : reached) points.emplace_back(p);

@@ -33,7 +33,7 @@ Vec3 normal(const Triangle& t, std::span<const Vec3> x) {
 
 // Per triangle: its half-edge across which it joins another, or kNoIndex.
 std::vector<std::uint32_t> find_pairs(std::span<const Triangle> triangles, const HalfEdges& edges,
-                                    std::span<const Vec3> x) {
+                                      std::span<const Vec3> x) {
     struct Pair {
         double quality;
         std::uint32_t half;
