@@ -10,8 +10,8 @@ void list_fields(TetraOptions& o, FieldList& list) {
               "Initial tetrahedra: those of an octree around the branches, or of a polyhedron with a few "
               "for each segment, which are cut into eight as often as edge requires."},
         o.base);
-    list.add(common_field("tetra_edge", "Approximate edge length of the triangles of the method tetrahedra.",
-                          Unit::radius, 0.05, 4),
+    list.add(Field{"tetra_edge", "Approximate edge length of the triangles of the method tetrahedra.",
+                   Unit::radius, 0.05, 4},
              o.edge);
     list.add(Field{"tetra_levels", "Number of times that the tetrahedra of an octree are cut into eight.",
                    Unit::none, 0, 4},

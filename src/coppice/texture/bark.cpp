@@ -118,9 +118,8 @@ void list_fields(BarkOptions& o, FieldList& list) {
     list.add(Field{"irregularity", "Factor of all distortions of the pattern.", Unit::none, 0, 3},
              o.irregularity);
     list.add(Field{"detail", "Factor of the fine roughness of the surface.", Unit::none, 0, 3}, o.detail);
-    list.add(
-        common_field("patches", "Amount of lichen, scars, weathering or black patches.", Unit::none, 0, 1),
-        o.patches);
+    list.add(Field{"patches", "Amount of lichen, scars, weathering or black patches.", Unit::none, 0, 1},
+             o.patches);
     list.add(Field{"roughness", "Mean of the roughness map.", Unit::none, 0.05, 1}, o.roughness);
     list.add(Field{"occlusion_radius", "Maximum distance at which a ridge occludes its surroundings.",
                    Unit::metre, 1e-4, 1},
