@@ -30,6 +30,10 @@ void append(png_structp png, png_bytep bytes, std::size_t size) {
     }
 }
 
+// Without these functions the library prints messages.
+void fail_silently(png_structp png, png_const_charp) { png_longjmp(png, 1); }
+void ignore_warning(png_structp, png_const_charp) {}
+
 /// Returns false if the library reports an error, from which it returns by a jump: no object with a
 /// destructor is created here.
 bool write_map(png_structp png, png_infop info, const PngMap& map) {
@@ -87,7 +91,7 @@ std::string encode_png(const PngMap& map) {
     check(map);
     std::string out;
     out.reserve(map.samples.size() / 2);
-    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, fail_silently, ignore_warning);
     png_infop info = png != nullptr ? png_create_info_struct(png) : nullptr;
     bool written = false;
     if (info != nullptr) {
