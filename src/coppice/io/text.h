@@ -35,6 +35,7 @@ std::string plain_name(std::string_view name);
 /// Splits a text into lines that end with LF, CR LF or CR; skips a byte order mark.
 class LineReader {
   public:
+    /// The text and the context must outlive this object.
     explicit LineReader(std::string_view text, const Context& ctx = {});
 
     /// Moves to the next line; returns false at the end of the text. Throws `Cancelled` on cancellation.
@@ -67,6 +68,7 @@ void split_at(std::string_view line, char separator, std::vector<std::string_vie
 bool has_decimal_commas(std::string_view row, std::size_t columns);
 /// Returns whether the row has commas and no decimal point, so that each comma may be a decimal comma.
 bool has_only_commas(std::string_view row);
+/// The end of a sentence that refuses such a table.
 inline constexpr std::string_view kDecimalCommas =
     "its numbers have decimal commas, which cannot be distinguished from commas between numbers; write them "
     "with decimal points";

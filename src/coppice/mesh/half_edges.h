@@ -12,15 +12,15 @@
 
 namespace coppice {
 
-/// Returns the vertices of all faces in order: those at which the half-edges begin.
-/// @{
+/// Returns the vertices of all quads, or triangles, in order: those at which the half-edges begin.
 inline std::span<const std::uint32_t> all_corners(std::span<const Quad> quads) {
     return {reinterpret_cast<const std::uint32_t*>(quads.data()), 4 * quads.size()};
 }
+/// @cond Doxygen cannot distinguish this overload
 inline std::span<const std::uint32_t> all_corners(std::span<const Triangle> triangles) {
     return {reinterpret_cast<const std::uint32_t*>(triangles.data()), 3 * triangles.size()};
 }
-/// @}
+/// @endcond
 
 /// Returns the next half-edge of the same face, for faces of N corners.
 template <std::uint32_t N>

@@ -25,9 +25,9 @@ enum class ProgramOutput {
 struct ProgramStart {
     std::vector<std::string> words;  ///< absolute path of the program and its arguments
     bool sends_input = false;        ///< whether Program::send() writes its standard input, else empty
-    ProgramOutput output = ProgramOutput::inherited;
-    std::filesystem::path folder = {};          ///< working folder; empty: that of this process
-    std::vector<std::string> environment = {};  ///< entries NAME=VALUE; empty: those of this process
+    ProgramOutput output = ProgramOutput::inherited;  ///< destination of its standard output
+    std::filesystem::path folder = {};                ///< working folder; empty: that of this process
+    std::vector<std::string> environment = {};        ///< entries NAME=VALUE; empty: those of this process
     bool apart = false;  ///< whether it runs in its own session, detached from the terminal of this process
 };
 
