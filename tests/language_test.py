@@ -33,7 +33,8 @@ FOLDERS = ("src", "app", "bench", "tests", "examples", "web/src", "web/test", "c
 CODE = {".cpp", ".h", ".cu", ".cuh", ".ts", ".tsx", ".mjs"}
 # Options of one name with a different meaning or other files in each command.
 HOMONYMS = {f"--{name}" for name in (
-    "azimuth base crowns format max-nodes method noise output pipe-exponent reference seed sheet then-mesh tips tolerance units").split()}
+    "azimuth base crowns format height max-nodes method noise output pipe-exponent reference seed sheet spacing then-mesh tips tolerance "
+    "units width").split()}
 SKIPPED = {"CHANGELOG.md", "language_test.py"}
 
 

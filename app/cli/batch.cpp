@@ -80,7 +80,7 @@ Batch plan_batch(const std::vector<fs::path>& inputs, const ExtractOutputs& outp
             fmt::format("'{}' contains {}", inputs.front().string(),
                         columns.of_plots ? "no clouds of points" : "neither meshes nor clouds of points"));
     for (BatchFile& file : batch.files)
-        file.outputs = outputs_of(file.input, outputs, columns.of_plots, file.kind != FileKind::mesh);
+        file.outputs = make_outputs(file.input, outputs, columns.of_plots, file.kind != FileKind::mesh);
     check_names(batch);
     return batch;
 }

@@ -37,7 +37,7 @@ struct Batch {
 bool is_batch(std::span<const std::filesystem::path> inputs);
 
 /// Returns the named files and the meshes and point clouds in folders (for plots only point clouds), each
-/// with its outputs; see outputs_of(). Throws as check_batch_outputs(); UsageError if two outputs would be
+/// with its outputs; see make_outputs(). Throws as check_batch_outputs(); UsageError if two outputs would be
 /// the same file, or an output would overwrite an input; InvalidInput if there are no files.
 Batch plan_batch(const std::vector<std::filesystem::path>& inputs, const ExtractOutputs& outputs,
                  const TreeColumns& columns);

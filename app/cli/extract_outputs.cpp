@@ -143,8 +143,8 @@ void check_batch_outputs(const ExtractOutputs& outputs) {
     }
 }
 
-ExtractOutputs outputs_of(const fs::path& input, const ExtractOutputs& batch, bool of_plots,
-                          bool may_be_points) {
+ExtractOutputs make_outputs(const fs::path& input, const ExtractOutputs& batch, bool of_plots,
+                            bool may_be_points) {
     const fs::path folder = trimmed(batch.skeleton);
     const std::string name = input.stem().string();
     ExtractOutputs out = batch;

@@ -19,7 +19,7 @@ inline constexpr const char* kCloudGroup = "From a cloud of points";
 inline constexpr const char* kPlotGroup = "From a plot of many trees (-o FOLDER)";
 
 /// The files that an extraction writes; empty where not requested. For many files they are a folder and
-/// extensions such as ".ply", from which outputs_of() makes the names for one of them.
+/// extensions such as ".ply", from which make_outputs() makes the names for one of them.
 struct ExtractOutputs {
     std::filesystem::path skeleton;     ///< for a plot the folder of its skeletons
     std::filesystem::path mesh;         ///< surface; for a plot the extension of the surfaces of its trees
@@ -46,8 +46,8 @@ void check_batch_outputs(const ExtractOutputs& outputs);
 /// Returns the outputs of one of many files: in the folder, its own name with the extension of skeletons
 /// (without one for the folder of a plot), with the extension of meshes, and with "_points.ply",
 /// "_leaves.ply", "_map.gpkg", "_crowns.ply"; those of points only if `may_be_points`.
-ExtractOutputs outputs_of(const std::filesystem::path& input, const ExtractOutputs& batch, bool of_plots,
-                          bool may_be_points);
+ExtractOutputs make_outputs(const std::filesystem::path& input, const ExtractOutputs& batch, bool of_plots,
+                            bool may_be_points);
 
 /// Returns the files, and for a plot the folder of its skeletons, that are written.
 std::vector<std::filesystem::path> written_files(const ExtractOutputs& outputs, bool of_plot);

@@ -2,7 +2,6 @@
 
 #include <filesystem>
 #include <new>
-#include <string_view>
 
 #include "command.h"
 #include "coppice/system/file.h"
@@ -34,11 +33,6 @@ ExitCode fail(ExitCode code, const char* message) {
     return code;
 }
 
-// Returns whether oneTBB could not start a thread, because there is no memory for its stack.
-bool lacks_thread(const std::exception& error) {
-    return std::string_view(error.what()).starts_with("pthread_create has failed");
-}
-
 ExitCode run_program(std::span<const char* const> arguments) {
     open_standard_streams();
     Signals signals;
@@ -61,7 +55,6 @@ ExitCode run_program(std::span<const char* const> arguments) {
     } catch (const std::bad_alloc&) {
         return fail(kBadInput, out_of_memory_text());
     } catch (const std::exception& error) {
-        if (lacks_thread(error)) return fail(kBadInput, out_of_memory_text());
         return fail(kBadInput,
                     fmt::format("this is a defect of coppice, please report it: {}", error.what()).c_str());
     }

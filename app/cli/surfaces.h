@@ -13,6 +13,11 @@
 
 namespace coppice::cli {
 
+/// Help of --material.
+inline constexpr const char* kMaterialHelp =
+    "Give the surface the material of the images PREFIX_color.png and, where they exist, PREFIX_normal.png, "
+    "PREFIX_roughness.png and PREFIX_occlusion.png, as made by coppice texture.";
+
 /// Writes the mesh of a surface of any method.
 void write_surface(const std::filesystem::path& path, const MeshResult& result,
                    const MeshWriteOptions& options, const Context& ctx);

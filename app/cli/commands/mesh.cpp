@@ -276,11 +276,7 @@ Command mesh_command() {
     options.fields(flags->number, "Surface");
     options.fields(flags->mesh, "Surface", surface_flag_names());
     options.fields(flags->mesh.texture, "Texture");
-    options.file(
-        "--material", "PREFIX", flags->material,
-        "Also write a material of the images PREFIX_color.png, PREFIX_normal.png, ..., as made by coppice "
-        "texture (.glb, .obj, .usda).",
-        {.common = false});
+    options.file("--material", "PREFIX", flags->material, kMaterialHelp, {.common = false});
     options.fields(flags->restore, "Restoring the original", {.names = {{"reach", "--restore-reach"}}});
     options.fields(flags->read, "Reading the skeleton");
     add_mesh_write_options(options, flags->write);

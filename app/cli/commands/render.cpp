@@ -20,6 +20,7 @@
 #include "files.h"
 #include "options.h"
 #include "pictures.h"
+#include "surfaces.h"
 
 namespace coppice::cli {
 
@@ -181,8 +182,8 @@ Backdrop load_backdrop(Run& run, const RenderFlags& flags, RenderOptions& option
 }
 
 /// Loads the material of the mesh, if any.
-std::optional<RenderMaterial> load_material_of(Run& run, const RenderFlags& flags, const Inputs& in,
-                                               RenderColor color) {
+std::optional<RenderMaterial> load_mesh_material(Run& run, const RenderFlags& flags, const Inputs& in,
+                                                 RenderColor color) {
     if (flags.material.empty()) return std::nullopt;
     if (color != RenderColor::plain || !flags.distance_to.empty())
         throw UsageError("--material defines the colours; leave --color, --distance-to and --over out");
@@ -201,7 +202,7 @@ ExitCode render_file(Run& run, const RenderFlags& flags) {
     RenderOptions options = flags.render;
     const Backdrop backdrop = load_backdrop(run, flags, options);
     Inputs in = load(run, flags);
-    const std::optional<RenderMaterial> material = load_material_of(run, flags, in, options.color);
+    const std::optional<RenderMaterial> material = load_mesh_material(run, flags, in, options.color);
     if (!flags.distance_to.empty()) {
         load_other(run, flags, in);
         options.color = RenderColor::distance;
@@ -262,10 +263,7 @@ Command render_command() {
     options.file("--distance-to", "MESH", flags->distance_to,
                  "Colour the points, or without points the mesh, by the distance from this mesh: inside "
                  "blue, outside red.");
-    options.file(
-        "--material", "PREFIX", flags->material,
-        "Draw the mesh, which needs texture coordinates, with the images PREFIX_color.png and, where "
-        "they exist, PREFIX_normal.png, PREFIX_roughness.png and PREFIX_occlusion.png.");
+    options.file("--material", "PREFIX", flags->material, kMaterialHelp);
     options.file("--camera", "SKETCH:VIEW", flags->camera,
                  "Camera of a view of a sketch, as tree.sketch.json:front; by default the object is framed.",
                  {.common = false});

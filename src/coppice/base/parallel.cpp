@@ -9,6 +9,8 @@
 
 #include <atomic>
 #include <exception>
+#include <new>
+#include <stdexcept>
 #include <thread>
 
 #include "coppice/base/parallel_internal.h"
@@ -37,12 +39,12 @@ void run_all(unsigned threads, std::size_t count, const RunOne& run) {
                                   });
     };
     const auto machine = static_cast<unsigned>(oneapi::tbb::info::default_concurrency());
-    if (threads == 0) {
-        loop();
-    } else if (threads <= machine) {
-        oneapi::tbb::task_arena(static_cast<int>(threads)).execute(loop);
-    } else {
-        base_internal::run_on_own_threads(threads, count, run);
+    if (threads > machine) return base_internal::run_on_own_threads(threads, count, run);
+    try {
+        threads == 0 ? loop() : oneapi::tbb::task_arena(static_cast<int>(threads)).execute(loop);
+    } catch (const std::runtime_error&) {
+        // `run` throws nothing: oneTBB could not start a thread, because there is no memory for its stack.
+        throw std::bad_alloc();
     }
 }
 

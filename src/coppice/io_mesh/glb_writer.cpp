@@ -17,6 +17,7 @@ constexpr std::uint64_t kMaxImageBytes = std::uint64_t{256} << 20;
 
 struct GlbImage {
     std::string bytes;
+    const char* type;
     std::size_t view = 0;
 };
 
@@ -37,9 +38,8 @@ class GlbMaterial {
     void describe(json& file) const {
         json images = json::array(), textures = json::array();
         for (const GlbImage& image : images_) {
-            const bool is_png = image.bytes.starts_with("\x89PNG");
             textures.push_back({{"sampler", 0}, {"source", images.size()}});
-            images.push_back({{"bufferView", image.view}, {"mimeType", is_png ? "image/png" : "image/jpeg"}});
+            images.push_back({{"bufferView", image.view}, {"mimeType", image.type}});
         }
         constexpr int kRepeat = 10497, kLinear = 9729, kMipMaps = 9987;
         file["materials"] = {material_};
@@ -58,8 +58,10 @@ class GlbMaterial {
 
   private:
     json add(const std::filesystem::path& path, GlbLayout& layout) {
-        GlbImage image{read_file(path, kMaxImageBytes)};
-        if (!image.bytes.starts_with("\x89PNG") && !image.bytes.starts_with("\xff\xd8"))
+        GlbImage image{read_file(path, kMaxImageBytes), "image/png"};
+        const bool is_jpeg = image.bytes.starts_with("\xff\xd8");
+        if (is_jpeg) image.type = "image/jpeg";
+        if (!is_jpeg && !image.bytes.starts_with("\x89PNG"))
             throw InvalidInput(path.string() + " is neither a PNG nor a JPEG image");
         image.view = layout.add_bytes(image.bytes.size());
         images_.push_back(std::move(image));

@@ -135,6 +135,14 @@ struct Texturing {
     }
 };
 
+void add_texture(BuiltMesh& built, const Skeleton& prepared, const MeshOptions& options, const Context& ctx) {
+    if (options.texture.coordinates == TextureCoordinates::none) return;
+    MeshResult& out = built.result;
+    const Texturing texturing{prepared, options, built.build, ctx};
+    out.texture =
+        Stages(ctx, out.stages).run("texture", 1.0f, [&] { return std::visit(texturing, out.surface); });
+}
+
 BuiltMesh make_surface(const Skeleton& given_skeleton, const PointSet& constraints, const MeshOptions& given,
                        Use use, const Context& ctx) {
     const bool may_use_device = given.method != MeshMethod::cylinders && use != Use::solid;
@@ -186,11 +194,7 @@ BuiltMesh make_surface(const Skeleton& given_skeleton, const PointSet& constrain
             return fits ? std::visit(fitting, out.surface) : fit_where_better(out.quads(), fitting);
         });
     }
-    if (options.texture.coordinates == TextureCoordinates::bark && use == Use::still) {
-        const Texturing texturing{prepared.skeleton, options, built.build, ctx};
-        out.texture =
-            Stages(ctx, out.stages).run("texture", 1.0f, [&] { return std::visit(texturing, out.surface); });
-    }
+    if (use != Use::posed) add_texture(built, prepared.skeleton, options, ctx);
     return built;
 }
 
@@ -204,13 +208,18 @@ double deviation(const MeshResult& made) {
 // only, so it is always fitted; but where much is cut off, the result can be far from it.
 BuiltMesh make_coarsest(const Skeleton& skeleton, const PointSet& constraints, const MeshOptions& options,
                         const Context& ctx) {
-    MeshOptions fitting = options;
+    MeshOptions plain = options;
+    plain.texture = {};  // added to the better one
+    MeshOptions fitting = plain;
     fitting.fit = Fit::volume;
-    BuiltMesh fitted =
-        make_surface(skeleton, constraints, fitting, Use::still, narrow_progress(ctx, 0, 0.5f));
-    if (deviation(fitted.result) <= kMaxDeviation) return fitted;
-    BuiltMesh other = make_surface(skeleton, constraints, options, Use::still, narrow_progress(ctx, 0.5f, 1));
-    return deviation(other.result) < deviation(fitted.result) ? std::move(other) : std::move(fitted);
+    BuiltMesh best = make_surface(skeleton, constraints, fitting, Use::still, narrow_progress(ctx, 0, 0.5f));
+    if (deviation(best.result) > kMaxDeviation) {
+        BuiltMesh other =
+            make_surface(skeleton, constraints, plain, Use::still, narrow_progress(ctx, 0.5f, 1));
+        if (deviation(other.result) < deviation(best.result)) best = std::move(other);
+    }
+    add_texture(best, skeleton, options, ctx);
+    return best;
 }
 
 // Returns a surface without the cage of its quads.

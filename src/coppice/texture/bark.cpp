@@ -36,7 +36,7 @@ KindColors default_colors(BarkKind kind) {
     return kColors[static_cast<std::size_t>(kind)];
 }
 
-Vec3 color_of(const std::optional<Vec3d>& given, unsigned otherwise, std::string_view name) {
+Vec3 choose_color(const std::optional<Vec3d>& given, unsigned otherwise, std::string_view name) {
     if (!given) return rgb(otherwise);
     for (int k = 0; k < 3; ++k) {
         if (!((*given)[k] >= 0 && (*given)[k] <= 1))
@@ -72,9 +72,9 @@ BarkPlan make_plan(const BarkOptions& o) {
                      .texel_height = o.tile_height / static_cast<float>(o.height),
                      .seed = static_cast<std::uint64_t>(o.seed) * 16 + static_cast<std::uint64_t>(o.kind)},
             .age = compute_age(o),
-            .color = color_of(o.color, colors.color, "color"),
-            .deep_color = color_of(o.deep_color, colors.deep_color, "deep_color"),
-            .patch_color = color_of(o.patch_color, colors.patch_color, "patch_color")};
+            .color = choose_color(o.color, colors.color, "color"),
+            .deep_color = choose_color(o.deep_color, colors.deep_color, "deep_color"),
+            .patch_color = choose_color(o.patch_color, colors.patch_color, "patch_color")};
 }
 
 void fill_kind(const BarkPlan& plan, BarkCanvas& out, const Context& ctx) {

@@ -42,7 +42,10 @@ constexpr Vec3 rgb(unsigned hex) {
             static_cast<float>(hex & 255u) * kUnit};
 }
 
-inline std::uint8_t to_byte(float x) { return static_cast<std::uint8_t>(saturate(x) * 255 + 0.5f); }
+inline std::uint8_t to_byte(float x) {
+    const float rounded = saturate(x) * 255 + 0.5f;
+    return static_cast<std::uint8_t>(rounded);
+}
 
 /// The noises of a kind at one texel, by their index.
 class NoiseValues {

@@ -32,7 +32,7 @@ Noise::Noise(const Tile& tile, float cell_width, float cell_height, std::uint64_
 
 void Noise::add_row(float y, std::span<float> out) const {
     const Place start = lattice_.in_cells({0, y});
-    const int j = floor_of(start.y);
+    const int j = round_down(start.y);
     const float v = start.y - static_cast<float>(j);
     const std::uint64_t low = key_ ^ static_cast<std::uint64_t>(lattice_.row(j)) << 32;
     const std::uint64_t high = key_ ^ static_cast<std::uint64_t>(lattice_.row(j + 1)) << 32;
@@ -47,7 +47,7 @@ void Noise::add_row(float y, std::span<float> out) const {
         return Place{amplitude_ * mix(part(a, 0), part(b, 0), weight),
                      amplitude_ * mix(part(a, 16) * v, part(b, 16) * (v - 1), weight)};
     };
-    int i = floor_of(start.x + 0.5f * texel_);
+    int i = round_down(start.x + 0.5f * texel_);
     Place left = column(i), right = column(i + 1);
     for (std::size_t k = 0; k < out.size();) {
         const float first = start.x - static_cast<float>(i);
@@ -138,7 +138,7 @@ void Cells::add_borders(int i, int j) {
 
 Cell Cells::operator()(Place p) const {
     const Place c = lattice_.in_cells(p);
-    const int i = floor_of(c.x), j = floor_of(c.y);
+    const int i = round_down(c.x), j = round_down(c.y);
     const int i0 = lattice_.column(i), j0 = lattice_.row(j);
     const Place inner{c.x - static_cast<float>(i), c.y - static_cast<float>(j)};
     float closest = std::numeric_limits<float>::max();

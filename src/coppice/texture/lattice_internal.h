@@ -44,7 +44,7 @@ inline float smooth_min(float a, float b, float k) {
     return std::min(a, b) - 0.25f * h * h * k;
 }
 /// Returns the largest integer not above x; |x| < 2^31.
-inline int floor_of(float x) {
+inline int round_down(float x) {
     const int i = static_cast<int>(x);
     return i - static_cast<int>(static_cast<float>(i) > x);
 }
@@ -145,7 +145,7 @@ class Cells {
     template <class Visit>
     void visit(Place p, int reach, const Visit& visit) const {
         const Place c = lattice_.in_cells(p);
-        const int i = floor_of(c.x), j = floor_of(c.y);
+        const int i = round_down(c.x), j = round_down(c.y);
         const Place size = lattice_.cell();
         const Place inner{c.x - static_cast<float>(i), c.y - static_cast<float>(j)};
         const int i0 = lattice_.column(i), j0 = lattice_.row(j);

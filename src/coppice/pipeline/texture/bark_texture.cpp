@@ -88,6 +88,25 @@ class FaceTransfer {
     std::vector<BarkPoint> found_;
 };
 
+// Sets the faces that are marked, and counts them.
+template <std::size_t N>
+void transfer_faces(std::span<const std::array<std::uint32_t, N>> faces, std::span<const Vec3> positions,
+                    std::span<const std::uint8_t> wanted, const TextureTransfer& carrier,
+                    std::span<TexturePoint> points, TextureReport& report, const Context& ctx) {
+    std::vector<std::uint8_t> vertices(positions.size(), 0), is_projected(faces.size(), 0);
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+        if (wanted[i] == 0) continue;
+        ++report.transferred;
+        for (const std::uint32_t v : faces[i]) vertices[v] = 1;
+    }
+    FaceTransfer transfer(positions, carrier, ctx);
+    transfer.find_vertices(vertices);
+    parallel_for(ctx, faces.size(), kFaceGrain, [&](std::size_t i) {
+        if (wanted[i] != 0) is_projected[i] = transfer.set(faces[i], points.subspan(N * i, N)) ? 0 : 1;
+    });
+    report.projected = static_cast<std::uint64_t>(std::ranges::count(is_projected, 1));
+}
+
 // Texture of the faces of a surface that were made from the refined quads of tubes.
 class QuadTexture {
   public:
@@ -123,8 +142,7 @@ class QuadTexture {
         for (std::uint32_t q = 0; q < build_.refinement.quad_count(); ++q) {
             if (build_.remeshed.stays(tubes_.tube_rows().of_quad(q))) kept.push_back(q);
         }
-        made_ = kept.size();
-        parallel_for(ctx_, made_, kFaceGrain, [&](std::size_t i) {
+        parallel_for(ctx_, kept.size(), kFaceGrain, [&](std::size_t i) {
             const std::uint32_t f = kept[i] >> (2 * levels()), mask = tubes_.size() - 1;
             const std::uint32_t row = (kept[i] >> levels()) & mask, column = kept[i] & mask;
             const TexturePatch& patch = tubes_.patch(f);
@@ -146,10 +164,9 @@ class QuadTexture {
     // The corners of coarse quads are refined vertices of the sides of a tube, or of another cage quad.
     void set_coarse() {
         const auto& coarse = build_.coarse;
-        made_ = coarse.quads.size();
         std::vector<BarkPoint> at(build_.refinement.vertex_count());
         std::uint32_t first = kNoIndex;  // cage quad of the current group
-        for (std::size_t i = 0; i < made_; ++i) {
+        for (std::size_t i = 0; i < coarse.quads.size(); ++i) {
             const std::uint32_t f = coarse.cage_quad[i];
             const CageRun group = find_group(f);
             if (group.first != first) set_vertices(group, at);
@@ -212,21 +229,9 @@ class QuadTexture {
 
     // Sets the quads that replaced tubes, and those of irregular forks.
     void transfer(TextureReport& report) {
-        std::vector<std::uint8_t> wanted(mesh_.positions.size(), 0);
-        for (std::size_t i = 0; i < is_open_.size(); ++i) {
-            if (is_open_[i] == 0) continue;
-            ++report.transferred;
-            for (const std::uint32_t v : mesh_.quads[i]) wanted[v] = 1;
-        }
-        if (report.transferred == 0) return;
+        if (std::ranges::find(is_open_, 1) == is_open_.end()) return;
         const TextureTransfer carrier(build_, tubes_, tubes_near_open(), ctx_);
-        FaceTransfer faces(mesh_.positions, carrier, ctx_);
-        faces.find_vertices(wanted);
-        std::vector<std::uint8_t> is_projected(is_open_.size(), 0);
-        parallel_for(ctx_, is_open_.size(), kFaceGrain, [&](std::size_t i) {
-            if (is_open_[i] != 0) is_projected[i] = faces.set(mesh_.quads[i], corners(i)) ? 0 : 1;
-        });
-        report.projected = static_cast<std::uint64_t>(std::ranges::count(is_projected, 1));
+        transfer_faces<4>(mesh_.quads, mesh_.positions, is_open_, carrier, points_, report, ctx_);
     }
 
     // Returns per tube whether open faces may be near it.
@@ -251,7 +256,6 @@ class QuadTexture {
     const Context& ctx_;
     TubeTexture tubes_;
     float tile_;
-    std::size_t made_ = 0;  // faces from refined quads; those of repair patches follow
     Buffer<TexturePoint> points_;
     std::vector<std::uint8_t> is_open_;  // per face: whether it has no coordinates yet
 };
@@ -266,19 +270,12 @@ Texture bark_texture(const QuadMesh& mesh, const QuadBuild& build, const Texture
 Texture bark_texture(const TriMesh& mesh, const QuadBuild& build, const TextureOptions& options,
                      const Context& ctx) {
     const TubeTexture tubes(build, options.tile, ctx);
-    const std::vector<std::uint8_t> all(build.tubes.size(), 1);
-    const TextureTransfer carrier(build, tubes, all, ctx);
-    FaceTransfer faces(mesh.positions, carrier, ctx);
-    faces.find_vertices(std::vector<std::uint8_t>(mesh.positions.size(), 1));
+    const TextureTransfer carrier(build, tubes, std::vector<std::uint8_t>(build.tubes.size(), 1), ctx);
+    const std::vector<std::uint8_t> all(mesh.triangles.size(), 1);
     Texture out;
     out.points.resize(3 * mesh.triangles.size());
-    std::vector<std::uint8_t> is_projected(mesh.triangles.size());
-    parallel_for(ctx, mesh.triangles.size(), kFaceGrain, [&](std::size_t i) {
-        is_projected[i] = faces.set(mesh.triangles[i], std::span(out.points).subspan(3 * i, 3)) ? 0 : 1;
-    });
+    transfer_faces<3>(mesh.triangles, mesh.positions, all, carrier, out.points, out.report, ctx);
     out.report.axes = tubes.axis_count();
-    out.report.transferred = mesh.triangles.size();
-    out.report.projected = static_cast<std::uint64_t>(std::ranges::count(is_projected, 1));
     measure_texture(mesh.triangles, mesh.positions, out.points, options.tile, out.report, ctx);
     return out;
 }

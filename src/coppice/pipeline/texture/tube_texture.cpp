@@ -167,8 +167,8 @@ void TubeTexture::set_sides(NodeId tube) {
 // The quads between the tubes at a branch node are faces of the stem, or rows between a lateral and the face
 // of the stem through which it leaves. Others, as in ramifications, are left without coordinates.
 void TubeTexture::set_forks(NodeId node) {
-    const Skeleton& tubes = build_.tubes;
-    const NodeId owner = tubes.is_root(node) ? (tubes.is_tip(node) ? node : tubes.children(node)[0]) : node;
+    if (!tube_rows_.is_fork(node)) return;
+    const NodeId owner = tube_rows_.fork_tube(node);
     const CageRun fork = faces_[owner.index()].fork[owner == node ? 1 : 0];
     std::vector<Collar> collars;
     for (std::uint32_t f = fork.first; f < fork.first + fork.count; ++f) {

@@ -11,7 +11,7 @@ constexpr float kReflectance = 0.04f;  // of dielectrics, perpendicular to the s
 constexpr float kMinRoughness = 0.2f;  // a narrower lobe than the sun would only be noise
 constexpr float kMinOutward = 0.05f;   // of a normal in the frame of the texture
 
-std::optional<MipMap> levels_of(const Image& image, TexelEncoding encoding, const Context& ctx) {
+std::optional<MipMap> make_levels(const Image& image, TexelEncoding encoding, const Context& ctx) {
     if (image.pixels.empty()) return std::nullopt;
     return MipMap(image, encoding, ctx);
 }
@@ -40,10 +40,10 @@ float fifth(float x) { return x * x * x * x * x; }
 }  // namespace
 
 TracedMaterial::TracedMaterial(const RenderMaterial& material, const Context& ctx)
-    : color_(levels_of(material.color, TexelEncoding::srgb, ctx)),
-      normal_(levels_of(material.normal, TexelEncoding::linear, ctx)),
-      roughness_(levels_of(material.roughness, TexelEncoding::linear, ctx)),
-      occlusion_(levels_of(material.occlusion, TexelEncoding::linear, ctx)) {}
+    : color_(make_levels(material.color, TexelEncoding::srgb, ctx)),
+      normal_(make_levels(material.normal, TexelEncoding::linear, ctx)),
+      roughness_(make_levels(material.roughness, TexelEncoding::linear, ctx)),
+      occlusion_(make_levels(material.occlusion, TexelEncoding::linear, ctx)) {}
 
 Texel TracedMaterial::at(const TexturePlace& place, const Footprint& footprint, Vec3 normal) const {
     Texel out;
