@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "bark_picture.h"
 #include "command.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/quote.h"
@@ -13,7 +14,6 @@
 #include "coppice/render/png.h"
 #include "coppice/system/file.h"
 #include "coppice/texture/bark.h"
-#include "coppice/texture/picture.h"
 #include "files.h"
 #include "options.h"
 #include "pictures.h"
@@ -134,20 +134,6 @@ void write_maps(Run& run, const BarkMaps& maps, const std::string& prefix) {
     run.counts()["files"] = names;
 }
 
-void write_bark_picture(Run& run, const TextureFlags& flags, const BarkMaps& maps, float diameter) {
-    const int height = (2 * flags.picture_width + 2) / 4;
-    const BarkPicture drawn = run.stage("draw", [&](const Context& ctx) {
-        return draw_bark(maps, diameter, flags.picture_width, height, ctx);
-    });
-    run.stage("write picture", [&](const Context&) {
-        Image image(drawn.width, drawn.height);
-        std::ranges::transform(drawn.pixels, image.pixels.begin(), [](const BarkMaps::Texel& p) {
-            return Image::Pixel{p[0], p[1], p[2], 255};
-        });
-        write_picture(flags.picture, image);
-    });
-}
-
 ExitCode make_bark_textures(Run& run, const TextureFlags& flags, const GivenOptions& given) {
     if (flags.species.empty())
         throw UsageError(
@@ -161,7 +147,12 @@ ExitCode make_bark_textures(Run& run, const TextureFlags& flags, const GivenOpti
     if (!flags.output.empty()) check_output_folder(prefix);
     const BarkMaps maps = run.stage("bark", [&](const Context& ctx) { return make_bark(options, ctx); });
     if (!flags.output.empty()) write_maps(run, maps, prefix);
-    if (!flags.picture.empty()) write_bark_picture(run, flags, maps, options.diameter);
+    if (!flags.picture.empty()) {
+        const Image picture = run.stage("draw", [&](const Context& ctx) {
+            return draw_bark(maps, options.diameter, flags.picture_width, ctx);
+        });
+        run.stage("write picture", [&](const Context&) { write_picture(flags.picture, picture); });
+    }
     run.counts().update({{"width", maps.width},
                          {"height", maps.height},
                          {"tile_width_m", maps.tile_width},
