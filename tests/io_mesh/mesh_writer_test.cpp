@@ -102,6 +102,20 @@ TEST_F(MeshWriter, WritesTextureCoordinates) {
         std::string::npos);
 }
 
+TEST_F(MeshWriter, QuotesPathsWithAnAtSignInUsda) {
+    const PolygonMesh mesh = to_polygons(cuboid());
+    const std::vector<TexturePoint> texture(mesh.corners.size());
+    const auto line = [&](const char* image) {
+        write_mesh(folder_ / "a.usda", mesh, {.texture = texture, .material = {.color = folder_ / image}});
+        const std::string text = read_file(folder_ / "a.usda");
+        const std::size_t at = text.find("inputs:file = ");
+        return text.substr(at, text.find('\n', at) - at);
+    };
+    EXPECT_EQ(line("a.png"), "inputs:file = @a.png@");
+    EXPECT_EQ(line("a@b.png"), "inputs:file = @@@a@b.png@@@");
+    EXPECT_EQ(line("a@@@b.png"), "inputs:file = @@@a\\@@@b.png@@@");
+}
+
 /// Returns the cuboid with the square of the texture on each face: every vertex is on seams.
 PolygonMesh textured_cuboid() {
     PolygonMesh mesh = to_polygons(cuboid());

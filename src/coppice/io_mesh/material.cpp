@@ -21,6 +21,16 @@ std::string relative_name(const std::filesystem::path& image, const std::filesys
     return name.empty() ? image.generic_string() : name.generic_string();
 }
 
+// Quotes a path for USD.
+std::string to_asset(const std::string& path) {
+    if (path.find('@') == std::string::npos) return "@" + path + "@";
+    constexpr std::string_view kQuotes = "@@@";
+    std::string inside = path;
+    for (std::size_t at = 0; (at = inside.find(kQuotes, at)) != std::string::npos; at += kQuotes.size() + 1)
+        inside.insert(at, 1, '\\');
+    return fmt::format("{0}{1}{0}", kQuotes, inside);
+}
+
 }  // namespace
 
 std::filesystem::path mtl_path(const std::filesystem::path& obj) {
@@ -48,11 +58,11 @@ std::string usda_material(const std::filesystem::path& usda, const MaterialFiles
                               name, material.name, output);
         images += fmt::format(
             "        def Shader \"{0}\"\n        {{\n            uniform token info:id = \"UsdUVTexture\"\n"
-            "            asset inputs:file = @{1}@\n            token inputs:sourceColorSpace = \"{2}\"\n"
+            "            asset inputs:file = {1}\n            token inputs:sourceColorSpace = \"{2}\"\n"
             "            token inputs:wrapS = \"repeat\"\n            token inputs:wrapT = \"repeat\"\n"
             "            float2 inputs:st.connect = </tree/{3}/coordinates.outputs:result>\n{4}"
             "            {5} outputs:{6}\n        }}\n",
-            name, relative_name(image, usda), space, material.name, more,
+            name, to_asset(relative_name(image, usda)), space, material.name, more,
             output == "rgb" ? "float3" : "float", output);
     };
     add("diffuseColor", material.color, "color3f", "rgb", "sRGB", "");
