@@ -21,7 +21,7 @@ CITED = re.compile(r"\[([A-Z][A-Za-z]+(?:19|20)\d\d[a-z]?)\]")
 LINK = re.compile(r"\]\(([^)#\s]*)(?:#([^)]*))?\)")
 CODE = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
 HEADING = re.compile(r"^#+ +(.*)$", re.MULTILINE)
-LARGEST_PICTURES = 1280 << 10  # [bytes] in total
+LARGEST_PICTURES = 1536 << 10  # [bytes] in total
 FOLDERS = ("src", "app", "bench", "tests", "examples", "docs")
 
 

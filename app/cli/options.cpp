@@ -183,7 +183,7 @@ void OptionList::outputs(const std::string& names, const std::string& type,
 void OptionList::may_replace(const std::string& output, const std::string& input) {
     const auto named = std::ranges::find(options_, output, &Option::name);
     COPPICE_ASSERT(named != options_.end());
-    named->replaces = input;
+    named->replaces.push_back(input);
 }
 
 void OptionList::flag(const std::string& names, bool& target, const std::string& help,

@@ -38,7 +38,7 @@ struct Option {
     double low = 0, high = 0;  ///< inclusive range of numbers, if low < high
     bool common = true;        ///< shown by --help, not only by --help-all
     bool is_output = false;    ///< names files that are written
-    std::string replaces;      ///< of outputs: the option with the input that may be overwritten, or empty
+    std::vector<std::string> replaces;  ///< of outputs: the options with inputs that may be overwritten
     OptionTarget target;
 };
 

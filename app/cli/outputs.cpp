@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <vector>
 
@@ -65,7 +66,9 @@ void check_outputs(const GivenOptions& given) {
                                              output.name.string()));
         }
         for (const NamedFile& input : inputs) {
-            if (input.target == output.target && input.option->name != output.option->replaces)
+            const bool is_allowed =
+                std::ranges::find(output.option->replaces, input.option->name) != output.option->replaces.end();
+            if (input.target == output.target && !is_allowed)
                 throw UsageError(fmt::format("{} would overwrite '{}', which is an input; name another file",
                                              output.option->name, output.name.string()));
         }

@@ -187,7 +187,9 @@ Command texture_command() {
     options.output(
         "-o,--output", "PREFIX", flags->output,
         "Beginning of the names of the maps to write: PREFIX_color.png, PREFIX_normal.png and so on.");
-    options.may_replace("--output", "species");  // neither is a file
+    // These are not files.
+    options.may_replace("--output", "subject");
+    options.may_replace("--output", "species");
     options.output("--picture", "PNG", flags->picture,
                    "Image of a ball and a stem with the bark to write (.png).");
     options.value(
