@@ -26,9 +26,9 @@ exit 3
 """
 PROGRAMS = {
     "coppice_gpu_bench": BENCH,
-    "coppice": "#!/bin/sh\nexit 124\n",
+    "coppice_drag_bench": "#!/bin/sh\nexit 124\n",
     "cuda_card_test": TESTS,
-    "view_test": "#!/bin/sh\n",
+    "drag_test": "#!/bin/sh\n",
     "compute-sanitizer": "#!/bin/sh\necho no errors\n",
 }
 
@@ -68,11 +68,11 @@ with tempfile.TemporaryDirectory() as name:
     expect(not (folder / "out" / "view.md").exists())
     expect("| bench | passed |" in done.stdout and "== frames" in (folder / "out" / "log").read_text(), done)
     # Without a GPU the trees of the papers are sufficient.
-    PROGRAMS["coppice"] = "#!/bin/sh\necho frames\n"
+    PROGRAMS["coppice_drag_bench"] = BENCH
     done, steps, calls = run(folder, "no card: none")
     expect(done.returncode == 1 and "| tests | failed with 1 |" in steps, done, steps)
     expect("| frames | passed |" in steps and "memcheck" not in steps, steps)
-    expect(calls.count("\n") == 1 and "--small" in calls, calls)
+    expect(calls.count("\n") == 2 and "--small" in calls and "--frames 3" in calls, calls)
     taken = subprocess.run([SOURCE / "script" / "bench-gpu", "--take", folder / "out"], capture_output=True, text=True)
     expect(taken.returncode == 1 and "without a card" in taken.stderr, taken)
     # With a GPU, all steps.
@@ -80,5 +80,5 @@ with tempfile.TemporaryDirectory() as name:
     done, steps, calls = run(folder, "Some Card")
     expect(done.returncode == 0 and "| memcheck | passed |" in steps and "| racecheck | passed |" in steps, done, steps)
     expect("no errors" in (folder / "out" / "sanitizer.txt").read_text())
-    expect((folder / "out" / "view.md").read_text() == "```\nframes\n```\n")
+    expect((folder / "out" / "view.md").read_text() == "tables\n")
     expect(len(list((folder / "out").iterdir())) <= 8)

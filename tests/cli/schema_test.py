@@ -64,7 +64,7 @@ def members(fields, path=""):
 STRUCTS = {"mesh": ("mesh", "restore", "read_skeleton"), "check": ("check", "check_cloud", "read_skeleton"),
            "extract": ("extract_mesh", "extract_cloud", "extract_plot", "write_skeleton", "mesh"), "info": ("read_skeleton",),
            "compare": ("compare", "read_skeleton"), "convert": ("read_skeleton", "write_skeleton"),
-           "sketch": ("sketch", "draw_sketch", "read_skeleton", "write_skeleton"), "render": ("render", "read_skeleton"), "view": ("view", "edit_demo", "mesh", "read_skeleton"), "scan": ("scan",)}
+           "sketch": ("sketch", "draw_sketch", "read_skeleton", "write_skeleton"), "render": ("render", "read_skeleton"), "view": ("view", "mesh", "read_skeleton"), "scan": ("scan",)}
 
 
 def main():

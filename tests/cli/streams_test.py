@@ -17,8 +17,7 @@ CASES = [
 # Commands that print.
 PRINTING = ["--help", "--version", "help", "mesh --help", "schema", "info tree.swc", "info tree.swc --json", "info tree.swc --forestry",
             "check box.obj", "compare tree.swc tree.swc", "table tree.swc", "run --reference", "run list.coppice", "edit --reference",
-            "edit tree.swc 'select tips'", "library list oak.branches", "shell < list.coppice",
-            "view tree.swc --edit-demo --frames 1 --width 64 --height 64 --levels 0"]
+            "edit tree.swc 'select tips'", "library list oak.branches", "shell < list.coppice"]
 
 
 def run(program, words, redirection):

@@ -7,10 +7,6 @@
 
 #include "coppice/base/error.h"
 #include "coppice/mesh/normals.h"
-#include "coppice/pipeline/drag/branch_drag.h"
-#include "coppice/pipeline/drag/drag_part.h"
-#include "coppice/pipeline/drag/dragged_surface.h"
-#include "coppice/pipeline/quads/quad_build.h"
 #include "coppice/render/frame_view.h"
 #include "coppice/skeleton/random_tree.h"
 #include "coppice/view/offscreen_context.h"

@@ -90,7 +90,6 @@ ExitCode schema(Run& run) {
                    {"wind", described<WindOptions>()},
                    {"render", described<RenderOptions>()},
                    {"view", described<ViewOptions>()},
-                   {"edit_demo", described<EditDemoOptions>()},
                    {"scan", described<ScanOptions>()},
                    {"bark", described<BarkOptions>()},
                    {"read_skeleton", described<ReadSkeletonOptions>()},

@@ -12,16 +12,4 @@ void list_fields(ViewOptions& o, FieldList& list) {
              o.smoothing);
 }
 
-void list_fields(EditDemoOptions& o, FieldList& list) {
-    list.add(
-        common_field("frames", "Number of frames drawn while the branch is dragged.", Unit::none, 1, 1000000),
-        o.frames);
-    list.add(
-        common_field("segments", "Approximate number of segments of the dragged branch.", Unit::none, 1, 1e9),
-        o.segments);
-    list.add(
-        Field{"swing", "Maximum angle of the dragged branch to both sides of rest.", Unit::radian, 0, 1.5708},
-        o.swing);
-}
-
 }  // namespace coppice

@@ -14,14 +14,4 @@ struct ViewOptions {
 /// Lists the members for front ends.
 void list_fields(ViewOptions& o, FieldList& list);
 
-/// Options of the demo that drags a branch back and forth and measures the time.
-struct EditDemoOptions {
-    int frames = 240;      ///< number of drawn frames
-    int segments = 500;    ///< approximate size of the branch: see branch_of_about
-    float swing = 0.349f;  ///< [rad] maximum angle to both sides of rest
-};
-
-/// Lists the members for front ends.
-void list_fields(EditDemoOptions& o, FieldList& list);
-
 }  // namespace coppice

@@ -1,1 +1,1 @@
-#include "coppice/cuda/drag/device_drag.cu"
+#include "drag/device_drag.cu"

@@ -1,4 +1,4 @@
-#include "coppice/pipeline/drag/branch_drag.h"
+#include "drag/branch_drag.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include "coppice/base/error.h"
 #include "coppice/base/rotation.h"
 
-namespace coppice {
+namespace coppice::bench {
 namespace {
 
 // Returns by node the number of segments that it carries, including its own.
@@ -119,4 +119,4 @@ void BranchDrag::turn(double angle, DragPose& pose) const {
     }
 }
 
-}  // namespace coppice
+}  // namespace coppice::bench

@@ -1,20 +1,19 @@
-#include "coppice/cuda/drag/device_drag.h"
+#include "drag/device_drag.h"
 
 #include <optional>
 
-#include "coppice/cuda/drag/drag_stages_internal.h"
-#include "coppice/cuda/drag/shared_buffers.cuh"
 #include "coppice/cuda/quads/device_quads.h"
 #include "coppice/cuda/quads/project_field.cuh"
+#include "drag/drag_stages.h"
+#include "drag/shared_buffers.cuh"
 
-namespace coppice {
+namespace coppice::bench {
 namespace {
 
 using cuda::CudaExecutor;
-using cuda::DrawnVertices;
 
 // Returns the approximate memory for frames.
-std::uint64_t count_bytes(const cuda::DragJob& job) {
+std::uint64_t count_bytes(const DragJob& job) {
     return cuda::kSlackBytes + cuda::bytes_of_job(job.quads) +
            cuda::bytes_of_contacts(job.contacts.field.segments().size(),
                                    job.contacts.control.region_node.size()) +
@@ -24,26 +23,26 @@ std::uint64_t count_bytes(const cuda::DragJob& job) {
 
 }  // namespace
 
-int drawing_device() { return cuda::SharedBuffers::drawing_device(); }
+int find_drawing_device() { return SharedBuffers::find_drawing_device(); }
 
 struct DeviceDrag::Impl {
     int device;
     std::string name;
     CudaExecutor exec;
-    std::optional<cuda::SharedBuffers> shared;
-    std::optional<cuda::DragStages<CudaExecutor>> stages;
+    std::optional<SharedBuffers> shared;
+    std::optional<DragStages<CudaExecutor>> stages;
     DrawnVertices own;  // used without shared buffers
     KernelConstants kernel;
 
     Impl(int number, const Context& ctx) : device(number), name(require_device(number).name), exec(ctx) {}
 
-    void begin(const cuda::DragMoves& moves, const DrawnVertices& drawn) {
+    void begin(const DragMoves& moves, const DrawnVertices& drawn) {
         stages->begin(moves, drawn,
                       [&](cuda::QuadStages<CudaExecutor>& quads, const cuda::FieldArrays& field) {
                           cuda::project(quads, kernel, field);
                       });
     }
-    void make(const cuda::DragMoves& moves) {
+    void make(const DragMoves& moves) {
         CudaExecutor::choose(device);
         do {
             if (shared) {
@@ -62,7 +61,7 @@ const std::string& DeviceDrag::name() const { return impl_->name; }
 
 void DeviceDrag::attach(const DrawnBuffers& buffers) { impl_->shared.emplace(buffers); }
 
-void DeviceDrag::begin(const cuda::DragJob& job, const cuda::DragMoves& rest) {
+void DeviceDrag::begin(const DragJob& job, const DragMoves& rest) {
     Impl& impl = *impl_;
     impl.stages.reset();
     impl.exec.reset();
@@ -76,7 +75,7 @@ void DeviceDrag::begin(const cuda::DragJob& job, const cuda::DragMoves& rest) {
     impl.make(rest);
 }
 
-void DeviceDrag::make(const cuda::DragMoves& moves) { impl_->make(moves); }
+void DeviceDrag::make(const DragMoves& moves) { impl_->make(moves); }
 
 void DeviceDrag::download(std::span<Vec3> positions, std::span<Vec3> normals) {
     const auto copy = [&](std::span<const Vec3> from, std::span<Vec3> to) {
@@ -86,4 +85,4 @@ void DeviceDrag::download(std::span<Vec3> positions, std::span<Vec3> normals) {
     copy(impl_->own.normals, normals);
 }
 
-}  // namespace coppice
+}  // namespace coppice::bench

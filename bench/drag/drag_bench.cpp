@@ -1,4 +1,4 @@
-#include "coppice/view/edit_demo.h"
+#include "drag/drag_bench.h"
 
 #include <algorithm>
 #include <chrono>
@@ -11,7 +11,7 @@
 #include "coppice/mesh/normals.h"
 #include "coppice/render/frame_view.h"
 
-namespace coppice {
+namespace coppice::bench {
 namespace {
 
 constexpr int kPictures = 4;
@@ -85,15 +85,15 @@ bool is_shown(int frame, int frames) {
     return false;
 }
 
-double compute_angle(int frame, const EditDemoOptions& demo) {
+double compute_angle(int frame, const DragOptions& dragging) {
     if (frame == 0) return 0;
-    const double way = static_cast<double>(frame) / (demo.frames - 1);
-    return demo.swing * std::sin(2 * std::numbers::pi * kSwings * way);
+    const double way = static_cast<double>(frame) / (dragging.frames - 1);
+    return dragging.swing * std::sin(2 * std::numbers::pi * kSwings * way);
 }
 
-NodeId checked_branch(const QuadBuild& build, const EditDemoOptions& demo) {
-    const NodeId top = branch_of_about(build.skeleton, static_cast<std::uint32_t>(demo.segments));
-    if (!top) throw InvalidInput("view: a tree without segments has no branch to drag");
+NodeId checked_branch(const QuadBuild& build, const DragOptions& dragging) {
+    const NodeId top = branch_of_about(build.skeleton, static_cast<std::uint32_t>(dragging.segments));
+    if (!top) throw InvalidInput("a tree without segments has no branch to drag");
     return top;
 }
 
@@ -110,19 +110,19 @@ std::vector<float> collect_vertices(const QuadBuild& build, const BranchDrag& dr
     return out;
 }
 
-// The data of a demo before its first frame.
+// All data before the first frame.
 struct Prepared {
     BranchDrag drag;
     DragPart part;
     SurfaceView view;
 
     static SurfaceView make_view(const QuadBuild& build, const BranchDrag& drag, const DragPart& part,
-                                 const EditDemoOptions& demo, const ViewOptions& options) {
+                                 const DragOptions& dragging, const ViewOptions& options) {
         QuadMesh drawn{{}, part.quads, {}};
         for (const std::uint32_t v : part.vertex) drawn.positions.push_back(build.refined[v]);
         const Buffer<Vec3> normals = smooth_normals(drawn.positions, drawn.quads);
         const TriMesh triangles = triangulate(drawn);
-        const std::vector<Vec3> reached = reached_places(build, drag, static_cast<double>(demo.swing));
+        const std::vector<Vec3> reached = reached_places(build, drag, dragging.swing);
         const std::vector<float> marked = collect_vertices(build, drag, part);
         return {{drawn.positions, normals, triangles.triangles, marked},
                 make_camera(drawn.positions, reached, options),
@@ -130,11 +130,11 @@ struct Prepared {
                 reached};
     }
 
-    Prepared(const QuadBuild& build, const EditDemoOptions& demo, const ViewOptions& options,
+    Prepared(const QuadBuild& build, const DragOptions& dragging, const ViewOptions& options,
              const Context& ctx)
-        : drag(build, checked_branch(build, demo), viewing_axis(options)),
-          part(drag_part(build, drag, static_cast<double>(demo.swing), ctx)),
-          view(make_view(build, drag, part, demo, options)) {}
+        : drag(build, checked_branch(build, dragging), viewing_axis(options)),
+          part(drag_part(build, drag, dragging.swing, ctx)),
+          view(make_view(build, drag, part, dragging, options)) {}
 };
 
 // Calls begin() and end() of a backend.
@@ -160,28 +160,27 @@ class Running {
 
 }  // namespace
 
-EditDemoResult edit_demo(const QuadBuild& build, const EditDemoOptions& demo, const ViewOptions& options,
+DragFigures measure_drag(const QuadBuild& build, const DragOptions& dragging, const ViewOptions& options,
                          SurfaceBackend& backend, const Context& ctx) {
-    check_fields(demo, "view");
     check_fields(options, "view");
-    Prepared prepared(build, demo, options, ctx);
+    Prepared prepared(build, dragging, options, ctx);
     const auto& [drag, part, view] = prepared;
     const Context each{.threads = ctx.threads, .stop = ctx.stop};
     const Running running(backend, prepared, build, each);
-    EditDemoResult out{.renderer = view.context().renderer(),
-                       .opengl = view.context().version(),
-                       .branch = build.skeleton.stable_id(drag.top()).index(),
-                       .segments = static_cast<std::uint32_t>(drag.nodes().size()),
-                       .quads = static_cast<std::uint32_t>(part.quads.size()),
-                       .vertices = static_cast<std::uint32_t>(part.vertex.size()),
-                       .written = part.written,
-                       .frames = static_cast<std::uint32_t>(demo.frames)};
+    DragFigures out{.renderer = view.context().renderer(),
+                    .opengl = view.context().version(),
+                    .branch = build.skeleton.stable_id(drag.top()).index(),
+                    .segments = static_cast<std::uint32_t>(drag.nodes().size()),
+                    .quads = static_cast<std::uint32_t>(part.quads.size()),
+                    .vertices = static_cast<std::uint32_t>(part.vertex.size()),
+                    .written = part.written,
+                    .frames = static_cast<std::uint32_t>(dragging.frames)};
     Laps laps;
     DragPose pose = drag.rest();
-    for (int k = 0; k < demo.frames; ++k) {
+    for (int k = 0; k < dragging.frames; ++k) {
         ctx.throw_if_cancelled();
         Stopwatch watch;
-        drag.turn(compute_angle(k, demo), pose);
+        drag.turn(compute_angle(k, dragging), pose);
         laps.edit.push_back(watch.lap());
         backend.make(pose, each);
         laps.surface.push_back(watch.lap());
@@ -189,25 +188,15 @@ EditDemoResult edit_demo(const QuadBuild& build, const EditDemoOptions& demo, co
         laps.upload.push_back(watch.lap());
         prepared.view.draw();
         laps.draw.push_back(watch.lap());
-        if (is_shown(k, demo.frames)) out.pictures.push_back(view.picture());
-        ctx.report(static_cast<float>(k + 1) / static_cast<float>(demo.frames));
+        if (is_shown(k, dragging.frames)) out.pictures.push_back(view.picture());
+        ctx.report(static_cast<float>(k + 1) / static_cast<float>(dragging.frames));
     }
     out.backend = backend.name();
     out.note = backend.note();
     double whole = 0;
     out.seconds = laps.summary(whole);
-    out.frames_per_second = demo.frames / whole;
+    out.frames_per_second = dragging.frames / whole;
     return out;
 }
 
-ViewResult view_surface(const PolygonMesh& mesh, const ViewOptions& options) {
-    check_fields(options, "view");
-    const TriMesh triangles = triangulate(mesh);
-    const Buffer<Vec3> normals = smooth_normals(triangles);
-    SurfaceView view({triangles.positions, normals, triangles.triangles},
-                     make_camera(triangles.positions, {}, options), options);
-    view.draw();
-    return {view.picture(), view.context().renderer(), view.context().version()};
-}
-
-}  // namespace coppice
+}  // namespace coppice::bench

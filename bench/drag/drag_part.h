@@ -9,11 +9,11 @@
 #include "coppice/base/context.h"
 #include "coppice/mesh/control_mesh.h"
 #include "coppice/mesh/mesh.h"
-#include "coppice/pipeline/drag/branch_drag.h"
 #include "coppice/pipeline/quads/quad_build.h"
 #include "coppice/subdivision/catmull_clark.h"
+#include "drag/branch_drag.h"
 
-namespace coppice {
+namespace coppice::bench {
 
 /// The part of a surface that a drag can change, for angles up to a maximum, and an order of vertices in
 /// which it comes first: a frame then writes only the beginning of every buffer.
@@ -54,4 +54,4 @@ DragPart drag_part(const QuadBuild& build, const BranchDrag& drag, double max_an
 /// Returns the part that contains the whole surface.
 DragPart whole_part(const QuadBuild& build, const Context& ctx = {});
 
-}  // namespace coppice
+}  // namespace coppice::bench

@@ -1,8 +1,8 @@
-#include "coppice/cuda/drag/device_drag.h"
+#include "drag/device_drag.h"
 
-namespace coppice {
+namespace coppice::bench {
 
-int drawing_device() { return -1; }
+int find_drawing_device() { return -1; }
 
 struct DeviceDrag::Impl {
     std::string name;
@@ -14,8 +14,8 @@ DeviceDrag::~DeviceDrag() = default;
 // Without a GPU the constructor throws, so these are never called.
 const std::string& DeviceDrag::name() const { return impl_->name; }
 void DeviceDrag::attach(const DrawnBuffers&) {}
-void DeviceDrag::begin(const cuda::DragJob&, const cuda::DragMoves&) {}
-void DeviceDrag::make(const cuda::DragMoves&) {}
+void DeviceDrag::begin(const DragJob&, const DragMoves&) {}
+void DeviceDrag::make(const DragMoves&) {}
 void DeviceDrag::download(std::span<Vec3>, std::span<Vec3>) {}
 
-}  // namespace coppice
+}  // namespace coppice::bench

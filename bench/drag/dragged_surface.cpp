@@ -1,4 +1,4 @@
-#include "coppice/pipeline/drag/dragged_surface.h"
+#include "drag/dragged_surface.h"
 
 #include <cstdint>
 #include <vector>
@@ -9,7 +9,7 @@
 #include "coppice/mesh/normals.h"
 #include "coppice/pipeline/field_regions_internal.h"
 
-namespace coppice {
+namespace coppice::bench {
 namespace {
 
 constexpr std::size_t kDragGrain = 4096;
@@ -61,4 +61,4 @@ ProjectReport DraggedSurface::make(const DragPose& pose, const Context& ctx) {
     return report;
 }
 
-}  // namespace coppice
+}  // namespace coppice::bench

@@ -1,4 +1,4 @@
-#include "coppice/pipeline/drag/drag_part.h"
+#include "drag/drag_part.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,7 @@
 #include "coppice/pipeline/field_regions_internal.h"
 #include "coppice/spatial/box_tree.h"
 
-namespace coppice {
+namespace coppice::bench {
 namespace {
 
 constexpr double kStep = 0.05;            // [rad] angle of rotation covered by one box
@@ -302,4 +302,4 @@ DragPart whole_part(const QuadBuild& build, const Context& ctx) {
     return part_of_regions(build, Flags(build.cage.region_node.size(), 1), ctx);
 }
 
-}  // namespace coppice
+}  // namespace coppice::bench

@@ -4,12 +4,12 @@
 
 #include "coppice/base/column.h"
 #include "coppice/base/context.h"
-#include "coppice/pipeline/drag/branch_drag.h"
-#include "coppice/pipeline/drag/drag_part.h"
 #include "coppice/pipeline/quads/quad_build.h"
 #include "coppice/subdivision/project.h"
+#include "drag/branch_drag.h"
+#include "drag/drag_part.h"
 
-namespace coppice {
+namespace coppice::bench {
 
 /// Computes the surface of a dragged branch, frame after frame, on the CPU: the cage of the part that changes
 /// is refined, moved onto the field of the posed skeleton, and given normals. At angle 0 it is bit-identical
@@ -37,4 +37,4 @@ class DraggedSurface {
     Buffer<Vec3> positions_, normals_;
 };
 
-}  // namespace coppice
+}  // namespace coppice::bench

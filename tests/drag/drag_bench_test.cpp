@@ -1,17 +1,20 @@
-#include "coppice/view/edit_demo.h"
+#include "drag/drag_bench.h"
 
 #include <cmath>
 
+#include "drag/branch_drag.h"
+#include "drag/drag_part.h"
+#include "drag/dragged_surface.h"
 #include "errors.h"
-#include "view_scenes.h"
+#include "view/view_scenes.h"
 
-namespace coppice {
+namespace coppice::bench {
 namespace {
 
 using test::small_picture;
 using test::small_tree;
 
-class EditDemoTest : public test::ViewTest {};
+class DragBench : public test::ViewTest {};
 
 /// Draws frames of a branch at any angle.
 class Frames {
@@ -54,7 +57,7 @@ class Frames {
     DragPose pose_;
 };
 
-TEST_F(EditDemoTest, DraggedBranchIsVisibleAndReturnsBitIdentically) {
+TEST_F(DragBench, DraggedBranchIsVisibleAndReturnsBitIdentically) {
     Frames frames;
     const Image rest = frames.rest();
     EXPECT_EQ(frames.at(0), rest);
@@ -68,10 +71,10 @@ TEST_F(EditDemoTest, DraggedBranchIsVisibleAndReturnsBitIdentically) {
     EXPECT_EQ(frames.at(0), rest);
 }
 
-TEST_F(EditDemoTest, ReportsItsCountsAndTimes) {
+TEST_F(DragBench, ReportsItsCountsAndTimes) {
     const QuadBuild build = build_quads(small_tree());
     const auto backend = cpu_backend();
-    const EditDemoResult result = edit_demo(build, {.frames = 6, .segments = 30}, small_picture(), *backend);
+    const DragFigures result = measure_drag(build, {.frames = 6, .segments = 30}, small_picture(), *backend);
     EXPECT_FALSE(result.renderer.empty());
     EXPECT_EQ(result.backend, "CPU");
     EXPECT_EQ(result.frames, 6u);
@@ -90,26 +93,26 @@ TEST_F(EditDemoTest, ReportsItsCountsAndTimes) {
 }
 
 /// Four frames of the small tree, and the backend that computed them.
-EditDemoResult small_demo(SurfaceBackend& backend) {
-    return edit_demo(build_quads(small_tree()), {.frames = 4, .segments = 30}, small_picture(), backend);
+DragFigures small_drag(SurfaceBackend& backend) {
+    return measure_drag(build_quads(small_tree()), {.frames = 4, .segments = 30}, small_picture(), backend);
 }
 
-TEST_F(EditDemoTest, WithoutACardThrowsOrUsesTheCpu) {
+TEST_F(DragBench, WithoutACardThrowsOrUsesTheCpu) {
     const DeviceSearch search = find_device();
     if (search.device) GTEST_SKIP() << "there is a card: " << search.device->name;
     const auto requested = surface_backend(Device::cuda), left = surface_backend(Device::automatic);
-    EXPECT_THROW(small_demo(*requested), DeviceError);
-    const EditDemoResult by_itself = small_demo(*left);
+    EXPECT_THROW(small_drag(*requested), DeviceError);
+    const DragFigures by_itself = small_drag(*left);
     EXPECT_EQ(by_itself.backend, "CPU");
     EXPECT_EQ(by_itself.note, "");
-    EXPECT_EQ(by_itself.pictures, small_demo(*cpu_backend()).pictures);
+    EXPECT_EQ(by_itself.pictures, small_drag(*cpu_backend()).pictures);
 }
 
-TEST_F(EditDemoTest, ACardMatchesTheCpu) {
+TEST_F(DragBench, ACardMatchesTheCpu) {
     const DeviceSearch search = find_device();
     if (!search.device) GTEST_SKIP() << "there is no card: " << search.missing;
     const auto card = surface_backend(Device::cuda), cpu = surface_backend(Device::cpu);
-    const EditDemoResult here = small_demo(*card), there = small_demo(*cpu);
+    const DragFigures here = small_drag(*card), there = small_drag(*cpu);
     EXPECT_EQ(here.note.empty(), here.backend.find("through the host") == std::string::npos) << here.note;
     EXPECT_NE(here.backend, "CPU");
     EXPECT_EQ(there.backend, "CPU");
@@ -123,26 +126,24 @@ TEST_F(EditDemoTest, ACardMatchesTheCpu) {
     }
 }
 
-TEST_F(EditDemoTest, OneFrameIsTheTreeAtRest) {
+TEST_F(DragBench, OneFrameIsTheTreeAtRest) {
     const QuadBuild build = build_quads(small_tree());
     const auto backend = cpu_backend();
     const auto first = [&](int frames) {
-        return edit_demo(build, {.frames = frames, .segments = 30}, small_picture(), *backend)
+        return measure_drag(build, {.frames = frames, .segments = 30}, small_picture(), *backend)
             .pictures.front();
     };
     EXPECT_EQ(first(1), first(2));
 }
 
-TEST_F(EditDemoTest, RejectsATreeWithoutABranch) {
+TEST_F(DragBench, RejectsATreeWithoutABranch) {
     const QuadBuild ball = build_quads(Skeleton({NodeId{}}, {Vec3{}}, {1.0f}));
     const auto backend = cpu_backend();
-    EXPECT_EQ(test::error_of([&] { edit_demo(ball, {}, small_picture(), *backend); }),
-              "view: a tree without segments has no branch to drag");
-    EXPECT_EQ(test::error_of([&] { edit_demo(ball, {.frames = 0}, small_picture(), *backend); }),
-              "view: frames must be between 1 and 1000000, but is 0");
+    EXPECT_EQ(test::error_of([&] { measure_drag(ball, {}, small_picture(), *backend); }),
+              "a tree without segments has no branch to drag");
 }
 
-TEST_F(EditDemoTest, StopsWhenCancelled) {
+TEST_F(DragBench, StopsWhenCancelled) {
     const QuadBuild build = build_quads(small_tree());
     const auto backend = cpu_backend();
     std::stop_source stop;
@@ -150,18 +151,9 @@ TEST_F(EditDemoTest, StopsWhenCancelled) {
     const Context ctx{.stop = stop.get_token(), .progress = [&](float) {
                           if (++reports == 2) stop.request_stop();
                       }};
-    EXPECT_THROW(edit_demo(build, {.frames = 50}, small_picture(), *backend, ctx), Cancelled);
+    EXPECT_THROW(measure_drag(build, {.frames = 50}, small_picture(), *backend, ctx), Cancelled);
     EXPECT_EQ(reports, 2);
 }
 
-TEST_F(EditDemoTest, DrawsASurfaceOnce) {
-    const QuadBuild build = build_quads(small_tree());
-    const ViewResult result =
-        view_surface(to_polygons(QuadMesh{build.refined, build.refinement.quads()}), small_picture());
-    EXPECT_EQ(result.picture.width, 320);
-    EXPECT_EQ(result.picture.height, 240);
-    EXPECT_NE(result.picture.at(160, 120), result.picture.at(0, 0));
-}
-
 }  // namespace
-}  // namespace coppice
+}  // namespace coppice::bench

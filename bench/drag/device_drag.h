@@ -7,9 +7,9 @@
 
 #include "coppice/base/context.h"
 #include "coppice/cuda/device.h"
-#include "coppice/cuda/drag/drag_job.h"
+#include "drag/drag_job.h"
 
-namespace coppice {
+namespace coppice::bench {
 
 /// OpenGL buffers from which a surface is drawn, with three floats per vertex.
 struct DrawnBuffers {
@@ -18,7 +18,7 @@ struct DrawnBuffers {
 };
 
 /// Returns the CUDA number of the GPU that draws in the current OpenGL context; -1 if CUDA does not know one.
-int drawing_device();
+int find_drawing_device();
 
 /// Computes the frames of a partially moving surface on a GPU, and writes them directly into the buffers from
 /// which it is drawn. Topology is the same as on the CPU, positions agree within 1e-4 of the local radius.
@@ -40,9 +40,9 @@ class DeviceDrag {
     void attach(const DrawnBuffers& buffers);
     /// Copies all constant data and computes the frame at rest. The job must outlive this object. Throws
     /// DeviceError if the GPU has too little memory or cannot compute the lists of the field.
-    void begin(const cuda::DragJob& job, const cuda::DragMoves& rest);
+    void begin(const DragJob& job, const DragMoves& rest);
     /// Computes a frame and waits for it. Throws DeviceError if the GPU failed.
-    void make(const cuda::DragMoves& moves);
+    void make(const DragMoves& moves);
     /// Copies the first positions.size() positions and normals.size() normals of the last frame. Only without
     /// shared buffers.
     void download(std::span<Vec3> positions, std::span<Vec3> normals);
@@ -52,4 +52,4 @@ class DeviceDrag {
     std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace coppice
+}  // namespace coppice::bench

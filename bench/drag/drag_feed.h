@@ -5,15 +5,15 @@
 
 #include "coppice/base/column.h"
 #include "coppice/base/context.h"
-#include "coppice/cuda/drag/drag_job.h"
 #include "coppice/field/convolution_field.h"
 #include "coppice/field/skeleton_segments.h"
 #include "coppice/mesh/control_mesh.h"
-#include "coppice/pipeline/drag/branch_drag.h"
-#include "coppice/pipeline/drag/drag_part.h"
 #include "coppice/pipeline/quads/quad_build.h"
+#include "drag/branch_drag.h"
+#include "drag/drag_job.h"
+#include "drag/drag_part.h"
 
-namespace coppice {
+namespace coppice::bench {
 
 /// The data that a GPU needs of a dragged branch: once all constant data, and for each frame the moved
 /// elements.
@@ -25,9 +25,9 @@ class DragFeed {
     DragFeed& operator=(const DragFeed&) = delete;  ///< its job refers to it
 
     /// Valid during the lifetime of this object. The field's contact has to be above 0.
-    cuda::DragJob job() const;
+    DragJob job() const;
     /// Returns the moved elements of a pose; valid until the next call. O(branch).
-    cuda::DragMoves moves(const DragPose& pose);
+    DragMoves moves(const DragPose& pose);
 
   private:
     void find_vertices();
@@ -45,10 +45,10 @@ class DragFeed {
     std::vector<Quad> quads_about_;
 
     // Data of a frame.
-    std::vector<cuda::MovedNode> moved_nodes_;
+    std::vector<MovedNode> moved_nodes_;
     std::vector<Vec3> moved_tubes_;
-    std::vector<cuda::MovedVertex> moved_vertices_;
+    std::vector<MovedVertex> moved_vertices_;
     std::vector<ClipPlane> clips_;
 };
 
-}  // namespace coppice
+}  // namespace coppice::bench

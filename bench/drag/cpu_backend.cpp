@@ -1,9 +1,9 @@
 #include <optional>
 
-#include "coppice/pipeline/drag/dragged_surface.h"
-#include "coppice/view/surface_backend.h"
+#include "drag/dragged_surface.h"
+#include "drag/surface_backend.h"
 
-namespace coppice {
+namespace coppice::bench {
 namespace {
 
 class CpuBackend : public SurfaceBackend {
@@ -35,4 +35,4 @@ class CpuBackend : public SurfaceBackend {
 
 std::unique_ptr<SurfaceBackend> cpu_backend() { return std::make_unique<CpuBackend>(); }
 
-}  // namespace coppice
+}  // namespace coppice::bench

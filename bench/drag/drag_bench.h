@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -8,10 +9,17 @@
 #include "coppice/mesh/statistics.h"
 #include "coppice/pipeline/quads/quad_build.h"
 #include "coppice/render/image.h"
-#include "coppice/view/surface_backend.h"
 #include "coppice/view/view_options.h"
+#include "drag/surface_backend.h"
 
-namespace coppice {
+namespace coppice::bench {
+
+/// Options of dragging a branch back and forth.
+struct DragOptions {
+    int frames = 240;    ///< number of drawn frames, at least 1
+    int segments = 500;  ///< approximate size of the branch, at least 1: see branch_of_about
+    double swing = 20 * std::numbers::pi / 180;  ///< [rad] maximum angle to both sides of rest
+};
 
 /// Statistics of the times of all frames [s]; the steps of a frame have this order.
 struct FrameTimes {
@@ -33,7 +41,7 @@ void visit_figures(const FrameTimes& t, Visitor&& visit) {
 }
 
 /// The dragged branch and the speed.
-struct EditDemoResult {
+struct DragFigures {
     std::string renderer;          ///< name of the OpenGL renderer
     std::string opengl;            ///< version of OpenGL
     std::string backend;           ///< name of the backend
@@ -51,7 +59,7 @@ struct EditDemoResult {
 
 /// Calls visit(name, value) for every figure except the times, in order.
 template <class Visitor>
-void visit_figures(const EditDemoResult& r, Visitor&& visit) {
+void visit_figures(const DragFigures& r, Visitor&& visit) {
     visit("renderer", r.renderer);
     visit("opengl", r.opengl);
     visit("surfaces_by", r.backend);
@@ -67,19 +75,9 @@ void visit_figures(const EditDemoResult& r, Visitor&& visit) {
 /// Drags a branch of the tree back and forth in the image plane, and draws every frame: one and a quarter
 /// periods, from rest to the maximum angle. Images are stored outside the measured times.
 ///
-/// Throws InvalidInput if the tree has no branch or an option is out of range, Unsupported if OpenGL is not
-/// available, and the exceptions of the backend.
-EditDemoResult edit_demo(const QuadBuild& build, const EditDemoOptions& demo, const ViewOptions& options,
+/// Throws InvalidInput if the tree has no branch or an option of the view is out of range, Unsupported if
+/// OpenGL is not available, and the exceptions of the backend.
+DragFigures measure_drag(const QuadBuild& build, const DragOptions& dragging, const ViewOptions& options,
                          SurfaceBackend& backend, const Context& ctx = {});
 
-/// The image of a surface.
-struct ViewResult {
-    Image picture;         ///< of the surface
-    std::string renderer;  ///< name of the OpenGL renderer
-    std::string opengl;    ///< version of OpenGL
-};
-
-/// Draws a surface. Throws as edit_demo().
-ViewResult view_surface(const PolygonMesh& mesh, const ViewOptions& options);
-
-}  // namespace coppice
+}  // namespace coppice::bench

@@ -9,7 +9,7 @@
 #include "coppice/pipeline/quads/quad_build.h"
 #include "coppice/skeleton/skeleton.h"
 
-namespace coppice {
+namespace coppice::bench {
 
 /// Returns the first node of the branch that has approximately this number of segments: of all laterals, or
 /// if there are none of all nodes except roots, the one with the closest number by ratio; of equals the
@@ -65,4 +65,4 @@ class BranchDrag {
     std::vector<float> shares_;
 };
 
-}  // namespace coppice
+}  // namespace coppice::bench

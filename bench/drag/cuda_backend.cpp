@@ -6,11 +6,11 @@
 #include <string>
 
 #include "coppice/base/column.h"
-#include "coppice/cuda/drag/device_drag.h"
-#include "coppice/pipeline/drag/drag_feed.h"
-#include "coppice/view/surface_backend.h"
+#include "drag/device_drag.h"
+#include "drag/drag_feed.h"
+#include "drag/surface_backend.h"
 
-namespace coppice {
+namespace coppice::bench {
 namespace {
 
 // Dragging on a GPU: writes directly into the buffers if the same GPU draws and OpenGL shares them, otherwise
@@ -20,7 +20,7 @@ class CardFrames {
     CardFrames(const DragScene& scene, const VertexBuffers& buffers, const Context& ctx)
         : buffers_(buffers),
           feed_(scene.build, scene.drag, scene.part, ctx),
-          device_(std::max(0, drawing_device()), ctx) {
+          device_(std::max(0, find_drawing_device()), ctx) {
         if (scene.build.field.contact == 0)
             throw DeviceError("the lists of a field without contact are computed on the CPU");
         is_direct_ = attach();
@@ -93,7 +93,7 @@ class CudaBackend : public SurfaceBackend {
     // The automatic choice is the GPU that draws.
     bool is_wanted() const {
         if (wanted_ != Device::automatic) return wanted_ == Device::cuda;
-        const int device = drawing_device();
+        const int device = find_drawing_device();
         return device >= 0 && find_device(device).device.has_value();
     }
     void begin_on_cpu(const Context& ctx) {
@@ -126,4 +126,4 @@ std::unique_ptr<SurfaceBackend> surface_backend(Device wanted) {
     return std::make_unique<CudaBackend>(wanted);
 }
 
-}  // namespace coppice
+}  // namespace coppice::bench

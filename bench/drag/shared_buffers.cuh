@@ -7,17 +7,17 @@
 #include <cstddef>
 #include <span>
 
-#include "coppice/cuda/drag/device_drag.h"
-#include "coppice/cuda/drag/drag_stages_internal.h"
 #include "coppice/cuda/exec/cuda_executor.cuh"
+#include "drag/device_drag.h"
+#include "drag/drag_stages.h"
 
-namespace coppice::cuda {
+namespace coppice::bench {
 
 /// OpenGL buffers that are registered with CUDA.
 class SharedBuffers {
   public:
-    /// See coppice::drawing_device().
-    static int drawing_device() {
+    /// See find_drawing_device().
+    static int find_drawing_device() {
         unsigned count = 0;
         int device = -1;
         if (cudaGLGetDevices(&count, &device, 1, cudaGLDeviceListAll) == cudaSuccess && count > 0)
@@ -29,10 +29,11 @@ class SharedBuffers {
     explicit SharedBuffers(const DrawnBuffers& names) {
         // Elements that a frame does not write must be preserved, so the contents may not be discarded.
         constexpr unsigned kKeep = cudaGraphicsRegisterFlagsNone;
-        check(cudaGraphicsGLRegisterBuffer(&buffers_[0], names.positions, kKeep), "share a buffer of OpenGL");
+        cuda::check(cudaGraphicsGLRegisterBuffer(&buffers_[0], names.positions, kKeep),
+                    "share a buffer of OpenGL");
         const cudaError_t second = cudaGraphicsGLRegisterBuffer(&buffers_[1], names.normals, kKeep);
         if (second != cudaSuccess) cudaGraphicsUnregisterResource(buffers_[0]);
-        check(second, "share a buffer of OpenGL");
+        cuda::check(second, "share a buffer of OpenGL");
     }
     ~SharedBuffers() {
         for (cudaGraphicsResource_t const buffer : buffers_) cudaGraphicsUnregisterResource(buffer);
@@ -43,7 +44,7 @@ class SharedBuffers {
     /// Calls write(vertices) while the buffers are mapped: earlier OpenGL commands finish before work that
     /// `write` starts on the executor, and later ones run after it.
     template <class Write>
-    void lend(CudaExecutor& exec, const Write& write) {
+    void lend(cuda::CudaExecutor& exec, const Write& write) {
         Mapped mapped(buffers_, exec.stream());
         write(DrawnVertices{map_vertices(buffers_[0]), map_vertices(buffers_[1])});
         mapped.give_back();
@@ -57,7 +58,7 @@ class SharedBuffers {
     class Mapped {
       public:
         Mapped(Pair& buffers, cudaStream_t stream) : buffers_(buffers), stream_(stream) {
-            check(cudaGraphicsMapResources(kCount, buffers_.data(), stream_), "map buffers of OpenGL");
+            cuda::check(cudaGraphicsMapResources(kCount, buffers_.data(), stream_), "map buffers of OpenGL");
         }
         ~Mapped() {
             if (is_mapped_) cudaGraphicsUnmapResources(kCount, buffers_.data(), stream_);
@@ -67,7 +68,8 @@ class SharedBuffers {
 
         void give_back() {
             is_mapped_ = false;
-            check(cudaGraphicsUnmapResources(kCount, buffers_.data(), stream_), "unmap buffers of OpenGL");
+            cuda::check(cudaGraphicsUnmapResources(kCount, buffers_.data(), stream_),
+                        "unmap buffers of OpenGL");
         }
 
       private:
@@ -79,11 +81,12 @@ class SharedBuffers {
     static std::span<Vec3> map_vertices(cudaGraphicsResource_t buffer) {
         void* begin = nullptr;
         std::size_t bytes = 0;
-        check(cudaGraphicsResourceGetMappedPointer(&begin, &bytes, buffer), "access a buffer of OpenGL");
+        cuda::check(cudaGraphicsResourceGetMappedPointer(&begin, &bytes, buffer),
+                    "access a buffer of OpenGL");
         return {static_cast<Vec3*>(begin), bytes / sizeof(Vec3)};
     }
 
     Pair buffers_{};
 };
 
-}  // namespace coppice::cuda
+}  // namespace coppice::bench

@@ -5,12 +5,12 @@
 #include <span>
 
 #include "coppice/cuda/device.h"
-#include "coppice/cuda/drag/drag_job.h"
-#include "coppice/cuda/drag/drag_kernels_internal.h"
 #include "coppice/cuda/lists/lists_stages_internal.h"
 #include "coppice/cuda/quads/quad_stages_internal.h"
+#include "drag/drag_job.h"
+#include "drag/drag_kernels.h"
 
-namespace coppice::cuda {
+namespace coppice::bench {
 
 /// The stages of a frame that recomputes a portion of a surface, in the memory of an executor: writes moved
 /// elements, finds the lists of the field, refines the cage of the portion, moves it onto the field, copies
@@ -23,17 +23,17 @@ class DragStages {
     /// Starts at rest. The executor must outlive this object and must not be used otherwise; the data of the
     /// job must outlive it as well. `room` is the initial room for the lists of the field, by default the
     /// usual one; it grows as required.
-    DragStages(Exec& exec, const DragJob& job, const std::optional<ListRoom>& room = {})
+    DragStages(Exec& exec, const DragJob& job, const std::optional<cuda::ListRoom>& room = {})
         : exec_(exec),
           counts_{job.quads.clips.size(), job.written(), job.shaded()},
           quads_(exec, job.quads),
-          tables_(upload_contacts(exec, contact_topology(job.contacts))),
-          segments_(copied<DeviceSegment>(device_segments(job.contacts.field))),
+          tables_(cuda::upload_contacts(exec, cuda::contact_topology(job.contacts))),
+          segments_(copied<cuda::DeviceSegment>(cuda::device_segments(job.contacts.field))),
           nodes_(copied<Vec3>(job.contacts.skeleton.positions())),
           tube_nodes_(copied<Vec3>(job.contacts.tubes.tree.positions())),
           geometry_(compute_geometry(job.contacts)),
-          order_(competitor_order(exec, tables_, geometry_)),
-          room_(room.value_or(usual_room(tables_.tubes.size()))),
+          order_(cuda::competitor_order(exec, tables_, geometry_)),
+          room_(room.value_or(cuda::usual_room(tables_.tubes.size()))),
           blend_(job.contacts.field.blend()),
           contact_(job.contacts.field.contact()),
           which_{exec.upload(job.nodes), exec.upload(job.tube_nodes), exec.upload(job.vertices)},
@@ -52,9 +52,9 @@ class DragStages {
         if (!use_same_buffers(drawn, shade_.drawn)) launches_.clear();
         shade_.drawn = drawn;
         exec_.replay(launches_, [&] {
-            lists_ = begin_contacts(exec_, tables_, geometry_, order_, room_);
+            lists_ = cuda::begin_contacts(exec_, tables_, geometry_, order_, room_);
             quads_.refine();
-            project(quads_, FieldArrays{segments_, lists_.own, lists_.competitors, blend_, contact_});
+            project(quads_, cuda::FieldArrays{segments_, lists_.own, lists_.competitors, blend_, contact_});
             exec_.each("write drawn", counts_.written,
                        WriteDrawn{from_, quads_.positions(), shade_.drawn.positions});
             exec_.each("shade drawn", counts_.shaded, shade_);
@@ -65,13 +65,13 @@ class DragStages {
     /// increased, and the frame must be started again. Throws DeviceError if the CPU has to compute the
     /// lists.
     bool has_room() {
-        const ListState state = read_state(exec_, lists_);
+        const cuda::ListState state = cuda::read_state(exec_, lists_);
         if (state.is_cut)
             throw DeviceError("more branches meet at one place than the lists on the device can store");
         if (state.fits(room_)) return true;
         // Slightly more than currently required, because branches continue to move.
         constexpr std::uint32_t kShare = 8;
-        room_ = grown(room_, state);
+        room_ = cuda::grown(room_, state);
         room_ = {room_.own + room_.own / kShare, room_.competitors + room_.competitors / kShare};
         launches_.clear();
         return false;
@@ -95,8 +95,8 @@ class DragStages {
         exec_.write(values, out);
         return out;
     }
-    ContactGeometry compute_geometry(const ContactInput& input) {
-        const PointPair cage = quads_.cage_points();
+    cuda::ContactGeometry compute_geometry(const cuda::ContactInput& input) {
+        const cuda::PointPair cage = quads_.cage_points();
         return {segments_,
                 input.field.reach(),
                 nodes_,
@@ -120,13 +120,13 @@ class DragStages {
 
     Exec& exec_;
     Counts counts_;
-    QuadStages<Exec> quads_;
-    ContactTables tables_;
-    std::span<DeviceSegment> segments_;
+    cuda::QuadStages<Exec> quads_;
+    cuda::ContactTables tables_;
+    std::span<cuda::DeviceSegment> segments_;
     std::span<Vec3> nodes_, tube_nodes_;
-    ContactGeometry geometry_;
+    cuda::ContactGeometry geometry_;
     std::span<const std::uint32_t> order_;
-    ListRoom room_;
+    cuda::ListRoom room_;
     int blend_;
     float contact_;
     Moving which_;
@@ -134,7 +134,7 @@ class DragStages {
     ShadeDrawn shade_;
     typename Exec::Mark before_{};
     typename Exec::Recording launches_;  // of all frames with equal buffers
-    DeviceLists lists_;
+    cuda::DeviceLists lists_;
 };
 
-}  // namespace coppice::cuda
+}  // namespace coppice::bench

@@ -5,12 +5,12 @@
 
 #include "coppice/base/context.h"
 #include "coppice/cuda/device.h"
-#include "coppice/pipeline/drag/branch_drag.h"
-#include "coppice/pipeline/drag/drag_part.h"
 #include "coppice/pipeline/quads/quad_build.h"
 #include "coppice/view/surface_view.h"
+#include "drag/branch_drag.h"
+#include "drag/drag_part.h"
 
-namespace coppice {
+namespace coppice::bench {
 
 /// A dragged branch, and the data that are constant during the drag.
 struct DragScene {
@@ -57,4 +57,4 @@ std::unique_ptr<SurfaceBackend> cpu_backend();
 /// throws DeviceError. After an error of the GPU the CPU continues, with a note.
 std::unique_ptr<SurfaceBackend> surface_backend(Device wanted);
 
-}  // namespace coppice
+}  // namespace coppice::bench

@@ -1,4 +1,4 @@
-#include "coppice/pipeline/drag/drag_feed.h"
+#include "drag/drag_feed.h"
 
 #include <algorithm>
 #include <limits>
@@ -6,7 +6,7 @@
 #include "coppice/base/error.h"
 #include "coppice/base/id.h"
 
-namespace coppice {
+namespace coppice::bench {
 
 DragFeed::DragFeed(const QuadBuild& build, const BranchDrag& drag, const DragPart& part, const Context& ctx)
     : build_(&build),
@@ -44,7 +44,7 @@ void DragFeed::find_quads() {
     }
 }
 
-cuda::DragJob DragFeed::job() const {
+DragJob DragFeed::job() const {
     return {.quads = {part_->patches.cage(),
                       part_->patches.levels(),
                       control_.cage.positions,
@@ -64,7 +64,7 @@ cuda::DragJob DragFeed::job() const {
             .quads_about = quads_about_};
 }
 
-cuda::DragMoves DragFeed::moves(const DragPose& pose) {
+DragMoves DragFeed::moves(const DragPose& pose) {
     segments_.follow(drag_->nodes(), pose.nodes);
     for (std::size_t i = 0; i < moved_nodes_.size(); ++i) {
         const std::uint32_t n = drag_->nodes()[i];
@@ -80,4 +80,4 @@ cuda::DragMoves DragFeed::moves(const DragPose& pose) {
     return {moved_nodes_, moved_tubes_, moved_vertices_, clips_};
 }
 
-}  // namespace coppice
+}  // namespace coppice::bench

@@ -1,4 +1,4 @@
-#include "coppice/pipeline/drag/drag_feed.h"
+#include "drag/drag_feed.h"
 
 #include <gtest/gtest.h>
 
@@ -7,15 +7,15 @@
 #include <limits>
 #include <optional>
 
-#include "coppice/cuda/drag/drag_stages_internal.h"
 #include "coppice/cuda/field/upload_field_internal.h"
-#include "coppice/pipeline/drag/dragged_surface.h"
 #include "coppice/skeleton/random_tree.h"
 #include "cuda/strict_executor.h"
+#include "drag/drag_stages.h"
+#include "drag/dragged_surface.h"
 #include "drag_scenes.h"
 #include "zoo.h"
 
-namespace coppice {
+namespace coppice::bench {
 namespace {
 
 using cuda::QuadStages;
@@ -32,7 +32,7 @@ class ByKernels {
     ByKernels(const QuadBuild& build, const BranchDrag& drag, const DragPart& part,
               const std::optional<cuda::ListRoom>& room = {})
         : feed_(build, drag, part) {
-        const cuda::DragJob job = feed_.job();
+        const DragJob job = feed_.job();
         drawn_ = {exec_.array<Vec3>(job.drawn.size()), exec_.array<Vec3>(job.shaded())};
         exec_.write(job.drawn, drawn_.positions);
         stages_.emplace(exec_, job, room);
@@ -66,8 +66,8 @@ class ByKernels {
 
     DragFeed feed_;
     StrictExecutor exec_;
-    cuda::DrawnVertices drawn_;
-    std::optional<cuda::DragStages<StrictExecutor>> stages_;
+    DrawnVertices drawn_;
+    std::optional<DragStages<StrictExecutor>> stages_;
     KernelConstants kernel_;
     Buffer<Vec3> positions_, normals_;
 };
@@ -204,4 +204,4 @@ TEST(DragFeed, NormalsOfFixedVerticesAreThoseAtRest) {
 }
 
 }  // namespace
-}  // namespace coppice
+}  // namespace coppice::bench

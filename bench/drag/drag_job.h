@@ -9,13 +9,13 @@
 #include "coppice/field/kernel/segment_kernel.h"
 #include "coppice/mesh/control_mesh.h"
 
-namespace coppice::cuda {
+namespace coppice::bench {
 
 /// A surface with a portion that is recomputed in every frame, and all data that remains constant. Referenced
 /// data must outlive the object that uses the job.
 struct DragJob {
-    QuadJob quads;  ///< the cage of the moving portion at rest; without unfolding
-    ContactInput
+    cuda::QuadJob quads;  ///< the cage of the moving portion at rest; without unfolding
+    cuda::ContactInput
         contacts;  ///< the whole skeleton at rest with its tubes, and the moving portion as control mesh
 
     /// Moving elements, ascending.
@@ -64,4 +64,4 @@ struct DrawnVertices {
     std::span<Vec3> normals;    ///< at least those that are shaded
 };
 
-}  // namespace coppice::cuda
+}  // namespace coppice::bench

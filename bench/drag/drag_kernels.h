@@ -4,19 +4,19 @@
 #include <span>
 
 #include "coppice/base/kernel/host_device.h"
-#include "coppice/cuda/drag/drag_job.h"
 #include "coppice/cuda/field/field_view.h"
 #include "coppice/cuda/quads/quad_kernels_internal.h"
 #include "coppice/mesh/normals.h"
+#include "drag/drag_job.h"
 
-namespace coppice::cuda {
+namespace coppice::bench {
 
 /// Writes the new positions of nodes and their segments.
 struct PlaceNodes {
     std::span<const std::uint32_t> which;
     std::span<const MovedNode> moved;
     std::span<Vec3> nodes;
-    std::span<DeviceSegment> segments;
+    std::span<cuda::DeviceSegment> segments;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
         nodes[which[i]] = moved[i].position;
         segments[which[i]].constants = moved[i].segment;
@@ -35,7 +35,7 @@ struct PlaceTubes {
 struct PlaceVertices {
     std::span<const std::uint32_t> which;
     std::span<const MovedVertex> moved;
-    PointPair cage;
+    cuda::PointPair cage;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
         cage.positions[which[i]] = moved[i].position;
         cage.anchors[which[i]] = moved[i].anchor;
@@ -61,4 +61,4 @@ struct ShadeDrawn {
     }
 };
 
-}  // namespace coppice::cuda
+}  // namespace coppice::bench

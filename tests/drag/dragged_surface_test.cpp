@@ -1,4 +1,4 @@
-#include "coppice/pipeline/drag/dragged_surface.h"
+#include "drag/dragged_surface.h"
 
 #include <gtest/gtest.h>
 
@@ -6,16 +6,16 @@
 #include <cmath>
 
 #include "coppice/base/rotation.h"
-#include "coppice/pipeline/drag/branch_drag.h"
-#include "coppice/pipeline/drag/drag_part.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/pipeline/quads/quad_build.h"
 #include "coppice/skeleton/random_tree.h"
+#include "drag/branch_drag.h"
+#include "drag/drag_part.h"
 #include "drag_scenes.h"
 #include "errors.h"
 #include "zoo.h"
 
-namespace coppice {
+namespace coppice::bench {
 namespace {
 
 using test::Dragged;
@@ -28,31 +28,6 @@ Buffer<Vec3> in_model_order(const DragPart& part, std::span<const Vec3> drawn) {
     Buffer<Vec3> out(drawn.size());
     for (std::size_t i = 0; i < drawn.size(); ++i) out[part.vertex[i]] = drawn[i];
     return out;
-}
-
-TEST(QuadBuild, AtRestIsTheMeshThatIsNeitherUnfoldedNorRemeshed) {
-    const Skeleton tree = small_tree();
-    MeshOptions plain;
-    plain.overlaps = Overlaps::graft;  // merged branches would separate while they are dragged
-    plain.untangle.passes = 0;
-    plain.remesh_rounds = 0;
-    const MeshResult made = mesh_skeleton(tree, plain);
-    const QuadBuild build = build_quads(tree);
-    EXPECT_EQ(build.refined, made.quads().mesh.positions);
-    EXPECT_EQ(build.refinement.quads(), made.quads().mesh.quads);
-}
-
-TEST(QuadBuild, RefusesWhatHasNoSuchQuads) {
-    using test::error_of;
-    const auto refused = [](const MeshOptions& options) {
-        return error_of([&] { build_quads(small_tree(), options); });
-    };
-    EXPECT_EQ(refused({.method = MeshMethod::tetrahedra}),
-              "mesh: method must be quads or bmesh for a surface with dragged branches");
-    EXPECT_EQ(refused({.fit = Fit::volume}),
-              "mesh: fit must not be volume for a surface with dragged branches");
-    EXPECT_EQ(refused({.field = {.weights = Weights::global}}),
-              "mesh: weights must be local for a surface with dragged branches");
 }
 
 TEST(BranchOfAbout, ReturnsTheLateralOfTheNearestSize) {
@@ -193,4 +168,4 @@ TEST(DraggedSurface, PreservesTheShapeFarFromTheFork) {
 }
 
 }  // namespace
-}  // namespace coppice
+}  // namespace coppice::bench

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <numbers>
 
-#include "coppice/pipeline/drag/branch_drag.h"
-#include "coppice/pipeline/drag/drag_part.h"
 #include "coppice/pipeline/quads/quad_build.h"
+#include "drag/branch_drag.h"
+#include "drag/drag_part.h"
 
 namespace coppice::test {
 
@@ -14,16 +14,16 @@ inline constexpr double kMax = 20 * std::numbers::pi / 180;  // [rad]
 /// A branch of a tree, and the part that it can change.
 struct Dragged {
     QuadBuild build;
-    BranchDrag drag;
-    DragPart part;
+    bench::BranchDrag drag;
+    bench::DragPart part;
 
     explicit Dragged(const Skeleton& tree, const MeshOptions& options = {}, std::uint32_t segments = 40)
         : build(build_quads(tree, options)),
-          drag(build, branch_of_about(build.skeleton, segments), {0.3, 1, 0.2}),
-          part(drag_part(build, drag, kMax)) {}
+          drag(build, bench::branch_of_about(build.skeleton, segments), {0.3, 1, 0.2}),
+          part(bench::drag_part(build, drag, kMax)) {}
 
-    DragPose at(double angle) const {
-        DragPose pose = drag.rest();
+    bench::DragPose at(double angle) const {
+        bench::DragPose pose = drag.rest();
         drag.turn(angle, pose);
         return pose;
     }
