@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Compares the #includes of src/coppice, app and bench with layers.txt, both ways: a module includes exactly
 the modules of its line. The CMakeLists.txt of a module lists all of its headers except *_internal.h, which no listed
-header includes. A CMakeLists.txt lists every source of src and test. Source files have at most 600 lines.
+header includes. A CMakeLists.txt lists every source of src and test. Source files have at most 600 lines. In the
+library, only the module system includes headers of POSIX and Linux.
 
     layers_test.py [SOURCE_DIR]    prints one line per fault; exit code 1 if there is one
     layers_test.py --self-test     creates a small tree of files with known faults and expects exactly these
@@ -13,6 +14,11 @@ import sys
 import tempfile
 
 INCLUDE = re.compile(r'\s*#\s*include\s*["<]coppice/([^/">]+)/[^">]*[">]')
+POSIX = re.compile(r"\s*#\s*include\s*<((?:sys|linux)/[^>]+|(?:unistd|fcntl|poll|signal|spawn|dlfcn)\.h)>")
+# Sources outside the module system that include headers of POSIX, with the reason.
+POSIX_EXCEPTIONS = {
+    "src/coppice/base/column.cpp": "base is below system, and its allocation gives the kernel a hint for large pages",
+}
 INTERNAL = "_internal.h"
 MAX_LINES = 600
 ENDINGS = {".h", ".cpp", ".py", ".mjs", ".ts", ".tsx", ".css", ".cmake", ".cu", ".cuh"}
@@ -70,6 +76,18 @@ def find_faults(path, root, allowed, used):
             yield f"{relative}:{number}: forbidden include {module} -> {match[1]}: {line.strip()}"
 
 
+def posix_faults(path, root):
+    """Returns the includes of POSIX headers of one file that is part of the library, but not of system."""
+    relative = path.relative_to(root)
+    module = find_module(relative) if relative.parts[0] == "src" else None
+    if module in (None, "system") or str(relative) in POSIX_EXCEPTIONS:
+        return
+    for number, line in enumerate(path.read_text(errors="replace").splitlines(), 1):
+        match = POSIX.match(line)
+        if match:
+            yield f"{relative}:{number}: <{match[1]}> may be included only by system: use its functions"
+
+
 def header_faults(root, module):
     """Returns the faults of the public headers of a module, which are installed."""
     folder = root / "src/coppice" / module
@@ -100,6 +118,7 @@ def all_faults(root):
         sys.exit(f"{root}: no sources found")
     used = {}
     faults = [fault for path in files for fault in find_faults(path, root, allowed, used)]
+    faults += [fault for path in files for fault in posix_faults(path, root)]
     for module in allowed:
         faults += header_faults(root, module)
     for module, targets in allowed.items():
@@ -112,7 +131,7 @@ def self_test():
     with tempfile.TemporaryDirectory() as folder:
         root = pathlib.Path(folder)
         files = {
-            "layers.txt": "# comment\nbase:\nmesh:\nio: mesh\napp: io mesh\n",
+            "layers.txt": "# comment\nbase:\nsystem:\nmesh:\nio: mesh\napp: io mesh\n",
             "src/coppice/base/CMakeLists.txt": "HEADERS a.h",
             "src/coppice/base/a.h": '#include "coppice/mesh/b.h"\n',
             "src/coppice/mesh/CMakeLists.txt": "HEADERS b.h",
@@ -124,9 +143,12 @@ def self_test():
             "src/coppice/io/e_internal.h": "",
             "src/coppice/mesh/d.cpp": '\n  #  include <coppice/io/c.h>\n',
             "src/coppice/new/e.h": "",
-            "src/CMakeLists.txt": "c.cpp d.cpp",
+            "src/coppice/base/column.cpp": "#include <sys/mman.h>\n",
+            "src/coppice/mesh/e.cpp": "#include <csignal>\n#include <poll.h>\n # include <sys/stat.h>\n",
+            "src/coppice/system/f.cpp": "#include <unistd.h>\n",
+            "src/CMakeLists.txt": "c.cpp d.cpp e.cpp f.cpp column.cpp",
             "tests/io/c_test.cpp": "",
-            "app/cli/main.cpp": '#include "coppice/io/c.h"\n',
+            "app/cli/main.cpp": '#include "coppice/io/c.h"\n#include <unistd.h>\n',
         }
         for name, text in files.items():
             (root / name).parent.mkdir(parents=True, exist_ok=True)
@@ -137,6 +159,8 @@ def self_test():
         "src/coppice/io/c.cpp: 601 lines",
         "src/coppice/mesh/d.cpp:2: forbidden include mesh -> io",
         "src/coppice/new/e.h: the module new is missing",
+        "src/coppice/mesh/e.cpp:2: <poll.h> may be included only by system",
+        "src/coppice/mesh/e.cpp:3: <sys/stat.h> may be included only by system",
         "src/coppice/io/c.h: src/coppice/io/CMakeLists.txt must list",
         "src/coppice/io/d.h:1: a public header includes an internal one",
         "src/coppice/io/e_internal.h: src/coppice/io/CMakeLists.txt must list",

@@ -7,12 +7,10 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <cstdlib>
-#include <fstream>
 #include <limits>
 #include <new>
-#include <string>
-#include <string_view>
+
+#include "coppice/system/process.h"
 
 namespace coppice::cli {
 namespace {
@@ -24,15 +22,6 @@ constexpr std::uint64_t kReserve = 8 * kMebi;   // memory for an orderly exit
 
 std::atomic<std::uint64_t> max_data = 0;  // [bytes] 0 = no limit
 std::array<char, 128> text{"there is not enough memory for this input with these options"};
-
-/// Returns an entry of /proc/self/status in bytes; 0 if it does not exist.
-std::uint64_t own_status(std::string_view key) {
-    std::ifstream status("/proc/self/status");
-    for (std::string line; std::getline(status, line);) {
-        if (line.starts_with(key)) return 1024 * std::strtoull(line.c_str() + key.size(), nullptr, 10);
-    }
-    return 0;
-}
 
 void allow_data(std::uint64_t bytes) {
     rlimit limit{};
@@ -58,11 +47,11 @@ int memory_of_machine() {
 }
 
 void limit_memory(int mebibytes, unsigned threads) {
-    const std::uint64_t resident = own_status("VmRSS:"), data = own_status("VmData:");
-    if (resident == 0 || data == 0) return;
+    const ProcessMemory now = measure_memory();
+    if (now.resident == 0 || now.data == 0) return;
     const std::uint64_t wanted = static_cast<std::uint64_t>(std::max(mebibytes, kMinMemory)) * kMebi;
-    const std::uint64_t taken = std::min(wanted - 2 * kReserve, resident + kProgram);
-    max_data = data + threads * kStack + (wanted - taken);
+    const std::uint64_t taken = std::min(wanted - 2 * kReserve, now.resident + kProgram);
+    max_data = now.data + threads * kStack + (wanted - taken);
     const auto end =
         fmt::format_to_n(text.begin(), text.size() - 1,
                          "this needs more than the {} MiB of memory that --max-memory allows", mebibytes);

@@ -1,7 +1,6 @@
 #include "run.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -9,6 +8,7 @@
 #include <thread>
 
 #include "coppice/system/file.h"
+#include "coppice/system/process.h"
 #include "coppice/version.h"
 #include "files.h"
 #include "memory.h"
@@ -29,12 +29,6 @@ unsigned threads_of_machine() { return std::max(1u, std::thread::hardware_concur
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-std::uint64_t peak_memory_bytes() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
 
 double rounded(double seconds) { return std::round(seconds * 1e6) / 1e6; }
@@ -114,7 +108,7 @@ Json Run::report(double seconds) const {
     return {{"coppice", kVersion},         {"command", command_},
             {"seconds", rounded(seconds)}, {"stages", stages},
             {"counts", counts_},           {"repairs", repairs_},
-            {"warnings", warnings_},       {"peak_memory_bytes", peak_memory_bytes()}};
+            {"warnings", warnings_},       {"peak_memory_bytes", measure_memory().peak}};
 }
 
 void Run::warn(const std::string& text) {
@@ -140,7 +134,7 @@ void Run::finish(const std::string& summary) {
     std::vector<std::string> parts;
     for (const auto& [name, seconds] : sums) parts.push_back(fmt::format("{} {:.2f}", name, seconds));
     print_error(fmt::format("{}\n{:.2f} s ({}), peak memory {} MB\n", one_line(summary), total,
-                            fmt::join(parts, ", "), peak_memory_bytes() / 1'000'000));
+                            fmt::join(parts, ", "), measure_memory().peak / 1'000'000));
 }
 
 }  // namespace coppice::cli

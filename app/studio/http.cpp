@@ -1,7 +1,5 @@
 #include "http.h"
 
-#include <unistd.h>
-
 namespace coppice::server {
 namespace {
 
@@ -22,15 +20,6 @@ std::optional<std::string_view> HttpHead::field(std::string_view name) const {
         found = value;
     }
     return found;
-}
-
-OpenFile& OpenFile::operator=(OpenFile&& other) noexcept {
-    std::swap(descriptor_, other.descriptor_);
-    return *this;
-}
-
-OpenFile::~OpenFile() {
-    if (descriptor_ >= 0) ::close(descriptor_);
 }
 
 HttpReply sentence(int status, const std::string& text) { return {.status = status, .body = text + "\n"}; }

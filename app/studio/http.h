@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "coppice/studio/engine.h"
+#include "coppice/system/descriptor.h"
 
 namespace coppice::server {
 
@@ -22,27 +23,11 @@ struct HttpHead {
     std::optional<std::string_view> field(std::string_view name) const;
 };
 
-/// A file that is open for reading; its last owner closes it.
-class OpenFile {
-  public:
-    explicit OpenFile(int descriptor) : descriptor_(descriptor) {}
-    OpenFile(OpenFile&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
-    OpenFile& operator=(OpenFile&& other) noexcept;
-    OpenFile(const OpenFile&) = delete;
-    OpenFile& operator=(const OpenFile&) = delete;
-    ~OpenFile();
-
-    int release() { return std::exchange(descriptor_, -1); }  ///< transfers the ownership
-
-  private:
-    int descriptor_;
-};
-
 /// A response. The fields that are common to all responses are added when it is sent.
 struct HttpReply {
     int status = 200;
     std::string type = "text/plain; charset=utf-8";
-    std::variant<std::string, StudioBytes, OpenFile> body = {};
+    std::variant<std::string, StudioBytes, Descriptor> body = {};
     std::vector<std::pair<std::string, std::string>> fields = {};
 };
 

@@ -1,14 +1,13 @@
 #include "journal.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
-#include <unistd.h>
 
 #include <cstdint>
 #include <cstdlib>
 #include <string>
 #include <system_error>
+
+#include "coppice/base/error.h"
 
 namespace coppice::server {
 namespace {
@@ -40,21 +39,15 @@ JournalPlace::JournalPlace(const std::filesystem::path& document) {
     if (error) return;
     std::filesystem::permissions(folder, std::filesystem::perms::owner_all, error);
     const std::uint64_t hash = compute_hash(std::filesystem::absolute(document).lexically_normal().string());
-    for (int i = 0; i < kMaxPlaces; ++i) {
-        const std::string base = (folder / fmt::format("{:016x}-{}", hash, i)).string();
-        lock_ = ::open((base + ".lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
-        if (lock_ < 0) return;
-        if (flock(lock_, LOCK_EX | LOCK_NB) == 0) {
-            file_ = base + ".coppice";
-            return;
+    try {
+        for (int i = 0; i < kMaxPlaces && !lock_; ++i) {
+            const std::string base = (folder / fmt::format("{:016x}-{}", hash, i)).string();
+            lock_ = FileLock::try_lock(base + ".lock");
+            if (lock_) file_ = base + ".coppice";
         }
-        ::close(lock_);
-        lock_ = -1;
+    } catch (const IoError&) {
+        return;  // without a journal
     }
-}
-
-JournalPlace::~JournalPlace() {
-    if (lock_ >= 0) ::close(lock_);
 }
 
 }  // namespace coppice::server

@@ -1,6 +1,9 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+
+#include "coppice/system/file_lock.h"
 
 namespace coppice::server {
 
@@ -12,15 +15,12 @@ class JournalPlace {
     /// Uses a journal for a scene file, or for a folder if the document has no name yet. If none can be
     /// created, file() is empty.
     explicit JournalPlace(const std::filesystem::path& document);
-    ~JournalPlace();
-    JournalPlace(const JournalPlace&) = delete;
-    JournalPlace& operator=(const JournalPlace&) = delete;
 
     const std::filesystem::path& file() const { return file_; }
 
   private:
     std::filesystem::path file_;
-    int lock_ = -1;
+    std::optional<FileLock> lock_;
 };
 
 }  // namespace coppice::server

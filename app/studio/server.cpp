@@ -423,7 +423,7 @@ class Connection final : public Peer, public std::enable_shared_from_this<Connec
 
     void send(HttpReply reply) {
         reply_ = std::move(reply);
-        if (auto* file = std::get_if<OpenFile>(&reply_.body)) return send_file(*file);
+        if (auto* file = std::get_if<Descriptor>(&reply_.body)) return send_file(*file);
         const auto* text = std::get_if<std::string>(&reply_.body);
         const std::string& bytes = text != nullptr ? *text : *std::get<StudioBytes>(reply_.body);
         bytes_.emplace();
@@ -432,7 +432,7 @@ class Connection final : public Peer, public std::enable_shared_from_this<Connec
         write(*bytes_);
     }
 
-    void send_file(OpenFile& open) {
+    void send_file(Descriptor& open) {
         beast::file_posix file;
         file.native_handle(open.release());
         Failure failure;

@@ -5,8 +5,9 @@
 #include <sys/utsname.h>
 
 #include <fstream>
-#include <sstream>
 #include <thread>
+
+#include "coppice/system/process.h"
 
 namespace coppice::bench {
 namespace {
@@ -22,13 +23,6 @@ std::string read_value(const char* file, const std::string& key) {
         if (start != std::string::npos) return line.substr(start);
     }
     return {};
-}
-
-std::size_t status_bytes(const std::string& key) {
-    std::istringstream value(read_value("/proc/self/status", key));
-    std::size_t kibibytes = 0;
-    value >> kibibytes;
-    return kibibytes * 1024;
 }
 
 std::string compiler() {
@@ -50,9 +44,9 @@ std::string machine_description() {
                        system.sysname, system.release, compiler());
 }
 
-std::size_t resident_bytes() { return status_bytes("VmRSS:"); }
+std::size_t resident_bytes() { return measure_memory().resident; }
 
-std::size_t peak_resident_bytes() { return status_bytes("VmHWM:"); }
+std::size_t peak_resident_bytes() { return measure_memory().peak; }
 
 void reset_peak() {
     malloc_trim(0);

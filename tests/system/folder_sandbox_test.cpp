@@ -98,10 +98,9 @@ TEST_F(FolderSandboxTest, FindsFilesInside) {
     EXPECT_EQ(sandbox.to_read("scans"), home_ / "scans");
     EXPECT_EQ(sandbox.to_write("new.xyz"), home_ / "new.xyz");
     EXPECT_EQ(sandbox.to_write("scans/oak.xyz"), home_ / "scans" / "oak.xyz");
-    const int file = sandbox.open("tree.xyz");
+    const Descriptor file = sandbox.open("tree.xyz");
     char bytes[6] = {};
-    EXPECT_EQ(::read(file, bytes, 6), 6);
-    ::close(file);
+    EXPECT_EQ(::read(file.get(), bytes, 6), 6);
 }
 
 TEST_F(FolderSandboxTest, ErrorsReportTheReason) {

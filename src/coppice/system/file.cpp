@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "coppice/base/error.h"
+#include "coppice/system/descriptor.h"
 
 namespace coppice {
 namespace {
@@ -24,13 +25,6 @@ constexpr std::size_t kTransfer = std::size_t{1} << 26;  // [bytes] maximum size
 [[noreturn]] void fail(std::string_view action, const std::filesystem::path& path, std::string_view reason) {
     throw IoError(fmt::format("cannot {} {}: {}", action, path.string(), reason));
 }
-
-struct Descriptor {
-    int value;
-    ~Descriptor() {
-        if (value >= 0) ::close(value);
-    }
-};
 
 /// Waits until a pipe has data or has ended; returns at once for other files.
 void wait_for_bytes(int descriptor, const Context& ctx) {
@@ -89,9 +83,9 @@ std::string file_error_text(int error) {
 
 std::string read_file(const std::filesystem::path& path, std::uint64_t limit, const Context& ctx) {
     // Without O_NONBLOCK, opening a pipe without a writer would block and ignore cancellation.
-    const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
+    const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
     struct stat status {};
-    if (file.value < 0 || ::fstat(file.value, &status) != 0) fail("read", path, file_error_text(errno));
+    if (!file || ::fstat(file.get(), &status) != 0) fail("read", path, file_error_text(errno));
     if (S_ISDIR(status.st_mode)) fail("read", path, file_error_text(EISDIR));
     const auto size = static_cast<std::uint64_t>(std::max<off_t>(status.st_size, 0));
     if (size == 0) limit = std::min(limit, kLargestStream);
@@ -102,7 +96,7 @@ std::string read_file(const std::filesystem::path& path, std::uint64_t limit, co
     std::string bytes(size + 1, '\0');
     std::size_t used = 0;
     while (const std::size_t got =
-               read_some(file.value, bytes.data() + used, bytes.size() - used, path, ctx)) {
+               read_some(file.get(), bytes.data() + used, bytes.size() - used, path, ctx)) {
         used += got;
         if (used > limit) fail("read", path, too_large(limit));
         if (used == bytes.size()) {

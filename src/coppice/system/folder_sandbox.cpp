@@ -26,26 +26,6 @@ namespace {
 
 constexpr std::size_t kLongestName = 1024;  // [bytes]
 
-class Descriptor {
-  public:
-    explicit Descriptor(int value = -1) : value_(value) {}
-    ~Descriptor() { reset(-1); }
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
-
-    int get() const { return value_; }
-    int release() { return std::exchange(value_, -1); }
-    void reset(int value) {
-        const int kept = errno;
-        if (value_ >= 0) ::close(value_);
-        value_ = value;
-        errno = kept;
-    }
-
-  private:
-    int value_;
-};
-
 /// Returns the components of a path, without ".".
 std::vector<std::string> split_name(std::string_view name) {
     std::vector<std::string> parts;
@@ -114,7 +94,7 @@ int open_stepwise(int folder, const std::string& name, int flags) {
         const int how = last ? flags : O_PATH | O_CLOEXEC;
         const int from = i == 0 ? folder : at.get();
         Descriptor next(::openat(from, parts[i].c_str(), how | O_NOFOLLOW));
-        if (next.get() < 0) return -1;
+        if (!next) return -1;
         // O_PATH opens a symbolic link itself.
         struct stat status {};
         if (::fstat(next.get(), &status) != 0) return -1;
@@ -122,7 +102,7 @@ int open_stepwise(int folder, const std::string& name, int flags) {
             errno = ELOOP;
             return -1;
         }
-        at.reset(next.release());
+        at = std::move(next);
     }
     return at.release();
 }
@@ -183,12 +163,10 @@ FolderSandbox::FolderSandbox(const std::filesystem::path& folder,
                              const std::vector<std::filesystem::path>& allowed) {
     std::error_code error;
     folder_ = std::filesystem::canonical(folder.empty() ? "." : folder, error);
-    if (!error) descriptor_ = ::open(folder_.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
-    if (descriptor_ < 0) refuse("open", folder.string(), error ? error.value() : errno);
+    if (!error) descriptor_ = Descriptor(::open(folder_.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
+    if (!descriptor_) refuse("open", folder.string(), error ? error.value() : errno);
     for (const auto& file : allowed) allowed_.push_back(std::filesystem::absolute(file).lexically_normal());
 }
-
-FolderSandbox::~FolderSandbox() { ::close(descriptor_); }
 
 bool FolderSandbox::is_allowed(const std::filesystem::path& name) const {
     const auto whole = (folder_ / name).lexically_normal();
@@ -198,9 +176,9 @@ bool FolderSandbox::is_allowed(const std::filesystem::path& name) const {
 std::filesystem::path FolderSandbox::to_read(std::string_view name) const {
     if (!name.empty() && is_allowed(name)) return (folder_ / name).lexically_normal();
     check_name("read", name);
-    const Descriptor file(open_beneath(descriptor_, std::string(name), O_PATH | O_CLOEXEC));
+    const Descriptor file(open_beneath(descriptor_.get(), std::string(name), O_PATH | O_CLOEXEC));
     struct stat status {};
-    if (file.get() < 0 || ::fstat(file.get(), &status) != 0) refuse("read", name, errno);
+    if (!file || ::fstat(file.get(), &status) != 0) refuse("read", name, errno);
     if (!S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode))
         refuse("read", name, "it is neither a file nor a folder");
     return (folder_ / name).lexically_normal();
@@ -209,9 +187,9 @@ std::filesystem::path FolderSandbox::to_read(std::string_view name) const {
 std::filesystem::path FolderSandbox::to_write(std::string_view name) const {
     check_name("write", name);
     const auto [folder, file] = split(name);
-    const Descriptor within(open_beneath(descriptor_, folder, O_PATH | O_DIRECTORY | O_CLOEXEC));
-    if (within.get() < 0 && errno == ENOENT) refuse("write", name, "its folder does not exist");
-    if (within.get() < 0) refuse("write", name, errno);
+    const Descriptor within(open_beneath(descriptor_.get(), folder, O_PATH | O_DIRECTORY | O_CLOEXEC));
+    if (!within && errno == ENOENT) refuse("write", name, "its folder does not exist");
+    if (!within) refuse("write", name, errno);
     struct stat status {};
     if (::fstatat(within.get(), file.c_str(), &status, AT_SYMLINK_NOFOLLOW) == 0) {
         if (S_ISLNK(status.st_mode)) refuse("write", name, ELOOP);
@@ -222,14 +200,14 @@ std::filesystem::path FolderSandbox::to_write(std::string_view name) const {
     return (folder_ / name).lexically_normal();
 }
 
-int FolderSandbox::open(std::string_view name) const {
+Descriptor FolderSandbox::open(std::string_view name) const {
     check_name("read", name);
     // Without O_NONBLOCK, opening a pipe without a writer would block.
-    Descriptor file(open_beneath(descriptor_, std::string(name), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
+    Descriptor file(open_beneath(descriptor_.get(), std::string(name), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
     struct stat status {};
-    if (file.get() < 0 || ::fstat(file.get(), &status) != 0) refuse("read", name, errno);
+    if (!file || ::fstat(file.get(), &status) != 0) refuse("read", name, errno);
     if (!S_ISREG(status.st_mode)) refuse("read", name, "it is not a file");
-    return file.release();
+    return file;
 }
 
 }  // namespace coppice

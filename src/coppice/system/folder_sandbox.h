@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "coppice/system/descriptor.h"
+
 namespace coppice {
 
 /// Folder sandbox: restricts files named by untrusted input (scenes in the studio, HTTP requests) to a
@@ -20,9 +22,6 @@ class FolderSandbox {
     /// read, by their absolute names or by relative names that lead to them.
     explicit FolderSandbox(const std::filesystem::path& folder,
                            const std::vector<std::filesystem::path>& allowed = {});
-    ~FolderSandbox();
-    FolderSandbox(const FolderSandbox&) = delete;
-    FolderSandbox& operator=(const FolderSandbox&) = delete;
 
     const std::filesystem::path& folder() const { return folder_; }  ///< absolute, without symbolic links
 
@@ -32,16 +31,15 @@ class FolderSandbox {
     /// Returns the absolute path of a file that may be written: its folder exists, and an existing entry of
     /// that name is a regular file. Throws like `to_read`; files of `allowed` may not be written.
     std::filesystem::path to_write(std::string_view name) const;
-    /// Returns a descriptor of an existing file for reading, which the caller closes. Throws like `to_read`;
-    /// ignores `allowed`.
-    int open(std::string_view name) const;
+    /// Opens an existing file for reading. Throws like `to_read`; ignores `allowed`.
+    Descriptor open(std::string_view name) const;
 
   private:
     bool is_allowed(const std::filesystem::path& name) const;
 
     std::filesystem::path folder_;
     std::vector<std::filesystem::path> allowed_;
-    int descriptor_ = -1;
+    Descriptor descriptor_;
 };
 
 }  // namespace coppice

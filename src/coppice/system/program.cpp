@@ -136,17 +136,6 @@ std::optional<std::filesystem::path> find_program(std::string_view name) {
     return std::nullopt;
 }
 
-Program::Descriptor::Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
-
-Program::Descriptor& Program::Descriptor::operator=(Descriptor&& other) noexcept {
-    std::swap(number_, other.number_);
-    return *this;
-}
-
-void Program::Descriptor::close() {
-    if (number_ >= 0) ::close(std::exchange(number_, -1));
-}
-
 Program::Program(const ProgramStart& start) : apart_(start.apart) {
     Descriptor read_end, write_end;  // the ends of the program
     std::array<int, 2> ends{};
@@ -179,7 +168,7 @@ bool Program::send(std::string_view bytes) {
 }
 
 bool Program::receive(std::string& text, std::size_t max_size, std::chrono::milliseconds wait) {
-    if (output_.get() < 0) return false;
+    if (!output_) return false;
     pollfd ready{.fd = output_.get(), .events = POLLIN, .revents = 0};
     if (::poll(&ready, 1, static_cast<int>(wait.count())) <= 0) return true;
     std::array<char, 4096> piece{};

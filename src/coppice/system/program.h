@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "coppice/system/descriptor.h"
+
 namespace coppice {
 
 /// Returns the path of a program given by name, such as ffmpeg, or by an absolute path; nullopt if it does
@@ -52,21 +54,6 @@ class Program {
     void kill();  ///< ends the program, and its session if it runs apart
 
   private:
-    /// A file descriptor that is closed on destruction.
-    class Descriptor {
-      public:
-        Descriptor() = default;
-        explicit Descriptor(int number) : number_(number) {}
-        Descriptor(Descriptor&& other) noexcept;
-        Descriptor& operator=(Descriptor&& other) noexcept;
-        ~Descriptor() { close(); }
-        void close();
-        int get() const { return number_; }
-
-      private:
-        int number_ = -1;
-    };
-
     Descriptor input_, output_;
     int process_ = -1;  ///< id of the process
     bool apart_ = false;

@@ -1,6 +1,5 @@
 #include "coppice/view/offscreen_context.h"
 
-#include <dlfcn.h>
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
 #include <fmt/format.h>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "coppice/base/error.h"
+#include "coppice/system/process.h"
 
 namespace coppice {
 namespace {
@@ -22,12 +22,9 @@ bool has_word(const char* words, const char* word) {
 
 // The function loader ends the program if a library is missing; therefore this is checked before.
 void check_libraries() {
-    const auto is_there = [](const char* name) {
-        void* const library = dlopen(name, RTLD_LAZY | RTLD_LOCAL);
-        if (library != nullptr) dlclose(library);
-        return library != nullptr;
-    };
-    if (is_there("libEGL.so.1") && (is_there("libOpenGL.so.0") || is_there("libGL.so.1"))) return;
+    if (has_shared_library("libEGL.so.1") &&
+        (has_shared_library("libOpenGL.so.0") || has_shared_library("libGL.so.1")))
+        return;
     throw Unsupported(
         "OpenGL is not available: libEGL is not found; install it (Debian: apt install libegl1 libegl-mesa0 "
         "libgl1-mesa-dri, or the driver of the GPU), or draw with coppice render");

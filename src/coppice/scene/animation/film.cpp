@@ -1,7 +1,6 @@
 #include "coppice/scene/animation/film_internal.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -10,6 +9,7 @@
 #include <utility>
 
 #include "coppice/base/error.h"
+#include "coppice/system/process.h"
 
 namespace coppice {
 namespace {
@@ -32,8 +32,8 @@ bool is_film_name(const std::filesystem::path& path) {
 void check_film_program() { film_program(); }
 
 Film::Film(std::filesystem::path path, double rate) : path_(std::move(path)), rate_(rate) {
-    unfinished_ = path_.parent_path() /
-                  fmt::format(".{}.{}{}", path_.stem().string(), ::getpid(), path_.extension().string());
+    unfinished_ = path_.parent_path() / fmt::format(".{}.{}{}", path_.stem().string(), get_process_id(),
+                                                    path_.extension().string());
 }
 
 Film::~Film() {
