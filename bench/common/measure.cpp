@@ -15,8 +15,8 @@ double Measure::median() const {
 
 double Measure::least() const { return *std::min_element(samples.begin(), samples.end()); }
 
-nlohmann::ordered_json measures_json(std::span<const Measure> measures) {
-    auto out = nlohmann::ordered_json::object();
+Json measures_json(std::span<const Measure> measures) {
+    auto out = Json::object();
     for (const Measure& m : measures)
         out[m.name] = {{"median_s", m.median()}, {"min_s", m.least()}, {"samples_s", m.samples}};
     return out;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "clock.h"
+#include "coppice/options/json.h"
 
 namespace coppice::bench {
 
@@ -18,7 +19,7 @@ struct Measure {
 };
 
 /// Returns an object with the median, the minimum and all samples of every measure, by name.
-nlohmann::ordered_json measures_json(std::span<const Measure> measures);
+Json measures_json(std::span<const Measure> measures);
 
 /// Returns the last columns of a line about one measure, see kMeasureColumns.
 std::string measure_csv(const Measure& measure);

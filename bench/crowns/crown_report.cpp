@@ -4,6 +4,8 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "coppice/options/json.h"
+
 #include "crown_bench.h"
 
 namespace coppice::bench {
@@ -61,7 +63,6 @@ std::string crown_csv(const std::vector<CrownResult>& rows, unsigned threads) {
 }
 
 std::string crown_json(const std::vector<CrownResult>& rows, unsigned threads, const std::string& machine) {
-    using Json = nlohmann::ordered_json;
     Json out{{"machine", machine}, {"threads", threads}, {"rows", Json::array()}};
     for (const CrownResult& row : rows) {
         Json json{{"what", row.what},

@@ -46,8 +46,8 @@ Judged judged(const Goal& goal, const GpuResult& r) {
     return {"CPU / GPU", goal.wanted, speedup(r), true};
 }
 
-nlohmann::ordered_json make_json(const KernelShare& k, const DeviceSearch& device) {
-    nlohmann::ordered_json out{{"seconds", k.seconds}, {"launches", k.launches}};
+Json make_json(const KernelShare& k, const DeviceSearch& device) {
+    Json out{{"seconds", k.seconds}, {"launches", k.launches}};
     if (!k.cost) return out;
     out["bytes"] = k.cost->bytes;
     out["flops"] = k.cost->flops;
@@ -138,8 +138,8 @@ std::vector<KernelShare> compute_shares(const std::vector<cuda::KernelTime>& tim
     return out;
 }
 
-nlohmann::ordered_json make_json(const GpuResult& r, const DeviceSearch& device) {
-    nlohmann::ordered_json out{{"name", r.name}, {"segments", r.segments}, {"faces", r.faces}};
+Json make_json(const GpuResult& r, const DeviceSearch& device) {
+    Json out{{"name", r.name}, {"segments", r.segments}, {"faces", r.faces}};
     const auto put = [&](const char* name, double value) {
         if (value >= 0) out[name] = value;
     };
@@ -153,7 +153,7 @@ nlohmann::ordered_json make_json(const GpuResult& r, const DeviceSearch& device)
     if (r.apart >= 0) out["vertices_apart"] = r.apart;
     for (const Goal& goal : r.goals) {
         const Judged j = judged(goal, r);
-        nlohmann::ordered_json one{{"figure", j.figure}, {j.at_least ? "at_least" : "at_most", j.wanted}};
+        Json one{{"figure", j.figure}, {j.at_least ? "at_least" : "at_most", j.wanted}};
         if (j.measured >= 0) {
             one["measured"] = j.measured;
             one["reached"] = j.reached();

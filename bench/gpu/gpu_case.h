@@ -13,6 +13,7 @@
 #include "coppice/base/median.h"
 #include "coppice/cuda/device.h"
 #include "coppice/cuda/exec/kernel_time.h"
+#include "coppice/options/json.h"
 
 namespace coppice::bench {
 
@@ -116,7 +117,7 @@ void time_on_card(Device& device, const GpuRun& run, const std::vector<KernelCos
     out.kernels = compute_shares(device.take_times(), kRounds, costs);
 }
 
-nlohmann::ordered_json make_json(const GpuResult& result, const DeviceSearch& device);
+Json make_json(const GpuResult& result, const DeviceSearch& device);
 /// Returns three tables: measurements, goals, and kernels.
 std::string to_markdown(const std::vector<GpuResult>& results, const DeviceSearch& device);
 

@@ -136,7 +136,7 @@ class Bench {
 
     Results results() const {
         const std::string card = describe(run_.device);
-        nlohmann::ordered_json json{{"machine", machine_description()}, {"card", card}};
+        Json json{{"machine", machine_description()}, {"card", card}};
         for (const std::string& failure : failures_) json["failures"].push_back(failure);
         for (const GpuResult& r : surfaces_) json["surfaces"].push_back(make_json(r, run_.device));
         for (const PairsResult& r : pairs_) json["pairs"].push_back(make_json(r, run_.device));

@@ -47,11 +47,11 @@ PairsResult measure_pairs(Kernel kernel, const GpuRun& run) {
     return out;
 }
 
-nlohmann::ordered_json make_json(const PairsResult& r, const DeviceSearch& device) {
-    nlohmann::ordered_json out{{"kernel", r.kernel},
-                               {"pairs", r.pairs},
-                               {"flops_per_pair", r.flops_per_pair},
-                               {"cpu_pairs_per_second", r.cpu_rate}};
+Json make_json(const PairsResult& r, const DeviceSearch& device) {
+    Json out{{"kernel", r.kernel},
+             {"pairs", r.pairs},
+             {"flops_per_pair", r.flops_per_pair},
+             {"cpu_pairs_per_second", r.cpu_rate}};
     if (r.seconds < 0) return out;
     out["seconds"] = r.seconds;
     out["pairs_per_second"] = r.pairs / r.seconds;

@@ -17,7 +17,7 @@ struct PairsResult {
 /// Measures value and gradient at many points, each with the same segments, using the code of the field.
 PairsResult measure_pairs(Kernel kernel, const GpuRun& run);
 
-nlohmann::ordered_json make_json(const PairsResult& result, const DeviceSearch& device);
+Json make_json(const PairsResult& result, const DeviceSearch& device);
 std::string to_markdown(const std::vector<PairsResult>& results, const DeviceSearch& device);
 
 }  // namespace coppice::bench

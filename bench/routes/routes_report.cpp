@@ -5,6 +5,8 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "coppice/options/json.h"
+
 namespace coppice::bench {
 namespace {
 
@@ -202,28 +204,28 @@ void for_each_result(const Comparison& all, const Visit& visit) {
     if (all.twigs) visit("twigs", *all.twigs);
 }
 
-nlohmann::ordered_json route_json(const RouteResult& r) {
+Json route_json(const RouteResult& r) {
     const SurfaceFigures& f = r.figures;
-    nlohmann::ordered_json out{{"route", r.name},
-                               {"size", r.size},
-                               {"faces", f.faces()},
-                               {"vertices", f.vertices},
-                               {"tetrahedra", r.tetrahedra},
-                               {"sampled", r.sampled},
-                               {"peak_bytes", r.peak_bytes},
-                               {"watertight", f.report.watertight()},
-                               {"components", f.report.topology.components},
-                               {"handles", f.handles()},
-                               {"crossings_local", f.report.intersections->local},
-                               {"crossings_remote", f.report.intersections->remote},
-                               {"crossings_overlap", f.report.intersections->overlap},
-                               {"radius_regular_mean_abs", f.report.radius->regular.mean_abs},
-                               {"missing", f.report.axes->missing},
-                               {"severed", f.report.axes->severed},
-                               {"min_angle_p1", f.min_angle},
-                               {"edge_p5", f.edge.p5},
-                               {"edge_p50", f.edge.p50},
-                               {"edge_p95", f.edge.p95}};
+    Json out{{"route", r.name},
+             {"size", r.size},
+             {"faces", f.faces()},
+             {"vertices", f.vertices},
+             {"tetrahedra", r.tetrahedra},
+             {"sampled", r.sampled},
+             {"peak_bytes", r.peak_bytes},
+             {"watertight", f.report.watertight()},
+             {"components", f.report.topology.components},
+             {"handles", f.handles()},
+             {"crossings_local", f.report.intersections->local},
+             {"crossings_remote", f.report.intersections->remote},
+             {"crossings_overlap", f.report.intersections->overlap},
+             {"radius_regular_mean_abs", f.report.radius->regular.mean_abs},
+             {"missing", f.report.axes->missing},
+             {"severed", f.report.axes->severed},
+             {"min_angle_p1", f.min_angle},
+             {"edge_p5", f.edge.p5},
+             {"edge_p50", f.edge.p50},
+             {"edge_p95", f.edge.p95}};
     for (const auto& [name, part] : {std::pair{"thick", f.thick}, std::pair{"thin", f.thin}}) {
         out[name] = {
             {"radius", part.radius}, {"faces_per_radius", part.faces_per_radius}, {"edge", part.edge}};
@@ -258,7 +260,6 @@ std::string comparison_csv(const Comparison& all) {
 }
 
 std::string comparison_json(const Comparison& all) {
-    using Json = nlohmann::ordered_json;
     Json out{{"machine", all.machine}, {"threads", all.threads}, {"results", Json::array()}};
     for_each_result(all, [&](const char* kind, const RoutesResult& scene) {
         Json json{

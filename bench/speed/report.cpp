@@ -6,6 +6,8 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "coppice/options/json.h"
+
 namespace coppice::bench {
 namespace {
 
@@ -86,7 +88,6 @@ std::string csv_report(const RunInfo& run, const std::vector<SceneResult>& resul
 }
 
 std::string json_report(const RunInfo& run, const std::vector<SceneResult>& results) {
-    using Json = nlohmann::ordered_json;
     Json out{{"machine", run.machine},
              {"threads", run.threads},
              {"levels", run.levels},

@@ -16,6 +16,7 @@
 #include "coppice/base/error.h"
 #include "coppice/base/median.h"
 #include "coppice/io_skeleton/reader.h"
+#include "coppice/options/json.h"
 #include "coppice/studio/session.h"
 #include "machine.h"
 #include "program.h"
@@ -172,7 +173,7 @@ void run(const Flags& flags) {
         "{}\n\n| dragged | median ms per frame | slowest ms | KB per frame | ms at the end | ms to undo |\n| "
         "--- | --: | --: | --: | --: | --: |\n",
         bench::machine_description());
-    nlohmann::ordered_json json = nlohmann::ordered_json::array();
+    Json json = Json::array();
     for (Costs& c : all) {
         const double slowest = *std::ranges::max_element(c.frame), middle = median(c.frame);
         out += fmt::format("| {} | {:.2f} | {:.2f} | {:.0f} | {:.1f} | {:.1f} |\n", c.what, 1e3 * middle,

@@ -3,11 +3,10 @@
 #include <nlohmann/json.hpp>
 
 #include "coppice/io_database/map_writers_internal.h"
+#include "coppice/options/json.h"
 
 namespace coppice::io_internal {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct ToJson {
     Json operator()(std::monostate) const { return nullptr; }

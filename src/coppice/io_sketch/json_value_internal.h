@@ -18,12 +18,13 @@
 
 namespace coppice::io_internal {
 
-using Json = nlohmann::json;
+/// Its objects are sorted by the names of their members.
+using SortedJson = nlohmann::json;
 
 /// A value of a file with its path for messages: "tree.sketch.json: branches[3].strokes.front".
 class Value {
   public:
-    Value(const Json& json, std::string where) : json_(json), where_(std::move(where)) {}
+    Value(const SortedJson& json, std::string where) : json_(json), where_(std::move(where)) {}
 
     [[noreturn]] void fail(const std::string& subject) const { throw InvalidInput(where_ + " " + subject); }
 
@@ -74,7 +75,7 @@ class Value {
     std::vector<double> numbers() const {
         if (!json_.is_array()) fail("must be a list of numbers");
         std::vector<double> out;
-        for (const Json& number : json_) {
+        for (const SortedJson& number : json_) {
             if (!number.is_number()) fail("must be a list of numbers");
             out.push_back(number.get<double>());
         }
@@ -109,19 +110,19 @@ class Value {
         return where_ + (where_.ends_with(": ") ? "" : where_.ends_with(":") ? " " : ".") + name;
     }
 
-    const Json& json_;
+    const SortedJson& json_;
     std::string where_;
 };
 
 /// Parses a text. Throws InvalidInput with the line.
-inline Json parse_json(std::string_view text, const std::string& source) {
+inline SortedJson parse_json(std::string_view text, const std::string& source) {
     try {
-        return Json::parse(text);
-    } catch (const Json::parse_error& error) {
+        return SortedJson::parse(text);
+    } catch (const SortedJson::parse_error& error) {
         const std::string_view before = text.substr(0, std::min(error.byte, text.size()));
         fail_at(source, static_cast<std::size_t>(std::ranges::count(before, '\n')) + 1,
                 "this is not valid JSON");
-    } catch (const Json::exception&) {
+    } catch (const SortedJson::exception&) {
         throw InvalidInput(source + ": this is not valid JSON");
     }
 }

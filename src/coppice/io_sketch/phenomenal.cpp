@@ -9,7 +9,7 @@ using namespace io_internal;
 
 SketchView read_phenomenal_view(const std::filesystem::path& path, const std::string& camera, double angle) {
     const std::string source = path.string();
-    const Json json = parse_json(read_file(path), source);
+    const SortedJson json = parse_json(read_file(path), source);
     const Value file(json, source + ":"), cameras = file.member("cameras_parameters");
     std::string known;
     for (const auto& [name, value] : cameras.members()) known += (known.empty() ? "" : ", ") + name;

@@ -203,8 +203,8 @@ Names collect_names(const std::vector<Value>& values) {
     return names;
 }
 
-void check_format(const Json& json, const Value& file, const std::string& source) {
-    if (!json.is_object() || json.value("format", Json()) != "coppice-sketch")
+void check_format(const SortedJson& json, const Value& file, const std::string& source) {
+    if (!json.is_object() || json.value("format", SortedJson()) != "coppice-sketch")
         throw InvalidInput(source + ": this JSON is not a sketch: it needs \"format\": \"coppice-sketch\"");
     file.expect_members({"format", "version", "height", "world", "views", "branches"});
     if (const double version = file.member("version").number(); version > 1)
@@ -231,7 +231,7 @@ SketchCameras make_cameras(const Value& file, const FindFile& find) {
 }
 
 Sketch make_sketch(std::string_view text, const std::string& source, const FindFile& find) {
-    const Json json = parse_json(text, source);
+    const SortedJson json = parse_json(text, source);
     const Value file(json, source + ":");
     check_format(json, file, source);
     SketchCameras cameras = make_cameras(file, find);
@@ -261,7 +261,7 @@ namespace {
 
 template <class FindFileIn>
 SketchCameras cameras_in(std::string_view text, const std::string& source, const FindFileIn& files) {
-    const Json json = parse_json(text, source);
+    const SortedJson json = parse_json(text, source);
     const Value file(json, source + ":");
     check_format(json, file, source);
     return make_cameras(file, files);

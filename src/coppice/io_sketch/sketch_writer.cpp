@@ -1,12 +1,11 @@
 #include <nlohmann/json.hpp>
 
 #include "coppice/io_sketch/sketch_file.h"
+#include "coppice/options/json.h"
 #include "coppice/system/file.h"
 
 namespace coppice {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 Json make_json(const SketchView& view) {
     Json out{{"name", view.name}};
