@@ -4,6 +4,7 @@
 
 #include "coppice/io_mesh/material.h"
 #include "coppice/render/contact_sheet.h"
+#include "coppice/render/height_png.h"
 #include "coppice/render/picture.h"
 #include "coppice/render/png.h"
 #include "coppice/render/render.h"
@@ -44,6 +45,20 @@ RenderMaterial load_material(Run& run, const std::filesystem::path& prefix) {
         };
         return RenderMaterial{load(files.color), load(files.normal), load(files.roughness),
                               load(files.occlusion)};
+    });
+}
+
+HeightTexture load_heights(Run& run, const std::filesystem::path& prefix, float scale) {
+    const std::string name = prefix.string() + "_height.png";
+    std::error_code error;
+    if (!std::filesystem::exists(name, error))
+        throw IoError(fmt::format("there is no file {}; write it by coppice texture", name));
+    return run.stage("read heights", [&](const Context& ctx) {
+        HeightTexture heights = decode_height_png(read_file(name, kLargestFile, ctx), name);
+        if (scale == 0 && heights.scale == 0)
+            throw InvalidInput(
+                fmt::format("{}: the file has no scale of its heights; give --displace-height", name));
+        return heights;
     });
 }
 

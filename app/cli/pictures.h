@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "coppice/mesh/height_texture.h"
 #include "coppice/render/image.h"
 #include "coppice/render/material.h"
 #include "coppice/skeleton/skeleton.h"
@@ -22,6 +23,9 @@ std::vector<Image> draw_each(Run& run, std::span<const Skeleton* const> trees, i
 /// PREFIX_occlusion.png that exist; also .jpg. Throws IoError without the first, InvalidInput for other
 /// content.
 RenderMaterial load_material(Run& run, const std::filesystem::path& prefix);
+/// Loads the heights PREFIX_height.png. Throws IoError if there is no such file, and InvalidInput if it has
+/// no scale and `scale` [m] is 0.
+HeightTexture load_heights(Run& run, const std::filesystem::path& prefix, float scale);
 
 void write_picture(const std::filesystem::path& path, const Image& image);
 /// Arranges all images on one approximately square sheet.

@@ -72,6 +72,16 @@ add("fork.sketch.json", json.dumps(sketch))
 chunk = lambda kind, data: struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 picture = lambda rows: (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 400, 320, 8, 2, 0, 0, 0)) +
                         chunk(b"IDAT", zlib.compress(b"".join(b"\0" + row for row in rows))) + chunk(b"IEND", b""))
+heights = lambda width, height, bits, chunks, rows: (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, bits, 0, 0, 0, 0)) + chunks +
+                                                    chunk(b"IDAT", zlib.compress(b"".join(b"\0" + row for row in rows))) + chunk(b"IEND", b""))
+wave = b"".join(struct.pack(">H", 65535 * (x % 32 < 16)) for x in range(64))
+scale = chunk(b"pCAL", b"height\0" + struct.pack(">iiBB", 0, 65535, 0, 2) + b"m\0" + b"0\0" + b"0.01")
+bark_height = heights(64, 64, 16, scale, [wave] * 64)
+add("bark_height.png", bark_height)
+add("plain_height.png", heights(64, 64, 16, b"", [wave] * 64))
+add("grey_height.png", heights(64, 1, 8, b"", [b"\x80" * 64]))
+add("cut_height.png", bark_height[:-60])
+add("huge_height.png", heights(100000, 100000, 16, scale, [wave]))
 sky = b"\x80\xc0\xff"
 add("photo.png", picture([sky * 400] * 320))
 add("bark_color.png", picture([b"\xc0\x20\x10" * 400] * 320))

@@ -9,6 +9,7 @@
 #include "coppice/io_mesh/writer.h"
 #include "coppice/io_points/reader.h"
 #include "coppice/mesh/half_edges.h"
+#include "coppice/pipeline/displace.h"
 #include "coppice/pipeline/face_budget.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/pipeline/restore.h"
@@ -16,6 +17,7 @@
 #include "figures.h"
 #include "files.h"
 #include "options.h"
+#include "pictures.h"
 #include "surfaces.h"
 
 namespace coppice::cli {
@@ -28,7 +30,8 @@ struct MeshFlags {
     RestoreOptions restore;
     ReadSkeletonOptions read;
     MeshWriteOptions write;
-    std::filesystem::path material;
+    std::filesystem::path material, heights;
+    DisplaceOptions displace;
     FaceNumber number;
     bool constraint_edges = false;
     bool strict = false;
@@ -60,6 +63,15 @@ void check_material(const MeshFlags& flags) {
         throw UsageError("--material requires a .glb, .obj or .usda output; none of the outputs is one");
 }
 
+void check_displacement(const MeshFlags& flags) {
+    if (flags.mesh.texture.coordinates == TextureCoordinates::none)
+        throw UsageError("--displace requires --uv bark");
+    if (flags.mesh.method == MeshMethod::cylinders)
+        throw UsageError("--displace does not apply to --method cylinders, which intersect each other");
+    if (!flags.volume.empty())
+        throw UsageError("--displace does not move the tetrahedra of --volume; leave one of them out");
+}
+
 void check_flags(const MeshFlags& flags) {
     if (flags.skeleton.empty() || (flags.outputs.empty() && flags.cage.empty() && flags.volume.empty())) {
         throw UsageError("name the skeleton and the mesh: coppice mesh SKELETON -o MESH");
@@ -80,6 +92,7 @@ void check_flags(const MeshFlags& flags) {
     }
     if (!flags.volume.empty()) check_volume(flags);
     if (!flags.material.empty()) check_material(flags);
+    if (!flags.heights.empty()) check_displacement(flags);
     if (flags.cage.empty()) return;
     if (!makes_quads(flags.mesh.method)) throw UsageError("--cage requires --method quads");
     check_mesh_output(flags.cage);
@@ -95,6 +108,9 @@ void check_given(const GivenOptions& given, const MeshOptions& mesh, int faces) 
     const bool bmesh = mesh.method == MeshMethod::bmesh;
     if (has("--tile") && mesh.texture.coordinates == TextureCoordinates::none)
         throw UsageError("--tile requires --uv bark");
+    for (const std::string_view name : {"--displace-height", "--displace-share"}) {
+        if (has(name) && !has("--displace")) throw UsageError(fmt::format("{} requires --displace", name));
+    }
     if (has("--ball-bulge") && !bmesh && mesh.field.kernel != Kernel::balls)
         throw UsageError("--ball-bulge requires --method bmesh");
     if (has("--blend") && bmesh)
@@ -135,6 +151,18 @@ std::string restore(Run& run, const MeshFlags& flags, const PolygonMesh& origina
     if (!flags.offsets.empty()) write_offsets(flags.offsets, result.offsets);
     return fmt::format("; {} restored, {} held back", grouped(result.report.found),
                        grouped(result.report.pulled_back));
+}
+
+/// Moves the surface by heights; returns a summary.
+std::string displace(Run& run, const MeshFlags& flags, const HeightTexture& heights, const Skeleton& skeleton,
+                     MeshResult& result) {
+    const DisplaceReport report = run.stage("displace", [&](const Context& ctx) {
+        return displace_surface(result, skeleton, heights, flags.displace, ctx);
+    });
+    run.counts()["displaced"] = compute_figures(report);
+    return fmt::format("; displaced by up to {:.2g} mm, {:.2g} mm on average, {} held back, volume {:+.2f} %",
+                       1e3 * report.max_offset, 1e3 * report.mean_offset, grouped(report.pulled_back),
+                       100 * (report.volume_after / report.volume_before - 1));
 }
 
 /// Returns the vertices of a mesh, and if requested the midpoints of its edges, with the end points of the
@@ -209,24 +237,27 @@ ExitCode mesh(Run& run, const GivenOptions& given, const MeshFlags& flags) {
     const PointSet constraints = load_constraints(run, flags);
     PolygonMesh original;
     if (!flags.original.empty()) original = load_mesh(run, flags.original, flags.read.up);
+    HeightTexture heights;
+    if (!flags.heights.empty()) heights = load_heights(run, flags.heights, flags.displace.displace_height);
     MadeMesh made = make_surface(run, flags, file.skeleton, constraints);
     MeshResult& result = made.result;
     run.add_stages("mesh: ", result.stages);
-    std::string restored;
-    if (!flags.original.empty()) restored = restore(run, flags, original, file.skeleton, result.quads().mesh);
+    std::string moved;
+    if (!flags.original.empty()) moved = restore(run, flags, original, file.skeleton, result.quads().mesh);
+    const Skeleton& drawn = made.drawn ? *made.drawn : file.skeleton;
+    if (!flags.heights.empty()) moved += displace(run, flags, heights, drawn, result);
     run.stage("write", [&](const Context& ctx) {
         for (const auto& output : flags.outputs) write_surface(output, result, write, ctx);
         if (!flags.volume.empty()) write_solid(flags.volume, result.tetrahedra().solid, ctx);
         if (!flags.cage.empty()) write_cage(flags.cage, result.quads().cage.cage, ctx);
     });
     if (result.weights) run.counts().update(compute_figures(*result.weights));
-    const Skeleton& drawn = made.drawn ? *made.drawn : file.skeleton;
     const Verdict verdict =
         flags.original.empty() ? judge(run, result, drawn, flags.mesh.control) : Verdict{};
     const std::string figures = count_surface(run, result);
     run.finish(fmt::format("{}: {} nodes, {} repaired; {}{}{}{}", flags.skeleton.string(),
                            grouped(file.skeleton.size()), grouped(file.report.total()), figures, verdict.text,
-                           made.planned, restored));
+                           made.planned, moved));
     return flags.strict && !verdict.is_good ? kCheckFailed : kDone;
 }
 
@@ -277,6 +308,11 @@ Command mesh_command() {
     options.fields(flags->mesh, "Surface", surface_flag_names());
     options.fields(flags->mesh.texture, "Texture");
     options.file("--material", "PREFIX", flags->material, kMaterialHelp, {.common = false});
+    options.file("--displace", "PREFIX", flags->heights,
+                 "Displace the surface by the heights of the image PREFIX_height.png, as made by coppice "
+                 "texture, without folds and intersections.",
+                 {.group = "Texture", .common = false});
+    options.fields(flags->displace, "Texture");
     options.fields(flags->restore, "Restoring the original", {.names = {{"reach", "--restore-reach"}}});
     options.fields(flags->read, "Reading the skeleton");
     add_mesh_write_options(options, flags->write);

@@ -110,9 +110,12 @@ std::vector<NamedMap> make_files(const BarkMaps& maps, std::span<const BarkMaps:
         return NamedMap{fmt::format("{}_{}.png", prefix, name),
                         {maps.width, maps.height, channels, bits, samples}};
     };
+    NamedMap heights = file("height", 1, 16, std::as_bytes(std::span(maps.heights)));
+    heights.map.low = maps.low;
+    heights.map.high = maps.high;
     return {file("color", 3, 8, std::as_bytes(std::span(maps.color))),
             file("normal", 3, 8, std::as_bytes(std::span(maps.normal))),
-            file("height", 1, 16, std::as_bytes(std::span(maps.heights))),
+            std::move(heights),
             file("orm", 3, 8, std::as_bytes(packed)),
             file("roughness", 1, 8, std::as_bytes(std::span(maps.roughness))),
             file("occlusion", 1, 8, std::as_bytes(std::span(maps.occlusion)))};

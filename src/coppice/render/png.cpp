@@ -1,5 +1,6 @@
 #include "coppice/render/png.h"
 
+#include <fmt/format.h>
 #include <png.h>
 
 #include <algorithm>
@@ -34,9 +35,21 @@ void append(png_structp png, png_bytep bytes, std::size_t size) {
 void fail_silently(png_structp png, png_const_charp) { png_longjmp(png, 1); }
 void ignore_warning(png_structp, png_const_charp) {}
 
+/// Heights [m] of a map, as text of a pCAL chunk.
+struct Calibration {
+    std::string low, range;
+};
+
+/// Calibrates the values from 0 to the maximum.
+void set_calibration(png_structp png, png_infop info, int bits, Calibration& calibration) {
+    char purpose[] = "height", unit[] = "m";
+    char* parameters[] = {calibration.low.data(), calibration.range.data()};
+    png_set_pCAL(png, info, purpose, 0, (1 << bits) - 1, PNG_EQUATION_LINEAR, 2, unit, parameters);
+}
+
 /// Returns false if the library reports an error, from which it returns by a jump: no object with a
 /// destructor is created here.
-bool write_map(png_structp png, png_infop info, const PngMap& map) {
+bool write_map(png_structp png, png_infop info, const PngMap& map, Calibration& calibration) {
     constexpr int kRunLengths = 3;  // Z_RLE: for maps of noise smaller and faster than the search for repeats
     if (setjmp(png_jmpbuf(png))) return false;
     png_set_compression_strategy(png, kRunLengths);
@@ -44,6 +57,7 @@ bool write_map(png_structp png, png_infop info, const PngMap& map) {
     png_set_IHDR(png, info, static_cast<png_uint_32>(map.width), static_cast<png_uint_32>(map.height),
                  map.bits, map.channels == 1 ? PNG_COLOR_TYPE_GRAY : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    if (map.low != map.high) set_calibration(png, info, map.bits, calibration);
     png_write_info(png, info);
     if (map.bits == 16 && std::endian::native == std::endian::little) png_set_swap(png);
     const std::size_t row = map.samples.size() / static_cast<std::size_t>(map.height);
@@ -93,10 +107,11 @@ std::string encode_png(const PngMap& map) {
     out.reserve(map.samples.size() / 2);
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, fail_silently, ignore_warning);
     png_infop info = png != nullptr ? png_create_info_struct(png) : nullptr;
+    Calibration calibration{fmt::format("{}", map.low), fmt::format("{}", map.high - map.low)};
     bool written = false;
     if (info != nullptr) {
         png_set_write_fn(png, &out, append, nullptr);
-        written = write_map(png, info, map);
+        written = write_map(png, info, map, calibration);
     }
     png_destroy_write_struct(&png, &info);
     if (!written) throw std::bad_alloc();

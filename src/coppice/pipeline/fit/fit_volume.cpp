@@ -13,7 +13,7 @@
 #include "coppice/measure/union_volume.h"
 #include "coppice/mesh/shape.h"
 #include "coppice/pipeline/fit/fit_volume_internal.h"
-#include "coppice/pipeline/fit/nearest_segment_internal.h"
+#include "coppice/pipeline/fit/local_radii_internal.h"
 
 namespace coppice {
 namespace {
@@ -67,42 +67,6 @@ struct Fit {
     std::uint32_t face_count() const { return start.face_count(); }
     pipeline_internal::MovingSurface moving() const { return {start, faces_of, direction, search}; }
 };
-
-void find_capsules(Fit& fit) {
-    const pipeline_internal::NearestSegment nearest(fit.skeleton, fit.solid.capsules());
-    fit.capsule.resize(fit.vertex_count());
-    fit.radius.assign(fit.vertex_count(), 0);
-    parallel_for_ranges(fit.ctx, fit.vertex_count(), kFitVolumeGrain, [&](IndexRange range) {
-        std::uint32_t hint = kNoIndex;
-        for (std::size_t v = range.begin; v < range.end; ++v) {
-            const Vec3d p(fit.start.positions[v]);
-            fit.capsule[v] = hint = nearest(p, hint);
-            if (hint == kNoIndex) continue;
-            fit.radius[v] = static_cast<float>(fit.solid.capsules().cone(hint).closest_point(p).radius);
-        }
-    });
-}
-
-/// Limits the growth of radii to the distance along the surface, over a few faces: vertices where a thin
-/// branch leaves a thick one are on the thick one, and would move the thin one by a share of the radius of
-/// the thick one.
-void limit_radii(Fit& fit) {
-    constexpr int kFaces = 4;
-    for (int pass = 0; pass < kFaces; ++pass) {
-        std::vector<float> limited(fit.vertex_count());
-        parallel_for(fit.ctx, limited.size(), kFitVolumeGrain, [&](std::size_t v) {
-            limited[v] = fit.radius[v];
-            for (const std::uint32_t f : fit.faces_of[v]) {
-                for (const std::uint32_t w : fit.start.face(f)) {
-                    if (fit.capsule[w] == kNoIndex) continue;
-                    limited[v] = std::min(
-                        limited[v], fit.radius[w] + distance(fit.start.positions[v], fit.start.positions[w]));
-                }
-            }
-        });
-        fit.radius = std::move(limited);
-    }
-}
 
 /// Returns the flat end that contains a point in its plane, within the rounding error.
 std::uint32_t cut_at(const ConeUnion& solid, std::uint32_t capsule, Vec3d p) {
@@ -433,8 +397,10 @@ FitVolumeReport fit_polygons(PolygonMesh start, Buffer<Vec3>& positions, const S
     fit.positions = fit.start.positions;
     fit.offset.assign(fit.vertex_count(), 0);
     fit.held.assign(fit.vertex_count(), 0);
-    find_capsules(fit);
-    limit_radii(fit);
+    pipeline_internal::LocalRadii local =
+        pipeline_internal::find_local_radii(fit.start, fit.faces_of, skeleton, solid.capsules(), ctx);
+    fit.capsule = std::move(local.capsule);
+    fit.radius = std::move(local.radius);
     find_flat_ends(fit);
     find_directions(fit);
     ctx.report(0.5f);
