@@ -58,6 +58,10 @@ add("thinning.swc", "1 1 0 0 0 0.3 -1\n" + "".join("%d 1 0 0 %g %g %d\n" % (i + 
 add("inferred.json", json.dumps({"format": "coppice-skeleton", "parent": [-1, 0, 1], "position": [[0, 0, 0], [0, 0, 1], [0, 0, 2]],
                                  "radius": [0.3, 0.3, 0.3], "evidence": [1, 1, 0]}))
 add("sprout.coppice", "sprout tree root=0,0,0 root=2,0,0 seasons=7 seed=2\nradii tree\n")
+add("material.coppice", "loadtree t tree.swc\nmaterial wood oak width=32\nmesh t uv=bark tile=0.1 material=wood displace=true\nsave t out.obj kind=mesh\nsave t out.glb kind=mesh\n")
+add("material_of_files.coppice", "loadtree t tree.swc\nloadmaterial m bark_color.png\nmesh t uv=bark material=m\nsave t out.usda kind=mesh\n")
+add("material_without_uv.coppice", "loadtree t tree.swc\nmaterial wood oak width=32\nmesh t material=wood\n")
+add("material_missing.coppice", "loadmaterial m none_color.png\n")
 add("small.coppice", "sphere s radius=0.01\n")
 add("former.coppice", "loadtree t tree.swc\nmesh t m levels=1 passes=3 quality=0.1\nsave m out.ply\n")
 add("neuron.swc", "1 1 0 0 0 5 -1\n2 3 0 0 150 1 1\n3 3 0 0 250 1 2\n")

@@ -1,17 +1,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <optional>
 
 #include "bark_picture.h"
 #include "command.h"
-#include "coppice/base/parallel.h"
 #include "coppice/base/quote.h"
 #include "coppice/options/quantity.h"
 #include "coppice/options/spelling.h"
-#include "coppice/render/png.h"
+#include "coppice/scene/bark_images.h"
 #include "coppice/system/file.h"
 #include "coppice/texture/bark.h"
 #include "files.h"
@@ -60,13 +57,13 @@ BarkOptions options_of_species(const std::string& name) {
 
 /// Returns the options of the species with those of the command line.
 BarkOptions make_options(const TextureFlags& flags, const GivenOptions& given) {
-    BarkOptions out = options_of_species(flags.species.string());
+    const BarkOptions species = options_of_species(flags.species.string());
+    BarkOptions out = species;
     BarkOptions typed = flags.bark;
     const std::vector<OptionField> to = option_fields(out), from = option_fields(typed);
     const auto is_typed = [&](std::string_view field) {
         return std::ranges::any_of(given, [&](const Option* option) { return option->field == field; });
     };
-    const float ratio = out.tile_height / out.tile_width;
     for (std::size_t i = 0; i < to.size(); ++i) {
         if (!is_typed(to[i].field.name)) continue;
         std::visit(
@@ -79,16 +76,7 @@ BarkOptions make_options(const TextureFlags& flags, const GivenOptions& given) {
             },
             to[i].ref);
     }
-    // Texels are square unless all of the sizes are typed.
-    if (is_typed("height")) {
-        const float rows = static_cast<float>(out.height) / static_cast<float>(std::max(out.width, 1));
-        if (!is_typed("tile_height")) out.tile_height = out.tile_width * rows;
-    } else {
-        if (!is_typed("tile_height")) out.tile_height = out.tile_width * ratio;
-        const double rows =
-            static_cast<double>(out.width) * static_cast<double>(out.tile_height / out.tile_width);
-        out.height = static_cast<int>(std::clamp(std::round(rows), 1.0, 4096.0));
-    }
+    make_texels_square(out, species, is_typed("height"), is_typed("tile_height"));
     return out;
 }
 
@@ -99,41 +87,17 @@ std::string find_prefix(const TextureFlags& flags) {
     return (is_folder ? flags.output / flags.species.filename() : flags.output).string();
 }
 
-struct NamedMap {
-    std::string name;
-    PngMap map;
-};
-
-std::vector<NamedMap> make_files(const BarkMaps& maps, std::span<const BarkMaps::Texel> packed,
-                                 const std::string& prefix) {
-    const auto file = [&](std::string_view name, int channels, int bits, std::span<const std::byte> samples) {
-        return NamedMap{fmt::format("{}_{}.png", prefix, name),
-                        {maps.width, maps.height, channels, bits, samples}};
-    };
-    NamedMap heights = file("height", 1, 16, std::as_bytes(std::span(maps.heights)));
-    heights.map.low = maps.low;
-    heights.map.high = maps.high;
-    return {file("color", 3, 8, std::as_bytes(std::span(maps.color))),
-            file("normal", 3, 8, std::as_bytes(std::span(maps.normal))),
-            std::move(heights),
-            file("orm", 3, 8, std::as_bytes(packed)),
-            file("roughness", 1, 8, std::as_bytes(std::span(maps.roughness))),
-            file("occlusion", 1, 8, std::as_bytes(std::span(maps.occlusion)))};
-}
-
 void write_maps(Run& run, const BarkMaps& maps, const std::string& prefix) {
-    const std::vector<BarkMaps::Texel> packed = maps.packed();
-    const std::vector<NamedMap> files = make_files(maps, packed, prefix);
     // All maps are encoded before the first file is written.
-    std::vector<std::string> bytes(files.size());
-    run.stage("encode", [&](const Context& ctx) {
-        parallel_for(ctx, files.size(), 1, [&](std::size_t i) { bytes[i] = encode_png(files[i].map); });
-    });
-    run.stage("write", [&](const Context&) {
-        for (std::size_t i = 0; i < files.size(); ++i) write_file(files[i].name, bytes[i]);
-    });
+    const std::vector<BarkImage> images =
+        run.stage("encode", [&](const Context& ctx) { return encode_bark(maps, ctx); });
     Json names = Json::array();
-    for (const NamedMap& file : files) names.push_back(file.name);
+    run.stage("write", [&](const Context&) {
+        for (const BarkImage& image : images) {
+            names.push_back(make_bark_file_name(prefix, image.map));
+            write_file(make_bark_file_name(prefix, image.map), image.bytes);
+        }
+    });
     run.counts()["files"] = names;
 }
 

@@ -24,7 +24,7 @@ struct GlbImage {
 // A material with images that are part of the file.
 class GlbMaterial {
   public:
-    GlbMaterial(const MaterialFiles& files, GlbLayout& layout) {
+    GlbMaterial(const MaterialFiles& files, GlbLayout& layout) : files_(files) {
         json& surface = material_["pbrMetallicRoughness"];
         material_["name"] = files.name;
         surface["metallicFactor"] = 0.0;
@@ -58,7 +58,9 @@ class GlbMaterial {
 
   private:
     json add(const std::filesystem::path& path, GlbLayout& layout) {
-        GlbImage image{read_file(path, kMaxImageBytes), "image/png"};
+        const auto made = files_.bytes.find(path);
+        GlbImage image{made != files_.bytes.end() ? made->second : read_file(path, kMaxImageBytes),
+                       "image/png"};
         const bool is_jpeg = image.bytes.starts_with("\xff\xd8");
         if (is_jpeg) image.type = "image/jpeg";
         if (!is_jpeg && !image.bytes.starts_with("\x89PNG"))
@@ -68,6 +70,7 @@ class GlbMaterial {
         return {{"index", images_.size() - 1}};
     }
 
+    const MaterialFiles& files_;
     json material_;
     std::vector<GlbImage> images_;
 };

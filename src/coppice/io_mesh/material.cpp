@@ -84,6 +84,16 @@ std::string usda_material(const std::filesystem::path& usda, const MaterialFiles
 
 }  // namespace io_internal
 
+std::string make_material_name(std::string text) {
+    for (char& c : text) {
+        const bool is_letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+        if (!is_letter && (c < '0' || c > '9')) c = '_';
+    }
+    // Names in USD begin with a letter or an underscore.
+    if (text.empty() || (text[0] >= '0' && text[0] <= '9')) text.insert(0, "bark_");
+    return text;
+}
+
 MaterialFiles find_material(const std::filesystem::path& prefix) {
     namespace fs = std::filesystem;
     const auto if_there = [&](std::string_view kind) {
@@ -94,7 +104,7 @@ MaterialFiles find_material(const std::filesystem::path& prefix) {
         }
         return fs::path();
     };
-    MaterialFiles out{.name = prefix.filename().string(),
+    MaterialFiles out{.name = make_material_name(prefix.filename().string()),
                       .color = if_there("color"),
                       .normal = if_there("normal"),
                       .roughness = if_there("roughness"),
@@ -103,12 +113,6 @@ MaterialFiles find_material(const std::filesystem::path& prefix) {
     if (out.color.empty())
         throw IoError(fmt::format("there is no file {}_color.png; write the images by coppice texture",
                                   prefix.string()));
-    // Names in USD have letters, digits and underscores.
-    for (char& c : out.name) {
-        const bool is_letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-        if (!is_letter && (c < '0' || c > '9')) c = '_';
-    }
-    if (out.name.empty() || (out.name[0] >= '0' && out.name[0] <= '9')) out.name.insert(0, "bark_");
     return out;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 
 namespace coppice {
@@ -14,9 +15,14 @@ struct MaterialFiles {
     std::filesystem::path roughness;  ///< grey
     std::filesystem::path occlusion;  ///< grey: 0 = occluded
     std::filesystem::path packed;     ///< occlusion in red, roughness in green, metallic in blue
+    /// contents of images that are not in files, by their names; only for GLB, which contains its images
+    std::map<std::filesystem::path, std::string> bytes;
 
     bool empty() const { return color.empty(); }  ///< whether there are no images
 };
+
+/// Returns the text as a name of a material that every format accepts: letters, digits and underscores.
+std::string make_material_name(std::string text);
 
 /// Returns the images with names that begin with `prefix`, as written by `coppice texture`: PREFIX_color.png,
 /// and, where they exist, PREFIX_normal.png, PREFIX_roughness.png, PREFIX_occlusion.png and PREFIX_orm.png.

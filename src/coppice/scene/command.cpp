@@ -22,8 +22,9 @@ constexpr std::uint64_t kLargestProperties = 1 << 20;  // [bytes]
 
 std::vector<SceneCommand> whole_table() {
     std::vector<SceneCommand> table;
-    for (const auto make : {primitive_commands, solid_commands, curve_commands, point_commands, tree_commands,
-                            compose_commands, edit_commands, session_commands}) {
+    for (const auto make :
+         {primitive_commands, solid_commands, curve_commands, point_commands, material_commands,
+          tree_commands, compose_commands, edit_commands, session_commands}) {
         std::ranges::move(make(), std::back_inserter(table));
     }
     return table;

@@ -99,6 +99,10 @@ class SceneCall {
     }
     /// As solid().
     const Surface& surface(const std::string& name) const { return get<Surface>(ObjectKind::mesh, name); }
+    /// As solid().
+    const SurfaceMaterial& material(const std::string& name) const {
+        return get<SurfaceMaterial>(ObjectKind::material, name);
+    }
     /// Returns the object of a name, of any kind, or of the kind called `kind` if that is not empty. Throws
     /// InvalidInput if there is no such object or several.
     ObjectPtr any(const std::string& name, const std::string& kind) const;

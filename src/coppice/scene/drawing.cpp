@@ -52,6 +52,9 @@ class Gatherer {
             before = add_ball(p + shift, radius, before);
         }
     }
+    void operator()(const SurfaceMaterial&) {
+        throw InvalidInput("a material cannot be drawn; draw a mesh that has it");
+    }
     void operator()(const Profile&) {
         throw InvalidInput("a profile cannot be drawn; draw a solid that is made from it");
     }

@@ -60,8 +60,19 @@ std::string described(const Surface& surface) {
             vertices = mesh.positions.size();
         },
         surface.mesh);
-    return fmt::format("mesh       {} faces\nvertices   {}\nbox        {}\n", face_count(surface), vertices,
-                       box_text(box, origin));
+    return fmt::format("mesh       {} faces\nvertices   {}\nbox        {}\n{}", face_count(surface), vertices,
+                       box_text(box, origin),
+                       surface.material ? fmt::format("material   {}\n", surface.material->files.name) : "");
+}
+
+std::string described(const SurfaceMaterial& material) {
+    if (!material.bark)
+        return fmt::format("material   {}\nimage      {}\n", material.files.name,
+                           material.files.color.string());
+    const BarkMaps& maps = *material.bark;
+    return fmt::format(
+        "material   {}\npixels     {} x {}\ntile_m     {:.6g} x {:.6g}\nheights_m  {:.6g} to {:.6g}\n",
+        material.files.name, maps.width, maps.height, maps.tile_width, maps.tile_height, maps.low, maps.high);
 }
 
 }  // namespace
@@ -99,7 +110,8 @@ std::uint64_t compute_memory(const Surface& surface) {
     const std::uint64_t vertices =
         std::visit([](const auto& mesh) { return mesh.positions.size(); }, surface.mesh);
     const auto* polygons = std::get_if<PolygonMesh>(&surface.mesh);
-    const std::uint64_t corners = polygons == nullptr ? 0 : polygons->texture.size();
+    const std::uint64_t corners =
+        surface.texture.size() + (polygons == nullptr ? 0 : polygons->texture.size());
     return vertices * sizeof(Vec3) + face_count(surface) * 5 * sizeof(std::uint32_t) +
            corners * sizeof(TexturePoint);
 }

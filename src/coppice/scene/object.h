@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -16,18 +17,19 @@
 #include "coppice/io_skeleton/node_attribute.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/points/point_set.h"
+#include "coppice/scene/surface_material.h"
 #include "coppice/skeleton/skeleton.h"
 
 namespace coppice {
 
 /// Kind of an object in a scene. Every kind has its own namespace: a crown, the points in it and the tree
 /// that grows into them may have the same name.
-enum class ObjectKind { solid, path, profile, points, skeleton, mesh };
+enum class ObjectKind { solid, path, profile, points, skeleton, mesh, material };
 
 template <>
 struct EnumNames<ObjectKind> {
-    static constexpr std::array<std::string_view, 6> names{"solid",  "path",     "profile",
-                                                           "points", "skeleton", "mesh"};
+    static constexpr std::array<std::string_view, 7> names{"solid",    "path", "profile", "points",
+                                                           "skeleton", "mesh", "material"};
 };
 
 /// "a solid", "points"
@@ -36,6 +38,9 @@ std::string with_article(ObjectKind kind);
 /// A surface as it was created or read.
 struct Surface {
     std::variant<QuadMesh, TriMesh, PolygonMesh> mesh;  ///< in the original representation
+    Buffer<TexturePoint> texture =
+        {};  ///< per corner; empty if there are no coordinates, or polygons hold them
+    std::optional<SurfaceMaterial> material = {};  ///< of surfaces with texture coordinates
 };
 /// Returns the surface as polygons.
 PolygonMesh make_polygons(const Surface& surface);
@@ -46,8 +51,9 @@ std::uint64_t face_count(const Surface& surface);
 
 /// An immutable object of a scene.
 struct SceneObject {
-    std::variant<Solid, Curve, Profile, PointSet, Skeleton, Surface> value;  ///< in the order of ObjectKind
-    std::uint64_t bytes = 0;                                                 ///< approximate memory
+    /// in the order of ObjectKind
+    std::variant<Solid, Curve, Profile, PointSet, Skeleton, Surface, SurfaceMaterial> value;
+    std::uint64_t bytes = 0;  ///< approximate memory
     /// attributes of the nodes of a skeleton, as read from its file
     std::vector<NodeAttribute> attributes = {};
 

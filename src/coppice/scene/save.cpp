@@ -45,6 +45,7 @@ std::string_view find_hint(ObjectKind kind) {
             return "write the mesh that polygonize creates from it";
         case ObjectKind::path:
         case ObjectKind::profile:
+        case ObjectKind::material:
             break;
     }
     return "it is saved by: save recipe FILE.coppice";
@@ -119,8 +120,10 @@ void save_object(const SceneObject& object, const std::filesystem::path& path, c
     } else if (const auto* skeleton = std::get_if<Skeleton>(&object.value)) {
         write_skeleton(path, *skeleton, {}, object.attributes, ctx);
     } else {
-        std::visit([&](const auto& mesh) { write_mesh(path, mesh, {}, ctx); },
-                   std::get<Surface>(object.value).mesh);
+        const auto& surface = std::get<Surface>(object.value);
+        MeshWriteOptions options{.texture = surface.texture};
+        if (surface.material) options.material = write_images(*surface.material, path, ctx);
+        std::visit([&](const auto& mesh) { write_mesh(path, mesh, options, ctx); }, surface.mesh);
     }
 }
 

@@ -118,6 +118,7 @@ Json make_state(Studio& studio) {
     const auto makers = document.makers();
     Json objects = Json::array();
     for (const auto& [name, object] : document.scene().state().objects) {
+        if (name.first == ObjectKind::material) continue;  // the page shows shapes
         const ObjectNotes::Note& note = studio.notes.of(object);
         const auto& box = note.bounds;
         const ObjectCount count = count_elements(*object);

@@ -76,6 +76,12 @@ std::span<const BarkSpecies> bark_species();
 /// names.
 std::optional<BarkOptions> find_bark(std::string_view name);
 
+/// Makes texels square, unless both the height in pixels and the extent along the stem are given: the extent
+/// follows from the height in pixels, or has the proportions of the species, from which the height in pixels
+/// follows.
+void make_texels_square(BarkOptions& options, const BarkOptions& species, bool has_height,
+                        bool has_tile_height);
+
 /// The maps of a tile of bark, row by row from the top (v = 1) down.
 struct BarkMaps {
     using Texel = std::array<std::uint8_t, 3>;  ///< three channels of 8 bits

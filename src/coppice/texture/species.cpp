@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "coppice/texture/bark.h"
 #include "coppice/texture/bark_internal.h"
@@ -182,6 +183,21 @@ std::optional<BarkOptions> find_bark(std::string_view name) {
     for (const BarkSpecies& species : bark_species())
         if (species.name == name || name_of(species.options.kind) == name) return species.options;
     return std::nullopt;
+}
+
+void make_texels_square(BarkOptions& options, const BarkOptions& species, bool has_height,
+                        bool has_tile_height) {
+    if (has_height) {
+        const float rows =
+            static_cast<float>(options.height) / static_cast<float>(std::max(options.width, 1));
+        if (!has_tile_height) options.tile_height = options.tile_width * rows;
+        return;
+    }
+    if (!has_tile_height)
+        options.tile_height = options.tile_width * (species.tile_height / species.tile_width);
+    const double rows =
+        static_cast<double>(options.width) * static_cast<double>(options.tile_height / options.tile_width);
+    options.height = static_cast<int>(std::clamp(std::round(rows), 1.0, 4096.0));
 }
 
 }  // namespace coppice

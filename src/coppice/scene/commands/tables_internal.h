@@ -13,6 +13,7 @@ std::vector<SceneCommand> primitive_commands();
 std::vector<SceneCommand> solid_commands();
 std::vector<SceneCommand> curve_commands();
 std::vector<SceneCommand> point_commands();
+std::vector<SceneCommand> material_commands();
 std::vector<SceneCommand> tree_commands();
 std::vector<SceneCommand> compose_commands();
 std::vector<SceneCommand> edit_commands();

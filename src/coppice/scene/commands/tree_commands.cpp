@@ -11,6 +11,8 @@
 #include "coppice/implicit/shape/curve.h"
 #include "coppice/implicit/solid/solid_field.h"
 #include "coppice/io_skeleton/reader.h"
+#include "coppice/options/quantity.h"
+#include "coppice/pipeline/displace.h"
 #include "coppice/pipeline/face_budget.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/scene/commands/tables_internal.h"
@@ -258,10 +260,30 @@ SceneCommand loadtree_command() {
     return c;
 }
 
+/// Displaces a surface by the heights of its material; returns a line about it.
+std::string displace(const SceneCall& call, MeshResult& result) {
+    const HeightTexture heights = load_heights(call.material(call.text("material")), call.context());
+    const DisplaceReport report = displace_surface(result, call.skeleton(call.text("tree")), heights,
+                                                   call.options<DisplaceOptions>("displace"), call.context());
+    return fmt::format("displaced by up to {:.2g} mm, {:.2g} mm on average, {} vertices held back\n",
+                       1e3 * report.max_offset, 1e3 * report.mean_offset, grouped(report.pulled_back));
+}
+
+/// Throws InvalidInput for options of textures without the others that they need.
+void check_texture(const SceneCall& call, const TextureOptions& texture) {
+    if (call.has("material") && texture.coordinates == TextureCoordinates::none)
+        throw InvalidInput("material= needs uv=bark");
+    if (call.flag("displace") && !call.has("material"))
+        throw InvalidInput("displace= needs a material with heights; add material=");
+}
+
 /// Returns the outcome of a mesh command; `output` is its output.
 SceneOutcome makes_surface(const SceneCall& call, MeshResult result, std::string output) {
+    if (call.flag("displace")) output += displace(call, result);
     Surface surface;
     std::visit([&](auto& made) { surface.mesh = std::move(made.mesh); }, result.surface);
+    if (result.texture) surface.texture = std::move(result.texture->points);
+    if (call.has("material")) surface.material = call.material(call.text("material"));
     const std::uint64_t bytes = compute_memory(surface);
     SceneOutcome out = makes(call.text("name"), std::move(surface), bytes);
     out.text = std::move(output);
@@ -288,9 +310,19 @@ SceneCommand mesh_command() {
     add_options(c.arguments, FaceNumber{}, "number");
     add_options(c.arguments, options_of_written_surface(), "mesh", {},
                 {{"mesh.project.method", "project_method"}, {"mesh.project.tolerance", "project_tolerance"}});
+    add_options(c.arguments, TextureOptions{}, "texture");
+    c.arguments.push_back(
+        object_option("material", ObjectKind::material, "Material of the bark; needs uv=bark."));
+    c.arguments.push_back({.name = "displace",
+                           .help = "Displace the surface by the heights of the material.",
+                           .type = ArgumentType::flag,
+                           .initial = "false"});
+    add_options(c.arguments, DisplaceOptions{}, "displace");
     c.run = [](const SceneCall& call) {
         const Skeleton& skeleton = call.skeleton(call.text("tree"));
-        const auto options = call.options("mesh", options_of_written_surface());
+        auto options = call.options("mesh", options_of_written_surface());
+        options.texture = call.options<TextureOptions>("texture");
+        check_texture(call, options.texture);
         const int faces = call.options<FaceNumber>("number").faces;
         if (faces > 0)
             return makes_surface_of_faces(call, skeleton, options, static_cast<std::uint64_t>(faces));

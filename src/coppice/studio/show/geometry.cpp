@@ -300,6 +300,7 @@ std::string GeometryWriter::finish() {
 std::string encode_object(const SceneObject& object, const GeometryHead& head, int cells, StudioColor color,
                           const Context& ctx) {
     if (object.kind() == ObjectKind::skeleton) return encode_axes(object, head, color);
+    if (object.kind() == ObjectKind::material) throw InvalidInput("a material has no shape");
     if (color != StudioColor::plain)
         throw InvalidInput(
             fmt::format("only skeletons and their surfaces can be coloured by {}", name_of(color)));
@@ -345,6 +346,7 @@ std::optional<std::pair<Vec3d, Vec3d>> compute_bounds(const SceneObject& object)
         return std::pair(Vec3d(profile->low().x, profile->low().y, 0),
                          Vec3d(profile->high().x, profile->high().y, 0));
     }
+    if (object.kind() == ObjectKind::material) return std::nullopt;
     return std::visit(
         [](const auto& mesh) {
             Box3 box;
@@ -361,6 +363,7 @@ ObjectCount count_elements(const SceneObject& object) {
     if (const auto* solid = std::get_if<Solid>(&object.value)) return {solid->part_count(), "parts"};
     if (const auto* profile = std::get_if<Profile>(&object.value))
         return {profile->contours().size(), "contours"};
+    if (object.kind() == ObjectKind::material) return {1, "materials"};
     return {std::get<Curve>(object.value).piece_count(), "pieces"};
 }
 

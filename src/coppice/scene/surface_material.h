@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+
+#include "coppice/base/context.h"
+#include "coppice/io_mesh/material.h"
+#include "coppice/mesh/height_texture.h"
+#include "coppice/system/folder_sandbox.h"
+#include "coppice/texture/bark.h"
+
+namespace coppice {
+
+/// A material of a scene: images in files, or bark made by program.
+struct SurfaceMaterial {
+    MaterialFiles files;                   ///< without images for bark
+    std::filesystem::path heights;         ///< image of the heights; empty if there is none
+    std::shared_ptr<const BarkMaps> bark;  ///< null for files
+};
+
+/// Returns the material of the images with names that begin like that of the colour, PREFIX_color.png. Throws
+/// InvalidInput for another name, IoError if there is no colour, or an image is refused by the sandbox (may
+/// be null).
+SurfaceMaterial load_surface_material(const std::filesystem::path& color, const FolderSandbox* sandbox);
+
+/// Makes the material of a bark. Throws as make_bark().
+SurfaceMaterial make_bark_material(const BarkOptions& options, const Context& ctx);
+
+/// Returns the approximate memory [bytes].
+std::uint64_t compute_memory(const SurfaceMaterial& material);
+
+/// Returns the heights of a material. Throws InvalidInput if it has none, or their image has no scale.
+HeightTexture load_heights(const SurfaceMaterial& material, const Context& ctx);
+
+/// Returns the images of a material for a mesh file. Bark is written next to it, as MESH_NAME_color.png and
+/// so on for a material called NAME, except for GLB, which will contain its images.
+MaterialFiles write_images(const SurfaceMaterial& material, const std::filesystem::path& mesh,
+                           const Context& ctx);
+
+}  // namespace coppice

@@ -1,0 +1,174 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+#include "coppice/io_mesh/reader.h"
+#include "coppice/render/height_png.h"
+#include "coppice/render/picture.h"
+#include "coppice/scene/save.h"
+#include "coppice/scene/scene.h"
+#include "coppice/system/file.h"
+#include "coppice/system/folder_sandbox.h"
+#include "errors.h"
+#include "temporary_folder.h"
+
+namespace coppice {
+namespace {
+
+constexpr std::string_view kTree = "limb tree 0,0,0 0,0,1 radius=0.1 tip_radius=0.05\n";
+
+std::string refusal(Scene& scene, const std::string& line) {
+    return test::error_of<Error>([&] { scene.run(line); });
+}
+
+class SceneMaterials : public test::FolderTest {
+  protected:
+    std::string file(const std::string& name) const { return (folder_ / name).string(); }
+    bool has_file(const std::string& name) const { return std::filesystem::exists(folder_ / name); }
+
+    Scene make_scene() const {
+        Scene scene;
+        scene.run_text(std::string(kTree) + "material bark oak width=32", "x");
+        return scene;
+    }
+
+    template <class T>
+    static const T& get(const Scene& scene, ObjectKind kind, const std::string& name) {
+        return std::get<T>(scene.state().objects.at({kind, name})->value);
+    }
+};
+
+TEST_F(SceneMaterials, HaveTheDefaultsOfTheSpecies) {
+    Scene scene;
+    scene.run_text(
+        "material a shoot width=20\nmaterial b oak width=24 height=12\nmaterial c plated width=16 seed=3",
+        "x");
+    const auto bark = [&](const std::string& name) -> const BarkMaps& {
+        return *get<SurfaceMaterial>(scene, ObjectKind::material, name).bark;
+    };
+    // The tile of a shoot is twice as high as wide; that of oak is square, so that 24 x 12 pixels show half
+    // of it.
+    EXPECT_EQ(bark("a").height, 40);
+    EXPECT_FLOAT_EQ(bark("a").tile_height, 0.06f);
+    EXPECT_EQ(bark("b").height, 12);
+    EXPECT_FLOAT_EQ(bark("b").tile_height, 0.25f);
+    BarkOptions pine = *find_bark("plated");
+    pine.width = pine.height = 16;
+    pine.seed = 3;
+    EXPECT_EQ(bark("c").heights, make_bark(pine).heights);
+}
+
+TEST_F(SceneMaterials, ArePartOfGlb) {
+    Scene scene = make_scene();
+    scene.run("mesh tree uv=bark material=bark");
+    scene.run("save tree \"" + file("a.glb") + "\"");
+    EXPECT_FALSE(has_file("a_bark_color.png"));
+    const std::string bytes = read_file(file("a.glb"));
+    EXPECT_NE(bytes.find("TEXCOORD_0"), std::string::npos);
+    EXPECT_NE(bytes.find("baseColorTexture"), std::string::npos);
+    EXPECT_NE(bytes.find("normalTexture"), std::string::npos);
+    EXPECT_NE(bytes.find("\x89PNG"), std::string::npos);
+    EXPECT_FALSE(read_mesh(file("a.glb")).texture.empty());
+}
+
+TEST_F(SceneMaterials, AreWrittenNextToObjAndUsda) {
+    Scene scene = make_scene();
+    scene.run("mesh tree uv=bark material=bark");
+    scene.run("save tree \"" + file("a.obj") + "\"");
+    scene.run("save tree \"" + file("b.usda") + "\"");
+    for (const std::string map : {"color", "normal", "height", "orm", "roughness", "occlusion"}) {
+        EXPECT_TRUE(has_file("a_bark_" + map + ".png")) << map;
+        EXPECT_TRUE(has_file("b_bark_" + map + ".png")) << map;
+    }
+    EXPECT_NE(read_file(file("a.mtl")).find("map_Kd a_bark_color.png"), std::string::npos);
+    EXPECT_NE(read_file(file("b.usda")).find("@b_bark_color.png@"), std::string::npos);
+    const std::string name = file("a_bark_color.png");
+    EXPECT_EQ(decode_picture(read_file(name), name).width, 32);
+    EXPECT_GT(decode_height_png(read_file(file("a_bark_height.png")), "a").scale, 0);
+}
+
+TEST_F(SceneMaterials, OfFilesAreReferredTo) {
+    Scene scene = make_scene();
+    scene.run("mesh tree uv=bark material=bark");
+    scene.run("save tree \"" + file("oak.obj") + "\"");
+    scene.run("loadmaterial wood \"" + file("oak_bark_color.png") + "\"");
+    scene.run("mesh tree other uv=bark material=wood displace=true displace_share=0.1");
+    scene.run("save other \"" + file("c.obj") + "\"");
+    EXPECT_NE(read_file(file("c.mtl")).find("map_Kd oak_bark_color.png"), std::string::npos);
+    EXPECT_FALSE(has_file("c_wood_color.png"));
+}
+
+TEST_F(SceneMaterials, DisplaceSurfaces) {
+    Scene scene = make_scene();
+    scene.run("mesh tree plain uv=bark tile=0.1");
+    const std::string output = scene.run("mesh tree rough uv=bark tile=0.1 material=bark displace=true");
+    EXPECT_EQ(output.find("displaced by up to "), 0u) << output;
+    const auto positions = [&](const std::string& name) {
+        return std::get<QuadMesh>(get<Surface>(scene, ObjectKind::mesh, name).mesh).positions;
+    };
+    EXPECT_EQ(positions("plain").size(), positions("rough").size());
+    EXPECT_NE(positions("plain"), positions("rough"));
+}
+
+TEST_F(SceneMaterials, AreRecorded) {
+    Scene scene = make_scene();
+    scene.run("mesh tree uv=bark material=bark displace=true");
+    Scene again;
+    again.run_text(make_recipe(scene.state()), "recipe");
+    const auto positions = [](const Scene& s) {
+        return std::get<QuadMesh>(get<Surface>(s, ObjectKind::mesh, "tree").mesh).positions;
+    };
+    EXPECT_EQ(positions(scene), positions(again));
+    EXPECT_EQ(get<SurfaceMaterial>(scene, ObjectKind::material, "bark").bark->color,
+              get<SurfaceMaterial>(again, ObjectKind::material, "bark").bark->color);
+}
+
+TEST_F(SceneMaterials, RejectUnsuitableValues) {
+    Scene scene = make_scene();
+    EXPECT_EQ(refusal(scene, "mesh tree material=bark"), "material= needs uv=bark");
+    EXPECT_EQ(refusal(scene, "mesh tree uv=bark displace=true"),
+              "displace= needs a material with heights; add material=");
+    EXPECT_EQ(refusal(scene, "mesh tree uv=bark material=tree"), "'tree' is a skeleton, not a material");
+    EXPECT_EQ(refusal(scene, "mesh tree uv=bark material=brak"),
+              "there is no material 'brak'; did you mean bark?");
+    EXPECT_NE(refusal(scene, "mesh tree uv=bark tile=0"), "no error");
+    EXPECT_NE(refusal(scene, "mesh tree uv=bark tile=nan"), "no error");
+    EXPECT_NE(refusal(scene, "mesh tree uv=none material=bark displace=true"), "no error");
+    EXPECT_NE(refusal(scene, "mesh tree uv=bark material=bark displace=true displace_height=-1"), "no error");
+    EXPECT_NE(refusal(scene, "material x okk"), "no error");
+    EXPECT_NE(refusal(scene, "material x"), "no error");
+    EXPECT_NE(refusal(scene, "material x oak width=100000"), "no error");
+    EXPECT_NE(refusal(scene, "material x oak color=1,2"), "no error");
+    EXPECT_EQ(
+        refusal(scene, "loadmaterial x nothing.png"),
+        "'nothing.png' is not the name of a colour; name PREFIX_color.png, as coppice texture writes it");
+    EXPECT_NE(refusal(scene, "loadmaterial x nothing_color.png"), "no error");
+    EXPECT_EQ(refusal(scene, "save bark bark.png"),
+              "'bark.png' is not a valid file name for a material; it is saved by: save recipe FILE.coppice");
+    EXPECT_EQ(refusal(scene, "render bark a.png"), "a material cannot be drawn; draw a mesh that has it");
+    EXPECT_NE(scene.run("describe bark").find("pixels     32 x 32"), std::string::npos);
+}
+
+TEST_F(SceneMaterials, RespectTheMemoryLimit) {
+    Scene scene({.max_memory = 8});
+    EXPECT_NE(refusal(scene, "material x oak width=2048").find("MiB"), std::string::npos);
+}
+
+// Images next to an allowed colour may lead out of the sandbox.
+TEST_F(SceneMaterials, StayInTheSandbox) {
+    std::filesystem::create_directory(folder_ / "inner");
+    write_file(folder_ / "secret.png", "secret");
+    write_file(folder_ / "inner/a_color.png", "image");
+    std::filesystem::create_symlink(folder_ / "secret.png", folder_ / "inner/a_normal.png");
+    SceneSettings settings;
+    settings.sandbox = std::make_shared<FolderSandbox>(folder_ / "inner");
+    Scene scene(settings);
+    EXPECT_NE(refusal(scene, "loadmaterial x a_color.png"), "no error");
+    std::filesystem::remove(folder_ / "inner/a_normal.png");
+    EXPECT_EQ(refusal(scene, "loadmaterial x a_color.png"), "no error");
+    EXPECT_NE(refusal(scene, "loadmaterial x ../secret_color.png"), "no error");
+}
+
+}  // namespace
+}  // namespace coppice
