@@ -33,6 +33,11 @@ std::string summary(const BendApartReport& r) {
     return fmt::format("{} between trees removed by bending{}; ", counted(r.before, "overlap"), left);
 }
 
+std::string summary(const AtlasReport& r) {
+    return fmt::format("; {} use {:.0f} % of the atlas, at {:.3g} pixels per metre", counted(r.charts, "chart"),
+                       100 * r.used, r.pixels_per_metre);
+}
+
 // Summarises texture coordinates: the density is 1 where a tile has its given width.
 std::string summary(const TextureReport& r) {
     const std::string alone =
@@ -156,7 +161,8 @@ std::string count_surface(Run& run, const MeshResult& result) {
     }
     if (result.texture) {
         run.counts()["texture"] = compute_figures(result.texture->report);
-        text += summary(result.texture->report);
+        text += result.atlas ? summary(*result.atlas) : summary(result.texture->report);
+        if (result.atlas) run.counts()["atlas"] = compute_figures(*result.atlas);
     }
     if (!result.fitted) return text;
     const FitVolumeReport& fitted = *result.fitted;

@@ -55,6 +55,8 @@ void check_volume(const MeshFlags& flags) {
 void check_material(const MeshFlags& flags) {
     if (flags.mesh.texture.coordinates == TextureCoordinates::none)
         throw UsageError("--material requires --uv bark");
+    if (flags.mesh.texture.coordinates == TextureCoordinates::atlas)
+        throw UsageError("--material repeats its images over the surface, which an atlas does not; use --uv bark");
     const bool has_one = std::ranges::any_of(flags.outputs, [](const auto& output) {
         const auto format = mesh_format_of_name(output);
         return format == MeshFormat::glb || format == MeshFormat::obj || format == MeshFormat::usda;
@@ -106,11 +108,13 @@ void check_flags(const MeshFlags& flags) {
 void check_given(const GivenOptions& given, const MeshOptions& mesh, int faces) {
     const auto has = [&](std::string_view name) { return is_given(given, name); };
     const bool bmesh = mesh.method == MeshMethod::bmesh;
-    if (has("--tile") && mesh.texture.coordinates == TextureCoordinates::none)
+    if (has("--tile") && mesh.texture.coordinates != TextureCoordinates::bark)
         throw UsageError("--tile requires --uv bark");
     for (const std::string_view name : {"--displace-height", "--displace-share"}) {
         if (has(name) && !has("--displace")) throw UsageError(fmt::format("{} requires --displace", name));
     }
+    if (has("--atlas-size") && mesh.texture.coordinates != TextureCoordinates::atlas)
+        throw UsageError("--atlas-size requires --uv atlas");
     if (has("--ball-bulge") && !bmesh && mesh.field.kernel != Kernel::balls)
         throw UsageError("--ball-bulge requires --method bmesh");
     if (has("--blend") && bmesh)

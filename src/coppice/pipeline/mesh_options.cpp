@@ -20,12 +20,19 @@ void list_fields(TetraOptions& o, FieldList& list) {
 }
 
 void list_fields(TextureOptions& o, FieldList& list) {
-    list.add(common_field("uv", "Texture coordinates: none, or those of bark, around and along each branch."),
+    list.add(common_field("uv",
+                          "Texture coordinates: none, those of bark, around and along each branch, or those of "
+                          "an atlas, in the unit square without overlaps."),
              o.coordinates);
     list.add(Field{"tile",
                    "Width of one repetition of the texture; there is a whole number of them around a branch.",
                    Unit::metre, 1e-6, 1e6},
              o.tile);
+    list.add(Field{"atlas_size",
+                   "Side of the image in pixels for which an atlas is packed, with two pixels between its "
+                   "parts.",
+                   Unit::none, 64, 65536},
+             o.atlas_size);
 }
 
 void list_fields(MeshOptions& o, FieldList& list) {

@@ -91,18 +91,20 @@ void list_fields(TetraOptions& o, FieldList& list);
 enum class TextureCoordinates {
     none,  ///< no coordinates
     bark,  ///< around and along each branch, for a texture of bark that repeats
+    atlas  ///< in the unit square without overlaps, for one image of the whole surface
 };
 
 template <>
 struct EnumNames<TextureCoordinates> {
-    static constexpr std::array<std::string_view, 2> names{"none", "bark"};
+    static constexpr std::array<std::string_view, 3> names{"none", "bark", "atlas"};
 };
 
 /// Options of texture coordinates.
 struct TextureOptions {
     TextureCoordinates coordinates = TextureCoordinates::none;  ///< kind of coordinates
     float tile = 0.4f;  ///< [m] width of one repetition of the texture; branches are a whole number of
-                        ///< repetitions around, at least one
+                        ///< repetitions around, at least one; bark only
+    int atlas_size = 4096;  ///< [pixels] side of the image of an atlas, in which parts are two pixels apart
 };
 
 /// Lists the members for front ends.

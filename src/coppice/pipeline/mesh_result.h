@@ -113,6 +113,21 @@ struct TetraSurface {
     DeviceUse device;                            ///< device that sampled the tetrahedra
 };
 
+/// Parts and density of an atlas. No two faces overlap; charts are two pixels apart.
+struct AtlasReport {
+    std::uint32_t charts = 0;     ///< number of parts with coordinates of their own
+    double used = 0;              ///< share of the unit square that faces cover
+    double pixels_per_metre = 0;  ///< mean density, in an image of the given size
+};
+
+/// Calls visit(name, value) for every figure, in order.
+template <class Visitor>
+void visit_figures(const AtlasReport& r, Visitor&& visit) {
+    visit("charts", r.charts);
+    visit("used", r.used);
+    visit("pixels_per_metre", r.pixels_per_metre);
+}
+
 /// A surface, and the reports of all stages.
 struct MeshResult {
     std::variant<QuadSurface, TetraSurface, CylinderMesh> surface;  ///< the surface, by method
@@ -123,7 +138,10 @@ struct MeshResult {
     /// options.fit is automatic and depends on them.
     std::optional<VolumeReport> measured;
     std::optional<FitVolumeReport> fitted;               ///< if the surface was fitted to the volume
-    std::optional<Texture> texture;                      ///< if options.texture has coordinates
+    /// If options.texture has coordinates. The densities of an atlas are relative to the mean, and the faces
+    /// that are projected are on planes of charts.
+    std::optional<Texture> texture;
+    std::optional<AtlasReport> atlas;                    ///< if these coordinates are an atlas
     std::vector<std::pair<std::string, double>> stages;  ///< names and seconds
 
     /// Returns the surface of quads. Throws std::bad_variant_access if the method is another.

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/progress.h"
@@ -14,6 +16,7 @@
 #include "coppice/pipeline/quads/built_mesh_internal.h"
 #include "coppice/pipeline/quads/quad_surface_internal.h"
 #include "coppice/pipeline/tetra_skeleton_internal.h"
+#include "coppice/pipeline/texture/atlas_internal.h"
 #include "coppice/pipeline/texture/bark_texture_internal.h"
 #include "coppice/pipeline/texture/texture_quality_internal.h"
 
@@ -135,12 +138,34 @@ struct Texturing {
     }
 };
 
+pipeline_internal::Atlas make_atlas(const MeshResult& made, const Texture& bark, int size, const Context& ctx) {
+    if (const auto* triangles = std::get_if<TetraSurface>(&made.surface))
+        return pipeline_internal::make_atlas(to_polygons(triangles->mesh), bark, size, ctx);
+    if (const auto* tubes = std::get_if<CylinderMesh>(&made.surface))
+        return pipeline_internal::make_atlas(tubes->mesh, bark, size, ctx);
+    return pipeline_internal::make_atlas(made.quads().mesh, bark, size, ctx);
+}
+
+// Returns the options of bark coordinates with one tile around every branch.
+MeshOptions with_one_tile(const Skeleton& prepared, MeshOptions options) {
+    const float widest = std::ranges::max(prepared.radii());
+    options.texture.tile = 4 * 2 * std::numbers::pi_v<float> * widest;
+    return options;
+}
+
 void add_texture(BuiltMesh& built, const Skeleton& prepared, const MeshOptions& options, const Context& ctx) {
     if (options.texture.coordinates == TextureCoordinates::none) return;
     MeshResult& out = built.result;
-    const Texturing texturing{prepared, options, built.build, ctx};
-    out.texture =
-        Stages(ctx, out.stages).run("texture", 1.0f, [&] { return std::visit(texturing, out.surface); });
+    const bool is_atlas = options.texture.coordinates == TextureCoordinates::atlas;
+    const MeshOptions bark = is_atlas ? with_one_tile(prepared, options) : options;
+    const Texturing texturing{prepared, bark, built.build, ctx};
+    Stages stages(ctx, out.stages);
+    out.texture = stages.run("texture", 1.0f, [&] { return std::visit(texturing, out.surface); });
+    if (!is_atlas) return;
+    auto atlas = stages.run(
+        "atlas", 1.0f, [&] { return make_atlas(out, *out.texture, options.texture.atlas_size, ctx); });
+    out.texture = std::move(atlas.texture);
+    out.atlas = atlas.report;
 }
 
 BuiltMesh make_surface(const Skeleton& given_skeleton, const PointSet& constraints, const MeshOptions& given,

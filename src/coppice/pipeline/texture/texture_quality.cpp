@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "coppice/base/parallel.h"
+#include "coppice/pipeline/texture/atlas_faces_internal.h"
 
 namespace coppice::pipeline_internal {
 namespace {
@@ -122,15 +123,16 @@ void measure_texture(std::span<const Triangle> faces, std::span<const Vec3> posi
     measure_equal(faces, positions, texture, tile, report, ctx);
 }
 
-void measure_texture(const PolygonMesh& mesh, std::span<const TexturePoint> texture, float tile,
+void measure_texture(const FaceView& mesh, std::span<const TexturePoint> texture, float tile,
                      TextureReport& report, const Context& ctx) {
+    const AtlasFaces faces(mesh);
     const auto face = [&](std::size_t i) {
         const auto f = static_cast<std::uint32_t>(i);
         std::vector<Vec3> positions;
-        for (const std::uint32_t v : mesh.face(f)) positions.push_back(mesh.positions[v]);
-        return std::pair(std::move(positions), texture.subspan(mesh.first[f], mesh.face(f).size()));
+        for (const std::uint32_t v : mesh.face(f)) positions.push_back(mesh.positions()[v]);
+        return std::pair(std::move(positions), faces.values(texture, f));
     };
-    measure(mesh.face_count(), face, tile, report, ctx);
+    measure(mesh.size(), face, tile, report, ctx);
 }
 
 }  // namespace coppice::pipeline_internal

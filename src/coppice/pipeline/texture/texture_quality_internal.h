@@ -6,6 +6,7 @@
 
 #include "coppice/base/context.h"
 #include "coppice/base/vec.h"
+#include "coppice/mesh/face_view.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/mesh/texture.h"
 
@@ -47,7 +48,7 @@ void measure_texture(std::span<const Quad> faces, std::span<const Vec3> position
 void measure_texture(std::span<const Triangle> faces, std::span<const Vec3> positions,
                      std::span<const TexturePoint> texture, float tile, TextureReport& report,
                      const Context& ctx);
-void measure_texture(const PolygonMesh& mesh, std::span<const TexturePoint> texture, float tile,
+void measure_texture(const FaceView& mesh, std::span<const TexturePoint> texture, float tile,
                      TextureReport& report, const Context& ctx);
 
 }  // namespace coppice::pipeline_internal
