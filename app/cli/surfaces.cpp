@@ -34,8 +34,8 @@ std::string summary(const BendApartReport& r) {
 }
 
 std::string summary(const AtlasReport& r) {
-    return fmt::format("; {} use {:.0f} % of the atlas, at {:.3g} pixels per metre", counted(r.charts, "chart"),
-                       100 * r.used, r.pixels_per_metre);
+    return fmt::format("; {} use {:.0f} % of the atlas, at {:.3g} pixels per metre",
+                       counted(r.charts, "chart"), 100 * r.used, r.pixels_per_metre);
 }
 
 // Summarises texture coordinates: the density is 1 where a tile has its given width.

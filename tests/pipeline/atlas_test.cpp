@@ -87,7 +87,8 @@ Triangles find_triangles(const MeshResult& made) {
         for (std::size_t k = 0; k < n; ++k) {
             const TexturePoint p = points[mesh.first[f] + k];
             EXPECT_TRUE(p.u >= 0 && p.u <= 1 && p.v >= 0 && p.v <= 1);
-            face.push_back({std::llround(std::ldexp(double{p.u}, 24)), std::llround(std::ldexp(double{p.v}, 24))});
+            face.push_back(
+                {std::llround(std::ldexp(double{p.u}, 24)), std::llround(std::ldexp(double{p.v}, 24))});
             EXPECT_EQ(std::ldexp(static_cast<float>(face[k][0]), -24), p.u);  // no digits are lost
             EXPECT_EQ(std::ldexp(static_cast<float>(face[k][1]), -24), p.v);
         }
@@ -119,7 +120,8 @@ int count_overlaps(const Triangles& t) {
                 for (const std::size_t j : cell) {
                     const auto [l, r] = bounds(j, 0);
                     const auto [b, h] = bounds(j, 1);
-                    if (t.face[i] == t.face[j] || l >= right || left >= r || b >= top || bottom >= h) continue;
+                    if (t.face[i] == t.face[j] || l >= right || left >= r || b >= top || bottom >= h)
+                        continue;
                     // A millionth of the smaller area is more than the rounding of the cuts.
                     const double area = static_cast<double>(
                         std::min(doubled_area(t.corners[i][0], t.corners[i][1], t.corners[i][2]),
@@ -164,7 +166,8 @@ TEST(Atlas, IsValidWithFewerQuadsAroundThinBranches) {
 }
 
 TEST(Atlas, UnrollsAStemWithOneDensity) {
-    // Area 2 pi r (length + r) = 2.4 m^2, so that the stem is cut across: 4 m are more than a quarter of 1.5 m.
+    // Area 2 pi r (length + r) = 2.4 m^2, so that the stem is cut across: 4 m are more than a quarter of 1.5
+    // m.
     const MeshResult made = mesh_skeleton(stem(0.1f, 4), with_atlas());
     expect_valid(made, "stem");
     EXPECT_GT(made.atlas->charts, 4u);
@@ -199,7 +202,8 @@ TEST(Atlas, HasTwoPixelsBetweenCharts) {
     for (std::size_t i = 0; i < triangles.corners.size(); ++i) {
         auto& box = boxes.try_emplace(find(triangles.face[i]), outside).first->second;
         for (const Point& p : triangles.corners[i])
-            box = {std::min(box[0], p[0]), std::max(box[1], p[0]), std::min(box[2], p[1]), std::max(box[3], p[1])};
+            box = {std::min(box[0], p[0]), std::max(box[1], p[0]), std::min(box[2], p[1]),
+                   std::max(box[3], p[1])};
     }
     constexpr std::int64_t kMargin = 2 * (1 << 24) / kSize;
     for (auto a = boxes.begin(); a != boxes.end(); ++a) {

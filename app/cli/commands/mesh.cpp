@@ -56,7 +56,8 @@ void check_material(const MeshFlags& flags) {
     if (flags.mesh.texture.coordinates == TextureCoordinates::none)
         throw UsageError("--material requires --uv bark");
     if (flags.mesh.texture.coordinates == TextureCoordinates::atlas)
-        throw UsageError("--material repeats its images over the surface, which an atlas does not; use --uv bark");
+        throw UsageError(
+            "--material repeats its images over the surface, which an atlas does not; use --uv bark");
     const bool has_one = std::ranges::any_of(flags.outputs, [](const auto& output) {
         const auto format = mesh_format_of_name(output);
         return format == MeshFormat::glb || format == MeshFormat::obj || format == MeshFormat::usda;

@@ -20,10 +20,11 @@ void list_fields(TetraOptions& o, FieldList& list) {
 }
 
 void list_fields(TextureOptions& o, FieldList& list) {
-    list.add(common_field("uv",
-                          "Texture coordinates: none, those of bark, around and along each branch, or those of "
-                          "an atlas, in the unit square without overlaps."),
-             o.coordinates);
+    list.add(
+        common_field("uv",
+                     "Texture coordinates: none, those of bark, around and along each branch, or those of "
+                     "an atlas, in the unit square without overlaps."),
+        o.coordinates);
     list.add(Field{"tile",
                    "Width of one repetition of the texture; there is a whole number of them around a branch.",
                    Unit::metre, 1e-6, 1e6},

@@ -137,7 +137,7 @@ struct MeshResult {
     /// Volumes of the surface before fitting and of the cones, estimated from about 2^15 points if
     /// options.fit is automatic and depends on them.
     std::optional<VolumeReport> measured;
-    std::optional<FitVolumeReport> fitted;               ///< if the surface was fitted to the volume
+    std::optional<FitVolumeReport> fitted;  ///< if the surface was fitted to the volume
     /// If options.texture has coordinates. The densities of an atlas are relative to the mean, and the faces
     /// that are projected are on planes of charts.
     std::optional<Texture> texture;

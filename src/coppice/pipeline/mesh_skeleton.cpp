@@ -138,7 +138,8 @@ struct Texturing {
     }
 };
 
-pipeline_internal::Atlas make_atlas(const MeshResult& made, const Texture& bark, int size, const Context& ctx) {
+pipeline_internal::Atlas make_atlas(const MeshResult& made, const Texture& bark, int size,
+                                    const Context& ctx) {
     if (const auto* triangles = std::get_if<TetraSurface>(&made.surface))
         return pipeline_internal::make_atlas(to_polygons(triangles->mesh), bark, size, ctx);
     if (const auto* tubes = std::get_if<CylinderMesh>(&made.surface))
@@ -162,8 +163,8 @@ void add_texture(BuiltMesh& built, const Skeleton& prepared, const MeshOptions& 
     Stages stages(ctx, out.stages);
     out.texture = stages.run("texture", 1.0f, [&] { return std::visit(texturing, out.surface); });
     if (!is_atlas) return;
-    auto atlas = stages.run(
-        "atlas", 1.0f, [&] { return make_atlas(out, *out.texture, options.texture.atlas_size, ctx); });
+    auto atlas = stages.run("atlas", 1.0f,
+                            [&] { return make_atlas(out, *out.texture, options.texture.atlas_size, ctx); });
     out.texture = std::move(atlas.texture);
     out.atlas = atlas.report;
 }

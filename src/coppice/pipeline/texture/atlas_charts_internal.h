@@ -13,8 +13,8 @@ namespace coppice::pipeline_internal {
 
 /// Charts of a surface in metres.
 struct AtlasCharts {
-    std::vector<Chart> charts;   ///< each face belongs to one
-    Buffer<PlanePoint> points;   ///< [m] per corner of the faces, in the plane of the chart
+    std::vector<Chart> charts;    ///< each face belongs to one
+    Buffer<PlanePoint> points;    ///< [m] per corner of the faces, in the plane of the chart
     std::uint64_t projected = 0;  ///< faces in charts that are projected on a plane
 };
 

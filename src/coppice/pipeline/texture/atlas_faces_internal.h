@@ -30,9 +30,9 @@ class AtlasFaces {
             first_[f + 1] = first_[f] + static_cast<std::uint32_t>(mesh.face(f).size());
     }
 
-    std::uint32_t size() const { return mesh_.size(); }                ///< number of faces
-    std::uint32_t corner_count() const { return first_.back(); }       ///< number of corners of all faces
-    std::uint32_t vertex_count() const {                               ///< number of vertices
+    std::uint32_t size() const { return mesh_.size(); }           ///< number of faces
+    std::uint32_t corner_count() const { return first_.back(); }  ///< number of corners of all faces
+    std::uint32_t vertex_count() const {                          ///< number of vertices
         return static_cast<std::uint32_t>(mesh_.positions().size());
     }
     /// Returns the vertices of a face.
@@ -40,9 +40,7 @@ class AtlasFaces {
     /// Returns the corners of a face.
     IndexRange corners(std::uint32_t face) const { return {first_[face], first_[face + 1]}; }
     /// Returns the position of corner k of a face.
-    Vec3 position(std::uint32_t face, std::size_t k) const {
-        return mesh_.positions()[mesh_.face(face)[k]];
-    }
+    Vec3 position(std::uint32_t face, std::size_t k) const { return mesh_.positions()[mesh_.face(face)[k]]; }
     /// Returns the elements that belong to the corners of a face, of one element per corner.
     template <class T>
     std::span<T> values(std::span<T> per_corner, std::uint32_t face) const {

@@ -24,7 +24,8 @@ std::int64_t doubled_area(LatticePoint a, LatticePoint b, LatticePoint c) {
 bool is_separated_by_edge(std::span<const LatticePoint> a, std::span<const LatticePoint> b) {
     for (std::size_t k = 0; k < a.size(); ++k) {
         const LatticePoint from = a[k], to = a[k + 1 < a.size() ? k + 1 : 0];
-        if (std::ranges::all_of(b, [&](LatticePoint p) { return doubled_area(from, to, p) <= 0; })) return true;
+        if (std::ranges::all_of(b, [&](LatticePoint p) { return doubled_area(from, to, p) <= 0; }))
+            return true;
     }
     return false;
 }

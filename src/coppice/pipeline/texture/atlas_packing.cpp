@@ -20,8 +20,8 @@ std::vector<std::uint32_t> sort_by_height(std::span<const Upright> rectangles) {
     return out;
 }
 
-// Fills rows with rectangles at a scale, in the given order, and calls place(index, x, y). Returns whether all
-// fit.
+// Fills rows with rectangles at a scale, in the given order, and calls place(index, x, y). Returns whether
+// all fit.
 template <class Place>
 bool fill_rows(std::span<const Upright> rectangles, std::span<const std::uint32_t> order, double scale,
                double margin, const Place& place) {

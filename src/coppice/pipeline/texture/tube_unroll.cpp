@@ -112,10 +112,10 @@ std::vector<double> TubeUnroll::find_cuts(const std::vector<Place>& places, doub
 
 // Returns whether lengths are kept within the maximum ratio, and the face is not turned over.
 bool TubeUnroll::is_good(std::uint32_t face, std::span<const PlanePoint> points) const {
-    const auto [a, b] =
-        find_frame(points.size(), [&](std::size_t k) { return faces_.position(face, k); });
-    const auto [p, q] =
-        find_frame(points.size(), [&](std::size_t k) { return Vec3{points[k].x, points[k].y, 0}; });
+    const auto [a, b] = find_frame(points.size(), [&](std::size_t k) { return faces_.position(face, k); });
+    const auto [p, q] = find_frame(points.size(), [&](std::size_t k) {
+        return Vec3{points[k].x, points[k].y, 0};
+    });
     // The map in an orthonormal frame of the face, in which a = (ax, 0) and b = (bx, by).
     const double ax{length(a)}, bx = double{dot(a, b)} / ax, by = double{length(cross(a, b))} / ax;
     const double xx = double{p.x} / ax, yx = double{p.y} / ax;
