@@ -33,7 +33,7 @@ FOLDERS = ("src", "app", "bench", "tests", "examples", "web/src", "web/test", "c
 CODE = {".cpp", ".h", ".cu", ".cuh", ".ts", ".tsx", ".mjs"}
 # Options of one name with a different meaning or other files in each command.
 HOMONYMS = {f"--{name}" for name in (
-    "azimuth base crowns format height max-nodes method noise output pipe-exponent reference seed sheet spacing then-mesh tips tolerance "
+    "azimuth base crowns format height max-nodes method noise output pipe-exponent reference seed sheet spacing then-mesh tile-height tips tolerance "
     "units width").split()}
 SKIPPED = {"CHANGELOG.md", "language_test.py"}
 

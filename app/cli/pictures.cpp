@@ -6,7 +6,6 @@
 #include "coppice/render/contact_sheet.h"
 #include "coppice/render/height_png.h"
 #include "coppice/render/picture.h"
-#include "coppice/render/png.h"
 #include "coppice/render/render.h"
 #include "coppice/system/file.h"
 #include "files.h"
@@ -48,8 +47,16 @@ RenderMaterial load_material(Run& run, const std::filesystem::path& prefix) {
     });
 }
 
+std::filesystem::path height_file(const std::filesystem::path& prefix) {
+    return prefix.string() + "_height.png";
+}
+
+std::optional<TileSize> load_tile_size(const std::filesystem::path& image) {
+    return read_tile_size(read_file(image, kLargestFile));
+}
+
 HeightTexture load_heights(Run& run, const std::filesystem::path& prefix, float scale) {
-    const std::string name = prefix.string() + "_height.png";
+    const std::string name = height_file(prefix).string();
     std::error_code error;
     if (!std::filesystem::exists(name, error))
         throw IoError(fmt::format("there is no file {}; write it by coppice texture", name));

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "coppice/mesh/height_texture.h"
 #include "coppice/render/image.h"
 #include "coppice/render/material.h"
+#include "coppice/render/png.h"
 #include "coppice/skeleton/skeleton.h"
 #include "run.h"
 
@@ -23,7 +25,11 @@ std::vector<Image> draw_each(Run& run, std::span<const Skeleton* const> trees, i
 /// PREFIX_occlusion.png that exist; also .jpg. Throws IoError without the first, InvalidInput for other
 /// content.
 RenderMaterial load_material(Run& run, const std::filesystem::path& prefix);
-/// Loads the heights PREFIX_height.png. Throws IoError if there is no such file, and InvalidInput if it has
+/// Returns PREFIX_height.png.
+std::filesystem::path height_file(const std::filesystem::path& prefix);
+/// Returns the extent of an image on a surface, if its file states it. Throws IoError if it cannot be read.
+std::optional<TileSize> load_tile_size(const std::filesystem::path& image);
+/// Loads height_file(). Throws IoError if there is no such file, and InvalidInput if it has
 /// no scale and `scale` [m] is 0.
 HeightTexture load_heights(Run& run, const std::filesystem::path& prefix, float scale);
 

@@ -1,4 +1,5 @@
-// Decodes PNG and JPEG images from arbitrary bytes: all pixels are there, or coppice::InvalidInput is thrown.
+// Decodes PNG and JPEG images, heights, and the extents of tiles from arbitrary bytes: all pixels are there,
+// or coppice::InvalidInput is thrown.
 
 #include <cstddef>
 #include <cstdint>
@@ -6,7 +7,9 @@
 #include <string_view>
 
 #include "coppice/base/error.h"
+#include "coppice/render/height_png.h"
 #include "coppice/render/picture.h"
+#include "coppice/render/png.h"
 
 namespace {
 
@@ -44,5 +47,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         if (count == 0 || image.pixels.size() != count) std::abort();
     } catch (const coppice::InvalidInput&) {  // expected for an invalid file
     }
+    try {
+        const coppice::HeightTexture texture = coppice::decode_height_png(bytes, "input");
+        const auto count = static_cast<std::size_t>(texture.width) * static_cast<std::size_t>(texture.height);
+        if (count == 0 || texture.heights.size() != count || !(texture.scale >= 0)) std::abort();
+    } catch (const coppice::InvalidInput&) {  // expected for other images
+    }
+    const auto tile = coppice::read_tile_size(bytes);
+    if (tile && !(tile->width > 0 && tile->height > 0)) std::abort();
     return 0;
 }

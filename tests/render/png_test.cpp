@@ -80,6 +80,38 @@ TEST(Png, RejectsMapsOfAnotherSize) {
     EXPECT_THROW(encode_png(PngMap{4, 3, 1, 4, bytes}), InvalidInput);
 }
 
+std::string encode_tile(float width, float height) {
+    const std::vector<std::uint8_t> samples(12);
+    return encode_png(PngMap{.width = 4,
+                             .height = 3,
+                             .samples = std::as_bytes(std::span(samples)),
+                             .tile_width = width,
+                             .tile_height = height});
+}
+
+TEST(Png, StatesTheExtentOfATile) {
+    const auto size = read_tile_size(encode_tile(0.5f, 1.25f));
+    ASSERT_TRUE(size);
+    EXPECT_FLOAT_EQ(size->width, 0.5f);
+    EXPECT_FLOAT_EQ(size->height, 1.25f);
+    EXPECT_FALSE(read_tile_size(encode_tile(0, 0)));
+    EXPECT_FALSE(read_tile_size(encode_tile(1e-6f, 1e-6f)));
+    EXPECT_FALSE(read_tile_size("\xff\xd8"));
+}
+
+TEST(Png, IgnoresDamagedExtents) {
+    const std::string whole = encode_tile(0.5f, 1.25f);
+    const std::size_t chunk = whole.find("sCAL"), data = whole.find("IDAT");
+    ASSERT_NE(chunk, std::string::npos);
+    for (std::size_t size = 0; size < chunk; ++size) EXPECT_FALSE(read_tile_size(whole.substr(0, size)));
+    std::string radians = whole, text = whole, longer = whole;
+    radians[chunk + 4] = 2;
+    text[chunk + 5] = 'x';
+    longer[chunk - 4] = '\x7f';
+    for (const std::string& damaged : {radians, text, longer}) EXPECT_FALSE(read_tile_size(damaged));
+    EXPECT_TRUE(read_tile_size(whole.substr(0, data)));
+}
+
 TEST(Png, RejectsAnImageWithoutPixels) { EXPECT_THROW(encode_png(Image{}), InvalidInput); }
 
 }  // namespace

@@ -109,8 +109,10 @@ void check_flags(const MeshFlags& flags) {
 void check_given(const GivenOptions& given, const MeshOptions& mesh, int faces) {
     const auto has = [&](std::string_view name) { return is_given(given, name); };
     const bool bmesh = mesh.method == MeshMethod::bmesh;
-    if (has("--tile") && mesh.texture.coordinates != TextureCoordinates::bark)
-        throw UsageError("--tile requires --uv bark");
+    for (const std::string_view name : {"--tile", "--tile-height"}) {
+        if (has(name) && mesh.texture.coordinates != TextureCoordinates::bark)
+            throw UsageError(fmt::format("{} requires --uv bark", name));
+    }
     for (const std::string_view name : {"--displace-height", "--displace-share"}) {
         if (has(name) && !has("--displace")) throw UsageError(fmt::format("{} requires --displace", name));
     }
@@ -156,6 +158,20 @@ std::string restore(Run& run, const MeshFlags& flags, const PolygonMesh& origina
     if (!flags.offsets.empty()) write_offsets(flags.offsets, result.offsets);
     return fmt::format("; {} restored, {} held back", grouped(result.report.found),
                        grouped(result.report.pulled_back));
+}
+
+/// Uses the extent that the image of the material or of the heights states for the tile, unless a tile is
+/// given; returns a summary.
+std::string use_tile_of_images(Run& run, const GivenOptions& given, const MaterialFiles& material,
+                               MeshFlags& flags) {
+    if (is_given(given, "--tile") || is_given(given, "--tile-height")) return {};
+    if (material.empty() && flags.heights.empty()) return {};
+    const auto size = load_tile_size(material.empty() ? height_file(flags.heights) : material.color);
+    if (!size) return {};
+    flags.mesh.texture.tile = size->width;
+    flags.mesh.texture.tile_height = size->height;
+    run.counts()["tile_m"] = {size->width, size->height};
+    return fmt::format("; tiles of {:.3g} x {:.3g} m, as the images state", size->width, size->height);
 }
 
 /// Moves the surface by heights; returns a summary.
@@ -233,7 +249,7 @@ MadeMesh make_surface(Run& run, const MeshFlags& flags, const Skeleton& skeleton
             {}};
 }
 
-ExitCode mesh(Run& run, const GivenOptions& given, const MeshFlags& flags) {
+ExitCode mesh(Run& run, const GivenOptions& given, MeshFlags flags) {
     check_flags(flags);
     check_given(given, flags.mesh, flags.number.faces);
     MeshWriteOptions write = flags.write;
@@ -244,11 +260,11 @@ ExitCode mesh(Run& run, const GivenOptions& given, const MeshFlags& flags) {
     if (!flags.original.empty()) original = load_mesh(run, flags.original, flags.read.up);
     HeightTexture heights;
     if (!flags.heights.empty()) heights = load_heights(run, flags.heights, flags.displace.displace_height);
+    std::string moved = use_tile_of_images(run, given, write.material, flags);
     MadeMesh made = make_surface(run, flags, file.skeleton, constraints);
     MeshResult& result = made.result;
     run.add_stages("mesh: ", result.stages);
-    std::string moved;
-    if (!flags.original.empty()) moved = restore(run, flags, original, file.skeleton, result.quads().mesh);
+    if (!flags.original.empty()) moved += restore(run, flags, original, file.skeleton, result.quads().mesh);
     const Skeleton& drawn = made.drawn ? *made.drawn : file.skeleton;
     if (!flags.heights.empty()) moved += displace(run, flags, heights, drawn, result);
     run.stage("write", [&](const Context& ctx) {

@@ -104,6 +104,7 @@ struct TextureOptions {
     TextureCoordinates coordinates = TextureCoordinates::none;  ///< kind of coordinates
     float tile = 0.4f;      ///< [m] width of one repetition of the texture; branches are a whole number of
                             ///< repetitions around, at least one; bark only
+    float tile_height = 0;  ///< [m] height of one repetition; 0: as its width
     int atlas_size = 4096;  ///< [pixels] side of the image of an atlas, in which parts are two pixels apart
 };
 

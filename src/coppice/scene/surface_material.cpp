@@ -12,7 +12,7 @@
 namespace coppice {
 namespace {
 
-constexpr std::uint64_t kMaxHeightBytes = std::uint64_t{256} << 20;
+constexpr std::uint64_t kMaxImageBytes = std::uint64_t{256} << 20;
 
 /// Returns the name without "_color.png". Throws InvalidInput for another name.
 std::string find_prefix(const std::filesystem::path& color) {
@@ -42,15 +42,18 @@ SurfaceMaterial load_surface_material(const std::filesystem::path& color, const 
     std::error_code error;
     const std::filesystem::path heights = make_bark_file_name(prefix, "height");
     if (std::filesystem::exists(heights, error)) out.heights = heights;
-    if (sandbox == nullptr) return out;
-    for_each_image(out, [&](const std::filesystem::path& path) {
-        sandbox->to_read(path.lexically_relative(sandbox->folder()).generic_string());
-    });
+    if (sandbox != nullptr) {
+        for_each_image(out, [&](const std::filesystem::path& path) {
+            sandbox->to_read(path.lexically_relative(sandbox->folder()).generic_string());
+        });
+    }
+    out.tile = read_tile_size(read_file(out.files.color, kMaxImageBytes));
     return out;
 }
 
 SurfaceMaterial make_bark_material(const BarkOptions& options, const Context& ctx) {
-    return {.bark = std::make_shared<const BarkMaps>(make_bark(options, ctx))};
+    return {.bark = std::make_shared<const BarkMaps>(make_bark(options, ctx)),
+            .tile = TileSize{options.tile_width, options.tile_height}};
 }
 
 std::uint64_t compute_memory(const SurfaceMaterial& material) {
@@ -65,7 +68,7 @@ HeightTexture load_heights(const SurfaceMaterial& material, const Context& ctx) 
     }
     if (material.heights.empty())
         throw InvalidInput("the material has no heights; they are in PREFIX_height.png");
-    return decode_height_png(read_file(material.heights, kMaxHeightBytes, ctx), material.heights.string());
+    return decode_height_png(read_file(material.heights, kMaxImageBytes, ctx), material.heights.string());
 }
 
 MaterialFiles write_images(const SurfaceMaterial& material, const std::filesystem::path& mesh,

@@ -3,10 +3,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "coppice/base/context.h"
 #include "coppice/io_mesh/material.h"
 #include "coppice/mesh/height_texture.h"
+#include "coppice/render/png.h"
 #include "coppice/system/folder_sandbox.h"
 #include "coppice/texture/bark.h"
 
@@ -17,6 +19,7 @@ struct SurfaceMaterial {
     MaterialFiles files;                   ///< without images for bark
     std::filesystem::path heights;         ///< image of the heights; empty if there is none
     std::shared_ptr<const BarkMaps> bark;  ///< null for files
+    std::optional<TileSize> tile;          ///< extent of the images, if known
 };
 
 /// Returns the material of the images with names that begin like that of the colour, PREFIX_color.png. Throws

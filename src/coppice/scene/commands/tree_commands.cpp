@@ -269,12 +269,20 @@ std::string displace(const SceneCall& call, MeshResult& result) {
                        1e3 * report.max_offset, 1e3 * report.mean_offset, grouped(report.pulled_back));
 }
 
-/// Throws InvalidInput for options of textures without the others that they need.
-void check_texture(const SceneCall& call, const TextureOptions& texture) {
-    if (call.has("material") && texture.coordinates == TextureCoordinates::none)
+/// Returns the options of textures; the tile is that of the material unless it is given. Throws InvalidInput
+/// for options without the others that they need.
+TextureOptions texture_options(const SceneCall& call) {
+    auto texture = call.options<TextureOptions>("texture");
+    if (call.has("material") && texture.coordinates != TextureCoordinates::bark)
         throw InvalidInput("material= needs uv=bark");
     if (call.flag("displace") && !call.has("material"))
         throw InvalidInput("displace= needs a material with heights; add material=");
+    if (!call.has("material") || call.has("tile") || call.has("tile_height")) return texture;
+    if (const auto tile = call.material(call.text("material")).tile) {
+        texture.tile = tile->width;
+        texture.tile_height = tile->height;
+    }
+    return texture;
 }
 
 /// Returns the outcome of a mesh command; `output` is its output.
@@ -311,6 +319,10 @@ SceneCommand mesh_command() {
     add_options(c.arguments, options_of_written_surface(), "mesh", {},
                 {{"mesh.project.method", "project_method"}, {"mesh.project.tolerance", "project_tolerance"}});
     add_options(c.arguments, TextureOptions{}, "texture");
+    // The default is the tile of the material, if it is known.
+    for (Argument& a : c.arguments) {
+        if (a.name == "tile" || a.name == "tile_height") a.initial.clear();
+    }
     c.arguments.push_back(
         object_option("material", ObjectKind::material, "Material of the bark; needs uv=bark."));
     c.arguments.push_back({.name = "displace",
@@ -321,8 +333,7 @@ SceneCommand mesh_command() {
     c.run = [](const SceneCall& call) {
         const Skeleton& skeleton = call.skeleton(call.text("tree"));
         auto options = call.options("mesh", options_of_written_surface());
-        options.texture = call.options<TextureOptions>("texture");
-        check_texture(call, options.texture);
+        options.texture = texture_options(call);
         const int faces = call.options<FaceNumber>("number").faces;
         if (faces > 0)
             return makes_surface_of_faces(call, skeleton, options, static_cast<std::uint64_t>(faces));
