@@ -82,7 +82,7 @@ def files(root):
     found = [path for folder in FOLDERS for path in (root / folder).rglob("*")] + [*root.glob("*.md"), root / "CMakeLists.txt"]
     suffixes = CODE | {".md", ".py", ".txt", ".cmake", ""}
     chosen = sorted(path for path in found if path.suffix in suffixes and path.is_file() and not path.is_symlink()
-                    and path.name not in SKIPPED and "corpus_" not in str(path))
+                    and path.name not in SKIPPED and "corpus_" not in str(path) and "node_modules" not in path.parts)
     if not chosen:
         sys.exit(f"{root}: there are no files to check")
     return chosen

@@ -1,10 +1,16 @@
-// write_samples FOLDER: writes the GLB files that the Khronos validator checks.
+// write_samples FOLDER: writes the GLB files that the Khronos validator and MikkTSpace check.
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <variant>
 
 #include "coppice/io_mesh/motion_writer.h"
 #include "coppice/io_mesh/writer.h"
+#include "coppice/pipeline/mesh_skeleton.h"
+#include "coppice/render/png.h"
+#include "coppice/skeleton/random_tree.h"
+#include "coppice/system/file.h"
 
 namespace {
 
@@ -27,6 +33,39 @@ QuadMesh torus(std::uint32_t n, float flat) {
     return mesh;
 }
 
+/// Writes a small image of one colour.
+std::filesystem::path write_image(const std::filesystem::path& path, Image::Pixel color) {
+    Image image(4, 4);
+    std::ranges::fill(image.pixels, color);
+    write_file(path, encode_png(image));
+    return path;
+}
+
+/// Writes trees with a material, with overlapping branches that are remeshed.
+void write_bark(const std::filesystem::path& folder) {
+    MaterialFiles material{.color = write_image(folder / "color.png", {120, 100, 80, 255}),
+                           .normal = write_image(folder / "normal.png", {128, 128, 255, 255}),
+                           .packed = write_image(folder / "orm.png", {255, 200, 0, 255})};
+    const Skeleton tree = random_tree(60, 7, true);
+    const auto write = [&](const char* name, MeshMethod method) {
+        MeshOptions options;
+        options.method = method;
+        options.texture = {TextureCoordinates::bark, 0.1f};
+        const MeshResult made = mesh_skeleton(tree, options);
+        std::visit(
+            [&](const auto& surface) {
+                write_mesh(folder / name, surface.mesh,
+                           {.texture = made.texture->points, .material = material});
+            },
+            made.surface);
+    };
+    write("bark_quads.glb", MeshMethod::quads);
+    write("bark_tetrahedra.glb", MeshMethod::tetrahedra);
+    write("bark_cylinders.glb", MeshMethod::cylinders);
+    material.normal.clear();
+    write("bark_without_normals.glb", MeshMethod::quads);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -44,5 +83,6 @@ int main(int argc, char** argv) {
     MotionWriter motion(folder / "motion.glb", rest, 3, 24);
     for (const float flat : {1.0f, 0.5f, 0.0f}) motion.add(torus(8, flat).positions);
     motion.finish();
+    write_bark(folder);
     return 0;
 }

@@ -4,10 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <sstream>
+#include <vector>
 
 #include "coppice/base/error.h"
 #include "coppice/io_mesh/reader.h"
@@ -114,6 +116,33 @@ TEST_F(MeshWriter, QuotesPathsWithAnAtSignInUsda) {
     EXPECT_EQ(line("a.png"), "inputs:file = @a.png@");
     EXPECT_EQ(line("a@b.png"), "inputs:file = @@@a@b.png@@@");
     EXPECT_EQ(line("a@@@b.png"), "inputs:file = @@@a\\@@@b.png@@@");
+}
+
+// Two adjacent squares, the second with a mirrored texture: of the six vertices, the two of the common edge
+// are divided, because their bitangents have opposite signs.
+TEST_F(MeshWriter, GlbHasTangentsForNormalMapsOnly) {
+    PolygonMesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {2, 0, 0}, {2, 1, 0}};
+    for (const Quad q : {Quad{0, 1, 2, 3}, Quad{1, 4, 5, 2}}) mesh.add_face(q);
+    mesh.texture = {{0, 0}, {1, 0}, {1, 1}, {0, 1}, {1, 0}, {0, 0}, {0, 1}, {1, 1}};
+    const fs::path image = folder_ / "image.png";
+    write_file(image, "\x89PNG");
+    const auto with = [&](const MaterialFiles& material) {
+        return written("a.glb", mesh, {.texture = mesh.texture, .material = material});
+    };
+    EXPECT_EQ(with({}).find("TANGENT"), std::string::npos);
+    EXPECT_EQ(with({.color = image}).find("TANGENT"), std::string::npos);
+    const std::string bytes = with({.color = image, .normal = image});
+    EXPECT_NE(bytes.find("\"TANGENT\""), std::string::npos);
+    EXPECT_NE(bytes.find("\"componentType\":5126,\"count\":8,\"type\":\"VEC4\""), std::string::npos);
+    std::vector<std::array<float, 4>> tangents(8);  // after positions, normals and texture coordinates
+    const std::size_t skipped = 4 + 8 * (3 + 3 + 2) * sizeof(float);
+    std::memcpy(tangents.data(), bytes.data() + bytes.find("BIN") + skipped, 8 * 4 * sizeof(float));
+    const auto count = [&](float x, float w) {
+        return std::ranges::count(tangents, std::array<float, 4>{x, 0, 0, w});
+    };
+    EXPECT_EQ(count(1, 1), 4);
+    EXPECT_EQ(count(-1, -1), 4);
 }
 
 /// Returns the cuboid with the square of the texture on each face: every vertex is on seams.

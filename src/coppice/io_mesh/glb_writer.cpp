@@ -83,6 +83,21 @@ void write_texture(AtomicFile& file, std::span<const TexturePoint> places, const
     });
 }
 
+// Returns coordinates that differ only if they do in the file: where they do not, readers see one vertex.
+std::vector<TexturePoint> round_texture(std::span<const TexturePoint> texture) {
+    std::vector<TexturePoint> out;
+    out.reserve(texture.size());
+    for (const TexturePoint t : texture) out.push_back({t.u, 1 - (1 - t.v)});
+    return out;
+}
+
+void write_tangents(AtomicFile& file, std::span<const Tangent> tangents, const Context& ctx) {
+    write_items(file, tangents.size(), {0.7f, 0.7f}, ctx, [&](std::size_t v, Chunk& chunk) {
+        chunk.reserve(sizeof(Tangent));
+        chunk.put_raw(Tangent{y_up(tangents[v].direction), tangents[v].sign});
+    });
+}
+
 // Returns the normals of the vertices of a split mesh.
 std::vector<Vec3> split_normals(const std::vector<Vec3>& normals, const SplitMesh& split) {
     std::vector<Vec3> out;
@@ -94,17 +109,30 @@ std::vector<Vec3> split_normals(const std::vector<Vec3>& normals, const SplitMes
 }  // namespace
 
 void write_glb(AtomicFile& file, const MeshView& given, const Context& ctx) {
-    const std::optional<SplitMesh> split =
-        given.texture.empty() ? std::nullopt : std::optional<SplitMesh>(std::in_place, given);
+    const bool has_tangents = given.material != nullptr && !given.material->normal.empty();
+    std::optional<SplitMesh> split;
+    if (has_tangents) {
+        MeshView rounded = given;
+        const std::vector<TexturePoint> texture = round_texture(given.texture);
+        rounded.texture = texture;
+        split.emplace(rounded);
+        split->divide_for_tangents(ctx);
+    } else if (!given.texture.empty()) {
+        split.emplace(given);
+    }
     const MeshView& mesh = split ? split->view : given;
     std::vector<Vec3> normals = smooth_normals(given);
     if (split) normals = split_normals(normals, *split);
+    const std::vector<Tangent> tangents =
+        has_tangents ? compute_tangents(*split, normals) : std::vector<Tangent>();
     GlbLayout layout;
     const std::size_t count = mesh.positions.size(), corners = 3 * mesh.triangle_count();
     json attributes{{"POSITION", layout.add_vectors(mesh.positions)}, {"NORMAL", layout.add_vectors(count)}};
     if (split)
         attributes["TEXCOORD_0"] =
             layout.add(count * sizeof(TexturePoint), kArrayBuffer, kFloat, count, "VEC2");
+    if (has_tangents)
+        attributes["TANGENT"] = layout.add(count * sizeof(Tangent), kArrayBuffer, kFloat, count, "VEC4");
     const std::size_t indices =
         layout.add(corners * sizeof(std::uint32_t), kElementArrayBuffer, kUnsignedInt, corners, "SCALAR");
     std::optional<GlbMaterial> material;
@@ -130,6 +158,7 @@ void write_glb(AtomicFile& file, const MeshView& given, const Context& ctx) {
     write_vectors(file, mesh.positions, {0, 0.3f}, ctx);
     write_vectors(file, normals, {0.4f, 0.6f}, ctx);
     if (split) write_texture(file, split->table.places, ctx);
+    write_tangents(file, tangents, ctx);
     write_triangles(file, mesh, {0.7f, 1}, ctx);
     if (material) material->write(file);
 }

@@ -77,9 +77,14 @@ struct SplitMesh {
     SplitMesh& operator=(const SplitMesh&) = delete;
     ~SplitMesh() = default;
 
-    TextureTable table;
+    /// Divides the faces into triangles, and the vertices as [Mikkelsen2008] does: the triangles around a
+    /// vertex are connected by edges, and the texture is mirrored in all of them or in none. O(n).
+    void divide_for_tangents(const Context& ctx);
+
+    TextureTable table;  ///< without `of_corner` after a division
     std::vector<Vec3> positions;
-    MeshView view;  ///< refers to the members above
+    Buffer<Triangle> triangles;  ///< after a division
+    MeshView view;               ///< refers to the members above
 };
 
 /// Calls emit(a, b, c) for each triangle of face f: along the shorter diagonal of quads, otherwise as a fan.
@@ -98,6 +103,16 @@ void for_each_triangle(const MeshView& mesh, std::size_t f, const Emit& emit) {
 /// Returns unit normals of vertices, the area-weighted mean of the adjacent faces; +Z if they cancel. The
 /// faces are added sequentially, because another order would change the rounding.
 std::vector<Vec3> smooth_normals(const MeshView& mesh);
+
+/// Tangent of a vertex: the direction in which u increases on the surface.
+struct Tangent {
+    Vec3 direction;  ///< unit, perpendicular to the normal
+    float sign = 1;  ///< -1 where the texture is mirrored
+};
+
+/// Returns the tangents of the vertices of a mesh that was divided for them: those of [Mikkelsen2008], for
+/// which normal maps are made. Sequential, as `smooth_normals`.
+std::vector<Tangent> compute_tangents(const SplitMesh& mesh, std::span<const Vec3> normals);
 
 enum class Subdivision { none, catmull_clark };
 

@@ -30,7 +30,8 @@ struct MeshWriteOptions {
 ///
 /// * OBJ, PLY, USDA: faces unchanged. PLY is binary little endian; texture coordinates are s and t.
 /// * STL, GLB: triangles; quads are split along their shorter diagonal, larger faces become fans.
-/// * GLB: Y up, smooth normals, a plain brown material; passes the Khronos validator.
+/// * GLB: Y up, smooth normals, a plain brown material, and for normal maps the tangents of [Mikkelsen2008];
+/// passes the Khronos validator.
 /// * USDA: Z up, metres, subdivisionScheme "none", smooth normals.
 ///
 /// Text formats write the shortest digits that restore the same number. OBJ and PLY (then with doubles) add
