@@ -120,11 +120,11 @@ void tell_device(Run& run, const MeshResult& result) {
 
 void write_surface(const std::filesystem::path& path, const MeshResult& result,
                    const MeshWriteOptions& options, const Context& ctx) {
-    MeshWriteOptions with_texture = options;
-    if (const auto* tubes = std::get_if<CylinderMesh>(&result.surface)) with_texture.texture = tubes->texture;
-    if (result.texture) with_texture.texture = result.texture->points;
-    std::visit([&](const auto& surface) { write_mesh(path, surface.mesh, with_texture, ctx); },
-               result.surface);
+    MeshWriteOptions complete = options;
+    if (const auto* tubes = std::get_if<CylinderMesh>(&result.surface)) complete.texture = tubes->texture;
+    if (result.texture) complete.texture = result.texture->points;
+    complete.attributes = result.attributes;
+    std::visit([&](const auto& surface) { write_mesh(path, surface.mesh, complete, ctx); }, result.surface);
 }
 
 void add_mesh_write_options(OptionList& options, MeshWriteOptions& write) {

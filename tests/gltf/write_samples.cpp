@@ -50,12 +50,14 @@ void write_bark(const std::filesystem::path& folder) {
     const auto write = [&](const char* name, MeshMethod method) {
         MeshOptions options;
         options.method = method;
+        options.attributes = true;
         options.texture = {TextureCoordinates::bark, 0.1f};
         const MeshResult made = mesh_skeleton(tree, options);
         std::visit(
             [&](const auto& surface) {
-                write_mesh(folder / name, surface.mesh,
-                           {.texture = made.texture->points, .material = material});
+                write_mesh(
+                    folder / name, surface.mesh,
+                    {.texture = made.texture->points, .attributes = made.attributes, .material = material});
             },
             made.surface);
     };

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <span>
 #include <sstream>
 #include <vector>
 
@@ -143,6 +144,37 @@ TEST_F(MeshWriter, GlbHasTangentsForNormalMapsOnly) {
     };
     EXPECT_EQ(count(1, 1), 4);
     EXPECT_EQ(count(-1, -1), 4);
+}
+
+// Two adjacent squares with a seam at one end of their common edge: vertex 2 is written twice.
+TEST_F(MeshWriter, WritesAttributesOfVertices) {
+    PolygonMesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {2, 0, 0}, {2, 1, 0}};
+    for (const Quad q : {Quad{0, 1, 2, 3}, Quad{1, 4, 5, 2}}) mesh.add_face(q);
+    mesh.texture = {{0, 0}, {1, 0}, {1, 1}, {0, 1}, {1, 0}, {2, 0}, {2, 1}, {0, 1}};
+    const std::vector<VertexAttribute> attributes{{"order", {0, 1, 2, 3, 4, 5}},
+                                                  {"radius", Buffer<float>(6, 7)}};
+    const auto contains = [](const std::string& bytes, std::span<const float> numbers) {
+        return bytes.find(std::string_view(reinterpret_cast<const char*>(numbers.data()),
+                                           numbers.size_bytes())) != std::string::npos;
+    };
+    const std::array<float, 6> plain{0, 1, 2, 3, 4, 5};
+    const std::array<float, 7> split{0, 1, 2, 3, 4, 5, 2};
+    const std::string without = written("a.glb", mesh, {.attributes = attributes});
+    EXPECT_NE(without.find("\"_ORDER\""), std::string::npos);
+    EXPECT_NE(without.find("\"_RADIUS\""), std::string::npos);
+    EXPECT_TRUE(contains(without, plain));
+    const std::string with = written("a.glb", mesh, {.texture = mesh.texture, .attributes = attributes});
+    EXPECT_TRUE(contains(with, split));
+    const std::string ply = written("a.ply", mesh, {.texture = mesh.texture, .attributes = attributes});
+    EXPECT_NE(ply.find("property float t\nproperty float order\nproperty float radius\n"), std::string::npos);
+    EXPECT_TRUE(contains(ply, std::array<float, 7>{1, 1, 0, 0, 1, 2, 7}));  // the seventh vertex
+    EXPECT_EQ(read_mesh(folder_ / "a.ply").positions.size(), 6u);
+    EXPECT_NE(
+        written("a.usda", mesh, {.attributes = attributes})
+            .find("float[] primvars:order = [0, 1, 2, 3, 4, 5] (\n            interpolation = \"vertex\""),
+        std::string::npos);
+    EXPECT_EQ(written("a.obj", mesh, {.attributes = attributes}), written("b.obj", mesh));
 }
 
 /// Returns the cuboid with the square of the texture on each face: every vertex is on seams.

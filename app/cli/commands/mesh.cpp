@@ -75,6 +75,15 @@ void check_displacement(const MeshFlags& flags) {
         throw UsageError("--displace does not move the tetrahedra of --volume; leave one of them out");
 }
 
+void check_attributes(const MeshFlags& flags) {
+    const bool has_one = std::ranges::any_of(flags.outputs, [](const auto& output) {
+        const auto format = mesh_format_of_name(output);
+        return format == MeshFormat::glb || format == MeshFormat::ply || format == MeshFormat::usda;
+    });
+    if (!has_one)
+        throw UsageError("--attributes requires a .glb, .ply or .usda output; none of the outputs is one");
+}
+
 void check_flags(const MeshFlags& flags) {
     if (flags.skeleton.empty() || (flags.outputs.empty() && flags.cage.empty() && flags.volume.empty())) {
         throw UsageError("name the skeleton and the mesh: coppice mesh SKELETON -o MESH");
@@ -96,6 +105,7 @@ void check_flags(const MeshFlags& flags) {
     if (!flags.volume.empty()) check_volume(flags);
     if (!flags.material.empty()) check_material(flags);
     if (!flags.heights.empty()) check_displacement(flags);
+    if (flags.mesh.attributes) check_attributes(flags);
     if (flags.cage.empty()) return;
     if (!makes_quads(flags.mesh.method)) throw UsageError("--cage requires --method quads");
     check_mesh_output(flags.cage);
@@ -334,6 +344,10 @@ Command mesh_command() {
                  "texture, without folds and intersections.",
                  {.group = "Texture", .common = false});
     options.fields(flags->displace, "Texture");
+    options.flag("--attributes", flags->mesh.attributes,
+                 "Also write the order and the number of the branch, the distance along it and its radius at "
+                 "every vertex, to .glb, .ply and .usda.",
+                 {.group = "Texture", .common = false});
     options.fields(flags->restore, "Restoring the original", {.names = {{"reach", "--restore-reach"}}});
     options.fields(flags->read, "Reading the skeleton");
     add_mesh_write_options(options, flags->write);

@@ -98,6 +98,37 @@ void write_tangents(AtomicFile& file, std::span<const Tangent> tangents, const C
     });
 }
 
+void write_attribute(AtomicFile& file, const VertexAttribute& attribute,
+                     const std::optional<SplitMesh>& split, std::size_t count, const Context& ctx) {
+    write_items(file, count, {0.7f, 0.7f}, ctx, [&](std::size_t v, Chunk& chunk) {
+        chunk.reserve(sizeof(float));
+        chunk.put_raw(attribute.values[SplitMesh::original(split, v)]);
+    });
+}
+
+// Returns the name of an attribute in glTF: `_ORDER` of `order`.
+std::string glb_name(std::string name) {
+    for (char& c : name) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+    return "_" + name;
+}
+
+// Returns the description of a mesh with the plain material, without accessors.
+json describe(const MeshView& mesh, const json& attributes, std::size_t indices) {
+    json node{{"name", "tree"}, {"mesh", 0}};
+    if (mesh.has_origin()) node["translation"] = to_json_array(y_up(mesh.origin));
+    return {
+        {"asset", {{"version", "2.0"}, {"generator", "Coppice"}}},
+        {"scene", 0},
+        {"scenes", {{{"nodes", {0}}}}},
+        {"nodes", {node}},
+        {"meshes",
+         {{{"name", "surface"},
+           {"primitives",
+            {{{"attributes", attributes}, {"indices", indices}, {"material", 0}, {"mode", 4}}}}}}},
+        {"materials", {plain_material()}},
+    };
+}
+
 // Returns the normals of the vertices of a split mesh.
 std::vector<Vec3> split_normals(const std::vector<Vec3>& normals, const SplitMesh& split) {
     std::vector<Vec3> out;
@@ -133,32 +164,24 @@ void write_glb(AtomicFile& file, const MeshView& given, const Context& ctx) {
             layout.add(count * sizeof(TexturePoint), kArrayBuffer, kFloat, count, "VEC2");
     if (has_tangents)
         attributes["TANGENT"] = layout.add(count * sizeof(Tangent), kArrayBuffer, kFloat, count, "VEC4");
+    for (const VertexAttribute& a : mesh.attributes)
+        attributes[glb_name(a.name)] =
+            layout.add(count * sizeof(float), kArrayBuffer, kFloat, count, "SCALAR");
     const std::size_t indices =
         layout.add(corners * sizeof(std::uint32_t), kElementArrayBuffer, kUnsignedInt, corners, "SCALAR");
     std::optional<GlbMaterial> material;
     if (mesh.material != nullptr) material.emplace(*mesh.material, layout);
-    json node{{"name", "tree"}, {"mesh", 0}};
-    if (mesh.has_origin()) node["translation"] = to_json_array(y_up(mesh.origin));
-    json text{
-        {"asset", {{"version", "2.0"}, {"generator", "Coppice"}}},
-        {"scene", 0},
-        {"scenes", {{{"nodes", {0}}}}},
-        {"nodes", {node}},
-        {"meshes",
-         {{{"name", "surface"},
-           {"primitives",
-            {{{"attributes", attributes}, {"indices", indices}, {"material", 0}, {"mode", 4}}}}}}},
-        {"materials", {plain_material()}},
-        {"accessors", layout.accessors()},
-        {"bufferViews", layout.views()},
-        {"buffers", {{{"byteLength", layout.bytes()}}}},
-    };
+    json text = describe(mesh, attributes, indices);
+    text["accessors"] = layout.accessors();
+    text["bufferViews"] = layout.views();
+    text["buffers"] = {{{"byteLength", layout.bytes()}}};
     if (material) material->describe(text);
     write_glb_head(file, text.dump(), layout.bytes());
     write_vectors(file, mesh.positions, {0, 0.3f}, ctx);
     write_vectors(file, normals, {0.4f, 0.6f}, ctx);
     if (split) write_texture(file, split->table.places, ctx);
     write_tangents(file, tangents, ctx);
+    for (const VertexAttribute& a : mesh.attributes) write_attribute(file, a, split, count, ctx);
     write_triangles(file, mesh, {0.7f, 1}, ctx);
     if (material) material->write(file);
 }

@@ -33,12 +33,14 @@ std::string ply_header(const MeshView& mesh, std::string_view size_type) {
     // Many readers support signed indices only.
     const std::string_view index =
         mesh.positions.size() <= std::numeric_limits<std::int32_t>::max() ? "int" : "uint";
+    std::string more = mesh.texture.empty() ? "" : "property float s\nproperty float t\n";
+    for (const VertexAttribute& a : mesh.attributes) more += fmt::format("property float {}\n", a.name);
     return fmt::format(
         "ply\nformat binary_little_endian 1.0\ncomment Coppice, metres, {5} up\nelement vertex {0}\n"
         "property {1} x\nproperty {1} y\nproperty {1} z\n{6}element face {2}\n"
         "property list {3} {4} vertex_indices\nend_header\n",
         mesh.positions.size(), number, mesh.face_count, size_type, index, mesh.up == FileUp::y ? 'Y' : 'Z',
-        mesh.texture.empty() ? "" : "property float s\nproperty float t\n");
+        more);
 }
 
 template <class Size>
@@ -101,15 +103,17 @@ void write_ply(AtomicFile& file, const MeshView& given, const Context& ctx) {
     const MeshView& mesh = split ? split->view : given;
     const bool small_faces = largest_face(mesh) <= std::numeric_limits<std::uint8_t>::max();
     file.write(ply_header(mesh, small_faces ? "uchar" : "uint"));
-    if (mesh.has_origin() || split) {
+    if (mesh.has_origin() || split || !mesh.attributes.empty()) {
         write_items(file, mesh.positions.size(), {0, 0.4f}, ctx, [&](std::size_t v, Chunk& chunk) {
-            chunk.reserve(sizeof(Vec3d) + sizeof(TexturePoint));
+            chunk.reserve(sizeof(Vec3d) + sizeof(TexturePoint) + sizeof(float) * mesh.attributes.size());
             if (mesh.has_origin()) {
                 chunk.put_raw(mesh.origin + Vec3d(mesh.positions[v]));
             } else {
                 chunk.put_raw(mesh.positions[v]);
             }
             if (split) chunk.put_raw(split->table.places[v]);
+            for (const VertexAttribute& a : mesh.attributes)
+                chunk.put_raw(a.values[SplitMesh::original(split, v)]);
         });
     } else {
         file.write(std::as_bytes(mesh.positions));

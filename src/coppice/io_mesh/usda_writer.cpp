@@ -83,6 +83,14 @@ void write_usda(AtomicFile& file, const MeshView& mesh, Subdivision subdivision,
                     [&](std::size_t i, Chunk& chunk) { put_tuple(chunk, mesh.texture[i]); });
         file.write(" (\n            interpolation = \"faceVarying\"\n        )\n");
     }
+    for (const VertexAttribute& a : mesh.attributes) {
+        write_array(file, fmt::format("float[] primvars:{}", a.name), a.values.size(), {1, 1}, ctx,
+                    [&](std::size_t v, Chunk& chunk) {
+                        chunk.reserve(Chunk::kNumber);
+                        chunk.put_number(a.values[v]);
+                    });
+        file.write(" (\n            interpolation = \"vertex\"\n        )\n");
+    }
     if (mesh.material != nullptr)
         file.write(fmt::format("        rel material:binding = </tree/{}>\n", mesh.material->name));
     write_tail(file, subdivision,

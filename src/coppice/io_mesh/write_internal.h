@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "coppice/io_mesh/material.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/mesh/texture.h"
+#include "coppice/mesh/vertex_attribute.h"
 #include "coppice/system/file.h"
 
 namespace coppice::io_internal {
@@ -53,11 +55,12 @@ struct MeshView {
     const std::uint32_t* first = nullptr;  ///< offsets of faces of different sizes; null otherwise
     std::size_t face_count = 0;
     std::size_t sides = 0;
-    std::span<const TexturePoint> texture;    ///< one for every corner; may be empty
-    const MaterialFiles* material = nullptr;  ///< of meshes with texture; may be null
-    std::filesystem::path path;               ///< of the file, for names relative to it
-    std::span<const Vec3> normals;            ///< one for every vertex, for OBJ; may be empty
-    FileUp up = FileUp::z;                    ///< up axis named by the comments of OBJ and PLY
+    std::span<const TexturePoint> texture;        ///< one for every corner; may be empty
+    const MaterialFiles* material = nullptr;      ///< of meshes with texture; may be null
+    std::filesystem::path path;                   ///< of the file, for names relative to it
+    std::span<const Vec3> normals;                ///< one for every vertex, for OBJ; may be empty
+    std::span<const VertexAttribute> attributes;  ///< of the vertices
+    FileUp up = FileUp::z;                        ///< up axis named by the comments of OBJ and PLY
 };
 
 /// Texture coordinates listed once for every vertex that uses them.
@@ -80,6 +83,11 @@ struct SplitMesh {
     /// Divides the faces into triangles, and the vertices as [Mikkelsen2008] does: the triangles around a
     /// vertex are connected by edges, and the texture is mirrored in all of them or in none. O(n).
     void divide_for_tangents(const Context& ctx);
+
+    /// Returns the vertex of the given mesh for one of the split mesh; the same without a split mesh.
+    static std::size_t original(const std::optional<SplitMesh>& split, std::size_t v) {
+        return split ? split->table.vertex[v] : v;
+    }
 
     TextureTable table;  ///< without `of_corner` after a division
     std::vector<Vec3> positions;

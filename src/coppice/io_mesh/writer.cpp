@@ -78,9 +78,11 @@ void write_view(const std::filesystem::path& path, MeshView mesh, const MeshWrit
                 const Context& ctx) {
     const MeshFormat format = format_for(path, options);
     mesh.texture = options.texture;
+    mesh.attributes = options.attributes;
     mesh.path = path;
     if (!options.texture.empty() && !options.material.empty()) mesh.material = &options.material;
     COPPICE_ASSERT(mesh.texture.empty() || mesh.texture.size() == mesh.first_corner(mesh.face_count));
+    for (const VertexAttribute& a : mesh.attributes) COPPICE_ASSERT(a.values.size() == mesh.positions.size());
     std::vector<Vec3> turned, normals;
     if (options.up != FileUp::z && has_no_up(format)) {
         turned.reserve(mesh.positions.size());

@@ -10,6 +10,7 @@
 #include "coppice/io_mesh/material.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/mesh/texture.h"
+#include "coppice/mesh/vertex_attribute.h"
 
 namespace coppice {
 
@@ -21,6 +22,9 @@ struct MeshWriteOptions {
     /// Texture coordinates, one per corner of the faces; may be empty. OBJ and USDA store them by corner, PLY
     /// and GLB by vertex: vertices on seams are written several times. STL has none.
     std::span<const TexturePoint> texture;
+    /// Attributes of the vertices; may be empty. `order` is `_ORDER` in GLB, a property of the vertices in
+    /// PLY, and `primvars:order` in USDA; OBJ and STL have none.
+    std::span<const VertexAttribute> attributes;
     /// Images for surfaces with texture coordinates; may be empty. GLB contains them; USDA and the material
     /// library that is written next to OBJ (.mtl) refer to them; PLY and STL have no materials.
     MaterialFiles material;

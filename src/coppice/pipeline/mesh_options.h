@@ -133,6 +133,7 @@ struct MeshOptions {
     /// distance at the thickest axis, where the levels determine the number of sides. Quads only.
     float chord_error = 0;
     TextureOptions texture;             ///< texture coordinates; not listed with the others
+    bool attributes = false;            ///< attributes of the vertices; not listed with the others
     Device device = Device::automatic;  ///< device that subdivides quads and samples tetrahedra
 };
 

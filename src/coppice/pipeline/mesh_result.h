@@ -17,6 +17,7 @@
 #include "coppice/mesh/control_mesh.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/mesh/texture.h"
+#include "coppice/mesh/vertex_attribute.h"
 #include "coppice/pipeline/fit_volume.h"
 #include "coppice/ramification/ramification.h"
 #include "coppice/skeleton/prepare.h"
@@ -142,6 +143,10 @@ struct MeshResult {
     /// that are projected are on planes of charts.
     std::optional<Texture> texture;
     std::optional<AtlasReport> atlas;                    ///< if these coordinates are an atlas
+    /// If options.attributes: `order` and `branch`, the order and the number of the branch as in
+    /// list_branches() of the prepared skeleton, `distance` [m] along it from its beginning, and `radius` [m]
+    /// of the skeleton there; otherwise empty.
+    std::vector<VertexAttribute> attributes;
     std::vector<std::pair<std::string, double>> stages;  ///< names and seconds
 
     /// Returns the surface of quads. Throws std::bad_variant_access if the method is another.

@@ -19,6 +19,7 @@
 #include "coppice/pipeline/texture/atlas_internal.h"
 #include "coppice/pipeline/texture/bark_texture_internal.h"
 #include "coppice/pipeline/texture/texture_quality_internal.h"
+#include "coppice/pipeline/texture/vertex_attributes_internal.h"
 
 namespace coppice {
 namespace {
@@ -154,19 +155,50 @@ MeshOptions with_one_tile(const Skeleton& prepared, MeshOptions options) {
     return options;
 }
 
-void add_texture(BuiltMesh& built, const Skeleton& prepared, const MeshOptions& options, const Context& ctx) {
+// Returns attributes for the vertices of the surface of a prepared skeleton.
+struct Attributing {
+    const Skeleton& prepared;
+    const QuadBuild& build;
+    const Context& ctx;
+
+    std::vector<VertexAttribute> operator()(const QuadSurface& surface) const {
+        return pipeline_internal::vertex_attributes(surface.mesh, build, prepared, ctx);
+    }
+    std::vector<VertexAttribute> operator()(const auto& surface) const {
+        return pipeline_internal::vertex_attributes(surface.mesh.positions, surface.mesh.origin, prepared,
+                                                    ctx);
+    }
+};
+
+// Makes tiles of another height than their width.
+void set_tile_height(Texture& texture, const TextureOptions& options) {
+    if (options.tile_height == 0) return;
+    const float ratio = options.tile / options.tile_height;
+    for (TexturePoint& point : texture.points) point.v *= ratio;
+}
+
+void add_texture(BuiltMesh& built, const MeshOptions& options, const Context& ctx) {
     if (options.texture.coordinates == TextureCoordinates::none) return;
     MeshResult& out = built.result;
     const bool is_atlas = options.texture.coordinates == TextureCoordinates::atlas;
-    const MeshOptions bark = is_atlas ? with_one_tile(prepared, options) : options;
-    const Texturing texturing{prepared, bark, built.build, ctx};
+    const MeshOptions bark = is_atlas ? with_one_tile(built.prepared, options) : options;
+    const Texturing texturing{built.prepared, bark, built.build, ctx};
     Stages stages(ctx, out.stages);
     out.texture = stages.run("texture", 1.0f, [&] { return std::visit(texturing, out.surface); });
-    if (!is_atlas) return;
+    if (!is_atlas) return set_tile_height(*out.texture, options.texture);
     auto atlas = stages.run("atlas", 1.0f,
                             [&] { return make_atlas(out, *out.texture, options.texture.atlas_size, ctx); });
     out.texture = std::move(atlas.texture);
     out.atlas = atlas.report;
+}
+
+// Adds the texture coordinates and the attributes that the options request.
+void add_data(BuiltMesh& built, const MeshOptions& options, const Context& ctx) {
+    add_texture(built, options, ctx);
+    if (!options.attributes) return;
+    MeshResult& out = built.result;
+    const Attributing attributing{built.prepared, built.build, ctx};
+    out.attributes = Stages(ctx, out.stages).run("attributes", 1.0f, [&] { return std::visit(attributing, out.surface); });
 }
 
 BuiltMesh make_surface(const Skeleton& given_skeleton, const PointSet& constraints, const MeshOptions& given,
@@ -189,8 +221,7 @@ BuiltMesh make_surface(const Skeleton& given_skeleton, const PointSet& constrain
         });
     }
     const Skeleton& skeleton = bent ? *bent : given_skeleton;
-    const PrepareResult prepared =
-        stages.run("prepare", 0.05f, [&] { return prepare(skeleton, options.prepare); });
+    PrepareResult prepared = stages.run("prepare", 0.05f, [&] { return prepare(skeleton, options.prepare); });
     out.prepared = prepared.report;
     if (options.method != MeshMethod::cylinders) check_branches(prepared.skeleton);
     if (options.method == MeshMethod::quads || options.method == MeshMethod::ramifications) {
@@ -220,7 +251,8 @@ BuiltMesh make_surface(const Skeleton& given_skeleton, const PointSet& constrain
             return fits ? std::visit(fitting, out.surface) : fit_where_better(out.quads(), fitting);
         });
     }
-    if (use != Use::posed) add_texture(built, prepared.skeleton, options, ctx);
+    built.prepared = std::move(prepared.skeleton);
+    if (use != Use::posed) add_data(built, options, ctx);
     return built;
 }
 
@@ -236,6 +268,7 @@ BuiltMesh make_coarsest(const Skeleton& skeleton, const PointSet& constraints, c
                         const Context& ctx) {
     MeshOptions plain = options;
     plain.texture = {};  // added to the better one
+    plain.attributes = false;
     MeshOptions fitting = plain;
     fitting.fit = Fit::volume;
     BuiltMesh best = make_surface(skeleton, constraints, fitting, Use::still, narrow_progress(ctx, 0, 0.5f));
@@ -244,7 +277,7 @@ BuiltMesh make_coarsest(const Skeleton& skeleton, const PointSet& constraints, c
             make_surface(skeleton, constraints, plain, Use::still, narrow_progress(ctx, 0.5f, 1));
         if (deviation(other.result) < deviation(best.result)) best = std::move(other);
     }
-    add_texture(best, skeleton, options, ctx);
+    add_data(best, options, ctx);
     return best;
 }
 

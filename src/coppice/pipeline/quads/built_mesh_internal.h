@@ -9,6 +9,7 @@ namespace coppice::pipeline_internal {
 struct BuiltMesh {
     MeshResult result;
     QuadBuild build;
+    Skeleton prepared;  ///< of which the surface was made
 };
 
 /// Returns the surface of mesh_skeleton() for callers that move it along with its skeleton: only the fit

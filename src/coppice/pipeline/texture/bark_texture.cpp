@@ -138,10 +138,7 @@ class QuadTexture {
     std::span<TexturePoint> corners(std::size_t face) { return std::span(points_).subspan(4 * face, 4); }
 
     void set_refined() {
-        std::vector<std::uint32_t> kept;  // refined quads
-        for (std::uint32_t q = 0; q < build_.refinement.quad_count(); ++q) {
-            if (build_.remeshed.stays(tubes_.tube_rows().of_quad(q))) kept.push_back(q);
-        }
+        const std::vector<std::uint32_t> kept = find_kept_quads(build_, tubes_.tube_rows());
         parallel_for(ctx_, kept.size(), kFaceGrain, [&](std::size_t i) {
             const std::uint32_t f = kept[i] >> (2 * levels()), mask = tubes_.size() - 1;
             const std::uint32_t row = (kept[i] >> levels()) & mask, column = kept[i] & mask;

@@ -36,6 +36,14 @@ std::uint32_t find_edge(std::span<const std::uint32_t> ring, std::uint32_t a, st
 
 }  // namespace
 
+std::vector<std::uint32_t> find_kept_quads(const QuadBuild& build, const TubeRows& rows) {
+    std::vector<std::uint32_t> out;
+    for (std::uint32_t q = 0; q < build.refinement.quad_count(); ++q) {
+        if (build.remeshed.stays(rows.of_quad(q))) out.push_back(q);
+    }
+    return out;
+}
+
 TubeTexture::TubeTexture(const QuadBuild& build, float tile, const Context& ctx)
     : build_(build),
       tile_(tile),

@@ -16,6 +16,10 @@
 
 namespace coppice::pipeline_internal {
 
+/// Returns the refined quads that remeshing kept: of surfaces that are not coarsened, the first quads of the
+/// mesh.
+std::vector<std::uint32_t> find_kept_quads(const QuadBuild& build, const TubeRows& rows);
+
 /// Texture coordinates on the refined quads of a cage quad: a rectangle around and along a branch.
 struct TexturePatch {
     std::uint32_t axis = kNoIndex;  ///< the branch; kNoIndex: the cage quad is not a rectangle of a tube
