@@ -127,6 +127,7 @@ TEST_F(SceneMaterials, AreRecorded) {
 TEST_F(SceneMaterials, RejectUnsuitableValues) {
     Scene scene = make_scene();
     EXPECT_EQ(refusal(scene, "mesh tree material=bark"), "material= needs uv=bark");
+    EXPECT_EQ(refusal(scene, "mesh tree uv=atlas material=bark"), "material= needs uv=bark");
     EXPECT_EQ(refusal(scene, "mesh tree uv=bark displace=true"),
               "displace= needs a material with heights; add material=");
     EXPECT_EQ(refusal(scene, "mesh tree uv=bark material=tree"), "'tree' is a skeleton, not a material");

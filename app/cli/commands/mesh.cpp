@@ -67,7 +67,7 @@ void check_material(const MeshFlags& flags) {
 }
 
 void check_displacement(const MeshFlags& flags) {
-    if (flags.mesh.texture.coordinates == TextureCoordinates::none)
+    if (flags.mesh.texture.coordinates != TextureCoordinates::bark)
         throw UsageError("--displace requires --uv bark");
     if (flags.mesh.method == MeshMethod::cylinders)
         throw UsageError("--displace does not apply to --method cylinders, which intersect each other");
