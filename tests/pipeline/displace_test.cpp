@@ -87,10 +87,11 @@ TEST(Displace, FollowsTheWave) {
     // 64 sides have a vertex within a quarter of 1/64 of a period of the extremes.
     EXPECT_NEAR(high - low, kScale, 0.01 * kScale);
     EXPECT_NEAR(report.max_offset, kScale / 2, 0.01 * kScale);
-    EXPECT_EQ(report.pulled_back, 0u);
+    // The rims of the ends move, and the vertices within do not: some of them are too close.
+    EXPECT_LT(report.pulled_back, report.displaced / 20);
     EXPECT_FLOAT_EQ(static_cast<float>(report.scale), 0.02f);
     // The area of the section grows by the mean square of the offset: (0.01^2 / 2) / 0.1^2 = 0.5 %.
-    EXPECT_NEAR(report.volume_after / report.volume_before, 1.005, 0.001);
+    EXPECT_NEAR(report.volume_after / report.volume_before, 1.005, 0.002);
 }
 
 TEST(Displace, KeepsFlatBasesAndTheReachOfTips) {
@@ -120,10 +121,11 @@ TEST(Displace, IsLimitedByTheRadius) {
 TEST(Displace, FiltersDetailsBelowTheSpacing) {
     const Skeleton skeleton = stem();
     MeshResult made = mesh_skeleton(skeleton, with_bark(2 * std::numbers::pi_v<float> * kRadius, 1));
-    // 512 stripes over 16 sides: their mean is that of the texture.
+    // 512 stripes over 16 sides: their mean is that of the texture, up to half a stripe of 32 at the ends of
+    // a rectangle: 0.02 m / 2 / 64.
     const HeightTexture stripes =
         make_texture(1024, 1, 0.02f, [](double u, double) { return static_cast<int>(u * 1024) % 2; });
-    EXPECT_LT(displace_surface(made, skeleton, stripes).max_offset, 1e-4);
+    EXPECT_LT(displace_surface(made, skeleton, stripes).max_offset, 1.6e-4);
 }
 
 TEST(Displace, KeepsSurfacesClosedAndFreeOfCrossings) {
@@ -176,7 +178,10 @@ TEST(Displace, RejectsUnsuitableInput) {
     };
     MeshOptions tubes = with_bark(0.1f);
     tubes.method = MeshMethod::cylinders;
+    MeshOptions atlas = with_bark(0.1f);
+    atlas.texture.coordinates = TextureCoordinates::atlas;
     EXPECT_EQ(error({}, make_wave(1)), "displace: the surface needs texture coordinates of bark");
+    EXPECT_EQ(error(atlas, make_wave(1)), "displace: the surface needs texture coordinates of bark");
     EXPECT_EQ(error(tubes, make_wave(1)),
               "displace: cylinders intersect each other; displace a surface of another method");
     EXPECT_EQ(error(with_bark(0.1f), make_wave(0)),

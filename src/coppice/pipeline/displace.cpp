@@ -101,9 +101,10 @@ std::vector<float> find_offsets(const TexturedSurface& surface, const HeightFilt
     return out;
 }
 
-void report_offsets(std::span<const float> wanted, std::span<const float> offsets, DisplaceReport& report) {
+void report_offsets(std::span<const float> wanted, const pipeline_internal::MovingSurface& moving,
+                    std::span<const float> offsets, DisplaceReport& report) {
     for (std::size_t v = 0; v < offsets.size(); ++v) {
-        const double offset = std::fabs(double{offsets[v]});
+        const double offset = std::fabs(double{offsets[v]}) * double{length(moving.direction[v])};
         report.displaced += offset > 0 ? 1 : 0;
         report.pulled_back += wanted[v] != offsets[v] ? 1 : 0;
         report.mean_offset += offset / static_cast<double>(offsets.size());
@@ -129,7 +130,7 @@ DisplaceReport displace(TexturedSurface surface, Buffer<Vec3>& positions, const 
             "the surface intersects itself too often to be displaced; repair its skeleton first");
     report.rounds = limited.rounds;
     pipeline_internal::apply_offsets(moving, offsets, positions, ctx);
-    report_offsets(wanted, offsets, report);
+    report_offsets(wanted, moving, offsets, report);
     report.volume_before = signed_volume(surface.start, ctx);
     surface.start.positions = positions;
     report.volume_after = signed_volume(surface.start, ctx);
@@ -138,7 +139,8 @@ DisplaceReport displace(TexturedSurface surface, Buffer<Vec3>& positions, const 
 }
 
 void check_surface(const MeshResult& surface) {
-    if (!surface.texture) throw InvalidInput("displace: the surface needs texture coordinates of bark");
+    if (!surface.texture || surface.atlas)
+        throw InvalidInput("displace: the surface needs texture coordinates of bark");
     if (std::holds_alternative<CylinderMesh>(surface.surface))
         throw InvalidInput("displace: cylinders intersect each other; displace a surface of another method");
     const auto* triangles = std::get_if<TetraSurface>(&surface.surface);
