@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <initializer_list>
 #include <optional>
 #include <utility>
 
@@ -41,6 +42,13 @@ bool makes_quads(MeshMethod method) {
     return method != MeshMethod::tetrahedra && method != MeshMethod::cylinders;
 }
 
+bool writes_one_of(const MeshFlags& flags, std::initializer_list<MeshFormat> formats) {
+    return std::ranges::any_of(flags.outputs, [&](const auto& output) {
+        const auto format = mesh_format_of_name(output);
+        return format && std::ranges::find(formats, *format) != formats.end();
+    });
+}
+
 void check_volume(const MeshFlags& flags) {
     if (flags.mesh.method != MeshMethod::tetrahedra)
         throw UsageError("--volume requires --method tetrahedra");
@@ -58,11 +66,7 @@ void check_material(const MeshFlags& flags) {
     if (flags.mesh.texture.coordinates == TextureCoordinates::atlas)
         throw UsageError(
             "--material repeats its images over the surface, which an atlas does not; use --uv bark");
-    const bool has_one = std::ranges::any_of(flags.outputs, [](const auto& output) {
-        const auto format = mesh_format_of_name(output);
-        return format == MeshFormat::glb || format == MeshFormat::obj || format == MeshFormat::usda;
-    });
-    if (!has_one)
+    if (!writes_one_of(flags, {MeshFormat::glb, MeshFormat::obj, MeshFormat::usda}))
         throw UsageError("--material requires a .glb, .obj or .usda output; none of the outputs is one");
 }
 
@@ -76,11 +80,7 @@ void check_displacement(const MeshFlags& flags) {
 }
 
 void check_attributes(const MeshFlags& flags) {
-    const bool has_one = std::ranges::any_of(flags.outputs, [](const auto& output) {
-        const auto format = mesh_format_of_name(output);
-        return format == MeshFormat::glb || format == MeshFormat::ply || format == MeshFormat::usda;
-    });
-    if (!has_one)
+    if (!writes_one_of(flags, {MeshFormat::glb, MeshFormat::ply, MeshFormat::usda}))
         throw UsageError("--attributes requires a .glb, .ply or .usda output; none of the outputs is one");
 }
 
