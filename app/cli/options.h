@@ -35,9 +35,9 @@ struct Option {
     std::string group;   ///< heading in the help; options without one come first
     std::string field;   ///< path of the member that it sets: "project.method"; empty for others
     Unit unit = Unit::none;
-    double low = 0, high = 0;  ///< inclusive range of numbers, if low < high
-    bool common = true;        ///< shown by --help, not only by --help-all
-    bool is_output = false;    ///< names files that are written
+    double low = 0, high = 0;           ///< inclusive range of numbers, if low < high
+    bool common = true;                 ///< shown by --help, not only by --help-all
+    bool is_output = false;             ///< names files that are written
     std::vector<std::string> replaces;  ///< of outputs: the options with inputs that may be overwritten
     OptionTarget target;
 };

@@ -66,8 +66,8 @@ void check_outputs(const GivenOptions& given) {
                                              output.name.string()));
         }
         for (const NamedFile& input : inputs) {
-            const bool is_allowed =
-                std::ranges::find(output.option->replaces, input.option->name) != output.option->replaces.end();
+            const bool is_allowed = std::ranges::find(output.option->replaces, input.option->name) !=
+                                    output.option->replaces.end();
             if (input.target == output.target && !is_allowed)
                 throw UsageError(fmt::format("{} would overwrite '{}', which is an input; name another file",
                                              output.option->name, output.name.string()));

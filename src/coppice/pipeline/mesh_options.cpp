@@ -29,7 +29,9 @@ void list_fields(TextureOptions& o, FieldList& list) {
                    "Width of one repetition of the texture; there is a whole number of them around a branch.",
                    Unit::metre, 1e-6, 1e6},
              o.tile);
-    list.add(Field{"tile_height", "Extent of the tile along the stem; 0 makes it as high as wide.", Unit::metre, 0, 1e6}, o.tile_height);
+    list.add(Field{"tile_height", "Extent of the tile along the stem; 0 makes it as high as wide.",
+                   Unit::metre, 0, 1e6},
+             o.tile_height);
     list.add(Field{"atlas_size",
                    "Side of the image in pixels for which an atlas is packed, with two pixels between its "
                    "parts.",

@@ -142,7 +142,7 @@ struct MeshResult {
     /// If options.texture has coordinates. The densities of an atlas are relative to the mean, and the faces
     /// that are projected are on planes of charts.
     std::optional<Texture> texture;
-    std::optional<AtlasReport> atlas;                    ///< if these coordinates are an atlas
+    std::optional<AtlasReport> atlas;  ///< if these coordinates are an atlas
     /// If options.attributes: `order` and `branch`, the order and the number of the branch as in
     /// list_branches() of the prepared skeleton, `distance` [m] along it from its beginning, and `radius` [m]
     /// of the skeleton there; otherwise empty.

@@ -198,7 +198,8 @@ void add_data(BuiltMesh& built, const MeshOptions& options, const Context& ctx) 
     if (!options.attributes) return;
     MeshResult& out = built.result;
     const Attributing attributing{built.prepared, built.build, ctx};
-    out.attributes = Stages(ctx, out.stages).run("attributes", 1.0f, [&] { return std::visit(attributing, out.surface); });
+    out.attributes =
+        Stages(ctx, out.stages).run("attributes", 1.0f, [&] { return std::visit(attributing, out.surface); });
 }
 
 BuiltMesh make_surface(const Skeleton& given_skeleton, const PointSet& constraints, const MeshOptions& given,

@@ -30,9 +30,9 @@ struct PngMap {
 };
 
 /// Returns the bytes of a PNG file of a map, without a colour space; compressed for speed, as maps of noise
-/// hardly compress. The range of heights is stored in a pCAL chunk, the extent in an sCAL chunk. Equal maps give equal bytes. Cost: about
-/// 20 ns of CPU time per byte of samples. Throws InvalidInput if the map has no pixels, or another number of
-/// channels, bits or bytes.
+/// hardly compress. The range of heights is stored in a pCAL chunk, the extent in an sCAL chunk. Equal maps
+/// give equal bytes. Cost: about 20 ns of CPU time per byte of samples. Throws InvalidInput if the map has no
+/// pixels, or another number of channels, bits or bytes.
 std::string encode_png(const PngMap& map);
 
 /// Extent of an image on a surface.

@@ -18,13 +18,14 @@ std::vector<BarkImage> encode_bark(const BarkMaps& maps, const Context& ctx) {
     const std::vector<BarkMaps::Texel> packed = maps.packed();
     const auto named = [&](std::string_view name, int channels, int bits,
                            std::span<const std::byte> samples) {
-        return NamedMap{name, {.width = maps.width,
-                              .height = maps.height,
-                              .channels = channels,
-                              .bits = bits,
-                              .samples = samples,
-                              .tile_width = maps.tile_width,
-                              .tile_height = maps.tile_height}};
+        return NamedMap{name,
+                        {.width = maps.width,
+                         .height = maps.height,
+                         .channels = channels,
+                         .bits = bits,
+                         .samples = samples,
+                         .tile_width = maps.tile_width,
+                         .tile_height = maps.tile_height}};
     };
     std::vector<NamedMap> all{named("color", 3, 8, std::as_bytes(std::span(maps.color))),
                               named("normal", 3, 8, std::as_bytes(std::span(maps.normal))),
