@@ -75,7 +75,7 @@ TEST_F(SceneMaterials, ArePartOfGlb) {
 TEST_F(SceneMaterials, AreWrittenNextToObjAndUsda) {
     Scene scene = make_scene();
     scene.run("mesh tree uv=bark material=bark");
-    scene.run("save tree \"" + file("a.obj") + "\"");
+    scene.run("save tree \"" + file("a.obj") + "\" kind=mesh");
     scene.run("save tree \"" + file("b.usda") + "\"");
     for (const std::string map : {"color", "normal", "height", "orm", "roughness", "occlusion"}) {
         EXPECT_TRUE(has_file("a_bark_" + map + ".png")) << map;
@@ -91,7 +91,7 @@ TEST_F(SceneMaterials, AreWrittenNextToObjAndUsda) {
 TEST_F(SceneMaterials, OfFilesAreReferredTo) {
     Scene scene = make_scene();
     scene.run("mesh tree uv=bark material=bark");
-    scene.run("save tree \"" + file("oak.obj") + "\"");
+    scene.run("save tree \"" + file("oak.obj") + "\" kind=mesh");
     scene.run("loadmaterial wood \"" + file("oak_bark_color.png") + "\"");
     scene.run("mesh tree other uv=bark material=wood displace=true displace_share=0.1");
     scene.run("save other \"" + file("c.obj") + "\"");
@@ -126,10 +126,10 @@ TEST_F(SceneMaterials, AreRecorded) {
 
 TEST_F(SceneMaterials, RejectUnsuitableValues) {
     Scene scene = make_scene();
-    EXPECT_EQ(refusal(scene, "mesh tree material=bark"), "material= needs uv=bark");
-    EXPECT_EQ(refusal(scene, "mesh tree uv=atlas material=bark"), "material= needs uv=bark");
+    EXPECT_EQ(refusal(scene, "mesh tree material=bark"), "mesh: material= needs uv=bark");
+    EXPECT_EQ(refusal(scene, "mesh tree uv=atlas material=bark"), "mesh: material= needs uv=bark");
     EXPECT_EQ(refusal(scene, "mesh tree uv=bark displace=true"),
-              "displace= needs a material with heights; add material=");
+              "mesh: displace= needs a material with heights; add material=");
     EXPECT_EQ(refusal(scene, "mesh tree uv=bark material=tree"), "'tree' is a skeleton, not a material");
     EXPECT_EQ(refusal(scene, "mesh tree uv=bark material=brak"),
               "there is no material 'brak'; did you mean bark?");
@@ -141,13 +141,15 @@ TEST_F(SceneMaterials, RejectUnsuitableValues) {
     EXPECT_NE(refusal(scene, "material x"), "no error");
     EXPECT_NE(refusal(scene, "material x oak width=100000"), "no error");
     EXPECT_NE(refusal(scene, "material x oak color=1,2"), "no error");
-    EXPECT_EQ(
-        refusal(scene, "loadmaterial x nothing.png"),
-        "'nothing.png' is not the name of a colour; name PREFIX_color.png, as coppice texture writes it");
+    EXPECT_EQ(refusal(scene, "loadmaterial x nothing.png"),
+              "loadmaterial: 'nothing.png' is not the name of a colour; name PREFIX_color.png, as coppice "
+              "texture writes it");
     EXPECT_NE(refusal(scene, "loadmaterial x nothing_color.png"), "no error");
-    EXPECT_EQ(refusal(scene, "save bark bark.png"),
-              "'bark.png' is not a valid file name for a material; it is saved by: save recipe FILE.coppice");
-    EXPECT_EQ(refusal(scene, "render bark a.png"), "a material cannot be drawn; draw a mesh that has it");
+    EXPECT_EQ(
+        refusal(scene, "save bark bark.png"),
+        "save: 'bark.png' is not a valid file name for a material; it is saved by: save recipe FILE.coppice");
+    EXPECT_EQ(refusal(scene, "render bark a.png"),
+              "render: a material cannot be drawn; draw a mesh that has it");
     EXPECT_NE(scene.run("describe bark").find("pixels     32 x 32"), std::string::npos);
 }
 
