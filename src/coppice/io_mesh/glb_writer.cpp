@@ -42,7 +42,7 @@ class GlbMaterial {
             images.push_back({{"bufferView", image.view}, {"mimeType", image.type}});
         }
         constexpr int kRepeat = 10497, kLinear = 9729, kMipMaps = 9987;
-        file["materials"] = {material_};
+        file["materials"] = json::array({material_});
         file["images"] = std::move(images);
         file["textures"] = std::move(textures);
         file["samplers"] = {
