@@ -62,31 +62,17 @@ class GlbMotion : public MotionWriter::Format {
         layout[times]["max"] = json::array({double{get_time(count - 1)}});
         const std::size_t weights =
             layout.add(count * count * sizeof(float), 0, kFloat, count * count, "SCALAR");
-        json node{{"name", "tree"}, {"mesh", 0}};
-        if (mesh.has_origin()) node["translation"] = to_json_array(y_up(mesh.origin));
-        return {
-            {"asset", {{"version", "2.0"}, {"generator", "Coppice"}}},
-            {"scene", 0},
-            {"scenes", {{{"nodes", {0}}}}},
-            {"nodes", {node}},
-            {"meshes",
-             {{{"name", "surface"},
-               {"weights", std::vector<int>(count, 0)},
-               {"primitives",
-                {{{"attributes", {{"POSITION", positions}, {"NORMAL", normals}}},
-                  {"indices", indices},
-                  {"material", 0},
-                  {"mode", 4},
-                  {"targets", targets}}}}}}},
-            {"materials", {plain_material()}},
-            {"animations",
-             {{{"name", "motion"},
-               {"samplers", {{{"input", times}, {"output", weights}, {"interpolation", "LINEAR"}}}},
-               {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "weights"}}}}}}}}},
-            {"accessors", layout.accessors()},
-            {"bufferViews", layout.views()},
-            {"buffers", {{{"byteLength", layout.bytes()}}}},
-        };
+        json out = describe_tree(mesh,
+                                 {{"attributes", {{"POSITION", positions}, {"NORMAL", normals}}},
+                                  {"indices", indices},
+                                  {"targets", targets}},
+                                 layout);
+        out["meshes"][0]["weights"] = std::vector<int>(count, 0);
+        out["animations"] = json::array(
+            {{{"name", "motion"},
+              {"samplers", {{{"input", times}, {"output", weights}, {"interpolation", "LINEAR"}}}},
+              {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "weights"}}}}}}}});
+        return out;
     }
 
     float get_time(std::size_t frame) const { return static_cast<float>(static_cast<double>(frame) / rate_); }

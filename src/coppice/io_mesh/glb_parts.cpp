@@ -38,11 +38,27 @@ std::size_t GlbLayout::add_bytes(std::uint64_t bytes) {
     return views_.size() - 1;
 }
 
-json plain_material() {
-    return {
+json describe_tree(const MeshView& mesh, json primitive, GlbLayout& layout) {
+    constexpr int kTriangles = 4;
+    json node{{"name", "tree"}, {"mesh", 0}};
+    if (mesh.has_origin()) node["translation"] = to_json_array(y_up(mesh.origin));
+    primitive["material"] = 0;
+    primitive["mode"] = kTriangles;
+    const json plain{
         {"name", "bark"},
         {"pbrMetallicRoughness",
          {{"baseColorFactor", {0.32, 0.22, 0.15, 1.0}}, {"metallicFactor", 0.0}, {"roughnessFactor", 0.9}}}};
+    return {
+        {"asset", {{"version", "2.0"}, {"generator", "Coppice"}}},
+        {"scene", 0},
+        {"scenes", {{{"nodes", {0}}}}},
+        {"nodes", json::array({std::move(node)})},
+        {"meshes", {{{"name", "surface"}, {"primitives", json::array({std::move(primitive)})}}}},
+        {"materials", json::array({plain})},
+        {"accessors", layout.accessors()},
+        {"bufferViews", layout.views()},
+        {"buffers", {{{"byteLength", layout.bytes()}}}},
+    };
 }
 
 void write_glb_head(AtomicFile& file, std::string text, std::uint64_t buffer_bytes) {

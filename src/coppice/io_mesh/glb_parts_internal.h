@@ -42,8 +42,10 @@ class GlbLayout {
     std::uint64_t bytes_ = 0;
 };
 
-/// Returns the plain brown material of surfaces without images.
-nlohmann::json plain_material();
+/// Returns the description of a file with one mesh and the plain brown material of surfaces without images.
+/// `primitive`: attributes, indices and others of the only primitive of the mesh. To be called when all
+/// views are laid out.
+nlohmann::json describe_tree(const MeshView& mesh, nlohmann::json primitive, GlbLayout& layout);
 
 /// Writes everything that precedes the bytes of the buffer. Throws Unsupported if the file would be too
 /// large.

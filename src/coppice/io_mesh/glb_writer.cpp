@@ -112,21 +112,31 @@ std::string glb_name(std::string name) {
     return "_" + name;
 }
 
-// Returns the description of a mesh with the plain material, without accessors.
-json describe(const MeshView& mesh, const json& attributes, std::size_t indices) {
-    json node{{"name", "tree"}, {"mesh", 0}};
-    if (mesh.has_origin()) node["translation"] = to_json_array(y_up(mesh.origin));
-    return {
-        {"asset", {{"version", "2.0"}, {"generator", "Coppice"}}},
-        {"scene", 0},
-        {"scenes", {{{"nodes", {0}}}}},
-        {"nodes", {node}},
-        {"meshes",
-         {{{"name", "surface"},
-           {"primitives",
-            {{{"attributes", attributes}, {"indices", indices}, {"material", 0}, {"mode", 4}}}}}}},
-        {"materials", {plain_material()}},
+// Creates the mesh with one vertex for every place of the texture, divided for tangents if requested; none
+// without a texture.
+void split_mesh(const MeshView& given, bool for_tangents, std::optional<SplitMesh>& out, const Context& ctx) {
+    if (for_tangents) {
+        const std::vector<TexturePoint> texture = round_texture(given.texture);
+        MeshView rounded = given;
+        rounded.texture = texture;
+        out.emplace(rounded);
+        out->divide_for_tangents(ctx);
+    } else if (!given.texture.empty()) {
+        out.emplace(given);
+    }
+}
+
+// Lays out the attributes of the vertices, in the order in which they are written.
+json describe_attributes(const MeshView& mesh, bool has_texture, bool has_tangents, GlbLayout& layout) {
+    const std::size_t count = mesh.positions.size();
+    const auto add = [&](std::size_t size, const char* type) {
+        return layout.add(count * size, kArrayBuffer, kFloat, count, type);
     };
+    json out{{"POSITION", layout.add_vectors(mesh.positions)}, {"NORMAL", layout.add_vectors(count)}};
+    if (has_texture) out["TEXCOORD_0"] = add(sizeof(TexturePoint), "VEC2");
+    if (has_tangents) out["TANGENT"] = add(sizeof(Tangent), "VEC4");
+    for (const VertexAttribute& a : mesh.attributes) out[glb_name(a.name)] = add(sizeof(float), "SCALAR");
+    return out;
 }
 
 // Returns the normals of the vertices of a split mesh.
@@ -142,46 +152,28 @@ std::vector<Vec3> split_normals(const std::vector<Vec3>& normals, const SplitMes
 void write_glb(AtomicFile& file, const MeshView& given, const Context& ctx) {
     const bool has_tangents = given.material != nullptr && !given.material->normal.empty();
     std::optional<SplitMesh> split;
-    if (has_tangents) {
-        MeshView rounded = given;
-        const std::vector<TexturePoint> texture = round_texture(given.texture);
-        rounded.texture = texture;
-        split.emplace(rounded);
-        split->divide_for_tangents(ctx);
-    } else if (!given.texture.empty()) {
-        split.emplace(given);
-    }
+    split_mesh(given, has_tangents, split, ctx);
     const MeshView& mesh = split ? split->view : given;
     std::vector<Vec3> normals = smooth_normals(given);
     if (split) normals = split_normals(normals, *split);
     const std::vector<Tangent> tangents =
         has_tangents ? compute_tangents(*split, normals) : std::vector<Tangent>();
     GlbLayout layout;
-    const std::size_t count = mesh.positions.size(), corners = 3 * mesh.triangle_count();
-    json attributes{{"POSITION", layout.add_vectors(mesh.positions)}, {"NORMAL", layout.add_vectors(count)}};
-    if (split)
-        attributes["TEXCOORD_0"] =
-            layout.add(count * sizeof(TexturePoint), kArrayBuffer, kFloat, count, "VEC2");
-    if (has_tangents)
-        attributes["TANGENT"] = layout.add(count * sizeof(Tangent), kArrayBuffer, kFloat, count, "VEC4");
-    for (const VertexAttribute& a : mesh.attributes)
-        attributes[glb_name(a.name)] =
-            layout.add(count * sizeof(float), kArrayBuffer, kFloat, count, "SCALAR");
+    const json attributes = describe_attributes(mesh, split.has_value(), has_tangents, layout);
+    const std::size_t corners = 3 * mesh.triangle_count();
     const std::size_t indices =
         layout.add(corners * sizeof(std::uint32_t), kElementArrayBuffer, kUnsignedInt, corners, "SCALAR");
     std::optional<GlbMaterial> material;
     if (mesh.material != nullptr) material.emplace(*mesh.material, layout);
-    json text = describe(mesh, attributes, indices);
-    text["accessors"] = layout.accessors();
-    text["bufferViews"] = layout.views();
-    text["buffers"] = {{{"byteLength", layout.bytes()}}};
+    json text = describe_tree(mesh, {{"attributes", attributes}, {"indices", indices}}, layout);
     if (material) material->describe(text);
     write_glb_head(file, text.dump(), layout.bytes());
     write_vectors(file, mesh.positions, {0, 0.3f}, ctx);
     write_vectors(file, normals, {0.4f, 0.6f}, ctx);
     if (split) write_texture(file, split->table.places, ctx);
     write_tangents(file, tangents, ctx);
-    for (const VertexAttribute& a : mesh.attributes) write_attribute(file, a, split, count, ctx);
+    for (const VertexAttribute& a : mesh.attributes)
+        write_attribute(file, a, split, mesh.positions.size(), ctx);
     write_triangles(file, mesh, {0.7f, 1}, ctx);
     if (material) material->write(file);
 }
