@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "coppice/base/compressed_rows.h"
 #include "coppice/base/id.h"
 #include "coppice/pipeline/texture/tube_unroll_internal.h"
 
@@ -21,26 +22,16 @@ constexpr float kMinCosine = 0.7f;
 
 // Corners at each vertex.
 struct VertexCorners {
-    std::vector<std::uint32_t> first, corners, face;  // per vertex, the corners, the face of each corner
+    CompressedRows<std::uint32_t> at;  // per vertex, the corners
+    std::vector<std::uint32_t> face;   // per corner
 
-    explicit VertexCorners(const AtlasFaces& faces)
-        : first(faces.vertex_count() + 1, 0), corners(faces.corner_count()), face(faces.corner_count()) {
+    explicit VertexCorners(const AtlasFaces& faces) : face(faces.corner_count()) {
+        std::vector<std::uint32_t> vertex(faces.corner_count());
         for (std::uint32_t f = 0; f < faces.size(); ++f) {
-            for (const std::uint32_t v : faces.vertices(f)) ++first[v + 1];
+            std::ranges::copy(faces.vertices(f), faces.values(std::span(vertex), f).begin());
+            std::ranges::fill(faces.values(std::span(face), f), f);
         }
-        for (std::size_t v = 1; v < first.size(); ++v) first[v] += first[v - 1];
-        std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
-        for (std::uint32_t f = 0; f < faces.size(); ++f) {
-            for (std::size_t k = 0; k < faces.vertices(f).size(); ++k) {
-                const auto corner = static_cast<std::uint32_t>(faces.corners(f).begin + k);
-                corners[next[faces.vertices(f)[k]]++] = corner;
-                face[corner] = f;
-            }
-        }
-    }
-
-    std::span<const std::uint32_t> at(std::size_t vertex) const {
-        return std::span(corners).subspan(first[vertex], first[vertex + 1] - first[vertex]);
+        at = group_by(vertex, faces.vertex_count());
     }
 };
 
@@ -55,8 +46,8 @@ bool are_equal(TexturePoint a, TexturePoint b) {
 std::vector<std::uint32_t> weld_corners(const VertexCorners& at, std::span<const TexturePoint> bark,
                                         const Context& ctx) {
     std::vector<std::uint32_t> out(bark.size());
-    parallel_for(ctx, at.first.size() - 1, kVertexGrain, [&](std::size_t v) {
-        const auto corners = at.at(v);
+    parallel_for(ctx, at.at.size(), kVertexGrain, [&](std::size_t v) {
+        const auto corners = at.at[v];
         for (std::size_t i = 0; i < corners.size(); ++i) {
             out[corners[i]] = corners[i];
             for (std::size_t j = 0; j < i; ++j) {
@@ -122,7 +113,7 @@ class ProjectedCharts {
         wanted_[seed] = 0;
         for (std::size_t i = 0; i < chart.size(); ++i) {
             for (const std::uint32_t v : faces_.vertices(chart[i])) {
-                for (const std::uint32_t corner : at_.at(v)) {
+                for (const std::uint32_t corner : at_.at[v]) {
                     const std::uint32_t f = at_.face[corner];
                     if (wanted_[f] == 0) continue;
                     const Vec3 other = normalized(doubled_area_normal(faces_, f), -normal);
