@@ -4,9 +4,11 @@
 
 #include "coppice/io_mesh/material.h"
 #include "coppice/render/contact_sheet.h"
-#include "coppice/render/height_png.h"
 #include "coppice/render/picture.h"
+#include "coppice/render/png.h"
+#include "coppice/render/png_reader.h"
 #include "coppice/render/render.h"
+#include "coppice/scene/bark_images.h"
 #include "coppice/system/file.h"
 #include "files.h"
 #include "options.h"
@@ -48,7 +50,7 @@ RenderMaterial load_material(Run& run, const std::filesystem::path& prefix) {
 }
 
 std::filesystem::path height_file(const std::filesystem::path& prefix) {
-    return prefix.string() + "_height.png";
+    return make_bark_file_name(prefix.string(), "height");
 }
 
 std::optional<TileSize> load_tile_size(const std::filesystem::path& image) {

@@ -8,7 +8,7 @@
 #include "coppice/mesh/height_texture.h"
 #include "coppice/render/image.h"
 #include "coppice/render/material.h"
-#include "coppice/render/png.h"
+#include "coppice/render/png_reader.h"
 #include "coppice/skeleton/skeleton.h"
 #include "run.h"
 

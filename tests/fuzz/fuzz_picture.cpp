@@ -7,9 +7,8 @@
 #include <string_view>
 
 #include "coppice/base/error.h"
-#include "coppice/render/height_png.h"
 #include "coppice/render/picture.h"
-#include "coppice/render/png.h"
+#include "coppice/render/png_reader.h"
 
 namespace {
 

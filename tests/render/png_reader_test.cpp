@@ -1,4 +1,4 @@
-#include "coppice/render/height_png.h"
+#include "coppice/render/png_reader.h"
 
 #include <gtest/gtest.h>
 

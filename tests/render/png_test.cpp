@@ -1,4 +1,5 @@
 #include "coppice/render/png.h"
+#include "coppice/render/png_reader.h"
 
 #include <gtest/gtest.h>
 #include <png.h>

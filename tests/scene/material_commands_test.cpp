@@ -4,8 +4,8 @@
 #include <string>
 
 #include "coppice/io_mesh/reader.h"
-#include "coppice/render/height_png.h"
 #include "coppice/render/picture.h"
+#include "coppice/render/png_reader.h"
 #include "coppice/scene/save.h"
 #include "coppice/scene/scene.h"
 #include "coppice/system/file.h"

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <csetjmp>
 #include <new>
 
@@ -71,39 +70,6 @@ bool write_map(png_structp png, png_infop info, const PngMap& map, Calibration& 
     return true;
 }
 
-/// A chunk of a PNG file.
-struct Chunk {
-    std::string_view type, data;
-};
-
-std::uint32_t read_big_endian(std::string_view bytes) {
-    std::uint32_t out = 0;
-    for (const char c : bytes.substr(0, 4)) out = out << 8 | static_cast<unsigned char>(c);
-    return out;
-}
-
-/// Takes the first chunk off the bytes; nullopt if they end too early.
-std::optional<Chunk> take_chunk(std::string_view& bytes) {
-    constexpr std::size_t kBefore = 8, kAfter = 4;  // length and type; check sum
-    if (bytes.size() < kBefore + kAfter) return std::nullopt;
-    const std::size_t size = read_big_endian(bytes);
-    if (size > bytes.size() - kBefore - kAfter) return std::nullopt;
-    const Chunk out{bytes.substr(4, 4), bytes.substr(kBefore, size)};
-    bytes.remove_prefix(kBefore + size + kAfter);
-    return out;
-}
-
-/// Returns a positive number [m] of pixels of the given extent; nullopt for other text.
-std::optional<float> read_extent(std::string_view text, std::uint32_t pixels) {
-    constexpr double kMin = 1e-3, kMax = 1e3;  // [m]
-    double pixel = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), pixel);
-    if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-    const double extent = pixel * pixels;
-    if (!(extent >= kMin && extent <= kMax)) return std::nullopt;
-    return static_cast<float>(extent);
-}
-
 void check(const PngMap& map) {
     const bool sound = map.width > 0 && map.height > 0 && (map.channels == 1 || map.channels == 3) &&
                        (map.bits == 8 || map.bits == 16);
@@ -154,27 +120,6 @@ std::string encode_png(const PngMap& map) {
     png_destroy_write_struct(&png, &info);
     if (!written) throw std::bad_alloc();
     return out;
-}
-
-std::optional<TileSize> read_tile_size(std::string_view png) {
-    constexpr std::string_view kSignature("\x89PNG\r\n\x1a\n", 8);
-    if (!png.starts_with(kSignature)) return std::nullopt;
-    png.remove_prefix(kSignature.size());
-    std::uint32_t columns = 0, rows = 0;
-    while (const auto chunk = take_chunk(png)) {
-        const std::string_view data = chunk->data;
-        if (chunk->type == "IDAT") break;
-        if (chunk->type == "IHDR" && data.size() >= 8) {
-            columns = read_big_endian(data);
-            rows = read_big_endian(data.substr(4));
-        }
-        const std::size_t middle = data.find('\0');
-        if (chunk->type != "sCAL" || middle == std::string_view::npos || data[0] != PNG_SCALE_METER) continue;
-        const auto width = read_extent(data.substr(1, middle - 1), columns);
-        const auto height = read_extent(data.substr(middle + 1), rows);
-        if (width && height) return TileSize{*width, *height};
-    }
-    return std::nullopt;
 }
 
 bool is_png_name(const std::filesystem::path& path) {

@@ -2,10 +2,8 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 
 #include "coppice/render/image.h"
 
@@ -34,16 +32,6 @@ struct PngMap {
 /// give equal bytes. Cost: about 20 ns of CPU time per byte of samples. Throws InvalidInput if the map has no
 /// pixels, or another number of channels, bits or bytes.
 std::string encode_png(const PngMap& map);
-
-/// Extent of an image on a surface.
-struct TileSize {
-    float width = 0;   ///< [m]
-    float height = 0;  ///< [m]
-};
-
-/// Returns the extent of the subject of a PNG file, by its sCAL chunk in metres; nullopt if the file has none
-/// with extents between 1 mm and 1 km, or is not a PNG file.
-std::optional<TileSize> read_tile_size(std::string_view png);
 
 /// Returns whether the name ends in .png or .PNG.
 bool is_png_name(const std::filesystem::path& path);

@@ -1,4 +1,4 @@
-#include "coppice/render/height_png.h"
+#include "coppice/render/png_reader.h"
 
 #include <fmt/format.h>
 #include <png.h>
@@ -19,11 +19,25 @@ namespace {
 constexpr std::uint64_t kMaxHeights = std::uint64_t{1} << 26;
 constexpr double kMaxHeightScale = 1e3;  // [m]
 
+/// Returns 0 for other text than a number.
+double to_number(std::string_view text) {
+    double out = 0;
+    std::from_chars(text.data(), text.data() + text.size(), out);
+    return out;
+}
+
+/// Returns the extent [m] of pixels of the given extent; 0 if it is out of range.
+float to_extent(std::string_view pixel, std::uint32_t pixels) {
+    constexpr double kMin = 1e-3, kMax = 1e3;  // [m]
+    const double extent = to_number(pixel) * pixels;
+    return extent >= kMin && extent <= kMax ? static_cast<float>(extent) : 0.0f;
+}
+
 /// Reads the header, then the samples. The library reports an error by a jump: no object with a destructor is
 /// created in between.
-class HeightReader {
+class PngReader {
   public:
-    explicit HeightReader(std::string_view bytes) : bytes_(bytes) {
+    explicit PngReader(std::string_view bytes) : bytes_(bytes) {
         png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, this, fail, ignore);
         if (png_ != nullptr) info_ = png_create_info_struct(png_);
         if (info_ == nullptr) {
@@ -32,9 +46,9 @@ class HeightReader {
         }
         png_set_read_fn(png_, this, take);
     }
-    ~HeightReader() { png_destroy_read_struct(&png_, &info_, nullptr); }
-    HeightReader(const HeightReader&) = delete;
-    HeightReader& operator=(const HeightReader&) = delete;
+    ~PngReader() { png_destroy_read_struct(&png_, &info_, nullptr); }
+    PngReader(const PngReader&) = delete;
+    PngReader& operator=(const PngReader&) = delete;
 
     bool read_header() {
         if (setjmp(png_jmpbuf(png_)) != 0) return false;
@@ -68,23 +82,31 @@ class HeightReader {
             return 0;
         if (equation != PNG_EQUATION_LINEAR || count != 2 || std::string_view(units) != "m" || first == last)
             return 0;
-        double slope = 0;
-        const char* const end = parameters[1] + std::strlen(parameters[1]);
-        if (std::from_chars(parameters[1], end, slope).ec != std::errc()) return 0;
-        const double scale = slope * 65535 / (static_cast<double>(last) - static_cast<double>(first));
+        const double range = static_cast<double>(last) - static_cast<double>(first);
+        const double scale = to_number(parameters[1]) * 65535 / range;
         return scale > 0 && scale <= kMaxHeightScale ? static_cast<float>(scale) : 0.0f;
+    }
+    /// Returns nullopt if there is no valid extent in metres.
+    std::optional<TileSize> tile_size() const {
+        int unit = 0;
+        char *pixel_width = nullptr, *pixel_height = nullptr;
+        if (png_get_sCAL_s(png_, info_, &unit, &pixel_width, &pixel_height) == 0) return std::nullopt;
+        if (unit != PNG_SCALE_METER) return std::nullopt;
+        const TileSize out{to_extent(pixel_width, width()), to_extent(pixel_height, height())};
+        if (out.width == 0 || out.height == 0) return std::nullopt;
+        return out;
     }
     const char* message() const { return message_; }
 
   private:
     [[noreturn]] static void fail(png_structp png, png_const_charp message) {
-        auto* reader = static_cast<HeightReader*>(png_get_error_ptr(png));
+        auto* reader = static_cast<PngReader*>(png_get_error_ptr(png));
         std::strncpy(reader->message_, message, sizeof reader->message_ - 1);
         png_longjmp(png, 1);
     }
     static void ignore(png_structp, png_const_charp) {}
     static void take(png_structp png, png_bytep out, std::size_t size) {
-        auto* reader = static_cast<HeightReader*>(png_get_io_ptr(png));
+        auto* reader = static_cast<PngReader*>(png_get_io_ptr(png));
         if (size > reader->bytes_.size()) png_error(png, "the file ends too early");
         std::memcpy(out, reader->bytes_.data(), size);
         reader->bytes_.remove_prefix(size);
@@ -96,11 +118,13 @@ class HeightReader {
     char message_[128] = "";
 };
 
+bool is_png(std::string_view bytes) { return bytes.starts_with("\x89PNG"); }
+
 }  // namespace
 
 HeightTexture decode_height_png(std::string_view bytes, const std::string& name) {
-    if (!bytes.starts_with("\x89PNG")) throw InvalidInput(name + ": this is not a PNG image");
-    HeightReader reader(bytes);
+    if (!is_png(bytes)) throw InvalidInput(name + ": this is not a PNG image");
+    PngReader reader(bytes);
     const auto damaged = [&] {
         return InvalidInput(fmt::format("{}: this PNG is damaged: {}", name, reader.message()));
     };
@@ -117,6 +141,13 @@ HeightTexture decode_height_png(std::string_view bytes, const std::string& name)
     out.heights.resize(pixels);
     if (!reader.read_samples(out.heights.data())) throw damaged();
     return out;
+}
+
+std::optional<TileSize> read_tile_size(std::string_view bytes) {
+    if (!is_png(bytes)) return std::nullopt;
+    PngReader reader(bytes);
+    reader.read_header();  // chunks before a damaged one are valid
+    return reader.tile_size();
 }
 
 }  // namespace coppice

@@ -5,7 +5,7 @@
 #include <array>
 
 #include "coppice/io_mesh/format.h"
-#include "coppice/render/height_png.h"
+#include "coppice/render/png_reader.h"
 #include "coppice/scene/bark_images.h"
 #include "coppice/system/file.h"
 

@@ -8,7 +8,7 @@
 #include "coppice/base/context.h"
 #include "coppice/io_mesh/material.h"
 #include "coppice/mesh/height_texture.h"
-#include "coppice/render/png.h"
+#include "coppice/render/png_reader.h"
 #include "coppice/system/folder_sandbox.h"
 #include "coppice/texture/bark.h"
 
