@@ -27,14 +27,15 @@ std::vector<BarkImage> encode_bark(const BarkMaps& maps, const Context& ctx) {
                          .tile_width = maps.tile_width,
                          .tile_height = maps.tile_height}};
     };
-    std::vector<NamedMap> all{named("color", 3, 8, std::as_bytes(std::span(maps.color))),
-                              named("normal", 3, 8, std::as_bytes(std::span(maps.normal))),
-                              named("height", 1, 16, std::as_bytes(std::span(maps.heights))),
-                              named("orm", 3, 8, std::as_bytes(std::span(packed))),
-                              named("roughness", 1, 8, std::as_bytes(std::span(maps.roughness))),
-                              named("occlusion", 1, 8, std::as_bytes(std::span(maps.occlusion)))};
-    all[2].map.low = maps.low;
-    all[2].map.high = maps.high;
+    NamedMap heights = named("height", 1, 16, std::as_bytes(std::span(maps.heights)));
+    heights.map.low = maps.low;
+    heights.map.high = maps.high;
+    const std::vector<NamedMap> all{named("color", 3, 8, std::as_bytes(std::span(maps.color))),
+                                    named("normal", 3, 8, std::as_bytes(std::span(maps.normal))),
+                                    heights,
+                                    named("orm", 3, 8, std::as_bytes(std::span(packed))),
+                                    named("roughness", 1, 8, std::as_bytes(std::span(maps.roughness))),
+                                    named("occlusion", 1, 8, std::as_bytes(std::span(maps.occlusion)))};
     std::vector<BarkImage> out(all.size());
     parallel_for(ctx, all.size(), 1, [&](std::size_t i) { out[i] = {all[i].name, encode_png(all[i].map)}; });
     return out;

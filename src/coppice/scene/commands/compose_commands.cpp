@@ -19,9 +19,7 @@ constexpr double kBytesOfComposedNode = 300;  // including its segment and the r
 constexpr double kBytesOfLibraryNode = 60;    // including its precomputed sizes
 
 SceneCommand in_group(std::string name, std::string help, std::string example) {
-    SceneCommand c{.name = std::move(name), .group = "Composing trees", .help = std::move(help)};
-    c.example = std::move(example);
-    return c;
+    return new_command(std::move(name), "Composing trees", std::move(help), std::move(example));
 }
 
 /// Returns the memory of all branches of a tree: a node is contained in each branch that begins below it.

@@ -25,8 +25,7 @@ constexpr double kBytesOfCurvePoint = 600;
 float as_float(double v) { return static_cast<float>(v); }
 
 SceneCommand in_group(ObjectKind makes, std::string name, std::string help, std::string example) {
-    SceneCommand c{.name = std::move(name), .group = std::string(kGroup), .help = std::move(help)};
-    c.example = std::move(example);
+    SceneCommand c = new_command(std::move(name), std::string(kGroup), std::move(help), std::move(example));
     c.makes = makes;
     return c;
 }

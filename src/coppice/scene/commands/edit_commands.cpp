@@ -80,8 +80,8 @@ Argument metres(std::string name, std::string initial, std::string help) {
 
 SceneCommand in_group(std::string name, std::string help, std::string example,
                       std::vector<Argument> arguments) {
-    SceneCommand c{.name = "edit " + std::move(name), .group = "Editing trees", .help = std::move(help)};
-    c.example = std::move(example);
+    SceneCommand c =
+        new_command("edit " + std::move(name), "Editing trees", std::move(help), std::move(example));
     c.arguments.push_back(object("tree", ObjectKind::skeleton, "Tree to edit."));
     std::ranges::move(arguments, std::back_inserter(c.arguments));
     return c;

@@ -10,9 +10,7 @@ namespace {
 using namespace table;
 
 SceneCommand in_group(std::string name, std::string help, std::string example) {
-    SceneCommand c{.name = std::move(name), .group = "Materials"};
-    c.help = std::move(help);
-    c.example = std::move(example);
+    SceneCommand c = new_command(std::move(name), "Materials", std::move(help), std::move(example));
     c.makes = ObjectKind::material;
     return c;
 }

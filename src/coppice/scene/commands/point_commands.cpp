@@ -24,8 +24,7 @@ constexpr std::array<std::string_view, 4> kKernelShorthands{"distance", "spacing
                                                             "cluster_gain"};
 
 SceneCommand in_group(const std::string& name, std::string help, std::string example) {
-    SceneCommand c{.name = "pointset " + name, .group = "Points", .help = std::move(help)};
-    c.example = std::move(example);
+    SceneCommand c = new_command("pointset " + name, "Points", std::move(help), std::move(example));
     c.makes = ObjectKind::points;
     return c;
 }

@@ -15,8 +15,7 @@ constexpr double kFar = 1e6;  // [m] maximum coordinate
 SceneCommand primitive(std::string name, std::string help, std::string example,
                        std::vector<Argument> skeleton, float radius,
                        std::function<Solid(const SceneCall&, const PrimitiveOptions&)> make) {
-    SceneCommand c{.name = std::move(name), .group = "Primitives", .help = std::move(help)};
-    c.example = std::move(example);
+    SceneCommand c = new_command(std::move(name), "Primitives", std::move(help), std::move(example));
     c.makes = ObjectKind::solid;
     c.arguments.push_back(new_name("name", "Name of the new solid."));
     std::ranges::move(skeleton, std::back_inserter(c.arguments));

@@ -18,9 +18,8 @@ namespace {
 using namespace table;
 
 SceneCommand in_group(std::string name, std::string help, std::string example) {
-    SceneCommand c{.name = std::move(name), .group = "Looking, saving and taking back"};
-    c.help = std::move(help);
-    c.example = std::move(example);
+    SceneCommand c =
+        new_command(std::move(name), "Looking, saving and taking back", std::move(help), std::move(example));
     c.records = false;
     return c;
 }

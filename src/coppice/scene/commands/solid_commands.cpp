@@ -20,8 +20,7 @@ float as_float(double v) { return static_cast<float>(v); }
 /// Returns a command that replaces a solid by a changed one; solids made from the old one are unchanged.
 SceneCommand change(std::string name, std::string help, std::string example, std::vector<Argument> arguments,
                     std::function<Solid(const SceneCall&, const Solid&)> make) {
-    SceneCommand c{.name = std::move(name), .group = "Moving and bending", .help = std::move(help)};
-    c.example = std::move(example);
+    SceneCommand c = new_command(std::move(name), "Moving and bending", std::move(help), std::move(example));
     c.makes = kSolid;
     c.arguments.push_back(object("solid", kSolid, "Object to change."));
     std::ranges::move(arguments, std::back_inserter(c.arguments));
@@ -63,9 +62,8 @@ Vec3d vector(const SceneCall& call, std::string_view argument) {
 SceneCommand combination(std::string name, std::vector<std::string> aliases, std::string help,
                          std::string example, std::vector<Argument> options,
                          std::function<Solid(const SceneCall&, std::span<const Solid>)> make) {
-    SceneCommand c{.name = std::move(name), .aliases = std::move(aliases), .group = "Combining"};
-    c.help = std::move(help);
-    c.example = std::move(example);
+    SceneCommand c = new_command(std::move(name), "Combining", std::move(help), std::move(example));
+    c.aliases = std::move(aliases);
     c.makes = kSolid;
     c.arguments = {object("parts", kSolid, "At least two solids.", true),
                    new_name("result", "Name of the new solid, the last word.")};

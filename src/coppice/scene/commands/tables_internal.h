@@ -24,6 +24,12 @@ SceneCommand sketch_command();   ///< used by tree_commands
 
 namespace table {
 
+inline SceneCommand new_command(std::string name, std::string group, std::string help, std::string example) {
+    SceneCommand c{.name = std::move(name), .group = std::move(group), .help = std::move(help)};
+    c.example = std::move(example);
+    return c;
+}
+
 inline Argument new_name(std::string name, std::string help, std::string initial = {}) {
     Argument a{.name = std::move(name), .help = std::move(help), .type = ArgumentType::new_name};
     a.positional = true;

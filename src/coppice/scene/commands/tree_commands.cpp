@@ -25,8 +25,7 @@ namespace {
 using namespace table;
 
 SceneCommand in_group(std::string name, std::string help, std::string example) {
-    SceneCommand c{.name = std::move(name), .group = "Trees", .help = std::move(help)};
-    c.example = std::move(example);
+    SceneCommand c = new_command(std::move(name), "Trees", std::move(help), std::move(example));
     c.makes = ObjectKind::skeleton;
     return c;
 }
