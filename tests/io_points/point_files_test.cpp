@@ -131,16 +131,17 @@ TEST_F(PointFiles, LasPreservesTheCoordinateSystem) {
 }
 
 TEST_F(PointFiles, ReadsColoursOfBytesOnly) {
-    const auto read = [&](const char* type) {
+    const auto read = [&](const char* type, const char* color = "7 8 9") {
         AtomicFile file(folder_ / "a.ply");
         file.write(std::string("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float "
                                "y\nproperty float z\nproperty list uchar float distance\nproperty ") +
                    type + " red\nproperty " + type + " green\nproperty " + type +
-                   " blue\nend_header\n1 2 3 1 5 7 8 9\n");
+                   " blue\nend_header\n1 2 3 1 5 " + color + "\n");
         file.commit();
         return read_point_cloud(folder_ / "a.ply");
     };
     EXPECT_EQ(read("uchar").colors, (std::vector<Rgb>{{7, 8, 9}}));
+    EXPECT_EQ(read("uchar", "2955 -1 9").colors, (std::vector<Rgb>{{0, 0, 9}}));
     EXPECT_TRUE(read("float").colors.empty());
     EXPECT_TRUE(read("uchar").distances.empty());  // a list is not a number
 }

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -63,6 +64,11 @@ TEST_F(Colmap, ReportsErrors) {
     write(folder_ / "images.txt", "1 1 0 0 0 0 0 0 9 a.jpg\n\n");
     EXPECT_EQ(error_of([&] { read_colmap_view(folder_, "a.jpg"); }),
               path + "/cameras.txt: there is no camera 9, which took 'a.jpg'");
+    for (const char* const size : {"1e30 600", "800 nan", "0 600"}) {
+        write(folder_ / "cameras.txt", fmt::format("9 PINHOLE {} 700 700 400 300\n", size));
+        EXPECT_EQ(error_of([&] { read_colmap_view(folder_, "a.jpg"); }),
+                  path + "/cameras.txt:1: the width and height of a camera must be whole numbers of pixels");
+    }
     EXPECT_NE(error_of<IoError>([&] { read_colmap_view(folder_ / "gone", "a.jpg"); }), "no error");
 }
 

@@ -130,9 +130,7 @@ FoundPoints read_vertices(PlyRows& rows, const PlyElement& element, const std::s
         if (columns.tree_id) known.tree_ids.push_back(to_tree_id(row.scalar(*columns.tree_id)));
         rays.add(row);
         if (!columns.color) continue;
-        const auto byte = [&](std::size_t k) {
-            return static_cast<std::uint8_t>(row.scalar((*columns.color)[k]));
-        };
+        const auto byte = [&](std::size_t k) { return to_byte(row.scalar((*columns.color)[k])); };
         known.colors.push_back({byte(0), byte(1), byte(2)});
     }
     rays.finish(found, source);

@@ -45,7 +45,7 @@ bool fits_points(Vec3d p);
 
 /// Returns the colour of three numbers from 0 to 255; nullopt if one is out of range.
 std::optional<Rgb> to_color(double red, double green, double blue);
-/// Returns a class or return number; 0 if it is out of [0, 255].
+/// Returns a class, return number or part of a colour; 0 if it is out of [0, 255].
 std::uint8_t to_byte(double number);
 /// Returns a tree id; 0 (no tree) if it is not an integer from 1 to 2^32 - 1.
 std::uint32_t to_tree_id(double number);

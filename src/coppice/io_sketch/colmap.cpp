@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -21,6 +22,13 @@ double number_at(const Words& words, std::size_t i, const std::string& source, c
     fail_at(
         source, lines.number(),
         i < words.size() ? fmt::format("{} is not a number", in_quotes(words[i])) : "a number is missing");
+}
+
+int pixels_at(const Words& words, std::size_t i, const std::string& source, const LineReader& lines) {
+    constexpr std::int64_t kMaxPixels = 1'000'000;
+    const auto number = i < words.size() ? parse_integer(words[i]) : std::nullopt;
+    if (number && *number >= 1 && *number <= kMaxPixels) return static_cast<int>(*number);
+    fail_at(source, lines.number(), "the width and height of a camera must be whole numbers of pixels");
 }
 
 /// Indices of the parameters of a camera model; -1: not in the model.
@@ -53,8 +61,8 @@ void read_camera(const Words& words, const std::string& source, const LineReader
             throw Unsupported(
                 fmt::format("{}:{}: k4, k5 and k6 of FULL_OPENCV are not read", source, lines.number()));
     }
-    view.width = static_cast<int>(number_at(words, 2, source, lines));
-    view.height = static_cast<int>(number_at(words, 3, source, lines));
+    view.width = pixels_at(words, 2, source, lines);
+    view.height = pixels_at(words, 3, source, lines);
     view.k = {{{at(model->fx), 0, at(model->cx)}, {0, at(model->fy), at(model->cy)}, {0, 0, 1}}};
     view.distortion = {at(model->k1), at(model->k2), at(model->p1), at(model->p2), at(model->k3)};
 }
