@@ -49,6 +49,16 @@ TEST(CheckSurface, ReportsMissingVolume) {
     EXPECT_EQ(r.axes->missing, 0u);
 }
 
+TEST(CheckSurface, CountsTheHandlesOfTheSurfaceAndOfTheSkeleton) {
+    const Skeleton s = pole();
+    EXPECT_EQ(check_surface(capsule(16, 4, 0.5f, 0, 10), &s).handles, (HandlesReport{0, 0}));
+    const PolygonMesh ring = torus(32, 16, 0.2f, 1);
+    EXPECT_EQ(check_surface(ring, &s).handles, (HandlesReport{1, 0}));
+    EXPECT_EQ(check_surface(both(ring, capsule(16, 4, 0.1f, 5, 9)), &s).handles, (HandlesReport{1, 0}));
+    EXPECT_FALSE(check_surface(tube(8, 2, 1, 1), &s).handles);  // open
+    EXPECT_FALSE(check_surface(ring, nullptr).handles);
+}
+
 TEST(CheckSurface, OmitsUnrequestedParts) {
     const SurfaceReport r = check_surface(cube(), nullptr, {.intersections = false});
     EXPECT_FALSE(r.intersections || r.radius || r.axes || r.volume);

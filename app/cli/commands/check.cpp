@@ -74,6 +74,12 @@ std::string wrong_volume(const VolumeReport& volume, const CheckFlags& flags) {
                        volume.lumps.front().node.index());
 }
 
+std::string additional_handles(const HandlesReport& handles, const CheckFlags& flags) {
+    return fmt::format("'{}' has {} handle{}, the branches of '{}' make {}", flags.mesh.string(),
+                       grouped(handles.surface), handles.surface == 1 ? "" : "s", flags.skeleton.string(),
+                       grouped(handles.cones));
+}
+
 /// Returns one sentence for each defect. If most segments are missing, no other defect of the skeleton is
 /// reported.
 std::vector<std::string> all_faults(const SurfaceReport& report, const CheckFlags& flags) {
@@ -91,6 +97,8 @@ std::vector<std::string> all_faults(const SurfaceReport& report, const CheckFlag
     }
     if (!report.is_whole()) out.push_back(torn_off(*report.parts, flags));
     for (std::string& fault : find_faults(*report.axes)) out.push_back(std::move(fault));
+    if (report.handles && report.handles->surface > report.handles->cones)
+        out.push_back(additional_handles(*report.handles, flags));
     if (!report.holds_volume()) out.push_back(wrong_volume(*report.volume, flags));
     return out;
 }

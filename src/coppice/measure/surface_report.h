@@ -11,6 +11,7 @@
 #include "coppice/measure/radius.h"
 #include "coppice/measure/smoothness.h"
 #include "coppice/measure/tree_parts.h"
+#include "coppice/measure/union_handles.h"
 #include "coppice/measure/volume_report.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/mesh/shape.h"
@@ -42,7 +43,9 @@ struct SurfaceReport {
     std::optional<EdgeFlowReport> edge_flow;        ///< nullopt without a skeleton
     std::optional<AxesReport> axes;                 ///< nullopt without a skeleton
     std::optional<TreePartsReport> parts;           ///< nullopt without a skeleton
-    std::optional<VolumeReport> volume;             ///< nullopt without a skeleton
+    std::optional<HandlesReport>
+        handles;                         ///< nullopt without a skeleton, or if the surface is not watertight
+    std::optional<VolumeReport> volume;  ///< nullopt without a skeleton
 
     bool watertight() const { return topology.watertight(); }  ///< closed, manifold and oriented
     /// Returns whether faces intersect; false if that was not examined.
@@ -141,6 +144,7 @@ void visit_figures(const SurfaceReport& r, Visitor&& visit) {
         visit("parts_loose", r.parts->loose);
         visit_numbered("loose_part_", r.parts->largest, visit);
     }
+    if (r.handles) visit("handles", *r.handles);
     if (r.volume) {
         visit("volume", *r.volume);
         visit_numbered("missing_lump_", r.volume->lumps, visit);
