@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "coppice/measure/cone_union.h"
@@ -12,7 +13,7 @@
 namespace coppice {
 namespace {
 
-std::int64_t count(const Skeleton& s) {
+std::optional<std::int64_t> count(const Skeleton& s) {
     const ConeUnion solid(s, s.origin(), EndShape::flat, EndShape::round);
     return count_union_handles(solid.capsules(), s);
 }
@@ -43,6 +44,15 @@ std::vector<Vec3> arc(int count, double angle) {
         out.emplace_back(static_cast<float>(std::cos(a)), static_cast<float>(std::sin(a)), 0.0f);
     }
     return out;
+}
+
+TEST(CountUnionHandles, OfManyConesInOnePlaceAreNotCounted) {
+    Chains chains;
+    for (int i = 0; i < 2000; ++i) {
+        const auto x = static_cast<float>(1e-4 * i);
+        chains.add({{x, 0, 0}, {x, 0, 1}}, 1);
+    }
+    EXPECT_EQ(count(chains.skeleton()), std::nullopt);
 }
 
 TEST(CountUnionHandles, OfTreesWithoutOverlapsIsZero) {

@@ -31,8 +31,8 @@ void check_tree(const PolygonMesh& mesh, const Skeleton* skeleton, const Capsule
     ctx.report(0.75f);
     if (report.watertight()) {
         const auto parts = static_cast<std::int64_t>(report.topology.components);
-        report.handles = {parts - report.topology.euler / 2,
-                          count_union_handles(solid.capsules(), *skeleton, ctx)};
+        if (const auto cones = count_union_handles(solid.capsules(), *skeleton, ctx))
+            report.handles = {parts - report.topology.euler / 2, *cones};
     }
     report.volume = volume_report(surface, report.shape.signed_volume, *skeleton, solid, axes.is_deep,
                                   narrow_progress(ctx, 0.75f, 0.9f));

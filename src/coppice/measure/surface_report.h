@@ -43,8 +43,8 @@ struct SurfaceReport {
     std::optional<EdgeFlowReport> edge_flow;        ///< nullopt without a skeleton
     std::optional<AxesReport> axes;                 ///< nullopt without a skeleton
     std::optional<TreePartsReport> parts;           ///< nullopt without a skeleton
-    std::optional<HandlesReport>
-        handles;                         ///< nullopt without a skeleton, or if the surface is not watertight
+    /// nullopt without a skeleton, if the surface is not watertight, or if too many branches overlap
+    std::optional<HandlesReport> handles;
     std::optional<VolumeReport> volume;  ///< nullopt without a skeleton
 
     bool watertight() const { return topology.watertight(); }  ///< closed, manifold and oriented

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -18,6 +19,8 @@ namespace coppice {
 namespace {
 
 constexpr std::size_t kPairGrain = 64;
+constexpr std::size_t kMaxNeighbors = 100;  // mean number of boxes that overlap the box of a cone
+constexpr std::size_t kMinNeighbors = 100'000;  // number of overlaps that is always permitted
 constexpr double kSlack = 1e-3;  // [radii] distance at which cones are considered to have a common point
 
 /// The ball of a cone that is closest to a point p.
@@ -108,20 +111,25 @@ class Pairs {
             boxes[i] = compute_box(capsules.cone(static_cast<std::uint32_t>(i)));
         });
         const BoxTree tree(boxes, ctx);
+        const std::size_t most = std::max(kMinNeighbors, kMaxNeighbors * capsules.size());
+        std::atomic<std::size_t> neighbors = 0;
         std::vector<std::vector<std::uint32_t>> after(capsules.size());
         parallel_for(ctx, after.size(), kPairGrain, [&](std::size_t i) {
             const RoundCone& cone = capsules.cone(static_cast<std::uint32_t>(i));
             tree.visit_overlapping(boxes[i], [&](std::uint32_t j) {
                 if (j > i && overlap(cone, capsules.cone(j))) after[i].push_back(j);
+                return ++neighbors <= most;
             });
             std::ranges::sort(after[i]);
         });
+        is_crowded_ = neighbors > most;
         for (std::size_t i = 0; i < after.size(); ++i) {
             first_[i + 1] = first_[i] + after[i].size();
             second_.insert(second_.end(), after[i].begin(), after[i].end());
         }
     }
 
+    bool is_crowded() const { return is_crowded_; }  ///< the search was stopped: too many boxes overlap
     std::size_t size() const { return second_.size(); }
     std::size_t begin(std::uint32_t i) const { return first_[i]; }  ///< first pair of cone i with a later one
     std::size_t end(std::uint32_t i) const { return first_[i + 1]; }  ///< past the last of these
@@ -136,6 +144,7 @@ class Pairs {
     }
 
   private:
+    bool is_crowded_ = false;
     std::vector<std::size_t> first_;
     std::vector<std::uint32_t> second_;
 };
@@ -214,8 +223,9 @@ class Loops {
     }
 
     /// Returns the number of independent loops; of pairs of different trees, those that connect them count.
-    std::size_t count() {
+    std::size_t count(const Context& ctx) {
         for (std::uint32_t i = 0; i < capsules_.size(); ++i) {
+            ctx.throw_if_cancelled();
             for (std::size_t k = pairs_.begin(i); k < pairs_.end(i); ++k) {
                 if (is_open_[i] || is_open_[pairs_.second(k)]) relate_triples(i, k);
             }
@@ -307,11 +317,13 @@ std::size_t count_components(const CapsuleTree& capsules, const Pairs& pairs) {
 
 }  // namespace
 
-std::int64_t count_union_handles(const CapsuleTree& capsules, const Skeleton& skeleton, const Context& ctx) {
+std::optional<std::int64_t> count_union_handles(const CapsuleTree& capsules, const Skeleton& skeleton,
+                                                const Context& ctx) {
     const Pairs pairs(capsules, ctx);
+    if (pairs.is_crowded()) return std::nullopt;
     ctx.throw_if_cancelled();
     const Forest forest = make_forest(capsules, skeleton);
-    const std::size_t loops = Loops(capsules, pairs, forest).count();
+    const std::size_t loops = Loops(capsules, pairs, forest).count(ctx);
     const std::size_t joins = forest.trees - count_components(capsules, pairs);
     return static_cast<std::int64_t>(loops) - static_cast<std::int64_t>(joins);
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "coppice/base/context.h"
 #include "coppice/measure/capsule_tree.h"
@@ -23,9 +24,10 @@ struct HandlesReport {
 /// points, in which a cycle counts only if it is not the sum of triangles, the triples of cones with common
 /// points. Here a cone is the convex hull of its two balls. Common points of three cones are found by
 /// successive projections, to a thousandth of the radius; smaller gaps are ignored. O(pairs log pairs) where
-/// few pairs make loops, about a microsecond a pair.
-std::int64_t count_union_handles(const CapsuleTree& capsules, const Skeleton& skeleton,
-                                 const Context& ctx = {});
+/// few pairs make loops, about a microsecond a pair. Returns nullopt if the boxes of a cone overlap those of
+/// more than 100 others on average. Throws Cancelled.
+std::optional<std::int64_t> count_union_handles(const CapsuleTree& capsules, const Skeleton& skeleton,
+                                                const Context& ctx = {});
 
 /// Calls visit(name, value) for every member, in order.
 template <class Visitor>
